@@ -1,0 +1,36 @@
+# Everything runs in .venv, which `.ci/set-up` makes from requirements.lock and leaves alone when nothing changed.
+# Another Python: make demo PYTHON=python3.12.  More for pytest: make test PYTEST_ARGS="-k offset"
+
+PYTHON ?=
+PYTEST_ARGS ?=
+
+.DEFAULT_GOAL := help
+.PHONY: help demo test lint format lock clean set-up
+
+help:  ## this list
+	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  make %-8s %s\n", $$1, $$2 }' Makefile
+
+demo: set-up  ## the main job on embedded data: course built, sample hand-ins graded, a record identified
+	@.venv/bin/labsid demo
+
+test: set-up  ## all tests, on all cores
+	@.venv/bin/python -m pytest -n auto $(PYTEST_ARGS)
+
+lint: set-up  ## style, format and types
+	@.venv/bin/ruff check .
+	@.venv/bin/ruff format --check .
+	@.venv/bin/mypy
+
+format: set-up  ## rewrite the code in the project's format
+	@.venv/bin/ruff check --fix .
+	@.venv/bin/ruff format .
+
+set-up:  ## only make .venv
+	@PYTHON="$(PYTHON)" sh .ci/set-up
+
+lock:  ## resolve requirements.lock anew, with uv, to the newest versions that pyproject.toml allows
+	@PYTHON="$(PYTHON)" sh .ci/lock
+
+clean:  ## remove .venv, builds and caches
+	rm -rf .venv build dist *.egg-info .hypothesis .mypy_cache .pytest_cache .ruff_cache
+	find autograder labsid tests -name __pycache__ -type d -prune -exec rm -rf {} +

@@ -1,0 +1,73 @@
+"""Arrays at the public boundary: checked once, copied, and read-only inside frozen results."""
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+FloatArray = NDArray[np.float64]
+
+
+def frozen_array(values: ArrayLike) -> FloatArray:
+    """Copy `values` to a float array that cannot be written to."""
+    array = np.array(values, dtype=np.float64)
+    array.setflags(write=False)
+    return array
+
+
+def freeze(instance: object, **arrays: Any) -> None:
+    """Set fields of a frozen dataclass from its ``__post_init__``: copied, read-only float arrays."""
+    for name, values in arrays.items():
+        object.__setattr__(instance, name, frozen_array(values))
+
+
+def as_signal(name: str, values: ArrayLike, at_least: int = 1) -> FloatArray:
+    """Check that `values` is one finite signal and return it with shape (N,).
+
+    Parameters
+    ----------
+    name : str
+        What the caller calls it; the error says it.
+    values : array_like, shape (N,), (N, 1) or (1, N)
+        The samples, numbers only.
+    at_least : int
+        The fewest samples that the caller can work with.
+
+    Returns
+    -------
+    ndarray of float, shape (N,)
+
+    Raises
+    ------
+    ValueError
+        If it is not one signal, too short, or holds NaN or infinity.
+    """
+    try:
+        array = np.asarray(values, dtype=np.float64)
+    except (TypeError, ValueError):
+        raise ValueError(f"{name} must hold real numbers; got {type(values).__name__}.") from None
+    if array.ndim == 2 and 1 in array.shape:
+        array = array.reshape(-1)
+    if array.ndim != 1:
+        raise ValueError(f"{name} must be one signal of shape (N,) or (N, 1); got shape {array.shape}.")
+    if array.size < at_least:
+        raise ValueError(f"{name} must have at least {at_least} samples; got {array.size}.")
+    bad = np.flatnonzero(~np.isfinite(array))
+    if bad.size:
+        raise ValueError(
+            f"{name} must be finite; got {array[bad[0]]} at sample {bad[0]} ({bad.size} such samples). "
+            "Repair or cut the record there."
+        )
+    return array
+
+
+def as_signals(at_least: int = 1, **signals: ArrayLike) -> tuple[FloatArray, ...]:
+    """Check several signals that must have equal length; see `as_signal`."""
+    arrays = tuple(as_signal(name, values, at_least) for name, values in signals.items())
+    lengths = [array.size for array in arrays]
+    if len(set(lengths)) > 1:
+        raise ValueError(
+            f"{' and '.join(signals)} must have equal length; got {' and '.join(map(str, lengths))}. "
+            "Cut them to the same samples."
+        )
+    return arrays

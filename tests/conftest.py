@@ -1,0 +1,23 @@
+"""What every test may ask for: the shipped stand-in record and, where they are, the real records."""
+
+import os
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parent.parent
+
+
+@pytest.fixture(scope="session")
+def shipped_record_path() -> Path:
+    """The stand-in record in the lab's own layout, as it ships."""
+    return ROOT / "data" / "SysIdenData_StudentVersion.mat"
+
+
+@pytest.fixture(scope="session")
+def shared_data() -> Path:
+    """The folder of real records; tests that want one are skipped, saying so, where it is not there."""
+    folder = Path(os.environ.get("LABSID_REAL_RECORDS", ROOT.parent / "shared" / "data"))
+    if not folder.is_dir():
+        pytest.skip(f"the real records are not on this machine (looked in {folder})")
+    return folder

@@ -1,0 +1,321 @@
+"""The rules that keep the house in order: who may import whom, what a module may be, what lies where."""
+
+import ast
+import re
+import subprocess
+import sys
+from collections.abc import Iterator
+from dataclasses import dataclass
+from inspect import cleandoc
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parent.parent
+
+LONGEST_MODULE = 330
+LONGER_WITH_REASON: dict[str, str] = {}
+
+TOP_LEVEL = {
+    "notebooks",
+    "labsid",
+    "autograder",
+    "data",
+    "tests",
+    "README.md",
+    "LICENSE",
+    "pyproject.toml",
+    "requirements.lock",
+    "environment.yml",
+    "Makefile",
+}
+
+
+@dataclass(frozen=True)
+class Module:
+    """One source file: its dotted name, and whether it is the __init__ of a package."""
+
+    name: str
+    path: Path
+
+    @property
+    def package(self) -> str:
+        return self.name if self.path.name == "__init__.py" else self.name.rpartition(".")[0]
+
+    @property
+    def public(self) -> bool:
+        return not any(part.startswith("_") for part in self.name.split("."))
+
+    def tree(self) -> ast.Module:
+        return ast.parse(self.path.read_text(encoding="utf-8"), filename=str(self.path))
+
+
+def modules_of(folder: Path) -> list[Module]:
+    """The modules of the package in `folder`, its sub-packages included."""
+    paths = sorted(path for path in folder.rglob("*.py") if "__pycache__" not in path.parts)
+    names = [path.relative_to(folder.parent).with_suffix("").parts for path in paths]
+    return [
+        Module(".".join(parts[:-1] if parts[-1] == "__init__" else parts), path)
+        for parts, path in zip(names, paths, strict=True)
+    ]
+
+
+def imports_of(module: Module) -> Iterator[str]:
+    """The absolute dotted name of everything that `module` imports, wherever in it and however."""
+    for node in ast.walk(module.tree()):
+        if isinstance(node, ast.Import):
+            yield from (alias.name for alias in node.names)
+        elif isinstance(node, ast.ImportFrom):
+            outer = module.package.split(".")
+            base = ".".join(outer[: len(outer) - node.level + 1]) if node.level else ""
+            source = ".".join(filter(None, (base, node.module)))
+            yield source
+            yield from (f"{source}.{alias.name}" for alias in node.names)
+        elif isinstance(node, ast.Call) and node.args and isinstance(node.args[0], ast.Constant):
+            called = node.func.attr if isinstance(node.func, ast.Attribute) else getattr(node.func, "id", "")
+            if called in {"import_module", "__import__"} and isinstance(node.args[0].value, str):
+                yield node.args[0].value
+
+
+def broken(modules: list[Module], forbidden: str) -> list[str]:
+    """Imports by `modules` of what the pattern `forbidden` matches from its start, as `importer -> imported`."""
+    return sorted(
+        {
+            f"{module.name} -> {name}"
+            for module in modules
+            for name in imports_of(module)
+            if re.match(rf"(?:{forbidden})(?:\.|$)", name)
+        }
+    )
+
+
+@pytest.fixture(scope="module")
+def labsid() -> list[Module]:
+    modules = modules_of(ROOT / "labsid")
+    assert len(modules) > 20
+    return modules
+
+
+@pytest.fixture(scope="module")
+def autograder() -> list[Module]:
+    modules = modules_of(ROOT / "autograder")
+    assert len(modules) > 5
+    return modules
+
+
+@pytest.mark.parametrize(
+    ("statement", "imported"),
+    [
+        ("import autograder", "autograder"),
+        ("import os, autograder.judge as j", "autograder.judge"),
+        ("from autograder import judge", "autograder.judge"),
+        ("from . import noise", "pack.rig.noise"),
+        ("from .noise import white", "pack.rig.noise"),
+        ("from .. import gap", "pack.gap"),
+        ("from ..gap.screen import screen", "pack.gap.screen"),
+        ("def f():\n    from pack import gap", "pack.gap"),
+        ("if True:\n    import importlib\n    importlib.import_module('pack.gap')", "pack.gap"),
+        ("m = __import__('pack.gap')", "pack.gap"),
+    ],
+)
+def test_the_import_walker_sees(tmp_path: Path, statement: str, imported: str) -> None:
+    folder = tmp_path / "pack" / "rig"
+    folder.mkdir(parents=True)
+    (folder / "__init__.py").write_text(statement, encoding="utf-8")
+    (folder / "tank.py").write_text(statement, encoding="utf-8")
+    modules = modules_of(tmp_path / "pack")
+    assert [module.name for module in modules] == ["pack.rig", "pack.rig.tank"]
+    for module in modules:
+        assert imported in set(imports_of(module))
+    assert len(broken(modules, re.escape(imported))) >= 2
+    assert broken(modules, re.escape(imported) + "s") == []
+
+
+def test_labsid_imports_neither_the_grader_nor_jupyter(labsid: list[Module]) -> None:
+    assert broken(labsid, r"autograder|jupyter\w*|notebook|nb\w+|IPython|ipykernel|ipywidgets") == []
+
+
+def test_gap_and_rig_do_not_know_each_other(labsid: list[Module]) -> None:
+    """Or the diagnosis could read off the truth that the simulator put in."""
+    gap = [module for module in labsid if f"{module.name}.".startswith("labsid.gap.")]
+    rig = [module for module in labsid if f"{module.name}.".startswith("labsid.rig.")]
+    assert len(rig) > 3
+    assert broken(rig, r"labsid\.gap") == []
+    assert broken(gap, r"labsid\.rig") == []
+
+
+def test_only_plots_imports_matplotlib_and_never_its_global_state(labsid: list[Module]) -> None:
+    plots = [module for module in labsid if f"{module.name}.".startswith("labsid.plots.")]
+    assert broken(plots, "matplotlib") != []
+    assert broken([module for module in labsid if module not in plots], "matplotlib|pylab") == []
+    assert broken(plots, r"matplotlib\.(pyplot|rcParams|rc|use)|pylab") == []
+
+
+def test_help_needs_no_heavy_import() -> None:
+    program = (
+        "import sys\n"
+        "from labsid.cli import main\n"
+        "sys.argv = ['labsid', '--help']\n"
+        "try:\n"
+        "    main()\n"
+        "except SystemExit as stop:\n"
+        "    assert not stop.code, stop.code\n"
+        "print('loaded:', *sys.modules)\n"
+    )
+    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+    *shown, loaded = done.stdout.splitlines()
+    for command in ("identify", "check", "demo", "course"):
+        assert any(command in line for line in shown), f"{command} is not in the help"
+    heavy = {"numpy", "scipy", "control", "matplotlib", "numba", "rich", "jinja2", "nbgrader", "nbformat", "IPython"}
+    assert heavy & set(loaded.split()) == set()
+
+
+def test_modules_are_of_a_length_to_read(labsid: list[Module], autograder: list[Module]) -> None:
+    lengths = {
+        module.path.relative_to(ROOT).as_posix(): len(module.path.read_text(encoding="utf-8").splitlines())
+        for module in labsid + autograder
+    }
+    longer = {path: length for path, length in lengths.items() if length > LONGEST_MODULE}
+    assert {path: n for path, n in longer.items() if path not in LONGER_WITH_REASON} == {}
+    assert set(LONGER_WITH_REASON) <= set(longer), "an exception that is no longer one"
+
+
+def public_definitions(module: Module) -> Iterator[tuple[str, ast.FunctionDef | ast.ClassDef]]:
+    """Public functions, classes, and functions of public classes: name and node."""
+    for node in module.tree().body:
+        if isinstance(node, ast.FunctionDef | ast.ClassDef) and not node.name.startswith("_"):
+            yield f"{module.name}.{node.name}", node
+            if isinstance(node, ast.ClassDef):
+                for inner in node.body:
+                    if isinstance(inner, ast.FunctionDef) and not inner.name.startswith("_"):
+                        yield f"{module.name}.{node.name}.{inner.name}", inner
+
+
+def taken(function: ast.FunctionDef) -> list[str]:
+    """The parameters of `function` as written, without self and cls."""
+    arguments = function.args
+    named = [*arguments.posonlyargs, *arguments.args]
+    if arguments.vararg:
+        named.append(arguments.vararg)
+    named += arguments.kwonlyargs
+    if arguments.kwarg:
+        named.append(arguments.kwarg)
+    return [argument.arg for argument in named if argument.arg not in {"self", "cls"}]
+
+
+def fields(data_class: ast.ClassDef) -> list[str]:
+    """The annotated fields of a data class."""
+    return [
+        node.target.id
+        for node in data_class.body
+        if isinstance(node, ast.AnnAssign) and isinstance(node.target, ast.Name)
+    ]
+
+
+def section(docstring: str, title: str) -> list[str] | None:
+    """The names that the numpydoc section `title` explains, or None if there is no such section."""
+    lines = docstring.splitlines()
+    underlined = [i for i in range(len(lines) - 1) if lines[i].strip() and set(lines[i + 1]) == {"-"}]
+    start = next((i for i in underlined if lines[i] == title), None)
+    if start is None:
+        return None
+    end = next((i for i in underlined if i > start), len(lines))
+    entries = [line for line in lines[start + 2 : end] if line and not line.startswith(" ")]
+    return [name.strip().lstrip("*") for line in entries for name in line.split(" : ")[0].split(",")]
+
+
+def test_the_docstring_reader_reads() -> None:
+    docstring = """Do it.
+
+    Parameters
+    ----------
+    u, y : array_like, shape (N,)
+        The record, in volts.
+
+        More: about it.
+    order : int
+        How many.
+    *rest : int
+
+    Returns
+    -------
+    float
+    """
+    assert section(cleandoc(docstring), "Parameters") == ["u", "y", "order", "rest"]
+    assert section(cleandoc(docstring), "Notes") is None
+    function = ast.parse("def f(self, a, /, u, *rest, k=1, **other): ...").body[0]
+    assert isinstance(function, ast.FunctionDef)
+    assert taken(function) == ["a", "u", "rest", "k", "other"]
+
+
+def test_everything_public_has_a_docstring(labsid: list[Module]) -> None:
+    found = [item for module in labsid if module.public for item in public_definitions(module)]
+    assert len(found) > 50
+    assert [name for name, node in found if not ast.get_docstring(node)] == []
+
+
+def test_docstrings_name_exactly_the_parameters(labsid: list[Module]) -> None:
+    """And those of a class exactly its fields, where it has a section of them."""
+    wrong = []
+    checked = {"Parameters": 0, "Attributes": 0}
+    for name, node in (item for module in labsid if module.public for item in public_definitions(module)):
+        if isinstance(node, ast.FunctionDef):
+            title, there = "Parameters", taken(node)
+        else:
+            title, there = "Attributes", fields(node)
+        explained = section(ast.get_docstring(node) or "", title)
+        if explained is not None:
+            checked[title] += 1
+            if explained != there:
+                wrong.append(f"{name}: has {there}, explains {explained}")
+    assert wrong == []
+    assert min(checked.values()) > 10
+
+
+def test_data_classes_are_frozen(labsid: list[Module]) -> None:
+    """A result that could be changed after the fact could not be trusted by the next step."""
+    decorators = [
+        (f"{module.name}.{node.name}", ast.unparse(decorator))
+        for module in labsid
+        for node in ast.walk(module.tree())
+        if isinstance(node, ast.ClassDef)
+        for decorator in node.decorator_list
+        if "dataclass" in ast.unparse(decorator)
+    ]
+    assert len(decorators) > 10
+    loose = [name for name, text in decorators if "frozen=True" not in text or "slots=True" not in text]
+    assert loose == []
+
+
+@pytest.fixture(scope="module")
+def tracked() -> list[str]:
+    """The files that git tracks, once every file of the work is added."""
+    try:
+        listed = subprocess.run(["git", "ls-files", "-z"], cwd=ROOT, capture_output=True, text=True, check=True)
+    except (OSError, subprocess.CalledProcessError) as problem:
+        pytest.skip(f"not in a git checkout, so which files are tracked is not known ({problem})")
+    names = [name for name in listed.stdout.split("\0") if name]
+    if not names:
+        pytest.skip("git tracks no file here")
+    assert len(names) > 50
+    return names
+
+
+def test_the_top_level_holds_what_it_should(tracked: list[str]) -> None:
+    top = {name.split("/")[0] for name in tracked}
+    assert {name for name in top if not name.startswith(".")} == TOP_LEVEL
+
+
+def test_no_file_knows_the_machine_it_was_written_on(tracked: list[str]) -> None:
+    """No absolute path of someone's own, and no registry: the files must work behind any mirror."""
+    folder = rb"(?<![\w.~$})\]-])/(?:work|home|root|Users)/\w"
+    hosts = [("pypi", "org"), ("pythonhosted", "org"), ("anaconda", "org"), ("npmjs", "org"), ("crates", "io")]
+    registry = b"|".join(rb"\b" + name.encode() + rb"\." + domain.encode() for name, domain in hosts)
+    found = [
+        f"{name}: {match.group().decode(errors='replace')}"
+        for name in tracked
+        if (ROOT / name).is_file()
+        for match in re.finditer(folder + b"|" + registry, (ROOT / name).read_bytes())
+    ]
+    assert found == []
