@@ -1,0 +1,233 @@
+"""Does the input excite the system? Persistent excitation, and the three inputs that the lab recommends."""
+
+from bisect import bisect_left
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.lib.stride_tricks import sliding_window_view
+from numpy.typing import ArrayLike
+from scipy.signal import max_len_seq
+
+from labsid._arrays import FloatArray, as_signal, freeze
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Excitation:
+    """What the regressors say about the excitation.
+
+    Attributes
+    ----------
+    eigenvalues : ndarray, shape (p,)
+        Eigenvalues of ``Phi'Phi / n``, largest first.
+    rank : int
+        Numerical rank of Phi.
+    positive_definite : bool
+        Whether ``Phi'Phi`` is: exactly then eq. (8) has one solution.
+    condition_number : float
+        Of Phi; that of ``Phi'Phi`` is its square. Infinite where the smallest eigenvalue is zero.
+    """
+
+    eigenvalues: FloatArray
+    rank: int
+    positive_definite: bool
+    condition_number: float
+
+    def __post_init__(self) -> None:
+        freeze(self, eigenvalues=self.eigenvalues)
+
+
+def persistent_excitation(Phi: ArrayLike) -> Excitation:
+    """Test whether ``Phi'Phi`` has full rank and is positive definite.
+
+    Parameters
+    ----------
+    Phi : array_like, shape (n, p)
+        Regressors.
+
+    Returns
+    -------
+    Excitation
+
+    Raises
+    ------
+    ValueError
+        If Phi is not a finite matrix.
+
+    Notes
+    -----
+    UNSW lab, after eq. (8). Computed from the singular values s of Phi (the eigenvalues are s^2 / n); those
+    below ``max(n, p) * eps`` times the largest count as zero. Measurement noise alone makes Phi'Phi definite,
+    so look at the condition number too.
+    """
+    Phi = np.asarray(Phi, dtype=np.float64)
+    if Phi.ndim != 2 or 0 in Phi.shape or not np.all(np.isfinite(Phi)):
+        raise ValueError(f"Phi must be a finite matrix with one row an equation; got shape {Phi.shape}.")
+    n, p = Phi.shape
+    s = np.zeros(p)
+    s[: min(n, p)] = np.linalg.svd(Phi, compute_uv=False)
+    rank = int(np.sum(s > max(n, p) * np.finfo(float).eps * s[0]))
+    return Excitation(
+        eigenvalues=s**2 / n,
+        rank=rank,
+        positive_definite=rank == p,
+        condition_number=float(s[0] / s[-1]) if s[-1] > 0 else np.inf,
+    )
+
+
+def excitation_order(u: ArrayLike, largest: int = 50) -> int:
+    """Find the order to which a signal is persistently exciting.
+
+    Parameters
+    ----------
+    u : array_like, shape (N,)
+        The input. Remove its offset first: a constant alone already has order 1.
+    largest : int
+        Where to stop looking.
+
+    Returns
+    -------
+    int
+        The largest n <= `largest` for which the matrix with the rows ``[u(k) .. u(k+n-1)]`` has full column
+        rank, and so at most (N + 1) / 2. A model of order n has 2 n unknowns and takes order 2 n; order n will
+        do where noise excites the past outputs.
+
+    Raises
+    ------
+    ValueError
+        If `largest` is below 1.
+
+    Notes
+    -----
+    UNSW lab, "Selection of a Suitable Input". Zero has order 0, a constant 1, a sum of m sinusoids 2 m, a
+    PRBS its period. This counts what the samples span, to rounding (singular values below ``N * eps`` times
+    the largest are zero); noise and one-off transients span everything, if only just.
+    """
+    u = as_signal("u", u)
+    if largest < 1:
+        raise ValueError(f"largest must be at least 1; got {largest}.")
+    candidates = range(1, min(largest, (u.size + 1) // 2) + 1)
+    return bisect_left(candidates, True, key=lambda n: _window_rank(u, n) < n)
+
+
+def prbs(
+    samples: int,
+    levels: tuple[float, float] = (-1.0, 1.0),
+    register: int = 9,
+    hold: int = 1,
+    rng: np.random.Generator | None = None,
+) -> FloatArray:
+    """Make a pseudo-random binary signal from a shift register with feedback.
+
+    Parameters
+    ----------
+    samples : int
+        Length N.
+    levels : tuple of float
+        The two levels.
+    register : int
+        Bits of the register, 2 to 32; the period is ``2**register - 1`` times `hold`.
+    hold : int
+        Samples for which each bit is held, so that slow systems get to answer.
+    rng : numpy.random.Generator, optional
+        Draws the initial state of the register, which shifts the signal in time; all ones unless given.
+
+    Returns
+    -------
+    ndarray, shape (N,)
+
+    Raises
+    ------
+    ValueError
+        If a count is out of range.
+
+    Notes
+    -----
+    UNSW lab, "Selection of a Suitable Input".
+    """
+    _check_count("samples", samples)
+    _check_count("hold", hold)
+    if not 2 <= register <= 32:
+        raise ValueError(f"register must have 2 to 32 bits; got {register}.")
+    state = None
+    if rng is not None:
+        bits = int(rng.integers(1, 2**register))
+        state = [(bits >> place) & 1 for place in range(register)]
+    sequence = max_len_seq(register, state=state, length=-(-samples // hold))[0]
+    return np.where(np.repeat(sequence, hold)[:samples] == 1, levels[1], levels[0]).astype(np.float64)
+
+
+def square_wave(samples: int, period: int, levels: tuple[float, float] = (-1.0, 1.0)) -> FloatArray:
+    """Make a square wave that starts on its second level and spends half of each period on either.
+
+    Parameters
+    ----------
+    samples : int
+        Length N.
+    period : int
+        Period in samples; at least 2.
+    levels : tuple of float
+        The two levels.
+
+    Returns
+    -------
+    ndarray, shape (N,)
+
+    Raises
+    ------
+    ValueError
+        If a count is out of range.
+
+    Notes
+    -----
+    UNSW lab, "Selection of a Suitable Input".
+    """
+    _check_count("samples", samples)
+    _check_count("period", period, 2)
+    return np.where(2 * (np.arange(samples) % period) < period, levels[1], levels[0]).astype(np.float64)
+
+
+def sum_of_sinusoids(samples: int, periods: ArrayLike, amplitude: float = 1.0) -> FloatArray:
+    """Add up sinusoids of equal size.
+
+    Parameters
+    ----------
+    samples : int
+        Length N.
+    periods : array_like, shape (m,)
+        The m periods in samples, each above 2.
+    amplitude : float
+        Amplitude of each sinusoid.
+
+    Returns
+    -------
+    ndarray, shape (N,)
+        Persistently exciting of order 2 m where the periods differ.
+
+    Raises
+    ------
+    ValueError
+        If `samples` is below 1 or a period not above 2.
+
+    Notes
+    -----
+    UNSW lab, "Selection of a Suitable Input". Schroeder's phases ``-pi i (i - 1) / m`` keep the peaks from
+    adding up.
+    """
+    _check_count("samples", samples)
+    periods = as_signal("periods", periods)
+    if np.any(periods <= 2):
+        raise ValueError(f"periods must be above 2 samples; got {periods.min():g}. Faster ones alias.")
+    i = np.arange(1, periods.size + 1)
+    phases = -np.pi * i * (i - 1) / periods.size
+    angles = 2 * np.pi * np.arange(samples)[:, np.newaxis] / periods + phases
+    return amplitude * np.cos(angles).sum(axis=1)
+
+
+def _window_rank(u: FloatArray, n: int) -> int:
+    s = np.linalg.svd(sliding_window_view(u, n), compute_uv=False)
+    return int(np.sum(s > u.size * np.finfo(float).eps * s[0]))
+
+
+def _check_count(name: str, value: int, least: int = 1) -> None:
+    if value < least:
+        raise ValueError(f"{name} must be at least {least}; got {value}.")

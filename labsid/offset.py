@@ -1,0 +1,212 @@
+"""DC offsets of a record: the lab's loop over the first input period, and the settled part of that period."""
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from labsid._arrays import FloatArray, as_signal, as_signals
+
+SETTLING_BAND = 0.02  # of the range of y: the 2 % band by which control engineers define the settling time
+STEADY_TAIL = 0.01  # of the range of y: what the tail after a start-up may still rise
+SHORTEST_TAIL = 8  # samples; fewer cannot tell a trend from noise
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Offsets:
+    """The operating point that is subtracted from a record.
+
+    Attributes
+    ----------
+    u_offset, y_offset : float
+        Input and output offset, in the units of the record (volts in the lab).
+    settled : tuple of int
+        (k0, k1): `y_offset` is the mean of samples k0..k1-1 of the output.
+    first_period : int
+        Samples before the first change of the input; equals k1.
+    status : {"settled", "not settled", "too short"}
+        "settled": those samples show no trend worth mentioning. "not settled": even the last quarter of the
+        period still moves, and its mean stands in. "too short": the period has fewer than 8 samples, which
+        cannot show it; all of them are averaged, as the lab does.
+    """
+
+    u_offset: float
+    y_offset: float
+    settled: tuple[int, int]
+    first_period: int
+    status: Literal["settled", "not settled", "too short"] = "settled"
+
+
+def first_period_length(u: ArrayLike) -> int:
+    """Count the samples before the first change of the input, with the loop that the lab asks for.
+
+    Parameters
+    ----------
+    u : array_like, shape (N,)
+        The input as it was commanded (exact levels, no measurement noise).
+
+    Returns
+    -------
+    int
+        The index of the first sample that differs from ``u[0]``.
+
+    Raises
+    ------
+    ValueError
+        If the input never changes.
+
+    Notes
+    -----
+    UNSW lab, exercise 1c.
+    """
+    u = as_signal("u", u, at_least=2)
+    k = 0
+    while k < len(u) and u[k] == u[0]:
+        k += 1
+    if k == len(u):
+        raise ValueError(
+            f"u must change at least once; got the constant {u[0]:g} over all {len(u)} samples. "
+            "A constant input excites nothing: record a run in which the input changes."
+        )
+    return k
+
+
+def mean_of_first_period(u: ArrayLike, y: ArrayLike) -> float:
+    """Average the output over the first input period: the lab's output offset.
+
+    Parameters
+    ----------
+    u, y : array_like, shape (N,)
+        Input and output as recorded.
+
+    Returns
+    -------
+    float
+        The mean of y over the samples before the first change of u, in the unit of y.
+
+    Raises
+    ------
+    ValueError
+        If the lengths differ or the input never changes.
+
+    Notes
+    -----
+    UNSW lab, exercise 1c. Right only where the rig is settled before the first change: see `find_offsets`.
+    """
+    u, y = as_signals(at_least=2, u=u, y=y)
+    return float(np.mean(y[: first_period_length(u)]))
+
+
+def mid_range(u: ArrayLike) -> float:
+    """Return the middle of the input range, the lab's *definition* of the input offset.
+
+    Parameters
+    ----------
+    u : array_like, shape (N,)
+        The input as recorded.
+
+    Returns
+    -------
+    float
+        ``(max(u) + min(u)) / 2``.
+
+    Notes
+    -----
+    UNSW lab, "DC Offset Compensation". The exercise then uses the first value of u instead, and so does
+    `find_offsets`: y has been seen to settle at the first value, while nobody may ever have held the middle
+    of the range. The two agree only for symmetric ranges (2.0 V and 1.9 V on the lab's own file).
+    """
+    u = as_signal("u", u)
+    return float((u.max() + u.min()) / 2)
+
+
+def find_offsets(u: ArrayLike, y: ArrayLike) -> Offsets:
+    """Find the offsets of a record: the first input, and the mean output over the settled tail of its period.
+
+    Parameters
+    ----------
+    u, y : array_like, shape (N,)
+        Input and output as recorded.
+
+    Returns
+    -------
+    Offsets
+
+    Raises
+    ------
+    ValueError
+        If the lengths differ or the input never changes.
+
+    Notes
+    -----
+    UNSW lab, exercise 1c, made safe for records that start from an empty tank (see the errata).
+
+    The whole first period counts as settled, and is averaged as the lab does, when it keeps within 2 % of
+    the range of y about its mean and a straight line through it rises by no more than that 2 %. Otherwise the
+    record holds a start-up, and the longest tail is averaged that keeps within the same band and rises by at
+    most 1 %; on an exponential approach a rise of r biases the mean by about r / 6. The tail is at least a
+    quarter of the period and 8 samples long.
+
+    Noise widens these limits: the band to four standard deviations, the rise to two standard errors. For a
+    tail, two standard errors must not exceed 2 % of the range: where noise could hide a trend, there is no
+    proof of rest. The noise is the scatter about a straight line through the last quarter.
+    """
+    u, y = as_signals(at_least=2, u=u, y=y)
+    n = first_period_length(u)
+    k0 = 0
+    status: Literal["settled", "not settled", "too short"] = "too short"
+    if n >= SHORTEST_TAIL:
+        k0, is_settled = _settled_from(y[:n], float(np.ptp(y)))
+        status = "settled" if is_settled else "not settled"
+    return Offsets(float(u[0]), float(np.mean(y[k0:n])), (k0, n), n, status)
+
+
+def remove_offsets(u: ArrayLike, y: ArrayLike, offsets: Offsets) -> tuple[FloatArray, FloatArray]:
+    """Subtract the offsets.
+
+    Parameters
+    ----------
+    u, y : array_like, shape (N,)
+        Input and output as recorded.
+    offsets : Offsets
+        What to subtract.
+
+    Returns
+    -------
+    u, y : ndarray, shape (N,)
+        Offset-free input and output (the lab's Fig. 6).
+
+    Raises
+    ------
+    ValueError
+        If the lengths differ.
+    """
+    u, y = as_signals(u=u, y=y)
+    return u - offsets.u_offset, y - offsets.y_offset
+
+
+def _settled_from(y: FloatArray, y_range: float) -> tuple[int, bool]:
+    """First sample of the longest settled tail and True, or of the last quarter and False."""
+    n = y.size
+    shortest = max(SHORTEST_TAIL, -(-n // 4))
+    backwards = y[::-1] - y[-1]
+    length = np.arange(1, n + 1)
+    total = np.cumsum(backwards)
+    mean = total / length
+    # Least-squares line through the last `length` samples, for every length at once.
+    moment = np.cumsum(np.arange(n) * backwards) - (length - 1) / 2 * total
+    rise = np.abs(moment) * 12 / np.maximum(length**2 - 1.0, 1)
+
+    last = backwards[:shortest]
+    index = np.arange(shortest)
+    sigma = np.std(last - np.polyval(np.polyfit(index, last, 1), index), ddof=2)
+
+    band = SETTLING_BAND * y_range
+    spread = np.maximum(np.maximum.accumulate(backwards) - mean, mean - np.minimum.accumulate(backwards))
+    close = spread <= max(band, 4 * sigma)
+    error = 2 * sigma * np.sqrt(12 / length)
+    steady = (rise <= np.maximum(error, STEADY_TAIL * y_range)) & (error <= band)
+    steady[-1] = rise[-1] <= max(error[-1], band)
+    settled = np.flatnonzero(steady & close & (length >= shortest))
+    return (n - int(length[settled[-1]]), True) if settled.size else (n - shortest, False)
