@@ -1,0 +1,78 @@
+"""How every figure of the lab looks: colours, sizes, and how a figure is saved.
+
+Figures are made without pyplot: nothing is registered, shown or left behind, and no global setting is
+written. matplotlib is imported when the first figure is made.
+"""
+
+from __future__ import annotations
+
+from os import PathLike
+from typing import TYPE_CHECKING, BinaryIO, Literal
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+Corner = Literal["upper right", "lower right"]
+
+GREY_BLUE = (0.6, 0.7, 0.8)
+"""The lab's colour code for cos(0.02*pi*t)."""
+
+# The palette of Okabe and Ito (2008), which colour-blind readers can tell apart.
+BLACK = "#222222"
+GREY = "#B0B0B0"
+BLUE = "#0072B2"
+ORANGE = "#E69F00"
+VERMILION = "#D55E00"
+GREEN = "#009E73"
+
+TIME = "Time (s)"
+TEXT_SIZE = 12
+SMALL_TEXT_SIZE = 11
+
+
+def new_figure(width: float = 8.0, height: float = 6.0) -> Figure:
+    """Make an empty white figure of `width` by `height` inches that lays itself out."""
+    from labsid.plots.figure import ShownFigure
+
+    return ShownFigure(figsize=(width, height), layout="constrained", facecolor="white")
+
+
+def axes_or_new(ax: Axes | None) -> Axes:
+    """Return `ax`, or the only axes of a new figure of one panel."""
+    return new_figure(height=3.6).add_subplot() if ax is None else ax
+
+
+def finish(
+    ax: Axes,
+    title: str,
+    xlabel: str,
+    ylabel: str,
+    legend_columns: int = 1,
+    legend_place: Corner = "upper right",
+) -> None:
+    """Give `ax` its title, labels and grid, and a legend of so many columns (0: none)."""
+    ax.set_title(title, fontsize=TEXT_SIZE)
+    ax.set_xlabel(xlabel, fontsize=TEXT_SIZE)
+    ax.set_ylabel(ylabel, fontsize=TEXT_SIZE)
+    ax.tick_params(labelsize=SMALL_TEXT_SIZE)
+    ax.grid(True, color="#DDDDDD", linewidth=0.8)
+    ax.set_axisbelow(True)
+    if legend_columns:
+        ax.legend(loc=legend_place, ncols=legend_columns, fontsize=SMALL_TEXT_SIZE, framealpha=0.9)
+
+
+def make_headroom(ax: Axes, share: float) -> None:
+    """Raise the upper y limit so that the uppermost `share` of `ax` is free for a legend or a box."""
+    lower, upper = ax.get_ylim()
+    ax.set_ylim(lower, lower + (upper - lower) / (1.0 - share))
+
+
+def save_png(figure: Figure, path: str | PathLike[str] | BinaryIO, dpi: int = 150) -> None:
+    """Write `figure` as PNG to `path`, a file name or an open binary file, at `dpi` dots an inch."""
+    figure.savefig(path, format="png", dpi=dpi)
+
+
+def save_svg(figure: Figure, path: str | PathLike[str] | BinaryIO) -> None:
+    """Write `figure` as SVG, without a date in it, to `path`, a file name or an open binary file."""
+    figure.savefig(path, format="svg", metadata={"Date": None})

@@ -1,0 +1,102 @@
+"""Figures without pyplot: nothing global is touched, a notebook shows them, and they save."""
+
+import subprocess
+import sys
+from io import BytesIO
+from itertools import combinations
+from xml.etree import ElementTree
+
+import numpy as np
+import pytest
+from matplotlib.colors import to_rgb
+
+from labsid.plots import figure_4, save_png, save_svg, style
+
+
+def _run(program: str) -> str:
+    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True)
+    return done.stdout.strip()
+
+
+def test_importing_the_figures_does_not_load_matplotlib():
+    program = "import labsid.plots, sys; print('matplotlib' in sys.modules)"
+    assert _run(program) == "False"
+
+
+def test_drawing_and_saving_never_loads_pyplot():
+    program = (
+        "import io, sys; from labsid.plots import figure_4, save_png, save_svg;"
+        "save_png(figure_4(), io.BytesIO()); save_svg(figure_4(), io.BytesIO());"
+        "print('matplotlib' in sys.modules, 'matplotlib.pyplot' in sys.modules)"
+    )
+    assert _run(program) == "True False"
+
+
+def test_png_has_the_size_asked_for(tmp_path):
+    path = tmp_path / "figure.png"
+    figure = figure_4()
+    save_png(figure, path, dpi=50)
+    header = path.read_bytes()
+    assert header.startswith(b"\x89PNG")
+    width, height = (int.from_bytes(header[i : i + 4], "big") for i in (16, 20))
+    assert (width, height) == tuple((50 * figure.get_size_inches()).astype(int))
+
+
+def test_svg_is_a_picture_without_a_date(tmp_path):
+    path = tmp_path / "figure.svg"
+    save_svg(figure_4(), path)
+    root = ElementTree.parse(path).getroot()
+    assert root.tag.endswith("svg")
+    assert not [element for element in root.iter() if element.tag.endswith("date")]
+
+
+def test_a_notebook_shows_a_figure_although_no_inline_backend_is_set_up():
+    formatters = pytest.importorskip("IPython.core.formatters")
+    data, _ = formatters.DisplayFormatter().format(figure_4())
+    assert data["image/png"].startswith(b"\x89PNG")
+
+
+def test_the_same_figure_gives_the_same_png_twice():
+    pictures = []
+    for _ in range(2):
+        buffer = BytesIO()
+        save_png(figure_4(), buffer)
+        pictures.append(buffer.getvalue())
+    assert pictures[0] == pictures[1]
+
+
+def test_headroom_is_the_share_asked_for():
+    ax = style.new_figure().add_subplot()
+    ax.plot([0, 1], [-1, 3])
+    before = ax.get_ylim()
+    style.make_headroom(ax, 0.25)
+    lower, upper = ax.get_ylim()
+    assert lower == before[0]
+    assert (upper - before[1]) / (upper - lower) == pytest.approx(0.25)
+
+
+# Linear RGB as seen with one cone type missing: Vienot, Brettel and Mollon (1999), eq. for protan and deutan.
+PROTANOPIA = np.array([[0.11238, 0.88762, 0.0], [0.11238, 0.88762, 0.0], [0.00401, -0.00401, 1.0]])
+DEUTERANOPIA = np.array([[0.29275, 0.70725, 0.0], [0.29275, 0.70725, 0.0], [-0.02234, 0.02234, 1.0]])
+
+
+def _lab(color, seen_by):
+    """CIE L*a*b* of a colour as an observer sees it."""
+    srgb = np.array(to_rgb(color))
+    linear = np.where(srgb <= 0.04045, srgb / 12.92, ((srgb + 0.055) / 1.055) ** 2.4)
+    linear = np.clip(seen_by @ linear, 0, 1)
+    to_xyz = np.array([[0.4124, 0.3576, 0.1805], [0.2126, 0.7152, 0.0722], [0.0193, 0.1192, 0.9505]])
+    x, y, z = np.cbrt(to_xyz @ linear / (to_xyz @ np.ones(3)))
+    return np.array([116 * y - 16, 500 * (x - y), 200 * (y - z)])
+
+
+@pytest.mark.parametrize("seen_by", [np.eye(3), PROTANOPIA, DEUTERANOPIA], ids=["full", "protan", "deutan"])
+def test_colours_of_one_panel_stay_apart_for_colour_blind_readers(seen_by):
+    panels = [
+        (style.VERMILION, style.GREY_BLUE),
+        (style.ORANGE, style.BLUE),
+        (style.BLACK, style.VERMILION, style.BLUE, style.GREEN),
+    ]
+    for panel in panels:
+        for one, other in combinations(panel, 2):
+            assert np.linalg.norm(_lab(one, seen_by) - _lab(other, seen_by)) > 20, (one, other)
