@@ -1,0 +1,23 @@
+"""A physics simulator of lab rigs: it makes the lab's records, for everybody or for one student.
+
+`bench` is what every rig stands on: a rig is a derivative, an actuator chain and a sensor chain, and `run`
+plays an input on one. `tanks` is the coupled-tank rig of the lab; another rig is another module of its size.
+`instruments` holds blocks for the chains, `log` the file in the lab's layout, `individual` what differs from
+student to student, `lab_record` the records themselves.
+"""
+
+from labsid.rig.individual import read_secret, student_plan
+from labsid.rig.lab_record import make_empty_start_record, make_lab_record, make_verification_record
+from labsid.rig.log import LabLog, lab_record_bytes, log_to_record, write_lab_record
+
+__all__ = [
+    "LabLog",
+    "lab_record_bytes",
+    "log_to_record",
+    "make_empty_start_record",
+    "make_lab_record",
+    "make_verification_record",
+    "read_secret",
+    "student_plan",
+    "write_lab_record",
+]

@@ -1,0 +1,116 @@
+"""What stands between the plant and the log: sensor noise, the converter, the rig's noise reduction."""
+
+from collections.abc import Callable
+from statistics import NormalDist
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from labsid._arrays import FloatArray, as_signal
+
+Block = Callable[[FloatArray, FloatArray], FloatArray]
+
+AVERAGED = 5
+"""Samples in the rig's moving average."""
+
+
+def uniform_samples(seed: np.random.SeedSequence, n: int) -> FloatArray:
+    """Draw `n` numbers, uniform in (0, 1).
+
+    Parameters
+    ----------
+    seed : SeedSequence
+    n : int
+
+    Returns
+    -------
+    ndarray, shape (n,)
+
+    Notes
+    -----
+    From the raw bits of PCG64, which numpy promises never to change; it makes no such promise of the
+    distributions of its `Generator`. A record must be made again from its secret years later.
+    """
+    bits = np.random.PCG64(seed).random_raw(n) >> np.uint64(11)
+    return (bits.astype(np.float64) + 0.5) * 2.0**-53
+
+
+def sensor_noise(sd: float, seed: np.random.SeedSequence) -> Block:
+    """White Gaussian noise of the sensor, the same at every run.
+
+    Parameters
+    ----------
+    sd : float
+        Standard deviation (V).
+    seed : SeedSequence
+
+    Returns
+    -------
+    callable
+        A block for `Rig.sensor`.
+    """
+    quantile = NormalDist().inv_cdf
+
+    def block(t: FloatArray, volts: FloatArray) -> FloatArray:
+        return volts + sd * np.array([quantile(p) for p in uniform_samples(seed, volts.size).tolist()])
+
+    return block
+
+
+def converter(bits: int, low: float, high: float) -> Block:
+    """An analogue-to-digital converter: rounds to a lattice and stops at the ends of its range.
+
+    Parameters
+    ----------
+    bits : int
+        ``2**bits`` codes divide the range.
+    low, high : float
+        Range (V); the highest code lies one step below `high`.
+
+    Returns
+    -------
+    callable
+        A block for `Rig.sensor`.
+
+    Raises
+    ------
+    ValueError
+        If the range is empty.
+    """
+    if not low < high:
+        raise ValueError(f"high must be above low; got low = {low:g} and high = {high:g}.")
+    step = (high - low) / 2**bits
+
+    def block(t: FloatArray, volts: FloatArray) -> FloatArray:
+        return low + step * np.clip(np.rint((volts - low) / step), 0, 2**bits - 1)
+
+    return block
+
+
+def noise_reduced(measured: ArrayLike, before: ArrayLike) -> FloatArray:
+    """Causal moving average of the rig: each sample with the four before it.
+
+    Parameters
+    ----------
+    measured : array_like, shape (N,)
+        The converter's output (V).
+    before : array_like, shape (4,)
+        The four samples before the log begins, oldest first: the rig runs before it is logged. Zeros where
+        the rig was switched on with the log.
+
+    Returns
+    -------
+    ndarray, shape (N,)
+
+    Raises
+    ------
+    ValueError
+        If `before` does not hold four samples.
+    """
+    measured = as_signal("measured", measured)
+    before = as_signal("before", before)
+    if before.size != AVERAGED - 1:
+        raise ValueError(f"before must hold {AVERAGED - 1} samples; got {before.size}.")
+    every = np.concatenate([before, measured])
+    total = sum(every[lag : lag + measured.size] for lag in range(1, AVERAGED)) + every[: measured.size]
+    return total / AVERAGED

@@ -1,0 +1,24 @@
+"""The rig stands alone: it makes records and knows nothing of how they are identified or diagnosed."""
+
+import ast
+from pathlib import Path
+
+import labsid.rig
+
+ALLOWED = ("labsid._arrays", "labsid.record", "labsid.rig")
+
+
+def test_the_rig_imports_no_identification_and_no_diagnosis():
+    sources = sorted(Path(labsid.rig.__file__).parent.glob("*.py"))
+    assert len(sources) > 5
+    for source in sources:
+        for node in ast.walk(ast.parse(source.read_text(encoding="utf-8"))):
+            if isinstance(node, ast.ImportFrom):
+                assert node.level == 0
+                names = [node.module]
+            elif isinstance(node, ast.Import):
+                names = [alias.name for alias in node.names]
+            else:
+                continue
+            for name in names:
+                assert not name.startswith(("labsid", "autograder", "matplotlib")) or name.startswith(ALLOWED), source
