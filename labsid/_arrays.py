@@ -15,6 +15,13 @@ def frozen_array(values: ArrayLike) -> FloatArray:
     return array
 
 
+def read_only(array: FloatArray) -> FloatArray:
+    """View `array`, gapless in memory, as one that cannot be written to: what the compiled loops take."""
+    view = np.ascontiguousarray(array).view()
+    view.setflags(write=False)
+    return view
+
+
 def freeze(instance: object, **arrays: Any) -> None:
     """Set fields of a frozen dataclass from its ``__post_init__``: copied, read-only float arrays."""
     for name, values in arrays.items():
@@ -71,3 +78,56 @@ def as_signals(at_least: int = 1, **signals: ArrayLike) -> tuple[FloatArray, ...
             "Cut them to the same samples."
         )
     return arrays
+
+
+def as_matrix(name: str, values: ArrayLike) -> FloatArray:
+    """Check that `values` is one finite matrix with at least one entry.
+
+    Parameters
+    ----------
+    name : str
+        What the caller calls it; the error says it.
+    values : array_like, shape (m, n)
+
+    Returns
+    -------
+    ndarray of float, shape (m, n)
+
+    Raises
+    ------
+    ValueError
+        If it is not a matrix, is empty, or holds NaN or infinity.
+    """
+    try:
+        array = np.asarray(values, dtype=np.float64)
+    except (TypeError, ValueError):
+        raise ValueError(f"{name} must be a matrix of real numbers with rows of equal length.") from None
+    if array.ndim != 2 or array.size == 0:
+        raise ValueError(f"{name} must be a matrix, written as a list of rows; got shape {array.shape}.")
+    if not np.all(np.isfinite(array)):
+        raise ValueError(f"{name} must be finite; got NaN or infinity in it.")
+    return array
+
+
+def as_square(name: str, values: ArrayLike) -> FloatArray:
+    """Check that `values` is one finite square matrix.
+
+    Parameters
+    ----------
+    name : str
+        What the caller calls it; the error says it.
+    values : array_like, shape (n, n)
+
+    Returns
+    -------
+    ndarray of float, shape (n, n)
+
+    Raises
+    ------
+    ValueError
+        If it is not a finite square matrix.
+    """
+    array = as_matrix(name, values)
+    if array.shape[0] != array.shape[1]:
+        raise ValueError(f"{name} must be square; got shape {array.shape}.")
+    return array

@@ -6,7 +6,6 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import ArrayLike
-from scipy.signal import max_len_seq
 
 from labsid._arrays import FloatArray, as_signal, freeze
 
@@ -144,6 +143,8 @@ def prbs(
     -----
     UNSW lab, "Selection of a Suitable Input".
     """
+    from scipy.signal import max_len_seq  # slow to import, and only this function needs it
+
     _check_count("samples", samples)
     _check_count("hold", hold)
     if not 2 <= register <= 32:

@@ -11,6 +11,7 @@ from labsid.direction import gain_from_past
 from labsid.excitation import excitation_order, persistent_excitation
 from labsid.formats import RawRecord
 from labsid.offset import Offsets, find_offsets, mean_of_first_period, remove_offsets
+from labsid.record import is_sound
 from labsid.regressor import build_phi
 from labsid.signal_quality import holds, lattice_step, moving_mean_length, runs, scatter, stuck_at_extreme
 
@@ -46,7 +47,7 @@ def about_signals(raw: RawRecord, Ts: float | None) -> list[Finding]:
     Parameters
     ----------
     raw : RawRecord
-        Its u and y must be finite and of equal length, at least 5 samples.
+        Its u and y must be sound and of equal length, at least 5 samples.
     Ts : float or None
         Sampling time in seconds, if known, for durations.
 
@@ -130,17 +131,17 @@ def _about_rest(u: FloatArray, y: FloatArray, offsets: Offsets, Ts: float | None
     if offsets.status == "not settled":
         text = (
             f"the output does not settle in the first input period of {length}. The mean of its last quarter, "
-            f"{offsets.y_offset:.4g}, is the best offset there is, and a biased one."
+            f"{offsets.y_offset:.5g}, is the best offset there is, and a biased one."
         )
         return Finding("warning", "rest", text)
     noise = float(np.std(y[k0:n]))
     if k0 == 0:
         text = f"settled from the start: {length} before the first change, u = {offsets.u_offset:g}, "
-        return Finding("ok", "rest", f"{text}y = {offsets.y_offset:.4g}, sd {noise:.2g}.")
+        return Finding("ok", "rest", f"{text}y = {offsets.y_offset:.5g}, sd {noise:.2g}.")
     text = (
         f"not settled at the start: y comes from {y[0]:.3g} and is at rest only in samples {k0} to {n - 1} of the "
-        f"first period of {length}. Average those: y offset {offsets.y_offset:.4g}, sd {noise:.2g}. The mean of "
-        f"the whole period would be {mean_of_first_period(u, y):.4g}."
+        f"first period of {length}. Average those: y offset {offsets.y_offset:.5g}, sd {noise:.2g}. The mean of "
+        f"the whole period would be {mean_of_first_period(u, y):.5g}."
     )
     return Finding("warning", "rest", text)
 
@@ -182,7 +183,7 @@ def _about_plateaus(u: FloatArray, y: FloatArray) -> list[Finding]:
 def _about_output(raw: RawRecord, offsets: Offsets | None) -> list[Finding]:
     """Range, noise, and what the converter and the logger did; these two to the raw sensor, if it was logged."""
     y, sensor = raw.y, raw.y_measured
-    if sensor is None or sensor.size != y.size or not np.isfinite(sensor).all():
+    if sensor is None or sensor.size != y.size or not is_sound(sensor):
         sensor = y
     findings = [Finding("ok", "output", f"between {y.min():.4g} and {y.max():.4g}.")]
     which = "measured output" if raw.y_measured is not None else "output"
@@ -234,7 +235,7 @@ def _about_filter(raw: RawRecord, Ts: float | None) -> list[Finding]:
     before, after = raw.y_measured, raw.y_noise_reduced
     if before is None or after is None or before.size != after.size:
         return []
-    if not (np.isfinite(before).all() and np.isfinite(after).all()):
+    if not (is_sound(before) and is_sound(after)):
         return []
     m = moving_mean_length(before, after)
     if m is None:

@@ -73,7 +73,7 @@ def read_raw(
     Parameters
     ----------
     path : path
-        ``.mat`` (version 4, 5 or 7; known by its ending or its first bytes); anything else is text: columns
+        ``.mat`` (version 5 or 7; known by its ending or its first bytes); anything else is text: columns
         separated by semicolons, tabs, commas or blanks, in which lines that start with # or % are ignored.
     output : {"noise-reduced", "measured"}
         Column 2 or column 1 of ``LogData.signals(1).values``.

@@ -75,7 +75,7 @@ def normal_equations(Phi: ArrayLike, Y: ArrayLike) -> FloatArray:
     UNSW lab, eq. (8). This is the lesson: forming Phi'Phi squares the condition number and so loses twice the
     digits. `least_squares` gives the same answer without it.
     """
-    Phi, Y = _equations(Phi, Y)
+    Phi, Y = as_equations(Phi, Y)
     try:
         if np.linalg.matrix_rank(Phi) < Phi.shape[1]:
             raise np.linalg.LinAlgError
@@ -113,7 +113,7 @@ def least_squares(Phi: ArrayLike, Y: ArrayLike) -> LeastSquares:
     -----
     UNSW lab, eq. (8) and (A5). Singular values below ``n * eps`` times the largest count as zero.
     """
-    Phi, Y = _equations(Phi, Y)
+    Phi, Y = as_equations(Phi, Y)
     n, p = Phi.shape
     left, s, right = np.linalg.svd(Phi, full_matrices=False)
     rank = int(np.sum(s > max(n, p) * np.finfo(float).eps * s[0]))
@@ -161,7 +161,7 @@ def two_equations(U: ArrayLike, Y: ArrayLike) -> FloatArray:
     -----
     UNSW lab, eq. (A1) and (A2).
     """
-    U, Y = _equations(U, Y, "U")
+    U, Y = as_equations(U, Y, "U")
     if U.shape != (2, 2):
         raise ValueError(f"U must have shape (2, 2); got {U.shape}. For more equations use least_squares.")
     (u11, u12), (u21, u22) = U
@@ -235,7 +235,28 @@ def loss_gradient(Phi: ArrayLike, Y: ArrayLike, theta: ArrayLike) -> FloatArray:
     return gradient
 
 
-def _equations(Phi: ArrayLike, Y: ArrayLike, name: str = "Phi") -> tuple[FloatArray, FloatArray]:
+def as_equations(Phi: ArrayLike, Y: ArrayLike, name: str = "Phi") -> tuple[FloatArray, FloatArray]:
+    """Check that Phi and Y are equations to be solved by least squares.
+
+    Parameters
+    ----------
+    Phi : array_like, shape (n, p)
+        Regressors, one row an equation; at least as many rows as columns.
+    Y : array_like, shape (n,)
+        Right-hand sides.
+    name : str
+        What the caller calls Phi; the error says it.
+
+    Returns
+    -------
+    Phi : ndarray, shape (n, p)
+    Y : ndarray, shape (n,)
+
+    Raises
+    ------
+    ValueError
+        If the shapes do not fit, there are fewer rows than columns, or something is not finite.
+    """
     Y = as_signal("Y", Y)
     Phi = np.asarray(Phi, dtype=np.float64)
     if Phi.ndim != 2 or 0 in Phi.shape:
@@ -256,7 +277,7 @@ def _equations(Phi: ArrayLike, Y: ArrayLike, name: str = "Phi") -> tuple[FloatAr
 
 
 def _with_theta(Phi: ArrayLike, Y: ArrayLike, theta: ArrayLike) -> tuple[FloatArray, FloatArray, FloatArray]:
-    Phi, Y = _equations(Phi, Y)
+    Phi, Y = as_equations(Phi, Y)
     theta = as_signal("theta", theta)
     if theta.size != Phi.shape[1]:
         raise ValueError(f"theta must have one entry a column of Phi ({Phi.shape[1]}); got {theta.size}.")

@@ -1,12 +1,11 @@
 """MATLAB files: the lab's `LogData` structure, or variables by name."""
 
-import io
-import warnings
 from typing import Any
 
 import numpy as np
 
 from labsid._arrays import FloatArray
+from labsid.mat5 import read_variables
 from labsid.text_file import as_found, split_columns
 
 _HDF5 = b"\x89HDF\r\n\x1a\n"
@@ -18,7 +17,7 @@ def is_mat_file(content: bytes) -> bool:
 
 
 def read_mat(content: bytes, output: str, columns: str | None) -> dict[str, Any]:
-    """Read the signals of a ``.mat`` file of version 4, 5 or 7.
+    """Read the signals of a ``.mat`` file of version 5 or 7.
 
     Parameters
     ----------
@@ -45,7 +44,14 @@ def read_mat(content: bytes, output: str, columns: str | None) -> dict[str, Any]
             "it is a MATLAB 7.3 (HDF5) file, which is not read here. In MATLAB, load it and save it again: "
             "save('file.mat', 'LogData', '-v7')."
         )
-    variables = _load_variables(content)
+    try:
+        variables = read_variables(content)
+    except ValueError as error:
+        raise ValueError(
+            f"it is no MAT-file of version 5 or 7, or it is cut off or damaged ({error}). Copy or download it "
+            "again, or save it again with save('file.mat', 'LogData', '-v7')."
+        ) from None
+    variables.pop("", None)  # what MATLAB keeps for itself
     if columns is not None:
         return _pick_variables(variables, columns)
     log_name = next((name for name in ("LogData", "SFLogData") if name in variables), None)
@@ -58,21 +64,6 @@ def read_mat(content: bytes, output: str, columns: str | None) -> dict[str, Any]
     return _read_log(log_name, _unwrap(variables[log_name]), output)
 
 
-def _load_variables(content: bytes) -> dict[str, Any]:
-    from scipy.io import loadmat
-    from scipy.io.matlab import MatReadWarning
-
-    try:
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore", MatReadWarning)  # of variables that nobody asked for
-            variables = loadmat(io.BytesIO(content), struct_as_record=False)
-    except Exception as error:  # scipy meets a damaged file with whatever its parser trips over
-        raise ValueError(
-            f"it is not a MAT-file, or it is cut off or damaged ({type(error).__name__}). Copy or download it again."
-        ) from None
-    return {name: value for name, value in variables.items() if not name.startswith("__")}
-
-
 def _read_log(name: str, log: Any, output: str) -> dict[str, Any]:
     """The lab's layout.
 
@@ -80,21 +71,22 @@ def _read_log(name: str, log: Any, output: str) -> dict[str, Any]:
     ``.signals(2).values``, the input.
     """
     for field in ("time", "signals"):
-        if not hasattr(log, field):
+        if not isinstance(log, dict) or field not in log:
             raise ValueError(
                 f"{name} is not a structure with time and signals (there is no {name}.{field}). "
                 "Log the scope as 'Structure With Time'."
             )
     notes = []
-    t = _numbers(f"{name}.time", log.time).reshape(-1)
-    signals = [_unwrap(signal) for signal in np.asarray(_unwrap(log.signals), dtype=object).ravel()]
-    if len(signals) < 2 or not all(hasattr(signal, "values") for signal in signals[:2]):
+    t = _numbers(f"{name}.time", log["time"]).reshape(-1)
+    signals = log["signals"] if isinstance(log["signals"], list) else []
+    signals = [_unwrap(signal) for signal in signals]
+    if len(signals) < 2 or not all(isinstance(signal, dict) and "values" in signal for signal in signals[:2]):
         raise ValueError(
             f"{name}.signals must have two elements with values, the outputs and the input; "
             f"got {len(signals)}. Log both in one scope."
         )
-    outputs = _as_columns(f"{name}.signals(1).values", signals[0].values, t.size)
-    u = _as_columns(f"{name}.signals(2).values", signals[1].values, t.size)
+    outputs = _as_columns(f"{name}.signals(1).values", signals[0]["values"], t.size)
+    u = _as_columns(f"{name}.signals(2).values", signals[1]["values"], t.size)
     if outputs.shape[1] == 1 and u.shape[1] > 1:
         raise ValueError(
             f"input and output are swapped: {name}.signals(1).values has one column and {name}.signals(2)."
@@ -140,18 +132,18 @@ def _pick_variables(variables: dict[str, Any], columns: str) -> dict[str, Any]:
 
 
 def _unwrap(value: Any) -> Any:
-    """A structure or matrix out of the 1x1 arrays and cells that loadmat puts around it."""
-    while isinstance(value, np.ndarray) and value.dtype == object and value.size == 1:
-        value = value.item()
+    """What a 1x1 structure or cell array holds."""
+    while isinstance(value, list) and len(value) == 1:
+        value = value[0]
     return value
 
 
 def _numbers(name: str, value: Any) -> FloatArray:
-    array = np.asarray(_unwrap(value))
-    if array.dtype.kind not in "fiub":
-        kind = "complex numbers" if array.dtype.kind == "c" else type(_unwrap(value)).__name__
-        raise ValueError(f"{name} must hold real numbers; got {kind}.")
-    return array.astype(np.float64)
+    value = _unwrap(value)
+    if not isinstance(value, np.ndarray):
+        got = value if isinstance(value, str) else "a structure" if isinstance(value, dict) else "cells"
+        raise ValueError(f"{name} must hold real numbers; got {got}.")
+    return value
 
 
 def _as_columns(name: str, value: Any, samples: int) -> FloatArray:

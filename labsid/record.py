@@ -16,6 +16,9 @@ from labsid.formats import RawRecord, read_raw
 # An interval may differ from the usual one by this share of it; more is a gap or a jittering clock.
 REGULAR_WITHIN = 0.01
 
+# Beyond any quantity of a lab, and below what cannot be squared.
+LARGEST = 1e100
+
 _OPTIONAL = ("y_measured", "y_noise_reduced", "reference")
 
 
@@ -61,7 +64,8 @@ class Record:
         names = ("t", "u", "y", *present)
         signals = as_signals(at_least=2, t=self.t, u=self.u, y=self.y, **present)
         Ts = float(self.Ts)
-        faults = _time_faults(signals[0]) or _disagreement(sampling_time(signals[0]), Ts, signals[0].size)
+        sizes = [fault for name, x in zip(names, signals, strict=True) for fault in _size_faults(name, x)]
+        faults = sizes or _time_faults(signals[0]) or _disagreement(sampling_time(signals[0]), Ts, signals[0].size)
         if faults:
             raise ValueError(faults[0].text)
         freeze(self, **dict(zip(names, signals, strict=True)))
@@ -193,6 +197,8 @@ def find_faults(raw: RawRecord) -> tuple[Fault, ...]:
             as_signal(name, column, at_least=2)
         except ValueError as error:
             faults.append(Fault("values", str(error)))
+        else:
+            faults += _size_faults(name, column)
     lengths = {name: column.size for name, column in raw.columns.items()}
     if len(set(lengths.values())) > 1:
         got = ", ".join(f"{name} has {size}" for name, size in lengths.items())
@@ -209,12 +215,25 @@ def find_faults(raw: RawRecord) -> tuple[Fault, ...]:
     return tuple(faults)
 
 
+def is_sound(values: FloatArray) -> bool:
+    """Whether all values are finite and of a size that arithmetic survives."""
+    return bool(np.all(np.abs(values) <= LARGEST))
+
+
+def _size_faults(name: str, column: FloatArray) -> list[Fault]:
+    k = int(np.argmax(np.abs(column)))
+    if abs(column[k]) <= LARGEST:
+        return []
+    text = f"{name} must be below {LARGEST:g} in size; got {column[k]:g} at sample {k}. The file is damaged there."
+    return [Fault("values", text)]
+
+
 def _sampling_faults(raw: RawRecord) -> list[Fault]:
     if raw.t is None:
         if raw.Ts is None:
             return [Fault("sampling", "there is no time column. Give the sampling time with Ts (--Ts).")]
         return []
-    if raw.t.size < 2 or not np.isfinite(raw.t).all():
+    if raw.t.size < 2 or not is_sound(raw.t):
         return []
     faults = _time_faults(raw.t)
     if not faults and raw.Ts is not None:

@@ -8,7 +8,7 @@ import numpy as np
 from labsid._arrays import FloatArray
 from labsid.findings import Finding, about_signals, name_places
 from labsid.formats import RawRecord
-from labsid.record import REGULAR_WITHIN, Fault, find_faults
+from labsid.record import LARGEST, REGULAR_WITHIN, Fault, find_faults, is_sound
 from labsid.signal_quality import runs
 
 
@@ -73,7 +73,7 @@ def check_record(raw: RawRecord) -> RecordCheck:
     # Those descriptions name every place, the fault only the first.
     told = {finding.topic for finding in findings if finding.level == "refused"}
     findings += [Finding("refused", fault.topic, fault.text) for fault in faults if fault.topic not in told]
-    if raw.u.size == raw.y.size >= 5 and np.isfinite(raw.u).all() and np.isfinite(raw.y).all():
+    if raw.u.size == raw.y.size >= 5 and is_sound(raw.u) and is_sound(raw.y):
         findings += about_signals(raw, Ts)
     notes = [Finding("note", "file", f"{note}.") for note in raw.notes]
     return RecordCheck(raw.name, int(raw.u.size), Ts, faults, (*notes, *findings))
@@ -104,8 +104,8 @@ def to_json_dict(check: RecordCheck) -> dict[str, Any]:
 
 def _usual_interval(raw: RawRecord) -> float | None:
     if raw.t is not None and raw.t.size > 1:
-        steps = np.diff(raw.t)
-        steps = steps[np.isfinite(steps) & (steps > 0)]
+        steps = np.diff(raw.t[np.abs(raw.t) <= LARGEST])
+        steps = steps[steps > 0]
         if steps.size:
             return float(f"{np.median(steps):.9g}")
     return raw.Ts
@@ -115,7 +115,7 @@ def _about_sampling(raw: RawRecord, Ts: float | None) -> list[Finding]:
     size = f"{raw.u.size} samples"
     if Ts is None:
         return []
-    if raw.t is None or raw.t.size < 2 or not np.isfinite(raw.t).all():
+    if raw.t is None or raw.t.size < 2 or not is_sound(raw.t):
         text = f"{size}, one every {Ts:g} s as given; there are no times to check that by."
         return [Finding("note", "sampling", text)]
     steps = np.diff(raw.t)

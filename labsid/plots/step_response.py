@@ -26,7 +26,8 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
     from matplotlib.transforms import Transform
 
-    from labsid.step_response import StepComparison, StepResponseFit
+    from labsid.step_comparison import StepComparison
+    from labsid.step_response import StepResponseFit
 
 SHARE_283, SHARE_632 = 1 - np.exp(-1 / 3), 1 - np.exp(-1)
 
@@ -91,7 +92,7 @@ def figure_a2(comparison: StepComparison) -> Figure:
     Parameters
     ----------
     comparison : StepComparison
-        From `labsid.step_response.compare_with_approximation`.
+        From `labsid.step_comparison.compare_with_approximation`.
 
     Returns
     -------

@@ -203,7 +203,7 @@ def bad_files(folder: Path, s: dict) -> dict[str, tuple[Path, str]]:
         "cut off": (folder / "cut.mat", "cut off or damaged"),
         "hdf5": (folder / "hdf5.mat", "'-v7')"),
         "no LogData": (folder / "other.mat", "it holds level, time"),
-        "text called mat": (text("text.mat", "t,u,y\n0,1,2\n"), "it is not a MAT-file"),
+        "text called mat": (text("text.mat", "t,u,y\n0,1,2\n"), "it is no MAT-file"),
         "swapped columns": (log("swapped.mat", outputs=s["u"][:, None], u=outputs), "are swapped"),
         "swapped signals": (csv("swapped.csv", u=s["y"], y=s["u"]), "look swapped"),
         "nan in y": (csv("nan.csv", y=changed(s["y"], [7, 8], np.nan)), "y must be finite; got nan at sample 7"),
@@ -431,14 +431,14 @@ def test_a_reader_that_leaves_is_no_error(tank):
 
 @pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="needs a named pipe to wait on")
 def test_an_interrupted_run_ends_with_one_line(tmp_path):
-    """The named pipe holds the command in the middle of reading: opening our end waits until it is there."""
+    """A named pipe holds the command in the middle of reading: opening our end waits until it is there."""
     os.mkfifo(tmp_path / "slow.csv")
-    process = subprocess.Popen(
-        [*LABSID, "check", str(tmp_path / "slow.csv")], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
-    )
-    with open(tmp_path / "slow.csv", "w") as pipe:
-        pipe.write("t,u,y\n")
-        pipe.flush()
-        process.send_signal(signal.SIGINT)
+    command = [*LABSID, "check", str(tmp_path / "slow.csv")]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as process:
+        with open(tmp_path / "slow.csv", "w") as pipe:
+            pipe.write("t,u,y\n")
+            pipe.flush()
+            process.send_signal(signal.SIGINT)
+        # The end of the file wakes a read that the signal came just too early for.
         out, err = process.communicate(timeout=60)
     assert (process.returncode, out, err) == (2, "", "labsid: error: interrupted\n")

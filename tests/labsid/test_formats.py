@@ -229,7 +229,7 @@ def test_empty_time(write_log):
 
 
 def test_variables_by_name(tmp_path):
-    savemat(tmp_path / "v.mat", {"time": T, "pump": U[:, None], "level": Y, "both": OUTPUTS}, format="4")
+    savemat(tmp_path / "v.mat", {"time": T, "pump": U[:, None], "level": Y, "both": OUTPUTS})
     assert_columns(read_raw(tmp_path / "v.mat", columns="time,pump,level"))
     assert_columns(read_raw(tmp_path / "v.mat", columns="pump,level", Ts=1), t=None)
     with pytest.raises(ValueError, match=r"there is no variable 'u' in it; it holds both, level, pump, time"):
@@ -309,7 +309,7 @@ def test_a_file_cut_off_anywhere_is_refused_or_whole(write_log, tmp_path, compre
 
 def test_text_called_mat(tmp_path):
     (tmp_path / "text.mat").write_text("t,u,y\n" + ROWS)
-    with pytest.raises(ValueError, match="it is not a MAT-file, or it is cut off or damaged"):
+    with pytest.raises(ValueError, match="it is no MAT-file of version 5 or 7, or it is cut off or damaged"):
         read_raw(tmp_path / "text.mat")
 
 

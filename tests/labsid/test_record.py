@@ -66,6 +66,7 @@ def test_records_can_be_copied_and_sent_to_another_process():
         ({"t": T[:1], "u": U[:1], "y": Y[:1]}, r"t must have at least 2 samples; got 1"),
         ({"u": changed(U, 3, np.nan)}, r"u must be finite; got nan at sample 3 \(1 such samples\)"),
         ({"reference": changed(U, [3, 4], np.inf)}, r"reference must be finite; got inf at sample 3"),
+        ({"y": changed(Y, 4, -1e200)}, r"y must be below 1e\+100 in size; got -1e\+200 at sample 4"),
         ({"y": np.column_stack([Y, Y])}, r"y must be one signal .*; got shape \(20, 2\)"),
         ({"u": ["a"] * N}, r"u must hold real numbers"),
         ({"t": changed(T, 5, 2.0)}, r"time goes backwards from sample 4 \(t = 3 s\) to sample 5 \(t = 2 s\)\."),

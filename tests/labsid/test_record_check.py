@@ -68,6 +68,16 @@ def test_missing_values_by_stretches(good, staircase):
     assert [fault.topic for fault in check.faults] == ["values", "values"]
 
 
+def test_values_beyond_reason(good, staircase):
+    huge = changed(staircase["y"], 3, 1e300)
+    check = check_record(good(y=huge))
+    assert "y must be below 1e+100 in size; got 1e+300 at sample 3" in texts(check, "values", "refused")
+    assert "output" not in {f.topic for f in check.findings}
+    check = check_record(good(y_measured=huge))
+    assert "y_measured must be below" in texts(check, "values", "refused")
+    assert "between" in texts(check, "output", "ok")
+
+
 def test_time_that_jumps_is_described_place_by_place(good, staircase):
     t = staircase["t"].copy()
     t[50:] -= 10.0

@@ -6,13 +6,12 @@ from matplotlib.patches import FancyArrowPatch
 
 from labsid.plots import figure_a1, figure_a2
 from labsid.record import load_record
+from labsid.step_comparison import compare_with_approximation, second_order_example
 from labsid.step_response import (
     FirstOrderDelay,
-    compare_with_approximation,
     cut_held_step,
     first_order_response,
     fit_step_response,
-    second_order_example,
 )
 
 
