@@ -4,12 +4,16 @@ import ast
 import re
 import subprocess
 import sys
+import tomllib
 from collections.abc import Iterator
 from dataclasses import dataclass
+from importlib.metadata import packages_distributions
 from inspect import cleandoc
 from pathlib import Path
 
 import pytest
+from packaging.requirements import Requirement
+from packaging.utils import canonicalize_name
 
 ROOT = Path(__file__).resolve().parent.parent
 
@@ -149,6 +153,33 @@ def test_only_plots_imports_matplotlib_and_never_its_global_state(labsid: list[M
     assert broken(plots, "matplotlib") != []
     assert broken([module for module in labsid if module not in plots], "matplotlib|pylab") == []
     assert broken(plots, r"matplotlib\.(pyplot|rcParams|rc|use)|pylab") == []
+
+
+@pytest.mark.parametrize(
+    ("folder", "extras"),
+    [
+        ("labsid", []),
+        ("autograder", ["notebooks", "autograder"]),
+        ("tests", ["notebooks", "autograder", "dev"]),
+    ],
+)
+def test_what_is_imported_is_declared(folder: str, extras: list[str]) -> None:
+    """A package that is there only because another one needs it today may be gone tomorrow."""
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+    lines = [*project["dependencies"], *(line for e in extras for line in project["optional-dependencies"][e])]
+    declared = {canonicalize_name(Requirement(line).name) for line in lines}
+
+    own = {"labsid", "autograder"} | {path.stem for path in (ROOT / "tests").iterdir()}
+    imported = {name.split(".")[0]: module.name for module in modules_of(ROOT / folder) for name in imports_of(module)}
+    foreign = set(imported) - own - set(sys.stdlib_module_names)
+    assert len(foreign) > 4
+    provided_by = packages_distributions()
+    undeclared = {
+        name: imported[name]
+        for name in foreign
+        if not declared & {canonicalize_name(distribution) for distribution in provided_by.get(name, [])}
+    }
+    assert undeclared == {}
 
 
 def test_help_needs_no_heavy_import() -> None:
