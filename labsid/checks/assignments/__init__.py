@@ -1,0 +1,1 @@
+"""One module an assignment: its questions, the right values and the known slips."""

@@ -1,0 +1,78 @@
+"""Judging the figures of the lab and of the post-lab: panels of signals over time."""
+
+import re
+from dataclasses import dataclass
+
+import numpy as np
+
+from labsid._arrays import FloatArray
+from labsid.checks.compare import as_figure
+from labsid.checks.figures import find_curve, legend_text, require_curve, require_label, require_legend
+from labsid.checks.values import AxesValue, CurveValue, Value
+from labsid.checks.verdict import NoAnswer
+
+
+@dataclass(frozen=True, slots=True)
+class Panel:
+    """What one panel should show.
+
+    Attributes
+    ----------
+    where : str
+        What the student is told it is: "the upper panel of Fig. 5".
+    signals : dict
+        Each curve's data by the name of its variable.
+    t : tuple of ndarray
+        The times against which it may be drawn; the first is the one that the step asks for.
+    calls : tuple of str
+        For each of several signals, a pattern of how a legend calls it and never the others.
+    """
+
+    where: str
+    signals: dict[str, FloatArray]
+    t: tuple[FloatArray, ...]
+    calls: tuple[str, ...] = ()
+
+
+def require_panels(name: str, value: Value, panels: tuple[Panel, ...]) -> tuple[AxesValue, ...]:
+    """Refuse a figure whose panels, from top to bottom, are not these; returns its axes."""
+    figure = as_figure(name, value, axes=len(panels))
+    if not any(axes.curves for axes in figure.axes):
+        raise NoAnswer(f"`{name}` is empty: draw in its axes.", "empty axes")
+    if len(panels) == 2 and _shows(figure.axes[0], panels[1]) and _shows(figure.axes[1], panels[0]):
+        raise NoAnswer(f"The two panels of `{name}` have changed places.", "panels swapped")
+    for axes, panel in zip(figure.axes, panels, strict=True):
+        curves = [_require_curve(axes, panel, signal) for signal in panel.signals]
+        require_label(axes, panel.where, "y", "V")
+        if len(curves) > 1:
+            _require_names(axes, panel, curves)
+    # panels on one time axis need its name only once, at the bottom
+    require_label(figure.axes[-1], panels[-1].where, "x", "s")
+    return figure.axes
+
+
+def _require_curve(axes: AxesValue, panel: Panel, signal: str) -> CurveValue:
+    y = panel.signals[signal]
+    for t in panel.t:
+        curve = find_curve(axes, y, t)
+        if curve is not None:
+            return curve
+    return require_curve(axes, panel.where, f"`{signal}`", y, panel.t[0])
+
+
+def _shows(axes: AxesValue, panel: Panel) -> bool:
+    return all(find_curve(axes, y) is not None for y in panel.signals.values())
+
+
+def _require_names(axes: AxesValue, panel: Panel, curves: list[CurveValue]) -> None:
+    require_legend(axes, panel.where, len(curves))
+    texts = [legend_text(axes, curve) for curve in curves]
+    fits = np.array([[bool(re.search(call, text, re.IGNORECASE)) for call in panel.calls] for text in texts])
+    swapped = np.argwhere(fits & fits.T & ~np.eye(len(curves), dtype=bool)) if panel.calls else np.empty((0, 2), int)
+    for i, j in swapped:
+        if not fits[i, i] and not fits[j, j]:
+            first, second = list(panel.signals)[i], list(panel.signals)[j]
+            raise NoAnswer(
+                f"The legend of {panel.where} calls `{first}` by the name of `{second}`, and the other way round.",
+                "legend entries swapped",
+            )

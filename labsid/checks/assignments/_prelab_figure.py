@@ -1,0 +1,95 @@
+"""Judging Fig. 1: one of its two panels, as a reader sees it."""
+
+import re
+
+import numpy as np
+
+from labsid._arrays import FloatArray
+from labsid.checks.compare import kind_of
+from labsid.checks.figures import (
+    find_curve,
+    plain_text,
+    require_curve,
+    require_labels,
+    require_legend,
+    require_limits,
+)
+from labsid.checks.values import AxesValue, CurveValue, FigureValue, Value
+from labsid.checks.verdict import NoAnswer
+from labsid.plots.style import GREY_BLUE
+
+SAME_COLOUR = 0.02
+"""Largest difference of a colour component: (153, 179, 204)/255 is the lab's (0.6, 0.7, 0.8)."""
+STANDS_OUT = 0.25
+"""Smallest distance between two colours that a reader can tell apart."""
+
+
+def panels(value: Value) -> tuple[AxesValue, ...]:
+    """The axes of `fig_1`, from top to bottom."""
+    if not isinstance(value, FigureValue):
+        raise NoAnswer(f"`fig_1` should be the figure itself, as `plt.subplots` returns it; it is {kind_of(value)}.")
+    if not value.axes:
+        raise NoAnswer("`fig_1` is empty: draw in its axes, `ax_a` and `ax_b`.")
+    return value.axes
+
+
+def require_panel(
+    axes: AxesValue, where: str, time_name: str, t: FloatArray, signals: dict[str, FloatArray], title: str
+) -> None:
+    """Refuse a panel that is not the one of Fig. 1: `signals` holds the sine first, then the cosine."""
+    if not axes.curves:
+        raise NoAnswer(f"There is no curve in {where} yet.", "empty axes")
+    (sine_name, sine_data), (cosine_name, cosine_data) = signals.items()
+    sine = require_curve(axes, where, f"`{sine_name}` against `{time_name}`", sine_data, t)
+    cosine = require_curve(axes, where, f"`{cosine_name}` against `{time_name}`", cosine_data, t)
+    _require_colours(where, sine, cosine)
+    if not cosine.steps:
+        raise NoAnswer(
+            f'In {where} straight lines join the cosine. MATLAB\'s `stairs` is `step(..., where="post")`.',
+            "plot in place of stairs",
+        )
+    require_limits(axes, where, (0, 140), (-1.5, 1.5))
+    if not re.search(title, axes.title, re.IGNORECASE):
+        raise NoAnswer(f"The title of {where} is {axes.title!r}; see the step for what it should say.", "title")
+    if not axes.grid:
+        raise NoAnswer(f"{where} has no grid: `grid(True)`.", "no grid")
+    require_labels(axes, where, ("s", ""))
+    _require_names(axes, where, sine, cosine)
+
+
+def shows(axes: AxesValue, y: FloatArray, t: FloatArray | None = None) -> bool:
+    """Whether a panel draws `y` (against `t`)."""
+    return find_curve(axes, y, t) is not None
+
+
+def _require_colours(where: str, sine: CurveValue, cosine: CurveValue) -> None:
+    if _distance(cosine.color, GREY_BLUE) > SAME_COLOUR:
+        if _distance(sine.color, GREY_BLUE) <= SAME_COLOUR:
+            raise NoAnswer(f"In {where} the grey-blue belongs to the cosine.", "colours swapped")
+        raise NoAnswer(
+            f"In {where} the cosine should have the RGB code (0.6, 0.7, 0.8): `color=(0.6, 0.7, 0.8)`.",
+            "colour",
+        )
+    if _distance(sine.color, cosine.color) < STANDS_OUT:
+        raise NoAnswer(f"In {where} the two curves can hardly be told apart: give the sine another colour.", "colour")
+
+
+def _require_names(axes: AxesValue, where: str, sine: CurveValue, cosine: CurveValue) -> None:
+    require_legend(axes, where, 2)
+    entries = [plain_text(text) for text in axes.legend]
+    for name in ("sin", "cos"):
+        named = [text for text in entries if name in text]
+        if not named:
+            raise NoAnswer(f"The legend of {where} names no {name}(0.02πt).", "legend")
+        if not any("π" in text for text in named):
+            raise NoAnswer(
+                f"The legend of {where} spells the Greek letter out: write it as `$\\pi$` or copy π.",
+                "Greek letter spelt out",
+            )
+    # names given to `legend` itself are in no curve; matplotlib then takes the curves in the order drawn
+    if "cos" in plain_text(sine.label) or "sin" in plain_text(cosine.label):
+        raise NoAnswer(f"The legend of {where} calls the sine a cosine: swap the labels.", "legend entries swapped")
+
+
+def _distance(a: tuple[float, float, float], b: tuple[float, float, float]) -> float:
+    return float(np.max(np.abs(np.subtract(a, b))))

@@ -1,0 +1,177 @@
+"""Reading a value as what it should be, and comparing two of them in the right sense."""
+
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from labsid.checks.values import FigureValue, StateSpaceValue, TransferFunctionValue, Unreadable, Value
+from labsid.checks.verdict import NoAnswer
+
+FloatArray = NDArray[np.float64]
+SystemValue = TransferFunctionValue | StateSpaceValue
+
+MAX_ORDER = 100
+"""Systems of a higher order are not compared: no plant of the course comes near it."""
+
+
+def kind_of(value: Value) -> str:
+    """Name a value as a student would: "a column of shape (903, 1)", "text", "nothing (None)"."""
+    if value is None:
+        return "nothing (None)"
+    if isinstance(value, Unreadable):
+        return f"an object of type {value.kind}"
+    if isinstance(value, np.ndarray):
+        return f"an array of shape {value.shape}" if value.ndim else "a number"
+    if isinstance(value, (bool, int, float)):
+        return "a number"
+    names = {
+        str: "text",
+        complex: "a complex number",
+        TransferFunctionValue: "a transfer function",
+        StateSpaceValue: "a state space",
+        FigureValue: "a figure",
+    }
+    return next((text for kind, text in names.items() if isinstance(value, kind)), f"a {type(value).__name__}")
+
+
+def as_number(name: str, value: Value) -> float:
+    """Read a real number; an array with one element counts. Raises `NoAnswer` with what was got."""
+    array = _real_array(name, value, "one number")
+    if array.size != 1:
+        raise NoAnswer(f"`{name}` should be one number; it is {kind_of(value)}.")
+    return float(array.reshape(-1)[0])
+
+
+def as_array(name: str, value: Value) -> FloatArray:
+    """Read a real array of whatever shape: for a check that looks at the shape itself."""
+    return _real_array(name, value, "numbers")
+
+
+def as_matrix(name: str, value: Value, shape: tuple[int | None, int | None]) -> FloatArray:
+    """Read a real matrix; None in `shape` leaves that size open. Raises `NoAnswer` with the shape that was got."""
+    array = _real_array(name, value, "a matrix")
+    wanted = ", ".join("any" if size is None else str(size) for size in shape)
+    if array.ndim == 2 and array.shape != shape and _fits(array.T.shape, shape) and not _fits(array.shape, shape):
+        raise NoAnswer(
+            f"`{name}` has shape {array.shape}: it lies on its side. Its columns should run down, shape ({wanted}).",
+            "rows instead of columns",
+        )
+    if array.ndim != 2 or not _fits(array.shape, shape):
+        raise NoAnswer(f"`{name}` should have shape ({wanted}); it is {kind_of(value)}.")
+    return array
+
+
+def as_vector(name: str, value: Value, size: int | None = None) -> FloatArray:
+    """Read a signal or a parameter vector: shape (N,) or a column (N, 1). A row (1, N) is named as such."""
+    array = _real_array(name, value, "a vector")
+    if array.ndim == 2 and array.shape[0] == 1 and array.shape[1] > 1:
+        raise NoAnswer(
+            f"`{name}` is a row, shape {array.shape}. Make it a column (or one-dimensional): `{name}.T`.",
+            "a row instead of a column",
+        )
+    if array.ndim == 2 and array.shape[1] == 1:
+        array = array.reshape(-1)
+    if array.ndim != 1:
+        raise NoAnswer(f"`{name}` should be one column of numbers; it is {kind_of(value)}.")
+    if size is not None and array.size != size:
+        raise NoAnswer(f"`{name}` should have {size} elements; it has {array.size}.")
+    return array
+
+
+def as_column(name: str, value: Value, size: int | None = None) -> FloatArray:
+    """Read a column vector of shape (N, 1), returned as (N,): where the shape itself is what is being taught."""
+    array = as_vector(name, value, size)
+    if np.ndim(value) != 2:  # type: ignore[arg-type]
+        raise NoAnswer(
+            f"`{name}` has shape {np.shape(value)}: numpy made it flat. "  # type: ignore[arg-type]
+            f"A column vector has shape ({array.size}, 1): `{name}.reshape(-1, 1)`.",
+            "flat instead of a column",
+        )
+    return array
+
+
+def as_system(name: str, value: Value) -> SystemValue:
+    """Read a transfer function or a state space, of one input and one output."""
+    if not isinstance(value, (TransferFunctionValue, StateSpaceValue)):
+        raise NoAnswer(f"`{name}` should be a transfer function or a state space; it is {kind_of(value)}.")
+    if isinstance(value, StateSpaceValue):
+        order, inputs, outputs = value.A.shape[0], value.B.shape[1], value.C.shape[0]
+        if (inputs, outputs) != (1, 1):
+            raise NoAnswer(f"`{name}` should have one input and one output; it has {inputs} and {outputs}.")
+    else:
+        order = max(value.num.size, value.den.size) - 1
+    if order > MAX_ORDER:
+        raise NoAnswer(f"`{name}` is of order {order}. That is no model of this plant.")
+    return value
+
+
+def as_figure(name: str, value: Value, axes: int) -> FigureValue:
+    """Read a figure with so many axes."""
+    if not isinstance(value, FigureValue):
+        raise NoAnswer(f"`{name}` should be the figure itself, as `plt.figure()` returns it; it is {kind_of(value)}.")
+    if len(value.axes) != axes:
+        raise NoAnswer(f"`{name}` should have {axes} subplots; it has {len(value.axes)}.")
+    return value
+
+
+def close(relative: float, absolute: float = 0.0) -> Callable[[ArrayLike, ArrayLike], bool]:
+    """Make a comparison of numbers or arrays: ``|a - b| <= absolute + relative * max|b|``, shapes equal.
+
+    The tolerance is taken from the largest element, so that a small element beside a large one is not asked for more
+    digits than the arithmetic has.
+    """
+
+    def same(a: ArrayLike, b: ArrayLike) -> bool:
+        x, y = np.asarray(a, float), np.asarray(b, float)
+        if x.shape != y.shape or x.size == 0 or not np.isfinite(y).all():
+            return False
+        return bool(np.all(np.abs(x - y) <= absolute + relative * np.max(np.abs(y))))
+
+    return same
+
+
+def frequency_response(system: SystemValue, points: int = 64) -> NDArray[np.complex128]:
+    """Response at frequencies spread logarithmically up to Nyquist (over eight decades in continuous time)."""
+    continuous = 1j * np.logspace(-4, 4, points)
+    z = continuous if system.dt is None else np.exp(1j * np.pi * np.logspace(-3, 0, points))
+    with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
+        if isinstance(system, TransferFunctionValue):
+            return np.asarray(np.polyval(system.num, z) / np.polyval(system.den, z), complex)
+        eye = np.eye(system.A.shape[0])
+        states = np.linalg.solve(
+            z[:, None, None] * eye - system.A, np.broadcast_to(system.B, (points, *system.B.shape))
+        )
+        return np.asarray((system.C @ states + system.D)[:, 0, 0], complex)
+
+
+def same_response(relative: float = 1e-6) -> Callable[[SystemValue, SystemValue], bool]:
+    """Make a comparison of two systems: equal sampling time and equal frequency response, however they are written."""
+
+    def same(a: SystemValue, b: SystemValue) -> bool:
+        if (a.dt is None) != (b.dt is None) or (a.dt is not None and not abs(a.dt - (b.dt or 0)) <= 1e-9):
+            return False
+        try:
+            x, y = frequency_response(a), frequency_response(b)
+        except (ValueError, np.linalg.LinAlgError):
+            return False
+        return bool(np.all(np.isfinite(x)) and np.max(np.abs(x - y)) <= relative * np.max(np.abs(y)))
+
+    return same
+
+
+def _real_array(name: str, value: Value, wanted: str) -> FloatArray:
+    if isinstance(value, (bool, int, float)):
+        value = np.asarray(value)
+    if not isinstance(value, np.ndarray) or value.dtype.kind not in "biuf":
+        raise NoAnswer(f"`{name}` should be {wanted}; it is {kind_of(value)}.")
+    array = value.astype(np.float64)
+    if not np.all(np.isfinite(array)):
+        first = tuple(np.argwhere(~np.isfinite(array))[0])
+        where = f" (at [{', '.join(map(str, first))}])" if first else ""
+        raise NoAnswer(f"`{name}` holds {array[first]}{where}: something before it went wrong.")
+    return array
+
+
+def _fits(shape: tuple[int, ...], wanted: tuple[int | None, ...]) -> bool:
+    return len(shape) == len(wanted) and all(w is None or s == w for s, w in zip(shape, wanted, strict=True))

@@ -1,0 +1,91 @@
+"""Judging a figure by what a reader sees in it; each function raises `NoAnswer` with what is missing."""
+
+import re
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from labsid.checks.values import AxesValue, CurveValue
+from labsid.checks.verdict import NoAnswer
+
+
+def find_curve(axes: AxesValue, y: ArrayLike, x: ArrayLike | None = None) -> CurveValue | None:
+    """The curve that shows these data; one drawn by ``stairs`` may lack the last sample."""
+    wanted = np.asarray(y, float).reshape(-1)
+    abscissa = None if x is None else np.asarray(x, float).reshape(-1)
+    for curve in axes.curves:
+        n = curve.y.size
+        if n < 2 or not wanted.size - 1 <= n <= wanted.size:
+            continue
+        right_y = _agree(curve.y, wanted[:n])
+        if right_y and (abscissa is None or _agree(curve.x, abscissa[:n])):
+            return curve
+    return None
+
+
+def require_curve(axes: AxesValue, where: str, what: str, y: ArrayLike, x: ArrayLike | None = None) -> CurveValue:
+    """The curve that shows `y` (against `x`); `where` and `what` name the axes and the signal for the student."""
+    curve = find_curve(axes, y, x)
+    if curve is not None:
+        return curve
+    if x is not None and find_curve(axes, y) is not None:
+        raise NoAnswer(
+            f"In {where}, {what} is drawn, but not against time: give the time vector as the first argument.",
+            "drawn against the sample number",
+        )
+    raise NoAnswer(f"In {where} no curve shows {what}. Plot it against time.")
+
+
+def require_labels(axes: AxesValue, where: str, units: tuple[str, str]) -> None:
+    """Both axis labels there, with the units `units` (x, y), such as ``("s", "V")``, in brackets."""
+    for axis, unit in zip("xy", units, strict=True):
+        require_label(axes, where, axis, unit)
+
+
+def require_label(axes: AxesValue, where: str, axis: str, unit: str) -> None:
+    """The label of one axis, "x" or "y", with its unit in brackets; no unit is asked for where `unit` is empty."""
+    label = axes.xlabel if axis == "x" else axes.ylabel
+    if not label.strip():
+        raise NoAnswer(f"In {where} the {axis}-axis has no label: use `{axis}label`.", "axis without a label")
+    if unit and not re.search(rf"[(\[/,]\s*(?:\\mathrm{{)?{re.escape(unit)}", label, re.IGNORECASE):
+        raise NoAnswer(f"In {where} the {axis}-label {label!r} has no unit: write it as ({unit}).", "no unit")
+
+
+def require_limits(axes: AxesValue, where: str, xlim: tuple[float, float], ylim: tuple[float, float]) -> None:
+    """Axis limits as the figure prints them."""
+    for name, got, wanted in (("x", axes.xlim, xlim), ("y", axes.ylim, ylim)):
+        if not np.allclose(got, wanted, atol=1e-9):
+            raise NoAnswer(
+                f"In {where} the {name}-axis runs from {got[0]:g} to {got[1]:g}; the figure has {wanted[0]:g} to "
+                f"{wanted[1]:g}: use `{name}lim`.",
+                "axis limits",
+            )
+
+
+def require_legend(axes: AxesValue, where: str, entries: int) -> None:
+    """A legend with at least so many entries."""
+    if len([text for text in axes.legend if text.strip()]) < entries:
+        raise NoAnswer(
+            f"In {where} the legend should name {entries} curves: give each a `label` and call `legend`.",
+            "no legend",
+        )
+
+
+def legend_text(axes: AxesValue, curve: CurveValue) -> str:
+    """What the legend calls a curve: its label, or the entry of its rank where ``legend`` was given the names."""
+    if curve.label in axes.legend:
+        return curve.label
+    # `is`, as equality of records that hold arrays is not defined
+    rank = next(i for i, other in enumerate(axes.curves) if other is curve)
+    return axes.legend[rank] if rank < len(axes.legend) else ""
+
+
+def plain_text(text: str) -> str:
+    """A label without mathtext marks and spaces: ``$\\sin(0.02\\pi t)$`` is ``sin(0.02πt)``."""
+    for mark, letter in ((r"\pi", "π"), (r"\tau", "τ"), (r"\phi", "φ"), (r"\theta", "θ"), (r"\cdot", ""), ("*", "")):
+        text = text.replace(mark, letter)
+    return re.sub(r"\\(?:mathrm|,|;|\s)|[\\${}\s·]", "", text)
+
+
+def _agree(a: np.ndarray, b: np.ndarray) -> bool:
+    return a.shape == b.shape and bool(np.allclose(a, b, rtol=1e-6, atol=1e-6 * (1e-300 + np.max(np.abs(b)))))

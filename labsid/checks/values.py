@@ -1,0 +1,202 @@
+"""Plain values: the only things that pass from a student's work to a check.
+
+Whatever a student's variable is (a list, a column, a transfer function of python-control or of scipy, a figure), it
+becomes numbers, text, arrays and the few records below. Anything else becomes `Unreadable`, which says what it was.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from labsid._arrays import freeze
+
+MAX_ITEMS = 10_000
+MAX_DEPTH = 6
+MAX_INTEGER = 2**63
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class TransferFunctionValue:
+    """A transfer function as coefficients in descending powers; `dt` is None in continuous time."""
+
+    num: NDArray[np.float64]
+    den: NDArray[np.float64]
+    dt: float | None
+
+    def __post_init__(self) -> None:
+        freeze(self, num=self.num, den=self.den)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class StateSpaceValue:
+    """A state space as its four matrices; `dt` is None in continuous time."""
+
+    A: NDArray[np.float64]
+    B: NDArray[np.float64]
+    C: NDArray[np.float64]
+    D: NDArray[np.float64]
+    dt: float | None
+
+    def __post_init__(self) -> None:
+        freeze(self, A=self.A, B=self.B, C=self.C, D=self.D)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class CurveValue:
+    """One drawn curve: its data, colour (red, green, blue), whether it is drawn in steps, and its legend text."""
+
+    x: NDArray[np.float64]
+    y: NDArray[np.float64]
+    color: tuple[float, float, float]
+    steps: bool
+    label: str
+
+    def __post_init__(self) -> None:
+        freeze(self, x=self.x, y=self.y)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class AxesValue:
+    """One pair of axes of a figure as a reader sees it."""
+
+    title: str
+    xlabel: str
+    ylabel: str
+    xlim: tuple[float, float]
+    ylim: tuple[float, float]
+    grid: bool
+    legend: tuple[str, ...]
+    texts: tuple[str, ...]
+    curves: tuple[CurveValue, ...]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class FigureValue:
+    """A figure: its axes from top to bottom, left to right."""
+
+    axes: tuple[AxesValue, ...]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Unreadable:
+    """Something that is not plain data; `kind` is the name of its type."""
+
+    kind: str
+
+
+Value = (
+    None
+    | bool
+    | int
+    | float
+    | complex
+    | str
+    | NDArray[Any]
+    | TransferFunctionValue
+    | StateSpaceValue
+    | FigureValue
+    | Unreadable
+    | Sequence["Value"]
+    | Mapping[str, "Value"]
+)
+"""Everything that a check can be handed."""
+
+
+# These attributes give a system away, so that neither python-control nor scipy need be imported here.
+_TRANSFER_FUNCTION = ("num", "den")
+_STATE_SPACE = ("A", "B", "C", "D")
+
+
+def plain(value: object, depth: int = 0) -> Value:
+    """Turn a variable of a student's program into plain data.
+
+    Parameters
+    ----------
+    value : object
+        Anything at all.
+    depth : int
+        Nesting reached so far; deeper than `MAX_DEPTH` is `Unreadable`.
+
+    Returns
+    -------
+    Value
+        `Unreadable` too for an object whose own code fails when it is looked at.
+    """
+    try:
+        return _plain(value, depth)
+    except MemoryError:
+        raise
+    except Exception:
+        return Unreadable(type(value).__name__)
+
+
+def _plain(value: object, depth: int) -> Value:
+    if type(value) is int and abs(value) >= MAX_INTEGER:
+        return Unreadable("int of too many digits")
+    if value is None or type(value) in (bool, int, float, complex, str):
+        return value  # type: ignore[return-value]
+    if isinstance(value, np.generic):
+        if value.dtype.kind not in "biufcU":
+            return Unreadable(type(value).__name__)
+        item = value.item()
+        return np.array(value) if isinstance(item, np.generic) else plain(item, depth)  # longdouble has no other item
+    if isinstance(value, np.ndarray):
+        array = np.array(value)
+        return array if array.dtype.kind in "biufc" else Unreadable(f"array of {array.dtype}")
+    if depth >= MAX_DEPTH:
+        return Unreadable("deeply nested data")
+    if isinstance(value, (list, tuple, range)):
+        return _plain_sequence(value, depth)
+    if isinstance(value, dict):
+        if len(value) > MAX_ITEMS or not all(isinstance(key, str) for key in value):
+            return Unreadable("dict")
+        return {key: plain(item, depth + 1) for key, item in value.items()}
+    if hasattr(value, "savefig") and hasattr(value, "axes"):
+        from labsid.plots.describe import describe_figure
+
+        return describe_figure(value)
+    return _plain_system(value)
+
+
+def _plain_sequence(value: Sequence[object], depth: int) -> Value:
+    try:
+        array = np.asarray(value)
+    except ValueError:
+        array = np.empty(0, dtype=object)
+    if array.dtype.kind in "biufc":
+        return array
+    if len(value) > MAX_ITEMS:
+        return Unreadable(f"{type(value).__name__} of {len(value)} items")
+    return tuple(plain(item, depth + 1) for item in value)
+
+
+def _plain_system(value: object) -> Value:
+    if all(hasattr(value, name) for name in _TRANSFER_FUNCTION):
+        num, den = (_single_polynomial(getattr(value, name)) for name in _TRANSFER_FUNCTION)
+        return TransferFunctionValue(num, den, _sampling_time(value))
+    if all(hasattr(value, name) for name in _STATE_SPACE):
+        A, B, C, D = (np.atleast_2d(np.asarray(getattr(value, n), float)) for n in _STATE_SPACE)
+        return StateSpaceValue(A, B, C, D, _sampling_time(value))
+    return Unreadable(type(value).__name__)
+
+
+def _sampling_time(system: object) -> float | None:
+    """python-control writes 0 or None for continuous time, True for discrete time without a sampling time."""
+    dt: Any = getattr(system, "dt", None)
+    return None if dt is None or dt is True or dt == 0 else float(dt)
+
+
+def _single_polynomial(coefficients: Any) -> NDArray[np.float64]:
+    """Coefficients of a single-input single-output system: python-control nests them as ``num[0][0]``."""
+    array = coefficients
+    while isinstance(array, (list, tuple)) or (isinstance(array, np.ndarray) and array.dtype == object):
+        if len(array) != 1:
+            break
+        array = array[0]
+    polynomial = np.asarray(array, dtype=np.float64)
+    if polynomial.ndim > 2 or (polynomial.ndim == 2 and polynomial.shape[0] != 1):
+        raise ValueError(f"one input and one output expected; got coefficients of shape {polynomial.shape}")
+    return polynomial.reshape(-1)

@@ -1,0 +1,70 @@
+"""A text notebook run cell by cell in a plain namespace, as a student runs it, with the checks of the notebook."""
+
+import re
+import shutil
+from collections.abc import Callable, Iterator, Mapping
+from pathlib import Path
+
+import jupytext
+import matplotlib.pyplot as plt
+import pytest
+
+from labsid.checks import CheckFailed
+
+NOTEBOOKS = Path(__file__).resolve().parents[3] / "notebooks"
+REGION = re.compile(r"( *)### BEGIN SOLUTION.*?### END SOLUTION", re.DOTALL)
+
+Said = dict[str, str]
+RunNotebook = Callable[..., Said]
+Cells = Callable[[str], Iterator[tuple[dict[str, object], str]]]
+
+
+def code_cells(assignment: str) -> Iterator[tuple[dict[str, object], str]]:
+    """nbgrader's few words and the source of every code cell."""
+    notebook = jupytext.read(NOTEBOOKS / assignment / f"{assignment}.md", fmt="md:myst")
+    for cell in notebook.cells:
+        if cell.cell_type == "code":
+            yield cell.metadata["nbgrader"], cell.source
+
+
+@pytest.fixture
+def notebook_cells() -> Cells:
+    """The code cells of an assignment's source."""
+    return code_cells
+
+
+@pytest.fixture
+def run_notebook(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> RunNotebook:
+    """Run an assignment beside a copy of `record`: what every check said, "" where it passed.
+
+    An error in a cell that is not a check ends the run, except in a release, whose answer cells are empty.
+    """
+    folder = tmp_path / "work"
+    folder.mkdir()
+    monkeypatch.chdir(folder)
+
+    def run(assignment: str, record: Path, replaced: Mapping[str, str] | None = None, release: bool = False) -> Said:
+        shutil.copyfile(record, folder / "SysIdenData_StudentVersion.mat")
+        variables: dict[str, object] = {}
+        said: Said = {}
+        for words, written in code_cells(assignment):
+            grade_id = str(words["grade_id"])
+            source = written
+            if release:
+                source = REGION.sub(lambda found: f"{found[1]}# Your code here\n{found[1]}...", source)
+            source = (replaced or {}).get(grade_id, source)
+            try:
+                exec(compile(source, grade_id, "exec"), variables)
+            except CheckFailed as failed:
+                said[grade_id] = str(failed)
+            except Exception:
+                if not release or "points" in words:
+                    raise
+            else:
+                if "points" in words:
+                    said[grade_id] = ""
+            finally:
+                plt.close("all")
+        return said
+
+    return run
