@@ -1,0 +1,125 @@
+"""The main job, end to end, on embedded data: build, grade, feed back, identify, draw."""
+
+import shutil
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+from autograder.build import build_course
+from autograder.course import Course, find_course
+from autograder.export import export_csv
+from autograder.feedback import write_feedback
+from autograder.grade import Batch, find_batch, grade_batch
+from autograder.isolation import open_workshop
+from autograder.samples import LAB, write_samples
+from autograder.summary import class_table
+
+Progress = Callable[..., Iterator[Any]]
+_MARK = ".labsid-demo"
+
+
+def run_demo(out: Path, progress: Progress) -> None:
+    """Do the main job and say where the pages are.
+
+    Parameters
+    ----------
+    out : Path
+        Gets everything; an earlier demonstration in it is replaced, any other content is refused.
+    progress : callable
+        ``progress(items, total, what)`` passes items on while showing how far it is.
+
+    Raises
+    ------
+    ValueError
+        If `out` holds something else, or the course cannot be found.
+    """
+    course = find_course()
+    _clear(out)
+    names = list(progress(build_course(course), len(course.assignments()), "building the course"))
+    print(f"1. Built {len(names)} assignments: {', '.join(names)}.")
+    students = write_samples(course, out / "submitted")
+    submitted, graded = out / "submitted", out / "graded"
+    lab = find_batch(course, submitted, LAB)
+    rest = Batch(submitted, ("ada",), tuple(name for name in names if name != LAB))
+    with open_workshop() as workshop:
+        both = (one for batch in (lab, rest) for one in grade_batch(course, batch, graded, workshop, jobs=2))
+        list(progress(both, len(students) + len(rest.assignments), "grading"))
+    print(f"2. Graded {len(students)} sample students (isolation: {workshop.rung}).\n")
+    print(class_table(graded))
+    print()
+    for student, what in students.items():
+        print(f"   {student}: {what}")
+    pages = list(progress(write_feedback(graded), None, "feedback"))
+    export_csv(graded)
+    print(f"\n3. Wrote {len(pages)} feedback pages and the exports.")
+    print("4. Identified the shipped record:\n")
+    print(_identify(course, out))
+    figures = list(progress(draw_figures(course, out / "figures"), None, "drawing"))
+    print(f"5. Drew {len(figures)} figures.\n")
+    print("Where to look:")
+    for path, what in (
+        (graded / "feedback" / "ben" / "lab-identification.html", "feedback on a submission with known slips"),
+        (graded / "grades.csv", "every question of every student"),
+        (out / "figures" / "figure-7.png", "the identified model against the rig"),
+        (out / "identification.json", "theta, poles and errors"),
+        (course.release, "what students get; open it with: labsid lab"),
+    ):
+        print(f"   {path}  {what}")
+
+
+def draw_figures(course: Course, folder: Path) -> Iterator[Path]:
+    """Draw the lab's figures on the shipped record as PNG; yields each path."""
+    import numpy as np
+
+    from labsid import plots
+    from labsid.arx import fit_arx
+    from labsid.offset import find_offsets, remove_offsets
+    from labsid.record import load_record
+    from labsid.sinusoid import make_sinusoids
+    from labsid.step_comparison import compare_with_approximation, second_order_example
+    from labsid.validation import verify
+
+    record = load_record(course.record)
+    u, y = remove_offsets(record.u, record.y, find_offsets(record.u, record.y))
+    half = len(y) // 2
+    models = [fit_arx(u, y, record.Ts, order=order, stop=half).model for order in (1, 2)]
+    first, second = (verify(model, u, y) for model in models)
+    comparison = compare_with_approximation(second_order_example(), np.arange(0, 30.025, 0.025), 2.0)
+    figures = {
+        "figure-1": plots.figure_1(make_sinusoids(np.random.default_rng(1))),
+        "figure-2": plots.figure_2(),
+        "figure-3": plots.figure_3(),
+        "figure-4": plots.figure_4(),
+        "figure-5": plots.figure_5(record),
+        "figure-6": plots.figure_6(record.t, y, u),
+        "figure-7": plots.figure_7(record.t, y, second),
+        "figure-7-initial-state": plots.figure_7_initial_state(record.t, y, second),
+        "figure-8": plots.figure_8(record.t, y, first.y_all, second.y_all, first.mse_all, second.mse_all),
+        "figure-a1": plots.figure_a1(comparison.t, comparison.y_original, comparison.fit),
+        "figure-a2": plots.figure_a2(comparison),
+    }
+    folder.mkdir(parents=True, exist_ok=True)
+    for name, figure in figures.items():
+        path = folder / f"{name}.png"
+        plots.save_png(figure, path)
+        yield path
+
+
+def _identify(course: Course, out: Path) -> str:
+    from labsid.console import identification_text, write_json
+    from labsid.identify import identify, to_json_dict
+    from labsid.record import load_record
+
+    found = identify(load_record(course.record), order=2, start=2)
+    write_json(out / "identification.json", to_json_dict(found))
+    return identification_text(found)
+
+
+def _clear(out: Path) -> None:
+    """Make an empty folder, sparing anything that this command did not make."""
+    if out.exists():
+        if not (out / _MARK).is_file():
+            raise ValueError(f"{out} is there already and was not made by this command. Give --out another name.")
+        shutil.rmtree(out)
+    out.mkdir(parents=True)
+    (out / _MARK).touch()

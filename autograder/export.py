@@ -1,0 +1,43 @@
+"""Exports of a graded class."""
+
+from pathlib import Path
+
+from autograder import gradebook, results
+from autograder.grade import write_grades
+
+
+def export_csv(out: Path) -> Path:
+    """Write ``OUT/export.csv``: one line a student and assignment, with what still waits to be graded by hand.
+
+    Also brings ``OUT/grades.csv`` up to date with the scores given by hand since.
+
+    Parameters
+    ----------
+    out : Path
+        A folder that ``labsid course grade`` wrote.
+
+    Returns
+    -------
+    Path
+        Columns ``student, assignment, score, max_score, waiting, status``: `waiting` are marks not yet graded by hand,
+        `status` is ``complete``, ``waiting``, ``missing`` or ``quarantined``.
+    """
+    by_hand = gradebook.manual_scores(out)
+    rows = []
+    for result in results.load_all(out):
+        marks = results.totals(result, by_hand)
+        refused = {question.status for question in result.questions} & {"missing", "quarantined"}
+        rows.append(
+            {
+                "student": result.student,
+                "assignment": result.assignment,
+                "score": results.plain_decimal(marks.score),
+                "max_score": results.plain_decimal(marks.max_score),
+                "waiting": results.plain_decimal(marks.waiting),
+                "status": refused.pop() if refused else "waiting" if marks.waiting else "complete",
+            }
+        )
+    write_grades(out)
+    path = out / "export.csv"
+    results.write_csv(path, ("student", "assignment", "score", "max_score", "waiting", "status"), rows)
+    return path

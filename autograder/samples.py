@@ -1,0 +1,121 @@
+"""Sample submissions for the demonstration, from a right one to one that crashes."""
+
+import json
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import nbformat
+
+from autograder.course import Course
+
+LAB = "lab-identification"
+
+_HALF_RIGHT = {
+    "lab-1c-offsets-answer": """
+y_offset = np.mean(y_act)
+u_offset = u_act[0]
+y = y_act - y_offset
+u = u_act - u_offset
+""",
+    "lab-2b-parameters-answer": """
+a1, a2, b1, b2 = theta_hat
+""",
+    "lab-3a-second-half-answer": """
+y_sim_half = scipy.signal.lfilter([0, b1, b2], [1, a1, a2], u)[len(u) // 2 :]
+""",
+    "lab-3b-start": "The simulation is wrong at first.",
+}
+
+_DIFFERENT = {
+    "lab-1c-loop-answer": """
+def first_period(u):
+    changed = np.flatnonzero(np.asarray(u).ravel() != np.asarray(u).ravel()[0])
+    return int(changed[0])
+
+n_first = first_period(u_act)
+""",
+    "lab-2a-phi-answer": """
+half = len(y) // 2
+rows, targets = [], []
+for k in range(10, half):
+    rows.append([y[k - 1], y[k - 2], u[k - 1], u[k - 2]])
+    targets.append([y[k]])
+Phi = np.array(rows)
+Y = np.array(targets)
+""",
+    "lab-2b-theta-answer": """
+theta_hat, *_ = np.linalg.lstsq(Phi, Y, rcond=None)
+theta_hat = np.asarray(theta_hat).reshape(-1)
+""",
+    "lab-2c-transfer-function-answer": """
+G = scipy.signal.dlti([b1, b2], [1, a1, a2], dt=Ts)
+""",
+    "lab-3a-second-half-answer": """
+y_sim_half = scipy.signal.lfilter([0, b1, b2], [1, a1, a2], u[len(u) // 2 :])
+""",
+    "lab-3a-all-answer": """
+y_sim = np.zeros(len(u))
+for k in range(len(u)):
+    for lag, a, b in ((1, a1, b1), (2, a2, b2)):
+        if k >= lag:
+            y_sim[k] += -a * y_sim[k - lag] + b * u[k - lag]
+""",
+}
+
+_CRASHING = {
+    "lab-2a-phi-answer": """
+import os
+os._exit(1)
+""",
+    "lab-3a-all-answer": """
+y_sim = simulate_the_model(u)
+""",
+}
+
+
+def write_samples(course: Course, folder: Path) -> dict[str, str]:
+    """Write six students' submissions of the lab, and all assignments of the one who is right.
+
+    Parameters
+    ----------
+    course : Course
+        Built.
+    folder : Path
+        Gets ``<student>/<assignment>/<assignment>.ipynb``.
+
+    Returns
+    -------
+    dict
+        What each student stands for, by name.
+    """
+    for name in course.assignments():
+        _write(folder / "ada" / name / f"{name}.ipynb", _notebook(course, name, {}))
+    _write(folder / "ben" / LAB / f"{LAB}.ipynb", _notebook(course, LAB, _HALF_RIGHT))
+    _write(folder / "cleo" / LAB / f"{LAB}.ipynb", _notebook(course, LAB, _DIFFERENT))
+    untouched = (course.release / LAB / f"{LAB}.ipynb").read_text(encoding="utf-8")
+    _write(folder / "dan" / LAB / f"{LAB}.ipynb", untouched)
+    _write(folder / "eve" / LAB / f"{LAB}.ipynb", _notebook(course, LAB, _CRASHING))
+    _write(folder / "finn" / LAB / f"{LAB}.ipynb", untouched[: len(untouched) // 2])
+    return {
+        "ada": "everything right",
+        "ben": "half right, with known slips",
+        "cleo": "right, but written differently",
+        "dan": "untouched",
+        "eve": "code that ends its process, and a name that does not exist",
+        "finn": "a file that was cut off",
+    }
+
+
+def _notebook(course: Course, name: str, replaced: Mapping[str, str]) -> str:
+    """The released notebook with the model answers in it, some of them replaced."""
+    source: Any = nbformat.read(course.source / name / f"{name}.ipynb", as_version=4)
+    for cell in source.cells:
+        if cell.id in replaced:
+            cell.source = replaced[cell.id].strip()
+    return json.dumps(source, indent=1) + "\n"
+
+
+def _write(path: Path, text: str) -> None:
+    path.parent.mkdir(parents=True, exist_ok=True)
+    path.write_text(text, encoding="utf-8")

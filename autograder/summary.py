@@ -1,0 +1,55 @@
+"""The graded class as a table for the terminal."""
+
+import io
+from decimal import Decimal
+from pathlib import Path
+
+from autograder import gradebook, results
+from autograder.course import in_course_order
+
+
+def class_table(out: Path) -> str:
+    """One line a student, one column an assignment: marks so far of marks in all, and what needs a look.
+
+    Parameters
+    ----------
+    out : Path
+        A folder that ``labsid course grade`` wrote.
+
+    Returns
+    -------
+    str
+    """
+    from rich.console import Console
+    from rich.table import Table
+    from rich.text import Text
+
+    stored = results.load_all(out)
+    by_hand = gradebook.manual_scores(out)
+    assignments = sorted({result.assignment for result in stored}, key=in_course_order)
+    table = Table(box=None, pad_edge=False)
+    table.add_column("student")
+    for name in assignments:
+        table.add_column(name, justify="right")
+    table.add_column("needs a look")
+    cells = {(result.student, result.assignment): result for result in stored}
+    for student in dict.fromkeys(result.student for result in stored):
+        row: list[str] = []
+        remarks: list[str] = []
+        waiting = Decimal(0)
+        for name in assignments:
+            result = cells.get((student, name))
+            if result is None:
+                row.append("")
+                continue
+            marks = results.totals(result, by_hand)
+            status = {question.status for question in result.questions}
+            row.append(f"{results.plain_decimal(marks.score)} of {results.plain_decimal(marks.max_score)}")
+            remarks += sorted(status & {"crashed", "timeout", "limit", "missing", "quarantined"})
+            waiting += marks.waiting
+        if waiting:
+            remarks.append(f"{results.plain_decimal(waiting)} by hand")
+        table.add_row(Text(results.one_line(student)), *row, ", ".join(dict.fromkeys(remarks)))
+    text = io.StringIO()
+    Console(file=text, width=60 + 22 * len(assignments), color_system=None).print(table)
+    return "\n".join(line.rstrip() for line in text.getvalue().splitlines())

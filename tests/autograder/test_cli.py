@@ -1,0 +1,260 @@
+"""The commands of the course, as a teacher and a student type them."""
+
+import json
+import os
+import shutil
+import signal
+import subprocess
+import sys
+import time
+import zipfile
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from autograder.course import Course
+from autograder.samples import write_samples
+from labsid.cli import main
+
+PRELAB, LAB = "prelab-sinusoids", "lab-identification"
+
+
+@pytest.fixture
+def here(course: Course, monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Course:
+    """The commands work on the course that was built for the tests, from an empty folder."""
+    import autograder.demo
+
+    monkeypatch.setattr("autograder.course.find_course", lambda: course)
+    monkeypatch.setattr(autograder.demo, "find_course", lambda: course)
+    (tmp_path / "cwd").mkdir()
+    monkeypatch.chdir(tmp_path / "cwd")
+    return course
+
+
+@pytest.fixture
+def submitted(course: Course, tmp_path: Path) -> Path:
+    """Two hand-ins of the pre-lab: an untouched one, and one that was cut off."""
+    folder = tmp_path / "submitted"
+    shutil.copytree(course.release / PRELAB, folder / "gil" / PRELAB)
+    shutil.copytree(course.release / PRELAB, folder / "ivy" / PRELAB)
+    path = folder / "ivy" / PRELAB / f"{PRELAB}.ipynb"
+    path.write_bytes(path.read_bytes()[:1000])
+    return folder
+
+
+def complaint(capsys: pytest.CaptureFixture[str], arguments: list[str]) -> str:
+    """What the command says on stderr when it refuses; it must be one line, with exit status 2."""
+    assert main(arguments) == 2
+    captured = capsys.readouterr()
+    (line,) = captured.err.splitlines()
+    assert line.startswith("labsid: error: ")
+    return line
+
+
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        (["course", "grade", "--submitted", "nosuch", "--out", "out"], "nosuch is not a folder"),
+        (["course", "grade", "--submitted", ".", "--out", "out"], "holds no submission"),
+        (["course", "grade", "--out", "out"], "'--submitted'"),
+        (["course", "grade", "--submitted", ".", "--out", "out", "--jobs", "0"], "'--jobs'"),
+        (
+            ["course", "grade", "--submitted", ".", "--out", "out", "--isolation", "some"],
+            "expected strict, best or none",
+        ),
+        (["course", "grade", "--submitted", ".", "--out", "out", "--assignment", "holiday"], "no assignment 'holiday'"),
+        (["course", "feedback", "--out", "nosuch"], "nosuch holds no results"),
+        (["course", "export", "--out", "nosuch"], "nosuch holds no results"),
+        (["course", "export", "--out", "nosuch", "--format", "xml"], "expected csv"),
+        (["course", "destroy"], "No such command 'destroy'"),
+        (["submit", "--folder", "nosuch"], "nosuch holds no notebooks"),
+    ],
+)
+def test_bad_input_is_one_line_and_status_2(
+    here: Course, capsys: pytest.CaptureFixture[str], arguments: list[str], said: str
+) -> None:
+    assert said in complaint(capsys, arguments)
+    assert list(Path.cwd().iterdir()) == []
+
+
+def test_strict_isolation_is_refused(here: Course, submitted: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    line = complaint(
+        capsys, ["course", "grade", "--submitted", str(submitted), "--out", "out", "--isolation", "strict"]
+    )
+    assert "isolation 'strict' cannot be had" in line
+    assert not Path("out").exists()
+
+
+def test_from_hand_ins_to_feedback_and_export(
+    here: Course, submitted: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    grade = ["course", "grade", "--submitted", str(submitted), "--out", "out"]
+    assert main(grade) == 0
+    captured = capsys.readouterr()
+    assert captured.err.startswith("NOT ISOLATED")
+    assert len(captured.err.splitlines()) == 1
+    assert "quarantined" in captured.out
+    assert captured.out.endswith("2 submissions graded, 0 unchanged since the last run. Grades: out/grades.csv\n")
+    assert main([*grade, "--jobs", "1", "--isolation", "none", "--assignment", PRELAB]) == 0
+    assert "0 submissions graded, 2 unchanged" in capsys.readouterr().out
+    assert main(["course", "feedback", "--out", "out"]) == 0
+    assert capsys.readouterr().out == "Wrote 2 pages below out/feedback.\n"
+    assert "broken JSON" in Path("out", "feedback", "ivy", f"{PRELAB}.html").read_text(encoding="utf-8")
+    assert main(["course", "export", "--out", "out", "--format", "csv"]) == 0
+    assert capsys.readouterr().out == "Wrote out/export.csv and out/grades.csv.\n"
+    assert f"ivy,{PRELAB},0,1,0,quarantined" in Path("out", "export.csv").read_text(encoding="utf-8")
+
+
+def test_the_course_is_built(
+    here: Course, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    other = Course(tmp_path / "course")
+    shutil.copytree(here.notebooks / PRELAB, other.notebooks / PRELAB)
+    (other.root / "autograder").mkdir()
+    monkeypatch.setattr("autograder.course.find_course", lambda: other)
+    assert main(["course", "build"]) == 0
+    assert capsys.readouterr().out == f"Built 1 assignments: {PRELAB}.\nRelease: {other.release}\n"
+    text = other.notebooks / PRELAB / f"{PRELAB}.md"
+    text.write_text(text.read_text(encoding="utf-8").replace("### END SOLUTION", "", 1), encoding="utf-8")
+    assert "cannot be released: prelab-1-time-answer: 1 BEGIN" in complaint(capsys, ["course", "build"])
+    text.write_text(text.read_text(encoding="utf-8").replace("{grade_id:", "{grade_id", 1), encoding="utf-8")
+    assert "cannot be released" in complaint(capsys, ["course", "build"])
+
+
+def test_a_student_gets_the_notebooks_and_hands_them_in(here: Course, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["lab", "--no-open"]) == 0
+    first = capsys.readouterr().out.splitlines()
+    assert len(first) == len(here.assignments())
+    assert all(": new: " in line for line in first)
+    mine = Path("labsid-work", LAB, f"{LAB}.ipynb")
+    mine.write_text(mine.read_text(encoding="utf-8") + "\n", encoding="utf-8")
+    before = mine.read_bytes()
+    assert main(["lab", "--no-open"]) == 0
+    assert "yours, kept as it is" in capsys.readouterr().out
+    assert mine.read_bytes() == before
+    assert main(["submit"]) == 0
+    assert capsys.readouterr().out.splitlines()[-1] == "Hand in this file: hand-in.zip"
+    with zipfile.ZipFile("hand-in.zip") as archive:
+        assert len(archive.namelist()) == len(here.assignments())
+
+
+def test_a_broken_notebook_is_not_handed_in(here: Course, submitted: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    line = complaint(capsys, ["submit", "--folder", str(submitted / "ivy")])
+    assert "prelab-sinusoids.ipynb is not a readable notebook" in line
+    assert list(Path.cwd().iterdir()) == []
+
+
+def test_what_is_in_the_way_is_said(here: Course, capsys: pytest.CaptureFixture[str]) -> None:
+    Path("labsid-work").touch()
+    assert "labsid-work is a file" in complaint(capsys, ["lab", "--no-open"])
+    assert "labsid-work is there already and was not made by this command" in complaint(
+        capsys, ["demo", "--out", "labsid-work"]
+    )
+    Path("out").touch()
+    assert "out" in complaint(capsys, ["course", "feedback", "--out", "out"])
+
+
+# ---- stopping
+
+
+ENDLESS = "import os\nwith open({path!r}, 'w') as file:\n    file.write(str(os.getpid()))\nwhile True:\n    pass"
+PROGRAM = """
+import sys
+from pathlib import Path
+import autograder.course
+here = autograder.course.Course(Path(sys.argv.pop(1)))
+autograder.course.find_course = lambda: here
+from labsid.cli import main
+sys.exit(main())
+"""
+
+
+def wait_for(condition: Callable[[], object], what: str) -> None:
+    deadline = time.monotonic() + 120
+    while not condition():
+        assert time.monotonic() < deadline, f"{what}: waited in vain"
+        time.sleep(0.05)
+
+
+def is_running(pid: int) -> bool:
+    try:
+        os.kill(pid, 0)
+    except ProcessLookupError:
+        return False
+    status = Path(f"/proc/{pid}/stat")  # one that has ended but was not yet fetched is not running
+    return not (status.is_file() and status.read_text().rpartition(")")[2].split()[0] == "Z")
+
+
+@pytest.mark.skipif(os.name != "posix", reason="signals are sent")
+@pytest.mark.parametrize("how", [signal.SIGINT, signal.SIGKILL])
+def test_a_run_that_is_stopped_keeps_what_is_graded_and_goes_on(
+    here: Course, submitted: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str], how: signal.Signals
+) -> None:
+    endless = submitted / "zed" / PRELAB / f"{PRELAB}.ipynb"
+    shutil.copytree(submitted / "gil" / PRELAB, endless.parent)
+    notebook = json.loads(endless.read_text(encoding="utf-8"))
+    (cell,) = (cell for cell in notebook["cells"] if cell["id"] == "prelab-1-time-answer")
+    cell["source"] = ENDLESS.format(path=str(tmp_path / "pid"))
+    endless.write_text(json.dumps(notebook), encoding="utf-8")
+
+    def is_started() -> bool:
+        begun = (tmp_path / "pid").is_file() and (tmp_path / "pid").read_text().isdigit()
+        return begun and len(list(Path("out", "results").glob("*/*.json"))) == 2
+
+    grade = ["course", "grade", "--submitted", str(submitted), "--out", "out", "--jobs", "1"]
+    command = [sys.executable, "-c", PROGRAM, str(here.root), *grade]
+    with subprocess.Popen(command, stderr=subprocess.PIPE, stdout=subprocess.PIPE, text=True) as process:
+        try:
+            wait_for(lambda: process.poll() is not None or is_started(), "the endless student")
+            process.send_signal(how)
+            out, err = process.communicate(timeout=60)
+        finally:
+            process.kill()
+    assert (tmp_path / "pid").is_file(), err
+    student = int((tmp_path / "pid").read_text())
+    wait_for(lambda: not is_running(student), "the end of the endless student")
+    if how == signal.SIGINT:
+        assert process.returncode == 2
+        assert err.splitlines()[1:] == [
+            "labsid: error: interrupted. What is graded is kept; run the same command again for the rest."
+        ]
+    assert out == ""
+    kept = {path.parent.name: path.read_bytes() for path in Path("out", "results").glob("*/*.json")}
+    assert set(kept) == {"gil", "ivy"}
+
+    shutil.copy(submitted / "gil" / PRELAB / f"{PRELAB}.ipynb", endless)
+    assert main(grade) == 0
+    assert "1 submissions graded, 2 unchanged" in capsys.readouterr().out
+    for student_name, result in kept.items():
+        assert Path("out", "results", student_name, f"{PRELAB}.json").read_bytes() == result
+    assert len(Path("out", "grades.csv").read_text(encoding="utf-8").splitlines()) == 1 + 3 * 8
+
+
+# ---- everything
+
+
+def test_the_demonstration(here: Course, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["demo", "--out", "demo"]) == 0
+    captured = capsys.readouterr()
+    assert captured.err == ""
+    samples = write_samples(here, Path("samples"))
+    for student in samples:
+        assert f"   {student}: " in captured.out
+        assert Path("demo", "graded", "feedback", student, f"{LAB}.html").is_file()
+    grades = Path("demo", "graded", "grades.csv").read_text(encoding="utf-8")
+    for status in ("graded", "manual", "crashed", "quarantined"):
+        assert f",{status}," in grades
+    figures = list(Path("demo", "figures").glob("*.png"))
+    assert len(figures) >= 8
+    assert all(path.read_bytes().startswith(b"\x89PNG") for path in figures)
+    assert set(json.loads(Path("demo", "identification.json").read_text(encoding="utf-8"))) >= {"theta"}
+    _, _, where = captured.out.partition("Where to look:\n")
+    paths = [Path(line.split("  ")[1].strip()) for line in where.splitlines()]
+    assert len(paths) >= 4
+    assert [path for path in paths if not path.exists()] == []
+    keep = Path("demo", "mine.txt")
+    keep.touch()
+    Path("demo", ".labsid-demo").unlink()
+    assert "was not made by this command" in complaint(capsys, ["demo", "--out", "demo"])
+    assert keep.exists()
