@@ -111,7 +111,9 @@ class Assets:
     secret: bytes
 
 
-def judge_submission(submission: Submission, assets: Assets, workshop: Workshop, folder: Path) -> SubmissionResult:
+def judge_submission(
+    submission: Submission, assets: Assets, workshop: Workshop, folder: Path, pictures: bool = True
+) -> SubmissionResult:
     """Judge a submission.
 
     Parameters
@@ -123,6 +125,8 @@ def judge_submission(submission: Submission, assets: Assets, workshop: Workshop,
         Starts the student's process.
     folder : Path
         The work folder of that process; the record lies in it.
+    pictures : bool
+        Whether to keep pictures of what the student drew, for the feedback; judging a figure does not need them.
 
     Returns
     -------
@@ -131,7 +135,7 @@ def judge_submission(submission: Submission, assets: Assets, workshop: Workshop,
     """
     ran: tuple[Ran, ...] = ()
     if submission.status == "ready":
-        results, ran = _Walk(submission, assets, workshop, folder).results()
+        results, ran = _Walk(submission, assets, workshop, folder, pictures).results()
     else:
         reason = "; ".join(submission.notes)
         results = tuple(
@@ -156,11 +160,14 @@ _RUN = ("given", "answer", "extra")
 class _Walk:
     """One walk through a submission, with what has been learnt on the way."""
 
-    def __init__(self, submission: Submission, assets: Assets, workshop: Workshop, folder: Path) -> None:
+    def __init__(
+        self, submission: Submission, assets: Assets, workshop: Workshop, folder: Path, pictures: bool
+    ) -> None:
         self._submission = submission
         self._assets = assets
         self._workshop = workshop
         self._folder = folder
+        self._pictures = pictures
         self._known: dict[str, Value] = {}
         self._replay: list[Step | Mapping[str, Value]] = []
         self._failed: list[str] = []
@@ -192,7 +199,7 @@ class _Walk:
 
     def _run(self, step: Step) -> Ran:
         try:
-            reply = self._student.run(step.source, figures=step.kind != "given")
+            reply = self._student.run(step.source, figures=self._pictures and step.kind != "given")
         except StudentDied as death:
             self._revive()
             return Ran(step, Reply(False), death)

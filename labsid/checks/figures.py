@@ -47,7 +47,7 @@ def require_label(axes: AxesValue, where: str, axis: str, unit: str) -> None:
     label = axes.xlabel if axis == "x" else axes.ylabel
     if not label.strip():
         raise NoAnswer(f"In {where} the {axis}-axis has no label: use `{axis}label`.", "axis without a label")
-    if unit and not re.search(rf"[(\[/,]\s*(?:\\mathrm{{)?{re.escape(unit)}", label, re.IGNORECASE):
+    if unit and not re.search(rf"[(\[/,][\s$]*(?:\\(?:mathrm|text)\s*{{?)?{re.escape(unit)}", label, re.IGNORECASE):
         raise NoAnswer(f"In {where} the {axis}-label {label!r} has no unit: write it as ({unit}).", "no unit")
 
 
@@ -84,7 +84,7 @@ def plain_text(text: str) -> str:
     """A label without mathtext marks and spaces: ``$\\sin(0.02\\pi t)$`` is ``sin(0.02πt)``."""
     for mark, letter in ((r"\pi", "π"), (r"\tau", "τ"), (r"\phi", "φ"), (r"\theta", "θ"), (r"\cdot", ""), ("*", "")):
         text = text.replace(mark, letter)
-    return re.sub(r"\\(?:mathrm|,|;|\s)|[\\${}\s·]", "", text)
+    return re.sub(r"\\(?:mathrm|left|right|,|;|\s)|[\\${}\s·]", "", text)
 
 
 def _agree(a: np.ndarray, b: np.ndarray) -> bool:

@@ -63,7 +63,9 @@ def grade_code(course: Course, workshop: Workshop) -> GradeCode:
         with tempfile.TemporaryDirectory() as bench:
             if assignment.record_file:
                 shutil.copyfile(path, Path(bench) / assignment.record_file)
-            result = judge_submission(Submission(student, name, "ready", steps, ()), assets, workshop, Path(bench))
+            result = judge_submission(
+                Submission(student, name, "ready", steps, ()), assets, workshop, Path(bench), pictures=False
+            )
         return {question.question: question for question in result.results}
 
     return grade

@@ -105,6 +105,8 @@ def _suspects(step: Step, fit: StepResponseFit) -> Iterator[_Suspect]:
     yield _Suspect("63.2 % taken for the end", "K", 0.632 * right.K, 0, early)
     two_thirds = "tau is t_63 - t_28 as it stands; two thirds of tau lie between them."
     yield _Suspect("the factor 3/2 forgotten", "tau", fit.t_632 - fit.t_283, grid, two_thirds)
+    late = "td is the time to 63.2 %; that is t_d + tau."
+    yield _Suspect("63.2 % taken for the delay", "td", fit.t_632, grid, late)
     if Ts <= COARSE:
         loosely = 0.4 * right.td / Ts
         yield _Suspect("time in samples", "td", right.td / Ts, loosely, "td counts samples; it should be in seconds.")
@@ -122,8 +124,6 @@ def _suspects(step: Step, fit: StepResponseFit) -> Iterator[_Suspect]:
     yield _Suspect("settling time in place of the time constant", "tau", 3 * right.tau, grid, settling)
     yield _Suspect("time in samples", "tau", right.tau / Ts, 1.5, "tau counts samples; it should be in seconds.")
     yield _Suspect("time constant upside down", "tau", 1 / right.tau, 0, "tau is upside down: is it 1/tau?")
-    late = "td is the time to 63.2 %; that is t_d + tau."
-    yield _Suspect("63.2 % taken for the delay", "td", fit.t_632, grid, late)
 
 
 def _what_is_off(values: dict[str, float], fit: StepResponseFit, right_gain: bool) -> str:

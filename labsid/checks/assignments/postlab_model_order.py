@@ -156,11 +156,11 @@ def figure_8(ask: Ask) -> Verdict:
     texts = [*axes.texts, *axes.legend, axes.title]
     lines = [line for text in texts for line in text.splitlines()]
     numbers = [_numbers(line) for line in lines]
-    for name, wanted in (("first", first), ("second", second)):
-        if not any(_is_near(number, wanted) for found in numbers for number in found):
-            return Verdict(
-                False, *_missing(name, wanted, [number for found in numbers for number in found], bool(axes.texts))
-            )
+    found_numbers = [number for found in numbers for number in found]
+    for name, wanted, other in (("first", first, second), ("second", second, first)):
+        if not any(_is_near(number, wanted) for number in found_numbers):
+            unexplained = [number for number in found_numbers if not _is_near(number, other)]
+            return Verdict(False, *_missing(name, wanted, unexplained, bool(axes.texts)))
     for line, found in zip(lines, numbers, strict=True):
         named = [bool(re.search(call, line, re.IGNORECASE)) for call in CALLS[1:]]
         for own, other, is_named in ((first, second, named == [True, False]), (second, first, named == [False, True])):

@@ -130,8 +130,9 @@ def _trial_steps(rng: np.random.Generator) -> list[Step]:
     """A plain response, one from another level, one down, one in noise."""
     steps = []
     for level, sign, noise in ((0.0, 1, 0.0), (1.0, 1, 0.0), (1.0, -1, 0.0), (1.0, -1, 0.003)):
-        tau = float(rng.uniform(4, 16))
-        model = FirstOrderDelay(float(rng.uniform(0.6, 4)), tau, tau * float(rng.uniform(0.25, 0.6)))
+        # gains well above 1 and many samples a second: slips then give values that no other slip gives
+        tau = float(rng.uniform(2, 7))
+        model = FirstOrderDelay(float(rng.uniform(1.6, 4)), tau, tau * float(rng.uniform(0.25, 0.6)))
         amplitude = sign * float(rng.uniform(1.3, 5))
         change = model.K * amplitude
         t: FloatArray = tau / 40 * np.arange(360, dtype=np.float64)

@@ -90,11 +90,9 @@ def test_wrong_noise_is_always_refused_and_named(noise: Noise, slip: str | None)
         (0.02 * np.pi * T + 1, None),
     ],
 )
-@pytest.mark.parametrize("bound", [0.2, 0.4, 1.0])
+@pytest.mark.parametrize("bound", [0.2, 0.4])
 def test_a_wrong_sine_is_named_even_under_wrong_noise(angle: FloatArray, slip: str | None, bound: float) -> None:
     y = np.sin(angle) + np.random.default_rng(3).uniform(-bound, bound, T.size)
-    if bound == 1.0 and slip == "degrees instead of radians" and np.ptp(angle) < 1:
-        pytest.skip("a nearly constant sine cannot be told from none under noise five times too large")
     assert refusal(require_wave, "y1", T, y, np.sin, np.cos).slip == slip
 
 

@@ -104,7 +104,16 @@ def test_a_generator_is_left_as_it_is() -> None:
 
 @pytest.mark.parametrize(
     "value",
-    [[1, 2, 3], (1.0, 2.0), range(3), [[1, 2], [3, 4]], [np.array([1.0]), np.array([2.0])], [np.float64(1), 2], [], [[]]],
+    [
+        [1, 2, 3],
+        (1.0, 2.0),
+        range(3),
+        [[1, 2], [3, 4]],
+        [np.array([1.0]), np.array([2.0])],
+        [np.float64(1), 2],
+        [],
+        [[]],
+    ],
 )
 def test_sequences_of_numbers_become_arrays(value: Any) -> None:
     got = plain(value)

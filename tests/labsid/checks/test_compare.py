@@ -1,0 +1,334 @@
+"""Reading values as what they should be, in words that help; and comparing in the right sense."""
+
+import re
+from typing import Any
+
+import control
+import numpy as np
+import pytest
+import scipy.signal
+
+from labsid.checks.compare import (
+    MAX_ORDER,
+    as_array,
+    as_column,
+    as_figure,
+    as_matrix,
+    as_number,
+    as_system,
+    as_vector,
+    close,
+    frequency_response,
+    kind_of,
+    same_response,
+)
+from labsid.checks.values import FigureValue, StateSpaceValue, TransferFunctionValue, Unreadable, plain
+from labsid.checks.verdict import NoAnswer
+
+TS = 0.75
+NUM, DEN = [0.2, 0.1], [1.0, -1.2, 0.4]
+TF = TransferFunctionValue(NUM, DEN, TS)
+SS = StateSpaceValue([[1.2, -0.4], [1, 0]], [[1], [0]], [[0.2, 0.1]], [[0]], TS)
+NAN = float("nan")
+
+
+def refused(said: str, slip: str | None = None) -> Any:
+    """Expect `NoAnswer` with this very text, and the slip."""
+
+    class Refused:
+        def __enter__(self) -> None: ...
+
+        def __exit__(self, kind: Any, error: Any, trace: Any) -> bool:
+            assert kind is NoAnswer, f"expected NoAnswer, got {error!r}"
+            assert str(error) == said
+            assert error.slip == slip
+            return True
+
+    return Refused()
+
+
+@pytest.mark.parametrize(
+    ("value", "words"),
+    [
+        (None, "nothing (None)"),
+        (3, "a number"),
+        (True, "a number"),
+        (0.5, "a number"),
+        (np.array(2.0), "a number"),
+        (2j, "a complex number"),
+        ("x", "text"),
+        (np.zeros((3, 1)), "an array of shape (3, 1)"),
+        ((1, "a"), "a tuple"),
+        ({"a": 1}, "a dict"),
+        (TF, "a transfer function"),
+        (SS, "a state space"),
+        (FigureValue(()), "a figure"),
+        (Unreadable("Axes"), "an object of type Axes"),
+    ],
+)
+def test_values_are_called_by_their_names(value: Any, words: str) -> None:
+    assert kind_of(value) == words
+
+
+@pytest.mark.parametrize("value", [3, 3.0, True + 2, np.array(3), np.array([3.0]), np.array([[3.0]]), np.float32(3)])
+def test_a_number_may_come_in_an_array(value: Any) -> None:
+    got = as_number("a", plain(value))
+    assert got == 3
+    assert type(got) is float
+
+
+@pytest.mark.parametrize(
+    ("value", "said"),
+    [
+        (None, "`a` should be one number; it is nothing (None)."),
+        ("3", "`a` should be one number; it is text."),
+        (3j, "`a` should be one number; it is a complex number."),
+        (np.array([3j]), "`a` should be one number; it is an array of shape (1,)."),
+        ([1, 2], "`a` should be one number; it is an array of shape (2,)."),
+        ([], "`a` should be one number; it is an array of shape (0,)."),
+        (10**400, "`a` should be one number; it is an object of type int of too many digits."),
+        (TF, "`a` should be one number; it is a transfer function."),
+        (len, "`a` should be one number; it is an object of type builtin_function_or_method."),
+        (NAN, "`a` holds nan: something before it went wrong."),
+        (np.array(-np.inf), "`a` holds -inf: something before it went wrong."),
+        ([NAN], "`a` holds nan (at [0]): something before it went wrong."),
+    ],
+)
+def test_what_is_no_number_is_said(value: Any, said: str) -> None:
+    with refused(said):
+        as_number("a", plain(value) if not isinstance(value, TransferFunctionValue) else value)
+
+
+@pytest.mark.parametrize("value", [[1, 2, 3], (1, 2, 3), range(1, 4), np.array([[1], [2], [3]]), np.float32([1, 2, 3])])
+def test_a_vector_may_be_flat_or_a_column(value: Any) -> None:
+    got = as_vector("y", plain(value), 3)
+    assert got.dtype == np.float64
+    np.testing.assert_array_equal(got, [1, 2, 3])
+
+
+def test_a_column_of_one_is_a_vector() -> None:
+    assert as_vector("y", np.array([[5.0]])).tolist() == [5]
+
+
+@pytest.mark.parametrize(
+    ("value", "said", "slip"),
+    [
+        (
+            np.zeros((1, 3)),
+            "`y` is a row, shape (1, 3). Make it a column (or one-dimensional): `y.T`.",
+            "a row instead of a column",
+        ),
+        (np.zeros((3, 2)), "`y` should be one column of numbers; it is an array of shape (3, 2).", None),
+        (np.zeros((3, 3)), "`y` should be one column of numbers; it is an array of shape (3, 3).", None),
+        (np.zeros((1, 1, 3)), "`y` should be one column of numbers; it is an array of shape (1, 1, 3).", None),
+        (np.zeros(4), "`y` should have 3 elements; it has 4.", None),
+        (np.zeros((2, 1)), "`y` should have 3 elements; it has 2.", None),
+        (np.zeros(0), "`y` should have 3 elements; it has 0.", None),
+        (5.0, "`y` should be one column of numbers; it is a number.", None),
+        (("a", 1), "`y` should be a vector; it is a tuple.", None),
+        (np.array([1, NAN, NAN]), "`y` holds nan (at [1]): something before it went wrong.", None),
+        (np.array([[1], [np.inf]]), "`y` holds inf (at [1, 0]): something before it went wrong.", None),
+        (np.array([1j, 1, 1]), "`y` should be a vector; it is an array of shape (3,).", None),
+    ],
+)
+def test_what_is_no_vector_is_said(value: Any, said: str, slip: str | None) -> None:
+    with refused(said, slip):
+        as_vector("y", value, 3)
+
+
+def test_a_flat_vector_is_no_column() -> None:
+    assert as_column("t", np.array([[1.0], [2.0]]), 2).tolist() == [1, 2]
+    with refused(
+        "`t` has shape (2,): numpy made it flat. A column vector has shape (2, 1): `t.reshape(-1, 1)`.",
+        "flat instead of a column",
+    ):
+        as_column("t", np.array([1.0, 2.0]), 2)
+    with refused(
+        "`t` is a row, shape (1, 2). Make it a column (or one-dimensional): `t.T`.", "a row instead of a column"
+    ):
+        as_column("t", np.array([[1.0, 2.0]]), 2)
+    with refused("`t` should be one column of numbers; it is a number."):
+        as_column("t", 3.0, 1)
+    with refused("`t` should be a vector; it is nothing (None)."):
+        as_column("t", None, 1)
+
+
+def test_a_matrix_is_read_with_open_sizes() -> None:
+    assert as_matrix("Phi", np.ones((5, 4), int), (None, 4)).dtype == np.float64
+    assert as_matrix("Phi", plain([[1, 2], [3, 4]]), (2, 2)).tolist() == [[1, 2], [3, 4]]
+    assert as_matrix("Phi", np.ones((4, 4)), (None, 4)).shape == (4, 4)
+
+
+@pytest.mark.parametrize(
+    ("value", "shape", "said", "slip"),
+    [
+        (
+            np.zeros((4, 449)), (None, 4),
+            "`Phi` has shape (4, 449): it lies on its side. Its columns should run down, shape (any, 4).",
+            "rows instead of columns",
+        ),
+        (
+            np.zeros((3, 801)), (801, 3),
+            "`Phi` has shape (3, 801): it lies on its side. Its columns should run down, shape (801, 3).",
+            "rows instead of columns",
+        ),
+        (np.zeros((449, 3)), (None, 4), "`Phi` should have shape (any, 4); it is an array of shape (449, 3).", None),
+        (np.zeros(4), (None, 4), "`Phi` should have shape (any, 4); it is an array of shape (4,).", None),
+        (3, (None, 4), "`Phi` should have shape (any, 4); it is a number.", None),
+        ("x", (None, 4), "`Phi` should be a matrix; it is text.", None),
+        (np.array([[1, NAN]]), (1, 2), "`Phi` holds nan (at [0, 1]): something before it went wrong.", None),
+    ],
+)  # fmt: skip
+def test_what_is_no_such_matrix_is_said(value: Any, shape: tuple, said: str, slip: str | None) -> None:
+    with refused(said, slip):
+        as_matrix("Phi", value, shape)
+
+
+def test_an_array_of_any_shape_is_read() -> None:
+    assert as_array("x", np.ones((2, 3, 4))).shape == (2, 3, 4)
+    assert as_array("x", True).shape == ()
+    with refused("`x` should be numbers; it is text."):
+        as_array("x", "y")
+
+
+def test_a_figure_is_read_with_its_number_of_axes() -> None:
+    figure = FigureValue(())
+    assert as_figure("fig_1", figure, 0) is figure
+    with refused("`fig_1` should have 2 subplots; it has 0."):
+        as_figure("fig_1", figure, 2)
+    with refused("`fig_1` should be the figure itself, as `plt.figure()` returns it; it is an object of type Axes."):
+        as_figure("fig_1", Unreadable("Axes"), 2)
+
+
+# ---- numbers
+
+
+def test_closeness_is_measured_on_the_largest_element() -> None:
+    same = close(1e-6)
+    assert same([1000, 1e-3], [1000, 1.9e-3])
+    assert not same([1000, 0], [1000, 1e-2])
+    assert same(1.0, 1.0 + 1e-7)
+    assert not same(1.0, 1.0 + 1e-5)
+    assert not same(0.0, 1e-300)
+    assert close(0, absolute=0.1)(0.0, 0.09)
+
+
+def test_closeness_wants_equal_shapes_and_something_to_compare() -> None:
+    same = close(1e-6)
+    assert not same(np.ones(3), np.ones((3, 1)))
+    assert not same(np.ones(3), 1.0)
+    assert not same([], [])
+    assert not same([NAN], [NAN])
+
+
+# ---- systems
+
+
+def test_a_system_is_read() -> None:
+    assert as_system("G", TF) is TF
+    assert as_system("G", SS) is SS
+    with refused("`G` should be a transfer function or a state space; it is an array of shape (2,)."):
+        as_system("G", np.zeros(2))
+    two = StateSpaceValue(np.eye(2), np.ones((2, 1)), np.eye(2), np.zeros((2, 1)), TS)
+    with refused("`G` should have one input and one output; it has 1 and 2."):
+        as_system("G", two)
+    two = StateSpaceValue(np.eye(2), np.eye(2), np.ones((1, 2)), np.zeros((1, 2)), TS)
+    with refused("`G` should have one input and one output; it has 2 and 1."):
+        as_system("G", two)
+    for huge in (
+        TransferFunctionValue(np.ones(1), np.ones(MAX_ORDER + 2), TS),
+        TransferFunctionValue(np.ones(MAX_ORDER + 2), np.ones(1), TS),
+        StateSpaceValue(
+            np.eye(MAX_ORDER + 1), np.ones((MAX_ORDER + 1, 1)), np.ones((1, MAX_ORDER + 1)), np.zeros((1, 1)), TS
+        ),
+    ):
+        with refused(f"`G` is of order {MAX_ORDER + 1}. That is no model of this plant."):
+            as_system("G", huge)
+
+
+@pytest.mark.parametrize("value", [TF, SS])
+def test_the_response_is_that_of_python_control(value: TransferFunctionValue | StateSpaceValue) -> None:
+    ours = frequency_response(value, 20)
+    omega = np.pi * np.logspace(-3, 0, 20) / TS
+    np.testing.assert_allclose(ours, control.tf(NUM, DEN, TS)(np.exp(1j * omega * TS)), rtol=1e-9)
+
+
+def test_the_response_of_a_continuous_system_is_that_of_scipy() -> None:
+    value = plain(control.tf([2.0], [3.0, 4.0, 1.0]))
+    omega = np.logspace(-4, 4, 64)
+    _, theirs = scipy.signal.freqresp(scipy.signal.lti([2.0], [3.0, 4.0, 1.0]), omega)
+    np.testing.assert_allclose(frequency_response(value), theirs, rtol=1e-9)
+
+
+def the_same_system() -> dict[str, Any]:
+    tf = control.tf(NUM, DEN, TS)
+    A, B, C, D = control.ssdata(control.ss(tf))
+    T = np.array([[2.0, 1.0], [0.5, 3.0]])
+    return {
+        "python-control's transfer function": tf,
+        "its state space": control.ss(tf),
+        "the canonical form of eq. (2)": control.ss([[1.2, 1], [-0.4, 0]], [[0.2], [0.1]], [[1, 0]], 0, TS),
+        "a state space in other coordinates": control.ss(np.linalg.inv(T) @ A @ T, np.linalg.inv(T) @ B, C @ T, D, TS),
+        "scipy's dlti": scipy.signal.dlti(NUM, DEN, dt=TS),
+        "scipy's state space": scipy.signal.dlti(NUM, DEN, dt=TS).to_ss(),
+        "all coefficients doubled": control.tf([0.4, 0.2], [2.0, -2.4, 0.8], TS),
+        "leading zeros": control.tf([0, 0, 0.2, 0.1], [0, 1.0, -1.2, 0.4], TS),
+        "in powers of z^-1": scipy.signal.dlti([0.2, 0.1, 0.0], [1.0, -1.2, 0.4, 0.0], dt=TS),
+        "a pole and a zero that cancel": control.tf(np.polymul(NUM, [1, -0.3]), np.polymul(DEN, [1, -0.3]), TS),
+        "its coefficients to ten digits": control.tf([0.2 + 1e-11, 0.1], [1.0, -1.2, 0.4], TS),
+    }
+
+
+@pytest.mark.parametrize("name", the_same_system())
+def test_a_system_is_the_same_however_it_is_written(name: str) -> None:
+    assert same_response()(as_system("G", plain(the_same_system()[name])), TF)
+    assert same_response()(TF, as_system("G", plain(the_same_system()[name])))
+
+
+@pytest.mark.parametrize(
+    "other",
+    [
+        pytest.param(control.tf(NUM, DEN, 0.7), id="another sampling time"),
+        pytest.param(control.tf(NUM, DEN, True), id="no sampling time"),
+        pytest.param(control.tf(NUM, DEN), id="continuous time"),
+        pytest.param(control.tf(NUM, np.polymul(DEN, [1, 0]), TS), id="a delay too many"),
+        pytest.param(control.tf(np.polymul(NUM, [1, 0]), DEN, TS), id="a delay too few"),
+        pytest.param(control.tf(NUM, [1.0, 1.2, -0.4], TS), id="the sign of a"),
+        pytest.param(control.tf(NUM[::-1], DEN, TS), id="b the other way round"),
+        pytest.param(control.tf(DEN, NUM, TS), id="upside down"),
+        pytest.param(control.tf([0.2001, 0.1], DEN, TS), id="a gain that is nearly right"),
+        pytest.param(control.tf([0.2, -0.1], DEN, TS), id="the sign of b2"),
+        pytest.param(control.tf([0.0], [1.0], TS), id="nothing"),
+        pytest.param(control.ss([[1.2, 1], [-0.4, 0]], [[0.2], [0.1]], [[1, 0]], 1, TS), id="a D too many"),
+    ],
+)
+def test_another_system_is_not_the_same(other: Any) -> None:
+    assert not same_response()(plain(other), TF)
+    assert not same_response()(TF, plain(other))
+
+
+@pytest.mark.parametrize(
+    "broken",
+    [
+        TransferFunctionValue([1.0], [0.0], TS),
+        TransferFunctionValue([], [], TS),
+        TransferFunctionValue([NAN], DEN, TS),
+        TransferFunctionValue(NUM, DEN, NAN),
+        StateSpaceValue(np.eye(2), np.ones((3, 1)), np.ones((1, 2)), [[0]], TS),
+        StateSpaceValue(np.ones((2, 3)), np.ones((2, 1)), np.ones((1, 2)), [[0]], TS),
+        StateSpaceValue(np.full((2, 2), NAN), np.ones((2, 1)), np.ones((1, 2)), [[0]], TS),
+    ],
+)
+def test_what_is_no_system_is_the_same_as_nothing(broken: Any) -> None:
+    assert not same_response()(broken, TF)
+    assert not same_response()(broken, broken)
+
+
+@pytest.mark.parametrize("value", [None, "x", np.zeros((1, 3)), np.zeros((2, 2)), np.zeros((1, 1, 1)) * NAN])
+@pytest.mark.parametrize("read", [as_number, as_vector, as_column, as_system])
+def test_messages_name_the_variable_as_code(read: Any, value: Any) -> None:
+    """Feedback shows what stands in backticks as code; it must come in pairs."""
+    with pytest.raises(NoAnswer) as refusal:
+        read("theta_hat", value)
+    assert re.match(r"`theta_hat` \w+", str(refusal.value))
+    assert str(refusal.value).count("`") % 2 == 0

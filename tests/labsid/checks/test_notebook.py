@@ -1,0 +1,236 @@
+"""The checks as a student runs them, on variables and a real record."""
+
+import shutil
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from labsid.checks import CheckFailed, notebook_checks
+from labsid.checks.notebook import NotebookAsk, assignment_names, load_assignment
+from labsid.checks.question import Assignment, Question, given_values
+from labsid.checks.verdict import NoAnswer, Slip, Verdict, judge
+from labsid.record import Record, load_record
+
+
+@pytest.fixture
+def tiny(monkeypatch: pytest.MonkeyPatch) -> dict[str, Any]:
+    """An assignment of two questions in the place of the course's; returns the notebook's variables."""
+
+    def gain(ask: Any) -> Verdict:
+        slips = [Slip("sign", "look at the sign.", lambda: -3)]
+        return judge(ask.value("a"), 3, lambda x, y: x == y, "the gain is right.", "not the gain.", slips)
+
+    def line(ask: Any) -> Verdict:
+        x = ask.rng.normal(size=3)
+        right = 2 * x + ask.known("a")
+        return Verdict(bool(np.allclose(ask.call("f", x), right)), "judged on a line.")
+
+    assignment = Assignment(
+        "tiny", (Question("q-gain", gain, lambda ask: {"a": 3}), Question("q-line", line, uses=("q-gain",)))
+    )
+    monkeypatch.setattr("labsid.checks.notebook.load_assignment", lambda name: assignment)
+    return {}
+
+
+def failure(check: notebook_checks, question: str) -> str:
+    """What a failed check shows, which must be one line."""
+    with pytest.raises(CheckFailed) as failed:
+        check(question)
+    (line,) = failed.value._render_traceback_()
+    assert line == f"✗ {failed.value}"
+    assert "\n" not in line
+    return line
+
+
+def test_a_right_answer_is_praised(tiny: dict, capsys: pytest.CaptureFixture[str]) -> None:
+    tiny["a"] = 3
+    check = notebook_checks("tiny", tiny)
+    assert check("q-gain") is None
+    assert capsys.readouterr().out == "✓ q-gain: the gain is right.\n"
+
+
+def test_a_wrong_answer_fails_in_one_line(tiny: dict, capsys: pytest.CaptureFixture[str]) -> None:
+    check = notebook_checks("tiny", tiny)
+    tiny["a"] = 4
+    assert failure(check, "q-gain") == "✗ q-gain: not the gain."
+    tiny["a"] = -3
+    assert failure(check, "q-gain") == "✗ q-gain: look at the sign."
+    assert capsys.readouterr().out == ""
+
+
+def test_jupyter_shows_that_line_and_no_traceback(tiny: dict) -> None:
+    """By the way that IPython itself asks an exception how it wants to be shown."""
+    from IPython.core.interactiveshell import InteractiveShell
+    from IPython.utils.capture import capture_output
+
+    shell = InteractiveShell()
+    shell.user_ns["check"] = notebook_checks("tiny", shell.user_ns)
+    with capture_output() as captured:
+        result = shell.run_cell("check('q-gain')", store_history=False)
+    assert isinstance(result.error_in_exec, CheckFailed)
+    shown = (captured.stdout + captured.stderr).strip()
+    assert shown == "✗ q-gain: there is no variable `a` yet. Define it with exactly this name."
+
+
+def test_the_variables_are_read_when_the_check_runs(tiny: dict) -> None:
+    check = notebook_checks("tiny", tiny)
+    assert "there is no variable `a` yet" in failure(check, "q-gain")
+    tiny["a"] = 3
+    check("q-gain")
+
+
+def test_the_order_of_the_questions_is_kept(tiny: dict) -> None:
+    tiny.update(a=3, f=lambda x: 2 * x + 3)
+    check = notebook_checks("tiny", tiny)
+    assert failure(check, "q-line") == "✗ q-line starts from q-gain: run that check first, until it passes."
+    check("q-gain")
+    check("q-line")
+    tiny["a"] = 4
+    failure(check, "q-gain")
+    assert "starts from q-gain" in failure(check, "q-line")
+
+
+def test_a_later_step_starts_from_the_value_that_passed(tiny: dict) -> None:
+    tiny.update(a=3, f=lambda x: 2 * x + 3)
+    check = notebook_checks("tiny", tiny)
+    check("q-gain")
+    del tiny["a"]
+    check("q-line")
+
+
+@pytest.mark.parametrize(
+    ("function", "said"),
+    [
+        (None, "there is no function `f` yet. Define it with `def f(...):`."),
+        (3, "there is no function `f` yet"),
+        (lambda: 1, "`f` stopped with TypeError"),
+        (lambda x: x / nosuch, "`f` stopped with NameError: name 'nosuch' is not defined"),  # type: ignore[name-defined]  # noqa: F821
+        (lambda x: 2 * x, "judged on a line."),
+    ],
+)
+def test_what_is_wrong_with_a_function_is_said(tiny: dict, function: Any, said: str) -> None:
+    tiny.update(a=3, f=function)
+    check = notebook_checks("tiny", tiny)
+    check("q-gain")
+    assert said in failure(check, "q-line")
+
+
+def test_a_function_cannot_change_the_inputs_of_the_check(tiny: dict) -> None:
+    def f(x: np.ndarray) -> np.ndarray:
+        x *= 2
+        x += 3
+        return x
+
+    tiny.update(a=3, f=f)
+    check = notebook_checks("tiny", tiny)
+    check("q-gain")
+    check("q-line")
+
+
+def test_functions_are_tried_on_the_same_inputs_each_time() -> None:
+    first, again, other = (NotebookAsk({}, None, {}, name).rng.normal() for name in ("q", "q", "p"))
+    assert first == again != other
+
+
+def test_what_is_not_there_is_said(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, tiny: dict) -> None:
+    check = notebook_checks("tiny", tiny)
+    with pytest.raises(ValueError, match=r"tiny has no question 'q-gian'; it has q-gain, q-line\."):
+        check("q-gian")
+    with pytest.raises(ValueError, match="no data file"):
+        _ = NotebookAsk({}, None, {}, "q").record
+    monkeypatch.undo()
+    with pytest.raises(ValueError, match=r"no assignment 'lab-1'; there are .*lab-identification.*prelab-sinusoids"):
+        notebook_checks("lab-1", {})
+    monkeypatch.chdir(tmp_path)
+    with pytest.raises((ValueError, OSError), match=r"SysIdenData_StudentVersion\.mat"):
+        notebook_checks("lab-identification", {})
+    Path("SysIdenData_StudentVersion.mat").write_bytes(b"not a record")
+    with pytest.raises(ValueError, match=r"SysIdenData_StudentVersion\.mat"):
+        notebook_checks("lab-identification", {})
+
+
+def test_given_values_are_the_students_own_where_the_answer_passed() -> None:
+    question = Question("q", lambda ask: Verdict(True, ""), lambda ask: {"a": 3, "b": 4})
+    ask = NotebookAsk({"a": 3.0001}, None, {}, "q")
+    assert given_values(question, ask, passed=True) == {"a": 3.0001, "b": 4}
+    assert given_values(question, ask, passed=False) == {"a": 3, "b": 4}
+    assert given_values(Question("q", question.judge), ask, passed=True) == {}
+
+
+def test_no_answer_is_a_failed_verdict() -> None:
+    def nothing(ask: Any) -> Verdict:
+        raise NoAnswer("`a` is a row.", "a row instead of a column")
+
+    verdict = Question("q", nothing).verdict(NotebookAsk({}, None, {}, "q"))
+    assert verdict == Verdict(False, "`a` is a row.", "a row instead of a column")
+
+
+# ---- verdicts
+
+
+def verdict_of(got: float, slips: list[Slip]) -> Verdict:
+    return judge(got, 3.0, lambda x, y: abs(x - y) < 1e-6, "Right.", "Wrong.", slips)
+
+
+def test_a_slip_is_named_only_where_it_explains_the_answer() -> None:
+    slips = [Slip("sign", "Look at the sign.", lambda: -3.0), Slip("half", "Look at the half.", lambda: 1.5)]
+    assert verdict_of(3.0, slips) == Verdict(True, "Right.")
+    assert verdict_of(-3.0, slips) == Verdict(False, "Look at the sign.", "sign")
+    assert verdict_of(1.5, slips) == Verdict(False, "Look at the half.", "half")
+    assert verdict_of(2.0, slips) == Verdict(False, "Wrong.", None)
+
+
+def test_a_slip_that_cannot_be_made_on_this_record_is_passed_over() -> None:
+    def unmakeable(error: Exception) -> Any:
+        def wrong() -> float:
+            raise error
+
+        return wrong
+
+    last = Slip("half", "Look at the half.", lambda: 1.5)
+    for error in (ValueError(), IndexError(), ZeroDivisionError(), np.linalg.LinAlgError()):
+        assert verdict_of(1.5, [Slip("x", "", unmakeable(error)), last]).slip == "half"
+
+
+def test_a_slip_that_gives_the_right_value_is_none() -> None:
+    close_by = Slip("close by", "It is no slip here.", lambda: 3.0 + 0.8e-6)
+    assert verdict_of(3.0 + 1.5e-6, [close_by]) == Verdict(False, "Wrong.", None)
+
+
+# ---- the course's own
+
+
+def test_every_assignment_of_the_course_has_a_name_of_its_module() -> None:
+    names = assignment_names()
+    assert {"prelab-sinusoids", "lab-identification"} <= set(names)
+    for name in names:
+        assert load_assignment(name).name == name
+
+
+@pytest.fixture
+def record(shipped_record_path: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Record:
+    shutil.copy(shipped_record_path, tmp_path)
+    monkeypatch.chdir(tmp_path)
+    return load_record(shipped_record_path)
+
+
+def test_the_labs_first_check_on_its_record(record: Record, capsys: pytest.CaptureFixture[str]) -> None:
+    variables: dict[str, Any] = {}
+    check = notebook_checks("lab-identification", variables)
+    assert "there is no variable `t` yet" in failure(check, "lab-1a-extract")
+    variables.update(t=record.t, u_act=record.u, y_act=record.y_noise_reduced, y_actm=record.y_measured)
+    check("lab-1a-extract")
+    assert capsys.readouterr().out.startswith("✓ lab-1a-extract: ")
+    variables["y_act"], variables["u_act"] = variables["u_act"], variables["y_act"]
+    failure(check, "lab-1a-extract")
+
+
+def test_a_record_of_ones_own_takes_the_place_of_the_courses(record: Record, shipped_record_path: Path) -> None:
+    Path("SysIdenData_StudentVersion.mat").rename("mine.mat")
+    for path in ("mine.mat", Path("mine.mat"), shipped_record_path):
+        variables: dict[str, Any] = {}
+        check = notebook_checks("lab-identification", variables, record=path)
+        variables.update(t=record.t, u_act=record.u, y_act=record.y_noise_reduced, y_actm=record.y_measured)
+        check("lab-1a-extract")
