@@ -139,6 +139,19 @@ def decode(encoded: Any) -> Value:
         raise ChannelError(f"an answer that is not a plain value ({type(error).__name__})") from None
 
 
+def decode_figures(encoded: Any) -> tuple[str, ...]:
+    """PNG pictures in base64; what is none, and what is too many, is left out."""
+    given = encoded[:MAX_FIGURES] if isinstance(encoded, list) else []
+    return tuple(figure for figure in given if isinstance(figure, str) and _is_png(figure))
+
+
+def _is_png(figure: str) -> bool:
+    try:
+        return base64.b64decode(figure, validate=True).startswith(b"\x89PNG\r\n\x1a\n")
+    except ValueError:
+        return False
+
+
 def _decode(encoded: Any) -> Value:
     if isinstance(encoded, list):
         return tuple(_decode(item) for item in encoded)

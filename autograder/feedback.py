@@ -1,6 +1,5 @@
 """Feedback pages: one self-contained HTML page a submission, a pure function of its stored results."""
 
-import base64
 import re
 from collections.abc import Iterator, Mapping
 from decimal import Decimal
@@ -15,7 +14,6 @@ from autograder.judge import QuestionResult
 from autograder.results import StoredResult, plain_decimal, write_text
 
 _MARKS = {"right": "✓", "wrong": "✗", "wait": "…"}
-_PNG = b"\x89PNG\r\n\x1a\n"
 
 
 def write_feedback(out: Path) -> Iterator[Path]:
@@ -96,7 +94,7 @@ def _block(question: QuestionResult, score: Decimal | None, comment: str, headin
         "comment": readable(comment),
         "answer": readable(question.answer),
         "output": readable(question.output),
-        "figures": [figure for figure in question.figures if _is_png(figure)],
+        "figures": question.figures,
     }
 
 
@@ -113,13 +111,6 @@ def with_code(text: str) -> markupsafe.Markup:
         return markupsafe.escape(text)
     marked = (f"<code>{markupsafe.escape(p)}</code>" if i % 2 else markupsafe.escape(p) for i, p in enumerate(parts))
     return markupsafe.Markup("".join(marked))
-
-
-def _is_png(figure: str) -> bool:
-    try:
-        return base64.b64decode(figure, validate=True).startswith(_PNG)
-    except ValueError:
-        return False
 
 
 def _template() -> jinja2.Template:

@@ -101,6 +101,7 @@ def grade_batch(course: Course, batch: Batch, out: Path, workshop: Workshop, job
     Graded
     """
     templates = {name: read_template(course, name) for name in batch.assignments}
+    has_gradebook = gradebook.is_there(out)
     gradebook.prepare(course, out, batch.assignments)
     shared = load_record(course.record) if course.record.is_file() else None
     environment = _environment_fingerprint(course)
@@ -111,7 +112,7 @@ def grade_batch(course: Course, batch: Batch, out: Path, workshop: Workshop, job
                 for student in batch.students:
                     folder = batch.submitted / student / name
                     fingerprint = _fingerprint(environment, folder, templates[name])
-                    if _still_good(out, student, name, fingerprint):
+                    if has_gradebook and _still_good(out, student, name, fingerprint):
                         yield Graded(student, name, fresh=False)
                         continue
                     task = pool.submit(_grade_one, course, folder, student, templates[name], shared, workshop)

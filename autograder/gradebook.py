@@ -22,6 +22,11 @@ def database_url(out: Path) -> str:
     return f"sqlite:///{(out / 'gradebook.db').resolve()}"
 
 
+def is_there(out: Path) -> bool:
+    """Whether OUT has a gradebook: without it, nothing that was graded earlier is entered anywhere."""
+    return (out / "gradebook.db").is_file()
+
+
 def prepare(course: Course, out: Path, assignments: Sequence[str]) -> None:
     """Enter the assignments into the gradebook, and make OUT a course folder that nbgrader's own commands can open.
 
@@ -93,7 +98,7 @@ def _decimal(score: float | None) -> Decimal | None:
 
 
 def _by_hand(out: Path) -> Iterable[tuple[tuple[str, str, str], Decimal | None, str | None]]:
-    if not (out / "gradebook.db").is_file():
+    if not is_there(out):
         return
     with open_gradebook(database_url(out)) as gradebook:
         for assignment in gradebook.db.query(nbgrader_api().Assignment).all():

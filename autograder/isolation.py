@@ -18,11 +18,11 @@ from pathlib import Path
 from typing import Any, Protocol
 
 from autograder.channel import (
-    MAX_FIGURES,
     MAX_OUTPUT_CHARACTERS,
     ChannelError,
     Gone,
     decode,
+    decode_figures,
     encode,
     receive,
     send,
@@ -136,7 +136,7 @@ class Student:
 
 def _read_reply(message: dict[str, Any]) -> Reply:
     """A reply whose every part is of the kind, and of a size, that its reader relies on."""
-    error, figures = message.get("error"), message.get("figures")
+    error = message.get("error")
     return Reply(
         ok=message.get("ok") is True,
         value=decode(message["value"]) if "value" in message else None,
@@ -144,7 +144,7 @@ def _read_reply(message: dict[str, Any]) -> Reply:
         if isinstance(error, dict)
         else None,
         stdout=str(message.get("stdout", ""))[:MAX_OUTPUT_CHARACTERS],
-        figures=tuple(str(figure) for figure in figures[:MAX_FIGURES]) if isinstance(figures, list) else (),
+        figures=decode_figures(message.get("figures")),
     )
 
 

@@ -5,6 +5,7 @@ over a Unix socket on its standard input: a message with a folder and limits, an
 file descriptor.
 """
 
+import contextlib
 import os
 import signal
 import socket
@@ -74,7 +75,8 @@ def _settle_in(request: dict[str, Any]) -> None:
         wanted = value if most == resource.RLIM_INFINITY else min(value, most)
         # a second above it: at the lower limit of time the process is told apart from one that was killed
         above = wanted + 1 if name == "RLIMIT_CPU" and wanted != most else wanted
-        resource.setrlimit(kind, (wanted, above))
+        with contextlib.suppress(ValueError, OSError):  # not every system keeps every limit
+            resource.setrlimit(kind, (wanted, above))
 
 
 def _end(pid: int) -> int:

@@ -16,10 +16,10 @@ PUBLIC_SEED = 2018
 
 
 class CheckFailed(Exception):
-    """A check that did not pass. Jupyter shows its text alone, without a traceback."""
+    """A check that did not pass. Jupyter shows its text alone, on one line and without a traceback."""
 
     def _render_traceback_(self) -> list[str]:
-        return [f"✗ {self}"]
+        return [f"✗ {' '.join(str(self).split())}"]
 
 
 class notebook_checks:  # noqa: N801  (called like a function, once, at the top of a notebook)

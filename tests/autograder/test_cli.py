@@ -204,7 +204,10 @@ def test_a_run_that_is_stopped_keeps_what_is_graded_and_goes_on(
 
     grade = ["course", "grade", "--submitted", str(submitted), "--out", "out", "--jobs", "1"]
     command = [sys.executable, "-c", PROGRAM, str(here.root), *grade]
-    with subprocess.Popen(command, stderr=subprocess.PIPE, stdout=subprocess.PIPE, text=True) as process:
+    (tmp_path / "temporary").mkdir()
+    environment = {**os.environ, "TMPDIR": str(tmp_path / "temporary")}
+    pipe = subprocess.PIPE
+    with subprocess.Popen(command, stdout=pipe, stderr=pipe, text=True, env=environment) as process:
         try:
             wait_for(lambda: process.poll() is not None or is_started(), "the endless student")
             process.send_signal(how)
@@ -216,6 +219,7 @@ def test_a_run_that_is_stopped_keeps_what_is_graded_and_goes_on(
     wait_for(lambda: not is_running(student), "the end of the endless student")
     if how == signal.SIGINT:
         assert process.returncode == 2
+        assert list((tmp_path / "temporary").glob("labsid-*")) == []
         assert err.splitlines()[1:] == [
             "labsid: error: interrupted. What is graded is kept; run the same command again for the rest."
         ]

@@ -34,12 +34,16 @@ def tiny(monkeypatch: pytest.MonkeyPatch) -> dict[str, Any]:
     return {}
 
 
+def stops_at_length(x: np.ndarray) -> np.ndarray:
+    raise ValueError("first line\n  second line")
+
+
 def failure(check: notebook_checks, question: str) -> str:
     """What a failed check shows, which must be one line."""
     with pytest.raises(CheckFailed) as failed:
         check(question)
     (line,) = failed.value._render_traceback_()
-    assert line == f"✗ {failed.value}"
+    assert line.split() == f"✗ {failed.value}".split()
     assert "\n" not in line
     return line
 
@@ -107,6 +111,7 @@ def test_a_later_step_starts_from_the_value_that_passed(tiny: dict) -> None:
         (3, "there is no function `f` yet"),
         (lambda: 1, "`f` stopped with TypeError"),
         (lambda x: x / nosuch, "`f` stopped with NameError: name 'nosuch' is not defined"),  # type: ignore[name-defined]  # noqa: F821
+        (stops_at_length, "`f` stopped with ValueError: first line second line"),
         (lambda x: 2 * x, "judged on a line."),
     ],
 )
