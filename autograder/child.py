@@ -84,8 +84,10 @@ def _no_checks(assignment: str, variables: Any, record: Any = None) -> Any:
 
 def describe_error(error: BaseException) -> dict[str, Any]:
     """Kind, text and line of an error in the student's code."""
+    # Python 3.13 has kinds that are not for the public, such as _IncompleteInputError: what they derive from is
+    kind = next(kind.__name__ for kind in type(error).__mro__ if not kind.__name__.startswith("_"))[:100]
     if isinstance(error, SyntaxError):
-        return {"kind": type(error).__name__[:100], "text": str(error.msg)[:500], "line": error.lineno}
+        return {"kind": kind, "text": str(error.msg)[:500], "line": error.lineno}
     line = None
     for frame in traceback.extract_tb(error.__traceback__):
         if "ipython-input" in frame.filename or frame.filename.startswith("<cell"):
@@ -93,7 +95,7 @@ def describe_error(error: BaseException) -> dict[str, Any]:
     text = ""
     with contextlib.suppress(BaseException):
         text = str(error)
-    return {"kind": type(error).__name__[:100], "text": text[:500], "line": line}
+    return {"kind": kind, "text": text[:500], "line": line}
 
 
 def open_shell() -> Any:

@@ -1,11 +1,16 @@
 """What every test may ask for: the shipped stand-in record and, where they are, the real records."""
 
 import os
+import signal
 from pathlib import Path
 
 import pytest
 
 ROOT = Path(__file__).resolve().parent.parent
+
+# A run in the background starts with interrupts ignored, and hands that down to the commands that tests interrupt.
+if signal.getsignal(signal.SIGINT) == signal.SIG_IGN:
+    signal.signal(signal.SIGINT, signal.default_int_handler)
 
 
 @pytest.fixture(scope="session")
