@@ -21,6 +21,7 @@ from jupytext.myst import MystMetadataParsingError
 
 from autograder.course import Course, Template, read_cell
 from autograder.nbgrader_door import COURSE_ID, nbgrader_api
+from autograder.results import write_text
 from labsid.checks.notebook import assignment_names, load_assignment
 
 SOLUTION_MARKS = ("### BEGIN SOLUTION", "### END SOLUTION")
@@ -219,9 +220,8 @@ def lint_release(release: Any, source: Any) -> Iterator[str]:
 
 
 def _write_notebook(notebook: Any, path: Path) -> None:
-    path.parent.mkdir(parents=True, exist_ok=True)
     text = nbformat.writes(notebook, version=4)
-    path.write_text(text if text.endswith("\n") else text + "\n", encoding="utf-8")
+    write_text(path, text if text.endswith("\n") else text + "\n")
 
 
 def template_hash(template: Template) -> str:

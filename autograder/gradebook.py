@@ -13,7 +13,7 @@ import nbformat
 from autograder.course import Course
 from autograder.intake import Step
 from autograder.judge import Ran, SubmissionResult
-from autograder.nbgrader_door import nbgrader_api, open_gradebook
+from autograder.nbgrader_door import COURSE_ID, nbgrader_api, open_gradebook
 from autograder.results import write_text
 
 
@@ -39,7 +39,10 @@ def prepare(course: Course, out: Path, assignments: Sequence[str]) -> None:
     from nbgrader.preprocessors import ComputeChecksums, SaveCells
 
     out.mkdir(parents=True, exist_ok=True)
-    write_text(out / "nbgrader_config.py", _CONFIG.format(source=str(course.source), release=str(course.release)))
+    write_text(
+        out / "nbgrader_config.py",
+        _CONFIG.format(course_id=COURSE_ID, source=str(course.source), release=str(course.release)),
+    )
     url = database_url(out)
     with open_gradebook(url) as gradebook:
         for name in assignments:
@@ -160,7 +163,7 @@ import os
 
 c = get_config()  # noqa: F821
 c.CourseDirectory.root = os.path.dirname(os.path.abspath(__file__))
-c.CourseDirectory.course_id = "labsid"
+c.CourseDirectory.course_id = {course_id!r}
 c.CourseDirectory.source_directory = {source!r}
 c.CourseDirectory.release_directory = {release!r}
 c.CourseDirectory.db_url = "sqlite:///" + os.path.join(c.CourseDirectory.root, "gradebook.db")

@@ -89,6 +89,14 @@ class Assignment:
         raise ValueError(f"{self.name} has no question {question_id!r}; it has {ids}.")
 
 
+def returned(ask: Ask, name: str, *arguments: Value) -> Value:
+    """What a student's function returns; a function without `return` is told so."""
+    value = ask.call(name, *arguments)
+    if value is None:
+        raise NoAnswer(f"`{name}` hands nothing back: end it with `return` and the result.", "no return")
+    return value
+
+
 def given_values(question: Question, ask: Ask, passed: bool) -> Mapping[str, Value]:
     """The values that later steps start from after `question`: the student's own where it passed."""
     if question.gives is None:

@@ -6,9 +6,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from labsid._arrays import FloatArray
-from labsid.checks.assignments._step_least_squares import returned
 from labsid.checks.compare import as_array, as_matrix, as_vector, close, kind_of
-from labsid.checks.question import Ask
+from labsid.checks.question import Ask, returned
 from labsid.checks.verdict import NoAnswer, Slip, Verdict, judge
 from labsid.gradients import gradient_quadratic, jacobian_cubic
 from labsid.quadratic_form import definiteness

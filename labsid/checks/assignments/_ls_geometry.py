@@ -4,9 +4,8 @@ import numpy as np
 
 from labsid._arrays import FloatArray
 from labsid.checks.assignments._ls_reading import SAME, as_theta, returned_parts, trial_equations
-from labsid.checks.assignments._step_least_squares import returned
 from labsid.checks.compare import as_array, as_matrix
-from labsid.checks.question import Ask
+from labsid.checks.question import Ask, returned
 from labsid.checks.verdict import Slip, Verdict, judge
 from labsid.linear_algebra import singular_values
 from labsid.projection import projection_matrix, solution_set

@@ -5,9 +5,8 @@ from scipy.special import ndtri, stdtrit
 
 from labsid._arrays import FloatArray
 from labsid.checks.assignments._ls_reading import SAME, as_theta, returned_parts, trial_equations
-from labsid.checks.assignments._step_least_squares import returned
 from labsid.checks.compare import as_array, as_vector
-from labsid.checks.question import Ask
+from labsid.checks.question import Ask, returned
 from labsid.checks.verdict import Slip, Verdict, judge
 from labsid.intervals import confidence_intervals
 from labsid.least_squares import LeastSquares, least_squares

@@ -7,8 +7,7 @@ import numpy as np
 
 from labsid._arrays import FloatArray
 from labsid.checks.assignments._ls_reading import SAME, as_theta, trial_equations
-from labsid.checks.assignments._step_least_squares import returned
-from labsid.checks.question import Ask
+from labsid.checks.question import Ask, returned
 from labsid.checks.verdict import Slip, Verdict, judge
 from labsid.constrained import fit_with_known, least_squares_with_equations
 from labsid.least_squares import least_squares

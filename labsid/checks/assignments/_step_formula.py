@@ -3,9 +3,8 @@
 import numpy as np
 
 from labsid._arrays import FloatArray
-from labsid.checks.assignments._step_least_squares import returned
 from labsid.checks.compare import as_vector, close
-from labsid.checks.question import Ask
+from labsid.checks.question import Ask, returned
 from labsid.checks.verdict import Slip, Verdict, judge
 from labsid.step_response import FirstOrderDelay, first_order_response
 

@@ -13,8 +13,7 @@ from labsid.checks.assignments._step_slips import (
     two_slips,
 )
 from labsid.checks.compare import as_number, as_vector, close, kind_of
-from labsid.checks.question import Ask
-from labsid.checks.values import Value
+from labsid.checks.question import Ask, returned
 from labsid.checks.verdict import NoAnswer, Verdict, judge
 from labsid.least_squares import least_squares, loss, loss_gradient, two_equations
 
@@ -177,11 +176,3 @@ def _on_all(ask: Ask, one: Callable[[FloatArray, FloatArray, FloatArray], Verdic
         if not verdict.passed:
             break
     return verdict
-
-
-def returned(ask: Ask, name: str, *arguments: Value) -> Value:
-    """What a student's function returns; a function without `return` is told so."""
-    value = ask.call(name, *arguments)
-    if value is None:
-        raise NoAnswer(f"`{name}` hands nothing back: end it with `return` and the result.", "no return")
-    return value
