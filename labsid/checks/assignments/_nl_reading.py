@@ -1,0 +1,42 @@
+"""Reading what the functions of the nonlinear lecture return, and tolerances measured in standard errors."""
+
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from labsid._arrays import FloatArray
+from labsid.checks.compare import as_vector, close
+from labsid.checks.values import Value
+from labsid.checks.verdict import NoAnswer
+
+SAME = close(1e-6)
+"""For what is computed in one go; an iteration stops somewhere, see `within`."""
+
+
+def within(stderr: FloatArray, share: float = 0.05) -> Callable[[ArrayLike, ArrayLike], bool]:
+    """Make a comparison of estimates: nearer than this share of their standard errors.
+
+    Iterations stop at different tolerances. What lies so far below the noise is the same answer.
+    """
+    tolerance = share * np.asarray(stderr, float)
+
+    def same(a: ArrayLike, b: ArrayLike) -> bool:
+        x, y = np.asarray(a, float), np.asarray(b, float)
+        return x.shape == y.shape and bool(np.all(np.abs(x - y) <= tolerance + 1e-7 * np.abs(y)))
+
+    return same
+
+
+def as_estimate(call: str, value: Value, size: int) -> FloatArray:
+    """An estimate; what `scipy.optimize.least_squares` or `curve_fit` returns as a whole is named as such."""
+    if isinstance(value, dict) and "x" in value:
+        raise NoAnswer(
+            f"`{call}` hands back all that `least_squares` returns: take the solution out of it, `.x`.",
+            "all of the result",
+        )
+    if isinstance(value, tuple) and len(value) in (2, 4) and isinstance(value[0], np.ndarray):
+        raise NoAnswer(
+            f"`{call}` hands back more than the estimate: return its first part only, `[0]`.", "all of the result"
+        )
+    return as_vector(call, value, size)
