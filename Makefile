@@ -5,7 +5,7 @@ PYTHON ?=
 PYTEST_ARGS ?=
 
 .DEFAULT_GOAL := help
-.PHONY: help demo test lint format lock clean set-up
+.PHONY: help demo test lint format bench lock clean set-up
 
 help:  ## this list
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  make %-8s %s\n", $$1, $$2 }' Makefile
@@ -24,6 +24,9 @@ lint: set-up  ## style, format and types
 format: set-up  ## rewrite the code in the project's format
 	@.venv/bin/ruff check --fix .
 	@.venv/bin/ruff format .
+
+bench: set-up  ## labsid beside its peers, in one run; fetches the peers into build/bench
+	@sh .ci/bench
 
 set-up:  ## only make .venv
 	@PYTHON="$(PYTHON)" sh .ci/set-up

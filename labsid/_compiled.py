@@ -43,7 +43,11 @@ def rls_step(
     trace_bound: float,
     unroll: tuple[int, ...],
 ) -> tuple[float, float]:
-    """Update theta and P in place by the lectures' equations; return the prediction error and the new trace of P."""
+    """Update theta and P in place by the lectures' equations; return the prediction error and the new trace of P.
+
+    Only the lower triangle of P is read and written: computed apart, the two would drift away from each other by
+    1 / lambda a step.
+    """
     p = len(unroll)
     kept = forgetting if trace <= forgetting * trace_bound else 1.0
     error = y
@@ -52,8 +56,10 @@ def rls_step(
         error -= phi[i] * theta[i]
     for i in range(p):
         product = 0.0
-        for j in range(p):
+        for j in range(i + 1):
             product += P[i, j] * phi[j]
+        for j in range(i + 1, p):
+            product += P[j, i] * phi[j]
         P_phi[i] = product
         denominator += product * phi[i]
     gain, growth = 1.0 / denominator, 1.0 / kept
@@ -61,11 +67,8 @@ def rls_step(
     for i in range(p):
         K = P_phi[i] * gain
         theta[i] += K * error
-        # One triangle, mirrored: computed apart, the two would drift away from each other by 1 / lambda a step.
         for j in range(i + 1):
-            entry = (P[i, j] - K * P_phi[j]) * growth
-            P[i, j] = entry
-            P[j, i] = entry
+            P[i, j] = (P[i, j] - K * P_phi[j]) * growth
         trace += P[i, i]
     return error, trace
 
@@ -86,7 +89,8 @@ def rls(
     """Recursive least squares over the rows of Phi: `rls_step`, arranged for speed.
 
     A step waits for the P of the step before, which waits for a division. So P phi for the *next* row is taken from
-    the P before the step, while the division runs, and corrected after it; and the sums are split into two halves.
+    the P before the step, while the division runs, and corrected after it; and whether the next step pauses is
+    decided from the trace that P is about to have, trace(P) growth - quotient |P phi|^2, times the denominator.
     """
     p, half, last = len(unroll), len(unroll) // 2, Y.size - 1
     P_phi, ahead = np.empty(p), np.empty(p)
@@ -97,47 +101,46 @@ def rls(
         for j in range(p):
             P_phi[i] += P[i, j] * Phi[0, j]
     shrink = 1.0 / forgetting
-    # The trace of one step earlier decides whether to pause, so as not to wait for it; hence the second factor.
-    earlier, pause_above = trace, forgetting * forgetting * trace_bound
+    limit = forgetting * trace_bound
+    pause = trace > limit
     for k in range(Y.size):
         after = min(k + 1, last)
-        pause = earlier > pause_above
-        earlier = trace
         kept, growth = (1.0, 1.0) if pause else (forgetting, shrink)
         error = Y[k]
         for i in range(p):
             error -= Phi[k, i] * theta[i]
-        # left + right is lambda (lambda + phi' P phi); cross is phi'(next) P phi.
-        left, right, cross_left, cross_right = kept * kept, 0.0, 0.0, 0.0
+        # left + right is lambda + phi' P phi, in two halves; cross is phi'(next) P phi.
+        left, right, cross, square = kept, 0.0, 0.0, 0.0
         for i in range(half):
-            left += P_phi[i] * (Phi[k, i] * kept)
-            cross_left += P_phi[i] * Phi[after, i]
+            left += P_phi[i] * Phi[k, i]
         for i in range(half, p):
-            right += P_phi[i] * (Phi[k, i] * kept)
-            cross_right += P_phi[i] * Phi[after, i]
+            right += P_phi[i] * Phi[k, i]
         for i in range(p):
-            ahead_left, ahead_right = 0.0, 0.0
-            for j in range(half):
-                ahead_left += P[i, j] * Phi[after, j]
-            for j in range(half, p):
-                ahead_right += P[i, j] * Phi[after, j]
-            ahead[i] = (ahead_left + ahead_right) * growth
-        quotient = 1.0 / (left + right)
-        step = quotient * kept * error
-        correction = quotient * (cross_left + cross_right)
+            cross += P_phi[i] * Phi[after, i]
+            square += P_phi[i] * P_phi[i]
+            product = 0.0
+            for j in range(i + 1):
+                product += P[i, j] * Phi[after, j]
+            for j in range(i + 1, p):
+                product += P[j, i] * Phi[after, j]
+            ahead[i] = product * growth
+        denominator = left + right
+        pause = (trace - limit * kept) * denominator > square
+        quotient = growth / denominator
+        step = quotient * (kept * error)
+        correction = quotient * cross
         trace = 0.0
         for i in range(p):
             theta[i] += P_phi[i] * step
             history[k, i] = theta[i]
             K = P_phi[i] * quotient
-            for j in range(i + 1):  # one triangle, mirrored, as in rls_step
-                entry = P[i, j] * growth - K * P_phi[j]
-                P[i, j] = entry
-                P[j, i] = entry
+            for j in range(i + 1):  # one triangle, as in rls_step
+                P[i, j] = P[i, j] * growth - K * P_phi[j]
             trace += P[i, i]
         for i in range(p):
             P_phi[i] = ahead[i] - P_phi[i] * correction
         errors[k], traces[k] = error, trace
+    mirror(P)
 
 
 @compiled("contract")
@@ -170,6 +173,15 @@ def extended_rls(
         shift(phi, 0, na, -y[k])
         shift(phi, na, na + nb, u[k])
         shift(phi, na + nb, p, error)
+    mirror(P)
+
+
+@compiled()
+def mirror(P: FloatArray) -> None:
+    """Copy the lower triangle into the upper one."""
+    for i in range(len(P)):
+        for j in range(i):
+            P[j, i] = P[i, j]
 
 
 @compiled()

@@ -88,8 +88,8 @@ def diffuse_start(p: int, large: float = 1e6, trace_bound: float | None = None) 
     Notes
     -----
     Reading lectures, L5. While nothing excites the plant, the division by lambda alone makes P grow without
-    limit (covariance wind-up), and the next disturbance throws the estimate off. Where that growth would pass the
-    bound, the step is done with lambda = 1 instead: what was learnt is kept until there is something new to learn.
+    limit (covariance wind-up), and the next disturbance throws the estimate off. Where trace(P) / lambda would pass
+    the bound, the step is done with lambda = 1 instead: what was learnt is kept until there is something new to learn.
     """
     if p < 1:
         raise ValueError(f"p must be at least 1 parameter; got {p}.")

@@ -1,11 +1,7 @@
 """labsid beside its peers, in one run on one machine: least squares and recursive least squares, four parameters.
 
-Needs none of the peers to run; those that are not installed are left out and named. To have them all, without
-touching the project's own environment, from the project's folder:
-
-    python -m venv SCRATCH
-    SCRATCH/bin/pip install . llsi padasip statsmodels sysidentpy
-    SCRATCH/bin/python tests/bench_peers.py
+`make bench` runs it with all of them, in an environment of its own. It needs none of the peers to run; those that are
+not installed are left out and named.
 
 Every figure is the best of several runs, from the signals u and y (the time to build Phi included) unless it says "Phi
 given". "off by" is the largest difference from the batch estimate on the same samples; from u and y, labsid's recursion
@@ -174,7 +170,7 @@ def main() -> None:
     console.print("  ".join(f"{name} {installed(name)}" for name in PEERS))
     batch: list[tuple[str, Estimator, Array, Array, int]] = [
         ("labsid fit_long_arx", labsid_gram, u, y, options.runs),
-        ("labsid, a tenth of the record", labsid_gram, u[: n // 10], y[: n // 10], options.runs),
+        ("labsid, a tenth of it", labsid_gram, u[: n // 10], y[: n // 10], options.runs),
         ("numpy lstsq", numpy_lstsq, u, y, few),
         ("llsi ARX", llsi_arx, u, y, few),
         ("statsmodels OLS", statsmodels_ols, u, y, few),
@@ -183,7 +179,7 @@ def main() -> None:
     compare("ARX by least squares, four parameters", "ms", batch, False, console)
     recursive: list[tuple[str, Estimator, Array, Array, int]] = [
         ("labsid, Phi given", labsid_rls, Phi, Y, options.runs),
-        ("labsid, a tenth of the record", labsid_rls, Phi[: n // 10], Y[: n // 10], options.runs),
+        ("labsid, a tenth of it", labsid_rls, Phi[: n // 10], Y[: n // 10], options.runs),
         ("labsid, from u and y", labsid_from_signals, u, y, options.runs),
         ("labsid, one call a sample", labsid_online, Phi[:5000], Y[:5000], few),
         ("padasip FilterRLS", padasip_rls, Phi[:20_000], Y[:20_000], few),

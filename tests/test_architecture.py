@@ -146,6 +146,9 @@ def test_gap_and_rig_do_not_know_each_other(labsid: list[Module]) -> None:
     assert len(rig) > 3
     assert broken(rig, r"labsid\.gap") == []
     assert broken(gap, r"labsid\.rig") == []
+    blind = [module for module in labsid if f"{module.name}.".startswith("labsid.blind.")]
+    assert broken(blind, r"labsid\.gap") == []
+    assert broken([*gap, *rig], r"labsid\.blind") == []
 
 
 def test_only_plots_imports_matplotlib_and_never_its_global_state(labsid: list[Module]) -> None:

@@ -91,6 +91,31 @@ def as_column(name: str, value: Value, size: int | None = None) -> FloatArray:
     return array
 
 
+def as_theta(call: str, value: Value, size: int) -> FloatArray:
+    """Read a parameter vector; what `lstsq` returns as a whole is named as such."""
+    if isinstance(value, tuple) and len(value) == 4:
+        raise NoAnswer(f"`{call}` hands back all that `lstsq` returns: take the first of it, `[0]`.", "all of lstsq")
+    return as_vector(call, value, size)
+
+
+def as_history(call: str, value: Value, rows: int, p: int) -> FloatArray:
+    """Read the history of an estimate, one row a sample, shape (rows, p); what comes in its place is named."""
+    if isinstance(value, np.ndarray):
+        if value.shape == (rows, p, 1):
+            value = value[:, :, 0]
+        if value.size == p and rows > 1:
+            raise NoAnswer(
+                f"`{call}` hands back one estimate; asked for is the whole history, a row for every sample.",
+                "only the last estimate",
+            )
+        if value.shape == (rows + 1, p):
+            raise NoAnswer(
+                f"`{call}` has one row too many: theta(0), which no sample has touched, does not belong in it.",
+                "history begins with theta(0)",
+            )
+    return as_matrix(call, value, (rows, p))
+
+
 def as_system(name: str, value: Value) -> SystemValue:
     """Read a transfer function or a state space, of one input and one output."""
     if not isinstance(value, (TransferFunctionValue, StateSpaceValue)):
@@ -129,6 +154,11 @@ def close(relative: float, absolute: float = 0.0) -> Callable[[ArrayLike, ArrayL
         return bool(np.all(np.abs(x - y) <= absolute + relative * np.max(np.abs(y))))
 
     return same
+
+
+SAME = close(1e-6)
+"""For what is computed in one go. The normal equations square the condition number, and a start with a large P
+magnifies rounding; the trials are conditioned well enough for these digits."""
 
 
 def frequency_response(system: SystemValue, points: int = 64) -> NDArray[np.complex128]:

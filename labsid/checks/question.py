@@ -6,6 +6,7 @@ from typing import Protocol
 
 import numpy as np
 
+from labsid.checks.compare import kind_of
 from labsid.checks.values import Value
 from labsid.checks.verdict import NoAnswer, Verdict
 from labsid.record import Record
@@ -95,6 +96,15 @@ def returned(ask: Ask, name: str, *arguments: Value) -> Value:
     if value is None:
         raise NoAnswer(f"`{name}` hands nothing back: end it with `return` and the result.", "no return")
     return value
+
+
+def returned_parts(ask: Ask, name: str, wanted: str, count: int, *arguments: Value) -> list[Value]:
+    """What a student's function returns, as its `count` parts; equal shapes may have been stacked to one array."""
+    value = returned(ask, name, *arguments)
+    parts = tuple(value) if isinstance(value, np.ndarray) and value.ndim else value
+    if isinstance(parts, (tuple, list)) and len(parts) == count:
+        return list(parts)
+    raise NoAnswer(f"`{name}` should return {wanted}; it returns {kind_of(value)}.", "not all that was asked for")
 
 
 def given_values(question: Question, ask: Ask, passed: bool) -> Mapping[str, Value]:

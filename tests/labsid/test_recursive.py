@@ -288,6 +288,26 @@ def test_a_bound_keeps_the_estimate_through_a_quiet_stretch():
     np.testing.assert_allclose(tight.theta[-1], [-0.8, 1], atol=0.05)
 
 
+@pytest.mark.parametrize("bound", [0.5, 5.0, 40.0])
+def test_forgetting_pauses_for_exactly_the_samples_that_would_pass_the_bound(bound):
+    """The rule as printed, with numpy, against both compiled loops, from the rows and from the signals."""
+    rng = np.random.default_rng(6)
+    u = np.concatenate([rng.uniform(-2, 2, 60), np.ones(150), rng.uniform(-2, 2, 40)])
+    equations = build_equations(Structure(0, 2), u, np.zeros(u.size), start=0)
+    Phi, Y = equations.Phi, equations.Phi @ [1.0, 2.0] + 0.1 * rng.standard_normal(u.size)
+    theta, P, expected, paused = np.zeros(2), 10 * np.eye(2), [], 0
+    for phi, y in zip(Phi, Y, strict=True):
+        forgetting = 0.9 if np.trace(P) / 0.9 <= bound else 1.0
+        paused += forgetting == 1.0
+        history, P = lectures_form(phi[None], [y], forgetting, theta, P)
+        theta = history[0]
+        expected.append([*theta, np.trace(P)])
+    assert 20 < paused < 230
+    start = state(np.zeros(2), 10 * np.eye(2), bound)
+    for run in (recursive_least_squares(Phi, Y, 0.9, start), recursive_armax(Structure(0, 2), u, Y, 0.9, start)):
+        np.testing.assert_allclose(np.column_stack([run.theta, run.P_trace]), expected, rtol=1e-7, atol=1e-9)
+
+
 def test_a_bound_that_is_not_reached_changes_nothing():
     Phi, Y = regression()
     free = recursive_least_squares(Phi, Y, 0.98, diffuse_start(3, trace_bound=np.inf))

@@ -5,7 +5,7 @@ from seed_coverage.row import VARIANT, Row
 ROWS = (
     Row(
         "Reading",
-        "L2: quadratic forms and definiteness, Fig. 3 and 4",
+        "L2: quadratic forms and definiteness, Fig. 3 and 4, the second MATLAB program",
         ("labsid.quadratic_form:definiteness", "labsid.quadratic_form:surface"),
         ("least-squares/ls-1-kind", "least-squares/ls-1-figures-3-and-4"),
         (
@@ -16,7 +16,7 @@ ROWS = (
     ),
     Row(
         "Reading",
-        "L2: Examples 2-1 to 2-3, rows with delays",
+        "L2: Examples 2-1, 2-2 and 2-3, rows with delays",
         ("labsid.structures:build_equations",),
         ("least-squares/ls-2-delays",),
         (
@@ -136,6 +136,17 @@ ROWS = (
         (
             "tests/labsid/test_gradients.py::test_derivatives_are_the_finite_differences",
             "tests/labsid/test_gradients.py::test_directional_derivative_is_the_gradient_along_the_direction_length_included",
+            VARIANT,
+        ),
+    ),
+    Row(
+        "SUSTech",
+        "normal equations, from the gradient of the cost",
+        ("labsid.least_squares:normal_equations", "labsid.least_squares:loss_gradient"),
+        ("least-squares/ls-3-two-derivations", "least-squares/ls-4-fits"),
+        (
+            "tests/labsid/test_least_squares.py::test_the_gradient_is_the_slope_of_the_loss",
+            "tests/labsid/test_least_squares.py::test_the_lesson_and_the_sound_solution_agree_on_a_well_conditioned_problem",
             VARIANT,
         ),
     ),

@@ -5,10 +5,9 @@ from collections.abc import Callable
 import numpy as np
 
 from labsid._arrays import FloatArray
-from labsid.checks.assignments._ls_reading import SAME, as_theta, returned_parts
-from labsid.checks.compare import as_array, as_figure, as_number, as_vector
+from labsid.checks.compare import SAME, as_array, as_figure, as_number, as_theta, as_vector
 from labsid.checks.figures import legend_text, require_label, require_legend
-from labsid.checks.question import Ask
+from labsid.checks.question import Ask, returned_parts
 from labsid.checks.values import AxesValue, CurveValue, Value
 from labsid.checks.verdict import NoAnswer, Slip, Verdict, judge
 from labsid.curve_fit import EXAMPLE_2_1, LINE, PARABOLA, fit_powers, power_regressors

@@ -3,9 +3,9 @@
 import numpy as np
 
 from labsid._arrays import FloatArray
-from labsid.checks.assignments._ls_reading import SAME, as_theta, returned_parts, trial_equations
-from labsid.checks.compare import as_array, as_matrix
-from labsid.checks.question import Ask, returned
+from labsid.checks.compare import SAME, as_array, as_matrix, as_theta
+from labsid.checks.question import Ask, returned, returned_parts
+from labsid.checks.trials import trial_equations
 from labsid.checks.verdict import Slip, Verdict, judge
 from labsid.linear_algebra import singular_values
 from labsid.projection import projection_matrix, solution_set

@@ -4,9 +4,9 @@ import numpy as np
 from scipy.special import ndtri, stdtrit
 
 from labsid._arrays import FloatArray
-from labsid.checks.assignments._ls_reading import SAME, as_theta, returned_parts, trial_equations
-from labsid.checks.compare import as_array, as_vector
-from labsid.checks.question import Ask, returned
+from labsid.checks.compare import SAME, as_array, as_theta, as_vector
+from labsid.checks.question import Ask, returned, returned_parts
+from labsid.checks.trials import trial_equations
 from labsid.checks.verdict import Slip, Verdict, judge
 from labsid.intervals import confidence_intervals
 from labsid.least_squares import LeastSquares, least_squares

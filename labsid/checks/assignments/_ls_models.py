@@ -6,8 +6,9 @@ from itertools import product
 import numpy as np
 
 from labsid._arrays import FloatArray
-from labsid.checks.assignments._ls_reading import SAME, as_theta, trial_equations
+from labsid.checks.compare import SAME, as_theta
 from labsid.checks.question import Ask, returned
+from labsid.checks.trials import trial_equations
 from labsid.checks.verdict import Slip, Verdict, judge
 from labsid.constrained import fit_with_known, least_squares_with_equations
 from labsid.least_squares import least_squares

@@ -6,12 +6,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from labsid._arrays import FloatArray
-from labsid.checks.compare import as_vector, close
+from labsid.checks.compare import as_vector
 from labsid.checks.values import Value
 from labsid.checks.verdict import NoAnswer
-
-SAME = close(1e-6)
-"""For what is computed in one go; an iteration stops somewhere, see `within`."""
 
 
 def within(stderr: FloatArray, share: float = 0.05) -> Callable[[ArrayLike, ArrayLike], bool]:

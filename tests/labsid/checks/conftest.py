@@ -3,13 +3,17 @@
 import re
 import shutil
 from collections.abc import Callable, Iterator, Mapping
+from functools import lru_cache
 from pathlib import Path
 
 import jupytext
 import matplotlib.pyplot as plt
+import numpy as np
 import pytest
 
-from labsid.checks import CheckFailed
+from labsid.checks import CheckFailed, NoAnswer
+from labsid.checks.values import Value, plain
+from labsid.record import Record
 
 NOTEBOOKS = Path(__file__).resolve().parents[3] / "notebooks"
 REGION = re.compile(r"( *)### BEGIN SOLUTION.*?### END SOLUTION", re.DOTALL)
@@ -20,17 +24,68 @@ Cells = Callable[[str], Iterator[tuple[dict[str, object], str]]]
 
 
 def code_cells(assignment: str) -> Iterator[tuple[dict[str, object], str]]:
-    """nbgrader's few words and the source of every code cell."""
+    """nbgrader's few words, the tags and the source of every code cell."""
     notebook = jupytext.read(NOTEBOOKS / assignment / f"{assignment}.md", fmt="md:myst")
     for cell in notebook.cells:
         if cell.cell_type == "code":
-            yield cell.metadata["nbgrader"], cell.source
+            yield {**cell.metadata["nbgrader"], "tags": cell.metadata.get("tags", [])}, cell.source
 
 
 @pytest.fixture
 def notebook_cells() -> Cells:
     """The code cells of an assignment's source."""
     return code_cells
+
+
+class Answers:
+    """Asks the functions of a notebook, with inputs from a seed of its own."""
+
+    def __init__(self, variables: dict[str, object], seed: int) -> None:
+        self._variables = variables
+        self.rng = np.random.default_rng(seed)
+
+    @property
+    def record(self) -> Record:
+        raise AssertionError("this assignment has no record")
+
+    def value(self, name: str) -> Value:
+        if name not in self._variables:
+            raise NoAnswer(f"no {name}")
+        return plain(self._variables[name])
+
+    def call(self, name: str, *arguments: Value) -> Value:
+        function = self._variables.get(name)
+        if not callable(function):
+            raise NoAnswer(f"no function {name}")
+        try:
+            return plain(function(*arguments))
+        except Exception as error:
+            raise NoAnswer(str(error)) from error
+
+    def known(self, name: str) -> Value:
+        return self.value(name)
+
+
+@pytest.fixture
+def answers() -> type[Answers]:
+    """Makes what a check asks, from a notebook's variables and a seed."""
+    return Answers
+
+
+@lru_cache(maxsize=1)
+def variables_of(assignment: str) -> dict[str, object]:
+    variables: dict[str, object] = {}
+    for words, source in code_cells(assignment):
+        if "points" not in words and "demonstration" not in words["tags"]:
+            exec(compile(source, str(words["grade_id"]), "exec"), variables)
+    plt.close("all")
+    return variables
+
+
+@pytest.fixture
+def solved() -> Callable[[str], dict[str, object]]:
+    """The variables of an assignment's model solution, without the cells that only show something."""
+    return variables_of
 
 
 @pytest.fixture

@@ -13,9 +13,11 @@ from labsid.checks.compare import (
     as_array,
     as_column,
     as_figure,
+    as_history,
     as_matrix,
     as_number,
     as_system,
+    as_theta,
     as_vector,
     close,
     frequency_response,
@@ -182,6 +184,45 @@ def test_a_matrix_is_read_with_open_sizes() -> None:
 def test_what_is_no_such_matrix_is_said(value: Any, shape: tuple, said: str, slip: str | None) -> None:
     with refused(said, slip):
         as_matrix("Phi", value, shape)
+
+
+def test_a_parameter_vector_is_told_from_all_that_lstsq_returns() -> None:
+    assert as_theta("fit(u, y)", np.array([[1.0], [2.0]]), 2).tolist() == [1, 2]
+    with refused("`fit(u, y)` hands back all that `lstsq` returns: take the first of it, `[0]`.", "all of lstsq"):
+        as_theta("fit(u, y)", plain(np.linalg.lstsq(np.eye(2), np.ones(2), rcond=None)), 2)
+    with refused("`fit(u, y)` should have 2 elements; it has 3."):
+        as_theta("fit(u, y)", np.ones(3), 2)
+
+
+def test_a_history_may_be_one_of_columns() -> None:
+    assert as_history("rls(Phi, Y)", np.ones((5, 2, 1)), 5, 2).shape == (5, 2)
+    assert as_history("rls(Phi, Y)", plain([np.zeros(2)] * 5), 5, 2).shape == (5, 2)
+
+
+@pytest.mark.parametrize(
+    ("value", "said", "slip"),
+    [
+        (
+            np.ones(2),
+            "`rls(Phi, Y)` hands back one estimate; asked for is the whole history, a row for every sample.",
+            "only the last estimate",
+        ),
+        (
+            np.ones((6, 2)),
+            "`rls(Phi, Y)` has one row too many: theta(0), which no sample has touched, does not belong in it.",
+            "history begins with theta(0)",
+        ),
+        (
+            np.ones((2, 5)),
+            "`rls(Phi, Y)` has shape (2, 5): it lies on its side. Its columns should run down, shape (5, 2).",
+            "rows instead of columns",
+        ),
+        (None, "`rls(Phi, Y)` should be a matrix; it is nothing (None).", None),
+    ],
+)
+def test_what_is_no_history_is_said(value: Any, said: str, slip: str | None) -> None:
+    with refused(said, slip):
+        as_history("rls(Phi, Y)", value, 5, 2)
 
 
 def test_an_array_of_any_shape_is_read() -> None:
