@@ -4,6 +4,10 @@
 plays an input on one. `tanks` is the coupled-tank rig of the lab; another rig is another module of its size.
 `instruments` holds blocks for the chains, `log` the file in the lab's layout, `individual` what differs from
 student to student, `lab_record` the records themselves.
+
+The rigs with switchable effects are faster, run in units of their own, and stand beside that: `setup` says what one
+is made of, `plants` and `inputs` draw them, `effects` (of the table) and `outside` (of it) enter one at any strength,
+`play` runs it, and `truth` says what was put in.
 """
 
 from labsid.rig.individual import read_secret, student_plan

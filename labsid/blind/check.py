@@ -1,0 +1,159 @@
+"""The sealed check from end to end: make the cases, run the diagnosis on them, open the labels, print the table."""
+
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from labsid._arrays import FloatArray
+from labsid.blind.closure import closure, held_out, pooled_closure, run_linear
+from labsid.blind.figures import Judged
+from labsid.blind.output_error import discrete_poles, fit_linear
+from labsid.blind.recipe import Case, follow, fresh, to_record
+from labsid.blind.rows import REPEATABLE
+from labsid.blind.runner import Replay, run_batch, run_replays
+from labsid.blind.score import score
+from labsid.blind.suite import PER_ROW, cases, label_dict
+from labsid.blind.table import markdown, print_scores
+from labsid.record import Record
+from labsid.rig.play import poles
+
+FRESH_RECORDS = 20
+
+
+def run(
+    suite: str = "dev",
+    per_row: int | None = None,
+    rows: Sequence[str] | None = None,
+    jobs: int = 1,
+    replays: int | None = None,
+    report: Path | None = None,
+) -> int:
+    """Run the sealed check and print its table.
+
+    Parameters
+    ----------
+    suite : {"dev", "final"}
+    per_row : int, optional
+        Records behind each row of the bars; 80 in `dev` and 220 in `final` unless given.
+    rows : sequence of str, optional
+        All unless given.
+    jobs : int
+        Processes at a time.
+    replays : int, optional
+        Clear records whose exported simulation is played on 20 fresh ones; as many as `per_row` unless given.
+    report : Path, optional
+        Also write the table here, in Markdown.
+
+    Returns
+    -------
+    int
+        Exit status: 0 where every bar that must be reached is, else 1.
+
+    Raises
+    ------
+    ValueError
+        If there is no such suite or row, or `jobs` is below 1.
+    """
+    if jobs < 1:
+        raise ValueError(f"jobs must be at least 1; got {jobs}. Give the number of processes.")
+    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
+
+    layout = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn())
+    with Progress(*layout, transient=True) as progress:
+        making = progress.add_task("making rigs", total=None)
+        made = []
+        for case in cases(suite, per_row, rows):
+            made.append(case)
+            progress.update(making, completed=len(made))
+        progress.update(making, total=len(made))
+        running = progress.add_task("diagnosing", total=len(made))
+        results, seconds = run_batch(made, jobs, lambda n: progress.update(running, completed=n))
+        refitting = progress.add_task("refitting the true structures", total=len(made))
+        judged = []
+        for case in made:
+            judged.append(judge(case, results.get(case.name)))
+            progress.advance(refitting)
+        again = [case for case in made if is_repeatable(case)]
+        again = again[: (per_row or PER_ROW[suite]) if replays is None else replays]
+        playing = progress.add_task("playing fresh records", total=len(again))
+        replayed = judge_replays(again, jobs, lambda n: progress.update(playing, completed=n))
+    scores = score(judged, replayed, seconds)
+    print_scores(scores, f"labsid gap blind --suite {suite}: {len(made)} records")
+    if report is not None:
+        report.write_text(markdown(scores), encoding="utf-8")
+    return int(any(figure.reaches(figure.must) is False for figure in scores.figures))
+
+
+def judge(case: Case, result: dict[str, Any] | None) -> Judged:
+    """Put label and result side by side; of a clear single effect also what could have been closed.
+
+    Parameters
+    ----------
+    case : Case
+    result : dict or None
+
+    Returns
+    -------
+    Judged
+    """
+    comparable = case.row == "single-clear" and result is not None
+    share = closure(case, result) if comparable and result is not None else None
+    if share is None:
+        return Judged(label_dict(case), result)
+    return Judged(label_dict(case), result, share.diagnosed, share.possible)
+
+
+def is_repeatable(case: Case) -> bool:
+    """Whether the rig would do the same in another record, so that its exported simulation can be held to it.
+
+    Parameters
+    ----------
+    case : Case
+
+    Returns
+    -------
+    bool
+    """
+    single = case.row in ("single-clear", "single-hard")
+    return single and case.holdout is None and case.sim is None and set(case.labels) <= REPEATABLE
+
+
+def judge_replays(made: Sequence[Case], jobs: int, on_progress: Callable[[int], None] | None = None) -> list[Judged]:
+    """Play the exported simulation of each case on fresh records of the same rig.
+
+    Parameters
+    ----------
+    made : sequence of Case
+    jobs : int
+    on_progress : callable, optional
+        Called with how many cases are done.
+
+    Returns
+    -------
+    list of Judged
+        With `fresh` where the simulation could be played.
+    """
+    recipes = [[fresh(case.recipe, i) for i in range(FRESH_RECORDS)] for case in made]
+    others = [[to_record(follow(r), r.scales, f"other{i}") for i, r in enumerate(several)] for several in recipes]
+    replays = run_replays(list(zip(made, others, strict=True)), jobs, on_progress)
+    judged = []
+    for case, several, records, replay in zip(made, recipes, others, replays, strict=True):
+        clean = [to_record(follow(r), r.scales, case.name, clean=True).y for r in several]
+        judged.append(Judged(label_dict(case), replay.result, fresh=_fresh_closure(case, records, clean, replay)))
+    return judged
+
+
+def _fresh_closure(case: Case, records: Sequence[Record], clean: Sequence[FloatArray], replay: Replay) -> float | None:
+    """Closure over the fresh records, from the best linear model of the samples that the diagnosis fitted."""
+    after = [output for output in replay.outputs if output is not None]
+    if replay.result is None or len(after) < len(records):
+        return None
+    scored = held_out(case, replay.result)
+    if scored is None:
+        return None
+    u, start = case.record.u, discrete_poles(poles(case.recipe.plain.motion))
+    linear = fit_linear(u, case.record.y, start, counts=~scored)
+    before = [run_linear(linear, float(np.mean(u)), record) for record in records]
+    return pooled_closure(clean, before, after)

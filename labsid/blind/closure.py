@@ -1,0 +1,240 @@
+"""How far a gap can be closed: the true structure refitted, on the very samples that the diagnosis held out."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import least_squares
+
+from labsid._arrays import FloatArray
+from labsid.blind.output_error import LinearFit
+from labsid.blind.recipe import Case, Recipe, command, follow, to_record
+from labsid.record import Record
+from labsid.rig._motion import HEATED_FAR, HEATED_NEAR, MASS
+from labsid.rig.play import Noise, RunsAway, play
+from labsid.rig.setup import Setup
+
+INITIAL = 50
+"""Samples of a second record from which its initial state is estimated; they are not scored."""
+
+CLOSES_NOTHING = {"coloured-noise", "output-outliers"}
+"""Effects that no free run reproduces, however right its structure."""
+
+_MOTION = (
+    *("T0", "T1", "damping", "coupling", "actuator_lag", "sensor_lag"),
+    *("root", "brim_upper", "brim_lower", "dry_friction", "cubic"),
+)
+_MODE = ("mode_frequency", "mode_damping", "mode_share")
+_ACTUATOR = ("low", "high", "dead_low", "dead_high", "play", "slew", "c2", "c3", "gain_change")
+_LOAD = ("size", "leak", "amplitude", "frequency", "phase", "pole_change")
+_SENSOR = ("c2", "c3", "drift", "amplitude", "frequency", "phase", "low", "high")
+
+
+@dataclass(frozen=True, slots=True)
+class Closure:
+    """What is left on held-out samples by the diagnosis and by the truth.
+
+    Attributes
+    ----------
+    diagnosed : float
+        Share of the gap closed by the diagnosis, scored with the true noise.
+    possible : float
+        The same for the true structure, its parameters refitted on the same samples.
+    """
+
+    diagnosed: float
+    possible: float
+
+
+def closed(before: float, after: float, floor: float) -> float | None:
+    """Share of a gap that is closed: None where there is no gap before.
+
+    Parameters
+    ----------
+    before, after, floor : float
+        Root mean square errors; the floor is the noise's.
+
+    Returns
+    -------
+    float or None
+    """
+    gap = before**2 - floor**2
+    if gap <= 0:
+        return None
+    return 1.0 - float(np.sqrt(max(after**2 - floor**2, 0.0) / gap))
+
+
+def closure(case: Case, result: dict[str, Any]) -> Closure | None:
+    """Compare what a diagnosis closes with what the true structure closes.
+
+    Parameters
+    ----------
+    case : Case
+    result : dict
+        The diagnosis.
+
+    Returns
+    -------
+    Closure or None
+        None where nothing can be closed, or the result does not say what was held out.
+    """
+    if not case.labels or set(case.labels) & {"unknown", "parameter-mismatch", *CLOSES_NOTHING}:
+        return None
+    scored = held_out(case, result)
+    gap = result.get("gap") or {}
+    if scored is None or gap.get("before") is None or gap.get("after") is None:
+        return None
+    recipe = case.recipe
+    clean = to_record(follow(recipe), recipe.scales, case.name, clean=True)
+    floor = _rms((case.record.y - clean.y)[scored])
+    y = refitted(case, ~scored)
+    diagnosed = closed(gap["before"], gap["after"], floor)
+    possible = closed(gap["before"], _rms((case.record.y - y)[scored]), floor)
+    return None if diagnosed is None or possible is None else Closure(diagnosed, possible)
+
+
+def held_out(case: Case, result: dict[str, Any]) -> NDArray[np.bool_] | None:
+    """Which samples of the record the diagnosis says that it held out.
+
+    Parameters
+    ----------
+    case : Case
+    result : dict
+
+    Returns
+    -------
+    ndarray of bool, shape (N,), or None
+        None where it held out a second record, or nothing that makes sense.
+    """
+    blocks = (result.get("gap") or {}).get("holdout")
+    if case.holdout is not None or not blocks:
+        return None
+    t = case.record.t
+    scored = np.zeros(t.size, dtype=bool)
+    for begin, end in blocks:
+        scored |= (t >= begin - 1e-9 * abs(t[-1])) & (t < end - 1e-9 * abs(t[-1]))
+    return scored if 0.1 * t.size < scored.sum() < 0.9 * t.size else None
+
+
+def refitted(case: Case, counts: NDArray[np.bool_]) -> FloatArray:
+    """The true structure, its parameters fitted to the samples that count.
+
+    Parameters
+    ----------
+    case : Case
+    counts : ndarray of bool, shape (N,)
+
+    Returns
+    -------
+    ndarray, shape (N,)
+        Its free run through the whole record, in the record's units.
+    """
+    recipe, y = case.recipe, case.record.y
+    names = free_parameters(recipe)
+    truth = np.array([_get(recipe.setup, part, name) for part, name in names])
+    spread = np.maximum(np.abs(truth), 1e-3)
+    v = command(recipe)
+
+    def run(theta: FloatArray) -> FloatArray:
+        away = theta - 1.0  # scipy takes its difference steps as shares of theta
+        start = (recipe.start[0] + away[-2], recipe.start[1] + away[-1])
+        values = truth + spread * away[:-2]
+        setup = recipe.setup
+        for (part, name), value in zip(names, values, strict=True):
+            setup = _set(setup, part, name, float(value))
+        shown = play(setup, v, Noise(0.0), start).clean
+        basis = np.column_stack([shown, np.ones(shown.size)])
+        return basis @ np.linalg.lstsq(basis[counts], y[counts], rcond=None)[0]
+
+    def residual(theta: FloatArray) -> FloatArray:
+        try:
+            return (run(theta) - y)[counts] / case.sigma
+        except RunsAway:
+            return np.full(int(counts.sum()), 1e3)
+
+    first = np.ones(len(names) + 2)
+    found = least_squares(residual, first, diff_step=1e-3, x_scale=0.02, max_nfev=6)
+    return run(found.x)
+
+
+def free_parameters(recipe: Recipe) -> list[tuple[str, str]]:
+    """The parameters of a rig and its effects that a refit may move: part and name.
+
+    Parameters
+    ----------
+    recipe : Recipe
+
+    Returns
+    -------
+    list of (str, str)
+    """
+    kind = recipe.plain.motion.kind
+    absent = {"T1"} if kind == MASS else set()
+    absent |= set() if kind in (HEATED_FAR, HEATED_NEAR) else {"coupling"}
+    modes = _MODE if recipe.setup.motion.mode else ()
+    names = [("motion", name) for name in (*_MOTION, *modes) if name not in absent]
+    names += [("actuator", name) for name in _ACTUATOR]
+    names += [("load", name) for name in _LOAD] + [("sensor", name) for name in _SENSOR]
+    values = [(part, name, _get(recipe.setup, part, name)) for part, name in names]
+    return [(part, name) for part, name, value in values if value != 0.0 and np.isfinite(value)]
+
+
+def run_linear(fit: LinearFit, u_mean: float, record: Record) -> FloatArray:
+    """Play a linear fit on another record, its initial state estimated from the first samples.
+
+    Parameters
+    ----------
+    fit : LinearFit
+    u_mean : float
+        Mean of the input that it was fitted on, which it was taken about.
+    record : Record
+
+    Returns
+    -------
+    ndarray, shape (N,)
+    """
+    from scipy.signal import lfilter
+
+    num = np.concatenate([[0.0], fit.b])
+    forced = fit.offset + lfilter(num, fit.a, record.u - u_mean)
+    impulse = np.zeros(len(record))
+    impulse[0] = 1.0
+    free = lfilter([1.0], fit.a, impulse)
+    basis = np.column_stack([free, np.concatenate([[0.0], free[:-1]])])
+    state = np.linalg.lstsq(basis[:INITIAL], (record.y - forced)[:INITIAL], rcond=None)[0]
+    return np.asarray(forced + basis @ state)
+
+
+def pooled_closure(clean: Sequence[FloatArray], before: Sequence[FloatArray], after: Sequence[FloatArray]) -> float:
+    """Closure over several fresh records together, against their noise-free outputs.
+
+    Parameters
+    ----------
+    clean, before, after : sequence of ndarray
+        Noise-free output, and the simulations before and after the effect was added.
+
+    Returns
+    -------
+    float
+    """
+
+    def error(runs: Sequence[FloatArray]) -> float:
+        return _rms(np.concatenate([(y - x)[INITIAL:] for x, y in zip(runs, clean, strict=True)]))
+
+    return 1.0 - error(after) / error(before)
+
+
+def _get(setup: Setup, part: str, name: str) -> float:
+    return float(getattr(getattr(setup, part), name))
+
+
+def _set(setup: Setup, part: str, name: str, value: float) -> Setup:
+    old = getattr(setup, part)
+    new = old._replace(**{name: value}) if part == "motion" else replace(old, **{name: value})
+    return replace(setup, **{part: new})
+
+
+def _rms(x: FloatArray) -> float:
+    return float(np.sqrt(np.mean(x**2)))

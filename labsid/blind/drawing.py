@@ -1,0 +1,190 @@
+"""What the rows have in common: a rig with an input and no effect yet, the finished case, kinds of noise."""
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+from scipy.signal import lfilter
+
+from labsid.blind.recipe import Case, Recipe, command, follow, to_record
+from labsid.blind.strength import CLEAR, clean_output, gap, with_noise
+from labsid.rig._motion import MASS
+from labsid.rig.effects import can_have
+from labsid.rig.plants import RIGS, draw_rig, draw_scales, time_scale
+from labsid.rig.play import Noise
+from labsid.rig.setup import Setup
+from labsid.rig.truth import true_parameters
+
+
+def bench(
+    rng: np.random.Generator, effect: str, samples: int, inputs: tuple[str, ...], rigs: tuple[str, ...] = RIGS
+) -> Recipe:
+    """Draw a rig without effects, its units, and the input that it will get.
+
+    Parameters
+    ----------
+    rng : Generator
+    effect : str
+        An effect of the table that the rig must have a place for; empty for any rig.
+    samples : int
+    inputs : tuple of str
+        Kinds of input to draw from.
+    rigs : tuple of str
+        Rigs to draw from.
+
+    Returns
+    -------
+    Recipe
+    """
+    if effect:
+        rigs = tuple(rig for rig in rigs if can_have(example(rig), effect))
+    plain = draw_rig(rng, samples, rigs)
+    from_rest = bool(rng.random() < 0.75)
+    start = (0.0, 0.0) if from_rest else (float(rng.uniform(-0.4, 0.4)), float(rng.uniform(-0.4, 0.4)))
+    if plain.motion.kind == MASS:
+        start = (start[0], 0.0)
+    return Recipe(
+        setup=plain,
+        plain=plain,
+        scales=draw_scales(rng),
+        noise=Noise(0.0),
+        input=str(rng.choice(inputs)),
+        input_seed=int(rng.integers(2**31)),
+        samples=samples,
+        time=time_scale(plain),
+        from_rest=from_rest,
+        start=start,
+    )
+
+
+def example(rig: str) -> Setup:
+    """One rig of that name, to ask what it has a place for."""
+    return draw_rig(np.random.default_rng(0), 1500, (rig,))
+
+
+def finished(
+    rng: np.random.Generator,
+    recipe: Recipe,
+    setup: Setup,
+    sigma: float,
+    name: str,
+    row: str,
+    labels: tuple[str, ...],
+    noise: tuple[float, float],
+    truth: dict[str, Any] | None = None,
+) -> Case:
+    """Add the noise, run the rig, and put the label on.
+
+    Parameters
+    ----------
+    rng : Generator
+    recipe : Recipe
+    setup : Setup
+        The rig with its effects.
+    sigma : float
+        Standard deviation of the noise in the rig's own units.
+    name, row : str
+    labels : tuple of str
+    noise : tuple of float
+        Share of the variance that is coloured, and pole of that part.
+    truth : dict, optional
+        What is in the record; the parameters of the labels unless given.
+
+    Returns
+    -------
+    Case
+    """
+    share, colour = noise
+    made = with_noise(recipe, setup, Noise(sigma, share, colour, int(rng.integers(2**31))))
+    ratio = gap(recipe, setup) / sigma
+    if truth is None:
+        truth = {e: true_parameters(e, setup, recipe.scales, recipe.samples) for e in labels}
+        truth |= {e: _reached(e, truth[e], recipe, setup) for e in labels if e.endswith("saturation")}
+    level = "none" if not labels else "clear" if ratio >= CLEAR[0] else "hard"
+    return Case(
+        record=to_record(follow(made), recipe.scales, name),
+        name=name,
+        row=row,
+        labels=labels,
+        truth=truth,
+        sigma=sigma * abs(recipe.scales.ys),
+        level=level,
+        ratio=float(ratio),
+        recipe=made,
+    )
+
+
+def _reached(effect: str, ends: dict[str, float], recipe: Recipe, setup: Setup) -> dict[str, float]:
+    """Those of the limits at which the record spends at least one sample in a hundred."""
+    if effect == "input-saturation":
+        x = recipe.scales.u0 + recipe.scales.us * command(recipe)
+    else:
+        free = replace(setup, sensor=replace(setup.sensor, low=-np.inf, high=np.inf))
+        x = recipe.scales.y0 + recipe.scales.ys * clean_output(recipe, free)
+    beyond = {"low": x < ends.get("low", -np.inf), "high": x > ends.get("high", np.inf)}
+    return {name: level for name, level in ends.items() if np.mean(beyond[name]) >= 0.01}
+
+
+def hidden(rng: np.random.Generator, recipe: Recipe, effect: str) -> Setup:
+    """An effect that lies outside of where the record goes."""
+    v, y = command(recipe), clean_output(recipe, recipe.plain)
+    setup, away = recipe.plain, float(rng.uniform(1.05, 1.5))
+    match effect:
+        case "input-saturation":
+            return replace(setup, actuator=replace(setup.actuator, high=away * float(v.max()) + 0.01))
+        case "input-backlash":
+            return replace(setup, actuator=replace(setup.actuator, play=float(rng.uniform(0.05, 0.3))))
+        case "output-saturation":
+            return replace(setup, sensor=replace(setup.sensor, high=float(y.max() + 0.2 * away * np.ptp(y))))
+        case "overflow":
+            level = float(y.max() + 0.1 * away * np.ptp(y))
+            return replace(setup, motion=setup.motion._replace(brim_lower=level))
+        case _:
+            speed = -1.2 * float(np.min(y)) + 0.3
+            return replace(setup, motion=setup.motion._replace(dry_friction=0.1, speed_zero=speed))
+
+
+def distance(sim: dict[str, Any], recipe: Recipe) -> float:
+    """How far a simulation from rest is from the rig without effects, rms, in the rig's own units."""
+    at_rest = replace(recipe, start=(0.0, 0.0))
+    gain = recipe.scales.us / recipe.scales.ys
+    run = lfilter(np.array(sim["num"]) * gain, sim["den"], command(recipe))
+    return float(np.sqrt(np.mean((run - clean_output(at_rest, recipe.plain)) ** 2)))
+
+
+def merged(plain: Setup, one: Setup, two: Setup) -> Setup:
+    """Both effects on one rig: whatever either of them changed."""
+    motion = plain.motion._replace(
+        **{k: v for part in (one, two) for k, v in part.motion._asdict().items() if v != getattr(plain.motion, k)}
+    )
+    parts = {}
+    for name in ("actuator", "load", "sensor"):
+        old = getattr(plain, name)
+        changed = {
+            field: getattr(getattr(part, name), field)
+            for part in (one, two)
+            for field in old.__dataclass_fields__
+            if getattr(getattr(part, name), field) != getattr(old, field)
+        }
+        parts[name] = replace(old, **changed)
+    return replace(plain, motion=motion, **parts)
+
+
+def log_uniform(rng: np.random.Generator, low: float, high: float) -> float:
+    """A number between `low` and `high`, its logarithm uniform."""
+    return float(np.exp(rng.uniform(np.log(low), np.log(high))))
+
+
+def any_noise(rng: np.random.Generator) -> tuple[float, float]:
+    """White, or mildly coloured: share of the variance and pole of the AR(1) part."""
+    return (0.0, 0.0) if rng.random() < 0.65 else mildly_coloured(rng)
+
+
+def mildly_coloured(rng: np.random.Generator) -> tuple[float, float]:
+    """Innovations keep at least 0.7 of the standard deviation: a pole up to 0.7 throughout."""
+    return 1.0, float(rng.uniform(0.2, 0.7))
+
+
+def partly_coloured(rng: np.random.Generator) -> tuple[float, float]:
+    """A fifth to a half of the variance comes from a slower AR(1) part."""
+    return float(rng.uniform(0.2, 0.5)), float(rng.uniform(0.4, 0.8))

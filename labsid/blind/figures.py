@@ -1,0 +1,167 @@
+"""One case judged, one bar of the table, and what counts as right."""
+
+from collections.abc import Iterable
+from dataclasses import dataclass, field
+from math import sqrt
+from typing import Any
+
+Z95 = 1.959963984540054
+
+
+@dataclass(frozen=True, slots=True)
+class Judged:
+    """One case: what was in it, and what the diagnosis said.
+
+    Attributes
+    ----------
+    label : dict
+        As `labsid.blind.suite.label_dict` gives it.
+    result : dict or None
+        The diagnosis; None where there is none, which counts as wrong.
+    diagnosed, possible : float or None
+        Share of the gap closed by the diagnosis and by the true structure refitted.
+    fresh : float or None
+        Closure of the same fit on fresh records.
+    """
+
+    label: dict[str, Any]
+    result: dict[str, Any] | None
+    diagnosed: float | None = None
+    possible: float | None = None
+    fresh: float | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Figure:
+    """One bar of the table.
+
+    Attributes
+    ----------
+    name : str
+    value : float or None
+        None where there is nothing behind it.
+    count : int
+        Records behind it.
+    low, high : float or None
+        95 % interval: Wilson's where the figure is a rate.
+    must, aim : float or tuple of float or None
+        The bar; a tuple is a range to lie in.
+    below : bool
+        Whether less is better.
+    unit : str
+        ``%`` for rates.
+    """
+
+    name: str
+    value: float | None
+    count: int
+    low: float | None = None
+    high: float | None = None
+    must: float | tuple[float, float] | None = None
+    aim: float | tuple[float, float] | None = None
+    below: bool = False
+    unit: str = "%"
+
+    def reaches(self, bar: float | tuple[float, float] | None) -> bool | None:
+        """Whether the value is as good as a bar; None where there is no value or no bar."""
+        if bar is None or self.value is None:
+            return None
+        if isinstance(bar, tuple):
+            return bar[0] <= self.value <= bar[1]
+        return self.value <= bar if self.below else self.value >= bar
+
+
+@dataclass(frozen=True, slots=True)
+class Scores:
+    """Everything the check found out.
+
+    Attributes
+    ----------
+    figures : tuple of Figure
+    confusion : dict
+        By row, then by true label, how often each set of names was given.
+    calibration : tuple of (float, float, int)
+        Mean probability, share right, and count of each bin.
+    """
+
+    figures: tuple[Figure, ...]
+    confusion: dict[str, dict[str, dict[str, int]]] = field(default_factory=dict)
+    calibration: tuple[tuple[float, float, int], ...] = ()
+
+
+def wilson(successes: int, count: int) -> tuple[float, float]:
+    """Wilson's 95 % interval of a rate.
+
+    Parameters
+    ----------
+    successes, count : int
+
+    Returns
+    -------
+    tuple of float
+        (0, 1) where nothing was counted.
+    """
+    if count == 0:
+        return 0.0, 1.0
+    share, z2 = successes / count, Z95**2
+    middle = (share + z2 / (2 * count)) / (1 + z2 / count)
+    half = Z95 / (1 + z2 / count) * sqrt(share * (1 - share) / count + z2 / (4 * count**2))
+    return max(0.0, middle - half), min(1.0, middle + half)
+
+
+def names(case: Judged) -> list[str]:
+    """The effects that were named, in their order; empty where there is no result."""
+    if case.result is None or verdict(case) != "effect":
+        return []
+    return [str(effect.get("name")) for effect in case.result.get("effects") or []]
+
+
+def verdict(case: Judged) -> str:
+    """The verdict; ``error`` where there is no result."""
+    return "error" if case.result is None else str(case.result.get("verdict"))
+
+
+def exactly_named(case: Judged) -> bool:
+    """Whether all effects were named and nothing else."""
+    return sorted(names(case)) == sorted(case.label["labels"])
+
+
+def one_named(case: Judged) -> bool:
+    """Whether at least one of the effects was named."""
+    return bool(set(names(case)) & set(case.label["labels"]))
+
+
+def answer_set(case: Judged) -> set[str]:
+    """The names given and those said to be as likely."""
+    ambiguous = (case.result or {}).get("ambiguous") or []
+    return {*names(case), *map(str, ambiguous)}
+
+
+def inside_set(case: Judged) -> bool:
+    """Whether the effect is in a set of at most three names."""
+    said = answer_set(case)
+    return len(said) <= 3 and set(case.label["labels"]) <= said
+
+
+def not_sure(case: Judged) -> bool:
+    """Whether no wrong name was given with a probability above 0.9; without a result it was not answered."""
+    if case.result is None:
+        return False
+    effects = case.result.get("effects") or []
+    wrong = [e for e in effects if e.get("name") not in case.label["labels"]]
+    return all(float(e.get("probability") or 0.0) <= 0.9 for e in wrong)
+
+
+def told_apart(case: Judged) -> bool:
+    """Whether none, wrong numbers and a structural effect were told apart."""
+
+    def kind(effects: Iterable[str]) -> str:
+        effects = set(effects)
+        if not effects:
+            return "none"
+        return "parameters" if effects == {"parameter-mismatch"} else "structure"
+
+    if verdict(case) not in ("none", "effect"):
+        return False
+    said, true = kind(names(case)), kind(case.label["labels"])
+    return said == true and (true != "structure" or set(case.label["labels"]) <= set(names(case)))

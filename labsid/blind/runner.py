@@ -1,0 +1,159 @@
+"""Run the diagnosis from outside: as a separate process, in a folder that holds nothing but the records."""
+
+import json
+import subprocess
+import sys
+import time
+from collections.abc import Callable, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import Any
+
+import numpy as np
+
+from labsid._arrays import FloatArray
+from labsid.blind.recipe import Case
+from labsid.blind.suite import write_case, write_record
+from labsid.record import Record
+
+_MAIN = "import sys\nfrom labsid.cli import main\nsys.exit(main(sys.argv[1:]))"
+_MANY = "import json, sys\nfrom labsid.cli import main\nfor line in json.load(sys.stdin):\n    main(line)"
+SECONDS_TO_START = 60.0
+SECONDS_A_RECORD = 60.0
+"""Time limits: what is not there by then counts as wrong."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Replay:
+    """One record diagnosed, and its exported simulation played on others.
+
+    Attributes
+    ----------
+    result : dict or None
+        The diagnosis; None where there is none.
+    outputs : tuple of ndarray or None
+        What the exported simulation gives on each of the other records; None where it gave nothing.
+    """
+
+    result: dict[str, Any] | None
+    outputs: tuple[FloatArray | None, ...]
+
+
+def run_batch(
+    cases: Sequence[Case], jobs: int, on_progress: Callable[[int], None] | None = None
+) -> tuple[dict[str, dict[str, Any]], float]:
+    """Diagnose the records of cases with ``labsid gap batch``.
+
+    Parameters
+    ----------
+    cases : sequence of Case
+    jobs : int
+    on_progress : callable, optional
+        Called with how many records are done.
+
+    Returns
+    -------
+    tuple of dict and float
+        Result by name, without those that are missing, unreadable or too late; and seconds a record and core.
+    """
+    with TemporaryDirectory(prefix="labsid-blind-") as scratch:
+        records, out = Path(scratch, "records"), Path(scratch, "out")
+        records.mkdir()
+        for case in cases:
+            write_case(records, case)
+        begun = time.monotonic()
+        limit = begun + SECONDS_TO_START + SECONDS_A_RECORD * len(cases) / jobs
+        command = [sys.executable, "-c", _MAIN, "gap", "batch", str(records), "--out", str(out), "--jobs", str(jobs)]
+        process = subprocess.Popen(command, cwd=scratch, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        try:
+            while process.poll() is None and time.monotonic() < limit:
+                time.sleep(0.2)
+                if on_progress is not None:
+                    on_progress(len(list(out.glob("*.json"))))
+        finally:
+            if process.poll() is None:
+                process.terminate()
+            process.wait()
+        seconds = (time.monotonic() - begun) * jobs / max(len(cases), 1)
+        found = {case.name: _read_json(out / f"{case.name}.json") for case in cases}
+    return {name: result for name, result in found.items() if result is not None}, seconds
+
+
+def run_replays(
+    pairs: Sequence[tuple[Case, Sequence[Record]]], jobs: int, on_progress: Callable[[int], None] | None = None
+) -> list[Replay]:
+    """Diagnose each record alone, export its better simulation, and play that on other records.
+
+    Parameters
+    ----------
+    pairs : sequence of (Case, sequence of Record)
+    jobs : int
+    on_progress : callable, optional
+        Called with how many cases are done.
+
+    Returns
+    -------
+    list of Replay
+        In the order of `pairs`.
+    """
+    done: list[None] = []
+
+    def one(pair: tuple[Case, Sequence[Record]]) -> Replay:
+        replay = _replay(*pair)
+        done.append(None)
+        if on_progress is not None:
+            on_progress(len(done))
+        return replay
+
+    with ThreadPoolExecutor(jobs) as pool:
+        return list(pool.map(one, pairs))
+
+
+def _replay(case: Case, others: Sequence[Record]) -> Replay:
+    with TemporaryDirectory(prefix="labsid-blind-") as scratch:
+        folder = Path(scratch)
+        write_case(folder, case)
+        for i, other in enumerate(others):
+            write_record(folder / f"other{i}.csv", other)
+        diagnose = ["gap", "diagnose", f"{case.name}.csv", "--json", "result.json", "--export", "better.json"]
+        if case.sim is not None:
+            diagnose += ["--sim", f"{case.name}.sim.json"]
+        lines = [diagnose]
+        for i in range(len(others)):
+            lines.append(["gap", "simulate", "better.json", f"other{i}.csv", "--out", f"played{i}.csv"])
+        try:
+            subprocess.run(
+                [sys.executable, "-c", _MANY],
+                cwd=scratch,
+                input=json.dumps(lines),
+                text=True,
+                stdout=subprocess.DEVNULL,
+                stderr=subprocess.DEVNULL,
+                timeout=SECONDS_TO_START + SECONDS_A_RECORD + 5.0 * len(others),
+                check=False,
+            )
+        except subprocess.TimeoutExpired:
+            return Replay(None, (None,) * len(others))
+        played = [_read_output(folder / f"played{i}.csv", len(other)) for i, other in enumerate(others)]
+        return Replay(_read_json(folder / "result.json"), tuple(played))
+
+
+def _read_json(path: Path) -> dict[str, Any] | None:
+    try:
+        content = json.loads(path.read_text(encoding="utf-8"))
+    except (OSError, ValueError):
+        return None
+    return content if isinstance(content, dict) else None
+
+
+def _read_output(path: Path, samples: int) -> FloatArray | None:
+    """The column ``y_sim``, or ``y`` where there is none, of a table with a header."""
+    try:
+        names = path.read_text(encoding="utf-8").splitlines()[0].split(",")
+        table = np.loadtxt(path, delimiter=",", skiprows=1, ndmin=2)
+        column = table[:, names.index("y_sim" if "y_sim" in names else "y")]
+    except (OSError, ValueError, IndexError):
+        return None
+    return column if column.size == samples and np.all(np.isfinite(column)) else None

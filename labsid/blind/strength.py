@@ -1,0 +1,141 @@
+"""How strong an effect must be so that the best linear model leaves a wanted multiple of the noise."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from labsid._arrays import FloatArray
+from labsid.blind.output_error import discrete_poles, fit_linear
+from labsid.blind.recipe import Recipe, command
+from labsid.rig.effects import Enter
+from labsid.rig.play import Noise, play, poles
+from labsid.rig.setup import Setup
+
+WEAKEST_NOISE, STRONGEST_NOISE = 0.005, 0.05
+CLEAR, HARD = (5.2, 25.0), (1.55, 4.9)
+INVISIBLE = 0.1
+
+
+def clean_output(recipe: Recipe, setup: Setup) -> FloatArray:
+    """The log that a rig would leave without noise, in the rig's own units.
+
+    Parameters
+    ----------
+    recipe : Recipe
+    setup : Setup
+        In the place of the recipe's own.
+
+    Returns
+    -------
+    ndarray, shape (N,)
+    """
+    return play(setup, command(recipe), Noise(0.0), recipe.start).clean
+
+
+def gap(recipe: Recipe, setup: Setup, taps: int = 2, thorough: bool = True) -> float:
+    """What the best linear model of the rig's order leaves of the noise-free output, rms, in the rig's own units.
+
+    Parameters
+    ----------
+    recipe : Recipe
+    setup : Setup
+        In the place of the recipe's own.
+    taps : int
+        2, or 3 to forgive a delay of part of a sample.
+    thorough : bool
+        Whether the fit starts from several places.
+
+    Returns
+    -------
+    float
+    """
+    start = discrete_poles(poles(recipe.plain.motion))
+    return fit_linear(command(recipe), clean_output(recipe, setup), start, None, taps, thorough).rmse
+
+
+def output_spread(recipe: Recipe) -> float:
+    """Standard deviation of the output of the rig without effects.
+
+    Parameters
+    ----------
+    recipe : Recipe
+
+    Returns
+    -------
+    float
+    """
+    return float(np.std(clean_output(recipe, recipe.plain)))
+
+
+def at_ratio(
+    recipe: Recipe,
+    enter: Enter,
+    ratio: float,
+    sigma_share: tuple[float, float],
+    rng: np.random.Generator,
+) -> tuple[Setup, float] | None:
+    """Set an effect's strength and the noise so that the gap is `ratio` times the noise.
+
+    Parameters
+    ----------
+    recipe : Recipe
+    enter : callable
+        The effect.
+    ratio : float
+    sigma_share : tuple of float
+        Least and most noise, as a share of the output's standard deviation.
+    rng : Generator
+
+    Returns
+    -------
+    tuple of Setup and float, or None
+        The rig with the effect, and the noise's standard deviation in the rig's own units; None where this
+        effect cannot be that visible on this rig and input.
+    """
+    spread = output_spread(recipe)
+    low, high = sigma_share
+    strongest = gap(recipe, enter(recipe.plain, 1.0), thorough=False) / (ratio * spread)
+    if strongest < low:
+        return None
+    wanted = ratio * spread * float(np.exp(rng.uniform(np.log(low), np.log(min(high, strongest)))))
+    bracket, size = [0.0, 1.0], strongest * ratio * spread
+    if size <= 1.15 * wanted:
+        return _checked(recipe, enter(recipe.plain, 1.0), ratio, sigma_share, spread)
+    s = float(np.clip(wanted / size, 0.02, 0.95))
+    for _ in range(10):
+        setup = enter(recipe.plain, s)
+        size = gap(recipe, setup, thorough=False)
+        if abs(size / wanted - 1) < 0.2:
+            return _checked(recipe, setup, ratio, sigma_share, spread)
+        if size < wanted:
+            bracket[0] = s
+        else:
+            bracket[1] = s
+        guess = s * wanted / size if size > 0 else bracket[1]
+        inside = bracket[0] < guess < bracket[1]
+        s = guess if inside else 0.5 * (bracket[0] + bracket[1])
+    return None
+
+
+def _checked(
+    recipe: Recipe, setup: Setup, ratio: float, sigma_share: tuple[float, float], spread: float
+) -> tuple[Setup, float] | None:
+    """The noise that makes the ratio exact, unless a thorough fit finds so little left that it would be too small."""
+    sigma = gap(recipe, setup) / ratio
+    return (setup, sigma) if 0.9 * sigma_share[0] <= sigma / spread <= 1.1 * sigma_share[1] else None
+
+
+def with_noise(recipe: Recipe, setup: Setup, noise: Noise) -> Recipe:
+    """The recipe with that rig and that noise.
+
+    Parameters
+    ----------
+    recipe : Recipe
+    setup : Setup
+    noise : Noise
+
+    Returns
+    -------
+    Recipe
+    """
+    return replace(recipe, setup=setup, noise=noise)

@@ -1,0 +1,161 @@
+"""The cases of the sealed check: `dev` with fixed seeds, `final` with seeds that no version can have been tuned to."""
+
+import hashlib
+import json
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from labsid.blind.recipe import Case
+from labsid.blind.rows import ROWS
+from labsid.record import Record
+from labsid.rig.play import RunsAway
+
+PER_ROW = {"dev": 80, "final": 220}
+_MOST_DRAWS = 400
+_DEV = 20260
+
+
+def cases(suite: str, per_row: int | None = None, rows: Sequence[str] | None = None) -> Iterator[Case]:
+    """Make the cases of a suite, row by row.
+
+    Parameters
+    ----------
+    suite : {"dev", "final"}
+    per_row : int, optional
+        Cases behind each row of the bars; 80 in `dev` and 220 in `final` unless given.
+    rows : sequence of str, optional
+        The rows to make; all unless given.
+
+    Yields
+    ------
+    Case
+
+    Raises
+    ------
+    ValueError
+        If there is no such suite or row.
+    RuntimeError
+        If a case could not be drawn; the ranges of its row are then wrong.
+    """
+    if suite not in PER_ROW:
+        raise ValueError(f"suite must be dev or final; got {suite!r}. Name one of these.")
+    unknown = [row for row in rows or () if row not in ROWS]
+    if unknown:
+        raise ValueError(f"rows must be of {', '.join(ROWS)}; got {unknown[0]!r}. Name some of these.")
+    entropy = _DEV if suite == "dev" else _hash_of_the_diagnosis()
+    for index, (row, draw) in enumerate(ROWS.items()):
+        if rows is not None and row not in rows:
+            continue
+        for i in range(PER_ROW[suite] if per_row is None else per_row):
+            name = hashlib.sha256(f"{entropy} {row} {i}".encode()).hexdigest()[:10]
+            for attempt in range(_MOST_DRAWS):
+                try:
+                    case = draw(np.random.default_rng([entropy, index, i, attempt]), i, f"r{name}")
+                except RunsAway:
+                    continue
+                if case is not None:
+                    yield case
+                    break
+            else:
+                raise RuntimeError(f"no case {i} of {row} in {_MOST_DRAWS} draws")
+
+
+def write_suite(
+    folder: Path, suite: str = "dev", per_row: int | None = None, rows: Sequence[str] | None = None
+) -> Path:
+    """Write a suite to files: the records into `folder`, the labels beside it.
+
+    Parameters
+    ----------
+    folder : Path
+        Made if need be. It gets ``<name>.csv`` and, where there are such, ``<name>.sim.json`` and
+        ``<name>.holdout.csv``; nothing in it says what the labels are.
+    suite : {"dev", "final"}
+    per_row : int, optional
+    rows : sequence of str, optional
+
+    Returns
+    -------
+    Path
+        ``<folder>.labels.json``, beside the folder: one object a record, by name.
+    """
+    folder = Path(folder)
+    folder.mkdir(parents=True, exist_ok=True)
+    labels = {}
+    for case in cases(suite, per_row, rows):
+        write_case(folder, case)
+        labels[case.name] = label_dict(case)
+    path = folder.with_name(f"{folder.name}.labels.json")
+    path.write_text(json.dumps(labels, indent=1), encoding="utf-8")
+    return path
+
+
+def write_case(folder: Path, case: Case) -> None:
+    """Write what the program may see of a case.
+
+    Parameters
+    ----------
+    folder : Path
+    case : Case
+    """
+    write_record(folder / f"{case.name}.csv", case.record)
+    if case.sim is not None:
+        (folder / f"{case.name}.sim.json").write_text(json.dumps(case.sim), encoding="utf-8")
+    if case.holdout is not None:
+        write_record(folder / f"{case.name}.holdout.csv", case.holdout)
+
+
+def write_record(path: Path, record: Record) -> None:
+    """Write a record as text with the header ``t,u,y``.
+
+    Parameters
+    ----------
+    path : Path
+    record : Record
+    """
+    table = np.column_stack([record.t, record.u, record.y])
+    np.savetxt(path, table, fmt="%.10g", delimiter=",", header="t,u,y", comments="")
+
+
+def label_dict(case: Case) -> dict[str, Any]:
+    """What is withheld of a case, for a file.
+
+    Parameters
+    ----------
+    case : Case
+
+    Returns
+    -------
+    dict
+    """
+    recipe = case.recipe
+    return {
+        "row": case.row,
+        "labels": list(case.labels),
+        "level": case.level,
+        "ratio": case.ratio,
+        "sigma": case.sigma,
+        "u_range": float(np.ptp(case.record.u)),
+        "y_range": float(np.ptp(case.record.y)),
+        "truth": case.truth,
+        "rig": recipe.plain.rig,
+        "input": recipe.input,
+        "samples": recipe.samples,
+        "Ts": recipe.scales.Ts,
+        "from_rest": recipe.from_rest,
+        "noise": {"share": recipe.noise.share, "pole": recipe.noise.colour},
+        "sim": case.sim is not None,
+        "holdout": case.holdout is not None,
+    }
+
+
+def _hash_of_the_diagnosis() -> int:
+    """A number that changes with any character of the sources of the diagnosis."""
+    folder = Path(__file__).resolve().parent.parent / "gap"
+    digest = hashlib.sha256()
+    for path in sorted(folder.rglob("*.py")):
+        digest.update(path.relative_to(folder).as_posix().encode() + b"\0" + path.read_bytes() + b"\0")
+    return int.from_bytes(digest.digest()[:6], "big")

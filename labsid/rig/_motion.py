@@ -1,0 +1,234 @@
+"""The equations of motion of every rig, and their integration: the loops that numba compiles.
+
+Import it where it is used: numba takes most of a second to load. A rig lives in its own units: time in samples, the
+input and every state as deviations from the operating point, static gain one. The two states of the plant are
+``x0`` and ``x1``; ``x2`` is a lag of the actuator, ``x3`` of the sensor, ``x4`` and ``x5`` a resonant mode.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from labsid._arrays import FloatArray
+from labsid._compiled import compiled
+
+STATES = 6
+
+TWO_TANKS, LAGGED_TANK, MOTOR_SPEED, MOTOR_POSITION, HEATED_FAR, HEATED_NEAR, MASS = range(7)
+NO_MODE, SERIES_MODE, PARALLEL_MODE = range(3)
+
+
+class Motion(NamedTuple):
+    """The numbers in the equations of motion: those of the plant, then those of the effects on its states.
+
+    Times are in samples. ``speed_zero`` is the true speed at the operating point, ``level_zero`` the true level.
+    """
+
+    kind: int
+    T0: float
+    T1: float
+    damping: float
+    coupling: float
+    loss: float
+    speed_zero: float
+    level_zero: float
+    actuator_lag: float
+    sensor_lag: float
+    sensor_fall_lag: float
+    mode: int
+    mode_frequency: float
+    mode_damping: float
+    mode_share: float
+    root: float
+    brim_upper: float
+    brim_lower: float
+    caught: float
+    dry_friction: float
+    cubic: float
+    bilinear: float
+    fall_rate: float
+    switch_level: float
+    switch_rate: float
+
+
+@compiled()
+def outflow(x: float, root: float) -> float:
+    """What runs out of a tank: with its level, or with the root of it (slope one at the operating point)."""
+    if root == 0.0:
+        return x
+    return 2.0 / root * (np.sqrt(max(1.0 + root * x, 0.0)) - 1.0)
+
+
+@compiled()
+def seen(m: Motion, x: FloatArray) -> float:
+    """What the sensor shows of the states."""
+    if m.sensor_lag > 0.0:
+        return x[3]
+    return exposed(m, x)
+
+
+@compiled()
+def exposed(m: Motion, x: FloatArray) -> float:
+    """What the sensor is exposed to."""
+    y = x[0] if m.kind == HEATED_NEAR or m.kind == MASS else x[1]
+    if m.mode == PARALLEL_MODE:
+        y += m.mode_share * x[4]
+    return y
+
+
+@compiled()
+def rubbing_state(kind: int) -> int:
+    """The state that dry friction acts on."""
+    return 0 if kind == MOTOR_POSITION else 1
+
+
+@compiled()
+def derivative(
+    m: Motion, x: FloatArray, w: float, load: float, rate: float, leak: float, rub: float, d: FloatArray
+) -> None:
+    """Write dx/dt into `d`. `rub` is the friction force of the moment, `rate` scales the slower pole."""
+    if m.actuator_lag > 0.0:
+        d[2] = (w - x[2]) / m.actuator_lag
+        w = x[2]
+    if m.mode != NO_MODE:
+        d[4] = x[5]
+        d[5] = m.mode_frequency**2 * (w - x[4]) - 2.0 * m.mode_damping * m.mode_frequency * x[5]
+        if m.mode == SERIES_MODE:
+            w = x[4]
+    if m.bilinear != 0.0:
+        w *= 1.0 + m.bilinear * x[0 if m.kind == MASS else 1]
+    drain = leak * (x[1] + m.level_zero)
+    if m.kind == TWO_TANKS or m.kind == LAGGED_TANK:
+        between = outflow(x[0], m.root) if m.kind == TWO_TANKS else x[0]
+        d[0] = (w - between) / m.T0
+        spill = 0.0
+        if x[0] >= m.brim_upper and d[0] > 0.0:
+            spill = w - between
+            d[0] = 0.0
+        d[1] = rate * (between + m.caught * spill + load - drain - outflow(x[1], m.root)) / m.T1
+        if x[1] >= m.brim_lower and d[1] > 0.0:
+            d[1] = 0.0
+    elif m.kind == MOTOR_SPEED:
+        d[0] = (w - x[0]) / m.T0
+        d[1] = rate * (x[0] + load - drain - x[1] - rub) / m.T1
+    elif m.kind == MOTOR_POSITION:
+        d[0] = (w + load - x[0] - rub) / m.T0
+        d[1] = rate * (x[0] - drain - x[1]) / m.T1
+    elif m.kind == MASS:
+        pull = rate * x[0] + m.cubic * x[0] ** 3 + leak * (x[0] + m.level_zero)
+        d[0] = x[1]
+        d[1] = (w + load - pull - 2.0 * m.damping * m.T0 * x[1] - rub) / m.T0**2
+    else:
+        flow = m.coupling * (x[0] - x[1])
+        d[0] = (w - flow - m.loss * x[0]) / m.T0
+        d[1] = rate * (flow + load - drain - (1.0 - m.loss) * x[1]) / m.T1
+    if m.kind != MASS:
+        if d[1] < 0.0:
+            d[1] *= m.fall_rate
+        if x[1] > m.switch_level:
+            d[1] *= m.switch_rate
+    if m.sensor_lag > 0.0:
+        gap = exposed(m, x) - x[3]
+        d[3] = gap / (m.sensor_fall_lag if gap < 0.0 and m.sensor_fall_lag > 0.0 else m.sensor_lag)
+
+
+@compiled()
+def advance(
+    m: Motion,
+    x: FloatArray,
+    h: float,
+    w: tuple[float, float],
+    load: float,
+    rate: float,
+    leak: float,
+    rub: float,
+    held: int,
+    k: FloatArray,
+    trial: FloatArray,
+) -> None:
+    """One classical Runge-Kutta step of `x` in place; the state `held` (none if negative) does not move.
+
+    The input runs from ``w[0]`` to ``w[1]`` along a straight line.
+    """
+    for stage in range(4):
+        part = 0.0 if stage == 0 else (1.0 if stage == 3 else 0.5)
+        for i in range(STATES):
+            trial[i] = x[i] + (part * h * k[stage - 1, i] if stage > 0 else 0.0)
+        derivative(m, trial, w[0] + part * (w[1] - w[0]), load, rate, leak, rub, k[stage])
+        if held >= 0:
+            k[stage, held] = 0.0
+    for i in range(STATES):
+        x[i] += h / 6.0 * (k[0, i] + 2.0 * k[1, i] + 2.0 * k[2, i] + k[3, i])
+    if m.kind == TWO_TANKS or m.kind == LAGGED_TANK:
+        x[0] = min(x[0], m.brim_upper)
+        x[1] = min(x[1], m.brim_lower)
+        if m.root > 0.0:
+            x[0] = max(x[0], -1.0 / m.root) if m.kind == TWO_TANKS else x[0]
+            x[1] = max(x[1], -1.0 / m.root)
+
+
+@compiled()
+def move(
+    m: Motion,
+    x0: FloatArray,
+    begin: FloatArray,
+    end: FloatArray,
+    load: FloatArray,
+    rate: FloatArray,
+    leak: FloatArray,
+    per_sample: int,
+) -> FloatArray:
+    """Integrate over all steps and return what the sensor shows at the start of each sample.
+
+    The arrays hold one value a step, `per_sample` of them a sample. With dry friction a step in which the speed
+    changes sign is cut where it does; from there the rig sticks for as long as friction can hold it.
+    """
+    h = 1.0 / per_sample
+    x = x0.copy()
+    before = x0.copy()
+    k = np.zeros((4, STATES))
+    trial = np.zeros(STATES)
+    y = np.empty(begin.size // per_sample)
+    rubbed = rubbing_state(m.kind)
+    shift = m.speed_zero
+    direction = 0.0
+    for j in range(begin.size):
+        if j % per_sample == 0:
+            y[j // per_sample] = seen(m, x)
+        w = (begin[j], end[j])
+        if m.dry_friction == 0.0:
+            advance(m, x, h, w, load[j], rate[j], leak[j], 0.0, -1, k, trial)
+            continue
+        left = h
+        for _ in range(3):
+            speed = x[rubbed] + shift
+            if speed == 0.0:
+                derivative(m, x, w[0], load[j], rate[j], leak[j], 0.0, trial)
+                push = trial[rubbed] * _inertia(m)
+                if abs(push) <= m.dry_friction:
+                    advance(m, x, left, w, load[j], rate[j], leak[j], 0.0, rubbed, k, trial)
+                    break
+                direction = np.sign(push)
+            else:
+                direction = np.sign(speed)
+            before[:] = x
+            rub = m.dry_friction * direction
+            advance(m, x, left, w, load[j], rate[j], leak[j], rub, -1, k, trial)
+            after = x[rubbed] + shift
+            if after * direction >= 0.0:
+                break
+            part = speed / (speed - after)
+            x[:] = before
+            advance(m, x, part * left, w, load[j], rate[j], leak[j], rub, -1, k, trial)
+            x[rubbed] = -shift
+            left *= 1.0 - part
+            if left <= 0.0:
+                break
+    return y
+
+
+@compiled()
+def _inertia(m: Motion) -> float:
+    if m.kind == MASS:
+        return m.T0**2
+    return m.T0 if m.kind == MOTOR_POSITION else m.T1
