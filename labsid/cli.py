@@ -4,29 +4,17 @@ import os
 import sys
 from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import Annotated
 
 import typer
 
 from labsid import __version__
+from labsid.cli_options import Columns, JsonFile, Output, RecordPath, SamplingTime
+from labsid.gap_cli import gap
 
-_OWN = ("check", "identify", "data")
+_OWN = ("check", "identify", "data", "gap")
 _TYPERS_STATUS_OF_CTRL_C = 130
 _INSTALL = 'pip install "labsid[autograder]"'
-
-RecordPath = Annotated[Path, typer.Argument(metavar="RECORD", help="A .mat with LogData, or text with t,u,y.")]
-Output = Annotated[
-    Literal["noise-reduced", "measured"],
-    typer.Option(help="Which output of LogData is y: column 2 (noise-reduced) or column 1 (measured)."),
-]
-Columns = Annotated[
-    str | None,
-    typer.Option(metavar="NAMES", help="Columns t,u,y (or u,y with --Ts) by name or number, such as uEst,yEst or 1,2."),
-]
-SamplingTime = Annotated[
-    float | None, typer.Option("--Ts", metavar="SECONDS", help="Sampling time of a file without time.")
-]
-JsonFile = Annotated[Path | None, typer.Option("--json", metavar="FILE", help="Also write the result here.")]
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -159,6 +147,7 @@ def _make_app(with_contributed: bool) -> typer.Typer:
     data = typer.Typer(rich_markup_mode=None, help="Make records.")
     data.command("make")(make_data)
     app.add_typer(data, name="data")
+    app.add_typer(gap, name="gap")
     if with_contributed:
         _add_contributed(app)
     return app

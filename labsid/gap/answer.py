@@ -1,0 +1,290 @@
+"""The answer in the contract's layout: everything that text and page print is in it."""
+
+from typing import Any
+
+import numpy as np
+from scipy.stats import chi2
+
+from labsid._arrays import FloatArray
+from labsid.gap import where
+from labsid.gap._kernels import whiten
+from labsid.gap.baseline import Baseline
+from labsid.gap.context import Data
+from labsid.gap.decide import MISMATCH, Decision
+from labsid.gap.effects.base import Effect
+from labsid.gap.experiment import Experiment, next_experiment
+from labsid.gap.fitting import Fit
+from labsid.gap.how_much import HowMuch, closure
+from labsid.gap.leftover import Leftover
+from labsid.gap.numbers import marked, parameters_of
+from labsid.gap.which import Explained
+from labsid.record import Record
+
+SCHEMA = "labsid.gap/1"
+MOST_POINTS = 1500  # of the traces
+LAGS = 20
+PATHS = {
+    "output-dropout": "output",
+    "output-outliers": "output",
+    "output-quantization": "output",
+    "coloured-noise": "disturbance",
+    MISMATCH: "parameters",
+}
+
+
+def answer(
+    record: Record,
+    explained: Explained,
+    base: Baseline,
+    decision: Decision,
+    left: Leftover,
+    amount: HowMuch,
+    rng: np.random.Generator,
+) -> dict[str, Any]:
+    """Everything found, in the record's units.
+
+    Parameters
+    ----------
+    record : Record
+    explained : Explained
+    base : Baseline
+    decision : Decision
+    left : Leftover
+    amount : HowMuch
+    rng : Generator
+        For the proposed input.
+
+    Returns
+    -------
+    dict
+        JSON-ready; the keys of the contract, and further ones for the page.
+    """
+    data, unit = explained.data, explained.data.y_scale.unit
+    before = base.before or explained.path[0]
+    effects = _effects(explained, base, decision, amount)
+    e = (data.y - before.output) * unit
+    mark = _acting(explained, decision)
+    return {
+        "schema": SCHEMA,
+        "verdict": decision.verdict,
+        "effects": effects,
+        "ambiguous": list(decision.ambiguous),
+        "ranking": _ranking(explained, decision, before),
+        "where": {
+            "path": effects[0]["path"] if effects else decision.verdict,
+            "time": where.in_time(record.t, e, record.Ts, mark),
+            "band_hz": where.in_frequency(e, record.Ts),
+            "operating": where.most_telling(record.u, record.y, record.Ts, e),
+        },
+        "gap": {
+            "before": amount.before * unit,
+            "after": amount.after * unit,
+            "noise_floor": amount.floor * unit,
+            "closed": amount.closed,
+            "ci95": None if amount.ci95 is None else list(amount.ci95),
+            "black_box": amount.black_box,
+            "holdout": _stretches(record, amount.scored),
+        },
+        "unexplained": _unexplained(explained, left, decision),
+        "next_experiment": _experiment(record, explained, decision, rng),
+        "record": {"name": record.name, "samples": len(record), "Ts": record.Ts},
+        "simulation": {"given": base.given, "output_only": base.output_only},
+        "screen": _screen(record, explained),
+        "traces": _traces(record, data, before, explained.best),
+    }
+
+
+def _effects(explained: Explained, base: Baseline, decision: Decision, amount: HowMuch) -> list[dict[str, Any]]:
+    found = []
+    by_name: dict[str, Effect] = {
+        e.name: e for e in explained.best.hypothesis.effects[explained.best.hypothesis.known :]
+    }
+    rows, y = explained.data.rows, explained.data.y
+    before = base.before or explained.path[0]
+    start = float(np.mean((y - before.output)[rows] ** 2))
+    floor = min(amount.floor**2, float(np.mean((y - explained.best.output)[rows] ** 2)))
+    for number, name in enumerate(decision.names):
+        fit = explained.path[min(_step(explained, name), len(explained.path) - 1)]
+        effect = by_name.get(name)
+        last = number == len(decision.names) - 1
+        closed = amount.closed if last else closure(start, float(np.mean((y - fit.output)[rows] ** 2)), floor)
+        found.append(
+            {
+                "name": name,
+                "path": PATHS[name] if effect is None else effect.path,
+                "parameters": _raw_parameters(explained, name)
+                if effect is None
+                else parameters_of(explained.data, explained.best, effect),
+                "probability": float(decision.probability[name]),
+                "closed": closed,
+            }
+        )
+    return found
+
+
+def _step(explained: Explained, name: str) -> int:
+    """At which step of the path a name appears; the last one for effects that no simulation shows."""
+    for number, fit in enumerate(explained.path):
+        if name in fit.hypothesis.names:
+            return number
+    return 0 if name == MISMATCH else len(explained.path) - 1
+
+
+def _raw_parameters(explained: Explained, name: str) -> dict[str, dict[str, Any]]:
+    faults, data = explained.faults, explained.data
+    exact = {"stderr": 0.0}
+    if name == "output-dropout":
+        return {"share": {"value": float(faults.held.mean()), "unit": "1", **exact}}
+    if name == "output-outliers":
+        return {"share": {"value": float(faults.spikes.mean()), "unit": "1", **exact}}
+    if name == "output-quantization":
+        return {"step": {"value": float(faults.lattice or 0.0) * data.y_scale.unit, "unit": "y", **exact}}
+    if name == "coloured-noise":
+        e = (data.y - explained.best.output)[data.rows]
+        amplitude = float(np.sqrt(max(np.mean(e**2) - explained.best.noise.sigma2, 0.0))) * data.y_scale.unit
+        pole = float(np.abs(np.roots([1.0, *-explained.best.noise.ar])).max()) if explained.best.noise.ar.size else 0.0
+        n = e.size
+        return {
+            "amplitude": {
+                "value": amplitude,
+                "stderr": amplitude / np.sqrt(2.0 * n * max(1.0 - pole, 1e-3)),
+                "unit": "y",
+            },
+            "pole": {"value": pole, "stderr": float(np.sqrt(max(1.0 - pole**2, 0.0) / n)), "unit": "1"},
+        }
+    return {}
+
+
+def _ranking(explained: Explained, decision: Decision, before: Fit) -> list[dict[str, Any]]:
+    """Every combination that was tried, best first; those of the accepted level carry the probabilities."""
+    data, unit = explained.data, explained.data.y_scale.unit
+    start = float(np.mean((data.y - before.output)[data.rows] ** 2))
+    floor = float(explained.best.noise.sigma2)
+    rows = []
+    for level in explained.levels[1:]:
+        for names, fit in level.items():
+            mse = float(np.mean((data.y - fit.output)[data.rows] ** 2))
+            rows.append(
+                {
+                    "name": "+".join(names),
+                    "probability": decision.weights.get(names, 0.0),
+                    "rmse": float(np.sqrt(mse)) * unit,
+                    "closed": closure(start, mse, floor),
+                    "bic": fit.bic - explained.path[0].bic,
+                }
+            )
+    return sorted(rows, key=lambda row: (-float(row["probability"]), float(row["bic"])))
+
+
+def _acting(explained: Explained, decision: Decision) -> np.ndarray:
+    """Where the first effect acts that acts somewhere and not everywhere."""
+    fit = explained.best
+    for effect in fit.hypothesis.effects[fit.hypothesis.known :]:
+        at = marked(explained.data, fit, effect)
+        if effect.name in decision.names and at.any() and not at.all():
+            return at
+    if "output-dropout" in decision.names:
+        return explained.faults.held
+    if "output-outliers" in decision.names:
+        return explained.faults.spikes
+    return np.zeros(explained.data.samples, bool)
+
+
+def _stretches(record: Record, scored: np.ndarray) -> list[list[float]]:
+    if scored.size != len(record):
+        return []
+    edges = np.flatnonzero(np.diff(np.concatenate([[0], scored.astype(int), [0]])))
+    return [
+        [float(record.t[a]), float(record.t[b - 1] + record.Ts)] for a, b in zip(edges[::2], edges[1::2], strict=True)
+    ]
+
+
+def _unexplained(explained: Explained, left: Leftover, decision: Decision) -> dict[str, Any]:
+    data, fit = explained.data, explained.best
+    e = np.where(data.rows, data.y - fit.output, 0.0)
+    return {
+        "share": 1.0 - decision.closed,
+        "whiteness_p": _whiteness(e, data),
+        "input_correlation_p": _input_correlation(e, data, fit),
+        "rms": left.rms * data.y_scale.unit,
+        "colour": left.colour,
+        "repeats": left.repeats,
+    }
+
+
+def _whiteness(e: FloatArray, data: Data) -> float:
+    """Ljung-Box test on the residual as it is."""
+    x = e - e[data.rows].mean() * data.rows
+    n = int(data.rows.sum())
+    power = float(x @ x)
+    q = sum((float(x[lag:] @ x[:-lag]) / power) ** 2 / (n - lag) for lag in range(1, LAGS + 1))
+    return float(chi2.sf(n * (n + 2) * q, LAGS))
+
+
+def _input_correlation(e: FloatArray, data: Data, fit: Fit) -> float:
+    """Correlation of the whitened residual with the equally filtered input's past: none if the dynamics are right."""
+    white = whiten(np.column_stack([e, data.u - data.u.mean()]), fit.noise.ar)
+    x, u = white[:, 0], white[:, 1]
+    sound = data.sound
+    past = np.column_stack([np.concatenate([np.zeros(lag), u[:-lag]]) for lag in range(1, LAGS + 1)])[sound]
+    past = past - past.mean(axis=0)
+    target = x[sound] - x[sound].mean()
+    q, r = np.linalg.qr(past)
+    independent = np.abs(np.diag(r)) > 1e-6 * np.abs(np.diag(r)).max()
+    explained = float(((q.T @ target)[independent] ** 2).sum())
+    return float(chi2.sf(explained / (float(target @ target) / target.size), int(independent.sum())))
+
+
+def _experiment(
+    record: Record, explained: Explained, decision: Decision, rng: np.random.Generator
+) -> dict[str, Any] | None:
+    """The input that would tell the accepted explanation from its best rival, where there is one."""
+    if not decision.ambiguous or len(explained.path) < 2:
+        return None
+    level = explained.levels[len(explained.best.hypothesis.names)]
+    accepted = set(explained.best.hypothesis.names)
+    rivals = [fit for names, fit in level.items() if set(names) != accepted and set(names) & set(decision.ambiguous)]
+    if not rivals:
+        return None
+    rival = min(rivals, key=lambda fit: fit.bic)
+    found: Experiment | None = next_experiment(explained.data, explained.best, rival, rng)
+    if found is None:
+        return None
+    return {
+        "separates": list(found.separates),
+        "why": f"On {found.why}, {found.separates[1]} cannot follow what {found.separates[0]} does.",
+        "t": (np.arange(found.u.size) * record.Ts).tolist(),
+        "u": found.u.tolist(),
+        "margin": found.margin,
+    }
+
+
+def _screen(record: Record, explained: Explained) -> list[str]:
+    """What the raw samples say, in sentences."""
+    faults = explained.faults
+    said = []
+    if faults.lattice is not None:
+        said.append(f"The output lies on a lattice of {faults.lattice * explained.data.y_scale.unit:.4g}.")
+    if faults.stretches:
+        share = 100.0 * float(faults.held.mean())
+        said.append(
+            f"The output repeats its last value over {len(faults.stretches)} stretches, {share:.1f} % of the record."
+        )
+    if faults.spikes.any():
+        said.append(
+            f"{int(faults.spikes.sum())} isolated samples stand far from their neighbours; the fits leave them out."
+        )
+    return said
+
+
+def _traces(record: Record, data: Data, before: Fit, after: Fit) -> dict[str, list[float]]:
+    """Signals for the page, thinned out."""
+    step = -(-len(record) // MOST_POINTS)
+    pick = slice(None, None, step)
+    return {
+        "t": record.t[pick].tolist(),
+        "u": record.u[pick].tolist(),
+        "y": record.y[pick].tolist(),
+        "before": np.asarray(data.y_scale.back(before.output))[pick].tolist(),
+        "after": np.asarray(data.y_scale.back(after.output))[pick].tolist(),
+    }

@@ -1,0 +1,252 @@
+"""The simulation that is under test: one that was given, as it is, and its structure with free numbers."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from scipy.signal import lfilter
+
+from labsid._arrays import FloatArray
+from labsid.gap.candidates import baseline
+from labsid.gap.context import Data
+from labsid.gap.effects.dynamics import ExtraLag, Resonance
+from labsid.gap.fitting import Fit
+from labsid.gap.hypothesis import Hypothesis
+from labsid.gap.model_file import SCHEMA, START, RunningModel, from_json_dict
+from labsid.gap.noise import fit_noise
+from labsid.gap.plants import Plant
+from labsid.record import Record
+
+FAR = 1e6  # ranges of the record's output
+NO_STATES = np.zeros((0, 0))
+
+Simulation = dict[str, Any] | FloatArray | Callable[[FloatArray, FloatArray], FloatArray]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Baseline:
+    """What the gap is measured from.
+
+    Attributes
+    ----------
+    before : Fit
+        The simulation as it is: its output over the record, offset and initial state estimated. Without a given
+        simulation, the fitted linear structure.
+    free : Hypothesis
+        Its structure, for the search.
+    given : bool
+        Whether a simulation was given.
+    output_only : bool
+        Whether only its output is known, so that nothing ahead of the output can be refitted.
+    elsewhere : callable, optional
+        ``elsewhere(record) -> y`` of a given simulation that can be run: its output on another record, shape (N,), the
+        initial state estimated from the first samples there.
+    """
+
+    before: Fit | None
+    free: Hypothesis
+    given: bool
+    output_only: bool = False
+    elsewhere: Callable[[Record], FloatArray] | None = None
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class TransferFunction:
+    """MODEL.json: a discrete transfer function about an operating point."""
+
+    num: FloatArray
+    den: FloatArray
+    dt: float
+    u0: float
+    y0: float
+
+    def response(self, u: FloatArray) -> FloatArray:
+        """Response from rest at u0, shape (N,)."""
+        padded = np.concatenate([np.zeros(self.den.size - self.num.size), self.num])
+        return np.asarray(lfilter(padded / self.den[0], self.den / self.den[0], u - self.u0)) + self.y0
+
+    def play(self, u: FloatArray, y: FloatArray) -> FloatArray:
+        """Free-run output, shape (N,), from the state that the first samples of the measured output `y` tell."""
+        first = slice(0, min(START, u.size))
+        forced, states = self.response(u), self.free_motion(u.size)
+        if not np.isfinite(forced[first]).all() or not np.isfinite(states[first]).all():
+            return np.full(u.size, np.nan)
+        state = np.linalg.lstsq(states[first], (y - forced)[first], rcond=None)[0]
+        return np.asarray(forced + states @ state)
+
+    def free_motion(self, samples: int) -> FloatArray:
+        """Columns of the initial state, shape (samples, n)."""
+        n = self.den.size - 1
+        if n == 0:
+            return np.zeros((samples, 0))
+        return np.column_stack(
+            [lfilter([1.0], self.den / self.den[0], np.zeros(samples), zi=state)[0] for state in np.eye(n)]
+        )
+
+
+def read_transfer_function(content: dict[str, Any], Ts: float) -> TransferFunction:
+    """Read and check MODEL.json.
+
+    Raises
+    ------
+    ValueError
+        If it is not a proper transfer function at the record's sampling time.
+    """
+    try:
+        num, den = np.atleast_1d(np.array(content["num"], float)), np.atleast_1d(np.array(content["den"], float))
+        dt, u0, y0 = float(content["dt"]), float(content.get("u0", 0.0)), float(content.get("y0", 0.0))
+    except KeyError as error:
+        raise ValueError(
+            f"the model has no {error.args[0]!r}; it needs num, den and dt (u0 and y0 default to 0)."
+        ) from None
+    except (TypeError, ValueError):
+        raise ValueError(
+            "num and den must be lists of numbers in descending powers of z, dt, u0, y0 numbers."
+        ) from None
+    if (
+        num.ndim != 1
+        or den.ndim != 1
+        or not den.size
+        or not num.size
+        or not np.isfinite([*num, *den, dt, u0, y0]).all()
+    ):
+        raise ValueError("num and den must be lists of finite numbers in descending powers of z.")
+    if den[0] == 0.0:
+        raise ValueError("den must begin with the highest power of z, not with 0. Leave leading zeros out.")
+    num = np.trim_zeros(num, "f") if np.any(num) else np.zeros(1)
+    if num.size > den.size:
+        raise ValueError(f"num has degree {num.size - 1}, den {den.size - 1}: the model must be proper.")
+    if abs(dt - Ts) > 1e-6 * Ts:
+        raise ValueError(f"dt must be the record's sampling time {Ts:g} s; got {dt:g} s. Resample the model.")
+    return TransferFunction(num, den, dt, u0, y0)
+
+
+def linear_structure(order: int) -> Hypothesis:
+    """A linear structure of some order: two poles hold one, a third is a further lag, a fourth and third are a mode.
+
+    A given model of a higher order is refitted with four poles.
+
+    Raises
+    ------
+    ValueError
+        If the order is not positive.
+    """
+    if order < 1:
+        raise ValueError(f"--order must be at least 1; got {order}. The lab's model has order 2.")
+    effects = (ExtraLag(),) if order == 3 else (Resonance(),) if order > 3 else ()
+    return Hypothesis(effects, known=len(effects))
+
+
+def baseline_of(data: Data, t: FloatArray, simulation: Simulation | None, order: int = 2) -> Baseline:
+    """What the gap on this record is measured from.
+
+    Parameters
+    ----------
+    data : Data
+    t : ndarray, shape (N,)
+        Times of the record, for a callable simulation.
+    simulation : dict, ndarray, callable or None
+        MODEL.json or an exported simulation; the output of any simulator on the record; ``simulate(t, u) -> y``.
+    order : int
+        Of the fitted structure where no simulation is given: 1 to 4.
+
+    Raises
+    ------
+    ValueError
+        If the simulation does not fit the record, or the order is none of these.
+    """
+    if simulation is None:
+        if order > 4:
+            raise ValueError(f"--order must be at most 4; got {order}. Give a larger model with --sim.")
+        return Baseline(None, linear_structure(order), given=False)
+    if isinstance(simulation, dict) and simulation.get("schema") == SCHEMA:
+        return _exported(data, from_json_dict(simulation))
+    if isinstance(simulation, dict):
+        return _transfer_function(data, read_transfer_function(simulation, data.Ts))
+    if callable(simulation):
+        return _callable(data, t, simulation)
+    return _series(data, np.asarray(simulation, float))
+
+
+def bounded(y: FloatArray, measured: FloatArray) -> FloatArray:
+    """A simulated output, refused where it runs away from the measured one.
+
+    Raises
+    ------
+    ValueError
+        If it does.
+    """
+    if not np.all(np.abs(y - np.mean(measured)) <= FAR * np.ptp(measured)):  # nor where it is not a number
+        raise ValueError("the simulation is unstable on this record: its output leaves every bound. Check its poles.")
+    return y
+
+
+def _transfer_function(data: Data, model: TransferFunction) -> Baseline:
+    u, y = _in_units(data)
+    output = bounded(model.response(u), y)
+    before = _as_it_is(data, output, model.free_motion(u.size), baseline(data).rates)
+    free = linear_structure(max(model.den.size - 1, 1))
+    return Baseline(before, free, given=True, elsewhere=lambda record: model.play(record.u, record.y))
+
+
+def _exported(data: Data, model: RunningModel) -> Baseline:
+    if abs(model.Ts - data.Ts) > 1e-6 * data.Ts:
+        raise ValueError(f"the simulation runs at {model.Ts:g} s, the record at {data.Ts:g} s. Resample the record.")
+    u, y = _in_units(data)
+    output = bounded(model.simulate(u, y), y)
+    plant = model.hypothesis.plant
+    before = _as_it_is(data, output, NO_STATES, plant.linear_rates(model.theta[model.hypothesis.slices["plant"]]))
+    free = Hypothesis(model.hypothesis.effects, known=len(model.hypothesis.effects))
+    return Baseline(before, free, given=True, elsewhere=lambda record: model.simulate(record.u, record.y))
+
+
+def _callable(data: Data, t: FloatArray, simulate: Callable[[FloatArray, FloatArray], FloatArray]) -> Baseline:
+    def run(t: FloatArray, u: FloatArray) -> FloatArray:
+        y = np.asarray(simulate(t, u), float).reshape(-1)
+        if y.shape != u.shape:
+            raise ValueError(f"simulate(t, u) must return {u.size} samples; got {y.size}.")
+        return y
+
+    def scaled_run(w: FloatArray) -> FloatArray:
+        times = t[0] + data.Ts * np.arange(w.size)
+        return data.y_scale.of(run(times, np.asarray(data.u_scale.back(w))))
+
+    u, y = _in_units(data)
+    rates = baseline(data).rates
+    before = _as_it_is(data, bounded(run(t, u), y), NO_STATES, rates)
+    free = Hypothesis((), 0, Plant(kind="given", run=scaled_run, takes_input=True, given_rates=rates))
+    return Baseline(before, free, given=True, elsewhere=lambda record: run(record.t, record.u))
+
+
+def _series(data: Data, series: FloatArray) -> Baseline:
+    if series.shape != data.u.shape:
+        raise ValueError(f"the simulated output must have the record's {data.samples} samples; got {series.size}.")
+    scaled_series = data.y_scale.of(bounded(series, _in_units(data)[1]))
+    rates = baseline(data).rates
+    free = Hypothesis((), 0, Plant(kind="given", run=lambda w: scaled_series, given_rates=rates))
+    return Baseline(_as_it_is(data, series, NO_STATES, rates), free, given=True, output_only=True)
+
+
+def _in_units(data: Data) -> tuple[FloatArray, FloatArray]:
+    """Input and output in the record's units."""
+    return np.asarray(data.u_scale.back(data.u)), np.asarray(data.y_scale.back(data.y))
+
+
+def _as_it_is(data: Data, output: FloatArray, states: FloatArray, rates: tuple[float, float]) -> Fit:
+    """The given simulation as a fit without searched numbers: offset and initial state are nuisance.
+
+    `rates` are those of a linear model of the rig, for whoever wants to know how fast it is.
+    """
+    states = states if states.size else np.zeros((data.samples, 0))
+    columns = np.column_stack([np.ones(data.samples), states])
+    y = data.y - data.y_scale.of(output)
+    scale = np.sqrt((columns[data.rows] ** 2).sum(axis=0))
+    scale[scale == 0.0] = 1.0
+    gains = np.linalg.lstsq(columns[data.rows] / scale, y[data.rows], rcond=None)[0] / scale
+    after = data.y_scale.of(output) + columns @ gains
+    noise = fit_noise(data.y - after, data.sound)
+    cost = float(np.mean((data.y - after)[data.rows] ** 2))
+    bic = noise.score + gains.size * np.log(noise.rows)
+    itself = Hypothesis((), 0, Plant(kind="given", given_rates=rates))
+    return Fit(itself, np.zeros(0), gains, after, cost, noise, float(bic))

@@ -1,0 +1,191 @@
+"""Candidates: every effect refitted jointly with the linear part, alone or on top of others."""
+
+from collections.abc import Iterable
+
+import numpy as np
+
+from labsid._arrays import FloatArray
+from labsid.gap.context import Context, Data
+from labsid.gap.effects import disturbance, dynamics, input, output
+from labsid.gap.effects.base import Effect, Fitted, InputEffect, PlantEffect
+from labsid.gap.fitting import Fit, Point, at_start, finish, search
+from labsid.gap.hypothesis import Hypothesis
+from labsid.gap.plants import Plant
+
+LINEAR = Hypothesis()
+PROMISING = 5  # starts of one variant that are followed
+
+CANDIDATES: tuple[tuple[Effect, ...], ...] = (
+    (input.Delay(),),
+    (input.Saturation("high"), input.Saturation("low"), input.Saturation("both")),
+    (input.DeadZone(),),
+    (input.Backlash(),),
+    (input.RateLimit(),),
+    (input.Nonlinearity(),),
+    (dynamics.ExtraLag(),),
+    (dynamics.Resonance(),),
+    tuple(dynamics.SqrtOutflow(which + side) for which in ("both", "upper", "lower") for side in ("", "-flipped")),
+    tuple(dynamics.Overflow(which + side) for which in ("upper", "lower") for side in ("", "-flipped")),
+    tuple(dynamics.CoulombFriction(which) for which in ("position", "speed", "speed-lag")),
+    (dynamics.CubicStiffness(),),
+    (dynamics.GainDrift("1"), dynamics.GainDrift("4"), dynamics.PoleDrift("1"), dynamics.PoleDrift("3")),
+    tuple(output.Drift(variant) for variant in ("1", "3", "6", "10", "settle")),
+    (output.Saturation("high"), output.Saturation("low"), output.Saturation("both")),
+    (output.Nonlinearity(),),
+    (disturbance.LoadStep(), disturbance.Leak("leak")),
+    (disturbance.Periodic(),),
+)
+
+
+def baseline(data: Data, hypothesis: Hypothesis = LINEAR) -> Fit:
+    """Fit a linear structure, unless given the lab's (second order, strictly proper), by output error."""
+    best: Point | None = None
+    for slow, fast in ((0.02, 0.3), (0.1, 0.5), (0.005, 0.05), (0.3, 1.5)):
+        start = _linear_theta(hypothesis, slow + fast, slow * fast)
+        best = _better(best, search(data, hypothesis, start, iterations=12))
+    for frequency in (0.05, 0.2, 0.8):
+        start = _linear_theta(hypothesis, 0.4 * frequency, frequency**2)
+        best = _better(best, search(data, hypothesis, start, iterations=12))
+    if best is None:
+        raise ValueError("no second-order model can be simulated on this record.")
+    best = search(data, hypothesis, best.theta, iterations=30, tolerance=1e-8) or best
+    return finish(data, hypothesis, best)
+
+
+def _linear_theta(hypothesis: Hypothesis, c: float, k: float) -> FloatArray:
+    """A start at given rates; a further pole or mode of the structure a little faster."""
+    theta = np.zeros(len(hypothesis.parameters))
+    names = [parameter.name for parameter in hypothesis.parameters]
+    guess = {
+        "delay": 0.2,
+        "log_c": np.log(c),
+        "log_k": np.log(k),
+        "log_lag": 0.0,
+        "log_frequency": 0.5 * np.log(k) + 0.7,
+        "log_damping": -1.5,
+    }
+    for i, name in enumerate(names):
+        theta[i] = guess.get(name, 0.0)
+    return theta
+
+
+def swift_fit(data: Data, base: Fit) -> Fit:
+    """The same structure fitted to what changes from sample to sample: drifts and load steps hardly reach it."""
+    hypothesis = Hypothesis((output.Drift("10"),))
+    ar = np.array([0.9])
+    best: Point | None = None
+    known = base.theta if base.theta.size == len(hypothesis.parameters) else _linear_theta(hypothesis, *base.rates)
+    for theta in (known, _linear_theta(hypothesis, 0.3, 0.01), _linear_theta(hypothesis, 1.0, 0.1)):
+        best = _better(best, search(data, hypothesis, theta, iterations=12, ar=ar))
+    return base if best is None else finish(data, hypothesis, best)
+
+
+def _better(a: Point | None, b: Point | None) -> Point | None:
+    if a is None or (b is not None and b.cost < a.cost):
+        return b
+    return a
+
+
+def add(data: Data, parent: Fit, group: tuple[Effect, ...], swift: Fit, quick: int = 3, kept: int = 3) -> Fit | None:
+    """The parent with one effect more: a few steps from every start of every variant, then the best starts to the end.
+
+    Returns None where the record cannot show the effect.
+    """
+    context = Context(data, parent, swift)
+    count = int(data.rows.sum())
+    tried = []
+    for effect in group:
+        if effect.applies(context) and compatible(parent, effect):
+            hypothesis = parent.hypothesis.plus(effect)
+            for theta in promising(data, hypothesis, starts(context, hypothesis, effect)):
+                point = search(data, hypothesis, theta, iterations=quick, tolerance=1e-2)
+                if point is not None:
+                    free = point.theta.size + point.gains.size
+                    tried.append((count * np.log(point.cost) + free * np.log(count), hypothesis, point))
+    tried.sort(key=lambda item: item[0])
+    best: Fit | None = None
+    for _, hypothesis, point in tried[:kept]:
+        end = search(data, hypothesis, point.theta, point.gains, iterations=12, tolerance=1e-5)
+        if end is not None:
+            fit = finish(data, hypothesis, end)
+            effect = hypothesis.effects[-1]
+            if not effect.holds(Fitted(hypothesis, fit.theta, fit.gains, data)):
+                continue
+            if best is None or fit.bic < best.bic:
+                best = fit
+    return best
+
+
+def promising(data: Data, hypothesis: Hypothesis, thetas: Iterable[FloatArray]) -> list[FloatArray]:
+    """The few starts at which the gains alone bring the error down most."""
+    looked = [(at_start(data, hypothesis, theta), number, theta) for number, theta in enumerate(thetas)]
+    if len(looked) <= PROMISING:
+        return [theta for _, _, theta in looked]
+    return [theta for _, _, theta in sorted(looked, key=lambda item: item[:2])[:PROMISING]]
+
+
+def compatible(parent: Fit, effect: Effect) -> bool:
+    """Whether the effect's kind of dynamics can hold what the parent's already has."""
+    old = parent.hypothesis.plant
+    if old.kind == "given":
+        return old.takes_input if isinstance(effect, InputEffect) else not isinstance(effect, PlantEffect)
+    if not isinstance(effect, PlantEffect):
+        return True
+    new = effect.shape(old)
+    return old.kind == "linear" or (new.kind == old.kind and new.flipped == old.flipped)
+
+
+def starts(context: Context, hypothesis: Hypothesis, effect: Effect) -> Iterable[FloatArray]:
+    """Full thetas: the parent's numbers where it has them, the effect's starts where it brings new ones."""
+    parent = context.parent
+    common = np.zeros(len(hypothesis.parameters))
+    if not hypothesis.slices_has_delay and not parent.hypothesis.slices_has_delay:
+        common[0] = parent.theta[0]
+    for key, place in parent.hypothesis.slices.items():
+        if key != "plant":
+            common[hypothesis.slices[key]] = parent.theta[place]
+    place = hypothesis.slices["plant"]
+    for base in _plant_bases(context, hypothesis.plant):
+        if isinstance(effect, PlantEffect):
+            for named in effect.plant_starts(context):
+                full = common.copy()
+                full[place] = _with(hypothesis.plant, base, named)
+                yield full
+        else:
+            for own in effect.starts(context):
+                full = common.copy()
+                full[place] = base
+                full[hypothesis.slices[effect.key]] = own
+                yield full
+
+
+def _plant_bases(context: Context, new: Plant) -> list[FloatArray]:
+    """The parent's plant carried over to the new kind of plant, at its own rates and at those of the swift part."""
+    parent = context.parent
+    old = parent.hypothesis.plant
+    kept = {p.name: value for p, value in zip(old.parameters, parent.plant_theta, strict=True)}
+    rates = [context.rates]
+    if np.abs(np.log(np.divide(context.swift_rates, context.rates))).max() > 0.2:
+        rates.append(context.swift_rates)
+    bases = []
+    for n, (c, k) in enumerate(rates):
+        for base in new.starts(c, k):
+            for i, parameter in enumerate(new.parameters):
+                if parameter.name in kept and not (i < 2 and (n or old.kind != new.kind)):
+                    base[i] = kept[parameter.name]
+            bases.append(base)
+            if old.kind == new.kind:
+                break
+    return bases
+
+
+def _with(plant: Plant, base: FloatArray, named: dict[str, float]) -> FloatArray:
+    """`base` with the named parameters set; a name that ends in "+" is added to."""
+    theta = base.copy()
+    names = [p.name for p in plant.parameters]
+    for name, value in named.items():
+        if name.endswith("+"):
+            theta[names.index(name[:-1])] += value
+        elif name in names:
+            theta[names.index(name)] = value
+    return theta

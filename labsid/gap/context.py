@@ -1,0 +1,140 @@
+"""The record as the search sees it: scaled, counted in samples, with the rows that the fits may use."""
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from labsid._arrays import FloatArray
+from labsid.gap.noise import whole_rows
+
+if TYPE_CHECKING:
+    from labsid.gap.fitting import Fit
+
+
+@dataclass(frozen=True, slots=True)
+class Scale:
+    """From the record's units to the search's: value = centre + unit * scaled.
+
+    Attributes
+    ----------
+    centre, unit : float
+        In the record's unit.
+    """
+
+    centre: float
+    unit: float
+
+    def of(self, values: FloatArray) -> FloatArray:
+        """Into scaled units."""
+        return (values - self.centre) / self.unit
+
+    def back(self, scaled: FloatArray | float) -> FloatArray | float:
+        """Into the record's unit."""
+        return self.centre + self.unit * scaled
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Data:
+    """Scaled signals and the rows that count.
+
+    Attributes
+    ----------
+    u, y : ndarray, shape (N,)
+        Scaled input and output.
+    rows : ndarray of bool, shape (N,)
+        Samples that the cost counts.
+    Ts : float
+        Sampling time in seconds.
+    u_scale, y_scale : Scale
+        Back to the record's units.
+    start : float
+        Time of the first sample in seconds.
+    by_free_run : bool
+        Whether the score of a fit also counts its free-run error: where the innovations say too little about it.
+    """
+
+    u: FloatArray
+    y: FloatArray
+    rows: np.ndarray
+    Ts: float
+    u_scale: Scale
+    y_scale: Scale
+    start: float = 0.0
+    by_free_run: bool = False
+
+    @property
+    def sound(self) -> np.ndarray:
+        """Rows that count together with those before them."""
+        return whole_rows(self.rows)
+
+    @property
+    def samples(self) -> int:
+        """N."""
+        return int(self.u.size)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Context:
+    """What the effects may look at to choose where their search begins.
+
+    Attributes
+    ----------
+    data : Data
+    parent : Fit
+        To which they are added.
+    swift : Fit or None
+        The linear structure fitted to what changes from sample to sample.
+    """
+
+    data: Data
+    parent: "Fit"
+    swift: "Fit | None" = None
+
+    @property
+    def residual(self) -> FloatArray:
+        """What the parent leaves, zero on the rows that do not count."""
+        return np.where(self.data.rows, self.data.y - self.parent.output, 0.0)
+
+    @property
+    def actuator(self) -> FloatArray:
+        """The signal that reaches the parent's dynamics."""
+        return self.parent.hypothesis.actuator(self.parent.theta, self.data.u)
+
+    @property
+    def levels(self) -> FloatArray:
+        """The different values of the input, ascending."""
+        return np.unique(np.round(self.data.u, 9))
+
+    @property
+    def rates(self) -> tuple[float, float]:
+        """c and k of the parent's linear dynamics."""
+        return self.parent.rates
+
+    @property
+    def swift_rates(self) -> tuple[float, float]:
+        """The same from the swift part of the record: what drifts or jumps has pulled less at them."""
+        return (self.swift or self.parent).rates
+
+
+def scaled(u: FloatArray, y: FloatArray, rows: np.ndarray, Ts: float, start: float = 0.0) -> Data:
+    """Centre both signals and divide them by their spread.
+
+    Parameters
+    ----------
+    u, y : ndarray, shape (N,)
+        Input and output in the record's units; neither is constant.
+    rows : ndarray of bool, shape (N,)
+        Samples that the cost counts.
+    Ts : float
+        Sampling time in seconds.
+    start : float
+        Time of the first sample in seconds.
+
+    Returns
+    -------
+    Data
+    """
+    u_scale = Scale(float(np.mean(u)), float(np.std(u)))
+    y_scale = Scale(float(np.mean(y)), float(np.std(y)))
+    return Data(u_scale.of(u), y_scale.of(y), rows, Ts, u_scale, y_scale, start)

@@ -1,0 +1,135 @@
+"""The main path of the diagnosis: a record and a simulation in, the answer out."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from labsid._arrays import FloatArray
+from labsid.gap.answer import answer
+from labsid.gap.baseline import Simulation, baseline_of, bounded
+from labsid.gap.context import scaled
+from labsid.gap.decide import decide
+from labsid.gap.how_much import how_much_of
+from labsid.gap.leftover import leftover
+from labsid.gap.long_record import holdout_part, part_of
+from labsid.gap.model_file import RunningModel, running_model
+from labsid.gap.which import Progress, explain
+from labsid.record import Record
+from labsid.signal_quality import moving_mean_length
+
+FEWEST = 100  # samples
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Diagnosis:
+    """The answer.
+
+    Attributes
+    ----------
+    report : dict
+        What ``--json`` writes, in the contract's layout.
+    model : RunningModel
+        The simulation with the effects in it: what ``--export`` writes.
+    """
+
+    report: dict[str, Any]
+    model: RunningModel
+
+
+def diagnose(
+    record: Record,
+    simulation: Simulation | None = None,
+    *,
+    holdout: Record | None = None,
+    order: int = 2,
+    exclude: Sequence[tuple[float, float]] = (),
+    seed: int = 0,
+    progress: Progress | None = None,
+) -> Diagnosis:
+    """Say where a simulation and a rig disagree, which effect causes it, and how far adding it closes the gap.
+
+    Parameters
+    ----------
+    record : Record
+    simulation : dict, ndarray or callable, optional
+        MODEL.json or an exported simulation; the output of any simulator on the record's input, shape (N,); or
+        ``simulate(t, u) -> y``. Unless given, the lab's second-order structure fitted by output error.
+    holdout : Record, optional
+        Another record of the same rig to score on. Unless given, blocks spread over `record` are left out of the
+        fits that are scored.
+    order : int
+        Of the fitted simulation: 1 to 4.
+    exclude : sequence of (float, float)
+        Stretches of time, in seconds, that count nowhere.
+    seed : int
+        Of the resampling behind the intervals, and of the proposed inputs.
+    progress : callable, optional
+        Called with what is being done and the share of it that is done.
+
+    Returns
+    -------
+    Diagnosis
+
+    Raises
+    ------
+    ValueError
+        If the record is too short or its input or output is constant, or the simulation does not fit it.
+    """
+    _check(record, holdout)
+    samples, part = len(record), part_of(record, simulation)
+    record, simulation, notes = part.record, part.simulation, part.notes
+    if holdout is not None:
+        holdout, more = holdout_part(holdout, part.every)
+        notes += more
+    _check(record, holdout)
+    rows = np.ones(len(record), bool)
+    for start, stop in exclude:
+        rows &= ~((record.t >= start) & (record.t < stop))
+    if rows.sum() < FEWEST:
+        raise ValueError(f"--exclude leaves {rows.sum()} samples; at least {FEWEST} must stay.")
+    data = scaled(behind_filter(record), record.y, rows, record.Ts, float(record.t[0]))
+    base = baseline_of(data, record.t, simulation, order)
+    if base.output_only and holdout is not None:
+        raise ValueError(
+            "a simulated output is known on its own record only. Give a simulation that runs, or no holdout."
+        )
+    explained = explain(data, base.free, progress=progress)
+    left = leftover(explained.data, explained.best)
+    decision = decide(explained, left, base.before)
+    rng = np.random.default_rng(seed)
+    other = None if holdout is None else (data.u_scale.of(holdout.u), data.y_scale.of(holdout.y))
+    played = None
+    if holdout is not None and base.elsewhere is not None:
+        played = data.y_scale.of(bounded(base.elsewhere(holdout), holdout.y))
+    amount = how_much_of(explained, base.before, other, rng, played)
+    report = answer(record, explained, base, decision, left, amount, rng)
+    report["record"]["samples"] = samples
+    report["screen"] = [*notes, *report["screen"]]
+    return Diagnosis(report, running_model(explained.data, amount.after_fit))
+
+
+def behind_filter(record: Record) -> FloatArray:
+    """The input, averaged as the logger averages its output where the record shows that it does.
+
+    The mean of the last m samples commutes with linear dynamics: with it in front, the simulation has the logger's
+    filter in it, and the filter is no gap.
+    """
+    length = 1 if record.y_measured is None else moving_mean_length(record.y_measured, record.y) or 1
+    padded = np.concatenate([np.full(length - 1, record.u[0]), record.u])
+    return np.convolve(padded, np.full(length, 1.0 / length), mode="valid")
+
+
+def _check(record: Record, holdout: Record | None) -> None:
+    """Refuse what no method could answer on."""
+    for name, one in (("the record", record), ("the holdout", holdout)):
+        if one is None:
+            continue
+        if len(one) < FEWEST:
+            raise ValueError(f"{name} has {len(one)} samples; a diagnosis needs at least {FEWEST}. Record longer.")
+        for signal, values in (("u", one.u), ("y", one.y)):
+            if np.ptp(values) == 0.0:
+                raise ValueError(f"{signal} of {name} is constant ({values[0]:g}); nothing can be identified from it.")
+    if holdout is not None and abs(holdout.Ts - record.Ts) > 1e-6 * record.Ts:
+        raise ValueError(f"the holdout runs at {holdout.Ts:g} s, the record at {record.Ts:g} s. Resample one of them.")

@@ -1,0 +1,168 @@
+"""What every effect says of itself: its name, its path, its parameters, and where the search for them begins."""
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, ClassVar
+
+import numpy as np
+
+from labsid._arrays import FloatArray
+
+if TYPE_CHECKING:
+    from labsid.gap.context import Context, Data
+    from labsid.gap.hypothesis import Hypothesis
+    from labsid.gap.plants import Parameter, Plant
+
+Start = dict[str, float] | FloatArray
+
+
+@dataclass(frozen=True, slots=True)
+class Effect:
+    """Something real that a linear simulation leaves out.
+
+    Attributes
+    ----------
+    name, path : str
+        From the table of effects.
+    variant : str
+        Which form of it, where there are several.
+    """
+
+    name: ClassVar[str]
+    path: ClassVar[str]
+    variant: str = ""
+
+    @property
+    def key(self) -> str:
+        """Name and variant, as ranking and export write them."""
+        return f"{self.name}/{self.variant}" if self.variant else self.name
+
+    @property
+    def parameters(self) -> tuple["Parameter", ...]:
+        """The searched numbers that this effect brings; those inside the plant are the plant's."""
+        return ()
+
+    def applies(self, context: "Context") -> bool:
+        """Whether the record could show this effect at all."""
+        return True
+
+    def starts(self, context: "Context") -> list[FloatArray]:
+        """Where the search begins: values of `parameters`."""
+        return [np.zeros(0)]
+
+    def holds(self, fit: "Fitted") -> bool:
+        """Whether the fit is this effect and not, by its numbers, the work of another one."""
+        return True
+
+    def acts(self, fit: "Fitted") -> np.ndarray:
+        """The samples at which it acts, shape (N,); all False where it acts everywhere."""
+        return np.zeros(fit.data.samples, bool)
+
+    def values(self, fit: "Fitted") -> "dict[str, Value]":
+        """Its parameters in the record's units, as the report prints them."""
+        return {}
+
+
+@dataclass(frozen=True, slots=True)
+class Value:
+    """A number of the report.
+
+    Attributes
+    ----------
+    value : float
+    unit : str
+        "u" and "y" stand for the record's own.
+    """
+
+    value: float
+    unit: str
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Fitted:
+    """A fitted hypothesis as `values` sees it: theta may be moved to find how a value depends on it.
+
+    Attributes
+    ----------
+    hypothesis : Hypothesis
+    theta, gains : ndarray
+        The searched numbers, and the projected ones.
+    data : Data
+    """
+
+    hypothesis: "Hypothesis"
+    theta: FloatArray
+    gains: FloatArray
+    data: "Data"
+
+    def own(self, effect: Effect) -> FloatArray:
+        """The effect's part of theta."""
+        return self.theta[self.hypothesis.slices[effect.key]]
+
+    def plant(self, name: str) -> float:
+        """One of the plant's parameters."""
+        part = self.theta[self.hypothesis.slices["plant"]]
+        return float(part[self.hypothesis.plant.index(name)])
+
+    def u(self, scaled: float) -> float:
+        """An input in the record's unit."""
+        return float(self.data.u_scale.back(scaled))
+
+    def y(self, scaled: float) -> float:
+        """An output in the record's unit."""
+        return float(self.data.y_scale.back(scaled))
+
+
+class InputEffect(Effect):
+    """Bends the command before it reaches the dynamics."""
+
+    path = "input"
+    place: ClassVar[int] = 0
+
+    def apply(self, w: FloatArray, own: FloatArray, span: int) -> FloatArray:
+        """The actuator's signal, shape (N,); `span` is the length of the record by which slow changes are counted."""
+        raise NotImplementedError
+
+
+class PlantEffect(Effect):
+    """Changes the dynamics."""
+
+    path = "dynamics"
+
+    def shape(self, plant: "Plant") -> "Plant":
+        """The plant with this effect in it."""
+        raise NotImplementedError
+
+    def plant_starts(self, context: "Context") -> list[dict[str, float]]:
+        """Where the search of the plant's further parameters begins, by name."""
+        return [{}]
+
+
+class OutputEffect(Effect):
+    """Bends the output on its way through the sensor."""
+
+    path = "output"
+    place: ClassVar[int] = 0
+
+    def bend(self, z: FloatArray, own: FloatArray) -> FloatArray:
+        """The sensor's reading of z, shape (N,)."""
+        raise NotImplementedError
+
+    def slope(self, z: FloatArray, own: FloatArray) -> FloatArray:
+        """Derivative of the reading with respect to z."""
+        raise NotImplementedError
+
+
+class AdditiveEffect(Effect):
+    """Adds signals that no input explains; their sizes are gains, found by least squares."""
+
+    path = "disturbance"
+    at_load: ClassVar[bool] = False
+
+    @property
+    def width(self) -> int:
+        """How many columns it adds."""
+        return 2
+
+    def columns(self, own: FloatArray, samples: int, span: int, plant: "Plant", rates: FloatArray) -> FloatArray:
+        """The signals, shape (samples, q)."""
+        raise NotImplementedError

@@ -1,0 +1,134 @@
+"""What acts on the rig without the input having a part in it."""
+
+import numpy as np
+
+from labsid._arrays import FloatArray
+from labsid.gap.context import Context
+from labsid.gap.effects.base import AdditiveEffect, Fitted, PlantEffect, Value
+from labsid.gap.effects.dynamics import peaks
+from labsid.gap.plants import Parameter, Plant
+from labsid.gap.responses import begun, denominator
+
+FEWEST_CYCLES = 2.2  # in the record; a slower wave is a drift
+
+
+class LoadStep(AdditiveEffect):
+    """An unmeasured load begins at some instant."""
+
+    name = "load-step"
+    at_load = True
+
+    @property
+    def parameters(self) -> tuple[Parameter, ...]:
+        """The onset as a share of the record."""
+        return (Parameter("onset", 0.0, 1.0, 2e-4, leap=0.004),)
+
+    def starts(self, context: Context) -> list[FloatArray]:
+        """Where a step takes most out of the residual."""
+        return [np.array([at]) for at in onsets(context, 4)]
+
+    def columns(self, own: FloatArray, samples: int, span: int, plant: Plant, rates: FloatArray) -> FloatArray:
+        """A unit step through the dynamics."""
+        return plant.through(rates, begun(float(own[0]), samples, span))
+
+    def acts(self, fit: Fitted) -> np.ndarray:
+        """From the onset on."""
+        return np.asarray(np.arange(fit.data.samples) >= float(fit.own(self)[0]) * fit.data.samples)
+
+    def values(self, fit: Fitted) -> dict[str, Value]:
+        """`onset` in seconds, and `size`: the change of the output that it brings in the end."""
+        onset = float(fit.own(self)[0]) * fit.data.samples * fit.data.Ts + fit.data.start
+        return {"onset": Value(onset, "s"), "size": Value(self._size(fit), "y")}
+
+    def _size(self, fit: Fitted) -> float:
+        """Change of the output that the load brings in the end."""
+        c, k = fit.hypothesis.plant.linear_rates(fit.theta[fit.hypothesis.slices["plant"]])
+        a1, a2 = denominator(c, k)
+        gain = float(fit.hypothesis.gains_of(fit.gains, self).sum()) / (1.0 + a1 + a2)
+        return gain * fit.data.y_scale.unit
+
+
+class Leak(PlantEffect):
+    """A load that grows with the state, as a leak does, begins at some instant."""
+
+    name = "load-step"
+    path = "disturbance"
+
+    def shape(self, plant: Plant) -> Plant:
+        """Dynamics whose restoring rate steps at an instant."""
+        return plant.but(kind="varying", course="step")
+
+    def plant_starts(self, context: Context) -> list[dict[str, float]]:
+        """Where a step takes most out of the residual, of either sign, with and without more damping."""
+        return [
+            {"drift_c": part * size, "drift_k": size, "onset": at}
+            for at in onsets(context, 2)
+            for size in (0.15, -0.15)
+            for part in (0.0, 1.0)
+        ]
+
+    def acts(self, fit: Fitted) -> np.ndarray:
+        """From the onset on."""
+        return np.asarray(np.arange(fit.data.samples) >= fit.plant("onset") * fit.data.samples)
+
+    def values(self, fit: Fitted) -> dict[str, Value]:
+        """`onset` in seconds, and `size`: the relative change of the restoring rate."""
+        onset = fit.plant("onset") * fit.data.samples * fit.data.Ts + fit.data.start
+        return {"onset": Value(onset, "s"), "size": Value(float(np.expm1(2.0 * fit.plant("drift_k"))), "1")}
+
+
+def onsets(context: Context, count: int) -> list[float]:
+    """Where, as a share of the record, a step through the dynamics would take most out of the residual."""
+    y, rows = context.data.y, context.data.rows
+    samples = y.size
+    plant, rates = Plant(), np.log(context.swift_rates)
+    still = np.hstack([plant.columns(rates, context.actuator, samples), np.ones((samples, 1))])[rows]
+    still = np.linalg.qr(still)[0]
+    e = y[rows] - still @ (still.T @ y[rows])
+    one = plant.through(rates, np.ones(samples))
+    at = np.unique(np.linspace(0.02, 0.97, 64) * samples).astype(int)
+    gains = []
+    for k in at:
+        step = np.zeros((samples, 2))
+        step[k:] = one[: samples - k]
+        step = step[rows]
+        step -= still @ (still.T @ step)
+        gram = step.T @ step + 1e-9 * np.eye(2)
+        cross = step.T @ e
+        gains.append(float(cross @ np.linalg.solve(gram, cross)))
+    height = np.array(gains)
+    found = []
+    for _ in range(count):
+        i = int(np.argmax(height))
+        found.append(float(at[i]) / samples)
+        height[max(i - 5, 0) : i + 6] = -np.inf
+    return found
+
+
+class Periodic(AdditiveEffect):
+    """A sinusoid added at the load or at the sensor."""
+
+    name = "periodic-disturbance"
+
+    @property
+    def parameters(self) -> tuple[Parameter, ...]:
+        """Number of cycles in the record."""
+        return (Parameter("cycles", FEWEST_CYCLES, 1e7, 1e-3),)
+
+    def starts(self, context: Context) -> list[FloatArray]:
+        """The highest narrow peaks of the residual."""
+        samples = context.data.samples
+        slowest = 2.0 * np.pi * FEWEST_CYCLES / samples
+        return [np.array([w * samples / (2.0 * np.pi)]) for w in peaks(context, 3, slowest)]
+
+    def columns(self, own: FloatArray, samples: int, span: int, plant: Plant, rates: FloatArray) -> FloatArray:
+        """Cosine and sine."""
+        phase = 2.0 * np.pi * own[0] / span * np.arange(samples)
+        return np.column_stack([np.cos(phase), np.sin(phase)])
+
+    def values(self, fit: Fitted) -> dict[str, Value]:
+        """`frequency` and `amplitude` at the output."""
+        cycles = float(fit.own(self)[0])
+        frequency = cycles / (fit.data.samples * fit.data.Ts)
+        amplitude = float(np.hypot(*fit.hypothesis.gains_of(fit.gains, self))) * fit.data.y_scale.unit
+        return {"frequency": Value(frequency, "Hz"), "amplitude": Value(amplitude, "y")}

@@ -1,0 +1,288 @@
+"""Effects inside the dynamics."""
+
+from typing import ClassVar
+
+import numpy as np
+
+from labsid._arrays import FloatArray
+from labsid.gap import _kernels
+from labsid.gap.context import Context
+from labsid.gap.effects.base import Fitted, InputEffect, PlantEffect, Value
+from labsid.gap.plants import Parameter, Plant
+from labsid.gap.responses import real_rates, slow_course
+
+BOTH_WAYS = 0.03  # of the record in motion either way
+
+
+class ExtraLag(PlantEffect):
+    """One more real pole anywhere in the chain."""
+
+    name = "extra-lag"
+
+    def shape(self, plant: Plant) -> Plant:
+        """One more real pole beside, or behind, what is there."""
+        return plant.but(lag=True)
+
+    def plant_starts(self, context: Context) -> list[dict[str, float]]:
+        """Swifter and slower than the poles of the parent."""
+        c, k = context.rates
+        slow, fast = real_rates(c, k)
+        times = dict.fromkeys(np.clip(np.log([0.6 / fast, 2.0 / fast, 0.5 / slow]), -1.0, 7.0))
+        return [{"log_lag": float(time)} for time in times]
+
+    def holds(self, fit: Fitted) -> bool:
+        """The lag has to pass the input on: its free motion alone would be a drift that settles."""
+        plant = fit.hypothesis.plant
+        own = fit.theta[fit.hypothesis.slices["plant"]]
+        columns = plant.columns(own, fit.hypothesis.actuator(fit.theta, fit.data.u), fit.data.samples)
+        parts = columns * fit.gains[: columns.shape[1]]
+        passed, free = (4, 5) if plant.kind == "linear" else (0, 1)
+        return bool(np.std(parts[:, passed]) > np.std(parts[:, free]))
+
+    def values(self, fit: Fitted) -> dict[str, Value]:
+        """`tau` in seconds."""
+        return {"tau": Value(float(np.exp(fit.plant("log_lag"))) * fit.data.Ts, "s")}
+
+
+class Resonance(PlantEffect):
+    """An unmodelled, lightly damped mode."""
+
+    name = "resonance"
+
+    def shape(self, plant: Plant) -> Plant:
+        """One more pair of poles."""
+        return plant.but(mode=True)
+
+    def plant_starts(self, context: Context) -> list[dict[str, float]]:
+        """The highest narrow peaks of the residual, and two frequencies in any case."""
+        return [
+            {"log_frequency": float(np.log(w)), "log_damping": float(np.log(0.08))} for w in peaks(context, 3, 0.02)
+        ] + [{"log_frequency": float(np.log(w)), "log_damping": float(np.log(0.15))} for w in (0.15, 0.5)]
+
+    def values(self, fit: Fitted) -> dict[str, Value]:
+        """`frequency` in hertz, and `damping`."""
+        frequency = float(np.exp(fit.plant("log_frequency"))) / (2.0 * np.pi * fit.data.Ts)
+        return {"frequency": Value(frequency, "Hz"), "damping": Value(float(np.exp(fit.plant("log_damping"))), "1")}
+
+
+def peaks(context: Context, count: int, slowest: float) -> list[float]:
+    """Frequencies (rad a sample) at which the residual has its highest narrow peaks."""
+    e = context.residual
+    padded = 1 << int(np.ceil(np.log2(4 * e.size)))
+    power = np.abs(np.fft.rfft((e - e[context.data.rows].mean()) * np.hanning(e.size), padded)) ** 2
+    w = 2.0 * np.pi * np.arange(power.size) / padded
+    # Compare with the neighbourhood, or a slow wander hides every peak.
+    width = max(9, 24 * padded // e.size // 2 * 2 + 1)
+    log_power = np.log(power + 1e-300)
+    smooth = np.convolve(log_power, np.ones(width) / width, mode="same")
+    height = np.where((w > slowest) & (w < 3.0), log_power - smooth, -np.inf)
+    found: list[float] = []
+    for _ in range(count):
+        i = int(np.argmax(height))
+        if not np.isfinite(height[i]):
+            break
+        found.append(float(w[i]))
+        height[max(i - width // 2, 0) : i + width // 2] = -np.inf
+    return found
+
+
+class SqrtOutflow(PlantEffect):
+    """Torricelli: the outflow goes with the root of the level; `variant` both, upper or lower, and "-flipped"."""
+
+    name = "sqrt-outflow"
+
+    def shape(self, plant: Plant) -> Plant:
+        """Tanks with the root at the outflows that the variant names."""
+        which, _, flipped = self.variant.partition("-")
+        return plant.but(
+            kind="tanks", upper_root=which != "lower", lower_root=which != "upper", flipped=flipped == "flipped"
+        )
+
+    def plant_starts(self, context: Context) -> list[dict[str, float]]:
+        """The input that just empties the tank a little, and a whole range, below the record."""
+        u = -context.data.u if self.variant.endswith("flipped") else context.data.u
+        span = float(np.ptp(u))
+        starts = []
+        for below in (0.15, 1.0):
+            zero = float(u.min()) - below * span
+            middle = -zero  # the mean of the scaled input is zero
+            start = {"zero": zero}
+            if self.variant.partition("-")[0] != "lower":
+                start["log_a+"] = float(np.log(2.0 * middle))
+            if self.variant.partition("-")[0] != "upper":
+                start["log_b+"] = float(np.log(2.0 * middle))
+            starts.append(start)
+        return starts
+
+    def values(self, fit: Fitted) -> dict[str, Value]:
+        """`zero`, the input without flow, and `empty`, the output of the empty tank."""
+        zero = fit.plant("zero")
+        return {
+            "zero": Value(fit.u(-zero if self.variant.endswith("flipped") else zero), "u"),
+            "empty": Value(fit.y(float(fit.gains[1])), "y"),
+        }
+
+
+class Overflow(PlantEffect):
+    """A tank stops at its brim; `variant` upper or lower, and "-flipped"."""
+
+    name = "overflow"
+
+    def shape(self, plant: Plant) -> Plant:
+        """Tanks with a brim."""
+        which, _, flipped = self.variant.partition("-")
+        return plant.but(kind="tanks", brim=1 if which == "upper" else 2, flipped=plant.flipped or flipped == "flipped")
+
+    def plant_starts(self, context: Context) -> list[dict[str, float]]:
+        """A little, a quarter and half inside the range of the level."""
+        plant = context.parent.hypothesis.plant
+        u = -context.data.u if self.variant.endswith("flipped") or plant.flipped else context.data.u
+        slow, fast = real_rates(*context.rates)
+        zero = 0.0
+        if plant.kind == "tanks" and (plant.upper_root or plant.lower_root):
+            own = context.parent.theta[context.parent.hypothesis.slices["plant"]]
+            zero = float(own[plant.index("zero")])
+        level = _kernels.first_order(u - zero, float(np.exp(-fast)))
+        level[: min(5, level.size)] = level[min(5, level.size - 1)]
+        root = plant.upper_root if self.variant.startswith("upper") else plant.lower_root
+        if self.variant.startswith("lower"):
+            level = _kernels.first_order(level, float(np.exp(-slow)))
+        low, high = float(level.min()), float(level.max())
+        starts = []
+        for part in (0.08, 0.25, 0.5):
+            brim = high - part * (high - low)
+            start = {"brim": brim**2 if root and brim > 0 else brim}
+            starts.append(start | {"share": 0.3} if self.variant.startswith("upper") else start)
+        return starts
+
+    def values(self, fit: Fitted) -> dict[str, Value]:
+        """`level` of the brim as an output; of the upper tank also `caught`, the share that the lower one catches."""
+        brim = fit.plant("brim")
+        plant = fit.hypothesis.plant
+        if self.variant.startswith("upper"):  # as the level that the lower tank would settle to
+            flow = np.sqrt(max(brim, 0.0)) if plant.upper_root else brim
+            brim = flow**2 if plant.lower_root else flow
+        level = Value(fit.y(float(fit.gains[0]) * brim + float(fit.gains[1])), "y")
+        if self.variant.startswith("lower"):
+            return {"level": level}
+        return {"level": level, "caught": Value(fit.plant("share"), "1")}
+
+
+class CoulombFriction(PlantEffect):
+    """Dry friction against the motion; `variant` position (of a mass), speed, or speed-lag (the lag behind it)."""
+
+    name = "coulomb-friction"
+
+    def shape(self, plant: Plant) -> Plant:
+        """A mass or a motor with friction."""
+        if self.variant == "position":
+            return plant.but(kind="mechanics", friction=True)
+        return plant.but(kind="speed", friction=True, lag_first=self.variant == "speed")
+
+    def plant_starts(self, context: Context) -> list[dict[str, float]]:
+        """Weak and strong, and where the record may begin."""
+        if self.variant == "position":
+            away = start_away(context)
+            return [{"friction": size, "z0": z0} for size in (0.05, 0.25, 0.8) for z0 in dict.fromkeys((0.0, away))]
+        middles = dict.fromkeys(round(float(x), 3) for x in (np.median(context.data.u), context.data.u[0]))
+        return [{"friction": size, "centre": middle} for size in (0.1, 0.4) for middle in middles]
+
+    def holds(self, fit: Fitted) -> bool:
+        """Friction shows by turning round: against motion in one direction only it is a constant, or a stop."""
+        speed = fit.hypothesis.plant.speed(
+            fit.theta[fit.hypothesis.slices["plant"]], fit.hypothesis.actuator(fit.theta, fit.data.u)
+        )
+        return bool(min(np.mean(speed > 0), np.mean(speed < 0)) > BOTH_WAYS)
+
+    def values(self, fit: Fitted) -> dict[str, Value]:
+        """`friction` in units of the input."""
+        return {"friction": Value(fit.plant("friction") * fit.data.u_scale.unit, "u")}
+
+
+def start_away(context: Context) -> float:
+    """How far, in units of the input, the record begins from the rest that the linear model expects there."""
+    fit, u = context.parent, context.data.u
+    still = fit.hypothesis.output(fit.theta, fit.gains, np.array([u[0], u[0] + 1.0]).repeat(2000))
+    gain = float(still[-1] - still[1999])
+    if not np.isfinite(gain) or abs(gain) < 1e-3:
+        return 0.0
+    return float(np.clip((context.data.y[:3].mean() - still[1999]) / gain, -5.0, 5.0))
+
+
+class CubicStiffness(PlantEffect):
+    """Hardening or softening restoring force."""
+
+    name = "cubic-stiffness"
+
+    def shape(self, plant: Plant) -> Plant:
+        """A mass on a spring."""
+        return plant.but(kind="mechanics", cubic=True)
+
+    def plant_starts(self, context: Context) -> list[dict[str, float]]:
+        """Hardening and softening, about the median and the first input."""
+        middles = dict.fromkeys(round(float(x), 3) for x in (np.median(context.data.u), context.data.u[0]))
+        return [{"cubic": size, "centre": middle} for size in (0.05, 0.4, -0.02) for middle in middles]
+
+    def values(self, fit: Fitted) -> dict[str, Value]:
+        """`cubic`: the added share of the restoring force, per square of the output."""
+        per_level = 1.0 / (float(fit.gains[0]) * fit.data.y_scale.unit or 1.0)
+        return {"cubic": Value(fit.plant("cubic") * per_level**2, "1/y^2")}
+
+
+class PoleDrift(PlantEffect):
+    """A pole changes slowly along the record, and with it possibly the gain."""
+
+    name = "parameter-drift"
+
+    @property
+    def key(self) -> str:
+        """Apart from that of a drifting gain."""
+        return f"{self.name}/pole-{self.variant}"
+
+    def shape(self, plant: Plant) -> Plant:
+        """Dynamics whose rates go along with a slow course."""
+        return plant.but(kind="varying", bends=int(self.variant) - 1)
+
+    def plant_starts(self, context: Context) -> list[dict[str, float]]:
+        """The rates up and down, with and without the damping."""
+        return [{"drift_c": part * size, "drift_k": size} for size in (0.1, -0.1) for part in (0.0, 1.0)]
+
+    def values(self, fit: Fitted) -> dict[str, Value]:
+        """`pole`: relative change of the restoring rate over the record."""
+        shape = np.array([1.0, *(fit.plant(f"bend{n}") for n in range(1, int(self.variant)))])
+        course = fit.plant("drift_k") * slow_course(shape, 101, 101)
+        return {"pole": Value(float(np.exp(course[-1] - course[0])) - 1.0, "1")}
+
+
+class GainDrift(InputEffect):
+    """A gain changes slowly along the record."""
+
+    name = "parameter-drift"
+    path = "dynamics"
+    place: ClassVar[int] = 8
+
+    @property
+    def key(self) -> str:
+        """Apart from that of a drifting pole."""
+        return f"{self.name}/gain-{self.variant}"
+
+    @property
+    def parameters(self) -> tuple[Parameter, ...]:
+        """The course of the gain, and the input at which it does not matter."""
+        shape = [Parameter(f"shape{n}", -3.0, 3.0) for n in range(1, int(self.variant) + 1)]
+        return (*shape, Parameter("zero", -20.0, 20.0, 1e-3))
+
+    def starts(self, context: Context) -> list[FloatArray]:
+        """Up and down."""
+        starts = np.zeros((2, int(self.variant) + 1))
+        starts[:, 0] = 0.1, -0.1
+        return list(starts)
+
+    def apply(self, w: FloatArray, own: FloatArray, span: int) -> FloatArray:
+        """The distance from the neutral input, times the gain."""
+        return (w - own[-1]) * (1.0 + slow_course(own[:-1], w.size, span))
+
+    def values(self, fit: Fitted) -> dict[str, Value]:
+        """`drift`: relative change of the gain over the record."""
+        course = 1.0 + slow_course(fit.own(self)[:-1], 101, 101)
+        return {"drift": Value(float(course[-1] / course[0]) - 1.0, "1")}

@@ -1,0 +1,222 @@
+"""Effects on the way from the command to the dynamics."""
+
+import numpy as np
+
+from labsid._arrays import FloatArray
+from labsid.gap import _kernels
+from labsid.gap.context import Context
+from labsid.gap.effects.base import Fitted, InputEffect, Value
+from labsid.gap.plants import Parameter
+
+LONGEST_DELAY = 60.0  # samples
+REST = 5  # samples of one value at the beginning of a record
+
+
+class Delay(InputEffect):
+    """Transport delay of the actuator path, beyond the one sample that a strictly proper model has."""
+
+    name = "input-delay"
+    place = 9
+
+    @property
+    def parameters(self) -> tuple[Parameter, ...]:
+        """The delay in samples."""
+        return (Parameter("delay", 0.0, LONGEST_DELAY, 0.02, leap=0.5),)
+
+    def starts(self, context: Context) -> list[FloatArray]:
+        """Short ones closer together than long ones."""
+        longest = min(LONGEST_DELAY, context.data.samples / 8)
+        return [np.array([d]) for d in (1.0, 2.2, 4.0, 7.0, 12.0, 20.0, 35.0) if d <= longest]
+
+    def apply(self, w: FloatArray, own: FloatArray, span: int) -> FloatArray:
+        """The signal itself: the hypothesis delays it behind all other effects, in place of the nuisance delay."""
+        return w
+
+    def values(self, fit: Fitted) -> dict[str, Value]:
+        """`delay` in seconds."""
+        return {"delay": Value(float(fit.own(self)[0]) * fit.data.Ts, "s")}
+
+
+class Saturation(InputEffect):
+    """The actuator stops at a low and/or a high limit inside the commanded range; `variant` low, high or both."""
+
+    name = "input-saturation"
+    place = 1
+
+    @property
+    def parameters(self) -> tuple[Parameter, ...]:
+        """The limits in the scaled input."""
+        names = {"low": ("low",), "high": ("high",), "both": ("low", "high")}[self.variant]
+        return tuple(Parameter(name, -8.0, 8.0, leap=0.05) for name in names)
+
+    def applies(self, context: Context) -> bool:
+        """Two levels cut down are two levels: the gain would take it up."""
+        return context.levels.size > (3 if self.variant == "both" else 2)
+
+    def starts(self, context: Context) -> list[FloatArray]:
+        """A little, a fifth and two fifths inside the range."""
+        u = context.data.u
+        lows, highs = _inner_limits(u, -1), _inner_limits(u, 1)
+        if self.variant == "low":
+            return [np.array([low]) for low in lows]
+        if self.variant == "high":
+            return [np.array([high]) for high in highs]
+        return [np.array([low, high]) for low, high in zip(lows, highs, strict=True)]
+
+    def apply(self, w: FloatArray, own: FloatArray, span: int) -> FloatArray:
+        """Stop at the limits."""
+        if self.variant == "low":
+            return np.maximum(w, own[0])
+        if self.variant == "high":
+            return np.minimum(w, own[0])
+        return np.clip(w, min(own), max(own))
+
+    def acts(self, fit: Fitted) -> np.ndarray:
+        """Where the command is beyond a limit."""
+        return np.asarray(self.apply(fit.data.u, fit.own(self), fit.data.samples) != fit.data.u)
+
+    def values(self, fit: Fitted) -> dict[str, Value]:
+        """`low` and `high` as inputs."""
+        return {p.name: Value(fit.u(float(x)), "u") for p, x in zip(self.parameters, fit.own(self), strict=True)}
+
+
+def _inner_limits(u: FloatArray, side: int) -> list[float]:
+    """Where a limit may lie: a little, a third and two thirds inside the range."""
+    low, high = float(u.min()), float(u.max())
+    return [(high - part * (high - low)) if side > 0 else (low + part * (high - low)) for part in (0.08, 0.22, 0.4)]
+
+
+class DeadZone(InputEffect):
+    """No effect until the command leaves a band."""
+
+    name = "input-dead-zone"
+    place = 4
+
+    @property
+    def parameters(self) -> tuple[Parameter, ...]:
+        """Both ends of the band in the scaled input."""
+        return (Parameter("low", -8.0, 8.0, leap=0.1), Parameter("high", -8.0, 8.0, leap=0.1))
+
+    def applies(self, context: Context) -> bool:
+        """Two levels are two levels behind any static curve."""
+        return context.levels.size > 2
+
+    def starts(self, context: Context) -> list[FloatArray]:
+        """Narrow and wide bands about the first, the middle and the median input."""
+        u = context.data.u
+        low, high = float(u.min()), float(u.max())
+        middles = dict.fromkeys((round(float(u[0]), 6), 0.5 * (low + high), float(np.median(u))))
+        starts = []
+        for middle in middles:
+            for half in (0.08, 0.2):
+                pair = np.clip([middle - half * (high - low), middle + half * (high - low)], low, high)
+                starts.append(pair)
+        return starts
+
+    def apply(self, w: FloatArray, own: FloatArray, span: int) -> FloatArray:
+        """Zero within the band, the distance from it outside."""
+        low, high = min(own), max(own)
+        return np.maximum(w - high, 0.0) + np.minimum(w - low, 0.0)
+
+    def acts(self, fit: Fitted) -> np.ndarray:
+        """Where the command is within the band."""
+        return np.asarray(self.apply(fit.data.u, fit.own(self), fit.data.samples) == 0.0)
+
+    def holds(self, fit: Fitted) -> bool:
+        """A band that reaches to the end of the input's range is a limit, unless the rig rests in it."""
+        low, high = sorted(fit.own(self))
+        u = fit.data.u
+        edge = 0.02 * float(np.ptp(u))
+        inside = low > u.min() + edge and high < u.max() - edge
+        at_rest = bool(np.all(u[:REST] == u[0])) and low <= u[0] <= high
+        return bool(high - low > edge and (inside or at_rest))
+
+    def values(self, fit: Fitted) -> dict[str, Value]:
+        """`low` and `high` as inputs."""
+        low, high = sorted(fit.own(self))
+        return {"low": Value(fit.u(low), "u"), "high": Value(fit.u(high), "u")}
+
+
+class Backlash(InputEffect):
+    """Play of a given width."""
+
+    name = "input-backlash"
+    place = 5
+
+    @property
+    def parameters(self) -> tuple[Parameter, ...]:
+        """Width of the play, and where in it the record begins."""
+        return (Parameter("width", 0.0, 8.0, leap=0.05), Parameter("position", 0.0, 1.0, 0.02))
+
+    def applies(self, context: Context) -> bool:
+        """Two levels behind a play are two levels, or none."""
+        return context.levels.size > 2
+
+    def starts(self, context: Context) -> list[FloatArray]:
+        """Narrow to wide, the record beginning in the middle of the play."""
+        span = float(np.ptp(context.data.u))
+        return [np.array([part * span, 0.5]) for part in (0.06, 0.15, 0.35)]
+
+    def apply(self, w: FloatArray, own: FloatArray, span: int) -> FloatArray:
+        """Follow the command only once the play is taken up."""
+        return _kernels.backlash(w, float(own[0]), float(own[1]))
+
+    def values(self, fit: Fitted) -> dict[str, Value]:
+        """`width` in the unit of the input."""
+        return {"width": Value(float(fit.own(self)[0]) * fit.data.u_scale.unit, "u")}
+
+
+class RateLimit(InputEffect):
+    """The actuator slews at a bounded rate."""
+
+    name = "input-rate-limit"
+    place = 2
+
+    @property
+    def parameters(self) -> tuple[Parameter, ...]:
+        """Logarithm of the rate in the scaled input per sample."""
+        return (Parameter("log_rate", -9.0, 3.0, leap=0.1),)
+
+    def starts(self, context: Context) -> list[FloatArray]:
+        """Shares of the largest step of the input."""
+        largest = float(np.abs(np.diff(context.data.u)).max())
+        return [np.array([np.log(part * largest)]) for part in (0.6, 0.25, 0.08, 0.03)]
+
+    def apply(self, w: FloatArray, own: FloatArray, span: int) -> FloatArray:
+        """Slew to the command, the mean over each sample."""
+        return _kernels.rate_limit(w, float(np.exp(own[0])), float(w[0]))
+
+    def values(self, fit: Fitted) -> dict[str, Value]:
+        """`rate` in units of the input per second."""
+        rate = float(np.exp(fit.own(self)[0])) * fit.data.u_scale.unit / fit.data.Ts
+        return {"rate": Value(rate, "u/s")}
+
+
+class Nonlinearity(InputEffect):
+    """A smooth static curve: w = u + c2 u^2 + c3 u^3 about the middle of the record's input."""
+
+    name = "input-nonlinearity"
+    place = 0
+
+    @property
+    def parameters(self) -> tuple[Parameter, ...]:
+        """The coefficients in the scaled input."""
+        return (Parameter("c2", -3.0, 3.0), Parameter("c3", -2.0, 2.0))
+
+    def applies(self, context: Context) -> bool:
+        """Two levels are two levels behind any static curve."""
+        return context.levels.size > 2
+
+    def starts(self, context: Context) -> list[FloatArray]:
+        """Either coefficient a little up or down."""
+        return [np.array(pair) for pair in ((0.1, 0.0), (-0.1, 0.0), (0.0, 0.1), (0.0, -0.1))]
+
+    def apply(self, w: FloatArray, own: FloatArray, span: int) -> FloatArray:
+        """The curve, of slope one in the middle."""
+        return w * (1.0 + w * (own[0] + w * own[1]))
+
+    def values(self, fit: Fitted) -> dict[str, Value]:
+        """`c2` and `c3` about `centre`, the middle of the record."""
+        c2, c3 = (float(x) for x in fit.own(self))
+        unit = fit.data.u_scale.unit
+        return {"c2": Value(c2 / unit, "1/u"), "c3": Value(c3 / unit**2, "1/u^2"), "centre": Value(fit.u(0.0), "u")}

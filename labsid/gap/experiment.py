@@ -1,0 +1,89 @@
+"""What next: the input, within the range used so far, that would separate two explanations best."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from labsid._arrays import FloatArray
+from labsid.gap.context import Data
+from labsid.gap.fitting import Fit, search
+
+MOST_SAMPLES = 2000
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Experiment:
+    """An input to play on the rig.
+
+    Attributes
+    ----------
+    separates : tuple of str
+        The explanations.
+    why : str
+    u : ndarray, shape (N,)
+        In the record's unit, at its sampling time.
+    margin : float
+        BIC by which the better of the two would win on average.
+    """
+
+    separates: tuple[str, ...]
+    why: str
+    u: FloatArray
+    margin: float
+
+
+def next_experiment(data: Data, first: Fit, second: Fit, rng: np.random.Generator) -> Experiment | None:
+    """Choose among inputs of several kinds the one on which the second explanation, refitted, misses the first most.
+
+    Parameters
+    ----------
+    data : Data
+    first, second : Fit
+        The two explanations, fitted to the record.
+    rng : Generator
+        For the random inputs.
+    """
+    samples = min(data.samples, MOST_SAMPLES)
+    noise = first.noise.sigma2
+    best: Experiment | None = None
+    for why, u in _inputs(data, samples, first.rates, rng):
+        y = first.hypothesis.output(first.theta, first.gains, u)
+        if not np.isfinite(y).all() or np.abs(y).max() > 6.0:  # leaves the range that the record has seen
+            continue
+        played = replace(data, u=u, y=y, rows=np.ones(samples, bool))
+        point = search(played, second.hypothesis, second.theta, second.gains, iterations=10)
+        if point is None:
+            continue
+        margin = samples * float(np.log1p(point.cost / noise))
+        if best is None or margin > best.margin:
+            names = ("+".join(first.hypothesis.names), "+".join(second.hypothesis.names))
+            best = Experiment(names, why, np.asarray(data.u_scale.back(u)), margin)
+    return best
+
+
+def _inputs(
+    data: Data, samples: int, rates: tuple[float, float], rng: np.random.Generator
+) -> list[tuple[str, FloatArray]]:
+    """Inputs over the range of the record's: levels, two levels, ramps, sinusoids, steps of both signs and sizes."""
+    low, high = float(data.u.min()), float(data.u.max())
+    c, k = rates
+    hold = int(np.clip(c / max(k, 1e-9), 3, samples / 12))
+    k_axis = np.arange(samples)
+    blocks = samples // hold + 1
+    levels = np.repeat(rng.uniform(low, high, blocks), hold)[:samples]
+    quick = max(hold // 3, 2)
+    swift = np.repeat(rng.uniform(low, high, samples // quick + 1), quick)[:samples]
+    two = np.where(np.repeat(rng.integers(0, 2, blocks), hold)[:samples] == 1, high, low)
+    sweep = np.cumsum(np.geomspace(0.3, 30.0, samples) / (6.0 * hold))
+    middle, half = 0.5 * (low + high), 0.5 * (high - low)
+    stairs = np.concatenate([np.linspace(low, high, 8), np.linspace(high, low, 8)])
+    staircase = stairs[(k_axis * stairs.size // samples) % stairs.size]
+    ramps = middle + half * (2.0 * np.abs(2.0 * ((k_axis / (6.0 * hold)) % 1.0) - 1.0) - 1.0)
+    return [
+        ("random levels over the whole range, each held for about one time constant", levels),
+        ("random levels over the whole range, each held for a third of a time constant", swift),
+        ("two levels, the ends of the range", two),
+        ("a sinusoid over the whole range that becomes faster", middle + half * np.sin(2.0 * np.pi * sweep)),
+        ("a staircase up and down over the whole range", staircase),
+        ("ramps up and down over the whole range", ramps),
+    ]

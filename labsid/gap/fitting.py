@@ -1,0 +1,321 @@
+"""Fit a hypothesis to a record: free-run error, gains projected out, Levenberg-Marquardt over what is left."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from labsid._arrays import FloatArray
+from labsid.gap._kernels import whiten
+from labsid.gap.context import Data
+from labsid.gap.hypothesis import Hypothesis
+from labsid.gap.noise import LONGEST, Noise, fit_noise
+
+NOTHING = np.zeros(0)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Fit:
+    """A hypothesis with its numbers.
+
+    Attributes
+    ----------
+    hypothesis : Hypothesis
+    theta : ndarray
+        The searched numbers.
+    gains : ndarray
+        The projected ones.
+    output : ndarray, shape (N,)
+        Free-run output over the whole record, held-out samples included.
+    cost : float
+        Mean square of the (whitened) error over the rows that count; infinity where the simulation diverges.
+    noise : Noise
+        Model of what is left.
+    bic : float
+        Whitened score of the hypothesis; lower is better.
+    """
+
+    hypothesis: Hypothesis
+    theta: FloatArray
+    gains: FloatArray
+    output: FloatArray
+    cost: float
+    noise: Noise
+    bic: float
+
+    @property
+    def plant_theta(self) -> FloatArray:
+        """The plant's part of theta."""
+        return self.theta[self.hypothesis.slices["plant"]]
+
+    @property
+    def rates(self) -> tuple[float, float]:
+        """c and k of the linear dynamics s^2 + c s + k, in samples."""
+        return self.hypothesis.plant.linear_rates(self.plant_theta)
+
+    @property
+    def free(self) -> int:
+        """How many numbers were fitted."""
+        return self.theta.size + self.gains.size
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Point:
+    """Where a search stands.
+
+    Attributes
+    ----------
+    theta, gains : ndarray
+        The searched numbers, and the projected ones.
+    inside, outside : ndarray
+        Columns ahead of the sensor's curve, and behind it.
+    output : ndarray, shape (N,)
+        Free-run output.
+    error : ndarray
+        What is left of the (whitened) record on the rows that count.
+    cost : float
+        Its mean square.
+    """
+
+    theta: FloatArray
+    gains: FloatArray
+    inside: FloatArray
+    outside: FloatArray
+    output: FloatArray
+    error: FloatArray
+    cost: float
+
+
+class _Problem:
+    """One hypothesis, one record, one whitening filter."""
+
+    def __init__(self, data: Data, hypothesis: Hypothesis, ar: FloatArray) -> None:
+        self.data, self.hypothesis, self.ar = data, hypothesis, ar
+        counted = data.rows
+        if ar.size:  # before the record the filter sees zeros, which is right: its first samples hold the initial state
+            counted = data.sound.copy()
+            counted[:LONGEST] = data.rows[:LONGEST].all()
+        self.rows = slice(None) if counted.all() else np.flatnonzero(counted)
+        self.count = int(counted.sum())
+        self.bent = bool(hypothesis.outputs)
+        self.y = self._seen(data.y[:, None])[:, 0]
+
+    def _seen(self, columns: FloatArray) -> FloatArray:
+        return (whiten(np.ascontiguousarray(columns), self.ar) if self.ar.size else columns)[self.rows]
+
+    def point(self, theta: FloatArray, gains: FloatArray | None = None) -> Point | None:
+        """The best gains at theta, and the error that they leave; None where the simulation diverges."""
+        design = self.hypothesis.design(theta, self.data.u)
+        inside, outside = design.inside, design.outside
+        if not np.isfinite(inside).all():
+            return None
+        if not self.bent:
+            both = np.hstack([inside, outside]) if outside.shape[1] else inside
+            gains = _solve(self._seen(both), self.y)
+            output = both @ gains
+            return self._made(theta, gains, inside, outside, output)
+        if gains is None or gains.size != inside.shape[1] + outside.shape[1]:
+            both = np.hstack([inside, outside])
+            gains = _solve(self._seen(both), self.y)
+        best = self._made(theta, gains, inside, outside, self._bent_output(theta, gains, inside, outside))
+        for _ in range(3):
+            slope = self.hypothesis.slope(theta, inside @ best.gains[: inside.shape[1]])
+            step = _solve(self._seen(np.hstack([slope[:, None] * inside, outside])), best.error)
+            better = None
+            for share in (1.0, 0.3):
+                gains = best.gains + share * step
+                better = self._made(theta, gains, inside, outside, self._bent_output(theta, gains, inside, outside))
+                if better.cost < best.cost:
+                    break
+            if better is None or better.cost >= best.cost * (1.0 - 1e-6):
+                break
+            best = better
+        return best
+
+    def _bent_output(self, theta: FloatArray, gains: FloatArray, inside: FloatArray, outside: FloatArray) -> FloatArray:
+        m = inside.shape[1]
+        return self.hypothesis.sensor(theta, inside @ gains[:m]) + outside @ gains[m:]
+
+    def _made(
+        self, theta: FloatArray, gains: FloatArray, inside: FloatArray, outside: FloatArray, output: FloatArray
+    ) -> Point:
+        error = self.y - self._seen(output[:, None])[:, 0]
+        return Point(theta, gains, inside, outside, output, error, float(error @ error) / self.count)
+
+    def jacobian(self, at: Point) -> FloatArray | None:
+        """Derivative of the (whitened) output by theta and by the gains, in this order."""
+        upper = self.hypothesis.bounds[1]
+        m = at.inside.shape[1]
+        searched = at.theta.size
+        J = np.empty((self.data.samples, searched + at.gains.size))
+        for i, parameter in enumerate(self.hypothesis.parameters):
+            step = parameter.step if at.theta[i] + parameter.step <= upper[i] else -parameter.step
+            moved = at.theta.copy()
+            moved[i] += step
+            design = self.hypothesis.design(moved, self.data.u)
+            output = self.hypothesis.sensor(moved, design.inside @ at.gains[:m])
+            if at.gains.size > m:
+                output = output + design.outside @ at.gains[m:]
+            J[:, i] = (output - at.output) / step
+        J[:, searched : searched + m] = at.inside
+        if self.bent:
+            J[:, searched : searched + m] *= self.hypothesis.slope(at.theta, at.inside @ at.gains[:m])[:, None]
+        J[:, searched + m :] = at.outside
+        J = self._seen(J)
+        return J if np.isfinite(J).all() else None
+
+
+def _solve(Phi: FloatArray, y: FloatArray) -> FloatArray:
+    """Least squares by normal equations of scaled columns with a ridge at rounding size: fast, and never singular."""
+    scale = np.sqrt(np.einsum("ij,ij->j", Phi, Phi))
+    scale[scale == 0.0] = 1.0
+    scaled = Phi / scale
+    gram = scaled.T @ scaled
+    gram[np.diag_indices_from(gram)] += 1e-11
+    gains: FloatArray = np.linalg.solve(gram, scaled.T @ y) / scale
+    return gains
+
+
+def search(
+    data: Data,
+    hypothesis: Hypothesis,
+    theta: FloatArray,
+    gains: FloatArray | None = None,
+    iterations: int = 15,
+    ar: FloatArray = NOTHING,
+    tolerance: float = 1e-5,
+) -> Point | None:
+    """Levenberg-Marquardt from `theta`; the gains follow. None where not even the start can be simulated."""
+    problem = _Problem(data, hypothesis, ar)
+    lower, upper = hypothesis.bounds
+    at = problem.point(np.clip(theta, lower, upper), gains)
+    if at is None:
+        return None
+    searched = theta.size
+    damping = 1e-3
+    for _ in range(iterations):
+        J = problem.jacobian(at)
+        if J is None:
+            break
+        stuck = ((at.theta <= lower) | (at.theta >= upper)) if searched else np.zeros(0, bool)
+        scale = np.sqrt(np.einsum("ij,ij->j", J, J))
+        scale[scale == 0.0] = 1.0
+        J = J / scale
+        gram, slope = J.T @ J, J.T @ at.error
+        better = None
+        # A parameter at its bound that wants to go further is held there.
+        held = np.zeros(gram.shape[0], bool)
+        held[:searched] = stuck & (np.where(at.theta <= lower, -1.0, 1.0) * slope[:searched] > 0)
+        keep = ~held
+        for _ in range(6):
+            lhs = gram[np.ix_(keep, keep)].copy()
+            diagonal = np.full(gram.shape[0], 1e-11)
+            diagonal[:searched] += damping
+            lhs[np.diag_indices_from(lhs)] += diagonal[keep]
+            step = np.zeros(gram.shape[0])
+            step[keep] = np.linalg.solve(lhs, slope[keep])
+            step /= scale
+            new = np.clip(at.theta + step[:searched], lower, upper)
+            better = problem.point(new, at.gains + step[searched:] if problem.bent else None)
+            if better is not None and better.cost < at.cost:
+                break
+            damping = min(damping * 8.0, 1e6)
+            better = None
+        if better is None:
+            break
+        gain = 1.0 - better.cost / at.cost
+        at = better
+        damping = max(damping / 6.0, 1e-9)
+        if gain < tolerance:
+            break
+    return at
+
+
+def at_start(data: Data, hypothesis: Hypothesis, theta: FloatArray) -> float:
+    """Cost at `theta` with the best gains; infinity where it cannot be simulated."""
+    point = _Problem(data, hypothesis, NOTHING).point(np.clip(theta, *hypothesis.bounds))
+    return float("inf") if point is None else point.cost
+
+
+def finish(data: Data, hypothesis: Hypothesis, point: Point) -> Fit:
+    """Score a point: the noise of its residual, and the BIC of the whitened error.
+
+    Where a residual is so slow that its innovations are the sensor's noise alone, the whitened error sees no difference
+    between a good and a bad simulation. `Data.by_free_run` adds the power of the free-run error, with as many
+    independent samples as the colour leaves.
+    """
+    e = data.y - point.output
+    noise = fit_noise(e, data.sound)
+    free = point.theta.size + point.gains.size
+    bic = noise.score + free * np.log(noise.rows)
+    if data.by_free_run:
+        power = max(float(np.mean(e[data.rows] ** 2)), noise.sigma2)
+        bic += noise.rows * np.sqrt(noise.sigma2 / power) * np.log(power) + free * np.log(noise.rows)
+    return Fit(hypothesis, point.theta, point.gains, point.output, point.cost, noise, float(bic))
+
+
+def refit(data: Data, fit: Fit) -> Fit:
+    """The same hypothesis fitted to the rows of `data`."""
+    point = search(data, fit.hypothesis, fit.theta, fit.gains, iterations=20, tolerance=1e-6)
+    return fit if point is None else finish(data, fit.hypothesis, point)
+
+
+def covariance(data: Data, fit: Fit) -> FloatArray:
+    """Covariance of theta and the gains, in this order: that of least squares on the whitened error."""
+    problem = _Problem(data, fit.hypothesis, fit.noise.ar)
+    at = problem.point(fit.theta, fit.gains)
+    J = None if at is None else problem.jacobian(at)
+    size = fit.theta.size + fit.gains.size
+    if J is None:
+        return np.full((size, size), np.nan)
+    scale = np.sqrt(np.einsum("ij,ij->j", J, J))
+    scale[scale == 0.0] = 1.0
+    J = J / scale
+    inverse: FloatArray = np.linalg.pinv(J.T @ J, rcond=1e-10, hermitian=True) * fit.noise.sigma2
+    return inverse / np.outer(scale, scale)
+
+
+def settle(data: Data, fit: Fit) -> Fit:
+    """Go on with the search until it stands still, leaping over what may be only a local minimum."""
+    hypothesis = fit.hypothesis
+    lower, upper = hypothesis.bounds
+    at = search(data, hypothesis, fit.theta, fit.gains, iterations=25, tolerance=1e-5)
+    if at is None:
+        return fit
+    problem = _Problem(data, hypothesis, NOTHING)
+    for _ in range(3):
+        before = at.cost
+        for i, parameter in enumerate(hypothesis.parameters):
+            for leap in (1.0, -1.0, 3.0, -3.0, 8.0, -8.0) if parameter.leap else ():
+                theta = at.theta.copy()
+                theta[i] = np.clip(theta[i] + leap * parameter.leap, lower[i], upper[i])
+                other = problem.point(theta, at.gains if problem.bent else None)
+                if other is not None and other.cost < 1.3 * at.cost:
+                    other = search(data, hypothesis, theta, other.gains, iterations=4, tolerance=1e-3)
+                    if other is not None and other.cost < (1.0 - 1e-4) * at.cost:
+                        at = other
+                        break
+        if at.cost > (1.0 - 1e-3) * before:
+            break
+    at = search(data, hypothesis, at.theta, at.gains, iterations=25, tolerance=1e-6) or at
+    new = finish(data, hypothesis, at)
+    return new if new.bic < fit.bic else fit
+
+
+def rms(data: Data, fit: Fit) -> float:
+    """Root mean square of the free-run error over the rows that count."""
+    return float(np.sqrt(np.mean((data.y - fit.output)[data.rows] ** 2)))
+
+
+def polish(data: Data, fit: Fit, rounds: int = 2, iterations: int = 6) -> Fit:
+    """Refit with the residual whitened by its own noise model, as maximum likelihood asks, as long as it helps."""
+    best = fit
+    for _ in range(rounds):
+        point = search(data, best.hypothesis, best.theta, best.gains, iterations, best.noise.ar)
+        if point is None:
+            break
+        new = finish(data, best.hypothesis, point)
+        # Whitening by a slow pole forgets the level: a fit that no longer runs freely is not taken.
+        if new.bic >= best.bic - 0.1 or rms(data, new) > 1.05 * rms(data, best):
+            break
+        best = new
+    return best

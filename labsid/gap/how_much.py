@@ -1,0 +1,198 @@
+"""How much of the gap an explanation closes: free run on samples that no fit has seen, with an interval."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from labsid._arrays import FloatArray
+from labsid.gap.context import Data
+from labsid.gap.fitting import Fit, refit
+from labsid.gap.holdout import held_out
+from labsid.gap.leftover import explained_share, features
+from labsid.gap.model_file import START, running_model
+from labsid.gap.which import Explained
+
+DRAWS = 400
+BAND = (2.5, 97.5)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class HowMuch:
+    """The gap on held-out samples, in the unit of the data.
+
+    Attributes
+    ----------
+    before, after, floor : float
+        Root mean square errors, and the noise that no function of the input explains.
+    closed : float or None
+        1 - sqrt(after^2 - floor^2) / sqrt(before^2 - floor^2); None where there is no gap before.
+    ci95 : tuple of float or None
+        From resampled blocks.
+    black_box : float or None
+        The same for a flexible function of the input's past in place of the effects.
+    scored : ndarray of bool, shape (N,)
+        The samples that count.
+    before_fit, after_fit : Fit
+        The baseline and the explanation, as they were scored.
+    """
+
+    before: float
+    after: float
+    floor: float
+    closed: float | None
+    ci95: tuple[float, float] | None
+    black_box: float | None
+    scored: np.ndarray
+    before_fit: Fit
+    after_fit: Fit
+
+
+def how_much_of(
+    explained: Explained,
+    given: Fit | None,
+    holdout: tuple[FloatArray, FloatArray] | None,
+    rng: np.random.Generator,
+    played: FloatArray | None = None,
+) -> HowMuch:
+    """Refit the baseline and the explanation without the held-out samples, and score them there.
+
+    Parameters
+    ----------
+    explained : Explained
+    given : Fit or None
+        The simulation that was given: it is scored as it is.
+    holdout : tuple of ndarray or None
+        Input and output of another record, scaled as the data; then nothing of the record is held out.
+    rng : Generator
+    played : ndarray, optional
+        Output of the given simulation on the other record, scaled as the data.
+    """
+    data = explained.data
+    if holdout is not None:
+        return _on_another(explained, given, holdout, rng, played)
+    blocks = held_out(data.samples)
+    fitted = replace(data, rows=data.rows & ~blocks)
+    before = refit(fitted, explained.path[0]) if given is None else given
+    after = before if given is None and len(explained.path) == 1 else refit(fitted, explained.best)
+    return how_much(fitted, before, after, data.rows & blocks, rng)
+
+
+def _on_another(
+    explained: Explained,
+    given: Fit | None,
+    holdout: tuple[FloatArray, FloatArray],
+    rng: np.random.Generator,
+    before_output: FloatArray | None,
+) -> HowMuch:
+    data = explained.data
+    before, after = given or explained.path[0], explained.best
+    u, y = holdout
+    record_u, record_y = np.asarray(data.u_scale.back(u)), np.asarray(data.y_scale.back(y))
+
+    def on_holdout(fit: Fit) -> Fit:
+        return replace(fit, output=data.y_scale.of(running_model(data, fit).simulate(record_u, record_y)))
+
+    first = on_holdout(before) if before_output is None else replace(before, output=before_output)
+    scored = np.arange(u.size) >= START
+    other = replace(data, u=u, y=y, rows=scored)
+    return replace(
+        how_much(other, first, on_holdout(after), scored, rng, floor=noise_power(data, after)),
+        before_fit=before,
+        after_fit=after,
+    )
+
+
+def closure(before: float, after: float, floor: float) -> float | None:
+    """Share of the gap that is closed, from mean squares."""
+    gap = before - floor
+    if gap <= 0.0:
+        return None
+    return 1.0 - float(np.sqrt(max(after - floor, 0.0) / gap))
+
+
+def noise_power(data: Data, fit: Fit) -> float:
+    """Power of the noise: what is left on the fitted rows, without what the input still explains."""
+    e = data.y - fit.output
+    count = int(data.rows.sum())
+    power = float(e[data.rows] @ e[data.rows]) / max(count - fit.free, 1)
+    return power * (1.0 - min(max(explained_share(data, fit, e), 0.0), 0.9))
+
+
+def how_much(
+    data: Data, before: Fit, after: Fit, scored: np.ndarray, rng: np.random.Generator, floor: float | None = None
+) -> HowMuch:
+    """Score two fits that have not seen the rows `scored`.
+
+    Parameters
+    ----------
+    data : Data
+        Its rows are those that both were fitted to.
+    before, after : Fit
+        The baseline, and the explanation.
+    scored : ndarray of bool, shape (N,)
+    rng : Generator
+        For the resampling.
+    floor : float, optional
+        Power of the noise, where it is known from other samples.
+    """
+    e0, e1 = data.y - before.output, data.y - after.output
+    floor = noise_power(data, after) if floor is None else floor
+    m0, m1 = float(np.mean(e0[scored] ** 2)), float(np.mean(e1[scored] ** 2))
+    closed = closure(m0, m1, floor)
+    if m0 <= floor * 1.02:
+        closed = None
+    box = black_box(data, before, e0)
+    return HowMuch(
+        before=float(np.sqrt(m0)),
+        after=float(np.sqrt(m1)),
+        floor=float(np.sqrt(floor)),
+        closed=closed,
+        ci95=None if closed is None else _interval(e0, e1, data.rows, scored, floor, after.free, rng),
+        black_box=None if closed is None else closure(m0, float(np.mean(box[scored] ** 2)), floor),
+        scored=scored,
+        before_fit=before,
+        after_fit=after,
+    )
+
+
+def _interval(
+    e0: FloatArray,
+    e1: FloatArray,
+    rows: np.ndarray,
+    scored: np.ndarray,
+    floor: float,
+    free: int,
+    rng: np.random.Generator,
+) -> tuple[float, float]:
+    """Percentiles of the closure over resampled blocks of the scored samples, and of the fitted ones for the floor."""
+    p0, p1 = _block_means(e0**2, scored), _block_means(e1**2, scored)
+    fitted = _block_means(e1**2, rows)
+    count = int(rows.sum())
+    correct = (
+        count / max(count - free, 1) * floor / max(float(np.mean(e1[rows] ** 2)) * count / max(count - free, 1), 1e-300)
+    )
+    drawn = []
+    for _ in range(DRAWS):
+        pick, other = rng.integers(0, p0.size, p0.size), rng.integers(0, fitted.size, fitted.size)
+        value = closure(float(p0[pick].mean()), float(p1[pick].mean()), float(fitted[other].mean()) * correct)
+        if value is not None:
+            drawn.append(value)
+    if not drawn:
+        return (0.0, 1.0)
+    low, high = np.percentile(drawn, BAND)
+    return float(low), float(high)
+
+
+def _block_means(power: FloatArray, rows: np.ndarray) -> FloatArray:
+    values = power[rows]
+    length = max(values.size // 40, 5)
+    return np.array([block.mean() for block in np.array_split(values, max(values.size // length, 2))])
+
+
+def black_box(data: Data, before: Fit, e: FloatArray) -> FloatArray:
+    """What is left of the baseline's error when a flexible function of the input's past is fitted to it."""
+    X = features(data, before)
+    X = np.column_stack([np.ones(e.size), (X - X.mean(axis=0)) / np.where(X.std(axis=0) > 0, X.std(axis=0), 1.0)])
+    rows = data.rows
+    gram = X[rows].T @ X[rows] + 1e-3 * rows.sum() * np.eye(X.shape[1])
+    return e - X @ np.linalg.solve(gram, X[rows].T @ e[rows])

@@ -1,0 +1,191 @@
+"""A hypothesis: the linear structure with a few effects put in where the physics puts them."""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from labsid._arrays import FloatArray
+from labsid.gap.effects.base import AdditiveEffect, Effect, InputEffect, OutputEffect, PlantEffect
+from labsid.gap.plants import Parameter, Plant
+
+NUISANCE_DELAY = 0.5  # samples; up to here a delay belongs to the sampling, not to the rig
+DELAY = Parameter("delay", 0.0, NUISANCE_DELAY, 0.02)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Design:
+    """What a hypothesis makes of the input at one theta.
+
+    Attributes
+    ----------
+    inside : ndarray, shape (N, m)
+        Columns that the sensor's curve still bends, the constant among them.
+    outside : ndarray, shape (N, q)
+        Columns added behind the sensor's curve.
+    """
+
+    inside: FloatArray
+    outside: FloatArray
+
+
+@dataclass(frozen=True, slots=True)
+class Hypothesis:
+    """Which effects are at work, in the order in which they were added.
+
+    The numbers that are searched, theta, lie in the order: delay, input effects, plant, output effects, additive ones.
+
+    Attributes
+    ----------
+    effects : tuple of Effect
+    known : int
+        So many of them, the first ones, stand in the simulation that was given: they are no finding.
+    given : Plant or None
+        Dynamics to start from where they are not the linear ones.
+    plant : Plant
+        The dynamics with everything that the effects put into them.
+    inputs : tuple of InputEffect
+        In the order of the actuator's chain.
+    outputs : tuple of OutputEffect
+        In the order of the sensor's chain.
+    additive : tuple of AdditiveEffect
+        Effects that add columns.
+    parameters : tuple of Parameter
+        All searched numbers.
+    slices : dict
+        Where in theta each part lies: "plant", and each effect by its key.
+    bounds : tuple of ndarray
+        Lower and upper bounds of theta.
+    """
+
+    effects: tuple[Effect, ...] = ()
+    known: int = 0
+    given: Plant | None = None
+    plant: Plant = field(init=False, repr=False, compare=False)
+    inputs: tuple[InputEffect, ...] = field(init=False, repr=False, compare=False)
+    outputs: tuple[OutputEffect, ...] = field(init=False, repr=False, compare=False)
+    additive: tuple[AdditiveEffect, ...] = field(init=False, repr=False, compare=False)
+    parameters: tuple[Parameter, ...] = field(init=False, repr=False, compare=False)
+    slices: dict[str, slice] = field(init=False, repr=False, compare=False)
+    bounds: tuple[FloatArray, FloatArray] = field(init=False, repr=False, compare=False)
+
+    def __post_init__(self) -> None:
+        plant = self.given or Plant()
+        for effect in self.effects:
+            if isinstance(effect, PlantEffect):
+                plant = effect.shape(plant)
+        inputs = sorted((e for e in self.effects if isinstance(e, InputEffect)), key=lambda e: e.place)
+        outputs = sorted((e for e in self.effects if isinstance(e, OutputEffect)), key=lambda e: e.place)
+        additive = [e for e in self.effects if isinstance(e, AdditiveEffect)]
+        parameters: list[Parameter] = [] if any(e.name == "input-delay" for e in inputs) else [DELAY]
+        places = {}
+        parts: list[tuple[str, tuple[Parameter, ...]]] = [(e.key, e.parameters) for e in inputs]
+        parts += [("plant", plant.parameters)]
+        parts += [(e.key, e.parameters) for e in (*outputs, *additive)]
+        for key, own in parts:
+            places[key] = slice(len(parameters), len(parameters) + len(own))
+            parameters += own
+        bounds = np.array([p.lower for p in parameters]), np.array([p.upper for p in parameters])
+        derived: dict[str, object] = {
+            "plant": plant,
+            "inputs": tuple(inputs),
+            "outputs": tuple(outputs),
+            "additive": tuple(additive),
+            "parameters": tuple(parameters),
+            "slices": places,
+            "bounds": bounds,
+        }
+        for name, value in derived.items():
+            object.__setattr__(self, name, value)
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Names of the effects found, each once."""
+        return tuple(dict.fromkeys(effect.name for effect in self.effects[self.known :]))
+
+    @property
+    def keys(self) -> tuple[str, ...]:
+        """Keys of the effects found."""
+        return tuple(effect.key for effect in self.effects[self.known :])
+
+    def plus(self, effect: Effect) -> "Hypothesis":
+        """This hypothesis with one effect more."""
+        return Hypothesis((*self.effects, effect), self.known, self.given)
+
+    @property
+    def slices_has_delay(self) -> bool:
+        """Whether a delay is an effect here, not a nuisance."""
+        return any(e.name == "input-delay" for e in self.inputs)
+
+    def actuator(self, theta: FloatArray, u: FloatArray, span: int | None = None) -> FloatArray:
+        """The signal that reaches the dynamics: the input through the actuator's effects, delayed."""
+        w = u
+        delay = None
+        for effect in self.inputs:
+            own = theta[self.slices[effect.key]]
+            if effect.name == "input-delay":
+                delay = float(own[0])
+            else:
+                w = effect.apply(w, own, span or u.size)
+        return shifted(w, float(theta[0]) if delay is None else delay)
+
+    def design(
+        self, theta: FloatArray, u: FloatArray, span: int | None = None, reference: float | None = None
+    ) -> Design:
+        """Columns at `theta` for the input `u`, shape (N,); `span` and `reference` are those of the fit's record."""
+        span = span or u.size
+        w = self.actuator(theta, u, span)
+        plant = self.plant
+        own = theta[self.slices["plant"]]
+        inside = [plant.columns(own, w, span, reference), np.ones((u.size, 1))]
+        outside: list[FloatArray] = []
+        for effect in self.additive:
+            columns = effect.columns(theta[self.slices[effect.key]], u.size, span, plant, own)
+            (inside if effect.at_load else outside).append(columns)
+        return Design(np.hstack(inside), np.hstack(outside) if outside else np.zeros((u.size, 0)))
+
+    def gains_of(self, gains: FloatArray, effect: AdditiveEffect) -> FloatArray:
+        """The gains of one additive effect among all: those at the load stand before those at the sensor."""
+        ordered = [e for e in self.additive if e.at_load] + [e for e in self.additive if not e.at_load]
+        at = gains.size - sum(e.width for e in ordered)
+        for other in ordered:
+            if other is effect:
+                break
+            at += other.width
+        return gains[at : at + effect.width]
+
+    def sensor(self, theta: FloatArray, z: FloatArray) -> FloatArray:
+        """What the sensor makes of the true output."""
+        for effect in self.outputs:
+            z = effect.bend(z, theta[self.slices[effect.key]])
+        return z
+
+    def slope(self, theta: FloatArray, z: FloatArray) -> FloatArray:
+        """Derivative of `sensor` with respect to the true output."""
+        slope = np.ones_like(z)
+        for effect in self.outputs:
+            own = theta[self.slices[effect.key]]
+            slope = slope * effect.slope(z, own)
+            z = effect.bend(z, own)
+        return slope
+
+    def output(
+        self,
+        theta: FloatArray,
+        gains: FloatArray,
+        u: FloatArray,
+        span: int | None = None,
+        reference: float | None = None,
+    ) -> FloatArray:
+        """Free-run output for the input `u`."""
+        design = self.design(theta, u, span, reference)
+        inside = design.inside.shape[1]
+        return self.sensor(theta, design.inside @ gains[:inside]) + design.outside @ gains[inside:]
+
+
+def shifted(w: FloatArray, delay: float) -> FloatArray:
+    """`w` later by `delay` samples, between samples by interpolation; before the record it stood still."""
+    whole = int(np.floor(delay))
+    part = delay - whole
+    padded = np.concatenate([np.full(whole + 1, w[0]), w])
+    later = padded[1 : 1 + w.size]
+    return later if part == 0.0 else (1.0 - part) * later + part * padded[: w.size]

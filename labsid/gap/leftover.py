@@ -1,0 +1,195 @@
+"""What the best explanation leaves: is it noise, or does the input still have a part in it?"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.spatial import cKDTree
+
+from labsid._arrays import FloatArray
+from labsid.gap import _kernels
+from labsid.gap.context import Data
+from labsid.gap.fitting import Fit
+
+FOLDS = 5
+NEIGHBOURS = 60
+MOST_POINTS = 3000
+FEW = 6  # samples after which noise of a sensor has forgotten itself
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Leftover:
+    """Measures of a residual.
+
+    Attributes
+    ----------
+    rms : float
+        Scaled unit.
+    colour : float
+        rms over the standard deviation of the innovations: one for white noise.
+    slow : float
+        Autocorrelation after a few samples.
+    explained : float
+        Share of the residual's power that a flexible function of the input's past predicts on data that it was not
+        fitted to; at most zero where the input has no part in it.
+    repeats : float
+        Correlation of the residual with itself at other times with the same past of the input; zero for noise.
+    repeats_z : float
+        The same in standard deviations of what chance gives, found by shifting the residual in time.
+    activity, activity_z : float
+        The same two of its magnitude: noise is as loud at one input as at another.
+    tails : float
+        Kurtosis of the innovations, 3 for a normal distribution.
+    uneven : float
+        Spread of the innovations' power between blocks of the record, over what chance gives.
+    """
+
+    rms: float
+    colour: float
+    slow: float
+    explained: float
+    repeats: float
+    repeats_z: float
+    activity: float
+    activity_z: float
+    tails: float
+    uneven: float
+
+
+def is_noise(left: Leftover, converted: bool) -> bool:
+    """Whether a residual behaves as noise, however coloured: the input's past tells neither its value nor its size.
+
+    Parameters
+    ----------
+    left : Leftover
+    converted : bool
+        Whether a coarse converter makes it.
+    """
+    if converted:
+        return True  # rounding repeats itself with the input, and jumps: its size is judged elsewhere
+    return not (
+        (left.repeats > 0.1 and left.repeats_z > 2.5)
+        or (left.activity > 0.08 and left.activity_z > 4.0)
+        or left.explained > 0.25
+        or left.tails > 4.5
+    )
+
+
+def leftover(data: Data, fit: Fit) -> Leftover:
+    """Measure what `fit` leaves on the rows of `data`."""
+    e = data.y - fit.output
+    rows = data.rows
+    power = float(np.mean(e[rows] ** 2))
+    both = rows[FEW:] & rows[:-FEW]
+    slow = float(np.mean((e[FEW:] * e[:-FEW])[both]) / power)
+    white = _kernels.whiten(e[:, None], fit.noise.ar)[:, 0][data.sound]
+    white = white / np.std(white)
+    blocks = np.array_split(white**2, 12)
+    spread = np.std([block.mean() for block in blocks])
+    chance = np.sqrt(2.0 / (white.size / 12))
+    repeats, repeats_z = repetition(data, fit, e)
+    activity, activity_z = repetition(data, fit, np.abs(e))
+    return Leftover(
+        rms=float(np.sqrt(power)),
+        colour=float(np.sqrt(power / fit.noise.sigma2)),
+        slow=slow,
+        explained=explained_share(data, fit, e),
+        repeats=repeats,
+        repeats_z=repeats_z,
+        activity=activity,
+        activity_z=activity_z,
+        tails=float(np.mean(white**4)),
+        uneven=float(spread / chance),
+    )
+
+
+def explained_share(data: Data, fit: Fit, e: FloatArray) -> float:
+    """Cross-validated share of `e` that features of the input's past explain; blocks are left out in turn."""
+    X = features(data, fit)
+    rows = data.sound
+    at = np.flatnonzero(rows)
+    X, target = X[at], e[at]
+    scale = X.std(axis=0)
+    X = (X - X.mean(axis=0)) / np.where(scale > 0, scale, 1.0)
+    target = target - target.mean()
+    left = 0.0
+    total = float(target @ target)
+    grams, crosses, parts = [], [], np.array_split(np.arange(at.size), FOLDS * 2)
+    for part in parts:
+        grams.append(X[part].T @ X[part])
+        crosses.append(X[part].T @ target[part])
+    for fold in range(FOLDS):
+        out = [fold, fold + FOLDS]
+        gram = sum(grams[i] for i in range(2 * FOLDS) if i not in out)
+        cross = sum(crosses[i] for i in range(2 * FOLDS) if i not in out)
+        gram = gram + 0.01 * at.size * np.eye(X.shape[1])
+        gains = np.linalg.solve(gram, cross)
+        for i in out:
+            rest = target[parts[i]] - X[parts[i]] @ gains
+            left += float(rest @ rest)
+    return 1.0 - left / total
+
+
+def repetition(data: Data, fit: Fit, e: FloatArray) -> tuple[float, float]:
+    """How alike the residual is at times with nearly the same past of the input: value, and distance from chance."""
+    at = np.flatnonzero(data.rows)
+    if at.size > MOST_POINTS:
+        at = at[:: -(-at.size // MOST_POINTS)]
+    past = pasts(data, fit)[at]
+    scale = past.std(axis=0)
+    past = past / np.where(scale > 0, scale, 1.0)
+    x = e[at] - e[at].mean()
+    apart = max(at.size // 20, 10)
+    _, near = cKDTree(past).query(past, k=min(NEIGHBOURS, at.size // 3))
+    far = np.abs(near - np.arange(at.size)[:, None]) > apart
+    # The nearest three that are not merely a moment earlier or later.
+    order = np.cumsum(far, axis=1)
+    chosen = far & (order <= 3)
+    some = chosen.any(axis=1)
+    if some.sum() < 30:
+        return 0.0, 0.0
+    count = chosen.sum(axis=1)[some]
+
+    def alike(x: FloatArray) -> float:
+        mean = np.where(chosen, x[near], 0.0).sum(axis=1)[some] / count
+        return float(np.mean(x[some] * mean) / np.mean(x**2))
+
+    value = alike(x)
+    shifts = np.linspace(0.15, 0.85, 24) * x.size
+    chance = np.array([alike(np.roll(x, int(shift))) for shift in shifts])
+    # A rolled residual is compared with itself under other pasts of the input: only chance makes it alike.
+    return value, float((value - chance.mean()) / (chance.std() or 1.0))
+
+
+def pasts(data: Data, fit: Fit) -> FloatArray:
+    """A few numbers for the past of the input: filtered inputs at several rates, and the way it moved last."""
+    rates = _rates(fit)
+    still = data.u - data.u[0]
+    states = [_kernels.first_order(still, float(np.exp(-rate))) for rate in rates]
+    moved = np.diff(data.u, prepend=data.u[0])
+    last = np.sign(moved)
+    index = np.maximum.accumulate(np.where(last != 0.0, np.arange(last.size), 0))
+    return np.column_stack([*states, still, 0.5 * last[index]])
+
+
+def _rates(fit: Fit) -> FloatArray:
+    """Decay rates that cover the linear dynamics."""
+    c, k = fit.rates
+    slow = 0.5 * c - np.sqrt(0.25 * c * c - k) if 0.25 * c * c > k else 0.5 * c
+    slow = float(np.clip(slow, 1e-3, 1.0))
+    fast = float(np.clip(max(c, np.sqrt(k)), 2.0 * slow, 2.0))
+    return np.geomspace(slow, fast, 4)
+
+
+def features(data: Data, fit: Fit) -> FloatArray:
+    """A flexible black box's regressors: filtered inputs, their products, powers of the output and its slope."""
+    rates = _rates(fit)
+    still = data.u - data.u[0]
+    states = [_kernels.first_order(still, float(np.exp(-rate))) for rate in rates] + [still]
+    z = fit.output
+    slope = np.gradient(z)
+    slope = slope / (np.std(slope) or 1.0)
+    columns = [*states, *(a * b for i, a in enumerate(states) for b in states[i:])]
+    columns += [z, z**2, np.clip(z, -4, 4) ** 3]
+    columns += [slope, np.abs(slope), np.tanh(3.0 * slope), slope * z, np.abs(slope) * z]
+    columns += [np.abs(states[1] - states[0]), np.abs(still - states[0]), states[0] ** 3]
+    return np.column_stack([np.clip(column, -1e3, 1e3) for column in columns])

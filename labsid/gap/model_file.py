@@ -1,0 +1,213 @@
+"""Simulations as files and as callables: the contract's MODEL.json, an exported hypothesis, an output series."""
+
+import json
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from labsid._arrays import FloatArray
+from labsid.gap.candidates import CANDIDATES
+from labsid.gap.context import Data, Scale
+from labsid.gap.effects.base import Effect
+from labsid.gap.fitting import Fit
+from labsid.gap.hypothesis import Hypothesis
+
+SCHEMA = "labsid.model/1"
+REST = 5000  # samples before a run that begins at rest
+START = 50  # samples from which the initial state of another record is estimated
+_STATES = ("h1", "h2", "z0", "v0", "i0", "position")
+_BY_KEY: dict[str, Effect] = {effect.key: effect for group in CANDIDATES for effect in group}
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class RunningModel:
+    """A fitted hypothesis that runs: what `--export` writes and `labsid gap simulate` plays.
+
+    Attributes
+    ----------
+    hypothesis : Hypothesis
+    theta, gains : ndarray
+    Ts : float
+    span : int
+        Samples of the record it was fitted to: slow changes are counted by it.
+    reference : float
+        Actuator signal with which that record began: linear dynamics count from it.
+    u_scale, y_scale : Scale
+    """
+
+    hypothesis: Hypothesis
+    theta: FloatArray
+    gains: FloatArray
+    Ts: float
+    span: int
+    reference: float
+    u_scale: Scale
+    y_scale: Scale
+
+    def simulate(self, u: FloatArray, y: FloatArray | None = None) -> FloatArray:
+        """Free-run output for an input in the record's unit.
+
+        Parameters
+        ----------
+        u : ndarray, shape (N,)
+        y : ndarray, shape (N,), optional
+            Where it is given, its first samples say in which state the run begins; otherwise the rig is at rest.
+
+        Returns
+        -------
+        ndarray, shape (N,)
+        """
+        data = Data(self.u_scale.of(u), np.zeros(u.size), np.ones(u.size, bool), self.Ts, self.u_scale, self.y_scale)
+        theta, gains = self._at_rest()
+        if y is None:
+            rest = np.full(REST, data.u[0])
+            output = self._output(theta, gains, np.concatenate([rest, data.u]))[REST:]
+        else:
+            theta, gains = self._started(theta, gains, data.u[:START], self.y_scale.of(y[:START]))
+            output = self._output(theta, gains, data.u)
+        return np.asarray(self.y_scale.back(output))
+
+    def _output(self, theta: FloatArray, gains: FloatArray, u: FloatArray) -> FloatArray:
+        return self.hypothesis.output(theta, gains, u, self.span, self.reference)
+
+    def _states(self) -> tuple[list[int], list[int]]:
+        """Where in theta and in the gains the initial state lies."""
+        names = [parameter.name for parameter in self.hypothesis.parameters]
+        in_theta = [i for i, name in enumerate(names) if name in _STATES]
+        return in_theta, list(self.hypothesis.plant.state_columns)
+
+    def _at_rest(self) -> tuple[FloatArray, FloatArray]:
+        theta, gains = self.theta.copy(), self.gains.copy()
+        in_theta, in_gains = self._states()
+        for i in in_theta:
+            theta[i] = 0.5 if self.hypothesis.parameters[i].name == "position" else 0.0
+        gains[in_gains] = 0.0
+        return theta, gains
+
+    def _started(
+        self, theta: FloatArray, gains: FloatArray, u: FloatArray, y: FloatArray
+    ) -> tuple[FloatArray, FloatArray]:
+        """The initial state by least squares on the first samples: Gauss-Newton, exact where the state is linear."""
+        in_theta, in_gains = self._states()
+        lower, upper = self.hypothesis.bounds
+        if not in_theta and not in_gains:
+            return theta, gains
+
+        best = y - self._output(theta, gains, u)
+        if not np.isfinite(best).all():
+            return theta, gains
+        damping = 1e-6
+        for _ in range(12):
+            base = y - best
+            columns = []
+            for i in in_theta:
+                moved = theta.copy()
+                moved[i] += 1e-3 if moved[i] + 1e-3 <= upper[i] else -1e-3
+                columns.append((self._output(moved, gains, u) - base) / (moved[i] - theta[i]))
+            for i in in_gains:
+                moved = gains.copy()
+                moved[i] += 1e-3
+                columns.append((self._output(theta, moved, u) - base) / 1e-3)
+            J = np.column_stack(columns)
+            gram = J.T @ J
+            gram[np.diag_indices_from(gram)] += damping * (1e-9 + np.diag(gram))
+            step = np.linalg.lstsq(gram, J.T @ best, rcond=None)[0]
+            new_theta, new_gains = theta.copy(), gains.copy()
+            new_theta[in_theta] = np.clip(theta[in_theta] + step[: len(in_theta)], lower[in_theta], upper[in_theta])
+            new_gains[in_gains] += step[len(in_theta) :]
+            error = y - self._output(new_theta, new_gains, u)
+            if not np.isfinite(error).all() or error @ error >= best @ best * (1.0 - 1e-9):
+                damping = max(damping, 1e-6) * 30.0
+                if damping > 1e6:
+                    break
+                continue
+            theta, gains, best = new_theta, new_gains, error
+            damping = max(damping / 10.0, 1e-9)
+        return theta, gains
+
+    def to_json_dict(self) -> dict[str, Any]:
+        """What `--export` writes.
+
+        Raises
+        ------
+        ValueError
+            If part of it is a simulation that cannot be written: a function, or an output that somebody else computed.
+        """
+        if self.hypothesis.plant.kind == "given":
+            raise ValueError("only the output of the given simulation is known: there is nothing to export that runs.")
+        return {
+            "schema": SCHEMA,
+            "effects": [effect.key for effect in self.hypothesis.effects],
+            "parameters": [parameter.name for parameter in self.hypothesis.parameters],
+            "theta": self.theta.tolist(),
+            "gains": self.gains.tolist(),
+            "Ts": self.Ts,
+            "span": self.span,
+            "reference": self.reference,
+            "u_scale": {"centre": self.u_scale.centre, "unit": self.u_scale.unit},
+            "y_scale": {"centre": self.y_scale.centre, "unit": self.y_scale.unit},
+        }
+
+
+def running_model(data: Data, fit: Fit) -> RunningModel:
+    """The fit as a simulation of its own."""
+    reference = float(fit.hypothesis.actuator(fit.theta, data.u)[0])
+    return RunningModel(
+        fit.hypothesis, fit.theta, fit.gains, data.Ts, data.samples, reference, data.u_scale, data.y_scale
+    )
+
+
+def from_json_dict(content: dict[str, Any]) -> RunningModel:
+    """Read what `to_json_dict` wrote.
+
+    Raises
+    ------
+    ValueError
+        If it is not such a model.
+    """
+    wrong = "not an exported simulation: {}. Export it again."
+    try:
+        keys = [str(key) for key in content["effects"]]
+        theta, gains = np.array(content["theta"], float), np.array(content["gains"], float)
+        Ts, span, reference = float(content["Ts"]), int(content["span"]), float(content["reference"])
+        scales = [
+            Scale(float(content[name]["centre"]), float(content[name]["unit"])) for name in ("u_scale", "y_scale")
+        ]
+    except KeyError as error:
+        raise ValueError(wrong.format(f"{error} is missing")) from None
+    except (TypeError, ValueError, OverflowError):
+        raise ValueError(wrong.format("a value in it is of another kind")) from None
+    unknown = [key for key in keys if key not in _BY_KEY]
+    if unknown:
+        raise ValueError(f"the simulation holds {', '.join(map(repr, unknown))}, which this version does not know.")
+    hypothesis = Hypothesis(tuple(_BY_KEY[key] for key in keys))
+    lower, upper = hypothesis.bounds
+    if theta.shape != lower.shape or not np.all((theta >= lower) & (theta <= upper)):
+        raise ValueError(wrong.format(f"theta must hold {lower.size} numbers within their bounds"))
+    numbers = [*gains.ravel(), Ts, reference, *(x for scale in scales for x in (scale.centre, scale.unit))]
+    if not np.isfinite(numbers).all() or min(Ts, span, *(scale.unit for scale in scales)) <= 0:
+        raise ValueError(wrong.format("its numbers must be finite; Ts, span and the units above zero"))
+    design = hypothesis.design(theta, np.zeros(START), span, reference)
+    expected = design.inside.shape[1] + design.outside.shape[1]
+    if gains.shape != (expected,):
+        raise ValueError(wrong.format(f"gains must hold {expected} numbers; got {gains.size}"))
+    return RunningModel(hypothesis, theta, gains, Ts, span, reference, *scales)
+
+
+def load_model(path: Path) -> dict[str, Any]:
+    """The JSON object in a file.
+
+    Raises
+    ------
+    ValueError
+        If the file holds no JSON object.
+    """
+    try:
+        content = json.loads(path.read_text(encoding="utf-8"))
+    except (ValueError, RecursionError) as error:
+        raise ValueError(f"{path}: not JSON ({error}). Give a MODEL.json or a file that --export wrote.") from None
+    if not isinstance(content, dict):
+        raise ValueError(f"{path}: must hold a JSON object; got {type(content).__name__}.")
+    return content

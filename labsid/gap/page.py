@@ -1,0 +1,202 @@
+"""The report page: one self-contained HTML file, a pure function of the JSON report."""
+
+import base64
+import shlex
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from labsid.console import write_file
+from labsid.gap import sentences
+from labsid.gap.quantities import closure, number, probability
+from labsid.gap.words import RAW, WORDS, amount, label
+
+if TYPE_CHECKING:
+    import jinja2
+
+SHOWN = 8  # rows of the ranking that are not folded away
+LOOP = (
+    ("input", "Actuator", "the way in"),
+    ("dynamics", "Process", "the rig itself"),
+    ("output", "Sensor", "the way out"),
+    ("disturbance", "Surroundings", "loads and noise"),
+    ("parameters", "Simulation", "its numbers"),
+)
+
+
+def write_page(path: Path, report: dict[str, Any]) -> None:
+    """Write the report as one HTML page that needs nothing else: no network, no script.
+
+    Parameters
+    ----------
+    path : Path
+        A file of that name is replaced.
+    report : dict
+        In the layout ``labsid.gap/1``.
+
+    Raises
+    ------
+    OSError
+        If the file cannot be written.
+    """
+    write_file(path, _template().render(page=page(report), pictures=pictures(report)).encode())
+
+
+def page(report: dict[str, Any]) -> dict[str, Any]:
+    """Everything that the page says, as plain text."""
+    gap, record = report["gap"], report["record"]
+    return {
+        "verdict": report["verdict"],
+        "sentence": sentences.verdict_sentence(report),
+        "name": record["name"] or "record",
+        "samples": record["samples"],
+        "Ts": f"{record['Ts']:.6g}",
+        "duration": f"{record['samples'] * record['Ts']:.4g}",
+        "simulation": _simulation(report),
+        "closed": None if gap["closed"] is None else closure(gap["closed"], gap["ci95"]),
+        "bars": _bars(report),
+        "gap": sentences.gap_sentence(report),
+        "yardstick": sentences.yardstick_sentence(report),
+        "effects": [_effect(effect) for effect in report["effects"]],
+        "unsure": sentences.ambiguity_sentence(report),
+        "screen": report["screen"],
+        "loop": _loop(report),
+        "place": sentences.place_sentence(report),
+        "where": sentences.where_sentences(report),
+        "ranking": _ranking(report),
+        "shown": SHOWN,
+        "tried": [sentences.bare(name) for name in sentences.looked_at(report)],
+        "left": sentences.left_sentences(report),
+        "experiment": _experiment(report),
+        "command": command(report),
+    }
+
+
+def _simulation(report: dict[str, Any]) -> str:
+    """What was compared with the record."""
+    if not report["simulation"]["given"]:
+        return "No simulation was given: a linear model, fitted to the record itself, stands for it."
+    if report["simulation"]["output_only"]:
+        return "Only the output of your simulation was given, so only causes behind the process could be tried on it."
+    return "The record is compared with the simulation that you gave, as it is."
+
+
+def _bars(report: dict[str, Any]) -> list[dict[str, Any]]:
+    """Errors as lengths, in per cent of the longest."""
+    gap = report["gap"]
+    if sentences.unchanged(report):
+        rows = [("Simulation", gap["before"], "after")]
+    else:
+        rows = [("Before", gap["before"], "before"), (f"After: {_added(report)}", gap["after"], "after")]
+    rows.append(("Noise alone", gap["noise_floor"], "floor"))
+    longest = max(value for _, value, _ in rows) or 1.0
+    return [
+        {"label": text, "value": number(value), "width": f"{100.0 * value / longest:.1f}", "look": look}
+        for text, value, look in rows
+    ]
+
+
+def _added(report: dict[str, Any]) -> str:
+    """What makes the simulation after another one than that before."""
+    if report["verdict"] == "unknown":
+        return "nearest explanation added"
+    names = [effect["name"] for effect in report["effects"]]
+    return "numbers fitted again" if names == ["parameter-mismatch"] else "cause added"
+
+
+def _effect(effect: dict[str, Any]) -> dict[str, Any]:
+    words = WORDS.get(effect["name"])
+    closed = effect["closed"]
+    parameters = []
+    for name, entry in effect["parameters"].items():
+        value, unit = amount(effect["name"], name, entry)
+        parameters.append({"label": label(effect["name"], name, entry["unit"]), "value": value, "unit": unit})
+    return {
+        "title": sentences.capitalised(sentences.bare(effect["name"])),
+        "name": effect["name"],
+        "meaning": "" if words is None else words.meaning,
+        "probability": probability(effect["probability"]),
+        "closed": None if closed is None or effect["name"] in RAW else closure(closed),
+        "parameters": parameters,
+    }
+
+
+def _loop(report: dict[str, Any]) -> list[dict[str, Any]]:
+    """The stations of the loop, those marked where a cause sits; the simulation's only where it was given."""
+    hit = {effect["path"] for effect in report["effects"]}
+    return [
+        {"path": path, "title": title, "what": what, "hit": path in hit}
+        for path, title, what in LOOP
+        if path != "parameters" or report["simulation"]["given"]
+    ]
+
+
+def _ranking(report: dict[str, Any]) -> list[dict[str, Any]]:
+    """Explanations, best first; the accepted one carries what it closes on samples held back, with its interval."""
+    gap = report["gap"]
+    accepted = {effect["name"] for effect in report["effects"]} - {*RAW, "parameter-mismatch"}
+    rows = []
+    for row in report["ranking"]:
+        names, closed = row["name"].split("+"), row["closed"]
+        ours = report["verdict"] == "effect" and set(names) == accepted
+        rows.append(
+            {
+                "name": sentences.capitalised(sentences.listed([sentences.bare(name) for name in names])),
+                "probability": probability(row["probability"]),
+                "closed": "–" if closed is None else closure(closed),
+                "width": "" if closed is None else f"{100.0 * min(max(closed, 0.0), 1.0):.0f}",
+                "rmse": number(row["rmse"]),
+                "accepted": ours,
+                "held": closure(gap["closed"], gap["ci95"]) if ours and gap["closed"] is not None else "",
+            }
+        )
+    return rows
+
+
+def _experiment(report: dict[str, Any]) -> dict[str, Any] | None:
+    """What the proposed input would settle, and the input as a file to save."""
+    planned = report["next_experiment"]
+    if planned is None:
+        return None
+    rows = "".join(f"{t!r},{u!r}\n" for t, u in zip(planned["t"], planned["u"], strict=True))
+    return {
+        "said": sentences.experiment_sentence(report),
+        "csv": base64.b64encode(f"t,u\n{rows}".encode()).decode("ascii"),
+    }
+
+
+def command(report: dict[str, Any]) -> str:
+    """The command that makes this page again, for a POSIX shell."""
+    given = report.get("command")
+    if given:
+        return str(given)
+    words = ["labsid", "gap", "diagnose", report["record"]["name"] or "RECORD"]
+    if report["simulation"]["given"]:
+        words += ["--sim", "MODEL"]
+    if not report["gap"]["holdout"]:
+        words += ["--holdout", "RECORD2"]
+    return shlex.join([*words, "--json", "report.json", "--html", "report.html"])
+
+
+def pictures(report: dict[str, Any]) -> dict[str, dict[str, str]]:
+    """The figures, each for a wide and for a narrow screen, as PNG in base64."""
+    from labsid.plots.gap import pictures_of
+
+    return {
+        name: {screen: base64.b64encode(png).decode("ascii") for screen, png in screens.items()}
+        for name, screens in pictures_of(report).items()
+    }
+
+
+def _template() -> "jinja2.Template":
+    import jinja2
+
+    loader = jinja2.FileSystemLoader(Path(__file__).parent / "templates")
+    environment = jinja2.Environment(
+        loader=loader, autoescape=True, undefined=jinja2.StrictUndefined, trim_blocks=True, finalize=_unbroken
+    )
+    return environment.get_template("gap.html.j2")
+
+
+def _unbroken(value: Any) -> Any:
+    """Text in which no per cent sign is parted from its number at the end of a line."""
+    return value.replace(" %", "\u00a0%") if isinstance(value, str) else value

@@ -1,0 +1,244 @@
+"""The dynamics between actuator and sensor: linear, or with one of the nonlinear states of the table.
+
+Time is counted in samples. A plant turns the actuator's signal w into columns, and the output is a linear combination
+of them: gains, the numerator's zeros and the linear initial state never have to be searched.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from labsid._arrays import FloatArray
+from labsid.gap import _kernels
+from labsid.gap.responses import denominator, real_rates, response, section
+
+SLOWEST, FASTEST = np.log(1e-5), np.log(8.0)
+SHORTEST_MEMORY = 12  # of a lag's time constants in a record
+
+
+@dataclass(frozen=True, slots=True)
+class Parameter:
+    """One searched number.
+
+    Attributes
+    ----------
+    name : str
+    lower, upper : float
+        Its bounds.
+    step : float
+        Of its numerical derivative.
+    leap : float
+        Distance over which the error may have several minima, zero where it has not.
+    """
+
+    name: str
+    lower: float
+    upper: float
+    step: float = 1e-4
+    leap: float = 0.0
+
+
+@dataclass(frozen=True, slots=True)
+class Plant:
+    """Which dynamics: two poles, plus what the effects of a hypothesis put in.
+
+    Attributes
+    ----------
+    kind : str
+        "linear", "tanks", "mechanics", "speed", "varying", or "given": a simulation that is not ours.
+    lag, mode : bool
+        One more real pole; one more lightly damped pair.
+    upper_root, lower_root : bool
+        Torricelli outflow of the upper and of the lower tank.
+    brim : int
+        0 none, 1 the upper tank's, 2 the lower tank's.
+    flipped : bool
+        The input counts outflow: more u means less flow.
+    friction, cubic : bool
+        Dry friction, cubic restoring force.
+    lag_first : bool
+        The lag stands before the friction, not behind it.
+    course : str
+        How a varying pole goes along the record: "slow", or "step" at an instant.
+    bends : int
+        Degrees above one of a slow course.
+    run : callable, optional
+        ``run(w) -> y`` of a given simulation, in scaled units.
+    takes_input : bool
+        Whether that simulation can be run on another input.
+    given_rates : tuple of float
+        c and k of a linear model of the same record, for loads that pass through the dynamics.
+    parameters : tuple of Parameter
+        The searched numbers, in their order in theta.
+    """
+
+    kind: str = "linear"
+    lag: bool = False
+    mode: bool = False
+    upper_root: bool = False
+    lower_root: bool = False
+    brim: int = 0
+    flipped: bool = False
+    friction: bool = False
+    cubic: bool = False
+    lag_first: bool = True
+    course: str = "slow"
+    bends: int = 0
+    run: Callable[[FloatArray], FloatArray] | None = field(default=None, compare=False)
+    takes_input: bool = False
+    given_rates: tuple[float, float] = (0.5, 0.05)
+    parameters: tuple[Parameter, ...] = field(init=False, repr=False, compare=False)
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "parameters", self._searched())
+
+    def _searched(self) -> tuple[Parameter, ...]:
+        if self.kind == "given":
+            return ()
+        rates = [Parameter("log_c", -9.0, 3.5), Parameter("log_k", -22.0, 4.0)]
+        if self.kind in ("tanks", "speed"):
+            rates = [Parameter("log_a", SLOWEST, FASTEST), Parameter("log_b", SLOWEST, FASTEST)]
+        own: list[Parameter] = []
+        if self.kind == "tanks":
+            if self.upper_root or self.lower_root:
+                own += [Parameter("zero", -200.0, 3.0)]
+            if self.brim:
+                own += [Parameter("brim", -5.0, 400.0, leap=0.05)]
+            if self.brim == 1:
+                own += [Parameter("share", 0.0, 1.0)]
+            own += [Parameter("h1", -50.0, 50.0), Parameter("h2", -50.0, 50.0)]
+        elif self.kind == "mechanics":
+            if self.friction:
+                own += [Parameter("friction", 0.0, 20.0, leap=0.03)]
+            if self.cubic:
+                own += [Parameter("cubic", -0.3, 50.0), Parameter("centre", -8.0, 8.0)]
+            own += [Parameter("z0", -50.0, 50.0, leap=0.05), Parameter("v0", -50.0, 50.0)]
+        elif self.kind == "speed":
+            own += [Parameter("friction", 0.0, 20.0, leap=0.03), Parameter("centre", -20.0, 20.0)]
+            own += [Parameter("v0", -50.0, 50.0), Parameter("i0", -50.0, 50.0)]
+        elif self.kind == "varying":
+            own += [Parameter("drift_c", -3.0, 3.0), Parameter("drift_k", -3.0, 3.0)]
+            if self.course == "step":
+                own += [Parameter("onset", 0.0, 1.0, 2e-4, leap=0.004)]
+            else:
+                own += [Parameter(f"bend{n}", -3.0, 3.0) for n in range(1, self.bends + 1)]
+        if self.lag:
+            own += [Parameter("log_lag", -4.0, 8.0)]
+        if self.mode:
+            own += [Parameter("log_frequency", -6.0, np.log(np.pi)), Parameter("log_damping", -7.0, -0.2)]
+        return tuple(rates + own)
+
+    def columns(self, theta: FloatArray, w: FloatArray, span: int, reference: float | None = None) -> FloatArray:
+        """Responses whose combinations are the output, one a column; NaN where the simulation diverges.
+
+        Parameters
+        ----------
+        theta : ndarray, shape (len(parameters),)
+        w : ndarray, shape (N,)
+            The actuator's signal in its scaled unit.
+        span : int
+            Length of the record by which slow changes are counted: that of the fit.
+        reference : float, optional
+            Value of w from which a linear plant counts: that with which the record of the fit began, and this one
+            unless given.
+
+        Returns
+        -------
+        ndarray, shape (N, m)
+        """
+        own = self._by_name(theta)
+        start = float(w[0]) if reference is None else reference
+        columns = response(self, own, w, span, start)
+        if self.kind in ("mechanics", "speed"):
+            columns = columns[:, :1].copy()
+        if not (self.lag or self.mode):
+            return columns
+        moved = w - start if self.kind == "linear" else columns[:, 0].copy()
+        parts: list[FloatArray] = [columns]
+        if self.lag:
+            # A slower one would be a drift: its free motion bends the whole record.
+            pole = float(np.exp(-1.0 / min(np.exp(own["log_lag"]), span / SHORTEST_MEMORY)))
+            decay = np.asarray(pole ** np.arange(w.size), np.float64)
+            lagged = _kernels.first_order(moved, pole)
+            if self.kind == "linear":
+                parts.append(lagged[:, None])
+            else:  # the lag stands behind the nonlinear state
+                columns[:, 0] = lagged
+            parts.append(decay[:, None])
+        if self.mode:
+            frequency, damping = np.exp(own["log_frequency"]), np.exp(own["log_damping"])
+            parts.append(section(2.0 * damping * frequency, frequency**2, moved))
+        return np.hstack(parts)
+
+    def _by_name(self, theta: FloatArray) -> dict[str, float]:
+        return {parameter.name: value for parameter, value in zip(self.parameters, theta, strict=True)}
+
+    @property
+    def state_columns(self) -> tuple[int, ...]:
+        """Which columns hold the initial state; the gains of the others belong to the rig."""
+        if self.kind == "linear":
+            own: tuple[int, ...] = (2, 3)
+            width = 4
+        elif self.kind == "varying":
+            width = 7 if self.course == "step" else 8
+            own = (width - 2, width - 1)
+        else:
+            own, width = (), 1
+        if self.lag:
+            width += 2 if self.kind == "linear" else 1
+            own = (*own, width - 1)
+        if self.mode:
+            own = (*own, width + 2, width + 3)
+        return own
+
+    def speed(self, theta: FloatArray, w: FloatArray) -> FloatArray:
+        """The speed against which friction acts, shape (N,)."""
+        own = self._by_name(theta)
+        return response(self, own, w, w.size, float(w[0]))[:, 1]
+
+    def through(self, theta: FloatArray, signal: FloatArray) -> FloatArray:
+        """What an unmeasured load `signal` that enters the dynamics does to the output, linearised; shape (N, 2)."""
+        c, k = self.linear_rates(theta)
+        a1, a2 = denominator(c, k)
+        x = _kernels.second_order(signal, a1, a2)
+        return np.column_stack([x, np.concatenate([[0.0], x[:-1]])])
+
+    def linear_rates(self, theta: FloatArray) -> tuple[float, float]:
+        """The coefficients c and k of s^2 + c s + k, of the linear part or near the middle of the record."""
+        if self.kind == "given":
+            return self.given_rates
+        first, second = np.exp(theta[0]), np.exp(theta[1])
+        if self.kind in ("tanks", "speed"):
+            a, b = first, second
+            if self.upper_root:
+                a = a / (2.0 * max(-theta[2], 0.5))
+            if self.lower_root:
+                b = b / (2.0 * max(-theta[2], 0.5))
+            return float(a + b), float(a * b)
+        return float(first), float(second)
+
+    def starts(self, c: float, k: float) -> list[FloatArray]:
+        """Where the search of the rates begins, given those of a linear fit; the effects add their own numbers."""
+        if self.kind == "given":
+            return [np.zeros(0)]
+        with_defaults = []
+        for rates in self._rates(c, k):
+            theta = np.zeros(len(self.parameters))
+            theta[:2] = rates
+            with_defaults.append(theta)
+        return with_defaults
+
+    def _rates(self, c: float, k: float) -> list[tuple[float, float]]:
+        if self.kind not in ("tanks", "speed"):
+            return [(np.log(c), np.log(k))]
+        slow, fast = real_rates(c, k)
+        return [(np.log(slow), np.log(fast)), (np.log(fast), np.log(slow))]
+
+    def index(self, name: str) -> int:
+        """Place of a parameter in theta."""
+        return [parameter.name for parameter in self.parameters].index(name)
+
+    def but(self, **changes: object) -> "Plant":
+        """The same plant with some attributes changed."""
+        return replace(self, **changes)  # type: ignore[arg-type]

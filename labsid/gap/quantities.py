@@ -1,0 +1,110 @@
+"""How numbers of the report are written: with their error, as shares, with the record's own units in words."""
+
+import math
+from dataclasses import dataclass
+
+UNITS = {
+    "u": "units of u",
+    "y": "units of y",
+    "u/s": "units of u a second",
+    "y/s": "units of y a second",
+    "1/u": "per unit of u",
+    "1/y": "per unit of y",
+    "1/u^2": "per (unit of u)²",
+    "1/y^2": "per (unit of y)²",
+    "1": "",
+}
+SHORT = {"s", "Hz"}  # units that a sentence always carries
+LEAST, MOST = 1e-4, 1e6  # sizes that are written without an exponent
+
+
+@dataclass(frozen=True, slots=True)
+class Quantity:
+    """A number of the report with its standard error, as sentences write it.
+
+    The format ``%`` writes it as a share; without one it carries its unit where that is not the record's own.
+    """
+
+    value: float
+    stderr: float
+    unit: str
+
+    def __format__(self, how: str) -> str:
+        if how == "%":
+            return percent(self.value)
+        text = number(self.value, digits_of(self.value, self.stderr))
+        return f"{text} {self.unit}" if self.unit in SHORT else text
+
+
+def number(value: float, digits: int = 3) -> str:
+    """Write `value` with so many significant digits, whole numbers in full."""
+    if value == 0.0 or not math.isfinite(value):
+        return f"{value:g}"
+    exponent = math.floor(math.log10(abs(float(f"{value:.{digits - 1}e}"))))
+    if not LEAST <= abs(value) < MOST:
+        return f"{value:.{digits - 1}e}"
+    return f"{value:.{max(digits - 1 - exponent, 0)}f}"
+
+
+def digits_of(value: float, stderr: float) -> int:
+    """Significant digits of `value` that its standard error leaves standing: 2 to 5, or 3 where it has none."""
+    if value == 0.0 or not math.isfinite(stderr) or stderr <= 0.0:
+        return 3
+    kept = math.floor(math.log10(abs(value))) - math.floor(math.log10(stderr)) + 1
+    return min(max(kept, 2), 5)
+
+
+def with_error(value: float, stderr: float) -> str:
+    """Write ``value ± stderr``, the error to two significant digits; the value alone where it is exact."""
+    if not math.isfinite(stderr) or stderr <= 0.0:
+        return number(value, 4)
+    size = max(abs(value), stderr)
+    power = 0 if LEAST <= size < MOST else math.floor(math.log10(size))
+    value, stderr = value / 10.0**power, stderr / 10.0**power
+    decimals = min(max(1 - math.floor(math.log10(stderr)), 0), 9)
+    text = f"{value:.{decimals}f} ± {stderr:.{decimals}f}"
+    return text if power == 0 else f"({text})e{power:+03d}"
+
+
+def percent(share: float) -> str:
+    """Write a share in per cent, small ones to two significant digits."""
+    size = 100.0 * share
+    text = f"{size:.0f}" if abs(size) >= 9.95 else f"{size:.2g}" if abs(size) >= 0.005 else "0"
+    return f"{text} %"
+
+
+def closure(closed: float, ci95: list[float] | None = None) -> str:
+    """Write the closed share of the gap with its 95 % interval: ``97 % [94, 100]``."""
+    text = f"{_whole(closed)} %"
+    return text if ci95 is None else f"{text} [{_whole(ci95[0])}, {_whole(ci95[1])}]"
+
+
+def _whole(share: float) -> str:
+    return f"{100.0 * share + 0.0:.0f}".replace("-0", "0") if abs(share) < 0.005 else f"{100.0 * share:.0f}"
+
+
+def probability(p: float) -> str:
+    """Write a probability in per cent, never as certain."""
+    if p >= 0.995:
+        return "over 99 %"
+    return "under 1 %" if p < 0.005 else f"{100.0 * p:.0f} %"
+
+
+def p_value(p: float) -> str:
+    """Write the p-value of a test."""
+    return "p < 0.001" if p < 0.001 else "p > 0.99" if p > 0.99 else f"p = {p:.2g}"
+
+
+def between(low: float, high: float) -> tuple[str, str]:
+    """Write the ends of a range, no finer than a hundredth of its width."""
+    width = abs(high - low)
+    if width == 0.0 or not LEAST <= max(abs(low), abs(high)) < MOST:
+        return f"{low:.3g}", f"{high:.3g}"
+    decimals = max(1 - math.floor(math.log10(width)), 0)
+    return _trimmed(low, decimals), _trimmed(high, decimals)
+
+
+def _trimmed(value: float, decimals: int) -> str:
+    text = f"{value:.{decimals}f}"
+    text = text.rstrip("0").rstrip(".") if "." in text else text
+    return "0" if text == "-0" else text

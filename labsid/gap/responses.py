@@ -1,0 +1,171 @@
+"""How each kind of dynamics answers: the columns that the simulation of one plant gives. Time is counted in samples."""
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.polynomial.chebyshev import chebval
+
+from labsid._arrays import FloatArray
+from labsid.gap import _kernels
+
+if TYPE_CHECKING:
+    from labsid.gap.plants import Plant
+
+NO_BRIM = np.inf
+QUICKEST = 2.4  # rate of a tank, a sample: what is quicker follows its inflow at once
+
+
+def response(plant: "Plant", own: dict[str, float], w: FloatArray, span: int, reference: float) -> FloatArray:
+    """Columns of the dynamics without a further lag or mode, NaN where the simulation diverges.
+
+    Parameters
+    ----------
+    plant : Plant
+    own : dict
+        The plant's parameters by name.
+    w : ndarray, shape (N,)
+        The actuator's signal.
+    span : int
+        Length of the record by which slow changes are counted.
+    reference : float
+        Value of w from which linear dynamics count.
+
+    Returns
+    -------
+    ndarray, shape (N, m)
+        The second column of "mechanics" and "speed" is the speed against which friction acts.
+    """
+    return _KINDS[plant.kind](plant, own, w, span, reference)
+
+
+def along(samples: int, span: int) -> FloatArray:
+    """-1 to 1 along the `span` samples of the fit's record; behind them it stays at 1."""
+    return np.minimum(2.0 * np.arange(samples) / max(span - 1, 1) - 1.0, 1.0)
+
+
+def begun(onset: float, samples: int, span: int) -> FloatArray:
+    """A unit step from the share `onset` of the span on; the sample in which it falls counts in part."""
+    return np.clip(np.arange(1, samples + 1) - onset * span, 0.0, 1.0)
+
+
+def slow_course(shape: FloatArray, samples: int, span: int) -> FloatArray:
+    """A slow change along the record: Chebyshev polynomials of degree 1, 2, ... by their coefficients."""
+    return chebval(along(samples, span), np.concatenate([[0.0], shape]))
+
+
+def denominator(c: float, k: float) -> tuple[float, float]:
+    """a1, a2 of the sampled s^2 + c s + k, at one sample."""
+    s = 0.25 * c * c - k
+    if s > 0:
+        root = np.sqrt(s)
+        up, down = np.exp(root - 0.5 * c), np.exp(-root - 0.5 * c)
+        return float(-(up + down)), float(np.exp(-c))
+    return float(-2.0 * np.exp(-0.5 * c) * np.cos(np.sqrt(-s))), float(np.exp(-c))
+
+
+def real_rates(c: float, k: float) -> tuple[float, float]:
+    """The two real decay rates, slow one first; a complex pair counts as a double one."""
+    s = np.sqrt(max(0.25 * c * c - k, 0.0))
+    fast = 0.5 * c + s
+    if s == 0.0:
+        return float(np.sqrt(k)) * 0.8, float(np.sqrt(k)) * 1.25
+    return float(k / fast), float(min(fast, 8.0))
+
+
+def section(c: float, k: float, w: FloatArray) -> FloatArray:
+    """Columns of one second-order section: two numerator terms and two of its initial state."""
+    return _kernels.section(w, *denominator(c, k))
+
+
+def _linear(plant: "Plant", own: dict[str, float], w: FloatArray, span: int, reference: float) -> FloatArray:
+    return section(np.exp(own["log_c"]), np.exp(own["log_k"]), w - reference)
+
+
+def _tanks(plant: "Plant", own: dict[str, float], w: FloatArray, span: int, reference: float) -> FloatArray:
+    a, b = np.exp(own["log_a"]), np.exp(own["log_b"])
+    flow = (-w if plant.flipped else w) - own.get("zero", 0.0)
+    level = max(flow[0], 0.0) if plant.upper_root else flow[0]
+    h1 = level**2 if plant.upper_root else level
+    h2 = level**2 if plant.lower_root else level
+    brim = own.get("brim", NO_BRIM)
+    typical = max(2.0 * float(np.mean(flow)), 0.5)  # a root's slope at the mean flow is one over this
+    a, b = (
+        min(a, QUICKEST * (typical if plant.upper_root else 1.0)),
+        min(b, QUICKEST * (typical if plant.lower_root else 1.0)),
+    )
+    fastest = max(a / typical if plant.upper_root else a, b / typical if plant.lower_root else b)
+    substeps = int(max(np.ceil(fastest / 0.3), 2))
+    return _kernels.tanks(
+        flow,
+        a,
+        b,
+        plant.upper_root,
+        plant.lower_root,
+        brim if plant.brim == 1 else NO_BRIM,
+        brim if plant.brim == 2 else NO_BRIM,
+        own.get("share", 0.0),
+        h1 + own["h1"],
+        h2 + own["h2"],
+        substeps,
+    )[:, None]
+
+
+def _mechanics(plant: "Plant", own: dict[str, float], w: FloatArray, span: int, reference: float) -> FloatArray:
+    c, k = np.exp(own["log_c"]), np.exp(own["log_k"])
+    unit = max(k, 0.02 * c * c)  # the force that one unit of position takes
+    drive = w - own.get("centre", reference)
+    substeps = int(min(max(np.ceil(max(c, np.sqrt(k)) / (0.15 if plant.friction else 0.3)), 2), 12))
+    cubic = own.get("cubic", 0.0) * unit**3
+    rest = _equilibrium(drive[0], k, cubic) if plant.cubic else 0.0
+    z0, v0 = rest + own["z0"] / unit, own["v0"] / np.sqrt(unit)
+    return _kernels.mechanics(drive, c, k, own.get("friction", 0.0), cubic, z0, v0, substeps) * unit
+
+
+def _equilibrium(force: float, k: float, cubic: float) -> float:
+    """Where a spring of k z + cubic z^3 rests under a constant force: the real root nearest to the linear one."""
+    roots = np.roots([cubic, 0.0, k, -force]) if cubic != 0.0 else np.array([force / k])
+    real = roots[np.abs(roots.imag) < 1e-9 * (1.0 + np.abs(roots.real))].real
+    linear = force / k
+    return float(real[np.argmin(np.abs(real - linear))]) if real.size else linear
+
+
+def _speed(plant: "Plant", own: dict[str, float], w: FloatArray, span: int, reference: float) -> FloatArray:
+    a, b = np.exp(own["log_a"]), np.exp(own["log_b"])
+    drive = w - own["centre"]
+    friction = own["friction"]
+    v = np.sign(drive[0]) * max(abs(drive[0]) - friction, 0.0) + own["v0"]
+    i = (drive[0] if plant.lag_first else v) + own["i0"]
+    return _kernels.speed(drive, a, b, friction, plant.lag_first, v, i, 3)
+
+
+def _varying(plant: "Plant", own: dict[str, float], w: FloatArray, span: int, reference: float) -> FloatArray:
+    if plant.course == "step":
+        course = begun(own["onset"], w.size, span)
+    else:
+        course = slow_course(np.array([1.0, *(own[f"bend{n}"] for n in range(1, plant.bends + 1))]), w.size, span)
+    c = np.exp(np.clip(own["log_c"] + own["drift_c"] * course, -12.0, 4.0))
+    k = np.exp(np.clip(own["log_k"] + own["drift_k"] * course, -25.0, 4.5))
+    still = w - reference
+    unit = np.exp(own["log_k"])
+    start = section(np.exp(own["log_c"]), np.exp(own["log_k"]), np.zeros(w.size))[:, 2:]
+    constant = np.ones(w.size)
+    if plant.course == "step":  # the gain at the input stays: what changes is a load that grows with the state
+        out = _kernels.varying(np.column_stack([still, constant, course]), c, k) * unit
+        return np.hstack([out[:, :3], out[:, 4:], start])
+    out = _kernels.varying(np.column_stack([still, still * course, constant, course]), c, k) * unit
+    return np.hstack([out[:, :5], out[:, 6:7], start])
+
+
+def _given(plant: "Plant", own: dict[str, float], w: FloatArray, span: int, reference: float) -> FloatArray:
+    assert plant.run is not None
+    return plant.run(w)[:, None]
+
+
+_KINDS = {
+    "given": _given,
+    "linear": _linear,
+    "tanks": _tanks,
+    "mechanics": _mechanics,
+    "speed": _speed,
+    "varying": _varying,
+}

@@ -1,0 +1,301 @@
+"""The report in sentences: what terminal and page both say. Pure functions of the report."""
+
+from typing import Any
+
+from labsid.gap.quantities import between, closure, number, p_value, percent, probability
+from labsid.gap.words import RAW, clause, noun
+
+PLACES = {
+    "input": "on the way in, between the command and the process",
+    "dynamics": "in the process itself",
+    "output": "on the way out, between the process and the record",
+    "disturbance": "from outside, not by way of the command",
+    "parameters": "in the numbers of the simulation, not in its structure",
+}
+SURE, LIKELY = 0.9, 0.6  # probabilities from which an effect is stated, and from which it is called probable
+WHITE = 0.01  # p-value under which a residual test speaks
+SAFE, COIN_TOSS = 20.0, 6.0  # margins of an experiment: GAP's measured rates of a right decision
+NO_GAP = 1.1  # times the noise
+HALF = 0.5
+DENSE = 1.5  # times the average over the record
+TOLD = 0.4  # of the gap, that dense stretches must hold to be named
+STANDS_OUT = 0.1  # of the gap, above the share of the time
+
+
+def verdict_sentence(report: dict[str, Any]) -> str:
+    """The whole answer in one sentence."""
+    if report["verdict"] == "effect":
+        return _effect_sentence(report)
+    return _none_sentence(report) if report["verdict"] == "none" else _unknown_sentence(report)
+
+
+def _effect_sentence(report: dict[str, Any]) -> str:
+    effects, gap = report["effects"], report["gap"]
+    several = len(effects) > 1
+    clauses = [_hedged(effect) + (f" ({noun(effect['name'])})" if several else "") for effect in effects]
+    said = listed([clauses[0], *(uncapitalised(text) for text in clauses[1:])], comma=True)
+    who = "together they" if several else noun(effects[0]["name"])
+    explain = "explain" if several else "explains"
+    closed = gap["closed"]
+    if all(effect["name"] in RAW for effect in effects):
+        what = "" if several else f": {who}"
+        if gap["before"] <= NO_GAP * gap["noise_floor"]:
+            return f"{said}{what}; that aside, the simulation leaves no gap beyond noise."
+        missed = f"{number(gap['before'])} rms, where the noise alone is {number(gap['noise_floor'])}"
+        return f"{said}{what}; that aside, the simulation misses the record by {missed}."
+    if closed is None:
+        return f"{said}: {who} {explain} what was fitted, though the samples held back show no gap to close."
+    share = closure(closed, gap["ci95"])
+    if closed <= 0.0:
+        return f"{said}: {who} {explain} what was fitted, but nothing of the gap on samples held back ({share})."
+    only = "only " if closed < HALF else ""
+    doubt = ", and possibly nothing of it" if gap["ci95"] is not None and gap["ci95"][0] <= 0.0 else ""
+    return f"{said}: {who} {explain} {only}{share} of the gap{doubt}."
+
+
+def _hedged(effect: dict[str, Any]) -> str:
+    """What the rig does, called probable or possible where it is no more than that."""
+    p = effect["probability"]
+    if p >= SURE:
+        return clause(effect)
+    return f"{'Probably' if p >= LIKELY else 'Possibly'} {uncapitalised(clause(effect))}"
+
+
+def _none_sentence(report: dict[str, Any]) -> str:
+    gap = report["gap"]
+    which = "your simulation" if report["simulation"]["given"] else "a linear model fitted to the record"
+    return (
+        f"There is no gap beyond noise: {which} misses the record by {number(gap['before'])} rms, "
+        f"and the noise alone is {number(gap['noise_floor'])}."
+    )
+
+
+def _unknown_sentence(report: dict[str, Any]) -> str:
+    gap, tried = report["gap"], len(looked_at(report))
+    start = f"There is a gap that none of the {tried} causes tried explains"
+    if not tried_nearest(report):
+        return f"{start}: none of them shrinks it by more than chance would."
+    nearest = listed([noun(name) for name in tried_nearest(report)])
+    if gap["closed"] is None or gap["closed"] <= 0.0:
+        return f"{start}: the nearest, {nearest}, does not shrink it on samples held back."
+    only = "only " if gap["closed"] < HALF else ""
+    return (
+        f"{start}: the nearest, {nearest}, closes {only}{closure(gap['closed'], gap['ci95'])} of it, "
+        "and what it leaves is more than noise."
+    )
+
+
+def tried_nearest(report: dict[str, Any]) -> list[str]:
+    """Names of the best explanation of a gap that is not explained; empty where nothing shrank it."""
+    if not report["ranking"] or unchanged(report):
+        return []
+    return list(report["ranking"][0]["name"].split("+"))
+
+
+def unchanged(report: dict[str, Any]) -> bool:
+    """Whether nothing was added to the simulation that counts, so that before and after are one."""
+    return report["verdict"] == "none" or report["gap"]["after"] == report["gap"]["before"]
+
+
+def looked_at(report: dict[str, Any]) -> list[str]:
+    """Every effect that was tried on this record, those seen in the raw samples last."""
+    names = {name for row in report["ranking"] for name in row["name"].split("+")}
+    return [*sorted(names - set(RAW)), *RAW]
+
+
+def ambiguity_sentence(report: dict[str, Any]) -> str | None:
+    """What the record cannot tell apart."""
+    rivals = listed([noun(name) for name in report["ambiguous"]], "or")
+    if not rivals or (report["verdict"] == "unknown" and set(report["ambiguous"]) <= set(tried_nearest(report))):
+        return None
+    if report["verdict"] == "unknown":
+        return f"{capitalised(rivals)}: these come nearest, but none of them is put forward as the cause."
+    if report["verdict"] == "none":
+        return f"The record does not rule out {rivals}."
+    chances = listed([f"{noun(e['name'])} {probability(e['probability'])}" for e in report["effects"]])
+    return f"It could also be {rivals}: this record cannot tell. Probability: {chances}."
+
+
+def gap_sentence(report: dict[str, Any]) -> str:
+    """How large the gap is, before and after, and on which samples."""
+    gap = report["gap"]
+    where = "on samples that no fit has seen" if gap["holdout"] else "on the record held back"
+    floor = f"the noise alone is {number(gap['noise_floor'])}"
+    if unchanged(report):
+        return f"The simulation misses the record by {number(gap['before'])} rms, and {floor}: in units of y, {where}."
+    size = f"{number(gap['before'])} rms before and {number(gap['after'])} after"
+    return f"The simulation misses the record by {size}, and {floor}: in units of y, {where}."
+
+
+def yardstick_sentence(report: dict[str, Any]) -> str | None:
+    """What a flexible black box reaches on the same samples."""
+    box = report["gap"].get("black_box")
+    if box is None:
+        return None
+    if box <= 0.0:
+        return "As a yardstick: a flexible black-box model of the input's past closes nothing on these samples."
+    return f"As a yardstick: a flexible black-box model of the input's past closes {closure(box)} on these samples."
+
+
+def place_sentence(report: dict[str, Any]) -> str | None:
+    """Where in the loop the causes sit."""
+    effects = report["effects"]
+    if not effects:
+        return None
+    places = [PLACES.get(effect["path"], effect["path"]) for effect in effects]
+    if len(set(places)) == 1:
+        return f"{capitalised(places[0])}."
+    said = (f"{noun(effect['name'])}: {place}" for effect, place in zip(effects, places, strict=True))
+    return f"{capitalised('; '.join(said))}."
+
+
+def where_sentences(report: dict[str, Any]) -> list[str]:
+    """Where the gap lies in time, in frequency and over the operating range."""
+    where = report["where"]
+    said = [_in_time(where["time"]), _in_frequency(where["band_hz"]), *_in_range(report)]
+    return [text for text in said if text]
+
+
+def _in_time(segments: list[list[float]]) -> str:
+    if not segments:
+        return ""
+    whole = segments[-1][1] - segments[0][0]
+    dense: list[list[float]] = []  # stretches of [start, stop, share], neighbours as one
+    for start, stop, share in segments:
+        if share * whole <= DENSE * (stop - start):
+            continue
+        if dense and start - dense[-1][1] < 1e-6 * whole:
+            dense[-1] = [dense[-1][0], stop, dense[-1][2] + share]
+        else:
+            dense.append([start, stop, share])
+    total, time = sum(s[2] for s in dense), sum(s[1] - s[0] for s in dense) / whole
+    if total < TOLD:
+        return "In time it is spread over the whole record."
+    low, high = between(*max(dense, key=lambda s: s[2])[:2])
+    if len(dense) == 1:
+        return f"In time, {percent(total)} of it lies between {low} and {high} s, {percent(time)} of the record."
+    return (
+        f"In time, {percent(total)} of it lies in {len(dense)} stretches that make up {percent(time)} of the record, "
+        f"most between {low} and {high} s."
+    )
+
+
+def _in_frequency(bands: list[list[float]]) -> str:
+    run = _narrowest_half([band[2] for band in bands])
+    if run is None:
+        return ""
+    low, high = bands[run[0]][0], bands[run[1] - 1][1]
+    share = percent(sum(band[2] for band in bands[run[0] : run[1]]))
+    if low == 0.0:
+        return f"In frequency, {share} of it lies below {number(high)} Hz."
+    return f"In frequency, {share} of it lies between {number(low)} and {number(high)} Hz."
+
+
+def _in_range(report: dict[str, Any]) -> list[str]:
+    said = []
+    cells: dict[str, list[dict[str, Any]]] = {}
+    for cell in report["where"]["operating"]:
+        cells.setdefault(cell["signal"], []).append(cell)
+    for signal, own in cells.items():
+        run = _narrowest_half([cell["share"] for cell in own])
+        if run is None:
+            continue
+        inside = own[run[0]]["low"], own[run[1] - 1]["high"]
+        share, (low, high) = sum(cell["share"] for cell in own[run[0] : run[1]]), between(*inside)
+        what = "the change of y a second" if signal == "dy" else signal
+        if signal == "dy" and run[1] - run[0] > len(own) // 2:
+            continue
+        time = time_share(report["traces"].get(signal, []), *inside)
+        if time is not None and share < time + STANDS_OUT:
+            said.append(f"In the operating range it follows the time that the record spends at each value of {signal}.")
+            continue
+        spent = "" if time is None else f"; the record spends {percent(time)} of its time there"
+        most = f"{percent(share)} of it lies where {what} is between {low} and {high}"
+        said.append(f"In the operating range, {most}{spent}.")
+    return said
+
+
+def _narrowest_half(shares: list[float]) -> tuple[int, int] | None:
+    """The fewest neighbours that hold half of the whole, the fullest of those: first and one past the last."""
+    for width in range(1, len(shares)):
+        starts = range(len(shares) - width + 1)
+        best = max(starts, key=lambda i: sum(shares[i : i + width]))
+        if sum(shares[best : best + width]) >= HALF:
+            return best, best + width
+    return None
+
+
+def time_share(x: list[float], low: float, high: float) -> float | None:
+    """Share of the samples of `x` inside a range; None without samples."""
+    return sum(low <= value <= high for value in x) / len(x) if x else None
+
+
+def left_sentences(report: dict[str, Any]) -> list[str]:
+    """What is left unexplained, and what the residual tests say of it, in plain words."""
+    left = report["unexplained"]
+    white, linked = left["whiteness_p"], left["input_correlation_p"] < WHITE
+    link = p_value(left["input_correlation_p"])
+    said = []
+    if white >= WHITE and not linked:
+        said.append("What is left looks like noise and nothing else.")
+    elif left["share"] > 0.0 and report["verdict"] != "none":
+        said.append(f"{percent(left['share'])} of the gap is left, {number(left['rms'])} rms with the noise.")
+    if white >= WHITE:
+        said.append(f"Its samples say nothing about the next ones (whiteness, {p_value(white)}).")
+    else:
+        said.append(
+            f"Its samples remember each other (whiteness, {p_value(white)}): coloured noise does that, and so does "
+            "whatever acts slowly."
+        )
+    if linked:
+        said.append(f"It still follows the input ({link}): part of the dynamics is missing.")
+    else:
+        said.append(f"It has no linear link with the input ({link}).")
+    if left.get("repeats", 0.0) > 0.1:
+        said.append(
+            f"It comes back when the same input comes back (correlation {left['repeats']:.2f}), and noise does not."
+        )
+    return said
+
+
+def experiment_sentence(report: dict[str, Any]) -> str | None:
+    """What to play on the rig next, and what that would settle."""
+    planned = report["next_experiment"]
+    if planned is None:
+        return None
+    ours, rival = telling_apart(planned["separates"])
+    why = str(planned["why"])
+    for name in sorted(planned["separates"], key=len, reverse=True):
+        why = why.replace(name, ours if name == planned["separates"][0] else rival)
+    margin = planned["margin"]
+    safe = "safe" if margin >= SAFE else "little better than a coin toss" if margin < COIN_TOSS else "likely right"
+    return f"It would tell {ours} from {rival}. {why} Expected margin {margin:.0f}: the decision would be {safe}."
+
+
+def telling_apart(separates: list[str]) -> tuple[str, str]:
+    """Two explanations by what only one of them holds."""
+    first, second = (name.split("+") for name in separates[:2])
+    ours, rival = [n for n in first if n not in second], [n for n in second if n not in first]
+    return listed([noun(n) for n in ours or first]), listed([noun(n) for n in rival or second])
+
+
+def listed(words: list[str], last: str = "and", comma: bool = False) -> str:
+    """``a, b and c``; whole clauses with a comma before the last."""
+    if len(words) < 2:
+        return "".join(words)
+    return f"{', '.join(words[:-1])}{',' if comma else ''} {last} {words[-1]}"
+
+
+def bare(name: str) -> str:
+    """What an effect is called, without its article."""
+    return noun(name).removeprefix("a ").removeprefix("an ")
+
+
+def capitalised(text: str) -> str:
+    """With a capital to begin with."""
+    return text[:1].upper() + text[1:]
+
+
+def uncapitalised(text: str) -> str:
+    """With a small letter to begin with."""
+    return text[:1].lower() + text[1:]

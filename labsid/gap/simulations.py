@@ -1,0 +1,88 @@
+"""Simulations from files: read one for `--sim`, or play one on a record."""
+
+import csv
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from labsid._arrays import FloatArray
+from labsid.console import write_file
+from labsid.gap.baseline import Simulation, bounded, read_transfer_function
+from labsid.gap.model_file import SCHEMA, START, from_json_dict, load_model
+from labsid.record import Record
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Played:
+    """A simulation on a record.
+
+    Attributes
+    ----------
+    y : ndarray, shape (N,)
+    rmse : float
+        Of the free run, the first `start` samples left out: they gave the initial state.
+    start : int
+    """
+
+    y: FloatArray
+    rmse: float
+    start: int
+
+
+def load_simulation(path: Path, record: Record) -> Simulation:
+    """What `--sim` takes: MODEL.json, an exported simulation, or a .csv with the header t,y.
+
+    Raises
+    ------
+    ValueError
+        If the file is neither, or its times are not the record's.
+    """
+    if path.suffix.lower() == ".csv":
+        return _series(path, record)
+    return load_model(path)
+
+
+def _series(path: Path, record: Record) -> FloatArray:
+    try:
+        with path.open(newline="", encoding="utf-8-sig") as file:
+            rows = list(csv.DictReader(file))
+        t = np.array([float(row["t"]) for row in rows])
+        y = np.array([float(row["y"]) for row in rows])
+    except (KeyError, TypeError, ValueError):
+        raise ValueError(f"{path}: a simulated output must be a .csv with the header t,y and numbers below.") from None
+    if t.size != len(record) or not np.all(np.abs(t - record.t) <= 0.01 * record.Ts) or not np.isfinite(y).all():
+        raise ValueError(
+            f"{path}: must hold the output at the record's {len(record)} times; got {t.size} rows that differ."
+        )
+    return y
+
+
+def play(path: Path, record: Record) -> Played:
+    """Run a simulation freely on a record's input; the first samples of its output give the initial state.
+
+    Raises
+    ------
+    ValueError
+        If the file holds no simulation, or one of another sampling time.
+    """
+    content = load_model(path)
+    if content.get("schema") == SCHEMA:
+        model = from_json_dict(content)
+        if abs(model.Ts - record.Ts) > 1e-6 * record.Ts:
+            raise ValueError(
+                f"the simulation runs at {model.Ts:g} s, the record at {record.Ts:g} s. Resample the record."
+            )
+        y = model.simulate(record.u, record.y)
+    else:
+        y = read_transfer_function(content, record.Ts).play(record.u, record.y)
+    bounded(y, record.y)
+    first = START if len(record) > 2 * START else 0
+    return Played(y, float(np.sqrt(np.mean((record.y - y)[first:] ** 2))), first)
+
+
+def write_played(path: Path, record: Record, y: FloatArray) -> None:
+    """Write t, u, y and y_sim as text."""
+    lines = ["t,u,y,y_sim"]
+    lines += [",".join(repr(float(x)) for x in row) for row in zip(record.t, record.u, record.y, y, strict=True)]
+    write_file(path, ("\n".join(lines) + "\n").encode())

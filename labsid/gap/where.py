@@ -1,0 +1,70 @@
+"""Where the gap lies: in time, in frequency, and in the operating range. Shares of the baseline's squared error."""
+
+from itertools import pairwise
+
+import numpy as np
+
+from labsid._arrays import FloatArray
+
+SEGMENTS = 12
+BANDS = 8
+CELLS = 6
+MOST_STRETCHES = 60
+
+
+def in_time(t: FloatArray, e: FloatArray, Ts: float, marked: np.ndarray) -> list[list[float]]:
+    """Segments [t0, t1, share] that cover the record.
+
+    Parameters
+    ----------
+    t, e : ndarray, shape (N,)
+        Times, and the baseline's error.
+    Ts : float
+    marked : ndarray of bool, shape (N,)
+        Where the effect acts; its stretches are segments of their own. Where it marks nothing, or everything, or
+        more stretches than one can look at, the segments are of equal length.
+    """
+    edges = np.flatnonzero(np.diff(marked.astype(int))) + 1
+    if not 0 < edges.size <= 2 * MOST_STRETCHES:
+        edges = np.linspace(0, e.size, SEGMENTS + 1).astype(int)[1:-1]
+    bounds = np.unique(np.concatenate([[0], edges, [e.size]]))
+    total = float(e @ e) or 1.0
+    return [[float(t[a]), float(t[b - 1] + Ts), float(e[a:b] @ e[a:b]) / total] for a, b in pairwise(bounds)]
+
+
+def in_frequency(e: FloatArray, Ts: float) -> list[list[float]]:
+    """Bands [f0, f1, share] from zero to the Nyquist frequency, each twice as wide as the one below."""
+    power = np.abs(np.fft.rfft(e)) ** 2
+    power[1 : (e.size + 1) // 2] *= 2.0  # both halves of the spectrum, all but zero and Nyquist
+    nyquist = 0.5 / Ts
+    edges = np.concatenate([[0.0], nyquist * 2.0 ** np.arange(-BANDS + 1, 1)])
+    f = np.fft.rfftfreq(e.size, Ts)
+    band = np.clip(np.searchsorted(edges, f, side="right") - 1, 0, BANDS - 1)
+    shares = np.bincount(band, power, BANDS) / (power.sum() or 1.0)
+    return [[float(a), float(b), float(s)] for (a, b), s in zip(pairwise(edges), shares, strict=True)]
+
+
+def in_range(name: str, x: FloatArray, e: FloatArray) -> list[dict[str, object]]:
+    """Cells of one signal with the share of the error that falls in each."""
+    edges = np.linspace(float(x.min()), float(x.max()), CELLS + 1)
+    cell = np.clip(np.searchsorted(edges, x, side="right") - 1, 0, CELLS - 1)
+    shares = np.bincount(cell, e**2, CELLS) / (float(e @ e) or 1.0)
+    return [
+        {"signal": name, "low": float(edges[i]), "high": float(edges[i + 1]), "share": float(shares[i])}
+        for i in range(CELLS)
+    ]
+
+
+def most_telling(u: FloatArray, y: FloatArray, Ts: float, e: FloatArray) -> list[dict[str, object]]:
+    """Cells of the signal over whose range the error lies most unevenly: the input, the output or its rate."""
+    signals = {"u": u, "y": y, "dy": np.gradient(y, Ts)}
+    cells = {name: in_range(name, x, e) for name, x in signals.items()}
+    return max(cells.values(), key=lambda own: concentration(own, signals[str(own[0]["signal"])]))
+
+
+def concentration(cells: list[dict[str, object]], x: FloatArray) -> float:
+    """How unevenly the error lies over the cells, against the time that the signal spends in them (0: evenly)."""
+    edges = np.array([float(cell["low"]) for cell in cells[1:]])  # type: ignore[arg-type]
+    time = np.bincount(np.searchsorted(edges, x, side="right"), minlength=len(cells)) / x.size
+    share = np.array([float(cell["share"]) for cell in cells])  # type: ignore[arg-type]
+    return float(0.5 * np.abs(share - time).sum())

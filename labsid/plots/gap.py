@@ -1,0 +1,233 @@
+"""The figures of the gap report: pure functions of the report in the layout ``labsid.gap/1``."""
+
+from __future__ import annotations
+
+from io import BytesIO
+from typing import TYPE_CHECKING, Any, Literal
+
+import numpy as np
+
+from labsid._arrays import FloatArray
+from labsid.plots.style import (
+    BLACK,
+    BLUE,
+    GREEN,
+    GREY,
+    SMALL_TEXT_SIZE,
+    TIME,
+    VERMILION,
+    finish,
+    make_headroom,
+    new_figure,
+    save_png,
+)
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+WIDE, NARROW = 9.5, 4.4  # inches: for a desktop's page and for a telephone's
+CELLS = 14  # of the operating map, either way
+ZOOM = 0.1  # of the record
+FEWEST = 40  # samples in the zoom
+OUTPUT = "Output $y$ (units of y)"
+ERROR = "Error (units of y)"
+SIGNALS = {"u": "Input $u$ (units of u)", "y": OUTPUT, "dy": "Change of $y$ (units of y a second)"}
+
+
+def figure_simulations(report: dict[str, Any], narrow: bool = False) -> Figure:
+    """Draw the measured output against the simulation before and after, a close look, and both errors.
+
+    Parameters
+    ----------
+    report : dict
+    narrow : bool
+        For the width of a telephone.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+        (a) The whole record; (b) where the simulation is furthest off, unless nothing is the matter with it; (c) the
+        errors, with the samples on which the gap is scored shaded.
+    """
+    trace = {name: np.asarray(values, float) for name, values in report["traces"].items()}
+    curves = _curves(report)
+    close = report["verdict"] != "none"
+    rows = 3 if close else 2
+    figure = _sheet(narrow, 3.1 * rows, 2.75 * rows)
+    panels = list(figure.subplots(rows, 1))
+    _overlay(panels[0], trace, curves, slice(None))
+    finish(panels[0], "The whole record", TIME, OUTPUT, legend_columns=2 if narrow else len(curves) + 1)
+    make_headroom(panels[0], 0.27 if narrow else 0.18)
+    if close:
+        part = furthest_off(trace)
+        panels[0].axvspan(trace["t"][part][0], trace["t"][part][-1], color=GREY, alpha=0.35, linewidth=0, zorder=0)
+        _overlay(panels[1], trace, curves, part)
+        finish(panels[1], "A close look at the shaded part", TIME, OUTPUT, legend_columns=0)
+    _errors(panels[-1], report, trace, curves)
+    finish(panels[-1], "What the simulation misses", TIME, ERROR, legend_columns=2 if narrow else 4)
+    make_headroom(panels[-1], 0.27 if narrow else 0.18)
+    return figure
+
+
+def _curves(report: dict[str, Any]) -> list[tuple[str, str, str, str]]:
+    """Trace, name, colour and line style of each simulation to be shown."""
+    if report["verdict"] == "none" or report["traces"]["before"] == report["traces"]["after"]:
+        return [("before", "Simulated", BLUE, "-")]
+    return [("before", "Before", VERMILION, "--"), ("after", "After", BLUE, "-")]
+
+
+def furthest_off(trace: dict[str, FloatArray]) -> slice:
+    """The tenth of the record in which the simulation before is furthest from the measured output."""
+    power = (trace["y"] - trace["before"]) ** 2
+    length = min(max(int(ZOOM * power.size), FEWEST), power.size)
+    total = np.concatenate([[0.0], np.cumsum(power)])
+    first = int(np.argmax(total[length:] - total[:-length]))
+    return slice(first, first + length)
+
+
+def _overlay(ax: Axes, trace: dict[str, FloatArray], curves: list[tuple[str, str, str, str]], part: slice) -> None:
+    ax.plot(trace["t"][part], trace["y"][part], color=BLACK, linewidth=2.8, alpha=0.6, label="Measured")
+    for name, text, colour, style in curves:
+        ax.plot(trace["t"][part], trace[name][part], color=colour, linestyle=style, linewidth=1.3, label=text)
+    ax.margins(x=0)
+
+
+def _errors(
+    ax: Axes, report: dict[str, Any], trace: dict[str, FloatArray], curves: list[tuple[str, str, str, str]]
+) -> None:
+    """Errors of the simulations, the band of the noise, and the samples on which the gap is scored."""
+    for name, text, colour, _ in curves:
+        ax.plot(trace["t"], trace["y"] - trace[name], color=colour, linewidth=1.0, label=text)
+    noise = 2.0 * report["gap"]["noise_floor"]
+    for side, text in ((-noise, "Noise, ±2 s.d."), (noise, "")):
+        ax.axhline(side, color=GREEN, linestyle=":", linewidth=1.6, label=text)
+    for number, (start, stop) in enumerate(report["gap"]["holdout"]):
+        text = "" if number else "Held back"
+        ax.axvspan(start, stop, color=GREY, alpha=0.18, linewidth=0, zorder=0, label=text)
+    ax.margins(x=0)
+
+
+def figure_where(report: dict[str, Any], narrow: bool = False) -> Figure:
+    """Draw where the gap lies: a strip over time, bands of frequency, cells of the operating range, and a map of it.
+
+    Parameters
+    ----------
+    report : dict
+    narrow : bool
+        For the width of a telephone.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+    """
+    where = report["where"]
+    signals = list(dict.fromkeys(cell["signal"] for cell in where["operating"]))
+    parts = ["frequency", *signals, "map"]
+    if narrow:
+        heights = [1.0, *[1.3] * (len(parts) - 1), 1.8]
+        figure = _sheet(narrow, 0.0, 2.3 * sum(heights))
+        panels = figure.subplot_mosaic([["time"], *([part] for part in parts)], height_ratios=heights)
+    else:
+        figure = _sheet(narrow, 5.6, 0.0)
+        panels = figure.subplot_mosaic([["time"] * len(parts), parts], height_ratios=[1.0, 1.7])
+    _time_strip(panels["time"], where["time"])
+    _bands(panels["frequency"], where["band_hz"])
+    for signal in signals:
+        _cells(panels[signal], [cell for cell in where["operating"] if cell["signal"] == signal], report["traces"])
+    _operating_map(panels["map"], report["traces"], "bottom" if narrow else "right")
+    return figure
+
+
+def _time_strip(ax: Axes, segments: list[list[float]]) -> None:
+    """How dense the gap is along the record."""
+    start, stop, share = np.array(segments, float).reshape(-1, 3).T
+    density = share * (stop[-1] - start[0]) / np.maximum(stop - start, 1e-300)
+    ax.bar(start, density, stop - start, align="edge", color=VERMILION, edgecolor=VERMILION, linewidth=0.8)
+    ax.axhline(1.0, color=BLACK, linestyle=":", linewidth=1.4)
+    ax.margins(x=0)
+    finish(ax, "When: 1 is the average over the record", TIME, "Gap, times\nthe average", legend_columns=0)
+
+
+def _bands(ax: Axes, bands: list[list[float]]) -> None:
+    """Shares by frequency; the lowest band, which begins at zero, is drawn as wide as the next."""
+    low, high, share = np.array(bands, float).reshape(-1, 3).T
+    left = np.where(low > 0.0, low, high / 2.0)
+    ax.bar(left, 100.0 * share, high - left, align="edge", color=BLUE, edgecolor="white", linewidth=0.8)
+    ax.set_xscale("log")
+    ax.xaxis.set_major_formatter("{x:g}")
+    finish(ax, "How fast", "Frequency (Hz)", "Share of the gap (%)", legend_columns=0)
+
+
+def _cells(ax: Axes, cells: list[dict[str, Any]], traces: dict[str, list[float]]) -> None:
+    """Shares over the range of a signal, against the time that the record spends there."""
+    low = np.array([cell["low"] for cell in cells])
+    high = np.array([cell["high"] for cell in cells])
+    share = 100.0 * np.array([cell["share"] for cell in cells])
+    signal = cells[0]["signal"]
+    ax.bar(low, share, high - low, align="edge", color=BLUE, edgecolor="white", linewidth=0.8, label="Gap")
+    top = float(share.max())
+    if traces.get(signal):
+        edges = np.append(low, high[-1])
+        time = np.histogram(traces[signal], edges)[0] * 100.0 / len(traces[signal])
+        ax.stairs(time, edges, color=BLACK, linewidth=1.6, label="Time")
+        top = max(top, float(time.max()))
+    ax.set_ylim(0.0, max(top, 1e-9) * 1.3)
+    finish(ax, "At which values", SIGNALS.get(signal, signal), "Share (%)", legend_columns=2)
+
+
+def _operating_map(ax: Axes, traces: dict[str, list[float]], bar_place: Literal["bottom", "right"]) -> None:
+    """Rms error of the simulation before in cells of input and output that the record visits."""
+    u, y, before = (np.asarray(traces[name], float) for name in ("u", "y", "before"))
+    count, u_edges, y_edges = np.histogram2d(u, y, CELLS)
+    power = np.histogram2d(u, y, (u_edges, y_edges), weights=(y - before) ** 2)[0]
+    rms = np.sqrt(power / np.where(count > 0, count, np.nan))
+    mesh = ax.pcolormesh(u_edges, y_edges, rms.T, cmap="cividis", vmin=0.0)
+    finish(ax, "Operating map", SIGNALS["u"], OUTPUT, legend_columns=0)
+    bar = ax.figure.colorbar(mesh, ax=ax, location=bar_place)
+    bar.set_label("Rms error (units of y)", fontsize=SMALL_TEXT_SIZE)
+    bar.ax.tick_params(labelsize=SMALL_TEXT_SIZE)
+
+
+def figure_experiment(report: dict[str, Any], narrow: bool = False) -> Figure:
+    """Draw the input that is proposed next.
+
+    Parameters
+    ----------
+    report : dict
+        Its ``next_experiment`` must not be None.
+    narrow : bool
+        For the width of a telephone.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+    """
+    planned = report["next_experiment"]
+    figure = _sheet(narrow, 2.8, 2.8)
+    ax = figure.subplots()
+    ax.step(planned["t"], planned["u"], where="post", color=BLUE, linewidth=1.2)
+    ax.margins(x=0)
+    finish(ax, "The input to play next", TIME, SIGNALS["u"], legend_columns=0)
+    return figure
+
+
+def pictures_of(report: dict[str, Any]) -> dict[str, dict[str, bytes]]:
+    """All figures of a report as PNG, each for a wide and for a narrow screen."""
+    figures: dict[str, Callable[[dict[str, Any], bool], Figure]]
+    figures = {"simulations": figure_simulations, "where": figure_where}
+    if report["next_experiment"] is not None:
+        figures["experiment"] = figure_experiment
+    return {name: {"wide": _png(f(report, False)), "narrow": _png(f(report, True))} for name, f in figures.items()}
+
+
+def _png(figure: Figure) -> bytes:
+    picture = BytesIO()
+    save_png(figure, picture, dpi=144)
+    return picture.getvalue()
+
+
+def _sheet(narrow: bool, wide_height: float, narrow_height: float) -> Figure:
+    return new_figure(NARROW, narrow_height) if narrow else new_figure(WIDE, wide_height)

@@ -1,0 +1,144 @@
+"""Reports of the gap diagnosis, made by hand: one for every verdict and every effect of the table."""
+
+import math
+from typing import Any
+
+
+def quantity(value: float, stderr: float, unit: str) -> dict[str, Any]:
+    """One parameter's entry."""
+    return {"value": value, "stderr": stderr, "unit": unit}
+
+
+PARAMETERS: dict[str, dict[str, dict[str, Any]]] = {
+    "input-delay": {"delay": quantity(0.43394, 0.00035, "s")},
+    "input-saturation": {"low": quantity(-0.5115, 0.0007, "u"), "high": quantity(0.0897, 0.0005, "u")},
+    "input-dead-zone": {"low": quantity(0.458, 0.0013, "u"), "high": quantity(0.8754, 0.0012, "u")},
+    "input-backlash": {"width": quantity(0.32, 0.01, "u")},
+    "input-rate-limit": {"rate": quantity(1.71, 0.02, "u/s")},
+    "input-nonlinearity": {
+        "c2": quantity(6.02e-5, 3.8e-6, "1/u"),
+        "c3": quantity(3.4e-9, 1.4e-9, "1/u^2"),
+        "centre": quantity(-1069.1, 0.0, "u"),
+    },
+    "extra-lag": {"tau": quantity(2.51, 0.03, "s")},
+    "resonance": {"frequency": quantity(8.5788, 0.0021, "Hz"), "damping": quantity(0.0591, 0.00025, "1")},
+    "sqrt-outflow": {"zero": quantity(-0.531, 0.0022, "u"), "empty": quantity(14.533, 0.024, "y")},
+    "overflow": {"level": quantity(10.1, 0.06, "y"), "caught": quantity(0.31, 0.04, "1")},
+    "coulomb-friction": {"friction": quantity(1.7018, 0.0032, "u")},
+    "cubic-stiffness": {"cubic": quantity(-0.9375, 0.0027, "1/y^2")},
+    "parameter-drift": {"drift": quantity(-0.597, 0.001, "1")},
+    "output-drift": {"amplitude": quantity(0.07595, 0.00057, "y")},
+    "output-saturation": {"high": quantity(243.712, 0.008, "y")},
+    "output-nonlinearity": {
+        "c2": quantity(-0.0795, 0.0004, "1/y"),
+        "c3": quantity(0.1026, 0.0003, "1/y^2"),
+        "centre": quantity(6.964, 0.0, "y"),
+    },
+    "output-quantization": {"step": quantity(0.01295, 0.0, "y")},
+    "output-outliers": {"share": quantity(0.0072, 0.0, "1")},
+    "output-dropout": {"share": quantity(0.1186, 0.0, "1")},
+    "load-step": {"onset": quantity(374.25, 0.8, "s"), "size": quantity(-0.21, 0.004, "y")},
+    "periodic-disturbance": {"frequency": quantity(0.0861, 0.0002, "Hz"), "amplitude": quantity(0.00467, 1e-5, "y")},
+    "coloured-noise": {"amplitude": quantity(0.0454, 0.0022, "y"), "pole": quantity(0.94, 0.006, "1")},
+    "parameter-mismatch": {},
+}
+
+PATHS = {"load-step": "disturbance", "periodic-disturbance": "disturbance", "coloured-noise": "disturbance"}
+DYNAMICS = (
+    "extra-lag",
+    "resonance",
+    "sqrt-outflow",
+    "overflow",
+    "coulomb-friction",
+    "cubic-stiffness",
+    "parameter-drift",
+)
+
+
+def path_of(name: str) -> str:
+    """The path on which an effect enters, from the table of the contract."""
+    if name == "parameter-mismatch":
+        return "parameters"
+    return "dynamics" if name in DYNAMICS else PATHS.get(name, name.split("-")[0])
+
+
+def effect(name: str, probability: float = 0.999, closed: float | None = 0.97) -> dict[str, Any]:
+    """An effect with plausible parameters."""
+    parameters = {key: dict(entry) for key, entry in PARAMETERS.get(name, {}).items()}
+    return {
+        "name": name,
+        "path": path_of(name),
+        "parameters": parameters,
+        "probability": probability,
+        "closed": closed,
+    }
+
+
+def report(*names: str, verdict: str = "effect", probability: float = 0.999) -> dict[str, Any]:
+    """A report of these effects, or of none, in the layout ``labsid.gap/1``."""
+    n, Ts = 240, 0.5
+    t = [Ts * k for k in range(n)]
+    u = [float(k // 20 % 4) for k in range(n)]
+    y = [4.0 + math.sin(0.11 * k) for k in range(n)]
+    before = [value + (0.4 if 60 <= k < 90 else 0.05) * math.cos(0.7 * k) for k, value in enumerate(y)]
+    plain = verdict == "none"
+    after = before if plain else [value + 0.01 * math.cos(1.9 * k) for k, value in enumerate(y)]
+    first = names[0] if names else "input-delay"
+    tried = [first, "resonance", "extra-lag", "input-backlash+output-drift"]
+    effects = [effect(name, probability) for name in names] if verdict == "effect" else []
+    return {
+        "schema": "labsid.gap/1",
+        "verdict": verdict,
+        "effects": effects,
+        "ambiguous": [],
+        "ranking": [
+            {"name": name, "probability": p, "rmse": 0.01 * k, "closed": None if plain else 0.98 - 0.3 * k, "bic": -9.0}
+            for k, (name, p) in enumerate(zip(tried, (0.99, 0.007, 0.002, 0.001), strict=True), 1)
+        ],
+        "where": {
+            "path": effects[0]["path"] if effects else verdict,
+            "time": [[0.0, 30.0, 0.1], [30.0, 45.0, 0.8], [45.0, 120.0, 0.1]],
+            "band_hz": [[0.0, 0.25, 0.1], [0.25, 0.5, 0.7], [0.5, 1.0, 0.2]],
+            "operating": [
+                {"signal": "u", "low": 0.0, "high": 1.0, "share": 0.05},
+                {"signal": "u", "low": 1.0, "high": 2.0, "share": 0.05},
+                {"signal": "u", "low": 2.0, "high": 3.0, "share": 0.9},
+            ],
+        },
+        "gap": {
+            "before": 0.0102 if plain else 0.0644,
+            "after": 0.0102,
+            "noise_floor": 0.01,
+            "closed": None if plain else 0.969,
+            "ci95": None if plain else [0.939, 0.998],
+            "black_box": None if plain else 0.16,
+            "holdout": [[20.0, 40.0], [80.0, 100.0]],
+        },
+        "unexplained": {
+            "share": 0.0,
+            "whiteness_p": 0.73,
+            "input_correlation_p": 0.42,
+            "rms": 0.0101,
+            "colour": 1.0,
+            "repeats": 0.0,
+        },
+        "next_experiment": None,
+        "record": {"name": "rig-7", "samples": n, "Ts": Ts},
+        "simulation": {"given": verdict == "effect" and "parameter-mismatch" in names, "output_only": False},
+        "screen": [],
+        "traces": {"t": t, "u": u, "y": y, "before": before, "after": after},
+    }
+
+
+def with_experiment(base: dict[str, Any]) -> dict[str, Any]:
+    """The same report with a rival that only a further experiment would rule out."""
+    ours = "+".join(entry["name"] for entry in base["effects"]) or "input-delay"
+    rival = f"{ours}+output-drift"
+    experiment = {
+        "separates": [ours, rival],
+        "why": f"On ramps, {rival} cannot follow what {ours} does.",
+        "t": [0.0, 0.5, 1.0, 1.5],
+        "u": [0.0, 3.0, 1.0, 2.0],
+        "margin": 41.0,
+    }
+    return base | {"next_experiment": experiment, "ambiguous": ["output-drift"]}

@@ -1,0 +1,238 @@
+"""A folder of records: what is a record, what becomes of a broken one, what a second run keeps, and Ctrl-C."""
+
+import csv
+import json
+import os
+import shutil
+import signal
+import subprocess
+import sys
+import time
+
+import numpy as np
+import pytest
+
+from labsid.gap import batch
+from labsid.gap.batch import diagnose_folder, find_records
+
+LABSID = [sys.executable, "-c", "import sys; from labsid.cli import main; sys.exit(main())"]
+SAMPLES = 150
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory, rig_record, write_rig_record):
+    """Two records, one of them with a simulation and a holdout, and two files that are none."""
+    folder = tmp_path_factory.mktemp("records")
+    write_rig_record(folder / "b.csv", rig_record("none", SAMPLES))
+    write_rig_record(folder / "a.csv", rig_record("none", SAMPLES, seed=4))
+    write_rig_record(folder / "a.holdout.csv", rig_record("none", SAMPLES, seed=5))
+    den = np.poly([0.95, 0.8]).tolist()
+    u0 = float(rig_record("none", SAMPLES, seed=4).u[0])
+    (folder / "a.sim.json").write_text(json.dumps({"num": [0.01, 0.0], "den": den, "dt": 0.5, "u0": u0, "y0": u0}))
+    (folder / "empty.csv").touch()
+    (folder / "words.csv").write_text("t,u,y\n1,2,three\n")
+    return folder
+
+
+@pytest.fixture(scope="module")
+def finished(folder, tmp_path_factory):
+    """The folder of answers after one run, and what was printed and told."""
+    out = tmp_path_factory.mktemp("out") / "new" / "answers"
+    told = []
+    printed = diagnose_folder(folder, out, jobs=2, progress=lambda what, share: told.append((what, share)))
+    return out, printed, told
+
+
+@pytest.fixture
+def counted(monkeypatch):
+    """Answers that tell how often a record was really diagnosed, without the time that it takes."""
+    asked = []
+
+    def run_tasks(module, tasks, jobs):
+        assert module == "labsid.gap.batch"
+        for number, task in enumerate(tasks):
+            name = os.path.basename(task["record"])
+            asked.append(name)
+            report = {"verdict": "none", "effects": [], "gap": {"closed": None}, "seed": task["seed"]}
+            yield number, None if name.startswith("killed") else {"report": report, "lasting": True}
+
+    monkeypatch.setattr(batch, "run_tasks", run_tasks)
+    return asked
+
+
+def summary_of(out):
+    with (out / "summary.csv").open(newline="") as file:
+        return list(csv.DictReader(file))
+
+
+# One real run ---------------------------------------------------------------------------------------------
+
+
+def test_every_record_gets_an_answer(finished):
+    out, _, _ = finished
+    assert sorted(path.name for path in out.iterdir()) == [
+        "a.json",
+        "b.json",
+        "empty.json",
+        "summary.csv",
+        "words.json",
+    ]
+    answers = {path.stem: json.loads(path.read_text()) for path in out.glob("*.json")}
+    assert {answer["schema"] for answer in answers.values()} == {"labsid.gap/1"}
+    assert (answers["a"]["verdict"], answers["b"]["verdict"]) == ("none", "none")
+    assert answers["a"]["simulation"]["given"]
+    assert not answers["b"]["simulation"]["given"]
+    assert len(answers["a"]["gap"]["holdout"]) <= 1  # a record of its own, not blocks of this one
+    assert len(answers["b"]["gap"]["holdout"]) > 1
+    assert answers["empty"]["verdict"] == answers["words"]["verdict"] == "error"
+    assert "is empty" in answers["empty"]["message"]
+    assert "\n" not in answers["words"]["message"]
+
+
+def test_the_table_and_what_is_printed(finished):
+    out, printed, told = finished
+    rows = summary_of(out)
+    assert list(rows[0]) == ["stem", "verdict", "effects", "probability", "closed", "error"]
+    assert [row["stem"] for row in rows] == ["a", "b", "empty", "words"]
+    assert rows[1] == dict.fromkeys(rows[1], "") | {"stem": "b", "verdict": "none"}
+    assert rows[2]["error"] == json.loads((out / "empty.json").read_text())["message"]
+    assert printed.startswith("4 records: error 2, none 2\n")
+    assert f"  empty: {rows[2]['error']}\n" in printed
+    assert printed.endswith(f"All of them: {out / 'summary.csv'}")
+    assert told[0] == ("0 of 4 records", 0.0)
+    assert told[-1] == ("4 of 4 records", 1.0)
+
+
+def test_an_answer_is_that_of_diagnose(finished, folder, tmp_path):
+    from labsid.cli import main
+
+    assert main(["gap", "diagnose", str(folder / "b.csv"), "--json", str(tmp_path / "b.json")]) == 0
+    answer = json.loads((finished[0] / "b.json").read_text())
+    del answer["made_from"]
+    assert answer == json.loads((tmp_path / "b.json").read_text())
+
+
+# What a second run keeps ----------------------------------------------------------------------------------
+
+
+@pytest.fixture
+def copied(finished, folder, tmp_path):
+    """Records and answers that a test may change."""
+    shutil.copytree(folder, tmp_path / "records")
+    shutil.copytree(finished[0], tmp_path / "out")
+    return tmp_path / "records", tmp_path / "out"
+
+
+def test_a_second_run_keeps_every_answer(copied, counted):
+    records, out = copied
+    before = {path.name: path.stat().st_mtime_ns for path in out.glob("*.json")}
+    assert "4 records: error 2, none 2 (4 from an earlier run)" in diagnose_folder(records, out)
+    assert counted == []
+    assert {path.name: path.stat().st_mtime_ns for path in out.glob("*.json")} == before
+
+
+@pytest.mark.parametrize(
+    ("change", "again"),
+    [
+        (lambda records, out: (records / "b.csv").open("a").write("\n"), ["b.csv"]),
+        (lambda records, out: (records / "a.sim.json").open("a").write("\n"), ["a.csv"]),
+        (lambda records, out: (records / "a.holdout.csv").unlink(), ["a.csv"]),
+        (lambda records, out: (out / "b.json").unlink(), ["b.csv"]),
+        (lambda records, out: (out / "b.json").write_text('{"verdict": "no'), ["b.csv"]),
+        (lambda records, out: (out / "b.json").write_text('["none"]'), ["b.csv"]),
+    ],
+)
+@pytest.mark.filterwarnings("ignore::ResourceWarning")
+def test_what_changed_is_diagnosed_again(copied, counted, change, again):
+    change(*copied)
+    diagnose_folder(*copied)
+    assert counted == again
+
+
+def test_another_seed_or_version_starts_anew(copied, counted, monkeypatch):
+    diagnose_folder(*copied, seed=1)
+    assert counted == ["a.csv", "b.csv", "empty.csv", "words.csv"]
+    assert json.loads((copied[1] / "b.json").read_text())["seed"] == 1
+    counted.clear()
+    monkeypatch.setattr(batch, "_version", lambda: "another")
+    diagnose_folder(*copied, seed=1)
+    assert len(counted) == 4
+
+
+def test_a_killed_record_is_an_error_that_the_next_run_tries_again(tmp_path, counted):
+    for name in ("killed.csv", "other.csv"):
+        (tmp_path / name).write_text("t,u,y\n")
+    out = tmp_path / "out"
+    diagnose_folder(tmp_path, out)
+    answer = json.loads((out / "killed.json").read_text())
+    assert answer == {
+        "schema": "labsid.gap/1",
+        "verdict": "error",
+        "message": "its process was killed 2 times; out of memory perhaps.",
+    }
+    diagnose_folder(tmp_path, out)
+    assert counted == ["killed.csv", "other.csv", "killed.csv"]
+
+
+def test_effects_and_figures_in_the_table(tmp_path, monkeypatch):
+    (tmp_path / "pair.csv").touch()
+    effects = [{"name": "input-delay", "probability": 0.98765432}, {"name": "load-step", "probability": 0.5}]
+    report = {"verdict": "effect", "effects": effects, "gap": {"closed": 0.75}}
+    monkeypatch.setattr(batch, "run_tasks", lambda *_: (x for x in [(0, {"report": report, "lasting": True})]))
+    printed = diagnose_folder(tmp_path, tmp_path / "out")
+    assert (tmp_path / "out" / "summary.csv").read_text().splitlines()[1] == (
+        "pair,effect,input-delay+load-step,0.987654,0.75,"
+    )
+    assert "     1  input-delay+load-step\n" in printed
+
+
+# What is a record -----------------------------------------------------------------------------------------
+
+
+def test_find_records(tmp_path):
+    names = "b.csv B2.CSV a.mat a.sim.json a.sim.csv a.holdout.csv c.holdout.mat .hidden.csv notes.txt summary.csv"
+    for name in names.split():
+        (tmp_path / name).touch()
+    (tmp_path / "folder.csv").mkdir()
+    assert [path.name for path in find_records(tmp_path, tmp_path / "out")] == [
+        "B2.CSV",
+        "a.mat",
+        "b.csv",
+        "summary.csv",
+    ]
+    assert [path.name for path in find_records(tmp_path, tmp_path)] == ["B2.CSV", "a.mat", "b.csv"]
+
+
+def test_two_records_of_one_name_and_none_at_all(tmp_path):
+    with pytest.raises(ValueError, match=r"holds no records \(\.csv or \.mat\)"):
+        find_records(tmp_path, tmp_path)
+    (tmp_path / "a.csv").touch()
+    (tmp_path / "a.mat").touch()
+    with pytest.raises(ValueError, match=r"a\.csv and a\.mat would share the answer a\.json\. Rename"):
+        find_records(tmp_path, tmp_path)
+
+
+# Ctrl-C ---------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.skipif(os.name == "nt", reason="Ctrl-C cannot be sent to one process there")
+def test_an_interrupted_run_keeps_what_is_finished(tmp_path, rig_record, write_rig_record):
+    for number in range(6):
+        write_rig_record(tmp_path / f"r{number}.csv", rig_record("none", SAMPLES, seed=number))
+    out = tmp_path / "out"
+    command = [*LABSID, "gap", "batch", str(tmp_path), "--out", str(out), "--jobs", "1"]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as process:
+        for _ in range(1200):
+            if list(out.glob("*.json")):
+                break
+            time.sleep(0.05)
+        process.send_signal(signal.SIGINT)
+        printed, said = process.communicate(timeout=60)
+    assert (process.returncode, printed) == (2, "")
+    *progress, last = said.splitlines()
+    assert last == f"labsid: error: interrupted; the finished answers are in {out}. Run it again to go on."
+    assert progress[0] == "0 of 6 records"
+    assert all(line.endswith("of 6 records") for line in progress)
+    kept = sorted(out.iterdir())
+    assert 1 <= len(kept) < 6
+    assert all(json.loads(path.read_text())["verdict"] == "none" for path in kept)

@@ -1,0 +1,129 @@
+"""The verdict: probabilities, rivals, and `unknown` where something is left that is no noise."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from labsid.gap.decide import MISMATCH, MOST_RIVALS, Decision, decide, holds_up, mismatch_weight
+from labsid.gap.leftover import Leftover, leftover
+from labsid.gap.which import Explained
+
+STRUCTURE = {"repeats": 0.6, "repeats_z": 9.0, "explained": 0.6}
+
+
+def left_of(explained: Explained) -> Leftover:
+    """Of the accepted hypothesis."""
+    return leftover(explained.data, explained.best)
+
+
+def rivalled(explained: Explained, *gaps: float) -> Explained:
+    """With the rivals of the first level so much worse in BIC than the accepted hypothesis, the rest far behind."""
+    level, best = {}, explained.best
+    others = iter(gaps)
+    for names, fit in sorted(explained.levels[1].items()):
+        level[names] = fit if fit is best else replace(fit, bic=best.bic + next(others, 1e4))
+    return replace(explained, levels=(explained.levels[0], level))
+
+
+def check(decision: Decision) -> None:
+    """What holds for every decision."""
+    assert sum(decision.weights.values()) == pytest.approx(1.0)
+    assert all(0.0 <= p <= 1.0 for p in decision.probability.values())
+    assert set(decision.names) <= set(decision.probability)
+    assert len(decision.ambiguous) <= MOST_RIVALS
+    assert not set(decision.names) & set(decision.ambiguous)
+    assert len(set(decision.ambiguous)) == len(decision.ambiguous)
+    assert 0.0 <= decision.closed <= 1.0
+    assert (decision.verdict == "effect") == bool(decision.names)
+
+
+def test_an_effect_far_ahead_is_named_alone(banded: Explained) -> None:
+    decision = decide(rivalled(banded), left_of(banded), None)
+    check(decision)
+    assert decision.verdict == "effect"
+    assert decision.names == ("input-dead-zone",)
+    assert decision.ambiguous == ()
+    assert decision.probability["input-dead-zone"] == pytest.approx(1.0)
+    assert decision.closed > 0.9
+
+
+def test_a_rival_at_the_same_score_halves_the_probability_and_is_named_beside(banded: Explained) -> None:
+    explained = rivalled(banded, 0.0)
+    rival = sorted(names for names in explained.levels[1] if names != ("input-dead-zone",))[0][0]
+    decision = decide(explained, left_of(banded), None)
+    check(decision)
+    assert decision.names == ("input-dead-zone",)
+    assert decision.ambiguous == (rival,)
+    assert decision.probability["input-dead-zone"] == pytest.approx(0.5)
+
+
+def test_the_nearer_the_rival_the_less_sure(banded: Explained) -> None:
+    sure = []
+    for gap in (0.0, 5.0, 15.0, 60.0):
+        decision = decide(rivalled(banded, gap), left_of(banded), None)
+        check(decision)
+        sure.append(decision.probability["input-dead-zone"])
+    assert sure == sorted(sure)
+    assert sure[-1] > 0.95
+
+
+def test_no_more_rivals_than_the_contract_allows(banded: Explained) -> None:
+    decision = decide(rivalled(banded, 0.0, 0.5, 1.0, 1.5, 2.0, 2.5), left_of(banded), None)
+    check(decision)
+    assert len(decision.ambiguous) == MOST_RIVALS
+
+
+def test_noise_alone_is_no_effect(plain: Explained) -> None:
+    decision = decide(plain, left_of(plain), None)
+    check(decision)
+    assert decision.verdict == "none"
+    assert decision.names == decision.ambiguous == ()
+    assert decision.closed == pytest.approx(1.0)
+
+
+def test_a_gap_that_nothing_explains_is_unknown(banded: Explained) -> None:
+    """The baseline accepted, although the input tells most of what it leaves."""
+    stuck = replace(banded, path=banded.path[:1], levels=banded.levels[:1])
+    left = left_of(stuck)
+    decision = decide(stuck, left, None)
+    check(decision)
+    assert decision.verdict == "unknown"
+    assert decision.names == ()
+    holds, closed = holds_up(stuck, left)
+    assert not holds
+    assert closed == decision.closed < 0.5
+
+
+def test_an_explanation_that_leaves_most_of_the_gap_is_unknown_and_its_name_a_guess(banded: Explained) -> None:
+    large = replace(left_of(banded), rms=0.9 * float(np.std(banded.data.y - banded.path[0].output)), **STRUCTURE)
+    decision = decide(rivalled(banded), large, None)
+    check(decision)
+    assert decision.verdict == "unknown"
+    assert decision.ambiguous[0] == "input-dead-zone"
+    assert decision.probability["input-dead-zone"] < 0.5
+
+
+def test_effects_of_single_samples_are_named_behind(banded: Explained) -> None:
+    decision = decide(replace(rivalled(banded), added=("output-outliers",)), left_of(banded), None)
+    check(decision)
+    assert decision.names == ("input-dead-zone", "output-outliers")
+    assert decision.probability["output-outliers"] > 0.9
+
+
+def test_wrong_numbers_are_a_mismatch_only_where_a_simulation_was_given(plain: Explained) -> None:
+    base = plain.path[0]
+    off = replace(base, bic=base.bic + 300.0, output=1.3 * base.output)
+    decision = decide(plain, left_of(plain), off)
+    check(decision)
+    assert decision.names == (MISMATCH,)
+    assert decision.probability[MISMATCH] > 0.99
+    assert decide(plain, left_of(plain), base).verdict == "none"
+
+
+def test_mismatch_weight_grows_with_the_gain(plain: Explained) -> None:
+    base = plain.path[0]
+    weights = [mismatch_weight(replace(base, bic=base.bic + gain), base) for gain in (-5.0, 0.0, 10.0, 100.0)]
+    assert weights[:2] == [0.5, 0.5]
+    assert weights == sorted(weights)
+    assert weights[-1] > 0.99

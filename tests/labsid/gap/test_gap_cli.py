@@ -1,0 +1,223 @@
+"""`labsid gap` as a user meets it: what is written, and one clear line with status 2 for everything that cannot be."""
+
+import json
+import os
+
+import numpy as np
+import pytest
+
+from labsid.cli import main
+from labsid.record import Record
+
+DEN = np.poly([0.95, 0.8]).tolist()
+
+
+@pytest.fixture
+def labsid(capsys, tmp_path, monkeypatch):
+    """Run the command in a scratch folder: status, standard output, standard error."""
+    monkeypatch.chdir(tmp_path)
+
+    def run(*arguments):
+        status = main(["gap", *map(str, arguments)])
+        captured = capsys.readouterr()
+        return status, captured.out, captured.err
+
+    return run
+
+
+@pytest.fixture
+def refused(labsid):
+    """Run what must end with status 2 and one line that holds some words."""
+
+    def run(words, *arguments):
+        status, out, err = labsid(*arguments)
+        assert (status, out) == (2, "")
+        assert err.startswith("labsid: error: ")
+        assert err.count("\n") == 1
+        assert words in err
+
+    return run
+
+
+@pytest.fixture(scope="module")
+def plain(rig_record):
+    return rig_record("none", 200)
+
+
+@pytest.fixture
+def record(plain, tmp_path, write_rig_record):
+    return write_rig_record(tmp_path / "record.csv", plain)
+
+
+@pytest.fixture
+def written(tmp_path, write_rig_record, plain):
+    """A file with a changed record; raw columns, for what no `Record` may hold."""
+
+    def write(**changed):
+        columns = {name: changed.get(name, getattr(plain, name)) for name in ("t", "u", "y")}
+        lines = [",".join(map(repr, row)) for row in np.column_stack(list(columns.values())).tolist()]
+        path = tmp_path / "changed.csv"
+        path.write_text("\n".join(["t,u,y", *lines]))
+        return path
+
+    return write
+
+
+# What is written ------------------------------------------------------------------------------------------
+
+
+def test_diagnose_writes_what_simulate_plays(labsid, record, tmp_path):
+    status, out, err = labsid("diagnose", record, "--json", "a.json", "--export", "better.json", "--html", "a.html")
+    assert (status, err) == (0, "")
+    assert out.strip()
+    answer = json.loads((tmp_path / "a.json").read_text())
+    assert (answer["schema"], answer["verdict"]) == ("labsid.gap/1", "none")
+    assert (tmp_path / "a.html").read_text().lstrip().lower().startswith("<!doctype html>")
+    status, out, err = labsid("simulate", "better.json", record, "--out", "played.csv")
+    assert (status, err) == (0, "")
+    table = np.genfromtxt(tmp_path / "played.csv", delimiter=",", names=True)
+    assert table.dtype.names == ("t", "u", "y", "y_sim")
+    rmse = float(np.sqrt(np.mean((table["y"] - table["y_sim"])[50:] ** 2)))
+    assert out == f"200 samples, free run: rmse {rmse:.6g} behind the first 50 samples\n"
+    assert rmse == pytest.approx(answer["gap"]["after"], rel=0.3)
+
+
+def test_excluded_stretches_count_nowhere(labsid, plain, written, tmp_path):
+    y = plain.y.copy()
+    y[80:110] += 3.0
+    path = written(y=y)
+    assert labsid("diagnose", path, "--exclude", "40:55", "--json", "a.json")[0] == 0
+    assert json.loads((tmp_path / "a.json").read_text())["verdict"] == "none"
+
+
+# Records that cannot be diagnosed -------------------------------------------------------------------------
+
+
+def test_files_that_are_no_record(refused, tmp_path):
+    (tmp_path / "empty.csv").touch()
+    (tmp_path / "noise.csv").write_bytes(bytes(range(256)) * 8)
+    (tmp_path / "head.csv").write_text("t,u,y\n")
+    for words, name in (
+        ("empty.csv is empty", "empty.csv"),
+        ("neither a MAT-file nor text", "noise.csv"),
+        ("no data under it", "head.csv"),
+        ("No such file", "none.csv"),
+        ("Is a directory", "."),
+    ):
+        refused(words, "diagnose", name)
+
+
+def with_one(values, k, value):
+    values = values.copy()
+    values[k] = value
+    return values
+
+
+@pytest.mark.parametrize(
+    ("words", "changed"),
+    [
+        ("y must be finite; got nan at sample 50", lambda r: {"y": with_one(r.y, 50, np.nan)}),
+        ("u of the record is constant (2)", lambda r: {"u": np.full(200, 2.0)}),
+        ("y of the record is constant (1)", lambda r: {"y": np.ones(200)}),
+        ("has 10 samples; a diagnosis needs at least 100", lambda r: {name: getattr(r, name)[:10] for name in "tuy"}),
+        ("sampling is irregular", lambda r: {"t": r.t + np.where(np.arange(200) < 100, 0.0, 0.2)}),
+        ("keep only the fresh readings", lambda r: {"y": r.y[np.arange(200) // 5 * 5]}),
+    ],
+)
+def test_records_that_cannot_be_diagnosed(refused, written, plain, words, changed):
+    refused(words, "diagnose", written(**changed(plain)))
+
+
+@pytest.mark.parametrize(
+    ("words", "changed"),
+    [
+        ("the holdout runs at 1 s, the record at 0.5 s", lambda r: {"t": 2.0 * r.t}),
+        ("u of the holdout is constant", lambda r: {"u": np.ones(200)}),
+        ("the holdout has 60 samples", lambda r: {name: getattr(r, name)[:60] for name in "tuy"}),
+        ("y must be finite", lambda r: {"y": with_one(r.y, 3, np.inf)}),
+    ],
+)
+def test_holdouts_that_do_not_fit(refused, record, written, plain, words, changed):
+    refused(words, "diagnose", record, "--holdout", written(**changed(plain)))
+
+
+# Options --------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("stretch", ["nonsense", "5", "5:", ":", "5:3", "nan:3"])
+def test_stretches_that_are_none(refused, record, stretch):
+    refused(
+        f"--exclude must be T0:T1 in seconds with T0 < T1; got '{stretch}'", "diagnose", record, "--exclude", stretch
+    )
+
+
+def test_options_that_leave_nothing_or_make_no_sense(refused, record):
+    refused("--exclude leaves 0 samples", "diagnose", record, "--exclude", "0:1000")
+    refused("--exclude leaves 50 samples", "diagnose", record, "--exclude", "25:100")
+    refused("--order must be at least 1; got 0", "diagnose", record, "--order", "0")
+    refused("--order must be at most 4; got 5", "diagnose", record, "--order", "5")
+    refused("--seed", "diagnose", record, "--seed", "-1")
+    refused("--jobs", "batch", ".", "--out", "out", "--jobs", "0")
+
+
+def test_outputs_that_cannot_be_written(refused, record, tmp_path):
+    refused("no such folder", "diagnose", record, "--json", tmp_path / "nowhere" / "a.json")
+    (tmp_path / "better.json").write_text(json.dumps({"num": [0.01], "den": DEN, "dt": 0.5}))
+    refused("it is a folder", "simulate", "better.json", record, "--out", ".")
+    refused("File exists", "batch", ".", "--out", record)
+
+
+def test_folders_that_hold_nothing(refused, record, tmp_path):
+    refused("No such file or directory", "batch", "nowhere", "--out", "out")
+    refused("Not a directory", "batch", record, "--out", "out")
+    (tmp_path / "bare").mkdir()
+    refused("bare holds no records (.csv or .mat)", "batch", "bare", "--out", "out")
+    assert not os.path.exists(tmp_path / "out")
+
+
+# Simulations ----------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("command", ["diagnose", "simulate"])
+@pytest.mark.parametrize(
+    ("words", "content"),
+    [
+        ("not JSON", "{"),
+        ("must hold a JSON object; got list", "[]"),
+        ("the model has no 'num'", "{}"),
+        ("dt must be the record's sampling time 0.5 s; got 0.25 s", {"dt": 0.25}),
+        ("the model must be proper", {"num": [1.0, 0.0, 0.0, 0.0]}),
+        ("den must begin with the highest power of z", {"den": [0.0, *DEN]}),
+        ("lists of finite numbers", {"num": []}),
+        ("the simulation is unstable on this record", {"den": [1.0, -2.5, 1.0]}),
+    ],
+)
+def test_models_that_do_not_run(refused, record, tmp_path, command, words, content):
+    if isinstance(content, dict):
+        content = json.dumps({"num": [0.01], "den": DEN, "dt": 0.5} | content)
+    (tmp_path / "model.json").write_text(content)
+    arguments = (record, "--sim", "model.json") if command == "diagnose" else ("model.json", record)
+    refused(words, command, *arguments)
+
+
+def test_simulated_outputs_at_other_times(refused, record, plain, tmp_path):
+    series = tmp_path / "sim.csv"
+    for t, head, words in (
+        (plain.t + 1.0, "t,y", "must hold the output at the record's 200 times"),
+        (plain.t[:-1], "t,y", "got 199 rows"),
+        (plain.t, "time,y", "with the header t,y"),
+    ):
+        np.savetxt(series, np.column_stack([t, plain.y[: t.size]]), delimiter=",", header=head, comments="")
+        refused(words, "diagnose", record, "--sim", series)
+    np.savetxt(series, np.column_stack([plain.t, plain.y]), delimiter=",", header="t,y", comments="")
+    refused("known on its own record only", "diagnose", record, "--sim", series, "--holdout", record)
+    refused("not JSON", "simulate", series, record)
+
+
+def test_an_exported_simulation_of_another_sampling_time(labsid, refused, record, plain, tmp_path, write_rig_record):
+    assert labsid("diagnose", record, "--export", "better.json")[0] == 0
+    other = Record(2.0 * plain.t, plain.u, plain.y, 1.0)
+    write_rig_record(tmp_path / "other.csv", other)
+    words = "the simulation runs at 0.5 s, the record at 1 s"
+    refused(words, "simulate", "better.json", "other.csv")
+    refused(words, "diagnose", "other.csv", "--sim", "better.json")

@@ -1,0 +1,422 @@
+"""The effects of the table: names, paths, parameters, what each does to a signal, its numbers in record units."""
+
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+from numpy.polynomial.chebyshev import chebval
+
+from labsid._arrays import FloatArray
+from labsid.gap import answer
+from labsid.gap.candidates import CANDIDATES, LINEAR, baseline
+from labsid.gap.context import Context, Data, Scale, scaled
+from labsid.gap.effects import disturbance, dynamics, input, output
+from labsid.gap.effects.base import AdditiveEffect, Effect, Fitted, InputEffect, OutputEffect, PlantEffect
+from labsid.gap.fitting import search
+from labsid.gap.hypothesis import Hypothesis
+from labsid.gap.plants import Plant
+
+TABLE = {
+    "input-delay": "input",
+    "input-saturation": "input",
+    "input-dead-zone": "input",
+    "input-backlash": "input",
+    "input-rate-limit": "input",
+    "input-nonlinearity": "input",
+    "extra-lag": "dynamics",
+    "resonance": "dynamics",
+    "sqrt-outflow": "dynamics",
+    "overflow": "dynamics",
+    "coulomb-friction": "dynamics",
+    "cubic-stiffness": "dynamics",
+    "parameter-drift": "dynamics",
+    "output-drift": "output",
+    "output-saturation": "output",
+    "output-nonlinearity": "output",
+    "output-quantization": "output",
+    "output-outliers": "output",
+    "output-dropout": "output",
+    "load-step": "disturbance",
+    "periodic-disturbance": "disturbance",
+    "coloured-noise": "disturbance",
+    "parameter-mismatch": "parameters",
+}
+PARAMETERS = {
+    "input-delay": {"delay"},
+    "input-saturation": {"low", "high"},
+    "input-dead-zone": {"low", "high"},
+    "input-backlash": {"width"},
+    "input-rate-limit": {"rate"},
+    "input-nonlinearity": {"c2", "c3", "centre"},
+    "extra-lag": {"tau"},
+    "resonance": {"frequency", "damping"},
+    "sqrt-outflow": {"zero", "empty"},
+    "overflow": {"level", "caught"},
+    "coulomb-friction": {"friction"},
+    "cubic-stiffness": {"cubic"},
+    "parameter-drift": {"drift", "pole"},
+    "output-drift": {"amplitude"},
+    "output-saturation": {"low", "high"},
+    "output-nonlinearity": {"c2", "c3", "centre"},
+    "load-step": {"onset", "size"},
+    "periodic-disturbance": {"frequency", "amplitude"},
+}
+ALL = [effect for group in CANDIDATES for effect in group]
+SAMPLES, TS = 100, 0.2
+Response = Callable[..., FloatArray]
+
+
+def data_of(u: FloatArray, y: FloatArray | None = None) -> Data:
+    """Already scaled signals; one unit is 0.5 of the record's input about 2, and 3 of its output about 10."""
+    y = np.zeros(u.size) if y is None else y
+    return Data(u, y, np.ones(u.size, bool), TS, Scale(2.0, 0.5), Scale(10.0, 3.0), start=4.0)
+
+
+def fitted(
+    effect: Effect, gains: FloatArray | None = None, plant: dict[str, float] | None = None, *own: float
+) -> Fitted:
+    """A fit of one effect with its own numbers and those of the plant; the rates are those of 0.5 and 0.05."""
+    hypothesis = Hypothesis((effect,))
+    theta = np.zeros(len(hypothesis.parameters))
+    if own:
+        theta[hypothesis.slices[effect.key]] = own
+    at = hypothesis.slices["plant"].start
+    theta[at : at + 2] = np.log([0.5, 0.05])
+    for name, value in (plant or {}).items():
+        theta[at + hypothesis.plant.index(name)] = value
+    u = np.linspace(-1.5, 1.5, SAMPLES)
+    return Fitted(hypothesis, theta, np.zeros(20) if gains is None else gains, data_of(u))
+
+
+def values(fit: Fitted) -> dict[str, tuple[float, str]]:
+    """What the effect reports of the fit: value and unit by name."""
+    return {name: (value.value, value.unit) for name, value in fit.hypothesis.effects[0].values(fit).items()}
+
+
+def test_names_and_paths_are_those_of_the_table() -> None:
+    found = {effect.name: effect.path for effect in ALL} | answer.PATHS
+    assert found == TABLE
+    assert all(effect.path == TABLE[effect.name] for effect in ALL)
+    assert [group[0].name for group in CANDIDATES] == list(dict.fromkeys(effect.name for effect in ALL))
+
+
+def test_a_key_names_one_effect() -> None:
+    """Exports refer to effects by their keys."""
+    keys = [effect.key for effect in ALL]
+    assert len(set(keys)) == len(keys)
+    assert all(key == name or key.startswith(f"{name}/") for key, name in ((e.key, e.name) for e in ALL))
+
+
+@pytest.mark.parametrize("effect", ALL, ids=lambda effect: effect.key)
+def test_every_effect_starts_inside_its_bounds_and_reports_the_agreed_parameters(
+    effect: Effect, levels: FloatArray
+) -> None:
+    """On a record of two poles with a little noise: starts, columns, values and units."""
+    rng = np.random.default_rng(2)
+    data = scaled(levels[:300], np.convolve(levels, np.ones(6) / 6)[:300] + 0.1 * rng.standard_normal(300), ROWS, 1.0)
+    parent = baseline(data)
+    context = Context(data, parent, parent)
+    hypothesis = LINEAR.plus(effect)
+    own = hypothesis.plant.parameters
+    names = {parameter.name for parameter in own}
+    if isinstance(effect, PlantEffect):
+        starts = effect.plant_starts(context)
+        assert starts
+        assert {name.rstrip("+") for start in starts for name in start} <= names
+        assert effect.applies(context)
+    else:
+        starts = effect.starts(context)
+        assert starts
+        for start in starts:
+            assert len(start) == len(effect.parameters)
+            assert all(p.lower <= x <= p.upper for p, x in zip(effect.parameters, start, strict=True))
+    theta = np.clip(np.concatenate([[0.2] * (not hypothesis.slices_has_delay), np.zeros(60)]), None, None)
+    theta = np.clip(theta[: len(hypothesis.parameters)], *hypothesis.bounds)
+    theta[hypothesis.slices["plant"]][:2] = hypothesis.plant.starts(*parent.rates)[0][:2]
+    design = hypothesis.design(theta, data.u)
+    gains = np.linspace(0.5, 1.0, design.inside.shape[1] + design.outside.shape[1])
+    found = effect.values(Fitted(hypothesis, theta, gains, data))
+    assert found
+    assert set(found) <= PARAMETERS[effect.name]
+    assert {value.unit for value in found.values()} <= {"s", "u", "y", "u/s", "Hz", "1", "1/u", "1/y", "1/u^2", "1/y^2"}
+    assert all(np.isfinite(value.value) for value in found.values())
+    acts = effect.acts(Fitted(hypothesis, theta, gains, data))
+    assert acts.shape == (300,)
+    assert acts.dtype == bool
+
+
+ROWS = np.ones(300, bool)
+W = np.array([-2.0, -1.0, -0.2, 0.0, 0.5, 1.0, 2.0])
+
+
+@pytest.mark.parametrize(
+    ("effect", "own", "expected"),
+    [
+        (input.Saturation("low"), [-0.5], [-0.5, -0.5, -0.2, 0.0, 0.5, 1.0, 2.0]),
+        (input.Saturation("high"), [0.7], [-2.0, -1.0, -0.2, 0.0, 0.5, 0.7, 0.7]),
+        (input.Saturation("both"), [-0.5, 0.7], [-0.5, -0.5, -0.2, 0.0, 0.5, 0.7, 0.7]),
+        (input.Saturation("both"), [0.7, -0.5], [-0.5, -0.5, -0.2, 0.0, 0.5, 0.7, 0.7]),
+        (input.DeadZone(), [-0.4, 0.5], [-1.6, -0.6, 0.0, 0.0, 0.0, 0.5, 1.5]),
+        (input.DeadZone(), [0.5, -0.4], [-1.6, -0.6, 0.0, 0.0, 0.0, 0.5, 1.5]),
+        (input.Backlash(), [1.0, 0.5], [-2.0, -1.5, -0.7, -0.5, 0.0, 0.5, 1.5]),
+        (input.RateLimit(), [np.log(0.5)], [-2.0, -1.75, -1.25, -0.75, -0.25, 0.25, 0.75]),
+        (input.Nonlinearity(), [0.5, 0.25], [-2.0, -0.75, -0.182, 0.0, 0.65625, 1.75, 6.0]),
+        (input.Delay(), [3.0], W),
+        (dynamics.GainDrift("1"), [0.5, 1.0], [-1.5, -4 / 3, -1.0, -1.0, -7 / 12, 0.0, 1.5]),
+    ],
+    ids=lambda value: value.key if isinstance(value, Effect) else None,
+)
+def test_what_the_actuator_makes_of_a_command(effect: InputEffect, own: list[float], expected: list[float]) -> None:
+    np.testing.assert_allclose(effect.apply(W, np.array(own, float), W.size), expected, atol=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("effect", "own", "expected"),
+    [
+        (output.Saturation("low"), [-0.5], [-0.5, -0.5, -0.2, 0.0, 0.5, 1.0, 2.0]),
+        (output.Saturation("high"), [0.7], [-2.0, -1.0, -0.2, 0.0, 0.5, 0.7, 0.7]),
+        (output.Saturation("both"), [-0.5, 0.7], [-0.5, -0.5, -0.2, 0.0, 0.5, 0.7, 0.7]),
+        (output.Nonlinearity(), [0.5, 0.25], [-2.0, -0.75, -0.182, 0.0, 0.65625, 1.75, 6.0]),
+    ],
+    ids=lambda value: value.key if isinstance(value, Effect) else None,
+)
+def test_what_the_sensor_makes_of_the_output(effect: OutputEffect, own: list[float], expected: list[float]) -> None:
+    np.testing.assert_allclose(effect.bend(W, np.array(own)), expected, atol=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("effect", "own"),
+    [
+        (output.Saturation("low"), [-0.51]),
+        (output.Saturation("high"), [0.71]),
+        (output.Saturation("both"), [-0.51, 0.71]),
+        (output.Nonlinearity(), [0.5, -0.25]),
+    ],
+    ids=lambda value: value.key if isinstance(value, Effect) else None,
+)
+def test_slope_is_the_derivative_of_bend(effect: OutputEffect, own: list[float]) -> None:
+    z, h = np.linspace(-3.0, 3.0, 61), 1e-6
+    numbers = np.array(own)
+    numerical = (effect.bend(z + h, numbers) - effect.bend(z - h, numbers)) / (2.0 * h)
+    np.testing.assert_allclose(effect.slope(z, numbers), numerical, atol=1e-6)
+
+
+def columns(effect: AdditiveEffect, own: list[float], samples: int, span: int) -> FloatArray:
+    """Its columns beside a plant of two poles."""
+    return effect.columns(np.array(own), samples, span, Plant(), np.log([0.5, 0.05]))
+
+
+def test_columns_of_a_drift() -> None:
+    x = np.linspace(-1.0, 1.0, 9)
+    expected = np.column_stack([x, 2.0 * x**2 - 1.0, 4.0 * x**3 - 3.0 * x])
+    np.testing.assert_allclose(columns(output.Drift("3"), [], 9, 9), expected, atol=1e-12)
+    longer = columns(output.Drift("3"), [], 12, 9)
+    np.testing.assert_allclose(longer[9:], 1.0)  # behind the fit's record it stays
+    settling = columns(output.Drift("settle"), [np.log(0.5)], 8, 10)
+    np.testing.assert_allclose(settling[:, 0], np.exp(-np.arange(8) / 5.0))
+    assert output.Drift("settle").width == 1
+    assert output.Drift("10").width == 10
+
+
+def test_columns_of_a_sinusoid_count_cycles_in_the_span() -> None:
+    phase = 2.0 * np.pi * 3.0 * np.arange(20) / 12.0
+    expected = np.column_stack([np.cos(phase), np.sin(phase)])
+    np.testing.assert_allclose(columns(disturbance.Periodic(), [3.0], 20, 12), expected, atol=1e-12)
+
+
+def test_columns_of_a_load_are_the_step_response_from_its_onset() -> None:
+    step = columns(disturbance.LoadStep(), [0.25], 100, 100)
+    from_rest = Plant().through(np.log([0.5, 0.05]), np.ones(75))
+    assert np.all(step[:26] == 0.0)
+    np.testing.assert_allclose(step[25:], from_rest, atol=1e-12)
+
+
+def test_widths_are_the_numbers_of_columns() -> None:
+    for effect in ALL:
+        if isinstance(effect, AdditiveEffect):
+            own = [2.5] * len(effect.parameters) if effect.name != "load-step" else [0.5]
+            assert columns(effect, own, 40, 40).shape == (40, effect.width)
+
+
+@pytest.mark.parametrize(
+    ("effect", "own", "expected"),
+    [
+        (input.Delay(), [3.5], {"delay": (0.7, "s")}),
+        (input.Saturation("both"), [-1.0, 1.2], {"low": (1.5, "u"), "high": (2.6, "u")}),
+        (input.DeadZone(), [0.4, -0.6], {"low": (1.7, "u"), "high": (2.2, "u")}),
+        (input.Backlash(), [0.8, 0.3], {"width": (0.4, "u")}),
+        (input.RateLimit(), [np.log(0.4)], {"rate": (1.0, "u/s")}),
+        (input.Nonlinearity(), [0.2, 0.1], {"c2": (0.4, "1/u"), "c3": (0.4, "1/u^2"), "centre": (2.0, "u")}),
+        (output.Saturation("high"), [0.5], {"high": (11.5, "y")}),
+        (output.Nonlinearity(), [0.3, 0.9], {"c2": (0.1, "1/y"), "c3": (0.1, "1/y^2"), "centre": (10.0, "y")}),
+        (dynamics.GainDrift("1"), [0.2, 0.0], {"drift": (0.5, "1")}),
+    ],
+    ids=lambda value: value.key if isinstance(value, Effect) else None,
+)
+def test_values_are_in_the_units_of_the_record(
+    effect: Effect, own: list[float], expected: dict[str, tuple[float, str]]
+) -> None:
+    found = values(fitted(effect, None, None, *own))
+    assert {name: unit for name, (_, unit) in found.items()} == {name: unit for name, (_, unit) in expected.items()}
+    for name, (value, _) in expected.items():
+        assert found[name][0] == pytest.approx(value)
+
+
+@pytest.mark.parametrize(
+    ("effect", "plant", "expected"),
+    [
+        (dynamics.ExtraLag(), {"log_lag": np.log(4.0)}, {"tau": (0.8, "s")}),
+        (
+            dynamics.Resonance(),
+            {"log_frequency": np.log(0.5), "log_damping": np.log(0.1)},
+            {"frequency": (0.5 / (2.0 * np.pi * 0.2), "Hz"), "damping": (0.1, "1")},
+        ),
+        (dynamics.CoulombFriction("position"), {"friction": 0.3}, {"friction": (0.15, "u")}),
+        (dynamics.CoulombFriction("speed"), {"friction": 0.3}, {"friction": (0.15, "u")}),
+        (dynamics.SqrtOutflow("both"), {"zero": -3.0}, {"zero": (0.5, "u"), "empty": (7.0, "y")}),
+        (dynamics.SqrtOutflow("both-flipped"), {"zero": -3.0}, {"zero": (3.5, "u"), "empty": (7.0, "y")}),
+        (dynamics.Overflow("lower"), {"brim": 1.5}, {"level": (16.0, "y")}),
+        (dynamics.Overflow("upper"), {"brim": 1.5, "share": 0.3}, {"level": (16.0, "y"), "caught": (0.3, "1")}),
+        # A spring whose force is x + 0.2 x^3 in scaled input; the output is 2 x of 3 units: per y that is 0.2 / 36.
+        (dynamics.CubicStiffness(), {"cubic": 0.2}, {"cubic": (0.2 / 36.0, "1/y^2")}),
+        (dynamics.PoleDrift("1"), {"drift_k": 0.2}, {"pole": (np.exp(0.4) - 1.0, "1")}),
+        (
+            disturbance.Leak("leak"),
+            {"onset": 0.25, "drift_k": 0.1},
+            {"onset": (9.0, "s"), "size": (0.2214, "1")},
+        ),
+    ],
+    ids=lambda value: value.key if isinstance(value, Effect) else None,
+)
+def test_values_of_the_dynamics_are_in_the_units_of_the_record(
+    effect: Effect, plant: dict[str, float], expected: dict[str, tuple[float, str]]
+) -> None:
+    found = values(fitted(effect, np.array([2.0, -1.0]), plant))
+    assert set(found) == set(expected)
+    for name, (value, unit) in expected.items():
+        assert found[name][0] == pytest.approx(value, rel=1e-4)
+        assert found[name][1] == unit
+
+
+def test_size_of_a_load_is_what_it_changes_in_the_end() -> None:
+    effect = disturbance.LoadStep()
+    gains = np.array([0.0, 0.0, 0.0, 0.0, 0.0, 0.03, 0.01])
+    fit = fitted(effect, gains, None, 0.25)
+    found = values(fit)
+    assert found["onset"] == (pytest.approx(0.25 * SAMPLES * TS + 4.0), "s")
+    step = columns(effect, [0.0], 400, 400) @ gains[-2:]
+    assert found["size"][0] == pytest.approx(3.0 * step[-1], rel=1e-6)
+    np.testing.assert_array_equal(effect.acts(fit), np.arange(SAMPLES) >= 25)
+
+
+def test_amplitudes_of_additive_effects() -> None:
+    wave = values(fitted(disturbance.Periodic(), np.array([0.0, 0.0, 0.3, 0.4]), None, 5.0))
+    assert wave == {"frequency": (pytest.approx(5.0 / (SAMPLES * TS)), "Hz"), "amplitude": (pytest.approx(1.5), "y")}
+    gains = np.array([0.0, 0.0, 0.4, -0.3, 0.2])
+    found = values(fitted(output.Drift("3"), gains))
+    course = chebval(np.linspace(-1.0, 1.0, SAMPLES), [0.0, 0.4, -0.3, 0.2])
+    assert found["amplitude"] == (pytest.approx(1.5 * np.ptp(course)), "y")
+
+
+def test_where_limits_act() -> None:
+    fit = fitted(input.Saturation("high"), None, None, 0.75)
+    np.testing.assert_array_equal(fit.hypothesis.effects[0].acts(fit), fit.data.u > 0.75)
+    fit = fitted(input.DeadZone(), None, None, -0.4, 0.3)
+    inside = (fit.data.u >= -0.4) & (fit.data.u <= 0.3)
+    np.testing.assert_array_equal(fit.hypothesis.effects[0].acts(fit), inside)
+    gains = np.array([0.0, 0.0, 0.0, 0.0, 1.0])
+    fit = fitted(output.Saturation("high"), gains, None, 0.5)
+    assert fit.hypothesis.effects[0].acts(fit).all()
+    fit = fitted(output.Saturation("high"), gains, None, 1.5)
+    assert not fit.hypothesis.effects[0].acts(fit).any()
+
+
+def context_of(u: FloatArray, y: FloatArray) -> Context:
+    """About the fitted linear structure."""
+    data = scaled(u, y, np.ones(u.size, bool), 1.0)
+    parent = baseline(data)
+    return Context(data, parent, parent)
+
+
+def test_two_levels_cannot_show_what_bends_the_input(levels: FloatArray) -> None:
+    two = np.sign(levels[:300])
+    context = context_of(two, np.convolve(two, np.ones(6) / 6)[:300])
+    blind = [effect.key for effect in ALL if not effect.applies(context)]
+    assert {"input-dead-zone", "input-backlash", "input-nonlinearity", "input-saturation/both"} <= set(blind)
+    assert "input-delay" not in blind
+    assert "input-rate-limit" not in blind
+
+
+def test_a_dead_band_at_the_end_of_the_range_is_a_limit_unless_the_rig_rests_there() -> None:
+    effect, fit = input.DeadZone(), fitted(input.DeadZone(), None, None, -0.3, 0.4)
+    assert effect.holds(fit)
+    assert not effect.holds(fitted(effect, None, None, -1.6, 0.4))
+    assert not effect.holds(fitted(effect, None, None, 0.1, 0.1))
+    low = Fitted(fit.hypothesis, fitted(effect, None, None, -1.6, 0.4).theta, fit.gains, data_of(np.full(100, -1.5)))
+    low.data.u[50:] = 1.5
+    assert effect.holds(low)
+
+
+def test_friction_without_a_turn_is_no_friction() -> None:
+    effect = dynamics.CoulombFriction("speed")
+    fit = fitted(effect, None, {"friction": 0.1, "log_a": np.log(0.4), "log_b": np.log(0.4), "centre": 0.0})
+    assert effect.holds(fit)
+    one_way = fitted(effect, None, {"friction": 0.1, "log_a": np.log(0.4), "log_b": np.log(0.4), "centre": -3.0})
+    assert not effect.holds(one_way)
+
+
+def test_a_lag_has_to_pass_the_input_on(levels: FloatArray) -> None:
+    effect = dynamics.ExtraLag()
+    hypothesis = Hypothesis((effect,))
+    u = levels[:300]
+    theta = np.array([0.0, np.log(0.5), np.log(0.05), np.log(5.0)])
+    passing, free = np.zeros(7), np.zeros(7)
+    passing[4], free[5] = 1.0, 1.0
+    assert effect.holds(Fitted(hypothesis, theta, passing, data_of(u)))
+    assert not effect.holds(Fitted(hypothesis, theta, free, data_of(u)))
+
+
+def test_peaks_finds_a_wave_in_the_residual(levels: FloatArray, two_poles: Response) -> None:
+    y = two_poles(levels) + 0.1 * np.sin(0.37 * np.arange(levels.size))
+    context = context_of(levels, y + 0.01 * np.random.default_rng(1).standard_normal(levels.size))
+    found = dynamics.peaks(context, 3, 0.02)
+    assert found[0] == pytest.approx(0.37, abs=2.0 * np.pi / levels.size)
+    assert min(abs(a - b) for i, a in enumerate(found) for b in found[:i]) > 0.02
+
+
+def test_onsets_finds_where_a_load_begins(levels: FloatArray, two_poles: Response) -> None:
+    load = two_poles((np.arange(levels.size) >= 220).astype(float))
+    context = context_of(levels, two_poles(levels) + 0.5 * load)
+    found = disturbance.onsets(context, 4)
+    assert len(found) == 4
+    assert found[0] == pytest.approx(220 / levels.size, abs=0.02)
+
+
+def test_start_away_is_how_far_the_record_begins_from_rest(levels: FloatArray, two_poles: Response) -> None:
+    y = two_poles(levels) + 0.8 * np.exp(-0.14 * np.arange(levels.size))
+    context = context_of(levels, y)
+    assert dynamics.start_away(context) == pytest.approx(0.8 / context.data.u_scale.unit, abs=0.3)
+    assert abs(dynamics.start_away(context_of(levels, two_poles(levels)))) < 0.2
+
+
+def test_every_effect_can_be_searched_for(levels: FloatArray, two_poles: Response) -> None:
+    """One search from one start each lowers the error, or keeps it, and stays finite."""
+    y = two_poles(levels) + 0.05 * np.random.default_rng(4).standard_normal(levels.size)
+    context = context_of(levels, y)
+    for effect in ALL:
+        hypothesis = LINEAR.plus(effect)
+        theta = np.zeros(len(hypothesis.parameters))
+        own = hypothesis.plant.starts(*context.rates)[0]
+        if isinstance(effect, PlantEffect):
+            for name, value in effect.plant_starts(context)[0].items():
+                own[hypothesis.plant.index(name.rstrip("+"))] = value
+        else:
+            theta[hypothesis.slices[effect.key]] = effect.starts(context)[0]
+        theta[hypothesis.slices["plant"]] = own
+        before = search(context.data, hypothesis, theta, iterations=0)
+        after = search(context.data, hypothesis, theta, iterations=2)
+        assert before is not None
+        assert after is not None
+        assert after.cost <= before.cost
+        lower, upper = hypothesis.bounds
+        assert np.all((lower <= after.theta) & (after.theta <= upper))

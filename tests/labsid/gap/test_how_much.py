@@ -1,0 +1,139 @@
+"""The closure: by hand, on samples that no fit has seen, with an interval."""
+
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy.signal import lfilter
+
+from labsid._arrays import FloatArray
+from labsid.gap.holdout import held_out
+from labsid.gap.how_much import HowMuch, black_box, closure, how_much, how_much_of, noise_power
+from labsid.gap.which import Explained
+
+
+@pytest.mark.parametrize(
+    ("before", "after", "floor", "expected"),
+    [
+        (5.0, 1.0, 1.0, 1.0),  # down to the noise
+        (5.0, 5.0, 1.0, 0.0),  # nothing
+        (5.0, 2.0, 1.0, 0.5),  # half of the amplitude
+        (5.0, 0.5, 1.0, 1.0),  # below the noise counts as the noise
+        (5.0, 17.0, 1.0, -1.0),  # worse
+        (1.0, 0.5, 1.0, None),  # no gap before
+        (0.5, 0.4, 1.0, None),
+    ],
+)
+def test_closure_by_hand(before: float, after: float, floor: float, expected: float | None) -> None:
+    assert closure(before, after, floor) == expected
+
+
+@pytest.mark.parametrize("samples", [100, 480, 601, 3000])
+def test_blocks_spread_over_the_record_hold_at_least_three_tenths(samples: int) -> None:
+    out = held_out(samples)
+    assert 0.3 <= out.mean() < 0.36
+    starts = np.flatnonzero(np.diff(np.concatenate([[0], out.astype(int)])) == 1)
+    assert starts.size >= 5
+    assert starts[0] > 0.05 * samples  # the fits see the beginning
+    assert np.ptp(np.diff(starts)) <= 0.2 * samples
+    assert np.all(np.array([out[: samples // 2].mean(), out[samples // 2 :].mean()]) > 0.25)
+
+
+def amount_of(explained: Explained, **options: object) -> HowMuch:
+    """The closure with a fixed seed."""
+    return how_much_of(explained, None, None, np.random.default_rng(0), **options)
+
+
+def test_the_gap_closes_on_held_out_samples(banded: Explained) -> None:
+    amount = amount_of(banded)
+    np.testing.assert_array_equal(amount.scored, held_out(banded.data.samples))
+    for fit, rmse in ((amount.before_fit, amount.before), (amount.after_fit, amount.after)):
+        error = banded.data.y - fit.output
+        assert rmse == pytest.approx(np.sqrt(np.mean(error[amount.scored] ** 2)))
+        assert fit.noise.rows < (~amount.scored).sum()  # no fit has seen them
+    assert amount.before_fit.hypothesis.names == ()
+    assert amount.after_fit.hypothesis.names == ("input-dead-zone",)
+    assert amount.closed == closure(amount.before**2, amount.after**2, amount.floor**2)
+    assert amount.closed is not None
+    assert amount.closed > 0.9
+
+
+def test_the_interval_contains_the_point_and_repeats_with_its_seed(banded: Explained) -> None:
+    amount = amount_of(banded)
+    assert amount.ci95 is not None
+    assert amount.closed is not None
+    assert amount.ci95[0] <= amount.closed <= amount.ci95[1] <= 1.0
+    assert amount.ci95[0] < amount.ci95[1]
+    assert amount_of(banded).ci95 == amount.ci95
+    assert how_much_of(banded, None, None, np.random.default_rng(1)).ci95 != amount.ci95
+
+
+def test_the_floor_is_the_noise(banded: Explained, two_poles: Callable[..., FloatArray]) -> None:
+    u = np.asarray(banded.data.u_scale.back(banded.data.u))
+    y = two_poles(np.maximum(u - 0.3, 0.0) + np.minimum(u + 0.4, 0.0))
+    assert amount_of(banded).floor * banded.data.y_scale.unit == pytest.approx(0.02 * y.std(), rel=0.15)
+    assert noise_power(banded.data, banded.best) == pytest.approx(banded.best.noise.sigma2, rel=0.1)
+
+
+def told_by_the_input(explained: Explained, noise: float) -> FloatArray:
+    """The square of the filtered input, standard deviation one, and noise."""
+    state = lfilter([0.2], [1.0, -0.8], explained.data.u) ** 2
+    return (state - state.mean()) / state.std() + noise * np.random.default_rng(4).standard_normal(state.size)
+
+
+def test_what_the_input_explains_is_no_noise(plain: Explained) -> None:
+    """It is taken out of the floor."""
+    e = told_by_the_input(plain, 0.5)
+    power = noise_power(replace(plain.data, y=plain.best.output + e), plain.best)
+    assert 0.5**2 * 0.8 < power < 0.6 * np.mean(e**2)
+
+
+def test_where_there_is_no_gap_there_is_nothing_to_close(plain: Explained) -> None:
+    amount = amount_of(plain)
+    assert amount.closed is None or abs(amount.closed) < 1e-9
+    assert (amount.closed is None) == (amount.ci95 is None) == (amount.black_box is None)
+    assert amount.before == amount.after
+
+
+def test_a_given_simulation_is_scored_as_it_is(banded: Explained) -> None:
+    given = replace(banded.path[0], output=0.8 * banded.path[0].output)
+    amount = how_much_of(banded, given, None, np.random.default_rng(0))
+    assert amount.before_fit is given
+    assert amount.before > amount_of(banded).before
+
+
+def test_another_record_is_scored_behind_its_first_samples(
+    banded: Explained, two_poles: Callable[..., FloatArray]
+) -> None:
+    """No fit is made again, its beginning gives the initial state; spoilt there, it is not scored."""
+    u = np.repeat(np.random.default_rng(9).uniform(-1.5, 1.5, 40), 8)
+    y = two_poles(np.maximum(u - 0.3, 0.0) + np.minimum(u + 0.4, 0.0))
+    data = banded.data
+    # two_poles counts from its own first input; the model from the first one of the fit's record.
+    bend = [np.maximum(x - 0.3, 0.0) + np.minimum(x + 0.4, 0.0) for x in (u[0], data.u_scale.back(data.u[0]))]
+    y = y + bend[0] - bend[1] + 0.01 * np.random.default_rng(3).standard_normal(u.size)
+    other = data.u_scale.of(u), data.y_scale.of(y)
+    amount = how_much_of(banded, None, other, np.random.default_rng(0))
+    assert amount.scored.tolist() == [False] * 50 + [True] * (u.size - 50)
+    assert amount.after_fit is banded.best
+    assert amount.after * data.y_scale.unit < 0.02
+    assert amount.closed is not None
+    assert amount.closed > 0.85
+
+
+def test_how_much_scores_two_fits_on_the_rows_that_it_is_given(banded: Explained) -> None:
+    base, best = banded.path[0], banded.best
+    scored = np.arange(banded.data.samples) >= 300
+    amount = how_much(banded.data, base, best, scored, np.random.default_rng(0), floor=0.0)
+    e0, e1 = banded.data.y - base.output, banded.data.y - best.output
+    assert amount.before == pytest.approx(np.sqrt(np.mean(e0[300:] ** 2)))
+    assert amount.closed == pytest.approx(1.0 - np.sqrt(np.mean(e1[300:] ** 2) / np.mean(e0[300:] ** 2)))
+    assert how_much(banded.data, base, base, scored, np.random.default_rng(0), floor=0.0).closed == 0.0
+
+
+def test_the_black_box_explains_what_the_input_tells_and_no_noise(plain: Explained) -> None:
+    e = told_by_the_input(plain, 0.1)
+    assert np.mean(black_box(plain.data, plain.best, e) ** 2) < 0.1 * np.mean(e**2)
+    noise = plain.data.y - plain.best.output
+    assert np.mean(black_box(plain.data, plain.best, noise) ** 2) > 0.8 * np.mean(noise**2)

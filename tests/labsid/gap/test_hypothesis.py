@@ -1,0 +1,176 @@
+"""A hypothesis: where its numbers lie, in which order its effects act, and that it runs on any input."""
+
+import numpy as np
+import pytest
+
+from labsid._arrays import FloatArray
+from labsid.gap.effects import disturbance, dynamics, input, output
+from labsid.gap.hypothesis import NUISANCE_DELAY, Hypothesis, shifted
+from labsid.gap.plants import Plant
+
+FULL = Hypothesis(
+    (
+        output.Nonlinearity(),
+        disturbance.Periodic(),
+        input.DeadZone(),
+        disturbance.LoadStep(),
+        dynamics.ExtraLag(),
+        output.Drift("2"),
+        output.Saturation("high"),
+        input.Saturation("low"),
+    )
+)
+
+
+def names_at(hypothesis: Hypothesis, key: str) -> list[str]:
+    """Names of the parameters in one slice."""
+    return [parameter.name for parameter in hypothesis.parameters[hypothesis.slices[key]]]
+
+
+def test_theta_holds_delay_inputs_plant_outputs_and_additive_effects_in_this_order() -> None:
+    names = [parameter.name for parameter in FULL.parameters]
+    assert names == ["delay", "low", "low", "high", "log_c", "log_k", "log_lag", "c2", "c3", "high", "cycles", "onset"]
+    assert FULL.parameters[0].upper == NUISANCE_DELAY
+    assert names_at(FULL, "input-saturation/low") == ["low"]
+    assert names_at(FULL, "input-dead-zone") == ["low", "high"]
+    assert names_at(FULL, "plant") == ["log_c", "log_k", "log_lag"]
+    assert names_at(FULL, "output-nonlinearity") == ["c2", "c3"]
+    assert names_at(FULL, "output-saturation/high") == ["high"]
+    assert names_at(FULL, "periodic-disturbance") == ["cycles"]
+    assert names_at(FULL, "load-step") == ["onset"]
+    assert names_at(FULL, "output-drift/2") == []
+
+
+def test_slices_and_the_delay_cover_theta_once() -> None:
+    for hypothesis in (FULL, FULL.plus(input.Delay()), Hypothesis()):
+        covered = [i for place in hypothesis.slices.values() for i in range(place.start, place.stop)]
+        first = [] if hypothesis.slices_has_delay else [0]
+        assert sorted(first + covered) == list(range(len(hypothesis.parameters)))
+
+
+def test_a_delay_that_is_an_effect_takes_the_place_of_the_nuisance_one() -> None:
+    hypothesis = Hypothesis((input.DeadZone(), input.Delay()))
+    assert [parameter.name for parameter in hypothesis.parameters] == ["low", "high", "delay", "log_c", "log_k"]
+    assert hypothesis.slices_has_delay
+    assert not FULL.slices_has_delay
+
+
+def test_bounds_are_those_of_the_parameters() -> None:
+    lower, upper = FULL.bounds
+    assert lower.tolist() == [parameter.lower for parameter in FULL.parameters]
+    assert upper.tolist() == [parameter.upper for parameter in FULL.parameters]
+
+
+def test_effects_that_the_simulation_already_had_are_no_finding() -> None:
+    given = Hypothesis((dynamics.ExtraLag(),), known=1)
+    assert given.names == given.keys == ()
+    more = given.plus(input.Saturation("low"))
+    assert more.names == ("input-saturation",)
+    assert more.keys == ("input-saturation/low",)
+    assert more.plant == Plant(lag=True)
+    twice = Hypothesis((disturbance.LoadStep(), disturbance.Leak("leak")))
+    assert twice.names == ("load-step",)
+    assert twice.keys == ("load-step", "load-step/leak")
+
+
+def test_a_given_plant_is_what_the_effects_build_on() -> None:
+    hypothesis = Hypothesis((dynamics.Resonance(),), given=Plant(lag=True))
+    assert hypothesis.plant == Plant(lag=True, mode=True)
+    assert hypothesis.plus(output.Saturation("low")).plant == hypothesis.plant
+
+
+def test_shifted_by_hand() -> None:
+    w = np.array([1.0, 2.0, 4.0, 8.0])
+    np.testing.assert_allclose(shifted(w, 0.0), w)
+    np.testing.assert_allclose(shifted(w, 1.0), [1.0, 1.0, 2.0, 4.0])
+    np.testing.assert_allclose(shifted(w, 1.25), [1.0, 1.0, 1.75, 3.5])
+    np.testing.assert_allclose(shifted(w, 9.0), 1.0)
+
+
+def test_input_effects_act_in_the_order_of_the_actuator_and_the_delay_last(levels: FloatArray) -> None:
+    """Limited first, then dead: whatever the order in which they were found."""
+    limit, band, delay = input.Saturation("high"), input.DeadZone(), input.Delay()
+    own = {limit.key: [0.8], band.key: [-0.3, 0.2], delay.key: [2.5]}
+    found = []
+    for effects in ((limit, band, delay), (delay, band, limit)):
+        hypothesis = Hypothesis(effects)
+        theta = np.zeros(len(hypothesis.parameters))
+        for key, numbers in own.items():
+            theta[hypothesis.slices[key]] = numbers
+        found.append(hypothesis.actuator(theta, levels))
+    limited = np.minimum(levels, 0.8)
+    expected = shifted(np.maximum(limited - 0.2, 0.0) + np.minimum(limited + 0.3, 0.0), 2.5)
+    np.testing.assert_allclose(found, [expected, expected], atol=1e-12)
+
+
+def test_the_sensor_bends_before_it_clips_and_its_slope_is_the_derivative() -> None:
+    hypothesis = Hypothesis((output.Saturation("high"), output.Nonlinearity()))
+    theta = np.zeros(len(hypothesis.parameters))
+    theta[hypothesis.slices["output-nonlinearity"]] = 0.2, 0.05
+    theta[hypothesis.slices["output-saturation/high"]] = 1.01
+    z = np.linspace(-2.0, 2.0, 41)
+    np.testing.assert_allclose(hypothesis.sensor(theta, z), np.minimum(z + 0.2 * z**2 + 0.05 * z**3, 1.01))
+    h = 1e-6
+    numerical = (hypothesis.sensor(theta, z + h) - hypothesis.sensor(theta, z - h)) / (2.0 * h)
+    np.testing.assert_allclose(hypothesis.slope(theta, z), numerical, atol=1e-6)
+
+
+def full_theta() -> FloatArray:
+    """Numbers at which every effect of FULL is at work."""
+    theta = np.zeros(len(FULL.parameters))
+    theta[0] = 0.3
+    theta[FULL.slices["input-saturation/low"]] = -1.0
+    theta[FULL.slices["input-dead-zone"]] = -0.2, 0.3
+    theta[FULL.slices["plant"]] = np.log([0.5, 0.05, 3.0])
+    theta[FULL.slices["output-nonlinearity"]] = 0.1, 0.02
+    theta[FULL.slices["output-saturation/high"]] = 0.9
+    theta[FULL.slices["periodic-disturbance"]] = 7.0
+    theta[FULL.slices["load-step"]] = 0.4
+    return theta
+
+
+GAINS = np.array([0.03, 0.04, 0.1, -0.1, 0.2, 0.05, 0.15, 0.02, 0.01, 0.3, -0.2, 0.1, 0.05])
+
+
+def test_a_load_is_seen_through_the_sensor_and_a_drift_is_not(levels: FloatArray) -> None:
+    design = FULL.design(full_theta(), levels)
+    assert design.inside.shape == (levels.size, 6 + 1 + 2)  # the plant's, the constant, the load's
+    assert design.outside.shape == (levels.size, 2 + 2)  # the sinusoid's, the drift's
+    np.testing.assert_array_equal(design.inside[:, 6], 1.0)
+    expected = np.minimum((z := design.inside @ GAINS[:9]) * (1.0 + z * (0.1 + 0.02 * z)), 0.9)
+    output_ = FULL.output(full_theta(), GAINS, levels)
+    np.testing.assert_allclose(output_, expected + design.outside @ GAINS[9:], atol=1e-12)
+
+
+def test_gains_of_finds_the_gains_of_each_additive_effect() -> None:
+    found = {effect.key: FULL.gains_of(GAINS, effect).tolist() for effect in FULL.additive}
+    assert found == {"load-step": [0.02, 0.01], "periodic-disturbance": [0.3, -0.2], "output-drift/2": [0.1, 0.05]}
+
+
+@pytest.mark.parametrize("hypothesis", [FULL, Hypothesis((dynamics.GainDrift("1"), dynamics.Resonance()))])
+def test_the_beginning_of_an_input_gives_the_beginning_of_the_output(
+    hypothesis: Hypothesis, levels: FloatArray
+) -> None:
+    """Slow changes are counted by the span of the fit's record, not by the input that is played."""
+    if hypothesis is FULL:
+        theta, gains = full_theta(), GAINS
+    else:
+        theta = np.array([0.2, 0.3, 0.1, np.log(0.5), np.log(0.05), np.log(0.4), np.log(0.1)])
+        gains = GAINS[: hypothesis.design(theta, levels).inside.shape[1]]
+    whole = hypothesis.output(theta, gains, levels)
+    part = hypothesis.output(theta, gains, levels[:250], span=levels.size)
+    np.testing.assert_allclose(part, whole[:250], atol=1e-12)
+    assert np.abs(hypothesis.output(theta, gains, levels[:250]) - whole[:250]).max() > 1e-3
+
+
+def test_reference_is_the_input_from_which_linear_dynamics_count(levels: FloatArray) -> None:
+    """A record that goes on from rest at the fit's first input runs the same with that rest before it."""
+    hypothesis, theta = Hypothesis(), np.array([0.0, np.log(0.5), np.log(0.05)])
+    gains = np.array([0.03, 0.02, 0.0, 0.0, 0.4])
+    later = levels[100:] + 0.3
+    rest = np.full(300, levels[0])
+    played = hypothesis.output(theta, gains, np.concatenate([rest, later]), levels.size, float(levels[0]))[300:]
+    own = hypothesis.output(theta, gains, later, levels.size, float(levels[0]))
+    np.testing.assert_allclose(played, own, atol=1e-9)
+    about_itself = hypothesis.output(theta, gains, later, levels.size)
+    assert np.abs(about_itself - own).max() > 0.1

@@ -1,0 +1,116 @@
+"""What is left: noise, white or coloured, is noise; what the input's past tells is none."""
+
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy.signal import lfilter
+from scipy.stats import kurtosis
+
+from labsid._arrays import FloatArray
+from labsid.gap.candidates import baseline
+from labsid.gap.context import Data, scaled
+from labsid.gap.fitting import Fit
+from labsid.gap.leftover import explained_share, features, is_noise, leftover, pasts, repetition
+
+Fitted = Callable[[FloatArray], tuple[Data, Fit]]
+
+
+@pytest.fixture(scope="module")
+def fitted(levels: FloatArray, two_poles: Callable[..., FloatArray]) -> Fitted:
+    """The linear structure fitted to two poles plus something, in units of the output's spread."""
+    u = np.concatenate([levels, levels[::-1]])[:800]
+    y = two_poles(u)
+
+    def made(something: FloatArray) -> tuple[Data, Fit]:
+        data = scaled(u, y + y.std() * something[: u.size], np.ones(u.size, bool), 1.0)
+        return data, baseline(data)
+
+    return made
+
+
+def noise(pole: float, seed: int, size: float = 0.1) -> FloatArray:
+    """Autoregressive noise of a given standard deviation."""
+    e = lfilter([1.0], [1.0, -pole], np.random.default_rng(seed).standard_normal(900))[100:]
+    return size * e / e.std()
+
+
+@pytest.mark.parametrize("pole", [0.0, 0.5, 0.8])
+@pytest.mark.parametrize("seed", [1, 2, 3])
+def test_noise_is_noise_however_coloured(fitted: Fitted, pole: float, seed: int) -> None:
+    left = leftover(*fitted(noise(pole, seed)))
+    assert is_noise(left, converted=False)
+    assert left.rms == pytest.approx(0.1, rel=0.15)
+    assert left.colour == pytest.approx(1.0 / np.sqrt(1.0 - pole**2), rel=0.15)
+    assert left.slow == pytest.approx(pole**6, abs=0.2)
+    assert left.tails == pytest.approx(3.0, abs=0.8)
+    assert left.uneven < 2.5
+
+
+def test_a_function_of_the_past_of_the_input_is_no_noise(fitted: Fitted, levels: FloatArray) -> None:
+    """The square of a filtered input, which two poles cannot give."""
+    u = np.concatenate([levels, levels[::-1]])[:800]
+    state = lfilter([0.2], [1.0, -0.8], u)
+    data, fit = fitted(0.3 * state**2 + noise(0.0, 1, 0.03))
+    left = leftover(data, fit)
+    assert not is_noise(left, converted=False)
+    assert left.explained > 0.5
+    assert left.repeats > 0.3
+    assert left.repeats_z > 4.0
+
+
+def test_noise_that_grows_with_the_input_is_no_noise(fitted: Fitted, levels: FloatArray) -> None:
+    u = np.concatenate([levels, levels[::-1]])[:800]
+    left = leftover(*fitted(noise(0.0, 1, 0.1) * np.where(u > 0.3, 5.0, 0.2)))
+    assert left.activity > 0.2
+    assert left.activity_z > 4.0
+    assert not is_noise(left, converted=False)
+
+
+def test_tails_and_unevenness_are_those_of_the_innovations(fitted: Fitted) -> None:
+    e = np.random.default_rng(4).standard_t(3, 800) * 0.1
+    data, fit = fitted(e)
+    left = leftover(data, fit)
+    assert left.tails > 4.5
+    white = (data.y - fit.output)[data.sound]
+    if fit.noise.ar.size == 0:
+        assert left.tails == pytest.approx(kurtosis(white, fisher=False), rel=0.05)
+    burst = noise(0.0, 3)
+    burst[400:470] *= 6.0
+    assert leftover(*fitted(burst)).uneven > 5.0
+
+
+@pytest.mark.parametrize(
+    "worse",
+    [{"repeats": 0.5, "repeats_z": 9.0}, {"explained": 0.6}, {"activity": 0.5, "activity_z": 9.0}, {"tails": 9.0}],
+)
+def test_every_sign_counts_unless_a_coarse_converter_makes_it(fitted: Fitted, worse: dict[str, float]) -> None:
+    """Rounding repeats itself with the input, and jumps."""
+    left = leftover(*fitted(noise(0.0, 1)))
+    assert is_noise(left, converted=False)
+    assert not is_noise(replace(left, **worse), converted=False)
+    assert is_noise(replace(left, **worse), converted=True)
+
+
+def test_explained_share_is_that_of_unseen_blocks(fitted: Fitted) -> None:
+    data, fit = fitted(noise(0.0, 5))
+    share = explained_share(data, fit, data.y - fit.output)
+    assert share < 0.02
+    X = features(data, fit)
+    e = X @ np.random.default_rng(1).standard_normal(X.shape[1])
+    assert explained_share(data, fit, e) > 0.9
+    half = explained_share(data, fit, e + e.std() * np.random.default_rng(2).standard_normal(e.size))
+    assert half == pytest.approx(0.5, abs=0.12)
+
+
+def test_repetition_sees_any_function_of_the_pasts(fitted: Fitted) -> None:
+    """Even one that no polynomial gives: the sign of the last move of the input."""
+    data, fit = fitted(noise(0.0, 5))
+    moved = np.sign(pasts(data, fit)[:, -1])
+    value, z = repetition(data, fit, moved + 0.2 * np.random.default_rng(1).standard_normal(data.samples))
+    assert value > 0.5
+    assert z > 4.0
+    value, z = repetition(data, fit, np.random.default_rng(6).standard_normal(data.samples))
+    assert abs(value) < 0.12
+    assert abs(z) < 3.5

@@ -1,0 +1,100 @@
+"""An exported simulation: it runs as its numbers say, survives a file, and a file that is none is refused."""
+
+import json
+
+import numpy as np
+import pytest
+from scipy.signal import lfilter
+
+from labsid.gap.model_file import SCHEMA, from_json_dict, load_model
+
+C, K = 0.5, 0.05
+POLES = np.exp(np.roots([1.0, C, K]))
+DEN = np.poly(POLES)
+GAINS = [0.02, 0.03, 0.0, 0.0, 0.4]
+LIMIT = 0.8  # scaled
+
+
+def content(**changed):
+    """Two poles with an actuator that stops at LIMIT; the record's units are 2 + 3 u and -1 + 5 y."""
+    return {
+        "schema": SCHEMA,
+        "effects": ["input-saturation/high"],
+        "theta": [0.0, LIMIT, np.log(C), np.log(K)],
+        "gains": GAINS,
+        "Ts": 0.5,
+        "span": 600,
+        "reference": 0.1,
+        "u_scale": {"centre": 2.0, "unit": 3.0},
+        "y_scale": {"centre": -1.0, "unit": 5.0},
+    } | changed
+
+
+def by_hand(scaled_u, from_rest):
+    """The same in scipy's words, in the record's unit."""
+    w = np.minimum(scaled_u, LIMIT) - 0.1
+    before = np.full(4000 if from_rest else 0, w[0])
+    y = lfilter([0.0, *GAINS[:2]], DEN, np.concatenate([before, w]))[before.size :] + GAINS[4]
+    return -1.0 + 5.0 * y
+
+
+def test_it_runs_from_rest_as_its_numbers_say(levels):
+    model = from_json_dict(content())
+    np.testing.assert_allclose(model.simulate(2.0 + 3.0 * levels), by_hand(levels, from_rest=True), atol=1e-9)
+
+
+def test_it_starts_in_the_state_that_the_measured_output_tells(levels):
+    model = from_json_dict(content())
+    decay = 4.0 * POLES[0].real ** np.arange(levels.size)
+    measured = by_hand(levels, from_rest=False) + decay
+    np.testing.assert_allclose(model.simulate(2.0 + 3.0 * levels, measured), measured, atol=1e-6)
+
+
+def test_a_file_and_back(levels, tmp_path):
+    path = tmp_path / "model.json"
+    model = from_json_dict(content())
+    path.write_text(json.dumps(model.to_json_dict()))
+    again = from_json_dict(load_model(path))
+    assert again.to_json_dict() == model.to_json_dict()
+    np.testing.assert_array_equal(again.simulate(levels), model.simulate(levels))
+
+
+@pytest.mark.parametrize(
+    ("changed", "words"),
+    [
+        ({"effects": ["input-delay", "magic"]}, "holds 'magic', which this version does not know"),
+        ({"effects": None}, "a value in it is of another kind"),
+        ({"theta": [0.0, LIMIT, np.log(C)]}, "theta must hold 4 numbers within their bounds"),
+        ({"theta": [0.0, LIMIT, np.log(C), np.nan]}, "theta must hold 4 numbers within their bounds"),
+        ({"theta": [0.0, LIMIT, 1e6, np.log(K)]}, "theta must hold 4 numbers within their bounds"),
+        ({"theta": "x"}, "a value in it is of another kind"),
+        ({"gains": GAINS[:-1]}, "gains must hold 5 numbers; got 4"),
+        ({"gains": [*GAINS[:-1], np.inf]}, "its numbers must be finite"),
+        ({"reference": np.nan}, "its numbers must be finite"),
+        ({"Ts": 0.0}, "Ts, span and the units above zero"),
+        ({"span": -1}, "Ts, span and the units above zero"),
+        ({"y_scale": {"centre": 0.0, "unit": 0.0}}, "Ts, span and the units above zero"),
+        ({"y_scale": {"centre": 0.0}}, "'unit' is missing"),
+        ({"u_scale": [1.0, 2.0]}, "a value in it is of another kind"),
+    ],
+)
+def test_what_is_no_exported_simulation(changed, words):
+    with pytest.raises(ValueError, match=words) as caught:
+        from_json_dict(content(**changed))
+    assert "\n" not in str(caught.value)
+
+
+def test_every_key_is_asked_for():
+    for key in content():
+        if key != "schema":
+            rest = {name: value for name, value in content().items() if name != key}
+            with pytest.raises(ValueError, match=f"'{key}' is missing"):
+                from_json_dict(rest)
+
+
+@pytest.mark.parametrize("text", ["", "{", "[" * 100_000, "\x00", '"a"', "3"])
+def test_files_that_hold_no_object(tmp_path, text):
+    path = tmp_path / "model.json"
+    path.write_text(text)
+    with pytest.raises(ValueError, match=r"model\.json: (not JSON|must hold a JSON object)"):
+        load_model(path)

@@ -1,0 +1,225 @@
+"""The page: well-formed, complete in itself, escaped, and saying what the terminal says."""
+
+import base64
+import copy
+import csv
+import io
+import re
+from html.parser import HTMLParser
+
+import pytest
+from gap_reports import PARAMETERS, report, with_experiment
+
+from labsid.gap import sentences
+from labsid.gap.page import command, page, write_page
+from labsid.gap.words import WORDS
+
+VOID = {"meta", "img", "source", "br", "link", "hr", "input"}
+HOSTILE = "<script>alert('&\"')</script>"
+
+
+class Page(HTMLParser):
+    """What a browser would find, and whether every element is closed in its turn."""
+
+    def __init__(self):
+        super().__init__()
+        self.open, self.faults, self.tags, self.attributes, self.text = [], [], [], [], []
+
+    def handle_starttag(self, tag, attrs):
+        self.tags.append(tag)
+        self.attributes += [(tag, name, value) for name, value in attrs]
+        if tag not in VOID:
+            self.open.append(tag)
+
+    def handle_endtag(self, tag):
+        if not self.open or self.open.pop() != tag:
+            self.faults.append(tag)
+
+    def handle_data(self, data):
+        if not self.open or self.open[-1] != "style":
+            self.text.append(data)
+
+    @property
+    def words(self):
+        return " ".join(" ".join(self.text).split())
+
+
+def _read(path, content):
+    """Write the page of a report and read it back as a browser would."""
+    write_page(path, content)
+    html = path.read_text(encoding="utf-8")
+    parsed = Page()
+    parsed.feed(html)
+    parsed.close()
+    assert parsed.faults == []
+    assert parsed.open == []
+    return html, parsed
+
+
+KINDS = {
+    "effect": report("input-dead-zone"),
+    "pair": report("load-step", "output-outliers"),
+    "ambiguous": with_experiment(report("input-delay", probability=0.58)),
+    "none": report(verdict="none"),
+    "unknown": with_experiment(report("input-delay", verdict="unknown")),
+    "mismatch": report("parameter-mismatch"),
+}
+
+
+@pytest.fixture(scope="module")
+def pages(tmp_path_factory):
+    """The page of every kind of answer: its HTML, and what a browser finds in it."""
+    folder = tmp_path_factory.mktemp("pages")
+    return {kind: _read(folder / f"{kind}.html", content) for kind, content in KINDS.items()}
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_every_kind_of_answer_makes_a_page_that_needs_nothing_else(kind, pages):
+    html, parsed = pages[kind]
+    assert html.lstrip().startswith("<!doctype html>")
+    assert not {"script", "link", "iframe", "object", "form"} & set(parsed.tags)
+    assert "http" not in re.sub(r"base64,[A-Za-z0-9+/=]*", "", html)  # where any letters stand by chance
+    for tag, name, value in parsed.attributes:
+        assert not name.startswith("on"), "no script in an attribute"
+        if name in ("src", "href", "srcset"):
+            assert value.startswith("data:"), (tag, name)
+    assert "url(" not in html
+    assert parsed.tags.count("h1") == 1
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_the_verdict_stands_first_and_the_order_is_that_of_the_contract(kind, pages):
+    _, parsed = pages[kind]
+    words = parsed.words
+    titles = (
+        sentences.verdict_sentence(KINDS[kind]),
+        "Measured against simulated",
+        "Where what little is missed lies" if kind == "none" else "Where the gap lies",
+        "What was tried",
+        "What is left unexplained",
+        "What to do next",
+        "How to reproduce this",
+    )
+    places = [words.index(title) for title in titles]
+    assert places == sorted(places)
+    for said in (*sentences.where_sentences(KINDS[kind]), *sentences.left_sentences(KINDS[kind])):
+        assert said in words
+
+
+@pytest.mark.parametrize("name", PARAMETERS)
+def test_every_effect_is_explained_with_its_parameters(name):
+    (shown,) = page(report(name))["effects"]
+    assert shown["meaning"] == WORDS[name].meaning
+    assert len(shown["parameters"]) == len(PARAMETERS[name])
+    assert all(row["label"] and row["value"] for row in shown["parameters"])
+
+
+def test_pictures_are_png_for_both_widths_and_have_words_for_who_cannot_see_them(pages):
+    html, parsed = pages["ambiguous"]
+    pictures = [value for _, name, value in parsed.attributes if name in ("src", "srcset")]
+    assert len(pictures) == 6
+    for picture in pictures:
+        kind, _, data = picture.partition("base64,")
+        assert kind == "data:image/png;"
+        assert base64.b64decode(data, validate=True).startswith(b"\x89PNG\r\n\x1a\n")
+    alts = [value for tag, name, value in parsed.attributes if (tag, name) == ("img", "alt")]
+    assert len(alts) == html.count("<img") == 3
+    assert all(alts)
+
+
+def test_names_from_a_file_are_text_and_nothing_more(tmp_path):
+    base = with_experiment(report("input-delay"))
+    base["record"]["name"] = HOSTILE
+    base["effects"][0]["name"] = HOSTILE
+    base["effects"][0]["parameters"] = {HOSTILE: {"value": 1.0, "stderr": 0.1, "unit": HOSTILE}}
+    base |= {"ambiguous": [HOSTILE], "screen": [HOSTILE]}
+    base["ranking"][0]["name"] = HOSTILE
+    base["next_experiment"]["why"] = HOSTILE
+    html, parsed = _read(tmp_path / "page.html", base)
+    assert "<script" not in html
+    assert "script" not in parsed.tags
+    assert parsed.words.count(HOSTILE) >= 6
+
+
+def test_the_command_is_safe_to_paste():
+    base = report("parameter-mismatch")
+    base["record"]["name"] = "my rig; rm -rf $HOME"
+    assert command(base) == (
+        "labsid gap diagnose 'my rig; rm -rf $HOME' --sim MODEL --json report.json --html report.html"
+    )
+    base["gap"]["holdout"] = []
+    assert "--holdout RECORD2" in command(base)
+    base["command"] = "labsid gap diagnose dryer.dat --columns 1,2 --Ts 0.08"
+    assert command(base) == base["command"]
+
+
+def test_the_accepted_row_carries_its_interval_and_the_rest_is_folded(tmp_path):
+    base = report("input-delay", "output-outliers")
+    base["ranking"] += [{"name": f"extra-lag+{k}", "probability": 0.0, "rmse": 1.0, "closed": 0.1} for k in range(7)]
+    shown = page(base)
+    assert [row["accepted"] for row in shown["ranking"]] == [True, *[False] * 10]
+    assert shown["ranking"][0]["held"] == "97 % [94, 100]"
+    _, parsed = _read(tmp_path / "page.html", base)
+    assert "3 more" in parsed.words
+    assert parsed.words.count("the answer") == 1
+
+
+def test_no_row_is_the_answer_where_there_is_none(pages):
+    _, parsed = pages["unknown"]
+    assert "the answer" not in parsed.words
+    assert "here none of them holds" in parsed.words
+
+
+def test_the_proposed_input_can_be_saved(pages):
+    _, parsed = pages["ambiguous"]
+    (link,) = [value for tag, name, value in parsed.attributes if (tag, name) == ("a", "href")]
+    rows = list(csv.DictReader(io.StringIO(base64.b64decode(link.partition("base64,")[2]).decode())))
+    planned = KINDS["ambiguous"]["next_experiment"]
+    assert [float(row["t"]) for row in rows] == planned["t"]
+    assert [float(row["u"]) for row in rows] == planned["u"]
+
+
+def test_the_loop_marks_where_the_causes_sit():
+    stations = page(KINDS["pair"])["loop"]
+    assert [part["title"] for part in stations if part["hit"]] == ["Sensor", "Surroundings"]
+    assert "Simulation" not in [part["title"] for part in stations]
+    assert [part["title"] for part in page(KINDS["mismatch"])["loop"] if part["hit"]] == ["Simulation"]
+
+
+def test_no_line_ends_between_a_number_and_its_per_cent(pages):
+    _, parsed = pages["pair"]
+    assert " %" not in "".join(parsed.text)
+    assert "97\u00a0% [94, 100]" in "".join(parsed.text)
+
+
+def test_bars_compare_before_after_and_noise_or_what_there_is():
+    assert [bar["width"] for bar in page(KINDS["effect"])["bars"]] == ["100.0", "15.8", "15.5"]
+    assert [bar["label"] for bar in page(KINDS["none"])["bars"]] == ["Simulation", "Noise alone"]
+    after = {kind: page(KINDS[kind])["bars"][1]["label"] for kind in ("effect", "unknown", "mismatch")}
+    assert after == {
+        "effect": "After: cause added",
+        "unknown": "After: nearest explanation added",
+        "mismatch": "After: numbers fitted again",
+    }
+
+
+def test_a_simulation_of_which_only_the_output_is_known_is_said_so():
+    base = report("output-drift")
+    base["simulation"] = {"given": True, "output_only": True}
+    assert "Only the output" in page(base)["simulation"]
+    base["simulation"]["output_only"] = False
+    assert "as it is" in page(base)["simulation"]
+
+
+def test_the_page_is_a_pure_function_of_the_report(tmp_path):
+    base = with_experiment(report("input-delay"))
+    before = copy.deepcopy(base)
+    for name in ("one.html", "two.html"):
+        write_page(tmp_path / name, base)
+    assert (tmp_path / "one.html").read_bytes() == (tmp_path / "two.html").read_bytes()
+    assert base == before
+
+
+def test_a_folder_that_is_not_there_is_an_error(tmp_path):
+    with pytest.raises(FileNotFoundError, match="no such folder"):
+        write_page(tmp_path / "nowhere" / "page.html", KINDS["none"])

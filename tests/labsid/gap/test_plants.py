@@ -1,0 +1,285 @@
+"""Every kind of dynamics as columns: against python-control's sampled systems and scipy's integrators."""
+
+from collections.abc import Callable
+
+import control
+import numpy as np
+import pytest
+from scipy.linalg import expm
+
+from labsid._arrays import FloatArray
+from labsid.gap.plants import Parameter, Plant
+
+Held = Callable[[FloatArray, FloatArray, Callable[[FloatArray, float], list[float]]], FloatArray]
+
+C, K = 0.5, 0.05
+KINDS = [
+    Plant(),
+    Plant(lag=True),
+    Plant(mode=True),
+    Plant(lag=True, mode=True),
+    Plant(kind="tanks"),
+    Plant(kind="tanks", upper_root=True, lower_root=True, brim=1),
+    Plant(kind="tanks", lower_root=True, brim=2, lag=True),
+    Plant(kind="mechanics", friction=True),
+    Plant(kind="mechanics", cubic=True, mode=True),
+    Plant(kind="speed", friction=True, lag_first=False),
+    Plant(kind="varying", bends=2),
+    Plant(kind="varying", course="step"),
+    Plant(kind="given", run=lambda w: 2.0 * w),
+]
+
+
+def theta_of(plant: Plant, **values: float) -> FloatArray:
+    """The plant's numbers by name, the others zero."""
+    return np.array([values.pop(parameter.name, 0.0) for parameter in plant.parameters])
+
+
+def left(columns: FloatArray, y: FloatArray) -> float:
+    """Largest distance of y from the span of the columns."""
+    return float(np.abs(y - columns @ np.linalg.lstsq(columns, y, rcond=None)[0]).max())
+
+
+def sampled(num: list[float], den: list[float], w: FloatArray, state: float = 0.0) -> FloatArray:
+    """Response of python-control's sampled system, every state beginning at `state`."""
+    system = control.c2d(control.ss(control.tf(num, den)), 1.0)
+    return np.asarray(control.forced_response(system, np.arange(w.size), w, np.full(system.nstates, state)).outputs)
+
+
+@pytest.mark.parametrize("state", [0.0, 0.7])
+@pytest.mark.parametrize(("c", "k"), [(C, K), (0.2, 0.3)])
+def test_linear_columns_span_the_sampled_system(levels: FloatArray, c: float, k: float, state: float) -> None:
+    columns = Plant().columns(np.log([c, k]), levels, levels.size, 0.0)
+    assert columns.shape == (levels.size, 4)
+    assert left(columns, sampled([0.3, k], [1.0, c, k], levels, state)) < 1e-9
+
+
+@pytest.mark.parametrize("state", [0.0, 0.7])
+def test_a_further_lag_and_a_further_mode_are_in_the_span(levels: FloatArray, state: float) -> None:
+    lag, mode = np.polymul([1.0, C, K], [4.0, 1.0]), [1.0, 0.06, 0.36]
+    plant = Plant(lag=True)
+    columns = plant.columns(theta_of(plant, log_c=np.log(C), log_k=np.log(K), log_lag=np.log(4.0)), levels, 600, 0.0)
+    assert left(columns, sampled([K], list(lag), levels, state)) < 1e-9
+    plant = Plant(mode=True)
+    numbers = {"log_frequency": np.log(0.6), "log_damping": np.log(0.05)}
+    columns = plant.columns(theta_of(plant, log_c=np.log(C), log_k=np.log(K), **numbers), levels, 600, 0.0)
+    assert left(columns, sampled([K], list(np.polymul([1.0, C, K], mode)), levels, state)) < 1e-9
+
+
+def test_linear_columns_count_from_the_first_input_unless_told(levels: FloatArray) -> None:
+    theta = np.log([C, K])
+    own = Plant().columns(theta, levels, levels.size)
+    np.testing.assert_array_equal(own, Plant().columns(theta, levels, levels.size, float(levels[0])))
+    assert np.all(own[:8, :2] == 0.0)
+
+
+@pytest.mark.parametrize("roots", [(True, True), (True, False), (False, True)])
+@pytest.mark.parametrize("flipped", [False, True])
+def test_tanks_begin_at_the_level_that_their_first_flow_holds(
+    levels: FloatArray, held: Held, roots: tuple[bool, bool], flipped: bool
+) -> None:
+    plant = Plant(kind="tanks", upper_root=roots[0], lower_root=roots[1], flipped=flipped)
+    w, side = levels[:160], -1.0 if flipped else 1.0
+    flow = side * w + 2.5
+    start = np.array([flow[0] ** 2 if root else flow[0] for root in roots])
+
+    def filling(h: FloatArray, value: float) -> list[float]:
+        out = [np.sqrt(level) if root else level for level, root in zip(h, roots, strict=True)]
+        return [0.3 * (value - out[0]), 0.2 * (out[0] - out[1])]
+
+    theta = theta_of(plant, log_a=np.log(0.3), log_b=np.log(0.2), zero=-2.5, h1=0.2, h2=-0.1)
+    level = plant.columns(theta, w, w.size)[:, 0]
+    np.testing.assert_allclose(level, held(flow, start + np.array([0.2, -0.1]), filling)[:, 1], atol=4e-3)
+    still = plant.columns(theta_of(plant, log_a=-1.2, log_b=-1.6, zero=-2.5), np.full(50, 0.4), 50)[:, 0]
+    np.testing.assert_allclose(still, still[0])
+
+
+def test_the_brim_of_the_lower_tank_is_the_highest_level(levels: FloatArray) -> None:
+    plant = Plant(kind="tanks", brim=2)
+    free = theta_of(plant, log_a=np.log(0.3), log_b=np.log(0.2), brim=400.0)
+    cut = theta_of(plant, log_a=np.log(0.3), log_b=np.log(0.2), brim=0.5)
+    full = plant.columns(free, levels, levels.size)[:, 0]
+    level = plant.columns(cut, levels, levels.size)[:, 0]
+    first = int(np.argmax(full > 0.5))
+    assert first > 20
+    np.testing.assert_array_equal(level[:first], full[:first])
+    assert level.max() == 0.5
+
+
+def test_what_the_upper_tank_spills_is_lost_unless_the_lower_one_catches_it(levels: FloatArray) -> None:
+    """Caught in full, the lower tank gets the whole flow; its level lies between."""
+    plant = Plant(kind="tanks", brim=1)
+    heights = []
+    for share in (0.0, 0.5, 1.0):
+        theta = theta_of(plant, log_a=np.log(0.3), log_b=np.log(0.2), brim=0.5, share=share)
+        heights.append(plant.columns(theta, levels, levels.size)[:, 0])
+    assert np.all(heights[0] <= heights[1] + 1e-12)
+    assert np.all(heights[1] <= heights[2] + 1e-12)
+    assert heights[2].max() > heights[0].max() + 0.1
+    np.testing.assert_allclose(heights[1], 0.5 * (heights[0] + heights[2]), atol=1e-12)  # the lower one is linear
+    still = plant.columns(theta_of(plant, log_a=-1.2, log_b=-1.6, brim=0.5, share=0.6), np.repeat([0.2, 1.0], 200), 400)
+    assert still[-1, 0] == pytest.approx(0.5 + 0.6 * 0.5, abs=0.03)
+
+
+@pytest.mark.parametrize("cubic", [0.4, -0.05])
+def test_a_cubic_spring_in_units_of_its_linear_deflection(levels: FloatArray, held: Held, cubic: float) -> None:
+    """x = k z: x'' / k + (c / k) x' + x + cubic x^3 = w, and it begins at rest under the first input."""
+    plant = Plant(kind="mechanics", cubic=True)
+    w = levels[:160]
+    theta = theta_of(plant, log_c=np.log(0.3), log_k=np.log(0.2), cubic=cubic)
+    roots = np.roots([cubic, 0.0, 1.0, -w[0]])
+    rest = roots[np.abs(roots.imag) < 1e-9].real
+    start = rest[np.argmin(np.abs(rest - w[0]))]
+
+    def spring(x: FloatArray, value: float) -> list[float]:
+        return [x[1], 0.2 * (value - x[0] - cubic * x[0] ** 3) - 0.3 * x[1]]
+
+    expected = held(w, np.array([start, 0.0]), spring)[:, 0]
+    np.testing.assert_allclose(plant.columns(theta, w, w.size)[:, 0], expected, atol=0.02)
+    np.testing.assert_allclose(expected[:8], start, atol=1e-6)
+
+
+def test_friction_holds_a_mass_within_its_band() -> None:
+    plant = Plant(kind="mechanics", friction=True)
+    theta = theta_of(plant, log_c=np.log(0.3), log_k=np.log(0.2), friction=0.4)
+    w = np.concatenate([np.zeros(20), np.full(40, 0.35), np.full(120, 1.4), np.full(60, 1.1)])
+    x = plant.columns(theta, w, w.size, 0.0)[:, 0]
+    assert np.all(x[:61] == 0.0)
+    assert 1.0 <= x[179] <= 1.4 + 0.4  # where it comes to rest: within the band about the new balance
+    assert np.all(x[200:] == x[179])
+    speed = plant.speed(theta, w)
+    assert np.all(speed[:61] == 0.0)
+    assert speed[65] > 0.0
+
+
+@pytest.mark.parametrize("lag_first", [True, False])
+def test_speed_settles_at_the_drive_less_the_friction(lag_first: bool) -> None:
+    plant = Plant(kind="speed", friction=True, lag_first=lag_first)
+    theta = theta_of(plant, log_a=np.log(0.3), log_b=np.log(0.5), friction=0.2, centre=0.1)
+    w = np.repeat([0.1, 1.1, -0.9, 0.2], 80)
+    v = plant.columns(theta, w, w.size)[:, 0]
+    np.testing.assert_allclose(v[[79, 159, 239, 319]], [0.0, 0.8, -0.8, 0.0], atol=1e-3)
+
+
+def test_a_lag_behind_a_nonlinear_state_takes_its_place(levels: FloatArray) -> None:
+    bare, lagged = Plant(kind="tanks"), Plant(kind="tanks", lag=True)
+    numbers = {"log_a": np.log(0.3), "log_b": np.log(0.2)}
+    level = bare.columns(theta_of(bare, **numbers), levels, levels.size)[:, 0]
+    columns = lagged.columns(theta_of(lagged, log_lag=np.log(4.0), **numbers), levels, levels.size)
+    pole = np.exp(-0.25)
+    expected = np.zeros(levels.size)
+    for k in range(1, levels.size):
+        expected[k] = pole * expected[k - 1] + (1.0 - pole) * level[k - 1]
+    np.testing.assert_allclose(columns, np.column_stack([expected, pole ** np.arange(levels.size)]), atol=1e-12)
+
+
+def test_rates_that_do_not_vary_give_the_linear_columns(levels: FloatArray) -> None:
+    plant = Plant(kind="varying", bends=1)
+    columns = plant.columns(theta_of(plant, log_c=np.log(C), log_k=np.log(K)), levels, levels.size, 0.0)
+    assert left(columns, sampled([0.3, K], [1.0, C, K], levels, 0.7)) < 1e-9
+
+
+@pytest.mark.parametrize("course", ["slow", "step"])
+def test_varying_rates_follow_their_course(levels: FloatArray, course: str) -> None:
+    """Against the matrix exponential from sample to sample."""
+    w, samples = levels[:240], 240
+    if course == "slow":
+        plant = Plant(kind="varying", bends=1)
+        x = np.linspace(-1.0, 1.0, samples)
+        change = x + 0.3 * (2.0 * x**2 - 1.0)
+        own = {"bend1": 0.3}
+    else:
+        plant = Plant(kind="varying", course="step")
+        change = (np.arange(samples) >= 96).astype(float)
+        own = {"onset": 0.4}
+    c, k = C * np.exp(0.1 * change), K * np.exp(0.4 * change)
+    state, y = np.zeros(3), []
+    for value, damping, spring in zip(w, c, k, strict=True):
+        y.append(state[0] * K)
+        state[2] = value
+        state = expm(np.array([[0, 1, 0], [-spring, -damping, 1], [0, 0, 0]])) @ state
+    theta = theta_of(plant, log_c=np.log(C), log_k=np.log(K), drift_c=0.1, drift_k=0.4, **own)
+    columns = plant.columns(theta, w, samples, 0.0)
+    np.testing.assert_allclose(columns[:, 0], y, atol=1e-8)
+
+
+def test_a_given_simulation_is_one_column(levels: FloatArray) -> None:
+    plant = Plant(kind="given", run=lambda w: 2.0 * w, given_rates=(0.7, 0.1))
+    assert plant.parameters == ()
+    np.testing.assert_array_equal(plant.columns(np.zeros(0), levels, levels.size), 2.0 * levels[:, None])
+    assert plant.linear_rates(np.zeros(0)) == (0.7, 0.1)
+    assert [start.size for start in plant.starts(0.5, 0.05)] == [0]
+
+
+@pytest.mark.parametrize("plant", [plant for plant in KINDS if plant.kind in ("linear", "varying")])
+def test_state_columns_are_those_that_move_without_an_input(plant: Plant) -> None:
+    numbers = {
+        "log_c": np.log(C),
+        "log_k": np.log(K),
+        "log_lag": 1.0,
+        "log_frequency": -0.5,
+        "log_damping": -2.0,
+        "onset": 1.0,
+    }
+    named = {name: value for name, value in numbers.items() if name in [p.name for p in plant.parameters]}
+    columns = plant.columns(theta_of(plant, **named), np.full(300, 0.4), 300)
+    # A slow course also gives answers to a constant; only an initial state dies out.
+    moves = np.abs(columns).max(axis=0) > 0.0
+    dies = np.abs(columns[-1]) < 1e-3 * np.abs(columns).max(axis=0)
+    assert tuple(np.flatnonzero(moves & dies)) == plant.state_columns
+
+
+def test_state_columns_behind_a_nonlinear_state() -> None:
+    assert Plant(kind="tanks").state_columns == ()
+    assert Plant(kind="tanks", lag=True).state_columns == (1,)
+    assert Plant(kind="mechanics", cubic=True, mode=True).state_columns == (3, 4)
+    for plant in KINDS:
+        numbers = np.clip(np.zeros(len(plant.parameters)), [p.lower for p in plant.parameters], None)
+        width = plant.columns(numbers, np.linspace(0.0, 1.0, 40), 40).shape[1]
+        assert all(0 <= column < width for column in plant.state_columns)
+
+
+def test_a_load_goes_through_the_poles() -> None:
+    step = np.ones(200)
+    through = Plant().through(np.log([C, K]), step)
+    assert left(through, sampled([K], [1.0, C, K], step)) < 1e-9
+    np.testing.assert_array_equal(through[1:, 1], through[:-1, 0])
+
+
+@pytest.mark.parametrize("plant", KINDS[4:6])
+def test_linear_rates_of_tanks_are_those_of_small_motions(plant: Plant) -> None:
+    theta = theta_of(plant, log_a=np.log(1.2), log_b=np.log(0.9), zero=-3.0, brim=400.0)
+    c, k = plant.linear_rates(theta)
+    small = 1e-3 * np.repeat(np.random.default_rng(1).uniform(-1.0, 1.0, 40), 8)
+    small[:8] = 0.0
+    level = plant.columns(theta, small, small.size)[:, 0]
+    columns = np.hstack([Plant().columns(np.log([c, k]), small, small.size), np.ones((small.size, 1))])
+    assert left(columns, level) < 0.02 * level.std()
+
+
+@pytest.mark.parametrize("plant", KINDS[:-1])
+def test_starts_carry_the_rates_of_a_linear_fit(plant: Plant) -> None:
+    starts = plant.starts(C, K)
+    assert all(start.size == len(plant.parameters) for start in starts)
+    for start in starts:
+        if plant.kind in ("tanks", "speed"):
+            assert np.exp(start[:2]).sum() == pytest.approx(C)
+            assert np.exp(start[:2]).prod() == pytest.approx(K)
+        else:
+            np.testing.assert_allclose(np.exp(start[:2]), [C, K])
+
+
+@pytest.mark.parametrize("plant", KINDS)
+def test_parameters_are_named_once_and_bounded(plant: Plant) -> None:
+    names = [parameter.name for parameter in plant.parameters]
+    assert len(set(names)) == len(names)
+    assert all(parameter.lower < parameter.upper for parameter in plant.parameters)
+    assert all(parameter.step > 0.0 and parameter.leap >= 0.0 for parameter in plant.parameters)
+    assert all(plant.index(name) == place for place, name in enumerate(names))
+
+
+def test_but_changes_what_it_is_told_and_the_numbers_with_it() -> None:
+    plant = Plant(lag=True).but(mode=True)
+    assert plant == Plant(lag=True, mode=True)
+    assert plant.parameters == Plant(lag=True, mode=True).parameters
+    assert Parameter("log_damping", -7.0, -0.2) in plant.parameters

@@ -1,0 +1,195 @@
+"""The verdict in the terminal: one sentence first, for every effect and every kind of answer."""
+
+import copy
+
+import pytest
+from gap_reports import PARAMETERS, effect, report, with_experiment
+
+from labsid.gap import sentences
+from labsid.gap.text import WIDTH, verdict_text
+from labsid.gap.words import RAW, clause, noun
+
+
+def _one_line(text):
+    return " ".join(text.split())
+
+
+@pytest.mark.parametrize("name", sorted(set(PARAMETERS) - set(RAW)))
+def test_every_effect_is_one_sentence_with_its_share_of_the_gap(name):
+    said = sentences.verdict_sentence(report(name))
+    assert said == f"{clause(effect(name))}: {noun(name)} explains 97 % [94, 100] of the gap."
+    text = verdict_text(report(name))
+    assert _one_line(text).startswith(said)
+    assert f"{noun(name)} ({name}), probability over 99 %" in _one_line(text)
+
+
+@pytest.mark.parametrize("name", RAW)
+def test_what_only_the_samples_show_closes_no_gap(name):
+    base = report(name)
+    base["gap"] |= {"before": 0.0102, "after": 0.0102, "closed": None, "ci95": None, "black_box": None}
+    said = sentences.verdict_sentence(base)
+    assert said == (f"{clause(effect(name))}: {noun(name)}; that aside, the simulation leaves no gap beyond noise.")
+    base["gap"] |= {"before": 0.02, "after": 0.02}
+    assert sentences.verdict_sentence(base).endswith(
+        "misses the record by 0.0200 rms, where the noise alone is 0.0100."
+    )
+
+
+def test_the_dead_zone_as_the_contract_says_it():
+    text = verdict_text(report("input-dead-zone"))
+    assert text.splitlines()[0].startswith(
+        "The actuator does not move between 0.458 and 0.875: a dead zone explains 97 %"
+    )
+    assert "lower edge of the band  0.4580 ± 0.0013  units of u" in text
+    assert "misses the record by 0.0644 rms before and 0.0102 after, and the noise alone is 0.0100" in _one_line(text)
+    assert "On the way in, between the command and the process." in _one_line(text)
+    assert "80 % of it lies between 30 and 45 s, 12 % of the record" in _one_line(text)
+    assert "70 % of it lies between 0.250 and 0.500 Hz" in _one_line(text)
+    assert "90 % of it lies where u is between 2 and 3; the record spends 50 % of its time there" in _one_line(text)
+    assert "noise and nothing else" in _one_line(text)
+
+
+def test_a_pair_is_said_together_and_the_unsure_half_of_it_hedged():
+    base = report("input-dead-zone", "load-step")
+    said = sentences.verdict_sentence(base)
+    assert said == (
+        "The actuator does not move between 0.458 and 0.875 (a dead zone), and an unmeasured load sets in at 374.2 s "
+        "and moves the output by -0.210 (a load step): together they explain 97 % [94, 100] of the gap."
+    )
+    base["effects"][1]["probability"] = 0.43
+    assert "(a dead zone), and possibly an unmeasured load sets in" in sentences.verdict_sentence(base)
+    base["effects"][0]["probability"] = 0.7
+    assert sentences.verdict_sentence(base).startswith("Probably the actuator does not move")
+    assert "A dead zone: on the way in" in _one_line(verdict_text(base))
+
+
+def test_three_effects_are_listed():
+    said = sentences.verdict_sentence(report("input-delay", "extra-lag", "output-drift"))
+    assert "late (a transport delay), between command" in said
+    assert "(an extra lag), and the zero of the sensor" in said
+
+
+@pytest.mark.parametrize(
+    ("closed", "ci95", "end"),
+    [
+        (0.3, [0.1, 0.5], "a transport delay explains only 30 % [10, 50] of the gap."),
+        (0.3, [-0.2, 0.8], "a transport delay explains only 30 % [-20, 80] of the gap, and possibly nothing of it."),
+        (-0.2, [-1.3, 0.4], "but nothing of the gap on samples held back (-20 % [-130, 40])."),
+        (None, None, "though the samples held back show no gap to close."),
+    ],
+)
+def test_what_does_not_hold_on_fresh_samples_is_not_praised(closed, ci95, end):
+    base = report("input-delay")
+    base["gap"] |= {"closed": closed, "ci95": ci95}
+    assert sentences.verdict_sentence(base).endswith(end)
+
+
+def test_none_says_which_simulation_was_good_enough():
+    base = report(verdict="none")
+    text = verdict_text(base)
+    assert _one_line(text).startswith(
+        "There is no gap beyond noise: a linear model fitted to the record misses the record by 0.0102 rms, and the "
+        "noise alone is 0.0100."
+    )
+    assert "where " not in text
+    base["simulation"]["given"] = True
+    base["gap"]["after"] = 0.0099  # refitted, which changes nothing that counts
+    assert "your simulation misses the record by 0.0102 rms" in _one_line(verdict_text(base))
+    assert "0.0099" not in verdict_text(base)
+
+
+def test_unknown_says_what_was_looked_at_and_what_is_left():
+    base = report("input-delay", verdict="unknown")
+    base["gap"] |= {"closed": 0.43, "ci95": [0.08, 0.58], "after": 0.04}
+    base["unexplained"] |= {"share": 0.24, "whiteness_p": 0.0, "input_correlation_p": 1e-9, "repeats": 0.3}
+    text = _one_line(verdict_text(base))
+    assert text.startswith(
+        "There is a gap that none of the 9 causes tried explains: the nearest, a transport delay, closes only "
+        "43 % [8, 58] of it, and what it leaves is more than noise."
+    )
+    assert "tried Extra lag, backlash, transport delay, drift of the sensor, lightly damped mode, logger" in text
+    assert "24 % of the gap is left, 0.0101 rms with the noise" in text
+    assert "It still follows the input (p < 0.001)" in text
+    assert "comes back when the same input comes back (correlation 0.30)" in text
+    assert "nothing else" not in text
+
+
+def test_unknown_where_nothing_shrinks_the_gap_names_no_nearest():
+    base = report("input-delay", verdict="unknown")
+    base["gap"] |= {"closed": 0.0, "ci95": [0.0, 0.0], "after": base["gap"]["before"]}
+    assert sentences.verdict_sentence(base).endswith("none of them shrinks it by more than chance would.")
+    base["gap"] |= {"closed": -0.1, "ci95": [-0.9, 0.2], "after": 0.08}
+    assert sentences.verdict_sentence(base).endswith("a transport delay, does not shrink it on samples held back.")
+
+
+def test_a_set_is_named_as_one_and_not_twice():
+    base = report("input-delay", probability=0.58) | {"ambiguous": ["input-rate-limit", "extra-lag"]}
+    assert sentences.ambiguity_sentence(base) == (
+        "It could also be a rate limit of the actuator or an extra lag: this record cannot tell. Probability: "
+        "a transport delay 58 %."
+    )
+    unknown = report("input-delay", verdict="unknown") | {"ambiguous": ["input-delay"]}
+    assert sentences.ambiguity_sentence(unknown) is None  # the verdict has named it
+    unknown["ambiguous"] = ["resonance"]
+    assert sentences.ambiguity_sentence(unknown).startswith("A lightly damped mode: these come nearest")
+    none = report(verdict="none") | {"ambiguous": ["extra-lag"]}
+    assert sentences.ambiguity_sentence(none) == "The record does not rule out an extra lag."
+
+
+@pytest.mark.parametrize(
+    ("margin", "how"), [(41.0, "safe"), (9.0, "likely right"), (3.0, "little better than a coin toss")]
+)
+def test_the_experiment_says_what_it_tells_apart_and_how_surely(margin, how):
+    base = with_experiment(report("input-delay"))
+    base["next_experiment"]["margin"] = margin
+    said = sentences.experiment_sentence(base)
+    assert said.startswith(
+        "It would tell a transport delay from a drift of the sensor. On ramps, a drift of the sensor "
+    )
+    assert said.endswith(f"the decision would be {how}.")
+    assert "input-delay" not in said
+    assert "next_experiment" in verdict_text(base)
+
+
+def test_the_gap_in_time_is_spread_or_in_stretches():
+    base = report("output-dropout")
+    base["where"]["time"] = [[0.0, 60.0, 0.55], [60.0, 120.0, 0.45]]
+    assert "In time it is spread over the whole record." in sentences.where_sentences(base)
+    base["where"]["time"] = [[0, 50, 0.1], [50, 52, 0.3], [52, 54, 0.2], [54, 90, 0.1], [90, 92, 0.3], [92, 120, 0.0]]
+    assert sentences.where_sentences(base)[0] == (
+        "In time, 80 % of it lies in 2 stretches that make up 5 % of the record, most between 50 and 54 s."
+    )
+
+
+def test_an_operating_range_that_only_follows_the_time_is_said_so():
+    base = report("input-delay")
+    base["where"]["operating"][2]["share"], base["where"]["operating"][1]["share"] = 0.55, 0.4
+    assert "it follows the time that the record spends at each value of u" in sentences.where_sentences(base)[2]
+
+
+def test_a_given_holdout_is_named_as_the_ground_of_the_score():
+    base = report("input-delay")
+    base["gap"]["holdout"] = []
+    assert "on the record held back" in sentences.gap_sentence(base)
+
+
+def test_lines_are_short_and_numbers_stay_with_their_per_cent():
+    for base in (report("input-dead-zone", "load-step"), report("input-delay", verdict="unknown")):
+        for line in verdict_text(with_experiment(base)).splitlines():
+            assert len(line) <= WIDTH
+            assert not line.strip().startswith(("%", "±"))
+
+
+def test_control_characters_of_a_file_do_not_reach_the_terminal():
+    base = report("input-delay") | {"screen": ["odd\x1b[2Jname\x07"]}
+    text = verdict_text(base)
+    assert "\x1b" not in text
+    assert "\x07" not in text
+    assert "odd [2Jname" in text
+
+
+def test_the_report_is_only_read():
+    base = with_experiment(report("input-delay", "load-step"))
+    before = copy.deepcopy(base)
+    assert verdict_text(base) == verdict_text(base)
+    assert base == before

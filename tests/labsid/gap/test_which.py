@@ -1,0 +1,97 @@
+"""The search over effects: levels, path, and what counts as an effect at all."""
+
+from dataclasses import replace
+from itertools import pairwise
+
+import numpy as np
+import pytest
+from scipy.signal import lfilter
+
+from labsid.gap.fitting import Fit
+from labsid.gap.raw import RawFaults
+from labsid.gap.which import Explained, explain, nothing_left, unsimulated, worth
+
+
+def test_the_path_adds_one_effect_at_a_time(banded: Explained) -> None:
+    assert banded.names == banded.best.hypothesis.names == ("input-dead-zone",)
+    assert [len(fit.hypothesis.effects) for fit in banded.path] == list(range(len(banded.path)))
+    assert all(b.bic < a.bic for a, b in pairwise(banded.path))
+    assert banded.path[0] is banded.levels[0][()]
+
+
+def test_levels_hold_the_best_fit_of_every_combination(banded: Explained) -> None:
+    for number, level in enumerate(banded.levels):
+        for names, fit in level.items():
+            assert len(names) == number
+            assert names == tuple(sorted(fit.hypothesis.names))
+            assert np.isfinite(fit.bic)
+    assert min(banded.levels[1].values(), key=lambda fit: fit.bic) is banded.best
+
+
+def test_a_linear_record_has_no_effect(plain: Explained) -> None:
+    assert plain.names == ()
+    assert len(plain.path) == 1
+    assert nothing_left(plain.data, plain.best)
+    assert not plain.faults.bad.any()
+    assert plain.faults.lattice is None
+
+
+def test_something_is_left_where_an_effect_is_missing(banded: Explained) -> None:
+    assert not nothing_left(banded.data, banded.path[0])
+    assert nothing_left(banded.data, banded.best)
+
+
+def test_worth_asks_for_significance_and_for_size(banded: Explained) -> None:
+    data, base, best = banded.data, banded.path[0], banded.best
+    assert worth(data, base, best)
+    assert not worth(data, best, base)
+    assert not worth(data, base, replace(best, bic=base.bic - 1.0))
+    assert not worth(data, base, replace(best, output=base.output + 1e-4))
+
+
+def test_progress_is_told_and_no_more_effects_than_asked_for_are_added(banded: Explained) -> None:
+    told: list[float] = []
+    again = explain(banded.data, most=1, progress=lambda what, share: told.append(share))
+    assert len(again.levels) == 2
+    assert again.names == ("input-dead-zone",)
+    assert told[0] == 0.0
+    assert told == sorted(told)
+    assert told[-1] < 1.0
+
+
+def spoilt(fit: Fit, explained: Explained, faults: RawFaults, y: np.ndarray) -> tuple[str, ...]:
+    """What `unsimulated` says of other samples."""
+    data = replace(explained.data, y=y)
+    return unsimulated(data, replace(data, rows=data.rows & ~faults.bad), faults, fit)
+
+
+def test_bad_samples_are_an_effect_where_they_make_the_gap(plain: Explained) -> None:
+    fit, nothing = plain.best, np.zeros(plain.data.samples, bool)
+    assert spoilt(fit, plain, RawFaults(nothing, (), nothing, None), plain.data.y) == ()
+    y, spikes = plain.data.y.copy(), nothing.copy()
+    spikes[[50, 150, 333]] = True
+    y[spikes] += 3.0
+    assert spoilt(fit, plain, RawFaults(nothing, (), spikes, None), y) == ("output-outliers",)
+    y, held = plain.data.y.copy(), nothing.copy()
+    held[100:140] = True
+    y[held] = y[99] + 1.0
+    assert spoilt(fit, plain, RawFaults(held, ((100, 140),), nothing, None), y) == ("output-dropout",)
+
+
+def test_a_step_that_makes_the_noise_is_quantization(plain: Explained) -> None:
+    nothing = np.zeros(plain.data.samples, bool)
+    sd = np.sqrt(plain.best.noise.sigma2)
+    coarse = RawFaults(nothing, (), nothing, float(sd * np.sqrt(12.0)))
+    assert spoilt(plain.best, plain, coarse, plain.data.y) == ("output-quantization",)
+    fine = RawFaults(nothing, (), nothing, float(0.1 * sd))
+    assert spoilt(plain.best, plain, fine, plain.data.y) == ()
+
+
+@pytest.mark.parametrize(("pole", "names"), [(0.5, ()), (0.97, ("coloured-noise",))])
+def test_only_slow_noise_is_an_effect(plain: Explained, pole: float, names: tuple[str, ...]) -> None:
+    """A sensor's noise forgets itself within a few samples."""
+    e = lfilter([1.0], [1.0, -pole], 0.05 * np.random.default_rng(3).standard_normal(plain.data.samples))
+    data = replace(plain.data, y=plain.best.output + e)
+    fit = replace(plain.best, noise=replace(plain.best.noise, sigma2=0.05**2))
+    nothing = np.zeros(data.samples, bool)
+    assert unsimulated(data, data, RawFaults(nothing, (), nothing, None), fit) == names

@@ -1,0 +1,99 @@
+"""Every effect of the table has its words, and every parameter its label."""
+
+import pytest
+from gap_reports import PARAMETERS, effect
+
+from labsid.gap.candidates import CANDIDATES
+from labsid.gap.quantities import UNITS
+from labsid.gap.words import WORDS, amount, clause, label, noun
+
+CLAUSES = {
+    "input-delay": "The rig answers each command 0.4339 s late",
+    "input-saturation": "The actuator stops at -0.5115 and at 0.0897",
+    "input-dead-zone": "The actuator does not move between 0.458 and 0.875",
+    "input-backlash": "The actuator has to cross a play of 0.32 each time it turns round",
+    "input-rate-limit": "The actuator moves no faster than 1.71 units a second",
+    "input-nonlinearity": "The gain of the actuator changes with the size of the command",
+    "extra-lag": "Between command and record there is one more lag, of 2.51 s",
+    "resonance": "The rig rings at 8.579 Hz, with a damping ratio of 0.0591",
+    "sqrt-outflow": "The outflow goes with the square root of the level, not with the level",
+    "overflow": "A tank is full at 10.10 and takes no more",
+    "coulomb-friction": "Dry friction takes 1.702 of the command before anything moves",
+    "cubic-stiffness": "The rig grows softer away from rest, by 0.938 times the square of the displacement",
+    "parameter-drift": "The gain of the rig changes by -60 % along the record",
+    "output-drift": "The zero of the sensor wanders by ±0.0760",
+    "output-saturation": "The sensor reads nothing above 243.71",
+    "output-nonlinearity": "The gain of the sensor changes along its range",
+    "output-quantization": "The output is read in steps of 0.0129",
+    "output-outliers": "Single readings, 0.72 % of them, are spikes",
+    "output-dropout": "The logger repeats its last value over 12 % of the record",
+    "load-step": "An unmeasured load sets in at 374.2 s and moves the output by -0.210",
+    "periodic-disturbance": "A sinusoid of 0.0861 Hz and amplitude 0.00467 is added to the output",
+    "coloured-noise": "Noise of 0.045 rms that forgets itself slowly lies on the output",
+    "parameter-mismatch": "The structure of the simulation is right, its numbers are wrong",
+}
+
+
+def test_the_words_are_those_of_the_table_and_of_every_candidate():
+    assert set(WORDS) == set(CLAUSES) == set(PARAMETERS)
+    assert {variant.name for group in CANDIDATES for variant in group} <= set(WORDS)
+
+
+@pytest.mark.parametrize("name", CLAUSES)
+def test_what_the_rig_does_with_its_numbers(name):
+    assert clause(effect(name)) == CLAUSES[name]
+
+
+@pytest.mark.parametrize("name", CLAUSES)
+def test_what_the_rig_does_without_numbers(name):
+    """No brace is left over, and nothing is made up, where the parameters are not known."""
+    said = clause(effect(name) | {"parameters": {}})
+    assert "{" not in said
+    assert not any(c.isdigit() for c in said)
+    assert said[0].isupper()
+
+
+@pytest.mark.parametrize("name", CLAUSES)
+def test_every_parameter_has_a_label_and_a_unit_in_words(name):
+    for parameter, entry in PARAMETERS[name].items():
+        assert label(name, parameter, entry["unit"]) != parameter or parameter in ("delay", "frequency", "amplitude")
+        value, unit = amount(name, parameter, entry)
+        assert value
+        assert unit in {*UNITS.values(), "s", "Hz", "%"}
+
+
+def test_one_limit_alone_is_said_alone():
+    alone = effect("input-saturation")
+    del alone["parameters"]["high"]
+    assert clause(alone) == "The actuator goes no lower than -0.5115"
+
+
+def test_a_load_that_grows_with_the_output_is_a_leak():
+    leak = effect("load-step")
+    leak["parameters"]["size"] = {"value": 0.21, "stderr": 0.01, "unit": "1"}
+    assert clause(leak) == (
+        "An unmeasured load sets in at 374.2 s and adds 21 % to the pull towards rest, as a leak does"
+    )
+    assert label("load-step", "size", "1") == "growth of the pull towards rest"
+    assert amount("load-step", "size", leak["parameters"]["size"]) == ("21.0 ± 1.0", "%")
+
+
+def test_a_stiffening_spring_is_not_a_softening_one():
+    hard = effect("cubic-stiffness")
+    hard["parameters"]["cubic"]["value"] = 0.05
+    assert clause(hard).startswith("The rig grows stiffer away from rest, by 0.050 times")
+
+
+def test_a_size_that_its_error_swallows_is_not_said():
+    loose = effect("output-drift")
+    loose["parameters"]["amplitude"]["stderr"] = 7.5
+    assert clause(loose) == "The zero of the sensor wanders"
+    near_zero = effect("output-saturation")
+    near_zero["parameters"] = {"low": {"value": 0.001, "stderr": 0.01, "unit": "y"}}
+    assert clause(near_zero) == "The sensor reads nothing below 0.0010"
+
+
+def test_a_name_outside_the_table_is_said_as_it_is():
+    assert noun("gremlins") == "gremlins"
+    assert clause(effect("gremlins")) == "The record shows gremlins"
+    assert amount("gremlins", "x", {"value": 2.0, "stderr": 0.0, "unit": "furlong"}) == ("2.000", "furlong")

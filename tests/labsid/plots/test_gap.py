@@ -1,0 +1,124 @@
+"""The figures of the gap report: the right curves, named and with units, on both widths."""
+
+import numpy as np
+import pytest
+from gap_reports import report, with_experiment
+
+from labsid.plots.gap import NARROW, WIDE, figure_experiment, figure_simulations, figure_where, furthest_off
+
+WIDTHS = pytest.mark.parametrize("narrow", [False, True])
+
+
+def _legend(ax):
+    return [text.get_text() for text in ax.get_legend().get_texts()]
+
+
+def _curve(ax, label):
+    (line,) = [line for line in ax.lines if line.get_label() == label]
+    return line
+
+
+@WIDTHS
+def test_measured_and_both_simulations_over_the_record_and_close_up(narrow, covered):
+    base = report("input-delay")
+    figure = figure_simulations(base, narrow)
+    whole, close, errors = figure.axes
+    traces = base["traces"]
+    for label, name in (("Measured", "y"), ("Before", "before"), ("After", "after")):
+        np.testing.assert_array_equal(_curve(whole, label).get_ydata(), traces[name])
+        assert _curve(close, label).get_xdata()[0] >= 20.0
+        assert _curve(close, label).get_xdata()[-1] <= 50.0
+    np.testing.assert_allclose(_curve(errors, "Before").get_ydata(), np.subtract(traces["y"], traces["before"]))
+    np.testing.assert_allclose(_curve(errors, "After").get_ydata(), np.subtract(traces["y"], traces["after"]))
+    assert _legend(errors) == ["Before", "After", "Noise, ±2 s.d.", "Held back"]
+    assert {tuple(line.get_ydata()) for line in errors.lines if len(line.get_ydata()) == 2} == {
+        (0.02, 0.02),
+        (-0.02, -0.02),
+    }
+    assert [ax.get_xlabel() for ax in figure.axes] == ["Time (s)"] * 3
+    assert [ax.get_ylabel() for ax in figure.axes] == ["Output $y$ (units of y)"] * 2 + ["Error (units of y)"]
+    assert figure.get_size_inches()[0] == (NARROW if narrow else WIDE)
+    assert covered(figure) == []
+
+
+def test_the_samples_held_back_are_shaded():
+    errors = figure_simulations(report("input-delay")).axes[-1]
+    spans = [(patch.get_x(), patch.get_x() + patch.get_width()) for patch in errors.patches]
+    assert spans == [(20.0, 40.0), (80.0, 100.0)]
+
+
+@WIDTHS
+def test_without_a_gap_there_is_one_simulation_and_no_close_look(narrow, covered):
+    figure = figure_simulations(report(verdict="none"), narrow)
+    whole, errors = figure.axes
+    assert _legend(whole) == ["Measured", "Simulated"]
+    assert _legend(errors)[0] == "Simulated"
+    assert covered(figure) == []
+
+
+def test_the_close_look_is_where_the_simulation_is_furthest_off():
+    trace = {name: np.asarray(values) for name, values in report("input-delay")["traces"].items()}
+    part = furthest_off(trace)
+    assert (part.start, part.stop) == (min(max(part.start, 50), 60), part.start + 40)
+    short = {name: values[:25] for name, values in trace.items()}
+    assert furthest_off(short) == slice(0, 25)
+
+
+@WIDTHS
+def test_where_has_time_frequency_range_and_map_with_their_units(narrow, covered):
+    base = report("input-delay")
+    figure = figure_where(base, narrow)
+    time, frequency, cells, chart, bar = figure.axes
+    np.testing.assert_allclose([patch.get_height() for patch in time.patches], [0.4, 6.4, 0.16], atol=1e-12)
+    np.testing.assert_allclose([patch.get_width() for patch in time.patches], [30.0, 15.0, 75.0])
+    np.testing.assert_allclose([patch.get_height() for patch in frequency.patches], [10.0, 70.0, 20.0])
+    assert frequency.get_xscale() == "log"
+    assert frequency.patches[0].get_x() > 0
+    np.testing.assert_allclose([patch.get_height() for patch in cells.patches[:3]], [5.0, 5.0, 90.0])
+    np.testing.assert_allclose(cells.patches[3].get_data().values, [25.0, 25.0, 50.0])
+    assert _legend(cells) == ["Time", "Gap"] or _legend(cells) == ["Gap", "Time"]
+    assert [ax.get_xlabel() for ax in (time, frequency, cells, chart)] == [
+        "Time (s)",
+        "Frequency (Hz)",
+        "Input $u$ (units of u)",
+        "Input $u$ (units of u)",
+    ]
+    assert chart.get_ylabel() == "Output $y$ (units of y)"
+    assert "Rms error (units of y)" in (bar.get_ylabel(), bar.get_xlabel())
+    assert all(ax.get_title() for ax in (time, frequency, cells, chart))
+    assert covered(figure) == []
+
+
+def test_the_map_shows_the_rms_error_of_each_pair_that_the_record_visits():
+    base = report("input-delay")
+    chart = figure_where(base).axes[3]
+    (mesh,) = chart.collections
+    shown = np.ma.masked_invalid(mesh.get_array())
+    u, y, before = (np.array(base["traces"][name]) for name in ("u", "y", "before"))
+    count = np.histogram2d(u, y, 14)[0].T
+    assert shown.count() == np.count_nonzero(count)
+    total = float((shown.filled(0.0) ** 2 * count.reshape(shown.shape)).sum())
+    assert total == pytest.approx(float(((y - before) ** 2).sum()))
+    assert mesh.get_cmap().name == "cividis"
+
+
+def test_the_rate_of_the_output_has_its_own_axis_and_no_time():
+    base = report("input-delay")
+    base["where"]["operating"] = [
+        {"signal": "dy", "low": -1.0, "high": 0.0, "share": 0.2},
+        {"signal": "dy", "low": 0.0, "high": 1.0, "share": 0.8},
+    ]
+    cells = figure_where(base).axes[2]
+    assert cells.get_xlabel() == "Change of $y$ (units of y a second)"
+    assert _legend(cells) == ["Gap"]
+
+
+@WIDTHS
+def test_the_proposed_input_is_drawn_as_it_would_be_held(narrow):
+    base = with_experiment(report("input-delay"))
+    (ax,) = figure_experiment(base, narrow).axes
+    (line,) = ax.lines
+    np.testing.assert_array_equal(line.get_ydata(), base["next_experiment"]["u"])
+    assert line.get_drawstyle() == "steps-post"
+    assert ax.get_xlabel() == "Time (s)"
+    assert ax.get_ylabel() == "Input $u$ (units of u)"
