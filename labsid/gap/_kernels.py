@@ -102,23 +102,16 @@ def tanks(
         flow = w[k]
         for _ in range(substeps):
             f1 = math.sqrt(max(h1, 0.0)) if root1 else h1
-            f2 = math.sqrt(max(h2, 0.0)) if root2 else h2
-            half1 = h1 + 0.5 * h * a1 * (flow - f1)
-            half2 = h2 + 0.5 * h * a2 * (f1 - f2)
-            if half1 > brim1:
-                half1 = brim1
-            if half2 > brim2:
-                half2 = brim2
-            f1 = math.sqrt(max(half1, 0.0)) if root1 else half1
-            f2 = math.sqrt(max(half2, 0.0)) if root2 else half2
-            h1 += h * a1 * (flow - f1)
-            into = f1
+            half1 = min(h1 + 0.5 * h * a1 * (flow - f1), brim1)
+            into = math.sqrt(max(half1, 0.0)) if root1 else half1
+            h1 += h * a1 * (flow - into)
             if h1 > brim1:
                 into += share * (h1 - brim1) / (a1 * h)
                 h1 = brim1
-            h2 += h * a2 * (into - f2)
-            if h2 > brim2:
-                h2 = brim2
+            f2 = math.sqrt(max(h2, 0.0)) if root2 else h2
+            half2 = min(h2 + 0.5 * h * a2 * (into - f2), brim2)
+            f2 = math.sqrt(max(half2, 0.0)) if root2 else half2
+            h2 = min(h2 + h * a2 * (into - f2), brim2)
             if root1 and h1 < 0.0:
                 h1 = 0.0
             if root2 and h2 < 0.0:

@@ -40,6 +40,7 @@ def answer(
     left: Leftover,
     amount: HowMuch,
     rng: np.random.Generator,
+    holdout: Record | None = None,
 ) -> dict[str, Any]:
     """Everything found, in the record's units.
 
@@ -53,6 +54,8 @@ def answer(
     amount : HowMuch
     rng : Generator
         For the proposed input.
+    holdout : Record, optional
+        The record that the scores are of, where it is another one.
 
     Returns
     -------
@@ -83,7 +86,7 @@ def answer(
             "closed": amount.closed,
             "ci95": None if amount.ci95 is None else list(amount.ci95),
             "black_box": amount.black_box,
-            "holdout": _stretches(record, amount.scored),
+            "holdout": _stretches(holdout or record, amount.scored),
         },
         "unexplained": _unexplained(explained, left, decision),
         "next_experiment": _experiment(record, explained, decision, rng),
@@ -191,8 +194,6 @@ def _acting(explained: Explained, decision: Decision) -> np.ndarray:
 
 
 def _stretches(record: Record, scored: np.ndarray) -> list[list[float]]:
-    if scored.size != len(record):
-        return []
     edges = np.flatnonzero(np.diff(np.concatenate([[0], scored.astype(int), [0]])))
     return [
         [float(record.t[a]), float(record.t[b - 1] + record.Ts)] for a, b in zip(edges[::2], edges[1::2], strict=True)

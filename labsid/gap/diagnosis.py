@@ -104,7 +104,7 @@ def diagnose(
     if holdout is not None and base.elsewhere is not None:
         played = data.y_scale.of(bounded(base.elsewhere(holdout), holdout.y))
     amount = how_much_of(explained, base.before, other, rng, played)
-    report = answer(record, explained, base, decision, left, amount, rng)
+    report = answer(record, explained, base, decision, left, amount, rng, holdout)
     report["record"]["samples"] = samples
     report["screen"] = [*notes, *report["screen"]]
     return Diagnosis(report, running_model(explained.data, amount.after_fit))

@@ -15,6 +15,7 @@ from labsid.gap.responses import denominator, real_rates, response, section
 
 SLOWEST, FASTEST = np.log(1e-5), np.log(8.0)
 SHORTEST_MEMORY = 12  # of a lag's time constants in a record
+MOST_DAMPING = 0.5  # of a mode; beyond, it is two lags
 
 
 @dataclass(frozen=True, slots=True)
@@ -126,7 +127,8 @@ class Plant:
         if self.lag:
             own += [Parameter("log_lag", -4.0, 8.0)]
         if self.mode:
-            own += [Parameter("log_frequency", -6.0, np.log(np.pi)), Parameter("log_damping", -7.0, -0.2)]
+            own += [Parameter("log_frequency", -6.0, np.log(np.pi))]
+            own += [Parameter("log_damping", -7.0, np.log(MOST_DAMPING))]
         return tuple(rates + own)
 
     def columns(self, theta: FloatArray, w: FloatArray, span: int, reference: float | None = None) -> FloatArray:

@@ -8,7 +8,7 @@ import pytest
 from scipy.linalg import expm
 
 from labsid._arrays import FloatArray
-from labsid.gap.plants import Parameter, Plant
+from labsid.gap.plants import Plant
 
 Held = Callable[[FloatArray, FloatArray, Callable[[FloatArray, float], list[float]]], FloatArray]
 
@@ -118,7 +118,7 @@ def test_what_the_upper_tank_spills_is_lost_unless_the_lower_one_catches_it(leve
     assert heights[2].max() > heights[0].max() + 0.1
     np.testing.assert_allclose(heights[1], 0.5 * (heights[0] + heights[2]), atol=1e-12)  # the lower one is linear
     still = plant.columns(theta_of(plant, log_a=-1.2, log_b=-1.6, brim=0.5, share=0.6), np.repeat([0.2, 1.0], 200), 400)
-    assert still[-1, 0] == pytest.approx(0.5 + 0.6 * 0.5, abs=0.03)
+    assert still[-1, 0] == pytest.approx(0.5 + 0.6 * 0.5, abs=1e-6)
 
 
 @pytest.mark.parametrize("cubic", [0.4, -0.05])
@@ -282,4 +282,4 @@ def test_but_changes_what_it_is_told_and_the_numbers_with_it() -> None:
     plant = Plant(lag=True).but(mode=True)
     assert plant == Plant(lag=True, mode=True)
     assert plant.parameters == Plant(lag=True, mode=True).parameters
-    assert Parameter("log_damping", -7.0, -0.2) in plant.parameters
+    assert "log_damping" in [parameter.name for parameter in plant.parameters]
