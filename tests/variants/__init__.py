@@ -21,3 +21,18 @@ class Wrong:
     code: dict[str, str]
     says: str
     slip: str | None = None
+
+
+def right(question: str, name: str, code: str, more: dict[str, str] | None = None) -> Right:
+    """A right answer to `question`; `more` holds answers to other questions that belong to it."""
+    return Right(question, name, {f"{question}-answer": code} | {f"{q}-answer": c for q, c in (more or {}).items()})
+
+
+def wrong(question: str, name: str, code: str, slip: str | None, says: str) -> Wrong:
+    """A wrong answer to `question`, with the slip and the hint that it must get."""
+    return Wrong(question, name, {f"{question}-answer": code}, says=says, slip=slip)
+
+
+def define(head: str, body: str) -> str:
+    """Source of a function."""
+    return f"def {head}:\n" + "".join(f"    {line}\n" for line in body.splitlines())

@@ -1,15 +1,5 @@
 """How the variants of the lab are written down."""
 
-from variants import Right, Wrong
-
-
-def right(question: str, name: str, code: str, more: dict[str, str] | None = None) -> Right:
-    return Right(question, name, {f"{question}-answer": code} | {f"{q}-answer": c for q, c in (more or {}).items()})
-
-
-def wrong(question: str, name: str, code: str, slip: str | None, says: str) -> Wrong:
-    return Wrong(question, name, {f"{question}-answer": code}, says=says, slip=slip)
-
 
 def extracted(
     t: str = 'LogData["time"]',

@@ -1,22 +1,10 @@
 """Answers to the lecture on ARMAX and instruments that differ from the model solution, right ones and wrong ones."""
 
-from variants import Right, Wrong
+from variants import Right, Wrong, define, right, wrong
 
 TABLES, BIAS, LIMIT, COVARIANCE = "ai-1-tables", "ai-2-bias", "ai-3-limit", "ai-4-covariance"
 ARMAX, RELS, FIGURE = "ai-5-armax", "ai-6-rels", "ai-6-figure-14"
 ITERATED, RECURSIVE, LIKELIHOOD = "ai-7-iterated", "ai-8-recursive", "ai-9-likelihood"
-
-
-def right(question: str, name: str, code: str) -> Right:
-    return Right(question, name, {f"{question}-answer": code})
-
-
-def wrong(question: str, name: str, code: str, slip: str | None, says: str) -> Wrong:
-    return Wrong(question, name, {f"{question}-answer": code}, says=says, slip=slip)
-
-
-def define(head: str, body: str) -> str:
-    return f"def {head}:\n" + "".join(f"    {line}\n" for line in body.splitlines())
 
 
 def tables(

@@ -1,22 +1,10 @@
 """Answers to the least-squares lecture that differ from the model solution, right ones and wrong ones."""
 
-from variants import Right, Wrong
+from variants import Right, Wrong, define, right, wrong
 
 KIND, DELAYS, DERIVATIVES, FITS, FIGURE = "ls-1-kind", "ls-2-delays", "ls-3-derivatives", "ls-4-fits", "ls-4-figure-5"
 PROJECTOR, SOLUTIONS, KNOWN, WEIGHTED = "ls-5-projector", "ls-6-all-solutions", "ls-7-known", "ls-8-weighted"
 CONSTRAINED, CONFIDENCE, CAYLEY = "ls-9-constrained", "ls-10-confidence", "ls-11-cayley-hamilton"
-
-
-def right(question: str, name: str, code: str) -> Right:
-    return Right(question, name, {f"{question}-answer": code})
-
-
-def wrong(question: str, name: str, code: str, slip: str | None, says: str) -> Wrong:
-    return Wrong(question, name, {f"{question}-answer": code}, says=says, slip=slip)
-
-
-def define(head: str, body: str) -> str:
-    return f"def {head}:\n" + "".join(f"    {line}\n" for line in body.splitlines())
 
 
 def kind(

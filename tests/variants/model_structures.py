@@ -1,6 +1,6 @@
 """Answers to the lecture on model structures that differ from the model solution, right ones and wrong ones."""
 
-from variants import Right, Wrong
+from variants import Right, Wrong, right, wrong
 from variants._ms_code import (
     BACK,
     CENTRED,
@@ -30,14 +30,6 @@ from variants._ms_code import (
 SHIFT, STATES, EQUATIONS, SIMULATE = "ms-2-shift", "ms-3-state-space", "ms-4-equations", "ms-5-simulate"
 TABLE, PREDICT, FIGURE, EXCITATION = "ms-5-example-3-1", "ms-6-predict", "ms-6-figure-8", "ms-7-excitation"
 ORDER, CANCEL, WHITE = "ms-8-order", "ms-9-cancel", "ms-10-autocorrelation"
-
-
-def right(question: str, name: str, code: str) -> Right:
-    return Right(question, name, {f"{question}-answer": code})
-
-
-def wrong(question: str, name: str, code: str, slip: str | None, says: str) -> Wrong:
-    return Wrong(question, name, {f"{question}-answer": code}, says=says, slip=slip)
 
 
 VARIANTS: list[Right | Wrong] = [

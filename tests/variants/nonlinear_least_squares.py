@@ -1,22 +1,10 @@
 """Answers to the nonlinear lecture that differ from the model solution, right ones and wrong ones."""
 
-from variants import Right, Wrong
+from variants import Right, Wrong, define, right, wrong
 
 LOGARITHM, JACOBIAN, NEWTON, DAMPING = "nl-1-logarithm", "nl-2-jacobian", "nl-3-gauss-newton", "nl-4-damping"
 EXPONENTIAL, FREQUENCY, LOCATE, LAYOUT = "nl-5-exponential", "nl-6-frequency", "nl-7-locate", "nl-7-layout"
 STEP, OUTPUT = "nl-8-step", "nl-9-output-error"
-
-
-def right(question: str, name: str, code: str) -> Right:
-    return Right(question, name, {f"{question}-answer": code})
-
-
-def wrong(question: str, name: str, code: str, slip: str | None, says: str) -> Wrong:
-    return Wrong(question, name, {f"{question}-answer": code}, says=says, slip=slip)
-
-
-def define(head: str, body: str) -> str:
-    return f"def {head}:\n" + "".join(f"    {line}\n" for line in body.splitlines())
 
 
 def logarithm(result: str = "a, np.exp(c)", line: str = "np.polyfit(x, np.log(y), 1)") -> str:

@@ -1,17 +1,9 @@
 """Answers to the post-lab that differ from the model solution, right ones and wrong ones."""
 
-from variants import Right, Wrong
+from variants import Right, Wrong, right, wrong
 
 PHI, THETA, TF = "postlab-1-phi", "postlab-1-theta", "postlab-1-transfer-function"
 FIT, RUNS, MSE, FIGURE = "postlab-2-fit-order", "postlab-2-simulation", "postlab-3-mse", "postlab-3-figure-8"
-
-
-def right(question: str, name: str, code: str, more: dict[str, str] | None = None) -> Right:
-    return Right(question, name, {f"{question}-answer": code} | {f"{q}-answer": c for q, c in (more or {}).items()})
-
-
-def wrong(question: str, name: str, code: str, slip: str | None, says: str) -> Wrong:
-    return Wrong(question, name, {f"{question}-answer": code}, says=says, slip=slip)
 
 
 def phi(y1: str = "y[: half - 1]", u1: str = "u[: half - 1]", Y: str = "y[1:half]") -> str:

@@ -1,18 +1,10 @@
 """Answers to the pre-lab that differ from the model solution, right ones and wrong ones."""
 
-from variants import Right, Wrong
+from variants import Right, Wrong, right, wrong
 
 TIME, NOISE, CUT = "prelab-1-time", "prelab-2-noise", "prelab-3-cut"
 MATRIX, FUNCTION = "prelab-4-matrix", "prelab-4-function"
 FIGURE_A, FIGURE_B = "prelab-5-original", "prelab-6-cut-off"
-
-
-def right(question: str, name: str, code: str) -> Right:
-    return Right(question, name, {f"{question}-answer": code})
-
-
-def wrong(question: str, name: str, code: str, slip: str | None, says: str) -> Wrong:
-    return Wrong(question, name, {f"{question}-answer": code}, says=says, slip=slip)
 
 
 def sinusoids(

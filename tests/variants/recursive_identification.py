@@ -1,22 +1,10 @@
 """Answers to the lecture on recursive identification that differ from the model solution, right and wrong ones."""
 
-from variants import Right, Wrong
+from variants import Right, Wrong, define, right, wrong
 
 MEAN, INFORMATION, STEP, REGRESSORS = "ri-1-mean", "ri-2-information", "ri-3-step", "ri-4-regressors"
 FORGETTING, FIGURES, ONLINE, DRIFT = "ri-5-forgetting", "ri-6-figures", "ri-7-online", "ri-8-drift"
 WINDUP, CARELESS = "ri-9-windup", "ri-10-careless"
-
-
-def right(question: str, name: str, code: str) -> Right:
-    return Right(question, name, {f"{question}-answer": code})
-
-
-def wrong(question: str, name: str, code: str, slip: str | None, says: str) -> Wrong:
-    return Wrong(question, name, {f"{question}-answer": code}, says=says, slip=slip)
-
-
-def define(head: str, body: str) -> str:
-    return f"def {head}:\n" + "".join(f"    {line}\n" for line in body.splitlines())
 
 
 def mean(result: str) -> str:

@@ -1,23 +1,11 @@
 """Answers to the appendix that differ from the model solution, right ones and wrong ones."""
 
-from variants import Right, Wrong
+from variants import Right, Wrong, define, right, wrong
 
 READ, RESPONSE, MSE, FIGURE = "step-1-read", "step-2-response", "step-3-mse", "step-3-figure"
 FUNCTION, CUT, TANK = "step-5-function", "step-6-cut", "step-6-model"
 TWO, ERROR, LOSS, GRADIENT = "step-7-two", "step-8-error", "step-8-loss", "step-8-gradient"
 MINIMUM, UNIQUE = "step-9-minimum", "step-9-unique"
-
-
-def right(question: str, name: str, code: str) -> Right:
-    return Right(question, name, {f"{question}-answer": code})
-
-
-def wrong(question: str, name: str, code: str, slip: str | None, says: str) -> Wrong:
-    return Wrong(question, name, {f"{question}-answer": code}, says=says, slip=slip)
-
-
-def define(head: str, body: str) -> str:
-    return f"def {head}:\n" + "".join(f"    {line}\n" for line in body.splitlines())
 
 
 def reading(K: str = "y_end / amplitude", tau: str = "1.5 * (t_63 - t_28)", td: str = "t_63 - tau") -> str:
