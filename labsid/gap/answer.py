@@ -13,7 +13,7 @@ from labsid.gap.context import Data
 from labsid.gap.decide import MISMATCH, Decision
 from labsid.gap.effects.base import Effect
 from labsid.gap.experiment import Experiment, next_experiment
-from labsid.gap.fitting import Fit
+from labsid.gap.fitting import Fit, power
 from labsid.gap.how_much import HowMuch, closure
 from labsid.gap.leftover import Leftover
 from labsid.gap.numbers import marked, parameters_of
@@ -102,22 +102,21 @@ def _effects(explained: Explained, base: Baseline, decision: Decision, amount: H
     by_name: dict[str, Effect] = {
         e.name: e for e in explained.best.hypothesis.effects[explained.best.hypothesis.known :]
     }
-    rows, y = explained.data.rows, explained.data.y
-    before = base.before or explained.path[0]
-    start = float(np.mean((y - before.output)[rows] ** 2))
-    floor = min(amount.floor**2, float(np.mean((y - explained.best.output)[rows] ** 2)))
+    data = explained.data
+    start = power(data, base.before or explained.path[0])
+    floor = min(amount.floor**2, power(data, explained.best))
     for number, name in enumerate(decision.names):
         fit = explained.path[min(_step(explained, name), len(explained.path) - 1)]
         effect = by_name.get(name)
         last = number == len(decision.names) - 1
-        closed = amount.closed if last else closure(start, float(np.mean((y - fit.output)[rows] ** 2)), floor)
+        closed = amount.closed if last else closure(start, power(data, fit), floor)
         found.append(
             {
                 "name": name,
                 "path": PATHS[name] if effect is None else effect.path,
                 "parameters": _raw_parameters(explained, name)
                 if effect is None
-                else parameters_of(explained.data, explained.best, effect),
+                else parameters_of(data, explained.best, effect),
                 "probability": float(decision.probability[name]),
                 "closed": closed,
             }
@@ -161,12 +160,12 @@ def _raw_parameters(explained: Explained, name: str) -> dict[str, dict[str, Any]
 def _ranking(explained: Explained, decision: Decision, before: Fit) -> list[dict[str, Any]]:
     """Every combination that was tried, best first; those of the accepted level carry the probabilities."""
     data, unit = explained.data, explained.data.y_scale.unit
-    start = float(np.mean((data.y - before.output)[data.rows] ** 2))
+    start = power(data, before)
     floor = float(explained.best.noise.sigma2)
     rows = []
     for level in explained.levels[1:]:
         for names, fit in level.items():
-            mse = float(np.mean((data.y - fit.output)[data.rows] ** 2))
+            mse = power(data, fit)
             rows.append(
                 {
                     "name": "+".join(names),

@@ -13,7 +13,7 @@ from labsid.gap.context import Data
 from labsid.gap.effects.dynamics import ExtraLag, Resonance
 from labsid.gap.fitting import Fit
 from labsid.gap.hypothesis import Hypothesis
-from labsid.gap.model_file import SCHEMA, START, RunningModel, from_json_dict
+from labsid.gap.model_file import SCHEMA, START, RunningModel, exported_model
 from labsid.gap.noise import fit_noise
 from labsid.gap.plants import Plant
 from labsid.record import Record
@@ -161,7 +161,7 @@ def baseline_of(data: Data, t: FloatArray, simulation: Simulation | None, order:
             raise ValueError(f"--order must be at most 4; got {order}. Give a larger model with --sim.")
         return Baseline(None, linear_structure(order), given=False)
     if isinstance(simulation, dict) and simulation.get("schema") == SCHEMA:
-        return _exported(data, from_json_dict(simulation))
+        return _exported(data, exported_model(simulation, data.Ts))
     if isinstance(simulation, dict):
         return _transfer_function(data, read_transfer_function(simulation, data.Ts))
     if callable(simulation):
@@ -191,8 +191,6 @@ def _transfer_function(data: Data, model: TransferFunction) -> Baseline:
 
 
 def _exported(data: Data, model: RunningModel) -> Baseline:
-    if abs(model.Ts - data.Ts) > 1e-6 * data.Ts:
-        raise ValueError(f"the simulation runs at {model.Ts:g} s, the record at {data.Ts:g} s. Resample the record.")
     u, y = _in_units(data)
     output = bounded(model.simulate(u, y), y)
     plant = model.hypothesis.plant

@@ -145,17 +145,16 @@ def starts(context: Context, hypothesis: Hypothesis, effect: Effect) -> Iterable
         if key != "plant":
             common[hypothesis.slices[key]] = parent.theta[place]
     place = hypothesis.slices["plant"]
+    in_plant = isinstance(effect, PlantEffect)
+    named_starts = effect.plant_starts(context) if isinstance(effect, PlantEffect) else [{}]
+    own_starts = [np.zeros(0)] if in_plant else effect.starts(context)
     for base in _plant_bases(context, hypothesis.plant):
-        if isinstance(effect, PlantEffect):
-            for named in effect.plant_starts(context):
+        for named in named_starts:
+            for own in own_starts:
                 full = common.copy()
                 full[place] = _with(hypothesis.plant, base, named)
-                yield full
-        else:
-            for own in effect.starts(context):
-                full = common.copy()
-                full[place] = base
-                full[hypothesis.slices[effect.key]] = own
+                if not in_plant:
+                    full[hypothesis.slices[effect.key]] = own
                 yield full
 
 

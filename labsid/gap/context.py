@@ -1,6 +1,6 @@
 """The record as the search sees it: scaled, counted in samples, with the rows that the fits may use."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -52,6 +52,8 @@ class Data:
         Time of the first sample in seconds.
     by_free_run : bool
         Whether the score of a fit also counts its free-run error: where the innovations say too little about it.
+    sound : ndarray of bool, shape (N,)
+        Rows that count together with those before them.
     """
 
     u: FloatArray
@@ -62,11 +64,10 @@ class Data:
     y_scale: Scale
     start: float = 0.0
     by_free_run: bool = False
+    sound: np.ndarray = field(init=False, repr=False)
 
-    @property
-    def sound(self) -> np.ndarray:
-        """Rows that count together with those before them."""
-        return whole_rows(self.rows)
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "sound", whole_rows(self.rows))
 
     @property
     def samples(self) -> int:

@@ -4,18 +4,15 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from labsid.gap.fitting import Fit
-from labsid.gap.leftover import Leftover, is_noise
+from labsid.gap.fitting import Fit, power
+from labsid.gap.leftover import SLOW, Leftover, is_noise
 from labsid.gap.which import Explained, worth
 
 TEMPERATURE = 4.0  # BIC counts for less than theory says: models are never exactly true
 TOLD_APART = 0.03  # probability below which a rival is left out of the set
 MOST_RIVALS = 3
-SLOW = 0.3  # autocorrelation after a few samples
 UNKNOWN_LEFT = 0.7  # of the noise: what may be left that is no noise
 UNKNOWN_CLOSED = 0.6  # of the gap: what a known cause closes at least
-
-
 MISMATCH = "parameter-mismatch"
 
 
@@ -97,8 +94,7 @@ def holds_up(explained: Explained, left: Leftover) -> tuple[bool, float]:
     Noise of a sensor may be coloured, but forgets itself within a few samples, and the input has no part in it.
     """
     path = explained.path
-    rows, y = explained.data.rows, explained.data.y
-    before = float(np.mean((y - path[0].output)[rows] ** 2))
+    before = power(explained.data, path[0])
     after, white = left.rms**2, path[-1].noise.sigma2
     noise = is_noise(left, "output-quantization" in explained.added)
     coloured = after - white if not noise or (left.slow > SLOW and "coloured-noise" not in explained.added) else 0.0

@@ -301,9 +301,14 @@ def settle(data: Data, fit: Fit) -> Fit:
     return new if new.bic < fit.bic else fit
 
 
+def power(data: Data, fit: Fit) -> float:
+    """Mean square of the free-run error over the rows that count."""
+    return float(np.mean((data.y - fit.output)[data.rows] ** 2))
+
+
 def rms(data: Data, fit: Fit) -> float:
-    """Root mean square of the free-run error over the rows that count."""
-    return float(np.sqrt(np.mean((data.y - fit.output)[data.rows] ** 2)))
+    """Root of `power`."""
+    return float(np.sqrt(power(data, fit)))
 
 
 def polish(data: Data, fit: Fit, rounds: int = 2, iterations: int = 6) -> Fit:

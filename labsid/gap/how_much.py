@@ -147,7 +147,7 @@ def how_much(
         after=float(np.sqrt(m1)),
         floor=float(np.sqrt(floor)),
         closed=closed,
-        ci95=None if closed is None else _interval(e0, e1, data.rows, scored, floor, after.free, rng),
+        ci95=None if closed is None else _interval(e0, e1, data.rows, scored, floor, rng),
         black_box=None if closed is None else closure(m0, float(np.mean(box[scored] ** 2)), floor),
         scored=scored,
         before_fit=before,
@@ -161,16 +161,12 @@ def _interval(
     rows: np.ndarray,
     scored: np.ndarray,
     floor: float,
-    free: int,
     rng: np.random.Generator,
 ) -> tuple[float, float]:
     """Percentiles of the closure over resampled blocks of the scored samples, and of the fitted ones for the floor."""
     p0, p1 = _block_means(e0**2, scored), _block_means(e1**2, scored)
     fitted = _block_means(e1**2, rows)
-    count = int(rows.sum())
-    correct = (
-        count / max(count - free, 1) * floor / max(float(np.mean(e1[rows] ** 2)) * count / max(count - free, 1), 1e-300)
-    )
+    correct = floor / max(float(np.mean(e1[rows] ** 2)), 1e-300)
     drawn = []
     for _ in range(DRAWS):
         pick, other = rng.integers(0, p0.size, p0.size), rng.integers(0, fitted.size, fitted.size)

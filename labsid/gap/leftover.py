@@ -14,6 +14,7 @@ FOLDS = 5
 NEIGHBOURS = 60
 MOST_POINTS = 3000
 FEW = 6  # samples after which noise of a sensor has forgotten itself
+SLOW = 0.3  # autocorrelation after so many: what has more is slow
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -79,8 +80,6 @@ def leftover(data: Data, fit: Fit) -> Leftover:
     e = data.y - fit.output
     rows = data.rows
     power = float(np.mean(e[rows] ** 2))
-    both = rows[FEW:] & rows[:-FEW]
-    slow = float(np.mean((e[FEW:] * e[:-FEW])[both]) / power)
     white = _kernels.whiten(e[:, None], fit.noise.ar)[:, 0][data.sound]
     white = white / np.std(white)
     blocks = np.array_split(white**2, 12)
@@ -91,7 +90,7 @@ def leftover(data: Data, fit: Fit) -> Leftover:
     return Leftover(
         rms=float(np.sqrt(power)),
         colour=float(np.sqrt(power / fit.noise.sigma2)),
-        slow=slow,
+        slow=slow_colour(e, rows),
         explained=explained_share(data, fit, e),
         repeats=repeats,
         repeats_z=repeats_z,
@@ -100,6 +99,12 @@ def leftover(data: Data, fit: Fit) -> Leftover:
         tails=float(np.mean(white**4)),
         uneven=float(spread / chance),
     )
+
+
+def slow_colour(e: FloatArray, rows: np.ndarray) -> float:
+    """Autocorrelation of a residual after a few samples, on the rows that count."""
+    both = rows[FEW:] & rows[:-FEW]
+    return float(np.mean((e[FEW:] * e[:-FEW])[both]) / np.mean(e[rows] ** 2))
 
 
 def explained_share(data: Data, fit: Fit, e: FloatArray) -> float:
@@ -162,29 +167,26 @@ def repetition(data: Data, fit: Fit, e: FloatArray) -> tuple[float, float]:
 
 def pasts(data: Data, fit: Fit) -> FloatArray:
     """A few numbers for the past of the input: filtered inputs at several rates, and the way it moved last."""
-    rates = _rates(fit)
-    still = data.u - data.u[0]
-    states = [_kernels.first_order(still, float(np.exp(-rate))) for rate in rates]
     moved = np.diff(data.u, prepend=data.u[0])
     last = np.sign(moved)
     index = np.maximum.accumulate(np.where(last != 0.0, np.arange(last.size), 0))
-    return np.column_stack([*states, still, 0.5 * last[index]])
+    return np.column_stack([*_filtered(data, fit), 0.5 * last[index]])
 
 
-def _rates(fit: Fit) -> FloatArray:
-    """Decay rates that cover the linear dynamics."""
+def _filtered(data: Data, fit: Fit) -> list[FloatArray]:
+    """The input through lags whose rates cover the linear dynamics, slowest first; last, the input itself."""
     c, k = fit.rates
     slow = 0.5 * c - np.sqrt(0.25 * c * c - k) if 0.25 * c * c > k else 0.5 * c
     slow = float(np.clip(slow, 1e-3, 1.0))
     fast = float(np.clip(max(c, np.sqrt(k)), 2.0 * slow, 2.0))
-    return np.geomspace(slow, fast, 4)
+    still = data.u - data.u[0]
+    return [_kernels.first_order(still, float(np.exp(-rate))) for rate in np.geomspace(slow, fast, 4)] + [still]
 
 
 def features(data: Data, fit: Fit) -> FloatArray:
     """A flexible black box's regressors: filtered inputs, their products, powers of the output and its slope."""
-    rates = _rates(fit)
-    still = data.u - data.u[0]
-    states = [_kernels.first_order(still, float(np.exp(-rate))) for rate in rates] + [still]
+    states = _filtered(data, fit)
+    still = states[-1]
     z = fit.output
     slope = np.gradient(z)
     slope = slope / (np.std(slope) or 1.0)

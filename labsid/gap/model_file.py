@@ -196,6 +196,20 @@ def from_json_dict(content: dict[str, Any]) -> RunningModel:
     return RunningModel(hypothesis, theta, gains, Ts, span, reference, *scales)
 
 
+def exported_model(content: dict[str, Any], Ts: float) -> RunningModel:
+    """Read what `to_json_dict` wrote, for a record of the sampling time Ts.
+
+    Raises
+    ------
+    ValueError
+        If it is not such a model, or one of another sampling time.
+    """
+    model = from_json_dict(content)
+    if abs(model.Ts - Ts) > 1e-6 * Ts:
+        raise ValueError(f"the simulation runs at {model.Ts:g} s, the record at {Ts:g} s. Resample the record.")
+    return model
+
+
 def load_model(path: Path) -> dict[str, Any]:
     """The JSON object in a file.
 

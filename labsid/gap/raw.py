@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from labsid._arrays import FloatArray
-from labsid.signal_quality import lattice_step, runs
+from labsid.signal_quality import runs
 
 SPIKE = 6.0  # robust standard deviations at which an isolated sample is one
 LONGEST_SPIKE = 2  # samples
@@ -89,8 +89,3 @@ def find_spikes(e: FloatArray, usable: np.ndarray, threshold: float = SPIKE) -> 
                 continue
             spikes[at[start : start + length]] = True
     return spikes
-
-
-def find_lattice(y: FloatArray) -> float | None:
-    """Converter step of the output, None for a fine one."""
-    return lattice_step(y)

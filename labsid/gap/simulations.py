@@ -9,7 +9,7 @@ import numpy as np
 from labsid._arrays import FloatArray
 from labsid.console import write_file
 from labsid.gap.baseline import Simulation, bounded, read_transfer_function
-from labsid.gap.model_file import SCHEMA, START, from_json_dict, load_model
+from labsid.gap.model_file import SCHEMA, START, exported_model, load_model
 from labsid.record import Record
 
 
@@ -68,12 +68,7 @@ def play(path: Path, record: Record) -> Played:
     """
     content = load_model(path)
     if content.get("schema") == SCHEMA:
-        model = from_json_dict(content)
-        if abs(model.Ts - record.Ts) > 1e-6 * record.Ts:
-            raise ValueError(
-                f"the simulation runs at {model.Ts:g} s, the record at {record.Ts:g} s. Resample the record."
-            )
-        y = model.simulate(record.u, record.y)
+        y = exported_model(content, record.Ts).simulate(record.u, record.y)
     else:
         y = read_transfer_function(content, record.Ts).play(record.u, record.y)
     bounded(y, record.y)

@@ -8,11 +8,12 @@ import numpy as np
 from labsid.gap.candidates import CANDIDATES, LINEAR, add, baseline, swift_fit
 from labsid.gap.context import Data
 from labsid.gap.effects.base import AdditiveEffect
-from labsid.gap.fitting import Fit, polish, refit, settle
+from labsid.gap.fitting import Fit, polish, power, refit, rms, settle
 from labsid.gap.holdout import BLOCKS, held_out
 from labsid.gap.hypothesis import Hypothesis
-from labsid.gap.leftover import explained_share
-from labsid.gap.raw import RawFaults, find_held, find_lattice, find_spikes
+from labsid.gap.leftover import SLOW, explained_share, slow_colour
+from labsid.gap.raw import RawFaults, find_held, find_spikes
+from labsid.signal_quality import lattice_step
 
 Progress = Callable[[str, float], None]
 
@@ -23,8 +24,6 @@ NOTHING = 1e-9  # scaled: a difference of rounding
 EFFECT_SIZE = 0.3  # change of the simulation over the standard deviation of what is left
 RAW_SIZE = 1.3  # mean square error with the bad samples over that without them
 STRONG_COLOUR = 1.3  # standard deviation of the noise over that of its innovations
-SLOW_COLOUR = 0.3  # autocorrelation that noise still has after a few samples
-FEW = 6  # samples
 VERY_SLOW = 4.0  # standard deviation of the residual over that of its innovations
 HELPS = 0.8  # of the error on blocks that were not fitted
 
@@ -77,7 +76,7 @@ def explain(data: Data, structure: Hypothesis = LINEAR, most: int = 3, progress:
         Called with what is being done and the share of it that is done.
     """
     y = np.asarray(data.y_scale.back(data.y))
-    lattice = find_lattice(y)
+    lattice = lattice_step(y)
     stretches = find_held(y, lattice)
     held = np.zeros(data.samples, bool)
     for start, stop in stretches:
@@ -143,12 +142,7 @@ def search_tree(
 def slow_leftover(data: Data, fit: Fit) -> bool:
     """Whether most of what is left is slow: the innovations then say little about the free run."""
     e = data.y - fit.output
-    return power(data, fit) > VERY_SLOW**2 * fit.noise.sigma2 and slow_colour(e, data.rows) > SLOW_COLOUR
-
-
-def power(data: Data, fit: Fit) -> float:
-    """Mean square of the free-run error over the rows that count."""
-    return float(np.mean((data.y - fit.output)[data.rows] ** 2))
+    return power(data, fit) > VERY_SLOW**2 * fit.noise.sigma2 and slow_colour(e, data.rows) > SLOW
 
 
 def confirmed(data: Data, path: tuple[Fit, ...]) -> tuple[Fit, ...]:
@@ -184,7 +178,7 @@ def nothing_left(data: Data, fit: Fit) -> bool:
 def worth(data: Data, simpler: Fit, fit: Fit) -> bool:
     """Whether `fit` explains significantly more than `simpler`, and something that matters."""
     change = np.sqrt(np.mean((fit.output - simpler.output)[data.rows] ** 2))
-    left = np.sqrt(np.mean((data.y - fit.output)[data.rows] ** 2))
+    left = rms(data, fit)
     return bool(simpler.bic - fit.bic > MARGIN and change > max(EFFECT_SIZE * left, NOTHING))
 
 
@@ -203,12 +197,6 @@ def unsimulated(data: Data, clean: Data, faults: RawFaults, best: Fit) -> tuple[
         if rounding > 1.3**2 * max(white - rounding, 1e-3 * rounding) and white < 3.0 * rounding:
             found.append("output-quantization")
     ratio = np.sqrt(floor / best.noise.sigma2)
-    if ratio > STRONG_COLOUR and slow_colour(e, clean.rows) > SLOW_COLOUR:
+    if ratio > STRONG_COLOUR and slow_colour(e, clean.rows) > SLOW:
         found.append("coloured-noise")
     return tuple(found)
-
-
-def slow_colour(e: np.ndarray, rows: np.ndarray) -> float:
-    """Autocorrelation of the residual after FEW samples."""
-    both = rows[FEW:] & rows[:-FEW]
-    return float(np.mean((e[FEW:] * e[:-FEW])[both]) / np.mean(e[rows] ** 2))

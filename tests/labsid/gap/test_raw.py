@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 
-from labsid.gap.raw import RawFaults, find_held, find_lattice, find_spikes
+from labsid.gap.raw import RawFaults, find_held, find_spikes
+from labsid.signal_quality import lattice_step
 
 
 @pytest.fixture
@@ -30,7 +31,7 @@ def test_a_sensor_on_its_stop_does_not_hold(noise: np.ndarray) -> None:
 def test_on_a_lattice_only_a_far_longer_stretch_is_a_hold() -> None:
     """A slow wave on a coarse converter rests on its steps for a few samples everywhere."""
     wave = np.round(20.0 * np.sin(0.02 * np.arange(600))) / 20.0
-    step = find_lattice(wave)
+    step = lattice_step(wave)
     assert step == pytest.approx(0.05)
     assert find_held(wave, step) == ()
     wave[200:330] = wave[200]
@@ -75,8 +76,8 @@ def test_too_few_samples_have_no_spikes() -> None:
 
 
 def test_a_lattice_is_found_and_a_fine_scale_is_none(noise: np.ndarray) -> None:
-    assert find_lattice(np.round(noise / 0.25) * 0.25) == pytest.approx(0.25)
-    assert find_lattice(noise) is None
+    assert lattice_step(np.round(noise / 0.25) * 0.25) == pytest.approx(0.25)
+    assert lattice_step(noise) is None
 
 
 def test_bad_samples_are_the_held_and_the_spikes() -> None:
