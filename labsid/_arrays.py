@@ -1,5 +1,6 @@
 """Arrays at the public boundary: checked once, copied, and read-only inside frozen results."""
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -131,3 +132,13 @@ def as_square(name: str, values: ArrayLike) -> FloatArray:
     if array.shape[0] != array.shape[1]:
         raise ValueError(f"{name} must be square; got shape {array.shape}.")
     return array
+
+
+def beside(parts: Sequence[FloatArray]) -> FloatArray:
+    """Matrices of equal height side by side, each column in one piece of memory."""
+    out = np.empty((parts[0].shape[0], sum(part.shape[1] for part in parts)), order="F")
+    at = 0
+    for part in parts:
+        out[:, at : at + part.shape[1]] = part
+        at += part.shape[1]
+    return out

@@ -26,14 +26,24 @@ def second_order(w: FloatArray, a1: float, a2: float) -> FloatArray:
 @compiled()
 def section(w: FloatArray, a1: float, a2: float) -> FloatArray:
     """Columns of one second-order section: two numerator terms of x(k) = w(k-1) - ..., two of its initial state."""
-    out = np.zeros((w.size, 4))
+    out = np.zeros((4, w.size))
     x1, x2, h1, h2 = 0.0, 0.0, 1.0, 0.0
-    out[0, 2] = 1.0
+    out[2, 0] = 1.0
     for k in range(1, w.size):
         x = w[k - 1] - a1 * x1 - a2 * x2
         h = -a1 * h1 - a2 * h2
-        out[k, 0], out[k, 1], out[k, 2], out[k, 3] = x, x1, h, h1
+        out[0, k], out[1, k], out[2, k], out[3, k] = x, x1, h, h1
         x1, x2, h1, h2 = x, x1, h, h1
+    return out.T
+
+
+@compiled()
+def delayed(w: FloatArray, whole: int, part: float) -> FloatArray:
+    """`w` later by `whole` samples and a part of one, between samples by interpolation; before the record it stood."""
+    out = np.empty(w.size)
+    for k in range(w.size):
+        now, before = w[max(k - whole, 0)], w[max(k - whole - 1, 0)]
+        out[k] = (1.0 - part) * now + part * before
     return out
 
 
@@ -268,10 +278,11 @@ def varying(w: FloatArray, c: FloatArray, k: FloatArray) -> FloatArray:
 def whiten(X: FloatArray, ar: FloatArray) -> FloatArray:
     """Every column through 1 - ar[0] q^-1 - ar[1] q^-2 - ...; the first samples see zeros before them."""
     samples, columns = X.shape
-    out = X.copy()
-    for k in range(samples):
-        for i in range(min(k, ar.size)):
-            gain = ar[i]
-            for j in range(columns):
-                out[k, j] -= gain * X[k - 1 - i, j]
-    return out
+    out = np.empty((columns, samples))
+    for j in range(columns):
+        for k in range(samples):
+            value = X[k, j]
+            for i in range(min(k, ar.size)):
+                value -= ar[i] * X[k - 1 - i, j]
+            out[j, k] = value
+    return out.T

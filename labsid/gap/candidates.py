@@ -1,6 +1,7 @@
 """Candidates: every effect refitted jointly with the linear part, alone or on top of others."""
 
 from collections.abc import Iterable
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -14,6 +15,7 @@ from labsid.gap.plants import Plant
 
 LINEAR = Hypothesis()
 PROMISING = 5  # starts of one variant that are followed
+BRIEFLY = 3  # of all variants of a second or third effect
 
 CANDIDATES: tuple[tuple[Effect, ...], ...] = (
     (input.Delay(),),
@@ -35,6 +37,27 @@ CANDIDATES: tuple[tuple[Effect, ...], ...] = (
     (disturbance.LoadStep(), disturbance.Leak("leak")),
     (disturbance.Periodic(),),
 )
+
+PLACES: tuple[tuple[Effect, ...], ...] = (
+    (dynamics.ExtraLag(), dynamics.ExtraLag("ahead")),
+    (dynamics.Resonance(), dynamics.Resonance("ahead"), dynamics.Resonance("beside")),
+)
+"""What may stand at several places of the chain, which are the same to linear dynamics."""
+
+
+def rearranged(hypothesis: Hypothesis) -> list[Hypothesis]:
+    """The same with a lag or a mode at another place to a nonlinear state; the searched numbers are the same."""
+    if not hypothesis.plant.nonlinear:
+        return []
+    found = []
+    for group in PLACES:
+        for i, effect in enumerate(hypothesis.effects):
+            if effect in group and i >= hypothesis.known:
+                for other in group:
+                    if other != effect:
+                        effects = (*hypothesis.effects[:i], other, *hypothesis.effects[i + 1 :])
+                        found.append(Hypothesis(effects, hypothesis.known, hypothesis.given))
+    return found
 
 
 def baseline(data: Data, hypothesis: Hypothesis = LINEAR) -> Fit:
@@ -86,42 +109,66 @@ def _better(a: Point | None, b: Point | None) -> Point | None:
     return a
 
 
-def add(data: Data, parent: Fit, group: tuple[Effect, ...], swift: Fit, quick: int = 3, kept: int = 3) -> Fit | None:
-    """The parent with one effect more: a few steps from every start of every variant, then the best starts to the end.
+@dataclass(frozen=True, slots=True, eq=False)
+class Sketch:
+    """One effect on top of a parent after a few steps of the search.
 
-    Returns None where the record cannot show the effect.
+    Attributes
+    ----------
+    hypothesis : Hypothesis
+    point : Point
+    score : float
+        BIC of its error taken as white; lower is better.
+    """
+
+    hypothesis: Hypothesis
+    point: Point
+    score: float
+
+
+def sketches(data: Data, parent: Fit, group: tuple[Effect, ...], swift: Fit, brief: bool = False) -> list[Sketch]:
+    """The parent with one effect more: a few steps from the promising starts of every variant, best first.
+
+    Empty where the record cannot show the effect; `brief` takes fewer starts and steps.
     """
     context = Context(data, parent, swift)
     count = int(data.rows.sum())
-    tried = []
+    looked = []
     for effect in group:
         if effect.applies(context) and compatible(parent, effect):
             hypothesis = parent.hypothesis.plus(effect)
-            for theta in promising(data, hypothesis, starts(context, hypothesis, effect)):
-                point = search(data, hypothesis, theta, iterations=quick, tolerance=1e-2)
-                if point is not None:
-                    free = point.theta.size + point.gains.size
-                    tried.append((count * np.log(point.cost) + free * np.log(count), hypothesis, point))
-    tried.sort(key=lambda item: item[0])
+            tried = [
+                (at_start(data, hypothesis, theta), hypothesis, theta) for theta in starts(context, hypothesis, effect)
+            ]
+            looked += sorted(tried, key=_first)[:PROMISING]
+    if brief:
+        looked = sorted(looked, key=_first)[:BRIEFLY]
+    found = []
+    for _, hypothesis, theta in looked:
+        point = search(data, hypothesis, theta, iterations=2 if brief else 3, tolerance=1e-2)
+        if point is not None:
+            free = point.theta.size + point.gains.size
+            found.append(Sketch(hypothesis, point, count * np.log(point.cost) + free * np.log(count)))
+    return sorted(found, key=lambda sketch: sketch.score)
+
+
+def _first(item: tuple[float, Hypothesis, FloatArray]) -> float:
+    return item[0]
+
+
+def finished(data: Data, tried: list[Sketch], kept: int = 3) -> Fit | None:
+    """The best of the first few sketches, taken to the end; None where none of them is the effect it says it is."""
     best: Fit | None = None
-    for _, hypothesis, point in tried[:kept]:
-        end = search(data, hypothesis, point.theta, point.gains, iterations=12, tolerance=1e-5)
+    for sketch in tried[:kept]:
+        end = search(data, sketch.hypothesis, sketch.point.theta, sketch.point.gains, iterations=12, tolerance=1e-5)
         if end is not None:
-            fit = finish(data, hypothesis, end)
-            effect = hypothesis.effects[-1]
-            if not effect.holds(Fitted(hypothesis, fit.theta, fit.gains, data)):
-                continue
-            if best is None or fit.bic < best.bic:
+            fit = finish(data, sketch.hypothesis, end)
+            effect = sketch.hypothesis.effects[-1]
+            if effect.holds(Fitted(sketch.hypothesis, fit.theta, fit.gains, data)) and (
+                best is None or fit.bic < best.bic
+            ):
                 best = fit
     return best
-
-
-def promising(data: Data, hypothesis: Hypothesis, thetas: Iterable[FloatArray]) -> list[FloatArray]:
-    """The few starts at which the gains alone bring the error down most."""
-    looked = [(at_start(data, hypothesis, theta), number, theta) for number, theta in enumerate(thetas)]
-    if len(looked) <= PROMISING:
-        return [theta for _, _, theta in looked]
-    return [theta for _, _, theta in sorted(looked, key=lambda item: item[:2])[:PROMISING]]
 
 
 def compatible(parent: Fit, effect: Effect) -> bool:

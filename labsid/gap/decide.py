@@ -1,6 +1,7 @@
 """From everything that was tried to an answer: which names, how sure, what cannot be told apart, or `unknown`."""
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -11,9 +12,35 @@ from labsid.gap.which import Explained, worth
 TEMPERATURE = 4.0  # BIC counts for less than theory says: models are never exactly true
 TOLD_APART = 0.03  # probability below which a rival is left out of the set
 MOST_RIVALS = 3
-UNKNOWN_LEFT = 0.7  # of the noise: what may be left that is no noise
-UNKNOWN_CLOSED = 0.6  # of the gap: what a known cause closes at least
+IS_RIGHT = 0.5  # probability below which the answer is `unknown`
 MISMATCH = "parameter-mismatch"
+
+
+class Evidence(NamedTuple):
+    """What speaks against an explanation, each zero where nothing does.
+
+    Attributes
+    ----------
+    colour : float
+        Logarithm of the residual's spread over that of its innovations; without an effect, only that of a slow one.
+    repeats : float
+        Root of the share of the residual that comes back with the input, or that a function of its past predicts.
+    activity : float
+        The same of its magnitude.
+    tails : float
+        Logarithm of the kurtosis over that of normal noise.
+    """
+
+    colour: float = 0.0
+    repeats: float = 0.0
+    activity: float = 0.0
+    tails: float = 0.0
+
+
+PRIOR = 2.5
+AGAINST = Evidence(colour=-3.8, repeats=-1.9, activity=-1.1, tails=-1.7)
+PATCHES = {2: -1.0, 3: -2.3}  # at so many effects
+CLOSED = 0.5
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -58,25 +85,29 @@ def decide(explained: Explained, left: Leftover, given: Fit | None) -> Decision:
     level = len(explained.best.hypothesis.names)
     weights = _weights(explained, level)
     simulated = explained.best.hypothesis.names
-    holds, closed = holds_up(explained, left)
-    trust = 1.0 if holds else 0.3
+    noise = is_noise(left, "output-quantization" in explained.added)
+    # What repeats itself with the input is no noise of the sensor, however slow it is.
+    added = explained.added if noise else tuple(name for name in explained.added if name != "coloured-noise")
+    trust = trusted(explained, left)
     probability = {name: trust * sum(w for names, w in weights.items() if name in names) for name in simulated}
-    probability |= dict.fromkeys(explained.added, 0.97 * trust)
+    probability |= dict.fromkeys(added, trust)
     rivals: dict[str, float] = {}
     for names, weight in weights.items():
         for name in names:
             if name not in simulated:
                 rivals[name] = rivals.get(name, 0.0) + weight
     ambiguous = [name for name, p in sorted(rivals.items(), key=lambda item: -item[1]) if p > TOLD_APART]
-    names = explained.names
+    names = (*simulated, *added)
     if given is not None and not simulated and worth(explained.data, given, explained.path[0]):
         names = (MISMATCH, *names)
         probability[MISMATCH] = trust * mismatch_weight(given, explained.path[0])
-    verdict = "unknown" if not holds else "effect" if names else "none"
+    verdict = "unknown" if trust < IS_RIGHT else "effect" if names else "none"
     if verdict == "unknown":
         ambiguous = [*names, *ambiguous]
         names = ()
-    return Decision(verdict, names, probability, tuple(ambiguous[:MOST_RIVALS]), weights, closed)
+    return Decision(
+        verdict, names, probability, tuple(ambiguous[:MOST_RIVALS]), weights, closing(explained, left, added)
+    )
 
 
 def _weights(explained: Explained, level: int) -> dict[tuple[str, ...], float]:
@@ -88,23 +119,42 @@ def _weights(explained: Explained, level: int) -> dict[tuple[str, ...], float]:
     return {names: weight / total for names, weight in raw.items()}
 
 
-def holds_up(explained: Explained, left: Leftover) -> tuple[bool, float]:
-    """Whether what is left is noise, or little enough beside the gap; and the share of the gap that is closed.
+def trusted(explained: Explained, left: Leftover) -> float:
+    """Probability that the accepted explanation, `none` included, is the right one, by what it leaves.
 
-    Noise of a sensor may be coloured, but forgets itself within a few samples, and the input has no part in it.
+    A logistic regression on the `dev` records of the sealed check. The right explanation leaves white noise, or that of
+    a sensor, which forgets itself within a few samples and in which the input has no part; a patchwork over something
+    unknown leaves a slow residual, or one that comes back with the input.
     """
+    path = explained.path
+    steps = len(path) - 1
+    if "output-quantization" in explained.added:
+        evidence = Evidence()  # rounding repeats itself with the input, and jumps
+    else:
+        colour = float(np.log(max(left.colour, 1.0)))
+        evidence = Evidence(
+            colour=colour if steps else 0.6 * colour * max(left.slow, 0.0),
+            repeats=float(np.sqrt(max(left.repeats if left.repeats_z > 2.0 else 0.0, left.explained, 0.0))),
+            activity=float(np.sqrt(max(left.activity, 0.0))) if left.activity_z > 3.0 else 0.0,
+            tails=float(np.log(max(left.tails, 3.0) / 3.0)),
+        )
+    patches = sum(weight for count, weight in PATCHES.items() if steps >= count)
+    closed = 0.5 * float(np.log(power(explained.data, path[0]) / max(power(explained.data, path[-1]), 1e-300)))
+    score = PRIOR + patches + CLOSED * min(max(closed, 0.0), 4.0)
+    score += sum(weight * seen for weight, seen in zip(AGAINST, evidence, strict=True))
+    return float(1.0 / (1.0 + np.exp(-score)))
+
+
+def closing(explained: Explained, left: Leftover, added: tuple[str, ...]) -> float:
+    """Share of the gap that the explanation closes on the fitted samples: what is left of it is no noise."""
     path = explained.path
     before = power(explained.data, path[0])
     after, white = left.rms**2, path[-1].noise.sigma2
-    noise = is_noise(left, "output-quantization" in explained.added)
-    coloured = after - white if not noise or (left.slow > SLOW and "coloured-noise" not in explained.added) else 0.0
+    noise = is_noise(left, "output-quantization" in added)
+    coloured = after - white if not noise or (left.slow > SLOW and "coloured-noise" not in added) else 0.0
     structure = max(max(left.explained, left.repeats) * after if not noise else 0.0, coloured)
     gap = max(before - (after - structure), 1e-300)
-    closed = 1.0 - float(np.sqrt(min(max(structure, 0.0) / gap, 1.0)))
-    much = np.sqrt(max(structure, 0.0) / white) > UNKNOWN_LEFT
-    # Two effects explain a rig; three that still leave something slow are a patchwork over an unknown one.
-    patchwork = len(path) > 3 and (coloured > 0.0 or "coloured-noise" in explained.added)
-    return not ((much and closed < UNKNOWN_CLOSED) or patchwork), closed
+    return 1.0 - float(np.sqrt(min(max(structure, 0.0) / gap, 1.0)))
 
 
 def mismatch_weight(given: Fit, free: Fit) -> float:

@@ -7,8 +7,9 @@ import numpy as np
 from labsid._arrays import FloatArray
 from labsid.gap._kernels import whiten
 from labsid.gap.context import Data
-from labsid.gap.hypothesis import Hypothesis
+from labsid.gap.hypothesis import Design, Hypothesis
 from labsid.gap.noise import LONGEST, Noise, fit_noise
+from labsid.gap.normal_equations import RIDGE, scaled_gram, solve, solved
 
 NOTHING = np.zeros(0)
 
@@ -66,8 +67,8 @@ class Point:
     ----------
     theta, gains : ndarray
         The searched numbers, and the projected ones.
-    inside, outside : ndarray
-        Columns ahead of the sensor's curve, and behind it.
+    design : Design
+        The columns that the gains combine.
     output : ndarray, shape (N,)
         Free-run output.
     error : ndarray
@@ -78,8 +79,7 @@ class Point:
 
     theta: FloatArray
     gains: FloatArray
-    inside: FloatArray
-    outside: FloatArray
+    design: Design
     output: FloatArray
     error: FloatArray
     cost: float
@@ -100,30 +100,29 @@ class _Problem:
         self.y = self._seen(data.y[:, None])[:, 0]
 
     def _seen(self, columns: FloatArray) -> FloatArray:
-        return (whiten(np.ascontiguousarray(columns), self.ar) if self.ar.size else columns)[self.rows]
+        return (whiten(columns, self.ar) if self.ar.size else columns)[self.rows]
 
-    def point(self, theta: FloatArray, gains: FloatArray | None = None) -> Point | None:
+    def point(self, theta: FloatArray, gains: FloatArray | None = None, near: Design | None = None) -> Point | None:
         """The best gains at theta, and the error that they leave; None where the simulation diverges."""
-        design = self.hypothesis.design(theta, self.data.u)
-        inside, outside = design.inside, design.outside
-        if not np.isfinite(inside).all():
+        design = self.hypothesis.design(theta, self.data.u, near=near)
+        columns = design.columns
+        if not np.isfinite(columns[-1]).all():  # once it diverges, it stays so to the end
             return None
         if not self.bent:
-            both = np.hstack([inside, outside]) if outside.shape[1] else inside
-            gains = _solve(self._seen(both), self.y)
-            output = both @ gains
-            return self._made(theta, gains, inside, outside, output)
-        if gains is None or gains.size != inside.shape[1] + outside.shape[1]:
-            both = np.hstack([inside, outside])
-            gains = _solve(self._seen(both), self.y)
-        best = self._made(theta, gains, inside, outside, self._bent_output(theta, gains, inside, outside))
+            gains = solve(self._seen(columns), self.y)
+            return self._made(theta, gains, design, columns @ gains)
+        if gains is None or gains.size != columns.shape[1]:
+            gains = solve(self._seen(columns), self.y)
+        best = self._made(theta, gains, design, self._bent_output(theta, gains, design))
         for _ in range(3):
-            slope = self.hypothesis.slope(theta, inside @ best.gains[: inside.shape[1]])
-            step = _solve(self._seen(np.hstack([slope[:, None] * inside, outside])), best.error)
+            slope = self.hypothesis.slope(theta, design.inside @ best.gains[: design.bent])
+            bent = columns.copy(order="F")
+            bent[:, : design.bent] *= slope[:, None]
+            step = solve(self._seen(bent), best.error)
             better = None
             for share in (1.0, 0.3):
                 gains = best.gains + share * step
-                better = self._made(theta, gains, inside, outside, self._bent_output(theta, gains, inside, outside))
+                better = self._made(theta, gains, design, self._bent_output(theta, gains, design))
                 if better.cost < best.cost:
                     break
             if better is None or better.cost >= best.cost * (1.0 - 1e-6):
@@ -131,48 +130,33 @@ class _Problem:
             best = better
         return best
 
-    def _bent_output(self, theta: FloatArray, gains: FloatArray, inside: FloatArray, outside: FloatArray) -> FloatArray:
-        m = inside.shape[1]
-        return self.hypothesis.sensor(theta, inside @ gains[:m]) + outside @ gains[m:]
+    def _bent_output(self, theta: FloatArray, gains: FloatArray, design: Design) -> FloatArray:
+        m = design.bent
+        output = self.hypothesis.sensor(theta, design.inside @ gains[:m])
+        return output + design.outside @ gains[m:] if gains.size > m else output
 
-    def _made(
-        self, theta: FloatArray, gains: FloatArray, inside: FloatArray, outside: FloatArray, output: FloatArray
-    ) -> Point:
+    def _made(self, theta: FloatArray, gains: FloatArray, design: Design, output: FloatArray) -> Point:
         error = self.y - self._seen(output[:, None])[:, 0]
-        return Point(theta, gains, inside, outside, output, error, float(error @ error) / self.count)
+        return Point(theta, gains, design, output, error, float(error @ error) / self.count)
 
     def jacobian(self, at: Point) -> FloatArray | None:
         """Derivative of the (whitened) output by theta and by the gains, in this order."""
         upper = self.hypothesis.bounds[1]
-        m = at.inside.shape[1]
+        m = at.design.bent
         searched = at.theta.size
-        J = np.empty((self.data.samples, searched + at.gains.size))
+        J = np.empty((self.data.samples, searched + at.gains.size), order="F")
         for i, parameter in enumerate(self.hypothesis.parameters):
             step = parameter.step if at.theta[i] + parameter.step <= upper[i] else -parameter.step
             moved = at.theta.copy()
             moved[i] += step
-            design = self.hypothesis.design(moved, self.data.u)
-            output = self.hypothesis.sensor(moved, design.inside @ at.gains[:m])
-            if at.gains.size > m:
-                output = output + design.outside @ at.gains[m:]
-            J[:, i] = (output - at.output) / step
-        J[:, searched : searched + m] = at.inside
+            design = self.hypothesis.design(moved, self.data.u, near=at.design)
+            J[:, i] = (self._bent_output(moved, at.gains, design) - at.output) / step
+        J[:, searched:] = at.design.columns
         if self.bent:
-            J[:, searched : searched + m] *= self.hypothesis.slope(at.theta, at.inside @ at.gains[:m])[:, None]
-        J[:, searched + m :] = at.outside
+            slope = self.hypothesis.slope(at.theta, at.design.inside @ at.gains[:m])
+            J[:, searched : searched + m] *= slope[:, None]
         J = self._seen(J)
-        return J if np.isfinite(J).all() else None
-
-
-def _solve(Phi: FloatArray, y: FloatArray) -> FloatArray:
-    """Least squares by normal equations of scaled columns with a ridge at rounding size: fast, and never singular."""
-    scale = np.sqrt(np.einsum("ij,ij->j", Phi, Phi))
-    scale[scale == 0.0] = 1.0
-    scaled = Phi / scale
-    gram = scaled.T @ scaled
-    gram[np.diag_indices_from(gram)] += 1e-11
-    gains: FloatArray = np.linalg.solve(gram, scaled.T @ y) / scale
-    return gains
+        return J if np.isfinite(J[-1]).all() else None
 
 
 def search(
@@ -196,24 +180,22 @@ def search(
         J = problem.jacobian(at)
         if J is None:
             break
-        stuck = ((at.theta <= lower) | (at.theta >= upper)) if searched else np.zeros(0, bool)
-        scale = np.sqrt(np.einsum("ij,ij->j", J, J))
-        scale[scale == 0.0] = 1.0
-        J = J / scale
-        gram, slope = J.T @ J, J.T @ at.error
+        gram, scale = scaled_gram(J)
+        slope = (J.T @ at.error) / scale
         better = None
         # A parameter at its bound that wants to go further is held there.
         held = np.zeros(gram.shape[0], bool)
-        held[:searched] = stuck & (np.where(at.theta <= lower, -1.0, 1.0) * slope[:searched] > 0)
-        keep = ~held
+        push = slope[:searched]
+        held[:searched] = ((at.theta <= lower) & (push < 0)) | ((at.theta >= upper) & (push > 0))
+        gram[held, :] = gram[:, held] = slope[held] = 0.0
+        ridge = np.where(held, 1.0, RIDGE)
         for _ in range(6):
-            lhs = gram[np.ix_(keep, keep)].copy()
-            diagonal = np.full(gram.shape[0], 1e-11)
+            lhs = gram.copy()
+            diagonal = lhs.flat[:: gram.shape[0] + 1]
+            diagonal += ridge
             diagonal[:searched] += damping
-            lhs[np.diag_indices_from(lhs)] += diagonal[keep]
-            step = np.zeros(gram.shape[0])
-            step[keep] = np.linalg.solve(lhs, slope[keep])
-            step /= scale
+            lhs.flat[:: gram.shape[0] + 1] = diagonal
+            step = solved(lhs, slope) / scale
             new = np.clip(at.theta + step[:searched], lower, upper)
             better = problem.point(new, at.gains + step[searched:] if problem.bent else None)
             if better is not None and better.cost < at.cost:
@@ -267,11 +249,9 @@ def covariance(data: Data, fit: Fit) -> FloatArray:
     size = fit.theta.size + fit.gains.size
     if J is None:
         return np.full((size, size), np.nan)
-    scale = np.sqrt(np.einsum("ij,ij->j", J, J))
-    scale[scale == 0.0] = 1.0
-    J = J / scale
-    inverse: FloatArray = np.linalg.pinv(J.T @ J, rcond=1e-10, hermitian=True) * fit.noise.sigma2
-    return inverse / np.outer(scale, scale)
+    gram, scale = scaled_gram(J)
+    inverse = np.asarray(np.linalg.pinv(gram, rcond=1e-10, hermitian=True), np.float64) * fit.noise.sigma2
+    return np.asarray(inverse / np.outer(scale, scale))
 
 
 def settle(data: Data, fit: Fit) -> Fit:

@@ -4,7 +4,8 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from labsid._arrays import FloatArray
+from labsid._arrays import FloatArray, beside
+from labsid.gap import _kernels
 from labsid.gap.effects.base import AdditiveEffect, Effect, InputEffect, OutputEffect, PlantEffect
 from labsid.gap.plants import Parameter, Plant
 
@@ -18,14 +19,33 @@ class Design:
 
     Attributes
     ----------
-    inside : ndarray, shape (N, m)
-        Columns that the sensor's curve still bends, the constant among them.
-    outside : ndarray, shape (N, q)
-        Columns added behind the sensor's curve.
+    columns : ndarray, shape (N, m + q)
+        All columns.
+    bent : int
+        m: how many of them, the first ones, the sensor's curve still bends, the constant among them.
+    theta : ndarray
+        The numbers that it was made with.
+    actuator : ndarray, shape (N,)
+        The signal that reaches the dynamics.
+    parts : tuple of ndarray
+        The columns of the dynamics, and of each additive effect.
     """
 
-    inside: FloatArray
-    outside: FloatArray
+    columns: FloatArray
+    bent: int
+    theta: FloatArray
+    actuator: FloatArray
+    parts: tuple[FloatArray, ...]
+
+    @property
+    def inside(self) -> FloatArray:
+        """Columns that the sensor's curve still bends, shape (N, m)."""
+        return self.columns[:, : self.bent]
+
+    @property
+    def outside(self) -> FloatArray:
+        """Columns added behind the sensor's curve, shape (N, q)."""
+        return self.columns[:, self.bent :]
 
 
 @dataclass(frozen=True, slots=True)
@@ -129,19 +149,35 @@ class Hypothesis:
         return shifted(w, float(theta[0]) if delay is None else delay)
 
     def design(
-        self, theta: FloatArray, u: FloatArray, span: int | None = None, reference: float | None = None
+        self,
+        theta: FloatArray,
+        u: FloatArray,
+        span: int | None = None,
+        reference: float | None = None,
+        near: Design | None = None,
     ) -> Design:
-        """Columns at `theta` for the input `u`, shape (N,); `span` and `reference` are those of the fit's record."""
+        """Columns at `theta` for the input `u`, shape (N,); `span` and `reference` are those of the fit's record.
+
+        What stays the same of `near`, a design for the same input at other numbers, is taken from there.
+        """
         span = span or u.size
-        w = self.actuator(theta, u, span)
-        plant = self.plant
-        own = theta[self.slices["plant"]]
-        inside = [plant.columns(own, w, span, reference), np.ones((u.size, 1))]
-        outside: list[FloatArray] = []
-        for effect in self.additive:
-            columns = effect.columns(theta[self.slices[effect.key]], u.size, span, plant, own)
-            (inside if effect.at_load else outside).append(columns)
-        return Design(np.hstack(inside), np.hstack(outside) if outside else np.zeros((u.size, 0)))
+        at = self.slices["plant"]
+        same = np.zeros(theta.size, bool) if near is None else theta == near.theta
+        known = near is not None and bool(same[: at.start].all())
+        w = near.actuator if near is not None and known else self.actuator(theta, u, span)
+        plant, own = self.plant, theta[at]
+        still = bool(same[at].all())
+        parts = [near.parts[0] if near is not None and known and still else plant.columns(own, w, span, reference)]
+        for i, effect in enumerate(self.additive, 1):
+            part = self.slices[effect.key]
+            if near is not None and same[part].all() and (still or not effect.at_load):
+                parts.append(near.parts[i])
+            else:
+                parts.append(effect.columns(theta[part], u.size, span, plant, own))
+        bent = [parts[0], np.ones((u.size, 1))]
+        bent += [part for part, effect in zip(parts[1:], self.additive, strict=True) if effect.at_load]
+        added = [part for part, effect in zip(parts[1:], self.additive, strict=True) if not effect.at_load]
+        return Design(beside([*bent, *added]), sum(part.shape[1] for part in bent), theta, w, tuple(parts))
 
     def gains_of(self, gains: FloatArray, effect: AdditiveEffect) -> FloatArray:
         """The gains of one additive effect among all: those at the load stand before those at the sensor."""
@@ -178,14 +214,11 @@ class Hypothesis:
     ) -> FloatArray:
         """Free-run output for the input `u`."""
         design = self.design(theta, u, span, reference)
-        inside = design.inside.shape[1]
-        return self.sensor(theta, design.inside @ gains[:inside]) + design.outside @ gains[inside:]
+        return self.sensor(theta, design.inside @ gains[: design.bent]) + design.outside @ gains[design.bent :]
 
 
 def shifted(w: FloatArray, delay: float) -> FloatArray:
     """`w` later by `delay` samples, between samples by interpolation; before the record it stood still."""
     whole = int(np.floor(delay))
-    part = delay - whole
-    padded = np.concatenate([np.full(whole + 1, w[0]), w])
-    later = padded[1 : 1 + w.size]
-    return later if part == 0.0 else (1.0 - part) * later + part * padded[: w.size]
+    later: FloatArray = _kernels.delayed(w, whole, delay - whole)
+    return later

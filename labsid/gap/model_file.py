@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from labsid._arrays import FloatArray
-from labsid.gap.candidates import CANDIDATES
+from labsid.gap.candidates import CANDIDATES, PLACES
 from labsid.gap.context import Data, Scale
 from labsid.gap.effects.base import Effect
 from labsid.gap.fitting import Fit
@@ -18,7 +18,7 @@ SCHEMA = "labsid.model/1"
 REST = 5000  # samples before a run that begins at rest
 START = 50  # samples from which the initial state of another record is estimated
 _STATES = ("h1", "h2", "z0", "v0", "i0", "position")
-_BY_KEY: dict[str, Effect] = {effect.key: effect for group in CANDIDATES for effect in group}
+_BY_KEY: dict[str, Effect] = {effect.key: effect for group in (*CANDIDATES, *PLACES) for effect in group}
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -190,7 +190,7 @@ def from_json_dict(content: dict[str, Any]) -> RunningModel:
     if not np.isfinite(numbers).all() or min(Ts, span, *(scale.unit for scale in scales)) <= 0:
         raise ValueError(wrong.format("its numbers must be finite; Ts, span and the units above zero"))
     design = hypothesis.design(theta, np.zeros(START), span, reference)
-    expected = design.inside.shape[1] + design.outside.shape[1]
+    expected = design.columns.shape[1]
     if gains.shape != (expected,):
         raise ValueError(wrong.format(f"gains must hold {expected} numbers; got {gains.size}"))
     return RunningModel(hypothesis, theta, gains, Ts, span, reference, *scales)

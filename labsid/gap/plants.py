@@ -9,9 +9,9 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from labsid._arrays import FloatArray
+from labsid._arrays import FloatArray, beside
 from labsid.gap import _kernels
-from labsid.gap.responses import denominator, real_rates, response, section
+from labsid.gap.responses import denominator, lagging, real_rates, response, section, through_lag, through_mode
 
 SLOWEST, FASTEST = np.log(1e-5), np.log(8.0)
 SHORTEST_MEMORY = 12  # of a lag's time constants in a record
@@ -59,7 +59,11 @@ class Plant:
     friction, cubic : bool
         Dry friction, cubic restoring force.
     lag_first : bool
-        The lag stands before the friction, not behind it.
+        The lag of the speed stands before the friction, not behind it.
+    lag_ahead : bool
+        The further lag stands before a nonlinear state, not behind it.
+    mode_place : str
+        Where the mode stands beside a nonlinear state: "behind" it, "ahead" of it, or "beside" it.
     course : str
         How a varying pole goes along the record: "slow", or "step" at an instant.
     bends : int
@@ -84,6 +88,8 @@ class Plant:
     friction: bool = False
     cubic: bool = False
     lag_first: bool = True
+    lag_ahead: bool = False
+    mode_place: str = "behind"
     course: str = "slow"
     bends: int = 0
     run: Callable[[FloatArray], FloatArray] | None = field(default=None, compare=False)
@@ -151,27 +157,44 @@ class Plant:
         """
         own = self._by_name(theta)
         start = float(w[0]) if reference is None else reference
-        columns = response(self, own, w, span, start)
-        if self.kind in ("mechanics", "speed"):
-            columns = columns[:, :1].copy()
-        if not (self.lag or self.mode):
-            return columns
-        moved = w - start if self.kind == "linear" else columns[:, 0].copy()
-        parts: list[FloatArray] = [columns]
-        if self.lag:
-            # A slower one would be a drift: its free motion bends the whole record.
-            pole = float(np.exp(-1.0 / min(np.exp(own["log_lag"]), span / SHORTEST_MEMORY)))
-            decay = np.asarray(pole ** np.arange(w.size), np.float64)
-            lagged = _kernels.first_order(moved, pole)
-            if self.kind == "linear":
-                parts.append(lagged[:, None])
-            else:  # the lag stands behind the nonlinear state
-                columns[:, 0] = lagged
-            parts.append(decay[:, None])
+        driven = w
+        if self.lag:  # a slower one would be a drift: its free motion bends the whole record
+            tau = float(min(np.exp(own["log_lag"]), span / SHORTEST_MEMORY))
+            pole = float(np.exp(-1.0 / tau))
+            if self._lag_ahead:
+                driven = through_lag(driven, tau)
         if self.mode:
             frequency, damping = np.exp(own["log_frequency"]), np.exp(own["log_damping"])
-            parts.append(section(2.0 * damping * frequency, frequency**2, moved))
-        return np.hstack(parts)
+            if self._mode_place == "ahead":
+                driven = through_mode(driven, frequency, damping)
+        columns = response(self, own, driven, span, start)
+        if self.kind in ("mechanics", "speed"):
+            columns = columns[:, :1].copy()
+        parts: list[FloatArray] = [columns]
+        moved = w - start if self.kind == "linear" else columns[:, 0].copy()
+        if self.lag and not self._lag_ahead:
+            if self.kind == "linear":
+                parts.append(_kernels.first_order(moved, pole)[:, None])
+            else:
+                columns[:, 0] = lagging(moved, tau)
+            parts.append(np.asarray(pole ** np.arange(w.size), np.float64)[:, None])
+        if self.mode and self._mode_place != "ahead":
+            drive = moved if self._mode_place == "behind" else w - start
+            parts.append(section(2.0 * damping * frequency, frequency**2, drive))
+        return beside(parts) if len(parts) > 1 else columns
+
+    @property
+    def nonlinear(self) -> bool:
+        """Whether a state is nonlinear, so that it matters what stands before it and what behind."""
+        return self.kind in ("tanks", "mechanics", "speed")
+
+    @property
+    def _lag_ahead(self) -> bool:
+        return self.lag_ahead and self.nonlinear
+
+    @property
+    def _mode_place(self) -> str:
+        return self.mode_place if self.nonlinear else "behind"
 
     def _by_name(self, theta: FloatArray) -> dict[str, float]:
         return {parameter.name: value for parameter, value in zip(self.parameters, theta, strict=True)}
@@ -187,10 +210,10 @@ class Plant:
             own = (width - 2, width - 1)
         else:
             own, width = (), 1
-        if self.lag:
+        if self.lag and not self._lag_ahead:
             width += 2 if self.kind == "linear" else 1
             own = (*own, width - 1)
-        if self.mode:
+        if self.mode and self._mode_place != "ahead":
             own = (*own, width + 2, width + 3)
         return own
 

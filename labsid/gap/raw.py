@@ -53,7 +53,7 @@ def find_held(y: FloatArray, lattice: float | None) -> tuple[tuple[int, int], ..
     return tuple(
         (int(start) + 1, int(start + length))
         for start, length, stop in zip(starts, lengths, extreme, strict=True)
-        if length >= least and not stop
+        if length >= least and not stop and start > 0  # a record that begins at rest holds nothing
     )
 
 
@@ -82,8 +82,10 @@ def find_spikes(e: FloatArray, usable: np.ndarray, threshold: float = SPIKE) -> 
     far = np.abs(off) > threshold * spread
     starts, lengths = runs(far.astype(float))
     for start, length in zip(starts, lengths, strict=True):
-        if far[start] and length <= LONGEST_SPIKE and start > 0 and start + length < x.size:
-            before, behind = x[start - 1], x[start + length]
+        if far[start] and length <= LONGEST_SPIKE:
+            stop = start + length
+            before = x[start - 1] if start > 0 else x[stop]
+            behind = x[stop] if stop < x.size else before
             height = float(np.abs(x[start : start + length] - 0.5 * (before + behind)).min())
             if height < 3.0 * abs(behind - before):  # a jump that stays is no spike
                 continue

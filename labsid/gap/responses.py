@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.polynomial.chebyshev import chebval
 
-from labsid._arrays import FloatArray
+from labsid._arrays import FloatArray, beside
 from labsid.gap import _kernels
 
 if TYPE_CHECKING:
@@ -75,6 +75,29 @@ def real_rates(c: float, k: float) -> tuple[float, float]:
 def section(c: float, k: float, w: FloatArray) -> FloatArray:
     """Columns of one second-order section: two numerator terms and two of its initial state."""
     return _kernels.section(w, *denominator(c, k))
+
+
+def through_lag(w: FloatArray, tau: float) -> FloatArray:
+    """The mean over each sample of a lag that follows `w` from rest; `tau` in samples."""
+    pole = float(np.exp(-1.0 / tau))
+    behind = w[0] + _kernels.first_order(w - w[0], pole) - w
+    return np.asarray(w + behind * tau * (1.0 - pole))
+
+
+def lagging(y: FloatArray, tau: float) -> FloatArray:
+    """A lag that follows `y`, which goes straight from sample to sample, from zero; `tau` in samples."""
+    pole = float(np.exp(-1.0 / tau))
+    share = 1.0 / (1.0 - pole) - tau
+    onward = share * np.append(y[1:], y[-1]) + (1.0 - share) * y
+    return _kernels.first_order(onward, pole)
+
+
+def through_mode(w: FloatArray, frequency: float, damping: float) -> FloatArray:
+    """The mean over each sample of a lightly damped mode in the actuator's path, of gain one, that starts at rest."""
+    c, k = 2.0 * damping * frequency, frequency**2
+    motion = _kernels.mechanics(w - w[0], c, k, 0.0, 0.0, 0.0, 0.0, 1)
+    change = np.diff(motion, axis=0, append=motion[-1:])  # the mean follows from z'' = -c z' - k z + w, integrated
+    return np.asarray(w - change @ [c, 1.0])
 
 
 def _linear(plant: "Plant", own: dict[str, float], w: FloatArray, span: int, reference: float) -> FloatArray:
@@ -151,9 +174,9 @@ def _varying(plant: "Plant", own: dict[str, float], w: FloatArray, span: int, re
     constant = np.ones(w.size)
     if plant.course == "step":  # the gain at the input stays: what changes is a load that grows with the state
         out = _kernels.varying(np.column_stack([still, constant, course]), c, k) * unit
-        return np.hstack([out[:, :3], out[:, 4:], start])
+        return beside([out[:, :3], out[:, 4:], start])
     out = _kernels.varying(np.column_stack([still, still * course, constant, course]), c, k) * unit
-    return np.hstack([out[:, :5], out[:, 6:7], start])
+    return beside([out[:, :5], out[:, 6:7], start])
 
 
 def _given(plant: "Plant", own: dict[str, float], w: FloatArray, span: int, reference: float) -> FloatArray:

@@ -5,10 +5,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from labsid.gap.candidates import CANDIDATES, LINEAR, add, baseline, swift_fit
+from labsid.gap.candidates import CANDIDATES, LINEAR, baseline, finished, rearranged, sketches, swift_fit
 from labsid.gap.context import Data
 from labsid.gap.effects.base import AdditiveEffect
-from labsid.gap.fitting import Fit, polish, power, refit, rms, settle
+from labsid.gap.fitting import Fit, finish, polish, power, refit, rms, search, settle
 from labsid.gap.holdout import BLOCKS, held_out
 from labsid.gap.hypothesis import Hypothesis
 from labsid.gap.leftover import SLOW, explained_share, slow_colour
@@ -16,12 +16,15 @@ from labsid.gap.raw import RawFaults, find_held, find_spikes
 from labsid.signal_quality import lattice_step
 
 Progress = Callable[[str, float], None]
+Levels = tuple[dict[tuple[str, ...], Fit], ...]
 
 BEAM = 3
+FOLLOWED = 6  # second and third effects that are taken to the end, of each parent
 POLISHED = 6
 MARGIN = 12.0  # BIC: what one effect more has to gain
 NOTHING = 1e-9  # scaled: a difference of rounding
 EFFECT_SIZE = 0.3  # change of the simulation over the standard deviation of what is left
+NAMED_SIZE = (0.5, 1.0, 2.0)  # the same, for a first, second and third effect that is named
 RAW_SIZE = 1.3  # mean square error with the bad samples over that without them
 STRONG_COLOUR = 1.3  # standard deviation of the noise over that of its innovations
 VERY_SLOW = 4.0  # standard deviation of the residual over that of its innovations
@@ -47,7 +50,7 @@ class Explained:
 
     data: Data
     faults: RawFaults
-    levels: tuple[dict[tuple[str, ...], Fit], ...]
+    levels: Levels
     path: tuple[Fit, ...]
     added: tuple[str, ...]
 
@@ -82,27 +85,42 @@ def explain(data: Data, structure: Hypothesis = LINEAR, most: int = 3, progress:
     for start, stop in stretches:
         held[start:stop] = True
     usable = data.rows & ~held
-    first = baseline(replace(data, rows=usable), structure)
-    spikes = find_spikes(data.y - first.output, usable)
-    for _ in range(2):
-        clean = replace(data, rows=usable & ~spikes)
-        levels, path = search_tree(clean, structure, most, progress)
-        again = find_spikes(data.y - path[-1].output, usable)
-        if (again ^ spikes).sum() <= 0.2 * max(again.sum(), 3):
-            break
-        spikes = again
+    clean, spikes, levels, path = _beside_spikes(data, usable, structure, most, progress)
     faults = RawFaults(held, stretches, spikes, None if lattice is None else lattice / data.y_scale.unit)
     if slow_leftover(clean, path[-1]):
-        other_levels, other = search_tree(replace(clean, by_free_run=True), structure, most, progress)
+        other_levels, other = search_tree(replace(clean, by_free_run=True), structure, min(most, 2), progress)
         other = confirmed(clean, other)
         if len(other) > 1 and power(clean, other[-1]) < 0.5 * power(clean, path[-1]):
             levels, path = other_levels, other
+    path = trimmed(clean, path)
     return Explained(clean, faults, levels, path, unsimulated(data, clean, faults, path[-1]))
+
+
+def _beside_spikes(
+    data: Data, usable: np.ndarray, structure: Hypothesis, most: int, progress: Progress | None
+) -> tuple[Data, np.ndarray, Levels, tuple[Fit, ...]]:
+    """The beam search without the spikes, which are judged beside the best explanation: it may be what makes them."""
+    first = baseline(replace(data, rows=usable), structure)
+    spikes = find_spikes(data.y - first.output, usable)
+    clean = replace(data, rows=usable & ~spikes)
+    levels, path = search_tree(clean, structure, most, progress)
+    again = find_spikes(data.y - path[-1].output, usable)
+    few = 0.2 * max(again.sum(), 3)
+    if (again & ~spikes).sum() > few:  # the baseline's error had hidden them
+        clean = replace(data, rows=usable & ~again)
+        levels, path = search_tree(clean, structure, most, progress)
+        spikes, again = again, find_spikes(data.y - path[-1].output, usable)
+    if (again ^ spikes).sum() > few:  # or had made them
+        clean = replace(data, rows=usable & ~again)
+        new = {fit: refit(clean, fit) for level in levels for fit in level.values()}
+        levels = tuple({names: new[fit] for names, fit in level.items()} for level in levels)
+        return clean, again, levels, tuple(new[fit] for fit in path)
+    return clean, spikes, levels, path
 
 
 def search_tree(
     data: Data, structure: Hypothesis, most: int, progress: Progress | None
-) -> tuple[tuple[dict[tuple[str, ...], Fit], ...], tuple[Fit, ...]]:
+) -> tuple[Levels, tuple[Fit, ...]]:
     """The beam search: all levels that were tried, and the accepted path."""
     base = baseline(data, structure)
     swift = swift_fit(data, base)
@@ -113,22 +131,27 @@ def search_tree(
     for step in range(most):
         level: dict[tuple[str, ...], Fit] = {}
         for number, parent in enumerate(beam):
+            tried = []
             for place, group in enumerate(CANDIDATES):
                 if progress is not None:
                     done = (number + place / len(CANDIDATES)) / len(beam)
                     progress("one effect" if step == 0 else f"{step + 1} effects", done)
-                names = tuple(sorted((*parent.hypothesis.names, group[0].name)))
-                if group[0].name in parent.hypothesis.names:
-                    continue
-                fit = add(data, parent, group, swift, *((3, 3) if step == 0 else (2, 1)))
-                if fit is not None and (names not in level or fit.bic < level[names].bic):
-                    level[names] = fit
+                if group[0].name not in parent.hypothesis.names:
+                    tried.append(sketches(data, parent, group, swift, brief=step > 0))
+            if step > 0:
+                tried = sorted(filter(None, tried), key=lambda sketched: sketched[0].score)[:FOLLOWED]
+            for sketched in tried:
+                fit = finished(data, sketched, kept=1 if step > 0 else 3)
+                if fit is not None:
+                    names = tuple(sorted(fit.hypothesis.names))
+                    if names not in level or fit.bic < level[names].bic:
+                        level[names] = fit
         if not level:
             break
         for names, fit in sorted(level.items(), key=lambda item: item[1].bic)[:POLISHED]:
-            level[names] = polish(data, settle(data, fit))
+            level[names] = polish(data, min((settle(data, one) for one in _places(data, fit)), key=_bic))
         levels.append(level)
-        ranked = sorted(level.values(), key=lambda fit: fit.bic)
+        ranked = sorted(level.values(), key=_bic)
         beam = ranked[:BEAM]
         best = next((fit for fit in ranked if worth(data, path[-1], fit)), None)
         if best is None:
@@ -137,6 +160,16 @@ def search_tree(
         if nothing_left(data, best):
             break
     return tuple(levels), tuple(path)
+
+
+def _places(data: Data, fit: Fit) -> list[Fit]:
+    """The fit, and the same effects at other places of the chain."""
+    points = [(other, search(data, other, fit.theta, iterations=8)) for other in rearranged(fit.hypothesis)]
+    return [fit, *(finish(data, other, point) for other, point in points if point is not None)]
+
+
+def _bic(fit: Fit) -> float:
+    return fit.bic
 
 
 def slow_leftover(data: Data, fit: Fit) -> bool:
@@ -177,9 +210,24 @@ def nothing_left(data: Data, fit: Fit) -> bool:
 
 def worth(data: Data, simpler: Fit, fit: Fit) -> bool:
     """Whether `fit` explains significantly more than `simpler`, and something that matters."""
+    return bool(simpler.bic - fit.bic > MARGIN and changes(data, simpler, fit, EFFECT_SIZE))
+
+
+def changes(data: Data, simpler: Fit, fit: Fit, size: float) -> bool:
+    """Whether two simulations differ by more than `size` standard deviations of what the second one leaves."""
     change = np.sqrt(np.mean((fit.output - simpler.output)[data.rows] ** 2))
-    left = rms(data, fit)
-    return bool(simpler.bic - fit.bic > MARGIN and change > max(EFFECT_SIZE * left, NOTHING))
+    return bool(change > max(size * rms(data, fit), NOTHING))
+
+
+def trimmed(data: Data, path: tuple[Fit, ...]) -> tuple[Fit, ...]:
+    """The path without the steps at its end that are significant but small: they mend what another effect is not quite.
+
+    Two real effects each leave a mark; a further one that only trims the residual is more often a patch.
+    """
+    last = len(path) - 1
+    while last > 0 and not changes(data, path[last - 1], path[last], NAMED_SIZE[min(last, len(NAMED_SIZE)) - 1]):
+        last -= 1
+    return path[: last + 1]
 
 
 def unsimulated(data: Data, clean: Data, faults: RawFaults, best: Fit) -> tuple[str, ...]:
@@ -191,12 +239,24 @@ def unsimulated(data: Data, clean: Data, faults: RawFaults, best: Fit) -> tuple[
         bad = bad & data.rows
         if bad.any() and float(np.mean(e[clean.rows | bad] ** 2)) > RAW_SIZE * floor:
             found.append(name)
-    if faults.lattice is not None:
-        rounding = faults.lattice**2 / 12.0
-        white = best.noise.sigma2
-        if rounding > 1.3**2 * max(white - rounding, 1e-3 * rounding) and white < 3.0 * rounding:
-            found.append("output-quantization")
-    ratio = np.sqrt(floor / best.noise.sigma2)
-    if ratio > STRONG_COLOUR and slow_colour(e, clean.rows) > SLOW:
+    white = best.noise.sigma2
+    rounding = 0.0 if faults.lattice is None else faults.lattice**2 / 12.0
+    if rounding > 1.3**2 * max(white - rounding, 1e-3 * rounding) and white < 3.0 * rounding:
+        found.append("output-quantization")
+        if "output-dropout" in found and _rounded(data, clean, faults, best):
+            found.remove("output-dropout")
+    else:
+        rounding = 0.0
+    wanders = {"output-drift", "parameter-drift"} & set(best.hypothesis.names)
+    coloured = np.sqrt(floor / white) > STRONG_COLOUR and slow_colour(e, clean.rows) > SLOW
+    if coloured and floor > 3.0 * rounding and not wanders:  # what they leave, and a converter's steps, is slow too
         found.append("coloured-noise")
     return tuple(found)
+
+
+def _rounded(data: Data, clean: Data, faults: RawFaults, best: Fit) -> bool:
+    """Whether the held values are only those of a slow motion on the converter's lattice."""
+    assert faults.lattice is not None
+    held = faults.held & data.rows
+    e = data.y - refit(replace(clean, rows=clean.rows | held), best).output
+    return float(np.mean(e[held] ** 2)) < 0.5 * faults.lattice**2

@@ -9,6 +9,7 @@ from labsid.gap.effects.dynamics import peaks
 from labsid.gap.plants import Parameter, Plant
 from labsid.gap.responses import begun, denominator
 
+SHORTEST_LOAD = 8  # samples
 FEWEST_CYCLES = 2.2  # in the record; a slower wave is a drift
 
 
@@ -30,6 +31,10 @@ class LoadStep(AdditiveEffect):
     def columns(self, own: FloatArray, samples: int, span: int, plant: Plant, rates: FloatArray) -> FloatArray:
         """A unit step through the dynamics."""
         return plant.through(rates, begun(float(own[0]), samples, span))
+
+    def holds(self, fit: Fitted) -> bool:
+        """A load that begins with the record is an offset, and one at its very end a spike."""
+        return _inside(float(fit.own(self)[0]), fit.data.samples)
 
     def acts(self, fit: Fitted) -> np.ndarray:
         """From the onset on."""
@@ -62,10 +67,14 @@ class Leak(PlantEffect):
         """Where a step takes most out of the residual, of either sign, with and without more damping."""
         return [
             {"drift_c": part * size, "drift_k": size, "onset": at}
-            for at in onsets(context, 2)
+            for at in onsets(context, 3, context.parent.output - context.parent.output[0])
             for size in (0.15, -0.15)
             for part in (0.0, 1.0)
         ]
+
+    def holds(self, fit: Fitted) -> bool:
+        """As for a load that does not grow."""
+        return _inside(fit.plant("onset"), fit.data.samples)
 
     def acts(self, fit: Fitted) -> np.ndarray:
         """From the onset on."""
@@ -77,21 +86,28 @@ class Leak(PlantEffect):
         return {"onset": Value(onset, "s"), "size": Value(float(np.expm1(2.0 * fit.plant("drift_k"))), "1")}
 
 
-def onsets(context: Context, count: int) -> list[float]:
-    """Where, as a share of the record, a step through the dynamics would take most out of the residual."""
+def _inside(onset: float, samples: int) -> bool:
+    edge = max(SHORTEST_LOAD / samples, 0.005)
+    return edge < onset < 1.0 - edge
+
+
+def onsets(context: Context, count: int, grows_with: FloatArray | None = None) -> list[float]:
+    """Where, as a share of the record, a load through the dynamics would take most out of the residual.
+
+    It is constant from there on, or `grows_with` a signal of the record.
+    """
     y, rows = context.data.y, context.data.rows
     samples = y.size
     plant, rates = Plant(), np.log(context.swift_rates)
     still = np.hstack([plant.columns(rates, context.actuator, samples), np.ones((samples, 1))])[rows]
     still = np.linalg.qr(still)[0]
     e = y[rows] - still @ (still.T @ y[rows])
-    one = plant.through(rates, np.ones(samples))
+    load = np.ones(samples) if grows_with is None else grows_with
     at = np.unique(np.linspace(0.02, 0.97, 64) * samples).astype(int)
     gains = []
     for k in at:
-        step = np.zeros((samples, 2))
-        step[k:] = one[: samples - k]
-        step = step[rows]
+        begun_at = np.where(np.arange(samples) >= k, load, 0.0)
+        step = plant.through(rates, begun_at)[rows]
         step -= still @ (still.T @ step)
         gram = step.T @ step + 1e-9 * np.eye(2)
         cross = step.T @ e

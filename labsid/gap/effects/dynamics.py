@@ -11,17 +11,18 @@ from labsid.gap.effects.base import Fitted, InputEffect, PlantEffect, Value
 from labsid.gap.plants import Parameter, Plant
 from labsid.gap.responses import real_rates, slow_course
 
+FEWEST_SWINGS = 4.0  # of a mode in the record
 BOTH_WAYS = 0.03  # of the record in motion either way
 
 
 class ExtraLag(PlantEffect):
-    """One more real pole anywhere in the chain."""
+    """One more real pole anywhere in the chain; `variant` "ahead" puts it before a nonlinear state."""
 
     name = "extra-lag"
 
     def shape(self, plant: Plant) -> Plant:
         """One more real pole beside, or behind, what is there."""
-        return plant.but(lag=True)
+        return plant.but(lag=True, lag_ahead=self.variant == "ahead")
 
     def plant_starts(self, context: Context) -> list[dict[str, float]]:
         """Swifter and slower than the poles of the parent."""
@@ -33,6 +34,8 @@ class ExtraLag(PlantEffect):
     def holds(self, fit: Fitted) -> bool:
         """The lag has to pass the input on: its free motion alone would be a drift that settles."""
         plant = fit.hypothesis.plant
+        if plant.nonlinear and plant.lag_ahead:
+            return True
         own = fit.theta[fit.hypothesis.slices["plant"]]
         columns = plant.columns(own, fit.hypothesis.actuator(fit.theta, fit.data.u), fit.data.samples)
         parts = columns * fit.gains[: columns.shape[1]]
@@ -45,19 +48,23 @@ class ExtraLag(PlantEffect):
 
 
 class Resonance(PlantEffect):
-    """An unmodelled, lightly damped mode."""
+    """An unmodelled, lightly damped mode; `variant` "ahead" or "beside" places it to a nonlinear state."""
 
     name = "resonance"
 
     def shape(self, plant: Plant) -> Plant:
         """One more pair of poles."""
-        return plant.but(mode=True)
+        return plant.but(mode=True, mode_place=self.variant or "behind")
 
     def plant_starts(self, context: Context) -> list[dict[str, float]]:
         """The highest narrow peaks of the residual, and two frequencies in any case."""
         return [
             {"log_frequency": float(np.log(w)), "log_damping": float(np.log(0.08))} for w in peaks(context, 3, 0.02)
         ] + [{"log_frequency": float(np.log(w)), "log_damping": float(np.log(0.15))} for w in (0.15, 0.5)]
+
+    def holds(self, fit: Fitted) -> bool:
+        """A mode that swings only a few times in the whole record is a drift, not one that the input excites."""
+        return float(np.exp(fit.plant("log_frequency"))) * fit.data.samples > 2.0 * np.pi * FEWEST_SWINGS
 
     def values(self, fit: Fitted) -> dict[str, Value]:
         """`frequency` in hertz, and `damping`."""

@@ -6,7 +6,17 @@ import numpy as np
 import pytest
 
 from labsid._arrays import FloatArray
-from labsid.gap.candidates import CANDIDATES, LINEAR, add, baseline, compatible, starts, swift_fit
+from labsid.gap.candidates import (
+    CANDIDATES,
+    LINEAR,
+    baseline,
+    compatible,
+    finished,
+    rearranged,
+    sketches,
+    starts,
+    swift_fit,
+)
 from labsid.gap.context import Context, Data, scaled
 from labsid.gap.effects import dynamics, input, output
 from labsid.gap.effects.base import Effect
@@ -105,15 +115,16 @@ def test_starts_keep_the_numbers_of_the_parent(banded: Explained) -> None:
             np.testing.assert_allclose(np.exp(theta[hypothesis.slices["plant"]][:2]), parent.rates)
 
 
-def test_add_finds_the_effect_and_returns_none_where_it_cannot_be_seen(banded: Explained) -> None:
+def test_search_finds_the_effect_and_nothing_where_it_cannot_be_seen(banded: Explained) -> None:
     data, base = banded.data, banded.path[0]
-    found = add(data, base, (input.DeadZone(),), base)
+    found = finished(data, sketches(data, base, (input.DeadZone(),), base))
     assert found is not None
     own = found.theta[found.hypothesis.slices["input-dead-zone"]]
     np.testing.assert_allclose(np.asarray(data.u_scale.back(np.sort(own))), [-0.4, 0.3], atol=0.03)
     two = data_of(np.sign(data.u), data.y)
     fit = baseline(two)
-    assert add(two, fit, (input.DeadZone(),), fit) is None
+    assert sketches(two, fit, (input.DeadZone(),), fit) == []
+    assert finished(two, []) is None
 
 
 @pytest.mark.parametrize("seed", [7, 8, 9])
@@ -127,7 +138,7 @@ def test_the_simpler_variant_is_kept_where_it_explains_as_much(
     base = baseline(data)
     group = next(group for group in CANDIDATES if group[0].name == "load-step")
     assert len(group) == 2
-    found = add(data, base, group, swift_fit(data, base))
+    found = finished(data, sketches(data, base, group, swift_fit(data, base)))
     assert found is not None
     assert found.hypothesis.keys == ("load-step",)
 
@@ -137,3 +148,18 @@ def test_candidates_of_a_group_share_their_name() -> None:
     for group in CANDIDATES:
         assert len({effect.name for effect in group}) == 1
     assert LINEAR.names == ()
+
+
+def test_a_lag_and_a_mode_are_tried_at_every_place_to_a_nonlinear_state() -> None:
+    linear = Hypothesis((dynamics.ExtraLag(), dynamics.Resonance()))
+    assert rearranged(linear) == []
+    bent = linear.plus(dynamics.CubicStiffness())
+    keys = [other.keys for other in rearranged(bent)]
+    assert keys == [
+        ("extra-lag/ahead", "resonance", "cubic-stiffness"),
+        ("extra-lag", "resonance/ahead", "cubic-stiffness"),
+        ("extra-lag", "resonance/beside", "cubic-stiffness"),
+    ]
+    assert all(other.parameters == bent.parameters and other.names == bent.names for other in rearranged(bent))
+    given = Hypothesis(bent.effects, known=1)
+    assert all(other.effects[0] == dynamics.ExtraLag() for other in rearranged(given))

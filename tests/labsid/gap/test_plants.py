@@ -6,9 +6,11 @@ import control
 import numpy as np
 import pytest
 from scipy.linalg import expm
+from scipy.signal import lsim
 
 from labsid._arrays import FloatArray
 from labsid.gap.plants import Plant
+from labsid.gap.responses import section
 
 Held = Callable[[FloatArray, FloatArray, Callable[[FloatArray, float], list[float]]], FloatArray]
 
@@ -23,6 +25,8 @@ KINDS = [
     Plant(kind="tanks", lower_root=True, brim=2, lag=True),
     Plant(kind="mechanics", friction=True),
     Plant(kind="mechanics", cubic=True, mode=True),
+    Plant(kind="mechanics", cubic=True, mode=True, mode_place="beside"),
+    Plant(kind="mechanics", friction=True, mode=True, mode_place="ahead", lag=True, lag_ahead=True),
     Plant(kind="speed", friction=True, lag_first=False),
     Plant(kind="varying", bends=2),
     Plant(kind="varying", course="step"),
@@ -166,11 +170,44 @@ def test_a_lag_behind_a_nonlinear_state_takes_its_place(levels: FloatArray) -> N
     numbers = {"log_a": np.log(0.3), "log_b": np.log(0.2)}
     level = bare.columns(theta_of(bare, **numbers), levels, levels.size)[:, 0]
     columns = lagged.columns(theta_of(lagged, log_lag=np.log(4.0), **numbers), levels, levels.size)
-    pole = np.exp(-0.25)
-    expected = np.zeros(levels.size)
-    for k in range(1, levels.size):
-        expected[k] = pole * expected[k - 1] + (1.0 - pole) * level[k - 1]
-    np.testing.assert_allclose(columns, np.column_stack([expected, pole ** np.arange(levels.size)]), atol=1e-12)
+    _, expected, _ = lsim(([1.0], [4.0, 1.0]), level, np.arange(levels.size), X0=[0.0], interp=True)
+    np.testing.assert_allclose(columns[:, 0], expected, atol=1e-9)
+    np.testing.assert_allclose(columns[:, 1], np.exp(-0.25 * np.arange(levels.size)), atol=1e-12)
+
+
+def fine_response(system: tuple[list[float], list[float]], levels: FloatArray) -> FloatArray:
+    """The mean over each sample of what a system from rest makes of the held levels, by a hundred steps a sample."""
+    fine = np.repeat(levels - levels[0], 100)
+    _, response, _ = lsim(system, np.append(fine, fine[-1]), np.arange(fine.size + 1) / 100.0, interp=False)
+    return levels[0] + 0.5 * (response[:-1] + response[1:]).reshape(-1, 100).mean(axis=1)
+
+
+def test_a_lag_ahead_of_a_nonlinear_state_drives_it_with_its_mean(levels: FloatArray) -> None:
+    bare, lagged = Plant(kind="tanks"), Plant(kind="tanks", lag=True, lag_ahead=True)
+    numbers = {"log_a": np.log(0.3), "log_b": np.log(0.2)}
+    driven = fine_response(([1.0], [4.0, 1.0]), levels)
+    expected = bare.columns(theta_of(bare, **numbers), driven, levels.size)
+    columns = lagged.columns(theta_of(lagged, log_lag=np.log(4.0), **numbers), levels, levels.size)
+    np.testing.assert_allclose(columns, expected, atol=2e-4)
+    assert lagged.state_columns == ()
+
+
+def test_a_mode_ahead_of_a_nonlinear_state_drives_it_with_its_mean(levels: FloatArray) -> None:
+    bare, swinging = Plant(kind="tanks"), Plant(kind="tanks", mode=True, mode_place="ahead")
+    numbers = {"log_a": np.log(0.3), "log_b": np.log(0.2)}
+    driven = fine_response(([0.09], [1.0, 2 * 0.1 * 0.3, 0.09]), levels)
+    expected = bare.columns(theta_of(bare, **numbers), driven, levels.size)
+    mode = {"log_frequency": np.log(0.3), "log_damping": np.log(0.1)}
+    columns = swinging.columns(theta_of(swinging, **mode, **numbers), levels, levels.size)
+    np.testing.assert_allclose(columns, expected, atol=0.01)
+
+
+def test_a_mode_beside_a_nonlinear_state_answers_the_input(levels: FloatArray) -> None:
+    plant = Plant(kind="tanks", mode=True, mode_place="beside")
+    mode = {"log_frequency": np.log(0.3), "log_damping": np.log(0.1)}
+    columns = plant.columns(theta_of(plant, log_a=np.log(0.3), log_b=np.log(0.2), **mode), levels, levels.size)
+    np.testing.assert_allclose(columns[:, 1:], section(2 * 0.1 * 0.3, 0.09, levels - levels[0]), atol=1e-12)
+    assert plant.state_columns == (3, 4)
 
 
 def test_rates_that_do_not_vary_give_the_linear_columns(levels: FloatArray) -> None:

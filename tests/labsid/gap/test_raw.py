@@ -84,3 +84,19 @@ def test_bad_samples_are_the_held_and_the_spikes() -> None:
     held, spikes = np.zeros(5, bool), np.zeros(5, bool)
     held[1], spikes[3] = True, True
     assert RawFaults(held, ((1, 2),), spikes, None).bad.tolist() == [False, True, False, True, False]
+
+
+def test_a_record_that_begins_at_rest_holds_nothing(noise: np.ndarray) -> None:
+    y = noise.copy()
+    y[:40] = y[0]
+    assert find_held(y, None) == ()
+    y[60:100] = y[60]
+    assert find_held(y, None) == ((61, 100),)
+
+
+@pytest.mark.parametrize("at", [0, -1])
+def test_a_spike_may_stand_at_an_end_of_the_record(noise: np.ndarray, at: int) -> None:
+    e = noise.copy()
+    e[at] = 12.0 * np.std(noise)
+    spikes = find_spikes(e, np.ones(e.size, bool))
+    assert np.flatnonzero(spikes).tolist() == [at % e.size]

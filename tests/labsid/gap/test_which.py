@@ -7,9 +7,10 @@ import numpy as np
 import pytest
 from scipy.signal import lfilter
 
+from labsid.gap.context import scaled
 from labsid.gap.fitting import Fit
 from labsid.gap.raw import RawFaults
-from labsid.gap.which import Explained, explain, nothing_left, unsimulated, worth
+from labsid.gap.which import Explained, explain, nothing_left, trimmed, unsimulated, worth
 
 
 def test_the_path_adds_one_effect_at_a_time(banded: Explained) -> None:
@@ -95,3 +96,31 @@ def test_only_slow_noise_is_an_effect(plain: Explained, pole: float, names: tupl
     fit = replace(plain.best, noise=replace(plain.best.noise, sigma2=0.05**2))
     nothing = np.zeros(data.samples, bool)
     assert unsimulated(data, data, RawFaults(nothing, (), nothing, None), fit) == names
+
+
+def test_a_small_last_effect_is_not_named_and_a_small_one_before_a_large_one_is(banded: Explained) -> None:
+    data, base, best = banded.data, banded.path[0], banded.best
+    noise = np.sqrt(np.mean((data.y - best.output) ** 2))
+    wave = np.sin(0.1 * np.arange(data.samples)) * np.sqrt(2.0) * noise
+    small = replace(best, output=best.output + 0.3 * wave)
+    large = replace(best, output=best.output + 8.0 * wave)
+    assert trimmed(data, (base, best, small)) == (base, best)
+    assert trimmed(data, (base, best, small, best)) == (base, best)
+    assert trimmed(data, (base, large, best)) == (base, large, best)
+    assert trimmed(data, (base,)) == (base,)
+
+
+def test_what_a_lattice_holds_still_is_no_dropout() -> None:
+    """A slow motion on a coarse converter stands still for long; a logger that holds stays behind the motion."""
+    k = np.arange(1500)
+    u = np.repeat(np.random.default_rng(3).uniform(-1.0, 1.0, 10), 150)
+    y = lfilter([0.0, 0.02], [1.0, -0.98], u) + 0.002 * np.random.default_rng(4).standard_normal(k.size)
+    coarse = np.round(y / 0.06) * 0.06
+    rows = np.ones(k.size, bool)
+    assert explain(scaled(u, coarse, rows, 1.0)).names == ("output-quantization",)
+
+    u = np.repeat(np.random.default_rng(3).uniform(-1.0, 1.0, 60), 25)
+    y = np.round(lfilter([0.0, 0.1], [1.0, -0.9], u) / 0.06) * 0.06
+    for start in (210, 760, 1060):
+        y[start : start + 45] = y[start]
+    assert set(explain(scaled(u, y, rows, 1.0)).names) == {"output-quantization", "output-dropout"}
