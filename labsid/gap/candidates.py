@@ -18,7 +18,7 @@ PROMISING = 5  # starts of one variant that are followed
 BRIEFLY = 3  # of all variants of a second or third effect
 
 CANDIDATES: tuple[tuple[Effect, ...], ...] = (
-    (input.Delay(),),
+    (input.Delay(), input.Delay("no-zero")),
     (input.Saturation("high"), input.Saturation("low"), input.Saturation("both")),
     (input.DeadZone(),),
     (input.Backlash(),),
@@ -43,21 +43,39 @@ PLACES: tuple[tuple[Effect, ...], ...] = (
     (dynamics.Resonance(), dynamics.Resonance("ahead"), dynamics.Resonance("beside")),
 )
 """What may stand at several places of the chain, which are the same to linear dynamics."""
+SIMPLER: dict[Effect, Effect] = {disturbance.Leak("leak"): disturbance.LoadStep()}
+"""Special cases that the search of the general one may miss."""
 
 
 def rearranged(hypothesis: Hypothesis) -> list[Hypothesis]:
-    """The same with a lag or a mode at another place to a nonlinear state; the searched numbers are the same."""
-    if not hypothesis.plant.nonlinear:
-        return []
+    """The same effects in another form: a lag or a mode at another place to a nonlinear state, or a special case."""
     found = []
-    for group in PLACES:
-        for i, effect in enumerate(hypothesis.effects):
-            if effect in group and i >= hypothesis.known:
-                for other in group:
-                    if other != effect:
-                        effects = (*hypothesis.effects[:i], other, *hypothesis.effects[i + 1 :])
-                        found.append(Hypothesis(effects, hypothesis.known, hypothesis.given))
+    for i, effect in enumerate(hypothesis.effects[hypothesis.known :], hypothesis.known):
+        forms = [SIMPLER[effect]] if effect in SIMPLER else []
+        if hypothesis.plant.nonlinear:
+            forms += [form for group in PLACES if effect in group for form in group if form != effect]
+        for form in forms:
+            effects = (*hypothesis.effects[:i], form, *hypothesis.effects[i + 1 :])
+            found.append(Hypothesis(effects, hypothesis.known, hypothesis.given))
     return found
+
+
+def carried(fit: Fit, other: Hypothesis) -> FloatArray:
+    """Numbers of a fit for a hypothesis of other forms: of the same part, or, by name, of a part that it has not."""
+    old = fit.hypothesis
+    theta = np.zeros(len(other.parameters))
+    spare: dict[str, float] = {}
+    for key, place in old.slices.items():
+        if key == "plant" or key not in other.slices:
+            spare |= {p.name: x for p, x in zip(old.parameters[place], fit.theta[place], strict=True)}
+    for i, parameter in enumerate(other.parameters):
+        theta[i] = spare.get(parameter.name, 0.0)
+    for key, place in other.slices.items():
+        if key != "plant" and key in old.slices:
+            theta[place] = fit.theta[old.slices[key]]
+    if not other.slices_has_delay:
+        theta[0] = fit.theta[0]
+    return theta
 
 
 def baseline(data: Data, hypothesis: Hypothesis = LINEAR) -> Fit:
@@ -157,18 +175,33 @@ def _first(item: tuple[float, Hypothesis, FloatArray]) -> float:
 
 
 def finished(data: Data, tried: list[Sketch], kept: int = 3) -> Fit | None:
-    """The best of the first few sketches, taken to the end; None where none of them is the effect it says it is."""
+    """The best of a few sketches, taken to the end; None where none of them is the effect it says it is."""
     best: Fit | None = None
-    for sketch in tried[:kept]:
+    for sketch in _various(tried, kept):
         end = search(data, sketch.hypothesis, sketch.point.theta, sketch.point.gains, iterations=12, tolerance=1e-5)
         if end is not None:
             fit = finish(data, sketch.hypothesis, end)
             effect = sketch.hypothesis.effects[-1]
             if effect.holds(Fitted(sketch.hypothesis, fit.theta, fit.gains, data)) and (
-                best is None or fit.bic < best.bic
+                best is None or price(fit) < price(best)
             ):
                 best = fit
     return best
+
+
+def price(fit: Fit) -> float:
+    """BIC, and what a form of an effect has to gain over a simpler one."""
+    return fit.bic + sum(effect.surplus for effect in fit.hypothesis.effects)
+
+
+def _various(tried: list[Sketch], kept: int) -> list[Sketch]:
+    """The first few sketches; the last of them is of another variant than the first one."""
+    chosen = tried[:kept]
+    if chosen and all(sketch.hypothesis == chosen[0].hypothesis for sketch in chosen):
+        other = next((sketch for sketch in tried if sketch.hypothesis != chosen[0].hypothesis), None)
+        if other is not None:
+            chosen = [*chosen[: max(kept - 1, 1)], other]
+    return chosen
 
 
 def compatible(parent: Fit, effect: Effect) -> bool:

@@ -22,7 +22,8 @@ class Evidence(NamedTuple):
     Attributes
     ----------
     colour : float
-        Logarithm of the residual's spread over that of its innovations; without an effect, only that of a slow one.
+        Logarithm of the residual's spread over that of its innovations; half of it where the input has no part in it,
+        and without an effect only that of a slow one.
     repeats : float
         Root of the share of the residual that comes back with the input, or that a function of its past predicts.
     activity : float
@@ -37,9 +38,9 @@ class Evidence(NamedTuple):
     tails: float = 0.0
 
 
-PRIOR = 2.5
-AGAINST = Evidence(colour=-3.8, repeats=-1.9, activity=-1.1, tails=-1.7)
-PATCHES = {2: -1.0, 3: -2.3}  # at so many effects
+PRIOR = 2.4
+AGAINST = Evidence(colour=-3.0, repeats=-2.1, activity=-1.1, tails=-1.8)
+PATCHES = {2: -1.1, 3: -2.3}  # at so many effects
 CLOSED = 0.5
 
 
@@ -58,7 +59,7 @@ class Decision:
     ambiguous : tuple of str
         Names that the record cannot tell from the ones above.
     weights : dict
-        Probability of every combination that was tried at the accepted level, by names.
+        Probability of every combination that was tried at the accepted level, by names; the rest is for other causes.
     closed : float
         Share of the gap that the explanation closes on the fitted samples.
     """
@@ -105,6 +106,7 @@ def decide(explained: Explained, left: Leftover, given: Fit | None) -> Decision:
     if verdict == "unknown":
         ambiguous = [*names, *ambiguous]
         names = ()
+    weights = {combination: trust * weight for combination, weight in weights.items()}
     return Decision(
         verdict, names, probability, tuple(ambiguous[:MOST_RIVALS]), weights, closing(explained, left, added)
     )
@@ -132,8 +134,12 @@ def trusted(explained: Explained, left: Leftover) -> float:
         evidence = Evidence()  # rounding repeats itself with the input, and jumps
     else:
         colour = float(np.log(max(left.colour, 1.0)))
+        if not steps:
+            colour *= 0.7 * max(left.slow, 0.0)
+        elif is_noise(left, converted=False) and left.repeats_z < 2.5 and left.activity_z < 3.0:
+            colour *= 0.5  # noise beside an effect, with no sign of the input in it
         evidence = Evidence(
-            colour=colour if steps else 0.6 * colour * max(left.slow, 0.0),
+            colour=colour,
             repeats=float(np.sqrt(max(left.repeats if left.repeats_z > 2.0 else 0.0, left.explained, 0.0))),
             activity=float(np.sqrt(max(left.activity, 0.0))) if left.activity_z > 3.0 else 0.0,
             tails=float(np.log(max(left.tails, 3.0) / 3.0)),

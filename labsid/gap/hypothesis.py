@@ -6,7 +6,7 @@ import numpy as np
 
 from labsid._arrays import FloatArray, beside
 from labsid.gap import _kernels
-from labsid.gap.effects.base import AdditiveEffect, Effect, InputEffect, OutputEffect, PlantEffect
+from labsid.gap.effects.base import AdditiveEffect, Effect, InputEffect, OutputEffect
 from labsid.gap.plants import Parameter, Plant
 
 NUISANCE_DELAY = 0.5  # samples; up to here a delay belongs to the sampling, not to the rig
@@ -91,8 +91,7 @@ class Hypothesis:
     def __post_init__(self) -> None:
         plant = self.given or Plant()
         for effect in self.effects:
-            if isinstance(effect, PlantEffect):
-                plant = effect.shape(plant)
+            plant = effect.shape(plant)
         inputs = sorted((e for e in self.effects if isinstance(e, InputEffect)), key=lambda e: e.place)
         outputs = sorted((e for e in self.effects if isinstance(e, OutputEffect)), key=lambda e: e.place)
         additive = [e for e in self.effects if isinstance(e, AdditiveEffect)]

@@ -48,6 +48,8 @@ class Plant:
     ----------
     kind : str
         "linear", "tanks", "mechanics", "speed", "varying", or "given": a simulation that is not ours.
+    zero : bool
+        Whether linear dynamics have one: two gains, not one, of the exact response to held levels.
     lag, mode : bool
         One more real pole; one more lightly damped pair.
     upper_root, lower_root : bool
@@ -79,6 +81,7 @@ class Plant:
     """
 
     kind: str = "linear"
+    zero: bool = True
     lag: bool = False
     mode: bool = False
     upper_root: bool = False
@@ -203,8 +206,8 @@ class Plant:
     def state_columns(self) -> tuple[int, ...]:
         """Which columns hold the initial state; the gains of the others belong to the rig."""
         if self.kind == "linear":
-            own: tuple[int, ...] = (2, 3)
-            width = 4
+            width = 4 if self.zero else 3
+            own: tuple[int, ...] = (width - 2, width - 1)
         elif self.kind == "varying":
             width = 7 if self.course == "step" else 8
             own = (width - 2, width - 1)

@@ -82,9 +82,9 @@ def find_spikes(e: FloatArray, usable: np.ndarray, threshold: float = SPIKE) -> 
     far = np.abs(off) > threshold * spread
     starts, lengths = runs(far.astype(float))
     for start, length in zip(starts, lengths, strict=True):
-        if far[start] and length <= LONGEST_SPIKE:
+        if far[start] and length <= LONGEST_SPIKE and start > 0:  # at its start a simulation may not be under way yet
             stop = start + length
-            before = x[start - 1] if start > 0 else x[stop]
+            before = x[start - 1]
             behind = x[stop] if stop < x.size else before
             height = float(np.abs(x[start : start + length] - 0.5 * (before + behind)).min())
             if height < 3.0 * abs(behind - before):  # a jump that stays is no spike

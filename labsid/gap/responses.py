@@ -101,7 +101,11 @@ def through_mode(w: FloatArray, frequency: float, damping: float) -> FloatArray:
 
 
 def _linear(plant: "Plant", own: dict[str, float], w: FloatArray, span: int, reference: float) -> FloatArray:
-    return section(np.exp(own["log_c"]), np.exp(own["log_k"]), w - reference)
+    c, k = float(np.exp(own["log_c"])), float(np.exp(own["log_k"]))
+    if plant.zero:
+        return section(c, k, w - reference)
+    exact = _kernels.mechanics(w - reference, c, k, 0.0, 0.0, 0.0, 0.0, 1)[:, :1] * k
+    return beside([exact, section(c, k, np.zeros(w.size))[:, 2:]])
 
 
 def _tanks(plant: "Plant", own: dict[str, float], w: FloatArray, span: int, reference: float) -> FloatArray:

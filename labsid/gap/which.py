@@ -5,7 +5,17 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from labsid.gap.candidates import CANDIDATES, LINEAR, baseline, finished, rearranged, sketches, swift_fit
+from labsid.gap.candidates import (
+    CANDIDATES,
+    LINEAR,
+    baseline,
+    carried,
+    finished,
+    price,
+    rearranged,
+    sketches,
+    swift_fit,
+)
 from labsid.gap.context import Data
 from labsid.gap.effects.base import AdditiveEffect
 from labsid.gap.fitting import Fit, finish, polish, power, refit, rms, search, settle
@@ -24,7 +34,7 @@ POLISHED = 6
 MARGIN = 12.0  # BIC: what one effect more has to gain
 NOTHING = 1e-9  # scaled: a difference of rounding
 EFFECT_SIZE = 0.3  # change of the simulation over the standard deviation of what is left
-NAMED_SIZE = (0.5, 1.0, 2.0)  # the same, for a first, second and third effect that is named
+NAMED_SIZE = (EFFECT_SIZE, 1.0, 2.0)  # the same, for a first, second and third effect that is named
 RAW_SIZE = 1.3  # mean square error with the bad samples over that without them
 STRONG_COLOUR = 1.3  # standard deviation of the noise over that of its innovations
 VERY_SLOW = 4.0  # standard deviation of the residual over that of its innovations
@@ -149,7 +159,7 @@ def search_tree(
         if not level:
             break
         for names, fit in sorted(level.items(), key=lambda item: item[1].bic)[:POLISHED]:
-            level[names] = polish(data, min((settle(data, one) for one in _places(data, fit)), key=_bic))
+            level[names] = polish(data, min((settle(data, one) for one in _forms(data, fit)), key=price))
         levels.append(level)
         ranked = sorted(level.values(), key=_bic)
         beam = ranked[:BEAM]
@@ -162,9 +172,9 @@ def search_tree(
     return tuple(levels), tuple(path)
 
 
-def _places(data: Data, fit: Fit) -> list[Fit]:
-    """The fit, and the same effects at other places of the chain."""
-    points = [(other, search(data, other, fit.theta, iterations=8)) for other in rearranged(fit.hypothesis)]
+def _forms(data: Data, fit: Fit) -> list[Fit]:
+    """The fit, and the same effects in other forms."""
+    points = [(other, search(data, other, carried(fit, other), iterations=8)) for other in rearranged(fit.hypothesis)]
     return [fit, *(finish(data, other, point) for other, point in points if point is not None)]
 
 

@@ -25,10 +25,13 @@ class Effect:
         From the table of effects.
     variant : str
         Which form of it, where there are several.
+    surplus : float
+        By how much its BIC has to be the better one before it takes the place of a simpler form.
     """
 
     name: ClassVar[str]
     path: ClassVar[str]
+    surplus: ClassVar[float] = 0.0
     variant: str = ""
 
     @property
@@ -40,6 +43,10 @@ class Effect:
     def parameters(self) -> tuple["Parameter", ...]:
         """The searched numbers that this effect brings; those inside the plant are the plant's."""
         return ()
+
+    def shape(self, plant: "Plant") -> "Plant":
+        """The plant with this effect in it."""
+        return plant
 
     def applies(self, context: "Context") -> bool:
         """Whether the record could show this effect at all."""

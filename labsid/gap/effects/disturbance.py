@@ -54,10 +54,11 @@ class LoadStep(AdditiveEffect):
 
 
 class Leak(PlantEffect):
-    """A load that grows with the state, as a leak does, begins at some instant."""
+    """A load that grows with the state, as a leak does, begins at some instant; far from zero it is a plain load."""
 
     name = "load-step"
     path = "disturbance"
+    surplus = 12.0
 
     def shape(self, plant: Plant) -> Plant:
         """Dynamics whose restoring rate steps at an instant."""

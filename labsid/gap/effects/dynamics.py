@@ -39,7 +39,8 @@ class ExtraLag(PlantEffect):
         own = fit.theta[fit.hypothesis.slices["plant"]]
         columns = plant.columns(own, fit.hypothesis.actuator(fit.theta, fit.data.u), fit.data.samples)
         parts = columns * fit.gains[: columns.shape[1]]
-        passed, free = (4, 5) if plant.kind == "linear" else (0, 1)
+        at = 0 if plant.kind != "linear" else 4 if plant.zero else 3
+        passed, free = at, at + 1
         return bool(np.std(parts[:, passed]) > np.std(parts[:, free]))
 
     def values(self, fit: Fitted) -> dict[str, Value]:

@@ -6,17 +6,24 @@ from labsid._arrays import FloatArray
 from labsid.gap import _kernels
 from labsid.gap.context import Context
 from labsid.gap.effects.base import Fitted, InputEffect, Value
-from labsid.gap.plants import Parameter
+from labsid.gap.plants import Parameter, Plant
 
 LONGEST_DELAY = 60.0  # samples
 REST = 5  # samples of one value at the beginning of a record
 
 
 class Delay(InputEffect):
-    """Transport delay of the actuator path, beyond the one sample that a strictly proper model has."""
+    """Transport delay of the actuator path, beyond the one sample that a strictly proper model has.
+
+    A zero of the dynamics does for a part of a sample, and hides it: with the `variant` "no-zero" they have none.
+    """
 
     name = "input-delay"
     place = 9
+
+    def shape(self, plant: Plant) -> Plant:
+        """Dynamics without a zero, where the variant says so."""
+        return plant.but(zero=False) if self.variant == "no-zero" else plant
 
     @property
     def parameters(self) -> tuple[Parameter, ...]:

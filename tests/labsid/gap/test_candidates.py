@@ -1,15 +1,18 @@
 """The linear fits, and how one effect more is put on top of a fit."""
 
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 import pytest
+from scipy.signal import lfilter
 
 from labsid._arrays import FloatArray
 from labsid.gap.candidates import (
     CANDIDATES,
     LINEAR,
     baseline,
+    carried,
     compatible,
     finished,
     rearranged,
@@ -18,12 +21,12 @@ from labsid.gap.candidates import (
     swift_fit,
 )
 from labsid.gap.context import Context, Data, scaled
-from labsid.gap.effects import dynamics, input, output
+from labsid.gap.effects import disturbance, dynamics, input, output
 from labsid.gap.effects.base import Effect
 from labsid.gap.fitting import Fit, rms
-from labsid.gap.hypothesis import Hypothesis
+from labsid.gap.hypothesis import Hypothesis, shifted
 from labsid.gap.plants import Plant
-from labsid.gap.which import Explained
+from labsid.gap.which import Explained, explain
 
 Response = Callable[..., FloatArray]
 
@@ -163,3 +166,38 @@ def test_a_lag_and_a_mode_are_tried_at_every_place_to_a_nonlinear_state() -> Non
     assert all(other.parameters == bent.parameters and other.names == bent.names for other in rearranged(bent))
     given = Hypothesis(bent.effects, known=1)
     assert all(other.effects[0] == dynamics.ExtraLag() for other in rearranged(given))
+
+
+@pytest.mark.parametrize("seed", [1, 2, 3])
+def test_a_zero_does_not_hide_a_part_of_the_delay(seed: int) -> None:
+    """Two levels and coloured noise: with a free zero a second minimum lies most of a sample away."""
+    rng = np.random.default_rng(seed)
+    u = np.repeat(rng.choice([-1.0, 1.0], 120), 5)[:500]
+    exact = Plant(zero=False)
+    y = exact.columns(np.log([0.86, 0.19]), shifted(u, 1.9), u.size)[:, 0]
+    data = data_of(u, y + lfilter([0.03], [1.0, -0.85], rng.standard_normal(u.size)))
+    base = baseline(data)
+    found = finished(data, sketches(data, base, CANDIDATES[0], swift_fit(data, base)))
+    assert found is not None
+    assert found.hypothesis.keys == ("input-delay/no-zero",)
+    assert found.theta[0] == pytest.approx(1.9, abs=0.15)
+
+
+def test_numbers_are_carried_to_another_form(banded: Explained) -> None:
+    base = banded.path[0]
+    leak = Hypothesis((input.DeadZone(), disturbance.Leak("leak")))
+    theta = np.arange(1.0, len(leak.parameters) + 1.0)
+    (plain,) = rearranged(leak)
+    assert plain.keys == ("input-dead-zone", "load-step")
+    fit = replace(base, hypothesis=leak, theta=theta)
+    names = [p.name for p in leak.parameters]
+    expected = [theta[names.index(p.name)] for p in plain.parameters]
+    np.testing.assert_array_equal(carried(fit, plain), expected)
+    assert plain.parameters[-1].name == "onset"
+
+
+@pytest.mark.parametrize("seed", [1, 4])
+def test_a_plain_load_is_not_taken_for_one_that_grows(levels: FloatArray, two_poles: Response, seed: int) -> None:
+    load = two_poles((np.arange(levels.size) >= 200).astype(float))
+    y = two_poles(levels) - 0.8 * load + 0.01 * np.random.default_rng(seed).standard_normal(levels.size)
+    assert explain(data_of(levels, y), most=1).best.hypothesis.keys == ("load-step",)

@@ -17,6 +17,8 @@ Held = Callable[[FloatArray, FloatArray, Callable[[FloatArray, float], list[floa
 C, K = 0.5, 0.05
 KINDS = [
     Plant(),
+    Plant(zero=False),
+    Plant(zero=False, lag=True),
     Plant(lag=True),
     Plant(mode=True),
     Plant(lag=True, mode=True),
@@ -320,3 +322,13 @@ def test_but_changes_what_it_is_told_and_the_numbers_with_it() -> None:
     assert plant == Plant(lag=True, mode=True)
     assert plant.parameters == Plant(lag=True, mode=True).parameters
     assert "log_damping" in [parameter.name for parameter in plant.parameters]
+
+
+def test_without_a_zero_the_exact_answer_to_held_levels_is_one_column(levels: FloatArray) -> None:
+    plant = Plant(zero=False)
+    columns = plant.columns(theta_of(plant, log_c=np.log(C), log_k=np.log(K)), levels, levels.size)
+    sampled = control.sample_system(control.tf([K], [1.0, C, K]), 1.0, "zoh")
+    expected = control.forced_response(sampled, inputs=levels - levels[0]).outputs
+    np.testing.assert_allclose(columns[:, 0], expected, atol=1e-9)
+    assert columns.shape[1] == 3
+    assert plant.state_columns == (1, 2)

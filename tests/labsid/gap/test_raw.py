@@ -94,9 +94,23 @@ def test_a_record_that_begins_at_rest_holds_nothing(noise: np.ndarray) -> None:
     assert find_held(y, None) == ((61, 100),)
 
 
-@pytest.mark.parametrize("at", [0, -1])
-def test_a_spike_may_stand_at_an_end_of_the_record(noise: np.ndarray, at: int) -> None:
+def test_a_spike_may_stand_at_the_end_of_the_record_but_not_at_its_start(noise: np.ndarray) -> None:
     e = noise.copy()
-    e[at] = 12.0 * np.std(noise)
+    e[[0, -1]] = 12.0 * np.std(noise)
     spikes = find_spikes(e, np.ones(e.size, bool))
-    assert np.flatnonzero(spikes).tolist() == [at % e.size]
+    assert np.flatnonzero(spikes).tolist() == [e.size - 1]
+
+
+@pytest.mark.parametrize(
+    ("bad", "said"),
+    [
+        ((), []),
+        ((4,), ["1 isolated sample stands far from its neighbours; the fits leave it out."]),
+        ((4, 9), ["2 isolated samples stand far from their neighbours; the fits leave them out."]),
+    ],
+)
+def test_what_the_samples_say_is_counted_in_words(plain: Explained, bad: tuple[int, ...], said: list[str]) -> None:
+    none = np.zeros(plain.data.samples, bool)
+    spikes = none.copy()
+    spikes[list(bad)] = True
+    assert _screen(replace(plain, faults=RawFaults(none, (), spikes, None))) == said
