@@ -27,6 +27,7 @@ format: set-up  ## rewrite the code in the project's format
 
 bench: set-up  ## labsid beside its peers, in one run; fetches the peers into build/bench
 	@sh .ci/bench
+	@.venv/bin/python -P tests/bench_grading.py
 
 set-up:  ## only make .venv
 	@PYTHON="$(PYTHON)" sh .ci/set-up

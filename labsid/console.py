@@ -124,17 +124,35 @@ def write_file(path: Path, content: bytes) -> None:
     OSError
         If the folder does not exist, or writing fails.
     """
-    if path.is_dir():
-        raise IsADirectoryError(errno.EISDIR, "it is a folder; name a file to write to", str(path))
+    check_writable(path)
     if path.exists() and not path.is_file():
         path.write_bytes(content)
         return
     path = path.resolve()
-    if not path.parent.is_dir():
-        raise FileNotFoundError(errno.ENOENT, "there is no such folder to write to", str(path.parent))
     partial = path.with_name(f".{path.name}.{os.getpid()}.partial")
     try:
         partial.write_bytes(content)
         os.replace(partial, path)
     finally:
         partial.unlink(missing_ok=True)
+
+
+def check_writable(path: Path) -> None:
+    """Refuse a path to which `write_file` could not write, ahead of the work whose result shall go there.
+
+    Parameters
+    ----------
+    path : Path
+
+    Raises
+    ------
+    OSError
+        If it is a folder, or its folder does not exist or takes no files.
+    """
+    if path.is_dir():
+        raise IsADirectoryError(errno.EISDIR, "it is a folder; name a file to write to", str(path))
+    folder = path.resolve().parent
+    if not folder.is_dir():
+        raise FileNotFoundError(errno.ENOENT, "there is no such folder to write to", str(folder))
+    if not path.exists() and not os.access(folder, os.W_OK):
+        raise PermissionError(errno.EACCES, "nothing can be written into this folder", str(folder))

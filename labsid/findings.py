@@ -11,6 +11,7 @@ from labsid.direction import gain_from_past
 from labsid.excitation import excitation_order, persistent_excitation
 from labsid.formats import RawRecord
 from labsid.offset import Offsets, find_offsets, mean_of_first_period, remove_offsets
+from labsid.plateaus import Plateaus, repeated_plateaus
 from labsid.record import is_sound
 from labsid.regressor import build_phi
 from labsid.signal_quality import holds, lattice_step, moving_mean_length, runs, scatter, stuck_at_extreme
@@ -62,14 +63,14 @@ def about_signals(raw: RawRecord, Ts: float | None) -> list[Finding]:
     if np.all(y == y[0]):
         text = f"the output is constant ({y[0]:g}). There is nothing to model."
         return [_about_input(u), Finding("refused", "output", text)]
-    offsets = find_offsets(u, y)
+    offsets, plateaus = find_offsets(u, y), repeated_plateaus(u, y)
     return [
         _about_input(u),
         _about_feedback(raw),
-        _about_rest(u, y, offsets, Ts),
-        *_about_plateaus(u, y),
+        about_rest(u, y, offsets, Ts),
+        *([] if plateaus is None else [about_plateaus(plateaus)]),
         *_about_output(raw, offsets),
-        *_about_filter(raw, Ts),
+        *about_filter(raw, Ts),
         _about_excitation(u, y, offsets),
     ]
 
@@ -99,6 +100,7 @@ def _about_input(u: FloatArray) -> Finding:
 
 
 def _about_feedback(raw: RawRecord) -> Finding:
+    """Whether the input answers to the output; `raw` as for `about_signals`."""
     if raw.reference is not None:
         text = (
             "it is a closed-loop record (it has a reference). The input answers to the output, so noise "
@@ -119,7 +121,8 @@ def _about_feedback(raw: RawRecord) -> Finding:
     return Finding("warning", "feedback", text)
 
 
-def _about_rest(u: FloatArray, y: FloatArray, offsets: Offsets, Ts: float | None) -> Finding:
+def about_rest(u: FloatArray, y: FloatArray, offsets: Offsets, Ts: float | None) -> Finding:
+    """Whether the record begins at rest, and from where on it is settled."""
     k0, n = offsets.settled
     length = f"{n} samples" + (f" ({n * Ts:g} s)" if Ts else "")
     if n == 1:
@@ -146,38 +149,19 @@ def _about_rest(u: FloatArray, y: FloatArray, offsets: Offsets, Ts: float | None
     return Finding("warning", "rest", text)
 
 
-def _about_plateaus(u: FloatArray, y: FloatArray) -> list[Finding]:
+def about_plateaus(plateaus: Plateaus) -> Finding:
     """Levels of y at the end of each input period, and whether they repeat at the same input."""
-    starts, lengths = runs(u)
-    if starts.size > 50:
-        return []
-    y_range = float(np.ptp(y))
-    ends: dict[float, list[float]] = {}
-    noise = []
-    for k, n in zip(starts, lengths, strict=True):
-        tail = y[k + n - n // 4 : k + n]
-        half = tail.size // 2
-        cut_short = k > 0 and n < np.median(lengths) / 2
-        if cut_short or half < 5 or abs(tail[half:].mean() - tail[:half].mean()) > 0.03 * y_range:
-            continue
-        ends.setdefault(float(u[k]), []).append(float(tail.mean()))
-        noise.append(float(tail.std()))
-    repeated = {level: values for level, values in sorted(ends.items()) if len(values) > 1}
-    if not repeated:
-        return []
-    spread = max(max(values) - min(values) for values in repeated.values())
     at_levels = [
-        f"{', '.join(f'{y_end:.3f}' for y_end in values)} at u = {level:g}" for level, values in repeated.items()
+        f"{', '.join(f'{y_end:.3f}' for y_end in values)} at u = {level:g}" for level, values in plateaus.ends.items()
     ]
-    listed = "; ".join(at_levels)
-    if spread > max(0.015 * y_range, 2 * float(np.median(noise))):
-        text = (
-            f"y does not come back to the same level at the same input: {listed}. The largest difference is "
-            f"{spread / y_range:.1%} of the range of y; no linear model driven by u explains it."
-        )
-        return [Finding("note", "plateaus", text)]
-    text = f"y comes back to the same levels within {spread / y_range:.1%} of its range: {listed}."
-    return [Finding("ok", "plateaus", text)]
+    listed, share = "; ".join(at_levels), f"{plateaus.largest / plateaus.span:.1%} of"
+    if plateaus.repeat:
+        return Finding("ok", "plateaus", f"y comes back to the same levels within {share} its range: {listed}.")
+    text = (
+        f"y does not come back to the same level at the same input: {listed}. The largest difference is "
+        f"{share} the range of y. A linear model driven by u settles at one level for each input."
+    )
+    return Finding("note", "plateaus", text)
 
 
 def _about_output(raw: RawRecord, offsets: Offsets | None) -> list[Finding]:
@@ -199,16 +183,8 @@ def _about_output(raw: RawRecord, offsets: Offsets | None) -> list[Finding]:
         against = f"{step / noise:.2g} times the noise" if noise > 0 else "and there is no noise"
         text = f"values lie on a lattice of {step:.5g}{_converter(step)}, {against}."
         findings.append(Finding("note" if step > 2 * noise else "ok", "converter", text))
-    stuck = []
-    for extreme, word in ((float(y.min()), "lowest"), (float(y.max()), "highest")):
-        samples, longest = stuck_at_extreme(y, extreme)
-        if samples:
-            stuck.append(extreme)
-            text = (
-                f"y is stuck at its {word} value {extreme:g} for {samples} samples ({longest} in a row), so it "
-                "looks clipped. No linear model follows that."
-            )
-            findings.append(Finding("warning", "clipping", text))
+    findings += about_clipping(y)
+    stuck = [extreme for extreme in (y.min(), y.max()) if stuck_at_extreme(y, extreme)[0]]
     held = [(k, stop) for k, stop in holds(sensor) if sensor[k] not in stuck] if noise > 0 else []
     if held:
         total = sum(stop - k for k, stop in held)
@@ -217,6 +193,20 @@ def _about_output(raw: RawRecord, offsets: Offsets | None) -> list[Finding]:
             "all). The logger may have kept its last value."
         )
         findings.append(Finding("warning", "held values", text))
+    return findings
+
+
+def about_clipping(y: FloatArray) -> list[Finding]:
+    """Extremes at which y stands as if against a stop."""
+    findings = []
+    for extreme, word in ((float(y.min()), "lowest"), (float(y.max()), "highest")):
+        samples, longest = stuck_at_extreme(y, extreme)
+        if samples:
+            text = (
+                f"y is stuck at its {word} value {extreme:g} for {samples} samples ({longest} in a row), so it "
+                "looks clipped. No linear model follows that."
+            )
+            findings.append(Finding("warning", "clipping", text))
     return findings
 
 
@@ -231,7 +221,8 @@ def _converter(step: float) -> str:
     return f" (a converter of {' or '.join(named)})" if named else ""
 
 
-def _about_filter(raw: RawRecord, Ts: float | None) -> list[Finding]:
+def about_filter(raw: RawRecord, Ts: float | None) -> list[Finding]:
+    """What the logger did between the measured output and the noise-reduced one; nothing where it logged but one."""
     before, after = raw.y_measured, raw.y_noise_reduced
     if before is None or after is None or before.size != after.size:
         return []

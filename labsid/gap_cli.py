@@ -1,5 +1,6 @@
 """The group ``labsid gap``: why a simulation and a real rig disagree. Thin: parse, call, print."""
 
+import shlex
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -16,11 +17,14 @@ gap = typer.Typer(
     help="Say why a simulation and a rig disagree, and mend the simulation.",
 )
 
+_WRITTEN = ("json_file", "html", "export")
+
 Seed = Annotated[int, typer.Option(min=0, help="Of the resampling behind the intervals.")]
 
 
 @gap.command()
 def diagnose(
+    context: typer.Context,
     record: RecordPath,
     holdout: Annotated[
         Path | None, typer.Option(metavar="RECORD2", help="Another record of the same rig, to score on.")
@@ -46,12 +50,17 @@ def diagnose(
     Ts: SamplingTime = None,
 ) -> None:
     """Say where the gap between a simulation and a record lies, what causes it, and how much adding it closes."""
-    from labsid.console import write_json
+    from labsid.console import check_writable, write_json
     from labsid.gap.diagnosis import diagnose as answer
     from labsid.gap.simulations import load_simulation
     from labsid.gap.text import verdict_text
     from labsid.record import load_record
 
+    written = [path for path in (json_file, html, export) if path is not None]
+    for number, path in enumerate(written):
+        check_writable(path)
+        _refuse_overwriting(path, [record, holdout, sim, *written[:number]])
+    stretches = [_stretch(text) for text in exclude or ()]
     loaded = load_record(record, output=output, columns=columns, Ts=Ts)
     other = None
     if holdout is not None:
@@ -63,10 +72,11 @@ def diagnose(
             simulation,
             holdout=other,
             order=order,
-            exclude=[_stretch(text) for text in exclude or ()],
+            exclude=stretches,
             seed=seed,
             progress=progress,
         )
+    found.report["command"] = _command(context)
     if json_file is not None:
         write_json(json_file, found.report)
     if export is not None:
@@ -131,6 +141,27 @@ def blind(
     from labsid.blind.check import run
 
     raise typer.Exit(run(suite=suite, per_row=per_row, rows=row, jobs=jobs, replays=replays, report=report))
+
+
+def _command(context: typer.Context) -> str:
+    """The line that asks for this diagnosis again: files by their names, what is written left out but for the page."""
+    words = ["labsid", "gap", "diagnose"]
+    for parameter in context.command.params:
+        name, value = str(parameter.name), context.params[str(parameter.name)]
+        source = context.get_parameter_source(name)
+        if source is None or source.name != "COMMANDLINE" or name in _WRITTEN:
+            continue
+        for one in value if isinstance(value, list | tuple) else [value]:
+            words += [] if parameter.param_type_name == "argument" else [parameter.opts[0]]
+            words.append(one.name if isinstance(one, Path) else str(one))
+    return shlex.join([*words, "--html", "report.html"])
+
+
+def _refuse_overwriting(path: Path, others: list[Path | None]) -> None:
+    """Or a result would take the place of what it is made from, or of another result."""
+    device = path.exists() and not path.is_file()
+    if not device and any(other is not None and path.resolve() == other.resolve() for other in others):
+        raise ValueError(f"{path} is named twice: it is read, or written, already. Give every file a name of its own.")
 
 
 def _stretch(text: str) -> tuple[float, float]:

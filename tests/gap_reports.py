@@ -100,10 +100,11 @@ def report(*names: str, verdict: str = "effect", probability: float = 0.999) -> 
             "time": [[0.0, 30.0, 0.1], [30.0, 45.0, 0.8], [45.0, 120.0, 0.1]],
             "band_hz": [[0.0, 0.25, 0.1], [0.25, 0.5, 0.7], [0.5, 1.0, 0.2]],
             "operating": [
-                {"signal": "u", "low": 0.0, "high": 1.0, "share": 0.05},
-                {"signal": "u", "low": 1.0, "high": 2.0, "share": 0.05},
-                {"signal": "u", "low": 2.0, "high": 3.0, "share": 0.9},
+                {"signal": "u", "low": 0.0, "high": 1.0, "share": 0.05, "time": 0.25},
+                {"signal": "u", "low": 1.0, "high": 2.0, "share": 0.05, "time": 0.25},
+                {"signal": "u", "low": 2.0, "high": 3.0, "share": 0.9, "time": 0.5},
             ],
+            "map": {"u": [0.0, 1.0, 2.0, 3.0], "y": [3.0, 4.0, 5.0], "rms": [[0.1, None], [0.2, 0.3], [0.4, 0.2]]},
         },
         "gap": {
             "before": 0.0102 if plain else 0.0644,
@@ -126,8 +127,25 @@ def report(*names: str, verdict: str = "effect", probability: float = 0.999) -> 
         "record": {"name": "rig-7", "samples": n, "Ts": Ts},
         "simulation": {"given": verdict == "effect" and "parameter-mismatch" in names, "output_only": False},
         "screen": [],
+        "record_findings": [],
+        "plateaus": None,
         "traces": {"t": t, "u": u, "y": y, "before": before, "after": after},
+        "holdout_traces": None,
     }
+
+
+def with_holdout(base: dict[str, Any]) -> dict[str, Any]:
+    """The same report, scored on another record, which begins at 500 s."""
+    other = {name: list(values) for name, values in base["traces"].items()}
+    other["t"] = [500.0 + t for t in other["t"]]
+    return base | {"holdout_traces": other, "gap": base["gap"] | {"holdout": [[525.0, 620.0]]}}
+
+
+def with_plateaus(base: dict[str, Any], left: float) -> dict[str, Any]:
+    """The same report of a record whose levels do not repeat, of which the explanation leaves a part."""
+    finding = {"level": "note", "topic": "plateaus", "text": "y does not come back to the same level. It should."}
+    seen = {"repeat": False, "largest": 0.09, "scatter": 0.05, "missed": 0.04, "of_gap": 0.8, "left": left}
+    return base | {"record_findings": [finding], "plateaus": seen}
 
 
 def with_experiment(base: dict[str, Any]) -> dict[str, Any]:

@@ -17,11 +17,13 @@ from labsid.gap.fitting import Fit, power
 from labsid.gap.how_much import HowMuch, closure
 from labsid.gap.leftover import Leftover
 from labsid.gap.numbers import marked, parameters_of
+from labsid.gap.quantities import counted, percent
+from labsid.gap.steps import closed_by_step
+from labsid.gap.traces import traces
 from labsid.gap.which import Explained
 from labsid.record import Record
 
 SCHEMA = "labsid.gap/1"
-MOST_POINTS = 1500  # of the traces
 LAGS = 20
 PATHS = {
     "output-dropout": "output",
@@ -64,9 +66,10 @@ def answer(
     """
     data, unit = explained.data, explained.data.y_scale.unit
     before = base.before or explained.path[0]
-    effects = _effects(explained, base, decision, amount)
+    effects = _effects(explained, decision, closed_by_step(explained, amount, holdout))
     e = (data.y - before.output) * unit
     mark = _acting(explained, decision)
+    runs = before.output, explained.best.output
     return {
         "schema": SCHEMA,
         "verdict": decision.verdict,
@@ -78,6 +81,7 @@ def answer(
             "time": where.in_time(record.t, e, record.Ts, mark),
             "band_hz": where.in_frequency(e, record.Ts),
             "operating": where.most_telling(record.u, record.y, record.Ts, e),
+            "map": where.operating_map(record.u, record.y, e),
         },
         "gap": {
             "before": amount.before * unit,
@@ -92,33 +96,27 @@ def answer(
         "next_experiment": _experiment(record, explained, decision, rng),
         "record": {"name": record.name, "samples": len(record), "Ts": record.Ts},
         "simulation": {"given": base.given, "output_only": base.output_only},
-        "screen": _screen(record, explained),
-        "traces": _traces(record, data, before, explained.best),
+        "screen": _screen(explained),
+        "traces": traces(record.t, record.u, record.y, *(np.asarray(data.y_scale.back(x)) for x in runs)),
     }
 
 
-def _effects(explained: Explained, base: Baseline, decision: Decision, amount: HowMuch) -> list[dict[str, Any]]:
+def _effects(explained: Explained, decision: Decision, closed: list[float | None]) -> list[dict[str, Any]]:
     found = []
     by_name: dict[str, Effect] = {
         e.name: e for e in explained.best.hypothesis.effects[explained.best.hypothesis.known :]
     }
-    data = explained.data
-    start = power(data, base.before or explained.path[0])
-    floor = min(amount.floor**2, power(data, explained.best))
-    for number, name in enumerate(decision.names):
-        fit = explained.path[min(_step(explained, name), len(explained.path) - 1)]
+    for name in decision.names:
         effect = by_name.get(name)
-        last = number == len(decision.names) - 1
-        closed = amount.closed if last else closure(start, power(data, fit), floor)
         found.append(
             {
                 "name": name,
                 "path": PATHS[name] if effect is None else effect.path,
                 "parameters": _raw_parameters(explained, name)
                 if effect is None
-                else parameters_of(data, explained.best, effect),
+                else parameters_of(explained.data, explained.best, effect),
                 "probability": float(decision.probability[name]),
-                "closed": closed,
+                "closed": closed[_step(explained, name)],
             }
         )
     return found
@@ -259,32 +257,18 @@ def _experiment(
     }
 
 
-def _screen(record: Record, explained: Explained) -> list[str]:
+def _screen(explained: Explained) -> list[str]:
     """What the raw samples say, in sentences."""
     faults = explained.faults
     said = []
     if faults.lattice is not None:
         said.append(f"The output lies on a lattice of {faults.lattice * explained.data.y_scale.unit:.4g}.")
     if faults.stretches:
-        share = 100.0 * float(faults.held.mean())
-        said.append(
-            f"The output repeats its last value over {len(faults.stretches)} stretches, {share:.1f} % of the record."
-        )
-    if faults.spikes.any():
-        said.append(
-            f"{int(faults.spikes.sum())} isolated samples stand far from their neighbours; the fits leave them out."
-        )
+        share, places = percent(float(faults.held.mean())), counted(len(faults.stretches), "stretch", "stretches")
+        said.append(f"The output repeats its last value over {places}, {share} of the record.")
+    spikes = int(faults.spikes.sum())
+    if spikes == 1:
+        said.append("1 isolated sample stands far from its neighbours; the fits leave it out.")
+    elif spikes:
+        said.append(f"{spikes} isolated samples stand far from their neighbours; the fits leave them out.")
     return said
-
-
-def _traces(record: Record, data: Data, before: Fit, after: Fit) -> dict[str, list[float]]:
-    """Signals for the page, thinned out."""
-    step = -(-len(record) // MOST_POINTS)
-    pick = slice(None, None, step)
-    return {
-        "t": record.t[pick].tolist(),
-        "u": record.u[pick].tolist(),
-        "y": record.y[pick].tolist(),
-        "before": np.asarray(data.y_scale.back(before.output))[pick].tolist(),
-        "after": np.asarray(data.y_scale.back(after.output))[pick].tolist(),
-    }

@@ -12,6 +12,8 @@ from labsid.gap.which import Explained, worth
 TEMPERATURE = 4.0  # BIC counts for less than theory says: models are never exactly true
 TOLD_APART = 0.03  # probability below which a rival is left out of the set
 MOST_RIVALS = 3
+UNREPEATED = 0.15  # of the scatter of the levels: a true drift or load leaves a few hundredths
+LEVELS_LEFT = 0.4  # how far an explanation is to be trusted that leaves more
 IS_RIGHT = 0.5  # probability below which the answer is `unknown`
 MISMATCH = "parameter-mismatch"
 
@@ -72,7 +74,7 @@ class Decision:
     closed: float
 
 
-def decide(explained: Explained, left: Leftover, given: Fit | None) -> Decision:
+def decide(explained: Explained, left: Leftover, given: Fit | None, unrepeated: float = 0.0) -> Decision:
     """Weigh the candidates of the accepted level against each other, and the explanation against what it leaves.
 
     Parameters
@@ -82,6 +84,9 @@ def decide(explained: Explained, left: Leftover, given: Fit | None) -> Decision:
         Of the accepted hypothesis.
     given : Fit or None
         The simulation that was given, as it is.
+    unrepeated : float
+        Where most of the gap is that the output does not come back to its levels at the same input: how much of that
+        the accepted explanation leaves, zero for all explained.
     """
     level = len(explained.best.hypothesis.names)
     weights = _weights(explained, level)
@@ -89,7 +94,7 @@ def decide(explained: Explained, left: Leftover, given: Fit | None) -> Decision:
     noise = is_noise(left, "output-quantization" in explained.added)
     # What repeats itself with the input is no noise of the sensor, however slow it is.
     added = explained.added if noise else tuple(name for name in explained.added if name != "coloured-noise")
-    trust = trusted(explained, left)
+    trust = trusted(explained, left) * (LEVELS_LEFT if unrepeated > UNREPEATED else 1.0)
     probability = {name: trust * sum(w for names, w in weights.items() if name in names) for name in simulated}
     probability |= dict.fromkeys(added, trust)
     rivals: dict[str, float] = {}

@@ -1,7 +1,7 @@
 """The main path of the diagnosis: a record and a simulation in, the answer out."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from typing import Any
 
 import numpy as np
@@ -15,9 +15,10 @@ from labsid.gap.how_much import how_much_of
 from labsid.gap.leftover import leftover
 from labsid.gap.long_record import holdout_part, part_of
 from labsid.gap.model_file import RunningModel, running_model
+from labsid.gap.record_findings import error_findings, filter_length, plateau_gap, record_findings
+from labsid.gap.traces import traces
 from labsid.gap.which import Progress, explain
 from labsid.record import Record
-from labsid.signal_quality import moving_mean_length
 
 FEWEST = 100  # samples
 
@@ -78,15 +79,21 @@ def diagnose(
         If the record is too short or its input or output is constant, or the simulation does not fit it.
     """
     _check(record, holdout)
-    samples, part = len(record), part_of(record, simulation)
+    whole, part = record, part_of(record, simulation)
     record, simulation, notes = part.record, part.simulation, part.notes
     if holdout is not None:
         holdout, more = holdout_part(holdout, part.every)
         notes += more
     _check(record, holdout)
+    if holdout is not None:
+        holdout = Record(holdout.t, behind_filter(holdout), holdout.y, holdout.Ts, name=holdout.name)
     rows = np.ones(len(record), bool)
     for start, stop in exclude:
-        rows &= ~((record.t >= start) & (record.t < stop))
+        inside = (record.t >= start) & (record.t < stop)
+        if not inside.any():
+            span = f"{record.t[0]:g} to {record.t[-1]:g} s"
+            raise ValueError(f"--exclude {start:g}:{stop:g} holds no sample: the record runs from {span}.")
+        rows &= ~inside
     if rows.sum() < FEWEST:
         raise ValueError(f"--exclude leaves {rows.sum()} samples; at least {FEWEST} must stay.")
     data = scaled(behind_filter(record), record.y, rows, record.Ts, float(record.t[0]))
@@ -97,17 +104,31 @@ def diagnose(
         )
     explained = explain(data, base.free, progress=progress)
     left = leftover(explained.data, explained.best)
-    decision = decide(explained, left, base.before)
+    ends = (base.before or explained.path[0]).output, explained.best.output
+    before, after = (np.asarray(data.y_scale.back(output)) for output in ends)
+    plateau = plateau_gap(record.u, record.y, before, after, explained.data.rows)
+    unrepeated = plateau.left if plateau is not None and plateau.matters else 0.0
+    decision = decide(explained, left, base.before, unrepeated)
     rng = np.random.default_rng(seed)
     other = None if holdout is None else (data.u_scale.of(holdout.u), data.y_scale.of(holdout.y))
     played = None
     if holdout is not None and base.elsewhere is not None:
         played = data.y_scale.of(bounded(base.elsewhere(holdout), holdout.y))
     amount = how_much_of(explained, base.before, other, rng, played)
+    model = running_model(explained.data, amount.after_fit)
     report = answer(record, explained, base, decision, left, amount, rng, holdout)
-    report["record"]["samples"] = samples
+    seen = record_findings(whole, plateau) + error_findings(record.u, record.y, before, after, explained.data.rows)
+    report["record"]["samples"] = len(whole)
+    report["record_findings"] = [asdict(finding) for finding in seen]
+    report["plateaus"] = None if plateau is None else asdict(plateau)
     report["screen"] = [*notes, *report["screen"]]
-    return Diagnosis(report, running_model(explained.data, amount.after_fit))
+    report["holdout_traces"] = None
+    if holdout is not None:
+        linear = running_model(explained.data, explained.path[0])
+        before = linear.simulate(holdout.u, holdout.y) if base.elsewhere is None else base.elsewhere(holdout)
+        after = model.simulate(holdout.u, holdout.y)
+        report["holdout_traces"] = traces(holdout.t, holdout.u, holdout.y, before, after)
+    return Diagnosis(report, model)
 
 
 def behind_filter(record: Record) -> FloatArray:
@@ -116,7 +137,7 @@ def behind_filter(record: Record) -> FloatArray:
     The mean of the last m samples commutes with linear dynamics: with it in front, the simulation has the logger's
     filter in it, and the filter is no gap.
     """
-    length = 1 if record.y_measured is None else moving_mean_length(record.y_measured, record.y) or 1
+    length = filter_length(record)
     padded = np.concatenate([np.full(length - 1, record.u[0]), record.u])
     return np.convolve(padded, np.full(length, 1.0 / length), mode="valid")
 

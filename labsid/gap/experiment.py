@@ -9,6 +9,7 @@ from labsid.gap.context import Data
 from labsid.gap.fitting import Fit, search
 
 MOST_SAMPLES = 2000
+TELLING = 6.0  # margin below which the decision would be a coin toss: the input is not worth playing
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -42,6 +43,11 @@ def next_experiment(data: Data, first: Fit, second: Fit, rng: np.random.Generato
         The two explanations, fitted to the record.
     rng : Generator
         For the random inputs.
+
+    Returns
+    -------
+    Experiment or None
+        None where no input of these tells the two apart more surely than a coin toss.
     """
     samples = min(data.samples, MOST_SAMPLES)
     noise = first.noise.sigma2
@@ -58,7 +64,7 @@ def next_experiment(data: Data, first: Fit, second: Fit, rng: np.random.Generato
         if best is None or margin > best.margin:
             names = ("+".join(first.hypothesis.names), "+".join(second.hypothesis.names))
             best = Experiment(names, why, np.asarray(data.u_scale.back(u)), margin)
-    return best
+    return best if best is not None and best.margin >= TELLING else None
 
 
 def _inputs(

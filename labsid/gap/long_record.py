@@ -112,7 +112,8 @@ def thinned(record: Record, every: int) -> Record:
 
 
 def _cut(record: Record, rows: slice) -> Record:
-    return Record(record.t[rows], record.u[rows], record.y[rows], record.Ts, name=record.name)
+    sensor = None if record.y_measured is None else record.y_measured[rows]
+    return Record(record.t[rows], record.u[rows], record.y[rows], record.Ts, sensor, name=record.name)
 
 
 def _liveliest(u: np.ndarray, length: int) -> int:

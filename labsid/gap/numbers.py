@@ -8,10 +8,15 @@ from labsid._arrays import FloatArray
 from labsid.gap.context import Data
 from labsid.gap.effects.base import Effect, Fitted, Value
 from labsid.gap.fitting import Fit, covariance
+from labsid.gap.profile import profile
 
 
 def parameters_of(data: Data, fit: Fit, effect: Effect) -> dict[str, dict[str, object]]:
-    """`{name: {value, stderr, unit}}` of one effect of a fit; the standard errors by linear propagation."""
+    """`{name: {value, stderr, unit}}` of one effect of a fit.
+
+    The standard errors are those of linear propagation; where the effect begins at some instant, the scatter of every
+    value over the instants that are possible comes on top.
+    """
     cov = covariance(data, fit)
     searched = fit.theta.size
 
@@ -19,6 +24,17 @@ def parameters_of(data: Data, fit: Fit, effect: Effect) -> dict[str, dict[str, o
         return effect.values(Fitted(fit.hypothesis, theta, gains, data))
 
     at = values(fit.theta, fit.gains)
+    scatter = dict.fromkeys(at, 0.0)
+    instant = [i for i, p in enumerate(fit.hypothesis.parameters) if p.name == "onset" and effect.name == "load-step"]
+    for place in instant:
+        seen = profile(data, fit, place)
+        if seen is not None and np.isfinite(cov).all():
+            cov = _given(cov, place)
+            held = [values(point.theta, point.gains) for point in seen.points]
+            scatter = {
+                name: float(seen.weights @ np.array([(one[name].value - at[name].value) ** 2 for one in held]))
+                for name in at
+            }
     slopes = {name: np.zeros(searched + fit.gains.size) for name in at}
     for i in range(searched + fit.gains.size):
         theta, gains = fit.theta.copy(), fit.gains.copy()
@@ -30,11 +46,17 @@ def parameters_of(data: Data, fit: Fit, effect: Effect) -> dict[str, dict[str, o
     return {
         name: {
             "value": value.value,
-            "stderr": float(np.sqrt(max(float(slopes[name] @ cov @ slopes[name]), 0.0))),
+            "stderr": float(np.sqrt(max(float(slopes[name] @ cov @ slopes[name]), 0.0) + scatter[name])),
             "unit": value.unit,
         }
         for name, value in at.items()
     }
+
+
+def _given(cov: FloatArray, place: int) -> FloatArray:
+    """The covariance of all the other numbers where that at `place` is known."""
+    own = cov[place, place]
+    return cov - np.outer(cov[:, place], cov[place]) / own if own > 0.0 else cov
 
 
 def marked(data: Data, fit: Fit, effect: Effect) -> np.ndarray:

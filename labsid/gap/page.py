@@ -1,6 +1,7 @@
 """The report page: one self-contained HTML file, a pure function of the JSON report."""
 
 import base64
+import re
 import shlex
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -8,12 +9,14 @@ from typing import TYPE_CHECKING, Any
 from labsid.console import write_file
 from labsid.gap import sentences
 from labsid.gap.quantities import closure, number, probability
+from labsid.gap.whereabouts import where_sentences
 from labsid.gap.words import RAW, WORDS, amount, label
 
 if TYPE_CHECKING:
     import jinja2
 
 SHOWN = 8  # rows of the ranking that are not folded away
+_TOGETHER = r" %( \[-?\d+, -?\d+\])?|(?<=\d) (s|Hz)\b|\bp [=<>] (?=\d)"
 LOOP = (
     ("input", "Actuator", "the way in"),
     ("dynamics", "Process", "the rig itself"),
@@ -52,22 +55,28 @@ def page(report: dict[str, Any]) -> dict[str, Any]:
         "Ts": f"{record['Ts']:.6g}",
         "duration": f"{record['samples'] * record['Ts']:.4g}",
         "simulation": _simulation(report),
-        "closed": None if gap["closed"] is None else closure(gap["closed"], gap["ci95"]),
+        "closed": None if gap["closed"] is None or sentences.unchanged(report) else closure(gap["closed"], gap["ci95"]),
         "bars": _bars(report),
         "gap": sentences.gap_sentence(report),
         "yardstick": sentences.yardstick_sentence(report),
         "effects": [_effect(effect) for effect in report["effects"]],
         "unsure": sentences.ambiguity_sentence(report),
+        "record": sentences.record_sentences(report),
         "screen": report["screen"],
+        "other": report["holdout_traces"] is not None,
+        "plateaus": sentences.plateaus_matter(report),
+        "beyond": sentences.beyond_sentence(report),
         "loop": _loop(report),
         "place": sentences.place_sentence(report),
-        "where": sentences.where_sentences(report),
+        "where": where_sentences(report),
+        "sides": sentences.both_sides_sentence(report),
         "ranking": _ranking(report),
         "shown": SHOWN,
         "tried": [sentences.bare(name) for name in sentences.looked_at(report)],
         "left": sentences.left_sentences(report),
         "experiment": _experiment(report),
         "command": command(report),
+        "exact": "command" in report,
     }
 
 
@@ -172,7 +181,7 @@ def command(report: dict[str, Any]) -> str:
     words = ["labsid", "gap", "diagnose", report["record"]["name"] or "RECORD"]
     if report["simulation"]["given"]:
         words += ["--sim", "MODEL"]
-    if not report["gap"]["holdout"]:
+    if report["holdout_traces"] is not None:
         words += ["--holdout", "RECORD2"]
     return shlex.join([*words, "--json", "report.json", "--html", "report.html"])
 
@@ -198,5 +207,7 @@ def _template() -> "jinja2.Template":
 
 
 def _unbroken(value: Any) -> Any:
-    """Text in which no per cent sign is parted from its number at the end of a line."""
-    return value.replace(" %", "\u00a0%") if isinstance(value, str) else value
+    """Text in which no unit or interval is parted from its number at the end of a line."""
+    if not isinstance(value, str) or hasattr(value, "__html__"):  # markup, of which every part has been here before
+        return value
+    return re.sub(_TOGETHER, lambda found: found[0].replace(" ", "\u00a0"), value)

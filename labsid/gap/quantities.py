@@ -73,6 +73,11 @@ def percent(share: float) -> str:
     return f"{text} %"
 
 
+def counted(count: int, one: str, more: str) -> str:
+    """Write how many of something there are."""
+    return f"{count} {one if count == 1 else more}"
+
+
 def closure(closed: float, ci95: list[float] | None = None) -> str:
     """Write the closed share of the gap with its 95 % interval: ``97 % [94, 100]``."""
     text = f"{_whole(closed)} %"

@@ -1,8 +1,9 @@
 """The report in sentences: what terminal and page both say. Pure functions of the report."""
 
+import re
 from typing import Any
 
-from labsid.gap.quantities import between, closure, number, p_value, percent, probability
+from labsid.gap.quantities import closure, number, p_value, percent, probability
 from labsid.gap.words import RAW, clause, noun
 
 PLACES = {
@@ -14,12 +15,11 @@ PLACES = {
 }
 SURE, LIKELY = 0.9, 0.6  # probabilities from which an effect is stated, and from which it is called probable
 WHITE = 0.01  # p-value under which a residual test speaks
-SAFE, COIN_TOSS = 20.0, 6.0  # margins of an experiment: GAP's measured rates of a right decision
+SAFE = 20.0  # margin of an experiment from which its decision was right in 995 of 1000
 NO_GAP = 1.1  # times the noise
 HALF = 0.5
-DENSE = 1.5  # times the average over the record
-TOLD = 0.4  # of the gap, that dense stretches must hold to be named
-STANDS_OUT = 0.1  # of the gap, above the share of the time
+CHANGES = {"load-step", "parameter-drift"}
+ACCOUNTED = 0.3  # of the scatter of the levels: what an explanation of them leaves at most
 
 
 def verdict_sentence(report: dict[str, Any]) -> str:
@@ -73,6 +73,8 @@ def _none_sentence(report: dict[str, Any]) -> str:
 def _unknown_sentence(report: dict[str, Any]) -> str:
     gap, tried = report["gap"], len(looked_at(report))
     start = f"There is a gap that none of the {tried} causes tried explains"
+    if plateaus_matter(report):
+        return f"{start}: at the same input, the output does not come back to the same level."
     if not tried_nearest(report):
         return f"{start}: none of them shrinks it by more than chance would."
     nearest = listed([noun(name) for name in tried_nearest(report)])
@@ -116,10 +118,45 @@ def ambiguity_sentence(report: dict[str, Any]) -> str | None:
     return f"It could also be {rivals}: this record cannot tell. Probability: {chances}."
 
 
+def plateaus_matter(report: dict[str, Any]) -> bool:
+    """Whether levels that do not repeat are a good part of the gap."""
+    return any(finding["topic"] == "plateaus" for finding in report["record_findings"])
+
+
+def record_sentences(report: dict[str, Any]) -> list[str]:
+    """What the record itself shows, and how much of the gap that is."""
+    said = []
+    for finding in report["record_findings"]:
+        text = re.sub(r"(?<=\d)%", " %", capitalised(re.sub("^y ", "the output ", finding["text"])))
+        said.append(f"{text} {_plateaus(report)}" if finding["topic"] == "plateaus" else text)
+    return said
+
+
+def _plateaus(report: dict[str, Any]) -> str:
+    seen = report["plateaus"]
+    missed, whole = seen["missed"], seen["missed"] / seen["of_gap"]
+    size = f"The simulation misses these levels by {number(missed)} rms; its whole error is {number(whole)} rms."
+    left = f"{number(seen['left'] * missed)} rms is left of it"
+    if seen["left"] > ACCOUNTED:
+        return f"{size} Nothing that was tried accounts for that: with the nearest explanation added, {left}."
+    return f"{size} With the {'nearest explanation' if report['verdict'] == 'unknown' else 'cause'} added, {left}."
+
+
+def beyond_sentence(report: dict[str, Any]) -> str:
+    """What the probabilities of the ranking leave for a cause that is not in it."""
+    left = max(1.0 - sum(row["probability"] for row in report["ranking"]), 0.0)
+    if report["verdict"] == "none":
+        return "Here none of them is needed."
+    if report["verdict"] == "effect":
+        return ""
+    kept = f" That leaves {probability(left)} for a cause that is not in the table." if left > 0.005 else ""
+    return f"Here none of them holds, so the first one is the nearest and not the right one.{kept}"
+
+
 def gap_sentence(report: dict[str, Any]) -> str:
     """How large the gap is, before and after, and on which samples."""
     gap = report["gap"]
-    where = "on samples that no fit has seen" if gap["holdout"] else "on the record held back"
+    where = "on samples that no fit has seen" if report["holdout_traces"] is None else "on the record held back"
     floor = f"the noise alone is {number(gap['noise_floor'])}"
     if unchanged(report):
         return f"The simulation misses the record by {number(gap['before'])} rms, and {floor}: in units of y, {where}."
@@ -149,85 +186,11 @@ def place_sentence(report: dict[str, Any]) -> str | None:
     return f"{capitalised('; '.join(said))}."
 
 
-def where_sentences(report: dict[str, Any]) -> list[str]:
-    """Where the gap lies in time, in frequency and over the operating range."""
-    where = report["where"]
-    said = [_in_time(where["time"]), _in_frequency(where["band_hz"]), *_in_range(report)]
-    return [text for text in said if text]
-
-
-def _in_time(segments: list[list[float]]) -> str:
-    if not segments:
+def both_sides_sentence(report: dict[str, Any]) -> str:
+    """Why a gap lies ahead of what causes it, where it does."""
+    if report["simulation"]["given"] or not {effect["name"] for effect in report["effects"]} & CHANGES:
         return ""
-    whole = segments[-1][1] - segments[0][0]
-    dense: list[list[float]] = []  # stretches of [start, stop, share], neighbours as one
-    for start, stop, share in segments:
-        if share * whole <= DENSE * (stop - start):
-            continue
-        if dense and start - dense[-1][1] < 1e-6 * whole:
-            dense[-1] = [dense[-1][0], stop, dense[-1][2] + share]
-        else:
-            dense.append([start, stop, share])
-    total, time = sum(s[2] for s in dense), sum(s[1] - s[0] for s in dense) / whole
-    if total < TOLD:
-        return "In time it is spread over the whole record."
-    low, high = between(*max(dense, key=lambda s: s[2])[:2])
-    if len(dense) == 1:
-        return f"In time, {percent(total)} of it lies between {low} and {high} s, {percent(time)} of the record."
-    return (
-        f"In time, {percent(total)} of it lies in {len(dense)} stretches that make up {percent(time)} of the record, "
-        f"most between {low} and {high} s."
-    )
-
-
-def _in_frequency(bands: list[list[float]]) -> str:
-    run = _narrowest_half([band[2] for band in bands])
-    if run is None:
-        return ""
-    low, high = bands[run[0]][0], bands[run[1] - 1][1]
-    share = percent(sum(band[2] for band in bands[run[0] : run[1]]))
-    if low == 0.0:
-        return f"In frequency, {share} of it lies below {number(high)} Hz."
-    return f"In frequency, {share} of it lies between {number(low)} and {number(high)} Hz."
-
-
-def _in_range(report: dict[str, Any]) -> list[str]:
-    said = []
-    cells: dict[str, list[dict[str, Any]]] = {}
-    for cell in report["where"]["operating"]:
-        cells.setdefault(cell["signal"], []).append(cell)
-    for signal, own in cells.items():
-        run = _narrowest_half([cell["share"] for cell in own])
-        if run is None:
-            continue
-        inside = own[run[0]]["low"], own[run[1] - 1]["high"]
-        share, (low, high) = sum(cell["share"] for cell in own[run[0] : run[1]]), between(*inside)
-        what = "the change of y a second" if signal == "dy" else signal
-        if signal == "dy" and run[1] - run[0] > len(own) // 2:
-            continue
-        time = time_share(report["traces"].get(signal, []), *inside)
-        if time is not None and share < time + STANDS_OUT:
-            said.append(f"In the operating range it follows the time that the record spends at each value of {signal}.")
-            continue
-        spent = "" if time is None else f"; the record spends {percent(time)} of its time there"
-        most = f"{percent(share)} of it lies where {what} is between {low} and {high}"
-        said.append(f"In the operating range, {most}{spent}.")
-    return said
-
-
-def _narrowest_half(shares: list[float]) -> tuple[int, int] | None:
-    """The fewest neighbours that hold half of the whole, the fullest of those: first and one past the last."""
-    for width in range(1, len(shares)):
-        starts = range(len(shares) - width + 1)
-        best = max(starts, key=lambda i: sum(shares[i : i + width]))
-        if sum(shares[best : best + width]) >= HALF:
-            return best, best + width
-    return None
-
-
-def time_share(x: list[float], low: float, high: float) -> float | None:
-    """Share of the samples of `x` inside a range; None without samples."""
-    return sum(low <= value <= high for value in x) / len(x) if x else None
+    return "The simulation before is fitted to the whole record, so it is off on both sides of what changes in it."
 
 
 def left_sentences(report: dict[str, Any]) -> list[str]:
@@ -268,7 +231,7 @@ def experiment_sentence(report: dict[str, Any]) -> str | None:
     for name in sorted(planned["separates"], key=len, reverse=True):
         why = why.replace(name, ours if name == planned["separates"][0] else rival)
     margin = planned["margin"]
-    safe = "safe" if margin >= SAFE else "little better than a coin toss" if margin < COIN_TOSS else "likely right"
+    safe = "safe" if margin >= SAFE else "likely right"
     return f"It would tell {ours} from {rival}. {why} Expected margin {margin:.0f}: the decision would be {safe}."
 
 

@@ -5,6 +5,7 @@ from typing import Any
 
 from labsid.gap import sentences
 from labsid.gap.quantities import probability
+from labsid.gap.whereabouts import where_sentences
 from labsid.gap.words import amount, label, noun
 
 WIDTH = 96
@@ -23,16 +24,18 @@ def verdict_text(report: dict[str, Any]) -> str:
     -------
     str
         Lines of at most 96 characters: the sentence; the causes with their parameters and standard errors; the gap
-        before and after; where it lies; what cannot be told apart; what is left; what the raw samples say; and
-        the next experiment.
+        before and after; where it lies; what cannot be told apart; what is left; what the record and its raw samples
+        show; and the next experiment.
     """
     lines = [*_row("", sentences.verdict_sentence(report), indent=0), ""]
     for effect in report["effects"]:
         lines += _effect(effect)
+    for number, said_of_it in enumerate(sentences.record_sentences(report)):
+        lines += _row("" if number else "record", _plain(said_of_it))
     rows = [
         ("unsure", [sentences.ambiguity_sentence(report)]),
         ("gap", [sentences.gap_sentence(report), sentences.yardstick_sentence(report)]),
-        ("where", [sentences.place_sentence(report), *sentences.where_sentences(report)]),
+        ("where", [sentences.place_sentence(report), *where_sentences(report)]),
         ("left", sentences.left_sentences(report)),
         ("samples", report["screen"]),
         ("next", [_experiment(report)]),

@@ -9,6 +9,7 @@ from labsid._arrays import FloatArray
 SEGMENTS = 12
 BANDS = 8
 CELLS = 6
+MAP_CELLS = 14  # either way
 MOST_STRETCHES = 60
 
 
@@ -45,12 +46,19 @@ def in_frequency(e: FloatArray, Ts: float) -> list[list[float]]:
 
 
 def in_range(name: str, x: FloatArray, e: FloatArray) -> list[dict[str, object]]:
-    """Cells of one signal with the share of the error that falls in each."""
+    """Cells of one signal, with the share of the error and the share of the samples that fall in each."""
     edges = np.linspace(float(x.min()), float(x.max()), CELLS + 1)
     cell = np.clip(np.searchsorted(edges, x, side="right") - 1, 0, CELLS - 1)
     shares = np.bincount(cell, e**2, CELLS) / (float(e @ e) or 1.0)
+    times = np.bincount(cell, minlength=CELLS) / x.size
     return [
-        {"signal": name, "low": float(edges[i]), "high": float(edges[i + 1]), "share": float(shares[i])}
+        {
+            "signal": name,
+            "low": float(edges[i]),
+            "high": float(edges[i + 1]),
+            "share": float(shares[i]),
+            "time": float(times[i]),
+        }
         for i in range(CELLS)
     ]
 
@@ -58,13 +66,21 @@ def in_range(name: str, x: FloatArray, e: FloatArray) -> list[dict[str, object]]
 def most_telling(u: FloatArray, y: FloatArray, Ts: float, e: FloatArray) -> list[dict[str, object]]:
     """Cells of the signal over whose range the error lies most unevenly: the input, the output or its rate."""
     signals = {"u": u, "y": y, "dy": np.gradient(y, Ts)}
-    cells = {name: in_range(name, x, e) for name, x in signals.items()}
-    return max(cells.values(), key=lambda own: concentration(own, signals[str(own[0]["signal"])]))
+    return max((in_range(name, x, e) for name, x in signals.items()), key=concentration)
 
 
-def concentration(cells: list[dict[str, object]], x: FloatArray) -> float:
+def concentration(cells: list[dict[str, object]]) -> float:
     """How unevenly the error lies over the cells, against the time that the signal spends in them (0: evenly)."""
-    edges = np.array([float(cell["low"]) for cell in cells[1:]])  # type: ignore[arg-type]
-    time = np.bincount(np.searchsorted(edges, x, side="right"), minlength=len(cells)) / x.size
-    share = np.array([float(cell["share"]) for cell in cells])  # type: ignore[arg-type]
+    share, time = (np.array([cell[name] for cell in cells], float) for name in ("share", "time"))
     return float(0.5 * np.abs(share - time).sum())
+
+
+def operating_map(u: FloatArray, y: FloatArray, e: FloatArray) -> dict[str, object]:
+    """Rms error in cells of input and output: edges of both, and a row for each cell of u; None where nothing was."""
+    count, u_edges, y_edges = np.histogram2d(u, y, MAP_CELLS)
+    power = np.histogram2d(u, y, (u_edges, y_edges), weights=e**2)[0]
+    rms = [
+        [float(np.sqrt(p / n)) if n else None for p, n in zip(*row, strict=True)]
+        for row in zip(power, count, strict=True)
+    ]
+    return {"u": u_edges.tolist(), "y": y_edges.tolist(), "rms": rms}

@@ -76,7 +76,8 @@ WORDS: dict[str, Words] = {
         "a curved characteristic of the actuator",
         ("The gain of the actuator changes with the size of the command",),
         "The same step of the command does more in one part of its range than in another. Look at the characteristic "
-        "of the pump, the valve or the amplifier.",
+        "of the pump, the valve or the amplifier. In the table, d being the command less the middle: the actuator "
+        "gives d + (quadratic coefficient) d² + (cubic coefficient) d³.",
     ),
     "extra-lag": Words(
         "an extra lag",
@@ -96,13 +97,15 @@ WORDS: dict[str, Words] = {
         "a square-root outflow",
         ("The outflow goes with the square root of the level, not with the level",),
         "Torricelli's law: a full tank loses less for each unit of level than a nearly empty one, so gain and time "
-        "constant change with the level.",
+        "constant change with the level. In the table: the command at which nothing flows in, so that the tank runs "
+        "empty, and what the sensor would read then. Both may lie far outside the record.",
     ),
     "overflow": Words(
         "an overflow",
         ("A tank is full at {level} and takes no more", "A tank reaches its brim and takes no more"),
-        "Beyond the brim the inflow is lost, or runs into the next tank. The level is given as the reading at which it "
-        "begins.",
+        "Beyond the brim the inflow is lost, or runs into the next tank. The brim is given as the reading that the "
+        "sensor would settle at if the tank stayed just full. Of what spills, the next tank catches all (100 %), none "
+        "(0 %) or a part.",
     ),
     "coulomb-friction": Words(
         "dry friction",
@@ -150,7 +153,8 @@ WORDS: dict[str, Words] = {
         "a curved characteristic of the sensor",
         ("The gain of the sensor changes along its range",),
         "The same change of the process reads as more in one part of the range than in another. Look at the "
-        "calibration.",
+        "calibration. In the table, d being the true output less the middle: the sensor reads "
+        "d + (quadratic coefficient) d² + (cubic coefficient) d³.",
     ),
     "output-quantization": Words(
         "a coarse converter",
@@ -227,7 +231,7 @@ _LABELS = {
     "cubic": "cubic coefficient",
     "c2": "quadratic coefficient",
     "c3": "cubic coefficient",
-    "centre": "about the middle at",
+    "centre": "the middle",
     "drift": "change of the gain over the record",
     "pole": "change of the rate over the record",
     "amplitude": "amplitude",

@@ -29,7 +29,6 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 WIDE, NARROW = 9.5, 4.4  # inches: for a desktop's page and for a telephone's
-CELLS = 14  # of the operating map, either way
 ZOOM = 0.1  # of the record
 FEWEST = 40  # samples in the zoom
 OUTPUT = "Output $y$ (units of y)"
@@ -50,12 +49,13 @@ def figure_simulations(report: dict[str, Any], narrow: bool = False) -> Figure:
     -------
     matplotlib.figure.Figure
         (a) The whole record; (b) where the simulation is furthest off, unless nothing is the matter with it; (c) the
-        errors, with the samples on which the gap is scored shaded.
+        errors, with the samples on which the gap is scored shaded; (d) where that is another record, the errors there.
     """
     trace = {name: np.asarray(values, float) for name, values in report["traces"].items()}
     curves = _curves(report)
     close = report["verdict"] != "none"
-    rows = 3 if close else 2
+    other = report["holdout_traces"]
+    rows = 2 + close + (other is not None)
     figure = _sheet(narrow, 3.1 * rows, 2.75 * rows)
     panels = list(figure.subplots(rows, 1))
     _overlay(panels[0], trace, curves, slice(None))
@@ -66,8 +66,14 @@ def figure_simulations(report: dict[str, Any], narrow: bool = False) -> Figure:
         panels[0].axvspan(trace["t"][part][0], trace["t"][part][-1], color=GREY, alpha=0.35, linewidth=0, zorder=0)
         _overlay(panels[1], trace, curves, part)
         finish(panels[1], "A close look at the shaded part", TIME, OUTPUT, legend_columns=0)
-    _errors(panels[-1], report, trace, curves)
-    finish(panels[-1], "What the simulation misses", TIME, ERROR, legend_columns=2 if narrow else 4)
+    own = panels[1 + close]
+    _errors(own, report, trace, curves)
+    if other is not None:
+        finish(own, "What the simulation misses", TIME, ERROR, legend_columns=0)
+        _errors(panels[-1], report, {name: np.asarray(values, float) for name, values in other.items()}, curves)
+    _shade_scored(panels[-1], report["gap"]["holdout"])
+    title = "What the simulation misses" if other is None else "The same on the record held back"
+    finish(panels[-1], title, TIME, ERROR, legend_columns=2 if narrow else 4)
     make_headroom(panels[-1], 0.27 if narrow else 0.18)
     return figure
 
@@ -98,16 +104,19 @@ def _overlay(ax: Axes, trace: dict[str, FloatArray], curves: list[tuple[str, str
 def _errors(
     ax: Axes, report: dict[str, Any], trace: dict[str, FloatArray], curves: list[tuple[str, str, str, str]]
 ) -> None:
-    """Errors of the simulations, the band of the noise, and the samples on which the gap is scored."""
+    """Errors of the simulations, and the band of the noise."""
     for name, text, colour, _ in curves:
         ax.plot(trace["t"], trace["y"] - trace[name], color=colour, linewidth=1.0, label=text)
     noise = 2.0 * report["gap"]["noise_floor"]
     for side, text in ((-noise, "Noise, ±2 s.d."), (noise, "")):
         ax.axhline(side, color=GREEN, linestyle=":", linewidth=1.6, label=text)
-    for number, (start, stop) in enumerate(report["gap"]["holdout"]):
-        text = "" if number else "Held back"
-        ax.axvspan(start, stop, color=GREY, alpha=0.18, linewidth=0, zorder=0, label=text)
     ax.margins(x=0)
+
+
+def _shade_scored(ax: Axes, stretches: list[list[float]]) -> None:
+    for number, (start, stop) in enumerate(stretches):
+        text = "" if number else "Scored"
+        ax.axvspan(start, stop, color=GREY, alpha=0.18, linewidth=0, zorder=0, label=text)
 
 
 def figure_where(report: dict[str, Any], narrow: bool = False) -> Figure:
@@ -136,8 +145,8 @@ def figure_where(report: dict[str, Any], narrow: bool = False) -> Figure:
     _time_strip(panels["time"], where["time"])
     _bands(panels["frequency"], where["band_hz"])
     for signal in signals:
-        _cells(panels[signal], [cell for cell in where["operating"] if cell["signal"] == signal], report["traces"])
-    _operating_map(panels["map"], report["traces"], "bottom" if narrow else "right")
+        _cells(panels[signal], [cell for cell in where["operating"] if cell["signal"] == signal], narrow)
+    _operating_map(panels["map"], where["map"], "bottom" if narrow else "right")
     return figure
 
 
@@ -161,30 +170,24 @@ def _bands(ax: Axes, bands: list[list[float]]) -> None:
     finish(ax, "How fast", "Frequency (Hz)", "Share of the gap (%)", legend_columns=0)
 
 
-def _cells(ax: Axes, cells: list[dict[str, Any]], traces: dict[str, list[float]]) -> None:
-    """Shares over the range of a signal, against the time that the record spends there."""
+def _cells(ax: Axes, cells: list[dict[str, Any]], beside: bool) -> None:
+    """Shares over the range of a signal, of the gap and of the time; entries of the legend beside each other or not."""
     low = np.array([cell["low"] for cell in cells])
     high = np.array([cell["high"] for cell in cells])
     share = 100.0 * np.array([cell["share"] for cell in cells])
     signal = cells[0]["signal"]
     ax.bar(low, share, high - low, align="edge", color=BLUE, edgecolor="white", linewidth=0.8, label="Gap")
-    top = float(share.max())
-    if traces.get(signal):
-        edges = np.append(low, high[-1])
-        time = np.histogram(traces[signal], edges)[0] * 100.0 / len(traces[signal])
-        ax.stairs(time, edges, color=BLACK, linewidth=1.6, label="Time")
-        top = max(top, float(time.max()))
-    ax.set_ylim(0.0, max(top, 1e-9) * 1.3)
-    finish(ax, "At which values", SIGNALS.get(signal, signal), "Share (%)", legend_columns=2)
+    time = 100.0 * np.array([cell["time"] for cell in cells])
+    ax.stairs(time, np.append(low, high[-1]), color=BLACK, linewidth=1.6, label="Time")
+    top = float(max(share.max(), time.max()))
+    ax.set_ylim(0.0, max(top, 1e-9) * (1.3 if beside else 1.45))
+    finish(ax, "At which values", SIGNALS.get(signal, signal), "Share (%)", legend_columns=2 if beside else 1)
 
 
-def _operating_map(ax: Axes, traces: dict[str, list[float]], bar_place: Literal["bottom", "right"]) -> None:
+def _operating_map(ax: Axes, seen: dict[str, list[Any]], bar_place: Literal["bottom", "right"]) -> None:
     """Rms error of the simulation before in cells of input and output that the record visits."""
-    u, y, before = (np.asarray(traces[name], float) for name in ("u", "y", "before"))
-    count, u_edges, y_edges = np.histogram2d(u, y, CELLS)
-    power = np.histogram2d(u, y, (u_edges, y_edges), weights=(y - before) ** 2)[0]
-    rms = np.sqrt(power / np.where(count > 0, count, np.nan))
-    mesh = ax.pcolormesh(u_edges, y_edges, rms.T, cmap="cividis", vmin=0.0)
+    rms = np.array(seen["rms"], float)  # None becomes NaN: nothing is drawn there
+    mesh = ax.pcolormesh(seen["u"], seen["y"], rms.T, cmap="cividis", vmin=0.0)
     finish(ax, "Operating map", SIGNALS["u"], OUTPUT, legend_columns=0)
     bar = ax.figure.colorbar(mesh, ax=ax, location=bar_place)
     bar.set_label("Rms error (units of y)", fontsize=SMALL_TEXT_SIZE)

@@ -23,10 +23,10 @@ class Effect:
     ----------
     name, path : str
         From the table of effects.
-    variant : str
-        Which form of it, where there are several.
     surplus : float
         By how much its BIC has to be the better one before it takes the place of a simpler form.
+    variant : str
+        Which form of it, where there are several.
     """
 
     name: ClassVar[str]

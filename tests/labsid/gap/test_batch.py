@@ -109,7 +109,9 @@ def test_an_answer_is_that_of_diagnose(finished, folder, tmp_path):
     assert main(["gap", "diagnose", str(folder / "b.csv"), "--json", str(tmp_path / "b.json")]) == 0
     answer = json.loads((finished[0] / "b.json").read_text())
     del answer["made_from"]
-    assert answer == json.loads((tmp_path / "b.json").read_text())
+    alone = json.loads((tmp_path / "b.json").read_text())
+    assert alone.pop("command") == "labsid gap diagnose b.csv --html report.html"
+    assert answer == alone
 
 
 # What a second run keeps ----------------------------------------------------------------------------------

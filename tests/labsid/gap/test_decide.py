@@ -160,3 +160,11 @@ def test_fast_noise_of_a_sensor_is_no_reason_to_doubt_that_nothing_is_wrong(plai
     left = replace(left_of(plain), colour=1.4, slow=0.02)
     assert trusted(plain, left) == pytest.approx(trusted(plain, replace(left, colour=1.0)), abs=0.01)
     assert trusted(plain, replace(left, colour=5.0, slow=0.9)) < 0.5
+
+
+def test_levels_that_do_not_come_back_are_no_drift_that_leaves_them(banded: Explained) -> None:
+    left = left_of(banded)
+    assert decide(rivalled(banded), left, None, unrepeated=0.05).verdict == "effect"
+    decision = decide(rivalled(banded), left, None, unrepeated=0.6)
+    check(decision)
+    assert decision.verdict == "unknown"

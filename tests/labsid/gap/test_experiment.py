@@ -48,9 +48,8 @@ def test_its_margin_is_what_the_second_explanation_misses_over_the_noise(
 
 
 def test_nothing_separates_an_explanation_from_itself(banded: Explained) -> None:
-    found = next_experiment(banded.data, banded.best, banded.best, np.random.default_rng(0))
-    assert found is not None
-    assert found.margin < 1.0
+    """An input of which the outcome would be a coin toss is not worth playing."""
+    assert next_experiment(banded.data, banded.best, banded.best, np.random.default_rng(0)) is None
 
 
 def test_the_same_seed_proposes_the_same_input(banded: Explained, proposed: Experiment) -> None:

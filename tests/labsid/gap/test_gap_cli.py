@@ -2,6 +2,9 @@
 
 import json
 import os
+import shlex
+import subprocess
+import sys
 
 import numpy as np
 import pytest
@@ -82,6 +85,28 @@ def test_diagnose_writes_what_simulate_plays(labsid, record, tmp_path):
     assert rmse == pytest.approx(answer["gap"]["after"], rel=0.3)
 
 
+def test_the_answer_says_how_to_ask_for_it_again(labsid, record, tmp_path):
+    """Files by their names, what is written left out: the answer does not depend on where it was asked for."""
+    arguments = ("--exclude", "5:6", "--exclude", "7:8.5", "--seed", "3", "--order", "1", "--Ts", "0.5")
+    assert labsid("diagnose", record, *arguments, "--json", "a.json")[0] == 0
+    said = json.loads((tmp_path / "a.json").read_text())["command"]
+    assert said.startswith("labsid gap diagnose record.csv --")
+    assert sorted(shlex.split(said)[4:]) == sorted([*arguments, "--html", "report.html"])
+
+
+def test_two_processes_give_the_same_answer(tmp_path, rig_record, write_rig_record):
+    """Whatever the order in which they keep what has none."""
+    write_rig_record(tmp_path / "record.csv", rig_record("input-saturation", 200))
+    for seed in ("1", "2"):
+        command = [sys.executable, "-c", "import sys; from labsid.cli import main; sys.exit(main())"]
+        command += ["gap", "diagnose", "record.csv", "--json", f"{seed}.json", "--export", f"better-{seed}.json"]
+        environment = os.environ | {"PYTHONHASHSEED": seed}
+        subprocess.run(command, cwd=tmp_path, env=environment, check=True, stdout=subprocess.DEVNULL)
+    assert json.loads((tmp_path / "1.json").read_text())["verdict"] == "effect"
+    for name in ("{}.json", "better-{}.json"):
+        assert (tmp_path / name.format(1)).read_bytes() == (tmp_path / name.format(2)).read_bytes()
+
+
 def test_excluded_stretches_count_nowhere(labsid, plain, written, tmp_path):
     y = plain.y.copy()
     y[80:110] += 3.0
@@ -154,6 +179,13 @@ def test_stretches_that_are_none(refused, record, stretch):
 def test_options_that_leave_nothing_or_make_no_sense(refused, record):
     refused("--exclude leaves 0 samples", "diagnose", record, "--exclude", "0:1000")
     refused("--exclude leaves 50 samples", "diagnose", record, "--exclude", "25:100")
+    refused(
+        "--exclude 1000:2000 holds no sample: the record runs from 0 to 99.5 s",
+        "diagnose",
+        record,
+        "--exclude",
+        "1000:2000",
+    )
     refused("--order must be at least 1; got 0", "diagnose", record, "--order", "0")
     refused("--order must be at most 4; got 5", "diagnose", record, "--order", "5")
     refused("--seed", "diagnose", record, "--seed", "-1")
@@ -161,7 +193,11 @@ def test_options_that_leave_nothing_or_make_no_sense(refused, record):
 
 
 def test_outputs_that_cannot_be_written(refused, record, tmp_path):
-    refused("no such folder", "diagnose", record, "--json", tmp_path / "nowhere" / "a.json")
+    for option in ("--json", "--html", "--export"):
+        refused("no such folder", "diagnose", record, option, tmp_path / "nowhere" / "a.json")
+        refused("it is a folder", "diagnose", record, option, ".")
+        refused("record.csv is named twice", "diagnose", record, option, record)
+    refused("a.json is named twice", "diagnose", record, "--json", "a.json", "--export", "./a.json")
     (tmp_path / "better.json").write_text(json.dumps({"num": [0.01], "den": DEN, "dt": 0.5}))
     refused("it is a folder", "simulate", "better.json", record, "--out", ".")
     refused("File exists", "batch", ".", "--out", record)

@@ -8,10 +8,11 @@ import re
 from html.parser import HTMLParser
 
 import pytest
-from gap_reports import PARAMETERS, report, with_experiment
+from gap_reports import PARAMETERS, report, with_experiment, with_holdout, with_plateaus
 
 from labsid.gap import sentences
-from labsid.gap.page import command, page, write_page
+from labsid.gap.page import _unbroken, command, page, write_page
+from labsid.gap.whereabouts import where_sentences
 from labsid.gap.words import WORDS
 
 VOID = {"meta", "img", "source", "br", "link", "hr", "input"}
@@ -102,7 +103,7 @@ def test_the_verdict_stands_first_and_the_order_is_that_of_the_contract(kind, pa
     )
     places = [words.index(title) for title in titles]
     assert places == sorted(places)
-    for said in (*sentences.where_sentences(KINDS[kind]), *sentences.left_sentences(KINDS[kind])):
+    for said in (*where_sentences(KINDS[kind]), *sentences.left_sentences(KINDS[kind])):
         assert said in words
 
 
@@ -147,8 +148,7 @@ def test_the_command_is_safe_to_paste():
     assert command(base) == (
         "labsid gap diagnose 'my rig; rm -rf $HOME' --sim MODEL --json report.json --html report.html"
     )
-    base["gap"]["holdout"] = []
-    assert "--holdout RECORD2" in command(base)
+    assert "--holdout RECORD2" in command(with_holdout(base))
     base["command"] = "labsid gap diagnose dryer.dat --columns 1,2 --Ts 0.08"
     assert command(base) == base["command"]
 
@@ -167,7 +167,7 @@ def test_the_accepted_row_carries_its_interval_and_the_rest_is_folded(tmp_path):
 def test_no_row_is_the_answer_where_there_is_none(pages):
     _, parsed = pages["unknown"]
     assert "the answer" not in parsed.words
-    assert "here none of them holds" in parsed.words
+    assert "Here none of them holds" in parsed.words
 
 
 def test_the_proposed_input_can_be_saved(pages):
@@ -189,7 +189,39 @@ def test_the_loop_marks_where_the_causes_sit():
 def test_no_line_ends_between_a_number_and_its_per_cent(pages):
     _, parsed = pages["pair"]
     assert " %" not in "".join(parsed.text)
-    assert "97\u00a0% [94, 100]" in "".join(parsed.text)
+    assert "97\u00a0%\u00a0[94,\u00a0100]" in "".join(parsed.text)
+
+
+def test_no_line_ends_inside_an_interval_or_between_a_number_and_its_unit():
+    said = "5 % [1, 12] after 1138 s at 0.2 Hz (p = 0.5, p > 0.99), in units of y"
+    assert _unbroken(said).split(" ") == [
+        "5\u00a0%\u00a0[1,\u00a012]",
+        "after",
+        "1138\u00a0s",
+        "at",
+        "0.2\u00a0Hz",
+        "(p\u00a0=\u00a00.5,",
+        "p\u00a0>\u00a00.99),",
+        *["in", "units", "of", "y"],
+    ]
+
+
+def test_what_the_record_itself_shows_is_a_list_under_the_verdict(tmp_path):
+    _, parsed = _read(tmp_path / "page.html", with_plateaus(report("output-drift", verdict="unknown"), left=0.6))
+    places = [
+        parsed.words.index(text)
+        for text in ("does not come back to the same level. 0", "The record itself shows:", "Measured against")
+        if text in parsed.words
+    ]
+    assert places == sorted(places)
+    assert "Play the same input once more" in parsed.words
+
+
+def test_a_change_within_the_record_is_said_to_show_on_both_sides():
+    assert "on both sides" in page(report("load-step"))["sides"]
+    assert page(report("input-delay"))["sides"] == ""
+    given = report("load-step") | {"simulation": {"given": True, "output_only": False}}
+    assert page(given)["sides"] == ""
 
 
 def test_bars_compare_before_after_and_noise_or_what_there_is():

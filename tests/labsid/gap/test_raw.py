@@ -1,9 +1,13 @@
 """Single samples: held stretches, spikes and lattices, and what only looks like them."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
+from labsid.gap.answer import _screen
 from labsid.gap.raw import RawFaults, find_held, find_spikes
+from labsid.gap.which import Explained
 from labsid.signal_quality import lattice_step
 
 

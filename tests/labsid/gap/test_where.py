@@ -10,6 +10,7 @@ from hypothesis.extra.numpy import arrays
 
 from labsid.gap.where import (
     CELLS,
+    MAP_CELLS,
     MOST_STRETCHES,
     SEGMENTS,
     concentration,
@@ -17,6 +18,7 @@ from labsid.gap.where import (
     in_range,
     in_time,
     most_telling,
+    operating_map,
 )
 
 errors = arrays(float, st.integers(30, 200), elements=st.floats(-1e3, 1e3, width=32)).filter(lambda e: bool(e.any()))
@@ -54,7 +56,8 @@ def test_cells_cover_the_range_and_their_shares_add_up_to_one(e: np.ndarray, see
     assert cells[-1]["high"] == pytest.approx(x.max())
     assert all(a["high"] == b["low"] for a, b in pairwise(cells))
     assert sum(cell["share"] for cell in cells) == pytest.approx(1.0)
-    assert 0.0 <= concentration(cells, x) <= 1.0 + 1e-9
+    assert sum(cell["time"] for cell in cells) == pytest.approx(1.0)
+    assert 0.0 <= concentration(cells) <= 1.0 + 1e-9
 
 
 def test_marked_stretches_are_segments_of_their_own() -> None:
@@ -105,5 +108,17 @@ def test_the_most_telling_signal_is_the_one_over_which_the_error_gathers() -> No
 
 def test_an_even_error_is_concentrated_nowhere() -> None:
     x = np.linspace(0.0, 1.0, 600)
-    assert concentration(in_range("u", x, np.ones(600)), x) < 0.01
-    assert concentration(in_range("u", x, (x > 5 / 6).astype(float)), x) == pytest.approx(5 / 6, abs=0.01)
+    assert concentration(in_range("u", x, np.ones(600))) < 0.01
+    assert concentration(in_range("u", x, (x > 5 / 6).astype(float))) == pytest.approx(5 / 6, abs=0.01)
+
+
+def test_the_map_holds_the_whole_error_and_nothing_where_the_record_never_was() -> None:
+    rng = np.random.default_rng(0)
+    u, e = np.repeat([0.0, 1.0, 2.0], 50), rng.standard_normal(150)
+    y = u + 0.1 * rng.standard_normal(150)
+    seen = operating_map(u, y, e)
+    count = np.histogram2d(u, y, (seen["u"], seen["y"]))[0]
+    rms = np.array(seen["rms"], float)
+    assert rms.shape == (MAP_CELLS, MAP_CELLS)
+    np.testing.assert_array_equal(np.isnan(rms), count == 0)
+    assert float(np.nansum(rms**2 * count)) == pytest.approx(float(e @ e))

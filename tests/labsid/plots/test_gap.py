@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from gap_reports import report, with_experiment
+from gap_reports import report, with_experiment, with_holdout
 
 from labsid.plots.gap import NARROW, WIDE, figure_experiment, figure_simulations, figure_where, furthest_off
 
@@ -30,7 +30,7 @@ def test_measured_and_both_simulations_over_the_record_and_close_up(narrow, cove
         assert _curve(close, label).get_xdata()[-1] <= 50.0
     np.testing.assert_allclose(_curve(errors, "Before").get_ydata(), np.subtract(traces["y"], traces["before"]))
     np.testing.assert_allclose(_curve(errors, "After").get_ydata(), np.subtract(traces["y"], traces["after"]))
-    assert _legend(errors) == ["Before", "After", "Noise, ±2 s.d.", "Held back"]
+    assert _legend(errors) == ["Before", "After", "Noise, ±2 s.d.", "Scored"]
     assert {tuple(line.get_ydata()) for line in errors.lines if len(line.get_ydata()) == 2} == {
         (0.02, 0.02),
         (-0.02, -0.02),
@@ -45,6 +45,22 @@ def test_the_samples_held_back_are_shaded():
     errors = figure_simulations(report("input-delay")).axes[-1]
     spans = [(patch.get_x(), patch.get_x() + patch.get_width()) for patch in errors.patches]
     assert spans == [(20.0, 40.0), (80.0, 100.0)]
+
+
+@WIDTHS
+def test_another_record_has_a_panel_of_its_own_and_the_shades_are_there(narrow, covered):
+    base = with_holdout(report("input-delay"))
+    *_, errors, other = figure_simulations(base, narrow).axes
+    assert not errors.patches
+    assert [(patch.get_x(), patch.get_x() + patch.get_width()) for patch in other.patches] == [(525.0, 620.0)]
+    trace = base["holdout_traces"]
+    np.testing.assert_allclose(_curve(other, "After").get_ydata(), np.subtract(trace["y"], trace["after"]))
+    assert _curve(other, "After").get_xdata()[0] == 500.0
+    assert other.get_title() == "The same on the record held back"
+    assert covered(other.figure) == []
+    for ax in other.figure.axes:
+        inside = ax.title.get_window_extent().x1 <= other.figure.bbox.x1
+        assert inside, ax.get_title()
 
 
 @WIDTHS
@@ -90,27 +106,22 @@ def test_where_has_time_frequency_range_and_map_with_their_units(narrow, covered
 
 
 def test_the_map_shows_the_rms_error_of_each_pair_that_the_record_visits():
-    base = report("input-delay")
-    chart = figure_where(base).axes[3]
+    chart = figure_where(report("input-delay")).axes[3]
     (mesh,) = chart.collections
     shown = np.ma.masked_invalid(mesh.get_array())
-    u, y, before = (np.array(base["traces"][name]) for name in ("u", "y", "before"))
-    count = np.histogram2d(u, y, 14)[0].T
-    assert shown.count() == np.count_nonzero(count)
-    total = float((shown.filled(0.0) ** 2 * count.reshape(shown.shape)).sum())
-    assert total == pytest.approx(float(((y - before) ** 2).sum()))
+    np.testing.assert_array_equal(shown.reshape(2, 3).filled(-1.0), [[0.1, 0.2, 0.4], [-1.0, 0.3, 0.2]])
     assert mesh.get_cmap().name == "cividis"
 
 
-def test_the_rate_of_the_output_has_its_own_axis_and_no_time():
+def test_the_rate_of_the_output_has_its_own_axis():
     base = report("input-delay")
     base["where"]["operating"] = [
-        {"signal": "dy", "low": -1.0, "high": 0.0, "share": 0.2},
-        {"signal": "dy", "low": 0.0, "high": 1.0, "share": 0.8},
+        {"signal": "dy", "low": -1.0, "high": 0.0, "share": 0.2, "time": 0.7},
+        {"signal": "dy", "low": 0.0, "high": 1.0, "share": 0.8, "time": 0.3},
     ]
     cells = figure_where(base).axes[2]
     assert cells.get_xlabel() == "Change of $y$ (units of y a second)"
-    assert _legend(cells) == ["Gap"]
+    assert _legend(cells) == ["Time", "Gap"]
 
 
 @WIDTHS

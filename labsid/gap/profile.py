@@ -1,0 +1,87 @@
+"""How sure an instant is: the cost with that instant held elsewhere and everything else fitted again."""
+
+from copy import copy
+from dataclasses import dataclass
+
+import numpy as np
+
+from labsid._arrays import FloatArray
+from labsid.gap.context import Data
+from labsid.gap.fitting import Fit, Point, search
+from labsid.gap.hypothesis import Hypothesis
+
+FIRST = 0.5  # samples: the first step aside
+GROWTH = 1.5  # of the steps
+UNLIKELY = 12.0  # twice the loss of log likelihood at which nothing more is to be found
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Profile:
+    """Fits with one number held at a row of values.
+
+    Attributes
+    ----------
+    points : tuple of Point
+        In the order of the held number.
+    weights : ndarray
+        Their probabilities, which add up to 1.
+    """
+
+    points: tuple[Point, ...]
+    weights: FloatArray
+
+
+def profile(data: Data, fit: Fit, place: int) -> Profile | None:
+    """Hold the number at `place` of theta, an instant as a share of the record, left and right of where it was found.
+
+    The error hardly changes while an instant moves within a sample, and has no slope where the input rests: a linear
+    propagation knows nothing of it.
+
+    Parameters
+    ----------
+    data : Data
+    fit : Fit
+    place : int
+
+    Returns
+    -------
+    Profile or None
+        None where the fit cannot be repeated.
+    """
+    middle = _held(data, fit, place, float(fit.theta[place]), fit)
+    if middle is None:
+        return None
+    found = [middle]
+    for side in (-1.0, 1.0):
+        step, at, last = FIRST / data.samples, float(fit.theta[place]), middle
+        while 0.0 < at + side * step < 1.0:
+            at += side * step
+            held = _held(data, fit, place, at, last)
+            if held is None:
+                break
+            found.append(held)
+            if _loss(fit, held, middle) > UNLIKELY:
+                break
+            step, last = GROWTH * step, held
+    found.sort(key=lambda point: float(point.theta[place]))
+    loss = np.array([_loss(fit, point, middle) for point in found])
+    where = np.array([point.theta[place] for point in found])
+    weights = np.exp(-0.5 * (loss - loss.min())) * np.gradient(where)
+    return Profile(tuple(found), weights / weights.sum())
+
+
+def _held(data: Data, fit: Fit, place: int, value: float, near: Fit | Point) -> Point | None:
+    """The fit with one number held, from the numbers of a neighbour."""
+    theta = near.theta.copy()
+    theta[place] = value
+    bounds = tuple(side.copy() for side in fit.hypothesis.bounds)
+    for side in bounds:
+        side[place] = value
+    hypothesis: Hypothesis = copy(fit.hypothesis)
+    object.__setattr__(hypothesis, "bounds", bounds)  # a copy of its own: nobody else sees it change
+    return search(data, hypothesis, theta, near.gains, iterations=5, ar=fit.noise.ar, tolerance=1e-4)
+
+
+def _loss(fit: Fit, point: Point, best: Point) -> float:
+    """Twice the loss of log likelihood."""
+    return float(fit.noise.rows * (point.cost - best.cost) / fit.noise.sigma2)
