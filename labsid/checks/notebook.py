@@ -70,6 +70,8 @@ class notebook_checks:  # noqa: N801  (called like a function, once, at the top 
 class NotebookAsk:
     """Asks the variables of a notebook, in the notebook's own process."""
 
+    origin: None = None
+
     def __init__(
         self, variables: Mapping[str, Any], record: Record | None, known: Mapping[str, Value], question_id: str
     ) -> None:

@@ -12,12 +12,32 @@ from labsid.checks.verdict import NoAnswer, Verdict
 from labsid.record import Record
 
 
+@dataclass(frozen=True, slots=True)
+class Origin:
+    """Where a record comes from that holds something withheld: whoever knows this can make the rig again.
+
+    Attributes
+    ----------
+    student : str
+        The ID that it was made for.
+    secret : bytes
+        The secret that it was made from.
+    """
+
+    student: str
+    secret: bytes
+
+
 class Ask(Protocol):
     """What a check can ask. In the notebook it is backed by the student's variables, at grading by their process."""
 
     @property
     def record(self) -> Record:
         """The record that the student works on."""
+
+    @property
+    def origin(self) -> Origin | None:
+        """Where the record comes from; None in the notebook, as the judge alone knows."""
 
     @property
     def rng(self) -> np.random.Generator:

@@ -7,7 +7,7 @@ student to student, `lab_record` the records themselves.
 
 The rigs with switchable effects are faster, run in units of their own, and stand beside that: `setup` says what one
 is made of, `plants` and `inputs` draw them, `effects` (of the table) and `outside` (of it) enter one at any strength,
-`play` runs it, and `truth` says what was put in.
+`play` runs it, and `truth` says what was put in. `withheld` makes every student's own rig with one of the `suspects`.
 """
 
 from labsid.rig.individual import read_secret, student_plan

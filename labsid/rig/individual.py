@@ -116,8 +116,7 @@ def student_plan(student: str, secret: bytes) -> LabPlan:
     ValueError
         If the ID is empty, has white space at an end or holds control characters, or the secret is too short.
     """
-    digest = hmac.digest(_checked_secret(secret, "secret"), _checked_id(student).encode(), hashlib.sha256)
-    plan = replace(STAND_IN, entropy=int.from_bytes(digest, "big"))
+    plan = replace(STAND_IN, entropy=student_entropy(student, secret))
     draws = uniform_samples(plan.seed(_PLAN_STREAM), len(_SPREAD) + 8)
     spread = dict(zip(_SPREAD, draws, strict=False))
     factors = {name: 1 + share * (2 * float(spread[name]) - 1) for name, share in _SPREAD.items()}
@@ -127,6 +126,33 @@ def student_plan(student: str, secret: bytes) -> LabPlan:
     )
     rest, down, up, *holds = draws[len(_SPREAD) :].tolist()
     return replace(plan, parameters=parameters, levels=_levels(rest, down, up), starts=_starts(holds))
+
+
+def student_entropy(student: str, secret: bytes, purpose: str = "") -> int:
+    """Seed everything random about one student's rig.
+
+    Parameters
+    ----------
+    student : str
+        As for `student_plan`.
+    secret : bytes
+        As for `student_plan`.
+    purpose : str
+        What the rig is for: those of two purposes have nothing in common. Unless given, the lab.
+
+    Returns
+    -------
+    int
+        HMAC-SHA256 of the ID, as a number of 256 bits: no secret, no number.
+
+    Raises
+    ------
+    ValueError
+        As for `student_plan`.
+    """
+    # an ID holds no control character, so no ID is another purpose's
+    message = f"{purpose}\0{_checked_id(student)}" if purpose else _checked_id(student)
+    return int.from_bytes(hmac.digest(_checked_secret(secret, "secret"), message.encode(), hashlib.sha256), "big")
 
 
 def staircase(levels: tuple[float, ...], starts: tuple[int, ...], samples: int) -> FloatArray:

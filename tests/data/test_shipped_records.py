@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 import scipy.io
 
+from autograder.assets import PUBLIC_SECRET
 from labsid.identify import identify
 from labsid.record import load_record
 from labsid.rig import (
@@ -17,6 +18,8 @@ from labsid.rig import (
     student_plan,
 )
 from labsid.rig.individual import STAND_IN
+from labsid.rig.suspects import RECORD_FILE, STAND_IN_STUDENT
+from labsid.rig.withheld import withheld_record_bytes
 
 MADE_BY = {
     "SysIdenData_StudentVersion.mat": make_lab_record,
@@ -38,6 +41,10 @@ def readme(data):
 @pytest.mark.parametrize("name", MADE_BY)
 def test_a_shipped_record_is_made_again_byte_for_byte(data, name):
     assert (data / name).read_bytes() == lab_record_bytes(MADE_BY[name]())
+
+
+def test_the_stand_in_of_the_withheld_rigs_is_made_again_byte_for_byte(data):
+    assert (data / RECORD_FILE).read_bytes() == withheld_record_bytes(STAND_IN_STUDENT, PUBLIC_SECRET)
 
 
 @pytest.mark.parametrize("name", MADE_BY)

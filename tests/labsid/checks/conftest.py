@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 
 from labsid.checks import CheckFailed, NoAnswer
+from labsid.checks.notebook import load_assignment
 from labsid.checks.values import Value, plain
 from labsid.record import Record
 
@@ -31,7 +32,7 @@ def code_cells(assignment: str) -> Iterator[tuple[dict[str, object], str]]:
             yield {**cell.metadata["nbgrader"], "tags": cell.metadata.get("tags", [])}, cell.source
 
 
-@pytest.fixture
+@pytest.fixture(scope="session")
 def notebook_cells() -> Cells:
     """The code cells of an assignment's source."""
     return code_cells
@@ -99,7 +100,7 @@ def run_notebook(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> RunNotebook
     monkeypatch.chdir(folder)
 
     def run(assignment: str, record: Path, replaced: Mapping[str, str] | None = None, release: bool = False) -> Said:
-        shutil.copyfile(record, folder / "SysIdenData_StudentVersion.mat")
+        shutil.copyfile(record, folder / (load_assignment(assignment).record_file or record.name))
         variables: dict[str, object] = {}
         said: Said = {}
         for words, written in code_cells(assignment):
