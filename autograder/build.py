@@ -4,14 +4,12 @@ The text (MyST) carries short nbgrader metadata; the build fills in the rest, gi
 cell id, so that two builds are equal byte for byte, and lets nbgrader's own generate step make the release.
 """
 
-import hashlib
 import logging
 import math
 import re
 import shutil
 import tempfile
 from collections.abc import Iterator, Sequence
-from decimal import Decimal
 from pathlib import Path
 from typing import Any
 
@@ -19,7 +17,7 @@ import jupytext
 import nbformat
 from jupytext.myst import MystMetadataParsingError
 
-from autograder.course import Course, Template, read_cell
+from autograder.course import Course, read_cell
 from autograder.nbgrader_door import COURSE_ID, nbgrader_api
 from autograder.results import write_text
 from labsid.checks.notebook import assignment_names, load_assignment
@@ -171,8 +169,9 @@ def release(course: Course, names: Sequence[str]) -> Iterator[str]:
             if problems:
                 raise ValueError(f"{name} cannot be released: " + "; ".join(problems))
             _write_notebook(made, course.release / name / f"{name}.ipynb")
-            if course.record.is_file():
-                shutil.copyfile(course.record, course.release / name / course.record.name)
+            data = load_assignment(name).record_file if name in assignment_names() else None
+            if data is not None:
+                shutil.copyfile(course.data / data, course.release / name / data)
             yield name
 
 
@@ -222,11 +221,3 @@ def lint_release(release: Any, source: Any) -> Iterator[str]:
 def _write_notebook(notebook: Any, path: Path) -> None:
     text = nbformat.writes(notebook, version=4)
     write_text(path, text if text.endswith("\n") else text + "\n")
-
-
-def template_hash(template: Template) -> str:
-    """Fingerprint of a released assignment: any change of its cells or points changes it."""
-    digest = hashlib.sha256()
-    for cell in template.cells:
-        digest.update(repr((cell.id, cell.kind, cell.source, cell.points or Decimal(0))).encode())
-    return digest.hexdigest()

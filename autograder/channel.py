@@ -30,7 +30,6 @@ from labsid.checks.values import (
 MAX_MESSAGE_BYTES = 64 * 1024 * 1024
 MAX_DIMENSIONS = 8
 MAX_OUTPUT_CHARACTERS = 20_000
-MAX_FIGURES = 10
 _HEADER = struct.Struct(">Q")
 _RECORDS: dict[str, type] = {
     kind.__name__: kind
@@ -137,19 +136,6 @@ def decode(encoded: Any) -> Value:
         return _decode(encoded)
     except (KeyError, TypeError, ValueError, AttributeError, OverflowError, RecursionError, MemoryError) as error:
         raise ChannelError(f"an answer that is not a plain value ({type(error).__name__})") from None
-
-
-def decode_figures(encoded: Any) -> tuple[str, ...]:
-    """PNG pictures in base64; what is none, and what is too many, is left out."""
-    given = encoded[:MAX_FIGURES] if isinstance(encoded, list) else []
-    return tuple(figure for figure in given if isinstance(figure, str) and _is_png(figure))
-
-
-def _is_png(figure: str) -> bool:
-    try:
-        return base64.b64decode(figure, validate=True).startswith(b"\x89PNG\r\n\x1a\n")
-    except ValueError:
-        return False
 
 
 def _decode(encoded: Any) -> Value:

@@ -4,18 +4,21 @@ It never sees a check, a right answer or another submission. It is forked from `
 fork, and started on its own elsewhere; then it calls back to the judge on a loopback address.
 """
 
-import base64
 import contextlib
 import io
+import json
 import os
+import signal
 import socket
 import sys
 import traceback
+import zlib
 from importlib.abc import MetaPathFinder
 from typing import Any
 
+import numpy as np
+
 from autograder.channel import (
-    MAX_FIGURES,
     MAX_OUTPUT_CHARACTERS,
     ChannelError,
     Gone,
@@ -24,19 +27,20 @@ from autograder.channel import (
     receive,
     send,
 )
+from autograder.confine import make_call_filter, take_limits
+from autograder.reach import is_reference
 from labsid.checks.values import plain
 
-FIGURE_DPI = 60
-ALLOWED_OF_LABSID = {"record", "formats", "plots", "rig", "checks", "_arrays"}
+_PINS: dict[int, tuple[dict[str, Any], dict[str, int]]] = {}
+_MOST_MARKED = 100_000
 
 
 class ReferenceFinder(MetaPathFinder):
     """Refuses the taught functions of labsid: an exercise asks for the student's own."""
 
     def find_spec(self, fullname: str, path: Any = None, target: Any = None) -> None:
-        """Refuse ``labsid.<taught module>``, and everything of the autograder."""
-        parts = fullname.split(".")
-        if parts[0] == "autograder" or (parts[0] == "labsid" and len(parts) > 1 and parts[1] not in ALLOWED_OF_LABSID):
+        """Refuse ``labsid.<taught module>``, the right values of the checks, and everything of the autograder."""
+        if is_reference(fullname):
             raise ImportError(
                 f"{fullname} is the reference: it cannot be used in an exercise that is being graded. "
                 "Write the step yourself."
@@ -46,13 +50,20 @@ class ReferenceFinder(MetaPathFinder):
 def serve(sock: socket.socket, shell: Any) -> None:
     """Answer the judge until it hangs up."""
     keep_reference_out_of_reach()
+    snapshots: set[int] = set()
     while True:
         try:
             request = receive(sock)
+            if request["op"] == "snapshot":
+                branch = _snapshot(sock, snapshots)
+                if branch is not None:
+                    sock.close()
+                    sock, snapshots = branch, set()
+                continue
         except ChannelError:
             return
         try:
-            reply = _ANSWERS[request["op"]](shell, request)
+            reply = _end(snapshots, request) if request["op"] == "end" else _ANSWERS[request["op"]](shell, request)
         except BaseException as error:
             reply = {"ok": False, "error": describe_error(error)}
         try:
@@ -63,6 +74,35 @@ def serve(sock: socket.socket, shell: Any) -> None:
             send(sock, {"ok": False, "error": describe_error(ValueError(f"it is too large: {error}"))})
 
 
+def _snapshot(sock: socket.socket, snapshots: set[int]) -> socket.socket | None:
+    """Fork; the new process answers on the channel that came along, the old one goes on as it was.
+
+    Functions are tried on the judge's inputs in such a process: whatever they keep of those inputs, and whatever they
+    do to the state of the notebook, is not there for the cells that follow.
+    """
+    _, descriptors, _, _ = socket.recv_fds(sock, 1, 1)
+    channel = socket.socket(fileno=descriptors[0])
+    try:
+        pid = os.fork()
+    except (OSError, AttributeError):  # too many processes, or a system without
+        channel.close()
+        send(sock, {"ok": False})
+        return None
+    if pid == 0:
+        return channel
+    channel.close()
+    snapshots.add(pid)
+    send(sock, {"ok": True, "value": pid})
+    return None
+
+
+def _end(snapshots: set[int], request: dict[str, Any]) -> dict[str, Any]:
+    """End a snapshot, and tell how it ended."""
+    snapshots.remove(request["pid"])
+    os.kill(request["pid"], signal.SIGKILL)
+    return {"ok": True, "value": os.waitstatus_to_exitcode(os.waitpid(request["pid"], 0)[1])}
+
+
 def keep_reference_out_of_reach() -> None:
     """Take the taught modules out of this process and put nothing-doing checks in the place of the notebook's."""
     import labsid
@@ -70,7 +110,7 @@ def keep_reference_out_of_reach() -> None:
 
     labsid.checks.notebook_checks = _no_checks  # type: ignore[assignment, misc]
     for name in [name for name in sys.modules if name.startswith("labsid.") or name.split(".")[0] == "autograder"]:
-        if name.split(".")[0] == "autograder" or name.split(".")[1] not in ALLOWED_OF_LABSID:
+        if is_reference(name):
             del sys.modules[name]
             if name.count(".") == 1:
                 vars(labsid).pop(name.split(".")[1], None)
@@ -127,30 +167,16 @@ def _run(shell: Any, request: dict[str, Any]) -> dict[str, Any]:
 
     with capture_output() as captured:
         result = shell.run_cell(request["source"], store_history=False)
+    if "matplotlib.pyplot" in sys.modules:
+        sys.modules["matplotlib.pyplot"].close("all")  # as a notebook does when the cell ends
     error = result.error_before_exec or result.error_in_exec
     reply: dict[str, Any] = {
         "ok": error is None,
         "stdout": captured.stdout[:MAX_OUTPUT_CHARACTERS],
-        "figures": _take_figures(wanted=request["figures"]),
     }
     if error is not None:
         reply["error"] = describe_error(error)
     return reply
-
-
-def _take_figures(wanted: bool) -> list[str]:
-    """Close the cell's figures as a notebook does; where they are wanted, as PNG in base64."""
-    pyplot = sys.modules.get("matplotlib.pyplot")
-    pictures: list[str] = []
-    if pyplot is None:
-        return pictures
-    for number in pyplot.get_fignums()[:MAX_FIGURES] if wanted else ():
-        buffer = io.BytesIO()
-        with contextlib.suppress(Exception):
-            pyplot.figure(number).savefig(buffer, format="png", dpi=FIGURE_DPI)
-            pictures.append(base64.b64encode(buffer.getvalue()).decode("ascii"))
-    pyplot.close("all")
-    return pictures
 
 
 def _value(shell: Any, request: dict[str, Any]) -> dict[str, Any]:
@@ -179,6 +205,32 @@ def _set(shell: Any, request: dict[str, Any]) -> dict[str, Any]:
     return {"ok": True}
 
 
+def _pin(shell: Any, request: dict[str, Any]) -> dict[str, Any]:
+    """Keep the variables, and what would tell that one of them was changed in place."""
+    _PINS[request["key"]] = dict(shell.user_ns), _marks(shell.user_ns)
+    return {"ok": True}
+
+
+def _put_back(shell: Any, request: dict[str, Any]) -> dict[str, Any]:
+    """Put the variables back; tell whether something in them was changed in place since."""
+    variables, marks = _PINS[request["key"]]
+    shell.user_ns.clear()
+    shell.user_ns.update(variables)
+    return {"ok": True, "value": _marks(variables) != marks}
+
+
+def _marks(variables: dict[str, Any]) -> dict[str, int]:
+    marks = {}
+    for name, value in list(variables.items()):
+        if name.startswith("_") or name in ("In", "Out"):
+            continue
+        if isinstance(value, np.ndarray) and not value.dtype.hasobject:
+            marks[name] = zlib.crc32(np.ascontiguousarray(value).tobytes())
+        elif isinstance(value, (list, dict, set)):
+            marks[name] = zlib.crc32(repr(value)[:_MOST_MARKED].encode(errors="replace"))
+    return marks
+
+
 def _as_student_object(value: Any) -> Any:
     """A reference value as the object that a student would hold: systems as python-control's own."""
     import control
@@ -192,17 +244,21 @@ def _as_student_object(value: Any) -> Any:
     return value
 
 
-_ANSWERS = {"run": _run, "value": _value, "call": _call, "set": _set}
+_ANSWERS = {"run": _run, "value": _value, "call": _call, "set": _set, "pin": _pin, "put back": _put_back}
 
 
 def main() -> None:
     """Serve the judge that listens at ``host:port`` (first argument), greeting it with the token it passed on."""
     host, port = sys.argv[1].rsplit(":", 1)
-    token = sys.stdin.readline().strip()
+    orders = json.loads(sys.stdin.readline())
     sys.path.insert(0, os.getcwd())
     shell = open_shell()  # before the greeting: coming up has a time limit of its own
     with socket.create_connection((host, int(port))) as sock:
-        send(sock, {"token": token})
+        take_limits(orders["limits"])
+        call_filter = make_call_filter((os.getppid(),))
+        if call_filter is not None:
+            call_filter.load()
+        send(sock, {"token": orders["token"]})
         serve(sock, shell)
 
 

@@ -4,8 +4,10 @@ Thin: parse, call, print. Everything heavy is imported by the command that needs
 """
 
 import sys
+from collections import Counter
 from collections.abc import Iterable, Iterator
 from pathlib import Path
+from threading import Thread
 from typing import Annotated, TypeVar
 
 import typer
@@ -15,6 +17,9 @@ Item = TypeVar("Item")
 course = typer.Typer(help="Build the course, grade a class, write feedback and exports.", no_args_is_help=True)
 
 Out = Annotated[Path, typer.Option("--out", help="Folder of the graded class.")]
+SecretFile = Annotated[
+    Path | None, typer.Option("--secret", metavar="FILE", help="File with the course's secret: individual data.")
+]
 
 
 @course.command()
@@ -30,23 +35,90 @@ def build() -> None:
 
 
 @course.command()
+def release(
+    out: Annotated[Path, typer.Option(metavar="FILE.zip", help="The zip for students.")],
+    secret: SecretFile = None,
+    students: Annotated[
+        Path | None, typer.Option(metavar="FILE", help="Student IDs, one a line, with --secret.")
+    ] = None,
+) -> None:
+    """Zip what students get: notebooks, data, labsid and the environment; with a secret, data for each student."""
+    from autograder.course import find_course
+    from autograder.release import read_students, write_individual_releases, write_release
+    from labsid.rig import read_secret
+
+    if (secret is None) != (students is None):
+        raise ValueError("--secret and --students go together: data for each student. Give both, or neither.")
+    here = find_course()
+    if secret is None or students is None:
+        files = write_release(here, out)
+    else:
+        files = write_individual_releases(here, out, read_secret(secret), read_students(students))
+    print(f"Wrote {out}: {len(files)} files.")
+
+
+@course.command()
+def collect(
+    hand_ins: Annotated[Path, typer.Argument(metavar="MOODLE.zip", help="From 'Download all submissions'.")],
+    out: Annotated[Path, typer.Option(metavar="DIR", help="Gets <student>/<assignment>/<assignment>.ipynb.")],
+    worksheet: Annotated[
+        Path | None,
+        typer.Option(metavar="FILE", help="Moodle's grading worksheet: IDs and times. Else the participant number."),
+    ] = None,
+    timezone: Annotated[
+        str | None, typer.Option(metavar="ZONE", help="Of the worksheet's times; else this machine's.")
+    ] = None,
+) -> None:
+    """Take hand-ins out of Moodle's zip, a line for each student."""
+    from autograder.collect import collect as collect_hand_ins
+    from autograder.course import find_course
+    from autograder.late import time_zone
+    from autograder.worksheet import read_worksheet
+
+    zone = None if timezone is None else time_zone(timezone)
+    sheet = None if worksheet is None else read_worksheet(worksheet)
+    for line in collect_hand_ins(find_course(), hand_ins, out, sheet, zone):
+        print(line)
+    print(f"Next: labsid course grade --submitted {out} --out OUT")
+
+
+@course.command()
 def grade(
     submitted: Annotated[Path, typer.Option(help="Submissions: <student>/<assignment>/<assignment>.ipynb.")],
     out: Out,
     assignment: Annotated[str | None, typer.Option(help="Grade only this assignment.")] = None,
     jobs: Annotated[int, typer.Option(min=1, help="Submissions at a time.")] = 2,
     isolation: Annotated[str, typer.Option(help="strict, best or none.")] = "best",
+    late: Annotated[
+        str | None,
+        typer.Option(
+            metavar="RULES",
+            help="Such as 'due=2026-11-30T23:59,tz=Australia/Sydney,grace=2h,per-day=10%,most=50%'; several with ';', "
+            "each for one assignment as 'lab-identification: due=...'. Lateness counts from due; a day is each one "
+            "that has begun; percentages are of the marks there are.",
+        ),
+    ] = None,
+    secret: SecretFile = None,
 ) -> None:
-    """Grade a class. Run again to grade only what is missing or has changed."""
+    """Grade a class. Run again to grade only what is missing or has changed.
+
+    The gradebook is OUT/gradebook.db, or the database that OUT/nbgrader_config.py names in CourseDirectory.db_url.
+    """
     from autograder.course import find_course
     from autograder.grade import find_batch, grade_batch
     from autograder.isolation import open_workshop
+    from autograder.late import parse_rules
+    from autograder.nbgrader_door import nbgrader_api
     from autograder.summary import class_table
+    from labsid.rig import read_secret
 
     if isolation not in ("strict", "best", "none"):
         raise typer.BadParameter(f"got {isolation!r}, expected strict, best or none", param_hint="--isolation")
+    rules = None if late is None else parse_rules(late)
+    key = None if secret is None else read_secret(secret)
     here = find_course()
     batch = find_batch(here, submitted, assignment)
+    Thread(target=nbgrader_api, daemon=True).start()  # takes seconds, as does opening the workshop: at one time
     total = len(batch.students) * len(batch.assignments)
     try:
         with open_workshop(isolation) as workshop:
@@ -56,11 +128,13 @@ def grade(
                     "but can read this machine's files.",
                     file=sys.stderr,
                 )
-            graded = list(_progress(grade_batch(here, batch, out, workshop, jobs), total, "grading"))
+            graded = list(_progress(grade_batch(here, batch, out, workshop, jobs, key, rules), total, "grading"))
     except KeyboardInterrupt:
         raise ValueError("interrupted. What is graded is kept; run the same command again for the rest.") from None
     fresh = sum(one.fresh for one in graded)
     print(class_table(out))
+    for why, count in Counter(one.why for one in graded if one.fresh and one.why != "new").items():
+        print(f"graded again because of {why}: {count}")
     print(
         f"{fresh} submissions graded, {len(graded) - fresh} unchanged since the last run. Grades: {out / 'grades.csv'}"
     )
@@ -78,14 +152,55 @@ def feedback(out: Out) -> None:
 @course.command()
 def export(
     out: Out,
-    format: Annotated[str, typer.Option("--format", help="csv.")] = "csv",
+    format: Annotated[str, typer.Option("--format", help="csv or moodle.")] = "csv",
+    worksheet: Annotated[
+        Path | None, typer.Option(metavar="FILE", help="For moodle: its grading worksheet, as downloaded.")
+    ] = None,
+    assignment: Annotated[
+        str | None, typer.Option(help="For moodle: what the worksheet is of; else all that were graded, added up.")
+    ] = None,
 ) -> None:
     """Export the grades, with what was graded by hand since."""
     from autograder.export import export_csv
+    from autograder.moodle import export_moodle
+    from autograder.worksheet import read_worksheet
 
-    if format != "csv":
-        raise typer.BadParameter(f"got {format!r}, expected csv", param_hint="--format")
-    print(f"Wrote {export_csv(out)} and {out / 'grades.csv'}.")
+    if format not in ("csv", "moodle"):
+        raise typer.BadParameter(f"got {format!r}, expected csv or moodle", param_hint="--format")
+    if format == "csv":
+        if worksheet is not None or assignment is not None:
+            raise ValueError("--worksheet and --assignment are for --format moodle.")
+        print(f"Wrote {export_csv(out)} and {out / 'grades.csv'}.")
+        return
+    if worksheet is None:
+        raise ValueError("--format moodle needs --worksheet: Moodle's offline grading worksheet, as downloaded.")
+    done = export_moodle(out, read_worksheet(worksheet), assignment)
+    for remark in done.remarks:
+        print(remark)
+    print(f"Filled in {done.filled} rows. Upload {done.worksheet} and {done.feedback}.")
+
+
+@course.command()
+def report(out: Out) -> None:
+    """Write OUT/report.html: how the class did, what cost most, who needs a look."""
+    from autograder.report import write_report
+
+    print(f"Wrote {write_report(out)}.")
+
+
+@course.command()
+def doctor(
+    json_file: Annotated[Path | None, typer.Option("--json", metavar="FILE", help="Write what was found here.")] = None,
+) -> None:
+    """Try each way out of a student's process on this machine, and say what holds on each rung of isolation."""
+    from autograder.doctor import as_json, as_text, examine
+    from autograder.isolation import RUNGS
+    from labsid.console import write_file
+
+    found = list(_progress(examine(), len(RUNGS), "trying"))
+    print(as_text(found))
+    if json_file is not None:
+        write_file(json_file, as_json(found).encode())
 
 
 def lab(

@@ -40,9 +40,14 @@ class Course:
         return self.root / "autograder" / "release"
 
     @property
+    def data(self) -> Path:
+        """The data files of those who have no individual ones."""
+        return self.root / "data"
+
+    @property
     def record(self) -> Path:
-        """The record that a student works on who has no individual one."""
-        return self.root / "data" / RECORD_FILE
+        """The lab's record, of those who have no individual one."""
+        return self.data / RECORD_FILE
 
     def assignments(self) -> list[str]:
         """Names of the assignments, in the order of the course."""

@@ -11,6 +11,7 @@ from autograder.export import export_csv
 from autograder.feedback import write_feedback
 from autograder.grade import Batch, find_batch, grade_batch
 from autograder.isolation import open_workshop
+from autograder.report import write_report
 from autograder.samples import LAB, write_samples
 from autograder.summary import class_table
 
@@ -51,7 +52,8 @@ def run_demo(out: Path, progress: Progress) -> None:
         print(f"   {student}: {what}")
     pages = list(progress(write_feedback(graded), None, "feedback"))
     export_csv(graded)
-    print(f"\n3. Wrote {len(pages)} feedback pages and the exports.")
+    report = write_report(graded)
+    print(f"\n3. Wrote {len(pages)} feedback pages, the report on the class and the exports.")
     print("4. Identified the shipped record:\n")
     print(_identify(course, out))
     figures = list(progress(draw_figures(course, out / "figures"), None, "drawing"))
@@ -59,6 +61,7 @@ def run_demo(out: Path, progress: Progress) -> None:
     print("Where to look:")
     for path, what in (
         (graded / "feedback" / "ben" / "lab-identification.html", "feedback on a submission with known slips"),
+        (report, "the class: what cost most, and who needs a look"),
         (graded / "grades.csv", "every question of every student"),
         (out / "figures" / "figure-7.png", "the identified model against the rig"),
         (out / "identification.json", "theta, poles and errors"),

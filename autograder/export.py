@@ -5,6 +5,8 @@ from pathlib import Path
 from autograder import gradebook, results
 from autograder.grade import write_grades
 
+COLUMNS = ("student", "assignment", "score", "max_score", "waiting", "status", "late_penalty")
+
 
 def export_csv(out: Path) -> Path:
     """Write ``OUT/export.csv``: one line a student and assignment, with what still waits to be graded by hand.
@@ -19,10 +21,11 @@ def export_csv(out: Path) -> Path:
     Returns
     -------
     Path
-        Columns ``student, assignment, score, max_score, waiting, status``: `waiting` are marks not yet graded by hand,
-        `status` is ``complete``, ``waiting``, ``missing`` or ``quarantined``.
+        Columns ``student, assignment, score, max_score, waiting, status, late_penalty``: `score` is what is left after
+        `late_penalty`, `waiting` are marks not yet graded by hand, `status` is ``complete``, ``waiting``,
+        ``missing`` or ``quarantined``.
     """
-    by_hand = gradebook.manual_scores(out)
+    by_hand = gradebook.given_by_hand(out).scores
     rows = []
     for result in results.load_all(out):
         marks = results.totals(result, by_hand)
@@ -35,9 +38,10 @@ def export_csv(out: Path) -> Path:
                 "max_score": results.plain_decimal(marks.max_score),
                 "waiting": results.plain_decimal(marks.waiting),
                 "status": refused.pop() if refused else "waiting" if marks.waiting else "complete",
+                "late_penalty": results.plain_decimal(marks.penalty),
             }
         )
     write_grades(out)
     path = out / "export.csv"
-    results.write_csv(path, ("student", "assignment", "score", "max_score", "waiting", "status"), rows)
+    results.write_csv(path, COLUMNS, rows)
     return path

@@ -26,11 +26,11 @@ def write_feedback(out: Path) -> Iterator[Path]:
     ValueError
         If OUT holds no results.
     """
-    scores, comments = gradebook.manual_scores(out), gradebook.manual_comments(out)
-    template = _template()
+    given = gradebook.given_by_hand(out)
+    page_template = template("feedback.html.j2")
     for result in results.load_all(out):
         path = out / "feedback" / result.student / f"{result.assignment}.html"
-        write_text(path, template.render(page=page(result, scores, comments)))
+        write_text(path, page_template.render(page=page(result, given.scores, given.comments)))
         yield path
 
 
@@ -65,6 +65,7 @@ def page(
         "title": result.title,
         "score": plain_decimal(marks.score),
         "max_score": plain_decimal(marks.max_score),
+        "late": result.late,
         "waiting": plain_decimal(marks.waiting),
         "automatic": len(automatic),
         "right": sum(block["look"] == "right" for block in automatic),
@@ -113,8 +114,9 @@ def with_code(text: str) -> markupsafe.Markup:
     return markupsafe.Markup("".join(marked))
 
 
-def _template() -> jinja2.Template:
+def template(name: str) -> jinja2.Template:
+    """A page's template; all that is put into it is escaped."""
     loader = jinja2.FileSystemLoader(Path(__file__).parent / "templates")
     environment = jinja2.Environment(loader=loader, autoescape=True, undefined=jinja2.StrictUndefined, trim_blocks=True)
     environment.filters["with_code"] = with_code
-    return environment.get_template("feedback.html.j2")
+    return environment.get_template(name)

@@ -1,30 +1,27 @@
 """Grading a whole class: intake, judging in parallel, one writer."""
 
-import hashlib
-import inspect
-import os
+import contextlib
 import shutil
-import tempfile
-from collections.abc import Iterator
+import sqlite3
+from collections.abc import Iterator, Mapping
 from concurrent.futures import Future, ThreadPoolExecutor, as_completed
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from datetime import datetime
+from decimal import Decimal
 from pathlib import Path
 
-import numpy
-import scipy
-
-import labsid
 from autograder import gradebook, results
-from autograder.build import template_hash
+from autograder.assets import Desk, Stock, desk_for
+from autograder.autograded import write_autograded
 from autograder.course import Course, Template, read_template
-from autograder.intake import take_in
-from autograder.isolation import Workshop
-from autograder.judge import Assets, SubmissionResult, judge_submission
-from labsid.checks.notebook import load_assignment
-from labsid.record import Record, load_record
-
-PUBLIC_SECRET = b"labsid: inputs of functions under test"
-"""Seeds the inputs on which functions are tried in a course that has no secret of its own."""
+from autograder.fingerprint import fingerprint, what_changed
+from autograder.foreign import marked
+from autograder.intake import Submission, quarantined, take_in
+from autograder.isolation import RUNGS, Workshop, bench_folder
+from autograder.judge import SubmissionResult, judge_submission
+from autograder.late import ON_TIME, LateRules, late_for, read_timestamp
+from autograder.results import StoredResult
+from autograder.similar import work_of
 
 
 @dataclass(frozen=True, slots=True)
@@ -36,11 +33,14 @@ class Graded:
     student, assignment : str
     fresh : bool
         False where the result of an earlier run was still good.
+    why : str
+        Of a fresh one: ``new``, or what has changed since the earlier run, such as ``submission`` or ``check``.
     """
 
     student: str
     assignment: str
     fresh: bool
+    why: str = ""
 
 
 @dataclass(frozen=True, slots=True)
@@ -82,7 +82,15 @@ def find_batch(course: Course, submitted: Path, assignment: str | None) -> Batch
     return Batch(submitted, tuple(students), tuple(wanted))
 
 
-def grade_batch(course: Course, batch: Batch, out: Path, workshop: Workshop, jobs: int = 1) -> Iterator[Graded]:
+def grade_batch(
+    course: Course,
+    batch: Batch,
+    out: Path,
+    workshop: Workshop,
+    jobs: int = 1,
+    secret: bytes | None = None,
+    late: LateRules | None = None,
+) -> Iterator[Graded]:
     """Grade every student's submission of every assignment; yields each when its result is safe on disk.
 
     Parameters
@@ -95,87 +103,165 @@ def grade_batch(course: Course, batch: Batch, out: Path, workshop: Workshop, job
         Starts students' processes.
     jobs : int
         Submissions at a time.
+    secret : bytes, optional
+        The course's secret: every student is graded on the record derived from it and their ID.
+    late : mapping, optional
+        Rules for late hand-ins; without them nothing is taken off.
 
     Yields
     ------
     Graded
+
+    Raises
+    ------
+    ValueError
+        If another run is writing to `out`, or the course has not been built.
     """
     templates = {name: read_template(course, name) for name in batch.assignments}
-    has_gradebook = gradebook.is_there(out)
-    gradebook.prepare(course, out, batch.assignments)
-    shared = load_record(course.record) if course.record.is_file() else None
-    environment = _environment_fingerprint(course)
-    with ThreadPoolExecutor(jobs) as pool:
-        waiting: dict[Future[SubmissionResult], str] = {}
+    out.mkdir(parents=True, exist_ok=True)
+    with _only_writer(out):
+        before = {(one.student, one.assignment): one for one in results.load_good(out)}
+        gradebook.prepare(course, out, batch.assignments)
+        gradebook.enter(out, before.values())  # what a run that was killed had not entered
+        office = _Office(
+            course, batch, out, workshop, Stock(course, secret, out / "records"), late or {}, templates, before
+        )
+        yield from office.run(jobs, gradebook.given_by_hand(out))
+        gradebook.enter(out, results.load_all(out))
+        write_grades(out)
+
+
+@dataclass(frozen=True, slots=True)
+class _Fresh:
+    """What came of a submission that was graded just now, and how it is kept."""
+
+    result: SubmissionResult
+    stored: StoredResult
+
+
+@dataclass(frozen=True, slots=True)
+class _Office:
+    """What grading a batch takes."""
+
+    course: Course
+    batch: Batch
+    out: Path
+    workshop: Workshop
+    stock: Stock
+    late: LateRules
+    templates: Mapping[str, Template]
+    before: Mapping[tuple[str, str], StoredResult]
+
+    def run(self, jobs: int, by_hand: gradebook.ByHand) -> Iterator[Graded]:
+        """Grade what is missing or has changed; this thread alone writes."""
+        with ThreadPoolExecutor(jobs) as pool:
+            waiting: dict[Future[_Fresh | None], tuple[str, str]] = {}
+            try:
+                for name in self.batch.assignments:
+                    for student in self.batch.students:
+                        waiting[pool.submit(self._look_at, student, name)] = student, name
+                for task in as_completed(waiting):
+                    student, name = waiting.pop(task)
+                    yield self._keep(student, name, task.result(), by_hand)
+            except BaseException as stopped:
+                pool.shutdown(wait=False, cancel_futures=True)
+                if isinstance(stopped, KeyboardInterrupt):
+                    self.workshop.close()  # or code that is still running would be waited for
+                raise
+
+    def _keep(self, student: str, name: str, fresh: "_Fresh | None", by_hand: gradebook.ByHand) -> Graded:
+        """Write a result, with what it cost to be late and which hand grading has to be looked at again."""
+        known = self.before.get((student, name))
+        if fresh is None:
+            assert known is not None
+            kept = self._with_lateness(known)
+            if kept is not known:
+                results.store(self.out, kept)
+            return Graded(student, name, fresh=False)
+        write_autograded(self.course, self.out, fresh.result)
+        kept = self._with_lateness(fresh.stored)
+        if known is not None:
+            kept = replace(kept, review=_to_review(known, kept, by_hand))
+        results.store(self.out, kept)
+        return Graded(student, name, True, what_changed(known, kept, self.workshop.rung))
+
+    def _with_lateness(self, stored: StoredResult) -> StoredResult:
+        submitted = _handed_in(self.batch.submitted / stored.student / stored.assignment)
+        marks = sum((question.max_score for question in stored.questions), Decimal(0))
+        late = ON_TIME if stored.is_refused else late_for(self.late, stored.assignment, submitted, marks)
+        when = None if submitted is None else submitted.isoformat()
+        if (stored.submitted, stored.penalty, stored.late) == (when, late.penalty, late.reason):
+            return stored
+        return replace(stored, submitted=when, penalty=late.penalty, late=late.reason)
+
+    def _look_at(self, student: str, name: str) -> "_Fresh | None":
+        """Grade a submission; None where the earlier result is still good. Runs beside others and writes no result."""
+        template, folder = self.templates[name], self.batch.submitted / student / name
+        refused: Submission | None = None
         try:
-            for name in batch.assignments:
-                for student in batch.students:
-                    folder = batch.submitted / student / name
-                    fingerprint = _fingerprint(environment, folder, templates[name])
-                    if has_gradebook and _still_good(out, student, name, fingerprint):
-                        yield Graded(student, name, fresh=False)
-                        continue
-                    task = pool.submit(_grade_one, course, folder, student, templates[name], shared, workshop)
-                    waiting[task] = fingerprint
-            for task in as_completed(waiting):
-                result = task.result()
-                template = templates[result.assignment]
-                headings = {cell.id: cell.heading for cell in template.questions}
-                gradebook.write_autograded(course, out, result)
-                gradebook.record(out, [result])
-                results.store(out, result, template.title, headings, waiting[task])
-                yield Graded(result.student, result.assignment, fresh=True)
-        except BaseException as stopped:
-            pool.shutdown(wait=False, cancel_futures=True)
-            if isinstance(stopped, KeyboardInterrupt):
-                workshop.close()  # or code that is still running would be waited for
-            raise
-    write_grades(out)
+            desk = desk_for(self.stock, template, student)
+        except ValueError as error:
+            desk = desk_for(replace(self.stock, secret=None), template, student)
+            refused = quarantined(student, name, f"no record can be made for this student: {error}")
+        parts = fingerprint(self.stock, desk, folder)
+        known = self.before.get((student, name))
+        if known is not None and known.fingerprint == parts and not _is_weaker(known.isolation, self.workshop.rung):
+            return None
+        submission = refused or take_in(folder, student, template)
+        result = self._judge(submission, desk, folder)
+        headings = {cell.id: cell.heading for cell in template.questions}
+        released = {cell.id: cell.source for cell in template.cells}
+        stored = results.as_stored(result, template.title, headings, parts)
+        return _Fresh(result, replace(stored, work=work_of(submission.steps, released)))
+
+    def _judge(self, submission: Submission, desk: Desk, folder: Path) -> SubmissionResult:
+        with bench_folder() as bench:
+            for name, path in desk.files.items():
+                shutil.copyfile(path, bench / name)
+            result = judge_submission(submission, desk.assets, self.workshop, bench)
+        return marked(result, desk, self.stock, folder, self.batch.students)
 
 
 def write_grades(out: Path) -> None:
     """Write grades.csv from the results and from what was graded by hand."""
-    rows = results.grade_rows(results.load_all(out), gradebook.manual_scores(out))
+    rows = results.grade_rows(results.load_all(out), gradebook.given_by_hand(out).scores)
     results.write_csv(out / "grades.csv", results.GRADE_COLUMNS, rows)
 
 
-def _grade_one(
-    course: Course, folder: Path, student: str, template: Template, record: Record | None, workshop: Workshop
-) -> SubmissionResult:
-    submission = take_in(folder, student, template)
-    assignment = load_assignment(template.assignment)
-    assets = Assets(template, assignment, record if assignment.record_file else None, PUBLIC_SECRET)
-    with tempfile.TemporaryDirectory(prefix="labsid-", ignore_cleanup_errors=True) as bench:
-        if assignment.record_file:
-            shutil.copyfile(course.record, Path(bench) / assignment.record_file)
-        return judge_submission(submission, assets, workshop, Path(bench))
+def _to_review(known: StoredResult, new: StoredResult, by_hand: gradebook.ByHand) -> tuple[str, ...]:
+    """Questions scored by hand that the teacher has to look at again: the automatic part is another one now."""
+    old = {question.question: question for question in known.questions}
+    changed = {
+        one.question
+        for one in new.questions
+        if one.question not in old
+        or (one.score, one.answer.strip()) != (old[one.question].score, old[one.question].answer.strip())
+    }
+    mine = new.student, new.assignment
+    scored = {question for *owner, question in by_hand.scores if tuple(owner) == mine}
+    return tuple(sorted(scored)) if changed else ()
 
 
-def _environment_fingerprint(course: Course) -> str:
-    """Of what decides a result besides the hand-in and its release: the code, the record and the versions."""
-    digest = hashlib.sha256()
-    for package in (Path(inspect.getfile(labsid)).parent, Path(__file__).parent):
-        for path in sorted(package.rglob("*.py")):
-            digest.update(path.relative_to(package).as_posix().encode() + path.read_bytes())
-    if course.record.is_file():
-        digest.update(course.record.read_bytes())
-    digest.update(f"{labsid.__version__} {numpy.__version__} {scipy.__version__}".encode())
-    return digest.hexdigest()
+def _is_weaker(rung: str, wanted: str) -> bool:
+    """Whether a result was made with less isolation than there is now."""
+    return rung in RUNGS and wanted in RUNGS and RUNGS.index(rung) > RUNGS.index(wanted)
 
 
-def _fingerprint(environment: str, folder: Path, template: Template) -> str:
-    digest = hashlib.sha256(environment.encode())
-    for path in sorted(path for path in folder.glob("*.ipynb") if path.is_file()):
-        with path.open("rb") as file:
-            content = hashlib.file_digest(file, "sha256").digest()
-        digest.update(os.fsencode(path.name) + b"\0" + content)
-    digest.update(template_hash(template).encode())
-    return digest.hexdigest()
-
-
-def _still_good(out: Path, student: str, assignment: str, fingerprint: str) -> bool:
-    path = results.result_path(out, student, assignment)
+def _handed_in(folder: Path) -> datetime | None:
+    """When a submission was handed in, as nbgrader's ``timestamp.txt`` in its folder says."""
     try:
-        return path.is_file() and results.load(path).fingerprint == fingerprint
-    except ValueError:
-        return False
+        with (folder / "timestamp.txt").open(encoding="utf-8", errors="replace") as file:
+            return read_timestamp(file.read(200))
+    except OSError:
+        return None
+
+
+@contextlib.contextmanager
+def _only_writer(out: Path) -> Iterator[None]:
+    """Hold OUT for this run; the system lets go of it however the run ends."""
+    with contextlib.closing(sqlite3.connect(out / ".writer", timeout=0, isolation_level=None)) as lock:
+        try:
+            lock.execute("BEGIN EXCLUSIVE")
+        except sqlite3.OperationalError:
+            raise ValueError(f"another 'labsid course grade' is writing to {out}; wait until it is done.") from None
+        yield

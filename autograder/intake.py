@@ -71,22 +71,24 @@ def take_in(folder: Path, student: str, template: Template) -> Submission:
         Never raises for anything that a student can hand in.
     """
 
-    def closed(status: str, note: str) -> Submission:
-        return Submission(student, template.assignment, status, (), (note,))
-
     name = f"{template.assignment}.ipynb"
     try:
         found = _find_notebook(folder, template.assignment)
         if found is None:
-            return closed("missing", "no notebook was handed in")
+            return Submission(student, template.assignment, "missing", (), ("no notebook was handed in",))
         name, notes = found[0].name, found[1]
         cells = _read_cells(found[0])
     except (ValueError, OSError, RecursionError, MemoryError) as error:
-        return closed("quarantined", f"{name} cannot be read: {error}")
+        return quarantined(student, template.assignment, f"{name} cannot be read: {error}")
     if not {cell["id"] for cell in cells} & {cell.id for cell in template.cells}:
-        return closed("quarantined", f"{name} has none of the cells of {template.assignment}")
+        return quarantined(student, template.assignment, f"{name} has none of the cells of {template.assignment}")
     steps, mended = _line_up(cells, template)
     return Submission(student, template.assignment, "ready", steps, tuple(notes + mended))
+
+
+def quarantined(student: str, assignment: str, why: str) -> Submission:
+    """A submission that cannot be graded, with the reason."""
+    return Submission(student, assignment, "quarantined", (), (why,))
 
 
 def _find_notebook(folder: Path, assignment: str) -> tuple[Path, list[str]] | None:

@@ -8,85 +8,25 @@ steps are judged on them.
 import hashlib
 import hmac
 import time
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from decimal import Decimal
 from pathlib import Path
 
 import numpy as np
 
-from autograder.ask import ProcessAsk, said
+from autograder.ask import AsksForCalls, said
 from autograder.course import Template
 from autograder.intake import Step, Submission
-from autograder.isolation import Reply, StudentDied, Workshop
-from labsid.checks.question import Assignment, Question, given_values
+from autograder.isolation import Reply, Student, StudentDied, Workshop
+from autograder.outcome import QuestionResult, SubmissionResult
+from autograder.picture import svg_picture
+from autograder.running import Ran, Running
+from autograder.watch import WatchingAsk
+from labsid.checks.question import Assignment, Origin, Question, given_values
 from labsid.checks.values import Value
 from labsid.checks.verdict import Verdict
 from labsid.record import Record
-
-
-@dataclass(frozen=True, slots=True)
-class QuestionResult:
-    """One line of the grades.
-
-    Attributes
-    ----------
-    question : str
-        The grade_id.
-    score : Decimal or None
-        None until a manual question is graded by hand.
-    max_score : Decimal
-    status : str
-        One of ``graded, manual, crashed, timeout, limit, missing, quarantined``.
-    reason : str
-        What the student is told.
-    slip : str or None
-        Name of the known slip.
-    answer : str
-        The student's own text or code for this question.
-    output : str
-        What the answer's cell printed.
-    figures : tuple of str
-        PNG pictures that it drew, in base64.
-    seconds : float
-        Time that its cells and the judging took.
-    """
-
-    question: str
-    score: Decimal | None
-    max_score: Decimal
-    status: str
-    reason: str
-    slip: str | None = None
-    answer: str = ""
-    output: str = ""
-    figures: tuple[str, ...] = ()
-    seconds: float = 0.0
-
-
-@dataclass(frozen=True, slots=True)
-class SubmissionResult:
-    """Everything known of a graded submission.
-
-    Attributes
-    ----------
-    student, assignment : str
-    results : tuple of QuestionResult
-        One for every question, in the order of the notebook.
-    ran : tuple of Ran
-        Every cell that was gone through, with what it printed and drew.
-    notes : tuple of str
-        What the intake mended, or why it was refused.
-    isolation : str
-        The rung on which it ran.
-    """
-
-    student: str
-    assignment: str
-    results: tuple[QuestionResult, ...]
-    ran: tuple["Ran", ...]
-    notes: tuple[str, ...]
-    isolation: str
 
 
 @dataclass(frozen=True, slots=True)
@@ -103,12 +43,15 @@ class Assets:
         The record that this student works on.
     secret : bytes
         Seeds the inputs on which functions are tried.
+    origin : Origin or None
+        Where the record comes from, for checks that know what is withheld about it.
     """
 
     template: Template
     assignment: Assignment
     record: Record | None
     secret: bytes
+    origin: Origin | None = None
 
 
 def judge_submission(
@@ -126,7 +69,7 @@ def judge_submission(
     folder : Path
         The work folder of that process; the record lies in it.
     pictures : bool
-        Whether to keep pictures of what the student drew, for the feedback; judging a figure does not need them.
+        Whether to keep pictures of the figures that are judged, for the feedback.
 
     Returns
     -------
@@ -134,24 +77,32 @@ def judge_submission(
         One result for every question of the assignment, whatever the submission does.
     """
     ran: tuple[Ran, ...] = ()
+    wrong: Mapping[str, Mapping[str, Value]] = {}
     if submission.status == "ready":
-        results, ran = _Walk(submission, assets, workshop, folder, pictures).results()
+        walk = _Walk(submission, assets, workshop, folder, pictures)
+        results, ran = walk.results()
+        wrong = walk.wrong
     else:
         reason = "; ".join(submission.notes)
         results = tuple(
             QuestionResult(cell.id, Decimal(0), cell.points or Decimal(0), submission.status, reason)
             for cell in assets.template.questions
         )
-    return SubmissionResult(submission.student, submission.assignment, results, ran, submission.notes, workshop.rung)
+    return SubmissionResult(
+        submission.student, submission.assignment, results, ran, submission.notes, workshop.rung, wrong
+    )
 
 
 @dataclass(frozen=True, slots=True)
-class Ran:
-    """A cell that was gone through: what came back, or how the process died of it."""
+class _Waiting:
+    """A question that wants functions called: judged when nothing that the student sees comes after."""
 
-    step: Step
-    reply: Reply
-    death: StudentDied | None = None
+    place: int
+    question: Question
+    points: Decimal
+    ran: list[Ran]
+    known: Mapping[str, Value]
+    pictures: tuple[str, ...]
 
 
 _RUN = ("given", "answer", "extra")
@@ -165,24 +116,24 @@ class _Walk:
     ) -> None:
         self._submission = submission
         self._assets = assets
-        self._workshop = workshop
-        self._folder = folder
+        self._limits = workshop.limits
         self._pictures = pictures
         self._known: dict[str, Value] = {}
-        self._replay: list[Step | Mapping[str, Value]] = []
+        self._waiting: list[_Waiting] = []
+        self._found: list[QuestionResult] = []
         self._failed: list[str] = []
-        self._student = workshop.start(folder)
+        self.wrong: dict[str, dict[str, Value]] = {}
+        self._running = Running(workshop, folder)
 
     def results(self) -> tuple[tuple[QuestionResult, ...], tuple[Ran, ...]]:
         """Go through every cell; one result a question, and every cell with what came of it."""
         points = {cell.id: cell.points or Decimal(0) for cell in self._assets.template.questions}
-        found: list[QuestionResult] = []
         gone: list[Ran] = []
         answer: list[Ran] = []
         start = time.monotonic()
         try:
             for step in self._submission.steps:
-                ran = self._run(step) if step.code and step.kind in _RUN else Ran(step, Reply(True))
+                ran = self._running.run(step) if step.code and step.kind in _RUN else Ran(step, Reply(True))
                 gone.append(ran)
                 if step.kind in ("answer", "extra") and step.code:
                     answer.append(ran)
@@ -191,20 +142,12 @@ class _Walk:
                 worth = points[step.id or ""]
                 result = self._manual(step, worth) if step.kind == "manual" else self._question(step, worth, answer)
                 now = time.monotonic()
-                found.append(replace(result, seconds=now - start))
+                self._found.append(replace(result, seconds=now - start))
                 start, answer = now, []
+            self._judge_waiting()
         finally:
-            self._student.close()
-        return tuple(found), tuple(gone)
-
-    def _run(self, step: Step) -> Ran:
-        try:
-            reply = self._student.run(step.source, figures=self._pictures and step.kind != "given")
-        except StudentDied as death:
-            self._revive()
-            return Ran(step, Reply(False), death)
-        self._replay.append(step)
-        return Ran(step, reply)
+            self._running.close()
+        return tuple(self._found), tuple(gone)
 
     def _manual(self, step: Step, points: Decimal) -> QuestionResult:
         released = next(cell.source for cell in self._assets.template.cells if cell.id == step.id)
@@ -214,21 +157,102 @@ class _Walk:
 
     def _question(self, step: Step, points: Decimal, ran: list[Ran]) -> QuestionResult:
         question = self._assets.assignment.question(step.id or "")
-        ask = self._ask(question)
-        death = next((cell.death for cell in ran if cell.death is not None), None)
+        ask = self._ask(question, lambda: self._running.student, self._known)
+        first = ask  # its pictures show what was drawn before any function saw a hidden input
+        verdict, death = None, next((cell.death for cell in ran if cell.death is not None), None)
         if death is None:
             try:
-                verdict = question.verdict(ask)
+                ask.later = True
+                verdict, death = self._verdict(question, ask)
+            except AsksForCalls:
+                if question.gives is None:
+                    place = len(self._found)
+                    self._running.pin(place)
+                    waiting = _Waiting(place, question, points, ran, dict(self._known), self._drawn(first))
+                    self._waiting.append(waiting)
+                    return QuestionResult(question.id, None, points, "waiting", "")
+                snapshot, death = self._snapshot()
+                ask = self._ask(question, lambda: self._running.student, self._known)
+                ask.calls = snapshot
+                if death is None:
+                    verdict, death = self._verdict(question, ask)
+                if snapshot is not None:
+                    snapshot.close()
+                    ask.calls = None
+        result = self._result(question, points, ran, verdict, death, self._drawn(first))
+        self._carry_forward(question, ask, passed=bool(verdict and verdict.passed))
+        return result
+
+    def _judge_waiting(self) -> None:
+        """Call functions on the hidden inputs, when no output comes any more that could tell of them."""
+        if self._waiting and self._running.student.lost:  # the time for everything was used up by what came after
+            self._running.more_time(self._limits.cell_seconds)
+            self._running.revive()
+        for one in self._waiting:
+            start = time.monotonic()
+            self._running.more_time(self._limits.call_seconds)
+            ask = self._ask(one.question, lambda: self._running.student, one.known)
+            verdict, death, changed = None, None, False
+            try:
+                changed = self._running.student.put_back(one.place)
             except StudentDied as died:
                 death = died
-                self._revive()
-            except Exception as error:  # a check must never take the other questions with it
-                verdict = Verdict(
-                    False, f"This answer could not be judged ({type(error).__name__}). Tell your teacher."
-                )
+                self._running.revive()
+            if death is None:
+                verdict, death = self._verdict(one.question, ask)
+            if changed and verdict is not None and not verdict.passed:
+                verdict = self._exact_verdict(one) or verdict
+            result = self._result(one.question, one.points, one.ran, verdict, death, one.pictures)
+            if result.score == 0:
+                self._failed.append(one.question.id)
+            before = self._found[one.place].seconds
+            self._found[one.place] = replace(result, seconds=before + time.monotonic() - start)
+
+    def _exact_verdict(self, one: _Waiting) -> Verdict | None:
+        """Judge in a process that never went further than the question: later cells changed things in place."""
+        student = self._running.replayed(one.place)
+        if student is None:
+            return None
+        try:
+            return one.question.verdict(self._ask(one.question, lambda: student, one.known))
+        except Exception:  # the process died, or the check broke: then what was found before stands
+            return None
+        finally:
+            student.close()
+
+    def _drawn(self, ask: WatchingAsk) -> tuple[str, ...]:
+        return tuple(map(svg_picture, ask.figures)) if self._pictures else ()
+
+    def _snapshot(self) -> tuple[Student | None, StudentDied | None]:
+        try:
+            return self._running.student.snapshot(), None
+        except StudentDied as died:
+            self._running.revive()
+            return None, died
+
+    def _verdict(self, question: Question, ask: WatchingAsk) -> tuple[Verdict | None, StudentDied | None]:
+        try:
+            return question.verdict(ask), None
+        except StudentDied as died:
+            if self._running.student.lost:
+                self._running.revive()
+            return None, died
+        except Exception as error:  # a check must never take the other questions with it
+            said_so = f"This answer could not be judged ({type(error).__name__}). Tell your teacher."
+            return Verdict(False, said_so), None
+
+    def _result(
+        self,
+        question: Question,
+        points: Decimal,
+        ran: list[Ran],
+        verdict: Verdict | None,
+        death: StudentDied | None,
+        pictures: tuple[str, ...],
+    ) -> QuestionResult:
         status = "graded"
-        if death is not None:
-            status = death.status
+        if verdict is None or death is not None:
+            status = "crashed" if death is None else death.status
             verdict = Verdict(False, f"Your code for this step did not come back: {death}.")
         elif not verdict.passed:
             verdict = _with_error(verdict, ran)
@@ -236,7 +260,6 @@ class _Walk:
                 status = "limit"
         if verdict.passed and (spoilt := [used for used in question.uses if used in self._failed]):
             verdict = replace(verdict, reason=f"{verdict.reason} (Judged on the right values of {', '.join(spoilt)}.)")
-        self._carry_forward(question, ask, verdict.passed)
         return QuestionResult(
             question.id,
             points if verdict.passed else Decimal(0),
@@ -246,50 +269,32 @@ class _Walk:
             verdict.slip,
             answer="\n\n".join(cell.step.source for cell in ran),
             output="".join(cell.reply.stdout for cell in ran),
-            figures=tuple(figure for cell in ran for figure in cell.reply.figures),
+            figures=pictures,
         )
 
-    def _carry_forward(self, question: Question, ask: ProcessAsk, passed: bool) -> None:
+    def _carry_forward(self, question: Question, ask: WatchingAsk, passed: bool) -> None:
         if not passed:
             self._failed.append(question.id)
+        ask.later = False
         try:
             given = given_values(question, ask, passed)
         except StudentDied:
-            self._revive()
+            self._running.revive()
             given = given_values(question, ask, passed=False)
         except Exception:  # the questions that start from these values will say that they could not be judged
             return
         self._known.update(given)
         if given and not passed:
-            self._replay.append(given)
-            try:
-                self._student.set(given)
-            except StudentDied:
-                self._revive()
+            self.wrong[question.id] = ask.values_of(given)
+            self._running.set(given)
 
-    def _revive(self) -> None:
-        """Start another process and bring it to where the last one was, without what killed it."""
-        while True:
-            self._student.close()
-            self._student = self._workshop.start(self._folder)
-            for index, done in enumerate(self._replay):
-                try:
-                    if isinstance(done, Step):
-                        self._student.run(done.source)
-                    else:
-                        self._student.set(done)
-                except StudentDied:  # this cell does not survive being run again: go without it
-                    del self._replay[index]
-                    break
-            else:
-                return
-
-    def _ask(self, question: Question) -> ProcessAsk:
+    def _ask(self, question: Question, student: Callable[[], Student], known: Mapping[str, Value]) -> WatchingAsk:
         identity = f"{self._submission.student}\0{self._submission.assignment}\0{question.id}".encode(
             errors="surrogatepass"
         )
         seed = hmac.new(self._assets.secret, identity, hashlib.sha256).digest()
-        return ProcessAsk(lambda: self._student, self._assets.record, self._known, np.random.default_rng(list(seed)))
+        rng = np.random.default_rng(list(seed))
+        return WatchingAsk(student, self._assets.record, known, rng, self._assets.origin)
 
 
 def _with_error(verdict: Verdict, ran: list[Ran]) -> Verdict:

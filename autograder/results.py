@@ -1,15 +1,16 @@
 """Results on disk: one JSON file a submission, written whole or not at all; everything else is made from these.
 
-``OUT/results/<student>/<assignment>.json`` carries the fingerprint of all that went into it, so that a second run
-grades only what is missing or has changed.
+``OUT/results/<student>/<assignment>.json`` carries fingerprints of all that went into it, so that a second run
+grades only what is missing or has changed, and can say which.
 """
 
 import csv
+import hashlib
 import io
 import json
 import re
-from collections.abc import Iterable, Mapping
-from dataclasses import asdict, dataclass
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import asdict, dataclass, field
 from decimal import Decimal
 from pathlib import Path
 from typing import Any
@@ -18,7 +19,7 @@ from autograder.course import in_course_order, to_json
 from autograder.judge import QuestionResult, SubmissionResult
 from labsid.console import write_file
 
-SCHEMA = "labsid.result/1"
+SCHEMA = "labsid.result/2"
 GRADE_COLUMNS = (
     "student", "assignment", "question", "score", "max_score", "status", "reason", "isolation", "seconds",
 )  # fmt: skip
@@ -37,8 +38,20 @@ class StoredResult:
     notes : tuple of str
         What the intake mended, or why it was refused.
     isolation : str
-    fingerprint : str
-        Of the submission, the release, the checks and the record.
+    fingerprint : mapping
+        Of each part that went into it: ``submission, release, check, data, environment``.
+    flags : tuple of str
+        What the teacher alone should know.
+    review : tuple of str
+        Questions graded by hand whose automatic part, or that of another question, has changed since.
+    submitted : str or None
+        When it was handed in, in ISO format and UTC; None where that is not known.
+    penalty : Decimal
+        Marks taken off for lateness.
+    late : str
+        Why, in words; empty where it was not late.
+    work : mapping
+        For each question the fingerprint of the student's code in a normal form, and its size.
     """
 
     student: str
@@ -48,29 +61,71 @@ class StoredResult:
     headings: Mapping[str, str]
     notes: tuple[str, ...]
     isolation: str
-    fingerprint: str
+    fingerprint: Mapping[str, str]
+    flags: tuple[str, ...] = ()
+    review: tuple[str, ...] = ()
+    submitted: str | None = None
+    penalty: Decimal = Decimal(0)
+    late: str = ""
+    work: Mapping[str, tuple[str, int]] = field(default_factory=dict)
+
+    @property
+    def is_refused(self) -> bool:
+        """Whether there was nothing to grade: missing or quarantined."""
+        return all(question.status in ("missing", "quarantined") for question in self.questions)
 
 
-def store(out: Path, result: SubmissionResult, title: str, headings: Mapping[str, str], fingerprint: str) -> None:
+def as_stored(
+    result: SubmissionResult, title: str, headings: Mapping[str, str], fingerprint: Mapping[str, str]
+) -> StoredResult:
+    """A submission's results as they are kept."""
+    return StoredResult(
+        result.student,
+        result.assignment,
+        title,
+        result.results,
+        headings,
+        result.notes,
+        result.isolation,
+        fingerprint,
+        result.flags,
+    )
+
+
+def store(out: Path, stored: StoredResult) -> None:
     """Write a submission's results."""
     questions = []
-    for question in result.results:
+    for question in stored.questions:
         fields = asdict(question)
         fields["score"] = None if question.score is None else str(question.score)
         fields["max_score"] = str(question.max_score)
         questions.append(fields)
     document = {
         "schema": SCHEMA,
-        "student": result.student,
-        "assignment": result.assignment,
-        "title": title,
-        "fingerprint": fingerprint,
-        "isolation": result.isolation,
-        "notes": list(result.notes),
-        "headings": dict(headings),
+        "student": stored.student,
+        "assignment": stored.assignment,
+        "title": stored.title,
+        "fingerprint": dict(stored.fingerprint),
+        "isolation": stored.isolation,
+        "notes": list(stored.notes),
+        "flags": list(stored.flags),
+        "review": list(stored.review),
+        "submitted": stored.submitted,
+        "penalty": str(stored.penalty),
+        "late": stored.late,
+        "work": {question: list(work) for question, work in stored.work.items()},
+        "headings": dict(stored.headings),
         "questions": questions,
     }
-    write_text(result_path(out, result.student, result.assignment), to_json(document))
+    write_text(result_path(out, stored.student, stored.assignment), to_json(document))
+
+
+def entry_digest(stored: StoredResult) -> str:
+    """Fingerprint of all that the gradebook takes from a result."""
+    lines = [f"{q.question} {q.score} {q.max_score} {q.status}" for q in stored.questions]
+    lines += [stored.submitted or "", str(stored.penalty), *stored.review, *stored.fingerprint.values()]
+    said = "\n".join(lines)
+    return hashlib.sha256(said.encode(errors="surrogatepass")).hexdigest()
 
 
 def load(path: Path) -> StoredResult:
@@ -87,7 +142,13 @@ def load(path: Path) -> StoredResult:
             headings=document["headings"],
             notes=tuple(document["notes"]),
             isolation=document["isolation"],
-            fingerprint=document["fingerprint"],
+            fingerprint=dict(document["fingerprint"]),
+            flags=tuple(document["flags"]),
+            review=tuple(document["review"]),
+            submitted=document["submitted"],
+            penalty=Decimal(document["penalty"]),
+            late=document["late"],
+            work={question: (str(digest), int(size)) for question, (digest, size) in document["work"].items()},
         )
     except (KeyError, TypeError, ValueError, AttributeError, ArithmeticError) as error:
         raise ValueError(
@@ -103,6 +164,17 @@ def load_all(out: Path) -> list[StoredResult]:
     return sorted((load(path) for path in paths), key=lambda one: (one.student, in_course_order(one.assignment)))
 
 
+def load_good(out: Path) -> Iterator[StoredResult]:
+    """Every result in OUT that can be read, in no order; the others are as good as not there."""
+    for path in (out / "results").glob("*/*.json"):
+        try:
+            result = load(path)
+        except ValueError:
+            continue
+        if result_path(out, result.student, result.assignment) == path:
+            yield result
+
+
 def result_path(out: Path, student: str, assignment: str) -> Path:
     """Where the results of one submission are."""
     return out / "results" / student / f"{assignment}.json"
@@ -110,11 +182,15 @@ def result_path(out: Path, student: str, assignment: str) -> Path:
 
 @dataclass(frozen=True, slots=True)
 class Totals:
-    """Marks of one submission: what it has, what there is, and what still waits to be graded by hand."""
+    """Marks of one submission: what it has, what there is, what still waits to be graded by hand, what lateness cost.
+
+    The score is what is left after the penalty.
+    """
 
     score: Decimal
     max_score: Decimal
     waiting: Decimal
+    penalty: Decimal = Decimal(0)
 
 
 def totals(result: StoredResult, manual: Mapping[tuple[str, str, str], Decimal]) -> Totals:
@@ -125,7 +201,7 @@ def totals(result: StoredResult, manual: Mapping[tuple[str, str, str], Decimal])
         most += question.max_score
         score += given or Decimal(0)
         waiting += question.max_score if given is None else Decimal(0)
-    return Totals(score, most, waiting)
+    return Totals(max(score - result.penalty, Decimal(0)), most, waiting, result.penalty)
 
 
 def grade_rows(results: Iterable[StoredResult], manual: Mapping[tuple[str, str, str], Decimal]) -> list[dict[str, str]]:

@@ -11,9 +11,11 @@ from pathlib import Path
 
 from autograder.build import CODE_STUB, TEXT_STUB, build_course
 from autograder.course import Course, read_cell
+from labsid.checks.notebook import assignment_names, load_assignment
 from labsid.console import write_file
 
 _ZIP_TIME = (1980, 1, 1, 0, 0, 0)
+_LARGEST_RECORD = 16 * 1024 * 1024
 # as it stands in the release: indented where the answer is the body of a function
 _STUB = re.compile("|".join(r"\n\s*".join(map(re.escape, stub.splitlines())) for stub in (CODE_STUB, TEXT_STUB)))
 
@@ -96,12 +98,23 @@ def pack(folder: Path, out: Path) -> Iterator[str]:
             data = path.read_bytes()
             yield f"{path.stem}: {_describe(path, data)}"
             archive.writestr(zipfile.ZipInfo(f"{path.stem}/{path.name}", _ZIP_TIME), data, zipfile.ZIP_DEFLATED)
+            record = _record_beside(path)
+            if record is not None:
+                info = zipfile.ZipInfo(f"{path.stem}/{record.name}", _ZIP_TIME)
+                archive.writestr(info, record.read_bytes(), zipfile.ZIP_DEFLATED)
     for path in found:
         if path not in notebooks:
             expected = f"{path.parent.name}.ipynb"
             yield f"{path.parent.name}/{path.name} is left out: what is handed in from this folder is {expected}"
     write_file(out, packed.getvalue())
     yield f"Hand in this file: {out}"
+
+
+def _record_beside(notebook: Path) -> Path | None:
+    """The data file that the notebook was worked on: it goes with it, and shows on whose record that was."""
+    name = load_assignment(notebook.stem).record_file if notebook.stem in assignment_names() else None
+    path = notebook.parent / (name or "")
+    return path if name is not None and path.is_file() and path.stat().st_size <= _LARGEST_RECORD else None
 
 
 def _describe(path: Path, data: bytes) -> str:

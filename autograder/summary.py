@@ -25,7 +25,7 @@ def class_table(out: Path) -> str:
     from rich.text import Text
 
     stored = results.load_all(out)
-    by_hand = gradebook.manual_scores(out)
+    given = gradebook.given_by_hand(out)
     assignments = sorted({result.assignment for result in stored}, key=in_course_order)
     table = Table(box=None, pad_edge=False)
     table.add_column("student")
@@ -42,9 +42,13 @@ def class_table(out: Path) -> str:
             if result is None:
                 row.append("")
                 continue
-            marks = results.totals(result, by_hand)
+            marks = results.totals(result, given.scores)
             status = {question.status for question in result.questions}
             row.append(f"{results.plain_decimal(marks.score)} of {results.plain_decimal(marks.max_score)}")
+            remarks += ["another's record"] if result.flags else []
+            remarks += [f"{results.plain_decimal(marks.penalty)} off for lateness"] if marks.penalty else []
+            if any((student, name) == key[:2] for key in given.look_again):
+                remarks.append("grade by hand again")
             remarks += sorted(status & {"crashed", "timeout", "limit", "missing", "quarantined"})
             waiting += marks.waiting
         if waiting:

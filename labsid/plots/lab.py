@@ -19,7 +19,6 @@ from labsid.plots.style import (
     make_headroom,
     new_figure,
 )
-from labsid.sinusoid import cut_off
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -71,6 +70,9 @@ def figure_1(sinusoids: Sinusoids) -> Figure:
     grey-blue [0.6 0.7 0.8] in both. The lab asks for `plot` and `stairs` and does not say which curve takes
     which: here the sine is drawn with `plot` and the cosine with stairs (``step(..., where="post")``).
     """
+    # Students who are being graded draw with this module; the taught step must not come along with it.
+    from labsid.sinusoid import cut_off
+
     cut = cut_off(sinusoids)
     figure = new_figure(8.0, 6.4)
     panels = (

@@ -3,18 +3,18 @@
 import shutil
 import tempfile
 from collections.abc import Callable, Iterator, Mapping
+from dataclasses import replace
 from pathlib import Path
 
 import nbformat
 import pytest
 
+from autograder.assets import Stock, desk_for
 from autograder.build import build_course
 from autograder.course import Course, read_template
-from autograder.grade import PUBLIC_SECRET
 from autograder.intake import Step, Submission
 from autograder.isolation import Limits, Workshop, open_workshop
-from autograder.judge import Assets, QuestionResult, judge_submission
-from labsid.checks.notebook import load_assignment
+from autograder.judge import QuestionResult, judge_submission
 from labsid.record import load_record
 
 ROOT = Path(__file__).resolve().parent.parent.parent
@@ -57,15 +57,13 @@ def grade_code(course: Course, workshop: Workshop) -> GradeCode:
             Step(cell.id, cell.kind, texts[cell.id] if cell.kind in ("answer", "manual") else cell.source, cell.code)
             for cell in template.cells
         )
-        assignment = load_assignment(name)
-        path = record or course.record
-        assets = Assets(template, assignment, load_record(path) if assignment.record_file else None, PUBLIC_SECRET)
+        desk = desk_for(Stock(course, None, course.root), template, student)
+        assets = desk.assets if record is None else replace(desk.assets, record=load_record(record))
         with tempfile.TemporaryDirectory() as bench:
-            if assignment.record_file:
-                shutil.copyfile(path, Path(bench) / assignment.record_file)
-            result = judge_submission(
-                Submission(student, name, "ready", steps, ()), assets, workshop, Path(bench), pictures=False
-            )
+            for file, path in desk.files.items():
+                shutil.copyfile(record or path, Path(bench) / file)
+            submission = Submission(student, name, "ready", steps, ())
+            result = judge_submission(submission, assets, workshop, Path(bench), pictures=False)
         return {question.question: question for question in result.results}
 
     return grade

@@ -19,9 +19,9 @@ from autograder.build import (
     build_source,
     lint_checks,
     lint_release,
-    template_hash,
 )
-from autograder.course import RECORD_FILE, Cell, Course, Template, find_course, read_cell, read_template
+from autograder.course import Cell, Course, Template, find_course, read_cell, read_template
+from autograder.fingerprint import template_hash
 from labsid.checks.notebook import assignment_names, load_assignment
 
 ASSIGNMENTS = assignment_names()
@@ -75,6 +75,7 @@ def test_two_builds_are_equal_byte_for_byte(course: Course, tmp_path: Path) -> N
     names = course.assignments()[:2]
     for name in names:
         shutil.copytree(course.notebooks / name, again.notebooks / name)
+    shutil.copytree(course.data, again.data)
     (tmp_path / "autograder").mkdir()
     assert list(build_course(again)) == names
     for name in names:
@@ -93,7 +94,10 @@ def test_every_assignment_is_built(course: Course) -> None:
             known = [read_cell(cell) for cell in notebook.cells]
             assert all(cell.id == known.id for cell, known in zip(notebook.cells, known, strict=True) if known)
             assert not any(cell.get("outputs") for cell in notebook.cells)
-        assert (course.release / name / RECORD_FILE).read_bytes() == course.record.read_bytes()
+        data = load_assignment(name).record_file
+        beside = {path.name for path in (course.release / name).iterdir()} - {f"{name}.ipynb"}
+        assert beside == ({data} if data else set())
+        assert data is None or (course.release / name / data).read_bytes() == (course.data / data).read_bytes()
 
 
 def _in_order() -> list[str]:
@@ -258,7 +262,7 @@ def test_checks_start_from_earlier_ones(name: str, course: Course) -> None:
     """Or the judge would have no right value to put in the place of a wrong one."""
     assignment = load_assignment(name)
     assert assignment.name == name
-    assert assignment.record_file in (None, RECORD_FILE)
+    assert assignment.record_file is None or (course.data / assignment.record_file).is_file()
     earlier: set[str] = set()
     for question in assignment.questions:
         assert set(question.uses) <= earlier, question.id

@@ -2,6 +2,7 @@
 
 import json
 import os
+import re
 import shutil
 import signal
 import subprocess
@@ -14,7 +15,10 @@ from pathlib import Path
 import pytest
 
 from autograder.course import Course
+from autograder.doctor import Checkup
 from autograder.samples import write_samples
+from autograder.sandbox import SandboxError
+from labsid.checks.notebook import load_assignment
 from labsid.cli import main
 
 PRELAB, LAB = "prelab-sinusoids", "lab-identification"
@@ -66,7 +70,18 @@ def complaint(capsys: pytest.CaptureFixture[str], arguments: list[str]) -> str:
         (["course", "grade", "--submitted", ".", "--out", "out", "--assignment", "holiday"], "no assignment 'holiday'"),
         (["course", "feedback", "--out", "nosuch"], "nosuch holds no results"),
         (["course", "export", "--out", "nosuch"], "nosuch holds no results"),
-        (["course", "export", "--out", "nosuch", "--format", "xml"], "expected csv"),
+        (["course", "export", "--out", "nosuch", "--format", "xml"], "expected csv or moodle"),
+        (["course", "export", "--out", "nosuch", "--format", "moodle"], "needs --worksheet"),
+        (["course", "export", "--out", "nosuch", "--format", "moodle", "--worksheet", "x"], "x"),
+        (["course", "export", "--out", "nosuch", "--worksheet", "x"], "are for --format moodle"),
+        (["course", "report", "--out", "nosuch"], "nosuch holds no results"),
+        (["course", "collect", "nosuch.zip", "--out", "dir"], "nosuch.zip"),
+        (["course", "collect", ".", "--out", "dir", "--timezone", "Mars/Base"], "the time zone Mars/Base is not known"),
+        (["course", "collect", ".", "--out", "dir", "--worksheet", "nosuch"], "nosuch"),
+        (["course", "release", "--out", "r.zip", "--secret", "nosuch"], "--secret and --students go together"),
+        (["course", "release", "--out", "r.zip", "--secret", "nosuch", "--students", "x"], "nosuch"),
+        (["course", "grade", "--submitted", ".", "--out", "out", "--secret", "nosuch"], "nosuch"),
+        (["course", "grade", "--submitted", ".", "--out", "out", "--late", "grace=2h"], "--late needs due"),
         (["course", "destroy"], "No such command 'destroy'"),
         (["submit", "--folder", "nosuch"], "nosuch holds no notebooks"),
     ],
@@ -78,25 +93,50 @@ def test_bad_input_is_one_line_and_status_2(
     assert list(Path.cwd().iterdir()) == []
 
 
-def test_strict_isolation_is_refused(here: Course, submitted: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_strict_isolation_is_refused_where_it_cannot_be_had(
+    here: Course, submitted: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def missing() -> str:
+        raise SandboxError("bubblewrap is not installed")
+
+    monkeypatch.setattr("autograder.workshops.find_bubblewrap", missing)
     line = complaint(
         capsys, ["course", "grade", "--submitted", str(submitted), "--out", "out", "--isolation", "strict"]
     )
-    assert "isolation 'strict' cannot be had" in line
+    assert "isolation 'strict' cannot be had: namespaces: bubblewrap is not installed" in line
     assert not Path("out").exists()
+
+
+def test_the_doctor_says_what_holds(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    found = [
+        Checkup("namespaces", "bubblewrap is not installed", {}),
+        Checkup("none", "", {"read the course": False, "allocate 2 GB": True}),
+    ]
+    monkeypatch.setattr("autograder.doctor.examine", lambda: iter(found))
+    assert main(["course", "doctor", "--json", str(tmp_path / "found.json")]) == 0
+    said = capsys.readouterr().out
+    assert re.search(r"^read the course +- +OPEN$", said, re.MULTILINE)
+    assert re.search(r"^allocate 2 GB +- +holds$", said, re.MULTILINE)
+    assert "namespaces is not to be had here: bubblewrap is not installed" in said
+    assert said.splitlines()[-1] == "Grading with --isolation best stands on: none"
+    written = json.loads((tmp_path / "found.json").read_text(encoding="utf-8"))
+    assert written["schema"] == "labsid.doctor/1"
+    assert written["rungs"]["none"]["holds"] == found[1].holds
 
 
 def test_from_hand_ins_to_feedback_and_export(
     here: Course, submitted: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    grade = ["course", "grade", "--submitted", str(submitted), "--out", "out"]
+    grade = ["course", "grade", "--submitted", str(submitted), "--out", "out", "--isolation", "none"]
     assert main(grade) == 0
     captured = capsys.readouterr()
     assert captured.err.startswith("NOT ISOLATED")
     assert len(captured.err.splitlines()) == 1
     assert "quarantined" in captured.out
     assert captured.out.endswith("2 submissions graded, 0 unchanged since the last run. Grades: out/grades.csv\n")
-    assert main([*grade, "--jobs", "1", "--isolation", "none", "--assignment", PRELAB]) == 0
+    assert main([*grade, "--jobs", "1", "--assignment", PRELAB]) == 0
     assert "0 submissions graded, 2 unchanged" in capsys.readouterr().out
     assert main(["course", "feedback", "--out", "out"]) == 0
     assert capsys.readouterr().out == "Wrote 2 pages below out/feedback.\n"
@@ -104,6 +144,28 @@ def test_from_hand_ins_to_feedback_and_export(
     assert main(["course", "export", "--out", "out", "--format", "csv"]) == 0
     assert capsys.readouterr().out == "Wrote out/export.csv and out/grades.csv.\n"
     assert f"ivy,{PRELAB},0,1,0,quarantined" in Path("out", "export.csv").read_text(encoding="utf-8")
+
+
+def test_from_moodle_and_back(here: Course, capsys: pytest.CaptureFixture[str]) -> None:
+    with zipfile.ZipFile("moodle.zip", "w") as packed:
+        packed.write(here.release / PRELAB / f"{PRELAB}.ipynb", "Gil_7_assignsubmission_file_/my work.ipynb")
+    columns = "Identifier,Full name,Email address,Last modified (submission),Grade,Maximum Grade,Feedback comments"
+    row = 'Participant 7,Gil,gil@x.edu,"Friday, 20 November 2026, 4:05 PM",,1.00,'
+    Path("sheet.csv").write_text(f"{columns}\n{row}\n", encoding="utf-8")
+    assert (
+        main(["course", "collect", "moodle.zip", "--out", "in", "--worksheet", "sheet.csv", "--timezone", "UTC"]) == 0
+    )
+    assert capsys.readouterr().out.splitlines()[0] == f"gil@x.edu (Gil): {PRELAB}"
+    rules = "due=2026-11-20T16:00,per-day=10%"
+    assert main(["course", "grade", "--submitted", "in", "--out", "out", "--late", rules]) == 0
+    assert "0.1 off for lateness" in capsys.readouterr().out
+    assert main(["course", "report", "--out", "out"]) == 0
+    assert capsys.readouterr().out == "Wrote out/report.html.\n"
+    assert main(["course", "export", "--format", "moodle", "--worksheet", "sheet.csv", "--out", "out"]) == 0
+    said = capsys.readouterr().out.splitlines()
+    assert said[-1] == "Filled in 1 rows. Upload out/moodle/worksheet.csv and out/moodle/feedback.zip."
+    with zipfile.ZipFile("out/moodle/feedback.zip") as archive:
+        assert archive.namelist() == ["Gil_7_assignsubmission_file_/feedback.html"]
 
 
 def test_the_course_is_built(
@@ -136,7 +198,11 @@ def test_a_student_gets_the_notebooks_and_hands_them_in(here: Course, capsys: py
     assert main(["submit"]) == 0
     assert capsys.readouterr().out.splitlines()[-1] == "Hand in this file: hand-in.zip"
     with zipfile.ZipFile("hand-in.zip") as archive:
-        assert len(archive.namelist()) == len(here.assignments())
+        packed = set(archive.namelist())
+    assert {f"{name}/{name}.ipynb" for name in here.assignments()} <= packed
+    assert {Path(name).name for name in packed if not name.endswith(".ipynb")} == {
+        load_assignment(name).record_file for name in here.assignments()
+    } - {None}
 
 
 def test_a_broken_notebook_is_not_handed_in(here: Course, submitted: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -202,7 +268,8 @@ def test_a_run_that_is_stopped_keeps_what_is_graded_and_goes_on(
         begun = (tmp_path / "pid").is_file() and (tmp_path / "pid").read_text().isdigit()
         return begun and len(list(Path("out", "results").glob("*/*.json"))) == 2
 
-    grade = ["course", "grade", "--submitted", str(submitted), "--out", "out", "--jobs", "1"]
+    # without isolation: the endless student says outside of its folder that it runs
+    grade = ["course", "grade", "--submitted", str(submitted), "--out", "out", "--jobs", "1", "--isolation", "none"]
     command = [sys.executable, "-c", PROGRAM, str(here.root), *grade]
     (tmp_path / "temporary").mkdir()
     environment = {**os.environ, "TMPDIR": str(tmp_path / "temporary")}

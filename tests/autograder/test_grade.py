@@ -16,12 +16,15 @@ import pytest
 
 from autograder import gradebook, judge, results
 from autograder.ask import ProcessAsk
+from autograder.assets import Stock, desk_for
+from autograder.autograded import write_autograded
 from autograder.course import Course, read_template
 from autograder.export import export_csv
 from autograder.feedback import readable, write_feedback
-from autograder.grade import Batch, Graded, _environment_fingerprint, find_batch, grade_batch, write_grades
+from autograder.fingerprint import fingerprint
+from autograder.grade import Batch, Graded, find_batch, grade_batch, write_grades
 from autograder.intake import Step
-from autograder.isolation import Reply, Workshop, open_workshop
+from autograder.isolation import RUNGS, Reply, Workshop, open_workshop
 from autograder.judge import QuestionResult, Ran, SubmissionResult
 from autograder.results import StoredResult, plain_decimal, write_csv
 from autograder.samples import write_samples
@@ -52,7 +55,7 @@ def read_csv(path: Path) -> list[dict[str, str]]:
 def unchanged_code() -> Iterator[None]:
     """Somebody may be editing the code while these tests run; a change would have everything graded anew."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("autograder.grade._environment_fingerprint", lambda course: "the same")
+        patch.setattr("autograder.fingerprint.sources_hash", lambda *modules: "the same")
         yield
 
 
@@ -129,7 +132,7 @@ def test_scores_are_exact_decimals(graded: Class) -> None:
         assert Decimal(row["max_score"]) == points[row["question"]]
         assert row["max_score"] == plain_decimal(points[row["question"]])
         assert row["score"] in ("", "0", row["max_score"])
-        assert row["isolation"] == "none"
+        assert row["isolation"] in RUNGS
         assert re.fullmatch(r"\d+\.\d{3}", row["seconds"])
     lab = [row for row in graded.grades().values() if (row["student"], row["assignment"]) == ("ben", LAB)]
     assert sum(Decimal(row["max_score"]) for row in lab) == Decimal("2")
@@ -169,33 +172,124 @@ def test_a_second_run_grades_nothing_anew(again: Class, graded: Class, workshop:
 
 def test_only_what_changed_is_graded_anew(again: Class, graded: Class, workshop: Workshop) -> None:
     add_a_cell(again, "gil", PRELAB)
-    assert regrade(again, workshop) == {Graded("gil", PRELAB, fresh=True)}
+    assert regrade(again, workshop) == {Graded("gil", PRELAB, True, "submission")}
     assert same_but_seconds(graded.out, again.out)
 
 
 def test_a_broken_result_is_graded_anew(again: Class, graded: Class, workshop: Workshop) -> None:
     for student, content in (("finn", "{"), ("gil", '{"schema": "labsid.result/0"}'), ("ada", "[]")):
         (again.out / "results" / student / f"{PRELAB}.json").write_text(content, encoding="utf-8")
-    assert regrade(again, workshop) == {Graded(student, PRELAB, fresh=True) for student in ("ada", "finn", "gil")}
+    assert regrade(again, workshop) == {Graded(student, PRELAB, True, "new") for student in ("ada", "finn", "gil")}
     assert same_but_seconds(graded.out, again.out)
 
 
-def test_without_its_gradebook_everything_is_graded_anew(again: Class, graded: Class, workshop: Workshop) -> None:
-    batch = find_batch(again.course, again.batch.submitted, PRELAB)
+def test_a_gradebook_that_is_gone_is_filled_again_without_grading(
+    again: Class, graded: Class, workshop: Workshop
+) -> None:
     (again.out / "gradebook.db").unlink()
-    assert len(regrade(Class(again.course, batch, again.out), workshop)) == 4
-    entered = {key: score for key, score in scores_in_gradebook(graded.out).items() if key[1] == PRELAB}
-    assert scores_in_gradebook(again.out) == entered
+    assert regrade(again, workshop) == set()
+    assert scores_in_gradebook(again.out) == scores_in_gradebook(graded.out)
 
 
-def test_another_record_or_release_changes_every_fingerprint(course: Course, tmp_path: Path) -> None:
-    shutil.copytree(course.root / "data", tmp_path / "data")
-    other = Course(tmp_path)
-    assert _environment_fingerprint(other) == _environment_fingerprint(course)
-    other.record.write_bytes(other.record.read_bytes() + b"\0")
-    assert _environment_fingerprint(other) != _environment_fingerprint(course)
-    other.record.unlink()
-    assert _environment_fingerprint(other) != _environment_fingerprint(course)
+def test_what_a_killed_run_had_not_entered_is_entered_by_the_next(
+    again: Class, graded: Class, workshop: Workshop, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Killed after the results and before the gradebook: nothing is graded again, nothing is missing or twice."""
+    (again.out / "gradebook.db").unlink()
+    shutil.rmtree(again.out / "results")
+    monkeypatch.setattr(gradebook, "enter", lambda out, stored: 0)
+    assert len(regrade(again, workshop)) == 8
+    monkeypatch.undo()
+    monkeypatch.setattr("autograder.fingerprint.sources_hash", lambda *modules: "the same")
+    assert regrade(again, workshop) == set()
+    assert scores_in_gradebook(again.out) == scores_in_gradebook(graded.out)
+    assert gradebook.enter(again.out, results.load_all(again.out)) == 0
+
+
+def test_every_part_of_a_fingerprint_counts(course: Course, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    template = read_template(course, LAB)
+    shutil.copytree(course.data, tmp_path / "data")
+    folder = tmp_path / "ann" / LAB
+    folder.mkdir(parents=True)
+
+    def parts(root: Path = course.root, secret: bytes | None = None) -> dict[str, str]:
+        stock = Stock(Course(root), secret, tmp_path / "records")
+        return fingerprint(stock, desk_for(stock, template, "ann"), folder)
+
+    def differing(other: dict[str, str]) -> set[str]:
+        return {part for part, found in other.items() if found != first[part]}
+
+    first = parts()
+    assert set(first) == {"submission", "release", "check", "data", "environment"}
+    assert parts(tmp_path) == first
+    assert differing(parts(secret=b"a secret of the course")) == {"data"}
+    with monkeypatch.context() as patch:
+        patch.setattr("autograder.fingerprint.sources_hash", lambda *modules: "other")
+        assert differing(parts()) == {"check"}
+        patch.setattr("autograder.fingerprint.environment_hash", lambda: "other")
+        patch.setattr("autograder.fingerprint.template_hash", lambda template: "other")
+        assert differing(parts()) == {"check", "environment", "release"}
+    shutil.copyfile(course.data / "SysIdenData_Verification.mat", tmp_path / "data" / course.record.name)
+    assert differing(parts(tmp_path)) == {"data"}
+    (folder / "timestamp.txt").write_text("2026-11-30 12:00:00 UTC", encoding="utf-8")
+    assert parts() == first
+    for name in ("other.ipynb", "mine.mat"):
+        (folder / name).write_text("{}", encoding="utf-8")
+        assert differing(parts()) == {"submission"}
+        (folder / name).unlink()
+
+
+class Killed(BaseException):
+    """What a kill looks like from inside: nothing after it is written."""
+
+
+def test_killed_at_any_write_nothing_is_lost_or_doubled(
+    graded: Class, workshop: Workshop, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """At a file that is written or a change of the gradebook that is committed: the last ones, and some before."""
+    from sqlalchemy import event
+    from sqlalchemy.engine import Engine
+
+    batch = Batch(graded.batch.submitted, ("finn", "gil"), (PRELAB,))
+    writes = [0, 0]  # so many there were; the one at which the run is killed
+
+    def step(*_: object) -> None:
+        writes[0] += 1
+        if writes[0] == writes[1]:
+            raise Killed
+
+    def write(path: Path, content: bytes) -> None:
+        step()
+        path.write_bytes(content)
+
+    def grade(out: Path, killed_at: int) -> None:
+        writes[:] = 0, killed_at
+        list(grade_batch(graded.course, batch, out, workshop))
+
+    monkeypatch.setattr("autograder.results.write_file", write)
+    event.listen(Engine, "commit", step)
+    try:
+        grade(tmp_path / "whole", killed_at=0)
+        count = writes[0]
+        moments = sorted({*range(2, count, max(count // 6, 1)), *range(count - 5, count + 1)})
+        for moment in moments:
+            with pytest.raises(Killed):
+                grade(tmp_path / str(moment), moment)
+            grade(tmp_path / str(moment), killed_at=0)
+            assert same_but_seconds(tmp_path / "whole", tmp_path / str(moment))
+            assert scores_in_gradebook(tmp_path / str(moment)) == scores_in_gradebook(tmp_path / "whole")
+    finally:
+        event.remove(Engine, "commit", step)
+    assert len(moments) > 8
+
+
+def test_only_one_run_writes(again: Class, workshop: Workshop) -> None:
+    first = grade_batch(again.course, again.batch, again.out, workshop)
+    next(first)
+    with pytest.raises(ValueError, match="another 'labsid course grade' is writing to"):
+        next(grade_batch(again.course, again.batch, again.out, workshop))
+    first.close()
+    assert regrade(again, workshop) == set()
 
 
 @pytest.mark.parametrize("stop", [RuntimeError, KeyboardInterrupt])
@@ -232,7 +326,7 @@ def test_the_gradebook_is_not_entered_twice_when_stopped_before_the_result(
 ) -> None:
     """Killed between the two writes: the gradebook has the score, the result is not there yet."""
     (again.out / "results" / "gil" / f"{PRELAB}.json").unlink()
-    assert regrade(again, workshop) == {Graded("gil", PRELAB, fresh=True)}
+    assert regrade(again, workshop) == {Graded("gil", PRELAB, True, "new")}
     assert scores_in_gradebook(again.out) == scores_in_gradebook(graded.out)
 
 
@@ -287,7 +381,7 @@ def by_hand(again: Class) -> Callable[..., None]:
 def test_what_was_given_by_hand_outlives_a_new_grading(again: Class, by_hand: Callable, workshop: Workshop) -> None:
     by_hand("ada", OPEN, "Nearly: see <the> hint & 3a.", manual_score=0.04)
     add_a_cell(again, "ada", PRELAB)
-    assert regrade(again, workshop) == {Graded("ada", PRELAB, fresh=True)}
+    assert regrade(again, workshop) == {Graded("ada", PRELAB, True, "submission")}
     row = again.grades()["ada", PRELAB, OPEN]
     assert (row["score"], row["max_score"], row["status"]) == ("0.04", "0.05", "manual")
     with gradebook.open_gradebook(gradebook.database_url(again.out)) as book:
@@ -317,7 +411,7 @@ def test_extra_credit_is_added_exactly(again: Class, by_hand: Callable) -> None:
     by_hand("ada", "prelab-1-time", extra_credit=0.2)  # 0.1 + 0.2
     by_hand("ada", OPEN, manual_score=0.01, extra_credit=0.05)
     by_hand("gil", OPEN, extra_credit=0.05)
-    given = gradebook.manual_scores(again.out)
+    given = gradebook.given_by_hand(again.out).scores
     assert given == {("ada", PRELAB, "prelab-1-time"): Decimal("0.3"), ("ada", PRELAB, OPEN): Decimal("0.06")}
     write_grades(again.out)
     assert again.grades()["ada", PRELAB, "prelab-1-time"]["score"] == "0.3"
@@ -326,7 +420,7 @@ def test_extra_credit_is_added_exactly(again: Class, by_hand: Callable) -> None:
 
 def test_a_broken_second_hand_in_takes_the_automatic_scores_with_it(again: Class, workshop: Workshop) -> None:
     (again.batch.submitted / "ada" / PRELAB / f"{PRELAB}.ipynb").write_text("{", encoding="utf-8")
-    assert regrade(again, workshop) == {Graded("ada", PRELAB, fresh=True)}
+    assert regrade(again, workshop) == {Graded("ada", PRELAB, True, "submission")}
     assert {row["score"] for (student, _, _), row in again.grades().items() if student == "ada"} == {"0"}
     assert {score for (student, _, _), (score, _, _) in scores_in_gradebook(again.out).items() if student == "ada"} == {
         0
@@ -352,9 +446,8 @@ def test_an_assignment_that_changed_under_its_grades_is_said(tmp_path: Path) -> 
     out = tmp_path / "out"
     gradebook.prepare(release("a", "b"), out, ["tiny"])
     gradebook.prepare(release("a"), out, ["tiny"])  # nobody was graded yet
-    ran = (Ran(Step("a", "manual", "x", False), Reply(True)),)
     question = QuestionResult("a", None, Decimal("0.1"), "manual", "")
-    gradebook.record(out, [SubmissionResult("ann", "tiny", (question,), ran, (), "none")])
+    assert gradebook.enter(out, [StoredResult("ann", "tiny", "", (question,), {}, (), "none", {})]) == 1
     for questions in (("a", "b"), ("b",), ()):
         with pytest.raises(ValueError, match=r"tiny has changed since .*Grade into a new folder"):
             gradebook.prepare(release(*questions), out, ["tiny"])
@@ -390,8 +483,9 @@ def test_autograded_notebooks_show_what_was_handed_in_and_what_came_of_it(graded
     ben = nbformat.read(graded.out / "autograded" / "ben" / LAB / f"{LAB}.ipynb", as_version=4)
     cells = {cell.id: cell for cell in ben.cells}
     assert "y_offset = np.mean(y_act)" in cells["lab-1c-offsets-answer"].source
-    kinds = [output.output_type for output in cells["lab-1b-figure-5-answer"].outputs]
-    assert "display_data" in kinds
+    (picture,) = cells["lab-1b-figure-5"].outputs
+    assert picture.output_type == "display_data"
+    assert picture.data["image/svg+xml"].startswith("<svg ")
 
 
 def test_added_cells_errors_and_deaths_are_in_the_autograded_notebook(graded: Class, tmp_path: Path) -> None:
@@ -408,7 +502,7 @@ def test_added_cells_errors_and_deaths_are_in_the_autograded_notebook(graded: Cl
             Ran(Step(None, "extra", "end()", True), Reply(False), death=judge.StudentDied("crashed", "it ended")),
         ), (), "none",
     )  # fmt: skip
-    gradebook.write_autograded(course, tmp_path, result)
+    write_autograded(course, tmp_path, result)
     notebook = nbformat.read(tmp_path / "autograded" / "ann" / PRELAB / f"{PRELAB}.ipynb", as_version=4)
     nbformat.validate(notebook)
     assert [cell.source for cell in notebook.cells] == ["before", first.source, "a *note*", "end()"]
@@ -416,6 +510,23 @@ def test_added_cells_errors_and_deaths_are_in_the_autograded_notebook(graded: Cl
     assert notebook.cells[0].outputs[0].text == "said \ud800"
     assert notebook.cells[1].outputs[0].ename == "NameError"
     assert notebook.cells[3].outputs[0].text == "it ended\n"
+
+
+def test_formgrader_runs_nothing_that_a_student_wrote(graded: Class) -> None:
+    """Shown by nbgrader's exporter with the settings of the folder, as formgrader does it."""
+    from nbgrader.server_extensions.formgrader.formgrader import HTMLExporter
+    from traitlets.config.loader import PyFileConfigLoader
+
+    path = graded.out / "autograded" / "ben" / LAB / f"{LAB}.ipynb"
+    notebook = nbformat.read(path, as_version=4)
+    hostile = '<img src=x onerror="alert(1)"><script>alert("planted")</script>'
+    notebook.cells.append(nbformat.v4.new_markdown_cell(hostile))
+    notebook.cells.append(nbformat.v4.new_code_cell("", outputs=[nbformat.v4.new_output("stream", text=hostile)]))
+    config = PyFileConfigLoader("nbgrader_config.py", str(graded.out)).load_config()
+    page, _ = HTMLExporter(config=config).from_notebook_node(notebook)
+    assert '<script>alert("planted")' not in page
+    assert not re.search(r"<img[^>]*onerror", page)
+    assert re.search(r'<img[^>]*src="data:image/svg\+xml;base64,', page)
 
 
 # ---- feedback
@@ -431,7 +542,7 @@ def test_every_submission_gets_a_page_that_stands_alone(pages: Mapping, graded: 
     assert set(pages) == {(student, name) for student in graded.batch.students for name in (PRELAB, LAB)}
     for page in pages.values():
         assert page.startswith("<!doctype html>")
-        assert not re.search(r"https?:|<script|<link|@import|src=\"(?!data:image/png;base64,)", page)
+        assert not re.search(r"https?:|<script|<link|@import|src=\"(?!data:image/svg)", page)
 
 
 def test_a_page_says_reason_slip_and_points(pages: Mapping, graded: Class) -> None:
@@ -443,7 +554,7 @@ def test_a_page_says_reason_slip_and_points(pages: Mapping, graded: Class) -> No
     assert "0 / 0.15" in page
     assert "Judged on the right values of lab-1c-offsets" in page
     assert "y_offset = np.mean(y_act)" in page
-    assert 'src="data:image/png;base64,' in page
+    assert 'src="data:image/svg+xml;base64,' in page
     assert "more wait to be graded by hand" in page
     assert "broken JSON" in pages["finn", LAB]
     assert "no notebook was handed in" in pages["finn", PRELAB]
@@ -471,7 +582,7 @@ def test_a_page_holds_no_input_that_the_judge_tried(
     found = grade_code(PRELAB, {"prelab-4-function-answer": cell})["prelab-4-function"]
     assert found.score == 0
     assert tried
-    results.store(tmp_path, SubmissionResult("ann", PRELAB, (found,), (), (), "none"), "Pre-lab", {}, "")
+    results.store(tmp_path, StoredResult("ann", PRELAB, "Pre-lab", (found,), {}, (), "none", {}))
     (page,) = (path.read_text(encoding="utf-8") for path in write_feedback(tmp_path))
     assert "def cut_off(data, n):" in page
     assert "<img" not in page
@@ -491,8 +602,11 @@ def hostile_page(tmp_path: Path) -> str:
         output=f"\x1b[31mred\x1b[0m \x1b]8;;file://x\x07\b\0 {HOSTILE} \ud800 é",
         figures=("iVBORw0KGgoAAAA=", '" onerror="alert(1)'),
     )  # fmt: skip
-    result = SubmissionResult("<b>eve", "tiny", (question,), (), (f"note {HOSTILE}",), f"none {HOSTILE}")
-    results.store(tmp_path, result, f"Title {HOSTILE}", {"q-1": f"Heading {HOSTILE}"}, "")
+    heading, notes = {"q-1": f"Heading {HOSTILE}"}, (f"note {HOSTILE}",)
+    result = StoredResult(
+        "<b>eve", "tiny", f"Title {HOSTILE}", (question,), heading, notes, f"none {HOSTILE}", {}, late=f"late {HOSTILE}"
+    )
+    results.store(tmp_path, result)
     (path,) = write_feedback(tmp_path)
     return path.read_text(encoding="utf-8")
 
@@ -531,13 +645,15 @@ def test_feedback_on_nothing_is_said(tmp_path: Path) -> None:
 
 def test_the_export_has_a_line_for_every_submission(graded: Class) -> None:
     path = export_csv(graded.out)
-    assert path.read_text(encoding="utf-8").splitlines()[0] == "student,assignment,score,max_score,waiting,status"
+    assert path.read_text(encoding="utf-8").splitlines()[0] == (
+        "student,assignment,score,max_score,waiting,status,late_penalty"
+    )
     rows = {(row["student"], row["assignment"]): list(row.values())[2:] for row in read_csv(path)}
     assert len(rows) == 8
-    assert rows["ada", PRELAB] == ["0.95", "1", "0.05", "waiting"]
-    assert rows["ben", LAB] == ["1.45", "2", "0.1", "waiting"]
-    assert rows["finn", LAB] == ["0", "2", "0", "quarantined"]
-    assert rows["finn", PRELAB] == ["0", "1", "0", "missing"]
+    assert rows["ada", PRELAB] == ["0.95", "1", "0.05", "waiting", "0"]
+    assert rows["ben", LAB] == ["1.45", "2", "0.1", "waiting", "0"]
+    assert rows["finn", LAB] == ["0", "2", "0", "quarantined", "0"]
+    assert rows["finn", PRELAB] == ["0", "1", "0", "missing", "0"]
 
 
 def test_the_table_of_the_class(graded: Class) -> None:
@@ -552,7 +668,7 @@ def test_the_table_takes_any_name(tmp_path: Path) -> None:
     question = QuestionResult("q", None, Decimal("0.5"), "manual", "")
     for name in ("[/red]", "[bold]x"):
         path = tmp_path / "results" / name.replace("/", "") / "tiny.json"
-        results.store(tmp_path, SubmissionResult(path.parent.name, "tiny", (question,), (), (), "none"), "", {}, "")
+        results.store(tmp_path, StoredResult(path.parent.name, "tiny", "", (question,), {}, (), "none", {}))
         path.write_text(path.read_text().replace(f'"{path.parent.name}"', json.dumps(name)), encoding="utf-8")
     table = class_table(tmp_path)
     assert "[/red]" in table
@@ -569,7 +685,7 @@ def test_a_spreadsheet_gets_no_formula(tmp_path: Path) -> None:
 def test_reasons_stand_on_one_line(tmp_path: Path) -> None:
     reason = 'first\nsecond\r\n\x07"third", \x1b[31mred'
     question = QuestionResult("q", Decimal("0.1"), Decimal("0.10"), "graded", reason, seconds=1.23456)
-    stored = StoredResult("=ann", "tiny", "Tiny", (question,), {}, (), "none", "")
+    stored = StoredResult("=ann", "tiny", "Tiny", (question,), {}, (), "none", {})
     write_csv(tmp_path / "grades.csv", results.GRADE_COLUMNS, results.grade_rows([stored], {}))
     (row,) = read_csv(tmp_path / "grades.csv")
     assert row["reason"] == 'first second "third", [31mred'
@@ -590,25 +706,25 @@ def test_results_come_back_as_they_were_stored(tmp_path: Path) -> None:
         0.25,
     )
     by_hand = QuestionResult("open", None, Decimal("0.1"), "manual", "")
-    result = SubmissionResult("ann", "tiny", (question, by_hand), (), ("a note",), "none")
-    results.store(tmp_path, result, "Tiny", {"q": "1. Heading"}, "abc")
-    (stored,) = results.load_all(tmp_path)
-    assert stored.questions == result.results
-    assert (stored.title, stored.headings, stored.notes, stored.fingerprint) == (
-        "Tiny", {"q": "1. Heading"}, ("a note",), "abc"
+    result = StoredResult(
+        "ann", "tiny", "Tiny", (question, by_hand), {"q": "1. Heading"}, ("a note",), "none", {"check": "abc"},
+        ("a flag",), ("open",), "2026-12-01T00:00:00+00:00", Decimal("0.1"), "Handed in late.", {"q": ("12", 30)},
     )  # fmt: skip
-    assert results.totals(stored, {}) == results.Totals(Decimal("0.3"), Decimal("0.7"), Decimal("0.1"))
+    results.store(tmp_path, result)
+    (stored,) = results.load_all(tmp_path)
+    assert stored == result
+    assert results.totals(stored, {}) == results.Totals(Decimal("0.2"), Decimal("0.7"), Decimal("0.1"), Decimal("0.1"))
     given = {("ann", "tiny", "open"): Decimal("0.1")}
-    assert results.totals(stored, given) == results.Totals(Decimal("0.4"), Decimal("0.7"), Decimal("0"))
+    assert results.totals(stored, given) == results.Totals(Decimal("0.3"), Decimal("0.7"), Decimal("0"), Decimal("0.1"))
 
 
 @pytest.mark.parametrize(
     "content",
-    ["", "{", "[]", "{}", '{"schema": "labsid.result/1"}', "\xff", "SCORE"],
+    ["", "{", "[]", "{}", '{"schema": "labsid.result/2"}', "\xff", "SCORE"],
 )
 def test_a_result_that_is_none_is_said(tmp_path: Path, content: str) -> None:
     question = QuestionResult("q", Decimal("0.30"), Decimal("0.6"), "graded", "")
-    results.store(tmp_path, SubmissionResult("ann", "tiny", (question,), (), (), "none"), "", {}, "")
+    results.store(tmp_path, StoredResult("ann", "tiny", "", (question,), {}, (), "none", {}))
     path = results.result_path(tmp_path, "ann", "tiny")
     whole = path.read_text(encoding="utf-8")
     path.write_text(whole.replace("0.30", "lots") if content == "SCORE" else content, encoding="latin-1")

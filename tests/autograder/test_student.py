@@ -9,6 +9,7 @@ import pytest
 
 from autograder.course import RECORD_FILE, Course, read_template
 from autograder.student import copy_release, pack
+from labsid.checks.notebook import load_assignment
 
 PRELAB, LAB = "prelab-sinusoids", "lab-identification"
 
@@ -37,20 +38,20 @@ def test_the_release_is_copied_whole(course: Course, tmp_path: Path) -> None:
     assert [line.split(":")[0] for line in lines] == course.assignments()
     for name in course.assignments():
         there = {path.name for path in (folder / name).iterdir()}
-        assert there == {f"{name}.ipynb", RECORD_FILE}
+        assert there == {f"{name}.ipynb", load_assignment(name).record_file} - {None}
         for file in there:
             assert (folder / name / file).read_bytes() == (course.release / name / file).read_bytes()
-    assert lines[0] == f"{PRELAB}: new: {RECORD_FILE}, {PRELAB}.ipynb"
+    assert lines[:2] == [f"{PRELAB}: new: {PRELAB}.ipynb", f"{LAB}: new: {RECORD_FILE}, {LAB}.ipynb"]
 
 
 def test_work_is_never_overwritten(course: Course, work: Path) -> None:
-    mine = work / LAB / f"{LAB}.ipynb"
+    mine = work / PRELAB / f"{PRELAB}.ipynb"
     mine.write_text("my work", encoding="utf-8")
-    (work / PRELAB / f"{PRELAB}.ipynb").unlink()
+    (work / LAB / f"{LAB}.ipynb").unlink()
     lines = {line.split(":")[0]: line for line in copy_release(course, work)}
     assert mine.read_text(encoding="utf-8") == "my work"
-    assert lines[LAB] == f"{LAB}: yours, kept as it is: {RECORD_FILE}, {LAB}.ipynb"
-    assert lines[PRELAB] == f"{PRELAB}: new: {PRELAB}.ipynb; yours, kept as it is: {RECORD_FILE}"
+    assert lines[PRELAB] == f"{PRELAB}: yours, kept as it is: {PRELAB}.ipynb"
+    assert lines[LAB] == f"{LAB}: new: {LAB}.ipynb; yours, kept as it is: {RECORD_FILE}"
     again = list(copy_release(course, work))
     assert not any("new" in line for line in again)
 
@@ -92,7 +93,7 @@ def test_what_is_still_open_is_said(course: Course, work: Path, tmp_path: Path) 
     assert list(pack(work, tmp_path / "hand-in.zip"))[1].endswith(f"not answered yet: {ids[0]}")
 
 
-def test_the_hand_in_holds_the_notebooks_and_nothing_else(work: Path, tmp_path: Path) -> None:
+def test_the_hand_in_holds_the_notebooks_their_record_and_nothing_else(work: Path, tmp_path: Path) -> None:
     (work / LAB / ".ipynb_checkpoints").mkdir()
     (work / LAB / ".ipynb_checkpoints" / f"{LAB}-checkpoint.ipynb").touch()
     (work / "notes.txt").touch()
@@ -102,9 +103,9 @@ def test_the_hand_in_holds_the_notebooks_and_nothing_else(work: Path, tmp_path: 
     assert len(lines) == 3
     with zipfile.ZipFile(out) as archive:
         assert archive.testzip() is None
-        assert archive.namelist() == [f"{name}/{name}.ipynb" for name in (LAB, PRELAB)]
-        for name in (LAB, PRELAB):
-            inside = f"{name}/{name}.ipynb"
+        expected = [f"{LAB}/{LAB}.ipynb", f"{LAB}/{RECORD_FILE}", f"{PRELAB}/{PRELAB}.ipynb"]
+        assert archive.namelist() == expected
+        for inside in expected:
             assert archive.read(inside) == (work / inside).read_bytes()
 
 

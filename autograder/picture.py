@@ -1,0 +1,173 @@
+"""Pictures of students' figures, drawn here from the plain data that the judge was handed, as SVG.
+
+Drawing in the student's process takes a tenth of a second a figure and more than all of the judging; this takes
+milliseconds, and shows what the judge saw: curves, limits, labels, legend. Nothing of a student gets into the
+picture but numbers and escaped text.
+"""
+
+import base64
+import html
+import math
+import re
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from labsid.checks.values import AxesValue, CurveValue, FigureValue
+
+MOST_AXES = 6
+MOST_CURVES = 24
+MOST_POINTS = 1200
+_WIDTH, _HEIGHT = 640, 250
+_LEFT, _RIGHT, _TOP, _BOTTOM = 62, 12, 26, 42
+_GREEK = {"theta": "θ", "Phi": "Φ", "phi": "φ", "tau": "τ", "alpha": "α", "lambda": "λ", "sigma": "σ", "omega": "ω"}
+
+
+def svg_picture(figure: FigureValue) -> str:
+    """Draw a figure.
+
+    Parameters
+    ----------
+    figure : FigureValue
+
+    Returns
+    -------
+    str
+        An SVG image in base64, its axes one below the other.
+    """
+    axes = figure.axes[:MOST_AXES]
+    height = max(len(axes), 1) * _HEIGHT
+    parts = [
+        f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {_WIDTH} {height}" width="{_WIDTH}" height="{height}" '
+        'font-family="system-ui, sans-serif" font-size="12" fill="#1d2733">',
+        f'<rect width="{_WIDTH}" height="{height}" fill="#fff"/>',
+    ]
+    for index, panel in enumerate(axes):
+        parts.append(f'<g transform="translate(0 {index * _HEIGHT})">{"".join(_panel(panel, index))}</g>')
+    parts.append("</svg>")
+    return base64.b64encode("".join(parts).encode(errors="replace")).decode("ascii")
+
+
+@dataclass(frozen=True, slots=True)
+class _Scale:
+    """From values to places along one side."""
+
+    low: float
+    high: float
+    start: float
+    end: float
+
+    def place(self, values: NDArray[np.float64]) -> NDArray[np.float64]:
+        with np.errstate(over="ignore", invalid="ignore"):
+            at = self.start + (values - self.low) / (self.high - self.low) * (self.end - self.start)
+        return np.where(np.isfinite(values), np.clip(at, -2 * _WIDTH, 3 * _WIDTH), np.nan)
+
+    def ticks(self) -> list[float]:
+        low, high = sorted((self.low, self.high))
+        rough = (high - low) / 5
+        unit = 10.0 ** math.floor(math.log10(rough))
+        step = next(unit * factor for factor in (1, 2, 5, 10) if unit * factor >= rough * 0.999)
+        first = math.ceil(low / step - 1e-9)
+        return [step * k for k in range(first, first + 12) if step * k <= high + 1e-9 * step]
+
+
+def _scale(limits: tuple[float, float], start: float, end: float) -> _Scale:
+    low, high = limits
+    usable = math.isfinite(low) and math.isfinite(high) and abs(high - low) > 1e-12 * max(abs(low), abs(high), 1e-200)
+    if not usable or not math.isfinite(high - low):
+        low, high = 0.0, 1.0
+    return _Scale(low, high, start, end)
+
+
+def _panel(axes: AxesValue, index: int) -> Iterator[str]:
+    x, y = _scale(axes.xlim, _LEFT, _WIDTH - _RIGHT), _scale(axes.ylim, _HEIGHT - _BOTTOM, _TOP)
+    wide, high = _WIDTH - _LEFT - _RIGHT, _HEIGHT - _TOP - _BOTTOM
+    frame = f'x="{_LEFT}" y="{_TOP}" width="{wide}" height="{high}"'
+    yield f'<clipPath id="c{index}"><rect {frame}/></clipPath>'
+    line = "#d9e0e7" if axes.grid else "none"
+    for value in x.ticks():
+        at = float(x.place(np.array([value]))[0])
+        yield f'<path d="M{at:.1f} {_TOP}v{high}" stroke="{line}"/>'
+        yield _text(f"{value:.6g}", at, _HEIGHT - _BOTTOM + 15, "middle")
+    for value in y.ticks():
+        at = float(y.place(np.array([value]))[0])
+        yield f'<path d="M{_LEFT} {at:.1f}h{wide}" stroke="{line}"/>'
+        yield _text(f"{value:.6g}", _LEFT - 5, at + 4, "end")
+    yield f'<rect {frame} fill="none" stroke="#5a6b7d"/>'
+    yield f'<g clip-path="url(#c{index})" fill="none" stroke-width="1.5" stroke-linejoin="round">'
+    for curve in axes.curves[:MOST_CURVES]:
+        yield f'<path stroke="{_colour(curve.color)}" d="{_path(curve, x, y)}"/>'
+    yield "</g>"
+    yield _text(axes.title, _WIDTH / 2, 17, "middle", 70)
+    yield _text(axes.xlabel, _LEFT + wide / 2, _HEIGHT - 8, "middle", 70)
+    yield _text(axes.ylabel, 14, _TOP + high / 2, "middle", 34, turned=True)
+    yield from _legend(axes)
+
+
+def _legend(axes: AxesValue) -> Iterator[str]:
+    shown = {curve.label: curve.color for curve in axes.curves if curve.label in axes.legend}
+    lines = [(label, shown.get(label)) for label in axes.legend[:8]]
+    lines += [(text, None) for text in axes.texts[: 8 - len(lines)]]
+    longest = max((len(_plain(label, 40)) for label, _ in lines), default=0)
+    left = _WIDTH - _RIGHT - 40 - 7 * longest
+    if lines:
+        yield (
+            f'<rect x="{left:.0f}" y="{_TOP + 5}" width="{34 + 7 * longest:.0f}" height="{16 * len(lines) + 5}" '
+            'fill="#fff" fill-opacity=".85" stroke="#d9e0e7"/>'
+        )
+    for row, (label, colour) in enumerate(lines):
+        at = _TOP + 20 + 16 * row
+        if colour is not None:
+            yield f'<path d="M{left + 5:.0f} {at - 4}h18" stroke="{_colour(colour)}" stroke-width="2"/>'
+        yield _text(label, left + 28, at, "start", 40)
+
+
+def _path(curve: CurveValue, x: _Scale, y: _Scale) -> str:
+    n = min(curve.x.size, curve.y.size)
+    rows = _spread(curve.y[:n])
+    at_x, at_y = np.round(x.place(curve.x[rows]), 1), np.round(y.place(curve.y[rows]), 1)
+    made: list[str] = []
+    pen = "M"
+    last: tuple[float, float] | None = None
+    for px, py in zip(at_x.tolist(), at_y.tolist(), strict=True):
+        if math.isnan(px) or math.isnan(py):
+            pen, last = "M", None
+            continue
+        if (px, py) == last:
+            continue
+        if curve.steps and last is not None:
+            made.append(f"H{px:g}V{py:g}")
+        else:
+            made.append(f"{pen}{px:g} {py:g}")
+        pen, last = "L", (px, py)
+    return "".join(made)
+
+
+def _spread(y: NDArray[np.float64]) -> NDArray[np.intp]:
+    """All samples, or of a long curve the lowest and the highest of each short stretch."""
+    if y.size <= MOST_POINTS:
+        return np.arange(y.size)
+    finite = np.where(np.isfinite(y), y, 0.0)
+    stretches = np.array_split(np.arange(y.size), MOST_POINTS // 2)
+    ends = [(rows[np.argmin(finite[rows])], rows[np.argmax(finite[rows])]) for rows in stretches]
+    return np.unique(np.array(ends).reshape(-1))
+
+
+def _colour(color: Sequence[float]) -> str:
+    parts = [int(255 * min(max(part, 0.0), 1.0)) if math.isfinite(part) else 0 for part in color]
+    return "#" + "".join(f"{part:02x}" for part in parts)
+
+
+def _text(text: str, x: float, y: float, anchor: str, longest: int = 20, turned: bool = False) -> str:
+    said = html.escape(_plain(text, longest))
+    turn = f' transform="rotate(-90 {x:.0f} {y:.0f})"' if turned else ""
+    return f'<text x="{x:.1f}" y="{y:.1f}" text-anchor="{anchor}"{turn}>{said}</text>' if said else ""
+
+
+def _plain(text: str, longest: int) -> str:
+    """Text as a picture shows it: without mathematics mark-up, control characters, and more than it has room for."""
+    text = re.sub(r"\\([A-Za-z]+)", lambda found: _GREEK.get(found[1], ""), text.replace("$", ""))
+    text = "".join(c for c in re.sub(r"[{}]", "", text) if c.isprintable())
+    return text if len(text) <= longest else text[: longest - 1] + "…"

@@ -1,0 +1,84 @@
+"""Which source files a result depends on: those that its modules import, wherever in them and however deep."""
+
+import ast
+import hashlib
+from collections.abc import Iterator
+from functools import cache
+from importlib.util import find_spec
+from pathlib import Path
+from threading import Lock
+
+PACKAGES = ("labsid", "autograder")
+"""What may change under a result while its versions stay the same."""
+
+_PARSING = Lock()
+
+
+@cache
+def sources_hash(*modules: str) -> str:
+    """Fingerprint of the modules named and of all that they import from labsid and the autograder.
+
+    Parameters
+    ----------
+    *modules : str
+        Dotted names.
+
+    Returns
+    -------
+    str
+        The same as long as none of the files changes. Modules that are imported by a computed name do not count:
+        an assignment's checks must be named.
+    """
+    digest = hashlib.sha256()
+    for name in sorted(closure(modules)):
+        path = source_path(name)
+        digest.update(name.encode() + b"\0" + (b"" if path is None else hashlib.sha256(path.read_bytes()).digest()))
+    return digest.hexdigest()
+
+
+def closure(modules: tuple[str, ...]) -> set[str]:
+    """The modules named and all that they import from `PACKAGES`, directly or not."""
+    found: set[str] = set()
+    waiting = list(modules)
+    while waiting:
+        name = waiting.pop()
+        if name in found or name.split(".")[0] not in PACKAGES or source_path(name) is None:
+            continue
+        found.add(name)
+        waiting += [name.rpartition(".")[0], *_imports(name)]
+    return found
+
+
+@cache
+def _imports(name: str) -> tuple[str, ...]:
+    path = source_path(name)
+    assert path is not None
+    return tuple(_imported(parse(path.read_bytes())))
+
+
+def parse(source: str | bytes) -> ast.Module:
+    """Parse Python; Python 3.11 counts the depth of recursion of all threads together, so only one may at a time."""
+    with _PARSING:
+        return ast.parse(source)
+
+
+def _imported(tree: ast.Module) -> Iterator[str]:
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Import):
+            yield from (alias.name for alias in node.names)
+        elif isinstance(node, ast.ImportFrom) and node.module and not node.level:
+            yield node.module
+            yield from (f"{node.module}.{alias.name}" for alias in node.names)
+
+
+@cache
+def source_path(name: str) -> Path | None:
+    """The file of a module of `PACKAGES`; None for anything else, such as a name within a module."""
+    top, _, rest = name.partition(".")
+    if top not in PACKAGES:
+        return None
+    spec = find_spec(top)
+    if spec is None or spec.origin is None:
+        return None
+    base = Path(spec.origin).parent.joinpath(*rest.split(".")) if rest else Path(spec.origin).parent
+    return next((path for path in (base.with_suffix(".py"), base / "__init__.py") if path.is_file()), None)
