@@ -70,6 +70,19 @@ class Figure:
             return bar[0] <= self.value <= bar[1]
         return self.value <= bar if self.below else self.value >= bar
 
+    def fails(self) -> bool:
+        """Whether the bar that must be reached is missed by more than chance, as the interval tells it.
+
+        Without an interval (a time, which depends on the machine) there is no telling.
+        """
+        if self.must is None or self.low is None or self.high is None or not self.count:
+            return False
+        least, most = self.must if isinstance(self.must, tuple) else (self.must, self.must)
+        too_low, too_high = self.high < least, self.low > most
+        if isinstance(self.must, tuple):
+            return too_low or too_high
+        return too_high if self.below else too_low
+
 
 @dataclass(frozen=True, slots=True)
 class Scores:

@@ -28,7 +28,7 @@ from labsid.signal_quality import lattice_step
 Progress = Callable[[str, float], None]
 Levels = tuple[dict[tuple[str, ...], Fit], ...]
 
-BEAM = 3
+BEAM = 3  # best first effects on top of which a second one is tried; a third one only on the best pair
 FOLLOWED = 6  # second and third effects that are taken to the end, of each parent
 POLISHED = 6
 MARGIN = 12.0  # BIC: what one effect more has to gain
@@ -162,7 +162,7 @@ def search_tree(
             level[names] = polish(data, min((settle(data, one) for one in _forms(data, fit)), key=price))
         levels.append(level)
         ranked = sorted(level.values(), key=_bic)
-        beam = ranked[:BEAM]
+        beam = ranked[: BEAM if step == 0 else 1]
         best = next((fit for fit in ranked if worth(data, path[-1], fit)), None)
         if best is None:
             break

@@ -197,3 +197,28 @@ def test_the_table_reads_well(capsys) -> None:
     printed = capsys.readouterr().out
     assert "a title" in printed
     assert "extra-lag 1" in printed
+
+
+@pytest.mark.parametrize(
+    ("right", "of", "must", "fails"),
+    [
+        (97, 100, 0.97, False),
+        (95, 100, 0.97, False),
+        (80, 100, 0.97, True),
+        (8, 9, 0.97, False),
+        (0, 3, 0.97, True),
+        (100, 100, (0.92, 0.98), False),
+        (1000, 1000, (0.92, 0.98), True),
+        (50, 100, (0.92, 0.98), True),
+        (0, 0, 0.97, False),
+    ],
+)
+def test_a_bar_is_failed_only_by_more_than_chance(right: int, of: int, must: Any, fails: bool) -> None:
+    low, high = wilson(right, of)
+    assert Figure("rate", right / of if of else None, of, low, high, must).fails() is fails
+
+
+def test_a_figure_without_an_interval_fails_nothing_and_one_that_must_be_small_by_its_lower_end() -> None:
+    assert not Figure("time", 9.0, 50, must=5.0, below=True).fails()
+    assert Figure("error", 0.3, 50, low=0.2, high=0.4, must=0.1, below=True).fails()
+    assert not Figure("error", 0.15, 50, low=0.05, high=0.25, must=0.1, below=True).fails()
