@@ -24,7 +24,7 @@ class Evidence(NamedTuple):
     Attributes
     ----------
     colour : float
-        Logarithm of the residual's spread over that of its innovations; half of it where the input has no part in it,
+        Logarithm of the residual's spread over that of its innovations; less of it where the input has no part in it,
         and without an effect only that of a slow one.
     repeats : float
         Root of the share of the residual that comes back with the input, or that a function of its past predicts.
@@ -40,10 +40,10 @@ class Evidence(NamedTuple):
     tails: float = 0.0
 
 
-PRIOR = 2.4
-AGAINST = Evidence(colour=-3.0, repeats=-2.1, activity=-1.1, tails=-1.8)
-PATCHES = {2: -1.1, 3: -2.3}  # at so many effects
-CLOSED = 0.5
+PRIOR = 2.6
+AGAINST = Evidence(colour=-3.2, repeats=-2.6, activity=-0.8, tails=-1.9)
+PATCHES = {2: -1.9, 3: -1.0}  # at so many effects
+CLOSED = 0.8
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -140,9 +140,9 @@ def trusted(explained: Explained, left: Leftover) -> float:
     else:
         colour = float(np.log(max(left.colour, 1.0)))
         if not steps:
-            colour *= 0.7 * max(left.slow, 0.0)
+            colour *= 0.6 * max(left.slow, 0.0)
         elif is_noise(left, converted=False) and left.repeats_z < 2.5 and left.activity_z < 3.0:
-            colour *= 0.5  # noise beside an effect, with no sign of the input in it
+            colour *= 0.6  # noise beside an effect, with no sign of the input in it
         evidence = Evidence(
             colour=colour,
             repeats=float(np.sqrt(max(left.repeats if left.repeats_z > 2.0 else 0.0, left.explained, 0.0))),

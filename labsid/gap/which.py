@@ -35,6 +35,8 @@ MARGIN = 12.0  # BIC: what one effect more has to gain
 NOTHING = 1e-9  # scaled: a difference of rounding
 EFFECT_SIZE = 0.3  # change of the simulation over the standard deviation of what is left
 NAMED_SIZE = (EFFECT_SIZE, 1.0, 2.0)  # the same, for a first, second and third effect that is named
+FAINT = 0.6  # the same, below which a first effect that is not told from others is none
+TOSS_UP = 6.0  # BIC
 RAW_SIZE = 1.3  # mean square error with the bad samples over that without them
 STRONG_COLOUR = 1.3  # standard deviation of the noise over that of its innovations
 VERY_SLOW = 4.0  # standard deviation of the residual over that of its innovations
@@ -103,6 +105,8 @@ def explain(data: Data, structure: Hypothesis = LINEAR, most: int = 3, progress:
         if len(other) > 1 and power(clean, other[-1]) < 0.5 * power(clean, path[-1]):
             levels, path = other_levels, other
     path = trimmed(clean, path)
+    if len(path) == 2 and faint(clean, levels[1], path):
+        path = path[:1]
     return Explained(clean, faults, levels, path, unsimulated(data, clean, faults, path[-1]))
 
 
@@ -180,6 +184,12 @@ def _forms(data: Data, fit: Fit) -> list[Fit]:
 
 def _bic(fit: Fit) -> float:
     return fit.bic
+
+
+def faint(data: Data, level: dict[tuple[str, ...], Fit], path: tuple[Fit, ...]) -> bool:
+    """Whether a first effect is small beside the noise, and another one does as well: then it is a nuisance."""
+    rivals = [fit for fit in level.values() if fit is not path[1] and fit.bic - path[1].bic < TOSS_UP]
+    return bool(rivals) and not changes(data, path[0], path[1], FAINT)
 
 
 def slow_leftover(data: Data, fit: Fit) -> bool:

@@ -10,7 +10,7 @@ from scipy.signal import lfilter
 from labsid.gap.context import scaled
 from labsid.gap.fitting import Fit
 from labsid.gap.raw import RawFaults
-from labsid.gap.which import Explained, explain, nothing_left, trimmed, unsimulated, worth
+from labsid.gap.which import Explained, explain, faint, nothing_left, trimmed, unsimulated, worth
 
 
 def test_the_path_adds_one_effect_at_a_time(banded: Explained) -> None:
@@ -124,3 +124,14 @@ def test_what_a_lattice_holds_still_is_no_dropout() -> None:
     for start in (210, 760, 1060):
         y[start : start + 45] = y[start]
     assert set(explain(scaled(u, y, rows, 1.0)).names) == {"output-quantization", "output-dropout"}
+
+
+def test_a_small_effect_that_another_does_as_well_is_none(banded: Explained) -> None:
+    data, base, best = banded.data, banded.path[0], banded.best
+    noise = np.sqrt(np.mean((data.y - best.output) ** 2))
+    wave = np.sin(0.1 * np.arange(data.samples)) * np.sqrt(2.0) * noise
+    small = replace(base, output=best.output + 0.4 * wave)
+    near, far = replace(best, bic=best.bic + 3.0), replace(best, bic=best.bic + 30.0)
+    assert faint(data, {("a",): best, ("b",): near}, (small, best))
+    assert not faint(data, {("a",): best, ("b",): far}, (small, best))
+    assert not faint(data, {("a",): best, ("b",): near}, (base, best))
