@@ -1,9 +1,12 @@
 """Work folders of submissions, and the cleaning up after a grader that was killed."""
 
 import contextlib
+import errno
+import itertools
 import os
 import re
 import shutil
+import sys
 import tempfile
 from collections.abc import Iterator
 from pathlib import Path
@@ -18,7 +21,7 @@ def bench_folder() -> Iterator[Path]:
     try:
         yield folder
     finally:
-        _remove(folder)
+        remove(folder)
 
 
 def clear_benches() -> None:
@@ -26,25 +29,56 @@ def clear_benches() -> None:
     for folder in Path(tempfile.gettempdir()).glob(f"{_NAME}*"):
         owner = re.match(rf"{_NAME}(\d+)-", folder.name)
         if owner is not None and not _is_running(int(owner[1])):
-            _remove(folder)
+            remove(folder)
 
 
 def size_of(folder: Path) -> int:
-    """The bytes of all files in a folder."""
-    size = 0
-    for inner, _, files in os.walk(folder):
-        for name in files:
-            with contextlib.suppress(OSError):
-                size += os.lstat(os.path.join(inner, name)).st_size
+    """The bytes of all files in a folder; without end where it is nested deeper than a path can tell."""
+    size, folders = 0, [os.fspath(folder)]
+    while folders:
+        try:
+            with os.scandir(folders.pop()) as entries:
+                for entry in entries:
+                    if entry.is_dir(follow_symlinks=False):
+                        folders.append(entry.path)
+                        continue
+                    with contextlib.suppress(OSError):
+                        size += entry.stat(follow_symlinks=False).st_size
+        except OSError as error:
+            if error.errno == errno.ENAMETOOLONG:
+                return sys.maxsize
     return size
 
 
-def _remove(folder: Path) -> None:
-    """Remove a folder, whatever rights student code took from it; a link is not followed."""
-    for inner, _, _ in os.walk(folder):
-        with contextlib.suppress(OSError):
-            os.chmod(inner, 0o700)
+def remove(folder: Path) -> None:
+    """Remove a folder, whatever rights student code took from it, and however deep it is; a link is not followed."""
+    if folder.is_symlink():
+        folder.unlink()
+        return
+    names = itertools.count()
+    found = True
+    while found:
+        found = False
+        for inner in _folders_in(folder):
+            for deeper in _folders_in(inner):  # to the top, where its path is short
+                with contextlib.suppress(OSError):
+                    os.rename(deeper, folder / f"{_NAME}{next(names)}")
+                    found = True
+            shutil.rmtree(inner, ignore_errors=True)
     shutil.rmtree(folder, ignore_errors=True)
+
+
+def _folders_in(folder: "str | Path") -> list[str]:
+    """The folders in a folder, opened up."""
+    found = []
+    with contextlib.suppress(OSError):
+        os.chmod(folder, 0o700)
+        with os.scandir(folder) as entries:
+            found = [entry.path for entry in entries if entry.is_dir(follow_symlinks=False)]
+    for path in found:
+        with contextlib.suppress(OSError):
+            os.chmod(path, 0o700)
+    return found
 
 
 def _is_running(process: int) -> bool:

@@ -16,6 +16,7 @@ from typing import Any
 
 import numpy as np
 
+from autograder.untrusted import read_json
 from labsid.checks.values import (
     MAX_INTEGER,
     AxesValue,
@@ -80,7 +81,7 @@ def _receive(sock: socket.socket, deadline: float) -> dict[str, Any]:
     if length > MAX_MESSAGE_BYTES:
         raise ChannelError(f"a message of {length} bytes; at most {MAX_MESSAGE_BYTES} are allowed")
     try:
-        message = json.loads(_read(sock, length, deadline))
+        message = read_json(_read(sock, length, deadline), parts=b"[{,")
     except (ValueError, RecursionError, MemoryError) as error:
         raise ChannelError(f"not a message ({type(error).__name__})") from None
     if not isinstance(message, dict):

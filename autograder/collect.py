@@ -9,7 +9,6 @@ Names in the zip are only read. Every path that is written is made here, of a ch
 """
 
 import io
-import json
 import re
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
@@ -21,6 +20,7 @@ from typing import IO, Any
 from autograder.archive import Entry, entries
 from autograder.course import Course, Template, read_template
 from autograder.results import one_line
+from autograder.untrusted import read_json
 from autograder.worksheet import Worksheet, participant, possible_ids, submission_time, utc_timestamp
 from labsid.checks.notebook import load_assignment
 from labsid.console import write_file
@@ -171,7 +171,7 @@ def _sort(hand_in: _HandIn, entry: Entry, templates: Mapping[str, Template]) -> 
 def _assignment_of(entry: Entry, templates: Mapping[str, Template]) -> str | None:
     """The assignment whose cells a notebook has; where it cannot be read, the one that its path names."""
     try:
-        ids = {_grade_id(cell) for cell in json.loads(entry.data)["cells"]}
+        ids = {_grade_id(cell) for cell in read_json(entry.data)["cells"]}
     except (ValueError, KeyError, TypeError, RecursionError):
         ids = set()
     shared = {name: len(ids & {cell.id for cell in template.cells}) for name, template in templates.items()}

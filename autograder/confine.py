@@ -207,8 +207,14 @@ def _read_files(folder: Path) -> dict[str, bytes]:
 def _become(user: int, folder: str | None) -> None:
     """Become a user that nobody else is; the work folder comes along."""
     if folder is not None:
-        for path in (folder, *(entry.path for entry in os.scandir(folder))):
-            os.chown(path, user, user, follow_symlinks=False)
+        # a process before this one may have put a link there, or into it, to what is not the student's
+        place = os.open(folder, os.O_RDONLY | os.O_DIRECTORY | os.O_NOFOLLOW)
+        os.fchown(place, user, user)
+        for name in os.listdir(place):
+            found = os.stat(name, dir_fd=place, follow_symlinks=False)
+            if stat.S_ISDIR(found.st_mode) or found.st_nlink == 1:
+                os.chown(name, user, user, dir_fd=place, follow_symlinks=False)
+        os.close(place)
     os.setgroups([])
     os.setresgid(user, user, user)
     os.setresuid(user, user, user)

@@ -249,8 +249,11 @@ def _is_weaker(rung: str, wanted: str) -> bool:
 
 def _handed_in(folder: Path) -> datetime | None:
     """When a submission was handed in, as nbgrader's ``timestamp.txt`` in its folder says."""
+    path = folder / "timestamp.txt"
     try:
-        with (folder / "timestamp.txt").open(encoding="utf-8", errors="replace") as file:
+        if not path.is_file():  # a pipe would be waited for
+            return None
+        with path.open(encoding="utf-8", errors="replace") as file:
             return read_timestamp(file.read(200))
     except OSError:
         return None

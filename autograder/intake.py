@@ -8,6 +8,7 @@ from typing import Any
 import nbformat
 
 from autograder.course import Template
+from autograder.untrusted import read_json
 
 MAX_NOTEBOOK_BYTES = 50 * 1024 * 1024
 
@@ -77,6 +78,8 @@ def take_in(folder: Path, student: str, template: Template) -> Submission:
         if found is None:
             return Submission(student, template.assignment, "missing", (), ("no notebook was handed in",))
         name, notes = found[0].name, found[1]
+        if any(path.is_symlink() for path in (folder.parent, folder, found[0])):
+            raise ValueError("it is a link, or lies below one: hand in the file itself")
         cells = _read_cells(found[0])
     except (ValueError, OSError, RecursionError, MemoryError) as error:
         return quarantined(student, template.assignment, f"{name} cannot be read: {error}")
@@ -106,7 +109,7 @@ def _read_cells(path: Path) -> list[dict[str, Any]]:
     if path.stat().st_size > MAX_NOTEBOOK_BYTES:
         raise ValueError(f"it is larger than {MAX_NOTEBOOK_BYTES // 2**20} MiB")
     try:
-        raw = json.loads(path.read_text(encoding="utf-8-sig"))
+        raw = read_json(path.read_bytes().decode("utf-8-sig").encode())
     except json.JSONDecodeError as error:
         raise ValueError(f"it is not a notebook (broken JSON at line {error.lineno})") from None
     except UnicodeDecodeError:

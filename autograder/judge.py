@@ -5,6 +5,7 @@ functions are tried. A question that fails has its right values put in the place
 steps are judged on them.
 """
 
+import builtins
 import hashlib
 import hmac
 import time
@@ -106,6 +107,7 @@ class _Waiting:
 
 
 _RUN = ("given", "answer", "extra")
+WITHHELD = "(What this cell printed is left out: it ran on the right values of an earlier step that went wrong.)\n"
 
 
 class _Walk:
@@ -122,6 +124,7 @@ class _Walk:
         self._waiting: list[_Waiting] = []
         self._found: list[QuestionResult] = []
         self._failed: list[str] = []
+        self._told = False  # whether right values stand in the student's process
         self.wrong: dict[str, dict[str, Value]] = {}
         self._running = Running(workshop, folder)
 
@@ -134,6 +137,7 @@ class _Walk:
         try:
             for step in self._submission.steps:
                 ran = self._running.run(step) if step.code and step.kind in _RUN else Ran(step, Reply(True))
+                ran = without_values(ran) if self._told else ran
                 gone.append(ran)
                 if step.kind in ("answer", "extra") and step.code:
                     answer.append(ran)
@@ -221,7 +225,7 @@ class _Walk:
             student.close()
 
     def _drawn(self, ask: WatchingAsk) -> tuple[str, ...]:
-        return tuple(map(svg_picture, ask.figures)) if self._pictures else ()
+        return tuple(map(svg_picture, ask.figures)) if self._pictures and not self._told else ()
 
     def _snapshot(self) -> tuple[Student | None, StudentDied | None]:
         try:
@@ -287,6 +291,7 @@ class _Walk:
         if given and not passed:
             self.wrong[question.id] = ask.values_of(given)
             self._running.set(given)
+            self._told = True
 
     def _ask(self, question: Question, student: Callable[[], Student], known: Mapping[str, Value]) -> WatchingAsk:
         identity = f"{self._submission.student}\0{self._submission.assignment}\0{question.id}".encode(
@@ -295,6 +300,16 @@ class _Walk:
         seed = hmac.new(self._assets.secret, identity, hashlib.sha256).digest()
         rng = np.random.default_rng(list(seed))
         return WatchingAsk(student, self._assets.record, known, rng, self._assets.origin)
+
+
+def without_values(ran: Ran) -> Ran:
+    """What a cell said, without anything that could tell the right values that it was run with."""
+    reply = ran.reply
+    error = reply.error
+    if error is not None:
+        kind = error.get("kind")
+        error = {"kind": kind if hasattr(builtins, str(kind)) else "an error", "text": "", "line": error.get("line")}
+    return replace(ran, reply=Reply(reply.ok, None, error, WITHHELD if reply.stdout else ""))
 
 
 def _with_error(verdict: Verdict, ran: list[Ran]) -> Verdict:

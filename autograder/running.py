@@ -1,5 +1,6 @@
 """A student's notebook while it runs: within its limits, and brought back to where it was when its process dies."""
 
+import contextlib
 import time
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -67,7 +68,10 @@ class Running:
             self.student.close()
             if time.monotonic() > self._until:
                 return
-            self.student = self._start()
+            try:
+                self.student = self._start()
+            except StudentDied:  # its folder was made unusable: what is asked of it now fails, and is tried again
+                return
             failed = self._replay(self.student, len(self._done))
             if failed is None:
                 return
@@ -75,7 +79,10 @@ class Running:
 
     def replayed(self, key: int) -> Student | None:
         """A new process, brought to where the first one was when it kept its variables under that key."""
-        student = self._start()
+        try:
+            student = self._start()
+        except StudentDied:
+            return None
         if self._replay(student, self._done.index(key)) is None:
             return student
         student.close()
@@ -104,6 +111,8 @@ class Running:
         return None
 
     def _start(self) -> Student:
+        with contextlib.suppress(OSError):
+            self._folder.mkdir(0o700, exist_ok=True)  # student code may have taken it away
         student = self._workshop.start(self._folder)
         student.until = self._until
         return student

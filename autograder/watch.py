@@ -26,8 +26,9 @@ class WatchingAsk(ProcessAsk):
         self._seen: dict[str, Value] = {}
 
     def value(self, name: str) -> Value:
-        """The variable as plain data."""
-        self._seen[name] = super().value(name)
+        """The variable as plain data; asked for once, as an object of the student's may answer otherwise next time."""
+        if name not in self._seen:
+            self._seen[name] = super().value(name)
         return self._seen[name]
 
     @property

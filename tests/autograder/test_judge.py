@@ -533,3 +533,13 @@ def test_all_output_together_is_limited(forked: Workshop, tmp_path: Path, monkey
     monkeypatch.setattr(forked, "limits", Limits(output_characters=5))
     first, _, last = walk(forked, tmp_path, "a = 3\nprint('one')", LINE, "print('two and more')")
     assert (first.output, last.output) == ("one\n", "t")
+
+
+@pytest.mark.parametrize("cell", ["print('a is', a)", "raise ValueError(a)", "raise type(f'E{a}', (Exception,), {})"])
+def test_a_right_value_that_was_carried_forward_is_not_told(forked: Workshop, tmp_path: Path, cell: str) -> None:
+    _, second, _ = grade(forked, tmp_path, "a = -3", f"{cell}\ndef f(x):\n    return 0 * x")
+    assert second.score == 0
+    assert "3" not in second.output + second.reason.replace("line 1", "")
+    assert ("left out" in second.output) == cell.startswith("print")
+    _, shown, _ = grade(forked, tmp_path, "a = 3", f"{cell}\ndef f(x):\n    return 0 * x")
+    assert "3" in shown.output + shown.reason
