@@ -91,10 +91,13 @@ def decide(explained: Explained, left: Leftover, given: Fit | None, unrepeated: 
     level = len(explained.best.hypothesis.names)
     weights = _weights(explained, level)
     simulated = explained.best.hypothesis.names
-    noise = is_noise(left, "output-quantization" in explained.added)
+    converted = "output-quantization" in explained.added
+    noise = is_noise(left, converted)
     # What repeats itself with the input is no noise of the sensor, however slow it is.
     added = explained.added if noise else tuple(name for name in explained.added if name != "coloured-noise")
-    trust = trusted(explained, left) * (LEVELS_LEFT if unrepeated > UNREPEATED else 1.0)
+    trust = trusted(explained, left)
+    if unrepeated > UNREPEATED and not converted:
+        trust *= LEVELS_LEFT
     probability = {name: trust * sum(w for names, w in weights.items() if name in names) for name in simulated}
     probability |= dict.fromkeys(added, trust)
     rivals: dict[str, float] = {}

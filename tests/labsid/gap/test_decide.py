@@ -168,3 +168,5 @@ def test_levels_that_do_not_come_back_are_no_drift_that_leaves_them(banded: Expl
     decision = decide(rivalled(banded), left, None, unrepeated=0.6)
     check(decision)
     assert decision.verdict == "unknown"
+    rounded = replace(rivalled(banded), added=("output-quantization",))
+    assert decide(rounded, left, None, unrepeated=0.6).verdict == "effect"
