@@ -55,11 +55,11 @@ ATTACKS = (
         said="took longer than",
     ),
     Attack(
-        "fifteen hundred cells",
+        "a hundred cells",
         "so many are not run, and what comes after them is not answered",
-        extras={MATRIX: ("1",) * 1500},
+        extras={MATRIX: ("1",) * 100},
         loses=(MATRIX, FUNCTION, FIRST, SECOND),
-        said="more than 1000 cells",
+        said="more than 60 cells",
     ),
     Attack(
         "2 GB of memory",

@@ -55,6 +55,7 @@ LIMITS = Limits(
     disk_bytes=8 << 20,
     processes=24,
     cpu_seconds=20,
+    cells=60,
 )
 
 
