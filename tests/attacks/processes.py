@@ -128,6 +128,7 @@ ATTACKS = (
                 "    try:\n        do()\n    except OSError:\n        pass\nos._exit(1)"},
         loses=(NOISE,),
         said="exit status 1",
+        hurts_itself=True,
     ),
     Attack(
         "a tree too deep to remove",
