@@ -21,7 +21,7 @@ from labsid.record import Record
 FAR = 1e6  # ranges of the record's output
 NO_STATES = np.zeros((0, 0))
 
-Simulation = dict[str, Any] | FloatArray | Callable[[FloatArray, FloatArray], FloatArray]
+Simulation = dict[str, Any] | RunningModel | FloatArray | Callable[[FloatArray, FloatArray], FloatArray]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -42,6 +42,8 @@ class Baseline:
     elsewhere : callable, optional
         ``elsewhere(record) -> y`` of a given simulation that can be run: its output on another record, shape (N,), the
         initial state estimated from the first samples there.
+    start : ndarray, optional
+        Numbers of the structure from which the search begins, where the given simulation tells them.
     """
 
     before: Fit | None
@@ -49,6 +51,7 @@ class Baseline:
     given: bool
     output_only: bool = False
     elsewhere: Callable[[Record], FloatArray] | None = None
+    start: FloatArray | None = None
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -147,7 +150,8 @@ def baseline_of(data: Data, t: FloatArray, simulation: Simulation | None, order:
     t : ndarray, shape (N,)
         Times of the record, for a callable simulation.
     simulation : dict, ndarray, callable or None
-        MODEL.json or an exported simulation; the output of any simulator on the record; ``simulate(t, u) -> y``.
+        MODEL.json or an exported simulation, read or not; the output of any simulator on the record;
+        ``simulate(t, u) -> y``.
     order : int
         Of the fitted structure where no simulation is given: 1 to 4.
 
@@ -160,13 +164,27 @@ def baseline_of(data: Data, t: FloatArray, simulation: Simulation | None, order:
         if order > 4:
             raise ValueError(f"--order must be at most 4; got {order}. Give a larger model with --sim.")
         return Baseline(None, linear_structure(order), given=False)
-    if isinstance(simulation, dict) and simulation.get("schema") == SCHEMA:
-        return _exported(data, exported_model(simulation, data.Ts))
+    simulation = as_running(simulation, data.Ts)
+    if isinstance(simulation, RunningModel):
+        return _exported(data, simulation)
     if isinstance(simulation, dict):
         return _transfer_function(data, read_transfer_function(simulation, data.Ts))
     if callable(simulation):
         return _callable(data, t, simulation)
     return _series(data, np.asarray(simulation, float))
+
+
+def as_running(simulation: Simulation | None, Ts: float) -> Simulation | None:
+    """The simulation, an exported one read.
+
+    Raises
+    ------
+    ValueError
+        If it is none, or one of another sampling time.
+    """
+    if isinstance(simulation, dict) and simulation.get("schema") == SCHEMA:
+        return exported_model(simulation, Ts)
+    return simulation
 
 
 def bounded(y: FloatArray, measured: FloatArray) -> FloatArray:
@@ -196,7 +214,8 @@ def _exported(data: Data, model: RunningModel) -> Baseline:
     plant = model.hypothesis.plant
     before = _as_it_is(data, output, NO_STATES, plant.linear_rates(model.theta[model.hypothesis.slices["plant"]]))
     free = Hypothesis(model.hypothesis.effects, known=len(model.hypothesis.effects))
-    return Baseline(before, free, given=True, elsewhere=lambda record: model.simulate(record.u, record.y))
+    start = model.theta if (model.u_scale, model.y_scale) == (data.u_scale, data.y_scale) else None
+    return Baseline(before, free, True, elsewhere=lambda record: model.simulate(record.u, record.y), start=start)
 
 
 def _callable(data: Data, t: FloatArray, simulate: Callable[[FloatArray, FloatArray], FloatArray]) -> Baseline:

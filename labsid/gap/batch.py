@@ -18,7 +18,7 @@ from labsid.console import write_file, write_json
 from labsid.gap.workers import ATTEMPTS, run_tasks, serve
 
 if TYPE_CHECKING:  # it comes with the whole search, which only the workers need
-    from labsid.gap.which import Progress
+    from labsid.gap.tree import Progress
 
 SCHEMA = "labsid.gap/1"
 RECORDS = (".csv", ".mat")

@@ -7,14 +7,14 @@ import numpy as np
 
 from labsid._arrays import FloatArray
 from labsid.gap.context import Context, Data
-from labsid.gap.effects import disturbance, dynamics, input, output
+from labsid.gap.effects import disturbance, drifting, dynamics, input, output
 from labsid.gap.effects.base import Effect, Fitted, InputEffect, PlantEffect
 from labsid.gap.fitting import Fit, Point, at_start, finish, search
 from labsid.gap.hypothesis import Hypothesis
 from labsid.gap.plants import Plant
 
 LINEAR = Hypothesis()
-PROMISING = 5  # starts of one variant that are followed
+PROMISING = 8  # starts of one variant that are followed
 BRIEFLY = 3  # of all variants of a second or third effect
 
 CANDIDATES: tuple[tuple[Effect, ...], ...] = (
@@ -30,7 +30,7 @@ CANDIDATES: tuple[tuple[Effect, ...], ...] = (
     tuple(dynamics.Overflow(which + side) for which in ("upper", "lower") for side in ("", "-flipped")),
     tuple(dynamics.CoulombFriction(which) for which in ("position", "speed", "speed-lag")),
     (dynamics.CubicStiffness(),),
-    (dynamics.GainDrift("1"), dynamics.GainDrift("4"), dynamics.PoleDrift("1"), dynamics.PoleDrift("3")),
+    (drifting.GainDrift("1"), drifting.GainDrift("4"), drifting.PoleDrift("1"), drifting.PoleDrift("3")),
     tuple(output.Drift(variant) for variant in ("1", "3", "6", "10", "settle")),
     (output.Saturation("high"), output.Saturation("low"), output.Saturation("both")),
     (output.Nonlinearity(),),
@@ -41,8 +41,14 @@ CANDIDATES: tuple[tuple[Effect, ...], ...] = (
 PLACES: tuple[tuple[Effect, ...], ...] = (
     (dynamics.ExtraLag(), dynamics.ExtraLag("ahead")),
     (dynamics.Resonance(), dynamics.Resonance("ahead"), dynamics.Resonance("beside")),
+    (dynamics.CoulombFriction("speed"), dynamics.CoulombFriction("speed-lag")),
 )
 """What may stand at several places of the chain, which are the same to linear dynamics."""
+ORDERS: tuple[tuple[Effect, ...], ...] = (
+    (input.RateLimit(), input.RateLimit("behind")),
+    (input.Nonlinearity(), input.Nonlinearity("first")),
+)
+"""What may stand at several places of the actuator, which are the same where nothing else bends the command."""
 SIMPLER: dict[Effect, Effect] = {disturbance.Leak("leak"): disturbance.LoadStep()}
 """Special cases that the search of the general one may miss."""
 
@@ -52,8 +58,9 @@ def rearranged(hypothesis: Hypothesis) -> list[Hypothesis]:
     found = []
     for i, effect in enumerate(hypothesis.effects[hypothesis.known :], hypothesis.known):
         forms = [SIMPLER[effect]] if effect in SIMPLER else []
-        if hypothesis.plant.nonlinear:
-            forms += [form for group in PLACES if effect in group for form in group if form != effect]
+        groups = PLACES if hypothesis.plant.nonlinear else ()
+        groups += ORDERS if sum(e.name != "input-delay" for e in hypothesis.inputs) > 1 else ()
+        forms += [form for group in groups if effect in group for form in group if form != effect]
         for form in forms:
             effects = (*hypothesis.effects[:i], form, *hypothesis.effects[i + 1 :])
             found.append(Hypothesis(effects, hypothesis.known, hypothesis.given))
@@ -78,9 +85,27 @@ def carried(fit: Fit, other: Hypothesis) -> FloatArray:
     return theta
 
 
-def baseline(data: Data, hypothesis: Hypothesis = LINEAR) -> Fit:
-    """Fit a linear structure, unless given the lab's (second order, strictly proper), by output error."""
-    best: Point | None = None
+def without(data: Data, fit: Fit, which: int) -> Fit | None:
+    """A fit as it is but for one of its effects; None where that cannot be simulated."""
+    old = fit.hypothesis
+    other = Hypothesis((*old.effects[:which], *old.effects[which + 1 :]), old.known, old.given)
+    starts = [carried(fit, other)]
+    place, before, now = other.slices["plant"], old.plant, other.plant
+    if (before.kind, before.upper_root, before.lower_root) != (now.kind, now.upper_root, now.lower_root):
+        rates = [base[:2] for base in now.starts(*fit.rates)]
+        starts = [starts[0].copy() for _ in rates]
+        for start, pair in zip(starts, rates, strict=True):
+            start[place][:2] = pair
+    points = [point for start in starts if (point := search(data, other, start, iterations=0)) is not None]
+    return finish(data, other, min(points, key=lambda point: point.cost)) if points else None
+
+
+def baseline(data: Data, hypothesis: Hypothesis = LINEAR, known: FloatArray | None = None) -> Fit:
+    """Fit a structure, unless given the lab's (second order, strictly proper), by output error.
+
+    A structure with its effects' numbers `known` begins from there.
+    """
+    best = None if known is None else search(data, hypothesis, known, iterations=12)
     for slow, fast in ((0.02, 0.3), (0.1, 0.5), (0.005, 0.05), (0.3, 1.5)):
         start = _linear_theta(hypothesis, slow + fast, slow * fast)
         best = _better(best, search(data, hypothesis, start, iterations=12))
@@ -150,7 +175,6 @@ def sketches(data: Data, parent: Fit, group: tuple[Effect, ...], swift: Fit, bri
     Empty where the record cannot show the effect; `brief` takes fewer starts and steps.
     """
     context = Context(data, parent, swift)
-    count = int(data.rows.sum())
     looked = []
     for effect in group:
         if effect.applies(context) and compatible(parent, effect):
@@ -165,9 +189,21 @@ def sketches(data: Data, parent: Fit, group: tuple[Effect, ...], swift: Fit, bri
     for _, hypothesis, theta in looked:
         point = search(data, hypothesis, theta, iterations=2 if brief else 3, tolerance=1e-2)
         if point is not None:
-            free = point.theta.size + point.gains.size
-            found.append(Sketch(hypothesis, point, count * np.log(point.cost) + free * np.log(count)))
+            found.append(_sketch(data, hypothesis, point))
     return sorted(found, key=lambda sketch: sketch.score)
+
+
+def onward(data: Data, tried: list[Sketch]) -> list[Sketch]:
+    """The same sketches, the best of them a few steps further."""
+    first = tried[0]
+    point = search(data, first.hypothesis, first.point.theta, first.point.gains, iterations=4, tolerance=1e-2)
+    return [first if point is None else _sketch(data, first.hypothesis, point), *tried[1:]]
+
+
+def _sketch(data: Data, hypothesis: Hypothesis, point: Point) -> Sketch:
+    count = int(data.rows.sum())
+    free = point.theta.size + np.count_nonzero(point.gains)
+    return Sketch(hypothesis, point, count * np.log(point.cost) + free * np.log(count))
 
 
 def _first(item: tuple[float, Hypothesis, FloatArray]) -> float:

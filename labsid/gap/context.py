@@ -118,7 +118,14 @@ class Context:
         return (self.swift or self.parent).rates
 
 
-def scaled(u: FloatArray, y: FloatArray, rows: np.ndarray, Ts: float, start: float = 0.0) -> Data:
+def scaled(
+    u: FloatArray,
+    y: FloatArray,
+    rows: np.ndarray,
+    Ts: float,
+    start: float = 0.0,
+    scales: tuple[Scale, Scale] | None = None,
+) -> Data:
     """Centre both signals and divide them by their spread.
 
     Parameters
@@ -131,11 +138,13 @@ def scaled(u: FloatArray, y: FloatArray, rows: np.ndarray, Ts: float, start: flo
         Sampling time in seconds.
     start : float
         Time of the first sample in seconds.
+    scales : tuple of Scale, optional
+        Those of input and output that a simulation counts in, in the place of the record's own.
 
     Returns
     -------
     Data
     """
-    u_scale = Scale(float(np.mean(u)), float(np.std(u)))
-    y_scale = Scale(float(np.mean(y)), float(np.std(y)))
+    own = Scale(float(np.mean(u)), float(np.std(u))), Scale(float(np.mean(y)), float(np.std(y)))
+    u_scale, y_scale = scales or own
     return Data(u_scale.of(u), y_scale.of(y), rows, Ts, u_scale, y_scale, start)

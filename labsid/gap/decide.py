@@ -7,7 +7,8 @@ import numpy as np
 
 from labsid.gap.fitting import Fit, power
 from labsid.gap.leftover import SLOW, Leftover, is_noise
-from labsid.gap.which import Explained, worth
+from labsid.gap.tree import worth
+from labsid.gap.which import Explained
 
 TEMPERATURE = 4.0  # BIC counts for less than theory says: models are never exactly true
 TOLD_APART = 0.03  # probability below which a rival is left out of the set
@@ -40,10 +41,10 @@ class Evidence(NamedTuple):
     tails: float = 0.0
 
 
-PRIOR = 2.6
-AGAINST = Evidence(colour=-3.2, repeats=-2.6, activity=-0.8, tails=-1.9)
-PATCHES = {2: -1.9, 3: -1.0}  # at so many effects
-CLOSED = 0.8
+PRIOR = 3.4
+AGAINST = Evidence(colour=-4.2, repeats=-3.4, activity=-1.0, tails=-2.5)
+PATCHES = {2: -2.5, 3: -1.3}  # at so many effects
+CLOSED = 1.05
 
 
 @dataclass(frozen=True, slots=True, eq=False)

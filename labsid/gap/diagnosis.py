@@ -8,16 +8,18 @@ import numpy as np
 
 from labsid._arrays import FloatArray
 from labsid.gap.answer import answer
-from labsid.gap.baseline import Simulation, baseline_of, bounded
+from labsid.gap.baseline import Baseline, Simulation, as_running, baseline_of, bounded
 from labsid.gap.context import scaled
 from labsid.gap.decide import decide
-from labsid.gap.how_much import how_much_of
+from labsid.gap.effects.base import AdditiveEffect
+from labsid.gap.how_much import HowMuch, how_much_of
 from labsid.gap.leftover import leftover
 from labsid.gap.long_record import holdout_part, part_of
 from labsid.gap.model_file import RunningModel, running_model
 from labsid.gap.record_findings import error_findings, filter_length, plateau_gap, record_findings
 from labsid.gap.traces import traces
-from labsid.gap.which import Progress, explain
+from labsid.gap.tree import Progress
+from labsid.gap.which import Explained, explain
 from labsid.record import Record
 
 FEWEST = 100  # samples
@@ -87,34 +89,23 @@ def diagnose(
     _check(record, holdout)
     if holdout is not None:
         holdout = Record(holdout.t, behind_filter(holdout), holdout.y, holdout.Ts, name=holdout.name)
-    rows = np.ones(len(record), bool)
-    for start, stop in exclude:
-        inside = (record.t >= start) & (record.t < stop)
-        if not inside.any():
-            span = f"{record.t[0]:g} to {record.t[-1]:g} s"
-            raise ValueError(f"--exclude {start:g}:{stop:g} holds no sample: the record runs from {span}.")
-        rows &= ~inside
-    if rows.sum() < FEWEST:
-        raise ValueError(f"--exclude leaves {rows.sum()} samples; at least {FEWEST} must stay.")
-    data = scaled(behind_filter(record), record.y, rows, record.Ts, float(record.t[0]))
+    simulation = as_running(simulation, record.Ts)
+    scales = (simulation.u_scale, simulation.y_scale) if isinstance(simulation, RunningModel) else None
+    rows = _counted(record, exclude)
+    data = scaled(behind_filter(record), record.y, rows, record.Ts, float(record.t[0]), scales)
     base = baseline_of(data, record.t, simulation, order)
     if base.output_only and holdout is not None:
         raise ValueError(
             "a simulated output is known on its own record only. Give a simulation that runs, or no holdout."
         )
-    explained = explain(data, base.free, progress=progress)
+    rng = np.random.default_rng(seed)
+    explained, amount = _scored(explain(data, base.free, base.start, progress=progress), base, holdout, rng)
     left = leftover(explained.data, explained.best)
     ends = (base.before or explained.path[0]).output, explained.best.output
     before, after = (np.asarray(data.y_scale.back(output)) for output in ends)
     plateau = plateau_gap(record.u, record.y, before, after, explained.data.rows)
     unrepeated = plateau.left if plateau is not None and plateau.matters else 0.0
     decision = decide(explained, left, base.before, unrepeated)
-    rng = np.random.default_rng(seed)
-    other = None if holdout is None else (data.u_scale.of(holdout.u), data.y_scale.of(holdout.y))
-    played = None
-    if holdout is not None and base.elsewhere is not None:
-        played = data.y_scale.of(bounded(base.elsewhere(holdout), holdout.y))
-    amount = how_much_of(explained, base.before, other, rng, played)
     model = running_model(explained.data, amount.after_fit)
     report = answer(record, explained, base, decision, left, amount, rng, holdout)
     seen = record_findings(whole, plateau) + error_findings(record.u, record.y, before, after, explained.data.rows)
@@ -129,6 +120,40 @@ def diagnose(
         after = model.simulate(holdout.u, holdout.y)
         report["holdout_traces"] = traces(holdout.t, holdout.u, holdout.y, before, after)
     return Diagnosis(report, model)
+
+
+def _counted(record: Record, exclude: Sequence[tuple[float, float]]) -> np.ndarray:
+    """The samples that `exclude` leaves."""
+    rows = np.ones(len(record), bool)
+    for start, stop in exclude:
+        inside = (record.t >= start) & (record.t < stop)
+        if not inside.any():
+            span = f"{record.t[0]:g} to {record.t[-1]:g} s"
+            raise ValueError(f"--exclude {start:g}:{stop:g} holds no sample: the record runs from {span}.")
+        rows &= ~inside
+    if rows.sum() < FEWEST:
+        raise ValueError(f"--exclude leaves {rows.sum()} samples; at least {FEWEST} must stay.")
+    return rows
+
+
+def _scored(
+    explained: Explained, base: Baseline, holdout: Record | None, rng: np.random.Generator
+) -> tuple[Explained, HowMuch]:
+    """How far an explanation closes the gap; where it helps a given simulation not at all, it is none.
+
+    A slow disturbance cannot be foretold on samples that no fit has seen, and stands nevertheless.
+    """
+    data = explained.data
+    other = None if holdout is None else (data.u_scale.of(holdout.u), data.y_scale.of(holdout.y))
+    played = None
+    if holdout is not None and base.elsewhere is not None:
+        played = data.y_scale.of(bounded(base.elsewhere(holdout), holdout.y))
+    amount = how_much_of(explained, base.before, other, rng, played)
+    foretold = not any(isinstance(effect, AdditiveEffect) for effect in explained.best.hypothesis.effects)
+    if base.given and len(explained.path) > 1 and foretold and (amount.closed or 0.0) <= 0.0:
+        explained = explained.up_to(0)
+        amount = how_much_of(explained, base.before, other, rng, played)
+    return explained, amount
 
 
 def behind_filter(record: Record) -> FloatArray:

@@ -56,7 +56,7 @@ class Fit:
     @property
     def free(self) -> int:
         """How many numbers were fitted."""
-        return self.theta.size + self.gains.size
+        return self.theta.size + int(np.count_nonzero(self.gains))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -227,7 +227,7 @@ def finish(data: Data, hypothesis: Hypothesis, point: Point) -> Fit:
     """
     e = data.y - point.output
     noise = fit_noise(e, data.sound)
-    free = point.theta.size + point.gains.size
+    free = point.theta.size + int(np.count_nonzero(point.gains))
     bic = noise.score + free * np.log(noise.rows)
     if data.by_free_run:
         power = max(float(np.mean(e[data.rows] ** 2)), noise.sigma2)

@@ -92,7 +92,7 @@ class Hypothesis:
         plant = self.given or Plant()
         for effect in self.effects:
             plant = effect.shape(plant)
-        inputs = sorted((e for e in self.effects if isinstance(e, InputEffect)), key=lambda e: e.place)
+        inputs = sorted((e for e in self.effects if isinstance(e, InputEffect)), key=lambda e: e.order)
         outputs = sorted((e for e in self.effects if isinstance(e, OutputEffect)), key=lambda e: e.place)
         additive = [e for e in self.effects if isinstance(e, AdditiveEffect)]
         parameters: list[Parameter] = [] if any(e.name == "input-delay" for e in inputs) else [DELAY]

@@ -55,7 +55,7 @@ class Plant:
     upper_root, lower_root : bool
         Torricelli outflow of the upper and of the lower tank.
     brim : int
-        0 none, 1 the upper tank's, 2 the lower tank's.
+        0 none, 1 the upper tank's, 2 the lower tank's, 3 both.
     flipped : bool
         The input counts outflow: more u means less flow.
     friction, cubic : bool
@@ -106,7 +106,7 @@ class Plant:
     def _searched(self) -> tuple[Parameter, ...]:
         if self.kind == "given":
             return ()
-        rates = [Parameter("log_c", -9.0, 3.5), Parameter("log_k", -22.0, 4.0)]
+        rates = [Parameter("log_c", -14.0, 3.5), Parameter("log_k", -22.0, 4.0)]
         if self.kind in ("tanks", "speed"):
             rates = [Parameter("log_a", SLOWEST, FASTEST), Parameter("log_b", SLOWEST, FASTEST)]
         own: list[Parameter] = []
@@ -115,8 +115,10 @@ class Plant:
                 own += [Parameter("zero", -200.0, 3.0)]
             if self.brim:
                 own += [Parameter("brim", -5.0, 400.0, leap=0.05)]
-            if self.brim == 1:
+            if self.brim != 2 and self.brim:
                 own += [Parameter("share", 0.0, 1.0)]
+            if self.brim == 3:
+                own += [Parameter("brim2", -5.0, 400.0, leap=0.05)]
             own += [Parameter("h1", -50.0, 50.0), Parameter("h2", -50.0, 50.0)]
         elif self.kind == "mechanics":
             if self.friction:
@@ -206,8 +208,8 @@ class Plant:
     def state_columns(self) -> tuple[int, ...]:
         """Which columns hold the initial state; the gains of the others belong to the rig."""
         if self.kind == "linear":
-            width = 4 if self.zero else 3
-            own: tuple[int, ...] = (width - 2, width - 1)
+            width = 5 if self.zero else 4
+            own: tuple[int, ...] = (width - 3, width - 2)
         elif self.kind == "varying":
             width = 7 if self.course == "step" else 8
             own = (width - 2, width - 1)

@@ -12,6 +12,7 @@ if TYPE_CHECKING:
     from labsid.gap.plants import Plant
 
 NO_BRIM = np.inf
+AT_REST = 6.0  # time constants after which a free motion is over
 QUICKEST = 2.4  # rate of a tank, a sample: what is quicker follows its inflow at once
 
 
@@ -102,10 +103,21 @@ def through_mode(w: FloatArray, frequency: float, damping: float) -> FloatArray:
 
 def _linear(plant: "Plant", own: dict[str, float], w: FloatArray, span: int, reference: float) -> FloatArray:
     c, k = float(np.exp(own["log_c"])), float(np.exp(own["log_k"]))
+    away = _rising(c, k, w.size, span)
     if plant.zero:
-        return section(c, k, w - reference)
+        return beside([section(c, k, w - reference), away])
     exact = _kernels.mechanics(w - reference, c, k, 0.0, 0.0, 0.0, 0.0, 1)[:, :1] * k
-    return beside([exact, section(c, k, np.zeros(w.size))[:, 2:]])
+    return beside([exact, section(c, k, np.zeros(w.size))[:, 2:], away])
+
+
+def _rising(c: float, k: float, samples: int, span: int) -> FloatArray:
+    """What an offset of the input does to a plant that hardly comes to rest within the record; zero for any other.
+
+    There the offset is no constant of the output: behind an integrator it is a ramp.
+    """
+    if real_rates(c, k)[0] * span > AT_REST:
+        return np.zeros((samples, 1))
+    return _kernels.second_order(np.ones(samples), *denominator(c, k))[:, None]
 
 
 def _tanks(plant: "Plant", own: dict[str, float], w: FloatArray, span: int, reference: float) -> FloatArray:
@@ -128,8 +140,8 @@ def _tanks(plant: "Plant", own: dict[str, float], w: FloatArray, span: int, refe
         b,
         plant.upper_root,
         plant.lower_root,
-        brim if plant.brim == 1 else NO_BRIM,
-        brim if plant.brim == 2 else NO_BRIM,
+        brim if plant.brim in (1, 3) else NO_BRIM,
+        brim if plant.brim == 2 else own.get("brim2", NO_BRIM),
         own.get("share", 0.0),
         h1 + own["h1"],
         h2 + own["h2"],

@@ -1,44 +1,27 @@
 """Which effects: single ones first, then a second and a third on top of the best, as long as it gains enough."""
 
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
 
-from labsid.gap.candidates import (
-    CANDIDATES,
-    LINEAR,
-    baseline,
-    carried,
-    finished,
-    price,
-    rearranged,
-    sketches,
-    swift_fit,
-)
+from labsid._arrays import FloatArray
+from labsid.gap.candidates import LINEAR, baseline
 from labsid.gap.context import Data
 from labsid.gap.effects.base import AdditiveEffect
-from labsid.gap.fitting import Fit, finish, polish, power, refit, rms, search, settle
+from labsid.gap.fitting import Fit, power, refit
 from labsid.gap.holdout import BLOCKS, held_out
 from labsid.gap.hypothesis import Hypothesis
-from labsid.gap.leftover import SLOW, explained_share, slow_colour
+from labsid.gap.leftover import SLOW, slow_colour
 from labsid.gap.raw import RawFaults, find_held, find_spikes
+from labsid.gap.tree import EFFECT_SIZE, Levels, Progress, best_path, changes, search_tree
 from labsid.signal_quality import lattice_step
 
-Progress = Callable[[str, float], None]
-Levels = tuple[dict[tuple[str, ...], Fit], ...]
-
-BEAM = 3  # best first effects on top of which a second one is tried; a third one only on the best pair
-FOLLOWED = 6  # second and third effects that are taken to the end, of each parent
-POLISHED = 6
-MARGIN = 12.0  # BIC: what one effect more has to gain
-NOTHING = 1e-9  # scaled: a difference of rounding
-EFFECT_SIZE = 0.3  # change of the simulation over the standard deviation of what is left
 NAMED_SIZE = (EFFECT_SIZE, 1.0, 2.0)  # the same, for a first, second and third effect that is named
 FAINT = 0.6  # the same, below which a first effect that is not told from others is none
 TOSS_UP = 6.0  # BIC
 RAW_SIZE = 1.3  # mean square error with the bad samples over that without them
 STRONG_COLOUR = 1.3  # standard deviation of the noise over that of its innovations
+BEYOND_ROUNDING = 1.3  # mean square error over that of the converter alone
 VERY_SLOW = 4.0  # standard deviation of the residual over that of its innovations
 HELPS = 0.8  # of the error on blocks that were not fitted
 
@@ -71,13 +54,23 @@ class Explained:
         """The accepted hypothesis."""
         return self.path[-1]
 
+    def up_to(self, level: int) -> "Explained":
+        """The same without the effects beyond a level of the path."""
+        return replace(self, path=self.path[: level + 1])
+
     @property
     def names(self) -> tuple[str, ...]:
         """All effects."""
         return (*self.best.hypothesis.names, *self.added)
 
 
-def explain(data: Data, structure: Hypothesis = LINEAR, most: int = 3, progress: Progress | None = None) -> Explained:
+def explain(
+    data: Data,
+    structure: Hypothesis = LINEAR,
+    start: FloatArray | None = None,
+    most: int = 3,
+    progress: Progress | None = None,
+) -> Explained:
     """Search for the effects that explain a record.
 
     Parameters
@@ -85,6 +78,8 @@ def explain(data: Data, structure: Hypothesis = LINEAR, most: int = 3, progress:
     data : Data
     structure : Hypothesis
         What the simulation under test already holds.
+    start : ndarray, optional
+        Its numbers, where they are known.
     most : int
         How many effects at most.
     progress : callable, optional
@@ -94,13 +89,13 @@ def explain(data: Data, structure: Hypothesis = LINEAR, most: int = 3, progress:
     lattice = lattice_step(y)
     stretches = find_held(y, lattice)
     held = np.zeros(data.samples, bool)
-    for start, stop in stretches:
-        held[start:stop] = True
+    for stretch in stretches:
+        held[slice(*stretch)] = True
     usable = data.rows & ~held
-    clean, spikes, levels, path = _beside_spikes(data, usable, structure, most, progress)
+    clean, spikes, levels, path = _beside_spikes(data, usable, structure, start, most, progress)
     faults = RawFaults(held, stretches, spikes, None if lattice is None else lattice / data.y_scale.unit)
     if slow_leftover(clean, path[-1]):
-        other_levels, other = search_tree(replace(clean, by_free_run=True), structure, min(most, 2), progress)
+        other_levels, other = search_tree(replace(clean, by_free_run=True), structure, start, min(most, 2), progress)
         other = confirmed(clean, other)
         if len(other) > 1 and power(clean, other[-1]) < 0.5 * power(clean, path[-1]):
             levels, path = other_levels, other
@@ -111,79 +106,30 @@ def explain(data: Data, structure: Hypothesis = LINEAR, most: int = 3, progress:
 
 
 def _beside_spikes(
-    data: Data, usable: np.ndarray, structure: Hypothesis, most: int, progress: Progress | None
+    data: Data,
+    usable: np.ndarray,
+    structure: Hypothesis,
+    start: FloatArray | None,
+    most: int,
+    progress: Progress | None,
 ) -> tuple[Data, np.ndarray, Levels, tuple[Fit, ...]]:
     """The beam search without the spikes, which are judged beside the best explanation: it may be what makes them."""
-    first = baseline(replace(data, rows=usable), structure)
+    first = baseline(replace(data, rows=usable), structure, start)
     spikes = find_spikes(data.y - first.output, usable)
     clean = replace(data, rows=usable & ~spikes)
-    levels, path = search_tree(clean, structure, most, progress)
+    levels, path = search_tree(clean, structure, start, most, progress)
     again = find_spikes(data.y - path[-1].output, usable)
     few = 0.2 * max(again.sum(), 3)
     if (again & ~spikes).sum() > few:  # the baseline's error had hidden them
         clean = replace(data, rows=usable & ~again)
-        levels, path = search_tree(clean, structure, most, progress)
+        levels, path = search_tree(clean, structure, start, most, progress)
         spikes, again = again, find_spikes(data.y - path[-1].output, usable)
     if (again ^ spikes).sum() > few:  # or had made them
         clean = replace(data, rows=usable & ~again)
         new = {fit: refit(clean, fit) for level in levels for fit in level.values()}
         levels = tuple({names: new[fit] for names, fit in level.items()} for level in levels)
-        return clean, again, levels, tuple(new[fit] for fit in path)
+        return clean, again, levels, best_path(clean, levels)
     return clean, spikes, levels, path
-
-
-def search_tree(
-    data: Data, structure: Hypothesis, most: int, progress: Progress | None
-) -> tuple[Levels, tuple[Fit, ...]]:
-    """The beam search: all levels that were tried, and the accepted path."""
-    base = baseline(data, structure)
-    swift = swift_fit(data, base)
-    base = polish(data, base)
-    levels: list[dict[tuple[str, ...], Fit]] = [{(): base}]
-    path = [base]
-    beam = [base]
-    for step in range(most):
-        level: dict[tuple[str, ...], Fit] = {}
-        for number, parent in enumerate(beam):
-            tried = []
-            for place, group in enumerate(CANDIDATES):
-                if progress is not None:
-                    done = (number + place / len(CANDIDATES)) / len(beam)
-                    progress("one effect" if step == 0 else f"{step + 1} effects", done)
-                if group[0].name not in parent.hypothesis.names:
-                    tried.append(sketches(data, parent, group, swift, brief=step > 0))
-            if step > 0:
-                tried = sorted(filter(None, tried), key=lambda sketched: sketched[0].score)[:FOLLOWED]
-            for sketched in tried:
-                fit = finished(data, sketched, kept=1 if step > 0 else 3)
-                if fit is not None:
-                    names = tuple(sorted(fit.hypothesis.names))
-                    if names not in level or fit.bic < level[names].bic:
-                        level[names] = fit
-        if not level:
-            break
-        for names, fit in sorted(level.items(), key=lambda item: item[1].bic)[:POLISHED]:
-            level[names] = polish(data, min((settle(data, one) for one in _forms(data, fit)), key=price))
-        levels.append(level)
-        ranked = sorted(level.values(), key=_bic)
-        beam = ranked[: BEAM if step == 0 else 1]
-        best = next((fit for fit in ranked if worth(data, path[-1], fit)), None)
-        if best is None:
-            break
-        path.append(best)
-        if nothing_left(data, best):
-            break
-    return tuple(levels), tuple(path)
-
-
-def _forms(data: Data, fit: Fit) -> list[Fit]:
-    """The fit, and the same effects in other forms."""
-    points = [(other, search(data, other, carried(fit, other), iterations=8)) for other in rearranged(fit.hypothesis)]
-    return [fit, *(finish(data, other, point) for other, point in points if point is not None)]
-
-
-def _bic(fit: Fit) -> float:
-    return fit.bic
 
 
 def faint(data: Data, level: dict[tuple[str, ...], Fit], path: tuple[Fit, ...]) -> bool:
@@ -223,22 +169,6 @@ def confirmed(data: Data, path: tuple[Fit, ...]) -> tuple[Fit, ...]:
     return tuple(kept)
 
 
-def nothing_left(data: Data, fit: Fit) -> bool:
-    """Whether the residual is white and the input has no part in it: no further effect could gain anything."""
-    return power(data, fit) < 1.03 * fit.noise.sigma2 and explained_share(data, fit, data.y - fit.output) < 0.01
-
-
-def worth(data: Data, simpler: Fit, fit: Fit) -> bool:
-    """Whether `fit` explains significantly more than `simpler`, and something that matters."""
-    return bool(simpler.bic - fit.bic > MARGIN and changes(data, simpler, fit, EFFECT_SIZE))
-
-
-def changes(data: Data, simpler: Fit, fit: Fit, size: float) -> bool:
-    """Whether two simulations differ by more than `size` standard deviations of what the second one leaves."""
-    change = np.sqrt(np.mean((fit.output - simpler.output)[data.rows] ** 2))
-    return bool(change > max(size * rms(data, fit), NOTHING))
-
-
 def trimmed(data: Data, path: tuple[Fit, ...]) -> tuple[Fit, ...]:
     """The path without the steps at its end that are significant but small: they mend what another effect is not quite.
 
@@ -269,7 +199,7 @@ def unsimulated(data: Data, clean: Data, faults: RawFaults, best: Fit) -> tuple[
         rounding = 0.0
     wanders = {"output-drift", "parameter-drift"} & set(best.hypothesis.names)
     coloured = np.sqrt(floor / white) > STRONG_COLOUR and slow_colour(e, clean.rows) > SLOW
-    if coloured and floor > 3.0 * rounding and not wanders:  # what they leave, and a converter's steps, is slow too
+    if coloured and floor > BEYOND_ROUNDING * rounding and not wanders:  # what they and a converter leave is slow too
         found.append("coloured-noise")
     return tuple(found)
 

@@ -124,6 +124,12 @@ class InputEffect(Effect):
 
     path = "input"
     place: ClassVar[int] = 0
+    elsewhere: ClassVar[dict[str, int]] = {}
+
+    @property
+    def order(self) -> int:
+        """Its place in the actuator's chain; a variant may have another one."""
+        return self.elsewhere.get(self.variant, self.place)
 
     def apply(self, w: FloatArray, own: FloatArray, span: int) -> FloatArray:
         """The actuator's signal, shape (N,); `span` is the length of the record by which slow changes are counted."""

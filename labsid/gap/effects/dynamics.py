@@ -1,16 +1,15 @@
 """Effects inside the dynamics."""
 
-from typing import ClassVar
-
 import numpy as np
 
-from labsid._arrays import FloatArray
 from labsid.gap import _kernels
 from labsid.gap.context import Context
-from labsid.gap.effects.base import Fitted, InputEffect, PlantEffect, Value
-from labsid.gap.plants import Parameter, Plant
-from labsid.gap.responses import real_rates, slow_course
+from labsid.gap.effects.base import Fitted, PlantEffect, Value
+from labsid.gap.plants import Plant
+from labsid.gap.responses import real_rates
 
+BRIMS = {"upper": 1, "lower": 2, "both": 3}
+LEAST_DAMPING = 2e-3  # of a mode
 FEWEST_SWINGS = 4.0  # of a mode in the record
 BOTH_WAYS = 0.03  # of the record in motion either way
 
@@ -29,7 +28,10 @@ class ExtraLag(PlantEffect):
         c, k = context.rates
         slow, fast = real_rates(c, k)
         times = dict.fromkeys(np.clip(np.log([0.6 / fast, 2.0 / fast, 0.5 / slow]), -1.0, 7.0))
-        return [{"log_lag": float(time)} for time in times]
+        beside = [{"log_lag": float(time)} for time in times]
+        # Two poles that had to do for three lie between the slow one and the others.
+        slower = {"log_lag": float(np.clip(-np.log(slow), -1.0, 7.0)), "log_c+": 0.5, "log_k+": 1.0}
+        return [*beside, slower] if context.parent.hypothesis.plant.kind == "linear" else beside
 
     def holds(self, fit: Fitted) -> bool:
         """The lag has to pass the input on: its free motion alone would be a drift that settles."""
@@ -39,7 +41,7 @@ class ExtraLag(PlantEffect):
         own = fit.theta[fit.hypothesis.slices["plant"]]
         columns = plant.columns(own, fit.hypothesis.actuator(fit.theta, fit.data.u), fit.data.samples)
         parts = columns * fit.gains[: columns.shape[1]]
-        at = 0 if plant.kind != "linear" else 4 if plant.zero else 3
+        at = 0 if plant.kind != "linear" else 5 if plant.zero else 4
         passed, free = at, at + 1
         return bool(np.std(parts[:, passed]) > np.std(parts[:, free]))
 
@@ -64,8 +66,9 @@ class Resonance(PlantEffect):
         ] + [{"log_frequency": float(np.log(w)), "log_damping": float(np.log(0.15))} for w in (0.15, 0.5)]
 
     def holds(self, fit: Fitted) -> bool:
-        """A mode that swings only a few times in the whole record is a drift, not one that the input excites."""
-        return float(np.exp(fit.plant("log_frequency"))) * fit.data.samples > 2.0 * np.pi * FEWEST_SWINGS
+        """A mode that swings a few times in the whole record is a drift; one without damping, a wave from outside."""
+        swings = float(np.exp(fit.plant("log_frequency"))) * fit.data.samples / (2.0 * np.pi)
+        return swings > FEWEST_SWINGS and float(np.exp(fit.plant("log_damping"))) > LEAST_DAMPING
 
     def values(self, fit: Fitted) -> dict[str, Value]:
         """`frequency` in hertz, and `damping`."""
@@ -83,7 +86,7 @@ def peaks(context: Context, count: int, slowest: float) -> list[float]:
     width = max(9, 24 * padded // e.size // 2 * 2 + 1)
     log_power = np.log(power + 1e-300)
     smooth = np.convolve(log_power, np.ones(width) / width, mode="same")
-    height = np.where((w > slowest) & (w < 3.0), log_power - smooth, -np.inf)
+    height = np.where(w > slowest, log_power - smooth, -np.inf)
     found: list[float] = []
     for _ in range(count):
         i = int(np.argmax(height))
@@ -139,7 +142,7 @@ class Overflow(PlantEffect):
     def shape(self, plant: Plant) -> Plant:
         """Tanks with a brim."""
         which, _, flipped = self.variant.partition("-")
-        return plant.but(kind="tanks", brim=1 if which == "upper" else 2, flipped=plant.flipped or flipped == "flipped")
+        return plant.but(kind="tanks", brim=BRIMS[which], flipped=plant.flipped or flipped == "flipped")
 
     def plant_starts(self, context: Context) -> list[dict[str, float]]:
         """A little, a quarter and half inside the range of the level."""
@@ -235,62 +238,3 @@ class CubicStiffness(PlantEffect):
         """`cubic`: the added share of the restoring force, per square of the output."""
         per_level = 1.0 / (float(fit.gains[0]) * fit.data.y_scale.unit or 1.0)
         return {"cubic": Value(fit.plant("cubic") * per_level**2, "1/y^2")}
-
-
-class PoleDrift(PlantEffect):
-    """A pole changes slowly along the record, and with it possibly the gain."""
-
-    name = "parameter-drift"
-
-    @property
-    def key(self) -> str:
-        """Apart from that of a drifting gain."""
-        return f"{self.name}/pole-{self.variant}"
-
-    def shape(self, plant: Plant) -> Plant:
-        """Dynamics whose rates go along with a slow course."""
-        return plant.but(kind="varying", bends=int(self.variant) - 1)
-
-    def plant_starts(self, context: Context) -> list[dict[str, float]]:
-        """The rates up and down, with and without the damping."""
-        return [{"drift_c": part * size, "drift_k": size} for size in (0.1, -0.1) for part in (0.0, 1.0)]
-
-    def values(self, fit: Fitted) -> dict[str, Value]:
-        """`pole`: relative change of the restoring rate over the record."""
-        shape = np.array([1.0, *(fit.plant(f"bend{n}") for n in range(1, int(self.variant)))])
-        course = fit.plant("drift_k") * slow_course(shape, 101, 101)
-        return {"pole": Value(float(np.exp(course[-1] - course[0])) - 1.0, "1")}
-
-
-class GainDrift(InputEffect):
-    """A gain changes slowly along the record."""
-
-    name = "parameter-drift"
-    path = "dynamics"
-    place: ClassVar[int] = 8
-
-    @property
-    def key(self) -> str:
-        """Apart from that of a drifting pole."""
-        return f"{self.name}/gain-{self.variant}"
-
-    @property
-    def parameters(self) -> tuple[Parameter, ...]:
-        """The course of the gain, and the input at which it does not matter."""
-        shape = [Parameter(f"shape{n}", -3.0, 3.0) for n in range(1, int(self.variant) + 1)]
-        return (*shape, Parameter("zero", -20.0, 20.0, 1e-3))
-
-    def starts(self, context: Context) -> list[FloatArray]:
-        """Up and down."""
-        starts = np.zeros((2, int(self.variant) + 1))
-        starts[:, 0] = 0.1, -0.1
-        return list(starts)
-
-    def apply(self, w: FloatArray, own: FloatArray, span: int) -> FloatArray:
-        """The distance from the neutral input, times the gain."""
-        return (w - own[-1]) * (1.0 + slow_course(own[:-1], w.size, span))
-
-    def values(self, fit: Fitted) -> dict[str, Value]:
-        """`drift`: relative change of the gain over the record."""
-        course = 1.0 + slow_course(fit.own(self)[:-1], 101, 101)
-        return {"drift": Value(float(course[-1] / course[0]) - 1.0, "1")}

@@ -1,5 +1,7 @@
 """Effects on the way from the command to the dynamics."""
 
+from typing import ClassVar
+
 import numpy as np
 
 from labsid._arrays import FloatArray
@@ -130,12 +132,13 @@ class DeadZone(InputEffect):
         return np.asarray(self.apply(fit.data.u, fit.own(self), fit.data.samples) == 0.0)
 
     def holds(self, fit: Fitted) -> bool:
-        """A band that reaches to the end of the input's range is a limit, unless the rig rests in it."""
+        """A band that reaches to the end of the input's range is a limit, unless the rig rests at that end."""
         low, high = sorted(fit.own(self))
         u = fit.data.u
         edge = 0.02 * float(np.ptp(u))
         inside = low > u.min() + edge and high < u.max() - edge
-        at_rest = bool(np.all(u[:REST] == u[0])) and low <= u[0] <= high
+        at_end = u[0] < u.min() + edge if low <= u.min() + edge else u[0] > u.max() - edge
+        at_rest = bool(np.all(u[:REST] == u[0])) and low <= u[0] <= high and at_end
         return bool(high - low > edge and (inside or at_rest))
 
     def values(self, fit: Fitted) -> dict[str, Value]:
@@ -174,10 +177,11 @@ class Backlash(InputEffect):
 
 
 class RateLimit(InputEffect):
-    """The actuator slews at a bounded rate."""
+    """The actuator slews at a bounded rate; `variant` "behind" puts it behind a dead zone and a play."""
 
     name = "input-rate-limit"
     place = 2
+    elsewhere: ClassVar[dict[str, int]] = {"behind": 6}
 
     @property
     def parameters(self) -> tuple[Parameter, ...]:
@@ -200,10 +204,14 @@ class RateLimit(InputEffect):
 
 
 class Nonlinearity(InputEffect):
-    """A smooth static curve: w = u + c2 u^2 + c3 u^3 about the middle of the record's input."""
+    """A smooth static curve: w = u + c2 u^2 + c3 u^3 about the middle of the record's input.
+
+    It stands at the end of the actuator, where a valve or a pump is; the `variant` "first" stands at its beginning.
+    """
 
     name = "input-nonlinearity"
-    place = 0
+    place = 7
+    elsewhere: ClassVar[dict[str, int]] = {"first": 0}
 
     @property
     def parameters(self) -> tuple[Parameter, ...]:

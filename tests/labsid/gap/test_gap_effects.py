@@ -10,7 +10,7 @@ from labsid._arrays import FloatArray
 from labsid.gap import answer
 from labsid.gap.candidates import CANDIDATES, LINEAR, baseline
 from labsid.gap.context import Context, Data, Scale, scaled
-from labsid.gap.effects import disturbance, dynamics, input, output
+from labsid.gap.effects import disturbance, drifting, dynamics, input, output
 from labsid.gap.effects.base import AdditiveEffect, Effect, Fitted, InputEffect, OutputEffect, PlantEffect
 from labsid.gap.fitting import search
 from labsid.gap.hypothesis import Hypothesis
@@ -162,7 +162,7 @@ W = np.array([-2.0, -1.0, -0.2, 0.0, 0.5, 1.0, 2.0])
         (input.RateLimit(), [np.log(0.5)], [-2.0, -1.75, -1.25, -0.75, -0.25, 0.25, 0.75]),
         (input.Nonlinearity(), [0.5, 0.25], [-2.0, -0.75, -0.182, 0.0, 0.65625, 1.75, 6.0]),
         (input.Delay(), [3.0], W),
-        (dynamics.GainDrift("1"), [0.5, 1.0], [-1.5, -4 / 3, -1.0, -1.0, -7 / 12, 0.0, 1.5]),
+        (drifting.GainDrift("1"), [0.5, 1.0], [-1.5, -4 / 3, -1.0, -1.0, -7 / 12, 0.0, 1.5]),
     ],
     ids=lambda value: value.key if isinstance(value, Effect) else None,
 )
@@ -249,7 +249,7 @@ def test_widths_are_the_numbers_of_columns() -> None:
         (input.Nonlinearity(), [0.2, 0.1], {"c2": (0.4, "1/u"), "c3": (0.4, "1/u^2"), "centre": (2.0, "u")}),
         (output.Saturation("high"), [0.5], {"high": (11.5, "y")}),
         (output.Nonlinearity(), [0.3, 0.9], {"c2": (0.1, "1/y"), "c3": (0.1, "1/y^2"), "centre": (10.0, "y")}),
-        (dynamics.GainDrift("1"), [0.2, 0.0], {"drift": (0.5, "1")}),
+        (drifting.GainDrift("1"), [0.2, 0.0], {"drift": (0.5, "1")}),
     ],
     ids=lambda value: value.key if isinstance(value, Effect) else None,
 )
@@ -279,7 +279,7 @@ def test_values_are_in_the_units_of_the_record(
         (dynamics.Overflow("upper"), {"brim": 1.5, "share": 0.3}, {"level": (16.0, "y"), "caught": (0.3, "1")}),
         # A spring whose force is x + 0.2 x^3 in scaled input; the output is 2 x of 3 units: per y that is 0.2 / 36.
         (dynamics.CubicStiffness(), {"cubic": 0.2}, {"cubic": (0.2 / 36.0, "1/y^2")}),
-        (dynamics.PoleDrift("1"), {"drift_k": 0.2}, {"pole": (np.exp(0.4) - 1.0, "1")}),
+        (drifting.PoleDrift("1"), {"drift_k": 0.2}, {"pole": (np.exp(0.4) - 1.0, "1")}),
         (
             disturbance.Leak("leak"),
             {"onset": 0.25, "drift_k": 0.1},
@@ -324,7 +324,7 @@ def test_where_limits_act() -> None:
     fit = fitted(input.DeadZone(), None, None, -0.4, 0.3)
     inside = (fit.data.u >= -0.4) & (fit.data.u <= 0.3)
     np.testing.assert_array_equal(fit.hypothesis.effects[0].acts(fit), inside)
-    gains = np.array([0.0, 0.0, 0.0, 0.0, 1.0])
+    gains = np.array([0.0, 0.0, 0.0, 0.0, 0.0, 1.0])
     fit = fitted(output.Saturation("high"), gains, None, 0.5)
     assert fit.hypothesis.effects[0].acts(fit).all()
     fit = fitted(output.Saturation("high"), gains, None, 1.5)
@@ -370,8 +370,8 @@ def test_a_lag_has_to_pass_the_input_on(levels: FloatArray) -> None:
     hypothesis = Hypothesis((effect,))
     u = levels[:300]
     theta = np.array([0.0, np.log(0.5), np.log(0.05), np.log(5.0)])
-    passing, free = np.zeros(7), np.zeros(7)
-    passing[4], free[5] = 1.0, 1.0
+    passing, free = np.zeros(8), np.zeros(8)
+    passing[5], free[6] = 1.0, 1.0
     assert effect.holds(Fitted(hypothesis, theta, passing, data_of(u)))
     assert not effect.holds(Fitted(hypothesis, theta, free, data_of(u)))
 

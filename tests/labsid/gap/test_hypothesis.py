@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from labsid._arrays import FloatArray
-from labsid.gap.effects import disturbance, dynamics, input, output
+from labsid.gap.effects import disturbance, drifting, dynamics, input, output
 from labsid.gap.hypothesis import NUISANCE_DELAY, Hypothesis, shifted
 from labsid.gap.plants import Plant
 
@@ -129,17 +129,17 @@ def full_theta() -> FloatArray:
     return theta
 
 
-GAINS = np.array([0.03, 0.04, 0.1, -0.1, 0.2, 0.05, 0.15, 0.02, 0.01, 0.3, -0.2, 0.1, 0.05])
+GAINS = np.array([0.03, 0.04, 0.1, -0.1, 0.0, 0.2, 0.05, 0.15, 0.02, 0.01, 0.3, -0.2, 0.1, 0.05])
 
 
 def test_a_load_is_seen_through_the_sensor_and_a_drift_is_not(levels: FloatArray) -> None:
     design = FULL.design(full_theta(), levels)
-    assert design.inside.shape == (levels.size, 6 + 1 + 2)  # the plant's, the constant, the load's
+    assert design.inside.shape == (levels.size, 7 + 1 + 2)  # the plant's, the constant, the load's
     assert design.outside.shape == (levels.size, 2 + 2)  # the sinusoid's, the drift's
-    np.testing.assert_array_equal(design.inside[:, 6], 1.0)
-    expected = np.minimum((z := design.inside @ GAINS[:9]) * (1.0 + z * (0.1 + 0.02 * z)), 0.9)
+    np.testing.assert_array_equal(design.inside[:, 7], 1.0)
+    expected = np.minimum((z := design.inside @ GAINS[:10]) * (1.0 + z * (0.1 + 0.02 * z)), 0.9)
     output_ = FULL.output(full_theta(), GAINS, levels)
-    np.testing.assert_allclose(output_, expected + design.outside @ GAINS[9:], atol=1e-12)
+    np.testing.assert_allclose(output_, expected + design.outside @ GAINS[10:], atol=1e-12)
 
 
 def test_gains_of_finds_the_gains_of_each_additive_effect() -> None:
@@ -147,7 +147,7 @@ def test_gains_of_finds_the_gains_of_each_additive_effect() -> None:
     assert found == {"load-step": [0.02, 0.01], "periodic-disturbance": [0.3, -0.2], "output-drift/2": [0.1, 0.05]}
 
 
-@pytest.mark.parametrize("hypothesis", [FULL, Hypothesis((dynamics.GainDrift("1"), dynamics.Resonance()))])
+@pytest.mark.parametrize("hypothesis", [FULL, Hypothesis((drifting.GainDrift("1"), dynamics.Resonance()))])
 def test_the_beginning_of_an_input_gives_the_beginning_of_the_output(
     hypothesis: Hypothesis, levels: FloatArray
 ) -> None:
@@ -166,7 +166,7 @@ def test_the_beginning_of_an_input_gives_the_beginning_of_the_output(
 def test_reference_is_the_input_from_which_linear_dynamics_count(levels: FloatArray) -> None:
     """A record that goes on from rest at the fit's first input runs the same with that rest before it."""
     hypothesis, theta = Hypothesis(), np.array([0.0, np.log(0.5), np.log(0.05)])
-    gains = np.array([0.03, 0.02, 0.0, 0.0, 0.4])
+    gains = np.array([0.03, 0.02, 0.0, 0.0, 0.0, 0.4])
     later = levels[100:] + 0.3
     rest = np.full(300, levels[0])
     played = hypothesis.output(theta, gains, np.concatenate([rest, later]), levels.size, float(levels[0]))[300:]

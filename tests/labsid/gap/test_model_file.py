@@ -11,7 +11,7 @@ from labsid.gap.model_file import SCHEMA, from_json_dict, load_model
 C, K = 0.5, 0.05
 POLES = np.exp(np.roots([1.0, C, K]))
 DEN = np.poly(POLES)
-GAINS = [0.02, 0.03, 0.0, 0.0, 0.4]
+GAINS = [0.02, 0.03, 0.0, 0.0, 0.0, 0.4]
 LIMIT = 0.8  # scaled
 
 
@@ -34,7 +34,7 @@ def by_hand(scaled_u, from_rest):
     """The same in scipy's words, in the record's unit."""
     w = np.minimum(scaled_u, LIMIT) - 0.1
     before = np.full(4000 if from_rest else 0, w[0])
-    y = lfilter([0.0, *GAINS[:2]], DEN, np.concatenate([before, w]))[before.size :] + GAINS[4]
+    y = lfilter([0.0, *GAINS[:2]], DEN, np.concatenate([before, w]))[before.size :] + GAINS[-1]
     return -1.0 + 5.0 * y
 
 
@@ -68,7 +68,7 @@ def test_a_file_and_back(levels, tmp_path):
         ({"theta": [0.0, LIMIT, np.log(C), np.nan]}, "theta must hold 4 numbers within their bounds"),
         ({"theta": [0.0, LIMIT, 1e6, np.log(K)]}, "theta must hold 4 numbers within their bounds"),
         ({"theta": "x"}, "a value in it is of another kind"),
-        ({"gains": GAINS[:-1]}, "gains must hold 5 numbers; got 4"),
+        ({"gains": GAINS[:-1]}, "gains must hold 6 numbers; got 5"),
         ({"gains": [*GAINS[:-1], np.inf]}, "its numbers must be finite"),
         ({"reference": np.nan}, "its numbers must be finite"),
         ({"Ts": 0.0}, "Ts, span and the units above zero"),

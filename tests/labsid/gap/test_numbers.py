@@ -14,7 +14,7 @@ from labsid.gap.hypothesis import Hypothesis
 from labsid.gap.numbers import marked, parameters_of
 
 RECORDS = 50
-GAINS = np.array([0.03, 0.02, 0.0, 0.0, 0.1])
+GAINS = np.array([0.03, 0.02, 0.0, 0.0, 0.0, 0.1])
 Make = Callable[[int], tuple[Data, Fit]]
 
 

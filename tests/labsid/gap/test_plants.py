@@ -9,6 +9,7 @@ from scipy.linalg import expm
 from scipy.signal import lsim
 
 from labsid._arrays import FloatArray
+from labsid.gap.normal_equations import solve
 from labsid.gap.plants import Plant
 from labsid.gap.responses import section
 
@@ -56,7 +57,8 @@ def sampled(num: list[float], den: list[float], w: FloatArray, state: float = 0.
 @pytest.mark.parametrize(("c", "k"), [(C, K), (0.2, 0.3)])
 def test_linear_columns_span_the_sampled_system(levels: FloatArray, c: float, k: float, state: float) -> None:
     columns = Plant().columns(np.log([c, k]), levels, levels.size, 0.0)
-    assert columns.shape == (levels.size, 4)
+    assert columns.shape == (levels.size, 5)
+    assert not columns[:, 4].any()  # it comes to rest
     assert left(columns, sampled([0.3, k], [1.0, c, k], levels, state)) < 1e-9
 
 
@@ -330,5 +332,19 @@ def test_without_a_zero_the_exact_answer_to_held_levels_is_one_column(levels: Fl
     sampled = control.sample_system(control.tf([K], [1.0, C, K]), 1.0, "zoh")
     expected = control.forced_response(sampled, inputs=levels - levels[0]).outputs
     np.testing.assert_allclose(columns[:, 0], expected, atol=1e-9)
-    assert columns.shape[1] == 3
+    assert columns.shape[1] == 4
     assert plant.state_columns == (1, 2)
+
+
+@pytest.mark.parametrize(("c", "k", "den"), [(0.3, 1e-9, [1.0, 0.3, 0.0]), (1e-5, 1e-9, [1.0, 0.0, 0.0])])
+def test_an_offset_of_the_input_of_an_integrator_is_in_the_span(
+    levels: FloatArray, c: float, k: float, den: list[float]
+) -> None:
+    columns = np.column_stack([Plant().columns(np.log([c, k]), levels, levels.size, 0.0), np.ones(levels.size)])
+    expected = sampled([1.0], den, levels + 0.7)
+
+    def missed(columns: FloatArray) -> float:  # by the fits' own normal equations
+        return float(np.abs(expected - columns @ solve(columns, expected)).max())
+
+    assert missed(columns) < 1e-3 * np.std(expected)
+    assert missed(np.delete(columns, 4, axis=1)) > 3.0 * missed(columns)

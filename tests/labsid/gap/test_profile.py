@@ -17,7 +17,8 @@ ONSET = 0.6
 def fitted(levels: FloatArray) -> tuple[Data, Fit]:
     u = levels[:400]
     hypothesis = Hypothesis((LoadStep(),))
-    theta, gains = np.array([0.25, np.log(0.5), np.log(0.05), ONSET]), np.array([0.03, 0.02, 0.0, 0.0, 0.1, 0.1, 0.02])
+    theta = np.array([0.25, np.log(0.5), np.log(0.05), ONSET])
+    gains = np.array([0.03, 0.02, 0.0, 0.0, 0.0, 0.1, 0.1, 0.02])
     y = hypothesis.output(theta, gains, u) + 0.1 * np.random.default_rng(0).standard_normal(u.size)
     data = Data(u, y, np.ones(u.size, bool), 1.0, Scale(0.0, 1.0), Scale(0.0, 1.0))
     point = search(data, hypothesis, theta, gains)

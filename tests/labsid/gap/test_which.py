@@ -10,7 +10,8 @@ from scipy.signal import lfilter
 from labsid.gap.context import scaled
 from labsid.gap.fitting import Fit
 from labsid.gap.raw import RawFaults
-from labsid.gap.which import Explained, explain, faint, nothing_left, trimmed, unsimulated, worth
+from labsid.gap.tree import nothing_left, worth
+from labsid.gap.which import Explained, explain, faint, trimmed, unsimulated
 
 
 def test_the_path_adds_one_effect_at_a_time(banded: Explained) -> None:

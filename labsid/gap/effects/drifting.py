@@ -1,0 +1,101 @@
+"""Parameters of the rig that change slowly along the record."""
+
+from typing import TYPE_CHECKING, ClassVar
+
+import numpy as np
+
+from labsid._arrays import FloatArray
+from labsid.gap import _kernels
+from labsid.gap.context import Context
+from labsid.gap.effects.base import Fitted, InputEffect, PlantEffect, Value
+from labsid.gap.plants import Parameter, Plant
+from labsid.gap.responses import denominator, slow_course
+
+if TYPE_CHECKING:
+    from labsid.gap.fitting import Fit
+
+
+class PoleDrift(PlantEffect):
+    """A pole changes slowly along the record, and with it possibly the gain."""
+
+    name = "parameter-drift"
+
+    @property
+    def key(self) -> str:
+        """Apart from that of a drifting gain."""
+        return f"{self.name}/pole-{self.variant}"
+
+    def shape(self, plant: Plant) -> Plant:
+        """Dynamics whose rates go along with a slow course."""
+        return plant.but(kind="varying", bends=int(self.variant) - 1)
+
+    def plant_starts(self, context: Context) -> list[dict[str, float]]:
+        """The rates up and down, with and without the damping."""
+        return [{"drift_c": part * size, "drift_k": size} for size in (0.1, -0.1) for part in (0.0, 1.0)]
+
+    def values(self, fit: Fitted) -> dict[str, Value]:
+        """`pole`: relative change of the restoring rate over the record."""
+        shape = np.array([1.0, *(fit.plant(f"bend{n}") for n in range(1, int(self.variant)))])
+        course = fit.plant("drift_k") * slow_course(shape, 101, 101)
+        return {"pole": Value(float(np.exp(course[-1] - course[0])) - 1.0, "1")}
+
+
+class GainDrift(InputEffect):
+    """A gain changes slowly along the record."""
+
+    name = "parameter-drift"
+    path = "dynamics"
+    place: ClassVar[int] = 8
+
+    @property
+    def key(self) -> str:
+        """Apart from that of a drifting pole."""
+        return f"{self.name}/gain-{self.variant}"
+
+    @property
+    def parameters(self) -> tuple[Parameter, ...]:
+        """The course of the gain, and the input at which it does not matter."""
+        shape = [Parameter(f"shape{n}", -3.0, 3.0) for n in range(1, int(self.variant) + 1)]
+        return (*shape, Parameter("zero", -20.0, 20.0, 1e-3))
+
+    def starts(self, context: Context) -> list[FloatArray]:
+        """Up and down, and the course that explains most of the residual to the first order."""
+        starts = np.zeros((2, int(self.variant) + 1))
+        starts[:, 0] = 0.1, -0.1
+        return [*starts, *self._course(context)]
+
+    def _course(self, context: Context) -> list[FloatArray]:
+        """From a regression of the residual on what small changes of the gain, and of the neutral input, would do."""
+        count = int(self.variant)
+        shapes = [slow_course(shape, context.data.samples, context.data.samples) for shape in np.eye(count)]
+        fit = context.parent
+        still = np.ones(context.data.samples)
+        w = context.actuator
+        columns = [_answer(fit, w * shape) for shape in shapes] + [_answer(fit, shape) for shape in shapes]
+        rows = context.data.rows
+        J = np.column_stack([*columns, still])
+        if not np.isfinite(J).all():
+            return []
+        gains = np.linalg.lstsq(J[rows], context.residual[rows], rcond=1e-6)[0]
+        unit = float(
+            np.linalg.lstsq(np.column_stack([_answer(fit, w), still])[rows], fit.output[rows], rcond=None)[0][0]
+        )
+        if unit == 0.0:
+            return []
+        shape, offset = gains[:count] / unit, gains[count : 2 * count] / unit
+        zero = -float(offset @ shape) / max(float(shape @ shape), 1e-12)
+        return [np.array([*np.clip(shape, -2.0, 2.0), float(np.clip(zero, -15.0, 15.0))])]
+
+    def apply(self, w: FloatArray, own: FloatArray, span: int) -> FloatArray:
+        """The distance from the neutral input, times the gain."""
+        return (w - own[-1]) * (1.0 + slow_course(own[:-1], w.size, span))
+
+    def values(self, fit: Fitted) -> dict[str, Value]:
+        """`drift`: relative change of the gain over the record."""
+        course = 1.0 + slow_course(fit.own(self)[:-1], 101, 101)
+        return {"drift": Value(float(course[-1] / course[0]) - 1.0, "1")}
+
+
+def _answer(fit: "Fit", w: FloatArray) -> FloatArray:
+    """What the linear dynamics of a fit make of a signal, up to a gain."""
+    return _kernels.second_order(w - w[0], *denominator(*fit.rates))

@@ -1,0 +1,197 @@
+"""The search among combinations: one effect, a second and a third on top of the best, exchanged and left out again."""
+
+from collections.abc import Callable, Collection, Iterable
+
+import numpy as np
+
+from labsid._arrays import FloatArray
+from labsid.gap.candidates import (
+    CANDIDATES,
+    Sketch,
+    baseline,
+    carried,
+    finished,
+    onward,
+    price,
+    rearranged,
+    sketches,
+    swift_fit,
+    without,
+)
+from labsid.gap.context import Data
+from labsid.gap.fitting import Fit, finish, polish, power, rms, search, settle
+from labsid.gap.hypothesis import Hypothesis
+from labsid.gap.leftover import explained_share
+
+Progress = Callable[[str, float], None]
+Level = dict[tuple[str, ...], Fit]
+Levels = tuple[Level, ...]
+
+BEAM = 3  # best first effects on top of which a second one is tried; a third one only on the best pair
+LOOKED_AT = 12  # second and third effects that are taken further than a sketch, of each parent
+FOLLOWED = 6  # second and third effects that are taken to the end, of each parent
+EXCHANGED = 3  # the same, in the place of another
+POLISHED = 6
+MARGIN = 12.0  # BIC: what one effect more has to gain
+NOTHING = 1e-6  # scaled: a difference of rounding, the file's own included
+EFFECT_SIZE = 0.3  # change of the simulation over the standard deviation of what is left
+
+
+def search_tree(
+    data: Data, structure: Hypothesis, start: FloatArray | None, most: int, progress: Progress | None
+) -> tuple[Levels, tuple[Fit, ...]]:
+    """All levels that were tried, and the accepted path.
+
+    Parameters
+    ----------
+    data : Data
+    structure : Hypothesis
+        What the simulation under test already holds.
+    start : ndarray, optional
+        Its numbers, where they are known.
+    most : int
+        How many effects at most.
+    progress : callable, optional
+        Called with what is being done and the share of it that is done.
+    """
+    base = baseline(data, structure, start)
+    swift = swift_fit(data, base)
+    base = polish(data, base)
+    levels: list[Level] = [{(): base}]
+    path = [base]
+    beam = [base]
+    for step in range(most):
+        level: Level = {}
+        for number, parent in enumerate(beam):
+            tried = _on_top(data, parent, swift, step, progress, (number, len(beam)))
+            keep(level, (finished(data, few, kept=1 if step > 0 else 3) for few in tried))
+        if not level:
+            break
+        _refine(data, level)
+        levels.append(level)
+        best = _accepted(data, path[-1], level)
+        if best is None:
+            break
+        if step == 1:
+            known = set(map(id, level.values()))
+            keep(level, _exchanged(data, best, swift))
+            _refine(data, level, known)
+            best = _accepted(data, path[-1], level) or best
+        path.append(best)
+        if nothing_left(data, best):
+            break
+        ranked = sorted(level.values(), key=_bic)
+        beam = ranked[: BEAM if step == 0 else 1]
+    return tuple(levels), _thinned(data, levels, path)
+
+
+def keep(level: Level, fits: Iterable[Fit | None]) -> None:
+    """Take into a level the fits that are the best of their names."""
+    for fit in fits:
+        if fit is not None:
+            names = tuple(sorted(fit.hypothesis.names))
+            if names not in level or fit.bic < level[names].bic:
+                level[names] = fit
+
+
+def _on_top(
+    data: Data, parent: Fit, swift: Fit, step: int, progress: Progress | None, place: tuple[int, int]
+) -> list[list[Sketch]]:
+    """Sketches of one effect more, by effect; of a second or third one only those that promise most."""
+    tried = []
+    for number, group in enumerate(CANDIDATES):
+        if progress is not None:
+            done = (place[0] + number / len(CANDIDATES)) / place[1]
+            progress("one effect" if step == 0 else f"{step + 1} effects", done)
+        if group[0].name not in parent.hypothesis.names:
+            tried.append(sketches(data, parent, group, swift, brief=step > 0))
+    return tried if step == 0 else _promising(data, tried, FOLLOWED)
+
+
+def _promising(data: Data, tried: list[list[Sketch]], count: int) -> list[list[Sketch]]:
+    return _first_few([onward(data, few) for few in _first_few(tried, LOOKED_AT)], count)
+
+
+def _first_few(tried: list[list[Sketch]], count: int) -> list[list[Sketch]]:
+    """The groups with the best sketches, best first."""
+    return sorted(filter(None, tried), key=lambda sketched: sketched[0].score)[:count]
+
+
+def _exchanged(data: Data, fit: Fit, swift: Fit) -> Iterable[Fit | None]:
+    """Another effect in the place of each of a fit's own, from where that one has brought the others."""
+    for i in range(fit.hypothesis.known, len(fit.hypothesis.effects)):
+        parent = without(data, fit, i)
+        if parent is not None:
+            names = fit.hypothesis.names
+            tried = [
+                sketches(data, parent, group, swift, brief=True) for group in CANDIDATES if group[0].name not in names
+            ]
+            for few in _promising(data, tried, EXCHANGED):
+                yield finished(data, few, kept=1)
+
+
+def _thinned(data: Data, levels: list[Level], path: list[Fit]) -> tuple[Fit, ...]:
+    """The path without an effect that a later one has made superfluous."""
+    while len(path) > 2:
+        best = path[-1]
+        fewer = []
+        for i in range(best.hypothesis.known, len(best.hypothesis.effects)):
+            parent = without(data, best, i)
+            if parent is not None:
+                fewer.append(polish(data, settle(data, parent)))
+        simpler = min(fewer, key=_bic, default=None)
+        if simpler is None or worth(data, simpler, best):
+            break
+        keep(levels[len(path) - 2], [simpler])
+        path = [*path[:-2], simpler]
+    return tuple(path)
+
+
+def _refine(data: Data, level: Level, done: Collection[int] = ()) -> None:
+    """Take the best of a level to the end, in the form that suits them, but for those that are `done`, by identity."""
+    for names, fit in sorted(level.items(), key=lambda item: item[1].bic)[:POLISHED]:
+        if id(fit) in done:
+            continue
+        level[names] = polish(data, min((settle(data, one) for one in _forms(data, fit)), key=price))
+
+
+def _forms(data: Data, fit: Fit) -> list[Fit]:
+    """The fit, and the same effects in other forms."""
+    points = [(other, search(data, other, carried(fit, other), iterations=8)) for other in rearranged(fit.hypothesis)]
+    return [fit, *(finish(data, other, point) for other, point in points if point is not None)]
+
+
+def _accepted(data: Data, simpler: Fit, level: Level) -> Fit | None:
+    """The best of a level that is worth its further effect."""
+    return next((fit for fit in sorted(level.values(), key=_bic) if worth(data, simpler, fit)), None)
+
+
+def best_path(data: Data, levels: Levels) -> tuple[Fit, ...]:
+    """The path through levels that were fitted anew."""
+    path = list(levels[0].values())
+    for level in levels[1:]:
+        best = _accepted(data, path[-1], level)
+        if best is None:
+            break
+        path.append(best)
+    return tuple(path)
+
+
+def _bic(fit: Fit) -> float:
+    return fit.bic
+
+
+def nothing_left(data: Data, fit: Fit) -> bool:
+    """Whether the residual is white and the input has no part in it: no further effect could gain anything."""
+    return power(data, fit) < 1.03 * fit.noise.sigma2 and explained_share(data, fit, data.y - fit.output) < 0.01
+
+
+def worth(data: Data, simpler: Fit, fit: Fit) -> bool:
+    """Whether `fit` explains significantly more than `simpler`, and something that matters."""
+    return bool(simpler.bic - fit.bic > MARGIN and changes(data, simpler, fit, EFFECT_SIZE))
+
+
+def changes(data: Data, simpler: Fit, fit: Fit, size: float) -> bool:
+    """Whether two simulations differ by more than `size` standard deviations of what the second one leaves."""
+    change = np.sqrt(np.mean((fit.output - simpler.output)[data.rows] ** 2))
+    return bool(change > max(size * rms(data, fit), NOTHING))
