@@ -64,7 +64,7 @@ def run(
     with Progress(*layout, transient=True) as progress:
         making = progress.add_task("making rigs", total=None)
         made = []
-        for case in cases(suite, per_row, rows):
+        for case in cases(suite, per_row, rows, jobs):
             made.append(case)
             progress.update(making, completed=len(made))
         progress.update(making, total=len(made))

@@ -3,6 +3,7 @@
 import hashlib
 import json
 from collections.abc import Iterator, Sequence
+from concurrent.futures import ProcessPoolExecutor
 from pathlib import Path
 from typing import Any
 
@@ -18,7 +19,7 @@ _MOST_DRAWS = 400
 _DEV = 20260
 
 
-def cases(suite: str, per_row: int | None = None, rows: Sequence[str] | None = None) -> Iterator[Case]:
+def cases(suite: str, per_row: int | None = None, rows: Sequence[str] | None = None, jobs: int = 1) -> Iterator[Case]:
     """Make the cases of a suite, row by row.
 
     Parameters
@@ -28,6 +29,8 @@ def cases(suite: str, per_row: int | None = None, rows: Sequence[str] | None = N
         Cases behind each row of the bars; 80 in `dev` and 220 in `final` unless given.
     rows : sequence of str, optional
         The rows to make; all unless given.
+    jobs : int
+        Processes that make them.
 
     Yields
     ------
@@ -46,21 +49,27 @@ def cases(suite: str, per_row: int | None = None, rows: Sequence[str] | None = N
     if unknown:
         raise ValueError(f"rows must be of {', '.join(ROWS)}; got {unknown[0]!r}. Name some of these.")
     entropy = _DEV if suite == "dev" else _hash_of_the_diagnosis()
-    for index, (row, draw) in enumerate(ROWS.items()):
-        if rows is not None and row not in rows:
+    count = PER_ROW[suite] if per_row is None else per_row
+    wanted = [(entropy, row, i) for row in ROWS if rows is None or row in rows for i in range(count)]
+    if jobs == 1:
+        yield from map(_made, wanted)
+        return
+    with ProcessPoolExecutor(jobs) as pool:
+        yield from pool.map(_made, wanted)
+
+
+def _made(which: tuple[int, str, int]) -> Case:
+    """Draw one case."""
+    entropy, row, i = which
+    name = hashlib.sha256(f"{entropy} {row} {i}".encode()).hexdigest()[:10]
+    for attempt in range(_MOST_DRAWS):
+        try:
+            case = ROWS[row](np.random.default_rng([entropy, list(ROWS).index(row), i, attempt]), i, f"r{name}")
+        except RunsAway:
             continue
-        for i in range(PER_ROW[suite] if per_row is None else per_row):
-            name = hashlib.sha256(f"{entropy} {row} {i}".encode()).hexdigest()[:10]
-            for attempt in range(_MOST_DRAWS):
-                try:
-                    case = draw(np.random.default_rng([entropy, index, i, attempt]), i, f"r{name}")
-                except RunsAway:
-                    continue
-                if case is not None:
-                    yield case
-                    break
-            else:
-                raise RuntimeError(f"no case {i} of {row} in {_MOST_DRAWS} draws")
+        if case is not None:
+            return case
+    raise RuntimeError(f"no case {i} of {row} in {_MOST_DRAWS} draws")
 
 
 def write_suite(

@@ -123,8 +123,8 @@ def test_a_simulation_that_comes_along_is_what_it_is_said_to_be(some: list[Case]
     assert kinds == {"parameter-mismatch", True, False}
 
 
-def test_cases_repeat_and_a_shorter_suite_is_the_start_of_a_longer_one(some: list[Case]) -> None:
-    again = list(cases("dev", 2, ["single-hard", "unknown"]))
+def test_cases_repeat_in_other_processes_and_a_shorter_suite_is_the_start_of_a_longer_one(some: list[Case]) -> None:
+    again = list(cases("dev", 2, ["single-hard", "unknown"], jobs=2))
     before = [*of_row(some, "single-hard")[:2], *of_row(some, "unknown")[:2]]
     for one, two in zip(again, before, strict=True):
         assert one.name == two.name
