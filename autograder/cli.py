@@ -87,7 +87,13 @@ def grade(
     submitted: Annotated[Path, typer.Option(help="Submissions: <student>/<assignment>/<assignment>.ipynb.")],
     out: Out,
     assignment: Annotated[str | None, typer.Option(help="Grade only this assignment.")] = None,
-    jobs: Annotated[int, typer.Option(min=1, help="Submissions at a time.")] = 2,
+    jobs: Annotated[int, typer.Option(min=1, help="Submissions at a time, on this machine.")] = 2,
+    scheduler: Annotated[
+        str | None,
+        typer.Option(
+            metavar="ADDRESS", help="Of a Dask scheduler, such as tcp://HOST:8786: its workers execute and judge."
+        ),
+    ] = None,
     isolation: Annotated[str, typer.Option(help="strict, best or none.")] = "best",
     late: Annotated[
         str | None,
@@ -105,8 +111,8 @@ def grade(
     The gradebook is OUT/gradebook.db, or the database that OUT/nbgrader_config.py names in CourseDirectory.db_url.
     """
     from autograder.course import find_course
+    from autograder.crew import open_crew
     from autograder.grade import find_batch, grade_batch
-    from autograder.isolation import open_workshop
     from autograder.late import parse_rules
     from autograder.nbgrader_door import nbgrader_api
     from autograder.summary import class_table
@@ -121,14 +127,10 @@ def grade(
     Thread(target=nbgrader_api, daemon=True).start()  # takes seconds, as does opening the workshop: at one time
     total = len(batch.students) * len(batch.assignments)
     try:
-        with open_workshop(isolation) as workshop:
-            if workshop.rung == "none":
-                print(
-                    "NOT ISOLATED: student code runs in its own process with limits, "
-                    "but can read this machine's files.",
-                    file=sys.stderr,
-                )
-            graded = list(_progress(grade_batch(here, batch, out, workshop, jobs, key, rules), total, "grading"))
+        with open_crew(isolation, jobs, scheduler, _warn) as crew:
+            if crew.rung == "none":
+                _warn("NOT ISOLATED: student code has its own process with limits, but can read files of its machine.")
+            graded = list(_progress(grade_batch(here, batch, out, crew, key, rules), total, "grading"))
     except KeyboardInterrupt:
         raise ValueError("interrupted. What is graded is kept; run the same command again for the rest.") from None
     fresh = sum(one.fresh for one in graded)
@@ -235,6 +237,10 @@ def demo(
     from autograder.demo import run_demo
 
     run_demo(out, _progress)
+
+
+def _warn(line: str) -> None:
+    print(line, file=sys.stderr)
 
 
 def _progress(items: Iterable[Item], total: int | None, what: str) -> Iterator[Item]:

@@ -1,7 +1,6 @@
 """Grading a whole class: intake, judging in parallel, one writer."""
 
 import contextlib
-import shutil
 import sqlite3
 from collections.abc import Iterator, Mapping
 from concurrent.futures import Future, ThreadPoolExecutor, as_completed
@@ -14,12 +13,13 @@ from autograder import gradebook, results
 from autograder.assets import Desk, Stock, desk_for
 from autograder.autograded import write_autograded
 from autograder.course import Course, Template, read_template
+from autograder.crew import Crew, Task
 from autograder.fingerprint import fingerprint, what_changed
 from autograder.foreign import marked
 from autograder.intake import Submission, quarantined, take_in
-from autograder.isolation import RUNGS, Workshop, bench_folder
-from autograder.judge import SubmissionResult, judge_submission
+from autograder.isolation import is_weaker
 from autograder.late import ON_TIME, LateRules, late_for, read_timestamp
+from autograder.outcome import SubmissionResult, not_judged
 from autograder.results import StoredResult
 from autograder.similar import work_of
 
@@ -86,8 +86,7 @@ def grade_batch(
     course: Course,
     batch: Batch,
     out: Path,
-    workshop: Workshop,
-    jobs: int = 1,
+    crew: Crew,
     secret: bytes | None = None,
     late: LateRules | None = None,
 ) -> Iterator[Graded]:
@@ -99,10 +98,8 @@ def grade_batch(
     batch : Batch
     out : Path
         Gets ``results``, ``autograded``, ``gradebook.db`` and ``grades.csv``.
-    workshop : Workshop
-        Starts students' processes.
-    jobs : int
-        Submissions at a time.
+    crew : Crew
+        Executes and judges.
     secret : bytes, optional
         The course's secret: every student is graded on the record derived from it and their ID.
     late : mapping, optional
@@ -123,10 +120,9 @@ def grade_batch(
         before = {(one.student, one.assignment): one for one in results.load_good(out)}
         gradebook.prepare(course, out, batch.assignments)
         gradebook.enter(out, before.values())  # what a run that was killed had not entered
-        office = _Office(
-            course, batch, out, workshop, Stock(course, secret, out / "records"), late or {}, templates, before
-        )
-        yield from office.run(jobs, gradebook.given_by_hand(out))
+        stock = Stock(course, secret, out / "records")
+        office = _Office(course, batch, out, crew, stock, late or {}, templates, before)
+        yield from office.run(gradebook.given_by_hand(out))
         gradebook.enter(out, results.load_all(out))
         write_grades(out)
 
@@ -146,15 +142,15 @@ class _Office:
     course: Course
     batch: Batch
     out: Path
-    workshop: Workshop
+    crew: Crew
     stock: Stock
     late: LateRules
     templates: Mapping[str, Template]
     before: Mapping[tuple[str, str], StoredResult]
 
-    def run(self, jobs: int, by_hand: gradebook.ByHand) -> Iterator[Graded]:
+    def run(self, by_hand: gradebook.ByHand) -> Iterator[Graded]:
         """Grade what is missing or has changed; this thread alone writes."""
-        with ThreadPoolExecutor(jobs) as pool:
+        with ThreadPoolExecutor(self.crew.at_once) as pool:
             waiting: dict[Future[_Fresh | None], tuple[str, str]] = {}
             try:
                 for name in self.batch.assignments:
@@ -166,7 +162,7 @@ class _Office:
             except BaseException as stopped:
                 pool.shutdown(wait=False, cancel_futures=True)
                 if isinstance(stopped, KeyboardInterrupt):
-                    self.workshop.close()  # or code that is still running would be waited for
+                    self.crew.close()  # or code that is still running would be waited for
                 raise
 
     def _keep(self, student: str, name: str, fresh: "_Fresh | None", by_hand: gradebook.ByHand) -> Graded:
@@ -183,7 +179,7 @@ class _Office:
         if known is not None:
             kept = replace(kept, review=_to_review(known, kept, by_hand))
         results.store(self.out, kept)
-        return Graded(student, name, True, what_changed(known, kept, self.workshop.rung))
+        return Graded(student, name, True, what_changed(known, kept, self.crew.rung))
 
     def _with_lateness(self, stored: StoredResult) -> StoredResult:
         submitted = _handed_in(self.batch.submitted / stored.student / stored.assignment)
@@ -205,20 +201,23 @@ class _Office:
             refused = quarantined(student, name, f"no record can be made for this student: {error}")
         parts = fingerprint(self.stock, desk, folder)
         known = self.before.get((student, name))
-        if known is not None and known.fingerprint == parts and not _is_weaker(known.isolation, self.workshop.rung):
+        if known is not None and known.fingerprint == parts and not is_weaker(known.isolation, self.crew.rung):
             return None
         submission = refused or take_in(folder, student, template)
         result = self._judge(submission, desk, folder)
         headings = {cell.id: cell.heading for cell in template.questions}
         released = {cell.id: cell.source for cell in template.cells}
         stored = results.as_stored(result, template.title, headings, parts)
+        if stored.is_refused and submission.status == "ready":  # by the machines, not by us: the next run tries again
+            stored = replace(stored, fingerprint={**parts, "environment": ""})
         return _Fresh(result, replace(stored, work=work_of(submission.steps, released)))
 
     def _judge(self, submission: Submission, desk: Desk, folder: Path) -> SubmissionResult:
-        with bench_folder() as bench:
-            for name, path in desk.files.items():
-                shutil.copyfile(path, bench / name)
-            result = judge_submission(submission, desk.assets, self.workshop, bench)
+        if submission.status == "ready":
+            files = {name: path.read_bytes() for name, path in desk.files.items()}
+            result = self.crew.judge(Task(submission, desk.assets, files))
+        else:
+            result = not_judged(submission, desk.assets.template, self.crew.rung)
         return marked(result, desk, self.stock, folder, self.batch.students)
 
 
@@ -240,11 +239,6 @@ def _to_review(known: StoredResult, new: StoredResult, by_hand: gradebook.ByHand
     mine = new.student, new.assignment
     scored = {question for *owner, question in by_hand.scores if tuple(owner) == mine}
     return tuple(sorted(scored)) if changed else ()
-
-
-def _is_weaker(rung: str, wanted: str) -> bool:
-    """Whether a result was made with less isolation than there is now."""
-    return rung in RUNGS and wanted in RUNGS and RUNGS.index(rung) > RUNGS.index(wanted)
 
 
 def _handed_in(folder: Path) -> datetime | None:

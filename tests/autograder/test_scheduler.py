@@ -1,0 +1,407 @@
+"""``labsid course grade --scheduler``: a real scheduler and workers on loopback, and what may go wrong with them."""
+
+import _thread
+import contextlib
+import json
+import os
+import pickle
+import re
+import shutil
+import socket
+import subprocess
+import sys
+import threading
+import time
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import replace
+from pathlib import Path
+
+import nbformat
+import pytest
+
+import autograder
+import labsid
+from autograder import cluster, cluster_worker, results
+from autograder.assets import Stock, desk_for
+from autograder.cluster import open_cluster
+from autograder.course import Course, read_template
+from autograder.crew import LocalCrew
+from autograder.grade import Batch, Graded, find_batch, grade_batch
+from autograder.isolation import RUNGS, Limits, open_workshop
+from autograder.sources import sources_hash
+from autograder.student_process import StudentDied
+from labsid.checks.question import Origin
+from labsid.cli import main
+
+PRELAB = "prelab-sinusoids"
+SECRET = b"sixteen bytes, and a secret of the course"
+LIMITS = Limits(cell_seconds=5)
+CHANGED = {
+    "loops": {"prelab-4-matrix-answer": "while True:\n    pass"},
+    "exits": {"prelab-2-noise-answer": "import os\nos._exit(3)"},
+    "wrong": {"prelab-3-cut-answer": "y1 = y2 = 0"},
+}
+RIGHT = ("ann", "bea", "cal", "dev", "eli")
+
+
+class Machines:
+    """A scheduler and its workers, each a process of its own."""
+
+    def __init__(self, folder: Path) -> None:
+        self.folder = folder
+        self.workers: list[subprocess.Popen[bytes]] = []
+        self.scheduler: subprocess.Popen[bytes] | None = None
+        self.address = ""
+
+    def start(self, workers: int = 0, allowed_failures: int = 3) -> "Machines":
+        self.scheduler = self._run(
+            "scheduler", "--port", "0", "--no-show", "--scheduler-file", "scheduler.json",
+            DASK_DISTRIBUTED__SCHEDULER__ALLOWED_FAILURES=str(allowed_failures),
+        )  # fmt: skip
+        described = self.folder / "scheduler.json"
+        wait_for(lambda: described.is_file() and described.read_bytes().endswith(b"}"))
+        self.address = json.loads(described.read_text(encoding="utf-8"))["address"]
+        for _ in range(workers):
+            self.add_worker()
+        return self
+
+    def add_worker(self, *options: str, **environment: str) -> None:
+        self.workers.append(self._run("worker", self.address, "--nthreads", "1", "--no-nanny", *options, **environment))
+
+    def stop(self) -> None:
+        for process in filter(None, (*self.workers, self.scheduler)):
+            process.kill()
+            process.wait()
+
+    def said(self) -> bytes:
+        """All that is on these machines' disks: logs, and what workers keep."""
+        return b"".join(path.read_bytes() for path in self.folder.rglob("*") if path.is_file())
+
+    def _run(self, *command: str, **environment: str) -> "subprocess.Popen[bytes]":
+        log = (self.folder / f"log-{len(self.workers)}").open("ab")
+        kept = {"--host": "127.0.0.1"} | ({"--local-directory": str(self.folder)} if command[0] == "worker" else {})
+        options = [word for pair in kept.items() for word in pair]
+        with log:
+            return subprocess.Popen(
+                [sys.executable, "-P", "-m", "dask", *command, *options, "--no-dashboard"],
+                cwd=self.folder,
+                env=os.environ | environment,
+                stdout=log,
+                stderr=log,
+            )
+
+
+def wait_for(done: Callable[[], bool], seconds: float = 60) -> None:
+    until = time.monotonic() + seconds
+    while not done():
+        assert time.monotonic() < until, "it takes too long"
+        time.sleep(0.02)
+
+
+@pytest.fixture
+def machines(tmp_path: Path) -> Iterator[Machines]:
+    (tmp_path / "machines").mkdir()
+    running = Machines(tmp_path / "machines")
+    try:
+        yield running
+    finally:
+        running.stop()
+
+
+@pytest.fixture(scope="module", autouse=True)
+def unchanged_code() -> Iterator[None]:
+    """Somebody may be editing the code while these tests run; a change would have everything graded anew."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("autograder.fingerprint.sources_hash", lambda *modules: "the same")
+        yield
+
+
+@pytest.fixture(autouse=True)
+def sources_as_they_are() -> None:
+    """The fingerprint that workers are held to: of now, for the same reason."""
+    sources_hash.cache_clear()
+
+
+@pytest.fixture(scope="module")
+def batch(course: Course, tmp_path_factory: pytest.TempPathFactory) -> Batch:
+    """Five who are right, one whose file is cut off, one who loops for ever, one who exits, one who is wrong."""
+    submitted = tmp_path_factory.mktemp("class")
+    for student in RIGHT:
+        write_hand_in(course, submitted, student, {})
+    for student, changed in CHANGED.items():
+        write_hand_in(course, submitted, student, changed)
+    cut = write_hand_in(course, submitted, "cut", {})
+    cut.write_bytes(cut.read_bytes()[:1000])
+    return find_batch(course, submitted, PRELAB)
+
+
+def write_hand_in(course: Course, submitted: Path, student: str, changed: Mapping[str, str]) -> Path:
+    notebook = nbformat.read(course.source / PRELAB / f"{PRELAB}.ipynb", as_version=4)
+    for cell in notebook.cells:
+        cell.source = changed.get(cell.id, cell.source)
+    path = submitted / student / PRELAB / f"{PRELAB}.ipynb"
+    path.parent.mkdir(parents=True)
+    nbformat.write(notebook, path)
+    return path
+
+
+@pytest.fixture(scope="module")
+def local(course: Course, batch: Batch, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The same class, graded on this machine."""
+    out = tmp_path_factory.mktemp("local")
+    with open_workshop(limits=LIMITS) as workshop:
+        list(grade_batch(course, batch, out, LocalCrew(workshop, 2), SECRET))
+    return out
+
+
+def rows(out: Path, *students: str) -> list[list[str]]:
+    """The lines of grades.csv but for the seconds, which come last."""
+    lines = [line.rsplit(",", 1)[0] for line in (out / "grades.csv").read_text(encoding="utf-8").splitlines()]
+    return [line for line in lines if not students or line.split(",")[0] in students]
+
+
+def grade(course: Course, batch: Batch, out: Path, machines: Machines, told: list[str]) -> Iterator[Graded]:
+    with open_cluster(machines.address, "best", told.append, LIMITS) as crew:
+        yield from grade_batch(course, batch, out, crew, SECRET)
+
+
+def test_a_worker_killed_half_way_costs_nothing_and_without_workers_the_run_ends(
+    course: Course, batch: Batch, local: Path, machines: Machines, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    machines.start(workers=2)
+    told: list[str] = []
+    run = grade(course, batch, tmp_path / "out", machines, told)
+    first = [next(run), next(run)]
+    machines.workers[0].kill()
+    assert len(first + list(run)) == len(batch.students)
+    assert told == []
+    assert rows(tmp_path / "out") == rows(local)
+    assert {one.isolation for one in results.load_all(tmp_path / "out")} == {
+        one.isolation for one in results.load_all(local)
+    }
+    again = list(grade(course, batch, tmp_path / "out", machines, told))
+    assert len(again) == len(batch.students)
+    assert not any(one.fresh for one in again)
+
+    monkeypatch.setattr(cluster, "ALONE_SECONDS", 0.5)
+    monkeypatch.setattr(cluster, "_LOOK_EVERY", 0.2)
+    run = grade(course, batch, tmp_path / "other", machines, told)
+    next(run)
+    machines.workers[1].kill()
+    with pytest.raises(ValueError, match=r"no worker that can be used is left at tcp://.*run the same command again"):
+        list(run)
+    assert b"Starting established connection" in machines.said()
+    assert SECRET not in machines.said()
+
+
+def test_a_submission_that_ends_its_workers_costs_only_itself(
+    course: Course, batch: Batch, local: Path, machines: Machines, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "killer.py").write_text(
+        "import os, signal\n"
+        "from autograder import cluster_worker, crew\n"
+        "def carry_out(task, workshop):\n"
+        "    if task.submission.student == 'bea':\n"
+        "        os.kill(os.getpid(), signal.SIGKILL)\n"
+        "    return crew.carry_out(task, workshop)\n"
+        "cluster_worker.carry_out = carry_out\n",
+        encoding="utf-8",
+    )
+    machines.start(allowed_failures=0)
+    for _ in range(2):
+        machines.add_worker("--preload", str(tmp_path / "killer.py"))
+    one = replace(batch, students=("bea",))
+    told: list[str] = []
+    with monkeypatch.context() as patch:
+        patch.setattr(cluster, "is_weaker", lambda rung, wanted: True)
+        list(grade(course, one, tmp_path / "out", machines, told))
+    (line,) = told
+    assert line.startswith("prelab-sinusoids of bea: quarantined, as on the cluster it ended 1 workers, and on this")
+    assert "it isolates less than the workers" in line
+    assert {row.split(",")[5] for row in rows(tmp_path / "out")[1:]} == {"quarantined"}
+
+    machines.add_worker()
+    few = replace(batch, students=("ann", "bea", "cut"))
+    done = list(grade(course, few, tmp_path / "out", machines, told))
+    assert Graded("bea", PRELAB, True, "environment") in done
+    assert "prelab-sinusoids of bea: graded on this machine, as on the cluster it ended 1 workers" in told
+    assert rows(tmp_path / "out") == rows(local, "student", *few.students)
+
+
+def test_a_worker_with_another_labsid_is_refused(
+    course: Course,
+    batch: Batch,
+    local: Path,
+    machines: Machines,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    """One that joins later, too; and where there is no other one, nothing is graded."""
+    other = tmp_path / "other"
+    for package in (labsid, autograder):
+        source = Path(str(package.__file__)).parent
+        shutil.copytree(source, other / source.name, ignore=shutil.ignore_patterns("__pycache__", "release", "source"))
+    with (other / "labsid" / "sinusoid.py").open("a", encoding="utf-8") as file:
+        file.write("# another version\n")
+    machines.start(workers=1)
+    told: list[str] = []
+    few = replace(batch, students=RIGHT)
+    with monkeypatch.context() as patch:
+        patch.undo()
+        with open_cluster(machines.address, "best", told.append, LIMITS) as crew:
+            machines.add_worker(PYTHONPATH=str(other))
+            crew._client.wait_for_workers(2, timeout=60)
+            list(grade_batch(course, few, tmp_path / "out", crew, SECRET))
+    (line,) = told
+    assert "is refused: its labsid has other sources than this machine's" in line
+    assert rows(tmp_path / "out") == rows(local, "student", *RIGHT)
+
+    machines.workers[0].kill()
+    machines.workers[0].wait()
+    monkeypatch.setattr("autograder.course.find_course", lambda: course)
+    arguments = ["--submitted", str(batch.submitted), "--out", str(tmp_path / "none")]
+    assert main(["course", "grade", *arguments, "--scheduler", machines.address]) == 2
+    (line,) = capsys.readouterr().err.splitlines()
+    assert f"no worker of {machines.address} can be used" in line
+    assert "its labsid has other sources" in line
+    assert not list((tmp_path / "none").glob("results/*"))
+
+
+def test_stopped_by_ctrl_c_and_by_a_scheduler_that_dies_a_run_goes_on(
+    course: Course,
+    batch: Batch,
+    local: Path,
+    machines: Machines,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    (tmp_path / "slow.py").write_text(
+        "import time\n"
+        "from autograder import cluster_worker, crew\n"
+        "def carry_out(task, workshop):\n"
+        "    time.sleep(0.3)\n"
+        "    return crew.carry_out(task, workshop)\n"
+        "cluster_worker.carry_out = carry_out\n",
+        encoding="utf-8",
+    )
+    machines.start().add_worker("--preload", str(tmp_path / "slow.py"))
+    assert machines.scheduler is not None
+    monkeypatch.setattr("autograder.course.find_course", lambda: course)
+    shutil.copytree(batch.submitted, tmp_path / "submitted", ignore=shutil.ignore_patterns(*CHANGED))
+    (tmp_path / "secret").write_bytes(SECRET)
+    out = tmp_path / "out"
+    command = ["course", "grade", "--submitted", str(tmp_path / "submitted"), "--out", str(out)]
+    command += ["--secret", str(tmp_path / "secret")]
+
+    def graded() -> set[Path]:
+        return set(out.glob("results/*/*.json"))
+
+    def grade_until(there: int, stop: Callable[[], None]) -> str:
+        def watch() -> None:
+            wait_for(lambda: len(graded()) >= there)
+            stop()
+
+        watcher = threading.Thread(target=watch)
+        watcher.start()
+        assert main([*command, "--scheduler", machines.address]) == 2
+        watcher.join()
+        (line,) = capsys.readouterr().err.splitlines()
+        return line
+
+    assert "interrupted. What is graded is kept" in grade_until(2, _thread.interrupt_main)
+    kept = graded()
+    assert 2 <= len(kept) < 6
+    assert f"the scheduler at {machines.address} is gone" in grade_until(len(kept) + 1, machines.scheduler.kill)
+    assert kept < graded()
+    assert not (out / "grades.csv").exists()
+    kept = graded()
+    assert main(command) == 0
+    assert f"{6 - len(kept)} submissions graded, {len(kept)} unchanged" in capsys.readouterr().out
+    assert rows(out) == rows(local, "student", "cut", *RIGHT)
+
+
+@pytest.mark.parametrize(
+    ("address", "said"),
+    [
+        ("nonsense", "--scheduler: got 'nonsense', expected an address such as tcp://HOST:8786"),
+        ("http://127.0.0.1:8786", "--scheduler: got 'http://127.0.0.1:8786', expected"),
+        ("tcp://127.0.0.1:99999", "--scheduler: got 'tcp://127.0.0.1:99999', expected"),
+        ("127.0.0.1:{closed}", "no Dask scheduler answers at tcp://127.0.0.1:"),
+        ("tcp://127.0.0.1:{silent}", "no Dask scheduler answers at tcp://127.0.0.1:"),
+    ],
+)
+def test_a_wrong_address_is_said_in_one_line(
+    course: Course,
+    batch: Batch,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+    address: str,
+    said: str,
+) -> None:
+    monkeypatch.setattr("autograder.course.find_course", lambda: course)
+    monkeypatch.setattr(cluster, "CONNECT_SECONDS", 0.5)
+    with socket.create_server(("127.0.0.1", 0)) as silent, socket.socket() as closed:
+        closed.bind(("127.0.0.1", 0))
+        address = address.format(silent=silent.getsockname()[1], closed=closed.getsockname()[1])
+        start = time.monotonic()
+        arguments = ["--submitted", str(batch.submitted), "--out", str(tmp_path)]
+        assert main(["course", "grade", *arguments, "--scheduler", address]) == 2
+        assert time.monotonic() - start < 30
+    (line,) = capsys.readouterr().err.splitlines()
+    assert said in line
+
+
+def test_a_scheduler_without_workers_is_not_waited_for(machines: Machines, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(cluster, "CONNECT_SECONDS", 1.0)
+    machines.start()
+    with (
+        pytest.raises(ValueError, match=r"has no worker\. Start some: dask worker tcp://"),
+        open_cluster(machines.address, "best", print),
+    ):
+        pass
+
+
+@pytest.fixture
+def fresh_worker(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
+    """This process as a worker that has no workshop yet."""
+    with contextlib.ExitStack() as opened:
+        monkeypatch.setattr(cluster_worker, "_OPEN", {})
+        monkeypatch.setattr(cluster_worker, "_TO_CLOSE", opened)
+        yield
+
+
+@pytest.mark.usefixtures("fresh_worker")
+def test_what_a_worker_is_refused_for(monkeypatch: pytest.MonkeyPatch) -> None:
+    wanted = cluster_worker.demand("best", LIMITS)
+
+    def refused(**other: object) -> str:
+        answer = cluster_worker.greet(replace(wanted, **other))  # type: ignore[arg-type]
+        assert isinstance(answer, cluster_worker.Failed)
+        return answer.why
+
+    assert "other sources" in refused(sources="others")
+    there = tuple("numpy=0.1" if one.startswith("numpy=") else one for one in wanted.environment)
+    assert re.match(r"it has numpy=\S+ instead of numpy=0.1: install", refused(environment=there))
+    with monkeypatch.context() as patch:
+        patch.setattr("autograder.isolation._climb", lambda wanted, limits: (None, []))
+        assert "isolation 'strict' cannot be had" in refused(isolation="strict")
+    with monkeypatch.context() as patch:
+        patch.setattr(cluster_worker, "holds", lambda workshop, escape: False)
+        assert "student code on it could connect to the scheduler" in refused()
+        assert cluster_worker.greet(replace(wanted, isolation="none")) == "none"
+    assert cluster_worker.greet(wanted) in RUNGS
+
+
+def test_what_goes_over_the_wire_comes_out_the_same(course: Course, tmp_path: Path) -> None:
+    for name in course.assignments():
+        assets = desk_for(Stock(course, SECRET, tmp_path), read_template(course, name), "ann").assets
+        sent = pickle.loads(pickle.dumps(assets))
+        assert (sent.template, sent.assignment, sent.origin) == (assets.template, assets.assignment, assets.origin)
+        assert sent.secret == SECRET
+        assert "secret" not in repr(assets)
+    assert "secret" not in repr(Origin("ann", SECRET))
+    died = pickle.loads(pickle.dumps(StudentDied("limit", "it took too long")))
+    assert (type(died), died.status, str(died)) == (StudentDied, "limit", "it took too long")
