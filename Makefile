@@ -1,11 +1,13 @@
 # Everything runs in .venv, which `.ci/set-up` makes from requirements.lock and leaves alone when nothing changed.
 # Another Python: make demo PYTHON=python3.12.  More for pytest: make test PYTEST_ARGS="-k offset"
+# A part of the bars, as Markdown: make bars BARS_ARGS="--only attacks --markdown bars.md"
 
 PYTHON ?=
 PYTEST_ARGS ?=
+BARS_ARGS ?=
 
 .DEFAULT_GOAL := help
-.PHONY: help demo test lint format bench lock clean set-up
+.PHONY: help demo test lint format bars bench lock clean set-up
 
 help:  ## this list
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  make %-8s %s\n", $$1, $$2 }' Makefile
@@ -24,6 +26,9 @@ lint: set-up  ## style, format and types
 format: set-up  ## rewrite the code in the project's format
 	@.venv/bin/ruff check --fix .
 	@.venv/bin/ruff format .
+
+bars: set-up  ## every bar of the grading, measured here: marks, slips, attacks, speed beside nbgrader, kills (minutes)
+	@.venv/bin/python -P tests/bars_grading.py $(BARS_ARGS)
 
 bench: set-up  ## labsid beside its peers, in one run; fetches the peers into build/bench
 	@sh .ci/bench

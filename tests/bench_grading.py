@@ -1,7 +1,8 @@
 """Grading beside ``nbgrader autograde``: the same honest hand-ins, in one run, each a command of its own.
 
-`make bench-grading` runs it. Both commands run the code, judge it and fill a gradebook; nbgrader's draws every figure,
-ours judges it as data. A second run of ours, in which nothing has changed, shows what resuming costs.
+`make bench` runs it, and `make bars` takes its figures. Both commands run the code, judge it and fill a gradebook;
+nbgrader's draws every figure, ours judges it as data. A second run of ours, in which nothing has changed, shows what
+resuming costs. With ``--kills`` the class is graded once more, killed again and again at random moments.
 """
 
 import argparse
@@ -15,18 +16,27 @@ import sqlite3
 import subprocess
 import sys
 import tempfile
+import threading
 import time
-from collections.abc import Sequence
+from collections import Counter
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 
+import psutil
 from rich.console import Console
 from rich.table import Table
 
+sys.path.insert(0, str(Path(__file__).resolve().parent))
+sys.path.insert(0, str(Path(__file__).resolve().parent.parent))  # the packages first: the tests mirror them
+
+from course_work import copy_course
+
 from autograder.build import build_course
 from autograder.course import RECORD_FILE, Course
+from autograder.results import load_good
 from autograder.samples import LAB, write_samples
 
-ROOT = Path(__file__).resolve().parent.parent
 OURS = """
 import sys
 from pathlib import Path
@@ -44,19 +54,66 @@ c.NbGrader.logfile = ""
 """
 
 
-def timed(command: Sequence[str], folder: Path, log: Path) -> tuple[float, float, float]:
-    """Run a command; its seconds, its processor seconds with all it started, and the largest process of it (MiB)."""
+@dataclass(frozen=True, slots=True)
+class Run:
+    """What a command took, with all that it started: seconds, processor seconds, and memory at its peak in MiB."""
+
+    seconds: float
+    cpu: float
+    largest: float
+    """Of any one process."""
+    whole: float
+    """Of all processes together, a page that several share counted once."""
+
+
+class MemoryWatch(threading.Thread):
+    """Looks at a process and all below it, several times a second, until it is told that they are done."""
+
+    EVERY = 0.2
+
+    def __init__(self, pid: int) -> None:
+        super().__init__(daemon=True)
+        self._pid, self._done, self._peak = pid, threading.Event(), 0
+
+    def run(self) -> None:
+        while not self._done.wait(self.EVERY):
+            with contextlib.suppress(psutil.NoSuchProcess):
+                root = psutil.Process(self._pid)
+                self._peak = max(self._peak, sum(map(proportional, (root, *root.children(recursive=True)))))
+
+    def peak(self) -> float:
+        """Stop; the largest sum seen, in MiB."""
+        self._done.set()
+        self.join()
+        return self._peak / (1 << 20)
+
+
+def proportional(process: psutil.Process) -> int:
+    """Bytes of a process, each page divided by the number of those that share it; all of it where no one may ask."""
+    try:
+        return int(process.memory_full_info().pss)
+    except (psutil.AccessDenied, AttributeError):
+        return int(process.memory_info().rss)
+    except psutil.NoSuchProcess:
+        return 0
+
+
+def timed(command: Sequence[str], folder: Path, log: Path) -> Run:
+    """Run a command, and stop with what it said where it fails."""
     here = Path(sys.executable).parent
     environment = {**os.environ, "PATH": f"{here}{os.pathsep}{os.environ.get('PATH', '')}"}  # nbgrader calls alembic
     began = time.perf_counter()
     with log.open("wb") as file:
         running = subprocess.Popen(command, cwd=folder, stdout=file, stderr=file, env=environment)
+        watch = MemoryWatch(running.pid)
+        watch.start()
         _, status, used = os.wait4(running.pid, 0)
+        seconds = time.perf_counter() - began
         running.returncode = os.waitstatus_to_exitcode(status)
-    seconds = time.perf_counter() - began
+        whole = watch.peak()
     if running.returncode:
         raise SystemExit(f"{' '.join(command[:6])} failed:\n{log.read_text(errors='replace')[-2000:]}")
-    return seconds, used.ru_utime + used.ru_stime, used.ru_maxrss / 1024
+    return Run(seconds, used.ru_utime + used.ru_stime, used.ru_maxrss / 1024, whole)
 
 
 def make_class(course: Course, folder: Path, count: int) -> None:
@@ -83,84 +140,110 @@ def nbgrader(what: str) -> list[str]:
     return [sys.executable, "-m", "nbgrader", what, LAB]
 
 
-def main() -> None:
-    parser = argparse.ArgumentParser(description="grading beside nbgrader autograde")
-    parser.add_argument("--submissions", type=int, default=30)
-    parser.add_argument("--jobs", type=int, default=os.cpu_count() or 1, help="of ours; nbgrader has one")
-    parser.add_argument("--kills", type=int, default=0, help="grade once more, killed so often at random moments")
-    parser.add_argument("--ours-only", action="store_true", help="leave nbgrader out: it takes its time")
-    options = parser.parse_args()
-    with tempfile.TemporaryDirectory(prefix="labsid-grading-") as scratch:
-        compare(Path(scratch), options.submissions, options.jobs, options.ours_only)
-        if options.kills:
-            disturb(Path(scratch), options.jobs, options.kills)
+@dataclass(frozen=True, slots=True)
+class Comparison:
+    """The same hand-ins graded by both; ``stock`` is None where nbgrader was left out."""
+
+    submissions: int
+    jobs: int
+    isolation: str
+    ours: Run
+    again: Run
+    stock: Run | None
 
 
-def compare(scratch: Path, count: int, jobs: int, ours_only: bool) -> None:
-    course = Course(scratch / "course")
-    shutil.copytree(ROOT / "notebooks" / LAB, course.notebooks / LAB)
-    shutil.copytree(ROOT / "data", course.data)
-    (course.root / "autograder").mkdir()
+def compare(scratch: Path, count: int, jobs: int, ours_only: bool = False) -> Comparison:
+    """Make a class of hand-ins that are all right, and grade it; an empty folder gets everything."""
+    course = copy_course(scratch / "course", LAB)
     list(build_course(course))
     make_class(course, scratch, count)
-    grade = ["course", "grade", "--submitted", "submitted", "--out", "out", "--jobs", str(jobs)]
-    ours = [sys.executable, "-c", OURS, str(course.root), *grade]
-    rows = [
-        ("labsid course grade", *timed(ours, scratch, scratch / "ours.log")),
-        ("  again, nothing changed", *timed(ours, scratch, scratch / "again.log")),
-    ]
+    ours = timed(grade(scratch, "out", jobs), scratch, scratch / "ours.log")
+    again = timed(grade(scratch, "out", jobs), scratch, scratch / "again.log")
     check_marks(scratch / "out" / "grades.csv", count)
+    stock = None
     if not ours_only:
-        stock = scratch / "stock"
-        make_stock_course(course, stock)
-        shutil.copytree(scratch / "submitted", stock / "submitted")
-        rows.append(("nbgrader autograde", *timed(nbgrader("autograde"), stock, scratch / "stock.log")))
-    table = Table("", "seconds", "a submission", "processor seconds", "largest process", "times labsid")
-    for name, seconds, cpu, memory in rows:
-        ratio = seconds / rows[0][1]
-        table.add_row(
-            name, f"{seconds:.1f}", f"{seconds / count:.3f}", f"{cpu:.1f}", f"{memory:.0f} MiB", f"{ratio:.1f}"
-        )
-    console = Console(width=110)
+        make_stock_course(course, scratch / "stock")
+        shutil.copytree(scratch / "submitted", scratch / "stock" / "submitted")
+        stock = timed(nbgrader("autograde"), scratch / "stock", scratch / "stock.log")
     isolation = (scratch / "out" / "grades.csv").read_text().splitlines()[1].split(",")[-2]
-    console.print(f"{count} submissions of {LAB}, {jobs} jobs, isolation {isolation}, {os.cpu_count()} processors")
-    console.print(table)
+    return Comparison(count, jobs, isolation, ours, again, stock)
 
 
-def disturb(scratch: Path, jobs: int, kills: int) -> None:
-    """Grade into another folder, killed again and again; what comes of it must equal the undisturbed run."""
+def grade(scratch: Path, out: str, jobs: int) -> list[str]:
+    options = ["course", "grade", "--submitted", "submitted", "--out", out, "--jobs", str(jobs)]
+    return [sys.executable, "-c", OURS, str(scratch / "course"), *options]
+
+
+@dataclass(frozen=True, slots=True)
+class Disturbed:
+    """What came of killing: how many kills hit what, and the grades that were missing or too many afterwards."""
+
+    while_grading: int
+    while_entering: int
+    while_starting: int
+    lost: int
+    doubled: int
+
+
+def disturb(scratch: Path, found: Comparison, kills: int, say: Callable[[str], None] = print) -> Disturbed:
+    """Grade into another folder, killed again and again; what comes of it must equal the undisturbed run.
+
+    A kill comes at a random moment between half of what a start takes and what the undisturbed run took. Only those
+    count towards `kills` that hit work: some results had been written and others not, or all had, and the gradebook was
+    being filled; the others widen the span. Where a run ends before it is killed, its grades are compared, and the next
+    one begins with an empty folder.
+    """
     rng = random.Random(kills)
-    grade = ["course", "grade", "--submitted", "submitted", "--out", "killed", "--jobs", str(jobs)]
-    command = [sys.executable, "-c", OURS, str(scratch / "course"), *grade]
-    done = 0
-    for _ in range(kills):
-        with subprocess.Popen(
-            command, cwd=scratch, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, start_new_session=True
-        ) as running:
+    out, log = scratch / "killed", scratch / "killed.log"
+    hits: Counter[str] = Counter()
+    lost = doubled = 0
+    longest = found.ours.seconds
+    while hits["grading"] + hits["entering"] < kills:
+        before = results_in(out)
+        command = grade(scratch, out.name, found.jobs)
+        with log.open("wb") as file, subprocess.Popen(command, cwd=scratch, stdout=file, stderr=file) as running:
             with contextlib.suppress(subprocess.TimeoutExpired):
-                running.wait(rng.uniform(2, 12))
-                done += 1  # it came to its end before it was killed
+                running.wait(rng.uniform(found.again.seconds / 2, longest))
             running.kill()
-    timed(command, scratch, scratch / "killed.log")
-    same = entered(scratch / "killed") == entered(scratch / "out")
-    said = "equal to the undisturbed run" if same else "NOT equal to the undisturbed run"
-    print(f"killed {kills - done} times (and {done} runs that were done before): grades and gradebook {said}")
-    if not same:
-        raise SystemExit(1)
+        if running.returncode > 0:
+            raise SystemExit(f"labsid course grade failed:\n{log.read_text(errors='replace')[-2000:]}")
+        after = results_in(out)
+        lost += len(before - after)
+        if running.returncode == 0:
+            lost, doubled = lost + missing(scratch / "out", out), doubled + missing(out, scratch / "out")
+            shutil.rmtree(out)
+        elif after == before:
+            hits["starting"] += 1
+            longest *= 1.2  # the machine has more to do than it had
+        else:
+            hits["entering" if len(after) == found.submissions else "grading"] += 1
+            say(f"killed with {len(after)} of {found.submissions} graded")
+    timed(grade(scratch, out.name, found.jobs), scratch, log)
+    lost, doubled = lost + missing(scratch / "out", out), doubled + missing(out, scratch / "out")
+    return Disturbed(hits["grading"], hits["entering"], hits["starting"], lost, doubled)
 
 
-def entered(out: Path) -> tuple[list[list[str]], list[tuple[object, ...]]]:
+def results_in(out: Path) -> set[str]:
+    """The students whose result is safe on disk."""
+    return {result.student for result in load_good(out)}
+
+
+def missing(there: Path, here: Path) -> int:
+    """How many grades one folder has, in its list or in its gradebook, that the other has not, or has differently."""
+    return (entered(there) - entered(here)).total()
+
+
+def entered(out: Path) -> Counter[tuple[object, ...]]:
     """The grades but for their seconds, and what the gradebook has."""
     with (out / "grades.csv").open(encoding="utf-8", newline="") as file:
-        rows = [row[:-1] for row in csv.reader(file)]
+        rows: list[tuple[object, ...]] = [tuple(row[:-1]) for row in csv.reader(file)]
     query = (
         "select s.student_id, a.name, c.name, g.auto_score, g.needs_manual_grade from grade g "
         "join base_cell c on c.id = g.cell_id join submitted_notebook n on n.id = g.notebook_id "
-        "join submitted_assignment s on s.id = n.assignment_id "
-        "join assignment a on a.id = s.assignment_id order by 1, 2, 3"
+        "join submitted_assignment s on s.id = n.assignment_id join assignment a on a.id = s.assignment_id"
     )
     with contextlib.closing(sqlite3.connect(out / "gradebook.db")) as book:
-        return rows, book.execute(query).fetchall()
+        return Counter([*rows, *book.execute(query).fetchall()])
 
 
 def check_marks(grades: Path, count: int) -> None:
@@ -170,6 +253,53 @@ def check_marks(grades: Path, count: int) -> None:
     wrong = [row for row in rows if row["score"] != row["max_score"]]
     if wrong or len({row["student"] for row in rows}) != count:
         raise SystemExit(f"not all marks were given: {wrong[:3]}")
+
+
+def show(found: Comparison) -> None:
+    """Print the comparison."""
+    columns = ("seconds", "a submission", "processor seconds", "largest process", "all processes", "times labsid")
+    table = Table("", *columns)
+    for name, run in (
+        ("labsid course grade", found.ours),
+        ("  again, nothing changed", found.again),
+        ("nbgrader autograde", found.stock),
+    ):
+        if run is not None:
+            table.add_row(
+                name,
+                f"{run.seconds:.1f}",
+                f"{run.seconds / found.submissions:.3f}",
+                f"{run.cpu:.1f}",
+                f"{run.largest:.0f} MiB",
+                f"{run.whole:.0f} MiB",
+                f"{run.seconds / found.ours.seconds:.1f}",
+            )
+    console = Console(width=130)
+    console.print(
+        f"{found.submissions} submissions of {LAB}, {found.jobs} jobs, isolation {found.isolation}, "
+        f"{os.cpu_count()} processors"
+    )
+    console.print(table)
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description="grading beside nbgrader autograde")
+    parser.add_argument("--submissions", type=int, default=30)
+    parser.add_argument("--jobs", type=int, default=os.cpu_count() or 1, help="of ours; nbgrader has one")
+    parser.add_argument("--kills", type=int, default=0, help="grade once more, killed so often at random moments")
+    parser.add_argument("--ours-only", action="store_true", help="leave nbgrader out: it takes its time")
+    options = parser.parse_args()
+    with tempfile.TemporaryDirectory(prefix="labsid-grading-") as scratch:
+        found = compare(Path(scratch), options.submissions, options.jobs, options.ours_only)
+        show(found)
+        if not options.kills:
+            return
+        came = disturb(Path(scratch), found, options.kills)
+    print(
+        f"killed {came.while_grading} times while grading, {came.while_entering} while filling the gradebook "
+        f"({came.while_starting} more while starting): {came.lost} grades lost, {came.doubled} doubled"
+    )
+    raise SystemExit(int(bool(came.lost or came.doubled)))
 
 
 if __name__ == "__main__":

@@ -1,6 +1,10 @@
 """Right-but-different and plausible wrong answers to every automatic question, one module an assignment."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
+from importlib import import_module
+
+from autograder.judge import QuestionResult
 
 
 @dataclass(frozen=True)
@@ -36,3 +40,13 @@ def wrong(question: str, name: str, code: str, slip: str | None, says: str) -> W
 def define(head: str, body: str) -> str:
     """Source of a function."""
     return f"def {head}:\n" + "".join(f"    {line}\n" for line in body.splitlines())
+
+
+def variants_of(assignment: str) -> list[Right | Wrong]:
+    """The answers to the questions of an assignment."""
+    return list(import_module(f"variants.{assignment.replace('-', '_')}").VARIANTS)
+
+
+def questions_lost(results: Mapping[str, QuestionResult]) -> dict[str, str]:
+    """The automatic questions without full points, and the reasons."""
+    return {key: r.reason for key, r in results.items() if r.status != "manual" and r.score != r.max_score}

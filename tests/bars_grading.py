@@ -1,0 +1,49 @@
+"""Every bar of the grading, measured here, as one table. Exit status 1 where one that must be reached is missed.
+
+`make bars` runs it, which takes some minutes; ``make bars BARS_ARGS="--only attacks"`` runs a part.
+"""
+
+import argparse
+import os
+import sys
+import tempfile
+import time
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).resolve().parent))
+sys.path.insert(0, str(Path(__file__).resolve().parent.parent))  # the packages first: the tests mirror them
+
+from bars_grading_figures import Figure, markdown, show
+from bars_grading_parts import PARTS, Size
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description="every bar of the grading, measured on this machine")
+    parser.add_argument("--only", choices=list(PARTS), action="append", help="this part; may be given again")
+    parser.add_argument("--submissions", type=int, default=60, help="hand-ins that are graded beside nbgrader")
+    parser.add_argument("--kills", type=int, default=20, help="times that grading is killed and restarted")
+    parser.add_argument("--jobs", type=int, default=os.cpu_count() or 1, help="at a time")
+    parser.add_argument("--markdown", metavar="FILE", type=Path, help="also write the table here")
+    options = parser.parse_args()
+    size = Size(options.submissions, options.kills, options.jobs)
+    began = time.monotonic()
+
+    def say(text: str) -> None:
+        minutes, seconds = divmod(int(time.monotonic() - began), 60)
+        print(f"[{minutes:2d}:{seconds:02d}] {text}", file=sys.stderr, flush=True)
+
+    figures: list[Figure] = []
+    for name in options.only or PARTS:
+        say(f"{name}: {PARTS[name].__doc__}")
+        with tempfile.TemporaryDirectory(prefix="labsid-bars-") as folder:
+            for figure in PARTS[name](Path(folder), size, say):
+                say(f"  {figure.name}: {figure.measured} {figure.reached}")
+                figures.append(figure)
+    show(figures)
+    if options.markdown is not None:
+        options.markdown.write_text(markdown(figures), encoding="utf-8")
+    raise SystemExit(int(any(figure.reached == "missed" for figure in figures)))
+
+
+if __name__ == "__main__":
+    main()

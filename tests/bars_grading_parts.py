@@ -1,0 +1,180 @@
+"""What is measured for each bar of the grading. Every part says how far it is, and yields its figures."""
+
+import statistics
+import subprocess
+import sys
+import time
+from collections.abc import Callable, Iterator
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+from datetime import datetime
+from decimal import Decimal
+from pathlib import Path
+from typing import Any
+
+import nbformat
+from attacks import Attack
+from attacks.arena import ATTACKS, NAME, Outcome, due_to, fight, scores_of, student_of
+from bars_grading_figures import Figure, at_least, at_most, every, none
+from bench_grading import OURS, compare, disturb
+from course_work import GradeCode, copy_course, execute_solution
+from variants import Right, Wrong, questions_lost, variants_of
+
+from autograder.build import build_course
+from autograder.course import Course
+from autograder.isolation import Limits, open_workshop
+from autograder.judge import QuestionResult
+
+
+@dataclass(frozen=True, slots=True)
+class Size:
+    """How much is measured: hand-ins beside nbgrader, kills, and what runs at a time."""
+
+    submissions: int
+    kills: int
+    jobs: int
+
+
+Say = Callable[[str], None]
+Part = Callable[[Path, Size, Say], Iterator[Figure]]
+"""Measures in an empty folder."""
+
+
+def answers(folder: Path, size: Size, say: Say) -> Iterator[Figure]:
+    """Right answers that differ from the model solution, and wrong ones, to every question of every assignment."""
+    course = copy_course(folder / "course")
+    list(build_course(course))
+    right = wrong = full = rewarded = spoiled = named = 0
+    limits = Limits(cell_seconds=60, call_seconds=30)
+    with open_workshop(limits=limits) as workshop, ThreadPoolExecutor(size.jobs) as pool:
+        grade_code = GradeCode(course, workshop)
+
+        def graded(name: str, variant: Right | Wrong) -> tuple[Right | Wrong, dict[str, QuestionResult]]:
+            return variant, grade_code(name, variant.code)
+
+        for number, name in enumerate(course.assignments(), start=1):
+            variants = variants_of(name)
+            say(f"{name}, {number} of {len(course.assignments())}: {len(variants)} answers")
+            for variant, results in pool.map(graded, [name] * len(variants), variants):
+                lost = questions_lost(results)
+                own = results[variant.question]
+                if isinstance(variant, Right):
+                    right, full = right + 1, full + (not lost)
+                else:
+                    wrong, named = wrong + 1, named + (own.slip is not None)
+                    rewarded += own.score == own.max_score
+                    spoiled += bool(set(lost) - {variant.question})
+                if bool(lost) == isinstance(variant, Right) or set(lost) - {variant.question}:
+                    say(f"  {variant.question}: {variant.name}: {lost or 'full marks'}")
+    yield every("right but different answers that get full marks", full, right)
+    name = f"{wrong} wrong answers: full marks for it / another question spoiled"
+    yield none(name, rewarded, spoiled)
+    yield at_least("wrong answers named in the feedback as the slip that they are", 100 * named / wrong, 80, 95, "%")
+
+
+def attacks(folder: Path, size: Size, say: Say) -> Iterator[Figure]:
+    """The attack suite on both ends of the ladder."""
+    course = copy_course(folder / "course", NAME)
+    list(build_course(course))
+    what = "undeserved points / batch aborted / others' grades or files touched"
+    for isolation in ("best", "none"):
+        say(f"{len(ATTACKS)} attacks with --isolation {isolation}")
+        (folder / isolation).mkdir()
+        try:
+            outcome = fight(course, folder / isolation, isolation)
+        except Exception as error:  # whatever an attack can bring about
+            say(f"  {type(error).__name__}: {error}")
+            yield Figure(f"attacks with --isolation {isolation}: {what}", "- / 1 / -", "0 / 0 / 0", "", "missed")
+            continue
+        known = [attack for attack in ATTACKS if outcome.rung == "none" and attack.open_on_none]
+        gains = [gain(outcome, course, attack) for attack in ATTACKS if attack not in known]
+        touched = len(outcome.touched()) + len(outcome.harmed())
+        yield none(f"{len(gains)} attacks, isolation {outcome.rung}: {what}", sum(gains), 0, touched)
+        if known:
+            name = f"{len(known)} attacks on files there, which only a sandbox stops: the same"
+            points = sum(gain(outcome, course, attack) for attack in known)
+            files = sum(not outcome.untouched[place] for place in {attack.spares for attack in known} - {""})
+            yield Figure(name, f"{float(points):g} / 0 / {files}", reached="said when grading")
+
+
+def gain(outcome: Outcome, course: Course, attack: Attack) -> Decimal:
+    """Points that an attack got and should not have."""
+    got, due = scores_of(outcome.results[student_of(attack)]), due_to(attack, course)
+    return sum((max((got[key] or Decimal(0)) - (due[key] or Decimal(0)), Decimal(0)) for key in got), Decimal(0))
+
+
+def speed(folder: Path, size: Size, say: Say) -> Iterator[Figure]:
+    """The same honest hand-ins, graded by labsid and by nbgrader."""
+    say(f"{size.submissions} hand-ins; nbgrader takes some seconds for each")
+    found = compare(folder, size.submissions, size.jobs)
+    assert found.stock is not None
+    what = f"{found.submissions} hand-ins graded, beside nbgrader autograde"
+    yield at_least(f"{what}: time", found.stock.seconds / found.ours.seconds, 10, 25, "times")
+    yield at_least(f"{what}: processor time", found.stock.cpu / found.ours.cpu, 10, 25, "times")
+
+
+def kills(folder: Path, size: Size, say: Say) -> Iterator[Figure]:
+    """Grading killed at random moments and restarted."""
+    say(f"{size.submissions} hand-ins, undisturbed")
+    found = compare(folder, size.submissions, size.jobs, ours_only=True)
+    say(f"the same, killed {size.kills} times")
+    came = disturb(folder, found, size.kills, lambda text: say(f"  {text}"))
+    say(f"  {came.while_grading} while grading, {came.while_entering} while filling the gradebook")
+    name = f"killed {size.kills} times while grading {size.submissions} hand-ins: grades lost / doubled"
+    yield none(name, came.lost, came.doubled)
+
+
+def course(folder: Path, size: Size, say: Say) -> Iterator[Figure]:
+    """The whole course built by its command, every solution executed in a kernel, each check twice, and timed."""
+    made = copy_course(folder / "course")
+    say("building the course")
+    began = time.perf_counter()
+    subprocess.run([sys.executable, "-c", OURS, str(made.root), "course", "build"], check=True, stdout=subprocess.PIPE)
+
+    def execute(name: str) -> Any:
+        ask_twice(made.source / name / f"{name}.ipynb")
+        say(f"executing {name}")
+        return execute_solution(made, name, folder / name)
+
+    with ThreadPoolExecutor(size.jobs) as pool:
+        notebooks = list(pool.map(execute, made.assignments()))
+    seconds = time.perf_counter() - began
+    cells = [cell for notebook in notebooks for cell in notebook.cells if is_check(cell)]
+    first, again = ({cell.source: taken(cell) for cell in some} for some in (cells[::2], cells[1::2]))
+    for times in (first, again):
+        slowest = sorted(times, key=lambda question: times[question])[-3:]
+        said = ", ".join(f"{question} {times[question]:.3f} s" for question in slowest)
+        say(f"  slowest checks: {said}; median {statistics.median(times.values()):.3f} s")
+    what = "one check in the notebook, the slowest of"
+    yield at_most(f"{what} {len(again)}, everything imported", max(again.values()), 0.5, 0.2, "s")
+    yield at_most(f"{what} {len(first)} the first time, with what it imports", max(first.values()), 0.5, 0.2, "s")
+    opened = max(map(first_answer, notebooks))
+    yield Figure("a fresh kernel to its first check, all imports included", f"{opened:.3g} s", reached="no bar")
+    yield at_most("whole course rebuilt and every solution notebook executed", seconds, 180, 60, "s")
+
+
+def ask_twice(path: Path) -> None:
+    """Put a second check behind every check of a notebook."""
+    notebook = nbformat.read(path, as_version=4)
+    twice = [[cell, nbformat.v4.new_code_cell(cell.source)] if is_check(cell) else [cell] for cell in notebook.cells]
+    notebook.cells = [cell for cells in twice for cell in cells]
+    nbformat.write(notebook, path)
+
+
+def is_check(cell: Any) -> bool:
+    return cell.cell_type == "code" and cell.source.startswith('check("')
+
+
+def taken(cell: Any) -> float:
+    """Seconds from the kernel's start on a cell to its answer."""
+    begun, ended = (cell.metadata.execution[key] for key in ("iopub.status.busy", "shell.execute_reply"))
+    return (datetime.fromisoformat(ended) - datetime.fromisoformat(begun)).total_seconds()
+
+
+def first_answer(notebook: Any) -> float:
+    """Seconds that a student waits for a first answer: the cell that imports everything, and the first check."""
+    opened = next(cell for cell in notebook.cells if "notebook_checks(" in cell.source)
+    return taken(opened) + taken(next(filter(is_check, notebook.cells)))
+
+
+PARTS: dict[str, Part] = {"answers": answers, "attacks": attacks, "speed": speed, "kills": kills, "course": course}

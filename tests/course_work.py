@@ -1,0 +1,113 @@
+"""The repository's own course in another place, for tests and measurements: copied, graded by the cell, executed.
+
+And what a graded class has in its gradebook.
+"""
+
+import shutil
+import subprocess
+import sys
+import tempfile
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import nbformat
+
+from autograder.assets import Stock, desk_for
+from autograder.course import Course, read_template
+from autograder.gradebook import database_url
+from autograder.intake import Step, Submission
+from autograder.isolation import Workshop
+from autograder.judge import QuestionResult, judge_submission
+from autograder.nbgrader_door import open_gradebook
+from labsid.checks.notebook import load_assignment
+from labsid.record import load_record
+
+ROOT = Path(__file__).resolve().parent.parent
+
+
+def copy_course(root: Path, *names: str) -> Course:
+    """The text notebooks (all, or those named) and the data in a folder of their own, not built yet."""
+    for name in names or (".",):
+        shutil.copytree(ROOT / "notebooks" / name, root / "notebooks" / name)
+    shutil.copytree(ROOT / "data", root / "data")
+    (root / "autograder").mkdir()
+    return Course(root)
+
+
+@dataclass(frozen=True)
+class GradeCode:
+    """Grade the model solution with some cells replaced: ``grade_code(assignment, {cell id: source}, record=path)``."""
+
+    course: Course
+    workshop: Workshop
+
+    def __call__(
+        self, name: str, replaced: Mapping[str, str], record: Path | None = None, student: str = "s"
+    ) -> dict[str, QuestionResult]:
+        template = read_template(self.course, name)
+        source = nbformat.read(self.course.source / name / f"{name}.ipynb", as_version=4)
+        texts = {cell.id: cell.source for cell in source.cells} | dict(replaced)
+        unknown = set(replaced) - {cell.id for cell in template.cells}
+        assert not unknown, f"{name} has no cells {unknown}"
+        steps = tuple(
+            Step(cell.id, cell.kind, texts[cell.id] if cell.kind in ("answer", "manual") else cell.source, cell.code)
+            for cell in template.cells
+        )
+        desk = desk_for(Stock(self.course, None, self.course.root), template, student)
+        assets = desk.assets if record is None else replace(desk.assets, record=load_record(record))
+        with tempfile.TemporaryDirectory() as bench:
+            for file, path in desk.files.items():
+                shutil.copyfile(record or path, Path(bench) / file)
+            submission = Submission(student, name, "ready", steps, ())
+            result = judge_submission(submission, assets, self.workshop, Path(bench), pictures=False)
+        return {question.question: question for question in result.results}
+
+
+def execute_solution(course: Course, name: str, folder: Path) -> Any:
+    """Run a solution notebook top to bottom in a real kernel; the notebook with its outputs and the time of each cell.
+
+    Raises
+    ------
+    RuntimeError
+        If a cell fails.
+    """
+    path = folder / f"{name}.ipynb"
+    folder.mkdir(parents=True, exist_ok=True)
+    shutil.copyfile(course.source / name / f"{name}.ipynb", path)
+    record = load_assignment(name).record_file
+    if record is not None:
+        shutil.copyfile(course.data / record, folder / record)
+    command = [sys.executable, "-m", "nbconvert", "--to", "notebook", "--execute", "--inplace", path.name]
+    run = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
+    if run.returncode:
+        raise RuntimeError(f"the solution of {name} fails:\n{run.stderr[-2000:]}")
+    return nbformat.read(path, as_version=4)
+
+
+def scores_in_gradebook(out: Path) -> dict[tuple[str, str, str], tuple[float | None, float, bool]]:
+    """Score, marks and whether it waits for a hand, by student, assignment and question: as nbgrader reads them."""
+    with open_gradebook(database_url(out)) as book:
+        return {
+            (submission.student.id, assignment.name, grade.name): (
+                grade.auto_score, grade.max_score, grade.needs_manual_grade
+            )
+            for assignment in book.assignments
+            for submission in assignment.submissions
+            for notebook in submission.notebooks
+            for grade in notebook.grades
+        }  # fmt: skip
+
+
+def give_by_hand(out: Path, assignment: str, student: str, question: str, comment: str = "", **scores: float) -> None:
+    """Grade by hand, as formgrader does it: through nbgrader's own interface."""
+    with open_gradebook(database_url(out)) as book:
+        grade = book.find_grade(question, assignment, assignment, student)
+        for field, score in scores.items():
+            setattr(grade, field, score)
+        if scores:
+            grade.needs_manual_grade = False
+        if comment:
+            book.find_comment(question, assignment, assignment, student).manual_comment = comment
+        book.db.commit()
