@@ -10,6 +10,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from importlib import import_module
 from pathlib import Path
+from threading import Lock
 
 from autograder.course import RECORD_FILE, Course, Template
 from autograder.judge import Assets
@@ -19,6 +20,8 @@ from labsid.checks.question import Origin
 from labsid.console import write_file
 from labsid.record import load_record
 from labsid.rig.suspects import STAND_IN_STUDENT
+
+_MAKING = Lock()  # submissions that are looked at side by side may need one record
 
 PUBLIC_SECRET = b"labsid: inputs of functions under test"
 """Seeds the inputs on which functions are tried in a course that has no secret of its own."""
@@ -104,9 +107,10 @@ def record_path(stock: Stock, name: str, student: str) -> Path:
     key = f"{sources_hash(module, __name__)}\0{name}\0{student}".encode(errors="surrogatepass")
     made = hmac.new(stock.secret, key, hashlib.sha256).hexdigest()[:32]
     path = stock.folder / f"{made}{Path(name).suffix}"
-    if not path.is_file():
-        path.parent.mkdir(parents=True, exist_ok=True)
-        write_file(path, individual_file(name, student, stock.secret))
+    with _MAKING:
+        if not path.is_file():
+            path.parent.mkdir(parents=True, exist_ok=True)
+            write_file(path, individual_file(name, student, stock.secret))
     return path
 
 

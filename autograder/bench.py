@@ -1,4 +1,4 @@
-"""Work folders of submissions, and the cleaning up after a grader that was killed."""
+"""Work folders of submissions and of their processes, and the cleaning up after a grader that was killed."""
 
 import contextlib
 import errno
@@ -14,10 +14,15 @@ from pathlib import Path
 _NAME = "labsid-bench-"
 
 
+def new_bench() -> Path:
+    """An empty work folder; its name says whose it is."""
+    return Path(tempfile.mkdtemp(prefix=f"{_NAME}{os.getpid()}-"))
+
+
 @contextlib.contextmanager
 def bench_folder() -> Iterator[Path]:
-    """A work folder for one submission, gone afterwards; its name says whose it is."""
-    folder = Path(tempfile.mkdtemp(prefix=f"{_NAME}{os.getpid()}-"))
+    """An empty work folder, gone afterwards."""
+    folder = new_bench()
     try:
         yield folder
     finally:
@@ -51,8 +56,8 @@ def size_of(folder: Path) -> int:
 
 
 def remove(folder: Path) -> None:
-    """Remove a folder, whatever rights student code took from it, and however deep it is; a link is not followed."""
-    if folder.is_symlink():
+    """Remove a folder, whatever rights student code took from it, however deep it is, or what was put in its place."""
+    if folder.is_symlink() or folder.is_file():
         folder.unlink()
         return
     names = itertools.count()

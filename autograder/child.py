@@ -8,7 +8,6 @@ import contextlib
 import io
 import json
 import os
-import signal
 import socket
 import sys
 import traceback
@@ -50,20 +49,13 @@ class ReferenceFinder(MetaPathFinder):
 def serve(sock: socket.socket, shell: Any) -> None:
     """Answer the judge until it hangs up."""
     keep_reference_out_of_reach()
-    snapshots: set[int] = set()
     while True:
         try:
             request = receive(sock)
-            if request["op"] == "snapshot":
-                branch = _snapshot(sock, snapshots)
-                if branch is not None:
-                    sock.close()
-                    sock, snapshots = branch, set()
-                continue
         except ChannelError:
             return
         try:
-            reply = _end(snapshots, request) if request["op"] == "end" else _ANSWERS[request["op"]](shell, request)
+            reply = _ANSWERS[request["op"]](shell, request)
         except BaseException as error:
             reply = {"ok": False, "error": describe_error(error)}
         try:
@@ -72,35 +64,6 @@ def serve(sock: socket.socket, shell: Any) -> None:
             return
         except ChannelError as error:
             send(sock, {"ok": False, "error": describe_error(ValueError(f"it is too large: {error}"))})
-
-
-def _snapshot(sock: socket.socket, snapshots: set[int]) -> socket.socket | None:
-    """Fork; the new process answers on the channel that came along, the old one goes on as it was.
-
-    Functions are tried on the judge's inputs in such a process: whatever they keep of those inputs, and whatever they
-    do to the state of the notebook, is not there for the cells that follow.
-    """
-    _, descriptors, _, _ = socket.recv_fds(sock, 1, 1)
-    channel = socket.socket(fileno=descriptors[0])
-    try:
-        pid = os.fork()
-    except (OSError, AttributeError):  # too many processes, or a system without
-        channel.close()
-        send(sock, {"ok": False})
-        return None
-    if pid == 0:
-        return channel
-    channel.close()
-    snapshots.add(pid)
-    send(sock, {"ok": True, "value": pid})
-    return None
-
-
-def _end(snapshots: set[int], request: dict[str, Any]) -> dict[str, Any]:
-    """End a snapshot, and tell how it ended."""
-    snapshots.remove(request["pid"])
-    os.kill(request["pid"], signal.SIGKILL)
-    return {"ok": True, "value": os.waitstatus_to_exitcode(os.waitpid(request["pid"], 0)[1])}
 
 
 def keep_reference_out_of_reach() -> None:

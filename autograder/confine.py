@@ -18,7 +18,7 @@ from pathlib import Path
 from typing import Any
 
 from autograder import reach
-from autograder.sandbox import WORK
+from autograder.sandbox import TMP
 
 _PR_SET_DUMPABLE, _PR_CAPBSET_DROP, _PR_SET_NO_NEW_PRIVS = 4, 24, 38
 _PR_SET_CHILD_SUBREAPER, _PR_CAP_AMBIENT, _PR_CAP_AMBIENT_CLEAR_ALL = 36, 47, 4
@@ -39,6 +39,8 @@ _NO_CALLS = (
     # other processes
     "ptrace", "process_vm_readv", "process_vm_writev", "process_madvise", "kcmp", "pidfd_open", "pidfd_getfd",
     "pidfd_send_signal", "rt_sigqueueinfo", "rt_tgsigqueueinfo",
+    # other programs: the one that is in sight, Python, would have this module's guards against the reference no more
+    "execve", "execveat",
     # memory that no limit counts, and that may outlive its process
     "memfd_create", "memfd_secret", "shmget", "msgget", "semget", "mq_open", "add_key", "keyctl", "request_key",
     # the kernel's less trodden ways
@@ -55,8 +57,10 @@ class Terms:
     Attributes
     ----------
     rung : str
+    given : str
+        Folder of the files that it starts with.
     folder : str
-        The work folder; its files are copied where the rung has a place of its own to write.
+        The work folder, its own and empty: whatever it does there, the next process starts as this one did.
     limits : mapping
         Of the operating system, by name.
     processes, memory_bytes, disk_bytes : int
@@ -70,6 +74,7 @@ class Terms:
     """
 
     rung: str
+    given: str
     folder: str
     limits: Mapping[str, int]
     processes: int
@@ -103,29 +108,24 @@ def settle_in(terms: Terms, call_filter: Any) -> None:
     null = os.open(os.devnull, os.O_RDWR)
     for descriptor in (0, 1, 2):
         os.dup2(null, descriptor)
-    folder = terms.folder
+    files = _read_files(Path(terms.given))
     if terms.first:
-        files = _read_files(Path(folder))
         _step_inside(terms.first, terms.own_user_namespace)
-        folder = WORK
-        os.closerange(4, _most_descriptors())
-        if terms.own_user_namespace:
-            _mount(folder, f"nr_inodes={_MOST_FILES}")
-    else:
-        files = {}
-        os.closerange(4, _most_descriptors())
+    os.closerange(4, _most_descriptors())
+    if terms.own_user_namespace:
+        _mount(TMP, f"nr_inodes={_MOST_FILES}")
     if terms.user:
-        _become(terms.user, folder if not terms.first else None)
+        _become(terms.user, None if terms.first else terms.folder)
     if sys.platform == "linux":
         _drop_capabilities()
         _prctl(_PR_SET_NO_NEW_PRIVS, 1)
-    os.chdir(folder)
+    os.chdir(terms.folder)
     for name, content in files.items():
         Path(name).write_bytes(content)
-    _forget_where_we_are(folder)
+    _forget_where_we_are(terms.folder)
     take_limits(terms.limits)
     if terms.rung == "landlock":
-        _confine_files(folder)
+        _confine_files(terms.folder)
     if call_filter is not None:
         call_filter.load()
 
@@ -200,21 +200,14 @@ def _step_inside(first: int, own_user_namespace: bool) -> None:
 
 
 def _read_files(folder: Path) -> dict[str, bytes]:
-    """The files that lie ready in the work folder: the record."""
+    """The files that lie ready for a process: the record."""
     return {path.name: path.read_bytes() for path in folder.iterdir() if stat.S_ISREG(path.lstat().st_mode)}
 
 
 def _become(user: int, folder: str | None) -> None:
-    """Become a user that nobody else is; the work folder comes along."""
+    """Become a user that nobody else is; the work folder, empty yet, comes along."""
     if folder is not None:
-        # a process before this one may have put a link there, or into it, to what is not the student's
-        place = os.open(folder, os.O_RDONLY | os.O_DIRECTORY | os.O_NOFOLLOW)
-        os.fchown(place, user, user)
-        for name in os.listdir(place):
-            found = os.stat(name, dir_fd=place, follow_symlinks=False)
-            if stat.S_ISDIR(found.st_mode) or found.st_nlink == 1:
-                os.chown(name, user, user, dir_fd=place, follow_symlinks=False)
-        os.close(place)
+        os.chown(folder, user, user)
     os.setgroups([])
     os.setresgid(user, user, user)
     os.setresuid(user, user, user)

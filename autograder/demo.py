@@ -7,10 +7,10 @@ from typing import Any
 
 from autograder.build import build_course
 from autograder.course import Course, find_course
+from autograder.crew import open_crew
 from autograder.export import export_csv
 from autograder.feedback import write_feedback
 from autograder.grade import Batch, find_batch, grade_batch
-from autograder.isolation import open_workshop
 from autograder.report import write_report
 from autograder.samples import LAB, write_samples
 from autograder.summary import class_table
@@ -42,10 +42,10 @@ def run_demo(out: Path, progress: Progress) -> None:
     submitted, graded = out / "submitted", out / "graded"
     lab = find_batch(course, submitted, LAB)
     rest = Batch(submitted, ("ada",), tuple(name for name in names if name != LAB))
-    with open_workshop() as workshop:
-        both = (one for batch in (lab, rest) for one in grade_batch(course, batch, graded, workshop, jobs=2))
+    with open_crew("best", 2, None, print) as crew:
+        both = (one for batch in (lab, rest) for one in grade_batch(course, batch, graded, crew))
         list(progress(both, len(students) + len(rest.assignments), "grading"))
-    print(f"2. Graded {len(students)} sample students (isolation: {workshop.rung}).\n")
+    print(f"2. Graded {len(students)} sample students (isolation: {crew.rung}).\n")
     print(class_table(graded))
     print()
     for student, what in students.items():

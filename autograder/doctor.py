@@ -59,6 +59,10 @@ class Checkup:
     holds: dict[str, bool]
 
 
+TCP = Escape(
+    "connect to loopback (TCP)", "import socket\nsocket.create_connection(there['tcp'], 2).close()\ngot = True"
+)
+
 ESCAPES = (
     Escape("read the course", "got = open(there['course']).read() != ''"),
     Escape("read another submission", "got = open(there['submission']).read() != ''"),
@@ -78,7 +82,7 @@ ESCAPES = (
     Escape("write outside", "open(there['outside'], 'w').write('was here')\ngot = True"),
     Escape("change the gradebook", "open(there['gradebook'], 'a').write('5')\ngot = True"),
     Escape("leave a file for the next", "open('/tmp/labsid-left-behind', 'w').write('5')\ngot = True"),
-    Escape("connect to loopback (TCP)", "import socket\nsocket.create_connection(there['tcp'], 2).close()\ngot = True"),
+    TCP,
     Escape(
         "send to loopback (UDP)",
         "import socket\nsocket.socket(socket.AF_INET, socket.SOCK_DGRAM).sendto(b'x', there['udp'])\ngot = True",
@@ -127,7 +131,7 @@ def examine() -> Iterator[Checkup]:
     for rung in RUNGS:
         try:
             with open_workshop(rung, LIMITS) as workshop:
-                yield Checkup(rung, "", {escape.name: _holds(workshop, escape) for escape in ESCAPES})
+                yield Checkup(rung, "", {escape.name: holds(workshop, escape) for escape in ESCAPES})
         except IsolationError as error:
             yield Checkup(rung, str(error), {})
 
@@ -141,7 +145,7 @@ def as_text(checkups: list[Checkup]) -> str:
         lines.append(f"{escape.name:<{width}}" + "".join(f"  {cell:>10}" for cell in cells))
     lines.append("")
     lines += [f"{one.rung} is not to be had here: {one.why_not}" for one in checkups if one.why_not]
-    best = next((one.rung for one in checkups if not one.why_not), "none")
+    best = next((one.rung for one in checkups if not one.why_not), "nothing: no student process starts here")
     lines.append(f"Grading with --isolation best stands on: {best}")
     return "\n".join(lines)
 
@@ -155,7 +159,8 @@ def as_json(checkups: list[Checkup]) -> str:
 _WORDS = {True: "holds", False: "OPEN"}
 
 
-def _holds(workshop: Workshop, escape: Escape) -> bool:
+def holds(workshop: Workshop, escape: Escape) -> bool:
+    """Whether a way out is shut in a workshop."""
     with _surroundings(workshop) as there, bench_folder() as folder:
         student = workshop.start(folder)
         try:

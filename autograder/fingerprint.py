@@ -36,15 +36,18 @@ def fingerprint(stock: Stock, desk: Desk, folder: Path) -> dict[str, str]:
         ``submission``, ``release`` (cells and points), ``check`` (source files), ``data`` (record and the seed of
         hidden inputs) and ``environment`` (versions).
     """
-    name = desk.assets.template.assignment
-    module = f"labsid.checks.assignments.{name.replace('-', '_')}"
     return {
         "submission": submission_hash(folder, Path(desk.assets.assignment.record_file or "").suffix),
         "release": template_hash(desk.assets.template),
-        "check": sources_hash(module, *JUDGING),
+        "check": sources_hash(checks_module(desk.assets.template.assignment), *JUDGING),
         "data": data_hash(stock, desk),
         "environment": environment_hash(),
     }
+
+
+def checks_module(assignment: str) -> str:
+    """The module of an assignment's checks, which `sources_hash` must be told."""
+    return f"labsid.checks.assignments.{assignment.replace('-', '_')}"
 
 
 def submission_hash(folder: Path, data_suffix: str) -> str:
@@ -71,9 +74,15 @@ def template_hash(template: Template) -> str:
 
 
 @cache
+def environment() -> tuple[str, ...]:
+    """Versions of Python and of what students' code and the checks compute with."""
+    return sys.version, *(_version(name) for name in PACKAGES)
+
+
+@cache
 def environment_hash() -> str:
-    """Of the versions of Python and of what students' code and the checks compute with."""
-    return hashlib.sha256(" ".join([sys.version, *(_version(name) for name in PACKAGES)]).encode()).hexdigest()
+    """Fingerprint of these versions."""
+    return hashlib.sha256(" ".join(environment()).encode()).hexdigest()
 
 
 def _version(package: str) -> str:

@@ -5,8 +5,8 @@ been: a run that is killed enters nothing or all, and the next run enters the re
 is never touched.
 
 The gradebook is where ``OUT/nbgrader_config.py`` says, in nbgrader's own setting ``CourseDirectory.db_url``: a file
-in OUT unless it is changed there, to ``postgresql://USER:PASSWORD@HOST/NAME`` for a class that several people grade by
-hand at a time (that needs the package psycopg2).
+in OUT unless it is changed there, to ``postgresql+psycopg://USER:PASSWORD@HOST/NAME`` for a class that several people
+grade by hand at a time (``pip install 'labsid[postgres]'``).
 """
 
 from collections.abc import Iterable, Sequence

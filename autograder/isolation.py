@@ -19,8 +19,8 @@ from autograder.student_process import Reply, Student, StudentDied
 from autograder.workshops import ForkingWorkshop, SpawningWorkshop, Way, Workshop
 
 __all__ = [
-    "RUNGS", "IsolationError", "Limits", "Reply", "Student", "StudentDied", "Workshop", "bench_folder", "open_workshop",
-    "rungs_here",
+    "RUNGS", "IsolationError", "Limits", "Reply", "Student", "StudentDied", "Workshop", "bench_folder", "is_weaker",
+    "open_workshop", "rungs_here",
 ]  # fmt: skip
 
 RUNGS = ("namespaces", "landlock", "none")
@@ -95,6 +95,11 @@ def open_workshop(isolation: str = "best", limits: Limits | None = None) -> Iter
         workshop.close()
 
 
+def is_weaker(rung: str, wanted: str) -> bool:
+    """Whether one rung isolates less than another; one that is not known does not."""
+    return rung in RUNGS and wanted in RUNGS and RUNGS.index(rung) > RUNGS.index(wanted)
+
+
 def rungs_here(limits: Limits | None = None) -> list[Rung]:
     """Try every rung of the ladder on this machine."""
     found = []
@@ -111,8 +116,11 @@ def _climb(wanted: tuple[str, ...], limits: Limits) -> tuple[Workshop | None, li
     if not hasattr(os, "fork"):
         tried = [Rung(name, "this system has no such isolation") for name in wanted if name != "none"]
         return (SpawningWorkshop(limits) if "none" in wanted else None), tried
+    try:
+        workshop = ForkingWorkshop(limits)
+    except StudentDied as died:
+        return None, [Rung(name, str(died)) for name in wanted]
     tried = []
-    workshop = ForkingWorkshop(limits)
     try:
         for name in wanted:
             why_not = "this system has no such isolation"

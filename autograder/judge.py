@@ -6,24 +6,24 @@ steps are judged on them.
 """
 
 import builtins
+import contextlib
 import hashlib
 import hmac
 import time
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from decimal import Decimal
 from pathlib import Path
 
 import numpy as np
 
-from autograder.ask import AsksForCalls, said
+from autograder.ask import AsksForCalls, ProcessAsk, said
 from autograder.course import Template
 from autograder.intake import Step, Submission
 from autograder.isolation import Reply, Student, StudentDied, Workshop
-from autograder.outcome import QuestionResult, SubmissionResult
+from autograder.outcome import QuestionResult, SubmissionResult, not_judged
 from autograder.picture import svg_picture
 from autograder.running import Ran, Running
-from autograder.watch import WatchingAsk
 from labsid.checks.question import Assignment, Origin, Question, given_values
 from labsid.checks.values import Value
 from labsid.checks.verdict import Verdict
@@ -51,7 +51,7 @@ class Assets:
     template: Template
     assignment: Assignment
     record: Record | None
-    secret: bytes
+    secret: bytes = field(repr=False)
     origin: Origin | None = None
 
 
@@ -77,20 +77,12 @@ def judge_submission(
     SubmissionResult
         One result for every question of the assignment, whatever the submission does.
     """
-    ran: tuple[Ran, ...] = ()
-    wrong: Mapping[str, Mapping[str, Value]] = {}
-    if submission.status == "ready":
-        walk = _Walk(submission, assets, workshop, folder, pictures)
-        results, ran = walk.results()
-        wrong = walk.wrong
-    else:
-        reason = "; ".join(submission.notes)
-        results = tuple(
-            QuestionResult(cell.id, Decimal(0), cell.points or Decimal(0), submission.status, reason)
-            for cell in assets.template.questions
-        )
+    if submission.status != "ready":
+        return not_judged(submission, assets.template, workshop.rung)
+    walk = _Walk(submission, assets, workshop, folder, pictures)
+    results, ran = walk.results()
     return SubmissionResult(
-        submission.student, submission.assignment, results, ran, submission.notes, workshop.rung, wrong
+        submission.student, submission.assignment, results, ran, submission.notes, workshop.rung, walk.wrong
     )
 
 
@@ -124,6 +116,7 @@ class _Walk:
         self._waiting: list[_Waiting] = []
         self._found: list[QuestionResult] = []
         self._failed: list[str] = []
+        self._source = "\n".join(step.source for step in submission.steps)
         self._told = False  # whether right values stand in the student's process
         self.wrong: dict[str, dict[str, Value]] = {}
         self._running = Running(workshop, folder)
@@ -175,14 +168,13 @@ class _Walk:
                     waiting = _Waiting(place, question, points, ran, dict(self._known), self._drawn(first))
                     self._waiting.append(waiting)
                     return QuestionResult(question.id, None, points, "waiting", "")
-                snapshot, death = self._snapshot()
                 ask = self._ask(question, lambda: self._running.student, self._known)
-                ask.calls = snapshot
-                if death is None:
-                    verdict, death = self._verdict(question, ask)
-                if snapshot is not None:
-                    snapshot.close()
-                    ask.calls = None
+                try:
+                    with self._running.apart() as ask.calls:
+                        verdict, death = self._verdict(question, ask)
+                except StudentDied as died:
+                    death = died
+                ask.calls = None
         result = self._result(question, points, ran, verdict, death, self._drawn(first))
         self._carry_forward(question, ask, passed=bool(verdict and verdict.passed))
         return result
@@ -214,27 +206,16 @@ class _Walk:
 
     def _exact_verdict(self, one: _Waiting) -> Verdict | None:
         """Judge in a process that never went further than the question: later cells changed things in place."""
-        student = self._running.replayed(one.place)
-        if student is None:
-            return None
         try:
-            return one.question.verdict(self._ask(one.question, lambda: student, one.known))
+            with contextlib.closing(self._running.replayed(one.place)) as student:
+                return one.question.verdict(self._ask(one.question, lambda: student, one.known))
         except Exception:  # the process died, or the check broke: then what was found before stands
             return None
-        finally:
-            student.close()
 
-    def _drawn(self, ask: WatchingAsk) -> tuple[str, ...]:
+    def _drawn(self, ask: ProcessAsk) -> tuple[str, ...]:
         return tuple(map(svg_picture, ask.figures)) if self._pictures and not self._told else ()
 
-    def _snapshot(self) -> tuple[Student | None, StudentDied | None]:
-        try:
-            return self._running.student.snapshot(), None
-        except StudentDied as died:
-            self._running.revive()
-            return None, died
-
-    def _verdict(self, question: Question, ask: WatchingAsk) -> tuple[Verdict | None, StudentDied | None]:
+    def _verdict(self, question: Question, ask: ProcessAsk) -> tuple[Verdict | None, StudentDied | None]:
         try:
             return question.verdict(ask), None
         except StudentDied as died:
@@ -276,7 +257,7 @@ class _Walk:
             figures=pictures,
         )
 
-    def _carry_forward(self, question: Question, ask: WatchingAsk, passed: bool) -> None:
+    def _carry_forward(self, question: Question, ask: ProcessAsk, passed: bool) -> None:
         if not passed:
             self._failed.append(question.id)
         ask.later = False
@@ -293,22 +274,24 @@ class _Walk:
             self._running.set(given)
             self._told = True
 
-    def _ask(self, question: Question, student: Callable[[], Student], known: Mapping[str, Value]) -> WatchingAsk:
+    def _ask(self, question: Question, student: Callable[[], Student], known: Mapping[str, Value]) -> ProcessAsk:
         identity = f"{self._submission.student}\0{self._submission.assignment}\0{question.id}".encode(
             errors="surrogatepass"
         )
         seed = hmac.new(self._assets.secret, identity, hashlib.sha256).digest()
         rng = np.random.default_rng(list(seed))
-        return WatchingAsk(student, self._assets.record, known, rng, self._assets.origin)
+        return ProcessAsk(student, self._assets.record, known, rng, self._assets.origin, self._source)
 
 
 def without_values(ran: Ran) -> Ran:
     """What a cell said, without anything that could tell the right values that it was run with."""
-    reply = ran.reply
-    error = reply.error
+    reply, error = ran.reply, ran.reply.error
+    if ran.step.kind == "extra" and ran.step.code:  # of any number of these, even whether they stop would tell
+        return replace(ran, reply=Reply(True, None, None, WITHHELD))
     if error is not None:
-        kind = error.get("kind")
-        error = {"kind": kind if hasattr(builtins, str(kind)) else "an error", "text": "", "line": error.get("line")}
+        kind, line = str(error.get("kind")), error.get("line")
+        told = {"kind": kind if hasattr(builtins, kind) else "an error", "text": ""}
+        error = {**told, "line": line} if line in range(1, ran.step.source.count("\n") + 2) else told
     return replace(ran, reply=Reply(reply.ok, None, error, WITHHELD if reply.stdout else ""))
 
 

@@ -21,8 +21,34 @@ def nbgrader_api() -> Any:
 
 
 def open_gradebook(url: str) -> Any:
-    """Open a gradebook, made where it is not there; a context manager."""
-    return nbgrader_api().Gradebook(url, COURSE_ID)
+    """Open a gradebook, made where it is not there; a context manager.
+
+    Raises
+    ------
+    ValueError
+        If the database cannot be reached, or the package that speaks with it is not installed.
+    """
+    api = nbgrader_api()
+    from sqlalchemy.engine import make_url
+    from sqlalchemy.exc import SQLAlchemyError
+
+    try:
+        return api.Gradebook(url, COURSE_ID)
+    except ModuleNotFoundError as error:
+        package = {"psycopg": "labsid[postgres]"}.get(str(error.name), error.name)
+        raise ValueError(
+            f"the gradebook is a database that needs the package {error.name}. Install it: pip install '{package}'"
+        ) from None
+    except SQLAlchemyError as error:
+        said = " ".join(str(getattr(error, "orig", None) or error).split())
+        try:
+            where = make_url(url).render_as_string()  # without its password
+        except SQLAlchemyError:
+            where, said = "that CourseDirectory.db_url names", "it is no address of a database"
+        raise ValueError(
+            f"the gradebook {where} cannot be opened: {said}. "
+            "Is the server running, and CourseDirectory.db_url in nbgrader_config.py right?"
+        ) from None
 
 
 @contextlib.contextmanager

@@ -4,6 +4,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from decimal import Decimal
 
+from autograder.course import Template
+from autograder.intake import Submission
 from autograder.running import Ran
 from labsid.checks.values import Value
 
@@ -76,3 +78,13 @@ class SubmissionResult:
     isolation: str
     wrong: Mapping[str, Mapping[str, Value]] = field(default_factory=dict)
     flags: tuple[str, ...] = ()
+
+
+def not_judged(submission: Submission, template: Template, rung: str) -> SubmissionResult:
+    """What comes of a submission that is missing or quarantined: no marks for any question, and why."""
+    reason = "; ".join(submission.notes)
+    results = tuple(
+        QuestionResult(cell.id, Decimal(0), cell.points or Decimal(0), submission.status, reason)
+        for cell in template.questions
+    )
+    return SubmissionResult(submission.student, submission.assignment, results, (), submission.notes, rung)

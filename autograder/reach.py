@@ -55,7 +55,7 @@ def trees() -> list[Path]:
     found += [Path(prefix) / "lib" for prefix in (sys.base_prefix, sys.prefix)]
     found += [Path(path) for path in (*sys.path, site.getusersitepackages()) if Path(path).name in _PACKAGES]
     found += map(Path, _SYSTEM)
-    there = sorted({Path(os.path.abspath(path)) for path in found if path.exists()})
+    there = sorted({Path(os.path.abspath(path)) for path in found if os.path.exists(path)})
     return [path for path in there if not any(other in path.parents for other in there)]
 
 

@@ -2,13 +2,18 @@
 
 import contextlib
 import time
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
 from autograder.intake import Step
 from autograder.isolation import Reply, Student, StudentDied, Workshop
 from labsid.checks.values import Value
+
+_Done = Step | Mapping[str, Value] | int
+"""What a process went through: a cell that it ran, values that it was given, the key of a pin."""
+
+_HERE = -1
 
 
 @dataclass(frozen=True, slots=True)
@@ -26,10 +31,13 @@ class Running:
     def __init__(self, workshop: Workshop, folder: Path) -> None:
         self._workshop = workshop
         self._folder = folder
-        self._done: list[Step | Mapping[str, Value] | int] = []
+        self._done: list[_Done] = []
+        self._other: Student | None = None
+        self._gone_through = 0  # by the other, of what was done
         self._cells = 0
         self._printed = 0
         self._until = time.monotonic() + workshop.limits.submission_seconds
+        self._again = workshop.limits.submission_seconds
         self.student = self._start()
 
     def run(self, step: Step) -> Ran:
@@ -70,23 +78,52 @@ class Running:
                 return
             try:
                 self.student = self._start()
-            except StudentDied:  # its folder was made unusable: what is asked of it now fails, and is tried again
+            except StudentDied:  # what is asked of it now fails, and is tried again
                 return
-            failed = self._replay(self.student, len(self._done))
+            failed = self._replay(self.student, self._done)
             if failed is None:
                 return
-            del self._done[failed]  # this cell does not survive being run again: go without it
+            self._part()
+            del self._done[failed[0]]  # this cell does not survive being run again: go without it
 
-    def replayed(self, key: int) -> Student | None:
-        """A new process, brought to where the first one was when it kept its variables under that key."""
+    def replayed(self, key: int) -> Student:
+        """A new process, brought to where the first one was when it kept its variables under `key`.
+
+        Raises
+        ------
+        StudentDied
+            If it does not survive that.
+        """
+        student = self._start()
+        self._bring(student, self._done[: self._done.index(key)])
+        return student
+
+    @contextlib.contextmanager
+    def apart(self) -> Iterator[Student]:
+        """Another process at the same place, to call functions on hidden inputs while there are cells to come.
+
+        It has neither memory nor a folder in common with the first, so what it is told stays with it. It is kept for
+        the next time, and then goes on from where it was; not where its variables have changed since.
+
+        Raises
+        ------
+        StudentDied
+            If it does not survive to get there.
+        """
+        if self._other is None:
+            self._other, self._gone_through = self._start(), 0
+        other, behind = self._other, self._done[self._gone_through :]
+        changed = True
         try:
-            student = self._start()
-        except StudentDied:
-            return None
-        if self._replay(student, self._done.index(key)) is None:
-            return student
-        student.close()
-        return None
+            self._bring(other, behind)
+            self._gone_through = len(self._done)
+            other.pin(_HERE)
+            yield other
+            with contextlib.suppress(StudentDied):
+                changed = other.put_back(_HERE)
+        finally:
+            if changed:
+                self._part()
 
     def more_time(self, seconds: float) -> None:
         """See to it that there are so many seconds left."""
@@ -94,25 +131,42 @@ class Running:
 
     def close(self) -> None:
         """End it."""
+        self._part()
         self.student.close()
 
-    def _replay(self, student: Student, count: int) -> int | None:
-        """Do again what was done; the place of what the process did not survive."""
-        for index, done in enumerate(self._done[:count]):
+    def _part(self) -> None:
+        if self._other is not None:
+            self._other.close()
+            self._other = None
+
+    def _bring(self, student: Student, done: list[_Done]) -> None:
+        """Replay at the judge's wish: the time is not the notebook's, and all of it may come to as much again."""
+        began = time.monotonic()
+        student.until = began + self._again
+        failed = self._replay(student, done)
+        gone = time.monotonic() - began
+        self._again -= gone
+        self._until += gone
+        self.student.until = student.until = self._until
+        if failed is not None:
+            student.close()
+            raise StudentDied(failed[1].status, f"run once more from the first cell on, {failed[1]}")
+
+    def _replay(self, student: Student, done: list[_Done]) -> tuple[int, StudentDied] | None:
+        """Do again what was done; the place of what the process did not survive, and how it died."""
+        for index, one in enumerate(done):
             try:
-                if isinstance(done, Step):
-                    student.run(done.source)
-                elif isinstance(done, int):
-                    student.pin(done)
+                if isinstance(one, Step):
+                    student.run(one.source)
+                elif isinstance(one, int):
+                    student.pin(one)
                 else:
-                    student.set(done)
-            except StudentDied:
-                return index
+                    student.set(one)
+            except StudentDied as death:
+                return index, death
         return None
 
     def _start(self) -> Student:
-        with contextlib.suppress(OSError):
-            self._folder.mkdir(0o700, exist_ok=True)  # student code may have taken it away
         student = self._workshop.start(self._folder)
         student.until = self._until
         return student

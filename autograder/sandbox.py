@@ -19,7 +19,10 @@ from pathlib import Path
 
 from autograder import reach
 
-WORK = "/submission"
+TMP = "/tmp"
+"""The one place in a sandbox that can be written to; trees that lie below it on this machine are laid into it."""
+
+WORK = f"{TMP}/submission"
 _CAT = "/bin/cat"
 _PATIENCE = 10.0
 
@@ -98,6 +101,7 @@ def layout(bubblewrap: str, allowed: Iterable[Path], disk_bytes: int, own_user_n
     command += ["--hostname", "sandbox", "--clearenv", "--proc", "/proc", "--dev", "/dev", "--remount-ro", "/dev"]
     if own_user_namespace:
         command += ["--unshare-user", "--disable-userns", "--uid", "1000", "--gid", "1000"]
+    command += ["--perms", "1777", "--size", str(disk_bytes), "--tmpfs", TMP, "--perms", "0777", "--dir", WORK]
     trees, allowed = reach.trees(), list(allowed)
     for parent in _parents([*trees, *allowed]):
         command += ["--perms", "0755", "--dir", parent]  # bubblewrap's own are for its user alone
@@ -110,9 +114,7 @@ def layout(bubblewrap: str, allowed: Iterable[Path], disk_bytes: int, own_user_n
         command += ["--ro-bind", str(path), str(path)]
     for package in masked:
         command += ["--remount-ro", package]
-    command += ["--ro-bind", os.path.realpath(cat), _CAT, "--symlink", WORK, "/tmp"]
-    command += ["--perms", "0777", "--size", str(disk_bytes), "--tmpfs", WORK, "--remount-ro", "/"]
-    return [*command, "--info-fd"]
+    return [*command, "--ro-bind", os.path.realpath(cat), _CAT, "--remount-ro", "/", "--info-fd"]
 
 
 def _parents(paths: Iterable[Path]) -> list[str]:

@@ -3,7 +3,6 @@
 Dying, taking too long and breaking the channel are all `StudentDied`; the caller starts another one.
 """
 
-import contextlib
 import math
 import os
 import signal
@@ -25,6 +24,8 @@ from autograder.channel import (
 from autograder.limits import Limits
 from labsid.checks.values import Value
 
+_MOST_LINES = 100_000
+
 
 class StudentDied(Exception):
     """The student's process ended, hung, or sent what is no answer; `status` is that of GRADING.md."""
@@ -32,6 +33,9 @@ class StudentDied(Exception):
     def __init__(self, status: str, text: str) -> None:
         super().__init__(text)
         self.status = status
+
+    def __reduce__(self) -> tuple[type["StudentDied"], tuple[str, str]]:
+        return StudentDied, (self.status, str(self))
 
 
 @dataclass(frozen=True, slots=True)
@@ -47,11 +51,8 @@ class Reply:
 class Student:
     """One student's process, spoken to over its channel."""
 
-    def __init__(
-        self, channel: socket.socket, limits: Limits, end: Callable[[], tuple[int, str]], forks: bool = True
-    ) -> None:
+    def __init__(self, channel: socket.socket, limits: Limits, end: Callable[[], tuple[int, str]]) -> None:
         self._channel = channel
-        self._forks = forks
         self._limits = limits
         self._end = end
         self._ended: tuple[int, str] | None = None
@@ -92,36 +93,6 @@ class Student:
         """Put back the variables kept under a key; whether something in them was changed in place since."""
         return self._ask({"op": "put back", "key": key}, self._limits.call_seconds).value is not False
 
-    def snapshot(self) -> "Student | None":
-        """Another process that is as this one is now, and goes its own way; None where a system has no fork."""
-        if not self._forks:
-            return None
-        mine, theirs = socket.socketpair()
-        with theirs:
-            try:
-                reply = self._ask({"op": "snapshot"}, self._limits.call_seconds, theirs)
-            except StudentDied:
-                mine.close()
-                raise
-        if not reply.ok or not isinstance(reply.value, int):
-            mine.close()
-            return None
-        pid = reply.value
-
-        def end() -> tuple[int, str]:
-            if not snapshot.lost:
-                return 0, ""  # it goes when its channel is closed
-            if not self.lost:
-                with contextlib.suppress(StudentDied):
-                    ended = self._ask({"op": "end", "pid": pid}, self._limits.call_seconds)
-                    if isinstance(ended.value, int):
-                        return ended.value, ""
-            return -int(signal.SIGKILL), ""
-
-        snapshot = Student(mine, self._limits, end)
-        snapshot.until = self.until
-        return snapshot
-
     def close(self) -> tuple[int, str]:
         """End the process and everything it started, once; return how it ended, and the limit that ended it."""
         if self._ended is None:
@@ -129,7 +100,7 @@ class Student:
             self._ended = self._end()
         return self._ended
 
-    def _ask(self, request: dict[str, Any] | None, seconds: float, attached: socket.socket | None = None) -> Reply:
+    def _ask(self, request: dict[str, Any] | None, seconds: float) -> Reply:
         left = self.until - time.monotonic()
         try:
             if left <= 0:
@@ -137,8 +108,6 @@ class Student:
             self._channel.settimeout(min(seconds, left))
             if request is not None:
                 send(self._channel, request)
-            if attached is not None:
-                socket.send_fds(self._channel, [b"."], [attached.fileno()])
             return _read_reply(receive(self._channel))
         except TimeoutError:
             self.lost = True
@@ -171,8 +140,12 @@ def _read_reply(message: dict[str, Any]) -> Reply:
     return Reply(
         ok=message.get("ok") is True,
         value=decode(message["value"]) if "value" in message else None,
-        error={key: str(error[key])[:500] for key in ("kind", "text", "line") if error.get(key) is not None}
-        if isinstance(error, dict)
-        else None,
+        error=_read_error(error) if isinstance(error, dict) else None,
         stdout=str(message.get("stdout", ""))[:MAX_OUTPUT_CHARACTERS],
     )
+
+
+def _read_error(error: dict[str, Any]) -> dict[str, Any]:
+    read: dict[str, Any] = {key: str(error[key])[:500] for key in ("kind", "text") if error.get(key) is not None}
+    line = error.get("line")
+    return {**read, "line": line} if type(line) is int and 0 < line < _MOST_LINES else read

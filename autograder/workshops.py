@@ -5,6 +5,7 @@ import itertools
 import json
 import os
 import secrets
+import shutil
 import signal
 import socket
 import subprocess
@@ -14,10 +15,11 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Protocol
 
+from autograder.bench import new_bench, remove
 from autograder.channel import ChannelError, receive, send
 from autograder.confine import Terms
 from autograder.limits import Limits
-from autograder.sandbox import Sandbox, SandboxError, find_bubblewrap, layout, open_sandbox
+from autograder.sandbox import WORK, Sandbox, SandboxError, find_bubblewrap, layout, open_sandbox
 from autograder.student_process import Student, StudentDied
 
 _USERS = range(61184, 65520)
@@ -93,31 +95,34 @@ class ForkingWorkshop:
     def start(self, folder: Path) -> Student:
         """Start a process whose work folder holds what `folder` holds."""
         way = self._way
-        sandbox = self._open_sandbox() if way.rung == "namespaces" else None
         user = next(self._users) if way.own_user else 0
-        terms = Terms(
-            rung=way.rung,
-            folder=str(folder),
-            limits=self.limits.as_rlimits(0 if user else _tasks_of(os.getuid())),
-            processes=self.limits.processes,
-            memory_bytes=self.limits.memory_bytes,
-            disk_bytes=self.limits.disk_bytes,
-            first=sandbox.first if sandbox else 0,
-            own_user_namespace=way.own_user_namespace,
-            user=user,
-        )
         mine, theirs = socket.socketpair()
-        with theirs:
-            try:
-                with self._lock:
-                    pid = self._fork(terms, theirs)
-                    zygote = self._zygote
-            except BaseException:
-                mine.close()
-                if sandbox:
-                    sandbox.close()
-                raise
-        student = Student(mine, self.limits, lambda: self._end(zygote, pid, sandbox))
+        with theirs, contextlib.ExitStack() as undo:
+            undo.callback(mine.close)
+            sandbox, place = None, None
+            if way.rung == "namespaces":
+                sandbox = self._open_sandbox()
+                undo.callback(sandbox.close)
+            else:
+                place = new_bench()
+                undo.callback(remove, place)
+            terms = Terms(
+                rung=way.rung,
+                given=str(folder),
+                folder=str(place or WORK),
+                limits=self.limits.as_rlimits(0 if user else _tasks_of(os.getuid())),
+                processes=self.limits.processes,
+                memory_bytes=self.limits.memory_bytes,
+                disk_bytes=self.limits.disk_bytes,
+                first=sandbox.first if sandbox else 0,
+                own_user_namespace=way.own_user_namespace,
+                user=user,
+            )
+            with self._lock:
+                pid = self._fork(terms, theirs)
+                zygote = self._zygote
+            undo.pop_all()
+        student = Student(mine, self.limits, lambda: self._end(zygote, pid, sandbox, place))
         try:
             student.greet()
         except StudentDied:
@@ -146,16 +151,19 @@ class ForkingWorkshop:
             self._zygote = _Zygote(self.limits)
             return self._zygote.fork(terms, channel)
 
-    def _end(self, zygote: "_Zygote", pid: int, sandbox: Sandbox | None) -> tuple[int, str]:
+    def _end(self, zygote: "_Zygote", pid: int, sandbox: Sandbox | None, place: Path | None) -> tuple[int, str]:
         if sandbox:
             sandbox.close()
-        with self._lock:
-            try:
+        try:
+            with self._lock:
                 return zygote.end(pid)
-            except (ChannelError, OSError):
-                with contextlib.suppress(OSError):
-                    os.killpg(pid, signal.SIGKILL)
-                return -signal.SIGKILL, ""
+        except (ChannelError, OSError):
+            with contextlib.suppress(OSError):
+                os.killpg(pid, signal.SIGKILL)
+            return -signal.SIGKILL, ""
+        finally:
+            if place:
+                remove(place)
 
 
 class _Zygote:
@@ -175,6 +183,7 @@ class _Zygote:
         try:
             self.allowed = [Path(path) for path in receive(self._control)["allowed"]]
         except (ChannelError, TimeoutError) as error:
+            self._process.kill()
             self.close()
             raise StudentDied("crashed", f"the parent of the student processes did not start: {error}") from None
 
@@ -213,8 +222,11 @@ class SpawningWorkshop:
         self.limits = limits
 
     def start(self, folder: Path) -> Student:
-        """Start a process that works in `folder`."""
-        token = secrets.token_hex(16)
+        """Start a process whose work folder holds what `folder` holds."""
+        token, place = secrets.token_hex(16), new_bench()
+        for path in folder.iterdir():
+            if path.is_file():
+                shutil.copyfile(path, place / path.name)
         with socket.create_server(("127.0.0.1", 0)) as listener:
             host, port = listener.getsockname()[:2]
             process = subprocess.Popen(
@@ -222,7 +234,7 @@ class SpawningWorkshop:
                 stdin=subprocess.PIPE,
                 stdout=subprocess.DEVNULL,
                 stderr=subprocess.DEVNULL,
-                cwd=folder,
+                cwd=place,
                 env=_clean_environment(),
                 text=True,
                 start_new_session=True,
@@ -233,7 +245,9 @@ class SpawningWorkshop:
                     with contextlib.suppress(OSError):
                         os.killpg(process.pid, signal.SIGKILL)
                 process.kill()
-                return process.wait(), ""
+                status = process.wait()
+                remove(place)
+                return status, ""
 
             assert process.stdin is not None
             limits = self.limits.as_rlimits(_tasks_of(os.getuid()) if hasattr(os, "getuid") else 0)
@@ -251,7 +265,7 @@ class SpawningWorkshop:
             channel.close()
             end()
             raise StudentDied("crashed", "somebody else answered")
-        return Student(channel, self.limits, end, forks=False)
+        return Student(channel, self.limits, end)
 
     def close(self) -> None:
         """Nothing is kept between students."""
@@ -272,5 +286,6 @@ def _tasks_of(user: int) -> int:
 def _clean_environment() -> dict[str, str]:
     """What a student's process may know of this machine: where programs and its Python are, nothing else."""
     kept = ("PATH", "SYSTEMROOT", "LANG", "LC_ALL", "TEMP", "TMP", "TMPDIR", "HOME", "USERPROFILE", "VIRTUAL_ENV")
-    threads = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"), "1")
-    return {name: os.environ[name] for name in kept if name in os.environ} | threads | {"MPLBACKEND": "Agg"}
+    fixed = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"), "1")
+    fixed |= {"MALLOC_ARENA_MAX": "2"}  # or ten threads fill half the address space that a process may have
+    return {name: os.environ[name] for name in kept if name in os.environ} | fixed | {"MPLBACKEND": "Agg"}

@@ -74,8 +74,10 @@ def main() -> None:
         except ChannelError:
             break
     end_families([*children, *orphans_of(os.getpid(), children)], wait=True)
-    for child in children.values():
-        remove(Path(child.terms.folder))  # the grader was killed, and cannot
+    for child in children.values():  # the grader was killed, and cannot
+        remove(Path(child.terms.given))
+        if not child.terms.first:
+            remove(Path(child.terms.folder))
 
 
 def _hold_to_limits(children: dict[int, _Child], shared_bytes: int) -> None:

@@ -1,7 +1,7 @@
 """One question of an assignment, and what it may ask of the student's work."""
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Protocol
 
 import numpy as np
@@ -25,7 +25,7 @@ class Origin:
     """
 
     student: str
-    secret: bytes
+    secret: bytes = field(repr=False)
 
 
 class Ask(Protocol):

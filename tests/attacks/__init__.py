@@ -35,5 +35,3 @@ class Attack:
     said: str = ""
     spares: str = ""
     open_on_none: str = ""
-    hurts_itself: bool = False
-    """Whether its own later questions may be lost as well, depending on where its folder lies."""

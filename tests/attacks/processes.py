@@ -2,7 +2,7 @@
 
 from attacks import FIRST, FUNCTION, MATRIX, NOISE, SECOND, Attack
 
-_LEFT = "import ctypes\nctypes.CDLL(None).prctl(15, b'labsid-attack', 0, 0, 0)\n"
+_LEFT = "import ctypes\nctypes.CDLL(None).prctl(15, HERE['mark'].encode(), 0, 0, 0)\n"
 _DETACH = "import os, time\nif os.fork() == 0:\n    os.setsid()\n    if os.fork() == 0:\n{}    os._exit(0)\n"
 _COSTS_ITSELF = "only the question in whose cell the process is lost"
 
@@ -128,7 +128,6 @@ ATTACKS = (
                 "    try:\n        do()\n    except OSError:\n        pass\nos._exit(1)"},
         loses=(NOISE,),
         said="exit status 1",
-        hurts_itself=True,
     ),
     Attack(
         "a tree too deep to remove",

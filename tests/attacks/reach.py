@@ -107,7 +107,7 @@ ATTACKS = (
     Attack(
         "leaves a file for the next submission",
         "there is no place that two submissions share",
-        {TIME: "import glob\nopen(HERE['shared'] + '/labsid-attack', 'w').write('5')\n"
+        {TIME: "open(HERE['shared'], 'w').write('5')\n"
                "t = np.linspace(0, 100, 1001).reshape(-1, 1)"},
         loses=(TIME,),
         said="FileNotFoundError|PermissionError|OSError",
@@ -143,11 +143,10 @@ ATTACKS = (
     ),
     Attack(
         "runs another program",
-        "programs are not in its sight, and the one that is, Python, is as confined as it is itself",
+        "it cannot become another program",
         {TIME: "import subprocess, sys\nsubprocess.run([sys.executable, '-c', 'import labsid.sinusoid'], check=True)\n"
                "t = np.linspace(0, 100, 1001).reshape(-1, 1)"},
         loses=(TIME,),
         said="Error",
-        open_on_none=_FILES,
     ),
 )  # fmt: skip

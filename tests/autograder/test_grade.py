@@ -7,18 +7,21 @@ import shutil
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from decimal import Decimal
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 import nbformat
 import numpy as np
 import pytest
+from course_work import give_by_hand, scores_in_gradebook
 
 from autograder import gradebook, judge, results
 from autograder.ask import ProcessAsk
 from autograder.assets import Stock, desk_for
 from autograder.autograded import write_autograded
 from autograder.course import Course, read_template
+from autograder.crew import LocalCrew
 from autograder.export import export_csv
 from autograder.feedback import readable, write_feedback
 from autograder.fingerprint import fingerprint
@@ -69,7 +72,7 @@ def graded(course: Course, workshop: Workshop, tmp_path_factory: pytest.TempPath
     (folder / "submitted" / ".DS_Store").touch()
     (folder / "submitted" / ".cache").mkdir()
     batch = find_batch(course, folder / "submitted", None)
-    done = list(grade_batch(course, batch, folder / "out", workshop, jobs=2))
+    done = list(grade_batch(course, batch, folder / "out", LocalCrew(workshop, 2)))
     assert sorted((one.student, one.assignment) for one in done) == sorted(
         (student, name) for student in ("ada", "ben", "finn", "gil") for name in (PRELAB, LAB)
     )
@@ -86,7 +89,7 @@ def again(graded: Class, tmp_path: Path) -> Class:
 
 
 def regrade(klass: Class, workshop: Workshop) -> set[Graded]:
-    return {one for one in grade_batch(klass.course, klass.batch, klass.out, workshop, jobs=2) if one.fresh}
+    return {one for one in grade_batch(klass.course, klass.batch, klass.out, LocalCrew(workshop, 2)) if one.fresh}
 
 
 def same_but_seconds(one: Path, other: Path, assignment: str = "") -> bool:
@@ -157,7 +160,8 @@ def test_each_student_gets_what_is_due(graded: Class) -> None:
 
 
 def test_two_runs_are_equal_in_all_but_seconds(graded: Class, workshop: Workshop, tmp_path: Path) -> None:
-    list(grade_batch(graded.course, find_batch(graded.course, graded.batch.submitted, LAB), tmp_path, workshop))
+    batch = find_batch(graded.course, graded.batch.submitted, LAB)
+    list(grade_batch(graded.course, batch, tmp_path, LocalCrew(workshop)))
     assert same_but_seconds(graded.out, tmp_path, LAB)
 
 
@@ -264,7 +268,7 @@ def test_killed_at_any_write_nothing_is_lost_or_doubled(
 
     def grade(out: Path, killed_at: int) -> None:
         writes[:] = 0, killed_at
-        list(grade_batch(graded.course, batch, out, workshop))
+        list(grade_batch(graded.course, batch, out, LocalCrew(workshop)))
 
     monkeypatch.setattr("autograder.results.write_file", write)
     event.listen(Engine, "commit", step)
@@ -284,10 +288,10 @@ def test_killed_at_any_write_nothing_is_lost_or_doubled(
 
 
 def test_only_one_run_writes(again: Class, workshop: Workshop) -> None:
-    first = grade_batch(again.course, again.batch, again.out, workshop)
+    first = grade_batch(again.course, again.batch, again.out, LocalCrew(workshop))
     next(first)
     with pytest.raises(ValueError, match="another 'labsid course grade' is writing to"):
-        next(grade_batch(again.course, again.batch, again.out, workshop))
+        next(grade_batch(again.course, again.batch, again.out, LocalCrew(workshop)))
     first.close()
     assert regrade(again, workshop) == set()
 
@@ -298,7 +302,7 @@ def test_a_run_that_is_stopped_goes_on_where_it_was(
 ) -> None:
     batch = find_batch(graded.course, graded.batch.submitted, PRELAB)
     with open_workshop() as doomed:
-        run = grade_batch(graded.course, batch, tmp_path, doomed, jobs=2)
+        run = grade_batch(graded.course, batch, tmp_path, LocalCrew(doomed, 2))
         first = {next(run), next(run)}
         with pytest.raises(stop):
             run.throw(stop)
@@ -314,7 +318,8 @@ def test_a_run_that_is_stopped_goes_on_where_it_was(
 
 
 def test_a_caller_may_stop_asking(graded: Class, workshop: Workshop, tmp_path: Path) -> None:
-    run = grade_batch(graded.course, find_batch(graded.course, graded.batch.submitted, PRELAB), tmp_path, workshop)
+    batch = find_batch(graded.course, graded.batch.submitted, PRELAB)
+    run = grade_batch(graded.course, batch, tmp_path, LocalCrew(workshop))
     first = next(run)
     run.close()
     kept = [(path.parent.name, path.stem) for path in (tmp_path / "results").glob("*/*.json")]
@@ -333,19 +338,6 @@ def test_the_gradebook_is_not_entered_twice_when_stopped_before_the_result(
 # ---- the gradebook
 
 
-def scores_in_gradebook(out: Path) -> dict[tuple[str, str, str], tuple[float | None, float, bool]]:
-    with gradebook.open_gradebook(gradebook.database_url(out)) as book:
-        return {
-            (submission.student.id, assignment.name, grade.name): (
-                grade.auto_score, grade.max_score, grade.needs_manual_grade
-            )
-            for assignment in book.assignments
-            for submission in assignment.submissions
-            for notebook in submission.notebooks
-            for grade in notebook.grades
-        }  # fmt: skip
-
-
 def test_nbgraders_gradebook_has_the_scores(graded: Class) -> None:
     scores = scores_in_gradebook(graded.out)
     assert {(student, name) for student, name, _ in scores} == {("ada", PRELAB), ("ben", LAB), ("gil", PRELAB)}
@@ -362,20 +354,8 @@ def test_nbgraders_gradebook_has_the_scores(graded: Class) -> None:
 
 @pytest.fixture
 def by_hand(again: Class) -> Callable[..., None]:
-    """Grade by hand, as formgrader does it: through nbgrader's own interface."""
-
-    def give(student: str, question: str, comment: str = "", **scores: float) -> None:
-        with gradebook.open_gradebook(gradebook.database_url(again.out)) as book:
-            grade = book.find_grade(question, PRELAB, PRELAB, student)
-            for field, score in scores.items():
-                setattr(grade, field, score)
-            if scores:
-                grade.needs_manual_grade = False
-            if comment:
-                book.find_comment(question, PRELAB, PRELAB, student).manual_comment = comment
-            book.db.commit()
-
-    return give
+    """Grade the pre-lab by hand."""
+    return partial(give_by_hand, again.out, PRELAB)
 
 
 def test_what_was_given_by_hand_outlives_a_new_grading(again: Class, by_hand: Callable, workshop: Workshop) -> None:
@@ -762,14 +742,14 @@ def test_an_assignment_can_be_graded_though_nobody_handed_it_in(course: Course, 
 
 def test_only_what_was_asked_for_is_graded(graded: Class, workshop: Workshop, tmp_path: Path) -> None:
     batch = find_batch(graded.course, graded.batch.submitted, PRELAB)
-    list(grade_batch(graded.course, batch, tmp_path, workshop))
+    list(grade_batch(graded.course, batch, tmp_path, LocalCrew(workshop)))
     assert {row["assignment"] for row in read_csv(tmp_path / "grades.csv")} == {PRELAB}
 
 
 def test_a_course_that_is_not_built_is_said(graded: Class, workshop: Workshop, tmp_path: Path) -> None:
     shutil.copytree(graded.course.notebooks, tmp_path / "notebooks")
     with pytest.raises(ValueError, match=r"has not been built .*labsid course build"):
-        list(grade_batch(Course(tmp_path), graded.batch, tmp_path / "out", workshop))
+        list(grade_batch(Course(tmp_path), graded.batch, tmp_path / "out", LocalCrew(workshop)))
 
 
 def test_strange_things_in_a_hand_in_do_not_stop_the_class(graded: Class, workshop: Workshop, tmp_path: Path) -> None:
@@ -789,12 +769,12 @@ def test_strange_things_in_a_hand_in_do_not_stop_the_class(graded: Class, worksh
     path.write_text(json.dumps(notebook), encoding="utf-8")
     batch = find_batch(graded.course, submitted, None)
     out = tmp_path / "out"
-    assert len(list(grade_batch(graded.course, batch, out, workshop))) == 3
+    assert len(list(grade_batch(graded.course, batch, out, LocalCrew(workshop)))) == 3
     rows = read_csv(out / "grades.csv")
     assert {row["status"] for row in rows if row["student"] != "cat"} == {"missing"}
     assert {row["status"] for row in rows if row["student"] == "cat"} == {"graded", "manual"}
     assert len(list(write_feedback(out))) == 3
-    assert list(grade_batch(graded.course, batch, out, workshop)) == [
+    assert list(grade_batch(graded.course, batch, out, LocalCrew(workshop))) == [
         Graded(student, PRELAB, fresh=False) for student in ("ann", "bob", "cat")
     ]
 

@@ -14,6 +14,7 @@ import pytest
 
 from autograder.assets import PUBLIC_SECRET, Stock, desk_for, individual_file, record_path
 from autograder.course import RECORD_FILE, Course, read_template
+from autograder.crew import LocalCrew
 from autograder.foreign import TO_THE_STUDENT, reference_values
 from autograder.grade import find_batch, grade_batch
 from autograder.isolation import Workshop
@@ -65,7 +66,7 @@ def graded(
     hand_in("eve", {"lab-2b-theta-answer": "theta_hat = np.array([1.0, 2.0, 3.0, 4.123456])"})
     shutil.copyfile(record_path(stock, RECORD_FILE, "fay"), hand_in("fay", {}) / RECORD_FILE)
     out = folder / "out"
-    list(grade_batch(course, find_batch(course, folder / "submitted", None), out, workshop, 2, SECRET))
+    list(grade_batch(course, find_batch(course, folder / "submitted", None), out, LocalCrew(workshop, 2), SECRET))
     return {student: result_path(out, student, LAB) for student in STUDENTS}
 
 
@@ -152,7 +153,7 @@ def test_a_student_of_an_impossible_id_is_quarantined_alone(course: Course, work
     for student in ("ann", " bob"):
         shutil.copytree(course.release / LAB, tmp_path / "submitted" / student / LAB)
     batch = find_batch(course, tmp_path / "submitted", None)
-    list(grade_batch(course, batch, tmp_path / "out", workshop, 2, SECRET))
+    list(grade_batch(course, batch, tmp_path / "out", LocalCrew(workshop, 2), SECRET))
     assert load(result_path(tmp_path / "out", "ann", LAB)).questions[0].status == "graded"
     refused = load(result_path(tmp_path / "out", " bob", LAB)).questions[0]
     assert refused.status == "quarantined"

@@ -2,9 +2,12 @@
 
 import os
 import re
+import shutil
 import signal
+import site
 import subprocess
 import sys
+import tempfile
 import time
 from collections.abc import Iterator
 from pathlib import Path
@@ -12,7 +15,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from autograder import bench, doctor, isolation, reach, workshops
+from autograder import bench, doctor, isolation, reach, sandbox, workshops
 from autograder.bench import bench_folder, clear_benches
 from autograder.doctor import Checkup
 from autograder.isolation import (
@@ -136,6 +139,14 @@ def test_best_takes_the_next_rung_that_holds(monkeypatch: pytest.MonkeyPatch) ->
     with open_workshop("best") as workshop:
         assert workshop.rung == "none"
     assert list(dict.fromkeys(tried)) == [name for name in RUNGS if name == "none" or sys.platform == "linux"]
+
+
+def test_a_machine_that_starts_no_process_is_said() -> None:
+    hasty = Limits(start_seconds=0.001)
+    said = r"'best' cannot be had: namespaces: the parent of the student processes did not start: .*; none: the parent"
+    with pytest.raises(IsolationError, match=said):
+        open_workshop("best", hasty).__enter__()
+    assert [rung.name for rung in rungs_here(hasty) if rung.why_not] == list(RUNGS)
 
 
 def test_none_asks_for_no_more_than_that(tmp_path: Path) -> None:
@@ -352,40 +363,56 @@ def named(name: str) -> list[int]:
     return found
 
 
-# -- snapshots --------------------------------------------------------------------------------------------------------
+# -- work folders -----------------------------------------------------------------------------------------------------
+
+SPOILS = (
+    "os.remove('record')",
+    "open('record', 'w').write('changed')",
+    "os.chmod('.', 0)",
+    "os.rename(here, here + '-gone')",
+    "shutil.rmtree(here)",
+    "shutil.rmtree(here)\nopen(here, 'w').close()",
+    "shutil.rmtree(here)\nos.symlink('/', here)",
+)
 
 
-def test_a_snapshot_goes_its_own_way(student: Student) -> None:
-    student.run("a = 1\nkept = []\ndef f(x):\n    kept.append(x)\n    return len(kept)")
-    snapshot = student.snapshot()
-    assert snapshot is not None
-    assert snapshot.call("f", 5).value == 1
-    assert snapshot.call("f", 5).value == 2
-    student.run("a = 2")
-    assert snapshot.value("a").value == 1
-    assert student.value("a").value == 2
-    snapshot.close()
-    assert value_of(student, "got = len(kept)") == 0
-
-
-def test_a_snapshot_that_dies_is_not_missed(student: Student) -> None:
-    student.run("import os\ndef f(x):\n    os._exit(3)")
-    snapshot = student.snapshot()
-    assert snapshot is not None
-    with pytest.raises(StudentDied, match="ended with exit status 3"):
-        snapshot.call("f", 1)
-    assert value_of(student, "got = 4") == 4
-
-
-def test_where_nothing_forks_there_is_no_snapshot(tmp_path: Path) -> None:
-    student = SpawningWorkshop(LIMITS).start(tmp_path)
+@pytest.mark.parametrize("spoil", SPOILS)
+def test_every_process_starts_from_what_was_given(rung: Workshop, tmp_path: Path, spoil: str) -> None:
+    """Whatever the one before it did to its folder."""
+    (tmp_path / "record").write_text("5", encoding="utf-8")
+    before = benches()
+    first = rung.start(tmp_path)
+    first.run(f"import os, shutil\nhere = os.getcwd()\n{spoil}")
+    first.close()
+    student = rung.start(tmp_path)
     try:
-        assert student.snapshot() is None
-        reply = student.run("block = bytearray(1 << 30)")
-        assert reply.error is not None  # the limits are there all the same
-        assert reply.error["kind"] == "MemoryError"
+        assert value_of(student, "open('mine', 'w').close()\ngot = open('record').read()") == "5"
     finally:
         student.close()
+    assert [path.name for path in tmp_path.iterdir()] == ["record"]
+    left = benches() - before
+    for name in left:
+        bench.remove(Path(tempfile.gettempdir(), name))
+    assert all(name.endswith("-gone") and rung.rung == "none" for name in left)  # there a folder can be carried off
+
+
+def benches() -> set[str]:
+    return {path.name for path in Path(tempfile.gettempdir()).glob(f"labsid-bench-{os.getpid()}-*")}
+
+
+def test_where_nothing_forks_there_are_folders_and_limits_all_the_same(tmp_path: Path) -> None:
+    (tmp_path / "record").write_text("5", encoding="utf-8")
+    before = benches()
+    student = SpawningWorkshop(LIMITS).start(tmp_path)
+    try:
+        reply = student.run("block = bytearray(1 << 30)")
+        assert reply.error is not None
+        assert reply.error["kind"] == "MemoryError"
+        assert value_of(student, "got = open('record').read()\nopen('record', 'w').close()") == "5"
+    finally:
+        student.close()
+    assert (tmp_path / "record").read_text(encoding="utf-8") == "5"
+    assert benches() == before
 
 
 # -- what is left behind ----------------------------------------------------------------------------------------------
@@ -478,6 +505,75 @@ def test_a_tree_without_what_is_shut(tmp_path: Path) -> None:
     assert [str(path.relative_to(tmp_path)) for path in found] == ["a/x", "b"]
     assert list(reach.without(tmp_path / "a", [tmp_path / "a"])) == []
     assert list(reach.without(tmp_path / "b", [tmp_path / "a"])) == [tmp_path / "b"]
+
+
+def test_a_place_that_cannot_be_looked_at_is_no_tree(monkeypatch: pytest.MonkeyPatch) -> None:
+    """As the packages of a user whose home is shut to whoever grades."""
+    monkeypatch.setattr(site, "getusersitepackages", lambda: "/nowhere")
+    trees = reach.trees()
+    monkeypatch.setattr(site, "getusersitepackages", lambda: f"/{'x' * 300}/site-packages")
+    assert reach.trees() == trees
+
+
+# -- where the interpreter or the checkout lies below the place that is for the submission ----------------------------
+
+
+@pytest.fixture
+def below_tmp(monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
+    """A tree of the interpreter below /tmp, with a file that is not of it beside."""
+    root = Path(tempfile.mkdtemp(dir="/tmp"))
+    tree = root / "env" / "lib"
+    tree.mkdir(parents=True)
+    (tree / "module_below_tmp.py").write_text("kept = 5", encoding="utf-8")
+    (root / "beside").write_text("not for students", encoding="utf-8")
+    root.chmod(0o755)
+    trees = [*reach.trees(), tree]
+    monkeypatch.setattr(reach, "trees", lambda: trees)
+    yield tree
+    shutil.rmtree(root)
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="only Linux has this rung")
+def test_trees_are_laid_into_the_place_that_can_be_written_to(below_tmp: Path) -> None:
+    command = sandbox.layout("bwrap", [ROOT / "labsid" / "record.py"], 4096, own_user_namespace=True)
+    words = " ".join(command)
+    place = words.index("--perms 1777 --size 4096 --tmpfs /tmp ")
+    assert place < words.index(f"--dir {sandbox.WORK} ") < words.index(f"--ro-bind {below_tmp} {below_tmp} ")
+    assert words.count("--size") == 1
+    assert "--symlink" not in command
+    binds = {Path(command[at + 2]) for at, word in enumerate(command) if word in ("--bind", "--ro-bind")}
+    assert below_tmp in binds
+    assert not binds & {*below_tmp.parents}
+
+
+def test_the_interpreter_may_lie_below_tmp(below_tmp: Path, tmp_path: Path) -> None:
+    code = f"""
+import os, sys
+sys.path.insert(0, {str(below_tmp)!r})
+import module_below_tmp
+got = str(module_below_tmp.kept)
+open("mine", "w").write("5")
+for path in ({str(below_tmp.parent.parent / "beside")!r}, {str(below_tmp / "module_below_tmp.py")!r}):
+    try:
+        open(path, "r+").close()
+        got += path
+    except OSError:
+        pass
+got += " ".join(os.listdir("."))
+"""
+    paths = [*reach.trees(), *reach.allowed_of_labsid(), *reach.own_packages()]
+    below = {path.parts[2] for path in paths if path.parts[1] == "tmp"}
+    try:
+        with open_workshop("namespaces", LIMITS) as workshop:
+            student = workshop.start(tmp_path)
+            try:
+                assert value_of(student, code) == "5mine"
+                seen = value_of(student, "open('/tmp/more', 'w').close()\ngot = ' '.join(os.listdir('/tmp'))")
+                assert set(str(seen).split()) == {"more", "submission", *below}
+            finally:
+                student.close()
+    except IsolationError as error:
+        pytest.skip(str(error))
 
 
 @pytest.mark.parametrize(

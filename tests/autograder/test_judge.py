@@ -5,6 +5,7 @@ import re
 from collections.abc import Iterator, Mapping
 from decimal import Decimal
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -211,9 +212,9 @@ def test_processor_time_is_limited(forked: Workshop, tmp_path: Path, monkeypatch
 
 def test_the_size_of_files_is_limited(forked: Workshop, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(forked, "limits", Limits(cell_seconds=20, file_bytes=1000))
-    first, second, _ = grade(forked, tmp_path, "with open('full', 'wb') as file:\n    file.write(bytes(2000))")
+    then = f"import os\nassert os.path.getsize('full') <= 1000\n{LINE}"
+    first, second, _ = grade(forked, tmp_path, "with open('full', 'wb') as file:\n    file.write(bytes(2000))", then)
     assert "OSError" in first.reason
-    assert (tmp_path / "full").stat().st_size <= 1000
     assert second.score == Decimal("0.2")
 
 
@@ -405,7 +406,7 @@ def test_a_process_that_cannot_come_up_is_said(tmp_path: Path) -> None:
         workshop.start(tmp_path)
 
 
-def walk(workshop: Workshop, folder: Path, *sources: str) -> list[QuestionResult]:
+def walk(workshop: Workshop, folder: Path, *sources: str, assignment: Assignment = ASSIGNMENT) -> list[QuestionResult]:
     """Grade a notebook in which a cell follows the second question too."""
     first, second, after = sources
     cells = TEMPLATE.cells
@@ -418,15 +419,16 @@ def walk(workshop: Workshop, folder: Path, *sources: str) -> list[QuestionResult
         Step(cells[1].id, "question", "", True),
     )
     submission = Submission("s", "tiny", "ready", steps, ())
-    return list(judge_submission(submission, Assets(TEMPLATE, ASSIGNMENT, None, b"s"), workshop, folder).results)
+    return list(judge_submission(submission, Assets(TEMPLATE, assignment, None, b"s"), workshop, folder).results)
 
 
+@pytest.mark.parametrize("gives", [None, lambda ask: {"b": 5.0}], ids=["waits", "is judged at once"])
 @pytest.mark.parametrize("way", ["a list", "a file", "shared memory", "the channel's own code"])
-def test_no_later_cell_tells_of_hidden_inputs(either: Workshop, tmp_path: Path, way: str) -> None:
-    """However a function keeps what it is called on, the cells that print have run before it is called."""
-    if isinstance(either, SpawningWorkshop):
-        pytest.skip("without a fork the function is called where the cells run")
-    line = """
+def test_no_later_cell_tells_of_hidden_inputs(either: Workshop, tmp_path: Path, way: str, gives: Any) -> None:
+    """However a function keeps what it is called on: it is called after the cells that print, or in another process."""
+    if isinstance(either, SpawningWorkshop) and way != "a file":
+        pytest.skip("tried with a file alone: these processes take seconds to start")
+    function = """
 import mmap, os, sys
 kept, shared = [], mmap.mmap(-1, 100)
 answers = type(sys.meta_path[0]).find_spec.__globals__["_ANSWERS"]
@@ -448,16 +450,39 @@ found = {"a list": bool(kept), "a file": os.path.exists("kept"), "shared memory"
          "the channel's own code": shared[50] != 0}
 print("SEEN" if found[%r] else "nothing")
 """
-    _, second, last = walk(either, tmp_path, "a = 3", line, after % way)
+    assignment = Assignment("tiny", (GAIN, Question("q-line", line, gives, uses=("q-gain",))))
+    _, second, last = walk(either, tmp_path, "a = 3", function, after % way, assignment=assignment)
     assert second.score == Decimal("0.2"), second.reason
     assert last.output == "nothing\n"
 
 
-def test_what_an_error_tells_of_hidden_inputs_is_left_out(either: Workshop, tmp_path: Path) -> None:
-    function = "def f(x):\n    raise ValueError(f'{x[0]} {x.tolist()} {x.shape} 7 {str(x)!r}')"
-    reason = grade(either, tmp_path, "a = 3", function)[1].reason
-    assert re.search(r"`f` stopped with ValueError: … \[…, …, …, …\] \(4,\) 7", reason), reason
-    assert re.search(r"\d\.\d", reason) is None
+IN_LETTERS = "def f(x):\n    told = ''.join('abcdefghijk'['.0123456789'.find(c)] for c in f'{abs(x[0]):.9f}')\n    "
+
+
+@pytest.mark.parametrize(
+    ("tell", "said"),
+    [
+        ("raise ValueError(told)", "`f` stopped with ValueError: …."),
+        ("raise ValueError('index out of range ' + told)", "`f` stopped with ValueError: index out of range."),
+        ("raise type(told, (Exception,), {})", "`f` stopped with an error."),
+        ("return type(told, (), {})()", "`f(x)` should be a vector; it is an object of type …."),
+        ("raise ValueError('x is too short')", "`f` stopped with ValueError: x is too short."),
+        ("raise type('NotFound', (Exception,), {})", "`f` stopped with NotFound."),
+        ("return type('Answer', (), {})()", "`f(x)` should be a vector; it is an object of type Answer."),
+    ],
+)
+def test_errors_and_types_tell_nothing_of_hidden_inputs(forked: Workshop, tmp_path: Path, tell: str, said: str) -> None:
+    assert grade(forked, tmp_path, "a = 3", IN_LETTERS + tell)[1].reason == said
+
+
+@pytest.mark.parametrize("cell", ["raise ValueError('x' * a)", "exec(compile('\\n' * a + '0 / 0', '<cell>', 'exec'))"])
+def test_errors_tell_nothing_of_right_values(forked: Workshop, tmp_path: Path, cell: str) -> None:
+    """After a wrong step, in which a = 3 is the right value that is put in its place."""
+    other = Assignment("tiny", (Question("q-gain", gain, lambda ask: {"a": 300}), ASSIGNMENT.questions[1]))
+    right, wrong = (grade(forked, tmp_path, f"a = {a}", cell, assignment=other)[1].reason for a in (3, 4))
+    assert right.startswith("Your cell stopped in line ")
+    assert re.match(r"Your cell stopped with (ValueError|ZeroDivisionError)\. ", wrong) or "line 1 with" in wrong
+    assert "xxx" not in wrong
 
 
 def test_calls_do_not_tell_on_what_follows(forked: Workshop, tmp_path: Path) -> None:

@@ -14,6 +14,7 @@ import pytest
 
 from autograder import gradebook, results
 from autograder.course import Course
+from autograder.crew import LocalCrew
 from autograder.export import export_csv
 from autograder.feedback import write_feedback
 from autograder.grade import Graded, find_batch, grade_batch
@@ -159,7 +160,7 @@ def test_lateness_is_taken_off_everywhere_and_can_be_changed_without_grading(
     def grade(rules: str | None) -> list[Graded]:
         late = None if rules is None else parse_rules(rules)
         batch = find_batch(course, tmp_path / "submitted", None)
-        return list(grade_batch(course, batch, out, workshop, 2, late=late))
+        return list(grade_batch(course, batch, out, LocalCrew(workshop, 2), late=late))
 
     def exported() -> Mapping[str, tuple[str, str]]:
         with export_csv(out).open(encoding="utf-8", newline="") as file:
@@ -205,7 +206,7 @@ def test_hand_grading_survives_and_is_flagged_when_the_automatic_part_changes(
     path = tmp_path / "submitted" / "ann" / PRELAB / f"{PRELAB}.ipynb"
     shutil.copytree(course.source / PRELAB, path.parent)
     batch, out = find_batch(course, tmp_path / "submitted", None), tmp_path / "out"
-    list(grade_batch(course, batch, out, workshop))
+    list(grade_batch(course, batch, out, LocalCrew(workshop)))
     with gradebook.open_gradebook(gradebook.database_url(out)) as book:
         grade = book.find_grade(open_question, PRELAB, PRELAB, "ann")
         grade.manual_score, grade.needs_manual_grade = 0.03, False
@@ -213,13 +214,13 @@ def test_hand_grading_survives_and_is_flagged_when_the_automatic_part_changes(
     notebook = json.loads(path.read_text(encoding="utf-8"))
     notebook["cells"].append({"cell_type": "markdown", "metadata": {}, "source": "Done."})
     path.write_text(json.dumps(notebook), encoding="utf-8")
-    list(grade_batch(course, batch, out, workshop))
+    list(grade_batch(course, batch, out, LocalCrew(workshop)))
     assert gradebook.given_by_hand(out).look_again == frozenset()  # graded again, and nothing came out otherwise
 
     (cell,) = (cell for cell in notebook["cells"] if cell.get("id") == "prelab-1-time-answer")
     cell["source"] = "t = 0"
     path.write_text(json.dumps(notebook), encoding="utf-8")
-    list(grade_batch(course, batch, out, workshop))
+    list(grade_batch(course, batch, out, LocalCrew(workshop)))
     given = gradebook.given_by_hand(out)
     assert given.scores["ann", PRELAB, open_question] == Decimal("0.03")
     assert given.look_again == {("ann", PRELAB, open_question)}
@@ -228,7 +229,7 @@ def test_hand_grading_survives_and_is_flagged_when_the_automatic_part_changes(
     with gradebook.open_gradebook(gradebook.database_url(out)) as book:
         book.find_grade(open_question, PRELAB, PRELAB, "ann").needs_manual_grade = False  # the teacher has looked
         book.db.commit()
-    assert not any(one.fresh for one in grade_batch(course, batch, out, workshop))
+    assert not any(one.fresh for one in grade_batch(course, batch, out, LocalCrew(workshop)))
     assert gradebook.given_by_hand(out).look_again == frozenset()
 
 

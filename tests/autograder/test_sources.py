@@ -6,8 +6,7 @@ import pytest
 
 from autograder import gradebook, sources
 from autograder.fingerprint import JUDGING
-from autograder.grade import _is_weaker
-from autograder.isolation import RUNGS
+from autograder.isolation import RUNGS, is_weaker
 from autograder.sources import closure, source_path, sources_hash
 
 LAB = "labsid.checks.assignments.lab_identification"
@@ -46,13 +45,13 @@ def test_what_is_no_module_of_ours_has_no_source(name: str) -> None:
     assert source_path(name) is None
 
 
-def test_a_result_of_less_isolation_than_there_is_now_is_weaker() -> None:
+def test_a_result_of_less_isolation_than_there_is_nowis_weaker() -> None:
     assert RUNGS[-1] == "none"
     for rung in RUNGS[:-1]:
-        assert _is_weaker("none", rung)
-        assert not _is_weaker(rung, "none")
-    assert not _is_weaker("none", "none")
-    assert not _is_weaker("of another version", RUNGS[0])
+        assert is_weaker("none", rung)
+        assert not is_weaker(rung, "none")
+    assert not is_weaker("none", "none")
+    assert not is_weaker("of another version", RUNGS[0])
 
 
 def test_the_gradebook_is_where_nbgraders_own_setting_says(tmp_path: Path) -> None:

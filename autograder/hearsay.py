@@ -1,0 +1,74 @@
+"""What is passed on of what a student's process says: nothing that could tell what it has in hand.
+
+It is given hidden inputs, and after a wrong step the right values. It can write either into the message of an error,
+the name of a type, or a text that it returns, in letters as well as in digits. So words are passed on that stand in the
+notebook's own source, and the common words of Python and numpy; of the rest is said that something was left out.
+"""
+
+import builtins
+import re
+from collections.abc import Mapping
+from dataclasses import fields, replace
+from typing import Any
+
+from labsid.checks.values import AxesValue, CurveValue, FigureValue, Unreadable, Value
+
+LEFT_OUT = "…"
+
+_MESSAGES = re.compile(
+    r"name '(?P<name>\w+)' is not defined|no attribute '(?P<attribute>\w+)'|unexpected keyword argument"
+    r"|missing \d required positional arguments?|takes \d positional arguments? but \d (was|were) given"
+    r"|not associated with a value|object is not (callable|subscriptable|iterable)|unsupported operand type"
+    r"|operands could not be broadcast together|could not broadcast input array|mismatch in its core dimension"
+    r"|not aligned|out of bounds|index out of range|too many indices|cannot reshape array|must match exactly"
+    r"|same number of dimensions|[Ss]ingular matrix|must be square|Incompatible dimensions|division by zero"
+    r"|arrays can be converted to Python scalars|cannot be interpreted as an integer|are valid indices"
+    r"|(not enough|too many) values to unpack|too large|truth value of an array|did not converge"
+)
+_TYPES = re.compile(
+    r"function|method|module|generator|NoneType|ufunc|array of object|array of <U\d{1,3}|(list|tuple) of \d{1,9} items"
+    r"|deeply nested data|int of too many digits|(TransferFunction|StateSpace)(Continuous|Discrete)?|OptimizeResult"
+    r"|TimeResponseData|Figure|Axes|Line2D|Polynomial|poly1d|DataFrame|Series|LinAlgError"
+)
+
+
+class _LeftOut(str):
+    """A text that a check can read and compare, and that it cannot quote to the student."""
+
+    __slots__ = ()
+
+    def __repr__(self) -> str:
+        return repr(LEFT_OUT)
+
+    def __getitem__(self, index: Any) -> str:
+        return _LeftOut(super().__getitem__(index))
+
+
+def passed_on_error(error: Mapping[str, Any], source: str) -> dict[str, str]:
+    """Kind and text of an error, as far as they may be told to the author of `source`."""
+    kind, text = str(error.get("kind")), str(error.get("text", "")).strip()
+    found = _MESSAGES.search(text)
+    if text not in source:
+        named = [] if found is None else [name for name in found.groupdict().values() if name]
+        text = found[0] if found and all(name in source for name in named) else LEFT_OUT
+    return {"kind": kind if _is_known(kind, source) else "an error", "text": text}
+
+
+def passed_on(value: Value, source: str) -> Value:
+    """A value whose texts and names of types can be told to the author of `source` wherever a check quotes them."""
+    if isinstance(value, Unreadable):
+        return value if _is_known(value.kind, source) else Unreadable(LEFT_OUT)
+    if isinstance(value, str):
+        return value if value in source else _LeftOut(value)
+    if isinstance(value, (tuple, list)):
+        return tuple(passed_on(one, source) for one in value)
+    if isinstance(value, Mapping):
+        return {key: passed_on(one, source) for key, one in value.items()}
+    if isinstance(value, (FigureValue, AxesValue, CurveValue)):
+        parts: dict[str, Any] = {one.name: passed_on(getattr(value, one.name), source) for one in fields(value)}
+        return replace(value, **parts)
+    return value
+
+
+def _is_known(name: str, source: str) -> bool:
+    return hasattr(builtins, name) or name in source or _TYPES.fullmatch(name) is not None
