@@ -32,6 +32,9 @@ def main() -> None:
         minutes, seconds = divmod(int(time.monotonic() - began), 60)
         print(f"[{minutes:2d}:{seconds:02d}] {text}", file=sys.stderr, flush=True)
 
+    busy = os.getloadavg()[0] if hasattr(os, "getloadavg") else 0.0
+    if busy > 0.5 * (os.cpu_count() or 1):
+        say(f"this machine has other work (load {busy:.1f} on {os.cpu_count()} processors): times will be too long")
     figures: list[Figure] = []
     for name in options.only or PARTS:
         say(f"{name}: {PARTS[name].__doc__}")

@@ -208,7 +208,7 @@ def test_a_submission_that_ends_its_workers_costs_only_itself(
         encoding="utf-8",
     )
     machines.start(allowed_failures=0)
-    for _ in range(2):
+    for _ in range(3):
         machines.add_worker("--preload", str(tmp_path / "killer.py"))
     one = replace(batch, students=("bea",))
     told: list[str] = []
@@ -220,7 +220,6 @@ def test_a_submission_that_ends_its_workers_costs_only_itself(
     assert "it isolates less than the workers" in line
     assert {row.split(",")[5] for row in rows(tmp_path / "out")[1:]} == {"quarantined"}
 
-    machines.add_worker()
     few = replace(batch, students=("ann", "bea", "cut"))
     done = list(grade(course, few, tmp_path / "out", machines, told))
     assert Graded("bea", PRELAB, True, "environment") in done
