@@ -262,7 +262,7 @@ def _as_it_is(data: Data, output: FloatArray, states: FloatArray, rates: tuple[f
     scale[scale == 0.0] = 1.0
     gains = np.linalg.lstsq(columns[data.rows] / scale, y[data.rows], rcond=None)[0] / scale
     after = data.y_scale.of(output) + columns @ gains
-    noise = fit_noise(data.y - after, data.sound)
+    noise = fit_noise(data.y - after, data.sound, data.lags)
     cost = float(np.mean((data.y - after)[data.rows] ** 2))
     bic = noise.score + gains.size * np.log(noise.rows)
     itself = Hypothesis((), 0, Plant(kind="given", given_rates=rates))

@@ -10,11 +10,15 @@ from labsid.gap.context import Context, Data
 from labsid.gap.effects import disturbance, drifting, dynamics, input, output
 from labsid.gap.effects.base import Effect, Fitted, InputEffect, PlantEffect
 from labsid.gap.fitting import Fit, Point, at_start, finish, search
+from labsid.gap.forms import LEAK, LOAD, carried, growing
 from labsid.gap.hypothesis import Hypothesis
 from labsid.gap.plants import Plant
+from labsid.gap.responses import real_rates
 
 LINEAR = Hypothesis()
 PROMISING = 8  # starts of one variant that are followed
+FELT, FOUND = 2.0, 0.5  # rates, a sample
+SLOW_AGAIN = 10.0  # rate of a pole that a fit has lost, in the record
 BRIEFLY = 3  # of all variants of a second or third effect
 
 CANDIDATES: tuple[tuple[Effect, ...], ...] = (
@@ -30,74 +34,13 @@ CANDIDATES: tuple[tuple[Effect, ...], ...] = (
     tuple(dynamics.Overflow(which + side) for which in ("upper", "lower") for side in ("", "-flipped")),
     tuple(dynamics.CoulombFriction(which) for which in ("position", "speed", "speed-lag")),
     (dynamics.CubicStiffness(),),
-    (drifting.GainDrift("1"), drifting.GainDrift("4"), drifting.PoleDrift("1"), drifting.PoleDrift("3")),
-    tuple(output.Drift(variant) for variant in ("1", "3", "6", "10", "settle")),
+    (drifting.GainDrift("1"), drifting.GainDrift("4"), drifting.PoleDrift("1"), drifting.PoleDrift("4")),
+    tuple(output.Drift(variant) for variant in ("1", "3", "6", "10", "16", "settle")),
     (output.Saturation("high"), output.Saturation("low"), output.Saturation("both")),
     (output.Nonlinearity(),),
     (disturbance.LoadStep(), disturbance.Leak("leak")),
     (disturbance.Periodic(),),
 )
-
-PLACES: tuple[tuple[Effect, ...], ...] = (
-    (dynamics.ExtraLag(), dynamics.ExtraLag("ahead")),
-    (dynamics.Resonance(), dynamics.Resonance("ahead"), dynamics.Resonance("beside")),
-    (dynamics.CoulombFriction("speed"), dynamics.CoulombFriction("speed-lag")),
-)
-"""What may stand at several places of the chain, which are the same to linear dynamics."""
-ORDERS: tuple[tuple[Effect, ...], ...] = (
-    (input.RateLimit(), input.RateLimit("behind")),
-    (input.Nonlinearity(), input.Nonlinearity("first")),
-)
-"""What may stand at several places of the actuator, which are the same where nothing else bends the command."""
-SIMPLER: dict[Effect, Effect] = {disturbance.Leak("leak"): disturbance.LoadStep()}
-"""Special cases that the search of the general one may miss."""
-
-
-def rearranged(hypothesis: Hypothesis) -> list[Hypothesis]:
-    """The same effects in another form: a lag or a mode at another place to a nonlinear state, or a special case."""
-    found = []
-    for i, effect in enumerate(hypothesis.effects[hypothesis.known :], hypothesis.known):
-        forms = [SIMPLER[effect]] if effect in SIMPLER else []
-        groups = PLACES if hypothesis.plant.nonlinear else ()
-        groups += ORDERS if sum(e.name != "input-delay" for e in hypothesis.inputs) > 1 else ()
-        forms += [form for group in groups if effect in group for form in group if form != effect]
-        for form in forms:
-            effects = (*hypothesis.effects[:i], form, *hypothesis.effects[i + 1 :])
-            found.append(Hypothesis(effects, hypothesis.known, hypothesis.given))
-    return found
-
-
-def carried(fit: Fit, other: Hypothesis) -> FloatArray:
-    """Numbers of a fit for a hypothesis of other forms: of the same part, or, by name, of a part that it has not."""
-    old = fit.hypothesis
-    theta = np.zeros(len(other.parameters))
-    spare: dict[str, float] = {}
-    for key, place in old.slices.items():
-        if key == "plant" or key not in other.slices:
-            spare |= {p.name: x for p, x in zip(old.parameters[place], fit.theta[place], strict=True)}
-    for i, parameter in enumerate(other.parameters):
-        theta[i] = spare.get(parameter.name, 0.0)
-    for key, place in other.slices.items():
-        if key != "plant" and key in old.slices:
-            theta[place] = fit.theta[old.slices[key]]
-    if not other.slices_has_delay:
-        theta[0] = fit.theta[0]
-    return theta
-
-
-def without(data: Data, fit: Fit, which: int) -> Fit | None:
-    """A fit as it is but for one of its effects; None where that cannot be simulated."""
-    old = fit.hypothesis
-    other = Hypothesis((*old.effects[:which], *old.effects[which + 1 :]), old.known, old.given)
-    starts = [carried(fit, other)]
-    place, before, now = other.slices["plant"], old.plant, other.plant
-    if (before.kind, before.upper_root, before.lower_root) != (now.kind, now.upper_root, now.lower_root):
-        rates = [base[:2] for base in now.starts(*fit.rates)]
-        starts = [starts[0].copy() for _ in rates]
-        for start, pair in zip(starts, rates, strict=True):
-            start[place][:2] = pair
-    points = [point for start in starts if (point := search(data, other, start, iterations=0)) is not None]
-    return finish(data, other, min(points, key=lambda point: point.cost)) if points else None
 
 
 def baseline(data: Data, hypothesis: Hypothesis = LINEAR, known: FloatArray | None = None) -> Fit:
@@ -184,13 +127,22 @@ def sketches(data: Data, parent: Fit, group: tuple[Effect, ...], swift: Fit, bri
             ]
             looked += sorted(tried, key=_first)[:PROMISING]
     if brief:
-        looked = sorted(looked, key=_first)[:BRIEFLY]
+        looked = _briefly(looked)
     found = []
     for _, hypothesis, theta in looked:
         point = search(data, hypothesis, theta, iterations=2 if brief else 3, tolerance=1e-2)
         if point is not None:
             found.append(_sketch(data, hypothesis, point))
     return sorted(found, key=lambda sketch: sketch.score)
+
+
+def _briefly(looked: list[tuple[float, Hypothesis, FloatArray]]) -> list[tuple[float, Hypothesis, FloatArray]]:
+    """A few starts: the best one of each of the best variants, then the next best."""
+    ranked = sorted(looked, key=_first)
+    seen: set[Hypothesis] = set()
+    first = [not (item[1] in seen or seen.add(item[1])) for item in ranked]  # type: ignore[func-returns-value]
+    order = sorted(range(len(ranked)), key=lambda i: not first[i])
+    return [ranked[i] for i in order[:BRIEFLY]]
 
 
 def onward(data: Data, tried: list[Sketch]) -> list[Sketch]:
@@ -214,15 +166,37 @@ def finished(data: Data, tried: list[Sketch], kept: int = 3) -> Fit | None:
     """The best of a few sketches, taken to the end; None where none of them is the effect it says it is."""
     best: Fit | None = None
     for sketch in _various(tried, kept):
-        end = search(data, sketch.hypothesis, sketch.point.theta, sketch.point.gains, iterations=12, tolerance=1e-5)
-        if end is not None:
-            fit = finish(data, sketch.hypothesis, end)
-            effect = sketch.hypothesis.effects[-1]
-            if effect.holds(Fitted(sketch.hypothesis, fit.theta, fit.gains, data)) and (
-                best is None or price(fit) < price(best)
-            ):
-                best = fit
+        end = search(data, sketch.hypothesis, sketch.point.theta, sketch.point.gains, iterations=25, tolerance=1e-5)
+        if end is None:
+            continue
+        fit = finish(data, sketch.hypothesis, end)
+        for one in (fit, _growing(data, fit)):
+            if one is not None and _holds(data, one) and (best is None or price(one) < price(best)):
+                best = one
     return best
+
+
+def _holds(data: Data, fit: Fit) -> bool:
+    """Whether the last effect is, by its numbers, the one that it says it is."""
+    return fit.hypothesis.effects[-1].holds(Fitted(fit.hypothesis, fit.theta, fit.gains, data))
+
+
+def _growing(data: Data, fit: Fit) -> Fit | None:
+    """A load step as one that grows, from where it has brought the dynamics; None where they cannot hold one."""
+    old = fit.hypothesis
+    grown = growing(old.plant)
+    if old.effects[-1] != LOAD or grown is None:
+        return None
+    other = Hypothesis((*old.effects[:-1], grown), old.known, old.given)
+    starts = [carried(fit, other)]
+    slow, fast = real_rates(*fit.rates)
+    if grown == LEAK and slow * data.samples < 1.0:  # an integrator to the load alone
+        starts.append(starts[0].copy())
+        slow = SLOW_AGAIN / data.samples
+        starts[1][other.slices["plant"]][:2] = np.log((slow + fast, slow * fast))
+    points = [search(data, other, start, iterations=12, tolerance=1e-5) for start in starts]
+    fits = [finish(data, other, point) for point in points if point is not None]
+    return min(fits, key=price, default=None)
 
 
 def price(fit: Fit) -> float:
@@ -282,6 +256,9 @@ def _plant_bases(context: Context, new: Plant) -> list[FloatArray]:
     rates = [context.rates]
     if np.abs(np.log(np.divide(context.swift_rates, context.rates))).max() > 0.2:
         rates.append(context.swift_rates)
+    slow, fast = real_rates(*context.rates)
+    if fast > FELT:  # a pole that a fit has lost: nothing would draw it back
+        rates.append((slow + FOUND, slow * FOUND))
     bases = []
     for n, (c, k) in enumerate(rates):
         for base in new.starts(c, k):
@@ -290,6 +267,10 @@ def _plant_bases(context: Context, new: Plant) -> list[FloatArray]:
                     base[i] = kept[parameter.name]
             bases.append(base)
             if old.kind == new.kind:
+                if new.kind == "tanks" and not (old.upper_root or old.lower_root):
+                    swapped = base.copy()  # without roots the order of the two tanks hardly matters
+                    swapped[:2] = base[1::-1]
+                    bases.append(swapped)
                 break
     return bases
 

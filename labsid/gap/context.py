@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from labsid._arrays import FloatArray
-from labsid.gap.noise import whole_rows
+from labsid.gap.noise import lags_for, whole_rows
 
 if TYPE_CHECKING:
     from labsid.gap.fitting import Fit
@@ -52,8 +52,12 @@ class Data:
         Time of the first sample in seconds.
     by_free_run : bool
         Whether the score of a fit also counts its free-run error: where the innovations say too little about it.
+    lattice : float
+        Converter step in the scaled output; zero where there is none.
+    lags : int
+        The longest autoregression that the noise may have.
     sound : ndarray of bool, shape (N,)
-        Rows that count together with those before them.
+        Rows that count together with so many before them.
     """
 
     u: FloatArray
@@ -64,10 +68,13 @@ class Data:
     y_scale: Scale
     start: float = 0.0
     by_free_run: bool = False
+    lattice: float = 0.0
+    lags: int = field(init=False, repr=False)
     sound: np.ndarray = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "sound", whole_rows(self.rows))
+        object.__setattr__(self, "lags", lags_for(self.rows))
+        object.__setattr__(self, "sound", whole_rows(self.rows, self.lags))
 
     @property
     def samples(self) -> int:

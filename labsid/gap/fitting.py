@@ -8,7 +8,7 @@ from labsid._arrays import FloatArray
 from labsid.gap._kernels import whiten
 from labsid.gap.context import Data
 from labsid.gap.hypothesis import Design, Hypothesis
-from labsid.gap.noise import LONGEST, Noise, fit_noise
+from labsid.gap.noise import Noise, fit_noise
 from labsid.gap.normal_equations import RIDGE, scaled_gram, solve, solved
 
 NOTHING = np.zeros(0)
@@ -93,7 +93,7 @@ class _Problem:
         counted = data.rows
         if ar.size:  # before the record the filter sees zeros, which is right: its first samples hold the initial state
             counted = data.sound.copy()
-            counted[:LONGEST] = data.rows[:LONGEST].all()
+            counted[: data.lags] = data.rows[: data.lags].all()
         self.rows = slice(None) if counted.all() else np.flatnonzero(counted)
         self.count = int(counted.sum())
         self.bent = bool(hypothesis.outputs)
@@ -113,16 +113,15 @@ class _Problem:
             return self._made(theta, gains, design, columns @ gains)
         if gains is None or gains.size != columns.shape[1]:
             gains = solve(self._seen(columns), self.y)
-        best = self._made(theta, gains, design, self._bent_output(theta, gains, design))
+        best = self._made(theta, gains, design, self.hypothesis.sensor(theta, gains, design))
         for _ in range(3):
-            slope = self.hypothesis.slope(theta, design.inside @ best.gains[: design.bent])
             bent = columns.copy(order="F")
-            bent[:, : design.bent] *= slope[:, None]
+            self._bend(bent, theta, best.gains, design)
             step = solve(self._seen(bent), best.error)
             better = None
             for share in (1.0, 0.3):
                 gains = best.gains + share * step
-                better = self._made(theta, gains, design, self._bent_output(theta, gains, design))
+                better = self._made(theta, gains, design, self.hypothesis.sensor(theta, gains, design))
                 if better.cost < best.cost:
                     break
             if better is None or better.cost >= best.cost * (1.0 - 1e-6):
@@ -130,10 +129,11 @@ class _Problem:
             best = better
         return best
 
-    def _bent_output(self, theta: FloatArray, gains: FloatArray, design: Design) -> FloatArray:
-        m = design.bent
-        output = self.hypothesis.sensor(theta, design.inside @ gains[:m])
-        return output + design.outside @ gains[m:] if gains.size > m else output
+    def _bend(self, columns: FloatArray, theta: FloatArray, gains: FloatArray, design: Design) -> None:
+        """Turn columns into the output's derivatives by their gains, in place."""
+        whole, added = self.hypothesis.slopes(theta, gains, design)
+        columns[:, : design.bent] *= whole[:, None]
+        columns[:, design.bent :] *= added[:, None]
 
     def _made(self, theta: FloatArray, gains: FloatArray, design: Design, output: FloatArray) -> Point:
         error = self.y - self._seen(output[:, None])[:, 0]
@@ -142,7 +142,6 @@ class _Problem:
     def jacobian(self, at: Point) -> FloatArray | None:
         """Derivative of the (whitened) output by theta and by the gains, in this order."""
         upper = self.hypothesis.bounds[1]
-        m = at.design.bent
         searched = at.theta.size
         J = np.empty((self.data.samples, searched + at.gains.size), order="F")
         for i, parameter in enumerate(self.hypothesis.parameters):
@@ -150,11 +149,10 @@ class _Problem:
             moved = at.theta.copy()
             moved[i] += step
             design = self.hypothesis.design(moved, self.data.u, near=at.design)
-            J[:, i] = (self._bent_output(moved, at.gains, design) - at.output) / step
+            J[:, i] = (self.hypothesis.sensor(moved, at.gains, design) - at.output) / step
         J[:, searched:] = at.design.columns
         if self.bent:
-            slope = self.hypothesis.slope(at.theta, at.design.inside @ at.gains[:m])
-            J[:, searched : searched + m] *= slope[:, None]
+            self._bend(J[:, searched:], at.theta, at.gains, at.design)
         J = self._seen(J)
         return J if np.isfinite(J[-1]).all() else None
 
@@ -226,7 +224,7 @@ def finish(data: Data, hypothesis: Hypothesis, point: Point) -> Fit:
     independent samples as the colour leaves.
     """
     e = data.y - point.output
-    noise = fit_noise(e, data.sound)
+    noise = fit_noise(e, data.sound, data.lags)
     free = point.theta.size + int(np.count_nonzero(point.gains))
     bic = noise.score + free * np.log(noise.rows)
     if data.by_free_run:

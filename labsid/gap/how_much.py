@@ -14,6 +14,9 @@ from labsid.gap.which import Explained
 
 DRAWS = 400
 BAND = (2.5, 97.5)
+RESAMPLED = 20  # blocks
+SPREAD = 1.2  # so few blocks vary less than what they stand for
+LEAST_DOUBT = 0.005  # of a closure
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -147,7 +150,7 @@ def how_much(
         after=float(np.sqrt(m1)),
         floor=float(np.sqrt(floor)),
         closed=closed,
-        ci95=None if closed is None else _interval(e0, e1, data.rows, scored, floor, rng),
+        ci95=None if closed is None else _interval(e0, e1, data.rows, scored, floor, after, rng),
         black_box=None if closed is None else closure(m0, float(np.mean(box[scored] ** 2)), floor),
         scored=scored,
         before_fit=before,
@@ -161,27 +164,41 @@ def _interval(
     rows: np.ndarray,
     scored: np.ndarray,
     floor: float,
+    after: Fit,
     rng: np.random.Generator,
 ) -> tuple[float, float]:
-    """Percentiles of the closure over resampled blocks of the scored samples, and of the fitted ones for the floor."""
-    p0, p1 = _block_means(e0**2, scored), _block_means(e1**2, scored)
+    """Percentiles of the closure over resampled blocks of the scored samples, and of the fitted ones for the floor.
+
+    Its lower end also counts that the numbers of the explanation are not exact, which few samples hide in their noise.
+    """
+    power = np.array([_block_means(e0**2, scored), _block_means(e1**2, scored)])
     fitted = _block_means(e1**2, rows)
     correct = floor / max(float(np.mean(e1[rows] ** 2)), 1e-300)
-    drawn = []
+    inexact = floor * (floor / after.noise.sigma2) * after.free / max(int(rows.sum()), 1)  # of coloured noise the more
+    low, high = [], []
     for _ in range(DRAWS):
-        pick, other = rng.integers(0, p0.size, p0.size), rng.integers(0, fitted.size, fitted.size)
-        value = closure(float(p0[pick].mean()), float(p1[pick].mean()), float(fitted[other].mean()) * correct)
-        if value is not None:
-            drawn.append(value)
-    if not drawn:
+        m0, m1 = _redrawn(power, rng)
+        (noise,) = _redrawn(fitted[None], rng) * correct
+        if m0 > noise:
+            wrong = inexact * rng.chisquare(after.free) / after.free
+            high.append(1.0 - np.sqrt(max(m1 - noise, 0.0) / (m0 - noise)))
+            low.append(1.0 - np.sqrt(max(m1 - noise, wrong) / (m0 - noise)))
+    if not low:
         return (0.0, 1.0)
-    low, high = np.percentile(drawn, BAND)
-    return float(low), float(high)
+    ends = float(np.percentile(low, BAND[0])) - LEAST_DOUBT, float(np.percentile(high, BAND[1])) + LEAST_DOUBT
+    return ends[0], min(ends[1], 1.0)
+
+
+def _redrawn(blocks: FloatArray, rng: np.random.Generator) -> FloatArray:
+    """Means of the same blocks of every row, drawn with replacement."""
+    mean = blocks.mean(axis=1)
+    drawn = blocks[:, rng.integers(0, blocks.shape[1], blocks.shape[1])].mean(axis=1)
+    return np.asarray(mean + SPREAD * (drawn - mean))
 
 
 def _block_means(power: FloatArray, rows: np.ndarray) -> FloatArray:
     values = power[rows]
-    length = max(values.size // 40, 5)
+    length = max(values.size // RESAMPLED, 5)
     return np.array([block.mean() for block in np.array_split(values, max(values.size // length, 2))])
 
 

@@ -22,11 +22,11 @@ class Design:
     columns : ndarray, shape (N, m + q)
         All columns.
     bent : int
-        m: how many of them, the first ones, the sensor's curve still bends, the constant among them.
+        m: how many of them, the first ones, pass through the sensor, the constant among them.
     theta : ndarray
         The numbers that it was made with.
-    actuator : ndarray, shape (N,)
-        The signal that reaches the dynamics.
+    actuator : tuple of ndarray, shape (N,), and float
+        The signal that reaches the dynamics, and how far into each sample it changes.
     parts : tuple of ndarray
         The columns of the dynamics, and of each additive effect.
     """
@@ -34,17 +34,17 @@ class Design:
     columns: FloatArray
     bent: int
     theta: FloatArray
-    actuator: FloatArray
+    actuator: tuple[FloatArray, float]
     parts: tuple[FloatArray, ...]
 
     @property
     def inside(self) -> FloatArray:
-        """Columns that the sensor's curve still bends, shape (N, m)."""
+        """Columns that pass through the sensor, shape (N, m)."""
         return self.columns[:, : self.bent]
 
     @property
     def outside(self) -> FloatArray:
-        """Columns added behind the sensor's curve, shape (N, q)."""
+        """Columns added in the sensor, shape (N, q): behind its curve, ahead of its limits."""
         return self.columns[:, self.bent :]
 
 
@@ -136,7 +136,15 @@ class Hypothesis:
         return any(e.name == "input-delay" for e in self.inputs)
 
     def actuator(self, theta: FloatArray, u: FloatArray, span: int | None = None) -> FloatArray:
-        """The signal that reaches the dynamics: the input through the actuator's effects, delayed."""
+        """The signal that reaches the dynamics: the input through the actuator's effects, delayed.
+
+        Between samples it is interpolated.
+        """
+        w, late = self._driven(theta, u, span or u.size)
+        return _kernels.delayed(w, 0, late)
+
+    def _driven(self, theta: FloatArray, u: FloatArray, span: int) -> tuple[FloatArray, float]:
+        """The same delayed by whole samples, and the part of a sample by which it is later still."""
         w = u
         delay = None
         for effect in self.inputs:
@@ -144,8 +152,10 @@ class Hypothesis:
             if effect.name == "input-delay":
                 delay = float(own[0])
             else:
-                w = effect.apply(w, own, span or u.size)
-        return shifted(w, float(theta[0]) if delay is None else delay)
+                w = effect.apply(w, own, span)
+        delay = float(theta[0]) if delay is None else delay
+        whole = int(np.floor(delay))
+        return _kernels.delayed(w, whole, 0.0), delay - whole
 
     def design(
         self,
@@ -163,10 +173,14 @@ class Hypothesis:
         at = self.slices["plant"]
         same = np.zeros(theta.size, bool) if near is None else theta == near.theta
         known = near is not None and bool(same[: at.start].all())
-        w = near.actuator if near is not None and known else self.actuator(theta, u, span)
+        driven = near.actuator if near is not None and known else self._driven(theta, u, span)
         plant, own = self.plant, theta[at]
         still = bool(same[at].all())
-        parts = [near.parts[0] if near is not None and known and still else plant.columns(own, w, span, reference)]
+        if near is not None and known and still:
+            parts = [near.parts[0]]
+        else:
+            w, late = driven
+            parts = [plant.columns(own, w, span, reference, late)]
         for i, effect in enumerate(self.additive, 1):
             part = self.slices[effect.key]
             if near is not None and same[part].all() and (still or not effect.at_load):
@@ -176,7 +190,7 @@ class Hypothesis:
         bent = [parts[0], np.ones((u.size, 1))]
         bent += [part for part, effect in zip(parts[1:], self.additive, strict=True) if effect.at_load]
         added = [part for part, effect in zip(parts[1:], self.additive, strict=True) if not effect.at_load]
-        return Design(beside([*bent, *added]), sum(part.shape[1] for part in bent), theta, w, tuple(parts))
+        return Design(beside([*bent, *added]), sum(part.shape[1] for part in bent), theta, driven, tuple(parts))
 
     def gains_of(self, gains: FloatArray, effect: AdditiveEffect) -> FloatArray:
         """The gains of one additive effect among all: those at the load stand before those at the sensor."""
@@ -188,20 +202,41 @@ class Hypothesis:
             at += other.width
         return gains[at : at + effect.width]
 
-    def sensor(self, theta: FloatArray, z: FloatArray) -> FloatArray:
-        """What the sensor makes of the true output."""
-        for effect in self.outputs:
+    def sensor(self, theta: FloatArray, gains: FloatArray, design: Design) -> FloatArray:
+        """What the sensor makes of the columns of a design."""
+        z = design.inside @ gains[: design.bent]
+        for effect in self._curves:
+            z = effect.bend(z, theta[self.slices[effect.key]])
+        if gains.size > design.bent:
+            z = z + design.outside @ gains[design.bent :]
+        for effect in self._limits:
             z = effect.bend(z, theta[self.slices[effect.key]])
         return z
 
-    def slope(self, theta: FloatArray, z: FloatArray) -> FloatArray:
-        """Derivative of `sensor` with respect to the true output."""
-        slope = np.ones_like(z)
-        for effect in self.outputs:
+    def slopes(self, theta: FloatArray, gains: FloatArray, design: Design) -> tuple[FloatArray, FloatArray]:
+        """Derivatives of `sensor` by what passes through it, and by what is added in it."""
+        z = design.inside @ gains[: design.bent]
+        whole, added = np.ones_like(z), np.ones_like(z)
+        for effect in self._curves:
             own = theta[self.slices[effect.key]]
-            slope = slope * effect.slope(z, own)
+            whole = whole * effect.slope(z, own)
             z = effect.bend(z, own)
-        return slope
+        if gains.size > design.bent:
+            z = z + design.outside @ gains[design.bent :]
+        for effect in self._limits:
+            own = theta[self.slices[effect.key]]
+            slope = effect.slope(z, own)
+            whole, added = whole * slope, added * slope
+            z = effect.bend(z, own)
+        return whole, added
+
+    @property
+    def _curves(self) -> tuple[OutputEffect, ...]:
+        return tuple(effect for effect in self.outputs if not effect.last)
+
+    @property
+    def _limits(self) -> tuple[OutputEffect, ...]:
+        return tuple(effect for effect in self.outputs if effect.last)
 
     def output(
         self,
@@ -212,12 +247,4 @@ class Hypothesis:
         reference: float | None = None,
     ) -> FloatArray:
         """Free-run output for the input `u`."""
-        design = self.design(theta, u, span, reference)
-        return self.sensor(theta, design.inside @ gains[: design.bent]) + design.outside @ gains[design.bent :]
-
-
-def shifted(w: FloatArray, delay: float) -> FloatArray:
-    """`w` later by `delay` samples, between samples by interpolation; before the record it stood still."""
-    whole = int(np.floor(delay))
-    later: FloatArray = _kernels.delayed(w, whole, delay - whole)
-    return later
+        return self.sensor(theta, gains, self.design(theta, u, span, reference))

@@ -1,6 +1,6 @@
 """What the best explanation leaves: is it noise, or does the input still have a part in it?"""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.spatial import cKDTree
@@ -13,6 +13,7 @@ from labsid.gap.fitting import Fit
 FOLDS = 5
 NEIGHBOURS = 60
 MOST_POINTS = 3000
+MOST_LEFT = 0.3  # of the rows, off the stops of the sensor
 FEW = 6  # samples after which noise of a sensor has forgotten itself
 SLOW = 0.3  # autocorrelation after so many: what has more is slow
 
@@ -76,8 +77,9 @@ def is_noise(left: Leftover, converted: bool) -> bool:
 
 
 def leftover(data: Data, fit: Fit) -> Leftover:
-    """Measure what `fit` leaves on the rows of `data`."""
+    """Measure what `fit` leaves on the rows of `data`, but for those on a stop of the sensor, where noise is hidden."""
     e = data.y - fit.output
+    data = _off_stops(data, fit)
     rows = data.rows
     power = float(np.mean(e[rows] ** 2))
     white = _kernels.whiten(e[:, None], fit.noise.ar)[:, 0][data.sound]
@@ -99,6 +101,16 @@ def leftover(data: Data, fit: Fit) -> Leftover:
         tails=float(np.mean(white**4)),
         uneven=float(spread / chance),
     )
+
+
+def _off_stops(data: Data, fit: Fit) -> Data:
+    """The data without the rows on which the simulated sensor stands at a limit, as long as most are left."""
+    if not any(effect.last for effect in fit.hypothesis.outputs):
+        return data
+    design = fit.hypothesis.design(fit.theta, data.u)
+    moves = fit.hypothesis.slopes(fit.theta, fit.gains, design)[1] > 0.0
+    rows = data.rows & moves
+    return replace(data, rows=rows) if rows.sum() > MOST_LEFT * data.rows.sum() else data
 
 
 def slow_colour(e: FloatArray, rows: np.ndarray) -> float:

@@ -8,17 +8,19 @@ from typing import Any
 import numpy as np
 
 from labsid._arrays import FloatArray
-from labsid.gap.candidates import CANDIDATES, PLACES
+from labsid.gap.candidates import CANDIDATES
 from labsid.gap.context import Data, Scale
 from labsid.gap.effects.base import Effect
 from labsid.gap.fitting import Fit
+from labsid.gap.forms import INNER_LOAD, INNER_WAVE, LOAD_WAVE, ORDERS, PLACES
 from labsid.gap.hypothesis import Hypothesis
 
 SCHEMA = "labsid.model/1"
 REST = 5000  # samples before a run that begins at rest
 START = 50  # samples from which the initial state of another record is estimated
 _STATES = ("h1", "h2", "z0", "v0", "i0", "position")
-_BY_KEY: dict[str, Effect] = {effect.key: effect for group in (*CANDIDATES, *PLACES) for effect in group}
+_ALL = (*CANDIDATES, *PLACES, *ORDERS, (INNER_LOAD, LOAD_WAVE, INNER_WAVE))
+_BY_KEY: dict[str, Effect] = {effect.key: effect for group in _ALL for effect in group}
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -7,6 +7,7 @@ import numpy as np
 from labsid._arrays import FloatArray
 
 LONGEST = 8
+ENOUGH = 0.1  # of the rows that count
 FEWEST = 20  # rows from which noise can be told
 SMALLEST = 1e-26  # variance, the record's being one: what is below is rounding
 ORDERS = (0, 1, 2, 3, 4, 6, 8)
@@ -33,6 +34,14 @@ class Noise:
     rows: int
 
 
+def lags_for(rows: np.ndarray) -> int:
+    """How many lags noise may have: the usual number, fewer where hardly a sample has so many good ones before it."""
+    lags = LONGEST
+    while lags > 1 and whole_rows(rows, lags).sum() < ENOUGH * rows.sum():
+        lags //= 2
+    return lags
+
+
 def whole_rows(rows: np.ndarray, lags: int = LONGEST) -> np.ndarray:
     """Samples that count together with the `lags` samples before them; `rows` says which count at all."""
     sound = rows.copy()
@@ -42,7 +51,7 @@ def whole_rows(rows: np.ndarray, lags: int = LONGEST) -> np.ndarray:
     return sound
 
 
-def fit_noise(e: FloatArray, sound: np.ndarray, orders: tuple[int, ...] = ORDERS) -> Noise:
+def fit_noise(e: FloatArray, sound: np.ndarray, lags: int = LONGEST) -> Noise:
     """Fit autoregressions of several orders on the rows `sound` and keep the one of the best BIC.
 
     Parameters
@@ -51,7 +60,8 @@ def fit_noise(e: FloatArray, sound: np.ndarray, orders: tuple[int, ...] = ORDERS
         The residual, the held-out samples included (their neighbours need them).
     sound : ndarray of bool, shape (N,)
         From `whole_rows`.
-    orders : tuple of int
+    lags : int
+        The longest autoregression.
 
     Raises
     ------
@@ -61,22 +71,21 @@ def fit_noise(e: FloatArray, sound: np.ndarray, orders: tuple[int, ...] = ORDERS
     at = np.flatnonzero(sound)
     if at.size < FEWEST:
         raise ValueError(
-            f"only {at.size} samples have {LONGEST} good ones before them; at least {FEWEST} must. Exclude less; if "
+            f"only {at.size} samples have {lags} good ones before them; at least {FEWEST} must. Exclude less; if "
             "the output is read more seldom than it is logged, keep only the fresh readings."
         )
-    longest = max(orders)
     target = e[at]
-    lagged = np.column_stack([e[at - lag] for lag in range(1, longest + 1)]) if longest else np.zeros((at.size, 0))
+    lagged = np.column_stack([e[at - lag] for lag in range(1, lags + 1)])
     n = at.size
     gram, cross, power = lagged.T @ lagged, lagged.T @ target, float(target @ target)
     if power <= SMALLEST * n:
         return Noise(np.zeros(0), SMALLEST, n * float(np.log(SMALLEST)), n)
     best: Noise | None = None
-    for order in orders:
+    for order in (order for order in ORDERS if order <= lags):
         ar = np.zeros(0)
         left = power
         if order:
-            ridge = 1e-9 * np.trace(gram) / longest * np.eye(order)
+            ridge = 1e-9 * np.trace(gram) / lags * np.eye(order)
             ar = np.linalg.solve(gram[:order, :order] + ridge, cross[:order])
             left = power - float(2.0 * ar @ cross[:order] - ar @ gram[:order, :order] @ ar)
         sigma2 = max(left / n, SMALLEST)

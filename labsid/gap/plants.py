@@ -40,6 +40,12 @@ class Parameter:
     leap: float = 0.0
 
 
+ACROSS = 1e-2  # scaled: a step of a derivative that reaches across the jumps of a motion that sticks
+FRICTION = Parameter("friction", 0.0, 20.0, 1e-3, leap=0.03)
+ONSET = Parameter("onset", 0.0, 1.0, 2e-4, leap=0.004)  # as a share of the record
+CYCLES = Parameter("cycles", 2.2, 1e7, 1e-3)  # of a wave in the record; a slower one is a drift
+
+
 @dataclass(frozen=True, slots=True)
 class Plant:
     """Which dynamics: two poles, plus what the effects of a hypothesis put in.
@@ -70,6 +76,8 @@ class Plant:
         How a varying pole goes along the record: "slow", or "step" at an instant.
     bends : int
         Degrees above one of a slow course.
+    loaded, shaken : bool
+        Whether a load, and one that grows with the state, begins at an instant, or one swings; of nonlinear states.
     run : callable, optional
         ``run(w) -> y`` of a given simulation, in scaled units.
     takes_input : bool
@@ -95,6 +103,8 @@ class Plant:
     mode_place: str = "behind"
     course: str = "slow"
     bends: int = 0
+    loaded: bool = False
+    shaken: bool = False
     run: Callable[[FloatArray], FloatArray] | None = field(default=None, compare=False)
     takes_input: bool = False
     given_rates: tuple[float, float] = (0.5, 0.05)
@@ -122,19 +132,24 @@ class Plant:
             own += [Parameter("h1", -50.0, 50.0), Parameter("h2", -50.0, 50.0)]
         elif self.kind == "mechanics":
             if self.friction:
-                own += [Parameter("friction", 0.0, 20.0, leap=0.03)]
+                own += [FRICTION]
             if self.cubic:
                 own += [Parameter("cubic", -0.3, 50.0), Parameter("centre", -8.0, 8.0)]
-            own += [Parameter("z0", -50.0, 50.0, leap=0.05), Parameter("v0", -50.0, 50.0)]
+            own += [Parameter("z0", -50.0, 50.0, ACROSS, leap=0.05), Parameter("v0", -50.0, 50.0, ACROSS)]
         elif self.kind == "speed":
-            own += [Parameter("friction", 0.0, 20.0, leap=0.03), Parameter("centre", -20.0, 20.0)]
-            own += [Parameter("v0", -50.0, 50.0), Parameter("i0", -50.0, 50.0)]
+            own += [FRICTION, Parameter("centre", -20.0, 20.0, 1e-3)]
+            own += [Parameter("v0", -50.0, 50.0, ACROSS), Parameter("i0", -50.0, 50.0, ACROSS)]
         elif self.kind == "varying":
-            own += [Parameter("drift_c", -3.0, 3.0), Parameter("drift_k", -3.0, 3.0)]
+            own += [Parameter("drift", -3.0, 3.0), Parameter("share_c", -3.0, 3.0)]
             if self.course == "step":
-                own += [Parameter("onset", 0.0, 1.0, 2e-4, leap=0.004)]
+                own += [ONSET]
             else:
+                own += [Parameter("turn", 0.0, 1.0)]
                 own += [Parameter(f"bend{n}", -3.0, 3.0) for n in range(1, self.bends + 1)]
+        if self.loaded:
+            own += [Parameter("load", -20.0, 20.0), Parameter("leak", -0.9, 20.0), ONSET]
+        if self.shaken:
+            own += [CYCLES, Parameter("shake_cos", -20.0, 20.0), Parameter("shake_sin", -20.0, 20.0)]
         if self.lag:
             own += [Parameter("log_lag", -4.0, 8.0)]
         if self.mode:
@@ -142,7 +157,9 @@ class Plant:
             own += [Parameter("log_damping", -7.0, np.log(MOST_DAMPING))]
         return tuple(rates + own)
 
-    def columns(self, theta: FloatArray, w: FloatArray, span: int, reference: float | None = None) -> FloatArray:
+    def columns(
+        self, theta: FloatArray, w: FloatArray, span: int, reference: float | None = None, late: float = 0.0
+    ) -> FloatArray:
         """Responses whose combinations are the output, one a column; NaN where the simulation diverges.
 
         Parameters
@@ -155,6 +172,8 @@ class Plant:
         reference : float, optional
             Value of w from which a linear plant counts: that with which the record of the fit began, and this one
             unless given.
+        late : float
+            How far into each sample w changes, 0 to 1.
 
         Returns
         -------
@@ -162,6 +181,8 @@ class Plant:
         """
         own = self._by_name(theta)
         start = float(w[0]) if reference is None else reference
+        if late and (not self.nonlinear or self._lag_ahead or (self.mode and self._mode_place == "ahead")):
+            w, late = _kernels.delayed(w, 0, late), 0.0  # the mean over each sample
         driven = w
         if self.lag:  # a slower one would be a drift: its free motion bends the whole record
             tau = float(min(np.exp(own["log_lag"]), span / SHORTEST_MEMORY))
@@ -172,7 +193,7 @@ class Plant:
             frequency, damping = np.exp(own["log_frequency"]), np.exp(own["log_damping"])
             if self._mode_place == "ahead":
                 driven = through_mode(driven, frequency, damping)
-        columns = response(self, own, driven, span, start)
+        columns = response(self, own, driven, span, start, late)
         if self.kind in ("mechanics", "speed"):
             columns = columns[:, :1].copy()
         parts: list[FloatArray] = [columns]
@@ -184,7 +205,7 @@ class Plant:
                 columns[:, 0] = lagging(moved, tau)
             parts.append(np.asarray(pole ** np.arange(w.size), np.float64)[:, None])
         if self.mode and self._mode_place != "ahead":
-            drive = moved if self._mode_place == "behind" else w - start
+            drive = moved if self._mode_place == "behind" else _kernels.delayed(w - start, 0, late)
             parts.append(section(2.0 * damping * frequency, frequency**2, drive))
         return beside(parts) if len(parts) > 1 else columns
 

@@ -5,11 +5,15 @@ from dataclasses import dataclass
 import numpy as np
 
 from labsid._arrays import FloatArray
-from labsid.signal_quality import runs
+from labsid.signal_quality import lattice_step, runs
 
 SPIKE = 6.0  # robust standard deviations at which an isolated sample is one
 LONGEST_SPIKE = 2  # samples
 SHORTEST_HOLD = 3  # equal samples in a row
+FINE = 1e-4  # of the range: a converter step that makes equal samples only by chance
+USUAL_MOVES = 4.0  # times the median move from sample to sample: a jump from the sensor's stop
+OFTEN = 3  # held stretches
+MOSTLY = 0.9  # of the samples have a value that comes again
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -38,26 +42,64 @@ class RawFaults:
         return self.held | self.spikes
 
 
+def lattice_of(y: FloatArray) -> tuple[float | None, np.ndarray]:
+    """The converter's step, and the samples off its lattice: spikes that came into the log behind the converter.
+
+    Parameters
+    ----------
+    y : ndarray, shape (N,)
+
+    Returns
+    -------
+    lattice : float or None
+    off : ndarray of bool, shape (N,)
+    """
+    on = np.ones(y.size, bool)
+    lattice = lattice_step(y)
+    if lattice is None:
+        _, which, count = np.unique(y, return_inverse=True, return_counts=True)
+        again = count[which] > 1
+        if again.mean() > MOSTLY:
+            lattice = lattice_step(y[again])
+            on = again if lattice is not None else on
+    return lattice, ~on
+
+
 def find_held(y: FloatArray, lattice: float | None) -> tuple[tuple[int, int], ...]:
     """Stretches over which the logger holds its last value: the first sample of each is still a reading.
 
-    On a fine scale two equal readings in a row are a hold; on a converter's lattice a stretch must be far longer than
-    those that rest and a slow motion make.
+    On a fine scale a few equal readings in a row are a hold, but at a value to which the output comes back: that is the
+    sensor's stop, or rest. On a converter's lattice rest and slow motion make equal readings, too; there a hold is what
+    ends with a jump to where the output has gone meanwhile.
     """
     starts, lengths = runs(y)
-    least = SHORTEST_HOLD
-    if lattice is not None and lattice > 1e-4 * np.ptp(y):
-        usual = float(np.quantile(np.repeat(lengths, lengths), 0.5))
-        least = max(least, int(6 * usual) + 3)
-    extreme = (y[starts] == y.max()) | (y[starts] == y.min())  # the sensor on its stop, not the logger asleep
+    step = 0.0 if lattice is None else lattice
+    fine = step <= FINE * np.ptp(y)
+    long = (lengths >= SHORTEST_HOLD) & (starts > 0)  # a record that begins at rest holds nothing
+    moves = np.abs(np.diff(y, append=[y[-1]] * 2))
+    jump, onward = moves[starts + lengths - 1], moves[starts + lengths]
+    usual = max(1.5 * step, USUAL_MOVES * float(np.median(moves[moves > 0.0])))
+    jumps = (jump > (usual if fine else 1.5 * step)) & (jump > 2.0 * onward)
+    if not fine:
+        long &= jumps & (lengths >= 2.0 * np.median(np.repeat(lengths, lengths)) + 3.0)
+    starts, lengths, jumps = starts[long], lengths[long], jumps[long]
+    values, which, count = np.unique(y[starts], return_inverse=True, return_counts=True)
+    again = count > 1
+    extreme = (values == y.max()) | (values == y.min())
+    if not fine:
+        stop = extreme
+    elif (~again & ~extreme).sum() >= OFTEN:  # a logger that sleeps often may do so at the extreme, too
+        stop = again
+    else:
+        stop = again | extreme
     return tuple(
         (int(start) + 1, int(start + length))
-        for start, length, stop in zip(starts, lengths, extreme, strict=True)
-        if length >= least and not stop and start > 0  # a record that begins at rest holds nothing
+        for start, length, jumped, stopped in zip(starts, lengths, jumps, stop[which], strict=True)
+        if jumped or not stopped
     )
 
 
-def find_spikes(e: FloatArray, usable: np.ndarray, threshold: float = SPIKE) -> np.ndarray:
+def find_spikes(e: FloatArray, usable: np.ndarray, lattice: float = 0.0, threshold: float = SPIKE) -> np.ndarray:
     """Isolated samples of the residual `e` that stand far from their neighbours on both sides.
 
     Parameters
@@ -65,6 +107,8 @@ def find_spikes(e: FloatArray, usable: np.ndarray, threshold: float = SPIKE) -> 
     e : ndarray, shape (N,)
     usable : ndarray of bool, shape (N,)
         Samples that are readings at all.
+    lattice : float
+        Converter step: what lies within one of it is rounding.
     threshold : float
         In robust standard deviations of the distance from the median of the neighbourhood.
     """
@@ -79,7 +123,7 @@ def find_spikes(e: FloatArray, usable: np.ndarray, threshold: float = SPIKE) -> 
     spread = 1.4826 * float(np.median(np.abs(off)))
     if spread == 0.0:
         spread = float(np.std(off)) or 1.0
-    far = np.abs(off) > threshold * spread
+    far = np.abs(off) > max(threshold * spread, lattice)
     starts, lengths = runs(far.astype(float))
     for start, length in zip(starts, lengths, strict=True):
         if far[start] and length <= LONGEST_SPIKE and start > 0:  # at its start a simulation may not be under way yet

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.polynomial.chebyshev import chebval
 
 from labsid._arrays import FloatArray, beside
-from labsid.gap import _kernels
+from labsid.gap import _kernels, _states
 
 if TYPE_CHECKING:
     from labsid.gap.plants import Plant
@@ -16,7 +16,9 @@ AT_REST = 6.0  # time constants after which a free motion is over
 QUICKEST = 2.4  # rate of a tank, a sample: what is quicker follows its inflow at once
 
 
-def response(plant: "Plant", own: dict[str, float], w: FloatArray, span: int, reference: float) -> FloatArray:
+def response(
+    plant: "Plant", own: dict[str, float], w: FloatArray, span: int, reference: float, late: float = 0.0
+) -> FloatArray:
     """Columns of the dynamics without a further lag or mode, NaN where the simulation diverges.
 
     Parameters
@@ -30,13 +32,15 @@ def response(plant: "Plant", own: dict[str, float], w: FloatArray, span: int, re
         Length of the record by which slow changes are counted.
     reference : float
         Value of w from which linear dynamics count.
+    late : float
+        How far into each sample w changes, 0 to 1, where a state is nonlinear.
 
     Returns
     -------
     ndarray, shape (N, m)
         The second column of "mechanics" and "speed" is the speed against which friction acts.
     """
-    return _KINDS[plant.kind](plant, own, w, span, reference)
+    return _KINDS[plant.kind](plant, own, w, span, reference, late)
 
 
 def along(samples: int, span: int) -> FloatArray:
@@ -96,17 +100,19 @@ def lagging(y: FloatArray, tau: float) -> FloatArray:
 def through_mode(w: FloatArray, frequency: float, damping: float) -> FloatArray:
     """The mean over each sample of a lightly damped mode in the actuator's path, of gain one, that starts at rest."""
     c, k = 2.0 * damping * frequency, frequency**2
-    motion = _kernels.mechanics(w - w[0], c, k, 0.0, 0.0, 0.0, 0.0, 1)
+    motion = _states.mechanics(w - w[0], c, k, 0.0, 0.0, 0.0, 0.0, 1, 0.0)
     change = np.diff(motion, axis=0, append=motion[-1:])  # the mean follows from z'' = -c z' - k z + w, integrated
     return np.asarray(w - change @ [c, 1.0])
 
 
-def _linear(plant: "Plant", own: dict[str, float], w: FloatArray, span: int, reference: float) -> FloatArray:
+def _linear(
+    plant: "Plant", own: dict[str, float], w: FloatArray, span: int, reference: float, late: float
+) -> FloatArray:
     c, k = float(np.exp(own["log_c"])), float(np.exp(own["log_k"]))
     away = _rising(c, k, w.size, span)
     if plant.zero:
         return beside([section(c, k, w - reference), away])
-    exact = _kernels.mechanics(w - reference, c, k, 0.0, 0.0, 0.0, 0.0, 1)[:, :1] * k
+    exact = _states.mechanics(w - reference, c, k, 0.0, 0.0, 0.0, 0.0, 1, 0.0)[:, :1] * k
     return beside([exact, section(c, k, np.zeros(w.size))[:, 2:], away])
 
 
@@ -120,7 +126,9 @@ def _rising(c: float, k: float, samples: int, span: int) -> FloatArray:
     return _kernels.second_order(np.ones(samples), *denominator(c, k))[:, None]
 
 
-def _tanks(plant: "Plant", own: dict[str, float], w: FloatArray, span: int, reference: float) -> FloatArray:
+def _tanks(
+    plant: "Plant", own: dict[str, float], w: FloatArray, span: int, reference: float, late: float
+) -> FloatArray:
     a, b = np.exp(own["log_a"]), np.exp(own["log_b"])
     flow = (-w if plant.flipped else w) - own.get("zero", 0.0)
     level = max(flow[0], 0.0) if plant.upper_root else flow[0]
@@ -134,7 +142,7 @@ def _tanks(plant: "Plant", own: dict[str, float], w: FloatArray, span: int, refe
     )
     fastest = max(a / typical if plant.upper_root else a, b / typical if plant.lower_root else b)
     substeps = int(max(np.ceil(fastest / 0.3), 2))
-    return _kernels.tanks(
+    return _states.tanks(
         flow,
         a,
         b,
@@ -146,10 +154,21 @@ def _tanks(plant: "Plant", own: dict[str, float], w: FloatArray, span: int, refe
         h1 + own["h1"],
         h2 + own["h2"],
         substeps,
+        late,
+        *_loaded(own, span),
     )[:, None]
 
 
-def _mechanics(plant: "Plant", own: dict[str, float], w: FloatArray, span: int, reference: float) -> FloatArray:
+def _loaded(own: dict[str, float], span: int) -> tuple[float, ...]:
+    """Load, leak and onset in samples, and the two parts and the frequency of a wave, for the loops."""
+    step = own.get("load", 0.0), own.get("leak", 0.0), own.get("onset", np.inf) * span
+    wave = own.get("shake_cos", 0.0), own.get("shake_sin", 0.0), 2.0 * np.pi * own.get("cycles", 0.0) / span
+    return *step, *wave
+
+
+def _mechanics(
+    plant: "Plant", own: dict[str, float], w: FloatArray, span: int, reference: float, late: float
+) -> FloatArray:
     c, k = np.exp(own["log_c"]), np.exp(own["log_k"])
     unit = max(k, 0.02 * c * c)  # the force that one unit of position takes
     drive = w - own.get("centre", reference)
@@ -157,7 +176,10 @@ def _mechanics(plant: "Plant", own: dict[str, float], w: FloatArray, span: int, 
     cubic = own.get("cubic", 0.0) * unit**3
     rest = _equilibrium(drive[0], k, cubic) if plant.cubic else 0.0
     z0, v0 = rest + own["z0"] / unit, own["v0"] / np.sqrt(unit)
-    return _kernels.mechanics(drive, c, k, own.get("friction", 0.0), cubic, z0, v0, substeps) * unit
+    return (
+        _states.mechanics(drive, c, k, own.get("friction", 0.0), cubic, z0, v0, substeps, late, *_loaded(own, span))
+        * unit
+    )
 
 
 def _equilibrium(force: float, k: float, cubic: float) -> float:
@@ -168,34 +190,45 @@ def _equilibrium(force: float, k: float, cubic: float) -> float:
     return float(real[np.argmin(np.abs(real - linear))]) if real.size else linear
 
 
-def _speed(plant: "Plant", own: dict[str, float], w: FloatArray, span: int, reference: float) -> FloatArray:
+def _speed(
+    plant: "Plant", own: dict[str, float], w: FloatArray, span: int, reference: float, late: float
+) -> FloatArray:
     a, b = np.exp(own["log_a"]), np.exp(own["log_b"])
     drive = w - own["centre"]
     friction = own["friction"]
     v = np.sign(drive[0]) * max(abs(drive[0]) - friction, 0.0) + own["v0"]
     i = (drive[0] if plant.lag_first else v) + own["i0"]
-    return _kernels.speed(drive, a, b, friction, plant.lag_first, v, i, 3)
+    return _states.speed(drive, a, b, friction, plant.lag_first, v, i, 3, late, *_loaded(own, span))
 
 
-def _varying(plant: "Plant", own: dict[str, float], w: FloatArray, span: int, reference: float) -> FloatArray:
+def _varying(
+    plant: "Plant", own: dict[str, float], w: FloatArray, span: int, reference: float, late: float
+) -> FloatArray:
     if plant.course == "step":
-        course = begun(own["onset"], w.size, span)
+        course = own["drift"] * begun(own["onset"], w.size, span)
     else:
-        course = slow_course(np.array([1.0, *(own[f"bend{n}"] for n in range(1, plant.bends + 1))]), w.size, span)
-    c = np.exp(np.clip(own["log_c"] + own["drift_c"] * course, -12.0, 4.0))
-    k = np.exp(np.clip(own["log_k"] + own["drift_k"] * course, -25.0, 4.5))
+        shape = np.array([own["drift"], *(own[f"bend{n}"] for n in range(1, plant.bends + 1))])
+        course = slow_course(shape, w.size, span)
+    change = np.expm1(np.clip(course, -6.0, 6.0))  # of one lag of two, or of a spring
+    c = np.clip(np.exp(own["log_c"]) * (1.0 + own["share_c"] * change), 1e-6, 50.0)
+    k = np.exp(own["log_k"]) * (1.0 + change)
+    if plant.course != "step":  # that of the latter lag is under the derivative of its balance
+        k = k + np.exp(own["log_c"]) * own["turn"] * np.gradient(change)
+    k = np.clip(k, 1e-11, 90.0)
     still = w - reference
     unit = np.exp(own["log_k"])
-    start = section(np.exp(own["log_c"]), np.exp(own["log_k"]), np.zeros(w.size))[:, 2:]
     constant = np.ones(w.size)
     if plant.course == "step":  # the gain at the input stays: what changes is a load that grows with the state
-        out = _kernels.varying(np.column_stack([still, constant, course]), c, k) * unit
-        return beside([out[:, :3], out[:, 4:], start])
-    out = _kernels.varying(np.column_stack([still, still * course, constant, course]), c, k) * unit
-    return beside([out[:, :5], out[:, 6:7], start])
+        load = begun(own["onset"], w.size, span)
+        out = _states.varying(np.column_stack([still, constant, load]), c, k)
+        return beside([out[:, :3] * unit, out[:, 4:6] * unit, out[:, [6, 8]]])
+    out = _states.varying(np.column_stack([still, still * course, constant, course]), c, k)
+    return beside([out[:, :5] * unit, out[:, 6:7] * unit, out[:, [8, 10]]])
 
 
-def _given(plant: "Plant", own: dict[str, float], w: FloatArray, span: int, reference: float) -> FloatArray:
+def _given(
+    plant: "Plant", own: dict[str, float], w: FloatArray, span: int, reference: float, late: float
+) -> FloatArray:
     assert plant.run is not None
     return plant.run(w)[:, None]
 

@@ -1,6 +1,7 @@
 """The search among combinations: one effect, a second and a third on top of the best, exchanged and left out again."""
 
 from collections.abc import Callable, Collection, Iterable
+from dataclasses import replace
 
 import numpy as np
 
@@ -9,17 +10,15 @@ from labsid.gap.candidates import (
     CANDIDATES,
     Sketch,
     baseline,
-    carried,
     finished,
     onward,
     price,
-    rearranged,
     sketches,
     swift_fit,
-    without,
 )
 from labsid.gap.context import Data
-from labsid.gap.fitting import Fit, finish, polish, power, rms, search, settle
+from labsid.gap.fitting import Fit, finish, polish, power, refit, rms, search, settle
+from labsid.gap.forms import carried, rearranged, without
 from labsid.gap.hypothesis import Hypothesis
 from labsid.gap.leftover import explained_share
 
@@ -28,12 +27,18 @@ Level = dict[tuple[str, ...], Fit]
 Levels = tuple[Level, ...]
 
 BEAM = 3  # best first effects on top of which a second one is tried; a third one only on the best pair
+AS_FREE = 1.2  # of the error of the free run
+FREE = 2  # and those with the smallest error of the free run
+SLOW_POWER = 4.0  # mean square error over the variance of its innovations
 LOOKED_AT = 12  # second and third effects that are taken further than a sketch, of each parent
 FOLLOWED = 6  # second and third effects that are taken to the end, of each parent
 EXCHANGED = 3  # the same, in the place of another
 POLISHED = 6
 MARGIN = 12.0  # BIC: what one effect more has to gain
 NOTHING = 1e-6  # scaled: a difference of rounding, the file's own included
+WITHIN_ROUNDING = 0.06  # of half a converter step: what may lie beyond it
+FAR_BEYOND = 0.3  # the same, from which no fit is drawn within
+DRAWN = 4  # times
 EFFECT_SIZE = 0.3  # change of the simulation over the standard deviation of what is left
 
 
@@ -56,7 +61,7 @@ def search_tree(
     """
     base = baseline(data, structure, start)
     swift = swift_fit(data, base)
-    base = polish(data, base)
+    base = _whitest(data, polish(data, base), swift)
     levels: list[Level] = [{(): base}]
     path = [base]
     beam = [base]
@@ -64,7 +69,7 @@ def search_tree(
         level: Level = {}
         for number, parent in enumerate(beam):
             tried = _on_top(data, parent, swift, step, progress, (number, len(beam)))
-            keep(level, (finished(data, few, kept=1 if step > 0 else 3) for few in tried))
+            keep(level, (finished(data, few, kept=3) for few in tried))
         if not level:
             break
         _refine(data, level)
@@ -80,9 +85,31 @@ def search_tree(
         path.append(best)
         if nothing_left(data, best):
             break
-        ranked = sorted(level.values(), key=_bic)
-        beam = ranked[: BEAM if step == 0 else 1]
+        beam = _parents(data, level) if step == 0 else [min(level.values(), key=_bic)]
     return tuple(levels), _thinned(data, levels, path)
+
+
+def _whitest(data: Data, base: Fit, swift: Fit) -> Fit:
+    """The baseline, from where the swift part of the record has brought it if that leaves whiter noise.
+
+    Strongly coloured noise pulls a free run to rates that follow the noise.
+    """
+    if swift.theta.size != base.theta.size:
+        return base
+    point = search(data, base.hypothesis, swift.theta, iterations=12, ar=swift.noise.ar)
+    other = base if point is None else polish(data, finish(data, base.hypothesis, point))
+    return other if other.bic < base.bic and rms(data, other) < AS_FREE * rms(data, base) else base
+
+
+def _parents(data: Data, level: Level) -> list[Fit]:
+    """First effects on top of which a second one is tried: the best, and those that run free best.
+
+    Where much of the residual is slow, the innovations say little about an effect without its companion.
+    """
+    ranked = sorted(level.values(), key=_bic)
+    free = sorted(ranked[BEAM:], key=lambda fit: power(data, fit))
+    slow = power(data, ranked[0]) > SLOW_POWER * ranked[0].noise.sigma2
+    return [*ranked[:BEAM], *(free[:FREE] if slow else [])]
 
 
 def keep(level: Level, fits: Iterable[Fit | None]) -> None:
@@ -138,9 +165,9 @@ def _thinned(data: Data, levels: list[Level], path: list[Fit]) -> tuple[Fit, ...
         for i in range(best.hypothesis.known, len(best.hypothesis.effects)):
             parent = without(data, best, i)
             if parent is not None:
-                fewer.append(polish(data, settle(data, parent)))
+                fewer.append(_settled(data, parent))
         simpler = min(fewer, key=_bic, default=None)
-        if simpler is None or worth(data, simpler, best):
+        if simpler is None or (worth(data, simpler, best) and not rounded(data, simpler)):
             break
         keep(levels[len(path) - 2], [simpler])
         path = [*path[:-2], simpler]
@@ -152,7 +179,12 @@ def _refine(data: Data, level: Level, done: Collection[int] = ()) -> None:
     for names, fit in sorted(level.items(), key=lambda item: item[1].bic)[:POLISHED]:
         if id(fit) in done:
             continue
-        level[names] = polish(data, min((settle(data, one) for one in _forms(data, fit)), key=price))
+        level[names] = _settled(data, fit)
+
+
+def _settled(data: Data, fit: Fit) -> Fit:
+    """The fit in the form that suits it, taken to the end."""
+    return polish(data, min((settle(data, one) for one in _forms(data, fit)), key=price))
 
 
 def _forms(data: Data, fit: Fit) -> list[Fit]:
@@ -163,6 +195,8 @@ def _forms(data: Data, fit: Fit) -> list[Fit]:
 
 def _accepted(data: Data, simpler: Fit, level: Level) -> Fit | None:
     """The best of a level that is worth its further effect."""
+    if rounded(data, simpler):
+        return None
     return next((fit for fit in sorted(level.values(), key=_bic) if worth(data, simpler, fit)), None)
 
 
@@ -183,12 +217,31 @@ def _bic(fit: Fit) -> float:
 
 def nothing_left(data: Data, fit: Fit) -> bool:
     """Whether the residual is white and the input has no part in it: no further effect could gain anything."""
+    if rounded(data, fit):
+        return True
     return power(data, fit) < 1.03 * fit.noise.sigma2 and explained_share(data, fit, data.y - fit.output) < 0.01
 
 
 def worth(data: Data, simpler: Fit, fit: Fit) -> bool:
     """Whether `fit` explains significantly more than `simpler`, and something that matters."""
     return bool(simpler.bic - fit.bic > MARGIN and changes(data, simpler, fit, EFFECT_SIZE))
+
+
+def rounded(data: Data, fit: Fit) -> bool:
+    """Whether all that a fit leaves may be the converter's rounding: what betters it further fits the rounding.
+
+    The true output may lie anywhere within half a step of a reading; the fit is drawn towards the nearest such point.
+    """
+    half = 0.5 * data.lattice
+    for _ in range(DRAWN):
+        beyond = np.maximum(np.abs(data.y - fit.output)[data.rows] - half, 0.0)
+        share = float(np.sqrt(np.mean(beyond**2))) / half if half else np.inf
+        if share < WITHIN_ROUNDING:
+            return True
+        if share > FAR_BEYOND:
+            return False
+        fit = refit(replace(data, y=np.clip(fit.output, data.y - half, data.y + half)), fit)
+    return False
 
 
 def changes(data: Data, simpler: Fit, fit: Fit, size: float) -> bool:

@@ -12,10 +12,10 @@ from labsid.gap.fitting import Fit, power, refit
 from labsid.gap.holdout import BLOCKS, held_out
 from labsid.gap.hypothesis import Hypothesis
 from labsid.gap.leftover import SLOW, slow_colour
-from labsid.gap.raw import RawFaults, find_held, find_spikes
+from labsid.gap.raw import RawFaults, find_held, find_spikes, lattice_of
 from labsid.gap.tree import EFFECT_SIZE, Levels, Progress, best_path, changes, search_tree
-from labsid.signal_quality import lattice_step
 
+MADE = 0.03  # of the samples: spikes that the baseline's error made, for which the search is repeated
 NAMED_SIZE = (EFFECT_SIZE, 1.0, 2.0)  # the same, for a first, second and third effect that is named
 FAINT = 0.6  # the same, below which a first effect that is not told from others is none
 TOSS_UP = 6.0  # BIC
@@ -86,17 +86,20 @@ def explain(
         Called with what is being done and the share of it that is done.
     """
     y = np.asarray(data.y_scale.back(data.y))
-    lattice = lattice_step(y)
+    lattice, off = lattice_of(y)
     stretches = find_held(y, lattice)
+    step = 0.0 if lattice is None else lattice / data.y_scale.unit
+    data = replace(data, lattice=step)
     held = np.zeros(data.samples, bool)
     for stretch in stretches:
         held[slice(*stretch)] = True
     usable = data.rows & ~held
-    clean, spikes, levels, path = _beside_spikes(data, usable, structure, start, most, progress)
-    faults = RawFaults(held, stretches, spikes, None if lattice is None else lattice / data.y_scale.unit)
+    clean, spikes, levels, path = _beside_spikes(data, usable, off, structure, start, most, progress)
+    faults = RawFaults(held, stretches, spikes, None if lattice is None else step)
     if slow_leftover(clean, path[-1]):
         other_levels, other = search_tree(replace(clean, by_free_run=True), structure, start, min(most, 2), progress)
-        other = confirmed(clean, other)
+        if power(clean, other[-1]) > STRONG_COLOUR**2 * other[-1].noise.sigma2:
+            other = confirmed(clean, other)  # what leaves hardly any colour needs no other proof
         if len(other) > 1 and power(clean, other[-1]) < 0.5 * power(clean, path[-1]):
             levels, path = other_levels, other
     path = trimmed(clean, path)
@@ -108,23 +111,27 @@ def explain(
 def _beside_spikes(
     data: Data,
     usable: np.ndarray,
+    off: np.ndarray,
     structure: Hypothesis,
     start: FloatArray | None,
     most: int,
     progress: Progress | None,
 ) -> tuple[Data, np.ndarray, Levels, tuple[Fit, ...]]:
-    """The beam search without the spikes, which are judged beside the best explanation: it may be what makes them."""
+    """The beam search without the spikes, which are judged beside the best explanation: it may be what makes them.
+
+    Samples `off` the lattice on which all others lie are spikes in any case.
+    """
     first = baseline(replace(data, rows=usable), structure, start)
-    spikes = find_spikes(data.y - first.output, usable)
+    spikes = off | find_spikes(data.y - first.output, usable, data.lattice)
     clean = replace(data, rows=usable & ~spikes)
     levels, path = search_tree(clean, structure, start, most, progress)
-    again = find_spikes(data.y - path[-1].output, usable)
-    few = 0.2 * max(again.sum(), 3)
-    if (again & ~spikes).sum() > few:  # the baseline's error had hidden them
+    again = off | find_spikes(data.y - path[-1].output, usable, data.lattice)
+    hidden, made = (again & ~spikes).sum(), (spikes & ~again).sum()  # by the baseline's error
+    if hidden > 0.2 * max(again.sum(), 10) or made > MADE * data.samples:
         clean = replace(data, rows=usable & ~again)
         levels, path = search_tree(clean, structure, start, most, progress)
-        spikes, again = again, find_spikes(data.y - path[-1].output, usable)
-    if (again ^ spikes).sum() > few:  # or had made them
+        spikes, again = again, off | find_spikes(data.y - path[-1].output, usable, data.lattice)
+    if (again ^ spikes).any():
         clean = replace(data, rows=usable & ~again)
         new = {fit: refit(clean, fit) for level in levels for fit in level.values()}
         levels = tuple({names: new[fit] for names, fit in level.items()} for level in levels)

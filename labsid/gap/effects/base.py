@@ -151,10 +151,11 @@ class PlantEffect(Effect):
 
 
 class OutputEffect(Effect):
-    """Bends the output on its way through the sensor."""
+    """Bends the output on its way through the sensor; the `last` ones also what is added there."""
 
     path = "output"
     place: ClassVar[int] = 0
+    last: ClassVar[bool] = False
 
     def bend(self, z: FloatArray, own: FloatArray) -> FloatArray:
         """The sensor's reading of z, shape (N,)."""
@@ -169,7 +170,11 @@ class AdditiveEffect(Effect):
     """Adds signals that no input explains; their sizes are gains, found by least squares."""
 
     path = "disturbance"
-    at_load: ClassVar[bool] = False
+
+    @property
+    def at_load(self) -> bool:
+        """Whether it enters ahead of the sensor."""
+        return False
 
     @property
     def width(self) -> int:

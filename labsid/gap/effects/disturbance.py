@@ -6,23 +6,26 @@ from labsid._arrays import FloatArray
 from labsid.gap.context import Context
 from labsid.gap.effects.base import AdditiveEffect, Fitted, PlantEffect, Value
 from labsid.gap.effects.dynamics import peaks
-from labsid.gap.plants import Parameter, Plant
+from labsid.gap.plants import CYCLES, ONSET, Parameter, Plant
 from labsid.gap.responses import begun, denominator
 
 SHORTEST_LOAD = 8  # samples
-FEWEST_CYCLES = 2.2  # in the record; a slower wave is a drift
 
 
 class LoadStep(AdditiveEffect):
     """An unmeasured load begins at some instant."""
 
     name = "load-step"
-    at_load = True
+
+    @property
+    def at_load(self) -> bool:
+        """It does."""
+        return True
 
     @property
     def parameters(self) -> tuple[Parameter, ...]:
         """The onset as a share of the record."""
-        return (Parameter("onset", 0.0, 1.0, 2e-4, leap=0.004),)
+        return (ONSET,)
 
     def starts(self, context: Context) -> list[FloatArray]:
         """Where a step takes most out of the residual."""
@@ -67,7 +70,7 @@ class Leak(PlantEffect):
     def plant_starts(self, context: Context) -> list[dict[str, float]]:
         """Where a step takes most out of the residual, of either sign, with and without more damping."""
         return [
-            {"drift_c": part * size, "drift_k": size, "onset": at}
+            {"drift": size, "share_c": part, "onset": at}
             for at in onsets(context, 3, context.parent.output - context.parent.output[0])
             for size in (0.15, -0.15)
             for part in (0.0, 1.0)
@@ -84,7 +87,62 @@ class Leak(PlantEffect):
     def values(self, fit: Fitted) -> dict[str, Value]:
         """`onset` in seconds, and `size`: the relative change of the restoring rate."""
         onset = fit.plant("onset") * fit.data.samples * fit.data.Ts + fit.data.start
-        return {"onset": Value(onset, "s"), "size": Value(float(np.expm1(2.0 * fit.plant("drift_k"))), "1")}
+        return {"onset": Value(onset, "s"), "size": Value(float(np.expm1(fit.plant("drift"))), "1")}
+
+
+class InnerPeriodic(PlantEffect):
+    """A sinusoid at the load of dynamics with a nonlinear state."""
+
+    name = "periodic-disturbance"
+    path = "disturbance"
+
+    def shape(self, plant: Plant) -> Plant:
+        """The same dynamics with a load that swings."""
+        return plant.but(shaken=True)
+
+    def values(self, fit: Fitted) -> dict[str, Value]:
+        """`frequency`, and `amplitude` as the sinusoid of this frequency in what it changes at the output."""
+        cycles = fit.plant("cycles")
+        place = fit.hypothesis.slices["plant"].start
+        without = fit.theta.copy()
+        for name in ("shake_cos", "shake_sin"):
+            without[place + fit.hypothesis.plant.index(name)] = 0.0
+        change = np.subtract(*(fit.hypothesis.output(theta, fit.gains, fit.data.u) for theta in (fit.theta, without)))
+        swing = 2.0 * abs(np.mean(change * np.exp(-2j * np.pi * cycles / change.size * np.arange(change.size))))
+        frequency = cycles / (fit.data.samples * fit.data.Ts)
+        return {
+            "frequency": Value(frequency, "Hz"),
+            "amplitude": Value(float(swing) * fit.data.y_scale.unit, "y"),
+        }
+
+
+class InnerLoad(PlantEffect):
+    """A load, and one that grows with the state, on dynamics with a nonlinear state."""
+
+    name = "load-step"
+    path = "disturbance"
+
+    def shape(self, plant: Plant) -> Plant:
+        """The same dynamics with a load."""
+        return plant.but(loaded=True)
+
+    def holds(self, fit: Fitted) -> bool:
+        """As for the load on linear dynamics."""
+        return _inside(fit.plant("onset"), fit.data.samples)
+
+    def acts(self, fit: Fitted) -> np.ndarray:
+        """From the onset on."""
+        return np.asarray(np.arange(fit.data.samples) >= fit.plant("onset") * fit.data.samples)
+
+    def values(self, fit: Fitted) -> dict[str, Value]:
+        """`onset` in seconds, and `size`: the change of the output that it has brought by the end of the record."""
+        onset = fit.plant("onset") * fit.data.samples * fit.data.Ts + fit.data.start
+        without = fit.theta.copy()
+        place = fit.hypothesis.slices["plant"].start
+        for name in ("load", "leak"):
+            without[place + fit.hypothesis.plant.index(name)] = 0.0
+        ends = [fit.hypothesis.output(theta, fit.gains, fit.data.u)[-1] for theta in (fit.theta, without)]
+        return {"onset": Value(onset, "s"), "size": Value(float(ends[0] - ends[1]) * fit.data.y_scale.unit, "y")}
 
 
 def _inside(onset: float, samples: int) -> bool:
@@ -123,19 +181,24 @@ def onsets(context: Context, count: int, grows_with: FloatArray | None = None) -
 
 
 class Periodic(AdditiveEffect):
-    """A sinusoid added at the load or at the sensor."""
+    """A sinusoid added at the sensor, or at the load where the `variant` says so: ahead of the sensor's curve."""
 
     name = "periodic-disturbance"
 
     @property
+    def at_load(self) -> bool:
+        """As the variant says."""
+        return self.variant == "load"
+
+    @property
     def parameters(self) -> tuple[Parameter, ...]:
         """Number of cycles in the record."""
-        return (Parameter("cycles", FEWEST_CYCLES, 1e7, 1e-3),)
+        return (CYCLES,)
 
     def starts(self, context: Context) -> list[FloatArray]:
         """The highest narrow peaks of the residual."""
         samples = context.data.samples
-        slowest = 2.0 * np.pi * FEWEST_CYCLES / samples
+        slowest = 2.0 * np.pi * CYCLES.lower / samples
         return [np.array([w * samples / (2.0 * np.pi)]) for w in peaks(context, 3, slowest)]
 
     def columns(self, own: FloatArray, samples: int, span: int, plant: Plant, rates: FloatArray) -> FloatArray:

@@ -30,13 +30,14 @@ class PoleDrift(PlantEffect):
         return plant.but(kind="varying", bends=int(self.variant) - 1)
 
     def plant_starts(self, context: Context) -> list[dict[str, float]]:
-        """The rates up and down, with and without the damping."""
-        return [{"drift_c": part * size, "drift_k": size} for size in (0.1, -0.1) for part in (0.0, 1.0)]
+        """The rates up and down, or up and back, with and without the damping."""
+        ways = ("drift", "bend1") if self.variant != "1" else ("drift",)
+        return [{way: size, "share_c": part} for way in ways for size in (0.1, -0.1) for part in (0.0, 1.0)]
 
     def values(self, fit: Fitted) -> dict[str, Value]:
         """`pole`: relative change of the restoring rate over the record."""
-        shape = np.array([1.0, *(fit.plant(f"bend{n}") for n in range(1, int(self.variant)))])
-        course = fit.plant("drift_k") * slow_course(shape, 101, 101)
+        shape = np.array([fit.plant("drift"), *(fit.plant(f"bend{n}") for n in range(1, int(self.variant)))])
+        course = slow_course(shape, 101, 101)
         return {"pole": Value(float(np.exp(course[-1] - course[0])) - 1.0, "1")}
 
 

@@ -122,8 +122,20 @@ class SqrtOutflow(PlantEffect):
                 start["log_a+"] = float(np.log(2.0 * middle))
             if self.variant.partition("-")[0] != "upper":
                 start["log_b+"] = float(np.log(2.0 * middle))
-            starts.append(start)
+            starts.append(start | self._brim(context, zero))
         return starts
+
+    def _brim(self, context: Context, zero: float) -> dict[str, float]:
+        """The brim of a parent without roots, as the level of these tanks at the same flow."""
+        plant = context.parent.hypothesis.plant
+        if not plant.brim or plant.upper_root or plant.lower_root:
+            return {}
+        own = context.parent.plant_theta
+        which = self.variant.partition("-")[0]
+        names = {1: ("brim",), 2: ("brim",), 3: ("brim", "brim2")}[plant.brim]
+        rooted = {1: (which != "lower",), 2: (which != "upper",), 3: (which != "lower", which != "upper")}[plant.brim]
+        flows = [max(float(own[plant.index(name)]) - zero, 0.0) for name in names]
+        return {name: flow**2 if root else flow for name, flow, root in zip(names, flows, rooted, strict=True)}
 
     def values(self, fit: Fitted) -> dict[str, Value]:
         """`zero`, the input without flow, and `empty`, the output of the empty tank."""
@@ -195,7 +207,9 @@ class CoulombFriction(PlantEffect):
         if self.variant == "position":
             away = start_away(context)
             return [{"friction": size, "z0": z0} for size in (0.05, 0.25, 0.8) for z0 in dict.fromkeys((0.0, away))]
-        middles = dict.fromkeys(round(float(x), 3) for x in (np.median(context.data.u), context.data.u[0]))
+        u = context.data.u
+        inside = u.min() + np.array([0.3, 0.7]) * np.ptp(u)  # where the motor may turn round
+        middles = dict.fromkeys(round(float(x), 3) for x in (np.median(u), u[0], *inside))
         return [{"friction": size, "centre": middle} for size in (0.1, 0.4) for middle in middles]
 
     def holds(self, fit: Fitted) -> bool:

@@ -15,6 +15,7 @@ class Saturation(OutputEffect):
 
     name = "output-saturation"
     place = 2
+    last = True
 
     @property
     def parameters(self) -> tuple[Parameter, ...]:

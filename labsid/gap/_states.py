@@ -1,0 +1,270 @@
+"""The loops of the dynamics that numba compiles. Time is counted in samples; inputs are held between samples.
+
+An input that is `late` by a part of a sample changes so far into it.
+"""
+
+import math
+
+import numpy as np
+
+from labsid._arrays import FloatArray
+from labsid._compiled import compiled
+
+FAR = 1e6  # a state beyond this has left every record behind: the simulation has diverged
+
+
+@compiled()
+def _wave(cosine: float, sine: float, frequency: float, k: int) -> float:
+    """A wave in the middle of sample k; `frequency` in radians a sample."""
+    if frequency == 0.0:
+        return 0.0
+    phase = frequency * (k + 0.5)
+    return cosine * math.cos(phase) + sine * math.sin(phase)
+
+
+@compiled()
+def tanks(
+    w: FloatArray,
+    a1: float,
+    a2: float,
+    root1: bool,
+    root2: bool,
+    brim1: float,
+    brim2: float,
+    share: float,
+    h1: float,
+    h2: float,
+    substeps: int,
+    late: float = 0.0,
+    load: float = 0.0,
+    leak: float = 0.0,
+    onset: float = np.inf,
+    cosine: float = 0.0,
+    sine: float = 0.0,
+    frequency: float = 0.0,
+) -> FloatArray:
+    """Lower level of two tanks in a row; outflow by the root of the level or by the level, brims, overflow caught.
+
+    From `onset` on the lower tank loses `load`, and `leak` times its level; all the time, a wave.
+    """
+    out = np.empty(w.size)
+    h = 1.0 / substeps
+    for k in range(w.size):
+        out[k] = h2
+        on = min(max(k + 1.0 - onset, 0.0), 1.0)
+        pull = on * load + _wave(cosine, sine, frequency, k)
+        for j in range(substeps):
+            flow = _held(w, k, late * substeps - j)
+            f1 = math.sqrt(max(h1, 0.0)) if root1 else h1
+            half1 = min(h1 + 0.5 * h * a1 * (flow - f1), brim1)
+            into = math.sqrt(max(half1, 0.0)) if root1 else half1
+            h1 += h * a1 * (flow - into)
+            if h1 > brim1:
+                into += share * (h1 - brim1) / (a1 * h)
+                h1 = brim1
+            f2 = math.sqrt(max(h2, 0.0)) if root2 else h2
+            half2 = min(h2 + 0.5 * h * a2 * (into - f2 - pull - on * leak * h2), brim2)
+            f2 = math.sqrt(max(half2, 0.0)) if root2 else half2
+            h2 = min(h2 + h * a2 * (into - f2 - pull - on * leak * half2), brim2)
+            if root1 and h1 < 0.0:
+                h1 = 0.0
+            if root2 and h2 < 0.0:
+                h2 = 0.0
+        if not (abs(h2) < FAR and abs(h1) < FAR):
+            out[k:] = np.nan
+            break
+    return out
+
+
+@compiled()
+def _held(w: FloatArray, k: int, before: float) -> float:
+    """The input in a part of a sample, of which the share `before` (0 to 1 and beyond) still sees the last one."""
+    if before <= 0.0 or k == 0:
+        return w[k]
+    return w[k] + min(before, 1.0) * (w[k - 1] - w[k])
+
+
+@compiled()
+def _transition(c: float, k: float, h: float) -> tuple[float, float, float, float, float, float]:
+    """Exact step of z'' = -c z' - k z + force over `h`: entries of Phi and Gamma."""
+    s = 0.25 * c * c - k
+    half = 0.5 * c
+    if s > 1e-12:
+        root = math.sqrt(s)
+        up, down = math.exp((root - half) * h), math.exp((-root - half) * h)
+        ch, sh = 0.5 * (up + down), 0.5 * (up - down) / root
+    elif s < -1e-12:
+        root = math.sqrt(-s)
+        e = math.exp(-half * h)
+        ch, sh = e * math.cos(root * h), e * math.sin(root * h) / root
+    else:
+        e = math.exp(-half * h)
+        ch, sh = e, e * h
+    f11, f12, f21, f22 = ch + half * sh, sh, -k * sh, ch - half * sh
+    if k * h * h > 1e-6:
+        g1 = (1.0 - f11) / k
+    elif c * h > 1e-6:
+        g1 = (h - f12) / c
+    else:
+        g1 = 0.5 * h * h
+    return f11, f12, f21, f22, g1, f12
+
+
+@compiled()
+def mechanics(
+    w: FloatArray,
+    c: float,
+    k: float,
+    friction: float,
+    cubic: float,
+    z: float,
+    v: float,
+    substeps: int,
+    late: float = 0.0,
+    load: float = 0.0,
+    leak: float = 0.0,
+    onset: float = np.inf,
+    cosine: float = 0.0,
+    sine: float = 0.0,
+    frequency: float = 0.0,
+) -> FloatArray:
+    """Position and speed of z'' = -c z' - k z - friction sign(z') - cubic z^3 + w, sticking included.
+
+    From `onset` on `load`, and a spring of `leak` times k, act against it; all the time, a wave.
+    """
+    out = np.empty((w.size, 2))
+    h = 1.0 / substeps
+    f11, f12, f21, f22, g1, g2 = _transition(c, k, h)
+    far = FAR / max(k, 1e-6)
+    for n in range(w.size):
+        out[n, 0] = z
+        out[n, 1] = v
+        on = min(max(n + 1.0 - onset, 0.0), 1.0)
+        pull = on * load + _wave(cosine, sine, frequency, n)
+        spring = on * leak * k
+        for j in range(substeps):
+            middle = z + 0.5 * h * v
+            pushed = _held(w, n, late * substeps - j) - pull
+            force = pushed - cubic * middle * middle * middle - spring * middle
+            if friction > 0.0:
+                if v > 0.0:
+                    sign = 1.0
+                elif v < 0.0:
+                    sign = -1.0
+                else:
+                    net = force - k * z
+                    if abs(net) <= friction:
+                        continue
+                    sign = 1.0 if net > 0.0 else -1.0
+                force -= friction * sign
+                new_z = f11 * z + f12 * v + g1 * force
+                new_v = f21 * z + f22 * v + g2 * force
+                if new_v * sign < 0.0:  # the motion ends within this step: rest there, or go on the other way
+                    moving = h * v / (v - new_v)
+                    z += 0.5 * moving * v
+                    v = 0.0
+                    net = pushed - cubic * z * z * z - (k + spring) * z
+                    if abs(net) > friction:
+                        left = h - moving
+                        net -= friction * (1.0 if net > 0.0 else -1.0)
+                        v = net * left
+                        z += 0.5 * v * left
+                else:
+                    z, v = new_z, new_v
+            else:
+                z, v = f11 * z + f12 * v + g1 * force, f21 * z + f22 * v + g2 * force
+        if not abs(z) < far:
+            out[n:] = np.nan
+            break
+    return out
+
+
+@compiled()
+def speed(
+    w: FloatArray,
+    a: float,
+    b: float,
+    friction: float,
+    lag_first: bool,
+    v: float,
+    i: float,
+    substeps: int,
+    late: float = 0.0,
+    load: float = 0.0,
+    leak: float = 0.0,
+    onset: float = np.inf,
+    cosine: float = 0.0,
+    sine: float = 0.0,
+    frequency: float = 0.0,
+) -> FloatArray:
+    """Output and speed under dry friction with a lag of rate `b` before or behind it; gain one apart from friction.
+
+    The lag before it is i' = b (w - i), the motion
+    v' = a (drive - friction sign(v) - v), where the drive is the lagged input or the input itself. From `onset` on
+    `load`, and `leak` times the speed, act against it; all the time, a wave.
+    """
+    out = np.empty((w.size, 2))
+    h = 1.0 / substeps
+    keep_a, keep_b = math.exp(-a * h), math.exp(-b * h)
+    for n in range(w.size):
+        out[n, 0] = v if lag_first else i
+        out[n, 1] = v
+        on = min(max(n + 1.0 - onset, 0.0), 1.0)
+        pull = on * load + _wave(cosine, sine, frequency, n)
+        for j in range(substeps):
+            drive = _held(w, n, late * substeps - j)
+            if lag_first:
+                new_i = drive + (i - drive) * keep_b
+                drive = 0.5 * (i + new_i)
+                i = new_i
+            drive -= pull + on * leak * v
+            before = v
+            if v > 0.0:
+                sign = 1.0
+            elif v < 0.0:
+                sign = -1.0
+            elif abs(drive) <= friction:
+                sign = 0.0
+            else:
+                sign = 1.0 if drive > 0.0 else -1.0
+            if sign != 0.0:
+                rest = drive - friction * sign
+                v = rest + (v - rest) * keep_a
+                if v * sign < 0.0:  # the motion ends within this step: rest, or go on the other way
+                    left = h - math.log((before - rest) / -rest) / a
+                    v = 0.0
+                    if abs(drive) > friction:
+                        onward = drive - friction * (1.0 if drive > 0.0 else -1.0)
+                        v = onward * (1.0 - math.exp(-a * left))
+            if not lag_first:
+                middle = 0.5 * (before + v)
+                i = middle + (i - middle) * keep_b
+    return out
+
+
+@compiled()
+def varying(w: FloatArray, c: FloatArray, k: FloatArray) -> FloatArray:
+    """Position and speed of z'' = -c(t) z' - k(t) z + w from zero, for each column of `w`; shape (N, 2 m + 4).
+
+    The last four columns are those of the free motion from z = 1 and from z' = 1.
+    """
+    samples, driven = w.shape
+    columns = driven + 2
+    out = np.empty((samples, 2 * columns))
+    state = np.zeros(2 * columns)
+    state[2 * driven] = state[2 * driven + 3] = 1.0
+    f11, f12, f21, f22, g1, g2 = _transition(c[0], k[0], 1.0)
+    for n in range(samples):
+        if n > 0 and (c[n] != c[n - 1] or k[n] != k[n - 1]):
+            f11, f12, f21, f22, g1, g2 = _transition(c[n], k[n], 1.0)
+        for j in range(columns):
+            z, v = state[2 * j], state[2 * j + 1]
+            out[n, 2 * j] = z
+            out[n, 2 * j + 1] = v
+            force = w[n, j] if j < driven else 0.0
+            state[2 * j] = f11 * z + f12 * v + g1 * force
+            state[2 * j + 1] = f21 * z + f22 * v + g2 * force
+        if not abs(state[0]) < 1e12:
+            out[n:] = np.nan
+            break
+    return out

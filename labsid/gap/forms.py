@@ -1,0 +1,142 @@
+"""The same effects in other forms: at another place of the chain, as a special or the general case, or one fewer."""
+
+import numpy as np
+
+from labsid._arrays import FloatArray
+from labsid.gap.context import Data
+from labsid.gap.effects import disturbance, dynamics, input, output
+from labsid.gap.effects.base import Effect
+from labsid.gap.fitting import Fit, finish, search
+from labsid.gap.hypothesis import Hypothesis
+from labsid.gap.plants import Plant
+
+AT_STOP = 0.03  # of the samples, where a stop is tried
+FEW = 6  # iterations after an effect was taken out
+
+PLACES: tuple[tuple[Effect, ...], ...] = (
+    (dynamics.ExtraLag(), dynamics.ExtraLag("ahead")),
+    (dynamics.Resonance(), dynamics.Resonance("ahead"), dynamics.Resonance("beside")),
+    (dynamics.CoulombFriction("speed"), dynamics.CoulombFriction("speed-lag")),
+)
+"""What may stand at several places of the chain, which are the same to linear dynamics."""
+ORDERS: tuple[tuple[Effect, ...], ...] = (
+    (input.RateLimit(), input.RateLimit("behind")),
+    (input.Nonlinearity(), input.Nonlinearity("first")),
+)
+"""What may stand at several places of the actuator, which are the same where nothing else bends the command."""
+LOAD, LEAK, INNER_LOAD = disturbance.LoadStep(), disturbance.Leak("leak"), disturbance.InnerLoad("inside")
+"""A special case, and the general ones on linear and on nonlinear dynamics, whose search begins at what it finds."""
+
+
+ROOTS: dict[str, tuple[Effect, ...]] = {
+    which + side: tuple(dynamics.SqrtOutflow(other + side) for other in ("both", "upper", "lower") if other != which)
+    for which in ("both", "upper", "lower")
+    for side in ("", "-flipped")
+}
+"""By variant, the other outflows that may go with the root."""
+STOP_LOW, STOP_HIGH, STOPS = output.Saturation("low"), output.Saturation("high"), output.Saturation("both")
+WAVE, LOAD_WAVE, INNER_WAVE = (
+    disturbance.Periodic(),
+    disturbance.Periodic("load"),
+    disturbance.InnerPeriodic("inside"),
+)
+"""A wave behind the sensor's curve, ahead of it, and on dynamics with a nonlinear state."""
+
+
+def rearranged(hypothesis: Hypothesis) -> list[Hypothesis]:
+    """The same effects in another form: a lag or a mode at another place to a nonlinear state, or a special case."""
+    found = []
+    for i, effect in enumerate(hypothesis.effects[hypothesis.known :], hypothesis.known):
+        forms: list[Effect] = [LOAD] if effect == LEAK else []
+        forms += [grown] if effect == LOAD and (grown := growing(hypothesis.plant)) else []
+        if effect.name == WAVE.name and not isinstance(effect, disturbance.InnerPeriodic):
+            forms += [other for other in _waves(hypothesis) if other != effect]
+        forms += [other for other in ROOTS.get(effect.variant, ()) if effect.name == "sqrt-outflow"]
+        if effect in (STOP_LOW, STOP_HIGH):
+            forms.append(STOPS)
+        groups = PLACES if hypothesis.plant.nonlinear else ()
+        groups += ORDERS if sum(e.name != "input-delay" for e in hypothesis.inputs) > 1 else ()
+        forms += [form for group in groups if effect in group for form in group if form != effect]
+        for form in forms:
+            effects = (*hypothesis.effects[:i], form, *hypothesis.effects[i + 1 :])
+            found.append(Hypothesis(effects, hypothesis.known, hypothesis.given))
+    return found
+
+
+def _waves(hypothesis: Hypothesis) -> list[Effect]:
+    """Where a wave may enter, as far as that makes a difference."""
+    waves: list[Effect] = [WAVE]
+    waves += [LOAD_WAVE] if any(not effect.last for effect in hypothesis.outputs) else []
+    waves += [INNER_WAVE] if hypothesis.plant.nonlinear else []
+    return waves
+
+
+def growing(plant: Plant) -> Effect | None:
+    """A load that grows with the state, as these dynamics hold it."""
+    if plant.nonlinear:
+        return INNER_LOAD
+    return LEAK if plant.kind == "linear" else None
+
+
+def carried(fit: Fit, other: Hypothesis) -> FloatArray:
+    """Numbers of a fit for a hypothesis of other forms: of the same part, or, by name, of a part that it has not."""
+    old = fit.hypothesis
+    theta = np.zeros(len(other.parameters))
+    spare: dict[str, float] = {}
+    for key, place in old.slices.items():
+        if key == "plant" or key not in other.slices:
+            spare |= {p.name: x for p, x in zip(old.parameters[place], fit.theta[place], strict=True)}
+    for i, parameter in enumerate(other.parameters):
+        theta[i] = spare.get(parameter.name, 0.0)
+    for key, place in other.slices.items():
+        if key != "plant" and key in old.slices:
+            theta[place] = fit.theta[old.slices[key]]
+    if not other.slices_has_delay:
+        theta[0] = fit.theta[0]
+    if STOPS in other.effects and STOPS not in old.effects:
+        stops = theta[other.slices[STOPS.key]]
+        missing = 0 if STOP_HIGH in old.effects else 1
+        stops[missing] = np.quantile(fit.output, (AT_STOP, 1.0 - AT_STOP)[missing])
+    if old.plant.kind == other.plant.kind == "tanks":
+        _reroot(old.plant, other.plant, theta[other.slices["plant"]])
+    return theta
+
+
+def _reroot(old: Plant, new: Plant, theta: FloatArray) -> None:
+    """Let tanks run at the rates of before, their roots at other outflows; in place."""
+    if not ((old.upper_root or old.lower_root) and (new.upper_root or new.lower_root)):
+        return
+    slope = 2.0 * max(-float(theta[new.index("zero")]), 0.25)  # of the square of the mean flow
+    changed = (int(new.upper_root) - int(old.upper_root), int(new.lower_root) - int(old.lower_root))
+    for sign, rate, brims in zip(
+        changed, ("log_a", "log_b"), ((1, "brim"), (2, "brim" if new.brim == 2 else "brim2")), strict=True
+    ):
+        theta[new.index(rate)] += sign * np.log(slope)
+        if sign and new.brim in (brims[0], 3):
+            at = new.index(brims[1])
+            theta[at] = max(theta[at], 0.0) ** (2.0 if sign > 0 else 0.5)
+    if any(changed):
+        theta[new.index("h1")] = theta[new.index("h2")] = 0.0
+
+
+def _at_home(hypothesis: Hypothesis) -> Hypothesis:
+    """The same with loads and waves at the place that its dynamics have for them."""
+    if hypothesis.plant.nonlinear:
+        return hypothesis
+    outer: dict[Effect, Effect] = {INNER_LOAD: LOAD, INNER_WAVE: WAVE}
+    return Hypothesis(tuple(outer.get(e, e) for e in hypothesis.effects), hypothesis.known, hypothesis.given)
+
+
+def without(data: Data, fit: Fit, which: int) -> Fit | None:
+    """A fit as it is but for one of its effects; None where that cannot be simulated."""
+    old = fit.hypothesis
+    other = _at_home(Hypothesis((*old.effects[:which], *old.effects[which + 1 :]), old.known, old.given))
+    starts = [carried(fit, other)]
+    place, before, now = other.slices["plant"], old.plant, other.plant
+    if (before.kind, before.upper_root, before.lower_root) != (now.kind, now.upper_root, now.lower_root):
+        rates = [base[:2] for base in now.starts(*fit.rates)]
+        starts = [starts[0].copy() for _ in rates]
+        for start, pair in zip(starts, rates, strict=True):
+            start[place][:2] = pair
+    points = [point for start in starts if (point := search(data, other, start, iterations=FEW)) is not None]
+    return finish(data, other, min(points, key=lambda point: point.cost)) if points else None
