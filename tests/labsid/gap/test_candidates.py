@@ -1,30 +1,28 @@
 """The linear fits, and how one effect more is put on top of a fit."""
 
-from collections.abc import Callable
-from dataclasses import replace
+from collections.abc import Callable, Iterable
 
 import numpy as np
 import pytest
 from scipy.signal import lfilter
 
 from labsid._arrays import FloatArray
+from labsid.gap._kernels import delayed
 from labsid.gap.candidates import (
     CANDIDATES,
     LINEAR,
     baseline,
-    carried,
     compatible,
     finished,
-    rearranged,
     sketches,
     starts,
     swift_fit,
 )
 from labsid.gap.context import Context, Data, scaled
-from labsid.gap.effects import disturbance, dynamics, input, output
+from labsid.gap.effects import dynamics, input, output
 from labsid.gap.effects.base import Effect
-from labsid.gap.fitting import Fit, rms
-from labsid.gap.hypothesis import Hypothesis, shifted
+from labsid.gap.fitting import Fit, finish, rms, search
+from labsid.gap.hypothesis import Hypothesis
 from labsid.gap.plants import Plant
 from labsid.gap.which import Explained, explain
 
@@ -154,28 +152,13 @@ def test_candidates_of_a_group_share_their_name() -> None:
     assert LINEAR.names == ()
 
 
-def test_a_lag_and_a_mode_are_tried_at_every_place_to_a_nonlinear_state() -> None:
-    linear = Hypothesis((dynamics.ExtraLag(), dynamics.Resonance()))
-    assert rearranged(linear) == []
-    bent = linear.plus(dynamics.CubicStiffness())
-    keys = [other.keys for other in rearranged(bent)]
-    assert keys == [
-        ("extra-lag/ahead", "resonance", "cubic-stiffness"),
-        ("extra-lag", "resonance/ahead", "cubic-stiffness"),
-        ("extra-lag", "resonance/beside", "cubic-stiffness"),
-    ]
-    assert all(other.parameters == bent.parameters and other.names == bent.names for other in rearranged(bent))
-    given = Hypothesis(bent.effects, known=1)
-    assert all(other.effects[0] == dynamics.ExtraLag() for other in rearranged(given))
-
-
 @pytest.mark.parametrize("seed", [1, 2, 3])
 def test_a_zero_does_not_hide_a_part_of_the_delay(seed: int) -> None:
     """Two levels and coloured noise: with a free zero a second minimum lies most of a sample away."""
     rng = np.random.default_rng(seed)
     u = np.repeat(rng.choice([-1.0, 1.0], 120), 5)[:500]
     exact = Plant(zero=False)
-    y = exact.columns(np.log([0.86, 0.19]), shifted(u, 1.9), u.size)[:, 0]
+    y = exact.columns(np.log([0.86, 0.19]), delayed(u, 1, 0.9), u.size)[:, 0]
     data = data_of(u, y + lfilter([0.03], [1.0, -0.85], rng.standard_normal(u.size)))
     base = baseline(data)
     found = finished(data, sketches(data, base, CANDIDATES[0], swift_fit(data, base)))
@@ -184,21 +167,112 @@ def test_a_zero_does_not_hide_a_part_of_the_delay(seed: int) -> None:
     assert found.theta[0] == pytest.approx(1.9, abs=0.15)
 
 
-def test_numbers_are_carried_to_another_form(banded: Explained) -> None:
-    base = banded.path[0]
-    leak = Hypothesis((input.DeadZone(), disturbance.Leak("leak")))
-    theta = np.arange(1.0, len(leak.parameters) + 1.0)
-    (plain,) = rearranged(leak)
-    assert plain.keys == ("input-dead-zone", "load-step")
-    fit = replace(base, hypothesis=leak, theta=theta)
-    names = [p.name for p in leak.parameters]
-    expected = [theta[names.index(p.name)] for p in plain.parameters]
-    np.testing.assert_array_equal(carried(fit, plain), expected)
-    assert plain.parameters[-1].name == "onset"
-
-
 @pytest.mark.parametrize("seed", [1, 4])
 def test_a_plain_load_is_not_taken_for_one_that_grows(levels: FloatArray, two_poles: Response, seed: int) -> None:
     load = two_poles((np.arange(levels.size) >= 200).astype(float))
     y = two_poles(levels) - 0.8 * load + 0.01 * np.random.default_rng(seed).standard_normal(levels.size)
     assert explain(data_of(levels, y), most=1).best.hypothesis.keys == ("load-step",)
+
+
+def parent_of(data: Data, hypothesis: Hypothesis, **numbers: float) -> Fit:
+    """A fit of a hypothesis with these numbers, by name, the others zero."""
+    theta = np.array([numbers.get(p.name, 0.0) for p in hypothesis.parameters])
+    point = search(data, hypothesis, theta, iterations=0)
+    assert point is not None
+    return finish(data, hypothesis, point)
+
+
+def rates_of(hypothesis: Hypothesis, thetas: Iterable[FloatArray]) -> list[tuple[float, float]]:
+    """The different rates at which a search begins."""
+    pairs = [np.exp(theta[hypothesis.slices["plant"]][:2]) for theta in thetas]
+    return list(dict.fromkeys((round(float(c), 9), round(float(k), 9)) for c, k in pairs))
+
+
+@pytest.mark.parametrize(("fast", "found"), [(5.0, [(5.1, 0.5), (0.6, 0.05)]), (1.5, [(1.6, 0.15)])])
+def test_a_fast_pole_that_a_fit_has_lost_is_also_looked_for_where_it_can_be_felt(
+    levels: FloatArray, two_poles: Response, fast: float, found: list[tuple[float, float]]
+) -> None:
+    parent = parent_of(data_of(levels, two_poles(levels)), LINEAR, log_c=np.log(0.1 + fast), log_k=np.log(0.1 * fast))
+    context = Context(data_of(levels, two_poles(levels)), parent, parent)
+    for effect in (output.Saturation("high"), dynamics.Resonance()):
+        hypothesis = LINEAR.plus(effect)
+        rates = rates_of(hypothesis, starts(context, hypothesis, effect))
+        np.testing.assert_allclose(rates, found, rtol=1e-6)
+
+
+@pytest.mark.parametrize("variant", ["both", "upper", "lower"])
+@pytest.mark.parametrize("brim", ["lower", "upper"])
+def test_a_brim_is_carried_over_to_tanks_with_roots_as_the_level_of_the_same_flow(
+    levels: FloatArray, two_poles: Response, brim: str, variant: str
+) -> None:
+    """A tank without a root stands as high as its inflow is large, one with a root at the square of it."""
+    data = data_of(levels, two_poles(levels))
+    old = LINEAR.plus(dynamics.Overflow(brim))
+    parent = parent_of(data, old, log_a=np.log(0.3), log_b=np.log(0.2), brim=0.7, share=0.25)
+    effect = dynamics.SqrtOutflow(variant)
+    hypothesis = old.plus(effect)
+    rooted = variant in ("both", brim)
+    found = set()
+    for theta in starts(Context(data, parent, parent), hypothesis, effect):
+        own = dict(zip([p.name for p in hypothesis.plant.parameters], theta[hypothesis.slices["plant"]], strict=True))
+        flow = 0.7 - own["zero"]
+        assert own["brim"] == pytest.approx(flow**2 if rooted else flow)
+        assert own.get("share", 0.25) == 0.25
+        found.add(own["zero"])
+    assert len(found) == 2
+
+
+def test_brims_of_tanks_that_have_roots_already_stay_as_they_are(levels: FloatArray, two_poles: Response) -> None:
+    data = data_of(levels, two_poles(levels))
+    old = LINEAR.plus(dynamics.SqrtOutflow("both")).plus(dynamics.Overflow("lower"))
+    parent = parent_of(data, old, log_a=1.0, log_b=1.0, zero=-3.0, brim=9.5)
+    effect = dynamics.SqrtOutflow("upper")
+    (start, *_) = starts(Context(data, parent, parent), old.plus(effect), effect)
+    assert start[old.plus(effect).slices["plant"]][old.plant.index("brim")] == 9.5
+
+
+@pytest.mark.parametrize("variant", ["speed", "speed-lag"])
+def test_a_motor_may_turn_round_anywhere_within_its_input(
+    levels: FloatArray, two_poles: Response, variant: str
+) -> None:
+    data = data_of(levels + 3.0, two_poles(levels))
+    parent = baseline(data)
+    effect = dynamics.CoulombFriction(variant)
+    hypothesis = LINEAR.plus(effect)
+    centres = {
+        float(theta[hypothesis.slices["plant"]][hypothesis.plant.index("centre")])
+        for theta in starts(Context(data, parent, parent), hypothesis, effect)
+    }
+    share = (np.array(sorted(centres)) - data.u.min()) / np.ptp(data.u)
+    assert share.size == 4
+    assert np.all((share >= -1e-3) & (share <= 1.001))
+    assert ((share > 0.2) & (share < 0.8)).sum() >= 3
+    assert np.isclose(share, float((data.u[0] - data.u.min()) / np.ptp(data.u)), atol=1e-3).any()
+
+
+def test_friction_is_found_where_the_motor_turns_round_off_the_middle(levels: FloatArray) -> None:
+    """A servo that is mostly driven one way: neither the median of the input nor its first value is its rest."""
+    plant = Plant(kind="speed", friction=True)
+    u = np.concatenate([np.full(8, 1.4), levels[8:400]])
+    u = np.where(u < 0.0, 0.4 * u, u)
+    numbers = {"log_a": np.log(0.15), "log_b": np.log(0.8), "friction": 0.2, "centre": -0.25}
+    y = plant.columns(np.array([numbers.get(p.name, 0.0) for p in plant.parameters]), u, u.size)[:, 0]
+    data = data_of(u, y + 0.01 * np.std(y) * np.random.default_rng(3).standard_normal(u.size))
+    base = baseline(data)
+    found = finished(data, sketches(data, base, (dynamics.CoulombFriction("speed"),), swift_fit(data, base)))
+    assert found is not None
+    own = dict(zip([p.name for p in found.hypothesis.plant.parameters], found.plant_theta, strict=True))
+    assert data.u_scale.back(own["centre"]) == pytest.approx(-0.25, abs=0.1)
+    assert data.u_scale.unit * own["friction"] == pytest.approx(0.2, abs=0.04)
+
+
+def test_a_brief_look_takes_the_best_start_of_each_variant_first(levels: FloatArray, two_poles: Response) -> None:
+    """Every start of the upper limit is better than any of the lower one."""
+    y = two_poles(levels)
+    data = data_of(levels, np.minimum(y, np.quantile(y, 0.7)))
+    base = baseline(data)
+    group = next(group for group in CANDIDATES if group[0].name == "output-saturation")
+    looked = sketches(data, base, group, base, brief=True)
+    assert {sketch.hypothesis.keys[0] for sketch in looked} == {effect.key for effect in group}
+    assert [sketch.score for sketch in looked] == sorted(sketch.score for sketch in looked)
+    assert len(sketches(data, base, group[1:2], base, brief=True)) == 3  # without another variant, the next best starts

@@ -8,10 +8,11 @@ from scipy.optimize import least_squares
 from scipy.signal import lfilter
 
 from labsid._arrays import FloatArray
+from labsid.gap._kernels import delayed
 from labsid.gap.context import Data, Scale
 from labsid.gap.effects import disturbance, input, output
 from labsid.gap.fitting import Fit, at_start, covariance, finish, polish, refit, rms, search, settle
-from labsid.gap.hypothesis import NUISANCE_DELAY, Hypothesis, shifted
+from labsid.gap.hypothesis import NUISANCE_DELAY, Hypothesis
 from labsid.gap.noise import whole_rows
 from labsid.gap.plants import Plant
 
@@ -117,22 +118,68 @@ def test_gains_behind_a_sensor_curve_are_the_joint_optimum_too(levels: FloatArra
     assert fit.cost <= 2.0 * joint.cost / data.samples * (1.0 + 1e-5)
 
 
-def test_covariance_is_that_of_nonlinear_least_squares(band: tuple[Hypothesis, FloatArray, Data]) -> None:
-    """sigma^2 (J'J)^-1 with scipy's own Jacobian of the free run."""
-    hypothesis, theta, data = band
+def test_a_wave_that_the_sensor_clips_with_the_rest_is_fitted_to_rounding(
+    levels: FloatArray, two_poles: Response
+) -> None:
+    """Pickup reaches the converter as the signal does: the limits cut their sum."""
+    k = np.arange(levels.size)
+    y = np.clip(two_poles(levels) + 0.25 * np.sin(2.0 * np.pi * 23.4 / k.size * k + 0.4), 0.75, 1.75)
+    assert 30 < ((y == 0.75) | (y == 1.75)).sum() < 300
+    hypothesis = Hypothesis((output.Saturation("both"), disturbance.Periodic()))
+    start = np.array([0.1, np.log(0.6), np.log(0.06), 0.8, 1.7, 23.2])
+    fit = fit_of(data_of(levels, y), hypothesis, start, iterations=80)
+    np.testing.assert_allclose(fit.output, y, atol=1e-6)
+    np.testing.assert_allclose(fit.theta[-3:], [0.75, 1.75, 23.4], atol=1e-5)
+    amplitude = np.hypot(*hypothesis.gains_of(fit.gains, hypothesis.additive[0]))
+    assert amplitude == pytest.approx(0.25, abs=1e-5)
+
+
+def test_gains_added_behind_a_curve_and_ahead_of_a_limit_are_the_joint_optimum_too(levels: FloatArray) -> None:
+    hypothesis = Hypothesis((output.Nonlinearity(), output.Saturation("high"), output.Drift("3")))
+    theta = np.array([0.25, np.log(0.5), np.log(0.05), 0.2, 0.05, 3.0])
+    gains = np.concatenate([GAINS, [0.3, -0.2, 0.1]])
+    noise = 0.02 * np.random.default_rng(2).standard_normal(levels.size)
+    data = data_of(levels, hypothesis.output(theta, gains, levels) + noise)
     fit = fit_of(data, hypothesis, theta)
-    size = theta.size
+
+    def error(both: FloatArray) -> FloatArray:
+        return hypothesis.output(both[: theta.size], both[theta.size :], data.u) - data.y
+
+    bounds = tuple(np.append(side, np.full(gains.size, far)) for side, far in zip(hypothesis.bounds, FAR, strict=True))
+    joint = least_squares(error, np.concatenate([fit.theta, fit.gains]), bounds=bounds, xtol=1e-14, ftol=1e-14)
+    assert fit.cost <= 2.0 * joint.cost / data.samples * (1.0 + 1e-3)
+
+
+def stated_and_numerical(data: Data, fit: Fit) -> tuple[FloatArray, FloatArray]:
+    """Standard errors, and those of sigma^2 (J'J)^-1 with a central-difference Jacobian of the free run."""
+    size = fit.theta.size
     both = np.concatenate([fit.theta, fit.gains])
     J = np.empty((data.samples, both.size))
     for i in range(both.size):
         step = np.zeros(both.size)
         step[i] = 1e-5
-        up, down = both + step, both - step
-        J[:, i] = hypothesis.output(up[:size], up[size:], data.u) - hypothesis.output(down[:size], down[size:], data.u)
-    J /= 2e-5
-    expected = np.linalg.pinv(J.T @ J) * np.mean((data.y - fit.output) ** 2)
-    found = np.sqrt(np.diag(covariance(data, fit)))
-    np.testing.assert_allclose(found, np.sqrt(np.diag(expected)), rtol=0.05)
+        up, down = (fit.hypothesis.output(x[:size], x[size:], data.u) for x in (both + step, both - step))
+        J[:, i] = (up - down) / 2e-5
+    scale = np.linalg.norm(J, axis=0)
+    scale[scale == 0.0] = 1.0
+    J /= scale
+    expected = np.diag(np.linalg.pinv(J.T @ J, rcond=1e-10, hermitian=True)) * np.mean((data.y - fit.output) ** 2)
+    return np.sqrt(np.diag(covariance(data, fit))), np.sqrt(expected) / scale
+
+
+def test_covariance_is_that_of_nonlinear_least_squares(band: tuple[Hypothesis, FloatArray, Data]) -> None:
+    hypothesis, theta, data = band
+    np.testing.assert_allclose(*stated_and_numerical(data, fit_of(data, hypothesis, theta)), rtol=0.05)
+
+
+def test_what_lies_at_a_limit_says_nothing_about_a_drift_added_ahead_of_it(levels: FloatArray) -> None:
+    hypothesis = Hypothesis((output.Saturation("high"), output.Drift("2")))
+    theta = np.array([0.25, np.log(0.5), np.log(0.05), 1.5])
+    clean = hypothesis.output(theta, np.concatenate([GAINS, [0.3, -0.2]]), levels)
+    assert 100 < (clean == 1.5).sum() < 500
+    data = data_of(levels, clean + 0.02 * np.random.default_rng(1).standard_normal(levels.size))
+    stated, numerical = stated_and_numerical(data, fit_of(data, hypothesis, theta))
+    np.testing.assert_allclose(stated[-2:], numerical[-2:], rtol=0.05)
 
 
 @pytest.mark.parametrize("pole", [0.0, 0.8])
@@ -158,7 +205,7 @@ def test_standard_errors_are_the_scatter_of_repeated_records(levels: FloatArray,
 
 def test_bounds_are_kept(levels: FloatArray, two_poles: Response) -> None:
     """A delay of three samples is more than the nuisance may take."""
-    data = data_of(levels, two_poles(shifted(levels, 3.0)))
+    data = data_of(levels, two_poles(delayed(levels, 3, 0.0)))
     fit = fit_of(data, LINEAR, TRUTH)
     lower, upper = LINEAR.bounds
     assert fit.theta[0] == NUISANCE_DELAY

@@ -279,10 +279,11 @@ def test_values_are_in_the_units_of_the_record(
         (dynamics.Overflow("upper"), {"brim": 1.5, "share": 0.3}, {"level": (16.0, "y"), "caught": (0.3, "1")}),
         # A spring whose force is x + 0.2 x^3 in scaled input; the output is 2 x of 3 units: per y that is 0.2 / 36.
         (dynamics.CubicStiffness(), {"cubic": 0.2}, {"cubic": (0.2 / 36.0, "1/y^2")}),
-        (drifting.PoleDrift("1"), {"drift_k": 0.2}, {"pole": (np.exp(0.4) - 1.0, "1")}),
+        (drifting.PoleDrift("1"), {"drift": 0.2}, {"pole": (np.exp(0.4) - 1.0, "1")}),
+        (drifting.PoleDrift("4"), {"drift": 0.2, "bend1": 0.5, "bend2": -0.1}, {"pole": (np.exp(0.2) - 1.0, "1")}),
         (
             disturbance.Leak("leak"),
-            {"onset": 0.25, "drift_k": 0.1},
+            {"onset": 0.25, "drift": 0.2},
             {"onset": (9.0, "s"), "size": (0.2214, "1")},
         ),
     ],
@@ -296,6 +297,53 @@ def test_values_of_the_dynamics_are_in_the_units_of_the_record(
     for name, (value, unit) in expected.items():
         assert found[name][0] == pytest.approx(value, rel=1e-4)
         assert found[name][1] == unit
+
+
+@pytest.mark.parametrize(
+    ("effect", "plant", "answer"),
+    [  # of one unit of the input that swings, at the output of the plant
+        (
+            dynamics.CubicStiffness(),
+            {"log_c": np.log(0.5), "log_k": np.log(0.05)},
+            lambda s: 0.05 / (s * (s + 0.5) + 0.05),
+        ),
+        (dynamics.CoulombFriction("speed"), {"log_a": np.log(0.6), "log_b": np.log(0.3)}, lambda s: 0.6 / (s + 0.6)),
+        (
+            dynamics.Overflow("lower"),
+            {"log_a": np.log(0.6), "log_b": np.log(0.3), "brim": 99.0},
+            lambda s: 0.3 / (s + 0.3),
+        ),
+    ],
+)
+def test_a_wave_at_the_load_is_told_by_what_it_does_at_the_output(
+    effect: Effect, plant: dict[str, float], answer: Callable[[complex], complex]
+) -> None:
+    wave = disturbance.InnerPeriodic("inside")
+    hypothesis = Hypothesis((effect, wave))
+    assert hypothesis.names == (effect.name, "periodic-disturbance")
+    u, cycles = np.repeat(np.random.default_rng(5).uniform(-1.5, 1.5, 200), 8), 50.0
+    numbers = plant | {"cycles": cycles, "shake_cos": 0.3, "shake_sin": -0.4}
+    theta = np.array([numbers.get(parameter.name, 0.0) for parameter in hypothesis.parameters])
+    found = wave.values(Fitted(hypothesis, theta, np.array([2.0, -1.0]), data_of(u)))
+    assert {name: value.unit for name, value in found.items()} == {"frequency": "Hz", "amplitude": "y"}
+    assert found["frequency"].value == pytest.approx(cycles / (u.size * TS))
+    expected = 3.0 * 2.0 * 0.5 * abs(answer(2j * np.pi * cycles / u.size))
+    assert found["amplitude"].value == pytest.approx(expected, rel=0.02)
+
+
+def test_a_wave_at_the_load_is_bent_by_the_curve_of_the_sensor(levels: FloatArray, two_poles: Response) -> None:
+    x = two_poles(levels) + 0.3 * np.sin(2.0 * np.pi * 23.4 / levels.size * np.arange(levels.size) + 0.4)
+    data = scaled(levels, x + 0.25 * x**2 - 0.05 * x**3, np.ones(levels.size, bool), 1.0)
+    missed = []
+    for wave in (disturbance.Periodic("load"), disturbance.Periodic()):
+        hypothesis = Hypothesis((output.Nonlinearity(), wave))
+        numbers = {"log_c": np.log(0.5), "log_k": np.log(0.05), "c2": 0.1, "cycles": 23.4}
+        theta = np.array([numbers.get(parameter.name, 0.0) for parameter in hypothesis.parameters])
+        point = search(data, hypothesis, theta, iterations=60, tolerance=1e-12)
+        assert point is not None
+        missed.append(float(np.sqrt(point.cost)))
+    assert missed[0] < 1e-9
+    assert missed[1] > 0.01
 
 
 def test_size_of_a_load_is_what_it_changes_in_the_end() -> None:
@@ -420,3 +468,34 @@ def test_every_effect_can_be_searched_for(levels: FloatArray, two_poles: Respons
         assert after.cost <= before.cost
         lower, upper = hypothesis.bounds
         assert np.all((lower <= after.theta) & (after.theta <= upper))
+
+
+def starts_of(effect: PlantEffect, u: FloatArray) -> set[tuple[float, ...]]:
+    """Numbers with which a search of friction begins."""
+    return {tuple(start.values()) for start in effect.plant_starts(context_of(u, np.convolve(u, np.ones(6) / 6)[:300]))}
+
+
+@pytest.mark.parametrize("variant", ["speed", "speed-lag"])
+def test_of_a_mirrored_record_the_search_of_friction_begins_at_the_mirrored_numbers(
+    levels: FloatArray, variant: str
+) -> None:
+    u = np.exp(levels[:300])  # off the middle: median, first value and range differ
+    effect = dynamics.CoulombFriction(variant)
+    mirrored = {(friction, -centre) for friction, centre in starts_of(effect, u)}
+    assert len(mirrored) == 8
+    assert starts_of(effect, -u) == mirrored
+
+
+def test_a_pole_and_a_zero_of_the_sensor_may_wander_far(levels: FloatArray) -> None:
+    """Courses of four and of sixteen degrees are among the candidates."""
+    assert {"parameter-drift/pole-4", "output-drift/16"} <= {effect.key for effect in ALL}
+    slow = drifting.PoleDrift("4").shape(Plant())
+    assert [p.name for p in slow.parameters][2:] == ["drift", "share_c", "turn", "bend1", "bend2", "bend3"]
+    assert output.Drift("16").width == 16
+    x = np.linspace(-1.0, 1.0, 400)
+    wander = np.cos(16.0 * np.arccos(x))
+    left = [
+        np.linalg.lstsq(columns(output.Drift(degree), [], 400, 400), wander, rcond=None)[1][0]
+        for degree in ("10", "16")
+    ]
+    assert left[1] < 1e-18 < 100.0 < left[0]

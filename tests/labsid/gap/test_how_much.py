@@ -6,10 +6,21 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from scipy.signal import lfilter
+from scipy.stats import chi2
 
 from labsid._arrays import FloatArray
+from labsid.gap.fitting import Fit
 from labsid.gap.holdout import held_out
-from labsid.gap.how_much import HowMuch, black_box, closure, how_much, how_much_of, noise_power
+from labsid.gap.how_much import (
+    LEAST_DOUBT,
+    HowMuch,
+    _interval,
+    black_box,
+    closure,
+    how_much,
+    how_much_of,
+    noise_power,
+)
 from labsid.gap.which import Explained
 
 
@@ -137,3 +148,43 @@ def test_the_black_box_explains_what_the_input_tells_and_no_noise(plain: Explain
     assert np.mean(black_box(plain.data, plain.best, e) ** 2) < 0.1 * np.mean(e**2)
     noise = plain.data.y - plain.best.output
     assert np.mean(black_box(plain.data, plain.best, noise) ** 2) > 0.8 * np.mean(noise**2)
+
+
+def even(before: float, after: float, floor: float, explanation: Fit, seed: int = 0) -> tuple[float, float]:
+    """The interval for errors of the same size everywhere, 300 samples fitted and 100 scored: no block tells more."""
+    rows = np.arange(400) % 4 != 0
+    e0, e1 = np.full(400, before), np.full(400, after)
+    return _interval(e0, e1, rows, ~rows, floor, explanation, np.random.default_rng(seed))
+
+
+def with_numbers(fit: Fit, count: int, sigma2: float) -> Fit:
+    """So many numbers, and innovations of this variance."""
+    return replace(fit, theta=np.zeros(count), gains=np.zeros(3), noise=replace(fit.noise, sigma2=sigma2))
+
+
+@pytest.mark.parametrize(("before", "after", "floor"), [(2.0, 1.0, 0.5), (3.0, 2.0, 1.0), (1.0, 2.0, 0.5)])
+def test_an_interval_is_never_narrower_than_the_least_doubt(
+    plain: Explained, before: float, after: float, floor: float
+) -> None:
+    closed = closure(before**2, after**2, floor)
+    assert closed is not None
+    low, high = even(before, after, floor, with_numbers(plain.best, 2, floor))
+    assert low == pytest.approx(closed - LEAST_DOUBT)
+    assert high == pytest.approx(closed + LEAST_DOUBT)
+
+
+@pytest.mark.parametrize(("count", "colour"), [(3, 1.0), (30, 1.0), (30, 2.0)])
+def test_many_numbers_for_few_rows_are_inexact_which_an_interval_counts(
+    plain: Explained, count: int, colour: float
+) -> None:
+    """All is closed; below it, the expected error of so many numbers, more of coloured noise."""
+    low, high = even(2.0, 1.0, 1.0, with_numbers(plain.best, count, 1.0 / colour))
+    inexact = colour * chi2.ppf(0.975, count) / 300
+    assert high == 1.0
+    assert low + LEAST_DOUBT == pytest.approx(1.0 - np.sqrt(inexact / 3.0), rel=0.03)
+
+
+def test_an_interval_repeats_with_its_seed(plain: Explained) -> None:
+    fit = with_numbers(plain.best, 30, 1.0)
+    assert even(2.0, 1.0, 1.0, fit) == even(2.0, 1.0, 1.0, fit)
+    assert even(2.0, 1.0, 1.0, fit) != even(2.0, 1.0, 1.0, fit, seed=1)

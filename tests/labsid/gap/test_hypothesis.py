@@ -4,8 +4,9 @@ import numpy as np
 import pytest
 
 from labsid._arrays import FloatArray
+from labsid.gap._kernels import delayed
 from labsid.gap.effects import disturbance, drifting, dynamics, input, output
-from labsid.gap.hypothesis import NUISANCE_DELAY, Hypothesis, shifted
+from labsid.gap.hypothesis import NUISANCE_DELAY, Design, Hypothesis
 from labsid.gap.plants import Plant
 
 FULL = Hypothesis(
@@ -79,14 +80,6 @@ def test_a_given_plant_is_what_the_effects_build_on() -> None:
     assert hypothesis.plus(output.Saturation("low")).plant == hypothesis.plant
 
 
-def test_shifted_by_hand() -> None:
-    w = np.array([1.0, 2.0, 4.0, 8.0])
-    np.testing.assert_allclose(shifted(w, 0.0), w)
-    np.testing.assert_allclose(shifted(w, 1.0), [1.0, 1.0, 2.0, 4.0])
-    np.testing.assert_allclose(shifted(w, 1.25), [1.0, 1.0, 1.75, 3.5])
-    np.testing.assert_allclose(shifted(w, 9.0), 1.0)
-
-
 def test_input_effects_act_in_the_order_of_the_actuator_and_the_delay_last(levels: FloatArray) -> None:
     """Limited first, then dead: whatever the order in which they were found."""
     limit, band, delay = input.Saturation("high"), input.DeadZone(), input.Delay()
@@ -99,20 +92,44 @@ def test_input_effects_act_in_the_order_of_the_actuator_and_the_delay_last(level
             theta[hypothesis.slices[key]] = numbers
         found.append(hypothesis.actuator(theta, levels))
     limited = np.minimum(levels, 0.8)
-    expected = shifted(np.maximum(limited - 0.2, 0.0) + np.minimum(limited + 0.3, 0.0), 2.5)
+    expected = delayed(np.maximum(limited - 0.2, 0.0) + np.minimum(limited + 0.3, 0.0), 2, 0.5)
     np.testing.assert_allclose(found, [expected, expected], atol=1e-12)
 
 
-def test_the_sensor_bends_before_it_clips_and_its_slope_is_the_derivative() -> None:
+def sensed(theta: FloatArray, *columns: FloatArray) -> Design:
+    """A design of ready columns, of which the first one passes through the whole sensor."""
+    return Design(np.column_stack(columns), 1, theta, (columns[0], 0.0), columns)
+
+
+def test_the_sensor_bends_then_adds_then_clips_and_its_slopes_are_the_derivatives() -> None:
+    hypothesis = Hypothesis((output.Saturation("both"), output.Nonlinearity(), output.Drift("1")))
+    theta = np.zeros(len(hypothesis.parameters))
+    theta[hypothesis.slices["output-nonlinearity"]] = 0.2, 0.05
+    theta[hypothesis.slices["output-saturation/both"]] = -0.713, 1.013
+    z, added = np.linspace(-2.0, 2.0, 81), 0.6 * np.cos(np.arange(81.0))
+    gains = np.ones(2)
+
+    def read(z: FloatArray, added: FloatArray) -> FloatArray:
+        return hypothesis.sensor(theta, gains, sensed(theta, z, added))
+
+    bent = z + 0.2 * z**2 + 0.05 * z**3
+    expected = np.clip(bent + added, -0.713, 1.013)
+    assert (np.clip(bent, -0.713, 1.013) + added != expected).sum() > 30  # in another order it is another reading
+    np.testing.assert_allclose(read(z, added), expected)
+    h = 1e-6
+    whole, part = hypothesis.slopes(theta, gains, sensed(theta, z, added))
+    np.testing.assert_allclose(whole, (read(z + h, added) - read(z - h, added)) / (2.0 * h), atol=1e-6)
+    np.testing.assert_allclose(part, (read(z, added + h) - read(z, added - h)) / (2.0 * h), atol=1e-6)
+
+
+def test_without_anything_added_the_sensor_bends_and_clips() -> None:
     hypothesis = Hypothesis((output.Saturation("high"), output.Nonlinearity()))
     theta = np.zeros(len(hypothesis.parameters))
     theta[hypothesis.slices["output-nonlinearity"]] = 0.2, 0.05
     theta[hypothesis.slices["output-saturation/high"]] = 1.01
     z = np.linspace(-2.0, 2.0, 41)
-    np.testing.assert_allclose(hypothesis.sensor(theta, z), np.minimum(z + 0.2 * z**2 + 0.05 * z**3, 1.01))
-    h = 1e-6
-    numerical = (hypothesis.sensor(theta, z + h) - hypothesis.sensor(theta, z - h)) / (2.0 * h)
-    np.testing.assert_allclose(hypothesis.slope(theta, z), numerical, atol=1e-6)
+    read = hypothesis.sensor(theta, np.ones(1), sensed(theta, z))
+    np.testing.assert_allclose(read, np.minimum(z + 0.2 * z**2 + 0.05 * z**3, 1.01))
 
 
 def full_theta() -> FloatArray:
@@ -132,14 +149,35 @@ def full_theta() -> FloatArray:
 GAINS = np.array([0.03, 0.04, 0.1, -0.1, 0.0, 0.2, 0.05, 0.15, 0.02, 0.01, 0.3, -0.2, 0.1, 0.05])
 
 
-def test_a_load_is_seen_through_the_sensor_and_a_drift_is_not(levels: FloatArray) -> None:
+def test_a_load_is_seen_through_the_whole_sensor_and_a_drift_only_through_its_limits(levels: FloatArray) -> None:
     design = FULL.design(full_theta(), levels)
     assert design.inside.shape == (levels.size, 7 + 1 + 2)  # the plant's, the constant, the load's
     assert design.outside.shape == (levels.size, 2 + 2)  # the sinusoid's, the drift's
     np.testing.assert_array_equal(design.inside[:, 7], 1.0)
-    expected = np.minimum((z := design.inside @ GAINS[:10]) * (1.0 + z * (0.1 + 0.02 * z)), 0.9)
-    output_ = FULL.output(full_theta(), GAINS, levels)
-    np.testing.assert_allclose(output_, expected + design.outside @ GAINS[10:], atol=1e-12)
+    bent = (z := design.inside @ GAINS[:10]) * (1.0 + z * (0.1 + 0.02 * z))
+    expected = np.minimum(bent + design.outside @ GAINS[10:], 0.9)
+    assert 20 < (expected == 0.9).sum() < 580
+    np.testing.assert_allclose(FULL.output(full_theta(), GAINS, levels), expected, atol=1e-12)
+
+
+@pytest.mark.parametrize("hypothesis", [FULL, FULL.plus(input.Delay()), FULL.plus(dynamics.SqrtOutflow("both"))])
+def test_what_a_design_takes_over_from_a_near_one_is_what_it_would_make_anew(
+    hypothesis: Hypothesis, levels: FloatArray
+) -> None:
+    theta = np.full(len(hypothesis.parameters), 0.3)
+    own = dict(zip([p.name for p in Plant(lag=True).parameters], full_theta()[FULL.slices["plant"]], strict=True))
+    own |= {"log_a": np.log(0.3), "log_b": np.log(0.2), "zero": -3.0}
+    for key, place in FULL.slices.items():
+        numbers = full_theta()[place] if key != "plant" else [own.get(p.name, 0.1) for p in hypothesis.plant.parameters]
+        theta[hypothesis.slices[key]] = numbers
+    near = hypothesis.design(theta, levels)
+    for i, parameter in enumerate(hypothesis.parameters):
+        moved = theta.copy()
+        moved[i] += parameter.step if theta[i] + parameter.step <= parameter.upper else -parameter.step
+        again = hypothesis.design(moved, levels, near=near)
+        np.testing.assert_array_equal(again.columns, hypothesis.design(moved, levels).columns)
+        in_sensor = any(i in range(*hypothesis.slices[e.key].indices(theta.size)) for e in hypothesis.outputs)
+        assert np.array_equal(again.columns, near.columns) == in_sensor
 
 
 def test_gains_of_finds_the_gains_of_each_additive_effect() -> None:

@@ -11,8 +11,10 @@ from scipy.stats import kurtosis
 from labsid._arrays import FloatArray
 from labsid.gap.candidates import baseline
 from labsid.gap.context import Data, scaled
-from labsid.gap.fitting import Fit
-from labsid.gap.leftover import explained_share, features, is_noise, leftover, pasts, repetition
+from labsid.gap.effects import output
+from labsid.gap.fitting import Fit, finish, search
+from labsid.gap.hypothesis import Hypothesis
+from labsid.gap.leftover import MOST_LEFT, explained_share, features, is_noise, leftover, pasts, repetition
 
 Fitted = Callable[[FloatArray], tuple[Data, Fit]]
 
@@ -114,3 +116,43 @@ def test_repetition_sees_any_function_of_the_pasts(fitted: Fitted) -> None:
     value, z = repetition(data, fit, np.random.default_rng(6).standard_normal(data.samples))
     assert abs(value) < 0.12
     assert abs(z) < 3.5
+
+
+def clipped(levels: FloatArray, two_poles: Callable[..., FloatArray], pole: float, share: float) -> tuple[Data, Fit]:
+    """Noise ahead of a sensor that clips so much of the record, and the fit that knows it."""
+    u = np.concatenate([levels, levels[::-1]])[:800]
+    z = two_poles(u)
+    high = np.quantile(z, 1.0 - share)
+    data = scaled(u, np.minimum(z + z.std() * noise(pole, 1), high), np.ones(u.size, bool), 1.0)
+    hypothesis = Hypothesis((output.Saturation("high"),))
+    numbers = {
+        "log_c": np.log(0.5),
+        "log_k": np.log(0.05),
+        "high": (float(high) - data.y_scale.centre) / data.y_scale.unit,
+    }
+    theta = np.array([numbers.get(p.name, 0.0) for p in hypothesis.parameters])
+    point = search(data, hypothesis, theta)
+    assert point is not None
+    return data, finish(data, hypothesis, point)
+
+
+@pytest.mark.parametrize("pole", [0.0, 0.6, 0.85])
+def test_noise_is_measured_off_the_stops_of_the_sensor(
+    levels: FloatArray, two_poles: Callable[..., FloatArray], pole: float
+) -> None:
+    """On them it is hidden: quiet there, loud elsewhere, which looks like tails and like an input that has a part."""
+    data, fit = clipped(levels, two_poles, pole, 0.3)
+    left = leftover(data, fit)
+    assert left.tails == pytest.approx(3.0, abs=0.5)
+    assert left.activity < 0.08
+    assert is_noise(left, converted=False)
+    everywhere = kurtosis((data.y - fit.output)[data.sound], fisher=False)
+    assert everywhere > left.tails + 0.5
+
+
+def test_where_a_sensor_hardly_leaves_its_stop_every_row_counts(
+    levels: FloatArray, two_poles: Callable[..., FloatArray]
+) -> None:
+    data, fit = clipped(levels, two_poles, 0.0, 0.8)
+    assert np.mean(fit.output < fit.output.max()) < MOST_LEFT
+    assert leftover(data, fit).rms == pytest.approx(np.sqrt(np.mean((data.y - fit.output) ** 2)))

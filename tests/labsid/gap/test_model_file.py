@@ -6,7 +6,10 @@ import numpy as np
 import pytest
 from scipy.signal import lfilter
 
-from labsid.gap.model_file import SCHEMA, from_json_dict, load_model
+from labsid.gap.context import Scale
+from labsid.gap.effects.dynamics import SqrtOutflow
+from labsid.gap.hypothesis import Hypothesis
+from labsid.gap.model_file import _BY_KEY, SCHEMA, RunningModel, from_json_dict, load_model
 
 C, K = 0.5, 0.05
 POLES = np.exp(np.roots([1.0, C, K]))
@@ -98,3 +101,28 @@ def test_files_that_hold_no_object(tmp_path, text):
     path.write_text(text)
     with pytest.raises(ValueError, match=r"model\.json: (not JSON|must hold a JSON object)"):
         load_model(path)
+
+
+def test_forms_of_every_effect_have_a_key():
+    """What the search may put in the place of a candidate is exported, too."""
+    forms = {"extra-lag/ahead", "resonance/beside", "load-step/inside", "load-step/leak"}
+    orders = {"input-rate-limit/behind", "input-nonlinearity/first"}
+    assert forms | orders <= set(_BY_KEY)
+    assert all(effect.key == key for key, effect in _BY_KEY.items())
+
+
+@pytest.mark.parametrize("key", _BY_KEY)
+@pytest.mark.parametrize("beside", [(), (SqrtOutflow("both"),)], ids=["alone", "in tanks"])
+def test_an_export_with_any_effect_is_read_again(key, beside, levels):
+    hypothesis = Hypothesis((*(effect for effect in beside if effect.name != _BY_KEY[key].name), _BY_KEY[key]))
+    numbers = {"log_c": np.log(C), "log_k": np.log(K), "log_a": -1.0, "log_b": -1.5, "zero": -3.0, "brim": 9.0}
+    numbers |= {"onset": 0.4, "load": 0.2, "leak": 0.1, "cycles": 7.0, "log_share": -1.0, "high": 0.8, "friction": 0.1}
+    theta = np.clip([numbers.get(p.name, 0.1) for p in hypothesis.parameters], *hypothesis.bounds)
+    width = hypothesis.design(theta, levels).columns.shape[1]
+    gains = np.linspace(0.05, 0.1, width)
+    model = RunningModel(hypothesis, theta, gains, 0.5, 600, 0.1, Scale(2.0, 3.0), Scale(-1.0, 5.0))
+    again = from_json_dict(json.loads(json.dumps(model.to_json_dict())))
+    assert again.hypothesis == hypothesis
+    played = model.simulate(2.0 + 3.0 * levels[:100])
+    assert np.isfinite(played).all()
+    np.testing.assert_array_equal(again.simulate(2.0 + 3.0 * levels[:100]), played)

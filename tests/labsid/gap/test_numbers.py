@@ -84,7 +84,7 @@ def test_more_samples_make_the_numbers_surer(levels: FloatArray) -> None:
 
 ONSETS = {
     "load step": (disturbance.LoadStep(), {}, [0.1, 0.02], 0.05, 0.631),
-    "leak": (disturbance.Leak("leak"), {"drift_k": 0.2}, [], 0.004, 0.5),
+    "leak": (disturbance.Leak("leak"), {"drift": 0.4}, [], 0.004, 0.5),
 }
 
 

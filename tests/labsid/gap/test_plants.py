@@ -5,7 +5,6 @@ from collections.abc import Callable
 import control
 import numpy as np
 import pytest
-from scipy.linalg import expm
 from scipy.signal import lsim
 
 from labsid._arrays import FloatArray
@@ -33,6 +32,7 @@ KINDS = [
     Plant(kind="speed", friction=True, lag_first=False),
     Plant(kind="varying", bends=2),
     Plant(kind="varying", course="step"),
+    Plant(kind="tanks", upper_root=True, loaded=True),
     Plant(kind="given", run=lambda w: 2.0 * w),
 ]
 
@@ -212,36 +212,6 @@ def test_a_mode_beside_a_nonlinear_state_answers_the_input(levels: FloatArray) -
     columns = plant.columns(theta_of(plant, log_a=np.log(0.3), log_b=np.log(0.2), **mode), levels, levels.size)
     np.testing.assert_allclose(columns[:, 1:], section(2 * 0.1 * 0.3, 0.09, levels - levels[0]), atol=1e-12)
     assert plant.state_columns == (3, 4)
-
-
-def test_rates_that_do_not_vary_give_the_linear_columns(levels: FloatArray) -> None:
-    plant = Plant(kind="varying", bends=1)
-    columns = plant.columns(theta_of(plant, log_c=np.log(C), log_k=np.log(K)), levels, levels.size, 0.0)
-    assert left(columns, sampled([0.3, K], [1.0, C, K], levels, 0.7)) < 1e-9
-
-
-@pytest.mark.parametrize("course", ["slow", "step"])
-def test_varying_rates_follow_their_course(levels: FloatArray, course: str) -> None:
-    """Against the matrix exponential from sample to sample."""
-    w, samples = levels[:240], 240
-    if course == "slow":
-        plant = Plant(kind="varying", bends=1)
-        x = np.linspace(-1.0, 1.0, samples)
-        change = x + 0.3 * (2.0 * x**2 - 1.0)
-        own = {"bend1": 0.3}
-    else:
-        plant = Plant(kind="varying", course="step")
-        change = (np.arange(samples) >= 96).astype(float)
-        own = {"onset": 0.4}
-    c, k = C * np.exp(0.1 * change), K * np.exp(0.4 * change)
-    state, y = np.zeros(3), []
-    for value, damping, spring in zip(w, c, k, strict=True):
-        y.append(state[0] * K)
-        state[2] = value
-        state = expm(np.array([[0, 1, 0], [-spring, -damping, 1], [0, 0, 0]])) @ state
-    theta = theta_of(plant, log_c=np.log(C), log_k=np.log(K), drift_c=0.1, drift_k=0.4, **own)
-    columns = plant.columns(theta, w, samples, 0.0)
-    np.testing.assert_allclose(columns[:, 0], y, atol=1e-8)
 
 
 def test_a_given_simulation_is_one_column(levels: FloatArray) -> None:

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from labsid.gap.answer import _screen
-from labsid.gap.raw import RawFaults, find_held, find_spikes
+from labsid.gap.raw import RawFaults, find_held, find_spikes, lattice_of
 from labsid.gap.which import Explained
 from labsid.signal_quality import lattice_step
 
@@ -32,6 +32,31 @@ def test_a_sensor_on_its_stop_does_not_hold(noise: np.ndarray) -> None:
     assert find_held(np.clip(noise, -1.0, 1.0), None) == ()
 
 
+def test_a_value_to_which_the_output_comes_back_is_a_stop_or_rest(noise: np.ndarray) -> None:
+    for start in (60, 150, 300):
+        noise[start : start + 30] = 0.25
+    noise[200:230] = noise[200]
+    assert find_held(noise, None) == ((201, 230),)
+
+
+def test_a_logger_that_sleeps_often_may_do_so_at_the_extreme_too(noise: np.ndarray) -> None:
+    """Two holds elsewhere may be chance, three are a habit."""
+    for start in (60, 150):
+        noise[start : start + 8] = noise[start]
+    noise[300:308] = noise.max() + 1.0
+    assert find_held(noise, None) == ((61, 68), (151, 158))
+    noise[220:228] = noise[220]
+    assert find_held(noise, None) == ((61, 68), (151, 158), (221, 228), (301, 308))
+
+
+def test_a_fine_lattice_is_none(noise: np.ndarray) -> None:
+    """Below a ten-thousandth of the range, equal readings are no work of the converter."""
+    noise[100:104] = noise[100]
+    step = np.ptp(noise)
+    assert find_held(noise, 0.5e-4 * step) == ((101, 104),)
+    assert find_held(noise, 0.05 * step) == ()
+
+
 def test_on_a_lattice_only_a_far_longer_stretch_is_a_hold() -> None:
     """A slow wave on a coarse converter rests on its steps for a few samples everywhere."""
     wave = np.round(20.0 * np.sin(0.02 * np.arange(600))) / 20.0
@@ -39,7 +64,43 @@ def test_on_a_lattice_only_a_far_longer_stretch_is_a_hold() -> None:
     assert step == pytest.approx(0.05)
     assert find_held(wave, step) == ()
     wave[200:330] = wave[200]
-    assert any(start <= 210 and stop >= 320 for start, stop in find_held(wave, step))
+    ((start, stop),) = find_held(wave, step)
+    assert start <= 210
+    assert stop == 330
+
+
+@pytest.mark.parametrize(
+    ("onward", "held"),
+    [
+        ([5, 5, 4, 4], True),  # the output has gone elsewhere meanwhile
+        ([1, 2, 2, 3], False),  # it goes on as if nothing had been
+        ([1, 1, 1, 2], False),
+        ([3, 6, 9, 12], False),  # a swift move begins
+        ([-6, -8, -9, -9], True),
+    ],
+)
+def test_on_a_lattice_a_hold_ends_with_a_jump(onward: list[int], held: bool) -> None:
+    steps = np.random.default_rng(1).integers(-9, 9, 300).astype(float)
+    steps[150:190] = 2
+    steps[190:194] = 2 + np.array(onward)
+    assert find_held(steps, 1.0) == (((151, 190),) if held else ())
+
+
+def test_on_a_lattice_the_end_of_the_record_is_no_jump() -> None:
+    steps = np.random.default_rng(1).integers(-9, 9, 300).astype(float)
+    steps[260:] = 2
+    assert find_held(steps, 1.0) == ()
+
+
+def test_within_a_step_of_the_converter_nothing_is_a_spike(noise: np.ndarray) -> None:
+    """A quiet output on a coarse lattice: most readings agree, some are the neighbouring value."""
+    e = 0.01 * noise
+    e[[50, 120, 300]] += 1.0
+    usable = np.ones(400, bool)
+    assert np.flatnonzero(find_spikes(e, usable)).tolist() == [50, 120, 300]
+    assert not find_spikes(e, usable, 1.1).any()
+    e[120] += 1.0
+    assert np.flatnonzero(find_spikes(e, usable, 1.1)).tolist() == [120]
 
 
 @pytest.mark.parametrize("length", [1, 2])
@@ -118,3 +179,39 @@ def test_what_the_samples_say_is_counted_in_words(plain: Explained, bad: tuple[i
     spikes = none.copy()
     spikes[list(bad)] = True
     assert _screen(replace(plain, faults=RawFaults(none, (), spikes, None))) == said
+
+
+def test_a_lattice_is_found_although_a_few_samples_lie_off_it() -> None:
+    """Spikes that came into the log behind the converter."""
+    y = np.round(8.0 * np.sin(0.05 * np.arange(400))) / 8.0
+    lattice, off = lattice_of(y)
+    assert lattice == pytest.approx(0.125)
+    assert not off.any()
+    y[[50, 130, 260]] += 1.2345, -2.1, 0.777
+    assert lattice_step(y) is None
+    lattice, off = lattice_of(y)
+    assert lattice == pytest.approx(0.125)
+    assert np.flatnonzero(off).tolist() == [50, 130, 260]
+
+
+@pytest.mark.parametrize("times", [1, 3])
+def test_continuous_values_lie_on_no_lattice_held_or_not(noise: np.ndarray, times: int) -> None:
+    lattice, off = lattice_of(np.repeat(noise, times))
+    assert lattice is None
+    assert not off.any()
+
+
+def test_values_of_which_many_come_only_once_lie_on_no_lattice(noise: np.ndarray) -> None:
+    y = np.round(8.0 * np.sin(0.05 * np.arange(400))) / 8.0
+    y[::8] = noise[::8]
+    assert lattice_of(y)[0] is None
+
+
+def test_a_hold_that_begins_on_the_stop_of_the_sensor_ends_with_a_jump(noise: np.ndarray) -> None:
+    y = np.minimum(np.sin(0.05 * np.arange(400)) + 0.01 * noise, 0.7)
+    assert np.all(y[141:174] == 0.7)
+    assert find_held(y, None) == ()
+    y[141:176] = 0.7  # it leaves the stop a moment later: no jump
+    assert find_held(y, None) == ()
+    y[141:200] = 0.7
+    assert find_held(y, None) == ((142, 200),)

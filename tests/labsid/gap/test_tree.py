@@ -5,16 +5,18 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from scipy.integrate import solve_ivp
 from scipy.signal import lfilter
 
 from labsid._arrays import FloatArray
-from labsid.gap.candidates import without
+from labsid.gap.candidates import baseline, swift_fit
 from labsid.gap.context import Data, scaled
 from labsid.gap.diagnosis import diagnose
-from labsid.gap.effects import drifting, input
-from labsid.gap.fitting import finish, rms, search
+from labsid.gap.effects import dynamics, input
+from labsid.gap.effects.base import Fitted
+from labsid.gap.fitting import Fit, polish, rms
 from labsid.gap.hypothesis import Hypothesis
-from labsid.gap.tree import best_path, keep
+from labsid.gap.tree import BEAM, FREE, Level, _parents, _whitest, best_path, keep, nothing_left, rounded
 from labsid.gap.which import Explained, explain
 from labsid.record import Record
 
@@ -63,24 +65,6 @@ def test_the_curve_stands_at_the_end_of_the_actuator_unless_told() -> None:
     ]
     behind = Hypothesis((input.RateLimit("behind"), input.DeadZone()))
     assert [e.name for e in behind.inputs] == ["input-dead-zone", "input-rate-limit"]
-
-
-def test_without_takes_one_effect_out_and_keeps_the_other_numbers(levels: FloatArray, two_poles: Response) -> None:
-    u = levels[:400]
-    data = data_of(u, two_poles(np.minimum(u, 0.8)))
-    hypothesis = Hypothesis((input.Saturation("high"), drifting.GainDrift("1")))
-    theta = np.array([0.0, 0.8 / np.std(u), 0.02, 0.0, np.log(0.5), np.log(0.05)])
-    point = search(data, hypothesis, theta, iterations=0)
-    assert point is not None
-    fit = finish(data, hypothesis, point)
-    fewer = without(data, fit, 1)
-    assert fewer is not None
-    assert fewer.hypothesis.keys == ("input-saturation/high",)
-    np.testing.assert_array_equal(fewer.theta, np.delete(fit.theta, [2, 3]))
-    other = without(data, fit, 0)
-    assert other is not None
-    assert other.hypothesis.keys == ("parameter-drift/gain-1",)
-    np.testing.assert_array_equal(other.theta, np.delete(fit.theta, 1))
 
 
 def test_a_level_keeps_the_better_of_two_fits_of_the_same_names(banded: Explained) -> None:
@@ -148,3 +132,126 @@ def test_an_export_counts_in_its_own_units_on_another_record(rig_record: Callabl
     report = diagnose(other, model.to_json_dict()).report
     assert report["verdict"] == "none"
     assert report["gap"]["before"] < 1.2 * report["gap"]["noise_floor"]
+
+
+def noisy(fit: Fit, data: Data, bic: float, error: float) -> Fit:
+    """The fit with another score, and a free run that is so far from the record."""
+    wave = np.sqrt(2.0) * error * np.sin(0.05 * np.arange(data.samples))
+    return replace(fit, bic=bic, output=data.y - wave)
+
+
+@pytest.mark.parametrize("slow", [True, False])
+def test_parents_are_the_best_and_where_the_residual_is_slow_those_that_run_free_best(
+    plain: Explained, slow: bool
+) -> None:
+    errors = [0.5, 0.6, 0.4, 0.3, 0.45, 0.2, 0.9]
+    level: Level = {(str(i),): noisy(plain.best, plain.data, float(i), error) for i, error in enumerate(errors)}
+    innovations = 0.1 * errors[0] ** 2 if slow else 0.5 * errors[0] ** 2
+    level = {names: replace(fit, noise=replace(fit.noise, sigma2=innovations)) for names, fit in level.items()}
+    found = [fit.bic for fit in _parents(plain.data, level)]
+    assert (BEAM, FREE) == (3, 2)
+    assert found == ([0.0, 1.0, 2.0, 5.0, 3.0] if slow else [0.0, 1.0, 2.0])
+
+
+@pytest.mark.parametrize(("pole", "size", "seed"), [(0.99, 0.03, 1), (0.99, 0.03, 3), (0.98, 0.05, 2), (0.95, 0.1, 1)])
+def test_a_baseline_that_follows_strongly_coloured_noise_is_brought_back_by_the_swift_part(
+    levels: FloatArray, two_poles: Response, pole: float, size: float, seed: int
+) -> None:
+    noise = lfilter([1.0], [1.0, -pole], size * np.random.default_rng(seed).standard_normal(levels.size))
+    data = data_of(levels, two_poles(levels) + noise, noise=0.0)
+    base = polish(data, baseline(data))
+    found = _whitest(data, base, swift_fit(data, base))
+    assert found.bic < base.bic - 20.0
+    assert rms(data, found) < 1.2 * rms(data, base)
+    off = [float(np.abs(np.log(np.divide(fit.rates, (0.5, 0.05)))).max()) for fit in (found, base)]
+    assert off[0] < 0.2
+    assert off[1] > 2.0
+
+
+def test_a_baseline_that_the_swift_part_does_not_better_stays(plain: Explained) -> None:
+    data, base = plain.data, plain.best
+    assert _whitest(data, replace(base, bic=base.bic - 5.0), base).bic == base.bic - 5.0
+    other = Hypothesis((dynamics.ExtraLag(),), known=1)
+    third = baseline(data, other)
+    assert _whitest(data, third, base) is third  # the swift fit is of another structure
+
+
+def coarse(y: FloatArray, steps: int) -> FloatArray:
+    """Read by a converter of so many steps over the range."""
+    step = np.ptp(y) / steps
+    return np.round(y / step) * step
+
+
+def test_what_may_be_rounding_is_told_from_what_is_not(plain: Explained, monkeypatch: pytest.MonkeyPatch) -> None:
+    data, fit, step = plain.data, plain.best, 0.2
+    lattice = replace(data, y=np.round(fit.output / step) * step, lattice=step)
+    assert rounded(lattice, fit)
+    assert nothing_left(lattice, fit)
+    assert not rounded(replace(lattice, lattice=0.0), fit)
+    wave = 2.0 * step * np.sin(0.3 * np.arange(data.samples))
+    assert not rounded(replace(lattice, y=np.round((fit.output + wave) / step) * step), fit)
+    # A fit that is not quite there is drawn within the steps before it is judged; one that is far off is not.
+    assert rounded(lattice, replace(fit, output=fit.output + 0.15 * step))
+    monkeypatch.setattr("labsid.gap.tree.DRAWN", 1)
+    assert not rounded(lattice, replace(fit, output=fit.output + 0.15 * step))
+    assert rounded(lattice, replace(fit, output=fit.output + 0.1 * step))
+    monkeypatch.setattr("labsid.gap.tree.refit", None)
+    assert not rounded(lattice, replace(fit, output=fit.output + 0.5 * step))
+
+
+@pytest.mark.parametrize("steps", [8, 32])
+@pytest.mark.parametrize("shape", ["square", "levels"])
+def test_rounding_is_explained_by_nothing_but_the_converter(
+    levels: FloatArray, two_poles: Response, steps: int, shape: str
+) -> None:
+    """Without noise the error of rounding follows the input: another mode would always better it."""
+    u = levels if shape == "levels" else np.where(np.arange(levels.size) // 40 % 2, -1.0, 1.0)
+    y = coarse(two_poles(u), steps)
+    found = explain(data_of(u, y, noise=0.0))
+    assert found.names == ("output-quantization",)
+    assert found.data.lattice * found.data.y_scale.unit == pytest.approx(np.ptp(two_poles(u)) / steps)
+
+
+@pytest.mark.parametrize("steps", [16, 64])
+def test_a_second_effect_well_beyond_the_rounding_is_still_found(
+    levels: FloatArray, two_poles: Response, steps: int
+) -> None:
+    load = two_poles((np.arange(levels.size) >= 350).astype(float))
+    y = two_poles(np.minimum(levels, 0.7)) - 0.4 * load
+    found = explain(data_of(levels, coarse(y, steps), noise=0.0))
+    assert set(found.names) == {"input-saturation", "load-step", "output-quantization"}
+    assert rms(found.data, found.best) < 0.35 * found.data.lattice  # 0.29 is that of rounding itself
+
+
+def leaking_tank(u: FloatArray, a: float, b: float, leak: float, onset: int) -> FloatArray:
+    """Lower level of two tanks with Torricelli outflow; a leak in the lower one from the onset on."""
+    h, out = np.full(2, (u[0] + 3.0) ** 2), []
+
+    def flow(t: float, h: FloatArray, value: float, lost: float) -> list[float]:
+        roots = np.sqrt(np.maximum(h, 0.0))
+        return [a * (value + 3.0 - roots[0]), a * roots[0] - b * roots[1] - lost * h[1]]
+
+    for k, value in enumerate(u):
+        out.append(h[1])
+        lost = leak if k >= onset else 0.0
+        h = solve_ivp(flow, (0.0, 1.0), h, args=(value, lost), rtol=1e-8, atol=1e-10).y[:, -1]
+    return np.array(out)
+
+
+@pytest.mark.parametrize(("a", "b", "leak"), [(0.6, 0.6, 0.01), (0.8, 1.0, 0.01)])
+def test_a_leak_in_a_tank_with_a_root_is_a_load_that_grows_with_the_level(
+    levels: FloatArray, a: float, b: float, leak: float
+) -> None:
+    u = levels[:480]
+    found = explain(data_of(u, leaking_tank(u, a, b, leak, 290)))
+    assert set(found.names) == {"sqrt-outflow", "load-step"}
+    assert "load-step/inside" in found.best.hypothesis.keys
+    assert rms(found.data, found.best) < 0.0105
+    (load,) = (effect for effect in found.best.hypothesis.effects if effect.name == "load-step")
+    fitted = Fitted(found.best.hypothesis, found.best.theta, found.best.gains, found.data)
+    values = load.values(fitted)
+    assert values["onset"].value == pytest.approx(290.0, abs=1.5)
+    np.testing.assert_array_equal(load.acts(fitted)[[280, 300]], [False, True])
+    lost = leaking_tank(u, a, b, leak, 290)[-1] - leaking_tank(u, a, b, 0.0, 290)[-1]
+    assert values["size"].value == pytest.approx(lost, rel=0.05)
+    assert values["size"].unit == "y"

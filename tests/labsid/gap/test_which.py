@@ -1,5 +1,6 @@
 """The search over effects: levels, path, and what counts as an effect at all."""
 
+from collections.abc import Callable
 from dataclasses import replace
 from itertools import pairwise
 
@@ -7,10 +8,12 @@ import numpy as np
 import pytest
 from scipy.signal import lfilter
 
+from labsid._arrays import FloatArray
+from labsid.gap.candidates import LINEAR
 from labsid.gap.context import scaled
-from labsid.gap.fitting import Fit
+from labsid.gap.fitting import Fit, power
 from labsid.gap.raw import RawFaults
-from labsid.gap.tree import nothing_left, worth
+from labsid.gap.tree import nothing_left, search_tree, worth
 from labsid.gap.which import Explained, explain, faint, trimmed, unsimulated
 
 
@@ -36,6 +39,7 @@ def test_a_linear_record_has_no_effect(plain: Explained) -> None:
     assert nothing_left(plain.data, plain.best)
     assert not plain.faults.bad.any()
     assert plain.faults.lattice is None
+    assert plain.data.lattice == 0.0
 
 
 def test_something_is_left_where_an_effect_is_missing(banded: Explained) -> None:
@@ -122,9 +126,12 @@ def test_what_a_lattice_holds_still_is_no_dropout() -> None:
 
     u = np.repeat(np.random.default_rng(3).uniform(-1.0, 1.0, 60), 25)
     y = np.round(lfilter([0.0, 0.1], [1.0, -0.9], u) / 0.06) * 0.06
-    for start in (210, 760, 1060):
+    for start in (210, 760, 1110):
         y[start : start + 45] = y[start]
-    assert set(explain(scaled(u, y, rows, 1.0)).names) == {"output-quantization", "output-dropout"}
+    found = explain(scaled(u, y, rows, 1.0))
+    assert set(found.names) == {"output-quantization", "output-dropout"}
+    assert len(found.faults.stretches) == 3
+    assert found.data.lattice * found.data.y_scale.unit == pytest.approx(0.06)
 
 
 def test_a_small_effect_that_another_does_as_well_is_none(banded: Explained) -> None:
@@ -136,3 +143,36 @@ def test_a_small_effect_that_another_does_as_well_is_none(banded: Explained) -> 
     assert faint(data, {("a",): best, ("b",): near}, (small, best))
     assert not faint(data, {("a",): best, ("b",): far}, (small, best))
     assert not faint(data, {("a",): best, ("b",): near}, (base, best))
+
+
+def test_a_slow_wander_beside_a_curve_is_accepted_where_what_is_left_is_white(
+    levels: FloatArray, two_poles: Callable[..., FloatArray]
+) -> None:
+    """The innovations see neither: next to the sensor's noise alone, a wander is predicted from its last values."""
+    k, rng = np.arange(levels.size), np.random.default_rng(2)
+    waves = [size * np.sin(2.0 * np.pi * cycles * k / k.size + at) for size, cycles, at in slow_waves(rng)]
+    y = two_poles(levels + 0.25 * levels**2) + 0.25 * np.sum(waves, axis=0) + 0.01 * rng.standard_normal(k.size)
+    data = scaled(levels, y, np.ones(k.size, bool), 1.0)
+    assert len(search_tree(data, LINEAR, None, 2, None)[1]) == 1
+    found = explain(data, most=2)
+    assert found.names == ("output-drift", "input-nonlinearity")
+    assert power(found.data, found.best) < 1.1 * found.best.noise.sigma2
+    assert power(found.data, found.best) * data.y_scale.unit**2 == pytest.approx(0.01**2, rel=0.2)
+
+
+def slow_waves(rng: np.random.Generator) -> list[tuple[float, float, float]]:
+    """Sizes, cycles in the record and phases of six slow waves."""
+    return list(zip(rng.uniform(0.5, 1.0, 6), rng.uniform(1.0, 6.0, 6), rng.uniform(0.0, 6.0, 6), strict=True))
+
+
+@pytest.mark.parametrize("pole", [0.97, 0.985])
+def test_slow_noise_is_no_drift_although_a_drift_would_take_most_of_it(
+    levels: FloatArray, two_poles: Callable[..., FloatArray], pole: float
+) -> None:
+    y = two_poles(levels)
+    e = lfilter([1.0], [1.0, -pole], np.random.default_rng(4).standard_normal(levels.size + 300))[300:]
+    data = scaled(levels, y + 0.3 * np.std(y) * e / np.std(e), np.ones(levels.size, bool), 1.0)
+    other = search_tree(replace(data, by_free_run=True), LINEAR, None, 2, None)[1]
+    assert "output-drift" in other[-1].hypothesis.names
+    assert power(data, other[-1]) < 0.5 * power(data, other[0])
+    assert explain(data, most=2).names == ("coloured-noise",)

@@ -1,0 +1,299 @@
+"""The same effects in other forms: at other places, special and general ones, and one fewer."""
+
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from labsid._arrays import FloatArray
+from labsid.gap.candidates import LINEAR, baseline, finished, sketches, swift_fit
+from labsid.gap.context import Data, scaled
+from labsid.gap.effects import disturbance, drifting, dynamics, input, output
+from labsid.gap.effects.base import Effect
+from labsid.gap.fitting import Fit, finish, rms, search, settle
+from labsid.gap.forms import (
+    INNER_LOAD,
+    INNER_WAVE,
+    LEAK,
+    LOAD,
+    LOAD_WAVE,
+    ORDERS,
+    PLACES,
+    STOPS,
+    WAVE,
+    carried,
+    growing,
+    rearranged,
+    without,
+)
+from labsid.gap.hypothesis import Hypothesis
+from labsid.gap.plants import Plant
+from labsid.gap.which import Explained
+
+Response = Callable[..., FloatArray]
+
+
+def data_of(u: FloatArray, y: FloatArray) -> Data:
+    """Scaled, every row counted."""
+    return scaled(u, y, np.ones(u.size, bool), 1.0)
+
+
+def test_a_lag_and_a_mode_are_tried_at_every_place_to_a_nonlinear_state() -> None:
+    linear = Hypothesis((dynamics.ExtraLag(), dynamics.Resonance()))
+    assert rearranged(linear) == []
+    bent = linear.plus(dynamics.CubicStiffness())
+    keys = [other.keys for other in rearranged(bent)]
+    assert keys == [
+        ("extra-lag/ahead", "resonance", "cubic-stiffness"),
+        ("extra-lag", "resonance/ahead", "cubic-stiffness"),
+        ("extra-lag", "resonance/beside", "cubic-stiffness"),
+    ]
+    assert all(other.parameters == bent.parameters and other.names == bent.names for other in rearranged(bent))
+    given = Hypothesis(bent.effects, known=1)
+    assert all(other.effects[0] == dynamics.ExtraLag() for other in rearranged(given))
+
+
+def test_what_bends_the_command_is_tried_in_either_order_where_something_else_bends_it_too() -> None:
+    curve, rate = input.Nonlinearity(), input.RateLimit()
+    assert rearranged(Hypothesis((curve,))) == []
+    assert rearranged(Hypothesis((curve, input.Delay()))) == []
+    assert [other.keys for other in rearranged(Hypothesis((curve, rate)))] == [
+        ("input-nonlinearity/first", "input-rate-limit"),
+        ("input-nonlinearity", "input-rate-limit/behind"),
+    ]
+
+
+@pytest.mark.parametrize("group", [*PLACES, *ORDERS])
+def test_forms_of_one_effect_share_its_name_and_numbers(group: tuple[Effect, ...]) -> None:
+    first, *others = (Hypothesis((effect, dynamics.SqrtOutflow("both"))) for effect in group)
+    if group[0].name == "coulomb-friction":
+        first, *others = (Hypothesis((effect,)) for effect in group)
+    for other in others:
+        assert other.names == first.names
+        assert other.keys != first.keys
+        assert other.parameters == first.parameters
+
+
+@pytest.mark.parametrize(
+    ("effect", "expected"),
+    [
+        (None, LEAK),
+        (dynamics.ExtraLag(), LEAK),
+        (dynamics.SqrtOutflow("both"), INNER_LOAD),
+        (dynamics.CubicStiffness(), INNER_LOAD),
+        (dynamics.CoulombFriction("speed"), INNER_LOAD),
+        (drifting.PoleDrift("1"), None),
+    ],
+)
+def test_a_load_grows_with_the_state_as_its_dynamics_hold_it(effect: Effect | None, expected: Effect | None) -> None:
+    hypothesis = LINEAR if effect is None else LINEAR.plus(effect)
+    assert growing(hypothesis.plant) == expected
+    found = [other.effects[-1] for other in rearranged(hypothesis.plus(LOAD)) if other.effects[-1] != LOAD]
+    assert found == [effect for effect in (expected,) if effect is not None]
+
+
+def test_a_given_simulation_holds_no_load_that_grows() -> None:
+    assert growing(Plant(kind="given", run=lambda w: w)) is None
+
+
+def test_a_load_that_grows_on_linear_dynamics_is_also_tried_as_one_that_does_not() -> None:
+    (plain,) = rearranged(Hypothesis((input.DeadZone(), LEAK)))
+    assert plain.effects == (input.DeadZone(), LOAD)
+    assert rearranged(Hypothesis((input.DeadZone(), LEAK), known=2)) == []
+
+
+def test_numbers_are_carried_to_another_form(banded: Explained) -> None:
+    base = banded.path[0]
+    leak = Hypothesis((input.DeadZone(), disturbance.Leak("leak")))
+    theta = np.arange(1.0, len(leak.parameters) + 1.0)
+    (plain,) = rearranged(leak)
+    assert plain.keys == ("input-dead-zone", "load-step")
+    fit = replace(base, hypothesis=leak, theta=theta)
+    names = [p.name for p in leak.parameters]
+    expected = [theta[names.index(p.name)] for p in plain.parameters]
+    np.testing.assert_array_equal(carried(fit, plain), expected)
+    assert plain.parameters[-1].name == "onset"
+
+
+def test_an_inner_load_has_the_onset_of_the_plain_one(banded: Explained) -> None:
+    old = Hypothesis((dynamics.SqrtOutflow("both"), LOAD))
+    fit = replace(banded.path[0], hypothesis=old, theta=np.arange(1.0, len(old.parameters) + 1.0))
+    (grown,) = (other for other in rearranged(old) if other.effects[0] == old.effects[0])
+    assert grown.effects[-1] == INNER_LOAD
+    by_name = dict(zip([p.name for p in old.parameters], fit.theta, strict=True))
+    expected = [by_name.get(p.name, 0.0) for p in grown.parameters]
+    np.testing.assert_array_equal(carried(fit, grown), expected)
+    assert {"load", "leak", "onset"} <= {p.name for p in grown.parameters}
+
+
+@pytest.fixture(scope="module")
+def limited(levels: FloatArray, two_poles: Response) -> tuple[Data, Fit]:
+    """A limited input, and a fit that also lets the gain drift."""
+    u = levels[:400]
+    y = two_poles(np.minimum(u, 0.8))
+    data = data_of(u, y + 0.01 * np.std(y) * np.random.default_rng(4).standard_normal(u.size))
+    hypothesis = Hypothesis((input.Saturation("high"), drifting.GainDrift("1")))
+    theta = np.array([0.0, (0.8 - data.u_scale.centre) / data.u_scale.unit, 0.02, 0.0, np.log(0.5), np.log(0.05)])
+    point = search(data, hypothesis, theta, iterations=0)
+    assert point is not None
+    return data, finish(data, hypothesis, point)
+
+
+def test_without_takes_one_effect_out_and_goes_on_from_the_other_numbers(limited: tuple[Data, Fit]) -> None:
+    data, fit = limited
+    fewer = without(data, fit, 1)
+    assert fewer is not None
+    assert fewer.hypothesis.keys == ("input-saturation/high",)
+    assert data.u_scale.back(fewer.theta[1]) == pytest.approx(0.8, abs=0.01)
+    np.testing.assert_allclose(fewer.rates, [0.5, 0.05], rtol=0.1)
+    other = without(data, fit, 0)
+    assert other is not None
+    assert other.hypothesis.keys == ("parameter-drift/gain-1",)
+    for found in (fewer, other):  # no worse than the same numbers as they are
+        still = search(data, found.hypothesis, carried(fit, found.hypothesis), iterations=0)
+        assert still is not None
+        assert found.cost <= still.cost
+    assert fewer.cost < 0.01 * other.cost
+
+
+def test_without_its_roots_a_tank_is_a_linear_plant_again(limited: tuple[Data, Fit]) -> None:
+    data, _ = limited
+    hypothesis = Hypothesis((input.Saturation("high"), dynamics.SqrtOutflow("both")))
+    theta = np.zeros(len(hypothesis.parameters))
+    theta[1] = (0.8 - data.u_scale.centre) / data.u_scale.unit
+    theta[hypothesis.slices["plant"]][:3] = np.log(6.0), np.log(2.0), -8.0
+    point = search(data, hypothesis, theta, iterations=0)
+    assert point is not None
+    fewer = without(data, finish(data, hypothesis, point), 1)
+    assert fewer is not None
+    assert fewer.hypothesis.plant == Plant()
+    assert fewer.cost < 1e-3
+
+
+def leaking_mass(w: FloatArray, onset: int, held: Response) -> FloatArray:
+    """A hardening spring, another spring beside it from the onset on."""
+
+    def spring(x: FloatArray, k: float) -> list[float]:
+        more = 0.15 if k >= onset else 0.0
+        return [x[1], 0.06 * (w[int(k)] - x[0] * (1.0 + more) - 0.4 * x[0] ** 3) - 0.3 * x[1]]
+
+    return held(np.arange(w.size, dtype=float), np.array([-0.8, 0.0]), spring)[:, 0]
+
+
+def test_a_load_step_on_a_nonlinear_state_grows_where_that_explains_more(levels: FloatArray, held: Response) -> None:
+    u = levels[:400]
+    y = leaking_mass(u, 240, held)
+    data = data_of(u, y + 0.01 * np.std(y) * np.random.default_rng(2).standard_normal(u.size))
+    base = baseline(data)
+    swift = swift_fit(data, base)
+    spring = finished(data, sketches(data, base, (dynamics.CubicStiffness(),), swift))
+    assert spring is not None
+    found = finished(data, sketches(data, spring, (disturbance.LoadStep(),), swift))
+    assert found is not None
+    found = settle(data, found)
+    assert found.hypothesis.keys == ("cubic-stiffness", "load-step/inside")
+    assert rms(data, found) < 0.0105
+    numbers = dict(zip([p.name for p in found.hypothesis.plant.parameters], found.plant_theta, strict=True))
+    assert numbers["onset"] * u.size == pytest.approx(240.0, abs=1.5)
+    assert numbers["leak"] == pytest.approx(0.15, abs=0.03)
+
+
+def test_a_plain_load_stays_one_on_linear_dynamics(levels: FloatArray, two_poles: Response) -> None:
+    load = two_poles((np.arange(levels.size) >= 330).astype(float))
+    y = two_poles(levels) - 0.4 * load + 0.01 * np.random.default_rng(7).standard_normal(levels.size)
+    data = data_of(levels, y)
+    base = baseline(data)
+    found = finished(data, sketches(data, base, (disturbance.LoadStep(),), swift_fit(data, base)))
+    assert found is not None
+    assert found.hypothesis.keys == ("load-step",)
+
+
+@pytest.mark.parametrize("side", ["", "-flipped"])
+@pytest.mark.parametrize("which", ["both", "upper", "lower"])
+@pytest.mark.parametrize("brims", [{}, {"lower": "brim"}, {"upper": "brim"}, {"upper": "brim", "lower": "brim2"}])
+def test_roots_are_tried_at_the_other_outflows_at_the_rates_of_before(
+    banded: Explained, which: str, side: str, brims: dict[str, str]
+) -> None:
+    over = [dynamics.Overflow("both" if len(brims) == 2 else brim) for brim in list(brims)[:1]]
+    hypothesis = Hypothesis((dynamics.SqrtOutflow(which + side), *over))
+    numbers = {"log_a": np.log(0.6), "log_b": np.log(0.2), "zero": -3.0, "h1": 0.3, "h2": 0.2}
+    numbers |= {"brim": 2.0, "brim2": 2.0, "share": 0.4}
+    theta = np.array([numbers.get(p.name, 0.0) for p in hypothesis.parameters])
+    fit = replace(banded.path[0], hypothesis=hypothesis, theta=theta)
+    others = rearranged(hypothesis)
+    assert {other.effects[0].variant for other in others} == {"both" + side, "upper" + side, "lower" + side} - {
+        which + side
+    }
+    for other in others:
+        own = carried(fit, other)[other.slices["plant"]]
+        np.testing.assert_allclose(other.plant.linear_rates(own), fit.rates)
+        found = dict(zip([p.name for p in other.plant.parameters], own, strict=True))
+        assert (found["zero"], found["h1"], found["h2"], found.get("share", 0.4)) == (-3.0, 0.0, 0.0, 0.4)
+        for brim, name in brims.items():  # the level of the same flow
+            before, now = (getattr(one.plant, f"{brim}_root") for one in (hypothesis, other))
+            assert found[name] == pytest.approx(2.0 ** (1.0 + now - before if before <= now else 0.5))
+
+
+@pytest.mark.parametrize(("which", "stop"), [("high", 0.4), ("low", -0.3)])
+def test_one_stop_of_a_sensor_is_also_tried_as_two(banded: Explained, which: str, stop: float) -> None:
+    """The other one begins where the output hardly comes."""
+    hypothesis = Hypothesis((output.Saturation(which), input.Saturation("low")))
+    (both,) = rearranged(hypothesis)
+    assert both.effects == (STOPS, input.Saturation("low"))
+    assert rearranged(both) == []
+    numbers = {"log_c": -1.0, "log_k": -3.0}
+    theta = np.array([numbers.get(p.name, 0.0) for p in hypothesis.parameters])
+    theta[hypothesis.slices[f"output-saturation/{which}"]] = stop
+    theta[hypothesis.slices["input-saturation/low"]] = -0.7
+    fit = replace(banded.path[0], hypothesis=hypothesis, theta=theta)
+    found = carried(fit, both)
+    low, high = found[both.slices["output-saturation/both"]]
+    assert (high if which == "high" else low) == stop
+    beyond = fit.output < low if which == "high" else fit.output > high
+    assert 0.02 < beyond.mean() < 0.04
+    assert found[both.slices["input-saturation/low"]] == -0.7
+
+
+@pytest.mark.parametrize(
+    ("effects", "expected"),
+    [
+        ((), ()),
+        ((input.DeadZone(), output.Saturation("both")), ()),
+        ((output.Nonlinearity(),), (LOAD_WAVE,)),
+        ((dynamics.CubicStiffness(),), (INNER_WAVE,)),
+        ((dynamics.SqrtOutflow("both"), output.Nonlinearity()), (LOAD_WAVE, INNER_WAVE)),
+    ],
+)
+def test_a_wave_is_tried_wherever_that_makes_a_difference(
+    effects: tuple[Effect, ...], expected: tuple[Effect, ...]
+) -> None:
+    found = [other.effects[-1] for other in rearranged(Hypothesis((*effects, WAVE)))]
+    assert [wave for wave in found if wave.name == WAVE.name and wave != WAVE] == list(expected)
+    if LOAD_WAVE in expected:
+        found = [other.effects[-1] for other in rearranged(Hypothesis((*effects, LOAD_WAVE)))]
+        assert WAVE in found
+    assert not {WAVE, LOAD_WAVE} & {
+        other.effects[-1] for other in rearranged(Hypothesis((dynamics.CubicStiffness(), INNER_WAVE)))
+    }
+
+
+@pytest.mark.parametrize(("inner", "outer", "name"), [(INNER_LOAD, LOAD, "onset"), (INNER_WAVE, WAVE, "cycles")])
+def test_on_linear_dynamics_a_load_and_a_wave_are_the_plain_ones_again(
+    limited: tuple[Data, Fit], inner: Effect, outer: Effect, name: str
+) -> None:
+    data, _ = limited
+    hypothesis = Hypothesis((dynamics.CubicStiffness(), dynamics.CoulombFriction("position"), inner))
+    numbers = {"log_c": np.log(0.5), "log_k": np.log(0.05), "onset": 0.4, "cycles": 31.0, "shake_cos": 0.1}
+    theta = np.array([numbers.get(p.name, 0.0) for p in hypothesis.parameters])
+    point = search(data, hypothesis, theta, iterations=0)
+    assert point is not None
+    fit = finish(data, hypothesis, point)
+    still = without(data, fit, 1)
+    assert still is not None
+    assert still.hypothesis.effects == (dynamics.CubicStiffness(), inner)
+    linear = without(data, still, 0)
+    assert linear is not None
+    assert linear.hypothesis.effects == (outer,)
+    assert [p.name for p in linear.hypothesis.parameters][-1] == name
+    assert linear.theta[-1] == pytest.approx(numbers[name], rel=0.2)

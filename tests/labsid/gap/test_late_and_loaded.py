@@ -1,0 +1,101 @@
+"""Plants whose input changes within a sample, and plants on which a load begins."""
+
+import numpy as np
+import pytest
+
+from labsid._arrays import FloatArray
+from labsid.gap._kernels import delayed
+from labsid.gap.plants import Plant
+
+LATE = 0.3  # of a sample
+LINEAR_KINDS = [
+    Plant(),
+    Plant(zero=False, lag=True),
+    Plant(mode=True),
+    Plant(kind="varying", bends=2),
+    Plant(kind="varying", course="step"),
+    Plant(kind="given", run=lambda w: np.cumsum(w)),
+]
+AHEAD = [
+    Plant(kind="tanks", upper_root=True, lag=True, lag_ahead=True),
+    Plant(kind="mechanics", friction=True, mode=True, mode_place="ahead", lag=True, lag_ahead=True),
+]
+NUMBERS = {
+    "log_c": np.log(0.5),
+    "log_k": np.log(0.05),
+    "log_a": np.log(0.3),
+    "log_b": np.log(0.2),
+    "zero": -3.0,
+    "brim": 3.0,
+    "share": 0.4,
+    "friction": 0.2,
+    "cubic": 0.1,
+    "log_lag": 1.0,
+    "log_frequency": -1.0,
+    "log_damping": -2.0,
+    "onset": 0.4,
+}
+
+
+def some_theta(plant: Plant, **changed: float) -> FloatArray:
+    """Numbers at which everything in the plant is at work."""
+    return np.array([(NUMBERS | changed).get(p.name, 0.0) for p in plant.parameters])
+
+
+@pytest.mark.parametrize("plant", LINEAR_KINDS)
+def test_a_linear_plant_is_driven_by_the_mean_over_each_sample(plant: Plant, levels: FloatArray) -> None:
+    theta = some_theta(plant)
+    columns = plant.columns(theta, levels, levels.size, 0.1, LATE)
+    np.testing.assert_allclose(columns, plant.columns(theta, delayed(levels, 0, LATE), levels.size, 0.1), atol=1e-12)
+
+
+@pytest.mark.parametrize(
+    "plant",
+    [
+        Plant(kind="tanks", upper_root=True, lower_root=True, brim=1),
+        Plant(kind="mechanics", cubic=True, friction=True),
+        Plant(kind="mechanics", cubic=True, lag=True),
+        Plant(kind="speed", friction=True, lag_first=True),
+        Plant(kind="speed", friction=True, lag_first=False),
+    ],
+)
+def test_a_nonlinear_state_sees_the_change_within_a_sample(plant: Plant, levels: FloatArray) -> None:
+    """Against ten times as fast a clock: rates of first order by 1/10, of second order by 1/100."""
+    w = levels[:200]
+    quick = {name: NUMBERS[name] - np.log(10.0) for name in ("log_c", "log_a", "log_b")}
+    quick |= {"log_k": NUMBERS["log_k"] - np.log(100.0), "log_lag": NUMBERS["log_lag"] + np.log(10.0)}
+    fine = np.concatenate([np.full(3, w[0]), np.repeat(w, 10)])[: 10 * w.size]
+    expected = plant.columns(some_theta(plant, **quick), fine, fine.size)[::10, 0]
+    found = plant.columns(some_theta(plant), w, w.size, None, LATE)[:, 0]
+    unknowing = plant.columns(some_theta(plant), w, w.size)[:, 0]
+    scale = np.std(expected)
+    assert np.abs(found - expected).max() < 0.02 * scale
+    assert np.abs(unknowing - expected).max() > 3.0 * np.abs(found - expected).max()
+
+
+@pytest.mark.parametrize("plant", AHEAD)
+def test_what_stands_ahead_of_a_nonlinear_state_sees_the_mean(plant: Plant, levels: FloatArray) -> None:
+    theta = some_theta(plant)
+    columns = plant.columns(theta, levels, levels.size, 0.1, LATE)
+    np.testing.assert_array_equal(columns, plant.columns(theta, delayed(levels, 0, LATE), levels.size, 0.1))
+
+
+@pytest.mark.parametrize(
+    "plant",
+    [
+        Plant(kind="tanks", upper_root=True, lower_root=True, loaded=True),
+        Plant(kind="mechanics", cubic=True, loaded=True),
+        Plant(kind="speed", friction=True, loaded=True),
+    ],
+)
+def test_a_load_begins_at_its_onset_and_a_leak_takes_more_where_there_is_more(plant: Plant, levels: FloatArray) -> None:
+    w = np.concatenate([levels[:300], np.full(300, 2.0)])
+    bare = plant.but(loaded=False)
+    without = bare.columns(some_theta(bare), w, w.size)[:, 0]
+    for own in ({"load": 0.3}, {"leak": 0.2}):
+        loaded = plant.columns(some_theta(plant, **own), w, w.size)[:, 0]
+        np.testing.assert_array_equal(loaded[:240], without[:240])
+        assert loaded[241] != without[241]
+        assert loaded[-1] < without[-1] - 0.05
+        # Counted by the span of the fit's record, whatever is played.
+        np.testing.assert_array_equal(plant.columns(some_theta(plant, **own), w[:280], w.size)[:, 0], loaded[:280])
