@@ -95,7 +95,11 @@ class Running:
             If it does not survive that.
         """
         student = self._start()
-        self._bring(student, self._done[: self._done.index(key)])
+        try:
+            self._bring(student, self._done[: self._done.index(key)])
+        except BaseException:
+            student.close()
+            raise
         return student
 
     @contextlib.contextmanager
