@@ -1,7 +1,7 @@
 """A record of an experiment, and the only door through which one comes in."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from os import PathLike
 from pathlib import Path
 from typing import NamedTuple
@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike
 
 from labsid._arrays import FloatArray, as_signal, as_signals, freeze, frozen_array
 from labsid.direction import look_swapped
+from labsid.even_times import even_times
 from labsid.formats import RawRecord, read_raw
 
 # An interval may differ from the usual one by this share of it; more is a gap or a jittering clock.
@@ -42,6 +43,8 @@ class Record:
         The set point of a closed-loop record.
     name : str
         Where it came from, for messages and titles.
+    jitter : float
+        Root mean square of what the stamps in the file are off `t`, in sampling times; 0 where `t` are the stamps.
 
     Raises
     ------
@@ -58,6 +61,7 @@ class Record:
     y_noise_reduced: FloatArray | None = None
     reference: FloatArray | None = None
     name: str = ""
+    jitter: float = 0.0
 
     def __post_init__(self) -> None:
         present = {name: getattr(self, name) for name in _OPTIONAL if getattr(self, name) is not None}
@@ -93,6 +97,7 @@ def load_record(
     output: str = "noise-reduced",
     columns: str | None = None,
     Ts: float | None = None,
+    allow_jitter: bool = False,
 ) -> Record:
     """Read a record from a file: MATLAB's `.mat` in the lab's layout, or delimited text.
 
@@ -107,6 +112,8 @@ def load_record(
         Names or numbers (from 1) of the columns to use: ``"t,u,y"``, or two for ``"u,y"`` with `Ts`.
     Ts : float, optional
         Sampling time in seconds of a file without time; where there is time, it must agree.
+    allow_jitter : bool
+        Put even times in the place of stamps that jitter by up to 0.3 of the sampling time, instead of refusing them.
 
     Returns
     -------
@@ -125,6 +132,7 @@ def load_record(
     describes a file that is refused.
     """
     raw = read_raw(path, output=output, columns=columns, Ts=Ts)
+    raw, jitter = _evened(raw) if allow_jitter else (raw, 0.0)
     faults = find_faults(raw)
     if faults:
         raise ValueError(refusal(path, faults))
@@ -141,6 +149,7 @@ def load_record(
         y_noise_reduced=raw.y_noise_reduced,
         reference=raw.reference,
         name=raw.name,
+        jitter=jitter,
     )
 
 
@@ -239,6 +248,16 @@ def _sampling_faults(raw: RawRecord) -> list[Fault]:
     if not faults and raw.Ts is not None:
         faults = _disagreement(sampling_time(raw.t), raw.Ts, raw.t.size)
     return faults
+
+
+def _evened(raw: RawRecord) -> tuple[RawRecord, float]:
+    """The same with even times where its stamps jitter, and by how much they do; stamps that are good stay."""
+    if raw.t is None or raw.t.size < 2 or not is_sound(raw.t):
+        return raw, 0.0
+    even = even_times(raw.t)
+    if even is None or (even.jitter <= REGULAR_WITHIN and not _time_faults(raw.t)):
+        return raw, 0.0
+    return replace(raw, t=even.t), even.jitter
 
 
 def _time_faults(t: FloatArray) -> list[Fault]:

@@ -200,3 +200,72 @@ def test_the_real_records_swapped_are_refused(shared_data):
         loaded = load_record(shared_data / path, **options)
         (fault,) = find_faults(RawRecord(loaded.t, loaded.y, loaded.u))
         assert fault.topic == "signals"
+
+
+def stamped(t):
+    """A record of even levels with these stamps, as text."""
+    k = np.arange(t.size)
+    return "t,u,y\n" + "".join(f"{a!r},{b},{c}\n" for a, b, c in zip(t.tolist(), k % 7 % 3, np.sin(k), strict=True))
+
+
+def test_stamps_that_jitter_are_evened_where_that_is_asked_for_only(write_text):
+    t = 0.05 * (np.arange(400) + 0.03 * np.random.default_rng(1).standard_normal(400))
+    path = write_text(stamped(t))
+    with pytest.raises(ValueError, match=r"sampling is irregular: .* read it without them \(columns u,y and Ts\)"):
+        load_record(path)
+    loaded = load_record(path, allow_jitter=True)
+    assert loaded.Ts == 0.05
+    assert loaded.jitter == pytest.approx(np.std(t / 0.05 - np.arange(400)), rel=0.01)
+    np.testing.assert_allclose(np.diff(loaded.t), 0.05, rtol=1e-9)
+    assert np.abs(loaded.t - t).max() < 0.2 * 0.05
+    assert load_record(path, Ts=0.05, allow_jitter=True).Ts == 0.05
+    with pytest.raises(ValueError, match=r"Ts = 0.06 s disagrees with the times, which step by 0.05 s"):
+        load_record(path, Ts=0.06, allow_jitter=True)
+
+
+def test_milliseconds_at_30_hz_are_even_times(write_text):
+    path = write_text(stamped(np.round(np.arange(400) / 30, 3)))
+    assert load_record(path, allow_jitter=True).Ts == pytest.approx(1 / 30, rel=1e-9)
+    with pytest.raises(ValueError, match="sampling is irregular"):
+        load_record(path)
+
+
+def test_good_stamps_stay_as_they_are(write_text):
+    t = 3.0 + 0.05 * (np.arange(400) + 0.001 * np.random.default_rng(1).standard_normal(400))
+    path = write_text(stamped(t))
+    strict, lenient = load_record(path), load_record(path, allow_jitter=True)
+    np.testing.assert_array_equal(lenient.t, t)
+    assert (lenient.Ts, lenient.jitter) == (strict.Ts, 0.0)
+
+
+def test_a_clock_that_wanders_in_small_steps_is_evened_too(write_text):
+    k = np.arange(400)
+    path = write_text(stamped(0.05 * (k + 0.2 * np.sin(2 * np.pi * k / 200))))
+    assert load_record(path).jitter == 0.0
+    assert load_record(path, allow_jitter=True).jitter == pytest.approx(0.13, abs=0.02)
+
+
+@pytest.mark.parametrize(
+    ("stamps", "message"),
+    [
+        (lambda k: np.delete(0.05 * np.append(k, 400), 150), r"irregular: 0.05 s as a rule, but 0.1 s from sample 149"),
+        (lambda k: 0.05 * (k + 0.35 * (k == 150)), r"irregular: 0.05 s as a rule, but 0.0675 s from sample 149"),
+        (lambda k: 0.05 * (k - 1.0 * (k == 150)), r"time stands still from sample 149"),
+        (lambda k: 0.05 * (k - 1.5 * (k == 150)), r"time goes backwards from sample 149"),
+    ],
+)
+def test_what_is_worse_than_jitter_is_refused_as_ever(write_text, stamps, message):
+    path = write_text(stamped(stamps(np.arange(400))))
+    for allow_jitter in (False, True):
+        with pytest.raises(ValueError, match=message):
+            load_record(path, allow_jitter=allow_jitter)
+
+
+def test_a_broken_time_column_is_still_refused_where_jitter_is_allowed(write_text):
+    for text, message in (
+        ("t,u,y\n0,1,2\nnan,1,2\n2,1,2\n", "t must be finite; got nan at sample 1"),
+        ("t,u,y\n0,1,2\n1e200,1,2\n2e200,1,2\n", "t must be below"),
+        ("t,u,y\n0,1,2\n", "t must have at least 2 samples"),
+    ):
+        with pytest.raises(ValueError, match=message):
+            load_record(write_text(text), allow_jitter=True)
