@@ -61,10 +61,10 @@ def diagnose(
         check_writable(path)
         _refuse_overwriting(path, [record, holdout, sim, *written[:number]])
     stretches = [_stretch(text) for text in exclude or ()]
-    loaded = load_record(record, output=output, columns=columns, Ts=Ts)
+    loaded = load_record(record, output=output, columns=columns, Ts=Ts, allow_jitter=True)
     other = None
     if holdout is not None:
-        other = load_record(holdout, output=output, columns=holdout_columns or columns, Ts=Ts)
+        other = load_record(holdout, output=output, columns=holdout_columns or columns, Ts=Ts, allow_jitter=True)
     simulation = None if sim is None else load_simulation(sim, loaded)
     with _progress() as progress:
         found = answer(
@@ -116,14 +116,17 @@ def simulate(
     Ts: SamplingTime = None,
 ) -> None:
     """Play a simulation on a record's input, its initial state estimated from the first 50 samples."""
+    from labsid.gap.clock import clock_findings
     from labsid.gap.simulations import play, write_played
     from labsid.record import load_record
 
-    loaded = load_record(record, output=output, columns=columns, Ts=Ts)
+    loaded = load_record(record, output=output, columns=columns, Ts=Ts, allow_jitter=True)
     played = play(model, loaded)
     if out is not None:
         write_played(out, loaded, played.y)
     print(f"{len(loaded)} samples, free run: rmse {played.rmse:.6g} behind the first {played.start} samples")
+    for finding in clock_findings(loaded):
+        print(f"note: {finding.text}")
 
 
 @gap.command()

@@ -34,11 +34,15 @@ def section(w: FloatArray, a1: float, a2: float) -> FloatArray:
 
 
 @compiled()
-def delayed(w: FloatArray, whole: int, part: float) -> FloatArray:
-    """`w` later by `whole` samples and a part of one, between samples by interpolation; before the record it stood."""
+def delayed(w: FloatArray, whole: int, part: float, away: float = 0.0) -> FloatArray:
+    """`w` later by `whole` samples and a part of one, between samples by interpolation.
+
+    Before the record it stood where it begins, or so far `away`.
+    """
     out = np.empty(w.size)
     for k in range(w.size):
-        now, before = w[max(k - whole, 0)], w[max(k - whole - 1, 0)]
+        now = w[k - whole] if k >= whole else w[0] + away
+        before = w[k - whole - 1] if k > whole else w[0] + away
         out[k] = (1.0 - part) * now + part * before
     return out
 
@@ -98,3 +102,15 @@ def whiten(X: FloatArray, ar: FloatArray) -> FloatArray:
                 value -= ar[i] * X[k - 1 - i, j]
             out[j, k] = value
     return out.T
+
+
+@compiled()
+def piecewise(x: FloatArray, knots: FloatArray, powers: FloatArray) -> FloatArray:
+    """Cubics of x, one for every stretch between `knots`; row j of `powers`, lowest first, behind j of them."""
+    out = np.empty(x.size)
+    for k in range(x.size):
+        at, j = x[k], 0
+        while j < knots.size and at > knots[j]:
+            j += 1
+        out[k] = powers[j, 0] + at * (powers[j, 1] + at * (powers[j, 2] + at * powers[j, 3]))
+    return out

@@ -49,31 +49,55 @@ def tanks(
     """
     out = np.empty(w.size)
     h = 1.0 / substeps
+    keep1 = math.exp(-a1 * h)
     for k in range(w.size):
         out[k] = h2
         on = min(max(k + 1.0 - onset, 0.0), 1.0)
         pull = on * load + _wave(cosine, sine, frequency, k)
+        restoring = 1.0 + on * leak
+        keep2 = math.exp(-a2 * restoring * h)
         for j in range(substeps):
             flow = _held(w, k, late * substeps - j)
-            f1 = math.sqrt(max(h1, 0.0)) if root1 else h1
-            half1 = min(h1 + 0.5 * h * a1 * (flow - f1), brim1)
-            into = math.sqrt(max(half1, 0.0)) if root1 else half1
-            h1 += h * a1 * (flow - into)
-            if h1 > brim1:
-                into += share * (h1 - brim1) / (a1 * h)
-                h1 = brim1
-            f2 = math.sqrt(max(h2, 0.0)) if root2 else h2
-            half2 = min(h2 + 0.5 * h * a2 * (into - f2 - pull - on * leak * h2), brim2)
-            f2 = math.sqrt(max(half2, 0.0)) if root2 else half2
-            h2 = min(h2 + h * a2 * (into - f2 - pull - on * leak * half2), brim2)
-            if root1 and h1 < 0.0:
-                h1 = 0.0
-            if root2 and h2 < 0.0:
-                h2 = 0.0
+            if root1:
+                half1 = min(h1 + 0.5 * h * a1 * (flow - math.sqrt(max(h1, 0.0))), brim1)
+                into = math.sqrt(max(half1, 0.0))
+                h1 += h * a1 * (flow - into)
+                if h1 > brim1:
+                    into += share * (h1 - brim1) / (a1 * h)
+                    h1 = brim1
+                h1 = max(h1, 0.0)
+            else:
+                h1, into = _linear_tank(h1, flow, a1, keep1, brim1, share, h)
+            if root2:
+                half2 = min(h2 + 0.5 * h * a2 * (into - math.sqrt(max(h2, 0.0)) - pull - on * leak * h2), brim2)
+                half2 = max(half2, 0.0)
+                h2 += h * a2 * (into - math.sqrt(half2) - pull - on * leak * half2)
+                h2 = max(h2, 0.0)
+            else:
+                end = (into - pull) / restoring
+                h2 = end + (h2 - end) * keep2
+            h2 = min(h2, brim2)
         if not (abs(h2) < FAR and abs(h1) < FAR):
             out[k:] = np.nan
             break
     return out
+
+
+@compiled()
+def _linear_tank(
+    level: float, flow: float, rate: float, keep: float, brim: float, share: float, h: float
+) -> tuple[float, float]:
+    """Exact step of level' = rate (flow - level) up to a brim: the new level, and the mean of what leaves it below.
+
+    `keep` is exp(-rate h). Of what goes over the brim the `share` is caught below.
+    """
+    new = flow + (level - flow) * keep
+    if new <= brim:
+        return new, flow - (new - level) / (rate * h)
+    filling = math.log((flow - level) / (flow - brim)) / rate if level < brim else 0.0
+    over = (h - filling) / h
+    below = (flow * filling - (brim - level) / rate) / h if level < brim else 0.0
+    return brim, below + brim * over + share * max(flow - brim, 0.0) * over
 
 
 @compiled()
@@ -215,7 +239,7 @@ def speed(
             drive = _held(w, n, late * substeps - j)
             if lag_first:
                 new_i = drive + (i - drive) * keep_b
-                drive = 0.5 * (i + new_i)
+                drive -= (new_i - i) / (b * h)  # its mean over the step
                 i = new_i
             drive -= pull + on * leak * v
             before = v

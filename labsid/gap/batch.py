@@ -149,8 +149,8 @@ def _answer(task: dict[str, Any]) -> dict[str, Any]:
     from labsid.record import load_record
 
     try:
-        record = load_record(task["record"])
-        holdout = None if task["holdout"] is None else load_record(task["holdout"])
+        record = load_record(task["record"], allow_jitter=True)
+        holdout = None if task["holdout"] is None else load_record(task["holdout"], allow_jitter=True)
         simulation = None if task["sim"] is None else load_simulation(Path(task["sim"]), record)
         report = diagnose(record, simulation, holdout=holdout, seed=task["seed"]).report
         json.dumps(report, allow_nan=False)

@@ -10,7 +10,7 @@ from labsid.gap.context import Context, Data
 from labsid.gap.effects import disturbance, drifting, dynamics, input, output
 from labsid.gap.effects.base import Effect, Fitted, InputEffect, PlantEffect
 from labsid.gap.fitting import Fit, Point, at_start, finish, search
-from labsid.gap.forms import LEAK, LOAD, carried, growing
+from labsid.gap.forms import INNER_LOAD, LEAK, LOAD, carried, growing
 from labsid.gap.hypothesis import Hypothesis
 from labsid.gap.plants import Plant
 from labsid.gap.responses import real_rates
@@ -18,6 +18,8 @@ from labsid.gap.responses import real_rates
 LINEAR = Hypothesis()
 PROMISING = 8  # starts of one variant that are followed
 FELT, FOUND = 2.0, 0.5  # rates, a sample
+AT_ONCE = 30.0  # rate, a sample, of a state that is none
+QUICK = 1.0  # rate, a sample, of a state that could hardly be seen to be nonlinear
 SLOW_AGAIN = 10.0  # rate of a pole that a fit has lost, in the record
 BRIEFLY = 3  # of all variants of a second or third effect
 
@@ -38,7 +40,7 @@ CANDIDATES: tuple[tuple[Effect, ...], ...] = (
     tuple(output.Drift(variant) for variant in ("1", "3", "6", "10", "16", "settle")),
     (output.Saturation("high"), output.Saturation("low"), output.Saturation("both")),
     (output.Nonlinearity(),),
-    (disturbance.LoadStep(), disturbance.Leak("leak")),
+    (disturbance.LoadStep(), disturbance.Leak("leak"), INNER_LOAD),
     (disturbance.Periodic(),),
 )
 
@@ -121,7 +123,7 @@ def sketches(data: Data, parent: Fit, group: tuple[Effect, ...], swift: Fit, bri
     looked = []
     for effect in group:
         if effect.applies(context) and compatible(parent, effect):
-            hypothesis = parent.hypothesis.plus(effect)
+            hypothesis = _housed(parent.hypothesis, effect)
             tried = [
                 (at_start(data, hypothesis, theta), hypothesis, theta) for theta in starts(context, hypothesis, effect)
             ]
@@ -147,9 +149,7 @@ def _briefly(looked: list[tuple[float, Hypothesis, FloatArray]]) -> list[tuple[f
 
 def onward(data: Data, tried: list[Sketch]) -> list[Sketch]:
     """The same sketches, the best of them a few steps further."""
-    first = tried[0]
-    point = search(data, first.hypothesis, first.point.theta, first.point.gains, iterations=4, tolerance=1e-2)
-    return [first if point is None else _sketch(data, first.hypothesis, point), *tried[1:]]
+    return [_further(data, tried[0], 4), *tried[1:]]
 
 
 def _sketch(data: Data, hypothesis: Hypothesis, point: Point) -> Sketch:
@@ -165,20 +165,34 @@ def _first(item: tuple[float, Hypothesis, FloatArray]) -> float:
 def finished(data: Data, tried: list[Sketch], kept: int = 3) -> Fit | None:
     """The best of a few sketches, taken to the end; None where none of them is the effect it says it is."""
     best: Fit | None = None
-    for sketch in _various(tried, kept):
+    for sketch in _various(_raced(data, tried, 2 * kept), kept):
         end = search(data, sketch.hypothesis, sketch.point.theta, sketch.point.gains, iterations=25, tolerance=1e-5)
         if end is None:
             continue
         fit = finish(data, sketch.hypothesis, end)
         for one in (fit, _growing(data, fit)):
-            if one is not None and _holds(data, one) and (best is None or price(one) < price(best)):
+            if one is not None and holds(data, one) and (best is None or price(one) < price(best)):
                 best = one
     return best
 
 
-def _holds(data: Data, fit: Fit) -> bool:
-    """Whether the last effect is, by its numbers, the one that it says it is."""
-    return fit.hypothesis.effects[-1].holds(Fitted(fit.hypothesis, fit.theta, fit.gains, data))
+def _raced(data: Data, tried: list[Sketch], count: int) -> list[Sketch]:
+    """The first few sketches some steps further, in their new order: the best start is not always ahead at once."""
+    if len(tried) <= count // 2:
+        return tried
+    return sorted((_further(data, sketch, 6) for sketch in tried[:count]), key=lambda sketch: sketch.score)
+
+
+def _further(data: Data, sketch: Sketch, iterations: int) -> Sketch:
+    start = sketch.point
+    point = search(data, sketch.hypothesis, start.theta, start.gains, iterations=iterations, tolerance=1e-2)
+    return sketch if point is None else _sketch(data, sketch.hypothesis, point)
+
+
+def holds(data: Data, fit: Fit, last: int = 1) -> bool:
+    """Whether the `last` effects are, by their numbers, the ones that they say they are."""
+    fitted = Fitted(fit.hypothesis, fit.theta, fit.gains, data)
+    return all(effect.holds(fitted) for effect in fit.hypothesis.effects[-last:])
 
 
 def _growing(data: Data, fit: Fit) -> Fit | None:
@@ -232,9 +246,10 @@ def starts(context: Context, hypothesis: Hypothesis, effect: Effect) -> Iterable
     if not hypothesis.slices_has_delay and not parent.hypothesis.slices_has_delay:
         common[0] = parent.theta[0]
     for key, place in parent.hypothesis.slices.items():
-        if key != "plant":
+        if key != "plant" and key in hypothesis.slices:
             common[hypothesis.slices[key]] = parent.theta[place]
     place = hypothesis.slices["plant"]
+    load = _load_inside(context) if INNER_LOAD in hypothesis.effects and LOAD in parent.hypothesis.effects else {}
     in_plant = isinstance(effect, PlantEffect)
     named_starts = effect.plant_starts(context) if isinstance(effect, PlantEffect) else [{}]
     own_starts = [np.zeros(0)] if in_plant else effect.starts(context)
@@ -242,10 +257,27 @@ def starts(context: Context, hypothesis: Hypothesis, effect: Effect) -> Iterable
         for named in named_starts:
             for own in own_starts:
                 full = common.copy()
-                full[place] = _with(hypothesis.plant, base, named)
+                full[place] = _with(hypothesis.plant, base, load | named)
                 if not in_plant:
                     full[hypothesis.slices[effect.key]] = own
                 yield full
+
+
+def _housed(old: Hypothesis, effect: Effect) -> Hypothesis:
+    """One effect more; a load that the parent has goes inside the dynamics, if the effect makes a state nonlinear."""
+    new = old.plus(effect)
+    if not new.plant.nonlinear or LOAD not in old.effects:
+        return new
+    return Hypothesis(tuple(INNER_LOAD if one == LOAD else one for one in new.effects), old.known, old.given)
+
+
+def _load_inside(context: Context) -> dict[str, float]:
+    """A load step of the parent as the change of the input that would do the same to the output."""
+    fit = context.parent
+    size = LOAD.change(Fitted(fit.hypothesis, fit.theta, fit.gains, context.data))
+    gain = context.gain
+    onset = float(fit.theta[fit.hypothesis.slices[LOAD.key]][0])
+    return {"onset": onset, "load": float(np.clip(-size / gain, -20.0, 20.0)) if gain else 0.0}
 
 
 def _plant_bases(context: Context, new: Plant) -> list[FloatArray]:
@@ -259,6 +291,8 @@ def _plant_bases(context: Context, new: Plant) -> list[FloatArray]:
     slow, fast = real_rates(*context.rates)
     if fast > FELT:  # a pole that a fit has lost: nothing would draw it back
         rates.append((slow + FOUND, slow * FOUND))
+    if new.kind in ("tanks", "speed") and old.kind == "linear":  # one tank, one inertia
+        rates += [(rate + AT_ONCE, rate * AT_ONCE) for rate in _single(context, slow, fast)]
     bases = []
     for n, (c, k) in enumerate(rates):
         for base in new.starts(c, k):
@@ -273,6 +307,15 @@ def _plant_bases(context: Context, new: Plant) -> list[FloatArray]:
                     bases.append(swapped)
                 break
     return bases
+
+
+def _single(context: Context, slow: float, fast: float) -> list[float]:
+    """Rates of one state that may have to do for both: that of the whole, and either pole, without near equals."""
+    found: list[float] = []
+    for rate in (1.0 / max(context.settling, 1e-9), fast, slow):
+        if 1.0 / context.data.samples < rate < QUICK and all(abs(np.log(rate / other)) > 0.5 for other in found):
+            found.append(rate)
+    return found
 
 
 def _with(plant: Plant, base: FloatArray, named: dict[str, float]) -> FloatArray:

@@ -12,6 +12,9 @@ if TYPE_CHECKING:
     from labsid.gap.fitting import Fit
 
 
+LONG_STEP = 2000  # samples that a step of the input is followed for
+
+
 @dataclass(frozen=True, slots=True)
 class Scale:
     """From the record's units to the search's: value = centre + unit * scaled.
@@ -118,6 +121,25 @@ class Context:
     def rates(self) -> tuple[float, float]:
         """c and k of the parent's linear dynamics."""
         return self.parent.rates
+
+    @property
+    def gain(self) -> float:
+        """Change of the parent's output, long after a step of the input by one; zero where there is none."""
+        step = self._step
+        gain = float(step[-1] - step[0])
+        return gain if np.isfinite(gain) else 0.0
+
+    @property
+    def settling(self) -> float:
+        """Mean time in samples in which the parent's output follows a step of the input; zero where it does not."""
+        step, gain = self._step, self.gain
+        return max(float(np.sum((step[-1] - step[1:]) / gain)) - 0.5, 0.0) if gain else 0.0
+
+    @property
+    def _step(self) -> FloatArray:
+        fit, step = self.parent, np.repeat((0.0, 1.0), LONG_STEP)
+        outputs = [fit.hypothesis.output(fit.theta, fit.gains, u) for u in (step, np.zeros_like(step))]
+        return np.asarray(outputs[0] - outputs[1])[LONG_STEP - 1 :]  # without loads, drifts and waves
 
     @property
     def swift_rates(self) -> tuple[float, float]:

@@ -33,18 +33,22 @@ class Evidence(NamedTuple):
         The same of its magnitude.
     tails : float
         Logarithm of the kurtosis over that of normal noise.
+    short : float
+        How much of the gap the explanation leaves open on samples that no fit has seen, beyond what chance does.
     """
 
     colour: float = 0.0
     repeats: float = 0.0
     activity: float = 0.0
     tails: float = 0.0
+    short: float = 0.0
 
 
-PRIOR = 3.4
-AGAINST = Evidence(colour=-4.2, repeats=-3.4, activity=-1.0, tails=-2.5)
-PATCHES = {2: -2.5, 3: -1.3}  # at so many effects
-CLOSED = 1.05
+PRIOR = 3.45
+AGAINST = Evidence(colour=-5.2, repeats=-6.0, activity=-3.0, tails=-4.0, short=-4.0)
+PATCHED = -2.0  # by two effects or more
+SHRUNK = 0.33
+BY_CHANCE = 0.1  # of the gap
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -75,7 +79,13 @@ class Decision:
     closed: float
 
 
-def decide(explained: Explained, left: Leftover, given: Fit | None, unrepeated: float = 0.0) -> Decision:
+def decide(
+    explained: Explained,
+    left: Leftover,
+    given: Fit | None,
+    unrepeated: float = 0.0,
+    closed: float | None = None,
+) -> Decision:
     """Weigh the candidates of the accepted level against each other, and the explanation against what it leaves.
 
     Parameters
@@ -88,6 +98,8 @@ def decide(explained: Explained, left: Leftover, given: Fit | None, unrepeated: 
     unrepeated : float
         Where most of the gap is that the output does not come back to its levels at the same input: how much of that
         the accepted explanation leaves, zero for all explained.
+    closed : float, optional
+        Share of the gap that the explanation closes on samples that no fit has seen.
     """
     level = len(explained.best.hypothesis.names)
     weights = _weights(explained, level)
@@ -96,7 +108,7 @@ def decide(explained: Explained, left: Leftover, given: Fit | None, unrepeated: 
     noise = is_noise(left, converted)
     # What repeats itself with the input is no noise of the sensor, however slow it is.
     added = explained.added if noise else tuple(name for name in explained.added if name != "coloured-noise")
-    trust = trusted(explained, left)
+    trust = trusted(explained, left, closed)
     if unrepeated > UNREPEATED and not converted:
         trust *= LEVELS_LEFT
     probability = {name: trust * sum(w for names, w in weights.items() if name in names) for name in simulated}
@@ -130,7 +142,7 @@ def _weights(explained: Explained, level: int) -> dict[tuple[str, ...], float]:
     return {names: weight / total for names, weight in raw.items()}
 
 
-def trusted(explained: Explained, left: Leftover) -> float:
+def trusted(explained: Explained, left: Leftover, closed: float | None = None) -> float:
     """Probability that the accepted explanation, `none` included, is the right one, by what it leaves.
 
     A logistic regression on the `dev` records of the sealed check. The right explanation leaves white noise, or that of
@@ -152,12 +164,19 @@ def trusted(explained: Explained, left: Leftover) -> float:
             repeats=float(np.sqrt(max(left.repeats if left.repeats_z > 2.0 else 0.0, left.explained, 0.0))),
             activity=float(np.sqrt(max(left.activity, 0.0))) if left.activity_z > 3.0 else 0.0,
             tails=float(np.log(max(left.tails, 3.0) / 3.0)),
+            short=_shortfall(explained, closed),
         )
-    patches = sum(weight for count, weight in PATCHES.items() if steps >= count)
-    closed = 0.5 * float(np.log(power(explained.data, path[0]) / max(power(explained.data, path[-1]), 1e-300)))
-    score = PRIOR + patches + CLOSED * min(max(closed, 0.0), 4.0)
+    shrunk = 0.5 * float(np.log(power(explained.data, path[0]) / max(power(explained.data, path[-1]), 1e-300)))
+    score = PRIOR + PATCHED * (steps >= 2) + SHRUNK * min(max(shrunk, 0.0), 4.0)
     score += sum(weight * seen for weight, seen in zip(AGAINST, evidence, strict=True))
     return float(1.0 / (1.0 + np.exp(-score)))
+
+
+def _shortfall(explained: Explained, closed: float | None) -> float:
+    """What stays open of the gap, beyond chance; of coloured noise nobody knows the floor."""
+    if closed is None or len(explained.path) == 1 or "coloured-noise" in explained.added:
+        return 0.0
+    return float(np.clip(1.0 - closed - BY_CHANCE, 0.0, 1.0))
 
 
 def closing(explained: Explained, left: Leftover, added: tuple[str, ...]) -> float:

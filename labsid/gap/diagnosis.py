@@ -9,6 +9,7 @@ import numpy as np
 from labsid._arrays import FloatArray
 from labsid.gap.answer import answer
 from labsid.gap.baseline import Baseline, Simulation, as_running, baseline_of, bounded
+from labsid.gap.clock import clock_findings, in_step
 from labsid.gap.context import scaled
 from labsid.gap.decide import decide
 from labsid.gap.effects.base import AdditiveEffect
@@ -80,7 +81,9 @@ def diagnose(
     ValueError
         If the record is too short or its input or output is constant, or the simulation does not fit it.
     """
+    record, holdout = _in_step(record, holdout, simulation)
     _check(record, holdout)
+    clocks = clock_findings(record, holdout)
     whole, part = record, part_of(record, simulation)
     record, simulation, notes = part.record, part.simulation, part.notes
     if holdout is not None:
@@ -105,10 +108,11 @@ def diagnose(
     before, after = (np.asarray(data.y_scale.back(output)) for output in ends)
     plateau = plateau_gap(record.u, record.y, before, after, explained.data.rows)
     unrepeated = plateau.left if plateau is not None and plateau.matters else 0.0
-    decision = decide(explained, left, base.before, unrepeated)
+    decision = decide(explained, left, base.before, unrepeated, amount.closed)
     model = running_model(explained.data, amount.after_fit)
     report = answer(record, explained, base, decision, left, amount, rng, holdout)
-    seen = record_findings(whole, plateau) + error_findings(record.u, record.y, before, after, explained.data.rows)
+    seen = [*clocks, *record_findings(whole, plateau)]
+    seen += error_findings(record.u, record.y, before, after, explained.data.rows)
     report["record"]["samples"] = len(whole)
     report["record_findings"] = [asdict(finding) for finding in seen]
     report["plateaus"] = None if plateau is None else asdict(plateau)
@@ -165,6 +169,22 @@ def behind_filter(record: Record) -> FloatArray:
     length = filter_length(record)
     padded = np.concatenate([np.full(length - 1, record.u[0]), record.u])
     return np.convolve(padded, np.full(length, 1.0 / length), mode="valid")
+
+
+def _in_step(record: Record, holdout: Record | None, simulation: Simulation | None) -> tuple[Record, Record | None]:
+    """Both records at one sampling time, as far as clocks that jitter leave it open.
+
+    It is that of the simulation if that has one, or of a holdout whose clock does not jitter, or else of the record.
+    """
+    if isinstance(simulation, RunningModel):
+        record = in_step(record, simulation.Ts)
+    elif isinstance(simulation, dict):
+        record = in_step(record, simulation.get("dt", simulation.get("Ts")))
+    if holdout is None:
+        return record, None
+    if not holdout.jitter:
+        record = in_step(record, holdout.Ts)
+    return record, in_step(holdout, record.Ts)
 
 
 def _check(record: Record, holdout: Record | None) -> None:

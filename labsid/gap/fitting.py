@@ -54,6 +54,12 @@ class Fit:
         return self.hypothesis.plant.linear_rates(self.plant_theta)
 
     @property
+    def onset(self) -> float | None:
+        """When a load begins, as a share of the record; None where none does."""
+        names = [parameter.name for parameter in self.hypothesis.parameters]
+        return float(self.theta[names.index("onset")]) if "onset" in names else None
+
+    @property
     def free(self) -> int:
         """How many numbers were fitted."""
         return self.theta.size + int(np.count_nonzero(self.gains))

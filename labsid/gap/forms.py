@@ -4,11 +4,11 @@ import numpy as np
 
 from labsid._arrays import FloatArray
 from labsid.gap.context import Data
-from labsid.gap.effects import disturbance, dynamics, input, output
+from labsid.gap.effects import curves, disturbance, dynamics, input, output
 from labsid.gap.effects.base import Effect
 from labsid.gap.fitting import Fit, finish, search
 from labsid.gap.hypothesis import Hypothesis
-from labsid.gap.plants import Plant
+from labsid.gap.plants import LEAST_FLOW, Plant
 
 AT_STOP = 0.03  # of the samples, where a stop is tried
 FEW = 6  # iterations after an effect was taken out
@@ -24,6 +24,17 @@ ORDERS: tuple[tuple[Effect, ...], ...] = (
     (input.Nonlinearity(), input.Nonlinearity("first")),
 )
 """What may stand at several places of the actuator, which are the same where nothing else bends the command."""
+SWITCHED: dict[Effect, tuple[Effect, ...]] = {
+    input.Delay(): (input.Delay("switched"), input.Delay("no-zero switched")),
+    input.Delay("no-zero"): (input.Delay("no-zero switched"),),
+    input.RateLimit(): (input.RateLimit("switched"),),
+}
+"""What remembers the command, where the record begins with a new one."""
+RICHER: dict[Effect, Effect] = {
+    input.Nonlinearity(): input.Nonlinearity("rich"),
+    output.Nonlinearity(): output.Nonlinearity("rich"),
+}
+"""Cubic curves, and splines."""
 LOAD, LEAK, INNER_LOAD = disturbance.LoadStep(), disturbance.Leak("leak"), disturbance.InnerLoad("inside")
 """A special case, and the general ones on linear and on nonlinear dynamics, whose search begins at what it finds."""
 
@@ -34,6 +45,10 @@ ROOTS: dict[str, tuple[Effect, ...]] = {
     for side in ("", "-flipped")
 }
 """By variant, the other outflows that may go with the root."""
+BRIMS: dict[str, Effect] = {
+    which + side: dynamics.Overflow("both" + side) for which in ("upper", "lower") for side in ("", "-flipped")
+}
+"""By variant, the general case of a brim."""
 STOP_LOW, STOP_HIGH, STOPS = output.Saturation("low"), output.Saturation("high"), output.Saturation("both")
 WAVE, LOAD_WAVE, INNER_WAVE = (
     disturbance.Periodic(),
@@ -52,6 +67,9 @@ def rearranged(hypothesis: Hypothesis) -> list[Hypothesis]:
         if effect.name == WAVE.name and not isinstance(effect, disturbance.InnerPeriodic):
             forms += [other for other in _waves(hypothesis) if other != effect]
         forms += [other for other in ROOTS.get(effect.variant, ()) if effect.name == "sqrt-outflow"]
+        forms += [*SWITCHED.get(effect, ()), *([RICHER[effect]] if effect in RICHER else [])]
+        if effect.name == "overflow" and effect.variant in BRIMS:
+            forms.append(BRIMS[effect.variant])
         if effect in (STOP_LOW, STOP_HIGH):
             forms.append(STOPS)
         groups = PLACES if hypothesis.plant.nonlinear else ()
@@ -91,6 +109,9 @@ def carried(fit: Fit, other: Hypothesis) -> FloatArray:
     for key, place in other.slices.items():
         if key != "plant" and key in old.slices:
             theta[place] = fit.theta[old.slices[key]]
+    for plain, rich in RICHER.items():
+        if rich in other.effects and plain in old.effects:
+            theta[other.slices[rich.key]] = curves.richer(fit.theta[old.slices[plain.key]])
     if not other.slices_has_delay:
         theta[0] = fit.theta[0]
     if STOPS in other.effects and STOPS not in old.effects:
@@ -98,15 +119,31 @@ def carried(fit: Fit, other: Hypothesis) -> FloatArray:
         missing = 0 if STOP_HIGH in old.effects else 1
         stops[missing] = np.quantile(fit.output, (AT_STOP, 1.0 - AT_STOP)[missing])
     if old.plant.kind == other.plant.kind == "tanks":
+        _rebrim(fit, other.plant, theta[other.slices["plant"]])
         _reroot(old.plant, other.plant, theta[other.slices["plant"]])
     return theta
+
+
+def _rebrim(fit: Fit, new: Plant, theta: FloatArray) -> None:
+    """Give the other tank a brim a little below its highest level; in place."""
+    old, own = fit.hypothesis.plant, fit.plant_theta
+    if new.brim != 3 or old.brim not in (1, 2):
+        return
+    level = (fit.output - fit.gains[1]) / (fit.gains[0] or 1.0)
+    top = float(np.quantile(level, 1.0 - AT_STOP))
+    if old.brim == 1:
+        theta[new.index("brim2")] = top
+        return
+    theta[new.index("brim2")] = own[old.index("brim")]
+    flow = np.sqrt(max(top, 0.0)) if old.lower_root else top
+    theta[new.index("brim")] = flow**2 if old.upper_root else flow
 
 
 def _reroot(old: Plant, new: Plant, theta: FloatArray) -> None:
     """Let tanks run at the rates of before, their roots at other outflows; in place."""
     if not ((old.upper_root or old.lower_root) and (new.upper_root or new.lower_root)):
         return
-    slope = 2.0 * max(-float(theta[new.index("zero")]), 0.25)  # of the square of the mean flow
+    slope = 2.0 * max(-float(theta[new.index("zero")]), LEAST_FLOW)  # of the square of the mean flow
     changed = (int(new.upper_root) - int(old.upper_root), int(new.lower_root) - int(old.lower_root))
     for sign, rate, brims in zip(
         changed, ("log_a", "log_b"), ((1, "brim"), (2, "brim" if new.brim == 2 else "brim2")), strict=True

@@ -4,9 +4,26 @@ import numpy as np
 
 BLOCKS = 6
 HELD_OUT = 0.32  # of the record
+NEAR = 0.02  # of a sixth: an instant at the very edge of a block
+LATE = 0.6  # of a sixth: an instant behind it is near the last third
 
 
-def held_out(samples: int) -> np.ndarray:
-    """Which samples are held out: the last third, or nearly, of every sixth of the record."""
+def held_out(samples: int, onset: float | None = None) -> np.ndarray:
+    """Which samples are held out: the middle third, or nearly, of every sixth of the record.
+
+    The end of the record is not among them: what wanders can be followed from one side to the other, not foretold.
+    Where something begins there it is the last third instead, or the first: an instant that lies among samples which no
+    fit sees cannot be found.
+
+    Parameters
+    ----------
+    samples : int
+    onset : float, optional
+        As a share of the record.
+    """
     place = np.arange(samples) * BLOCKS % samples / samples
-    return place >= 1.0 - HELD_OUT
+    centre, half = 0.5, 0.5 * HELD_OUT
+    begun = 0.0 if onset is None else onset * BLOCKS % 1.0
+    if abs(begun - centre) < half + NEAR:
+        centre = 1.0 - half if begun < LATE else half
+    return np.abs(place - centre) <= half

@@ -73,7 +73,7 @@ def how_much_of(
     data = explained.data
     if holdout is not None:
         return _on_another(explained, given, holdout, rng, played)
-    blocks = held_out(data.samples)
+    blocks = held_out(data.samples, explained.best.onset)
     fitted = replace(data, rows=data.rows & ~blocks)
     before = refit(fitted, explained.path[0]) if given is None else given
     after = before if given is None and len(explained.path) == 1 else refit(fitted, explained.best)

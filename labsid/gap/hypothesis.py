@@ -146,16 +146,16 @@ class Hypothesis:
     def _driven(self, theta: FloatArray, u: FloatArray, span: int) -> tuple[FloatArray, float]:
         """The same delayed by whole samples, and the part of a sample by which it is later still."""
         w = u
-        delay = None
+        delay, away = None, 0.0
         for effect in self.inputs:
             own = theta[self.slices[effect.key]]
             if effect.name == "input-delay":
-                delay = float(own[0])
+                delay, away = float(own[0]), float(own[1:].sum())
             else:
                 w = effect.apply(w, own, span)
         delay = float(theta[0]) if delay is None else delay
         whole = int(np.floor(delay))
-        return _kernels.delayed(w, whole, 0.0), delay - whole
+        return _kernels.delayed(w, whole, 0.0, away), delay - whole
 
     def design(
         self,
@@ -197,7 +197,7 @@ class Hypothesis:
         ordered = [e for e in self.additive if e.at_load] + [e for e in self.additive if not e.at_load]
         at = gains.size - sum(e.width for e in ordered)
         for other in ordered:
-            if other is effect:
+            if other == effect:
                 break
             at += other.width
         return gains[at : at + effect.width]

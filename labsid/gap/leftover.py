@@ -14,6 +14,8 @@ FOLDS = 5
 NEIGHBOURS = 60
 MOST_POINTS = 3000
 MOST_LEFT = 0.3  # of the rows, off the stops of the sensor
+LAGS = 25  # samples up to which a residual is compared with itself
+ENOUGH = 100  # pairs
 FEW = 6  # samples after which noise of a sensor has forgotten itself
 SLOW = 0.3  # autocorrelation after so many: what has more is slow
 
@@ -29,7 +31,7 @@ class Leftover:
     colour : float
         rms over the standard deviation of the innovations: one for white noise.
     slow : float
-        Autocorrelation after a few samples.
+        Largest autocorrelation after a few samples and more.
     explained : float
         Share of the residual's power that a flexible function of the input's past predicts on data that it was not
         fitted to; at most zero where the input has no part in it.
@@ -83,6 +85,7 @@ def leftover(data: Data, fit: Fit) -> Leftover:
     rows = data.rows
     power = float(np.mean(e[rows] ** 2))
     white = _kernels.whiten(e[:, None], fit.noise.ar)[:, 0][data.sound]
+    innovation = float(np.mean(white**2))
     white = white / np.std(white)
     blocks = np.array_split(white**2, 12)
     spread = np.std([block.mean() for block in blocks])
@@ -91,7 +94,7 @@ def leftover(data: Data, fit: Fit) -> Leftover:
     activity, activity_z = repetition(data, fit, np.abs(e))
     return Leftover(
         rms=float(np.sqrt(power)),
-        colour=float(np.sqrt(power / fit.noise.sigma2)),
+        colour=float(np.sqrt(power / innovation)),
         slow=slow_colour(e, rows),
         explained=explained_share(data, fit, e),
         repeats=repeats,
@@ -114,9 +117,14 @@ def _off_stops(data: Data, fit: Fit) -> Data:
 
 
 def slow_colour(e: FloatArray, rows: np.ndarray) -> float:
-    """Autocorrelation of a residual after a few samples, on the rows that count."""
-    both = rows[FEW:] & rows[:-FEW]
-    return float(np.mean((e[FEW:] * e[:-FEW])[both]) / np.mean(e[rows] ** 2))
+    """Largest autocorrelation of a residual, of either sign, after a few samples and more, on the rows that count."""
+    power = float(np.mean(e[rows] ** 2))
+    found = 0.0
+    for lag in range(FEW, LAGS):
+        both = rows[lag:] & rows[:-lag]
+        if both.sum() > ENOUGH:
+            found = max(found, abs(float(np.mean((e[lag:] * e[:-lag])[both]))) / power)
+    return found
 
 
 def explained_share(data: Data, fit: Fit, e: FloatArray) -> float:
@@ -179,20 +187,26 @@ def repetition(data: Data, fit: Fit, e: FloatArray) -> tuple[float, float]:
 
 def pasts(data: Data, fit: Fit) -> FloatArray:
     """A few numbers for the past of the input: filtered inputs at several rates, and the way it moved last."""
-    moved = np.diff(data.u, prepend=data.u[0])
+    moved = np.diff(_before(data), prepend=data.u[0])
     last = np.sign(moved)
     index = np.maximum.accumulate(np.where(last != 0.0, np.arange(last.size), 0))
     return np.column_stack([*_filtered(data, fit), 0.5 * last[index]])
 
 
 def _filtered(data: Data, fit: Fit) -> list[FloatArray]:
-    """The input through lags whose rates cover the linear dynamics, slowest first; last, the input itself."""
+    """The input through lags whose rates cover the linear dynamics, slowest first; last, the sample before."""
     c, k = fit.rates
     slow = 0.5 * c - np.sqrt(0.25 * c * c - k) if 0.25 * c * c > k else 0.5 * c
     slow = float(np.clip(slow, 1e-3, 1.0))
     fast = float(np.clip(max(c, np.sqrt(k)), 2.0 * slow, 2.0))
     still = data.u - data.u[0]
-    return [_kernels.first_order(still, float(np.exp(-rate))) for rate in np.geomspace(slow, fast, 4)] + [still]
+    lagged = [_kernels.first_order(still, float(np.exp(-rate))) for rate in np.geomspace(slow, fast, 4)]
+    return [*lagged, _before(data) - data.u[0]]
+
+
+def _before(data: Data) -> FloatArray:
+    """The input one sample before: that of the same instant cannot act yet, and a controller makes it of the output."""
+    return np.concatenate([data.u[:1], data.u[:-1]])
 
 
 def features(data: Data, fit: Fit) -> FloatArray:

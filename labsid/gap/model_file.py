@@ -2,6 +2,7 @@
 
 import json
 from dataclasses import dataclass
+from itertools import product
 from pathlib import Path
 from typing import Any
 
@@ -12,14 +13,23 @@ from labsid.gap.candidates import CANDIDATES
 from labsid.gap.context import Data, Scale
 from labsid.gap.effects.base import Effect
 from labsid.gap.fitting import Fit
-from labsid.gap.forms import INNER_LOAD, INNER_WAVE, LOAD_WAVE, ORDERS, PLACES
+from labsid.gap.forms import BRIMS, INNER_WAVE, LOAD_WAVE, ORDERS, PLACES, RICHER, SWITCHED
 from labsid.gap.hypothesis import Hypothesis
+from labsid.gap.plants import LEAST_FLOW
 
 SCHEMA = "labsid.model/1"
 REST = 5000  # samples before a run that begins at rest
 START = 50  # samples from which the initial state of another record is estimated
-_STATES = ("h1", "h2", "z0", "v0", "i0", "position")
-_ALL = (*CANDIDATES, *PLACES, *ORDERS, (INNER_LOAD, LOAD_WAVE, INNER_WAVE))
+AWAY = (0.0, -0.5, 0.5, -1.0, 1.0, -2.0, 2.0, -3.0, 3.0)  # scaled: initial states that are tried
+_STATES = ("h1", "h2", "z0", "v0", "i0", "position", "before")
+_GENERAL = (
+    *BRIMS.values(),
+    *(form for forms in SWITCHED.values() for form in forms),
+    *RICHER.values(),
+    LOAD_WAVE,
+    INNER_WAVE,
+)
+_ALL = (*CANDIDATES, *PLACES, *ORDERS, _GENERAL)
 _BY_KEY: dict[str, Effect] = {effect.key: effect for group in _ALL for effect in group}
 
 
@@ -96,7 +106,7 @@ class RunningModel:
         lower, upper = self.hypothesis.bounds
         if not in_theta and not in_gains:
             return theta, gains
-
+        theta = self._nearest(theta, gains, u, y)
         best = y - self._output(theta, gains, u)
         if not np.isfinite(best).all():
             return theta, gains
@@ -128,6 +138,34 @@ class RunningModel:
             theta, gains, best = new_theta, new_gains, error
             damping = max(damping / 10.0, 1e-9)
         return theta, gains
+
+    def _nearest(self, theta: FloatArray, gains: FloatArray, u: FloatArray, y: FloatArray) -> FloatArray:
+        """The best of a few initial states: at a brim, a stop or a standstill the error has several minima."""
+        in_theta, _ = self._states()
+        lower, upper = self.hypothesis.bounds
+        best, least = theta, np.inf
+        for away in product(AWAY, repeat=len(in_theta)):
+            tried = theta.copy()
+            tried[in_theta] = np.clip(
+                theta[in_theta] + away * self._ranges()[in_theta], lower[in_theta], upper[in_theta]
+            )
+            error = y - self._output(tried, gains, u)
+            if np.isfinite(error).all() and (power := float(error @ error)) < least:
+                best, least = tried, power
+        return best
+
+    def _ranges(self) -> FloatArray:
+        """How far each number of theta may be from its value at rest, if it belongs to the state."""
+        plant = self.hypothesis.plant
+        ranges = np.array([0.25 if p.name == "position" else 1.0 for p in self.hypothesis.parameters])
+        if plant.upper_root or plant.lower_root:
+            own = self.hypothesis.slices["plant"].start
+            slope = 2.0 * max(
+                -float(self.theta[own + plant.index("zero")]), LEAST_FLOW
+            )  # of the square of the mean flow
+            for name, root in (("h1", plant.upper_root), ("h2", plant.lower_root)):
+                ranges[own + plant.index(name)] = slope if root else 1.0  # a level by its flow
+        return ranges
 
     def to_json_dict(self) -> dict[str, Any]:
         """What `--export` writes.

@@ -13,8 +13,9 @@ from labsid._arrays import FloatArray, beside
 from labsid.gap import _kernels
 from labsid.gap.responses import denominator, lagging, real_rates, response, section, through_lag, through_mode
 
-SLOWEST, FASTEST = np.log(1e-5), np.log(8.0)
+SLOWEST, FASTEST = np.log(1e-5), np.log(100.0)
 SHORTEST_MEMORY = 12  # of a lag's time constants in a record
+LEAST_FLOW = 0.25  # scaled: mean flow for which the rates of tanks with roots are told
 MOST_DAMPING = 0.5  # of a mode; beyond, it is two lags
 
 
@@ -263,9 +264,9 @@ class Plant:
         if self.kind in ("tanks", "speed"):
             a, b = first, second
             if self.upper_root:
-                a = a / (2.0 * max(-theta[2], 0.5))
+                a = a / (2.0 * max(-theta[2], LEAST_FLOW))
             if self.lower_root:
-                b = b / (2.0 * max(-theta[2], 0.5))
+                b = b / (2.0 * max(-theta[2], LEAST_FLOW))
             return float(a + b), float(a * b)
         return float(first), float(second)
 

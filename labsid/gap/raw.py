@@ -13,6 +13,7 @@ SHORTEST_HOLD = 3  # equal samples in a row
 FINE = 1e-4  # of the range: a converter step that makes equal samples only by chance
 USUAL_MOVES = 4.0  # times the median move from sample to sample: a jump from the sensor's stop
 OFTEN = 3  # held stretches
+OFF = 0.05  # converter steps from the lattice: more than rounding
 MOSTLY = 0.9  # of the samples have a value that comes again
 
 
@@ -54,15 +55,17 @@ def lattice_of(y: FloatArray) -> tuple[float | None, np.ndarray]:
     lattice : float or None
     off : ndarray of bool, shape (N,)
     """
-    on = np.ones(y.size, bool)
+    nowhere = np.zeros(y.size, bool)
     lattice = lattice_step(y)
+    if lattice is not None:
+        return lattice, nowhere
+    _, which, count = np.unique(y, return_inverse=True, return_counts=True)
+    again = count[which] > 1
+    lattice = lattice_step(y[again]) if again.mean() > MOSTLY else None
     if lattice is None:
-        _, which, count = np.unique(y, return_inverse=True, return_counts=True)
-        again = count[which] > 1
-        if again.mean() > MOSTLY:
-            lattice = lattice_step(y[again])
-            on = again if lattice is not None else on
-    return lattice, ~on
+        return None, nowhere
+    steps = (y - y[again][0]) / lattice
+    return lattice, np.abs(steps - np.round(steps)) > OFF
 
 
 def find_held(y: FloatArray, lattice: float | None) -> tuple[tuple[int, int], ...]:
@@ -120,7 +123,10 @@ def find_spikes(e: FloatArray, usable: np.ndarray, lattice: float = 0.0, thresho
     padded = np.pad(x, 3, mode="reflect")
     windows = np.lib.stride_tricks.sliding_window_view(padded, 7)
     off = x - np.median(windows, axis=1)
-    spread = 1.4826 * float(np.median(np.abs(off)))
+    away = np.abs(off)
+    if not lattice:  # on the sensor's stop there is no noise
+        away = away[away > 0.0]
+    spread = 1.4826 * float(np.median(away)) if away.size else 0.0
     if spread == 0.0:
         spread = float(np.std(off)) or 1.0
     far = np.abs(off) > max(threshold * spread, lattice)

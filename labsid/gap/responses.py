@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 
 NO_BRIM = np.inf
 AT_REST = 6.0  # time constants after which a free motion is over
-QUICKEST = 2.4  # rate of a tank, a sample: what is quicker follows its inflow at once
+QUICKEST = 2.4  # rate of a tank with a root, a sample: what is quicker follows its inflow at once
 
 
 def response(
@@ -136,12 +136,12 @@ def _tanks(
     h2 = level**2 if plant.lower_root else level
     brim = own.get("brim", NO_BRIM)
     typical = max(2.0 * float(np.mean(flow)), 0.5)  # a root's slope at the mean flow is one over this
-    a, b = (
-        min(a, QUICKEST * (typical if plant.upper_root else 1.0)),
-        min(b, QUICKEST * (typical if plant.lower_root else 1.0)),
-    )
-    fastest = max(a / typical if plant.upper_root else a, b / typical if plant.lower_root else b)
-    substeps = int(max(np.ceil(fastest / 0.3), 2))
+    a = min(a, QUICKEST * typical) if plant.upper_root else a
+    b = min(b, QUICKEST * typical) if plant.lower_root else b
+    upper, lower = a / typical if plant.upper_root else a, b / typical if plant.lower_root else b
+    felt = [rate for rate, root in ((upper, plant.upper_root), (lower, plant.lower_root)) if root]
+    fastest = max(felt, default=0.0)  # linear tanks are exact on their own, however quick
+    substeps = int(max(np.ceil(fastest / 0.3), np.ceil(min(upper, lower) / 0.2), 2))
     return _states.tanks(
         flow,
         a,

@@ -10,7 +10,9 @@ from labsid.gap.candidates import (
     CANDIDATES,
     Sketch,
     baseline,
+    compatible,
     finished,
+    holds,
     onward,
     price,
     sketches,
@@ -18,7 +20,7 @@ from labsid.gap.candidates import (
 )
 from labsid.gap.context import Data
 from labsid.gap.fitting import Fit, finish, polish, power, refit, rms, search, settle
-from labsid.gap.forms import carried, rearranged, without
+from labsid.gap.forms import LEAK, LOAD, carried, rearranged, without
 from labsid.gap.hypothesis import Hypothesis
 from labsid.gap.leftover import explained_share
 
@@ -126,13 +128,28 @@ def _on_top(
 ) -> list[list[Sketch]]:
     """Sketches of one effect more, by effect; of a second or third one only those that promise most."""
     tried = []
+    plain = _plain(data, parent)
     for number, group in enumerate(CANDIDATES):
         if progress is not None:
             done = (place[0] + number / len(CANDIDATES)) / place[1]
             progress("one effect" if step == 0 else f"{step + 1} effects", done)
         if group[0].name not in parent.hypothesis.names:
-            tried.append(sketches(data, parent, group, swift, brief=step > 0))
+            host = parent if any(compatible(parent, effect) for effect in group) else plain
+            tried.append(sketches(data, host, group, swift, brief=step > 0))
     return tried if step == 0 else _promising(data, tried, FOLLOWED)
+
+
+def _plain(data: Data, parent: Fit) -> Fit:
+    """The parent with a load that does not grow with the state in the place of one that does.
+
+    The latter's dynamics hold no nonlinear state; beside one, it grows again.
+    """
+    old = parent.hypothesis
+    if LEAK not in old.effects:
+        return parent
+    other = Hypothesis(tuple(LOAD if effect == LEAK else effect for effect in old.effects), old.known, old.given)
+    point = search(data, other, carried(parent, other))
+    return parent if point is None else finish(data, other, point)
 
 
 def _promising(data: Data, tried: list[list[Sketch]], count: int) -> list[list[Sketch]]:
@@ -190,7 +207,9 @@ def _settled(data: Data, fit: Fit) -> Fit:
 def _forms(data: Data, fit: Fit) -> list[Fit]:
     """The fit, and the same effects in other forms."""
     points = [(other, search(data, other, carried(fit, other), iterations=8)) for other in rearranged(fit.hypothesis)]
-    return [fit, *(finish(data, other, point) for other, point in points if point is not None)]
+    forms = [finish(data, other, point) for other, point in points if point is not None]
+    found = len(fit.hypothesis.effects) - fit.hypothesis.known
+    return [fit, *(form for form in forms if holds(data, form, found))]
 
 
 def _accepted(data: Data, simpler: Fit, level: Level) -> Fit | None:

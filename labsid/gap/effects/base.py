@@ -12,8 +12,6 @@ if TYPE_CHECKING:
     from labsid.gap.hypothesis import Hypothesis
     from labsid.gap.plants import Parameter, Plant
 
-Start = dict[str, float] | FloatArray
-
 
 @dataclass(frozen=True, slots=True)
 class Effect:

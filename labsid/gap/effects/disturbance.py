@@ -46,21 +46,41 @@ class LoadStep(AdditiveEffect):
     def values(self, fit: Fitted) -> dict[str, Value]:
         """`onset` in seconds, and `size`: the change of the output that it brings in the end."""
         onset = float(fit.own(self)[0]) * fit.data.samples * fit.data.Ts + fit.data.start
-        return {"onset": Value(onset, "s"), "size": Value(self._size(fit), "y")}
+        return {"onset": Value(onset, "s"), "size": Value(self.change(fit) * fit.data.y_scale.unit, "y")}
 
-    def _size(self, fit: Fitted) -> float:
-        """Change of the output that the load brings in the end."""
+    def change(self, fit: Fitted) -> float:
+        """Change of the scaled output that the load brings in the end."""
         c, k = fit.hypothesis.plant.linear_rates(fit.theta[fit.hypothesis.slices["plant"]])
         a1, a2 = denominator(c, k)
-        gain = float(fit.hypothesis.gains_of(fit.gains, self).sum()) / (1.0 + a1 + a2)
-        return gain * fit.data.y_scale.unit
+        return float(fit.hypothesis.gains_of(fit.gains, self).sum()) / (1.0 + a1 + a2)
 
 
-class Leak(PlantEffect):
-    """A load that grows with the state, as a leak does, begins at some instant; far from zero it is a plain load."""
+class _PlantLoad(PlantEffect):
+    """A load in the dynamics that begins at some instant."""
 
     name = "load-step"
     path = "disturbance"
+
+    def holds(self, fit: Fitted) -> bool:
+        """As for a load that does not grow."""
+        return _inside(fit.plant("onset"), fit.data.samples)
+
+    def acts(self, fit: Fitted) -> np.ndarray:
+        """From the onset on."""
+        return np.asarray(np.arange(fit.data.samples) >= fit.plant("onset") * fit.data.samples)
+
+    def values(self, fit: Fitted) -> dict[str, Value]:
+        """`onset` in seconds, and `size`."""
+        onset = fit.plant("onset") * fit.data.samples * fit.data.Ts + fit.data.start
+        return {"onset": Value(onset, "s"), "size": self._size(fit)}
+
+    def _size(self, fit: Fitted) -> Value:
+        raise NotImplementedError
+
+
+class Leak(_PlantLoad):
+    """A load that grows with the state, as a leak does, begins at some instant; far from zero it is a plain load."""
+
     surplus = 12.0
 
     def shape(self, plant: Plant) -> Plant:
@@ -76,18 +96,9 @@ class Leak(PlantEffect):
             for part in (0.0, 1.0)
         ]
 
-    def holds(self, fit: Fitted) -> bool:
-        """As for a load that does not grow."""
-        return _inside(fit.plant("onset"), fit.data.samples)
-
-    def acts(self, fit: Fitted) -> np.ndarray:
-        """From the onset on."""
-        return np.asarray(np.arange(fit.data.samples) >= fit.plant("onset") * fit.data.samples)
-
-    def values(self, fit: Fitted) -> dict[str, Value]:
-        """`onset` in seconds, and `size`: the relative change of the restoring rate."""
-        onset = fit.plant("onset") * fit.data.samples * fit.data.Ts + fit.data.start
-        return {"onset": Value(onset, "s"), "size": Value(float(np.expm1(fit.plant("drift"))), "1")}
+    def _size(self, fit: Fitted) -> Value:
+        """Relative change of the restoring rate."""
+        return Value(float(np.expm1(fit.plant("drift"))), "1")
 
 
 class InnerPeriodic(PlantEffect):
@@ -103,11 +114,7 @@ class InnerPeriodic(PlantEffect):
     def values(self, fit: Fitted) -> dict[str, Value]:
         """`frequency`, and `amplitude` as the sinusoid of this frequency in what it changes at the output."""
         cycles = fit.plant("cycles")
-        place = fit.hypothesis.slices["plant"].start
-        without = fit.theta.copy()
-        for name in ("shake_cos", "shake_sin"):
-            without[place + fit.hypothesis.plant.index(name)] = 0.0
-        change = np.subtract(*(fit.hypothesis.output(theta, fit.gains, fit.data.u) for theta in (fit.theta, without)))
+        change = _change(fit, "shake_cos", "shake_sin")
         swing = 2.0 * abs(np.mean(change * np.exp(-2j * np.pi * cycles / change.size * np.arange(change.size))))
         frequency = cycles / (fit.data.samples * fit.data.Ts)
         return {
@@ -116,33 +123,33 @@ class InnerPeriodic(PlantEffect):
         }
 
 
-class InnerLoad(PlantEffect):
+class InnerLoad(_PlantLoad):
     """A load, and one that grows with the state, on dynamics with a nonlinear state."""
-
-    name = "load-step"
-    path = "disturbance"
 
     def shape(self, plant: Plant) -> Plant:
         """The same dynamics with a load."""
         return plant.but(loaded=True)
 
-    def holds(self, fit: Fitted) -> bool:
-        """As for the load on linear dynamics."""
-        return _inside(fit.plant("onset"), fit.data.samples)
+    def applies(self, context: Context) -> bool:
+        """Linear dynamics hold a load outside."""
+        return context.parent.hypothesis.plant.nonlinear
 
-    def acts(self, fit: Fitted) -> np.ndarray:
-        """From the onset on."""
-        return np.asarray(np.arange(fit.data.samples) >= fit.plant("onset") * fit.data.samples)
+    def plant_starts(self, context: Context) -> list[dict[str, float]]:
+        """Where a step takes most out of the residual, of either sign."""
+        return [{"load": size, "onset": at} for at in onsets(context, 3) for size in (0.2, -0.2)]
 
-    def values(self, fit: Fitted) -> dict[str, Value]:
-        """`onset` in seconds, and `size`: the change of the output that it has brought by the end of the record."""
-        onset = fit.plant("onset") * fit.data.samples * fit.data.Ts + fit.data.start
-        without = fit.theta.copy()
-        place = fit.hypothesis.slices["plant"].start
-        for name in ("load", "leak"):
-            without[place + fit.hypothesis.plant.index(name)] = 0.0
-        ends = [fit.hypothesis.output(theta, fit.gains, fit.data.u)[-1] for theta in (fit.theta, without)]
-        return {"onset": Value(onset, "s"), "size": Value(float(ends[0] - ends[1]) * fit.data.y_scale.unit, "y")}
+    def _size(self, fit: Fitted) -> Value:
+        """Change of the output that it has brought by the end of the record."""
+        return Value(float(_change(fit, "load", "leak")[-1]) * fit.data.y_scale.unit, "y")
+
+
+def _change(fit: Fitted, *names: str) -> FloatArray:
+    """What these numbers of the plant change at the output, shape (N,)."""
+    place = fit.hypothesis.slices["plant"].start
+    without = fit.theta.copy()
+    for name in names:
+        without[place + fit.hypothesis.plant.index(name)] = 0.0
+    return np.subtract(*(fit.hypothesis.output(theta, fit.gains, fit.data.u) for theta in (fit.theta, without)))
 
 
 def _inside(onset: float, samples: int) -> bool:
@@ -158,7 +165,10 @@ def onsets(context: Context, count: int, grows_with: FloatArray | None = None) -
     y, rows = context.data.y, context.data.rows
     samples = y.size
     plant, rates = Plant(), np.log(context.swift_rates)
-    still = np.hstack([plant.columns(rates, context.actuator, samples), np.ones((samples, 1))])[rows]
+    known = plant.columns(rates, context.actuator, samples)
+    if context.parent.hypothesis.plant.nonlinear:
+        known = context.parent.output[:, None]
+    still = np.hstack([known, np.ones((samples, 1))])[rows]
     still = np.linalg.qr(still)[0]
     e = y[rows] - still @ (still.T @ y[rows])
     load = np.ones(samples) if grows_with is None else grows_with

@@ -5,10 +5,11 @@ import numpy as np
 from labsid.gap import _kernels
 from labsid.gap.context import Context
 from labsid.gap.effects.base import Fitted, PlantEffect, Value
-from labsid.gap.plants import Plant
+from labsid.gap.plants import LEAST_FLOW, Plant
 from labsid.gap.responses import real_rates
 
 BRIMS = {"upper": 1, "lower": 2, "both": 3}
+AT_ONCE = 1.0  # rate, a sample, of a tank that follows its inflow at once
 LEAST_DAMPING = 2e-3  # of a mode
 FEWEST_SWINGS = 4.0  # of a mode in the record
 BOTH_WAYS = 0.03  # of the record in motion either way
@@ -177,6 +178,16 @@ class Overflow(PlantEffect):
             start = {"brim": brim**2 if root and brim > 0 else brim}
             starts.append(start | {"share": 0.3} if self.variant.startswith("upper") else start)
         return starts
+
+    def holds(self, fit: Fitted) -> bool:
+        """A tank that fills within a sample is none: its brim is a limit of the actuator, or of the sensor."""
+        plant = fit.hypothesis.plant
+        rates = np.exp([fit.plant("log_a"), fit.plant("log_b")])
+        if plant.upper_root or plant.lower_root:
+            slope = 2.0 * max(-fit.plant("zero"), LEAST_FLOW)
+            rates /= np.where([plant.upper_root, plant.lower_root], slope, 1.0)
+        brims = {"upper": rates[:1], "lower": rates[1:], "both": rates}[self.variant.partition("-")[0]]
+        return bool(np.all(brims < AT_ONCE))
 
     def values(self, fit: Fitted) -> dict[str, Value]:
         """`level` of the brim as an output; of the upper tank also `caught`, the share that the lower one catches."""

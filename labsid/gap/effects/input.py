@@ -7,17 +7,20 @@ import numpy as np
 from labsid._arrays import FloatArray
 from labsid.gap import _kernels
 from labsid.gap.context import Context
+from labsid.gap.effects import curves
 from labsid.gap.effects.base import Fitted, InputEffect, Value
 from labsid.gap.plants import Parameter, Plant
 
-LONGEST_DELAY = 60.0  # samples
+LONGEST_DELAY = 250.0  # samples
+BEFORE = Parameter("before", -30.0, 30.0)  # how far from the first command the actuator stood before the record
 REST = 5  # samples of one value at the beginning of a record
 
 
 class Delay(InputEffect):
     """Transport delay of the actuator path, beyond the one sample that a strictly proper model has.
 
-    A zero of the dynamics does for a part of a sample, and hides it: with the `variant` "no-zero" they have none.
+    A zero of the dynamics does for a part of a sample, and hides it: with the `variant` "no-zero" they have none. With
+    "switched" the first command of the record is news to the rig; otherwise it has stood there for long.
     """
 
     name = "input-delay"
@@ -25,17 +28,18 @@ class Delay(InputEffect):
 
     def shape(self, plant: Plant) -> Plant:
         """Dynamics without a zero, where the variant says so."""
-        return plant.but(zero=False) if self.variant == "no-zero" else plant
+        return plant.but(zero=False) if self.variant.startswith("no-zero") else plant
 
     @property
     def parameters(self) -> tuple[Parameter, ...]:
-        """The delay in samples."""
-        return (Parameter("delay", 0.0, LONGEST_DELAY, 0.02, leap=0.5),)
+        """The delay in samples, and where the command stood before the record."""
+        own = (Parameter("delay", 0.0, LONGEST_DELAY, 0.02, leap=0.5),)
+        return (*own, BEFORE) if self.variant.endswith("switched") else own
 
     def starts(self, context: Context) -> list[FloatArray]:
         """Short ones closer together than long ones."""
         longest = min(LONGEST_DELAY, context.data.samples / 8)
-        return [np.array([d]) for d in (1.0, 2.2, 4.0, 7.0, 12.0, 20.0, 35.0) if d <= longest]
+        return [np.array([d]) for d in (1.0, 2.2, 4.0, 7.0, 12.0, 20.0, 35.0, 60.0, 100.0, 170.0) if d <= longest]
 
     def apply(self, w: FloatArray, own: FloatArray, span: int) -> FloatArray:
         """The signal itself: the hypothesis delays it behind all other effects, in place of the nuisance delay."""
@@ -177,7 +181,10 @@ class Backlash(InputEffect):
 
 
 class RateLimit(InputEffect):
-    """The actuator slews at a bounded rate; `variant` "behind" puts it behind a dead zone and a play."""
+    """The actuator slews at a bounded rate; `variant` "behind" puts it behind a dead zone and a play.
+
+    With "switched" the actuator stands elsewhere when the record begins.
+    """
 
     name = "input-rate-limit"
     place = 2
@@ -185,8 +192,9 @@ class RateLimit(InputEffect):
 
     @property
     def parameters(self) -> tuple[Parameter, ...]:
-        """Logarithm of the rate in the scaled input per sample."""
-        return (Parameter("log_rate", -9.0, 3.0, leap=0.1),)
+        """Logarithm of the rate in the scaled input per sample, and where the actuator stands at first."""
+        own = (Parameter("log_rate", -9.0, 3.0, leap=0.1),)
+        return (*own, BEFORE) if self.variant == "switched" else own
 
     def starts(self, context: Context) -> list[FloatArray]:
         """Shares of the largest step of the input."""
@@ -195,7 +203,7 @@ class RateLimit(InputEffect):
 
     def apply(self, w: FloatArray, own: FloatArray, span: int) -> FloatArray:
         """Slew to the command, the mean over each sample."""
-        return _kernels.rate_limit(w, float(np.exp(own[0])), float(w[0]))
+        return _kernels.rate_limit(w, float(np.exp(own[0])), float(w[0] + own[1:].sum()))
 
     def values(self, fit: Fitted) -> dict[str, Value]:
         """`rate` in units of the input per second."""
@@ -207,6 +215,7 @@ class Nonlinearity(InputEffect):
     """A smooth static curve: w = u + c2 u^2 + c3 u^3 about the middle of the record's input.
 
     It stands at the end of the actuator, where a valve or a pump is; the `variant` "first" stands at its beginning.
+    "rich" is a spline.
     """
 
     name = "input-nonlinearity"
@@ -216,7 +225,7 @@ class Nonlinearity(InputEffect):
     @property
     def parameters(self) -> tuple[Parameter, ...]:
         """The coefficients in the scaled input."""
-        return (Parameter("c2", -3.0, 3.0), Parameter("c3", -2.0, 2.0))
+        return curves.parameters(self.variant)
 
     def applies(self, context: Context) -> bool:
         """Two levels are two levels behind any static curve."""
@@ -228,10 +237,8 @@ class Nonlinearity(InputEffect):
 
     def apply(self, w: FloatArray, own: FloatArray, span: int) -> FloatArray:
         """The curve, of slope one in the middle."""
-        return w * (1.0 + w * (own[0] + w * own[1]))
+        return curves.bent(w, own)
 
     def values(self, fit: Fitted) -> dict[str, Value]:
         """`c2` and `c3` about `centre`, the middle of the record."""
-        c2, c3 = (float(x) for x in fit.own(self))
-        unit = fit.data.u_scale.unit
-        return {"c2": Value(c2 / unit, "1/u"), "c3": Value(c3 / unit**2, "1/u^2"), "centre": Value(fit.u(0.0), "u")}
+        return curves.values(fit.own(self), fit.data.u_scale.unit, "u") | {"centre": Value(fit.u(0.0), "u")}

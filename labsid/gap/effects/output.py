@@ -5,9 +5,12 @@ from numpy.polynomial.chebyshev import chebvander
 
 from labsid._arrays import FloatArray
 from labsid.gap.context import Context
+from labsid.gap.effects import curves
 from labsid.gap.effects.base import AdditiveEffect, Fitted, OutputEffect, Value
 from labsid.gap.plants import Parameter, Plant
 from labsid.gap.responses import along
+
+NEAR = (-20.0, 20.0)  # scaled output where a curve is bent
 
 
 class Saturation(OutputEffect):
@@ -58,7 +61,10 @@ class Saturation(OutputEffect):
 
 
 class Nonlinearity(OutputEffect):
-    """A smooth static sensor curve: y = z + c2 z^2 + c3 z^3 about the middle of the record's output."""
+    """A smooth static sensor curve: y = z + c2 z^2 + c3 z^3 about the middle of the record's output.
+
+    The `variant` "rich" is a spline.
+    """
 
     name = "output-nonlinearity"
     place = 1
@@ -66,7 +72,7 @@ class Nonlinearity(OutputEffect):
     @property
     def parameters(self) -> tuple[Parameter, ...]:
         """The coefficients in the scaled output."""
-        return (Parameter("c2", -2.0, 2.0), Parameter("c3", -1.0, 1.0))
+        return curves.parameters(self.variant)
 
     def starts(self, context: Context) -> list[FloatArray]:
         """Either coefficient a little up or down."""
@@ -74,19 +80,16 @@ class Nonlinearity(OutputEffect):
 
     def bend(self, z: FloatArray, own: FloatArray) -> FloatArray:
         """The curve; far outside the record it goes on with slope one."""
-        near = np.clip(z, -20.0, 20.0)
-        return z + near**2 * (own[0] + near * own[1])
+        near = np.clip(z, *NEAR)
+        return z - near + curves.bent(near, own)
 
     def slope(self, z: FloatArray, own: FloatArray) -> FloatArray:
         """Derivative of the curve."""
-        near = np.clip(z, -20.0, 20.0)
-        return 1.0 + near * (2.0 * own[0] + 3.0 * near * own[1])
+        return curves.slope(np.clip(z, *NEAR), own)
 
     def values(self, fit: Fitted) -> dict[str, Value]:
         """`c2` and `c3` about `centre`, the middle of the record."""
-        c2, c3 = (float(x) for x in fit.own(self))
-        unit = fit.data.y_scale.unit
-        return {"c2": Value(c2 / unit, "1/y"), "c3": Value(c3 / unit**2, "1/y^2"), "centre": Value(fit.y(0.0), "y")}
+        return curves.values(fit.own(self), fit.data.y_scale.unit, "y") | {"centre": Value(fit.y(0.0), "y")}
 
 
 class Drift(AdditiveEffect):

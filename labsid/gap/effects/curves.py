@@ -1,0 +1,71 @@
+"""Smooth static curves of actuators and sensors: cubic, or a spline that goes on straight at both ends."""
+
+import numpy as np
+
+from labsid._arrays import FloatArray
+from labsid.gap import _kernels
+from labsid.gap.effects.base import Value
+from labsid.gap.plants import Parameter
+
+RICH = "rich"
+"""The variant that is a spline."""
+CUBIC = (Parameter("c2", -3.0, 3.0), Parameter("c3", -2.0, 2.0))
+KNOTS = np.array([-2.8, -1.9, -1.4, -0.8, 0.0, 0.8, 1.4, 1.9, 2.8])  # scaled
+SPLINE = tuple(Parameter(f"s{k}", -10.0, 10.0) for k in range(1, KNOTS.size - 1))
+_GRID = np.linspace(-2.2, 2.2, 45)  # scaled: where a spline and a cubic are held against each other
+
+
+def parameters(variant: str) -> tuple[Parameter, ...]:
+    """The coefficients in scaled units."""
+    return SPLINE if variant == RICH else CUBIC
+
+
+def bent(x: FloatArray, own: FloatArray) -> FloatArray:
+    """The curve, zero and of slope one at zero; shape of x.
+
+    x + c2 x^2 + c3 x^3, or x + s1 n1(x) + ... with the natural cubic splines n on `KNOTS`.
+    """
+    if own.size == len(CUBIC):
+        return np.asarray(x * (1.0 + x * (own[0] + x * own[1])))
+    return np.asarray(x + _kernels.piecewise(x, KNOTS, np.tensordot(own, _SPLINES, 1)))
+
+
+def slope(x: FloatArray, own: FloatArray) -> FloatArray:
+    """Its derivative."""
+    if own.size == len(CUBIC):
+        return np.asarray(1.0 + x * (2.0 * own[0] + 3.0 * x * own[1]))
+    powers = np.tensordot(own, _SPLINES, 1)
+    powers[:, :3] = powers[:, 1:] * (1.0, 2.0, 3.0)
+    powers[:, 3] = 0.0
+    return np.asarray(1.0 + _kernels.piecewise(x, KNOTS, powers))
+
+
+def richer(own: FloatArray) -> FloatArray:
+    """The spline next to a cubic."""
+    each = [_kernels.piecewise(_GRID, KNOTS, powers) for powers in _SPLINES]
+    return np.asarray(np.linalg.lstsq(np.column_stack(each), bent(_GRID, own) - _GRID, rcond=None)[0])
+
+
+def values(own: FloatArray, unit: float, signal: str) -> dict[str, Value]:
+    """`c2` and `c3` in a signal's own unit; of a spline those of the cubic next to it."""
+    cubic = np.linalg.lstsq(np.column_stack([_GRID**2, _GRID**3]), bent(_GRID, own) - _GRID, rcond=None)[0]
+    c2, c3 = (float(x) for x in cubic)
+    return {"c2": Value(c2 / unit, f"1/{signal}"), "c3": Value(c3 / unit**2, f"1/{signal}^2")}
+
+
+def _splines() -> FloatArray:
+    """Cubics of the natural splines, less their part of first degree about zero; (splines, stretches, powers)."""
+    last = KNOTS.size - 1
+    cubes = np.array([[-(knot**3), 3.0 * knot**2, -3.0 * knot, 1.0] for knot in KNOTS])
+    share = np.zeros((last, KNOTS.size))
+    for k in range(last):
+        share[k, k], share[k, last] = 1.0 / (KNOTS[last] - KNOTS[k]), -1.0 / (KNOTS[last] - KNOTS[k])
+    natural = share[:-1] - share[-1]
+    behind = np.tri(KNOTS.size + 1, KNOTS.size, -1)  # which knots lie behind
+    powers = np.einsum("ki,ji,ip->kjp", natural, behind, cubes)
+    powers[:, :, :2] -= powers[:, np.searchsorted(KNOTS, 0.0), :2][:, None]
+    powers[:, -1, 2:] = 0.0  # straight behind the last knot, but for rounding
+    return np.asarray(powers)
+
+
+_SPLINES = _splines()
