@@ -94,7 +94,9 @@ def test_the_table_and_what_is_printed(finished):
     rows = summary_of(out)
     assert list(rows[0]) == ["stem", "verdict", "effects", "probability", "closed", "error"]
     assert [row["stem"] for row in rows] == ["a", "b", "empty", "words"]
-    assert rows[1] == dict.fromkeys(rows[1], "") | {"stem": "b", "verdict": "none"}
+    closed = json.loads((out / "b.json").read_text())["gap"]["closed"]
+    assert {**rows[1], "closed": ""} == dict.fromkeys(rows[1], "") | {"stem": "b", "verdict": "none"}
+    assert float(rows[1]["closed"] or "nan") == pytest.approx(np.nan if closed is None else closed, nan_ok=True)
     assert rows[2]["error"] == json.loads((out / "empty.json").read_text())["message"]
     assert printed.startswith("4 records: error 2, none 2\n")
     assert f"  empty: {rows[2]['error']}\n" in printed

@@ -1,29 +1,34 @@
 """The linear fits, and how one effect more is put on top of a fit."""
 
 from collections.abc import Callable, Iterable
+from dataclasses import replace
 
 import numpy as np
 import pytest
-from scipy.signal import lfilter
+from scipy.signal import cont2discrete, lfilter
 
 from labsid._arrays import FloatArray
 from labsid.gap._kernels import delayed
 from labsid.gap.candidates import (
     CANDIDATES,
     LINEAR,
+    _housed,
+    _raced,
     baseline,
     compatible,
     finished,
+    holds,
     sketches,
     starts,
     swift_fit,
 )
 from labsid.gap.context import Context, Data, scaled
-from labsid.gap.effects import dynamics, input, output
+from labsid.gap.effects import disturbance, dynamics, input, output
 from labsid.gap.effects.base import Effect
 from labsid.gap.fitting import Fit, finish, rms, search
 from labsid.gap.hypothesis import Hypothesis
 from labsid.gap.plants import Plant
+from labsid.gap.responses import real_rates
 from labsid.gap.which import Explained, explain
 
 Response = Callable[..., FloatArray]
@@ -139,7 +144,7 @@ def test_the_simpler_variant_is_kept_where_it_explains_as_much(
     data = data_of(levels, y)
     base = baseline(data)
     group = next(group for group in CANDIDATES if group[0].name == "load-step")
-    assert len(group) == 2
+    assert len(group) == 3
     found = finished(data, sketches(data, base, group, swift_fit(data, base)))
     assert found is not None
     assert found.hypothesis.keys == ("load-step",)
@@ -276,3 +281,139 @@ def test_a_brief_look_takes_the_best_start_of_each_variant_first(levels: FloatAr
     assert {sketch.hypothesis.keys[0] for sketch in looked} == {effect.key for effect in group}
     assert [sketch.score for sketch in looked] == sorted(sketch.score for sketch in looked)
     assert len(sketches(data, base, group[1:2], base, brief=True)) == 3  # without another variant, the next best starts
+
+
+def tank(u: FloatArray, rate: float, held: Response) -> FloatArray:
+    """Level of a single tank with Torricelli outflow, from rest."""
+    return held(u, np.array([u[0] ** 2]), lambda h, flow: [rate * (flow - np.sqrt(max(h[0], 0.0)))])[:, 0]
+
+
+@pytest.mark.parametrize("rate", [0.1, 0.3])
+def test_a_single_tank_is_a_tank(levels: FloatArray, held: Response, rate: float) -> None:
+    """Two tanks of which one follows at once, not a spring and a mass."""
+    u = 1.7 + levels[:400]
+    y = tank(u, rate, held)
+    data = data_of(u, y + 0.01 * y.std() * np.random.default_rng(1).standard_normal(u.size))
+    found = explain(data, most=1)
+    assert found.names == ("sqrt-outflow",)
+    assert rms(data, found.best) < 0.0115
+    others = [fit.bic for names, fit in found.levels[1].items() if names != ("sqrt-outflow",)]
+    assert found.best.bic < min(others) - 50.0
+
+
+def test_a_search_of_tanks_also_begins_with_one_state_at_once(levels: FloatArray, two_poles: Response) -> None:
+    """That of the whole: the area above the step response of two poles is c / k; and either pole, if it is another."""
+    data = data_of(levels, two_poles(levels))
+    parent = parent_of(data, LINEAR, log_c=np.log(0.62), log_k=np.log(0.012))
+    effect = dynamics.SqrtOutflow("both")
+    hypothesis = LINEAR.plus(effect)
+    thetas = starts(Context(data, parent), hypothesis, effect)
+    rates = [real_rates(*hypothesis.plant.linear_rates(theta[hypothesis.slices["plant"]])) for theta in thetas]
+    single = sorted({round(float(min(pair)), 3) for pair in rates if max(pair) > 5.0})
+    np.testing.assert_allclose(single, [0.02, 0.6], rtol=0.15)
+    assert any(max(pair) < 1.0 for pair in rates)
+
+
+def test_a_race_takes_the_first_few_some_steps_further_and_ranks_them_anew(banded: Explained) -> None:
+    data, base = banded.data, banded.path[0]
+    tried = sketches(data, base, (input.DeadZone(), input.Backlash()), base)
+    assert len(tried) > 6
+    raced = _raced(data, tried, 6)
+    assert len(raced) == 6
+    assert [sketch.score for sketch in raced] == sorted(sketch.score for sketch in raced)
+    assert raced[0].score < min(sketch.score for sketch in tried)
+    assert _raced(data, tried[:3], 6) == tried[:3]
+
+
+def test_the_best_start_need_not_be_ahead_at_once(banded: Explained) -> None:
+    """Three starts of limits stand before the right one of a band, which is kept all the same."""
+    data, base = banded.data, banded.path[0]
+    dead, *_ = sketches(data, base, (input.DeadZone(),), base)
+    wrong = [sketches(data, base, (input.Saturation(side),), base)[0] for side in ("high", "low", "both")]
+    found = finished(data, [*wrong, dead], kept=3)
+    assert found is not None
+    assert found.hypothesis.names == ("input-dead-zone",)
+
+
+@pytest.mark.parametrize(
+    ("effect", "moves"),
+    [
+        (dynamics.CubicStiffness(), True),
+        (dynamics.SqrtOutflow("both"), True),
+        (dynamics.CoulombFriction("speed"), True),
+        (dynamics.ExtraLag(), False),
+        (input.DeadZone(), False),
+    ],
+)
+def test_a_load_goes_inside_with_an_effect_that_makes_a_state_nonlinear(effect: Effect, moves: bool) -> None:
+    plain, inner = disturbance.LoadStep(), disturbance.InnerLoad("inside")
+    old = Hypothesis((output.Drift("1"), plain), known=1)
+    new = _housed(old, effect)
+    assert new.effects == (output.Drift("1"), inner if moves else plain, effect)
+    assert new.known == 1
+    assert _housed(LINEAR, effect) == LINEAR.plus(effect)
+
+
+def test_only_a_nonlinear_state_takes_a_load_inside(levels: FloatArray, two_poles: Response) -> None:
+    data = data_of(levels, two_poles(levels))
+    inner = disturbance.InnerLoad("inside")
+    for effects, expected in (((), False), ((input.DeadZone(),), False), ((dynamics.CubicStiffness(),), True)):
+        parent = parent_of(data, Hypothesis(effects), log_c=-0.7, log_k=-3.0)
+        assert inner.applies(Context(data, parent)) is expected
+
+
+def loaded(size: float, drift: float, data: Data) -> Fit:
+    """Two poles with a load of so much input from 0.6 of the record on, and a drift of the sensor."""
+    hypothesis = Hypothesis((disturbance.LoadStep(), output.Drift("1")))
+    numbers = {"log_c": np.log(0.5), "log_k": np.log(0.05), "onset": 0.6}
+    theta = np.array([numbers.get(p.name, 0.0) for p in hypothesis.parameters])
+    fit = parent_of(data, hypothesis, **numbers)
+    gains = np.zeros(fit.gains.size)
+    gains[:2] = section_gains(2.0)
+    ordered = hypothesis.gains_of(np.arange(gains.size), hypothesis.additive[0]).astype(int)
+    gains[ordered] = -size * gains[: ordered.size]
+    gains[hypothesis.gains_of(np.arange(gains.size), hypothesis.additive[1]).astype(int)] = drift
+    return replace(fit, gains=gains, output=hypothesis.output(theta, gains, data.u))
+
+
+def section_gains(gain: float) -> FloatArray:
+    """Numerator of two poles at c = 0.5 and k = 0.05, the input held."""
+    numerator, _, _ = cont2discrete(([gain * 0.05], [1.0, 0.5, 0.05]), 1.0)
+    return np.asarray(numerator[0][1:])
+
+
+@pytest.mark.parametrize(("size", "drift"), [(0.0, 0.0), (0.4, 0.0), (0.9, 0.0), (0.0, 0.7)])
+def test_the_gain_of_a_parent_is_that_from_its_input(
+    levels: FloatArray, two_poles: Response, size: float, drift: float
+) -> None:
+    """Loads and drifts that it also has change its output without the input."""
+    data = data_of(levels, two_poles(levels))
+    context = Context(data, loaded(size, drift, data))
+    assert context.gain == pytest.approx(2.0, rel=1e-3)
+    assert context.settling == pytest.approx(10.0, abs=0.2)
+
+
+@pytest.mark.parametrize("size", [0.3, 0.9])
+def test_a_load_goes_inside_as_the_input_that_does_the_same(
+    levels: FloatArray, two_poles: Response, size: float
+) -> None:
+    data = data_of(levels, two_poles(levels))
+    parent = loaded(size, 0.0, data)
+    effect = dynamics.CubicStiffness()
+    hypothesis = _housed(parent.hypothesis, effect)
+    names = [p.name for p in hypothesis.plant.parameters]
+    for theta in starts(Context(data, parent), hypothesis, effect):
+        own = dict(zip(names, theta[hypothesis.slices["plant"]], strict=True))
+        assert own["onset"] == 0.6
+        assert own["load"] == pytest.approx(size, rel=1e-3)
+
+
+def test_the_last_effects_have_to_be_what_they_say_they_are(levels: FloatArray, two_poles: Response) -> None:
+    """A load that begins with the record is none, whatever stands behind it; of the simulation nothing is asked."""
+    data = data_of(levels, two_poles(levels))
+    numbers = {"log_c": -0.7, "log_k": -3.0, "low": -0.4, "high": 0.3}
+    hypothesis = Hypothesis((disturbance.Leak("leak"), input.DeadZone()))
+    for onset, expected in ((0.4, True), (0.0, False)):
+        fit = parent_of(data, hypothesis, onset=onset, **numbers)
+        assert holds(data, fit)
+        assert holds(data, fit, 2) is expected

@@ -20,7 +20,9 @@ from labsid.gap.forms import (
     LOAD_WAVE,
     ORDERS,
     PLACES,
+    RICHER,
     STOPS,
+    SWITCHED,
     WAVE,
     carried,
     growing,
@@ -29,7 +31,7 @@ from labsid.gap.forms import (
 )
 from labsid.gap.hypothesis import Hypothesis
 from labsid.gap.plants import Plant
-from labsid.gap.which import Explained
+from labsid.gap.which import Explained, explain
 
 Response = Callable[..., FloatArray]
 
@@ -56,12 +58,75 @@ def test_a_lag_and_a_mode_are_tried_at_every_place_to_a_nonlinear_state() -> Non
 
 def test_what_bends_the_command_is_tried_in_either_order_where_something_else_bends_it_too() -> None:
     curve, rate = input.Nonlinearity(), input.RateLimit()
-    assert rearranged(Hypothesis((curve,))) == []
-    assert rearranged(Hypothesis((curve, input.Delay()))) == []
-    assert [other.keys for other in rearranged(Hypothesis((curve, rate)))] == [
+    orders = {effect for group in ORDERS for effect in group[1:]}
+    for alone in ((curve,), (rate,), (curve, input.Delay())):
+        assert not any(orders & set(other.effects) for other in rearranged(Hypothesis(alone)))
+    assert [other.keys for other in rearranged(Hypothesis((curve, rate))) if orders & set(other.effects)] == [
         ("input-nonlinearity/first", "input-rate-limit"),
         ("input-nonlinearity", "input-rate-limit/behind"),
     ]
+
+
+GENERAL = {effect.key: other for forms in (SWITCHED, RICHER) for effect, other in forms.items()}
+
+
+@pytest.mark.parametrize("effect", [*SWITCHED, *RICHER])
+def test_a_memory_is_tried_with_another_past_and_a_curve_with_more_bends(effect: Effect) -> None:
+    beside = dynamics.ExtraLag()
+    (other,) = rearranged(Hypothesis((effect, beside)))
+    assert other.effects == (GENERAL[effect.key], beside)
+    assert other.names == (effect.name, "extra-lag")
+    assert rearranged(other) == []
+    assert rearranged(Hypothesis((effect, beside), known=1)) == []
+
+
+@pytest.mark.parametrize("effect", [*SWITCHED, *RICHER])
+def test_the_general_form_begins_as_the_special_one(
+    levels: FloatArray, two_poles: Response, banded: Explained, effect: Effect
+) -> None:
+    numbers = {"delay": 3.4, "log_rate": -1.0, "c2": 0.1, "c3": -0.05, "log_c": np.log(0.5), "log_k": np.log(0.05)}
+    old = Hypothesis((effect,))
+    theta = np.array([numbers[p.name] for p in old.parameters])
+    gains = np.linspace(0.02, 0.05, old.design(theta, levels).columns.shape[1])
+    (other,) = rearranged(old)
+    found = carried(replace(banded.path[0], hypothesis=old, theta=theta), other)
+    assert found.size > theta.size
+    error = 0.05 if effect in RICHER else 1e-12  # of a spline next to a cubic, and straight at the ends
+    np.testing.assert_allclose(other.output(found, gains, levels), old.output(theta, gains, levels), atol=error)
+
+
+def test_a_brim_is_tried_at_both_tanks() -> None:
+    for side in ("", "-flipped"):
+        for which in ("upper", "lower"):
+            (both,) = rearranged(Hypothesis((dynamics.Overflow(which + side),)))
+            assert both.effects == (dynamics.Overflow("both" + side),)
+            assert both.plant.flipped == (side != "")
+        assert rearranged(both) == []
+
+
+@pytest.mark.parametrize("root", [(), (dynamics.SqrtOutflow("both"),), (dynamics.SqrtOutflow("lower"),)])
+@pytest.mark.parametrize("which", ["upper", "lower"])
+def test_the_other_brim_begins_a_little_below_the_highest_level(
+    levels: FloatArray, two_poles: Response, which: str, root: tuple[Effect, ...]
+) -> None:
+    """Of the upper tank at the level from which as much flows out; the brim that is known stays where it is."""
+    data = data_of(levels, two_poles(levels))
+    old = Hypothesis((*root, dynamics.Overflow(which)))
+    numbers = {"log_a": 0.0, "log_b": -0.5, "zero": -3.0, "brim": 40.0, "share": 0.3}
+    theta = np.array([numbers.get(p.name, 0.0) for p in old.parameters])
+    point = search(data, old, theta, iterations=0)
+    assert point is not None
+    fit = finish(data, old, point)
+    (both,) = (other for other in rearranged(old) if other.plant.brim == 3)
+    found = dict(zip([p.name for p in both.plant.parameters], carried(fit, both)[both.slices["plant"]], strict=True))
+    known, new = ("brim", "brim2") if which == "upper" else ("brim2", "brim")
+    assert found[known] == numbers["brim"]
+    unit, offset = fit.gains[:2]
+    level = (fit.output - offset) / unit
+    flow = np.sqrt(np.maximum(level, 0.0)) if old.plant.lower_root else level
+    expected = level if which == "upper" else flow**2 if old.plant.upper_root else flow
+    assert 0.02 < np.mean(expected > found[new]) < 0.04
+    np.testing.assert_allclose(both.plant.linear_rates(carried(fit, both)[both.slices["plant"]]), fit.rates)
 
 
 @pytest.mark.parametrize("group", [*PLACES, *ORDERS])
@@ -221,7 +286,7 @@ def test_roots_are_tried_at_the_other_outflows_at_the_rates_of_before(
     numbers |= {"brim": 2.0, "brim2": 2.0, "share": 0.4}
     theta = np.array([numbers.get(p.name, 0.0) for p in hypothesis.parameters])
     fit = replace(banded.path[0], hypothesis=hypothesis, theta=theta)
-    others = rearranged(hypothesis)
+    others = [other for other in rearranged(hypothesis) if other.effects[0] != hypothesis.effects[0]]
     assert {other.effects[0].variant for other in others} == {"both" + side, "upper" + side, "lower" + side} - {
         which + side
     }
@@ -297,3 +362,48 @@ def test_on_linear_dynamics_a_load_and_a_wave_are_the_plain_ones_again(
     assert linear.hypothesis.effects == (outer,)
     assert [p.name for p in linear.hypothesis.parameters][-1] == name
     assert linear.theta[-1] == pytest.approx(numbers[name], rel=0.2)
+
+
+def noisy(y: FloatArray, seed: int = 1) -> FloatArray:
+    """With one per cent of noise."""
+    return y + 0.01 * np.std(y) * np.random.default_rng(seed).standard_normal(y.size)
+
+
+@pytest.mark.parametrize("late", [3, 6])
+def test_a_record_that_begins_with_a_new_command_has_the_delay_of_its_commands(
+    levels: FloatArray, two_poles: Response, late: int
+) -> None:
+    """Until the first one arrives the rig stands elsewhere; a zero may hide half a sample."""
+    u = levels[:400]
+    y = two_poles(np.concatenate([np.full(late, u[0] + 2.0), u[:-late]]))
+    found = explain(data_of(u, noisy(y)), most=1)
+    assert found.names == ("input-delay",)
+    (key,) = found.best.hypothesis.keys
+    assert key.endswith("switched")
+    delay, away = found.best.theta[found.best.hypothesis.slices[key]]
+    assert delay == pytest.approx(late, abs=0.6)
+    assert away * found.data.u_scale.unit == pytest.approx(2.0, abs=0.1)
+
+
+def test_a_record_that_goes_on_as_before_begins_with_no_new_command(levels: FloatArray, two_poles: Response) -> None:
+    u = levels[:400]
+    y = two_poles(np.concatenate([np.full(6, u[0]), u[:-6]]))
+    found = explain(data_of(u, noisy(y)), most=1)
+    assert found.names == ("input-delay",)
+    assert not found.best.hypothesis.keys[0].endswith("switched")
+
+
+def test_a_sensor_that_bends_like_a_hyperbolic_tangent_is_a_curve_of_the_sensor(
+    levels: FloatArray, two_poles: Response
+) -> None:
+    z = two_poles(levels[:400])
+    found = explain(data_of(levels[:400], noisy(np.tanh(1.2 * z / z.std()))), most=1)
+    assert found.best.hypothesis.keys == ("output-nonlinearity/rich",)
+    assert rms(found.data, found.best) < 0.02
+
+
+def test_a_curve_of_third_order_takes_no_more_bends(levels: FloatArray, two_poles: Response) -> None:
+    z = two_poles(levels[:400])
+    z = z / z.std()
+    found = explain(data_of(levels[:400], noisy(z + 0.15 * z**2 - 0.03 * z**3)), most=1)
+    assert found.best.hypothesis.keys == ("output-nonlinearity",)

@@ -145,7 +145,7 @@ def with_one(values, k, value):
         ("u of the record is constant (2)", lambda r: {"u": np.full(200, 2.0)}),
         ("y of the record is constant (1)", lambda r: {"y": np.ones(200)}),
         ("has 10 samples; a diagnosis needs at least 100", lambda r: {name: getattr(r, name)[:10] for name in "tuy"}),
-        ("sampling is irregular", lambda r: {"t": r.t + np.where(np.arange(200) < 100, 0.0, 0.2)}),
+        ("sampling is irregular", lambda r: {"t": r.t + np.where(np.arange(200) < 100, 0.0, 0.5)}),
         ("keep only the fresh readings", lambda r: {"y": r.y[np.arange(200) // 5 * 5]}),
     ],
 )

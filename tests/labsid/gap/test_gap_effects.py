@@ -1,18 +1,21 @@
 """The effects of the table: names, paths, parameters, what each does to a signal, its numbers in record units."""
 
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 import pytest
 from numpy.polynomial.chebyshev import chebval
+from scipy.interpolate import CubicSpline
+from scipy.signal import cont2discrete, lfilter
 
 from labsid._arrays import FloatArray
 from labsid.gap import answer
 from labsid.gap.candidates import CANDIDATES, LINEAR, baseline
 from labsid.gap.context import Context, Data, Scale, scaled
-from labsid.gap.effects import disturbance, drifting, dynamics, input, output
+from labsid.gap.effects import curves, disturbance, drifting, dynamics, input, output
 from labsid.gap.effects.base import AdditiveEffect, Effect, Fitted, InputEffect, OutputEffect, PlantEffect
-from labsid.gap.fitting import search
+from labsid.gap.fitting import finish, search
 from labsid.gap.hypothesis import Hypothesis
 from labsid.gap.plants import Plant
 
@@ -123,7 +126,7 @@ def test_every_effect_starts_inside_its_bounds_and_reports_the_agreed_parameters
         starts = effect.plant_starts(context)
         assert starts
         assert {name.rstrip("+") for start in starts for name in start} <= names
-        assert effect.applies(context)
+        assert effect.applies(context) == (effect.key != "load-step/inside")  # the parent is linear
     else:
         starts = effect.starts(context)
         assert starts
@@ -146,6 +149,7 @@ def test_every_effect_starts_inside_its_bounds_and_reports_the_agreed_parameters
 
 
 ROWS = np.ones(300, bool)
+SPLINE = [0.3, -0.5, 0.2, 0.6, -0.4, 0.1, -0.2]
 W = np.array([-2.0, -1.0, -0.2, 0.0, 0.5, 1.0, 2.0])
 
 
@@ -160,6 +164,7 @@ W = np.array([-2.0, -1.0, -0.2, 0.0, 0.5, 1.0, 2.0])
         (input.DeadZone(), [0.5, -0.4], [-1.6, -0.6, 0.0, 0.0, 0.0, 0.5, 1.5]),
         (input.Backlash(), [1.0, 0.5], [-2.0, -1.5, -0.7, -0.5, 0.0, 0.5, 1.5]),
         (input.RateLimit(), [np.log(0.5)], [-2.0, -1.75, -1.25, -0.75, -0.25, 0.25, 0.75]),
+        (input.RateLimit("switched"), [np.log(0.5), 3.0], [0.75, 0.25, -0.16, -0.04, 0.25, 0.75, 1.25]),
         (input.Nonlinearity(), [0.5, 0.25], [-2.0, -0.75, -0.182, 0.0, 0.65625, 1.75, 6.0]),
         (input.Delay(), [3.0], W),
         (drifting.GainDrift("1"), [0.5, 1.0], [-1.5, -4 / 3, -1.0, -1.0, -7 / 12, 0.0, 1.5]),
@@ -191,6 +196,7 @@ def test_what_the_sensor_makes_of_the_output(effect: OutputEffect, own: list[flo
         (output.Saturation("high"), [0.71]),
         (output.Saturation("both"), [-0.51, 0.71]),
         (output.Nonlinearity(), [0.5, -0.25]),
+        (output.Nonlinearity("rich"), SPLINE),
     ],
     ids=lambda value: value.key if isinstance(value, Effect) else None,
 )
@@ -199,6 +205,36 @@ def test_slope_is_the_derivative_of_bend(effect: OutputEffect, own: list[float])
     numbers = np.array(own)
     numerical = (effect.bend(z + h, numbers) - effect.bend(z - h, numbers)) / (2.0 * h)
     np.testing.assert_allclose(effect.slope(z, numbers), numerical, atol=1e-6)
+
+
+@pytest.mark.parametrize("curve", [input.Nonlinearity("rich"), output.Nonlinearity("rich")])
+def test_a_rich_curve_is_a_natural_spline_of_slope_one_at_zero(curve: InputEffect | OutputEffect) -> None:
+    def bent(x: FloatArray) -> FloatArray:
+        own = np.array(SPLINE)
+        return curve.apply(x, own, x.size) if isinstance(curve, InputEffect) else curve.bend(x, own)
+
+    assert len(curve.parameters) == len(SPLINE) == curves.KNOTS.size - 2
+    expected = CubicSpline(curves.KNOTS, bent(curves.KNOTS), bc_type="natural")
+    inside = np.linspace(curves.KNOTS[0], curves.KNOTS[-1], 301)
+    np.testing.assert_allclose(bent(inside), expected(inside), atol=1e-9)
+    assert np.abs(expected(inside, 2)).max() > 0.1
+    np.testing.assert_allclose([expected(0.0), expected(0.0, 1)], [0.0, 1.0], atol=1e-9)
+    for end, way in ((curves.KNOTS[0], -1.0), (curves.KNOTS[-1], 1.0)):  # straight on
+        np.testing.assert_allclose(
+            bent(end + way * np.arange(4.0)), expected(end) + way * np.arange(4.0) * expected(end, 1)
+        )
+
+
+def test_a_spline_next_to_a_cubic_tells_its_numbers() -> None:
+    own = curves.richer(np.array([0.3, -0.09]))
+    x = np.linspace(-2.2, 2.2, 50)
+    np.testing.assert_allclose(curves.bent(x, own), x + 0.3 * x**2 - 0.09 * x**3, atol=0.05)
+    found = values(fitted(output.Nonlinearity("rich"), None, None, *own))
+    assert found == {
+        "c2": (pytest.approx(0.1, rel=0.02), "1/y"),
+        "c3": (pytest.approx(-0.01, rel=0.02), "1/y^2"),
+        "centre": (10.0, "y"),
+    }
 
 
 def columns(effect: AdditiveEffect, own: list[float], samples: int, span: int) -> FloatArray:
@@ -386,6 +422,31 @@ def context_of(u: FloatArray, y: FloatArray) -> Context:
     return Context(data, parent, parent)
 
 
+def linear_context(c: float, k: float, gain: float, levels: FloatArray) -> Context:
+    """About two known poles."""
+    numerator, denominator, _ = cont2discrete(([gain * k], [1.0, c, k]), 1.0)
+    hypothesis = Hypothesis()
+    theta = np.array([0.0, np.log(c), np.log(k)])
+    data = data_of(levels, lfilter(numerator[0], denominator, levels - levels[0]))
+    point = search(data, hypothesis, theta, iterations=0)
+    assert point is not None
+    return Context(data, finish(data, hypothesis, point))
+
+
+@pytest.mark.parametrize(("c", "k", "gain"), [(0.5, 0.05, 1.0), (0.2, 0.01, -3.0), (0.1, 0.04, 0.5)])
+def test_gain_and_settling_of_two_poles(levels: FloatArray, c: float, k: float, gain: float) -> None:
+    """The area above the step response of k / (s^2 + c s + k) is c / k, real poles or not."""
+    context = linear_context(c, k, gain, levels)
+    assert context.gain == pytest.approx(gain, rel=1e-3)
+    assert context.settling == pytest.approx(c / k, rel=0.02, abs=0.2)
+
+
+def test_what_does_not_follow_its_input_does_not_settle(levels: FloatArray) -> None:
+    context = linear_context(0.5, 0.05, 1.0, levels)
+    still = Context(context.data, replace(context.parent, gains=np.zeros(context.parent.gains.size)))
+    assert (still.gain, still.settling) == (0.0, 0.0)
+
+
 def test_two_levels_cannot_show_what_bends_the_input(levels: FloatArray) -> None:
     two = np.sign(levels[:300])
     context = context_of(two, np.convolve(two, np.ones(6) / 6)[:300])
@@ -403,6 +464,33 @@ def test_a_dead_band_at_the_end_of_the_range_is_a_limit_unless_the_rig_rests_the
     low = Fitted(fit.hypothesis, fitted(effect, None, None, -1.6, 0.4).theta, fit.gains, data_of(np.full(100, -1.5)))
     low.data.u[50:] = 1.5
     assert effect.holds(low)
+
+
+@pytest.mark.parametrize(
+    ("variant", "rates", "expected"),
+    [  # of the upper and of the lower tank, a sample
+        ("lower", (0.3, 0.9), True),
+        ("lower", (0.3, 1.1), False),
+        ("lower", (8.0, 0.9), True),
+        ("upper", (1.1, 0.3), False),
+        ("upper", (0.9, 8.0), True),
+        ("both", (0.9, 0.9), True),
+        ("both", (1.1, 0.9), False),
+        ("both-flipped", (0.9, 1.1), False),
+    ],
+)
+@pytest.mark.parametrize("root", [None, "both", "upper", "lower"])
+def test_a_tank_that_fills_within_a_sample_is_none(
+    variant: str, rates: tuple[float, float], expected: bool, root: str | None
+) -> None:
+    """About the mean flow, here four: there the root of the level runs off an eighth as fast as the level."""
+    side = "-flipped" if variant.endswith("flipped") else ""
+    effect, beside = dynamics.Overflow(variant), () if root is None else (dynamics.SqrtOutflow(root + side),)
+    hypothesis = Hypothesis((*beside, effect))
+    factors = [8.0 if root in ("both", which) else 1.0 for which in ("upper", "lower")]
+    numbers = dict(zip(("log_a", "log_b"), np.log(np.multiply(rates, factors)), strict=True)) | {"zero": -4.0}
+    theta = np.array([numbers.get(p.name, 0.0) for p in hypothesis.parameters])
+    assert effect.holds(Fitted(hypothesis, theta, np.zeros(9), data_of(W))) is expected
 
 
 def test_friction_without_a_turn_is_no_friction() -> None:

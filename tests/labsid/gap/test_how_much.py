@@ -51,6 +51,24 @@ def test_blocks_spread_over_the_record_hold_at_least_three_tenths(samples: int) 
     assert np.all(np.array([out[: samples // 2].mean(), out[samples // 2 :].mean()]) > 0.25)
 
 
+@pytest.mark.parametrize("samples", [100, 480, 601, 3000])
+def test_the_fits_see_both_sides_of_every_block(samples: int) -> None:
+    out = held_out(samples)
+    assert not out[: samples // 20].any()
+    assert not out[-(samples // 20) :].any()
+    for sixth in np.array_split(out, 6):
+        assert np.flatnonzero(sixth).mean() == pytest.approx(0.5 * sixth.size, abs=2.0)
+
+
+@pytest.mark.parametrize("sixth", [0, 3, 5])
+@pytest.mark.parametrize("place", [0.1, 0.3, 0.33, 0.35, 0.5, 0.64, 0.7, 0.9])
+def test_an_instant_is_not_among_the_samples_that_no_fit_sees(sixth: int, place: float) -> None:
+    out = held_out(3000, (sixth + place) / 6)
+    at = round((sixth + place) * 500)
+    assert not out[at - 3 : at + 4].any()
+    assert out.mean() == pytest.approx(held_out(3000).mean(), abs=0.01)
+
+
 def amount_of(explained: Explained, **options: object) -> HowMuch:
     """The closure with a fixed seed."""
     return how_much_of(explained, None, None, np.random.default_rng(0), **options)
@@ -65,8 +83,8 @@ def test_the_gap_closes_on_held_out_samples(banded: Explained) -> None:
         assert fit.noise.rows < (~amount.scored).sum()  # no fit has seen them
     assert amount.before_fit.hypothesis.names == ()
     assert amount.after_fit.hypothesis.names == ("input-dead-zone",)
-    assert amount.closed == closure(amount.before**2, amount.after**2, amount.floor**2)
     assert amount.closed is not None
+    assert amount.closed == pytest.approx(closure(amount.before**2, amount.after**2, amount.floor**2))
     assert amount.closed > 0.9
 
 
@@ -88,8 +106,8 @@ def test_the_floor_is_the_noise(banded: Explained, two_poles: Callable[..., Floa
 
 
 def told_by_the_input(explained: Explained, noise: float) -> FloatArray:
-    """The square of the filtered input, standard deviation one, and noise."""
-    state = lfilter([0.2], [1.0, -0.8], explained.data.u) ** 2
+    """The square of the filtered input up to the sample before, standard deviation one, and noise."""
+    state = lfilter([0.0, 0.2], [1.0, -0.8], explained.data.u) ** 2
     return (state - state.mean()) / state.std() + noise * np.random.default_rng(4).standard_normal(state.size)
 
 

@@ -80,3 +80,10 @@ def test_delayed_by_hand() -> None:
     np.testing.assert_allclose(_kernels.delayed(w, 1, 0.0), [1.0, 1.0, 2.0, 4.0])
     np.testing.assert_allclose(_kernels.delayed(w, 1, 0.25), [1.0, 1.0, 1.75, 3.5])
     np.testing.assert_allclose(_kernels.delayed(w, 9, 0.5), 1.0)
+
+
+def test_delayed_from_another_level_before_the_record() -> None:
+    w = np.array([1.0, 2.0, 4.0, 8.0])
+    np.testing.assert_allclose(_kernels.delayed(w, 2, 0.0, -3.0), [-2.0, -2.0, 1.0, 2.0])
+    np.testing.assert_allclose(_kernels.delayed(w, 1, 0.25, -3.0), [-2.0, 0.25, 1.75, 3.5])
+    np.testing.assert_allclose(_kernels.delayed(w, 0, 0.25, -3.0), [0.25, 1.75, 3.5, 7.0])

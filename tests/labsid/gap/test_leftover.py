@@ -14,7 +14,20 @@ from labsid.gap.context import Data, scaled
 from labsid.gap.effects import output
 from labsid.gap.fitting import Fit, finish, search
 from labsid.gap.hypothesis import Hypothesis
-from labsid.gap.leftover import MOST_LEFT, explained_share, features, is_noise, leftover, pasts, repetition
+from labsid.gap.leftover import (
+    ENOUGH,
+    FEW,
+    LAGS,
+    MOST_LEFT,
+    SLOW,
+    explained_share,
+    features,
+    is_noise,
+    leftover,
+    pasts,
+    repetition,
+    slow_colour,
+)
 
 Fitted = Callable[[FloatArray], tuple[Data, Fit]]
 
@@ -48,6 +61,47 @@ def test_noise_is_noise_however_coloured(fitted: Fitted, pole: float, seed: int)
     assert left.slow == pytest.approx(pole**6, abs=0.2)
     assert left.tails == pytest.approx(3.0, abs=0.8)
     assert left.uneven < 2.5
+
+
+@pytest.mark.parametrize("turn", [0.4, 0.9])
+def test_noise_that_swings_is_slow_although_it_is_nought_at_one_lag(turn: float) -> None:
+    """Autocorrelation of a narrow band: a slowly fading cosine, of either sign."""
+    fade = 0.98
+    e = lfilter([1.0], [1.0, -2.0 * fade * np.cos(turn), fade**2], np.random.default_rng(3).standard_normal(9000))[
+        1000:
+    ]
+    rows = np.ones(e.size, bool)
+    lags = np.arange(FEW, LAGS)
+    expected = np.abs([np.mean(e[lag:] * e[:-lag]) / np.mean(e**2) for lag in lags]).max()
+    assert slow_colour(e, rows) == pytest.approx(expected, rel=1e-3)
+    assert slow_colour(e, rows) > 2.0 * SLOW
+    assert np.abs(fade**lags * np.cos(turn * lags)).max() == pytest.approx(expected, abs=0.08)
+
+
+def test_white_noise_and_noise_that_forgets_itself_are_not_slow() -> None:
+    rng = np.random.default_rng(5)
+    rows = np.ones(4000, bool)
+    for pole in (0.0, 0.7):
+        assert slow_colour(lfilter([1.0], [1.0, -pole], rng.standard_normal(4000)), rows) < 0.5 * SLOW
+    assert slow_colour(lfilter([1.0], [1.0, -0.95], rng.standard_normal(4000)), rows) > SLOW
+
+
+def test_rows_that_do_not_count_have_no_part_in_the_slowness() -> None:
+    e = np.random.default_rng(5).standard_normal(2000)
+    rows = np.ones(2000, bool)
+    rows[300:900] = False
+    still = slow_colour(e, rows)
+    e[300:900] += 20.0
+    assert slow_colour(e, rows) == still
+    assert slow_colour(e[:ENOUGH], np.ones(ENOUGH, bool)) == 0.0  # too few pairs
+
+
+def test_colour_compares_power_and_innovations_on_the_same_rows(fitted: Fitted) -> None:
+    """White noise that is loud where no rows count has no colour."""
+    data, fit = fitted(noise(0.0, 1) * np.where(np.arange(800) < 400, 1.0, 8.0))
+    quiet = replace(data, rows=np.arange(800) < 400)
+    assert leftover(quiet, fit).colour == pytest.approx(1.0, abs=0.12)
+    assert leftover(data, fit).colour == pytest.approx(1.0, abs=0.12)
 
 
 def test_a_function_of_the_past_of_the_input_is_no_noise(fitted: Fitted, levels: FloatArray) -> None:
@@ -93,6 +147,18 @@ def test_every_sign_counts_unless_a_coarse_converter_makes_it(fitted: Fitted, wo
     assert is_noise(left, converted=False)
     assert not is_noise(replace(left, **worse), converted=False)
     assert is_noise(replace(left, **worse), converted=True)
+
+
+def test_the_input_of_the_same_instant_is_no_past(fitted: Fitted) -> None:
+    """It cannot act yet; a controller that sees the noise would make it of the noise."""
+    data, fit = fitted(noise(0.0, 5))
+    u = data.u.copy()
+    u[400] += 3.0
+    other = replace(data, u=u)
+    for told in (features, pasts):
+        before, after = told(data, fit), told(other, fit)
+        np.testing.assert_array_equal(before[:401], after[:401])
+        assert np.all(np.any(before[401:403] != after[401:403], axis=1))
 
 
 def test_explained_share_is_that_of_unseen_blocks(fitted: Fitted) -> None:

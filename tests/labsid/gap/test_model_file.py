@@ -7,7 +7,8 @@ import pytest
 from scipy.signal import lfilter
 
 from labsid.gap.context import Scale
-from labsid.gap.effects.dynamics import SqrtOutflow
+from labsid.gap.effects.dynamics import Overflow, SqrtOutflow
+from labsid.gap.effects.input import Delay, RateLimit
 from labsid.gap.hypothesis import Hypothesis
 from labsid.gap.model_file import _BY_KEY, SCHEMA, RunningModel, from_json_dict, load_model
 
@@ -107,7 +108,9 @@ def test_forms_of_every_effect_have_a_key():
     """What the search may put in the place of a candidate is exported, too."""
     forms = {"extra-lag/ahead", "resonance/beside", "load-step/inside", "load-step/leak"}
     orders = {"input-rate-limit/behind", "input-nonlinearity/first"}
-    assert forms | orders <= set(_BY_KEY)
+    general = {"overflow/both", "overflow/both-flipped", "input-nonlinearity/rich", "output-nonlinearity/rich"}
+    switched = {"input-delay/switched", "input-delay/no-zero switched", "input-rate-limit/switched"}
+    assert forms | orders | general | switched <= set(_BY_KEY)
     assert all(effect.key == key for key, effect in _BY_KEY.items())
 
 
@@ -126,3 +129,41 @@ def test_an_export_with_any_effect_is_read_again(key, beside, levels):
     played = model.simulate(2.0 + 3.0 * levels[:100])
     assert np.isfinite(played).all()
     np.testing.assert_array_equal(again.simulate(2.0 + 3.0 * levels[:100]), played)
+
+
+@pytest.mark.parametrize("away", [(-3.0, 1.5), (2.5, -2.0), (4.0, 6.0), (-5.0, -4.0)])
+@pytest.mark.parametrize("brim", ["upper", "lower", "both"])
+def test_tanks_with_brims_start_in_any_state_that_the_measured_output_tells(levels, brim, away):
+    """Above a brim the start makes no difference at all: from there no slope leads anywhere."""
+    hypothesis = Hypothesis((SqrtOutflow("both"), Overflow(brim)))
+    numbers = {"log_a": np.log(0.5), "log_b": np.log(0.4), "zero": -3.0, "brim": 10.0, "brim2": 9.8, "share": 0.4}
+    numbers |= {"h1": 5.0, "h2": 5.0}  # of the record that was fitted
+    theta = np.array([numbers.get(p.name, 0.0) for p in hypothesis.parameters])
+    model = RunningModel(hypothesis, theta, np.array([0.5, -1.0]), 0.5, 600, 0.1, Scale(2.0, 3.0), Scale(-1.0, 5.0))
+    u = levels[200:500]
+    began = theta.copy()
+    for name, value in zip(("h1", "h2"), away, strict=True):
+        began[[p.name for p in hypothesis.parameters].index(name)] = value
+    measured = -1.0 + 5.0 * hypothesis.output(began, model.gains, u, 600, 0.1)
+    found = model.simulate(2.0 + 3.0 * u, measured)
+    np.testing.assert_allclose(found, measured, atol=0.02 * measured.std())
+
+
+@pytest.mark.parametrize("before", [-2.4, 0.7, 3.0])
+@pytest.mark.parametrize(("effect", "own"), [(Delay("switched"), 6.3), (RateLimit("switched"), np.log(0.2))])
+def test_where_the_command_stood_before_is_a_state_of_the_record(levels, effect, own, before):
+    hypothesis = Hypothesis((effect,))
+    place = hypothesis.slices[effect.key]
+    numbers = {"log_c": np.log(C), "log_k": np.log(K)}
+    theta = np.array([numbers.get(p.name, 0.0) for p in hypothesis.parameters])
+    theta[place] = own, 1.1
+    gains = np.array([0.02, 0.03, 0.0, 0.0, 0.0, 0.4])
+    model = RunningModel(hypothesis, theta, gains, 0.5, 600, 0.1, Scale(2.0, 3.0), Scale(-1.0, 5.0))
+    began = theta.copy()
+    began[place] = own, before
+    measured = -1.0 + 5.0 * hypothesis.output(began, gains, levels, 600, 0.1)
+    np.testing.assert_allclose(model.simulate(2.0 + 3.0 * levels, measured), measured, atol=1e-3 * measured.std())
+    at_rest = model.simulate(2.0 + 3.0 * levels)
+    began[place] = own, 0.0
+    rest = np.concatenate([np.full(5000, levels[0]), levels])
+    np.testing.assert_allclose(at_rest, -1.0 + 5.0 * hypothesis.output(began, gains, rest, 600, 0.1)[5000:], atol=1e-9)

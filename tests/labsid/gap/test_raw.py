@@ -103,6 +103,18 @@ def test_within_a_step_of_the_converter_nothing_is_a_spike(noise: np.ndarray) ->
     assert np.flatnonzero(find_spikes(e, usable, 1.1)).tolist() == [120]
 
 
+@pytest.mark.parametrize("on_stop", [0.0, 0.4, 0.8])
+def test_noise_has_no_spikes_however_long_the_sensor_stands_on_its_stop(noise: np.ndarray, on_stop: float) -> None:
+    """There the residual is nought: its median would say that there is no noise at all."""
+    e = noise.copy()
+    for block in np.array_split(np.arange(400), 5):
+        e[block[: round(on_stop * block.size)]] = 0.0
+    usable = np.ones(400, bool)
+    assert not find_spikes(e, usable).any()
+    e[395] += 15.0
+    assert np.flatnonzero(find_spikes(e, usable)).tolist() == [395]
+
+
 @pytest.mark.parametrize("length", [1, 2])
 def test_isolated_samples_far_off_are_spikes(noise: np.ndarray, length: int) -> None:
     noise[50 : 50 + length] += 15.0
@@ -192,6 +204,18 @@ def test_a_lattice_is_found_although_a_few_samples_lie_off_it() -> None:
     lattice, off = lattice_of(y)
     assert lattice == pytest.approx(0.125)
     assert np.flatnonzero(off).tolist() == [50, 130, 260]
+
+
+def test_a_value_of_the_lattice_that_comes_only_once_is_on_it() -> None:
+    """The top of a single swing, as a converter reads it, is no spike; nor is rounding of the last digit."""
+    y = np.round(8.0 * np.sin(0.05 * np.arange(400))) / 8.0
+    y[200] += 2.5
+    y[[50, 130]] += 0.03, 1.2345
+    y[300] += 1e-9
+    lattice, off = lattice_of(y)
+    assert lattice == pytest.approx(0.125)
+    assert (y == y[200]).sum() == 1
+    assert np.flatnonzero(off).tolist() == [50, 130]
 
 
 @pytest.mark.parametrize("times", [1, 3])

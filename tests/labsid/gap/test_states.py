@@ -66,10 +66,51 @@ def test_an_empty_tank_stays_empty() -> None:
     assert level[-1] < 1e-3
 
 
-def test_tanks_that_diverge_end_in_nan(w: FloatArray) -> None:
-    level = _states.tanks(w, 50.0, 0.2, False, False, np.inf, np.inf, 0.0, 0.6, 0.5, 2)
+@pytest.mark.parametrize("root", [False, True])
+def test_tanks_that_fill_without_end_end_in_nan(root: bool) -> None:
+    level = _states.tanks(np.full(100, 2.0 * _states.FAR), 0.3, 0.2, root, False, np.inf, np.inf, 0.0, 0.6, 0.5, 2)
     assert np.isfinite(level[0])
     assert np.isnan(level[-1])
+
+
+@pytest.mark.parametrize("rates", [(40.0, 0.2), (3.0, 0.2), (0.2, 40.0), (90.0, 90.0)])
+def test_linear_tanks_are_as_they_are_however_quick(w: FloatArray, rates: tuple[float, float]) -> None:
+    """With as few steps as `responses` takes: the slower tank moves by a tenth of the way in half of one."""
+    flow, substeps = 0.9 + 0.5 * w, int(max(np.ceil(min(rates) / 0.2), 2))
+    (a, b), state, expected = rates, np.array([0.6, 0.5]), []
+    system = np.array([[-a, 0.0, a], [b, -b, 0.0], [0.0, 0.0, 0.0]])
+    for value in flow:
+        expected.append(state[1])
+        state = (expm(system) @ [*state, value])[:2]
+    found = _states.tanks(flow, a, b, False, False, np.inf, np.inf, 0.0, 0.6, 0.5, substeps)
+    np.testing.assert_allclose(found, expected, atol=0.025 if b > 1.0 > a else 5e-4)
+
+
+@pytest.mark.parametrize("rate", [0.3, 4.0, 60.0])
+@pytest.mark.parametrize(("level", "brim"), [(0.2, 0.7), (0.7, 0.7), (0.2, 2.0)])
+def test_a_linear_tank_at_its_brim_loses_nothing(rate: float, level: float, brim: float) -> None:
+    """What has come in is in the tank, below it or, caught in part, over the brim."""
+    flow, share, h, fine = 1.5, 0.4, 0.5, 100_000
+    now, below, over = level, 0.0, 0.0
+    for _ in range(fine):  # Euler's method
+        out = now
+        now += rate * h / fine * (flow - out)
+        spilt = max(now - brim, 0.0)
+        now -= spilt
+        below += out / fine
+        over += spilt / (rate * h)
+    found, leaving = _states._linear_tank(level, flow, rate, np.exp(-rate * h), brim, share, h)
+    assert found == pytest.approx(now, abs=1e-3)
+    assert leaving == pytest.approx(below + share * over, abs=1e-3)
+
+
+@pytest.mark.parametrize("lag", [0.7, 5.0, 20.0])
+def test_a_motor_sees_the_mean_of_a_lag_however_quick(w: FloatArray, held: Held, lag: float) -> None:
+    """Half of the change in a step, as of a slow lag, would be up to half a step too little."""
+    expected = held(w, np.array([0.3, 0.1]), lambda x, value: [0.4 * (x[1] - x[0]), lag * (value - x[1])])[:, 0]
+    for substeps, error in ((1, 0.012), (2, 0.004)):
+        found = _states.speed(w, 0.4, lag, 0.0, True, 0.3, 0.1, substeps)[:, 0]
+        np.testing.assert_allclose(found, expected, atol=error)
 
 
 SPRINGS = [(0.5, 0.05), (0.2, 0.3), (0.4, 0.04), (0.3, 1e-9), (1e-6, 1e-9), (3.0, 8.0)]

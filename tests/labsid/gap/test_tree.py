@@ -1,5 +1,6 @@
 """The search among combinations: order in the chain, exchange, leaving out, integrators, a start from an export."""
 
+import math
 from collections.abc import Callable
 from dataclasses import replace
 
@@ -9,14 +10,27 @@ from scipy.integrate import solve_ivp
 from scipy.signal import lfilter
 
 from labsid._arrays import FloatArray
-from labsid.gap.candidates import baseline, swift_fit
+from labsid.gap.candidates import baseline, compatible, swift_fit
 from labsid.gap.context import Data, scaled
 from labsid.gap.diagnosis import diagnose
-from labsid.gap.effects import dynamics, input
+from labsid.gap.effects import dynamics, input, output
 from labsid.gap.effects.base import Fitted
-from labsid.gap.fitting import Fit, polish, rms
+from labsid.gap.fitting import Fit, finish, polish, rms, search
+from labsid.gap.forms import LEAK, LOAD
 from labsid.gap.hypothesis import Hypothesis
-from labsid.gap.tree import BEAM, FREE, Level, _parents, _whitest, best_path, keep, nothing_left, rounded
+from labsid.gap.tree import (
+    BEAM,
+    FREE,
+    Level,
+    _forms,
+    _parents,
+    _plain,
+    _whitest,
+    best_path,
+    keep,
+    nothing_left,
+    rounded,
+)
 from labsid.gap.which import Explained, explain
 from labsid.record import Record
 
@@ -255,3 +269,90 @@ def test_a_leak_in_a_tank_with_a_root_is_a_load_that_grows_with_the_level(
     lost = leaking_tank(u, a, b, leak, 290)[-1] - leaking_tank(u, a, b, 0.0, 290)[-1]
     assert values["size"].value == pytest.approx(lost, rel=0.05)
     assert values["size"].unit == "y"
+
+
+def test_beside_a_nonlinear_state_a_leak_is_a_plain_load_again(levels: FloatArray, two_poles: Response) -> None:
+    """Its dynamics would hold none."""
+    load = two_poles((np.arange(levels.size) >= 330).astype(float))
+    data = data_of(levels, two_poles(levels) - 0.4 * load)
+    hypothesis = Hypothesis((output.Drift("1"), LEAK, input.DeadZone()), known=1)
+    numbers = {"log_c": np.log(0.5), "log_k": np.log(0.05), "onset": 330 / 600, "drift": 0.01, "low": -0.1, "high": 0.1}
+    theta = np.array([numbers.get(p.name, 0.0) for p in hypothesis.parameters])
+    point = search(data, hypothesis, theta, iterations=0)
+    assert point is not None
+    fit = finish(data, hypothesis, point)
+    assert not compatible(fit, dynamics.CubicStiffness())
+    plain = _plain(data, fit)
+    assert plain.hypothesis == Hypothesis((output.Drift("1"), LOAD, input.DeadZone()), known=1)
+    assert compatible(plain, dynamics.CubicStiffness())
+    assert plain.theta[plain.hypothesis.slices[LOAD.key]][0] == pytest.approx(330 / 600, abs=0.01)
+    assert rms(data, plain) < 0.02
+    assert _plain(data, plain) is plain
+
+
+def test_a_form_is_none_if_an_effect_in_it_is_not_what_it_says(
+    banded: Explained, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    data = banded.data
+    hypothesis = Hypothesis((output.Nonlinearity(), input.DeadZone()))
+    numbers = {"log_c": np.log(0.5), "log_k": np.log(0.05), "low": -0.4, "high": 0.3}
+    theta = np.array([numbers.get(p.name, 0.0) for p in hypothesis.parameters])
+    point = search(data, hypothesis, theta, iterations=0)
+    assert point is not None
+    fit = finish(data, hypothesis, point)
+    assert [form.hypothesis.effects[0].variant for form in _forms(data, fit)] == ["", "rich"]
+    monkeypatch.setattr(output.Nonlinearity, "holds", lambda effect, fit: effect.variant != "rich")
+    assert _forms(data, fit) == [fit]  # although the last effect is
+    monkeypatch.undo()
+    monkeypatch.setattr(input.DeadZone, "holds", lambda effect, fit: False)
+    assert _forms(data, fit) == [fit]
+    known = replace(fit, hypothesis=Hypothesis(hypothesis.effects[::-1], known=1))
+    assert len(_forms(data, known)) == 2  # the simulation's own effects are not asked
+
+
+def loaded_spring(u: FloatArray, load: float, onset: int) -> FloatArray:
+    """Position of a mass on a hardening spring; a force against it from the onset on."""
+    state, out = np.array([-0.8, 0.0]), []
+
+    def flow(t: float, x: FloatArray, force: float) -> list[float]:
+        return [x[1], 0.06 * (force - x[0] - 0.4 * x[0] ** 3) - 0.3 * x[1]]
+
+    for k, value in enumerate(u):
+        out.append(state[0])
+        force = value - (load if k >= onset else 0.0)
+        state = solve_ivp(flow, (0.0, 1.0), state, args=(force,), rtol=1e-8, atol=1e-10).y[:, -1]
+    return np.array(out)
+
+
+def loaded_motor(u: FloatArray, load: float, onset: int) -> FloatArray:
+    """Speed of a motor with dry friction and a lag ahead, by Euler's method; a torque against it from the onset on."""
+    fine, friction = 100, 0.3
+    speed, drive, out = 0.0, float(u[0]), []
+    for k, value in enumerate(u.tolist()):
+        out.append(speed)
+        for _ in range(fine):
+            drive += 0.8 * (value - drive) / fine
+            net = drive - (load if k >= onset else 0.0)
+            if speed == 0.0 and abs(net) <= friction:
+                continue
+            sign = math.copysign(1.0, speed or net)
+            new = speed + 0.3 * (net - friction * sign - speed) / fine
+            speed = 0.0 if new * sign < 0.0 else new
+    return np.array(out)
+
+
+@pytest.mark.parametrize("load", [0.3, 0.8, 1.2])
+@pytest.mark.parametrize(("rig", "name"), [(loaded_spring, "cubic-stiffness"), (loaded_motor, "coulomb-friction")])
+def test_a_load_on_a_nonlinear_state_is_found_however_large(
+    levels: FloatArray, rig: Response, name: str, load: float
+) -> None:
+    """A large one is the first effect that is found, and a leak on linear dynamics; it goes inside with the second."""
+    u = levels[:400]
+    found = explain(data_of(u, rig(u, load, 240)), most=2)
+    assert set(found.names) == {name, "load-step"}
+    assert "load-step/inside" in found.best.hypothesis.keys
+    assert rms(found.data, found.best) < 0.0115
+    (step,) = (effect for effect in found.best.hypothesis.effects if effect.name == "load-step")
+    values = step.values(Fitted(found.best.hypothesis, found.best.theta, found.best.gains, found.data))
+    assert values["onset"].value == pytest.approx(240.0, abs=1.0)
+    assert values["size"].value == pytest.approx((rig(u, load, 240) - rig(u, 0.0, 240))[-1], rel=0.1)

@@ -1,0 +1,143 @@
+"""Records whose stamps jitter: read, said to be so, and of one sampling time with a simulation or another record."""
+
+import json
+import re
+
+import numpy as np
+import pytest
+
+from labsid.cli import main
+from labsid.gap.batch import diagnose_folder
+from labsid.gap.clock import clock_findings, in_step
+from labsid.gap.diagnosis import diagnose
+from labsid.gap.page import page
+from labsid.gap.simulations import load_simulation, play
+from labsid.gap.text import verdict_text
+from labsid.record import Record, load_record
+
+DEN = np.poly([0.95, 0.8]).tolist()
+
+
+@pytest.fixture(scope="module")
+def clipped(rig_record):
+    return rig_record("input-saturation")
+
+
+@pytest.fixture(scope="module")
+def plain(rig_record):
+    return rig_record("none", 200)
+
+
+def write(path, record, stamps):
+    rows = zip(stamps.tolist(), record.u.tolist(), record.y.tolist(), strict=True)
+    path.write_text("t,u,y\n" + "".join(f"{t!r},{u!r},{y!r}\n" for t, u, y in rows))
+    return path
+
+
+def shaken(record, share=0.03, seconds=1.0):
+    """Its times off by a normal share of the sampling time, in units of so many seconds."""
+    off = share * record.Ts * np.random.default_rng(0).standard_normal(len(record))
+    return (record.t + off) / seconds
+
+
+def jittering(record, Ts=None, jitter=0.03):
+    Ts = record.Ts if Ts is None else Ts
+    return Record(Ts * np.arange(len(record)), record.u, record.y, Ts, jitter=jitter)
+
+
+@pytest.fixture(scope="module")
+def even_report(clipped):
+    return diagnose(clipped).report
+
+
+@pytest.mark.parametrize("seconds", [1.0, 60.0])
+def test_a_clock_that_jitters_changes_no_name_and_no_number(tmp_path, clipped, even_report, seconds):
+    path = write(tmp_path / "record.csv", clipped, shaken(clipped, seconds=seconds))
+    report = diagnose(load_record(path, allow_jitter=True)).report
+    assert report["record"]["Ts"] == pytest.approx(0.5 / seconds, rel=1e-9)
+    (effect,) = report["effects"]
+    (expected,) = even_report["effects"]
+    assert effect["name"] == expected["name"] == "input-saturation"
+    assert effect["parameters"]["high"]["value"] == pytest.approx(expected["parameters"]["high"]["value"], rel=1e-6)
+    assert report["record_findings"][0]["topic"] == "sampling"
+
+
+def test_text_and_page_say_that_the_clock_jitters(even_report, clipped):
+    (finding,) = clock_findings(jittering(clipped, 1 / 30))
+    assert "sampling" not in [one["topic"] for one in even_report["record_findings"]]
+    report = even_report | {"record_findings": [{"topic": finding.topic, "text": finding.text}]}
+    said = (
+        "The clock jitters by 3 % of the sampling time (root mean square); the record is read as if it were sampled "
+        "every 0.03333 s."
+    )
+    assert said in " ".join(verdict_text(report).split())
+    assert page(report)["record"] == [said]
+
+
+def test_little_jitter_is_not_worth_a_word_and_the_holdout_has_a_clock_of_its_own(plain):
+    assert clock_findings(jittering(plain, jitter=0.009), plain) == []
+    (finding,) = clock_findings(plain, jittering(plain, jitter=0.052))
+    assert finding.text.startswith("the clock of the holdout jitters by 5.2% of the sampling time")
+    assert "the holdout is read as if it were sampled every 0.5 s" in finding.text
+
+
+def test_an_unknown_sampling_time_gives_way_to_a_known_one_by_a_sample_at_most(plain):
+    record = jittering(plain, 0.501)
+    near = in_step(record, 0.5)
+    assert (near.Ts, near.jitter) == (0.5, 0.03)
+    np.testing.assert_allclose(near.t, 0.5 * np.arange(200), rtol=1e-12)
+    for other in (0.495, 0.51, float("nan"), "0.5", None, [0.5]):
+        assert in_step(record, other) is record
+    regular = Record(record.t, record.u, record.y, 0.501)
+    assert in_step(regular, 0.5) is regular
+
+
+def test_a_holdout_a_model_and_a_series_of_nearly_the_same_clock_are_taken(tmp_path, plain):
+    start = float(plain.u[0])
+    model = {"num": [0.01, 0.0], "den": DEN, "dt": 0.5, "u0": start, "y0": start}
+    other = jittering(plain, 0.4995)
+    report = diagnose(jittering(plain, 0.501), model, holdout=other).report
+    assert report["record"]["Ts"] == 0.5
+    assert report["holdout_traces"] is not None
+    found = diagnose(jittering(plain, 0.501), holdout=plain)
+    assert found.report["record"]["Ts"] == 0.5
+    assert diagnose(jittering(plain, 0.501), found.model).report["record"]["Ts"] == 0.5
+    path = tmp_path / "model.json"
+    path.write_text(json.dumps(model))
+    np.testing.assert_array_equal(play(path, other).y, play(path, plain).y)
+    with pytest.raises(ValueError, match="dt must be the record's sampling time"):
+        play(path, jittering(plain, 0.51))
+    series = tmp_path / "sim.csv"
+    rows = zip((plain.t + 0.14).tolist(), plain.y.tolist(), strict=True)
+    series.write_text("t,y\n" + "".join(f"{t!r},{y!r}\n" for t, y in rows))
+    np.testing.assert_array_equal(load_simulation(series, jittering(plain)), plain.y)
+    with pytest.raises(ValueError, match="rows that differ"):
+        load_simulation(series, plain)
+
+
+def test_a_jittering_holdout_is_scored_on_from_the_command_line(tmp_path, capsys, plain, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    write(tmp_path / "record.csv", plain, shaken(plain))
+    write(tmp_path / "other.csv", plain, shaken(plain, 0.06))
+    assert main(["gap", "diagnose", "record.csv", "--holdout", "other.csv", "--export", "better.json"]) == 0
+    said = " ".join(capsys.readouterr().out.split())
+    assert re.search(r"The clock jitters by (3|2\.\d) % of the sampling time", said)
+    assert re.search(r"The clock of the holdout jitters by (6|5\.\d) % of the sampling time", said)
+    assert main(["gap", "simulate", "better.json", "other.csv"]) == 0
+    assert "note: the clock jitters by " in capsys.readouterr().out
+    write(tmp_path / "gap.csv", plain, plain.t + np.where(np.arange(200) < 100, 0.0, 0.5))
+    for arguments in (["diagnose", "gap.csv"], ["simulate", "better.json", "gap.csv"]):
+        assert main(["gap", *arguments]) == 2
+        assert "sampling is irregular: 0.5 s as a rule, but 1 s from sample 99" in capsys.readouterr().err
+
+
+def test_a_folder_takes_records_that_jitter(tmp_path, plain):
+    write(tmp_path / "a.csv", plain, shaken(plain))
+    write(tmp_path / "a.holdout.csv", plain, shaken(plain, 0.06))
+    write(tmp_path / "b.csv", plain, shaken(plain, 0.5))
+    diagnose_folder(tmp_path, tmp_path / "out", jobs=1)
+    answers = {name: json.loads((tmp_path / "out" / f"{name}.json").read_text()) for name in "ab"}
+    assert answers["a"]["verdict"] == "none"
+    topics = [finding["topic"] for finding in answers["a"]["record_findings"]]
+    assert topics.count("sampling") == 2
+    assert answers["b"]["verdict"] == "error"
