@@ -67,16 +67,15 @@ def test_what_bends_the_command_is_tried_in_either_order_where_something_else_be
     ]
 
 
-GENERAL = {effect.key: other for forms in (SWITCHED, RICHER) for effect, other in forms.items()}
+GENERAL = SWITCHED | {effect: (rich,) for effect, rich in RICHER.items()}
 
 
 @pytest.mark.parametrize("effect", [*SWITCHED, *RICHER])
 def test_a_memory_is_tried_with_another_past_and_a_curve_with_more_bends(effect: Effect) -> None:
     beside = dynamics.ExtraLag()
-    (other,) = rearranged(Hypothesis((effect, beside)))
-    assert other.effects == (GENERAL[effect.key], beside)
-    assert other.names == (effect.name, "extra-lag")
-    assert rearranged(other) == []
+    others = rearranged(Hypothesis((effect, beside)))
+    assert [other.effects for other in others] == [(form, beside) for form in GENERAL[effect]]
+    assert all(other.names == (effect.name, "extra-lag") and rearranged(other) == [] for other in others)
     assert rearranged(Hypothesis((effect, beside), known=1)) == []
 
 
@@ -88,7 +87,7 @@ def test_the_general_form_begins_as_the_special_one(
     old = Hypothesis((effect,))
     theta = np.array([numbers[p.name] for p in old.parameters])
     gains = np.linspace(0.02, 0.05, old.design(theta, levels).columns.shape[1])
-    (other,) = rearranged(old)
+    other = rearranged(old)[0]  # a zero of the dynamics is left out in the second form of a delay
     found = carried(replace(banded.path[0], hypothesis=old, theta=theta), other)
     assert found.size > theta.size
     error = 0.05 if effect in RICHER else 1e-12  # of a spline next to a cubic, and straight at the ends
