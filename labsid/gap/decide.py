@@ -44,9 +44,9 @@ class Evidence(NamedTuple):
     short: float = 0.0
 
 
-PRIOR = 3.45
+PRIOR = 3.5
 AGAINST = Evidence(colour=-5.2, repeats=-6.0, activity=-3.0, tails=-4.0, short=-4.0)
-PATCHED = -2.0  # by two effects or more
+PATCHED = -1.7  # by two effects or more
 SHRUNK = 0.33
 BY_CHANCE = 0.1  # of the gap
 
@@ -156,9 +156,9 @@ def trusted(explained: Explained, left: Leftover, closed: float | None = None) -
     else:
         colour = float(np.log(max(left.colour, 1.0)))
         if not steps:
-            colour *= 0.6 * max(left.slow, 0.0)
+            colour *= 0.5 * max(left.slow, 0.0)
         elif is_noise(left, converted=False) and left.repeats_z < 2.5 and left.activity_z < 3.0:
-            colour *= 0.6  # noise beside an effect, with no sign of the input in it
+            colour *= 0.4  # noise beside an effect, with no sign of the input in it
         evidence = Evidence(
             colour=colour,
             repeats=float(np.sqrt(max(left.repeats if left.repeats_z > 2.0 else 0.0, left.explained, 0.0))),
