@@ -1,6 +1,7 @@
 """Clocks that jitter: what is said of them, and when their sampling time is that of another record or a simulation."""
 
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
@@ -32,6 +33,11 @@ def clock_findings(record: Record, holdout: Record | None = None) -> list[Findin
             )
             found.append(Finding("note", "sampling", text))
     return found
+
+
+def stated_sampling(simulation: dict[str, Any]) -> object:
+    """The sampling time that a MODEL.json or an exported simulation states; it may be anything."""
+    return simulation.get("dt", simulation.get("Ts"))
 
 
 def in_step(record: Record, Ts: object) -> Record:

@@ -125,14 +125,13 @@ class Context:
     @property
     def gain(self) -> float:
         """Change of the parent's output, long after a step of the input by one; zero where there is none."""
-        step = self._step
-        gain = float(step[-1] - step[0])
-        return gain if np.isfinite(gain) else 0.0
+        return _rise(self._step)
 
     @property
     def settling(self) -> float:
         """Mean time in samples in which the parent's output follows a step of the input; zero where it does not."""
-        step, gain = self._step, self.gain
+        step = self._step
+        gain = _rise(step)
         return max(float(np.sum((step[-1] - step[1:]) / gain)) - 0.5, 0.0) if gain else 0.0
 
     @property
@@ -145,6 +144,11 @@ class Context:
     def swift_rates(self) -> tuple[float, float]:
         """The same from the swift part of the record: what drifts or jumps has pulled less at them."""
         return (self.swift or self.parent).rates
+
+
+def _rise(step: FloatArray) -> float:
+    gain = float(step[-1] - step[0])
+    return gain if np.isfinite(gain) else 0.0
 
 
 def scaled(

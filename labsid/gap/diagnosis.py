@@ -9,7 +9,7 @@ import numpy as np
 from labsid._arrays import FloatArray
 from labsid.gap.answer import answer
 from labsid.gap.baseline import Baseline, Simulation, as_running, baseline_of, bounded
-from labsid.gap.clock import clock_findings, in_step
+from labsid.gap.clock import clock_findings, in_step, stated_sampling
 from labsid.gap.context import scaled
 from labsid.gap.decide import decide
 from labsid.gap.effects.base import AdditiveEffect
@@ -179,7 +179,7 @@ def _in_step(record: Record, holdout: Record | None, simulation: Simulation | No
     if isinstance(simulation, RunningModel):
         record = in_step(record, simulation.Ts)
     elif isinstance(simulation, dict):
-        record = in_step(record, simulation.get("dt", simulation.get("Ts")))
+        record = in_step(record, stated_sampling(simulation))
     if holdout is None:
         return record, None
     if not holdout.jitter:

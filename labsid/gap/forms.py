@@ -8,7 +8,7 @@ from labsid.gap.effects import curves, disturbance, dynamics, input, output
 from labsid.gap.effects.base import Effect
 from labsid.gap.fitting import Fit, finish, search
 from labsid.gap.hypothesis import Hypothesis
-from labsid.gap.plants import LEAST_FLOW, Plant
+from labsid.gap.plants import Plant
 
 AT_STOP = 0.03  # of the samples, where a stop is tried
 FEW = 6  # iterations after an effect was taken out
@@ -45,11 +45,17 @@ ROOTS: dict[str, tuple[Effect, ...]] = {
     for side in ("", "-flipped")
 }
 """By variant, the other outflows that may go with the root."""
-BRIMS: dict[str, Effect] = {
-    which + side: dynamics.Overflow("both" + side) for which in ("upper", "lower") for side in ("", "-flipped")
+BRIMS: dict[Effect, Effect] = {
+    dynamics.Overflow(which + side): dynamics.Overflow("both" + side)
+    for which in ("upper", "lower")
+    for side in ("", "-flipped")
 }
-"""By variant, the general case of a brim."""
+"""The brim of one tank, and those of both."""
 STOP_LOW, STOP_HIGH, STOPS = output.Saturation("low"), output.Saturation("high"), output.Saturation("both")
+GENERAL: dict[Effect, tuple[Effect, ...]] = SWITCHED | {
+    special: (general,) for special, general in (RICHER | BRIMS | {STOP_LOW: STOPS, STOP_HIGH: STOPS}).items()
+}
+"""Special cases, and the general ones on the same dynamics."""
 WAVE, LOAD_WAVE, INNER_WAVE = (
     disturbance.Periodic(),
     disturbance.Periodic("load"),
@@ -67,11 +73,7 @@ def rearranged(hypothesis: Hypothesis) -> list[Hypothesis]:
         if effect.name == WAVE.name and not isinstance(effect, disturbance.InnerPeriodic):
             forms += [other for other in _waves(hypothesis) if other != effect]
         forms += [other for other in ROOTS.get(effect.variant, ()) if effect.name == "sqrt-outflow"]
-        forms += [*SWITCHED.get(effect, ()), *([RICHER[effect]] if effect in RICHER else [])]
-        if effect.name == "overflow" and effect.variant in BRIMS:
-            forms.append(BRIMS[effect.variant])
-        if effect in (STOP_LOW, STOP_HIGH):
-            forms.append(STOPS)
+        forms += GENERAL.get(effect, ())
         groups = PLACES if hypothesis.plant.nonlinear else ()
         groups += ORDERS if sum(e.name != "input-delay" for e in hypothesis.inputs) > 1 else ()
         forms += [form for group in groups if effect in group for form in group if form != effect]
@@ -143,7 +145,7 @@ def _reroot(old: Plant, new: Plant, theta: FloatArray) -> None:
     """Let tanks run at the rates of before, their roots at other outflows; in place."""
     if not ((old.upper_root or old.lower_root) and (new.upper_root or new.lower_root)):
         return
-    slope = 2.0 * max(-float(theta[new.index("zero")]), LEAST_FLOW)  # of the square of the mean flow
+    slope = new.root_slope(theta)
     changed = (int(new.upper_root) - int(old.upper_root), int(new.lower_root) - int(old.lower_root))
     for sign, rate, brims in zip(
         changed, ("log_a", "log_b"), ((1, "brim"), (2, "brim" if new.brim == 2 else "brim2")), strict=True

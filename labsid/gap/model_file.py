@@ -13,23 +13,15 @@ from labsid.gap.candidates import CANDIDATES
 from labsid.gap.context import Data, Scale
 from labsid.gap.effects.base import Effect
 from labsid.gap.fitting import Fit
-from labsid.gap.forms import BRIMS, INNER_WAVE, LOAD_WAVE, ORDERS, PLACES, RICHER, SWITCHED
+from labsid.gap.forms import GENERAL, INNER_WAVE, LOAD_WAVE, ORDERS, PLACES
 from labsid.gap.hypothesis import Hypothesis
-from labsid.gap.plants import LEAST_FLOW
 
 SCHEMA = "labsid.model/1"
 REST = 5000  # samples before a run that begins at rest
 START = 50  # samples from which the initial state of another record is estimated
 AWAY = (0.0, -0.5, 0.5, -1.0, 1.0, -2.0, 2.0, -3.0, 3.0)  # scaled: initial states that are tried
 _STATES = ("h1", "h2", "z0", "v0", "i0", "position", "before")
-_GENERAL = (
-    *BRIMS.values(),
-    *(form for forms in SWITCHED.values() for form in forms),
-    *RICHER.values(),
-    LOAD_WAVE,
-    INNER_WAVE,
-)
-_ALL = (*CANDIDATES, *PLACES, *ORDERS, _GENERAL)
+_ALL = (*CANDIDATES, *PLACES, *ORDERS, *GENERAL.values(), (LOAD_WAVE, INNER_WAVE))
 _BY_KEY: dict[str, Effect] = {effect.key: effect for group in _ALL for effect in group}
 
 
@@ -142,13 +134,14 @@ class RunningModel:
     def _nearest(self, theta: FloatArray, gains: FloatArray, u: FloatArray, y: FloatArray) -> FloatArray:
         """The best of a few initial states: at a brim, a stop or a standstill the error has several minima."""
         in_theta, _ = self._states()
-        lower, upper = self.hypothesis.bounds
+        if not in_theta:
+            return theta
+        lower, upper = (bound[in_theta] for bound in self.hypothesis.bounds)
+        ranges = self._ranges()[in_theta]
         best, least = theta, np.inf
         for away in product(AWAY, repeat=len(in_theta)):
             tried = theta.copy()
-            tried[in_theta] = np.clip(
-                theta[in_theta] + away * self._ranges()[in_theta], lower[in_theta], upper[in_theta]
-            )
+            tried[in_theta] = np.clip(theta[in_theta] + away * ranges, lower, upper)
             error = y - self._output(tried, gains, u)
             if np.isfinite(error).all() and (power := float(error @ error)) < least:
                 best, least = tried, power
@@ -158,13 +151,9 @@ class RunningModel:
         """How far each number of theta may be from its value at rest, if it belongs to the state."""
         plant = self.hypothesis.plant
         ranges = np.array([0.25 if p.name == "position" else 1.0 for p in self.hypothesis.parameters])
-        if plant.upper_root or plant.lower_root:
-            own = self.hypothesis.slices["plant"].start
-            slope = 2.0 * max(
-                -float(self.theta[own + plant.index("zero")]), LEAST_FLOW
-            )  # of the square of the mean flow
-            for name, root in (("h1", plant.upper_root), ("h2", plant.lower_root)):
-                ranges[own + plant.index(name)] = slope if root else 1.0  # a level by its flow
+        if plant.kind == "tanks":
+            own = self.hypothesis.slices["plant"]
+            ranges[own][[plant.index("h1"), plant.index("h2")]] = plant.level_slopes(self.theta[own])
         return ranges
 
     def to_json_dict(self) -> dict[str, Any]:

@@ -262,13 +262,19 @@ class Plant:
             return self.given_rates
         first, second = np.exp(theta[0]), np.exp(theta[1])
         if self.kind in ("tanks", "speed"):
-            a, b = first, second
-            if self.upper_root:
-                a = a / (2.0 * max(-theta[2], LEAST_FLOW))
-            if self.lower_root:
-                b = b / (2.0 * max(-theta[2], LEAST_FLOW))
+            upper, lower = self.level_slopes(theta)
+            a, b = first / upper, second / lower
             return float(a + b), float(a * b)
         return float(first), float(second)
+
+    def root_slope(self, theta: FloatArray) -> float:
+        """By how much a level with a root at its outflow changes with the flow, near the mean flow."""
+        return 2.0 * max(-float(theta[self.index("zero")]), LEAST_FLOW)
+
+    def level_slopes(self, theta: FloatArray) -> tuple[float, float]:
+        """The same of the upper and of the lower tank; one where the outflow goes with the level."""
+        upper, lower = (self.root_slope(theta) if root else 1.0 for root in (self.upper_root, self.lower_root))
+        return upper, lower
 
     def starts(self, c: float, k: float) -> list[FloatArray]:
         """Where the search of the rates begins, given those of a linear fit; the effects add their own numbers."""

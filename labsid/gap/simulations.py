@@ -9,7 +9,7 @@ import numpy as np
 from labsid._arrays import FloatArray
 from labsid.console import write_file
 from labsid.gap.baseline import Simulation, bounded, read_transfer_function
-from labsid.gap.clock import in_step
+from labsid.gap.clock import in_step, stated_sampling
 from labsid.gap.model_file import SCHEMA, START, exported_model, load_model
 from labsid.record import Record
 
@@ -69,7 +69,7 @@ def play(path: Path, record: Record) -> Played:
         If the file holds no simulation, or one of another sampling time.
     """
     content = load_model(path)
-    record = in_step(record, content.get("dt", content.get("Ts")))
+    record = in_step(record, stated_sampling(content))
     if content.get("schema") == SCHEMA:
         y = exported_model(content, record.Ts).simulate(record.u, record.y)
     else:

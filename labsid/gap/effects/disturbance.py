@@ -45,8 +45,10 @@ class LoadStep(AdditiveEffect):
 
     def values(self, fit: Fitted) -> dict[str, Value]:
         """`onset` in seconds, and `size`: the change of the output that it brings in the end."""
-        onset = float(fit.own(self)[0]) * fit.data.samples * fit.data.Ts + fit.data.start
-        return {"onset": Value(onset, "s"), "size": Value(self.change(fit) * fit.data.y_scale.unit, "y")}
+        return {
+            "onset": _instant(fit, float(fit.own(self)[0])),
+            "size": Value(self.change(fit) * fit.data.y_scale.unit, "y"),
+        }
 
     def change(self, fit: Fitted) -> float:
         """Change of the scaled output that the load brings in the end."""
@@ -71,8 +73,7 @@ class _PlantLoad(PlantEffect):
 
     def values(self, fit: Fitted) -> dict[str, Value]:
         """`onset` in seconds, and `size`."""
-        onset = fit.plant("onset") * fit.data.samples * fit.data.Ts + fit.data.start
-        return {"onset": Value(onset, "s"), "size": self._size(fit)}
+        return {"onset": _instant(fit, fit.plant("onset")), "size": self._size(fit)}
 
     def _size(self, fit: Fitted) -> Value:
         raise NotImplementedError
@@ -150,6 +151,11 @@ def _change(fit: Fitted, *names: str) -> FloatArray:
     for name in names:
         without[place + fit.hypothesis.plant.index(name)] = 0.0
     return np.subtract(*(fit.hypothesis.output(theta, fit.gains, fit.data.u) for theta in (fit.theta, without)))
+
+
+def _instant(fit: Fitted, share: float) -> Value:
+    """The time at a share of the record."""
+    return Value(share * fit.data.samples * fit.data.Ts + fit.data.start, "s")
 
 
 def _inside(onset: float, samples: int) -> bool:

@@ -5,7 +5,7 @@ import numpy as np
 from labsid.gap import _kernels
 from labsid.gap.context import Context
 from labsid.gap.effects.base import Fitted, PlantEffect, Value
-from labsid.gap.plants import LEAST_FLOW, Plant
+from labsid.gap.plants import Plant
 from labsid.gap.responses import real_rates
 
 BRIMS = {"upper": 1, "lower": 2, "both": 3}
@@ -181,11 +181,8 @@ class Overflow(PlantEffect):
 
     def holds(self, fit: Fitted) -> bool:
         """A tank that fills within a sample is none: its brim is a limit of the actuator, or of the sensor."""
-        plant = fit.hypothesis.plant
-        rates = np.exp([fit.plant("log_a"), fit.plant("log_b")])
-        if plant.upper_root or plant.lower_root:
-            slope = 2.0 * max(-fit.plant("zero"), LEAST_FLOW)
-            rates /= np.where([plant.upper_root, plant.lower_root], slope, 1.0)
+        slopes = fit.hypothesis.plant.level_slopes(fit.theta[fit.hypothesis.slices["plant"]])
+        rates = np.exp([fit.plant("log_a"), fit.plant("log_b")]) / slopes
         brims = {"upper": rates[:1], "lower": rates[1:], "both": rates}[self.variant.partition("-")[0]]
         return bool(np.all(brims < AT_ONCE))
 
