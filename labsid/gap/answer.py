@@ -74,6 +74,7 @@ def answer(
         "schema": SCHEMA,
         "verdict": decision.verdict,
         "effects": effects,
+        "beside": list(decision.beside),
         "ambiguous": list(decision.ambiguous),
         "ranking": _ranking(explained, decision, before),
         "where": {

@@ -17,6 +17,8 @@ UNREPEATED = 0.15  # of the scatter of the levels: a true drift or load leaves a
 LEVELS_LEFT = 0.4  # how far an explanation is to be trusted that leaves more
 IS_RIGHT = 0.5  # probability below which the answer is `unknown`
 MISMATCH = "parameter-mismatch"
+STOPS = {"output-saturation", "overflow"}
+SEEN = 0.8  # probability of a stop that the output is seen to stand against, whatever else acts
 
 
 class Evidence(NamedTuple):
@@ -69,6 +71,8 @@ class Decision:
         Probability of every combination that was tried at the accepted level, by names; the rest is for other causes.
     closed : float
         Share of the gap that the explanation closes on the fitted samples.
+    beside : tuple of str
+        Effects of the accepted hypothesis that are not named, where others of it are.
     """
 
     verdict: str
@@ -77,16 +81,14 @@ class Decision:
     ambiguous: tuple[str, ...]
     weights: dict[tuple[str, ...], float]
     closed: float
+    beside: tuple[str, ...] = ()
 
 
-def decide(
-    explained: Explained,
-    left: Leftover,
-    given: Fit | None,
-    unrepeated: float = 0.0,
-    closed: float | None = None,
-) -> Decision:
-    """Weigh the candidates of the accepted level against each other, and the explanation against what it leaves.
+def decide(explained: Explained, left: Leftover, given: Fit | None, trust: float, stopped: bool = False) -> Decision:
+    """Weigh the candidates of the accepted level against each other, and against other causes.
+
+    An explanation that is not to be trusted names nothing, but for a stop that the record itself shows: that the output
+    stands against one does not depend on what else acts.
 
     Parameters
     ----------
@@ -95,22 +97,17 @@ def decide(
         Of the accepted hypothesis.
     given : Fit or None
         The simulation that was given, as it is.
-    unrepeated : float
-        Where most of the gap is that the output does not come back to its levels at the same input: how much of that
-        the accepted explanation leaves, zero for all explained.
-    closed : float, optional
-        Share of the gap that the explanation closes on samples that no fit has seen.
+    trust : float
+        Probability that the explanation is the right one.
+    stopped : bool
+        Whether the record shows the output standing against a stop.
     """
     level = len(explained.best.hypothesis.names)
     weights = _weights(explained, level)
     simulated = explained.best.hypothesis.names
-    converted = "output-quantization" in explained.added
-    noise = is_noise(left, converted)
+    noise = is_noise(left, "output-quantization" in explained.added)
     # What repeats itself with the input is no noise of the sensor, however slow it is.
     added = explained.added if noise else tuple(name for name in explained.added if name != "coloured-noise")
-    trust = trusted(explained, left, closed)
-    if unrepeated > UNREPEATED and not converted:
-        trust *= LEVELS_LEFT
     probability = {name: trust * sum(w for names, w in weights.items() if name in names) for name in simulated}
     probability |= dict.fromkeys(added, trust)
     rivals: dict[str, float] = {}
@@ -124,13 +121,17 @@ def decide(
         names = (MISMATCH, *names)
         probability[MISMATCH] = trust * mismatch_weight(given, explained.path[0])
     verdict = "unknown" if trust < IS_RIGHT else "effect" if names else "none"
+    beside: tuple[str, ...] = ()
     if verdict == "unknown":
-        ambiguous = [*names, *ambiguous]
-        names = ()
+        seen = tuple(name for name in simulated if name in STOPS) if stopped else ()
+        probability |= {name: SEEN * sum(w for tried, w in weights.items() if name in tried) for name in seen}
+        seen = tuple(name for name in seen if probability[name] > IS_RIGHT)
+        beside = tuple(name for name in names if name not in seen)
+        ambiguous = [*beside, *ambiguous]
+        verdict, names, beside = ("effect", seen, beside) if seen else ("unknown", (), ())
     weights = {combination: trust * weight for combination, weight in weights.items()}
-    return Decision(
-        verdict, names, probability, tuple(ambiguous[:MOST_RIVALS]), weights, closing(explained, left, added)
-    )
+    closed = closing(explained, left, added)
+    return Decision(verdict, names, probability, tuple(ambiguous[:MOST_RIVALS]), weights, closed, beside)
 
 
 def _weights(explained: Explained, level: int) -> dict[tuple[str, ...], float]:
@@ -142,16 +143,28 @@ def _weights(explained: Explained, level: int) -> dict[tuple[str, ...], float]:
     return {names: weight / total for names, weight in raw.items()}
 
 
-def trusted(explained: Explained, left: Leftover, closed: float | None = None) -> float:
+def trusted(explained: Explained, left: Leftover, closed: float | None = None, unrepeated: float = 0.0) -> float:
     """Probability that the accepted explanation, `none` included, is the right one, by what it leaves.
 
     A logistic regression on the `dev` records of the sealed check. The right explanation leaves white noise, or that of
     a sensor, which forgets itself within a few samples and in which the input has no part; a patchwork over something
     unknown leaves a slow residual, or one that comes back with the input.
+
+    Parameters
+    ----------
+    explained : Explained
+    left : Leftover
+        Of the accepted hypothesis.
+    closed : float, optional
+        Share of the gap that the explanation closes on samples that no fit has seen.
+    unrepeated : float
+        Where most of the gap is that the output does not come back to its levels at the same input: how much of that
+        the accepted explanation leaves, zero for all explained.
     """
     path = explained.path
     steps = len(path) - 1
-    if "output-quantization" in explained.added:
+    converted = "output-quantization" in explained.added
+    if converted:
         evidence = Evidence()  # rounding repeats itself with the input, and jumps
     else:
         colour = float(np.log(max(left.colour, 1.0)))
@@ -169,7 +182,8 @@ def trusted(explained: Explained, left: Leftover, closed: float | None = None) -
     shrunk = 0.5 * float(np.log(power(explained.data, path[0]) / max(power(explained.data, path[-1]), 1e-300)))
     score = PRIOR + PATCHED * (steps >= 2) + SHRUNK * min(max(shrunk, 0.0), 4.0)
     score += sum(weight * seen for weight, seen in zip(AGAINST, evidence, strict=True))
-    return float(1.0 / (1.0 + np.exp(-score)))
+    trust = float(1.0 / (1.0 + np.exp(-score)))
+    return trust * LEVELS_LEFT if unrepeated > UNREPEATED and not converted else trust
 
 
 def _shortfall(explained: Explained, closed: float | None) -> float:

@@ -7,17 +7,18 @@ from typing import Any
 import numpy as np
 
 from labsid._arrays import FloatArray
+from labsid.findings import about_clipping
 from labsid.gap.answer import answer
 from labsid.gap.baseline import Baseline, Simulation, as_running, baseline_of, bounded
 from labsid.gap.clock import clock_findings, in_step, stated_sampling
 from labsid.gap.context import scaled
-from labsid.gap.decide import decide
+from labsid.gap.decide import IS_RIGHT, decide, trusted
 from labsid.gap.effects.base import AdditiveEffect
 from labsid.gap.how_much import HowMuch, how_much_of
 from labsid.gap.leftover import leftover
 from labsid.gap.long_record import holdout_part, part_of
 from labsid.gap.model_file import RunningModel, running_model
-from labsid.gap.record_findings import error_findings, filter_length, plateau_gap, record_findings
+from labsid.gap.record_findings import PlateauGap, error_findings, filter_length, plateau_gap, record_findings
 from labsid.gap.traces import traces
 from labsid.gap.tree import Progress
 from labsid.gap.which import Explained, explain
@@ -103,16 +104,17 @@ def diagnose(
         )
     rng = np.random.default_rng(seed)
     explained, amount = _scored(explain(data, base.free, base.start, progress=progress), base, holdout, rng)
-    left = leftover(explained.data, explained.best)
-    ends = (base.before or explained.path[0]).output, explained.best.output
-    before, after = (np.asarray(data.y_scale.back(output)) for output in ends)
-    plateau = plateau_gap(record.u, record.y, before, after, explained.data.rows)
+    left, plateau = leftover(explained.data, explained.best), _plateaus(record, base, explained)
     unrepeated = plateau.left if plateau is not None and plateau.matters else 0.0
-    decision = decide(explained, left, base.before, unrepeated, amount.closed)
+    trust = trusted(explained, left, amount.closed, unrepeated)
+    if trust < IS_RIGHT and explained.cut:  # small steps are left out for their names, and these are not given
+        explained, amount = _scored(explained.uncut(), base, holdout, rng)
+        left, plateau = leftover(explained.data, explained.best), _plateaus(record, base, explained)
+    decision = decide(explained, left, base.before, trust, stopped=bool(about_clipping(record.y)))
     model = running_model(explained.data, amount.after_fit)
     report = answer(record, explained, base, decision, left, amount, rng, holdout)
     seen = [*clocks, *record_findings(whole, plateau)]
-    seen += error_findings(record.u, record.y, before, after, explained.data.rows)
+    seen += error_findings(record.u, record.y, *_ends(base, explained), explained.data.rows)
     report["record"]["samples"] = len(whole)
     report["record_findings"] = [asdict(finding) for finding in seen]
     report["plateaus"] = None if plateau is None else asdict(plateau)
@@ -158,6 +160,17 @@ def _scored(
         explained = explained.up_to(0)
         amount = how_much_of(explained, base.before, other, rng, played)
     return explained, amount
+
+
+def _ends(base: Baseline, explained: Explained) -> tuple[FloatArray, FloatArray]:
+    """Output of the simulation before and after, in the record's unit."""
+    before = base.before or explained.path[0]
+    back = explained.data.y_scale.back
+    return np.asarray(back(before.output)), np.asarray(back(explained.best.output))
+
+
+def _plateaus(record: Record, base: Baseline, explained: Explained) -> PlateauGap | None:
+    return plateau_gap(record.u, record.y, *_ends(base, explained), explained.data.rows)
 
 
 def behind_filter(record: Record) -> FloatArray:

@@ -213,6 +213,13 @@ class Hypothesis:
             z = effect.bend(z, theta[self.slices[effect.key]])
         return z
 
+    def reading(self, theta: FloatArray, gains: FloatArray, level: float) -> float:
+        """What the sensor shows where the dynamics stand still at `level`, without the limits of the sensor."""
+        z = gains[:1] * level + gains[1]
+        for effect in self._curves:
+            z = effect.bend(z, theta[self.slices[effect.key]])
+        return float(z[0])
+
     def slopes(self, theta: FloatArray, gains: FloatArray, design: Design) -> tuple[FloatArray, FloatArray]:
         """Derivatives of `sensor` by what passes through it, and by what is added in it."""
         z = design.inside @ gains[: design.bent]

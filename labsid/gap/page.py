@@ -106,7 +106,7 @@ def _bars(report: dict[str, Any]) -> list[dict[str, Any]]:
 
 def _added(report: dict[str, Any]) -> str:
     """What makes the simulation after another one than that before."""
-    if report["verdict"] == "unknown":
+    if sentences.incomplete(report):
         return "nearest explanation added"
     names = [effect["name"] for effect in report["effects"]]
     return "numbers fitted again" if names == ["parameter-mismatch"] else "cause added"
@@ -142,7 +142,10 @@ def _loop(report: dict[str, Any]) -> list[dict[str, Any]]:
 def _ranking(report: dict[str, Any]) -> list[dict[str, Any]]:
     """Explanations, best first; the accepted one carries what it closes on samples held back, with its interval."""
     gap = report["gap"]
-    accepted = {effect["name"] for effect in report["effects"]} - {*RAW, "parameter-mismatch"}
+    accepted = {*(effect["name"] for effect in report["effects"]), *sentences.beside(report)} - {
+        *RAW,
+        "parameter-mismatch",
+    }
     rows = []
     for row in report["ranking"]:
         names, closed = row["name"].split("+"), row["closed"]
@@ -155,6 +158,7 @@ def _ranking(report: dict[str, Any]) -> list[dict[str, Any]]:
                 "width": "" if closed is None else f"{100.0 * min(max(closed, 0.0), 1.0):.0f}",
                 "rmse": number(row["rmse"]),
                 "accepted": ours,
+                "tag": "holds the answer" if sentences.beside(report) else "the answer",
                 "held": closure(gap["closed"], gap["ci95"]) if ours and gap["closed"] is not None else "",
             }
         )

@@ -85,12 +85,13 @@ def find_held(y: FloatArray, lattice: float | None) -> tuple[tuple[int, int], ..
     jumps = (jump > (usual if fine else 1.5 * step)) & (jump > 2.0 * onward)
     if not fine:
         long &= jumps & (lengths >= 2.0 * np.median(np.repeat(lengths, lengths)) + 3.0)
-    starts, lengths, jumps = starts[long], lengths[long], jumps[long]
+    starts, lengths, jumps, jump = starts[long], lengths[long], jumps[long], jump[long]
     values, which, count = np.unique(y[starts], return_inverse=True, return_counts=True)
     again = count > 1
     extreme = (values == y.max()) | (values == y.min())
     if not fine:
         stop = extreme
+        jumps &= ~(again & extreme)[which] | (jump > USUAL_MOVES * np.median(moves))  # noise makes it jump off a stop
     elif (~again & ~extreme).sum() >= OFTEN:  # a logger that sleeps often may do so at the extreme, too
         stop = again
     else:

@@ -34,6 +34,8 @@ def _effect_sentence(report: dict[str, Any]) -> str:
     several = len(effects) > 1
     clauses = [_hedged(effect) + (f" ({noun(effect['name'])})" if several else "") for effect in effects]
     said = listed([clauses[0], *(uncapitalised(text) for text in clauses[1:])], comma=True)
+    if beside(report):
+        return _partial_sentence(report, said)
     who = "together they" if several else noun(effects[0]["name"])
     explain = "explain" if several else "explains"
     closed = gap["closed"]
@@ -51,6 +53,20 @@ def _effect_sentence(report: dict[str, Any]) -> str:
     only = "only " if closed < HALF else ""
     doubt = ", and possibly nothing of it" if gap["ci95"] is not None and gap["ci95"][0] <= 0.0 else ""
     return f"{said}: {who} {explain} {only}{share} of the gap{doubt}."
+
+
+def _partial_sentence(report: dict[str, Any], said: str) -> str:
+    """Only a part of the explanation is named: a stop at which the output is seen to stand, whatever else acts."""
+    gap, causes = report["gap"], listed([noun(effect["name"]) for effect in report["effects"]])
+    if gap["closed"] is None or gap["closed"] <= 0.0:
+        share = "nothing of the gap on samples held back"
+    else:
+        share = f"{closure(gap['closed'], gap['ci95'])} of the gap"
+    rest = listed([noun(name) for name in beside(report)])
+    return (
+        f"{said}: {causes}, at which the output is seen to stand. It is not all that acts: "
+        f"with {rest} beside it, the nearest that was tried, the simulation closes {share}."
+    )
 
 
 def _hedged(effect: dict[str, Any]) -> str:
@@ -99,6 +115,16 @@ def unchanged(report: dict[str, Any]) -> bool:
     return report["verdict"] == "none" or report["gap"]["after"] == report["gap"]["before"]
 
 
+def beside(report: dict[str, Any]) -> list[str]:
+    """Effects that the simulation after holds without their being named as causes, where others are."""
+    return list(report.get("beside", []))
+
+
+def incomplete(report: dict[str, Any]) -> bool:
+    """Whether the simulation after holds what is not named as a cause."""
+    return report["verdict"] == "unknown" or bool(beside(report))
+
+
 def looked_at(report: dict[str, Any]) -> list[str]:
     """Every effect that was tried on this record, those seen in the raw samples last."""
     names = {name for row in report["ranking"] for name in row["name"].split("+")}
@@ -114,6 +140,8 @@ def ambiguity_sentence(report: dict[str, Any]) -> str | None:
         return f"{capitalised(rivals)}: these come nearest, but none of them is put forward as the cause."
     if report["verdict"] == "none":
         return f"The record does not rule out {rivals}."
+    if beside(report):
+        return f"What else acts is not certain: {rivals} comes nearest."
     chances = listed([f"{noun(e['name'])} {probability(e['probability'])}" for e in report["effects"]])
     return f"It could also be {rivals}: this record cannot tell. Probability: {chances}."
 
@@ -139,7 +167,7 @@ def _plateaus(report: dict[str, Any]) -> str:
     left = f"{number(seen['left'] * missed)} rms is left of it"
     if seen["left"] > ACCOUNTED:
         return f"{size} Nothing that was tried accounts for that: with the nearest explanation added, {left}."
-    return f"{size} With the {'nearest explanation' if report['verdict'] == 'unknown' else 'cause'} added, {left}."
+    return f"{size} With the {'nearest explanation' if incomplete(report) else 'cause'} added, {left}."
 
 
 def beyond_sentence(report: dict[str, Any]) -> str:
@@ -147,6 +175,10 @@ def beyond_sentence(report: dict[str, Any]) -> str:
     left = max(1.0 - sum(row["probability"] for row in report["ranking"]), 0.0)
     if report["verdict"] == "none":
         return "Here none of them is needed."
+    if beside(report):
+        return (
+            "Of the first one only the part that is named above is sure; the rest of it is the nearest that was tried."
+        )
     if report["verdict"] == "effect":
         return ""
     kept = f" That leaves {probability(left)} for a cause that is not in the table." if left > 0.005 else ""

@@ -41,6 +41,8 @@ class Explained:
         From the baseline to the accepted hypothesis, one effect more at each step.
     added : tuple of str
         Effects that no simulation shows: of single samples, and coloured noise.
+    cut : tuple of Fit
+        What the search went on to from there: steps that gain significantly, but too little to be named.
     """
 
     data: Data
@@ -48,6 +50,7 @@ class Explained:
     levels: Levels
     path: tuple[Fit, ...]
     added: tuple[str, ...]
+    cut: tuple[Fit, ...] = ()
 
     @property
     def best(self) -> Fit:
@@ -56,7 +59,11 @@ class Explained:
 
     def up_to(self, level: int) -> "Explained":
         """The same without the effects beyond a level of the path."""
-        return replace(self, path=self.path[: level + 1])
+        return replace(self, path=self.path[: level + 1], cut=())
+
+    def uncut(self) -> "Explained":
+        """The same with the steps that are too small to be named."""
+        return replace(self, path=self.path + self.cut, cut=())
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -102,10 +109,11 @@ def explain(
             other = confirmed(clean, other)  # what leaves hardly any colour needs no other proof
         if len(other) > 1 and power(clean, other[-1]) < 0.5 * power(clean, path[-1]):
             levels, path = other_levels, other
-    path = trimmed(clean, path)
+    whole, path = path, trimmed(clean, path)
+    cut = whole[len(path) :]
     if len(path) == 2 and faint(clean, levels[1], path):
-        path = path[:1]
-    return Explained(clean, faults, levels, path, unsimulated(data, clean, faults, path[-1]))
+        path, cut = path[:1], ()
+    return Explained(clean, faults, levels, path, unsimulated(data, clean, faults, path[-1]), cut)
 
 
 def _beside_spikes(

@@ -226,7 +226,8 @@ _LABELS = {
     "zero": "command of no inflow",
     "empty": "reading of the empty tank",
     "level": "reading at the brim",
-    "caught": "share of it that the next tank catches",
+    "upper": "the same at that of the upper tank",
+    "caught": "share that the next tank catches",
     "friction": "friction, as a command",
     "cubic": "cubic coefficient",
     "c2": "quadratic coefficient",
@@ -247,7 +248,7 @@ _OWN_LABELS: dict[tuple[str, ...], str] = {
     ("coloured-noise", "amplitude"): "rms",
     ("load-step", "size", "1"): "growth of the pull towards rest",
 }
-_PLACES = {"low", "high", "level", "onset", "zero", "empty", "centre"}
+_PLACES = {"low", "high", "level", "upper", "onset", "zero", "empty", "centre"}
 """Parameters that say where, not how much: they may well be near zero."""
 
 _SHARES = {"drift", "share", "caught", "size", "pole"}  # without a unit: to be read in per cent

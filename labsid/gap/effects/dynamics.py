@@ -187,16 +187,23 @@ class Overflow(PlantEffect):
         return bool(np.all(brims < AT_ONCE))
 
     def values(self, fit: Fitted) -> dict[str, Value]:
-        """`level` of the brim as an output; of the upper tank also `caught`, the share that the lower one catches."""
-        brim = fit.plant("brim")
-        plant = fit.hypothesis.plant
-        if self.variant.startswith("upper"):  # as the level that the lower tank would settle to
-            flow = np.sqrt(max(brim, 0.0)) if plant.upper_root else brim
-            brim = flow**2 if plant.lower_root else flow
-        level = Value(fit.y(float(fit.gains[0]) * brim + float(fit.gains[1])), "y")
-        if self.variant.startswith("lower"):
-            return {"level": level}
-        return {"level": level, "caught": Value(fit.plant("share"), "1")}
+        """`level` of the brim as a reading; of the upper tank also `caught`, the share that the lower one catches.
+
+        With two brims, `level` is that of the tank that is measured, and `upper` the other one.
+        """
+        which, plant = self.variant.partition("-")[0], fit.hypothesis.plant
+        if which == "lower":
+            return {"level": self._reading(fit, fit.plant("brim"))}
+        brim = fit.plant("brim")  # as the level that the lower tank would settle to
+        flow = np.sqrt(max(brim, 0.0)) if plant.upper_root else brim
+        upper = self._reading(fit, flow**2 if plant.lower_root else flow)
+        caught = Value(fit.plant("share"), "1")
+        if which == "upper":
+            return {"level": upper, "caught": caught}
+        return {"level": self._reading(fit, fit.plant("brim2")), "upper": upper, "caught": caught}
+
+    def _reading(self, fit: Fitted, level: float) -> Value:
+        return Value(fit.y(fit.hypothesis.reading(fit.theta, fit.gains, level)), "y")
 
 
 class CoulombFriction(PlantEffect):

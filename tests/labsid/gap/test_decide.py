@@ -5,7 +5,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from labsid.gap.candidates import CANDIDATES
 from labsid.gap.decide import IS_RIGHT, MISMATCH, MOST_RIVALS, Decision, closing, decide, mismatch_weight, trusted
+from labsid.gap.effects import output
+from labsid.gap.fitting import Fit
+from labsid.gap.hypothesis import Hypothesis
 from labsid.gap.leftover import Leftover, leftover
 from labsid.gap.which import Explained
 
@@ -26,6 +30,13 @@ def rivalled(explained: Explained, *gaps: float) -> Explained:
     return replace(explained, levels=(explained.levels[0], level))
 
 
+def decided(
+    explained: Explained, left: Leftover, given: Fit | None, unrepeated: float = 0.0, stopped: bool = False
+) -> Decision:
+    """With the trust that what is left deserves."""
+    return decide(explained, left, given, trusted(explained, left, unrepeated=unrepeated), stopped)
+
+
 def check(decision: Decision) -> None:
     """What holds for every decision."""
     assert sum(decision.weights.values()) <= 1.0
@@ -39,7 +50,7 @@ def check(decision: Decision) -> None:
 
 
 def test_an_effect_far_ahead_is_named_alone(banded: Explained) -> None:
-    decision = decide(rivalled(banded), left_of(banded), None)
+    decision = decided(rivalled(banded), left_of(banded), None)
     check(decision)
     assert decision.verdict == "effect"
     assert decision.names == ("input-dead-zone",)
@@ -51,7 +62,7 @@ def test_an_effect_far_ahead_is_named_alone(banded: Explained) -> None:
 def test_a_rival_at_the_same_score_halves_the_probability_and_is_named_beside(banded: Explained) -> None:
     explained = rivalled(banded, 0.0)
     rival = sorted(names for names in explained.levels[1] if names != ("input-dead-zone",))[0][0]
-    decision = decide(explained, left_of(banded), None)
+    decision = decided(explained, left_of(banded), None)
     check(decision)
     assert decision.names == ("input-dead-zone",)
     assert decision.ambiguous == (rival,)
@@ -61,7 +72,7 @@ def test_a_rival_at_the_same_score_halves_the_probability_and_is_named_beside(ba
 def test_the_nearer_the_rival_the_less_sure(banded: Explained) -> None:
     sure = []
     for gap in (0.0, 5.0, 15.0, 60.0):
-        decision = decide(rivalled(banded, gap), left_of(banded), None)
+        decision = decided(rivalled(banded, gap), left_of(banded), None)
         check(decision)
         sure.append(decision.probability["input-dead-zone"])
     assert sure == sorted(sure)
@@ -69,13 +80,13 @@ def test_the_nearer_the_rival_the_less_sure(banded: Explained) -> None:
 
 
 def test_no_more_rivals_than_the_contract_allows(banded: Explained) -> None:
-    decision = decide(rivalled(banded, 0.0, 0.5, 1.0, 1.5, 2.0, 2.5), left_of(banded), None)
+    decision = decided(rivalled(banded, 0.0, 0.5, 1.0, 1.5, 2.0, 2.5), left_of(banded), None)
     check(decision)
     assert len(decision.ambiguous) == MOST_RIVALS
 
 
 def test_noise_alone_is_no_effect(plain: Explained) -> None:
-    decision = decide(plain, left_of(plain), None)
+    decision = decided(plain, left_of(plain), None)
     check(decision)
     assert decision.verdict == "none"
     assert decision.names == decision.ambiguous == ()
@@ -86,7 +97,7 @@ def test_a_gap_that_nothing_explains_is_unknown(banded: Explained) -> None:
     """The baseline accepted, although the input tells most of what it leaves."""
     stuck = replace(banded, path=banded.path[:1], levels=banded.levels[:1])
     left = left_of(stuck)
-    decision = decide(stuck, left, None)
+    decision = decided(stuck, left, None)
     check(decision)
     assert decision.verdict == "unknown"
     assert decision.names == ()
@@ -99,7 +110,7 @@ def test_an_explanation_that_leaves_most_of_the_gap_is_unknown_and_its_name_a_gu
     large = replace(
         left_of(banded), rms=0.9 * float(np.std(banded.data.y - banded.path[0].output)), **STRUCTURE, **slow
     )
-    decision = decide(rivalled(banded), large, None)
+    decision = decided(rivalled(banded), large, None)
     check(decision)
     assert decision.verdict == "unknown"
     assert decision.ambiguous[0] == "input-dead-zone"
@@ -107,7 +118,7 @@ def test_an_explanation_that_leaves_most_of_the_gap_is_unknown_and_its_name_a_gu
 
 
 def test_effects_of_single_samples_are_named_behind(banded: Explained) -> None:
-    decision = decide(replace(rivalled(banded), added=("output-outliers",)), left_of(banded), None)
+    decision = decided(replace(rivalled(banded), added=("output-outliers",)), left_of(banded), None)
     check(decision)
     assert decision.names == ("input-dead-zone", "output-outliers")
     assert decision.probability["output-outliers"] > 0.9
@@ -116,11 +127,11 @@ def test_effects_of_single_samples_are_named_behind(banded: Explained) -> None:
 def test_wrong_numbers_are_a_mismatch_only_where_a_simulation_was_given(plain: Explained) -> None:
     base = plain.path[0]
     off = replace(base, bic=base.bic + 300.0, output=1.3 * base.output)
-    decision = decide(plain, left_of(plain), off)
+    decision = decided(plain, left_of(plain), off)
     check(decision)
     assert decision.names == (MISMATCH,)
     assert decision.probability[MISMATCH] > 0.9
-    assert decide(plain, left_of(plain), base).verdict == "none"
+    assert decided(plain, left_of(plain), base).verdict == "none"
 
 
 def test_mismatch_weight_grows_with_the_gain(plain: Explained) -> None:
@@ -151,9 +162,9 @@ def test_whatever_is_left_that_is_no_noise_makes_it_less_sure(banded: Explained,
 def test_slow_noise_that_comes_back_with_the_input_is_not_named_noise(banded: Explained) -> None:
     coloured = replace(rivalled(banded), added=("coloured-noise",))
     left = left_of(banded)
-    assert decide(coloured, left, None).names == ("input-dead-zone", "coloured-noise")
+    assert decided(coloured, left, None).names == ("input-dead-zone", "coloured-noise")
     again = replace(left, repeats=0.2, repeats_z=5.0)
-    assert decide(coloured, again, None).names == ("input-dead-zone",)
+    assert decided(coloured, again, None).names == ("input-dead-zone",)
 
 
 def test_fast_noise_of_a_sensor_is_no_reason_to_doubt_that_nothing_is_wrong(plain: Explained) -> None:
@@ -164,9 +175,45 @@ def test_fast_noise_of_a_sensor_is_no_reason_to_doubt_that_nothing_is_wrong(plai
 
 def test_levels_that_do_not_come_back_are_no_drift_that_leaves_them(banded: Explained) -> None:
     left = left_of(banded)
-    assert decide(rivalled(banded), left, None, unrepeated=0.05).verdict == "effect"
-    decision = decide(rivalled(banded), left, None, unrepeated=0.6)
+    assert decided(rivalled(banded), left, None, unrepeated=0.05).verdict == "effect"
+    decision = decided(rivalled(banded), left, None, unrepeated=0.6)
     check(decision)
     assert decision.verdict == "unknown"
     rounded = replace(rivalled(banded), added=("output-quantization",))
-    assert decide(rounded, left, None, unrepeated=0.6).verdict == "effect"
+    assert decided(rounded, left, None, unrepeated=0.6).verdict == "effect"
+
+
+@pytest.mark.parametrize(
+    ("name", "named"), [("overflow", True), ("output-saturation", True), ("input-saturation", False)]
+)
+def test_a_stop_that_the_record_shows_is_named_whatever_else_acts(banded: Explained, name: str, named: bool) -> None:
+    fit = banded.best
+    effect = next(e for group in CANDIDATES for e in group if e.name == name)
+    hypothesis = replace(fit.hypothesis, effects=(*fit.hypothesis.effects, effect))
+    both = replace(fit, hypothesis=hypothesis)
+    pair = tuple(sorted(("input-dead-zone", name)))
+    explained = replace(banded, path=(*banded.path, both), levels=(*banded.levels[:2], {pair: both}))
+    left = replace(left_of(banded), **STRUCTURE)
+    unseen = decided(explained, left, None)
+    check(unseen)
+    assert unseen.verdict == "unknown"
+    assert unseen.beside == ()
+    seen = decided(explained, left, None, stopped=True)
+    check(seen)
+    assert seen.names == ((name,) if named else ())
+    assert seen.beside == (("input-dead-zone",) if named else ())
+    assert set(seen.ambiguous) >= {"input-dead-zone"}
+    sure = decided(explained, left_of(banded), None, stopped=True)
+    assert sure.names == ("input-dead-zone", name)
+    assert sure.beside == ()
+
+
+def test_a_stop_that_may_as_well_be_another_effect_is_not_named(banded: Explained) -> None:
+    explained = rivalled(banded, 0.0)
+    fit = replace(explained.best, hypothesis=Hypothesis((output.Saturation("high"),)))
+    rival = next(iter(explained.levels[1].values()))
+    level = {("output-saturation",): fit, ("coulomb-friction",): replace(rival, bic=fit.bic)}
+    explained = replace(explained, path=(explained.path[0], fit), levels=(explained.levels[0], level))
+    decision = decided(explained, replace(left_of(banded), **STRUCTURE), None, stopped=True)
+    assert decision.verdict == "unknown"
+    assert {"output-saturation", "coulomb-friction"} <= set(decision.ambiguous)
