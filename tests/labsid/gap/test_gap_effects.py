@@ -313,6 +313,11 @@ def test_values_are_in_the_units_of_the_record(
         (dynamics.SqrtOutflow("both-flipped"), {"zero": -3.0}, {"zero": (3.5, "u"), "empty": (7.0, "y")}),
         (dynamics.Overflow("lower"), {"brim": 1.5}, {"level": (16.0, "y")}),
         (dynamics.Overflow("upper"), {"brim": 1.5, "share": 0.3}, {"level": (16.0, "y"), "caught": (0.3, "1")}),
+        (
+            dynamics.Overflow("both"),
+            {"brim": 2.0, "brim2": 1.5, "share": 0.3},
+            {"level": (16.0, "y"), "upper": (19.0, "y"), "caught": (0.3, "1")},
+        ),
         # A spring whose force is x + 0.2 x^3 in scaled input; the output is 2 x of 3 units: per y that is 0.2 / 36.
         (dynamics.CubicStiffness(), {"cubic": 0.2}, {"cubic": (0.2 / 36.0, "1/y^2")}),
         (drifting.PoleDrift("1"), {"drift": 0.2}, {"pole": (np.exp(0.4) - 1.0, "1")}),

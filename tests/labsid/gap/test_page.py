@@ -162,6 +162,10 @@ def test_the_accepted_row_carries_its_interval_and_the_rest_is_folded(tmp_path):
     _, parsed = _read(tmp_path / "page.html", base)
     assert "3 more" in parsed.words
     assert parsed.words.count("the answer") == 1
+    base["beside"] = ["output-outliers"]
+    _, parsed = _read(tmp_path / "page.html", base)
+    assert parsed.words.count("holds the answer") == 1
+    assert "nearest explanation added" in parsed.words
 
 
 def test_no_row_is_the_answer_where_there_is_none(pages):

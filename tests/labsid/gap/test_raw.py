@@ -239,3 +239,15 @@ def test_a_hold_that_begins_on_the_stop_of_the_sensor_ends_with_a_jump(noise: np
     assert find_held(y, None) == ()
     y[141:200] = 0.7
     assert find_held(y, None) == ((142, 200),)
+
+
+def test_noise_makes_a_coarse_converter_jump_off_the_stop_of_the_sensor() -> None:
+    restless = np.where(np.arange(70) % 2, 66, 63)
+    restless[:2] = (
+        67,
+        66,
+    )  # leaves the stop as a hold ends, but no further than noise
+    y = 0.01 * np.tile(np.concatenate([restless, np.full(30, 70)]), 4)[30:]
+    assert find_held(y, 0.01) == ()
+    y[70:75] = 0.5, 0.48, 0.5, 0.48, 0.5  # the output has gone far away meanwhile
+    assert find_held(y, 0.01) == ((41, 70),)

@@ -137,6 +137,25 @@ def test_a_set_is_named_as_one_and_not_twice():
     assert sentences.ambiguity_sentence(none) == "The record does not rule out an extra lag."
 
 
+def test_a_stop_that_is_seen_is_said_apart_from_what_is_only_nearest():
+    base = report("overflow", probability=0.8) | {
+        "beside": ["output-nonlinearity"],
+        "ambiguous": ["output-nonlinearity"],
+    }
+    said = sentences.verdict_sentence(base)
+    assert said.startswith(f"Probably {sentences.uncapitalised(clause(effect('overflow')))}: an overflow, at which")
+    assert said.endswith(
+        "It is not all that acts: with a curved characteristic of the sensor beside it, the nearest that was tried, "
+        "the simulation closes 97 % [94, 100] of the gap."
+    )
+    assert sentences.ambiguity_sentence(base).startswith("What else acts is not certain: a curved characteristic")
+    assert sentences.beyond_sentence(base).startswith("Of the first one only the part that is named")
+    assert sentences.incomplete(base)
+    assert not sentences.incomplete(report("overflow"))
+    base["gap"] |= {"closed": -0.1, "ci95": [-0.4, 0.2]}
+    assert "closes nothing of the gap on samples held back." in sentences.verdict_sentence(base)
+
+
 @pytest.mark.parametrize(("margin", "how"), [(41.0, "safe"), (9.0, "likely right")])
 def test_the_experiment_says_what_it_tells_apart_and_how_surely(margin, how):
     base = with_experiment(report("input-delay"))

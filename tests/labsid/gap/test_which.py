@@ -115,6 +115,14 @@ def test_a_small_last_effect_is_not_named_and_a_small_one_before_a_large_one_is(
     assert trimmed(data, (base,)) == (base,)
 
 
+def test_what_is_cut_for_its_name_can_be_had_back(banded: Explained) -> None:
+    whole = replace(banded, path=banded.path[:1], cut=banded.path[1:])
+    assert whole.best is banded.path[0]
+    assert whole.uncut().path == banded.path
+    assert whole.uncut().cut == ()
+    assert whole.up_to(0).uncut().path == banded.path[:1]  # an explanation that is given up leaves nothing behind
+
+
 def test_what_a_lattice_holds_still_is_no_dropout() -> None:
     """A slow motion on a coarse converter stands still for long; a logger that holds stays behind the motion."""
     k = np.arange(1500)
