@@ -1,5 +1,6 @@
 """From everything that was tried to an answer: which names, how sure, what cannot be told apart, or `unknown`."""
 
+from collections import defaultdict
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -108,30 +109,29 @@ def decide(explained: Explained, left: Leftover, given: Fit | None, trust: float
     noise = is_noise(left, "output-quantization" in explained.added)
     # What repeats itself with the input is no noise of the sensor, however slow it is.
     added = explained.added if noise else tuple(name for name in explained.added if name != "coloured-noise")
-    probability = {name: trust * sum(w for names, w in weights.items() if name in names) for name in simulated}
+    shares: defaultdict[str, float] = defaultdict(float)
+    for tried, weight in weights.items():
+        for name in tried:
+            shares[name] += weight
+    probability = {name: trust * shares[name] for name in simulated}
     probability |= dict.fromkeys(added, trust)
-    rivals: dict[str, float] = {}
-    for names, weight in weights.items():
-        for name in names:
-            if name not in simulated:
-                rivals[name] = rivals.get(name, 0.0) + weight
+    rivals = {name: share for name, share in shares.items() if name not in simulated}
     ambiguous = [name for name, p in sorted(rivals.items(), key=lambda item: -item[1]) if p > TOLD_APART]
     names = (*simulated, *added)
     if given is not None and not simulated and worth(explained.data, given, explained.path[0]):
         names = (MISMATCH, *names)
         probability[MISMATCH] = trust * mismatch_weight(given, explained.path[0])
-    verdict = "unknown" if trust < IS_RIGHT else "effect" if names else "none"
-    beside: tuple[str, ...] = ()
-    if verdict == "unknown":
-        seen = tuple(name for name in simulated if name in STOPS) if stopped else ()
-        probability |= {name: SEEN * sum(w for tried, w in weights.items() if name in tried) for name in seen}
-        seen = tuple(name for name in seen if probability[name] > IS_RIGHT)
-        beside = tuple(name for name in names if name not in seen)
-        ambiguous = [*beside, *ambiguous]
-        verdict, names, beside = ("effect", seen, beside) if seen else ("unknown", (), ())
+    named = names
+    if trust < IS_RIGHT:
+        probability |= {name: SEEN * shares[name] for name in simulated if stopped and name in STOPS}
+        named = tuple(name for name in names if stopped and name in STOPS and probability[name] > IS_RIGHT)
+    rest = tuple(name for name in names if name not in named)
+    ambiguous = [*rest, *ambiguous]
+    verdict = "effect" if named else "unknown" if trust < IS_RIGHT else "none"
     weights = {combination: trust * weight for combination, weight in weights.items()}
     closed = closing(explained, left, added)
-    return Decision(verdict, names, probability, tuple(ambiguous[:MOST_RIVALS]), weights, closed, beside)
+    beside = rest if named else ()
+    return Decision(verdict, named, probability, tuple(ambiguous[:MOST_RIVALS]), weights, closed, beside)
 
 
 def _weights(explained: Explained, level: int) -> dict[tuple[str, ...], float]:

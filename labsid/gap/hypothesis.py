@@ -204,9 +204,7 @@ class Hypothesis:
 
     def sensor(self, theta: FloatArray, gains: FloatArray, design: Design) -> FloatArray:
         """What the sensor makes of the columns of a design."""
-        z = design.inside @ gains[: design.bent]
-        for effect in self._curves:
-            z = effect.bend(z, theta[self.slices[effect.key]])
+        z = self._curved(theta, design.inside @ gains[: design.bent])
         if gains.size > design.bent:
             z = z + design.outside @ gains[design.bent :]
         for effect in self._limits:
@@ -215,10 +213,12 @@ class Hypothesis:
 
     def reading(self, theta: FloatArray, gains: FloatArray, level: float) -> float:
         """What the sensor shows where the dynamics stand still at `level`, without the limits of the sensor."""
-        z = gains[:1] * level + gains[1]
+        return float(self._curved(theta, gains[:1] * level + gains[1])[0])
+
+    def _curved(self, theta: FloatArray, z: FloatArray) -> FloatArray:
         for effect in self._curves:
             z = effect.bend(z, theta[self.slices[effect.key]])
-        return float(z[0])
+        return z
 
     def slopes(self, theta: FloatArray, gains: FloatArray, design: Design) -> tuple[FloatArray, FloatArray]:
         """Derivatives of `sensor` by what passes through it, and by what is added in it."""
