@@ -109,7 +109,7 @@ def _held(w: FloatArray, k: int, before: float) -> float:
 
 
 @compiled()
-def _transition(c: float, k: float, h: float) -> tuple[float, float, float, float, float, float]:
+def transition(c: float, k: float, h: float) -> tuple[float, float, float, float, float, float]:
     """Exact step of z'' = -c z' - k z + force over `h`: entries of Phi and Gamma."""
     s = 0.25 * c * c - k
     half = 0.5 * c
@@ -158,7 +158,7 @@ def mechanics(
     """
     out = np.empty((w.size, 2))
     h = 1.0 / substeps
-    f11, f12, f21, f22, g1, g2 = _transition(c, k, h)
+    f11, f12, f21, f22, g1, g2 = transition(c, k, h)
     far = FAR / max(k, 1e-6)
     for n in range(w.size):
         out[n, 0] = z
@@ -263,32 +263,4 @@ def speed(
             if not lag_first:
                 middle = 0.5 * (before + v)
                 i = middle + (i - middle) * keep_b
-    return out
-
-
-@compiled()
-def varying(w: FloatArray, c: FloatArray, k: FloatArray) -> FloatArray:
-    """Position and speed of z'' = -c(t) z' - k(t) z + w from zero, for each column of `w`; shape (N, 2 m + 4).
-
-    The last four columns are those of the free motion from z = 1 and from z' = 1.
-    """
-    samples, driven = w.shape
-    columns = driven + 2
-    out = np.empty((samples, 2 * columns))
-    state = np.zeros(2 * columns)
-    state[2 * driven] = state[2 * driven + 3] = 1.0
-    f11, f12, f21, f22, g1, g2 = _transition(c[0], k[0], 1.0)
-    for n in range(samples):
-        if n > 0 and (c[n] != c[n - 1] or k[n] != k[n - 1]):
-            f11, f12, f21, f22, g1, g2 = _transition(c[n], k[n], 1.0)
-        for j in range(columns):
-            z, v = state[2 * j], state[2 * j + 1]
-            out[n, 2 * j] = z
-            out[n, 2 * j + 1] = v
-            force = w[n, j] if j < driven else 0.0
-            state[2 * j] = f11 * z + f12 * v + g1 * force
-            state[2 * j + 1] = f21 * z + f22 * v + g2 * force
-        if not abs(state[0]) < 1e12:
-            out[n:] = np.nan
-            break
     return out

@@ -10,7 +10,7 @@ from labsid.gap.context import Context, Data
 from labsid.gap.effects import disturbance, drifting, dynamics, input, output
 from labsid.gap.effects.base import Effect, Fitted, InputEffect, PlantEffect
 from labsid.gap.fitting import Fit, Point, at_start, finish, search
-from labsid.gap.forms import INNER_LOAD, LEAK, LOAD, carried, growing
+from labsid.gap.forms import INNER_LOAD, LOAD, growing, loaded_starts
 from labsid.gap.hypothesis import Hypothesis
 from labsid.gap.plants import Plant
 from labsid.gap.responses import real_rates
@@ -20,7 +20,6 @@ PROMISING = 8  # starts of one variant that are followed
 FELT, FOUND = 2.0, 0.5  # rates, a sample
 AT_ONCE = 30.0  # rate, a sample, of a state that is none
 QUICK = 1.0  # rate, a sample, of a state that could hardly be seen to be nonlinear
-SLOW_AGAIN = 10.0  # rate of a pole that a fit has lost, in the record
 BRIEFLY = 3  # of all variants of a second or third effect
 
 CANDIDATES: tuple[tuple[Effect, ...], ...] = (
@@ -202,15 +201,8 @@ def _growing(data: Data, fit: Fit) -> Fit | None:
     if old.effects[-1] != LOAD or grown is None:
         return None
     other = Hypothesis((*old.effects[:-1], grown), old.known, old.given)
-    starts = [carried(fit, other)]
-    slow, fast = real_rates(*fit.rates)
-    if grown == LEAK and slow * data.samples < 1.0:  # an integrator to the load alone
-        starts.append(starts[0].copy())
-        slow = SLOW_AGAIN / data.samples
-        starts[1][other.slices["plant"]][:2] = np.log((slow + fast, slow * fast))
-    points = [search(data, other, start, iterations=12, tolerance=1e-5) for start in starts]
-    fits = [finish(data, other, point) for point in points if point is not None]
-    return min(fits, key=price, default=None)
+    points = (search(data, other, start, iterations=12, tolerance=1e-5) for start in loaded_starts(fit, other))
+    return min((finish(data, other, point) for point in points if point is not None), key=price, default=None)
 
 
 def price(fit: Fit) -> float:

@@ -9,8 +9,11 @@ from labsid.gap.effects.base import Effect
 from labsid.gap.fitting import Fit, finish, search
 from labsid.gap.hypothesis import Hypothesis
 from labsid.gap.plants import Plant
+from labsid.gap.responses import real_rates
 
 AT_STOP = 0.03  # of the samples, where a stop is tried
+SLOW_AGAIN = 10.0  # rate of a pole that a fit has lost, in the record
+QUICKER = 10.0  # rate of the pole that is left over, where the fit has spent one on an integrator
 FEW = 6  # iterations after an effect was taken out
 
 PLACES: tuple[tuple[Effect, ...], ...] = (
@@ -124,6 +127,21 @@ def carried(fit: Fit, other: Hypothesis) -> FloatArray:
         _rebrim(fit, other.plant, theta[other.slices["plant"]])
         _reroot(old.plant, other.plant, theta[other.slices["plant"]])
     return theta
+
+
+def loaded_starts(fit: Fit, other: Hypothesis) -> list[FloatArray]:
+    """Where the search for a load that grows begins, given the fit of a load that does not."""
+    starts = [carried(fit, other)]
+    if other.effects[-1] != LEAK:
+        return starts
+    own, samples = other.slices["plant"], fit.output.size
+    starts[0][own][other.plant.index("turn")] = 0.5
+    slow, fast = real_rates(*fit.rates)
+    if slow * samples < 1.0:  # an integrator to the load alone
+        for slow, quick in ((SLOW_AGAIN / samples, fast), (fast, QUICKER * fast)):
+            starts.append(starts[0].copy())
+            starts[-1][own][:2] = np.log((slow + quick, slow * quick))
+    return starts
 
 
 def _rebrim(fit: Fit, new: Plant, theta: FloatArray) -> None:

@@ -74,7 +74,8 @@ class Plant:
     mode_place : str
         Where the mode stands beside a nonlinear state: "behind" it, "ahead" of it, or "beside" it.
     course : str
-        How a varying pole goes along the record: "slow", or "step" at an instant.
+        How a varying pole goes along the record: "slow", or "step" at an instant, without a jump of the output: its
+        speed jumps, by the searched `turn` none of it or all, where what changes is the rate of the latter lag.
     bends : int
         Degrees above one of a slow course.
     loaded, shaken : bool
@@ -142,10 +143,10 @@ class Plant:
             own += [Parameter("v0", -50.0, 50.0, ACROSS), Parameter("i0", -50.0, 50.0, ACROSS)]
         elif self.kind == "varying":
             own += [Parameter("drift", -3.0, 3.0), Parameter("share_c", -3.0, 3.0)]
+            own += [Parameter("turn", 0.0, 1.0)]
             if self.course == "step":
                 own += [ONSET]
             else:
-                own += [Parameter("turn", 0.0, 1.0)]
                 own += [Parameter(f"bend{n}", -3.0, 3.0) for n in range(1, self.bends + 1)]
         if self.loaded:
             own += [Parameter("load", -20.0, 20.0), Parameter("leak", -0.9, 20.0), ONSET]
@@ -233,7 +234,7 @@ class Plant:
             width = 5 if self.zero else 4
             own: tuple[int, ...] = (width - 3, width - 2)
         elif self.kind == "varying":
-            width = 7 if self.course == "step" else 8
+            width = 6 if self.course == "step" else 8
             own = (width - 2, width - 1)
         else:
             own, width = (), 1

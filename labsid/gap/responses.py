@@ -6,12 +6,13 @@ import numpy as np
 from numpy.polynomial.chebyshev import chebval
 
 from labsid._arrays import FloatArray, beside
-from labsid.gap import _kernels, _states
+from labsid.gap import _kernels, _rates, _states
 
 if TYPE_CHECKING:
     from labsid.gap.plants import Plant
 
 NO_BRIM = np.inf
+RESTORING = 1e-11, 90.0  # bounds of k, in samples
 AT_REST = 6.0  # time constants after which a free motion is over
 QUICKEST = 2.4  # rate of a tank with a root, a sample: what is quicker follows its inflow at once
 
@@ -205,25 +206,37 @@ def _varying(
     plant: "Plant", own: dict[str, float], w: FloatArray, span: int, reference: float, late: float
 ) -> FloatArray:
     if plant.course == "step":
-        course = own["drift"] * begun(own["onset"], w.size, span)
-    else:
-        shape = np.array([own["drift"], *(own[f"bend{n}"] for n in range(1, plant.bends + 1))])
-        course = slow_course(shape, w.size, span)
+        return _stepping(own, w - reference, span)
+    shape = np.array([own["drift"], *(own[f"bend{n}"] for n in range(1, plant.bends + 1))])
+    course = slow_course(shape, w.size, span)
     change = np.expm1(np.clip(course, -6.0, 6.0))  # of one lag of two, or of a spring
-    c = np.clip(np.exp(own["log_c"]) * (1.0 + own["share_c"] * change), 1e-6, 50.0)
-    k = np.exp(own["log_k"]) * (1.0 + change)
-    if plant.course != "step":  # that of the latter lag is under the derivative of its balance
-        k = k + np.exp(own["log_c"]) * own["turn"] * np.gradient(change)
-    k = np.clip(k, 1e-11, 90.0)
-    still = w - reference
+    c, k = _changed(own, change)
+    # that of the latter lag is under the derivative of its balance
+    k = np.clip(k + np.exp(own["log_c"]) * own["turn"] * np.gradient(change), *RESTORING)
+    still, constant = w - reference, np.ones(w.size)
+    out = _rates.varying(np.column_stack([still, still * course, constant, course]), c, k)
     unit = np.exp(own["log_k"])
-    constant = np.ones(w.size)
-    if plant.course == "step":  # the gain at the input stays: what changes is a load that grows with the state
-        load = begun(own["onset"], w.size, span)
-        out = _states.varying(np.column_stack([still, constant, load]), c, k)
-        return beside([out[:, :3] * unit, out[:, 4:6] * unit, out[:, [6, 8]]])
-    out = _states.varying(np.column_stack([still, still * course, constant, course]), c, k)
     return beside([out[:, :5] * unit, out[:, 6:7] * unit, out[:, [8, 10]]])
+
+
+def _stepping(own: dict[str, float], still: FloatArray, span: int) -> FloatArray:
+    """A load that grows with the state begins at an instant: c and k step, the gain at the input stays."""
+    change = np.array([0.0, np.expm1(own["drift"])])
+    c, k = _changed(own, change)
+    turned = own["turn"] * own["share_c"] * np.exp(own["log_c"])  # the part of c that is under a derivative
+    unit = np.exp(own["log_k"])
+    comes_to_rest = real_rates(c[0], k[0])[0] * span > AT_REST  # a constant force then adds a load and a constant
+    constant = np.full(still.size, 0.0 if comes_to_rest else 1.0)
+    forces = np.column_stack([still, constant])
+    ends = (float(c[0]), float(c[1])), (float(k[0]), float(k[1]))
+    out = _rates.stepped(forces, *ends, own["onset"] * span, turned * change[1], turned / unit)
+    return beside([out[:, :3] * unit, out[:, 4:5] * unit, out[:, [6, 8]]])
+
+
+def _changed(own: dict[str, float], change: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """The rates c and k when the restoring rate has changed by a share."""
+    c = np.clip(np.exp(own["log_c"]) * (1.0 + own["share_c"] * change), 1e-6, 50.0)
+    return c, np.clip(np.exp(own["log_k"]) * (1.0 + change), *RESTORING)
 
 
 def _given(

@@ -91,7 +91,7 @@ class Leak(_PlantLoad):
     def plant_starts(self, context: Context) -> list[dict[str, float]]:
         """Where a step takes most out of the residual, of either sign, with and without more damping."""
         return [
-            {"drift": size, "share_c": part, "onset": at}
+            {"drift": size, "share_c": part, "turn": 0.5, "onset": at}
             for at in onsets(context, 3, context.parent.output - context.parent.output[0])
             for size in (0.15, -0.15)
             for part in (0.0, 1.0)

@@ -240,6 +240,39 @@ def test_state_columns_are_those_that_move_without_an_input(plant: Plant) -> Non
     assert tuple(np.flatnonzero(moves & dies)) == plant.state_columns
 
 
+LEAKS = {
+    "of the lower tank": (lambda x, u, leak: [0.3 * (u - x[0]), 0.2 * (x[0] - x[1] - leak * (x[1] + 2.0))], 0.4, 1.0),
+    "of the upper tank": (lambda x, u, leak: [0.3 * (u - x[0] - leak * (x[0] + 2.0)), 0.2 * (x[0] - x[1])], 0.6, 0.0),
+    "on a spring": (lambda x, u, leak: [x[1], 0.06 * (u - x[0] - leak * (x[0] + 2.0)) - 0.5 * x[1]], 0.0, 0.0),
+}
+
+
+@pytest.mark.parametrize("place", LEAKS)
+@pytest.mark.parametrize("leak", [0.6, -0.3])
+def test_a_leak_found_on_one_record_is_that_of_another_one(
+    levels: FloatArray, held: Held, place: str, leak: float
+) -> None:
+    """It begins in another state there: the gains of the rig carry over, against scipy's integrator."""
+    flow, share_c, turn = LEAKS[place]
+    onset, other = 200, 0.8 - levels[::-1][:400]
+    found, fresh = (
+        np.concatenate(
+            [
+                before := held(w[: onset + 1], np.zeros(2), lambda x, u: flow(x, u, 0.0)),
+                held(w[onset:], before[-1], lambda x, u: flow(x, u, leak))[1:],
+            ]
+        )[:, 0 if place == "on a spring" else 1]
+        for w in (levels[:400], other)
+    )
+    plant = Plant(kind="varying", course="step")
+    rates = {"log_c": np.log(0.5), "log_k": np.log(0.06), "onset": 0.5, "drift": np.log1p(leak)}
+    theta = theta_of(plant, **rates, share_c=share_c, turn=turn)
+    columns = plant.columns(theta, levels[:400], 400, 0.0)
+    gains = solve(columns, found)
+    np.testing.assert_allclose(columns @ gains, found, atol=1e-6)
+    np.testing.assert_allclose(plant.columns(theta, other, 400, 0.0) @ gains, fresh, atol=1e-6)
+
+
 def test_state_columns_behind_a_nonlinear_state() -> None:
     assert Plant(kind="tanks").state_columns == ()
     assert Plant(kind="tanks", lag=True).state_columns == (1,)

@@ -9,7 +9,7 @@ from scipy.linalg import expm
 from scipy.signal import lfilter
 
 from labsid._arrays import FloatArray
-from labsid.gap import _states
+from labsid.gap import _rates, _states
 
 Held = Callable[[FloatArray, FloatArray, Callable[[FloatArray, float], list[float]]], FloatArray]
 
@@ -223,11 +223,11 @@ def test_varying_rates_are_exact_from_sample_to_sample(w: FloatArray) -> None:
         expected.append(x[:2].T.reshape(-1))
         x[2, :2] = values
         x = expm(np.array([[0.0, 1.0, 0.0], [-spring, -damping, 1.0], [0.0, 0.0, 0.0]])) @ x
-    np.testing.assert_allclose(_states.varying(inputs, c, k), expected, atol=1e-9)
+    np.testing.assert_allclose(_rates.varying(inputs, c, k), expected, atol=1e-9)
 
 
 def test_varying_rates_that_diverge_end_in_nan() -> None:
-    motion = _states.varying(np.ones((200, 1)), np.full(200, -1.0), np.full(200, 0.1))
+    motion = _rates.varying(np.ones((200, 1)), np.full(200, -1.0), np.full(200, 0.1))
     assert np.isnan(motion[-1, 0])
 
 

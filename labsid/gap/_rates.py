@@ -1,0 +1,77 @@
+"""Compiled simulation of linear dynamics whose rates change. Time is counted in samples."""
+
+import numpy as np
+
+from labsid._arrays import FloatArray
+from labsid._compiled import compiled
+from labsid.gap._states import transition
+
+
+@compiled()
+def varying(w: FloatArray, c: FloatArray, k: FloatArray) -> FloatArray:
+    """Position and speed of z'' = -c(t) z' - k(t) z + w from zero, for each column of `w`; shape (N, 2 m + 4).
+
+    The last four columns are those of the free motion from z = 1 and from z' = 1.
+    """
+    samples, driven = w.shape
+    columns = driven + 2
+    out = np.empty((samples, 2 * columns))
+    state = np.zeros(2 * columns)
+    state[2 * driven] = state[2 * driven + 3] = 1.0
+    f11, f12, f21, f22, g1, g2 = transition(c[0], k[0], 1.0)
+    for n in range(samples):
+        if n > 0 and (c[n] != c[n - 1] or k[n] != k[n - 1]):
+            f11, f12, f21, f22, g1, g2 = transition(c[n], k[n], 1.0)
+        for j in range(columns):
+            z, v = state[2 * j], state[2 * j + 1]
+            out[n, 2 * j] = z
+            out[n, 2 * j + 1] = v
+            force = w[n, j] if j < driven else 0.0
+            state[2 * j] = f11 * z + f12 * v + g1 * force
+            state[2 * j + 1] = f21 * z + f22 * v + g2 * force
+        if not abs(state[0]) < 1e12:
+            out[n:] = np.nan
+            break
+    return out
+
+
+@compiled()
+def stepped(
+    w: FloatArray, c: tuple[float, float], k: tuple[float, float], onset: float, kick: float, push: float
+) -> FloatArray:
+    """Position and speed of z'' = -c z' - k z + w from zero, whose c and k step at `onset`; shape (N, 2 m + 6).
+
+    There the speed loses `kick` times the position. Behind the columns of `w` stand those of a unit force that begins
+    then, with a `push` to the speed, and of the free motion from z = 1 and from z' = 1.
+    """
+    samples, driven = w.shape
+    out = np.empty((samples, 2 * driven + 6))
+    z, v = np.zeros(driven + 3), np.zeros(driven + 3)
+    z[driven + 1] = v[driven + 2] = 1.0
+    force = np.zeros(driven + 3)
+    before, after = transition(c[0], k[0], 1.0), transition(c[1], k[1], 1.0)
+    for n in range(samples):
+        out[n, ::2], out[n, 1::2] = z, v
+        force[:driven] = w[n]
+        if onset > n:
+            left = min(onset - n, 1.0)
+            z, v = _onward(z, v, force, before if left == 1.0 else transition(c[0], k[0], left))
+        if n <= onset < n + 1:
+            v = v - kick * z
+            v[driven] = push
+            force[driven] = 1.0
+        if onset < n + 1:
+            left = min(n + 1 - onset, 1.0)
+            z, v = _onward(z, v, force, after if left == 1.0 else transition(c[1], k[1], left))
+        if not abs(z[0]) < 1e12:
+            out[n + 1 :] = np.nan
+            break
+    return out
+
+
+@compiled()
+def _onward(
+    z: FloatArray, v: FloatArray, force: FloatArray, step: tuple[float, float, float, float, float, float]
+) -> tuple[FloatArray, FloatArray]:
+    f11, f12, f21, f22, g1, g2 = step
+    return f11 * z + f12 * v + g1 * force, f21 * z + f22 * v + g2 * force
