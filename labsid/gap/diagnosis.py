@@ -1,7 +1,7 @@
 """The main path of the diagnosis: a record and a simulation in, the answer out."""
 
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -111,6 +111,8 @@ def diagnose(
         explained, amount = _scored(explained.uncut(), base, holdout, rng)
         left, plateau = leftover(explained.data, explained.best), _plateaus(record, base, explained)
     decision = decide(explained, left, base.before, trust, stopped=bool(about_clipping(record.y)))
+    if decision.verdict != "unknown" and len(explained.path) == 1:  # what was found, no simulation shows
+        amount = replace(amount, closed=None, ci95=None, black_box=None)
     model = running_model(explained.data, amount.after_fit)
     report = answer(record, explained, base, decision, left, amount, rng, holdout)
     seen = [*clocks, *record_findings(whole, plateau)]

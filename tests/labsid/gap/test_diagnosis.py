@@ -133,6 +133,17 @@ def test_the_gap_closes_down_to_the_noise(diagnosed: Callable[[str], tuple[Diagn
     assert low <= gap["closed"] <= high <= 1.0
 
 
+@pytest.mark.parametrize("name", ["none", "output-quantization"])
+def test_where_a_simulation_can_add_nothing_no_gap_is_closed(
+    diagnosed: Callable[[str], tuple[Diagnosis, Record]], name: str
+) -> None:
+    report = diagnosed(name)[0].report
+    gap = report["gap"]
+    assert gap["closed"] is gap["ci95"] is gap["black_box"] is None
+    assert gap["after"] == gap["before"]
+    assert [effect["closed"] for effect in report["effects"]] == [None] * len(report["effects"])
+
+
 def test_where_a_load_begins_a_segment_begins(diagnosed: Callable[[str], tuple[Diagnosis, Record]]) -> None:
     report, record = diagnosed("load-step")[0].report, diagnosed("load-step")[1]
     onset = numbers(report)["onset"]["value"]
