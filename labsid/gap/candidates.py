@@ -207,7 +207,7 @@ def _growing(data: Data, fit: Fit) -> Fit | None:
 
 def price(fit: Fit) -> float:
     """BIC, and what a form of an effect has to gain over a simpler one."""
-    return fit.bic + sum(effect.surplus for effect in fit.hypothesis.effects)
+    return fit.bic + sum(effect.surplus.get(effect.variant, 0.0) for effect in fit.hypothesis.effects)
 
 
 def _various(tried: list[Sketch], kept: int) -> list[Sketch]:

@@ -21,15 +21,15 @@ class Effect:
     ----------
     name, path : str
         From the table of effects.
-    surplus : float
-        By how much its BIC has to be the better one before it takes the place of a simpler form.
+    surplus : dict
+        By variant, by how much its BIC has to be the better one before it takes the place of a simpler form.
     variant : str
         Which form of it, where there are several.
     """
 
     name: ClassVar[str]
     path: ClassVar[str]
-    surplus: ClassVar[float] = 0.0
+    surplus: ClassVar[dict[str, float]] = {}
     variant: str = ""
 
     @property

@@ -1,5 +1,7 @@
 """What acts on the rig without the input having a part in it."""
 
+from typing import ClassVar
+
 import numpy as np
 
 from labsid._arrays import FloatArray
@@ -82,7 +84,7 @@ class _PlantLoad(PlantEffect):
 class Leak(_PlantLoad):
     """A load that grows with the state, as a leak does, begins at some instant; far from zero it is a plain load."""
 
-    surplus = 12.0
+    surplus: ClassVar[dict[str, float]] = {"leak": 12.0}
 
     def shape(self, plant: Plant) -> Plant:
         """Dynamics whose restoring rate steps at an instant."""

@@ -220,6 +220,7 @@ class Nonlinearity(InputEffect):
 
     name = "input-nonlinearity"
     place = 7
+    surplus: ClassVar[dict[str, float]] = {curves.RICH: 12.0}
     elsewhere: ClassVar[dict[str, int]] = {"first": 0}
 
     @property

@@ -1,5 +1,7 @@
 """Effects on the way from the true output to the record."""
 
+from typing import ClassVar
+
 import numpy as np
 from numpy.polynomial.chebyshev import chebvander
 
@@ -68,6 +70,7 @@ class Nonlinearity(OutputEffect):
 
     name = "output-nonlinearity"
     place = 1
+    surplus: ClassVar[dict[str, float]] = {curves.RICH: 12.0}
 
     @property
     def parameters(self) -> tuple[Parameter, ...]:
