@@ -6,6 +6,7 @@ BLOCKS = 6
 HELD_OUT = 0.32  # of the record
 NEAR = 0.02  # of a sixth: an instant at the very edge of a block
 LATE = 0.6  # of a sixth: an instant behind it is near the last third
+BEGINNING = 0.15  # of the first sixth: without it, nothing would tell in which state the record begins
 
 
 def held_out(samples: int, onset: float | None = None) -> np.ndarray:
@@ -13,7 +14,7 @@ def held_out(samples: int, onset: float | None = None) -> np.ndarray:
 
     The end of the record is not among them: what wanders can be followed from one side to the other, not foretold.
     Where something begins there it is the last third instead, or the first: an instant that lies among samples which no
-    fit sees cannot be found.
+    fit sees cannot be found. The very beginning of the record is always fitted.
 
     Parameters
     ----------
@@ -26,4 +27,5 @@ def held_out(samples: int, onset: float | None = None) -> np.ndarray:
     begun = 0.0 if onset is None else onset * BLOCKS % 1.0
     if abs(begun - centre) < half + NEAR:
         centre = 1.0 - half if begun < LATE else half
-    return np.abs(place - centre) <= half
+    first = np.arange(samples) * BLOCKS < samples
+    return np.abs(place - np.where(first, max(centre, half + BEGINNING), centre)) <= half

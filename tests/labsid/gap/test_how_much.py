@@ -67,6 +67,7 @@ def test_an_instant_is_not_among_the_samples_that_no_fit_sees(sixth: int, place:
     at = round((sixth + place) * 500)
     assert not out[at - 3 : at + 4].any()
     assert out.mean() == pytest.approx(held_out(3000).mean(), abs=0.01)
+    assert not out[:60].any()  # where it begins, the state in which it begins is found
 
 
 def amount_of(explained: Explained, **options: object) -> HowMuch:
