@@ -52,6 +52,7 @@ AGAINST = Evidence(colour=-5.2, repeats=-6.0, activity=-3.0, tails=-4.0, short=-
 PATCHED = -1.7  # by two effects or more
 SHRUNK = 0.33
 BY_CHANCE = 0.1  # of the gap
+FORETOLD = 0.07  # share of coloured noise that a function of the input's past may seem to predict
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -170,11 +171,12 @@ def trusted(explained: Explained, left: Leftover, closed: float | None = None, u
         colour = float(np.log(max(left.colour, 1.0)))
         if not steps:
             colour *= 0.5 * max(left.slow, 0.0)
-        elif is_noise(left, converted=False) and left.repeats_z < 2.5 and left.activity_z < 3.0:
-            colour *= 0.4  # noise beside an effect, with no sign of the input in it
+        quiet = steps > 0 and is_noise(left, converted=False) and left.activity_z < 3.0
+        colour *= 0.4 if quiet else 1.0  # noise beside an effect, with no sign of the input in it
+        foretold = left.explained if not quiet or left.explained > FORETOLD else 0.0
         evidence = Evidence(
             colour=colour,
-            repeats=float(np.sqrt(max(left.repeats if left.repeats_z > 2.0 else 0.0, left.explained, 0.0))),
+            repeats=float(np.sqrt(max(left.repeats if left.repeats_z > 2.0 else 0.0, foretold, 0.0))),
             activity=float(np.sqrt(max(left.activity, 0.0))) if left.activity_z > 3.0 else 0.0,
             tails=float(np.log(max(left.tails, 3.0) / 3.0)),
             short=_shortfall(explained, closed),
