@@ -18,6 +18,7 @@ from labsid.gap.candidates import (
     compatible,
     finished,
     holds,
+    price,
     sketches,
     starts,
     swift_fit,
@@ -417,3 +418,18 @@ def test_the_last_effects_have_to_be_what_they_say_they_are(levels: FloatArray, 
         fit = parent_of(data, hypothesis, onset=onset, **numbers)
         assert holds(data, fit)
         assert holds(data, fit, 2) is expected
+
+
+@pytest.mark.parametrize(
+    ("simple", "rich"),
+    [
+        (input.Nonlinearity(), input.Nonlinearity("rich")),
+        (output.Nonlinearity(), output.Nonlinearity("rich")),
+        (disturbance.LoadStep(), disturbance.Leak("leak")),
+    ],
+)
+def test_a_richer_form_has_to_gain_more_than_chance(banded: Explained, simple: Effect, rich: Effect) -> None:
+    plain = replace(banded.best, hypothesis=Hypothesis((simple,)))
+    richer = replace(banded.best, hypothesis=Hypothesis((rich,)))
+    assert price(plain) == plain.bic
+    assert price(replace(richer, bic=plain.bic - 5.0)) > price(plain) > price(replace(richer, bic=plain.bic - 20.0))

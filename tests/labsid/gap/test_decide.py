@@ -173,6 +173,15 @@ def test_fast_noise_of_a_sensor_is_no_reason_to_doubt_that_nothing_is_wrong(plai
     assert trusted(plain, replace(left, colour=5.0, slow=0.9)) < 0.5
 
 
+def test_what_coloured_noise_seems_to_foretell_by_chance_is_no_reason_to_doubt(banded: Explained) -> None:
+    """An effect beside strongly coloured noise: the share of it that the input's past predicts is never quite zero."""
+    left = replace(left_of(banded), colour=3.0, slow=0.8, explained=0.0)
+    assert trusted(banded, replace(left, explained=0.05)) == trusted(banded, left) > IS_RIGHT
+    assert trusted(banded, replace(left, explained=0.2)) < IS_RIGHT
+    again = replace(left, repeats=0.15, repeats_z=5.0)  # with the input in it, that counts
+    assert trusted(banded, replace(again, explained=0.05)) < IS_RIGHT
+
+
 def test_levels_that_do_not_come_back_are_no_drift_that_leaves_them(banded: Explained) -> None:
     left = left_of(banded)
     assert decided(rivalled(banded), left, None, unrepeated=0.05).verdict == "effect"
