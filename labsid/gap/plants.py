@@ -142,8 +142,7 @@ class Plant:
             own += [FRICTION, Parameter("centre", -20.0, 20.0, 1e-3)]
             own += [Parameter("v0", -50.0, 50.0, ACROSS), Parameter("i0", -50.0, 50.0, ACROSS)]
         elif self.kind == "varying":
-            own += [Parameter("drift", -3.0, 3.0), Parameter("share_c", -3.0, 3.0)]
-            own += [Parameter("turn", 0.0, 1.0)]
+            own += [Parameter("drift", -3.0, 3.0), Parameter("share_c", -3.0, 3.0), Parameter("turn", 0.0, 1.0)]
             if self.course == "step":
                 own += [ONSET]
             else:

@@ -122,9 +122,13 @@ def _rising(c: float, k: float, samples: int, span: int) -> FloatArray:
 
     There the offset is no constant of the output: behind an integrator it is a ramp.
     """
-    if real_rates(c, k)[0] * span > AT_REST:
+    if _comes_to_rest(c, k, span):
         return np.zeros((samples, 1))
     return _kernels.second_order(np.ones(samples), *denominator(c, k))[:, None]
+
+
+def _comes_to_rest(c: float, k: float, span: int) -> bool:
+    return real_rates(c, k)[0] * span > AT_REST
 
 
 def _tanks(
@@ -225,10 +229,10 @@ def _stepping(own: dict[str, float], still: FloatArray, span: int) -> FloatArray
     c, k = _changed(own, change)
     turned = own["turn"] * own["share_c"] * np.exp(own["log_c"])  # the part of c that is under a derivative
     unit = np.exp(own["log_k"])
-    comes_to_rest = real_rates(c[0], k[0])[0] * span > AT_REST  # a constant force then adds a load and a constant
-    constant = np.full(still.size, 0.0 if comes_to_rest else 1.0)
-    forces = np.column_stack([still, constant])
     ends = (float(c[0]), float(c[1])), (float(k[0]), float(k[1]))
+    # Where it comes to rest, a constant force is a load and a constant, which are there anyway.
+    constant = np.full(still.size, 0.0 if _comes_to_rest(c[0], k[0], span) else 1.0)
+    forces = np.column_stack([still, constant])
     out = _rates.stepped(forces, *ends, own["onset"] * span, turned * change[1], turned / unit)
     return beside([out[:, :3] * unit, out[:, 4:5] * unit, out[:, [6, 8]]])
 

@@ -12,6 +12,8 @@ if TYPE_CHECKING:
     from labsid.gap.hypothesis import Hypothesis
     from labsid.gap.plants import Parameter, Plant
 
+OVER_CHANCE = 12.0  # BIC that a richer form of an effect has to gain over a simpler one
+
 
 @dataclass(frozen=True, slots=True)
 class Effect:

@@ -6,7 +6,7 @@ import numpy as np
 
 from labsid._arrays import FloatArray
 from labsid.gap.context import Context
-from labsid.gap.effects.base import AdditiveEffect, Fitted, PlantEffect, Value
+from labsid.gap.effects.base import OVER_CHANCE, AdditiveEffect, Fitted, PlantEffect, Value
 from labsid.gap.effects.dynamics import peaks
 from labsid.gap.plants import CYCLES, ONSET, Parameter, Plant
 from labsid.gap.responses import begun, denominator
@@ -84,7 +84,7 @@ class _PlantLoad(PlantEffect):
 class Leak(_PlantLoad):
     """A load that grows with the state, as a leak does, begins at some instant; far from zero it is a plain load."""
 
-    surplus: ClassVar[dict[str, float]] = {"leak": 12.0}
+    surplus: ClassVar[dict[str, float]] = {"leak": OVER_CHANCE}
 
     def shape(self, plant: Plant) -> Plant:
         """Dynamics whose restoring rate steps at an instant."""

@@ -8,7 +8,7 @@ from labsid._arrays import FloatArray
 from labsid.gap import _kernels
 from labsid.gap.context import Context
 from labsid.gap.effects import curves
-from labsid.gap.effects.base import Fitted, InputEffect, Value
+from labsid.gap.effects.base import OVER_CHANCE, Fitted, InputEffect, Value
 from labsid.gap.plants import Parameter, Plant
 
 LONGEST_DELAY = 250.0  # samples
@@ -220,7 +220,7 @@ class Nonlinearity(InputEffect):
 
     name = "input-nonlinearity"
     place = 7
-    surplus: ClassVar[dict[str, float]] = {curves.RICH: 12.0}
+    surplus: ClassVar[dict[str, float]] = {curves.RICH: OVER_CHANCE}
     elsewhere: ClassVar[dict[str, int]] = {"first": 0}
 
     @property

@@ -8,7 +8,7 @@ from numpy.polynomial.chebyshev import chebvander
 from labsid._arrays import FloatArray
 from labsid.gap.context import Context
 from labsid.gap.effects import curves
-from labsid.gap.effects.base import AdditiveEffect, Fitted, OutputEffect, Value
+from labsid.gap.effects.base import OVER_CHANCE, AdditiveEffect, Fitted, OutputEffect, Value
 from labsid.gap.plants import Parameter, Plant
 from labsid.gap.responses import along
 
@@ -70,7 +70,7 @@ class Nonlinearity(OutputEffect):
 
     name = "output-nonlinearity"
     place = 1
-    surplus: ClassVar[dict[str, float]] = {curves.RICH: 12.0}
+    surplus: ClassVar[dict[str, float]] = {curves.RICH: OVER_CHANCE}
 
     @property
     def parameters(self) -> tuple[Parameter, ...]:
