@@ -204,11 +204,11 @@ def move(
             speed = x[rubbed] + shift
             if speed == 0.0:
                 derivative(m, x, w[0], load[j], rate[j], leak[j], 0.0, trial)
-                push = trial[rubbed] * _inertia(m)
-                if abs(push) <= m.dry_friction:
+                direction = np.sign(trial[rubbed])
+                derivative(m, x, w[0], load[j], rate[j], leak[j], m.dry_friction * direction, trial)
+                if trial[rubbed] * direction <= 0.0:
                     advance(m, x, left, w, load[j], rate[j], leak[j], 0.0, rubbed, k, trial)
                     break
-                direction = np.sign(push)
             else:
                 direction = np.sign(speed)
             before[:] = x
@@ -225,10 +225,3 @@ def move(
             if left <= 0.0:
                 break
     return y
-
-
-@compiled()
-def _inertia(m: Motion) -> float:
-    if m.kind == MASS:
-        return m.T0**2
-    return m.T0 if m.kind == MOTOR_POSITION else m.T1

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from labsid.rig._motion import MASS, MOTOR_SPEED, PARALLEL_MODE, SERIES_MODE, TWO_TANKS
+from labsid.rig._motion import MASS, MOTOR_SPEED, PARALLEL_MODE, SERIES_MODE, STATES, TWO_TANKS, move
 from labsid.rig.inputs import draw_input
 from labsid.rig.plants import RIGS, Scales, draw_rig, time_scale
 from labsid.rig.play import Noise, RunsAway, held_stretches, play, poles, respond, sensor_noise
@@ -116,6 +116,18 @@ def test_a_motor_with_dry_friction_does_not_start_below_it() -> None:
     y = respond(Setup("motor", motion), v)
     assert np.all(y[:400] == 0.0)
     assert y[-1] == pytest.approx(0.5, abs=1e-3)
+
+
+@pytest.mark.parametrize("rate", [0.6, 1.0, 1.7])
+def test_a_motor_breaks_away_at_its_friction_however_fast_it_is(rate: float) -> None:
+    """Between standing still and moving the force decides, and no lag waits for it."""
+    motion = plain_motion(MOTOR_SPEED, 1.5, 20.0)._replace(dry_friction=0.3)
+    per_sample = 20
+    w = np.repeat([0.0, 0.25, 0.35, 0.25, -0.8], 200 * per_sample)
+    none = np.zeros(w.size)
+    y = move(motion, np.zeros(STATES), w, w, none, np.full(w.size, rate), none, per_sample)
+    assert np.all(y[:400] == 0.0)
+    np.testing.assert_allclose(y[[599, 799, 999]], [0.05, 0.0, -0.5], atol=2e-3)
 
 
 @pytest.mark.parametrize("caught", [0.0, 0.4, 1.0])
