@@ -42,10 +42,12 @@ def tanks(
     cosine: float = 0.0,
     sine: float = 0.0,
     frequency: float = 0.0,
+    pace: FloatArray | None = None,
 ) -> FloatArray:
     """Lower level of two tanks in a row; outflow by the root of the level or by the level, brims, overflow caught.
 
-    From `onset` on the lower tank loses `load`, and `leak` times its level; all the time, a wave.
+    From `onset` on the lower tank loses `load`, and `leak` times its level; all the time, a wave. `pace`, one value a
+    sample, multiplies its rate.
     """
     out = np.empty(w.size)
     h = 1.0 / substeps
@@ -55,7 +57,8 @@ def tanks(
         on = min(max(k + 1.0 - onset, 0.0), 1.0)
         pull = on * load + _wave(cosine, sine, frequency, k)
         restoring = 1.0 + on * leak
-        keep2 = math.exp(-a2 * restoring * h)
+        rate2 = a2 if pace is None else a2 * pace[k]
+        keep2 = math.exp(-rate2 * restoring * h)
         for j in range(substeps):
             flow = _held(w, k, late * substeps - j)
             if root1:
@@ -69,9 +72,9 @@ def tanks(
             else:
                 h1, into = _linear_tank(h1, flow, a1, keep1, brim1, share, h)
             if root2:
-                half2 = min(h2 + 0.5 * h * a2 * (into - math.sqrt(max(h2, 0.0)) - pull - on * leak * h2), brim2)
+                half2 = min(h2 + 0.5 * h * rate2 * (into - math.sqrt(max(h2, 0.0)) - pull - on * leak * h2), brim2)
                 half2 = max(half2, 0.0)
-                h2 += h * a2 * (into - math.sqrt(half2) - pull - on * leak * half2)
+                h2 += h * rate2 * (into - math.sqrt(half2) - pull - on * leak * half2)
                 h2 = max(h2, 0.0)
             else:
                 end = (into - pull) / restoring
@@ -151,16 +154,22 @@ def mechanics(
     cosine: float = 0.0,
     sine: float = 0.0,
     frequency: float = 0.0,
+    pace: FloatArray | None = None,
 ) -> FloatArray:
     """Position and speed of z'' = -c z' - k z - friction sign(z') - cubic z^3 + w, sticking included.
 
-    From `onset` on `load`, and a spring of `leak` times k, act against it; all the time, a wave.
+    From `onset` on `load`, and a spring of `leak` times k, act against it; all the time, a wave. `pace`, one value a
+    sample, multiplies k.
     """
     out = np.empty((w.size, 2))
     h = 1.0 / substeps
     f11, f12, f21, f22, g1, g2 = transition(c, k, h)
     far = FAR / max(k, 1e-6)
+    unchanged = k
     for n in range(w.size):
+        if pace is not None:
+            k = unchanged * pace[n]
+            f11, f12, f21, f22, g1, g2 = transition(c, k, h)
         out[n, 0] = z
         out[n, 1] = v
         on = min(max(n + 1.0 - onset, 0.0), 1.0)
@@ -220,17 +229,25 @@ def speed(
     cosine: float = 0.0,
     sine: float = 0.0,
     frequency: float = 0.0,
+    pace: FloatArray | None = None,
 ) -> FloatArray:
     """Output and speed under dry friction with a lag of rate `b` before or behind it; gain one apart from friction.
 
     The lag before it is i' = b (w - i), the motion
     v' = a (drive - friction sign(v) - v), where the drive is the lagged input or the input itself. From `onset` on
-    `load`, and `leak` times the speed, act against it; all the time, a wave.
+    `load`, and `leak` times the speed, act against it; all the time, a wave. `pace`, one value a sample, multiplies
+    the rate of whichever comes last.
     """
     out = np.empty((w.size, 2))
     h = 1.0 / substeps
     keep_a, keep_b = math.exp(-a * h), math.exp(-b * h)
+    motion = a
     for n in range(w.size):
+        if pace is not None and lag_first:
+            a = motion * pace[n]
+            keep_a = math.exp(-a * h)
+        elif pace is not None:
+            keep_b = math.exp(-b * pace[n] * h)
         out[n, 0] = v if lag_first else i
         out[n, 1] = v
         on = min(max(n + 1.0 - onset, 0.0), 1.0)

@@ -10,7 +10,7 @@ from labsid.gap.context import Context, Data
 from labsid.gap.effects import disturbance, drifting, dynamics, input, output
 from labsid.gap.effects.base import Effect, Fitted, InputEffect, PlantEffect
 from labsid.gap.fitting import Fit, Point, at_start, finish, search
-from labsid.gap.forms import INNER_LOAD, LOAD, growing, loaded_starts
+from labsid.gap.forms import INNER_LOAD, LOAD, growing, housed, loaded_starts
 from labsid.gap.hypothesis import Hypothesis
 from labsid.gap.plants import Plant
 from labsid.gap.responses import real_rates
@@ -18,6 +18,8 @@ from labsid.gap.responses import real_rates
 LINEAR = Hypothesis()
 PROMISING = 8  # starts of one variant that are followed
 FELT, FOUND = 2.0, 0.5  # rates, a sample
+SWINGING = 0.1, 0.4  # frequencies of a mass, a sample
+MOVED = 4.0  # times k, from which another search begins
 AT_ONCE = 30.0  # rate, a sample, of a state that is none
 QUICK = 1.0  # rate, a sample, of a state that could hardly be seen to be nonlinear
 BRIEFLY = 3  # of all variants of a second or third effect
@@ -35,7 +37,11 @@ CANDIDATES: tuple[tuple[Effect, ...], ...] = (
     tuple(dynamics.Overflow(which + side) for which in ("upper", "lower") for side in ("", "-flipped")),
     tuple(dynamics.CoulombFriction(which) for which in ("position", "speed", "speed-lag")),
     (dynamics.CubicStiffness(),),
-    (drifting.GainDrift("1"), drifting.GainDrift("4"), drifting.PoleDrift("1"), drifting.PoleDrift("4")),
+    tuple(
+        drift(bends)
+        for drift in (drifting.GainDrift, drifting.PoleDrift, drifting.InnerPoleDrift)
+        for bends in ("1", "4")
+    ),
     tuple(output.Drift(variant) for variant in ("1", "3", "6", "10", "16", "settle")),
     (output.Saturation("high"), output.Saturation("low"), output.Saturation("both")),
     (output.Nonlinearity(),),
@@ -122,7 +128,7 @@ def sketches(data: Data, parent: Fit, group: tuple[Effect, ...], swift: Fit, bri
     looked = []
     for effect in group:
         if effect.applies(context) and compatible(parent, effect):
-            hypothesis = _housed(parent.hypothesis, effect)
+            hypothesis = housed(parent.hypothesis, effect)
             tried = [
                 (at_start(data, hypothesis, theta), hypothesis, theta) for theta in starts(context, hypothesis, effect)
             ]
@@ -228,6 +234,8 @@ def compatible(parent: Fit, effect: Effect) -> bool:
     if not isinstance(effect, PlantEffect):
         return True
     new = effect.shape(old)
+    if old.kind == "varying" and old.course == "slow" and new.nonlinear:
+        return True
     return old.kind == "linear" or (new.kind == old.kind and new.flipped == old.flipped)
 
 
@@ -255,14 +263,6 @@ def starts(context: Context, hypothesis: Hypothesis, effect: Effect) -> Iterable
                 yield full
 
 
-def _housed(old: Hypothesis, effect: Effect) -> Hypothesis:
-    """One effect more; a load that the parent has goes inside the dynamics, if the effect makes a state nonlinear."""
-    new = old.plus(effect)
-    if not new.plant.nonlinear or LOAD not in old.effects:
-        return new
-    return Hypothesis(tuple(INNER_LOAD if one == LOAD else one for one in new.effects), old.known, old.given)
-
-
 def _load_inside(context: Context) -> dict[str, float]:
     """A load step of the parent as the change of the input that would do the same to the output."""
     fit = context.parent
@@ -285,6 +285,8 @@ def _plant_bases(context: Context, new: Plant) -> list[FloatArray]:
         rates.append((slow + FOUND, slow * FOUND))
     if new.kind in ("tanks", "speed") and old.kind == "linear":  # one tank, one inertia
         rates += [(rate + AT_ONCE, rate * AT_ONCE) for rate in _single(context, slow, fast)]
+    if new.friction and new.kind == "mechanics" and old.kind == "linear":  # to which linear dynamics are sluggish
+        rates += [(w, w**2) for w in SWINGING if w**2 > MOVED * context.rates[1]]
     bases = []
     for n, (c, k) in enumerate(rates):
         for base in new.starts(c, k):

@@ -4,7 +4,7 @@ import numpy as np
 
 from labsid._arrays import FloatArray
 from labsid.gap.context import Data
-from labsid.gap.effects import curves, disturbance, dynamics, input, output
+from labsid.gap.effects import curves, disturbance, drifting, dynamics, input, output
 from labsid.gap.effects.base import Effect
 from labsid.gap.fitting import Fit, finish, search
 from labsid.gap.hypothesis import Hypothesis
@@ -65,6 +65,10 @@ WAVE, LOAD_WAVE, INNER_WAVE = (
     disturbance.InnerPeriodic("inside"),
 )
 """A wave behind the sensor's curve, ahead of it, and on dynamics with a nonlinear state."""
+INNER: dict[Effect, Effect] = {LOAD: INNER_LOAD} | {
+    drifting.PoleDrift(bends): drifting.InnerPoleDrift(bends) for bends in ("1", "4")
+}
+"""What changes linear dynamics, and the same in dynamics with a nonlinear state."""
 
 
 def rearranged(hypothesis: Hypothesis) -> list[Hypothesis]:
@@ -176,11 +180,19 @@ def _reroot(old: Plant, new: Plant, theta: FloatArray) -> None:
         theta[new.index("h1")] = theta[new.index("h2")] = 0.0
 
 
+def housed(old: Hypothesis, effect: Effect) -> Hypothesis:
+    """One effect more; a load or a drift that the parent has moves with it, if it makes a state nonlinear."""
+    new = old.plus(effect)
+    if not new.plant.nonlinear:
+        return new
+    return Hypothesis((*(INNER.get(one, one) for one in old.effects), effect), old.known, old.given)
+
+
 def _at_home(hypothesis: Hypothesis) -> Hypothesis:
-    """The same with loads and waves at the place that its dynamics have for them."""
+    """The same with what acts on the dynamics as these hold it."""
     if hypothesis.plant.nonlinear:
         return hypothesis
-    outer: dict[Effect, Effect] = {INNER_LOAD: LOAD, INNER_WAVE: WAVE}
+    outer = {INNER_WAVE: WAVE} | {inner: effect for effect, inner in INNER.items()}
     return Hypothesis(tuple(outer.get(e, e) for e in hypothesis.effects), hypothesis.known, hypothesis.given)
 
 

@@ -44,6 +44,7 @@ class Parameter:
 ACROSS = 1e-2  # scaled: a step of a derivative that reaches across the jumps of a motion that sticks
 FRICTION = Parameter("friction", 0.0, 20.0, 1e-3, leap=0.03)
 ONSET = Parameter("onset", 0.0, 1.0, 2e-4, leap=0.004)  # as a share of the record
+DRIFT = Parameter("drift", -3.0, 3.0)
 CYCLES = Parameter("cycles", 2.2, 1e7, 1e-3)  # of a wave in the record; a slower one is a drift
 
 
@@ -76,6 +77,8 @@ class Plant:
     course : str
         How a varying pole goes along the record: "slow", or "step" at an instant, without a jump of the output: its
         speed jumps, by the searched `turn` none of it or all, where what changes is the rate of the latter lag.
+    fading : bool
+        Whether the rate of the latter of two nonlinear states, or a nonlinear spring, goes along a slow course.
     bends : int
         Degrees above one of a slow course.
     loaded, shaken : bool
@@ -104,6 +107,7 @@ class Plant:
     lag_ahead: bool = False
     mode_place: str = "behind"
     course: str = "slow"
+    fading: bool = False
     bends: int = 0
     loaded: bool = False
     shaken: bool = False
@@ -136,17 +140,18 @@ class Plant:
             if self.friction:
                 own += [FRICTION]
             if self.cubic:
-                own += [Parameter("cubic", -0.3, 50.0), Parameter("centre", -8.0, 8.0)]
+                own += [Parameter("cubic", -0.3, 50.0)]
+            if self.cubic or self.fading:
+                own += [Parameter("centre", -8.0, 8.0)]
             own += [Parameter("z0", -50.0, 50.0, ACROSS, leap=0.05), Parameter("v0", -50.0, 50.0, ACROSS)]
         elif self.kind == "speed":
             own += [FRICTION, Parameter("centre", -20.0, 20.0, 1e-3)]
             own += [Parameter("v0", -50.0, 50.0, ACROSS), Parameter("i0", -50.0, 50.0, ACROSS)]
         elif self.kind == "varying":
-            own += [Parameter("drift", -3.0, 3.0), Parameter("share_c", -3.0, 3.0), Parameter("turn", 0.0, 1.0)]
-            if self.course == "step":
-                own += [ONSET]
-            else:
-                own += [Parameter(f"bend{n}", -3.0, 3.0) for n in range(1, self.bends + 1)]
+            own += [DRIFT, Parameter("share_c", -3.0, 3.0), Parameter("turn", 0.0, 1.0)]
+            own += [ONSET] if self.course == "step" else self._bent()
+        if self.fading:
+            own += [DRIFT, *self._bent()]
         if self.loaded:
             own += [Parameter("load", -20.0, 20.0), Parameter("leak", -0.9, 20.0), ONSET]
         if self.shaken:
@@ -157,6 +162,9 @@ class Plant:
             own += [Parameter("log_frequency", -6.0, np.log(np.pi))]
             own += [Parameter("log_damping", -7.0, np.log(MOST_DAMPING))]
         return tuple(rates + own)
+
+    def _bent(self) -> list[Parameter]:
+        return [Parameter(f"bend{n}", -3.0, 3.0) for n in range(1, self.bends + 1)]
 
     def columns(
         self, theta: FloatArray, w: FloatArray, span: int, reference: float | None = None, late: float = 0.0

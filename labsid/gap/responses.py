@@ -144,6 +144,10 @@ def _tanks(
     a = min(a, QUICKEST * typical) if plant.upper_root else a
     b = min(b, QUICKEST * typical) if plant.lower_root else b
     upper, lower = a / typical if plant.upper_root else a, b / typical if plant.lower_root else b
+    pace = _pace(plant, own, w.size, span)
+    if pace is not None:
+        pace = np.minimum(pace, QUICKEST * typical / b) if plant.lower_root else pace
+        lower *= float(pace.max())
     felt = [rate for rate, root in ((upper, plant.upper_root), (lower, plant.lower_root)) if root]
     fastest = max(felt, default=0.0)  # linear tanks are exact on their own, however quick
     substeps = int(max(np.ceil(fastest / 0.3), np.ceil(min(upper, lower) / 0.2), 2))
@@ -161,6 +165,7 @@ def _tanks(
         substeps,
         late,
         *_loaded(own, span),
+        pace,
     )[:, None]
 
 
@@ -171,6 +176,17 @@ def _loaded(own: dict[str, float], span: int) -> tuple[float, ...]:
     return *step, *wave
 
 
+def _pace(plant: "Plant", own: dict[str, float], samples: int, span: int) -> FloatArray | None:
+    """What multiplies the rate of the latter state, or the spring, where it drifts."""
+    return np.exp(_course(plant, own, samples, span)) if plant.fading else None
+
+
+def _course(plant: "Plant", own: dict[str, float], samples: int, span: int) -> FloatArray:
+    """Logarithm of a rate that drifts, without its constant."""
+    shape = np.array([own["drift"], *(own[f"bend{n}"] for n in range(1, plant.bends + 1))])
+    return np.clip(slow_course(shape, samples, span), -6.0, 6.0)
+
+
 def _mechanics(
     plant: "Plant", own: dict[str, float], w: FloatArray, span: int, reference: float, late: float
 ) -> FloatArray:
@@ -179,12 +195,11 @@ def _mechanics(
     drive = w - own.get("centre", reference)
     substeps = int(min(max(np.ceil(max(c, np.sqrt(k)) / (0.15 if plant.friction else 0.3)), 2), 12))
     cubic = own.get("cubic", 0.0) * unit**3
-    rest = _equilibrium(drive[0], k, cubic) if plant.cubic else 0.0
+    pace = _pace(plant, own, w.size, span)
+    rest = _equilibrium(drive[0], k if pace is None else k * pace[0], cubic)
     z0, v0 = rest + own["z0"] / unit, own["v0"] / np.sqrt(unit)
-    return (
-        _states.mechanics(drive, c, k, own.get("friction", 0.0), cubic, z0, v0, substeps, late, *_loaded(own, span))
-        * unit
-    )
+    onto = *_loaded(own, span), pace
+    return _states.mechanics(drive, c, k, own.get("friction", 0.0), cubic, z0, v0, substeps, late, *onto) * unit
 
 
 def _equilibrium(force: float, k: float, cubic: float) -> float:
@@ -203,7 +218,8 @@ def _speed(
     friction = own["friction"]
     v = np.sign(drive[0]) * max(abs(drive[0]) - friction, 0.0) + own["v0"]
     i = (drive[0] if plant.lag_first else v) + own["i0"]
-    return _states.speed(drive, a, b, friction, plant.lag_first, v, i, 3, late, *_loaded(own, span))
+    onto = *_loaded(own, span), _pace(plant, own, w.size, span)
+    return _states.speed(drive, a, b, friction, plant.lag_first, v, i, 3, late, *onto)
 
 
 def _varying(
@@ -211,9 +227,8 @@ def _varying(
 ) -> FloatArray:
     if plant.course == "step":
         return _stepping(own, w - reference, span)
-    shape = np.array([own["drift"], *(own[f"bend{n}"] for n in range(1, plant.bends + 1))])
-    course = slow_course(shape, w.size, span)
-    change = np.expm1(np.clip(course, -6.0, 6.0))  # of one lag of two, or of a spring
+    course = _course(plant, own, w.size, span)
+    change = np.expm1(course)  # of one lag of two, or of a spring
     c, k = _changed(own, change)
     # that of the latter lag is under the derivative of its balance
     k = np.clip(k + np.exp(own["log_c"]) * own["turn"] * np.gradient(change), *RESTORING)

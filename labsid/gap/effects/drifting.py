@@ -31,14 +31,38 @@ class PoleDrift(PlantEffect):
 
     def plant_starts(self, context: Context) -> list[dict[str, float]]:
         """The rates up and down, or up and back, with and without the damping."""
+        return [start | {"share_c": part} for start in self._ways() for part in (0.0, 1.0)]
+
+    def _ways(self) -> list[dict[str, float]]:
         ways = ("drift", "bend1") if self.variant != "1" else ("drift",)
-        return [{way: size, "share_c": part} for way in ways for size in (0.1, -0.1) for part in (0.0, 1.0)]
+        return [{way: size} for way in ways for size in (0.1, -0.1)]
 
     def values(self, fit: Fitted) -> dict[str, Value]:
         """`pole`: relative change of the restoring rate over the record."""
         shape = np.array([fit.plant("drift"), *(fit.plant(f"bend{n}") for n in range(1, int(self.variant)))])
         course = slow_course(shape, 101, 101)
         return {"pole": Value(float(np.exp(course[-1] - course[0])) - 1.0, "1")}
+
+
+class InnerPoleDrift(PoleDrift):
+    """A pole of dynamics with a nonlinear state changes slowly: that of the latter state, or the spring."""
+
+    @property
+    def key(self) -> str:
+        """Apart from that of linear dynamics."""
+        return f"{self.name}/pole-{self.variant}-inside"
+
+    def shape(self, plant: Plant) -> Plant:
+        """The same dynamics, going along with a slow course."""
+        return plant.but(fading=True, bends=int(self.variant) - 1)
+
+    def applies(self, context: Context) -> bool:
+        """Linear dynamics have a form of their own."""
+        return context.parent.hypothesis.plant.nonlinear
+
+    def plant_starts(self, context: Context) -> list[dict[str, float]]:
+        """Up and down, or up and back."""
+        return self._ways()
 
 
 class GainDrift(InputEffect):

@@ -12,7 +12,6 @@ from labsid.gap._kernels import delayed
 from labsid.gap.candidates import (
     CANDIDATES,
     LINEAR,
-    _housed,
     _raced,
     baseline,
     compatible,
@@ -24,9 +23,10 @@ from labsid.gap.candidates import (
     swift_fit,
 )
 from labsid.gap.context import Context, Data, scaled
-from labsid.gap.effects import disturbance, dynamics, input, output
+from labsid.gap.effects import disturbance, drifting, dynamics, input, output
 from labsid.gap.effects.base import Effect
 from labsid.gap.fitting import Fit, finish, rms, search
+from labsid.gap.forms import housed
 from labsid.gap.hypothesis import Hypothesis
 from labsid.gap.plants import Plant
 from labsid.gap.responses import real_rates
@@ -349,10 +349,28 @@ def test_the_best_start_need_not_be_ahead_at_once(banded: Explained) -> None:
 def test_a_load_goes_inside_with_an_effect_that_makes_a_state_nonlinear(effect: Effect, moves: bool) -> None:
     plain, inner = disturbance.LoadStep(), disturbance.InnerLoad("inside")
     old = Hypothesis((output.Drift("1"), plain), known=1)
-    new = _housed(old, effect)
+    new = housed(old, effect)
     assert new.effects == (output.Drift("1"), inner if moves else plain, effect)
     assert new.known == 1
-    assert _housed(LINEAR, effect) == LINEAR.plus(effect)
+    assert housed(LINEAR, effect) == LINEAR.plus(effect)
+
+
+@pytest.mark.parametrize("bends", ["1", "4"])
+def test_so_does_a_drift_of_a_pole(levels: FloatArray, two_poles: Response, bends: str) -> None:
+    """Where it has come on linear dynamics, its course is where the search begins."""
+    data = data_of(levels, two_poles(levels))
+    drift, inner, brim = drifting.PoleDrift(bends), drifting.InnerPoleDrift(bends), dynamics.Overflow("lower")
+    parent = parent_of(data, Hypothesis((drift,)), log_c=-0.7, log_k=-3.0, drift=0.3, bend1=-0.1)
+    assert compatible(parent, brim)
+    hypothesis = housed(parent.hypothesis, brim)
+    assert hypothesis.effects == (inner, brim)
+    names = [p.name for p in hypothesis.plant.parameters]
+    for theta in starts(Context(data, parent, parent), hypothesis, brim):
+        own = dict(zip(names, theta[hypothesis.slices["plant"]], strict=True))
+        assert own["drift"] == 0.3
+        assert own.get("bend1", -0.1) == -0.1
+    assert not inner.applies(Context(data, parent))
+    assert inner.applies(Context(data, parent_of(data, Hypothesis((brim,)), log_a=-2.0, log_b=-1.0)))
 
 
 def test_only_a_nonlinear_state_takes_a_load_inside(levels: FloatArray, two_poles: Response) -> None:
@@ -401,7 +419,7 @@ def test_a_load_goes_inside_as_the_input_that_does_the_same(
     data = data_of(levels, two_poles(levels))
     parent = loaded(size, 0.0, data)
     effect = dynamics.CubicStiffness()
-    hypothesis = _housed(parent.hypothesis, effect)
+    hypothesis = housed(parent.hypothesis, effect)
     names = [p.name for p in hypothesis.plant.parameters]
     for theta in starts(Context(data, parent), hypothesis, effect):
         own = dict(zip(names, theta[hypothesis.slices["plant"]], strict=True))

@@ -126,7 +126,7 @@ def test_every_effect_starts_inside_its_bounds_and_reports_the_agreed_parameters
         starts = effect.plant_starts(context)
         assert starts
         assert {name.rstrip("+") for start in starts for name in start} <= names
-        assert effect.applies(context) == (effect.key != "load-step/inside")  # the parent is linear
+        assert effect.applies(context) == ("inside" not in effect.key)  # the parent is linear
     else:
         starts = effect.starts(context)
         assert starts
@@ -338,6 +338,18 @@ def test_values_of_the_dynamics_are_in_the_units_of_the_record(
     for name, (value, unit) in expected.items():
         assert found[name][0] == pytest.approx(value, rel=1e-4)
         assert found[name][1] == unit
+
+
+def test_a_pole_that_drifts_beside_a_nonlinear_state_is_told_as_on_linear_dynamics() -> None:
+    numbers = {"drift": 0.2, "bend1": 0.5, "bend2": -0.1}
+    effect = drifting.InnerPoleDrift("4")
+    hypothesis = Hypothesis((dynamics.CoulombFriction("speed"), effect))
+    assert hypothesis.names == ("coulomb-friction", "parameter-drift")
+    theta = np.array([numbers.get(parameter.name, 0.0) for parameter in hypothesis.parameters])
+    found = effect.values(Fitted(hypothesis, theta, np.array([2.0, -1.0]), data_of(np.arange(180.0))))
+    assert {name: (value.value, value.unit) for name, value in found.items()} == {
+        "pole": (pytest.approx(np.exp(0.2) - 1.0, rel=1e-4), "1")
+    }
 
 
 @pytest.mark.parametrize(

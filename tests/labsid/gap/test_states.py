@@ -397,3 +397,67 @@ def test_a_wave_at_what_sticks_is_that_much_less_input(w: FloatArray) -> None:
     np.testing.assert_allclose(found, _states.mechanics(less, 0.3, 0.2, 0.1, 0.05, 0.4, 0.2, 4), atol=1e-12)
     found = _states.speed(w, 0.4, 0.7, 0.1, False, 0.3, 0.3, 3, *SWINGING)
     np.testing.assert_allclose(found, _states.speed(less, 0.4, 0.7, 0.1, False, 0.3, 0.3, 3), atol=1e-12)
+
+
+PACE = np.exp(np.linspace(-0.5, 0.7, 120))  # of a rate that drifts, one value a sample
+
+
+@pytest.mark.parametrize("root", [False, True])
+def test_a_lower_tank_whose_outflow_drifts(w: FloatArray, held: Held, root: bool) -> None:
+    flow = 0.9 + 0.5 * w
+
+    def filling(h: FloatArray, sample: float) -> list[float]:
+        out = np.sqrt(h) if root else h
+        return [0.3 * (flow[int(sample)] - out[0]), 0.2 * PACE[int(sample)] * (out[0] - out[1])]
+
+    expected = held(np.arange(w.size, dtype=float), np.array([0.6, 0.5]), filling)[:, 1]
+    own = (0.3, 0.2, root, root, np.inf, np.inf, 0.0, 0.6, 0.5, 16)
+    np.testing.assert_allclose(_states.tanks(flow, *own, pace=PACE), expected, atol=1e-4)
+    assert np.abs(_states.tanks(flow, *own) - expected).max() > 0.03
+
+
+def test_a_hardening_spring_that_drifts(w: FloatArray, held: Held) -> None:
+    def spring(x: FloatArray, sample: float) -> list[float]:
+        return [x[1], 0.4 * w[int(sample)] - 0.3 * x[1] - 0.2 * PACE[int(sample)] * x[0] - 0.05 * x[0] ** 3]
+
+    expected = held(np.arange(w.size, dtype=float), np.array([0.3, -0.1]), spring)
+    found = _states.mechanics(0.4 * w, 0.3, 0.2, 0.0, 0.05, 0.3, -0.1, 16, pace=PACE)
+    np.testing.assert_allclose(found, expected, atol=2e-3)
+
+
+@pytest.mark.parametrize("lag_first", [True, False])
+def test_a_motor_of_which_the_latter_rate_drifts(w: FloatArray, held: Held, lag_first: bool) -> None:
+    """The states are the speed and the lag."""
+
+    def turning(x: FloatArray, sample: float) -> list[float]:
+        pace, command = PACE[int(sample)], w[int(sample)]
+        if lag_first:
+            return [0.4 * pace * (x[1] - x[0]), 0.7 * (command - x[1])]
+        return [0.4 * (command - x[0]), 0.7 * pace * (x[0] - x[1])]
+
+    expected = held(np.arange(w.size, dtype=float), np.array([0.3, 0.1]), turning)
+    found = _states.speed(w, 0.4, 0.7, 0.0, lag_first, 0.3, 0.1, 32, pace=PACE)
+    np.testing.assert_allclose(found[:, 1], expected[:, 0], atol=1e-4)
+    np.testing.assert_allclose(found[:, 0], expected[:, 0 if lag_first else 1], atol=1e-4)
+
+
+def test_what_drifts_and_sticks(w: FloatArray) -> None:
+    """A mass on a spring, and a motor: within a sample it is the motor of another rate."""
+    friction, samples = 0.25, np.arange(w.size, dtype=float)
+
+    def force(x: FloatArray, sample: float) -> float:
+        return float(w[int(sample)] - 0.3 * x[1] - 0.2 * PACE[int(sample)] * x[0])
+
+    expected = stick_slip(samples, np.array([0.4, 0.2]), friction, force, 1)[:, 0]
+    found = _states.mechanics(w, 0.3, 0.2, friction, 0.0, 0.4, 0.2, 48, pace=PACE)[:, 0]
+    assert np.abs(found - expected).max() < 0.01 * expected.std()
+
+    at_once = 1000.0  # rate of a lag that is none
+    speeds = [0.3]
+    for command, pace in zip(w[:-1], PACE, strict=False):
+        still = np.full(2, command)
+        onward = _states.speed(still, 0.4 * pace, at_once, friction, True, speeds[-1], command, 24)
+        speeds.append(onward[1, 1])
+    assert min(np.abs(speeds)) == 0.0
+    found = _states.speed(w, 0.4, at_once, friction, True, 0.3, w[0], 24, pace=PACE)[:, 1]
+    np.testing.assert_allclose(found, speeds, atol=2e-3)
