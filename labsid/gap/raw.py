@@ -9,6 +9,7 @@ from labsid.signal_quality import lattice_step, runs
 
 SPIKE = 6.0  # robust standard deviations at which an isolated sample is one
 LONGEST_SPIKE = 2  # samples
+MOST_SPIKES = 3  # in a row, unlike each other
 SHORTEST_HOLD = 3  # equal samples in a row
 FINE = 1e-4  # of the range: a converter step that makes equal samples only by chance
 USUAL_MOVES = 4.0  # times the median move from sample to sample: a jump from the sensor's stop
@@ -130,11 +131,14 @@ def find_spikes(e: FloatArray, usable: np.ndarray, lattice: float = 0.0, thresho
     spread = 1.4826 * float(np.median(away)) if away.size else 0.0
     if spread == 0.0:
         spread = float(np.std(off)) or 1.0
-    far = np.abs(off) > max(threshold * spread, lattice)
+    least = max(threshold * spread, lattice)
+    far = np.abs(off) > least
     starts, lengths = runs(far.astype(float))
     for start, length in zip(starts, lengths, strict=True):
-        if far[start] and length <= LONGEST_SPIKE and start > 0:  # at its start a simulation may not be under way yet
-            stop = start + length
+        stop = start + length
+        several = length <= MOST_SPIKES and bool(np.all(np.abs(np.diff(x[start:stop])) > least))
+        alone = length <= LONGEST_SPIKE or several
+        if far[start] and alone and start > 0:  # at its start a simulation may not be under way yet
             before = x[start - 1]
             behind = x[stop] if stop < x.size else before
             height = float(np.abs(x[start : start + length] - 0.5 * (before + behind)).min())

@@ -123,6 +123,13 @@ def test_isolated_samples_far_off_are_spikes(noise: np.ndarray, length: int) -> 
     assert np.flatnonzero(find_spikes(noise, np.ones(400, bool))).tolist() == expected
 
 
+def test_three_in_a_row_are_spikes_if_they_are_unlike_each_other(noise: np.ndarray) -> None:
+    """Alike, they are something that lasted."""
+    noise[50:53] += [-40.0, 30.0, 60.0]
+    noise[300:303] += 30.0
+    assert np.flatnonzero(find_spikes(noise, np.ones(400, bool))).tolist() == [50, 51, 52]
+
+
 def test_noise_has_no_spikes(noise: np.ndarray) -> None:
     assert not find_spikes(noise, np.ones(400, bool)).any()
 
