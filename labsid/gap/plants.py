@@ -203,6 +203,7 @@ class Plant:
             if self._mode_place == "ahead":
                 driven = through_mode(driven, frequency, damping)
         columns = response(self, own, driven, span, start, late)
+        slope = columns[:, 1] if self.kind == "mechanics" else None
         if self.kind in ("mechanics", "speed"):
             columns = columns[:, :1].copy()
         parts: list[FloatArray] = [columns]
@@ -211,7 +212,7 @@ class Plant:
             if self.kind == "linear":
                 parts.append(_kernels.first_order(moved, pole)[:, None])
             else:
-                columns[:, 0] = lagging(moved, tau)
+                columns[:, 0] = lagging(moved, np.gradient(moved) if slope is None else slope, tau)
             parts.append(np.asarray(pole ** np.arange(w.size), np.float64)[:, None])
         if self.mode and self._mode_place != "ahead":
             drive = moved if self._mode_place == "behind" else _kernels.delayed(w - start, 0, late)

@@ -14,6 +14,7 @@ if TYPE_CHECKING:
 NO_BRIM = np.inf
 RESTORING = 1e-11, 90.0  # bounds of k, in samples
 AT_REST = 6.0  # time constants after which a free motion is over
+NODES = np.polynomial.legendre.leggauss(8)
 QUICKEST = 2.4  # rate of a tank with a root, a sample: what is quicker follows its inflow at once
 
 
@@ -90,12 +91,20 @@ def through_lag(w: FloatArray, tau: float) -> FloatArray:
     return np.asarray(w + behind * tau * (1.0 - pole))
 
 
-def lagging(y: FloatArray, tau: float) -> FloatArray:
-    """A lag that follows `y`, which goes straight from sample to sample, from zero; `tau` in samples."""
+def lagging(y: FloatArray, slope: FloatArray, tau: float) -> FloatArray:
+    """A lag that follows `y` from zero; between samples y is the cubic of its values and slopes; `tau` in samples."""
     pole = float(np.exp(-1.0 / tau))
-    share = 1.0 / (1.0 - pole) - tau
-    onward = share * np.append(y[1:], y[-1]) + (1.0 - share) * y
-    return _kernels.first_order(onward, pole)
+    if tau > 1.0:
+        times, weights = 0.5 * (NODES[0] + 1.0), 0.5 * NODES[1] / tau
+        moments = [float(weights @ (np.exp((times - 1.0) / tau) * times**n)) for n in range(4)]
+    else:
+        moments = [1.0 - pole]
+        for n in range(1, 4):
+            moments.append(1.0 - n * tau * moments[-1])
+    _, m1, m2, m3 = np.array(moments) / (1.0 - pole)
+    rise, ahead, behind = 3.0 * m2 - 2.0 * m3, m1 - 2.0 * m2 + m3, m3 - m2
+    following, onward = np.append(y[1:], y[-1]), np.append(slope[1:], slope[-1])
+    return _kernels.first_order(y + rise * (following - y) + ahead * slope + behind * onward, pole)
 
 
 def through_mode(w: FloatArray, frequency: float, damping: float) -> FloatArray:

@@ -172,10 +172,12 @@ def test_speed_settles_at_the_drive_less_the_friction(lag_first: bool) -> None:
 def test_a_lag_behind_a_nonlinear_state_takes_its_place(levels: FloatArray) -> None:
     bare, lagged = Plant(kind="tanks"), Plant(kind="tanks", lag=True)
     numbers = {"log_a": np.log(0.3), "log_b": np.log(0.2)}
-    level = bare.columns(theta_of(bare, **numbers), levels, levels.size)[:, 0]
     columns = lagged.columns(theta_of(lagged, log_lag=np.log(4.0), **numbers), levels, levels.size)
-    _, expected, _ = lsim(([1.0], [4.0, 1.0]), level, np.arange(levels.size), X0=[0.0], interp=True)
-    np.testing.assert_allclose(columns[:, 0], expected, atol=1e-9)
+    start = bare.columns(theta_of(bare, **numbers), levels[:1], 1)[0, 0]
+    chain = np.array([[-0.3, 0.0, 0.0], [0.2, -0.2, 0.0], [0.0, 0.25, -0.25]])
+    system = (chain, np.array([[0.3], [0.0], [0.0]]), np.array([[0.0, 0.0, 1.0]]), np.zeros((1, 1)))
+    _, expected, _ = lsim(system, levels, np.arange(levels.size), X0=[levels[0], start, 0.0], interp=False)
+    np.testing.assert_allclose(columns[:, 0], expected, atol=5e-3)
     np.testing.assert_allclose(columns[:, 1], np.exp(-0.25 * np.arange(levels.size)), atol=1e-12)
 
 
@@ -351,3 +353,16 @@ def test_an_offset_of_the_input_of_an_integrator_is_in_the_span(
 
     assert missed(columns) < 1e-3 * np.std(expected)
     assert missed(np.delete(columns, 4, axis=1)) > 3.0 * missed(columns)
+
+
+@pytest.mark.parametrize("tau", [0.3, 1.1, 4.6, 40.0])
+def test_a_lag_behind_a_mass_follows_its_position_between_the_samples(tau: float) -> None:
+    """Though that bends within a sample."""
+    w = np.repeat(np.random.default_rng(1).normal(size=20), 6)
+    plant = Plant(kind="mechanics", cubic=True, lag=True)
+    numbers = {"log_c": np.log(0.3), "log_k": np.log(0.2), "log_lag": np.log(tau)}
+    found = plant.columns(theta_of(plant, **numbers), w, w.size * 100)[:, 0]
+    chain = np.array([[0.0, 1.0, 0.0], [-0.2, -0.3, 0.0], [1.0 / tau, 0.0, -1.0 / tau]])
+    system = (chain, np.array([[0.0], [0.2], [0.0]]), np.array([[0.0, 0.0, 1.0]]), np.zeros((1, 1)))
+    _, expected, _ = lsim(system, w, np.arange(w.size), X0=[w[0], 0.0, 0.0], interp=False)
+    np.testing.assert_allclose(found, expected, atol=5e-4)
