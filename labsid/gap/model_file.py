@@ -198,7 +198,7 @@ def from_json_dict(content: dict[str, Any]) -> RunningModel:
     """
     wrong = "not an exported simulation: {}. Export it again."
     try:
-        keys = [str(key) for key in content["effects"]]
+        keys, written = [str(key) for key in content["effects"]], content["parameters"]
         theta, gains = np.array(content["theta"], float), np.array(content["gains"], float)
         Ts, span, reference = float(content["Ts"]), int(content["span"]), float(content["reference"])
         scales = [
@@ -213,6 +213,9 @@ def from_json_dict(content: dict[str, Any]) -> RunningModel:
         raise ValueError(f"the simulation holds {', '.join(map(repr, unknown))}, which this version does not know.")
     hypothesis = Hypothesis(tuple(_BY_KEY[key] for key in keys))
     lower, upper = hypothesis.bounds
+    names = [parameter.name for parameter in hypothesis.parameters]
+    if written != names:
+        raise ValueError(wrong.format(f"its parameters must be {', '.join(names)}"))
     if theta.shape != lower.shape or not np.all((theta >= lower) & (theta <= upper)):
         raise ValueError(wrong.format(f"theta must hold {lower.size} numbers within their bounds"))
     numbers = [*gains.ravel(), Ts, reference, *(x for scale in scales for x in (scale.centre, scale.unit))]

@@ -15,6 +15,9 @@ if TYPE_CHECKING:
     from labsid.gap.fitting import Fit
 
 
+NEUTRAL = 0.05  # least cosine of the angle at which the neutral input lies: within 20 units of the input
+
+
 class PoleDrift(PlantEffect):
     """A pole changes slowly along the record, and with it possibly the gain."""
 
@@ -66,7 +69,10 @@ class InnerPoleDrift(PoleDrift):
 
 
 class GainDrift(InputEffect):
-    """A gain changes slowly along the record."""
+    """A gain changes slowly along the record: a course times the distance from the input at which it does not matter.
+
+    That neutral input is -tan(angle), so that the search passes through infinity from one side to the other.
+    """
 
     name = "parameter-drift"
     path = "dynamics"
@@ -79,9 +85,9 @@ class GainDrift(InputEffect):
 
     @property
     def parameters(self) -> tuple[Parameter, ...]:
-        """The course of the gain, and the input at which it does not matter."""
+        """The course, and where the neutral input lies."""
         shape = [Parameter(f"shape{n}", -3.0, 3.0) for n in range(1, int(self.variant) + 1)]
-        return (*shape, Parameter("zero", -20.0, 20.0, 1e-3))
+        return (*shape, Parameter("angle", -2.0 * np.pi, 2.0 * np.pi, 1e-3))
 
     def starts(self, context: Context) -> list[FloatArray]:
         """Up and down, and the course that explains most of the residual to the first order."""
@@ -108,16 +114,22 @@ class GainDrift(InputEffect):
         if unit == 0.0:
             return []
         shape, offset = gains[:count] / unit, gains[count : 2 * count] / unit
-        zero = -float(offset @ shape) / max(float(shape @ shape), 1e-12)
-        return [np.array([*np.clip(shape, -2.0, 2.0), float(np.clip(zero, -15.0, 15.0))])]
+        angle = float(np.arctan2(offset @ shape, shape @ shape))
+        return [np.array([*np.clip(shape / max(np.cos(angle), NEUTRAL), -2.0, 2.0), angle])]
+
+    def holds(self, fit: Fitted) -> bool:
+        """About an input far outside, it is a drift of the input or of the output."""
+        return bool(abs(np.cos(fit.own(self)[-1])) > NEUTRAL)
 
     def apply(self, w: FloatArray, own: FloatArray, span: int) -> FloatArray:
-        """The distance from the neutral input, times the gain."""
-        return (w - own[-1]) * (1.0 + slow_course(own[:-1], w.size, span))
+        """More or less of the distance from the neutral input."""
+        away = np.cos(own[-1]) * w + np.sin(own[-1])
+        return np.asarray(w + away * slow_course(own[:-1], w.size, span))
 
     def values(self, fit: Fitted) -> dict[str, Value]:
         """`drift`: relative change of the gain over the record."""
-        course = 1.0 + slow_course(fit.own(self)[:-1], 101, 101)
+        own = fit.own(self)
+        course = 1.0 + np.cos(own[-1]) * slow_course(own[:-1], 101, 101)
         return {"drift": Value(float(course[-1] / course[0]) - 1.0, "1")}
 
 

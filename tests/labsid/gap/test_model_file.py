@@ -24,6 +24,7 @@ def content(**changed):
     return {
         "schema": SCHEMA,
         "effects": ["input-saturation/high"],
+        "parameters": ["delay", "high", "log_c", "log_k"],
         "theta": [0.0, LIMIT, np.log(C), np.log(K)],
         "gains": GAINS,
         "Ts": 0.5,
@@ -68,6 +69,8 @@ def test_a_file_and_back(levels, tmp_path):
     [
         ({"effects": ["input-delay", "magic"]}, "holds 'magic', which this version does not know"),
         ({"effects": None}, "a value in it is of another kind"),
+        ({"parameters": ["delay", "low", "log_c", "log_k"]}, "its parameters must be delay, high, log_c, log_k"),
+        ({"parameters": None}, "its parameters must be delay"),
         ({"theta": [0.0, LIMIT, np.log(C)]}, "theta must hold 4 numbers within their bounds"),
         ({"theta": [0.0, LIMIT, np.log(C), np.nan]}, "theta must hold 4 numbers within their bounds"),
         ({"theta": [0.0, LIMIT, 1e6, np.log(K)]}, "theta must hold 4 numbers within their bounds"),
