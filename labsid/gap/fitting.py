@@ -91,7 +91,7 @@ class Point:
     cost: float
 
 
-class _Problem:
+class Problem:
     """One hypothesis, one record, one whitening filter."""
 
     def __init__(self, data: Data, hypothesis: Hypothesis, ar: FloatArray) -> None:
@@ -173,7 +173,7 @@ def search(
     tolerance: float = 1e-5,
 ) -> Point | None:
     """Levenberg-Marquardt from `theta`; the gains follow. None where not even the start can be simulated."""
-    problem = _Problem(data, hypothesis, ar)
+    problem = Problem(data, hypothesis, ar)
     lower, upper = hypothesis.bounds
     at = problem.point(np.clip(theta, lower, upper), gains)
     if at is None:
@@ -218,7 +218,7 @@ def search(
 
 def at_start(data: Data, hypothesis: Hypothesis, theta: FloatArray) -> float:
     """Cost at `theta` with the best gains; infinity where it cannot be simulated."""
-    point = _Problem(data, hypothesis, NOTHING).point(np.clip(theta, *hypothesis.bounds))
+    point = Problem(data, hypothesis, NOTHING).point(np.clip(theta, *hypothesis.bounds))
     return float("inf") if point is None else point.cost
 
 
@@ -247,7 +247,7 @@ def refit(data: Data, fit: Fit) -> Fit:
 
 def covariance(data: Data, fit: Fit) -> FloatArray:
     """Covariance of theta and the gains, in this order: that of least squares on the whitened error."""
-    problem = _Problem(data, fit.hypothesis, fit.noise.ar)
+    problem = Problem(data, fit.hypothesis, fit.noise.ar)
     at = problem.point(fit.theta, fit.gains)
     J = None if at is None else problem.jacobian(at)
     size = fit.theta.size + fit.gains.size
@@ -258,33 +258,6 @@ def covariance(data: Data, fit: Fit) -> FloatArray:
     return np.asarray(inverse / np.outer(scale, scale))
 
 
-def settle(data: Data, fit: Fit) -> Fit:
-    """Go on with the search until it stands still, leaping over what may be only a local minimum."""
-    hypothesis = fit.hypothesis
-    lower, upper = hypothesis.bounds
-    at = search(data, hypothesis, fit.theta, fit.gains, iterations=25, tolerance=1e-5)
-    if at is None:
-        return fit
-    problem = _Problem(data, hypothesis, NOTHING)
-    for _ in range(3):
-        before = at.cost
-        for i, parameter in enumerate(hypothesis.parameters):
-            for leap in (1.0, -1.0, 3.0, -3.0, 8.0, -8.0) if parameter.leap else ():
-                theta = at.theta.copy()
-                theta[i] = np.clip(theta[i] + leap * parameter.leap, lower[i], upper[i])
-                other = problem.point(theta, at.gains if problem.bent else None)
-                if other is not None and other.cost < 1.3 * at.cost:
-                    other = search(data, hypothesis, theta, other.gains, iterations=4, tolerance=1e-3)
-                    if other is not None and other.cost < (1.0 - 1e-4) * at.cost:
-                        at = other
-                        break
-        if at.cost > (1.0 - 1e-3) * before:
-            break
-    at = search(data, hypothesis, at.theta, at.gains, iterations=25, tolerance=1e-6) or at
-    new = finish(data, hypothesis, at)
-    return new if new.bic < fit.bic else fit
-
-
 def power(data: Data, fit: Fit) -> float:
     """Mean square of the free-run error over the rows that count."""
     return float(np.mean((data.y - fit.output)[data.rows] ** 2))
@@ -293,18 +266,3 @@ def power(data: Data, fit: Fit) -> float:
 def rms(data: Data, fit: Fit) -> float:
     """Root of `power`."""
     return float(np.sqrt(power(data, fit)))
-
-
-def polish(data: Data, fit: Fit, rounds: int = 2, iterations: int = 6) -> Fit:
-    """Refit with the residual whitened by its own noise model, as maximum likelihood asks, as long as it helps."""
-    best = fit
-    for _ in range(rounds):
-        point = search(data, best.hypothesis, best.theta, best.gains, iterations, best.noise.ar)
-        if point is None:
-            break
-        new = finish(data, best.hypothesis, point)
-        # Whitening by a slow pole forgets the level: a fit that no longer runs freely is not taken.
-        if new.bic >= best.bic - 0.1 or rms(data, new) > 1.05 * rms(data, best):
-            break
-        best = new
-    return best

@@ -11,6 +11,7 @@ from labsid.gap.plants import Parameter, Plant
 
 NUISANCE_DELAY = 0.5  # samples; up to here a delay belongs to the sampling, not to the rig
 DELAY = Parameter("delay", 0.0, NUISANCE_DELAY, 0.02)
+STUCK = Parameter("delay", 0.0, NUISANCE_DELAY, 0.02, leap=0.1)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -95,7 +96,9 @@ class Hypothesis:
         inputs = sorted((e for e in self.effects if isinstance(e, InputEffect)), key=lambda e: e.order)
         outputs = sorted((e for e in self.effects if isinstance(e, OutputEffect)), key=lambda e: e.place)
         additive = [e for e in self.effects if isinstance(e, AdditiveEffect)]
-        parameters: list[Parameter] = [] if any(e.name == "input-delay" for e in inputs) else [DELAY]
+        parameters: list[Parameter] = (
+            [] if any(e.name == "input-delay" for e in inputs) else [STUCK if plant.friction else DELAY]
+        )
         places = {}
         parts: list[tuple[str, tuple[Parameter, ...]]] = [(e.key, e.parameters) for e in inputs]
         parts += [("plant", plant.parameters)]

@@ -19,10 +19,11 @@ from labsid.gap.candidates import (
     swift_fit,
 )
 from labsid.gap.context import Data
-from labsid.gap.fitting import Fit, finish, polish, power, refit, rms, search, settle
+from labsid.gap.fitting import Fit, finish, power, refit, rms, search
 from labsid.gap.forms import LEAK, LOAD, carried, rearranged, without
 from labsid.gap.hypothesis import Hypothesis
 from labsid.gap.leftover import explained_share
+from labsid.gap.settling import polish, settle
 
 Progress = Callable[[str, float], None]
 Level = dict[tuple[str, ...], Fit]

@@ -11,10 +11,11 @@ from labsid._arrays import FloatArray
 from labsid.gap._kernels import delayed
 from labsid.gap.context import Data, Scale
 from labsid.gap.effects import disturbance, input, output
-from labsid.gap.fitting import Fit, at_start, covariance, finish, polish, refit, rms, search, settle
+from labsid.gap.fitting import Fit, at_start, covariance, finish, refit, rms, search
 from labsid.gap.hypothesis import NUISANCE_DELAY, Hypothesis
 from labsid.gap.noise import whole_rows
 from labsid.gap.plants import Plant
+from labsid.gap.settling import polish, settle
 
 LINEAR = Hypothesis()
 TRUTH = np.array([0.25, np.log(0.5), np.log(0.05)])

@@ -9,9 +9,10 @@ from labsid._arrays import FloatArray
 from labsid.gap.context import Data, Scale
 from labsid.gap.effects import disturbance, input
 from labsid.gap.effects.base import Effect
-from labsid.gap.fitting import Fit, finish, search, settle
+from labsid.gap.fitting import Fit, finish, search
 from labsid.gap.hypothesis import Hypothesis
 from labsid.gap.numbers import marked, parameters_of
+from labsid.gap.settling import settle
 
 RECORDS = 50
 GAINS = np.array([0.03, 0.02, 0.0, 0.0, 0.0, 0.1])

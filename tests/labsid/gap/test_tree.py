@@ -15,9 +15,10 @@ from labsid.gap.context import Data, scaled
 from labsid.gap.diagnosis import diagnose
 from labsid.gap.effects import dynamics, input, output
 from labsid.gap.effects.base import Fitted
-from labsid.gap.fitting import Fit, finish, polish, rms, search
+from labsid.gap.fitting import Fit, finish, rms, search
 from labsid.gap.forms import LEAK, LOAD
 from labsid.gap.hypothesis import Hypothesis
+from labsid.gap.settling import polish
 from labsid.gap.tree import (
     BEAM,
     FREE,

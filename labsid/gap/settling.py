@@ -1,0 +1,76 @@
+"""Take a fit to its end: over local minima, and to the most likely one."""
+
+import numpy as np
+
+from labsid._arrays import FloatArray
+from labsid.gap.context import Data
+from labsid.gap.fitting import NOTHING, Fit, Point, Problem, finish, rms, search
+from labsid.gap.normal_equations import scaled_gram
+
+LEAPS = 1.0, -1.0, 3.0, -3.0, 8.0, -8.0  # times the distance over which a parameter may have several minima
+UPHILL = 1.3  # times the error, from where a leap is followed
+FOLLOWING = 1e-9  # of its scaled square: what keeps a parameter that does nothing in its place
+
+
+def settle(data: Data, fit: Fit) -> Fit:
+    """Go on with the search until it stands still, leaping over what may be only a local minimum."""
+    hypothesis = fit.hypothesis
+    lower, upper = hypothesis.bounds
+    at = search(data, hypothesis, fit.theta, fit.gains, iterations=25, tolerance=1e-5)
+    if at is None:
+        return fit
+    problem = Problem(data, hypothesis, NOTHING)
+    leaping = [(i, parameter.leap) for i, parameter in enumerate(hypothesis.parameters) if parameter.leap]
+    for _ in range(3 if leaping else 0):
+        before = at.cost
+        valleys = _valleys(problem, at)
+        for i, distance in leaping:
+            alone = np.eye(lower.size)[i]
+            for leap in LEAPS:
+                far = np.clip(at.theta[i] + leap * distance, lower[i], upper[i]) - at.theta[i]
+                tried = [_leapt(problem, at, far * along) for along in (valleys[i], alone)] if far else []
+                start = min((one for one in tried if one is not None), key=_cost, default=at)
+                if start is not at and start.cost < UPHILL * at.cost:
+                    other = search(data, hypothesis, start.theta, start.gains, iterations=4, tolerance=1e-3)
+                    if other is not None and other.cost < (1.0 - 1e-4) * at.cost:
+                        at = other
+                        break
+        if at.cost > (1.0 - 1e-3) * before:
+            break
+    at = search(data, hypothesis, at.theta, at.gains, iterations=25, tolerance=1e-6) or at
+    new = finish(data, hypothesis, at)
+    return new if new.bic < fit.bic else fit
+
+
+def _leapt(problem: Problem, at: Point, step: FloatArray) -> Point | None:
+    return problem.point(np.clip(at.theta + step, *problem.hypothesis.bounds), at.gains if problem.bent else None)
+
+
+def _cost(point: Point) -> float:
+    return point.cost
+
+
+def _valleys(problem: Problem, at: Point) -> FloatArray:
+    """By parameter, how theta goes on when that one is moved by one and all others follow it; shape (p, p)."""
+    J = problem.jacobian(at)
+    if J is None:
+        return np.eye(at.theta.size)
+    gram, scale = scaled_gram(J)
+    gram[np.diag_indices_from(gram)] += FOLLOWING
+    inverse = (np.linalg.inv(gram) / np.outer(scale, scale))[: at.theta.size, : at.theta.size]
+    return np.asarray(inverse / np.diag(inverse)[:, None], np.float64)
+
+
+def polish(data: Data, fit: Fit, rounds: int = 2, iterations: int = 6) -> Fit:
+    """Refit with the residual whitened by its own noise model, as maximum likelihood asks, as long as it helps."""
+    best = fit
+    for _ in range(rounds):
+        point = search(data, best.hypothesis, best.theta, best.gains, iterations, best.noise.ar)
+        if point is None:
+            break
+        new = finish(data, best.hypothesis, point)
+        # Whitening by a slow pole forgets the level: a fit that no longer runs freely is not taken.
+        if new.bic >= best.bic - 0.1 or rms(data, new) > 1.05 * rms(data, best):
+            break
+        best = new
+    return best

@@ -1,0 +1,55 @@
+"""The end of a search: over what is only a local minimum."""
+
+import numpy as np
+import pytest
+
+from labsid.gap.context import Data, scaled
+from labsid.gap.effects import dynamics
+from labsid.gap.fitting import NOTHING, Fit, Problem, finish, search
+from labsid.gap.hypothesis import Hypothesis
+from labsid.gap.settling import _valleys, settle
+
+STICKING = Hypothesis((dynamics.CoulombFriction("position"), dynamics.ExtraLag()))
+NAMES = [parameter.name for parameter in STICKING.parameters]
+TRUE = {"log_c": np.log(0.0536), "log_k": np.log(0.0307), "friction": 0.8, "log_lag": 1.527}
+
+
+def sticking(seed: int) -> tuple[Data, Fit]:
+    """A mass that sticks, seen by a slow sensor, and a fit of it that begins with a delay that it has not."""
+    rng = np.random.default_rng(seed)
+    u = np.repeat(rng.choice([-1.0, 1.0], 60), rng.integers(15, 60, 60))
+    theta = np.array([TRUE.get(name, 0.0) for name in NAMES])
+    y = STICKING.output(theta, np.array([1.0, 0.0, 0.0]), u) + 0.02 * rng.standard_normal(u.size)
+    data = scaled(u, y, np.ones(u.size, bool), 1.0)
+    began = np.array([(TRUE | {"delay": 0.45, "log_lag": 1.4}).get(name, 0.0) for name in NAMES])
+    point = search(data, STICKING, began, iterations=40)
+    assert point is not None
+    return data, finish(data, STICKING, point)
+
+
+@pytest.mark.parametrize("seed", [0, 3])
+def test_friction_hides_a_wrong_delay_until_the_others_go_along(seed: int) -> None:
+    data, fit = sticking(seed)
+    assert fit.theta[0] > 0.4
+    found = settle(data, fit)
+    assert found.bic < fit.bic - 20.0
+    assert found.theta[0] < 0.05
+    assert found.theta[NAMES.index("log_lag")] == pytest.approx(TRUE["log_lag"], abs=0.03)
+
+
+def test_along_a_valley_the_error_rises_least() -> None:
+    data, fit = sticking(3)
+    problem = Problem(data, STICKING, NOTHING)
+    at = problem.point(settle(data, fit).theta)
+    assert at is not None
+    valleys = _valleys(problem, at)
+    np.testing.assert_allclose(valleys.diagonal(), 1.0)
+    for name in ("log_c", "log_k", "log_lag", "z0"):
+        i = NAMES.index(name)
+        ahead, back = (problem.point(at.theta + 0.02 * way * valleys[i]) for way in (1.0, -1.0))
+        alone = problem.point(at.theta + 0.02 * np.eye(at.theta.size)[i])
+        assert ahead is not None
+        assert back is not None
+        assert alone is not None
+        assert ahead.cost < alone.cost
+        assert min(ahead.cost, back.cost) < at.cost * 1.05
