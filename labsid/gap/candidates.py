@@ -10,7 +10,7 @@ from labsid.gap.context import Context, Data
 from labsid.gap.effects import disturbance, drifting, dynamics, input, output
 from labsid.gap.effects.base import Effect, Fitted, InputEffect, PlantEffect
 from labsid.gap.fitting import Fit, Point, at_start, finish, search
-from labsid.gap.forms import INNER_LOAD, LOAD, growing, housed, loaded_starts
+from labsid.gap.forms import INNER_LOAD, LOAD, PLACES, growing, housed, loaded_starts
 from labsid.gap.hypothesis import Hypothesis
 from labsid.gap.plants import Plant
 from labsid.gap.responses import real_rates
@@ -31,8 +31,8 @@ CANDIDATES: tuple[tuple[Effect, ...], ...] = (
     (input.Backlash(),),
     (input.RateLimit(),),
     (input.Nonlinearity(),),
-    (dynamics.ExtraLag(),),
-    (dynamics.Resonance(),),
+    PLACES[0],
+    PLACES[1],
     tuple(dynamics.SqrtOutflow(which + side) for which in ("both", "upper", "lower") for side in ("", "-flipped")),
     tuple(dynamics.Overflow(which + side) for which in ("upper", "lower") for side in ("", "-flipped")),
     tuple(dynamics.CoulombFriction(which) for which in ("position", "speed", "speed-lag")),

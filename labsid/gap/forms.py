@@ -54,6 +54,12 @@ BRIMS: dict[Effect, Effect] = {
     for side in ("", "-flipped")
 }
 """The brim of one tank, and those of both."""
+TURNED: dict[Effect, Effect] = {
+    dynamics.Overflow(one + side): dynamics.Overflow(other + side)
+    for one, other in (("upper", "lower"), ("lower", "upper"))
+    for side in ("", "-flipped")
+}
+"""The brim of the same tank where the other one stands before it, not behind it."""
 STOP_LOW, STOP_HIGH, STOPS = output.Saturation("low"), output.Saturation("high"), output.Saturation("both")
 GENERAL: dict[Effect, tuple[Effect, ...]] = SWITCHED | {
     special: (general,) for special, general in (RICHER | BRIMS | {STOP_LOW: STOPS, STOP_HIGH: STOPS}).items()
@@ -69,6 +75,15 @@ INNER: dict[Effect, Effect] = {LOAD: INNER_LOAD} | {
     drifting.PoleDrift(bends): drifting.InnerPoleDrift(bends) for bends in ("1", "4")
 }
 """What changes linear dynamics, and the same in dynamics with a nonlinear state."""
+DRIFTS: dict[Effect, Effect] = {
+    one(bends): other(bends)
+    for one, other in (
+        (drifting.GainDrift, drifting.InnerPoleDrift),
+        (drifting.InnerPoleDrift, drifting.GainDrift),
+    )
+    for bends in ("1", "4")
+}
+"""What may drift of dynamics with a nonlinear state."""
 
 
 def rearranged(hypothesis: Hypothesis) -> list[Hypothesis]:
@@ -81,6 +96,8 @@ def rearranged(hypothesis: Hypothesis) -> list[Hypothesis]:
             forms += [other for other in _waves(hypothesis) if other != effect]
         forms += [other for other in ROOTS.get(effect.variant, ()) if effect.name == "sqrt-outflow"]
         forms += GENERAL.get(effect, ())
+        forms += [DRIFTS[effect]] if effect in DRIFTS and hypothesis.plant.nonlinear else []
+        forms += [TURNED[effect]] if effect in TURNED and not _rooted(hypothesis.plant) else []
         groups = PLACES if hypothesis.plant.nonlinear else ()
         groups += ORDERS if sum(e.name != "input-delay" for e in hypothesis.inputs) > 1 else ()
         forms += [form for group in groups if effect in group for form in group if form != effect]
@@ -129,6 +146,7 @@ def carried(fit: Fit, other: Hypothesis) -> FloatArray:
         stops[missing] = np.quantile(fit.output, (AT_STOP, 1.0 - AT_STOP)[missing])
     if old.plant.kind == other.plant.kind == "tanks":
         _rebrim(fit, other.plant, theta[other.slices["plant"]])
+        _turn(old.plant, other.plant, theta[other.slices["plant"]])
         _reroot(old.plant, other.plant, theta[other.slices["plant"]])
     return theta
 
@@ -163,9 +181,20 @@ def _rebrim(fit: Fit, new: Plant, theta: FloatArray) -> None:
     theta[new.index("brim")] = flow**2 if old.upper_root else flow
 
 
+def _turn(old: Plant, new: Plant, theta: FloatArray) -> None:
+    """Let the tank with the brim keep its rate where it has changed places with the other one; in place."""
+    if {old.brim, new.brim} == {1, 2}:
+        theta[:2] = theta[1::-1].copy()
+        theta[new.index("h1")], theta[new.index("h2")] = theta[new.index("h2")], theta[new.index("h1")]
+
+
+def _rooted(plant: Plant) -> bool:
+    return plant.upper_root or plant.lower_root
+
+
 def _reroot(old: Plant, new: Plant, theta: FloatArray) -> None:
     """Let tanks run at the rates of before, their roots at other outflows; in place."""
-    if not ((old.upper_root or old.lower_root) and (new.upper_root or new.lower_root)):
+    if not (_rooted(old) and _rooted(new)):
         return
     slope = new.root_slope(theta)
     changed = (int(new.upper_root) - int(old.upper_root), int(new.lower_root) - int(old.lower_root))

@@ -24,6 +24,10 @@ class ExtraLag(PlantEffect):
         """One more real pole beside, or behind, what is there."""
         return plant.but(lag=True, lag_ahead=self.variant == "ahead")
 
+    def applies(self, context: Context) -> bool:
+        """To linear dynamics it is the same everywhere."""
+        return not self.variant or context.parent.hypothesis.plant.nonlinear
+
     def plant_starts(self, context: Context) -> list[dict[str, float]]:
         """Swifter and slower than the poles of the parent."""
         c, k = context.rates
@@ -59,6 +63,10 @@ class Resonance(PlantEffect):
     def shape(self, plant: Plant) -> Plant:
         """One more pair of poles."""
         return plant.but(mode=True, mode_place=self.variant or "behind")
+
+    def applies(self, context: Context) -> bool:
+        """To linear dynamics it is the same everywhere."""
+        return not self.variant or context.parent.hypothesis.plant.nonlinear
 
     def plant_starts(self, context: Context) -> list[dict[str, float]]:
         """The highest narrow peaks of the residual, and two frequencies in any case."""
@@ -160,7 +168,7 @@ class Overflow(PlantEffect):
     def plant_starts(self, context: Context) -> list[dict[str, float]]:
         """A little, a quarter and half inside the range of the level."""
         plant = context.parent.hypothesis.plant
-        u = -context.data.u if self.variant.endswith("flipped") or plant.flipped else context.data.u
+        u = -context.actuator if self.variant.endswith("flipped") or plant.flipped else context.actuator
         slow, fast = real_rates(*context.rates)
         zero = 0.0
         if plant.kind == "tanks" and (plant.upper_root or plant.lower_root):

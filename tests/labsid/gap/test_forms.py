@@ -11,7 +11,7 @@ from labsid.gap.candidates import LINEAR, baseline, finished, sketches, swift_fi
 from labsid.gap.context import Data, scaled
 from labsid.gap.effects import disturbance, drifting, dynamics, input, output
 from labsid.gap.effects.base import Effect
-from labsid.gap.fitting import Fit, finish, rms, search, settle
+from labsid.gap.fitting import Fit, finish, rms, search
 from labsid.gap.forms import (
     INNER_LOAD,
     INNER_WAVE,
@@ -31,6 +31,7 @@ from labsid.gap.forms import (
 )
 from labsid.gap.hypothesis import Hypothesis
 from labsid.gap.plants import Plant
+from labsid.gap.settling import settle
 from labsid.gap.which import Explained, explain
 
 Response = Callable[..., FloatArray]
@@ -97,10 +98,42 @@ def test_the_general_form_begins_as_the_special_one(
 def test_a_brim_is_tried_at_both_tanks() -> None:
     for side in ("", "-flipped"):
         for which in ("upper", "lower"):
-            (both,) = rearranged(Hypothesis((dynamics.Overflow(which + side),)))
+            other = {"upper": "lower", "lower": "upper"}[which]
+            both, turned = rearranged(Hypothesis((dynamics.Overflow(which + side),)))
             assert both.effects == (dynamics.Overflow("both" + side),)
-            assert both.plant.flipped == (side != "")
+            assert turned.effects == (dynamics.Overflow(other + side),)
+            assert both.plant.flipped == turned.plant.flipped == (side != "")
         assert rearranged(both) == []
+
+
+def test_a_tank_with_a_brim_keeps_its_rate_before_and_behind_the_other_one(
+    levels: FloatArray, two_poles: Response
+) -> None:
+    """Where the other one is quick, it makes little difference."""
+    data = data_of(levels, two_poles(levels))
+    old = Hypothesis((dynamics.Overflow("lower"),))
+    numbers = {"log_a": np.log(5.0), "log_b": np.log(0.1), "brim": 0.7, "h1": 0.2, "h2": -0.3}
+    theta = np.array([numbers.get(p.name, 0.0) for p in old.parameters])
+    point = search(data, old, theta, iterations=0)
+    assert point is not None
+    fit = finish(data, old, point)
+    (turned,) = (other for other in rearranged(old) if other.plant.brim == 1)
+    found = carried(fit, turned)
+    own = dict(zip([p.name for p in turned.parameters], found, strict=True))
+    expected = {"log_a": np.log(0.1), "log_b": np.log(5.0), "brim": 0.7, "h1": -0.3, "h2": 0.2, "share": 0.0}
+    assert own == pytest.approx(expected | {"delay": 0.0})
+    again = turned.output(found, fit.gains, levels)
+    assert np.sqrt(np.mean((again - fit.output)[60:] ** 2)) < 0.2 * np.std(fit.output)
+    rooted = Hypothesis((dynamics.SqrtOutflow("both"), dynamics.Overflow("lower")))
+    assert not any(other.plant.brim == 1 for other in rearranged(rooted))
+
+
+@pytest.mark.parametrize("bends", ["1", "4"])
+def test_what_drifts_beside_a_nonlinear_state_may_be_a_gain_or_a_pole(bends: str) -> None:
+    gain, pole, brim = drifting.GainDrift(bends), drifting.InnerPoleDrift(bends), dynamics.Overflow("lower")
+    for one, other in ((gain, pole), (pole, gain)):
+        assert any(form.effects == (brim, other) for form in rearranged(Hypothesis((brim, one))))
+    assert rearranged(Hypothesis((gain,))) == []
 
 
 @pytest.mark.parametrize("root", [(), (dynamics.SqrtOutflow("both"),), (dynamics.SqrtOutflow("lower"),)])

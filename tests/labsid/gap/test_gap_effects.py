@@ -126,7 +126,8 @@ def test_every_effect_starts_inside_its_bounds_and_reports_the_agreed_parameters
         starts = effect.plant_starts(context)
         assert starts
         assert {name.rstrip("+") for start in starts for name in start} <= names
-        assert effect.applies(context) == ("inside" not in effect.key)  # the parent is linear
+        elsewhere = effect.variant in {"ahead", "beside", "inside"} or effect.key.endswith("-inside")
+        assert effect.applies(context) != elsewhere  # the parent is linear
     else:
         starts = effect.starts(context)
         assert starts
@@ -167,7 +168,10 @@ W = np.array([-2.0, -1.0, -0.2, 0.0, 0.5, 1.0, 2.0])
         (input.RateLimit("switched"), [np.log(0.5), 3.0], [0.75, 0.25, -0.16, -0.04, 0.25, 0.75, 1.25]),
         (input.Nonlinearity(), [0.5, 0.25], [-2.0, -0.75, -0.182, 0.0, 0.65625, 1.75, 6.0]),
         (input.Delay(), [3.0], W),
-        (drifting.GainDrift("1"), [0.5, 1.0], [-1.5, -4 / 3, -1.0, -1.0, -7 / 12, 0.0, 1.5]),
+        # w + (w - 1) c with c from -0.5 to 0.5: neutral at 1, on either way round
+        (drifting.GainDrift("1"), [2**0.5 / 2, -np.pi / 4], [-0.5, -1 / 3, 0.0, 0.0, 5 / 12, 1.0, 2.5]),
+        (drifting.GainDrift("1"), [-(2**0.5) / 2, 0.75 * np.pi], [-0.5, -1 / 3, 0.0, 0.0, 5 / 12, 1.0, 2.5]),
+        (drifting.GainDrift("1"), [0.5, 0.5 * np.pi], W + np.linspace(-0.5, 0.5, 7)),
     ],
     ids=lambda value: value.key if isinstance(value, Effect) else None,
 )
