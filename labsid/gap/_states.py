@@ -165,10 +165,10 @@ def mechanics(
     h = 1.0 / substeps
     f11, f12, f21, f22, g1, g2 = transition(c, k, h)
     far = FAR / max(k, 1e-6)
-    unchanged = k
+    unpaced = k
     for n in range(w.size):
         if pace is not None:
-            k = unchanged * pace[n]
+            k = unpaced * pace[n]
             f11, f12, f21, f22, g1, g2 = transition(c, k, h)
         out[n, 0] = z
         out[n, 1] = v
@@ -241,10 +241,10 @@ def speed(
     out = np.empty((w.size, 2))
     h = 1.0 / substeps
     keep_a, keep_b = math.exp(-a * h), math.exp(-b * h)
-    motion = a
+    unpaced = a
     for n in range(w.size):
         if pace is not None and lag_first:
-            a = motion * pace[n]
+            a = unpaced * pace[n]
             keep_a = math.exp(-a * h)
         elif pace is not None:
             keep_b = math.exp(-b * pace[n] * h)

@@ -10,7 +10,7 @@ from labsid.gap.context import Context, Data
 from labsid.gap.effects import disturbance, drifting, dynamics, input, output
 from labsid.gap.effects.base import Effect, Fitted, InputEffect, PlantEffect
 from labsid.gap.fitting import Fit, Point, at_start, finish, search
-from labsid.gap.forms import INNER_LOAD, LOAD, PLACES, growing, housed, loaded_starts
+from labsid.gap.forms import INNER_LOAD, LAGS, LOAD, MODES, growing, housed, loaded_starts
 from labsid.gap.hypothesis import Hypothesis
 from labsid.gap.plants import Plant
 from labsid.gap.responses import real_rates
@@ -22,7 +22,7 @@ SWINGING = 0.1, 0.4  # frequencies of a mass, a sample
 MOVED = 4.0  # times k, from which another search begins
 AT_ONCE = 30.0  # rate, a sample, of a state that is none
 QUICK = 1.0  # rate, a sample, of a state that could hardly be seen to be nonlinear
-BRIEFLY = 3  # of all variants of a second or third effect
+BRIEFLY = 4  # of all variants of a second or third effect
 
 CANDIDATES: tuple[tuple[Effect, ...], ...] = (
     (input.Delay(), input.Delay("no-zero")),
@@ -31,8 +31,8 @@ CANDIDATES: tuple[tuple[Effect, ...], ...] = (
     (input.Backlash(),),
     (input.RateLimit(),),
     (input.Nonlinearity(),),
-    PLACES[0],
-    PLACES[1],
+    LAGS,
+    MODES,
     tuple(dynamics.SqrtOutflow(which + side) for which in ("both", "upper", "lower") for side in ("", "-flipped")),
     tuple(dynamics.Overflow(which + side) for which in ("upper", "lower") for side in ("", "-flipped")),
     tuple(dynamics.CoulombFriction(which) for which in ("position", "speed", "speed-lag")),

@@ -16,9 +16,11 @@ SLOW_AGAIN = 10.0  # rate of a pole that a fit has lost, in the record
 QUICKER = 10.0  # rate of the pole that is left over, where the fit has spent one on an integrator
 FEW = 6  # iterations after an effect was taken out
 
+LAGS: tuple[Effect, ...] = (dynamics.ExtraLag(), dynamics.ExtraLag("ahead"))
+MODES: tuple[Effect, ...] = (dynamics.Resonance(), dynamics.Resonance("ahead"), dynamics.Resonance("beside"))
 PLACES: tuple[tuple[Effect, ...], ...] = (
-    (dynamics.ExtraLag(), dynamics.ExtraLag("ahead")),
-    (dynamics.Resonance(), dynamics.Resonance("ahead"), dynamics.Resonance("beside")),
+    LAGS,
+    MODES,
     (dynamics.CoulombFriction("speed"), dynamics.CoulombFriction("speed-lag")),
 )
 """What may stand at several places of the chain, which are the same to linear dynamics."""

@@ -11,7 +11,7 @@ from labsid.gap.plants import Parameter, Plant
 
 NUISANCE_DELAY = 0.5  # samples; up to here a delay belongs to the sampling, not to the rig
 DELAY = Parameter("delay", 0.0, NUISANCE_DELAY, 0.02)
-STUCK = Parameter("delay", 0.0, NUISANCE_DELAY, 0.02, leap=0.1)
+STUCK = Parameter("delay", 0.0, NUISANCE_DELAY, 0.02, leap=0.1)  # the same where friction may hide it
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -15,7 +15,15 @@ FEWEST_SWINGS = 4.0  # of a mode in the record
 BOTH_WAYS = 0.03  # of the record in motion either way
 
 
-class ExtraLag(PlantEffect):
+class _Placed(PlantEffect):
+    """Linear dynamics more, whose place `variant` tells."""
+
+    def applies(self, context: Context) -> bool:
+        """Beside linear dynamics every place is the same."""
+        return not self.variant or context.parent.hypothesis.plant.nonlinear
+
+
+class ExtraLag(_Placed):
     """One more real pole anywhere in the chain; `variant` "ahead" puts it before a nonlinear state."""
 
     name = "extra-lag"
@@ -23,10 +31,6 @@ class ExtraLag(PlantEffect):
     def shape(self, plant: Plant) -> Plant:
         """One more real pole beside, or behind, what is there."""
         return plant.but(lag=True, lag_ahead=self.variant == "ahead")
-
-    def applies(self, context: Context) -> bool:
-        """To linear dynamics it is the same everywhere."""
-        return not self.variant or context.parent.hypothesis.plant.nonlinear
 
     def plant_starts(self, context: Context) -> list[dict[str, float]]:
         """Swifter and slower than the poles of the parent."""
@@ -55,7 +59,7 @@ class ExtraLag(PlantEffect):
         return {"tau": Value(float(np.exp(fit.plant("log_lag"))) * fit.data.Ts, "s")}
 
 
-class Resonance(PlantEffect):
+class Resonance(_Placed):
     """An unmodelled, lightly damped mode; `variant` "ahead" or "beside" places it to a nonlinear state."""
 
     name = "resonance"
@@ -63,10 +67,6 @@ class Resonance(PlantEffect):
     def shape(self, plant: Plant) -> Plant:
         """One more pair of poles."""
         return plant.but(mode=True, mode_place=self.variant or "behind")
-
-    def applies(self, context: Context) -> bool:
-        """To linear dynamics it is the same everywhere."""
-        return not self.variant or context.parent.hypothesis.plant.nonlinear
 
     def plant_starts(self, context: Context) -> list[dict[str, float]]:
         """The highest narrow peaks of the residual, and two frequencies in any case."""
@@ -269,7 +269,7 @@ class CubicStiffness(PlantEffect):
     def plant_starts(self, context: Context) -> list[dict[str, float]]:
         """Hardening and softening, about the median and the first input."""
         middles = dict.fromkeys(round(float(x), 3) for x in (np.median(context.data.u), context.data.u[0]))
-        return [{"cubic": size, "centre": middle} for size in (0.05, 0.4, -0.02) for middle in middles]
+        return [{"cubic": size, "centre": middle} for size in (0.01, 0.05, 0.4, -0.02) for middle in middles]
 
     def values(self, fit: Fitted) -> dict[str, Value]:
         """`cubic`: the added share of the restoring force, per square of the output."""
