@@ -206,6 +206,20 @@ def test_a_fast_pole_that_a_fit_has_lost_is_also_looked_for_where_it_can_be_felt
         np.testing.assert_allclose(rates, found, rtol=1e-6)
 
 
+@pytest.mark.parametrize(
+    ("k", "swings"), [(1e-4, [(0.1, 0.01), (0.4, 0.16)]), (0.03, [(0.4, 0.16)]), (0.06, [])], ids=str
+)
+def test_a_mass_that_sticks_swings_faster_than_linear_dynamics_show(
+    levels: FloatArray, two_poles: Response, k: float, swings: list[tuple[float, float]]
+) -> None:
+    parent = parent_of(data_of(levels, two_poles(levels)), LINEAR, log_c=np.log(0.5), log_k=np.log(k))
+    context = Context(data_of(levels, two_poles(levels)), parent, parent)
+    for effect, found in ((dynamics.CoulombFriction("position"), swings), (dynamics.CubicStiffness(), [])):
+        hypothesis = LINEAR.plus(effect)
+        rates = rates_of(hypothesis, starts(context, hypothesis, effect))
+        np.testing.assert_allclose(rates, [(0.5, k), *found], rtol=1e-6)
+
+
 @pytest.mark.parametrize("variant", ["both", "upper", "lower"])
 @pytest.mark.parametrize("brim", ["lower", "upper"])
 def test_a_brim_is_carried_over_to_tanks_with_roots_as_the_level_of_the_same_flow(
