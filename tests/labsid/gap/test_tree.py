@@ -357,3 +357,25 @@ def test_a_load_on_a_nonlinear_state_is_found_however_large(
     values = step.values(Fitted(found.best.hypothesis, found.best.theta, found.best.gains, found.data))
     assert values["onset"].value == pytest.approx(240.0, abs=1.0)
     assert values["size"].value == pytest.approx((rig(u, load, 240) - rig(u, 0.0, 240))[-1], rel=0.1)
+
+
+def tank_with_a_brim(w: FloatArray, rate: FloatArray, brim: float) -> FloatArray:
+    """Level of a tank behind a quick lag, 40 steps of Euler's method a sample."""
+    fine, lagged, level, out = 40, w[0], w[0], []
+    for flow, own in zip(w, rate, strict=True):
+        out.append(level)
+        for _ in range(fine):
+            lagged, level = lagged + 0.6 * (flow - lagged) / fine, min(level + own * (lagged - level) / fine, brim)
+    return np.array(out)
+
+
+@pytest.mark.parametrize("drifting", ["pole", "gain"])
+def test_a_drift_is_found_beside_a_brim(drifting: str) -> None:
+    """Of the outflow, or of a pump that delivers nothing at an input far below the record."""
+    u = np.repeat(np.random.default_rng(8).uniform(-1.0, 1.0, 80), 15)
+    course = np.sin(np.linspace(0.0, np.pi, u.size))
+    rate = 0.06 * (1.0 - 0.5 * course) if drifting == "pole" else np.full(u.size, 0.06)
+    w = u if drifting == "pole" else u + 0.2 * course * (u + 2.0)
+    found = explain(data_of(u, tank_with_a_brim(w, rate, 0.25)), most=2)
+    assert set(found.names) == {"overflow", "parameter-drift"}
+    assert any(key.startswith(f"parameter-drift/{drifting}") for key in found.best.hypothesis.keys)
