@@ -15,6 +15,8 @@ from labsid.gap.leftover import SLOW, slow_colour
 from labsid.gap.raw import RawFaults, find_held, find_spikes, lattice_of
 from labsid.gap.tree import EFFECT_SIZE, Levels, Progress, best_path, changes, search_tree
 
+NOISE_TOO = 1.3**2  # of the variance that is no rounding: from here on the converter is what limits the record
+HELD_TOO = 0.7  # the same where the logger holds values: on a coarse lattice some of that is never found
 MADE = 0.03  # of the samples: spikes that the baseline's error made, for which the search is repeated
 NAMED_SIZE = (EFFECT_SIZE, 1.0, 2.0)  # the same, for a first, second and third effect that is named
 FAINT = 0.6  # the same, below which a first effect that is not told from others is none
@@ -206,7 +208,8 @@ def unsimulated(data: Data, clean: Data, faults: RawFaults, best: Fit) -> tuple[
             found.append(name)
     white = best.noise.sigma2
     rounding = 0.0 if faults.lattice is None else faults.lattice**2 / 12.0
-    if rounding > 1.3**2 * max(white - rounding, 1e-3 * rounding) and white < 3.0 * rounding:
+    beside = HELD_TOO if "output-dropout" in found else NOISE_TOO
+    if rounding > beside * max(white - rounding, 1e-3 * rounding) and white < 3.0 * rounding:
         found.append("output-quantization")
         if "output-dropout" in found and _rounded(data, clean, faults, best):
             found.remove("output-dropout")
