@@ -1,5 +1,7 @@
 """The loops over signals that numba compiles. Time is counted in samples; inputs are held between samples."""
 
+import math
+
 import numpy as np
 
 from labsid._arrays import FloatArray
@@ -73,21 +75,18 @@ def backlash(w: FloatArray, width: float, position: float) -> FloatArray:
 
 
 @compiled()
-def rate_limit(w: FloatArray, rate: float, start: float) -> FloatArray:
-    """Mean over each sample of an actuator that slews to `w` at no more than `rate` a sample."""
-    out = np.empty(w.size)
+def rate_limit(w: FloatArray, rate: float, start: float) -> tuple[FloatArray, FloatArray]:
+    """Mean over each sample, and first moment about its middle, of an actuator that slews to `w`, `rate` a sample."""
+    mean, moment = np.empty(w.size), np.empty(w.size)
     now = start
     for k in range(w.size):
         way = w[k] - now
-        if abs(way) <= rate:
-            used = abs(way) / rate
-            out[k] = w[k] - 0.5 * used * way
-            now = w[k]
-        else:
-            step = rate if way > 0 else -rate
-            out[k] = now + 0.5 * step
-            now += step
-    return out
+        used = min(abs(way) / rate, 1.0)  # of the sample
+        moved = way if abs(way) <= rate else math.copysign(rate, way)
+        now += moved
+        mean[k] = now - 0.5 * used * moved
+        moment[k] = moved * used * (3.0 - 2.0 * used) / 12.0
+    return mean, moment
 
 
 @compiled()

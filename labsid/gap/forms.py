@@ -32,9 +32,9 @@ ORDERS: tuple[tuple[Effect, ...], ...] = (
 SWITCHED: dict[Effect, tuple[Effect, ...]] = {
     input.Delay(): (input.Delay("switched"), input.Delay("no-zero switched")),
     input.Delay("no-zero"): (input.Delay("no-zero switched"),),
-    input.RateLimit(): (input.RateLimit("switched"),),
+    input.RateLimit(): (input.RateLimit("switched"), input.RateLimit("timed")),
 }
-"""What remembers the command, where the record begins with a new one."""
+"""What remembers the command: where the record begins with a new one, and told to the first moment of each sample."""
 RICHER: dict[Effect, Effect] = {
     input.Nonlinearity(): input.Nonlinearity("rich"),
     output.Nonlinearity(): output.Nonlinearity("rich"),

@@ -183,7 +183,9 @@ class Backlash(InputEffect):
 class RateLimit(InputEffect):
     """The actuator slews at a bounded rate; `variant` "behind" puts it behind a dead zone and a play.
 
-    With "switched" the actuator stands elsewhere when the record begins.
+    With "switched" the actuator stands elsewhere when the record begins. "timed" has the first moment of each sample
+    right, not its mean alone: what comes late in a sample is moved on by half, from the sample before to the one
+    behind. Dynamics that follow their input within a sample would see that too early.
     """
 
     name = "input-rate-limit"
@@ -202,8 +204,12 @@ class RateLimit(InputEffect):
         return [np.array([np.log(part * largest)]) for part in (0.6, 0.25, 0.08, 0.03)]
 
     def apply(self, w: FloatArray, own: FloatArray, span: int) -> FloatArray:
-        """Slew to the command, the mean over each sample."""
-        return _kernels.rate_limit(w, float(np.exp(own[0])), float(w[0] + own[1:].sum()))
+        """Slew to the command."""
+        mean, moment = _kernels.rate_limit(w, float(np.exp(own[0])), float(w[0] + own[1:].sum()))
+        if self.variant == "timed":
+            mean[1:] += 0.5 * moment[:-1]
+            mean[:-1] -= 0.5 * moment[1:]
+        return np.asarray(mean)
 
     def values(self, fit: Fitted) -> dict[str, Value]:
         """`rate` in units of the input per second."""

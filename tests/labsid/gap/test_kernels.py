@@ -2,10 +2,11 @@
 
 import numpy as np
 import pytest
-from scipy.signal import lfilter
+from scipy.signal import lfilter, lsim
 
 from labsid._arrays import FloatArray
 from labsid.gap import _kernels
+from labsid.gap.effects.input import RateLimit
 
 
 @pytest.fixture(scope="module")
@@ -59,18 +60,32 @@ def test_backlash_never_leaves_the_play_and_moves_only_when_it_is_taken_up(w: Fl
 
 def test_rate_limit_by_hand() -> None:
     w = np.array([0.0, 1.0, 1.0, 1.0, 1.0, -1.0])
-    # 0.8 to 1 within the first half of sample 3, then at rest: its mean is 0.95.
-    np.testing.assert_allclose(_kernels.rate_limit(w, 0.4, 0.0), [0.0, 0.2, 0.6, 0.95, 1.0, 0.8])
+    # 0.8 to 1 within the first half of sample 3, then at rest: its mean is 0.95, its first moment 1/60.
+    means, late = np.array([0.0, 0.2, 0.6, 0.95, 1.0, 0.8]), np.array([0.0, 1 / 30, 1 / 30, 1 / 60, 0.0, -1 / 30])
+    np.testing.assert_allclose(_kernels.rate_limit(w, 0.4, 0.0), (means, late), atol=1e-15)
 
 
-def test_rate_limit_is_the_mean_of_the_slewing_actuator(w: FloatArray) -> None:
-    fine, now, means = 4000, w[0], []
+@pytest.mark.parametrize("rate", [0.05, 0.13, 0.6])
+def test_timed_values_act_on_dynamics_as_the_slewing_actuator_does(w: FloatArray, rate: float) -> None:
+    """On a swift mass, sampled: far nearer than the means over each sample alone."""
+    fine, now, path = 400, w[0], []
     for value in w:
-        way = np.arange(fine) / fine * 0.13 * np.sign(value - now)
-        path = now + np.where(np.abs(way) < abs(value - now), way, value - now)
-        means.append(path.mean())
-        now += np.clip(value - now, -0.13, 0.13)
-    np.testing.assert_allclose(_kernels.rate_limit(w, 0.13, float(w[0])), means, atol=1e-4)
+        for _ in range(fine):
+            path.append(now)
+            now += float(np.clip(value - now, -rate / fine, rate / fine))
+    samples = np.reshape(path, (-1, fine))
+    means, moments = samples.mean(axis=1), samples @ (np.arange(0.5, fine) / fine - 0.5) / fine
+    found = _kernels.rate_limit(w, rate, float(w[0]))
+    np.testing.assert_allclose(found, (means, moments), atol=2e-3 * rate)
+    A, B = np.array([[0.0, 1.0], [-0.3, -0.25]]), np.array([[0.0], [0.3]])
+    _, exact, _ = lsim((A, B, np.eye(2)[:1], [[0.0]]), path, np.arange(len(path)) / fine, X0=[w[0], 0.0], interp=False)
+
+    def error(held: FloatArray) -> float:
+        _, found, _ = lsim((A, B, np.eye(2)[:1], [[0.0]]), held, np.arange(w.size), X0=[w[0], 0.0], interp=False)
+        return float(np.sqrt(np.mean((found - exact[::fine]) ** 2)))
+
+    timed = RateLimit("timed").apply(w, np.array([np.log(rate)]), w.size)
+    assert error(timed) < 0.35 * error(means)
 
 
 def test_delayed_by_hand() -> None:
