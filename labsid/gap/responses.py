@@ -96,12 +96,12 @@ def lagging(y: FloatArray, slope: FloatArray, tau: float) -> FloatArray:
     pole = float(np.exp(-1.0 / tau))
     if tau > 1.0:
         times, weights = 0.5 * (NODES[0] + 1.0), 0.5 * NODES[1] / tau
-        moments = [float(weights @ (np.exp((times - 1.0) / tau) * times**n)) for n in range(4)]
+        m1, m2, m3 = (float(weights @ (np.exp((times - 1.0) / tau) * times**n)) for n in (1, 2, 3))
     else:
-        moments = [1.0 - pole]
-        for n in range(1, 4):
-            moments.append(1.0 - n * tau * moments[-1])
-    _, m1, m2, m3 = np.array(moments) / (1.0 - pole)
+        m1 = 1.0 - tau * (1.0 - pole)
+        m2 = 1.0 - 2.0 * tau * m1
+        m3 = 1.0 - 3.0 * tau * m2
+    m1, m2, m3 = (moment / (1.0 - pole) for moment in (m1, m2, m3))
     rise, ahead, behind = 3.0 * m2 - 2.0 * m3, m1 - 2.0 * m2 + m3, m3 - m2
     following, onward = np.append(y[1:], y[-1]), np.append(slope[1:], slope[-1])
     return _kernels.first_order(y + rise * (following - y) + ahead * slope + behind * onward, pole)
@@ -205,7 +205,8 @@ def _mechanics(
     substeps = int(min(max(np.ceil(max(c, np.sqrt(k)) / (0.15 if plant.friction else 0.3)), 2), 12))
     cubic = own.get("cubic", 0.0) * unit**3
     pace = _pace(plant, own, w.size, span)
-    rest = _equilibrium(drive[0], k if pace is None else k * pace[0], cubic)
+    # Without a middle of its own, a run begins where that of the fit did: the spring may be next to none.
+    rest = _equilibrium(drive[0], k if pace is None else k * pace[0], cubic) if "centre" in own else 0.0
     z0, v0 = rest + own["z0"] / unit, own["v0"] / np.sqrt(unit)
     onto = *_loaded(own, span), pace
     return _states.mechanics(drive, c, k, own.get("friction", 0.0), cubic, z0, v0, substeps, late, *onto) * unit

@@ -366,3 +366,12 @@ def test_a_lag_behind_a_mass_follows_its_position_between_the_samples(tau: float
     system = (chain, np.array([[0.0], [0.2], [0.0]]), np.array([[0.0, 0.0, 1.0]]), np.zeros((1, 1)))
     _, expected, _ = lsim(system, w, np.arange(w.size), X0=[w[0], 0.0, 0.0], interp=False)
     np.testing.assert_allclose(found, expected, atol=5e-4)
+
+
+def test_a_mass_on_hardly_a_spring_begins_where_it_did_whatever_its_command() -> None:
+    """Where such a spring would balance another command is nowhere that it could have come to."""
+    plant = Plant(kind="mechanics", friction=True)
+    theta = theta_of(plant, log_c=np.log(0.3), log_k=np.log(1e-9), friction=0.1, z0=0.2)
+    w = np.full(50, 0.5)
+    same, other = (plant.columns(theta, w, w.size, reference)[:, 0] for reference in (0.5, 0.45))
+    assert same[0] == other[0] == pytest.approx(0.2)
