@@ -165,6 +165,7 @@ def trusted(explained: Explained, left: Leftover, closed: float | None = None, u
     path = explained.path
     steps = len(path) - 1
     converted = "output-quantization" in explained.added
+    wandering = False  # noise so slow that levels do not come back for it
     if converted:
         evidence = Evidence()  # rounding repeats itself with the input, and jumps
     else:
@@ -173,6 +174,7 @@ def trusted(explained: Explained, left: Leftover, closed: float | None = None, u
             colour *= 0.5 * max(left.slow, 0.0)
         quiet = steps > 0 and is_noise(left, converted=False) and left.activity_z < 3.0
         colour *= 0.4 if quiet else 1.0  # noise beside an effect, with no sign of the input in it
+        wandering = quiet and "coloured-noise" in explained.added
         foretold = left.explained if not quiet or left.explained > FORETOLD else 0.0
         evidence = Evidence(
             colour=colour,
@@ -185,7 +187,7 @@ def trusted(explained: Explained, left: Leftover, closed: float | None = None, u
     score = PRIOR + PATCHED * (steps >= 2) + SHRUNK * min(max(shrunk, 0.0), 4.0)
     score += sum(weight * seen for weight, seen in zip(AGAINST, evidence, strict=True))
     trust = float(1.0 / (1.0 + np.exp(-score)))
-    return trust * LEVELS_LEFT if unrepeated > UNREPEATED and not converted else trust
+    return trust * LEVELS_LEFT if unrepeated > UNREPEATED and not (converted or wandering) else trust
 
 
 def _shortfall(explained: Explained, closed: float | None) -> float:

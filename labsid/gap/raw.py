@@ -79,13 +79,15 @@ def find_held(y: FloatArray, lattice: float | None) -> tuple[tuple[int, int], ..
     starts, lengths = runs(y)
     step = 0.0 if lattice is None else lattice
     fine = step <= FINE * np.ptp(y)
-    long = (lengths >= SHORTEST_HOLD) & (starts > 0)  # a record that begins at rest holds nothing
+    long = lengths >= SHORTEST_HOLD
     moves = np.abs(np.diff(y, append=[y[-1]] * 2))
     jump, onward = moves[starts + lengths - 1], moves[starts + lengths]
     usual = max(1.5 * step, USUAL_MOVES * float(np.median(moves[moves > 0.0])))
     jumps = (jump > (usual if fine else 1.5 * step)) & (jump > 2.0 * onward)
     if not fine:
         long &= jumps & (lengths >= 2.0 * np.median(np.repeat(lengths, lengths)) + 3.0)
+    # A record that begins at rest holds nothing, unless its logger is one that does, and it goes on with a jump.
+    long &= (starts > 0) | (jumps & (np.count_nonzero(long & jumps & (starts > 0)) >= OFTEN))
     starts, lengths, jumps, jump = starts[long], lengths[long], jumps[long], jump[long]
     values, which, count = np.unique(y[starts], return_inverse=True, return_counts=True)
     again = count > 1

@@ -49,6 +49,18 @@ def test_a_logger_that_sleeps_often_may_do_so_at_the_extreme_too(noise: np.ndarr
     assert find_held(noise, None) == ((61, 68), (151, 158), (221, 228), (301, 308))
 
 
+def test_a_logger_that_sleeps_often_may_do_so_from_the_first_sample_on() -> None:
+    """Alone, equal readings at the start are rest; where the output then jumps, and others follow, they are a hold."""
+    swing = np.sin(0.03 * np.arange(400)) + 1e-3 * np.random.default_rng(1).standard_normal(400)
+    swing[:9] = swing[0]
+    assert find_held(swing, None) == ()
+    for start in (100, 200, 300):
+        swing[start : start + 9] = swing[start]
+    assert find_held(swing, None) == ((1, 9), (101, 109), (201, 209), (301, 309))
+    swing[:9] = swing[9]  # at rest until it moves
+    assert find_held(swing, None) == ((101, 109), (201, 209), (301, 309))
+
+
 def test_a_fine_lattice_is_none(noise: np.ndarray) -> None:
     """Below a ten-thousandth of the range, equal readings are no work of the converter."""
     noise[100:104] = noise[100]
