@@ -9,6 +9,7 @@ from labsid.signal_quality import runs
 
 MOST_PERIODS = 50  # an input of more is no staircase on which anything comes to rest
 STILL = 0.03  # of the range of y: what a settled tail moves at most from its first half to its second
+MEMORY = 0.9  # autocorrelation of the noise that is believed at most
 SMALLEST = 0.015  # of the range of y: a difference of levels that counts
 
 
@@ -40,6 +41,26 @@ class Plateaus:
     def repeat(self) -> bool:
         """Whether y comes back to the same levels at the same input."""
         return self.largest <= max(SMALLEST * self.span, 2 * self.noise)
+
+    def by_chance(self, x: FloatArray, counted: np.ndarray) -> float:
+        """How large `scatter` may well be by nothing but the noise that is seen within the tails.
+
+        Parameters
+        ----------
+        x : ndarray, shape (N,)
+        counted : ndarray of bool, shape (N,)
+        """
+        tails = [x[a:b][counted[a:b]] for own in self.stretches.values() for a, b in own]
+        tails = [tail - tail.mean() for tail in tails if tail.size > 1]
+        freedom = sum(tail.size - 1 for tail in tails)
+        square = sum(float(tail @ tail) for tail in tails)
+        if not square:
+            return 0.0
+        memory = float(np.clip(sum(float(tail[1:] @ tail[:-1]) for tail in tails) / square, 0.0, MEMORY))
+        length = float(np.median([tail.size for tail in tails]))
+        of_means = square / freedom / length * (1.0 + memory) / (1.0 - memory)
+        ends = max(len(tails) - len(self.stretches), 1)
+        return float(np.sqrt(of_means * (1.0 + 2.0 * np.sqrt(2.0 / ends))))
 
     def scatter(self, x: FloatArray, counted: np.ndarray) -> float:
         """Standard deviation of the ends of a signal about the mean of their level; 0 where too few of them count.

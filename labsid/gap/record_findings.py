@@ -40,7 +40,8 @@ class PlateauGap:
     of_gap : float
         The same over the rms error of that simulation on the whole record: about 1 where they are all of the gap.
     left : float
-        The same for the explanation, over `missed`: about 1 where it accounts for none of it, 0 where for all.
+        The same for the explanation, over `missed`, less what noise may do: about 1 where it accounts for none of it,
+        0 where for all.
     """
 
     repeat: bool
@@ -79,14 +80,14 @@ def plateau_gap(
     if plateaus is None:
         return None
     missed, rms = plateaus.scatter(y - before, counted), float(np.sqrt(np.mean((y - before)[counted] ** 2)))
-    left = plateaus.scatter(y - after, counted)
+    left = plateaus.scatter(y - after, counted) ** 2 - plateaus.by_chance(y - after, counted) ** 2
     return PlateauGap(
         plateaus.repeat,
         plateaus.largest,
         plateaus.scatter(y, counted),
         missed,
         missed / rms if rms > 0.0 else 0.0,
-        left / missed if missed > 0.0 else 0.0,
+        float(np.sqrt(max(left, 0.0))) / missed if missed > 0.0 else 0.0,
     )
 
 

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from scipy.signal import lfilter
 
 from labsid._arrays import FloatArray
 from labsid.plateaus import MOST_PERIODS, repeated_plateaus
@@ -42,6 +43,22 @@ def test_the_scatter_is_about_the_mean_of_each_level_and_counts_what_it_should()
     y[290] = 1e6
     assert found.scatter(y, np.arange(u.size) != 290) == pytest.approx(np.sqrt(2.0 / 3.0), abs=1e-3)
     assert found.scatter(y, np.zeros(u.size, bool)) == 0.0
+
+
+@pytest.mark.parametrize("pole", [0.0, 0.7])
+def test_noise_alone_rarely_scatters_the_ends_further_than_it_may(pole: float) -> None:
+    u, clean = staircase([1, 2, 3, 2, 1, 2, 3], [10.0, 20.0, 30.0, 20.0, 10.0, 20.0, 30.0])
+    found = repeated_plateaus(u, clean)
+    assert found is not None
+    counted, further = np.ones(u.size, bool), 0
+    assert found.by_chance(np.zeros(u.size), counted) == 0.0
+    for seed in range(200):
+        noise = lfilter([1.0], [1.0, -pole], np.random.default_rng(seed).standard_normal(u.size))
+        further += found.scatter(noise, counted) > found.by_chance(noise, counted)
+    assert 0 < further < (30 if pole == 0.0 else 60)  # of slow noise, tails of 25 samples show a part
+    moved = np.where((u == 2.0) & (np.arange(u.size) < 300), 1.0, 0.0)
+    assert found.scatter(moved, counted) > 0.3
+    assert found.by_chance(moved, counted) == 0.0
 
 
 @pytest.mark.parametrize(

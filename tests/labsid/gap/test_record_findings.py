@@ -59,7 +59,7 @@ def test_the_share_of_the_gap_and_of_what_is_left() -> None:
     assert found.scatter == pytest.approx(np.sqrt(squares / 4), rel=0.02)
     assert found.missed == pytest.approx(found.scatter, rel=1e-6)  # one level for each input: it misses all of it
     assert found.of_gap == pytest.approx(found.missed / np.sqrt(np.mean((y - linear) ** 2)))
-    assert found.left == pytest.approx(0.5)
+    assert found.left == pytest.approx(0.5, rel=1e-3)  # hardly less: y rests on its levels
     assert found.matters
 
 
