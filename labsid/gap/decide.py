@@ -10,6 +10,7 @@ from labsid.gap.fitting import Fit, power
 from labsid.gap.leftover import SLOW, Leftover, is_noise
 from labsid.gap.tree import worth
 from labsid.gap.which import Explained
+from labsid.gap.words import STOPS
 
 TEMPERATURE = 4.0  # BIC counts for less than theory says: models are never exactly true
 TOLD_APART = 0.03  # probability below which a rival is left out of the set
@@ -18,8 +19,10 @@ UNREPEATED = 0.15  # of the scatter of the levels: a true drift or load leaves a
 LEVELS_LEFT = 0.4  # how far an explanation is to be trusted that leaves more
 IS_RIGHT = 0.5  # probability below which the answer is `unknown`
 MISMATCH = "parameter-mismatch"
-STOPS = {"output-saturation", "overflow"}
-SEEN = 0.8  # probability of a stop that the output is seen to stand against, whatever else acts
+SEEN = 0.8  # probability of a stop that the output is seen to stand against, or of what leads, whatever else acts
+SHRINKS = 5.0  # times that an effect by itself shrinks the error, where it leads
+MOST = 0.8  # of the gap that is then closed, whatever else acts
+AHEAD = 3.0  # times the error that every other effect by itself leaves, there
 
 
 class Evidence(NamedTuple):
@@ -89,8 +92,8 @@ class Decision:
 def decide(explained: Explained, left: Leftover, given: Fit | None, trust: float, stopped: bool = False) -> Decision:
     """Weigh the candidates of the accepted level against each other, and against other causes.
 
-    An explanation that is not to be trusted names nothing, but for a stop that the record itself shows: that the output
-    stands against one does not depend on what else acts.
+    An explanation that is not to be trusted names nothing, but for a stop that the record itself shows, and for an
+    effect that by itself shrinks the error as none of the others does: neither depends on what else acts.
 
     Parameters
     ----------
@@ -124,8 +127,10 @@ def decide(explained: Explained, left: Leftover, given: Fit | None, trust: float
         probability[MISMATCH] = trust * mismatch_weight(given, explained.path[0])
     named = names
     if trust < IS_RIGHT:
-        probability |= {name: SEEN * shares[name] for name in simulated if stopped and name in STOPS}
-        named = tuple(name for name in names if stopped and name in STOPS and probability[name] > IS_RIGHT)
+        lead = leading(explained) if closing(explained, left, added) > MOST else None
+        seen = (*(STOPS if stopped else ()), lead)
+        probability |= {name: SEEN * shares[name] for name in simulated if name in seen}
+        named = tuple(name for name in names if name in seen and probability[name] > IS_RIGHT)
     rest = tuple(name for name in names if name not in named)
     ambiguous = [*rest, *ambiguous]
     verdict = "effect" if named else "unknown" if trust < IS_RIGHT else "none"
@@ -133,6 +138,17 @@ def decide(explained: Explained, left: Leftover, given: Fit | None, trust: float
     closed = closing(explained, left, added)
     beside = rest if named else ()
     return Decision(verdict, named, probability, tuple(ambiguous[:MOST_RIVALS]), weights, closed, beside)
+
+
+def leading(explained: Explained) -> str | None:
+    """The effect that by itself shrinks the error many times, as none of the others does; None where there is none."""
+    data, alone = explained.data, explained.levels[1] if len(explained.levels) > 1 else {}
+    left = sorted((power(data, fit), names[0]) for names, fit in alone.items() if len(names) == 1)
+    if len(left) < 2:
+        return None
+    (least, name), (next_best, _) = left[:2]
+    far = power(data, explained.path[0]) > SHRINKS**2 * least and next_best > AHEAD**2 * least
+    return name if far else None
 
 
 def _weights(explained: Explained, level: int) -> dict[tuple[str, ...], float]:

@@ -4,7 +4,7 @@ import re
 from typing import Any
 
 from labsid.gap.quantities import closure, number, p_value, percent, probability
-from labsid.gap.words import RAW, clause, noun
+from labsid.gap.words import RAW, STOPS, clause, noun
 
 PLACES = {
     "input": "on the way in, between the command and the process",
@@ -56,15 +56,17 @@ def _effect_sentence(report: dict[str, Any]) -> str:
 
 
 def _partial_sentence(report: dict[str, Any], said: str) -> str:
-    """Only a part of the explanation is named: a stop at which the output is seen to stand, whatever else acts."""
+    """Only a part of the explanation is named: a stop that the record shows, or what leads all others by far."""
     gap, causes = report["gap"], listed([noun(effect["name"]) for effect in report["effects"]])
+    stands = all(effect["name"] in STOPS for effect in report["effects"])
+    shown = "at which the output is seen to stand" if stands else "which by itself shrinks the gap as nothing else does"
     if gap["closed"] is None or gap["closed"] <= 0.0:
         share = "nothing of the gap on samples held back"
     else:
         share = f"{closure(gap['closed'], gap['ci95'])} of the gap"
     rest = listed([noun(name) for name in beside(report)])
     return (
-        f"{said}: {causes}, at which the output is seen to stand. It is not all that acts: "
+        f"{said}: {causes}, {shown}. It is not all that acts: "
         f"with {rest} beside it, the nearest that was tried, the simulation closes {share}."
     )
 

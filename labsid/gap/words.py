@@ -214,6 +214,9 @@ WORDS: dict[str, Words] = {
 RAW = ("output-dropout", "output-outliers", "output-quantization", "coloured-noise")
 """Effects that are seen in the samples, not by simulating them."""
 
+STOPS = ("output-saturation", "overflow")
+"""Effects that the record itself may show, by an output that stands at its extreme."""
+
 _LABELS = {
     "low": "lower limit",
     "high": "upper limit",

@@ -6,9 +6,20 @@ import numpy as np
 import pytest
 
 from labsid.gap.candidates import CANDIDATES
-from labsid.gap.decide import IS_RIGHT, MISMATCH, MOST_RIVALS, Decision, closing, decide, mismatch_weight, trusted
+from labsid.gap.decide import (
+    IS_RIGHT,
+    MISMATCH,
+    MOST_RIVALS,
+    SEEN,
+    Decision,
+    closing,
+    decide,
+    leading,
+    mismatch_weight,
+    trusted,
+)
 from labsid.gap.effects import output
-from labsid.gap.fitting import Fit
+from labsid.gap.fitting import Fit, power
 from labsid.gap.hypothesis import Hypothesis
 from labsid.gap.leftover import Leftover, leftover
 from labsid.gap.which import Explained
@@ -28,6 +39,15 @@ def rivalled(explained: Explained, *gaps: float) -> Explained:
     for names, fit in sorted(explained.levels[1].items()):
         level[names] = fit if fit is best else replace(fit, bic=best.bic + next(others, 1e4))
     return replace(explained, levels=(explained.levels[0], level))
+
+
+def crowded(explained: Explained) -> Explained:
+    """With rivals that by themselves leave twice the error of the best first effect."""
+    level, data = explained.levels[1], explained.data
+    first = min(level.values(), key=lambda fit: power(data, fit))
+    near = data.y + 2.0 * (first.output - data.y)
+    others = {names: fit if fit is first else replace(fit, output=near) for names, fit in level.items()}
+    return replace(explained, levels=(explained.levels[0], others, *explained.levels[2:]))
 
 
 def decided(
@@ -185,7 +205,7 @@ def test_what_coloured_noise_seems_to_foretell_by_chance_is_no_reason_to_doubt(b
 def test_levels_that_do_not_come_back_are_no_drift_that_leaves_them(banded: Explained) -> None:
     left = left_of(banded)
     assert decided(rivalled(banded), left, None, unrepeated=0.05).verdict == "effect"
-    decision = decided(rivalled(banded), left, None, unrepeated=0.6)
+    decision = decided(crowded(rivalled(banded)), left, None, unrepeated=0.6)
     check(decision)
     assert decision.verdict == "unknown"
     rounded = replace(rivalled(banded), added=("output-quantization",))
@@ -201,7 +221,7 @@ def test_a_stop_that_the_record_shows_is_named_whatever_else_acts(banded: Explai
     hypothesis = replace(fit.hypothesis, effects=(*fit.hypothesis.effects, effect))
     both = replace(fit, hypothesis=hypothesis)
     pair = tuple(sorted(("input-dead-zone", name)))
-    explained = replace(banded, path=(*banded.path, both), levels=(*banded.levels[:2], {pair: both}))
+    explained = crowded(replace(banded, path=(*banded.path, both), levels=(*banded.levels[:2], {pair: both})))
     left = replace(left_of(banded), **STRUCTURE)
     unseen = decided(explained, left, None)
     check(unseen)
@@ -226,3 +246,35 @@ def test_a_stop_that_may_as_well_be_another_effect_is_not_named(banded: Explaine
     decision = decided(explained, replace(left_of(banded), **STRUCTURE), None, stopped=True)
     assert decision.verdict == "unknown"
     assert {"output-saturation", "coulomb-friction"} <= set(decision.ambiguous)
+
+
+@pytest.mark.parametrize(("shrinks", "ahead", "named"), [(20.0, 10.0, True), (20.0, 2.0, False), (4.0, 10.0, False)])
+def test_what_leads_all_others_by_far_is_named_whatever_else_acts(
+    banded: Explained, shrinks: float, ahead: float, named: bool
+) -> None:
+    data, best = banded.data, banded.best
+    assert best.hypothesis.names == ("input-dead-zone",)
+    wave = np.sin(0.1 * np.arange(data.samples)) * np.sqrt(2.0)
+    small = 1e-3
+
+    def leaving(fit: Fit, rms: float) -> Fit:
+        return replace(fit, output=data.y + rms * wave)
+
+    level = {names: leaving(fit, small if fit is best else ahead * small) for names, fit in banded.levels[1].items()}
+    path = (leaving(banded.path[0], shrinks * small), level["input-dead-zone",])
+    explained = replace(banded, levels=({(): path[0]}, level), path=path)
+    assert leading(explained) == ("input-dead-zone" if named else None)
+    left = replace(left_of(banded), rms=small, **STRUCTURE)
+    decision = decide(explained, left, None, trust=0.1)
+    check(decision)
+    assert decision.verdict == ("effect" if named else "unknown")
+    assert decide(explained, replace(left, rms=0.5 * shrinks * small), None, trust=0.1).verdict == "unknown"
+    if named:
+        assert decision.names == ("input-dead-zone",)
+        assert IS_RIGHT < decision.probability["input-dead-zone"] <= SEEN
+
+
+def test_nothing_leads_where_nothing_else_was_tried(banded: Explained) -> None:
+    alone = {("input-dead-zone",): banded.best}
+    assert leading(replace(banded, levels=(banded.levels[0], alone))) is None
+    assert leading(replace(banded, levels=banded.levels[:1])) is None
