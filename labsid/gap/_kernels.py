@@ -39,12 +39,12 @@ def section(w: FloatArray, a1: float, a2: float) -> FloatArray:
 def delayed(w: FloatArray, whole: int, part: float, away: float = 0.0) -> FloatArray:
     """`w` later by `whole` samples and a part of one, between samples by interpolation.
 
-    Before the record it stood where it begins, or so far `away`.
+    Before the record it stood where it begins, or so far `away`; behind it, where it ends.
     """
     out = np.empty(w.size)
     for k in range(w.size):
-        now = w[k - whole] if k >= whole else w[0] + away
-        before = w[k - whole - 1] if k > whole else w[0] + away
+        now = w[min(k - whole, w.size - 1)] if k >= whole else w[0] + away
+        before = w[min(k - whole - 1, w.size - 1)] if k > whole else w[0] + away
         out[k] = (1.0 - part) * now + part * before
     return out
 

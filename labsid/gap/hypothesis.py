@@ -11,6 +11,7 @@ from labsid.gap.plants import Parameter, Plant
 
 NUISANCE_DELAY = 0.5  # samples; up to here a delay belongs to the sampling, not to the rig
 DELAY = Parameter("delay", 0.0, NUISANCE_DELAY, 0.02)
+SAMPLED = Parameter("delay", -NUISANCE_DELAY, NUISANCE_DELAY, 0.02)  # of an input that may not be held, but sampled
 STUCK = Parameter("delay", 0.0, NUISANCE_DELAY, 0.02, leap=0.1)  # the same where friction may hide it
 
 
@@ -96,9 +97,8 @@ class Hypothesis:
         inputs = sorted((e for e in self.effects if isinstance(e, InputEffect)), key=lambda e: e.order)
         outputs = sorted((e for e in self.effects if isinstance(e, OutputEffect)), key=lambda e: e.place)
         additive = [e for e in self.effects if isinstance(e, AdditiveEffect)]
-        parameters: list[Parameter] = (
-            [] if any(e.name == "input-delay" for e in inputs) else [STUCK if plant.friction else DELAY]
-        )
+        nuisance = STUCK if plant.friction else SAMPLED if plant.cubic else DELAY
+        parameters: list[Parameter] = [] if any(e.name == "input-delay" for e in inputs) else [nuisance]
         places = {}
         parts: list[tuple[str, tuple[Parameter, ...]]] = [(e.key, e.parameters) for e in inputs]
         parts += [("plant", plant.parameters)]

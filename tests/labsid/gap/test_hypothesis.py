@@ -56,6 +56,19 @@ def test_a_delay_that_is_an_effect_takes_the_place_of_the_nuisance_one() -> None
     assert not FULL.slices_has_delay
 
 
+def test_the_input_of_a_spring_may_be_sampled_and_not_held() -> None:
+    """Straight lines between the samples are half a sample ahead of what is held; friction hides where that is."""
+    least = {
+        plant: Hypothesis((effect,)).parameters[0].lower
+        for plant, effect in (
+            ("spring", dynamics.CubicStiffness()),
+            ("friction", dynamics.CoulombFriction("position")),
+            ("tanks", dynamics.SqrtOutflow("both")),
+        )
+    }
+    assert least == {"spring": -NUISANCE_DELAY, "friction": 0.0, "tanks": 0.0}
+
+
 def test_bounds_are_those_of_the_parameters() -> None:
     lower, upper = FULL.bounds
     assert lower.tolist() == [parameter.lower for parameter in FULL.parameters]

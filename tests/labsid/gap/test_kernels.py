@@ -97,6 +97,12 @@ def test_delayed_by_hand() -> None:
     np.testing.assert_allclose(_kernels.delayed(w, 9, 0.5), 1.0)
 
 
+def test_what_comes_earlier_stands_behind_the_record_where_it_ends() -> None:
+    w = np.array([1.0, 2.0, 4.0, 8.0])
+    np.testing.assert_allclose(_kernels.delayed(w, -1, 0.0), [2.0, 4.0, 8.0, 8.0])
+    np.testing.assert_allclose(_kernels.delayed(w, -1, 0.75), [1.25, 2.5, 5.0, 8.0])
+
+
 def test_delayed_from_another_level_before_the_record() -> None:
     w = np.array([1.0, 2.0, 4.0, 8.0])
     np.testing.assert_allclose(_kernels.delayed(w, 2, 0.0, -3.0), [-2.0, -2.0, 1.0, 2.0])

@@ -135,6 +135,19 @@ def test_mechanics_with_a_cubic_spring(w: FloatArray, held: Held, cubic: float) 
     np.testing.assert_allclose(motion, expected, atol=2e-3)
 
 
+def test_a_spring_that_swings_quickly_is_followed_with_few_steps(held: Held) -> None:
+    """A ninth of the sampling rate, hardening: within two thousandths with three steps a sample."""
+    w = 0.3 * np.random.default_rng(4).standard_normal(300)
+
+    def spring(x: FloatArray, value: float) -> list[float]:
+        return [x[1], value - 0.07 * x[1] - 0.49 * x[0] - 0.02 * x[0] ** 3]
+
+    expected = held(w, np.zeros(2), spring)[:, 0]
+    followed = _states.mechanics(w, 0.07, 0.49, 0.0, 0.02, 0.0, 0.0, 3)[:, 0]
+    assert 0.02 * np.mean(expected**4) > 0.02 * 0.49 * np.mean(expected**2)  # it does harden
+    assert np.std(followed - expected) < 2e-3 * np.std(expected)
+
+
 def test_a_softening_spring_that_gives_way_ends_in_nan() -> None:
     motion = _states.mechanics(np.full(400, 3.0), 0.3, 0.2, 0.0, -0.05, 0.0, 0.0, 4)
     assert np.isnan(motion[-1, 0])
