@@ -68,6 +68,8 @@ class Plant:
         The input counts outflow: more u means less flow.
     friction, cubic : bool
         Dry friction, cubic restoring force.
+    unsprung : bool
+        Whether what rubs has next to no spring: a constant force is then no shift of its position.
     lag_first : bool
         The lag of the speed stands before the friction, not behind it.
     lag_ahead : bool
@@ -103,6 +105,7 @@ class Plant:
     flipped: bool = False
     friction: bool = False
     cubic: bool = False
+    unsprung: bool = False
     lag_first: bool = True
     lag_ahead: bool = False
     mode_place: str = "behind"
@@ -141,7 +144,7 @@ class Plant:
                 own += [FRICTION]
             if self.cubic:
                 own += [Parameter("cubic", -0.3, 50.0)]
-            if self.cubic or self.fading:
+            if self.cubic or self.fading or self.unsprung:
                 own += [Parameter("centre", -8.0, 8.0)]
             own += [Parameter("z0", -50.0, 50.0, ACROSS, leap=0.05), Parameter("v0", -50.0, 50.0, ACROSS)]
         elif self.kind == "speed":

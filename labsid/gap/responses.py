@@ -206,7 +206,8 @@ def _mechanics(
     cubic = own.get("cubic", 0.0) * unit**3
     pace = _pace(plant, own, w.size, span)
     # Without a middle of its own, a run begins where that of the fit did: the spring may be next to none.
-    rest = _equilibrium(drive[0], k if pace is None else k * pace[0], cubic) if "centre" in own else 0.0
+    rests = "centre" in own and not plant.unsprung
+    rest = _equilibrium(drive[0], k if pace is None else k * pace[0], cubic) if rests else 0.0
     z0, v0 = rest + own["z0"] / unit, own["v0"] / np.sqrt(unit)
     onto = *_loaded(own, span), pace
     return _states.mechanics(drive, c, k, own.get("friction", 0.0), cubic, z0, v0, substeps, late, *onto) * unit

@@ -11,7 +11,11 @@ from labsid.gap.responses import real_rates
 BRIMS = {"upper": 1, "lower": 2, "both": 3}
 AT_ONCE = 1.0  # rate, a sample, of a tank that follows its inflow at once
 LEAST_DAMPING = 2e-3  # of a mode
+LIGHTLY = 0.2  # damping of a mode that has taken the poles of the rig
+SLOWER, QUICKLY = 3.0, 30.0  # times, and a rate, a sample: the pole, and the lost one, that are then tried for the rig
 FEWEST_SWINGS = 4.0  # of a mode in the record
+HARDLY_SPRUNG = 40.0  # rate of the slow pole, in the record
+SLACK = -6.0  # of the logarithm of a spring
 BOTH_WAYS = 0.03  # of the record in motion either way
 
 
@@ -69,10 +73,16 @@ class Resonance(_Placed):
         return plant.but(mode=True, mode_place=self.variant or "behind")
 
     def plant_starts(self, context: Context) -> list[dict[str, float]]:
-        """The highest narrow peaks of the residual, and two frequencies in any case."""
-        return [
-            {"log_frequency": float(np.log(w)), "log_damping": float(np.log(0.08))} for w in peaks(context, 3, 0.02)
-        ] + [{"log_frequency": float(np.log(w)), "log_damping": float(np.log(0.15))} for w in (0.15, 0.5)]
+        """The highest narrow peaks of the residual, two frequencies in any case, and the mode that the parent is."""
+        peaked = [(w, 0.08) for w in peaks(context, 3, 0.02)] + [(0.15, 0.15), (0.5, 0.15)]
+        beside = [{"log_frequency": float(np.log(w)), "log_damping": float(np.log(damping))} for w, damping in peaked]
+        c, k = context.rates
+        w, damping = float(np.sqrt(k)), float(0.5 * c / np.sqrt(k))
+        if context.parent.hypothesis.plant.kind != "linear" or not LEAST_DAMPING < damping < LIGHTLY or w > np.pi:
+            return beside
+        rate = w / SLOWER
+        single = {"log_c": float(np.log(rate + QUICKLY)), "log_k": float(np.log(rate * QUICKLY))}
+        return [*beside, single | {"log_frequency": float(np.log(w)), "log_damping": float(np.log(damping))}]
 
     def holds(self, fit: Fitted) -> bool:
         """A mode that swings a few times in the whole record is a drift; one without damping, a wave from outside."""
@@ -215,14 +225,21 @@ class Overflow(PlantEffect):
 
 
 class CoulombFriction(PlantEffect):
-    """Dry friction against the motion; `variant` position (of a mass), speed, or speed-lag (the lag behind it)."""
+    """Dry friction against the motion.
+
+    `variant` position (of a mass), unsprung (the same without a spring), speed, or speed-lag (the lag behind it).
+    """
 
     name = "coulomb-friction"
 
+    def applies(self, context: Context) -> bool:
+        """Without a spring, only where the record hardly sees one."""
+        return self.variant != "unsprung" or real_rates(*context.rates)[0] * context.data.samples < HARDLY_SPRUNG
+
     def shape(self, plant: Plant) -> Plant:
         """A mass or a motor with friction."""
-        if self.variant == "position":
-            return plant.but(kind="mechanics", friction=True)
+        if self.variant in ("position", "unsprung"):
+            return plant.but(kind="mechanics", friction=True, unsprung=self.variant == "unsprung")
         return plant.but(kind="speed", friction=True, lag_first=self.variant == "speed")
 
     def plant_starts(self, context: Context) -> list[dict[str, float]]:
@@ -230,6 +247,8 @@ class CoulombFriction(PlantEffect):
         if self.variant == "position":
             away = start_away(context)
             return [{"friction": size, "z0": z0} for size in (0.05, 0.25, 0.8) for z0 in dict.fromkeys((0.0, away))]
+        if self.variant == "unsprung":
+            return [{"friction": size, "log_k+": SLACK} for size in (0.05, 0.25, 0.8)]
         u = context.data.u
         inside = u.min() + np.array([0.3, 0.7]) * np.ptp(u)  # where the motor may turn round
         middles = dict.fromkeys(round(float(x), 3) for x in (np.median(u), u[0], *inside))
