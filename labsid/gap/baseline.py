@@ -8,11 +8,11 @@ import numpy as np
 from scipy.signal import lfilter
 
 from labsid._arrays import FloatArray
-from labsid.gap.candidates import baseline
 from labsid.gap.context import Data
 from labsid.gap.effects.dynamics import ExtraLag, Resonance
 from labsid.gap.fitting import Fit
 from labsid.gap.hypothesis import Hypothesis
+from labsid.gap.linear_fits import baseline
 from labsid.gap.model_file import SCHEMA, START, RunningModel, exported_model
 from labsid.gap.noise import fit_noise
 from labsid.gap.plants import Plant

@@ -12,15 +12,15 @@ from labsid.gap.effects.base import Effect, Fitted, InputEffect, PlantEffect
 from labsid.gap.fitting import Fit, Point, at_start, finish, search
 from labsid.gap.forms import INNER_LOAD, LAGS, LOAD, MODES, growing, housed, loaded_starts
 from labsid.gap.hypothesis import Hypothesis
+from labsid.gap.linear_fits import AT_ONCE
+from labsid.gap.own_motion import goes_on_alone
 from labsid.gap.plants import Plant
 from labsid.gap.responses import real_rates
 
-LINEAR = Hypothesis()
 PROMISING = 8  # starts of one variant that are followed
 FELT, FOUND = 2.0, 0.5  # rates, a sample
 SWINGING = 0.1, 0.4  # frequencies of a mass, a sample
 MOVED = 4.0  # times k, from which another search begins
-AT_ONCE = 30.0  # rate, a sample, of a state that is none
 QUICK = 1.0  # rate, a sample, of a state that could hardly be seen to be nonlinear
 BRIEFLY = 4  # of all variants of a second or third effect
 
@@ -35,7 +35,7 @@ CANDIDATES: tuple[tuple[Effect, ...], ...] = (
     MODES,
     tuple(dynamics.SqrtOutflow(which + side) for which in ("both", "upper", "lower") for side in ("", "-flipped")),
     tuple(dynamics.Overflow(which + side) for which in ("upper", "lower") for side in ("", "-flipped")),
-    tuple(dynamics.CoulombFriction(which) for which in ("position", "speed", "speed-lag")),
+    tuple(dynamics.CoulombFriction(which) for which in ("position", "unsprung", "speed", "speed-lag")),
     (dynamics.CubicStiffness(),),
     tuple(
         drift(bends)
@@ -48,58 +48,6 @@ CANDIDATES: tuple[tuple[Effect, ...], ...] = (
     (disturbance.LoadStep(), disturbance.Leak("leak"), INNER_LOAD),
     (disturbance.Periodic(),),
 )
-
-
-def baseline(data: Data, hypothesis: Hypothesis = LINEAR, known: FloatArray | None = None) -> Fit:
-    """Fit a structure, unless given the lab's (second order, strictly proper), by output error.
-
-    A structure with its effects' numbers `known` begins from there.
-    """
-    best = None if known is None else search(data, hypothesis, known, iterations=12)
-    for slow, fast in ((0.02, 0.3), (0.1, 0.5), (0.005, 0.05), (0.3, 1.5)):
-        start = _linear_theta(hypothesis, slow + fast, slow * fast)
-        best = _better(best, search(data, hypothesis, start, iterations=12))
-    for frequency in (0.05, 0.2, 0.8):
-        start = _linear_theta(hypothesis, 0.4 * frequency, frequency**2)
-        best = _better(best, search(data, hypothesis, start, iterations=12))
-    if best is None:
-        raise ValueError("no second-order model can be simulated on this record.")
-    best = search(data, hypothesis, best.theta, iterations=30, tolerance=1e-8) or best
-    return finish(data, hypothesis, best)
-
-
-def _linear_theta(hypothesis: Hypothesis, c: float, k: float) -> FloatArray:
-    """A start at given rates; a further pole or mode of the structure a little faster."""
-    theta = np.zeros(len(hypothesis.parameters))
-    names = [parameter.name for parameter in hypothesis.parameters]
-    guess = {
-        "delay": 0.2,
-        "log_c": np.log(c),
-        "log_k": np.log(k),
-        "log_lag": 0.0,
-        "log_frequency": 0.5 * np.log(k) + 0.7,
-        "log_damping": -1.5,
-    }
-    for i, name in enumerate(names):
-        theta[i] = guess.get(name, 0.0)
-    return theta
-
-
-def swift_fit(data: Data, base: Fit) -> Fit:
-    """The same structure fitted to what changes from sample to sample: drifts and load steps hardly reach it."""
-    hypothesis = Hypothesis((output.Drift("10"),))
-    ar = np.array([0.9])
-    best: Point | None = None
-    known = base.theta if base.theta.size == len(hypothesis.parameters) else _linear_theta(hypothesis, *base.rates)
-    for theta in (known, _linear_theta(hypothesis, 0.3, 0.01), _linear_theta(hypothesis, 1.0, 0.1)):
-        best = _better(best, search(data, hypothesis, theta, iterations=12, ar=ar))
-    return base if best is None else finish(data, hypothesis, best)
-
-
-def _better(a: Point | None, b: Point | None) -> Point | None:
-    if a is None or (b is not None and b.cost < a.cost):
-        return b
-    return a
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -197,7 +145,10 @@ def _further(data: Data, sketch: Sketch, iterations: int) -> Sketch:
 def holds(data: Data, fit: Fit, last: int = 1) -> bool:
     """Whether the `last` effects are, by their numbers, the ones that they say they are."""
     fitted = Fitted(fit.hypothesis, fit.theta, fit.gains, data)
-    return all(effect.holds(fitted) for effect in fit.hypothesis.effects[-last:])
+    effects = fit.hypothesis.effects[-last:]
+    if any(effect in (*LAGS, *MODES) for effect in effects) and goes_on_alone(data, fit):
+        return False  # the rig has taken the new pole, and the old ones are a drift or a wave
+    return all(effect.holds(fitted) for effect in effects)
 
 
 def _growing(data: Data, fit: Fit) -> Fit | None:

@@ -9,20 +9,20 @@ from labsid._arrays import FloatArray
 from labsid.gap.candidates import (
     CANDIDATES,
     Sketch,
-    baseline,
     compatible,
     finished,
     holds,
     onward,
     price,
     sketches,
-    swift_fit,
 )
 from labsid.gap.context import Data
 from labsid.gap.fitting import Fit, finish, power, refit, rms, search
 from labsid.gap.forms import LEAK, LOAD, carried, rearranged, without
 from labsid.gap.hypothesis import Hypothesis
 from labsid.gap.leftover import explained_share
+from labsid.gap.linear_fits import baseline, driven_baseline, swift_fit
+from labsid.gap.own_motion import goes_on_alone, has_become_a_mode
 from labsid.gap.settling import polish, settle
 
 Progress = Callable[[str, float], None]
@@ -65,6 +65,24 @@ def search_tree(
     base = baseline(data, structure, start)
     swift = swift_fit(data, base)
     base = _whitest(data, polish(data, base), swift)
+    levels, path = _grown(data, base, swift, most, progress)
+    if len(path) == 1 and goes_on_alone(data, base):
+        other = driven_baseline(data, structure)
+        if other is not None:
+            other_levels, other_path = _grown(data, polish(data, other), swift, most, progress, driven=True)
+            if len(other_path) > 1 and other_path[-1].bic < base.bic + MARGIN:
+                return other_levels, other_path
+    return levels, path
+
+
+def _grown(
+    data: Data, base: Fit, swift: Fit, most: int, progress: Progress | None, driven: bool = False
+) -> tuple[Levels, tuple[Fit, ...]]:
+    """All levels tried on top of a baseline, and the accepted path; where `driven`, no pole goes on alone."""
+
+    def disguised(fit: Fit) -> bool:
+        return has_become_a_mode(base, fit) or (driven and goes_on_alone(data, fit))
+
     levels: list[Level] = [{(): base}]
     path = [base]
     beam = [base]
@@ -72,7 +90,8 @@ def search_tree(
         level: Level = {}
         for number, parent in enumerate(beam):
             tried = _on_top(data, parent, swift, step, progress, (number, len(beam)))
-            keep(level, (finished(data, few, kept=3) for few in tried))
+            fits = [finished(data, few, kept=3) for few in tried]
+            keep(level, (fit for fit in fits if fit is not None and not disguised(fit)))
         if not level:
             break
         _refine(data, level)
@@ -266,5 +285,9 @@ def rounded(data: Data, fit: Fit) -> bool:
 
 def changes(data: Data, simpler: Fit, fit: Fit, size: float) -> bool:
     """Whether two simulations differ by more than `size` standard deviations of what the second one leaves."""
-    change = np.sqrt(np.mean((fit.output - simpler.output)[data.rows] ** 2))
-    return bool(change > max(size * rms(data, fit), NOTHING))
+    return bool(change(data, simpler, fit) > max(size * rms(data, fit), NOTHING))
+
+
+def change(data: Data, simpler: Fit, fit: Fit) -> float:
+    """By how much two simulations differ, rms over the rows that count."""
+    return float(np.sqrt(np.mean((fit.output - simpler.output)[data.rows] ** 2)))

@@ -5,20 +5,21 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from labsid._arrays import FloatArray
-from labsid.gap.candidates import LINEAR, baseline
 from labsid.gap.context import Data
 from labsid.gap.effects.base import AdditiveEffect
-from labsid.gap.fitting import Fit, power, refit
+from labsid.gap.fitting import Fit, power, refit, rms
 from labsid.gap.holdout import BLOCKS, held_out
 from labsid.gap.hypothesis import Hypothesis
 from labsid.gap.leftover import SLOW, slow_colour
+from labsid.gap.linear_fits import LINEAR, baseline
 from labsid.gap.raw import RawFaults, find_held, find_spikes, lattice_of
-from labsid.gap.tree import EFFECT_SIZE, Levels, Progress, best_path, changes, search_tree
+from labsid.gap.tree import EFFECT_SIZE, Levels, Progress, best_path, change, changes, search_tree
 
 NOISE_TOO = 1.3**2  # of the variance that is no rounding: from here on the converter is what limits the record
 HELD_TOO = 0.7  # the same where the logger holds values: on a coarse lattice some of that is never found
 MADE = 0.03  # of the samples: spikes that the baseline's error made, for which the search is repeated
 NAMED_SIZE = (EFFECT_SIZE, 1.0, 2.0)  # the same, for a first, second and third effect that is named
+OF_THE_GAP = 0.07  # the same over the error of the baseline, for a second and a third effect: true ones make up 0.14
 FAINT = 0.6  # the same, below which a first effect that is not told from others is none
 TOSS_UP = 6.0  # BIC
 RAW_SIZE = 1.3  # mean square error with the bad samples over that without them
@@ -192,7 +193,11 @@ def trimmed(data: Data, path: tuple[Fit, ...]) -> tuple[Fit, ...]:
     Two real effects each leave a mark; a further one that only trims the residual is more often a patch.
     """
     last = len(path) - 1
-    while last > 0 and not changes(data, path[last - 1], path[last], NAMED_SIZE[min(last, len(NAMED_SIZE)) - 1]):
+    patch = OF_THE_GAP * rms(data, path[0])
+    while last > 0:
+        named = changes(data, path[last - 1], path[last], NAMED_SIZE[min(last, len(NAMED_SIZE)) - 1])
+        if named and (last == 1 or change(data, path[last - 1], path[last]) > patch):
+            break
         last -= 1
     return path[: last + 1]
 

@@ -11,16 +11,13 @@ from labsid._arrays import FloatArray
 from labsid.gap._kernels import delayed
 from labsid.gap.candidates import (
     CANDIDATES,
-    LINEAR,
     _raced,
-    baseline,
     compatible,
     finished,
     holds,
     price,
     sketches,
     starts,
-    swift_fit,
 )
 from labsid.gap.context import Context, Data, scaled
 from labsid.gap.effects import disturbance, drifting, dynamics, input, output
@@ -28,6 +25,7 @@ from labsid.gap.effects.base import Effect
 from labsid.gap.fitting import Fit, finish, rms, search
 from labsid.gap.forms import housed
 from labsid.gap.hypothesis import Hypothesis
+from labsid.gap.linear_fits import LINEAR, baseline, swift_fit
 from labsid.gap.plants import Plant
 from labsid.gap.responses import real_rates
 from labsid.gap.which import Explained, explain

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from labsid._arrays import FloatArray
-from labsid.gap.candidates import LINEAR, baseline, finished, sketches, swift_fit
+from labsid.gap.candidates import finished, sketches
 from labsid.gap.context import Data, scaled
 from labsid.gap.effects import disturbance, drifting, dynamics, input, output
 from labsid.gap.effects.base import Effect
@@ -30,6 +30,7 @@ from labsid.gap.forms import (
     without,
 )
 from labsid.gap.hypothesis import Hypothesis
+from labsid.gap.linear_fits import LINEAR, baseline, swift_fit
 from labsid.gap.plants import Plant
 from labsid.gap.settling import settle
 from labsid.gap.which import Explained, explain

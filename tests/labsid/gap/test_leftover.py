@@ -9,7 +9,6 @@ from scipy.signal import lfilter
 from scipy.stats import kurtosis
 
 from labsid._arrays import FloatArray
-from labsid.gap.candidates import baseline
 from labsid.gap.context import Data, scaled
 from labsid.gap.effects import output
 from labsid.gap.fitting import Fit, finish, search
@@ -28,6 +27,7 @@ from labsid.gap.leftover import (
     repetition,
     slow_colour,
 )
+from labsid.gap.linear_fits import baseline
 
 Fitted = Callable[[FloatArray], tuple[Data, Fit]]
 

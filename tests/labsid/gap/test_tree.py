@@ -10,7 +10,7 @@ from scipy.integrate import solve_ivp
 from scipy.signal import lfilter
 
 from labsid._arrays import FloatArray
-from labsid.gap.candidates import baseline, compatible, swift_fit
+from labsid.gap.candidates import compatible
 from labsid.gap.context import Data, scaled
 from labsid.gap.diagnosis import diagnose
 from labsid.gap.effects import dynamics, input, output
@@ -18,6 +18,7 @@ from labsid.gap.effects.base import Fitted
 from labsid.gap.fitting import Fit, finish, rms, search
 from labsid.gap.forms import LEAK, LOAD
 from labsid.gap.hypothesis import Hypothesis
+from labsid.gap.linear_fits import baseline, swift_fit
 from labsid.gap.settling import polish
 from labsid.gap.tree import (
     BEAM,
@@ -357,6 +358,32 @@ def test_a_load_on_a_nonlinear_state_is_found_however_large(
     values = step.values(Fitted(found.best.hypothesis, found.best.theta, found.best.gains, found.data))
     assert values["onset"].value == pytest.approx(240.0, abs=1.0)
     assert values["size"].value == pytest.approx((rig(u, load, 240) - rig(u, 0.0, 240))[-1], rel=0.1)
+
+
+def axis(gain: float, friction: float, pull: float, samples: int) -> tuple[FloatArray, FloatArray]:
+    """Force and position of an axis without a spring that follows a course in a loop, 50 steps of Euler's method."""
+    fine, x, v = 50, 0.0, 0.0
+    course = 8.0 * np.sin(2.0 * np.pi * np.arange(samples) / 130.0) ** 3 + 6.0 * np.sin(np.arange(samples) / 41.0)
+    force, position = np.empty(samples), np.empty(samples)
+    for k, wanted in enumerate(course.tolist()):
+        position[k] = x
+        force[k] = gain * (wanted - x) - 2.0 * v
+        for _ in range(fine):
+            net = force[k] - pull
+            sign = math.copysign(1.0, v or net)
+            new = 0.0 if v == 0.0 and abs(net) <= friction else v + (net - friction * sign - 0.3 * v) / (8.0 * fine)
+            v = 0.0 if new * sign < 0.0 else new
+            x += v / fine
+    return force, position
+
+
+def test_friction_of_an_axis_without_a_spring_is_found_beside_a_constant_pull() -> None:
+    u, y = axis(gain=1.0, friction=1.0, pull=0.6, samples=900)
+    found = explain(data_of(u, y), most=1)
+    assert found.best.hypothesis.keys == ("coulomb-friction/unsprung",)
+    (effect,) = found.best.hypothesis.effects
+    values = effect.values(Fitted(found.best.hypothesis, found.best.theta, found.best.gains, found.data))
+    assert values["friction"].value == pytest.approx(1.0, rel=0.05)
 
 
 def tank_with_a_brim(w: FloatArray, rate: FloatArray, brim: float) -> FloatArray:

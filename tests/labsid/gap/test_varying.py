@@ -9,10 +9,11 @@ from scipy.integrate import solve_ivp
 from scipy.linalg import expm
 
 from labsid._arrays import FloatArray
-from labsid.gap.candidates import baseline, finished, sketches, swift_fit
+from labsid.gap.candidates import finished, sketches
 from labsid.gap.context import scaled
 from labsid.gap.effects.drifting import PoleDrift
 from labsid.gap.fitting import rms
+from labsid.gap.linear_fits import baseline, swift_fit
 from labsid.gap.plants import Plant
 
 C, K = 0.5, 0.05

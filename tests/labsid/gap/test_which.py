@@ -9,9 +9,9 @@ import pytest
 from scipy.signal import lfilter
 
 from labsid._arrays import FloatArray
-from labsid.gap.candidates import LINEAR
 from labsid.gap.context import scaled
 from labsid.gap.fitting import Fit, power
+from labsid.gap.linear_fits import LINEAR
 from labsid.gap.raw import RawFaults
 from labsid.gap.tree import nothing_left, search_tree, worth
 from labsid.gap.which import Explained, explain, faint, trimmed, unsimulated
@@ -113,6 +113,18 @@ def test_a_small_last_effect_is_not_named_and_a_small_one_before_a_large_one_is(
     assert trimmed(data, (base, best, small, best)) == (base, best)
     assert trimmed(data, (base, large, best)) == (base, large, best)
     assert trimmed(data, (base,)) == (base,)
+
+
+def test_a_second_effect_that_is_next_to_nothing_of_the_gap_is_a_patch(banded: Explained) -> None:
+    """However far it stands out of noise that is hardly there."""
+    data, base, best = banded.data, banded.path[0], banded.best
+    gap = float(np.sqrt(np.mean((data.y - base.output)[data.rows] ** 2)))
+    quiet = replace(data, y=best.output + 1e-4 * np.random.default_rng(5).standard_normal(data.samples))
+    wave = np.sin(0.1 * np.arange(data.samples)) * np.sqrt(2.0) * gap
+    for share, kept in ((0.03, False), (0.15, True)):
+        further = replace(best, output=best.output)
+        before = replace(best, output=best.output - share * wave)
+        assert trimmed(quiet, (base, before, further)) == ((base, before, further) if kept else (base, before))
 
 
 def test_what_is_cut_for_its_name_can_be_had_back(banded: Explained) -> None:

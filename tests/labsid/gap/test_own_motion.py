@@ -1,0 +1,148 @@
+"""Rigs with one pole: what goes on without the input is a drift or a wave, and what the baseline lacks is the cause."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy.signal import cont2discrete, lfilter
+
+from labsid._arrays import FloatArray
+from labsid.gap.context import Data, scaled
+from labsid.gap.diagnosis import Diagnosis, diagnose
+from labsid.gap.effects import dynamics, output
+from labsid.gap.fitting import Fit
+from labsid.gap.hypothesis import Hypothesis
+from labsid.gap.linear_fits import LINEAR, baseline, driven_baseline
+from labsid.gap.own_motion import goes_on_alone, has_become_a_mode
+from labsid.gap.tree import search_tree
+from labsid.record import Record
+
+TS, SAMPLES, RATE, NOISE = 0.2, 700, 0.07, 0.008
+ALONG = np.linspace(0.0, 1.0, SAMPLES)
+OWN = {
+    "ramp": 0.5 * ALONG,
+    "quicker and quicker": 0.5 * ALONG**2,
+    "settling": 0.6 * (1.0 - np.exp(-2.0 * ALONG)),
+    "wave": 0.25 * np.sin(2.0 * np.pi * 7.3 * ALONG + 1.0),
+    "fast wave": 0.2 * np.sin(2.0 * np.pi * 31.0 * ALONG),
+}
+
+
+def levels(hold: int = 14) -> FloatArray:
+    """Levels between 1 and 3."""
+    values = np.random.default_rng(8).uniform(1.0, 3.0, SAMPLES // hold + 1)
+    return np.repeat(values, hold)[:SAMPLES]
+
+
+def lag(u: FloatArray, rate: float = RATE) -> FloatArray:
+    """A lag that follows `u` from its first value, the input held; `rate` a sample."""
+    pole = np.exp(-rate)
+    return u[0] + lfilter([0.0, 1.0 - pole], [1.0, -pole], u - u[0])
+
+
+def mode(u: FloatArray, damping: float, frequency: float = 0.4) -> FloatArray:
+    """A mode and a lag in a row; `frequency` in rad a sample."""
+    pair = [1.0, 2.0 * damping * frequency, frequency**2]
+    num, den, _ = cont2discrete(([frequency**2 * RATE], np.polymul(pair, [1.0, RATE])), 1.0)
+    return u[0] + lfilter(num[0], den, u - u[0])
+
+
+def record_of(y: FloatArray, u: FloatArray) -> Record:
+    """With white noise."""
+    noise = NOISE * np.random.default_rng(11).standard_normal(SAMPLES)
+    return Record(TS * np.arange(SAMPLES), u, np.asarray(y + noise, np.float64), TS)
+
+
+def names(diagnosis: Diagnosis) -> list[str]:
+    """Of the effects named."""
+    return [effect["name"] for effect in diagnosis.report["effects"]]
+
+
+def fitted(own: FloatArray) -> tuple[Fit, Data]:
+    """The baseline on a lag with something of its own at the output."""
+    u = levels()
+    y = lag(u) + own + NOISE * np.random.default_rng(11).standard_normal(SAMPLES)
+    data = scaled(u, y, np.ones(SAMPLES, bool), TS)
+    return baseline(data), data
+
+
+@pytest.mark.parametrize("kind", ["ramp", "quicker and quicker", "settling"])
+def test_the_drift_of_a_rig_with_one_pole_is_not_taken_for_its_second_pole(kind: str) -> None:
+    u = levels()
+    diagnosis = diagnose(record_of(lag(u) + OWN[kind], u))
+    assert names(diagnosis) == ["output-drift"]
+    assert diagnosis.report["gap"]["before"] > 3.0 * diagnosis.report["gap"]["noise_floor"]
+
+
+@pytest.mark.parametrize("kind", ["wave", "fast wave"])
+def test_a_wave_beside_a_rig_with_one_pole_is_no_pair_of_poles(kind: str) -> None:
+    u = levels()
+    diagnosis = diagnose(record_of(lag(u) + OWN[kind], u))
+    assert names(diagnosis) == ["periodic-disturbance"]
+    cycles = {"wave": 7.3, "fast wave": 31.0}[kind] * SAMPLES / (SAMPLES - 1)
+    found = diagnosis.report["effects"][0]["parameters"]["frequency"]["value"]
+    assert found == pytest.approx(cycles / (SAMPLES * TS), rel=0.02)
+
+
+@pytest.mark.parametrize("first", [0.0, 0.8])
+def test_a_rig_with_one_pole_and_nothing_else_has_no_gap(first: float) -> None:
+    """Wherever it begins: what it brings along is over soon."""
+    u = levels()
+    y = lag(u) + first * np.exp(-RATE * np.arange(SAMPLES))
+    assert diagnose(record_of(y, u)).report["verdict"] == "none"
+
+
+def test_what_goes_on_alone_is_told_from_what_the_input_moves() -> None:
+    drifting, data = fitted(OWN["ramp"])
+    assert goes_on_alone(data, drifting)
+    other = driven_baseline(data, LINEAR)
+    assert other is not None
+    assert not goes_on_alone(data, other)
+    assert other.cost > drifting.cost
+    still, data = fitted(0.9 * np.exp(-RATE * np.arange(SAMPLES)))
+    assert not goes_on_alone(data, still)
+
+
+def test_an_integrator_is_driven_however_slow_it_is() -> None:
+    u = levels() - 2.0
+    y = np.cumsum(lag(u)) / 20.0 + NOISE * np.random.default_rng(11).standard_normal(SAMPLES)
+    data = scaled(u, y, np.ones(SAMPLES, bool), TS)
+    assert not goes_on_alone(data, baseline(data))
+
+
+def test_other_dynamics_than_linear_ones_are_not_looked_at() -> None:
+    fit, data = fitted(OWN["ramp"])
+    for effect in (dynamics.SqrtOutflow("both"), dynamics.CubicStiffness()):
+        hypothesis = Hypothesis((effect,))
+        other = replace(fit, hypothesis=hypothesis, theta=np.zeros(len(hypothesis.parameters)))
+        assert not goes_on_alone(data, other)
+
+
+@pytest.mark.parametrize("damping", [0.03, 0.06])
+def test_the_mode_that_the_baseline_lacks_is_what_is_new(damping: float) -> None:
+    """One pole and a mode: the three poles could as well be a swinging rig and a lag more."""
+    u = levels(9)
+    diagnosis = diagnose(record_of(mode(u, damping, 0.6), u))
+    assert names(diagnosis) == ["resonance"]
+    assert diagnosis.report["effects"][0]["parameters"]["damping"]["value"] == pytest.approx(damping, rel=0.2)
+
+
+def test_a_swinging_rig_with_a_further_lag_keeps_its_poles() -> None:
+    u = levels(9)
+    diagnosis = diagnose(record_of(mode(u, 0.3, 0.15), u))
+    assert names(diagnosis) == ["extra-lag"]
+
+
+def test_only_a_lag_can_hide_a_mode() -> None:
+    fit, data = fitted(OWN["ramp"])
+    levels_tried, _ = search_tree(data, LINEAR, None, 1, None)
+    lagged = next(tried for names, tried in levels_tried[1].items() if names == ("output-drift",))
+    assert not has_become_a_mode(fit, lagged)
+    light = Hypothesis((dynamics.ExtraLag(),))
+    theta = np.zeros(len(light.parameters))
+    theta[light.slices["plant"]][:2] = np.log(0.02), np.log(0.25)  # damping 0.02
+    swinging = replace(fit, hypothesis=light, theta=theta)
+    assert has_become_a_mode(fit, swinging)
+    assert not has_become_a_mode(swinging, swinging)
+    wandering = Hypothesis((output.Drift("1"),))
+    assert not has_become_a_mode(fit, replace(fit, hypothesis=wandering, theta=theta[: len(wandering.parameters)]))
