@@ -10,7 +10,7 @@ from labsid.gap.context import Context, Data
 from labsid.gap.effects import disturbance, drifting, dynamics, input, output
 from labsid.gap.effects.base import Effect, Fitted, InputEffect, PlantEffect
 from labsid.gap.fitting import Fit, Point, at_start, finish, search
-from labsid.gap.forms import INNER_LOAD, LAGS, LOAD, MODES, growing, housed, loaded_starts
+from labsid.gap.forms import INNER_LOAD, INNER_WAVE, LAGS, LOAD, MODES, growing, homes, loaded_starts
 from labsid.gap.hypothesis import Hypothesis
 from labsid.gap.linear_fits import AT_ONCE
 from labsid.gap.own_motion import goes_on_alone
@@ -22,6 +22,7 @@ FELT, FOUND = 2.0, 0.5  # rates, a sample
 SWINGING = 0.1, 0.4  # frequencies of a mass, a sample
 MOVED = 4.0  # times k, from which another search begins
 QUICK = 1.0  # rate, a sample, of a state that could hardly be seen to be nonlinear
+SHAKEN, MOST_SHAKEN = 0.1, 3.0  # size of a wave inside: with which what it does is tried, and where a search begins
 BRIEFLY = 4  # of all variants of a second or third effect
 
 CANDIDATES: tuple[tuple[Effect, ...], ...] = (
@@ -46,7 +47,7 @@ CANDIDATES: tuple[tuple[Effect, ...], ...] = (
     (output.Saturation("high"), output.Saturation("low"), output.Saturation("both")),
     (output.Nonlinearity(),),
     (disturbance.LoadStep(), disturbance.Leak("leak"), INNER_LOAD),
-    (disturbance.Periodic(),),
+    (disturbance.Periodic(), INNER_WAVE),
 )
 
 
@@ -76,11 +77,12 @@ def sketches(data: Data, parent: Fit, group: tuple[Effect, ...], swift: Fit, bri
     looked = []
     for effect in group:
         if effect.applies(context) and compatible(parent, effect):
-            hypothesis = housed(parent.hypothesis, effect)
-            tried = [
-                (at_start(data, hypothesis, theta), hypothesis, theta) for theta in starts(context, hypothesis, effect)
-            ]
-            looked += sorted(tried, key=_first)[:PROMISING]
+            for hypothesis in homes(parent.hypothesis, effect):
+                tried = [
+                    (at_start(data, hypothesis, theta), hypothesis, theta)
+                    for theta in starts(context, hypothesis, effect)
+                ]
+                looked += sorted(tried, key=_first)[:PROMISING]
     if brief:
         looked = _briefly(looked)
     found = []
@@ -201,6 +203,8 @@ def starts(context: Context, hypothesis: Hypothesis, effect: Effect) -> Iterable
             common[hypothesis.slices[key]] = parent.theta[place]
     place = hypothesis.slices["plant"]
     load = _load_inside(context) if INNER_LOAD in hypothesis.effects and LOAD in parent.hypothesis.effects else {}
+    shaken = INNER_WAVE in hypothesis.effects and INNER_WAVE not in parent.hypothesis.effects
+    load |= _wave_inside(context) if shaken and effect != INNER_WAVE else {}
     in_plant = isinstance(effect, PlantEffect)
     named_starts = effect.plant_starts(context) if isinstance(effect, PlantEffect) else [{}]
     own_starts = [np.zeros(0)] if in_plant else effect.starts(context)
@@ -211,7 +215,7 @@ def starts(context: Context, hypothesis: Hypothesis, effect: Effect) -> Iterable
                 full[place] = _with(hypothesis.plant, base, load | named)
                 if not in_plant:
                     full[hypothesis.slices[effect.key]] = own
-                yield full
+                yield _shaken(context.data, hypothesis, full) if shaken else full
 
 
 def _load_inside(context: Context) -> dict[str, float]:
@@ -221,6 +225,31 @@ def _load_inside(context: Context) -> dict[str, float]:
     gain = context.gain
     onset = float(fit.theta[fit.hypothesis.slices[LOAD.key]][0])
     return {"onset": onset, "load": float(np.clip(-size / gain, -20.0, 20.0)) if gain else 0.0}
+
+
+def _wave_inside(context: Context) -> dict[str, float]:
+    """How often the wave of the parent swings in the record."""
+    fit = context.parent
+    wave = next(effect for effect in fit.hypothesis.effects if effect.name == INNER_WAVE.name)
+    return {"cycles": float(fit.theta[fit.hypothesis.slices[wave.key]][0])}
+
+
+def _shaken(data: Data, hypothesis: Hypothesis, theta: FloatArray) -> FloatArray:
+    """The same numbers with size and phase of a wave inside, as they should be if the dynamics were linear."""
+    at = [hypothesis.slices["plant"].start + hypothesis.plant.index(name) for name in ("shake_cos", "shake_sin")]
+    still = hypothesis.design(theta, data.u).columns
+    moved = []
+    for i in at:
+        one = theta.copy()
+        one[i] = SHAKEN
+        moved.append((hypothesis.design(one, data.u).columns[:, 0] - still[:, 0]) / SHAKEN)
+    columns = np.column_stack([still, *moved])[data.rows]
+    if not np.isfinite(columns).all():
+        return theta
+    gains = np.linalg.lstsq(columns, data.y[data.rows])[0]
+    out = theta.copy()
+    out[at] = np.clip(gains[-2:] / (gains[0] or np.inf), -MOST_SHAKEN, MOST_SHAKEN)
+    return out
 
 
 def _plant_bases(context: Context, new: Plant) -> list[FloatArray]:

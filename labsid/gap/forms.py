@@ -40,8 +40,9 @@ RICHER: dict[Effect, Effect] = {
     output.Nonlinearity(): output.Nonlinearity("rich"),
 }
 """Cubic curves, and splines."""
-LOAD, LEAK, INNER_LOAD = disturbance.LoadStep(), disturbance.Leak("leak"), disturbance.InnerLoad("inside")
-"""A special case, and the general ones on linear and on nonlinear dynamics, whose search begins at what it finds."""
+LOAD, LEAK = disturbance.LoadStep(), disturbance.Leak("leak")
+INNER_LOAD, LOAD_AHEAD = disturbance.InnerLoad("inside"), disturbance.InnerLoad("ahead")
+"""A load on linear dynamics; the general case, whose search begins at what the former finds; on a nonlinear state."""
 
 
 ROOTS: dict[str, tuple[Effect, ...]] = {
@@ -67,11 +68,8 @@ GENERAL: dict[Effect, tuple[Effect, ...]] = SWITCHED | {
     special: (general,) for special, general in (RICHER | BRIMS | {STOP_LOW: STOPS, STOP_HIGH: STOPS}).items()
 }
 """Special cases, and the general ones on the same dynamics."""
-WAVE, LOAD_WAVE, INNER_WAVE = (
-    disturbance.Periodic(),
-    disturbance.Periodic("load"),
-    disturbance.InnerPeriodic("inside"),
-)
+WAVE, LOAD_WAVE = disturbance.Periodic(), disturbance.Periodic("load")
+INNER_WAVE, WAVE_AHEAD = disturbance.InnerPeriodic("inside"), disturbance.InnerPeriodic("ahead")
 """A wave behind the sensor's curve, ahead of it, and on dynamics with a nonlinear state."""
 INNER: dict[Effect, Effect] = {LOAD: INNER_LOAD} | {
     drifting.PoleDrift(bends): drifting.InnerPoleDrift(bends) for bends in ("1", "4")
@@ -94,8 +92,9 @@ def rearranged(hypothesis: Hypothesis) -> list[Hypothesis]:
     for i, effect in enumerate(hypothesis.effects[hypothesis.known :], hypothesis.known):
         forms: list[Effect] = [LOAD] if effect == LEAK else []
         forms += [grown] if effect == LOAD and (grown := growing(hypothesis.plant)) else []
-        if effect.name == WAVE.name and not isinstance(effect, disturbance.InnerPeriodic):
-            forms += [other for other in _waves(hypothesis) if other != effect]
+        forms += [other for other in _waves(hypothesis) if effect.name == WAVE.name and other != effect]
+        if hypothesis.plant.in_a_row and effect in (INNER_LOAD, LOAD_AHEAD):
+            forms += [LOAD_AHEAD if effect == INNER_LOAD else INNER_LOAD]
         forms += [other for other in ROOTS.get(effect.variant, ()) if effect.name == "sqrt-outflow"]
         forms += GENERAL.get(effect, ())
         forms += [DRIFTS[effect]] if effect in DRIFTS and hypothesis.plant.nonlinear else []
@@ -114,6 +113,7 @@ def _waves(hypothesis: Hypothesis) -> list[Effect]:
     waves: list[Effect] = [WAVE]
     waves += [LOAD_WAVE] if any(not effect.last for effect in hypothesis.outputs) else []
     waves += [INNER_WAVE] if hypothesis.plant.nonlinear else []
+    waves += [WAVE_AHEAD] if hypothesis.plant.in_a_row else []
     return waves
 
 
@@ -211,19 +211,27 @@ def _reroot(old: Plant, new: Plant, theta: FloatArray) -> None:
         theta[new.index("h1")] = theta[new.index("h2")] = 0.0
 
 
-def housed(old: Hypothesis, effect: Effect) -> Hypothesis:
-    """One effect more; a load or a drift that the parent has moves with it, if it makes a state nonlinear."""
+def homes(old: Hypothesis, effect: Effect) -> list[Hypothesis]:
+    """One effect more; what acts on the dynamics of the parent moves inside, if it makes a state nonlinear.
+
+    A load or a drift does, a wave may.
+    """
     new = old.plus(effect)
     if not new.plant.nonlinear:
-        return new
-    return Hypothesis((*(INNER.get(one, one) for one in old.effects), effect), old.known, old.given)
+        return [new]
+    inner = tuple(INNER.get(one, one) for one in old.effects)
+    found = [(*inner, effect)]
+    if {WAVE, LOAD_WAVE} & set(inner):
+        found += [(*(INNER_WAVE if one in (WAVE, LOAD_WAVE) else one for one in inner), effect)]
+    return [Hypothesis(effects, old.known, old.given) for effects in found]
 
 
 def _at_home(hypothesis: Hypothesis) -> Hypothesis:
     """The same with what acts on the dynamics as these hold it."""
     if hypothesis.plant.nonlinear:
         return hypothesis
-    outer = {INNER_WAVE: WAVE} | {inner: effect for effect, inner in INNER.items()}
+    outer: dict[Effect, Effect] = {INNER_WAVE: WAVE, WAVE_AHEAD: WAVE, LOAD_AHEAD: LOAD}
+    outer |= {inner: effect for effect, inner in INNER.items()}
     return Hypothesis(tuple(outer.get(e, e) for e in hypothesis.effects), hypothesis.known, hypothesis.given)
 
 

@@ -13,7 +13,7 @@ from labsid.gap.candidates import CANDIDATES
 from labsid.gap.context import Data, Scale
 from labsid.gap.effects.base import Effect
 from labsid.gap.fitting import Fit
-from labsid.gap.forms import GENERAL, INNER_WAVE, LOAD_WAVE, ORDERS, PLACES
+from labsid.gap.forms import GENERAL, LOAD_AHEAD, LOAD_WAVE, ORDERS, PLACES, WAVE_AHEAD
 from labsid.gap.hypothesis import Hypothesis
 
 SCHEMA = "labsid.model/1"
@@ -21,7 +21,7 @@ REST = 5000  # samples before a run that begins at rest
 START = 50  # samples from which the initial state of another record is estimated
 AWAY = (0.0, -0.5, 0.5, -1.0, 1.0, -2.0, 2.0, -3.0, 3.0)  # scaled: initial states that are tried
 _STATES = ("h1", "h2", "z0", "v0", "i0", "position", "before")
-_ALL = (*CANDIDATES, *PLACES, *ORDERS, *GENERAL.values(), (LOAD_WAVE, INNER_WAVE))
+_ALL = (*CANDIDATES, *PLACES, *ORDERS, *GENERAL.values(), (LOAD_WAVE, WAVE_AHEAD, LOAD_AHEAD))
 _BY_KEY: dict[str, Effect] = {effect.key: effect for group in _ALL for effect in group}
 
 

@@ -85,6 +85,8 @@ class Plant:
         Degrees above one of a slow course.
     loaded, shaken : bool
         Whether a load, and one that grows with the state, begins at an instant, or one swings; of nonlinear states.
+    load_ahead, shaken_ahead : bool
+        It enters ahead of the former of two states in a row, not of the latter one, and does not grow.
     run : callable, optional
         ``run(w) -> y`` of a given simulation, in scaled units.
     takes_input : bool
@@ -114,6 +116,8 @@ class Plant:
     bends: int = 0
     loaded: bool = False
     shaken: bool = False
+    load_ahead: bool = False
+    shaken_ahead: bool = False
     run: Callable[[FloatArray], FloatArray] | None = field(default=None, compare=False)
     takes_input: bool = False
     given_rates: tuple[float, float] = (0.5, 0.05)
@@ -156,7 +160,8 @@ class Plant:
         if self.fading:
             own += [DRIFT, *self._bent()]
         if self.loaded:
-            own += [Parameter("load", -20.0, 20.0), Parameter("leak", -0.9, 20.0), ONSET]
+            own += [Parameter("load", -20.0, 20.0)]
+            own += [ONSET] if self.load_ahead else [Parameter("leak", -0.9, 20.0), ONSET]
         if self.shaken:
             own += [CYCLES, Parameter("shake_cos", -20.0, 20.0), Parameter("shake_sin", -20.0, 20.0)]
         if self.lag:
@@ -226,6 +231,11 @@ class Plant:
     def nonlinear(self) -> bool:
         """Whether a state is nonlinear, so that it matters what stands before it and what behind."""
         return self.kind in ("tanks", "mechanics", "speed")
+
+    @property
+    def in_a_row(self) -> bool:
+        """Whether there are two states in a row, and a load may enter ahead of either."""
+        return self.kind == "tanks" or (self.kind == "speed" and self.lag_first)
 
     @property
     def _lag_ahead(self) -> bool:

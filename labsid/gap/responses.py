@@ -160,6 +160,7 @@ def _tanks(
     felt = [rate for rate, root in ((upper, plant.upper_root), (lower, plant.lower_root)) if root]
     fastest = max(felt, default=0.0)  # linear tanks are exact on their own, however quick
     substeps = int(max(np.ceil(fastest / 0.3), np.ceil(min(upper, lower) / 0.2), 2))
+    flow, onto = _loaded(plant, own, flow, span)
     return _states.tanks(
         flow,
         a,
@@ -173,16 +174,25 @@ def _tanks(
         h2 + own["h2"],
         substeps,
         late,
-        *_loaded(own, span),
+        *onto,
         pace,
     )[:, None]
 
 
-def _loaded(own: dict[str, float], span: int) -> tuple[float, ...]:
-    """Load, leak and onset in samples, and the two parts and the frequency of a wave, for the loops."""
-    step = own.get("load", 0.0), own.get("leak", 0.0), own.get("onset", np.inf) * span
-    wave = own.get("shake_cos", 0.0), own.get("shake_sin", 0.0), 2.0 * np.pi * own.get("cycles", 0.0) / span
-    return *step, *wave
+def _loaded(plant: "Plant", own: dict[str, float], w: FloatArray, span: int) -> tuple[FloatArray, tuple[float, ...]]:
+    """The drive less what enters ahead of it, and for the loops the rest.
+
+    Load, leak and onset in samples, and the two parts and the frequency of a wave.
+    """
+    load, leak, onset = own.get("load", 0.0), own.get("leak", 0.0), own.get("onset", np.inf) * span
+    cosine, sine = own.get("shake_cos", 0.0), own.get("shake_sin", 0.0)
+    frequency = 2.0 * np.pi * own.get("cycles", 0.0) / span
+    if plant.load_ahead:
+        w, load = w - load * np.clip(np.arange(w.size) + 1.0 - onset, 0.0, 1.0), 0.0
+    if plant.shaken_ahead:
+        phase = frequency * (np.arange(w.size) + 0.5)
+        w, cosine, sine = w - cosine * np.cos(phase) - sine * np.sin(phase), 0.0, 0.0
+    return w, (load, leak, onset, cosine, sine, frequency)
 
 
 def _pace(plant: "Plant", own: dict[str, float], samples: int, span: int) -> FloatArray | None:
@@ -209,8 +219,8 @@ def _mechanics(
     rests = "centre" in own and not plant.unsprung
     rest = _equilibrium(drive[0], k if pace is None else k * pace[0], cubic) if rests else 0.0
     z0, v0 = rest + own["z0"] / unit, own["v0"] / np.sqrt(unit)
-    onto = *_loaded(own, span), pace
-    return _states.mechanics(drive, c, k, own.get("friction", 0.0), cubic, z0, v0, substeps, late, *onto) * unit
+    drive, onto = _loaded(plant, own, drive, span)
+    return _states.mechanics(drive, c, k, own.get("friction", 0.0), cubic, z0, v0, substeps, late, *onto, pace) * unit
 
 
 def _equilibrium(force: float, k: float, cubic: float) -> float:
@@ -229,8 +239,9 @@ def _speed(
     friction = own["friction"]
     v = np.sign(drive[0]) * max(abs(drive[0]) - friction, 0.0) + own["v0"]
     i = (drive[0] if plant.lag_first else v) + own["i0"]
-    onto = *_loaded(own, span), _pace(plant, own, w.size, span)
-    return _states.speed(drive, a, b, friction, plant.lag_first, v, i, 3, late, *onto)
+    drive, onto = _loaded(plant, own, drive, span)
+    pace = _pace(plant, own, w.size, span)
+    return _states.speed(drive, a, b, friction, plant.lag_first, v, i, 3, late, *onto, pace)
 
 
 def _varying(

@@ -19,6 +19,7 @@ from labsid.gap.candidates import (
 from labsid.gap.context import Data
 from labsid.gap.fitting import Fit, finish, power, refit, rms, search
 from labsid.gap.forms import LEAK, LOAD, carried, rearranged, without
+from labsid.gap.freeing import freed
 from labsid.gap.hypothesis import Hypothesis
 from labsid.gap.leftover import explained_share
 from labsid.gap.linear_fits import baseline, driven_baseline, swift_fit
@@ -66,12 +67,19 @@ def search_tree(
     swift = swift_fit(data, base)
     base = _whitest(data, polish(data, base), swift)
     levels, path = _grown(data, base, swift, most, progress)
-    if len(path) == 1 and goes_on_alone(data, base):
+    if not goes_on_alone(data, path[-1]):
+        return levels, path
+    if len(path) == 1:
         other = driven_baseline(data, structure)
         if other is not None:
             other_levels, other_path = _grown(data, polish(data, other), swift, most, progress, driven=True)
             if len(other_path) > 1 and other_path[-1].bic < base.bic + MARGIN:
                 return other_levels, other_path
+    elif len(path) <= most:
+        steps = freed(data, path[-1])
+        if steps is not None and steps[-1].bic < path[-1].bic + MARGIN:
+            found = ({tuple(sorted(fit.hypothesis.names)): fit} for fit in steps)
+            return (*levels[: len(path) - 1], *found), (*path[:-1], *steps)
     return levels, path
 
 

@@ -12,6 +12,7 @@ from labsid.gap.plants import CYCLES, ONSET, Parameter, Plant
 from labsid.gap.responses import begun, denominator
 
 SHORTEST_LOAD = 8  # samples
+PULSE = 0.1  # of the most that a load changes: what it changes in the end, at least
 
 
 class LoadStep(AdditiveEffect):
@@ -38,8 +39,12 @@ class LoadStep(AdditiveEffect):
         return plant.through(rates, begun(float(own[0]), samples, span))
 
     def holds(self, fit: Fitted) -> bool:
-        """A load that begins with the record is an offset, and one at its very end a spike."""
-        return _inside(float(fit.own(self)[0]), fit.data.samples)
+        """Begun with the record it is an offset, at its very end a spike, and a pulse if nothing stays."""
+        plant, samples = fit.hypothesis.plant, fit.data.samples
+        rates = fit.theta[fit.hypothesis.slices["plant"]]
+        brought = self.columns(fit.own(self), samples, samples, plant, rates) @ fit.hypothesis.gains_of(fit.gains, self)
+        stays = abs(self.change(fit)) > PULSE * float(np.abs(brought).max())
+        return bool(stays and _inside(float(fit.own(self)[0]), samples))
 
     def acts(self, fit: Fitted) -> np.ndarray:
         """From the onset on."""
@@ -105,14 +110,22 @@ class Leak(_PlantLoad):
 
 
 class InnerPeriodic(PlantEffect):
-    """A sinusoid at the load of dynamics with a nonlinear state."""
+    """A sinusoid at the load of dynamics with a nonlinear state: `variant` inside, or ahead of two states in a row."""
 
     name = "periodic-disturbance"
     path = "disturbance"
 
     def shape(self, plant: Plant) -> Plant:
         """The same dynamics with a load that swings."""
-        return plant.but(shaken=True)
+        return plant.but(shaken=True, shaken_ahead=self.variant == "ahead")
+
+    def applies(self, context: Context) -> bool:
+        """Linear dynamics hold a wave outside."""
+        return context.parent.hypothesis.plant.nonlinear
+
+    def plant_starts(self, context: Context) -> list[dict[str, float]]:
+        """The highest narrow peaks of the residual."""
+        return [{"cycles": at} for at in cycles_of(context)]
 
     def values(self, fit: Fitted) -> dict[str, Value]:
         """`frequency`, and `amplitude` as the sinusoid of this frequency in what it changes at the output."""
@@ -127,11 +140,14 @@ class InnerPeriodic(PlantEffect):
 
 
 class InnerLoad(_PlantLoad):
-    """A load, and one that grows with the state, on dynamics with a nonlinear state."""
+    """A load on dynamics with a nonlinear state.
+
+    `variant` inside, where it may grow with the state, or ahead of two states in a row.
+    """
 
     def shape(self, plant: Plant) -> Plant:
         """The same dynamics with a load."""
-        return plant.but(loaded=True)
+        return plant.but(loaded=True, load_ahead=self.variant == "ahead")
 
     def applies(self, context: Context) -> bool:
         """Linear dynamics hold a load outside."""
@@ -150,9 +166,17 @@ def _change(fit: Fitted, *names: str) -> FloatArray:
     """What these numbers of the plant change at the output, shape (N,)."""
     place = fit.hypothesis.slices["plant"].start
     without = fit.theta.copy()
-    for name in names:
-        without[place + fit.hypothesis.plant.index(name)] = 0.0
+    for i, parameter in enumerate(fit.hypothesis.plant.parameters):
+        if parameter.name in names:
+            without[place + i] = 0.0
     return np.subtract(*(fit.hypothesis.output(theta, fit.gains, fit.data.u) for theta in (fit.theta, without)))
+
+
+def cycles_of(context: Context) -> list[float]:
+    """How often what swings in the highest narrow peaks of the residual does so in the record."""
+    samples = context.data.samples
+    slowest = 2.0 * np.pi * CYCLES.lower / samples
+    return [w * samples / (2.0 * np.pi) for w in peaks(context, 3, slowest)]
 
 
 def _instant(fit: Fitted, share: float) -> Value:
@@ -215,9 +239,7 @@ class Periodic(AdditiveEffect):
 
     def starts(self, context: Context) -> list[FloatArray]:
         """The highest narrow peaks of the residual."""
-        samples = context.data.samples
-        slowest = 2.0 * np.pi * CYCLES.lower / samples
-        return [np.array([w * samples / (2.0 * np.pi)]) for w in peaks(context, 3, slowest)]
+        return [np.array([at]) for at in cycles_of(context)]
 
     def columns(self, own: FloatArray, samples: int, span: int, plant: Plant, rates: FloatArray) -> FloatArray:
         """Cosine and sine."""

@@ -22,8 +22,8 @@ from labsid.gap.candidates import (
 from labsid.gap.context import Context, Data, scaled
 from labsid.gap.effects import disturbance, drifting, dynamics, input, output
 from labsid.gap.effects.base import Effect
-from labsid.gap.fitting import Fit, finish, rms, search
-from labsid.gap.forms import housed
+from labsid.gap.fitting import Fit, at_start, finish, rms, search
+from labsid.gap.forms import INNER_WAVE, LOAD_WAVE, WAVE, homes
 from labsid.gap.hypothesis import Hypothesis
 from labsid.gap.linear_fits import LINEAR, baseline, swift_fit
 from labsid.gap.plants import Plant
@@ -361,10 +361,41 @@ def test_the_best_start_need_not_be_ahead_at_once(banded: Explained) -> None:
 def test_a_load_goes_inside_with_an_effect_that_makes_a_state_nonlinear(effect: Effect, moves: bool) -> None:
     plain, inner = disturbance.LoadStep(), disturbance.InnerLoad("inside")
     old = Hypothesis((output.Drift("1"), plain), known=1)
-    new = housed(old, effect)
+    (new,) = homes(old, effect)
     assert new.effects == (output.Drift("1"), inner if moves else plain, effect)
     assert new.known == 1
-    assert housed(LINEAR, effect) == LINEAR.plus(effect)
+    assert homes(LINEAR, effect) == [LINEAR.plus(effect)]
+
+
+@pytest.mark.parametrize("wave", [WAVE, LOAD_WAVE])
+def test_a_wave_may_go_inside_with_an_effect_that_makes_a_state_nonlinear(wave: Effect) -> None:
+    old = Hypothesis((disturbance.LoadStep(), wave))
+    spring = dynamics.CubicStiffness()
+    found = [home.effects for home in homes(old, spring)]
+    assert found == [(disturbance.InnerLoad("inside"), one, spring) for one in (wave, INNER_WAVE)]
+    assert [home.effects for home in homes(old, input.DeadZone())] == [(*old.effects, input.DeadZone())]
+
+
+@pytest.mark.parametrize("effect", [dynamics.CubicStiffness(), dynamics.SqrtOutflow("both"), INNER_WAVE], ids=str)
+def test_a_wave_inside_begins_with_the_size_and_the_phase_that_linear_dynamics_would_need(
+    levels: FloatArray, two_poles: Response, effect: Effect
+) -> None:
+    """Of a parent that swings, or of a residual that does, at a seventh of the input's range."""
+    wave = 0.3 * np.cos(2.0 * np.pi * 23.0 / levels.size * np.arange(levels.size) + 1.0)
+    data = data_of(levels, two_poles(levels + wave))
+    numbers = {"log_c": np.log(0.5), "log_k": np.log(0.05), "cycles": 23.0}
+    parent = parent_of(data, Hypothesis((dynamics.CubicStiffness() if effect == INNER_WAVE else WAVE,)), **numbers)
+    context = Context(data, parent, parent)
+    hypothesis = homes(parent.hypothesis, effect)[-1]
+    assert INNER_WAVE in hypothesis.effects
+    place = hypothesis.slices["plant"].start
+    swings = [place + hypothesis.plant.index(name) for name in ("shake_cos", "shake_sin")]
+    shaken, still = [], []
+    for theta in starts(context, hypothesis, effect):
+        shaken.append(at_start(data, hypothesis, theta))
+        theta[swings] = 0.0
+        still.append(at_start(data, hypothesis, theta))
+    assert min(shaken) < 0.2 * min(still)
 
 
 @pytest.mark.parametrize("bends", ["1", "4"])
@@ -374,7 +405,7 @@ def test_so_does_a_drift_of_a_pole(levels: FloatArray, two_poles: Response, bend
     drift, inner, brim = drifting.PoleDrift(bends), drifting.InnerPoleDrift(bends), dynamics.Overflow("lower")
     parent = parent_of(data, Hypothesis((drift,)), log_c=-0.7, log_k=-3.0, drift=0.3, bend1=-0.1)
     assert compatible(parent, brim)
-    hypothesis = housed(parent.hypothesis, brim)
+    (hypothesis,) = homes(parent.hypothesis, brim)
     assert hypothesis.effects == (inner, brim)
     names = [p.name for p in hypothesis.plant.parameters]
     for theta in starts(Context(data, parent, parent), hypothesis, brim):
@@ -431,7 +462,7 @@ def test_a_load_goes_inside_as_the_input_that_does_the_same(
     data = data_of(levels, two_poles(levels))
     parent = loaded(size, 0.0, data)
     effect = dynamics.CubicStiffness()
-    hypothesis = housed(parent.hypothesis, effect)
+    (hypothesis,) = homes(parent.hypothesis, effect)
     names = [p.name for p in hypothesis.plant.parameters]
     for theta in starts(Context(data, parent), hypothesis, effect):
         own = dict(zip(names, theta[hypothesis.slices["plant"]], strict=True))

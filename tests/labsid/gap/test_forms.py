@@ -17,6 +17,7 @@ from labsid.gap.forms import (
     INNER_WAVE,
     LEAK,
     LOAD,
+    LOAD_AHEAD,
     LOAD_WAVE,
     ORDERS,
     PLACES,
@@ -24,6 +25,7 @@ from labsid.gap.forms import (
     STOPS,
     SWITCHED,
     WAVE,
+    WAVE_AHEAD,
     carried,
     growing,
     rearranged,
@@ -360,7 +362,9 @@ def test_one_stop_of_a_sensor_is_also_tried_as_two(banded: Explained, which: str
         ((input.DeadZone(), output.Saturation("both")), ()),
         ((output.Nonlinearity(),), (LOAD_WAVE,)),
         ((dynamics.CubicStiffness(),), (INNER_WAVE,)),
-        ((dynamics.SqrtOutflow("both"), output.Nonlinearity()), (LOAD_WAVE, INNER_WAVE)),
+        ((dynamics.SqrtOutflow("both"), output.Nonlinearity()), (LOAD_WAVE, INNER_WAVE, WAVE_AHEAD)),
+        ((dynamics.CoulombFriction("speed"),), (INNER_WAVE, WAVE_AHEAD)),
+        ((dynamics.CoulombFriction("speed-lag"),), (INNER_WAVE,)),
     ],
 )
 def test_a_wave_is_tried_wherever_that_makes_a_difference(
@@ -368,12 +372,25 @@ def test_a_wave_is_tried_wherever_that_makes_a_difference(
 ) -> None:
     found = [other.effects[-1] for other in rearranged(Hypothesis((*effects, WAVE)))]
     assert [wave for wave in found if wave.name == WAVE.name and wave != WAVE] == list(expected)
-    if LOAD_WAVE in expected:
-        found = [other.effects[-1] for other in rearranged(Hypothesis((*effects, LOAD_WAVE)))]
-        assert WAVE in found
-    assert not {WAVE, LOAD_WAVE} & {
-        other.effects[-1] for other in rearranged(Hypothesis((dynamics.CubicStiffness(), INNER_WAVE)))
-    }
+    for other in expected:  # and from each of them back
+        found = [form.effects[-1] for form in rearranged(Hypothesis((*effects, other)))]
+        assert {WAVE, *expected} - {other} <= set(found)
+
+
+@pytest.mark.parametrize(
+    ("effect", "in_a_row"),
+    [
+        (dynamics.SqrtOutflow("both"), True),
+        (dynamics.Overflow("upper"), True),
+        (dynamics.CoulombFriction("speed"), True),
+        (dynamics.CoulombFriction("speed-lag"), False),
+        (dynamics.CoulombFriction("position"), False),
+    ],
+)
+def test_a_load_may_enter_ahead_of_either_of_two_states_in_a_row(effect: Effect, in_a_row: bool) -> None:
+    for load, other in ((INNER_LOAD, LOAD_AHEAD), (LOAD_AHEAD, INNER_LOAD)):
+        found = [form.effects[-1] for form in rearranged(Hypothesis((effect, load)))]
+        assert (other in found) == in_a_row
 
 
 @pytest.mark.parametrize(
@@ -381,6 +398,8 @@ def test_a_wave_is_tried_wherever_that_makes_a_difference(
     [
         (INNER_LOAD, LOAD, "onset"),
         (INNER_WAVE, WAVE, "cycles"),
+        (WAVE_AHEAD, WAVE, "cycles"),
+        (LOAD_AHEAD, LOAD, "onset"),
         (drifting.InnerPoleDrift("1"), drifting.PoleDrift("1"), "drift"),
     ],
 )

@@ -418,6 +418,13 @@ def test_size_of_a_load_is_what_it_changes_in_the_end() -> None:
     np.testing.assert_array_equal(effect.acts(fit), np.arange(SAMPLES) >= 25)
 
 
+def test_a_load_that_brings_nothing_in_the_end_is_a_pulse() -> None:
+    effect = disturbance.LoadStep()
+    for second, onset, expected in ((0.01, 0.5, True), (-0.0299, 0.5, False), (-0.03, 0.5, False), (0.01, 0.0, False)):
+        gains = np.array([0.0, 0.0, 0.0, 0.0, 0.0, 0.03, second])
+        assert effect.holds(fitted(effect, gains, None, onset)) is expected
+
+
 def test_amplitudes_of_additive_effects() -> None:
     wave = values(fitted(disturbance.Periodic(), np.array([0.0, 0.0, 0.3, 0.4]), None, 5.0))
     assert wave == {"frequency": (pytest.approx(5.0 / (SAMPLES * TS)), "Hz"), "amplitude": (pytest.approx(1.5), "y")}

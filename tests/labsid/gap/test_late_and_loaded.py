@@ -99,3 +99,26 @@ def test_a_load_begins_at_its_onset_and_a_leak_takes_more_where_there_is_more(pl
         assert loaded[-1] < without[-1] - 0.05
         # Counted by the span of the fit's record, whatever is played.
         np.testing.assert_array_equal(plant.columns(some_theta(plant, **own), w[:280], w.size)[:, 0], loaded[:280])
+
+
+@pytest.mark.parametrize(
+    "plant",
+    [
+        Plant(kind="tanks", upper_root=True, brim=2),
+        Plant(kind="tanks", lower_root=True, flipped=True),
+        Plant(kind="speed", friction=True),
+    ],
+)
+def test_what_enters_ahead_of_the_former_of_two_states_is_less_input(plant: Plant, levels: FloatArray) -> None:
+    """A load from its onset on, and a wave that begins at zero."""
+    k, side = np.arange(levels.size), -1.0 if plant.flipped else 1.0
+    bare = some_theta(plant)
+    pulls = {
+        "load": (plant.but(loaded=True, load_ahead=True), np.clip(k + 1.0 - 0.4 * k.size, 0.0, 1.0)),
+        "shake_sin": (plant.but(shaken=True, shaken_ahead=True), np.sin(2.0 * np.pi * 9.0 / k.size * (k + 0.5))),
+    }
+    for name, (moved, pull) in pulls.items():
+        found = moved.columns(some_theta(moved, cycles=9.0, **{name: 0.3}), levels, k.size)
+        expected = plant.columns(bare, levels - side * 0.3 * pull, k.size)
+        assert np.std(expected - plant.columns(bare, levels, k.size)) > 0.02
+        np.testing.assert_allclose(found[150:], expected[150:], atol=2e-3)  # the first level is that of the input

@@ -9,8 +9,9 @@ from scipy.signal import cont2discrete, lfilter
 from labsid._arrays import FloatArray
 from labsid.gap.context import Data, scaled
 from labsid.gap.diagnosis import Diagnosis, diagnose
-from labsid.gap.effects import dynamics, output
-from labsid.gap.fitting import Fit
+from labsid.gap.effects import dynamics, input, output
+from labsid.gap.fitting import Fit, finish, rms, search
+from labsid.gap.freeing import freed
 from labsid.gap.hypothesis import Hypothesis
 from labsid.gap.linear_fits import LINEAR, baseline, driven_baseline
 from labsid.gap.own_motion import goes_on_alone, has_become_a_mode
@@ -146,3 +147,34 @@ def test_only_a_lag_can_hide_a_mode() -> None:
     assert not has_become_a_mode(swinging, swinging)
     wandering = Hypothesis((output.Drift("1"),))
     assert not has_become_a_mode(fit, replace(fit, hypothesis=wandering, theta=theta[: len(wandering.parameters)]))
+
+
+@pytest.mark.parametrize(("kind", "name"), [("ramp", "output-drift"), ("wave", "periodic-disturbance")])
+def test_a_pole_that_goes_on_alone_beside_another_effect_is_made_what_it_stands_for(kind: str, name: str) -> None:
+    """A dead zone ahead of one pole; a pair of poles may swing with the wave only where nothing damps it."""
+    u = levels()
+    y = lag(np.sign(u - 2.0) * np.maximum(np.abs(u - 2.0) - 0.25, 0.0)) + 1.5 * OWN[kind]
+    diagnosis = diagnose(record_of(y, u))
+    assert set(names(diagnosis)) == {"input-dead-zone", name}
+
+
+def test_freed_gives_the_steps_without_and_with_the_drift() -> None:
+    u = levels()
+    y = lag(np.sign(u - 2.0) * np.maximum(np.abs(u - 2.0) - 0.25, 0.0)) + 0.5 * ALONG
+    data = scaled(u, y + NOISE * np.random.default_rng(11).standard_normal(SAMPLES), np.ones(SAMPLES, bool), TS)
+    hypothesis = Hypothesis((input.DeadZone(),))
+    numbers = {"low": -0.4, "high": 0.4, "log_c": np.log(RATE), "log_k": np.log(RATE) - 14.0}
+    theta = np.array([numbers.get(p.name, 0.0) for p in hypothesis.parameters])
+    point = search(data, hypothesis, theta, iterations=30)
+    assert point is not None
+    fit = finish(data, hypothesis, point)
+    assert goes_on_alone(data, fit)
+    steps = freed(data, fit)
+    assert steps is not None
+    without, along = steps
+    assert without.hypothesis == hypothesis
+    assert along.hypothesis.names == ("input-dead-zone", "output-drift")
+    assert not goes_on_alone(data, along)
+    assert rms(data, without) > 5.0 * rms(data, along)
+    assert along.bic < fit.bic + 10.0
+    assert freed(data, along) is None

@@ -360,6 +360,21 @@ def test_a_load_on_a_nonlinear_state_is_found_however_large(
     assert values["size"].value == pytest.approx((rig(u, load, 240) - rig(u, 0.0, 240))[-1], rel=0.1)
 
 
+@pytest.mark.parametrize("kind", ["wave", "load"])
+def test_what_acts_on_the_inflow_of_two_tanks_is_found_beside_a_brim(kind: str) -> None:
+    """Ahead of the upper tank, the brim being the lower one's."""
+    u = np.repeat(np.random.default_rng(8).uniform(-1.0, 1.0, 80), 15)
+    k, fine, first, level, out = np.arange(u.size), 40, u[0], u[0], []
+    flow = u - (0.35 * np.sin(2.0 * np.pi * 21.3 / u.size * k) if kind == "wave" else 0.5 * (k >= 700))
+    for value in flow.tolist():
+        out.append(level)
+        for _ in range(fine):
+            first, level = first + 0.2 * (value - first) / fine, min(level + 0.06 * (first - level) / fine, 0.25)
+    found = explain(data_of(u, np.array(out)), most=2)
+    assert set(found.names) == {"overflow", "periodic-disturbance" if kind == "wave" else "load-step"}
+    assert rms(found.data, found.best) < 0.0115
+
+
 def axis(gain: float, friction: float, pull: float, samples: int) -> tuple[FloatArray, FloatArray]:
     """Force and position of an axis without a spring that follows a course in a loop, 50 steps of Euler's method."""
     fine, x, v = 50, 0.0, 0.0

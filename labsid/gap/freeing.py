@@ -1,0 +1,45 @@
+"""A pole that goes on alone made what it stands for, beside other effects: a drift, or a wave."""
+
+import numpy as np
+
+from labsid.gap.context import Data
+from labsid.gap.effects import disturbance, output
+from labsid.gap.fitting import Fit, finish, search
+from labsid.gap.forms import carried
+from labsid.gap.linear_fits import AT_ONCE, SINGLE
+from labsid.gap.own_motion import goes_on_alone
+from labsid.gap.responses import real_rates
+from labsid.gap.settling import polish, settle
+
+DRIFTS = tuple(output.Drift(variant) for variant in ("1", "3", "6", "10", "16", "settle"))
+
+
+def freed(data: Data, fit: Fit) -> tuple[Fit, Fit] | None:
+    """The same effects on the one pole that the input moves, without and with a drift or a wave for the other pole.
+
+    None where that pole is drawn there again, or the fit has such an effect already.
+    """
+    c, k = fit.rates
+    swings = c**2 < 4.0 * k
+    cycles = float(np.sqrt(max(k - 0.25 * c**2, 0.0))) * data.samples / (2.0 * np.pi)
+    effects = [disturbance.Periodic()] if swings else list(DRIFTS)
+    best: Fit | None = None
+    for effect in effects:
+        if effect.name in fit.hypothesis.names:
+            continue
+        other = fit.hypothesis.plus(effect)
+        for rate in SINGLE if swings else real_rates(c, k)[1:]:
+            theta = carried(fit, other)
+            theta[other.slices["plant"]][:2] = np.log((rate + AT_ONCE, rate * AT_ONCE))
+            if swings:
+                theta[other.slices[effect.key]] = cycles
+            point = search(data, other, theta, iterations=25, tolerance=1e-5)
+            one = None if point is None else finish(data, other, point)
+            if one is not None and (best is None or one.bic < best.bic) and not goes_on_alone(data, one):
+                best = one
+    if best is None:
+        return None
+    end = polish(data, settle(data, best))
+    best = best if goes_on_alone(data, end) else end
+    alone = search(data, fit.hypothesis, carried(best, fit.hypothesis), iterations=0)
+    return None if alone is None else (finish(data, fit.hypothesis, alone), best)
