@@ -190,8 +190,8 @@ WORDS: dict[str, Words] = {
     "periodic-disturbance": Words(
         "a periodic disturbance",
         (
-            "A sinusoid of {frequency} and amplitude {amplitude} is added to the output",
-            "A sinusoid is added to the output",
+            "The output swings at {frequency} with amplitude {amplitude}, whatever the command does",
+            "The output swings, whatever the command does",
         ),
         "A steady swing that no command brings about. Look at pumps, fans, mains hum and neighbouring machines.",
     ),

@@ -28,7 +28,7 @@ CLAUSES = {
     "output-outliers": "Single readings, 0.72 % of them, are spikes",
     "output-dropout": "The logger repeats its last value over 12 % of the record",
     "load-step": "An unmeasured load sets in at 374.2 s and moves the output by -0.210",
-    "periodic-disturbance": "A sinusoid of 0.0861 Hz and amplitude 0.00467 is added to the output",
+    "periodic-disturbance": "The output swings at 0.0861 Hz with amplitude 0.00467, whatever the command does",
     "coloured-noise": "Noise of 0.045 rms that forgets itself slowly lies on the output",
     "parameter-mismatch": "The structure of the simulation is right, its numbers are wrong",
 }
