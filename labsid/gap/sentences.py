@@ -166,7 +166,8 @@ def _plateaus(report: dict[str, Any]) -> str:
     seen = report["plateaus"]
     missed, whole = seen["missed"], seen["missed"] / seen["of_gap"]
     size = f"The simulation misses these levels by {number(missed)} rms; its whole error is {number(whole)} rms."
-    left = f"{number(seen['left'] * missed)} rms is left of it"
+    left = f"{number(seen['left'] * missed)} rms" if seen["left"] else "no more than noise may do"
+    left += " is left of it"
     if seen["left"] > ACCOUNTED:
         return f"{size} Nothing that was tried accounts for that: with the nearest explanation added, {left}."
     return f"{size} With the {'nearest explanation' if incomplete(report) else 'cause'} added, {left}."

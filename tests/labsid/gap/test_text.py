@@ -221,6 +221,10 @@ def test_levels_that_do_not_repeat_are_said_with_what_the_simulations_miss_of_th
         "its whole error is 0.0500 rms. With the cause added, 0.00400 rms is left of it."
     )
     assert said in _one_line(verdict_text(base))
+    base = with_plateaus(report("output-drift"), left=0.0)
+    assert sentences.record_sentences(base)[0].endswith(
+        "With the cause added, no more than noise may do is left of it."
+    )
     base = with_plateaus(report("output-drift", verdict="unknown"), left=0.6)
     assert "Nothing that was tried accounts for that" in sentences.record_sentences(base)[0]
     assert sentences.verdict_sentence(base).endswith("the output does not come back to the same level.")
