@@ -7,15 +7,26 @@ import numpy as np
 
 from labsid._arrays import FloatArray
 from labsid.gap.context import Context, Data
-from labsid.gap.effects import disturbance, drifting, dynamics, input, output
+from labsid.gap.effects import drifting, dynamics, input, output
 from labsid.gap.effects.base import Effect, Fitted, InputEffect, PlantEffect
 from labsid.gap.fitting import Fit, Point, at_start, finish, search
-from labsid.gap.forms import INNER_LOAD, INNER_WAVE, LAGS, LOAD, MODES, growing, homes, loaded_starts
+from labsid.gap.forms import (
+    INNER_LOAD,
+    INNER_WAVE,
+    LAGS,
+    LEAK,
+    LOAD,
+    MODES,
+    SENSOR_DRIFTS,
+    WAVE,
+    growing,
+    homes,
+    loaded_starts,
+)
 from labsid.gap.hypothesis import Hypothesis
-from labsid.gap.linear_fits import AT_ONCE
 from labsid.gap.own_motion import goes_on_alone
 from labsid.gap.plants import Plant
-from labsid.gap.responses import real_rates
+from labsid.gap.responses import one_pole, real_rates
 
 PROMISING = 8  # starts of one variant that are followed
 FELT, FOUND = 2.0, 0.5  # rates, a sample
@@ -43,11 +54,11 @@ CANDIDATES: tuple[tuple[Effect, ...], ...] = (
         for drift in (drifting.GainDrift, drifting.PoleDrift, drifting.InnerPoleDrift)
         for bends in ("1", "4")
     ),
-    tuple(output.Drift(variant) for variant in ("1", "3", "6", "10", "16", "settle")),
+    SENSOR_DRIFTS,
     (output.Saturation("high"), output.Saturation("low"), output.Saturation("both")),
     (output.Nonlinearity(),),
-    (disturbance.LoadStep(), disturbance.Leak("leak"), INNER_LOAD),
-    (disturbance.Periodic(), INNER_WAVE),
+    (LOAD, LEAK, INNER_LOAD),
+    (WAVE, INNER_WAVE),
 )
 
 
@@ -264,7 +275,7 @@ def _plant_bases(context: Context, new: Plant) -> list[FloatArray]:
     if fast > FELT:  # a pole that a fit has lost: nothing would draw it back
         rates.append((slow + FOUND, slow * FOUND))
     if new.kind in ("tanks", "speed") and old.kind == "linear":  # one tank, one inertia
-        rates += [(rate + AT_ONCE, rate * AT_ONCE) for rate in _single(context, slow, fast)]
+        rates += [one_pole(rate) for rate in _single(context, slow, fast)]
     if new.friction and new.kind == "mechanics" and old.kind == "linear":  # to which linear dynamics are sluggish
         rates += [(w, w**2) for w in SWINGING if w**2 > MOVED * context.rates[1]]
     bases = []

@@ -18,6 +18,7 @@ FEW = 6  # iterations after an effect was taken out
 
 LAGS: tuple[Effect, ...] = (dynamics.ExtraLag(), dynamics.ExtraLag("ahead"))
 MODES: tuple[Effect, ...] = (dynamics.Resonance(), dynamics.Resonance("ahead"), dynamics.Resonance("beside"))
+SENSOR_DRIFTS: tuple[Effect, ...] = tuple(output.Drift(bends) for bends in ("1", "3", "6", "10", "16", "settle"))
 PLACES: tuple[tuple[Effect, ...], ...] = (
     LAGS,
     MODES,

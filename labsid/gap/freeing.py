@@ -3,15 +3,12 @@
 import numpy as np
 
 from labsid.gap.context import Data
-from labsid.gap.effects import disturbance, output
 from labsid.gap.fitting import Fit, finish, search
-from labsid.gap.forms import carried
-from labsid.gap.linear_fits import AT_ONCE, SINGLE
+from labsid.gap.forms import SENSOR_DRIFTS, WAVE, carried
+from labsid.gap.linear_fits import SINGLE
 from labsid.gap.own_motion import goes_on_alone
-from labsid.gap.responses import real_rates
+from labsid.gap.responses import one_pole, real_rates
 from labsid.gap.settling import polish, settle
-
-DRIFTS = tuple(output.Drift(variant) for variant in ("1", "3", "6", "10", "16", "settle"))
 
 
 def freed(data: Data, fit: Fit) -> tuple[Fit, Fit] | None:
@@ -22,7 +19,7 @@ def freed(data: Data, fit: Fit) -> tuple[Fit, Fit] | None:
     c, k = fit.rates
     swings = c**2 < 4.0 * k
     cycles = float(np.sqrt(max(k - 0.25 * c**2, 0.0))) * data.samples / (2.0 * np.pi)
-    effects = [disturbance.Periodic()] if swings else list(DRIFTS)
+    effects = (WAVE,) if swings else SENSOR_DRIFTS
     best: Fit | None = None
     for effect in effects:
         if effect.name in fit.hypothesis.names:
@@ -30,7 +27,7 @@ def freed(data: Data, fit: Fit) -> tuple[Fit, Fit] | None:
         other = fit.hypothesis.plus(effect)
         for rate in SINGLE if swings else real_rates(c, k)[1:]:
             theta = carried(fit, other)
-            theta[other.slices["plant"]][:2] = np.log((rate + AT_ONCE, rate * AT_ONCE))
+            theta[other.slices["plant"]][:2] = np.log(one_pole(rate))
             if swings:
                 theta[other.slices[effect.key]] = cycles
             point = search(data, other, theta, iterations=25, tolerance=1e-5)

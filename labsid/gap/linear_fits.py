@@ -8,9 +8,9 @@ from labsid.gap.effects import output
 from labsid.gap.fitting import Fit, Point, finish, search
 from labsid.gap.hypothesis import Hypothesis
 from labsid.gap.own_motion import goes_on_alone
+from labsid.gap.responses import one_pole
 
 LINEAR = Hypothesis()
-AT_ONCE = 30.0  # rate, a sample, of a state that is none
 SINGLE = 0.005, 0.02, 0.1, 0.4, 1.5  # rates, a sample, of a rig that has one pole
 
 
@@ -39,7 +39,7 @@ def driven_baseline(data: Data, hypothesis: Hypothesis) -> Fit | None:
     """
     points = []
     for rate in SINGLE:
-        point = search(data, hypothesis, _linear_theta(hypothesis, rate + AT_ONCE, rate * AT_ONCE), iterations=30)
+        point = search(data, hypothesis, _linear_theta(hypothesis, *one_pole(rate)), iterations=30)
         if point is not None:
             points.append(point)
     fits = (finish(data, hypothesis, point) for point in sorted(points, key=lambda point: point.cost))

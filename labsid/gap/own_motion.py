@@ -6,7 +6,7 @@ from labsid._arrays import FloatArray
 from labsid.gap import _kernels
 from labsid.gap.context import Data
 from labsid.gap.fitting import Fit
-from labsid.gap.responses import denominator
+from labsid.gap.responses import damping, denominator
 
 LATER = 1.0 / 3.0  # of the record: what still goes on from there on was not brought along from before it
 MATTERS, DRIVEN = 1.0, 3.0  # of what the fit leaves, rms: what goes on alone, and what the input surely moves
@@ -44,12 +44,8 @@ def has_become_a_mode(base: Fit, fit: Fit) -> bool:
     plant = fit.hypothesis.plant
     if plant.kind != "linear" or not plant.lag or plant.mode:
         return False
-    own = _damping(*fit.rates)
-    return own < LIGHTLY and _damping(*base.rates) > MORE * own
-
-
-def _damping(c: float, k: float) -> float:
-    return float(0.5 * c / np.sqrt(k))
+    own = damping(*fit.rates)
+    return own < LIGHTLY and damping(*base.rates) > MORE * own
 
 
 def _motions(

@@ -16,6 +16,7 @@ RESTORING = 1e-11, 90.0  # bounds of k, in samples
 AT_REST = 6.0  # time constants after which a free motion is over
 NODES = np.polynomial.legendre.leggauss(8)
 QUICKEST = 2.4  # rate of a tank with a root, a sample: what is quicker follows its inflow at once
+AT_ONCE = 30.0  # rate, a sample, of a pole that is none
 
 
 def response(
@@ -77,6 +78,16 @@ def real_rates(c: float, k: float) -> tuple[float, float]:
     if s == 0.0:
         return float(np.sqrt(k)) * 0.8, float(np.sqrt(k)) * 1.25
     return float(k / fast), float(min(fast, 8.0))
+
+
+def damping(c: float, k: float) -> float:
+    """Damping ratio of s^2 + c s + k."""
+    return float(0.5 * c / np.sqrt(k))
+
+
+def one_pole(rate: float) -> tuple[float, float]:
+    """c and k of one pole, the other one so quick that it is none; the decay rate a sample."""
+    return rate + AT_ONCE, rate * AT_ONCE
 
 
 def section(c: float, k: float, w: FloatArray) -> FloatArray:
@@ -188,7 +199,7 @@ def _loaded(plant: "Plant", own: dict[str, float], w: FloatArray, span: int) -> 
     cosine, sine = own.get("shake_cos", 0.0), own.get("shake_sin", 0.0)
     frequency = 2.0 * np.pi * own.get("cycles", 0.0) / span
     if plant.load_ahead:
-        w, load = w - load * np.clip(np.arange(w.size) + 1.0 - onset, 0.0, 1.0), 0.0
+        w, load = w - load * begun(own["onset"], w.size, span), 0.0
     if plant.shaken_ahead:
         phase = frequency * (np.arange(w.size) + 0.5)
         w, cosine, sine = w - cosine * np.cos(phase) - sine * np.sin(phase), 0.0, 0.0

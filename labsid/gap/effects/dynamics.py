@@ -6,13 +6,13 @@ from labsid.gap import _kernels
 from labsid.gap.context import Context
 from labsid.gap.effects.base import Fitted, PlantEffect, Value
 from labsid.gap.plants import Plant
-from labsid.gap.responses import real_rates
+from labsid.gap.responses import damping, one_pole, real_rates
 
 BRIMS = {"upper": 1, "lower": 2, "both": 3}
 AT_ONCE = 1.0  # rate, a sample, of a tank that follows its inflow at once
 LEAST_DAMPING = 2e-3  # of a mode
 LIGHTLY = 0.2  # damping of a mode that has taken the poles of the rig
-SLOWER, QUICKLY = 3.0, 30.0  # times, and a rate, a sample: the pole, and the lost one, that are then tried for the rig
+SLOWER = 3.0  # times: the one pole that is then tried for the rig
 FEWEST_SWINGS = 4.0  # of a mode in the record
 HARDLY_SPRUNG = 40.0  # rate of the slow pole, in the record
 SLACK = -6.0  # of the logarithm of a spring
@@ -74,15 +74,12 @@ class Resonance(_Placed):
 
     def plant_starts(self, context: Context) -> list[dict[str, float]]:
         """The highest narrow peaks of the residual, two frequencies in any case, and the mode that the parent is."""
-        peaked = [(w, 0.08) for w in peaks(context, 3, 0.02)] + [(0.15, 0.15), (0.5, 0.15)]
-        beside = [{"log_frequency": float(np.log(w)), "log_damping": float(np.log(damping))} for w, damping in peaked]
-        c, k = context.rates
-        w, damping = float(np.sqrt(k)), float(0.5 * c / np.sqrt(k))
-        if context.parent.hypothesis.plant.kind != "linear" or not LEAST_DAMPING < damping < LIGHTLY or w > np.pi:
+        beside = [_mode(w, 0.08) for w in peaks(context, 3, 0.02)] + [_mode(w, 0.15) for w in (0.15, 0.5)]
+        w, damped = float(np.sqrt(context.rates[1])), damping(*context.rates)
+        if context.parent.hypothesis.plant.kind != "linear" or not LEAST_DAMPING < damped < LIGHTLY or w > np.pi:
             return beside
-        rate = w / SLOWER
-        single = {"log_c": float(np.log(rate + QUICKLY)), "log_k": float(np.log(rate * QUICKLY))}
-        return [*beside, single | {"log_frequency": float(np.log(w)), "log_damping": float(np.log(damping))}]
+        log_c, log_k = np.log(one_pole(w / SLOWER)).tolist()
+        return [*beside, {"log_c": log_c, "log_k": log_k} | _mode(w, damped)]
 
     def holds(self, fit: Fitted) -> bool:
         """A mode that swings a few times in the whole record is a drift; one without damping, a wave from outside."""
@@ -93,6 +90,11 @@ class Resonance(_Placed):
         """`frequency` in hertz, and `damping`."""
         frequency = float(np.exp(fit.plant("log_frequency"))) / (2.0 * np.pi * fit.data.Ts)
         return {"frequency": Value(frequency, "Hz"), "damping": Value(float(np.exp(fit.plant("log_damping"))), "1")}
+
+
+def _mode(frequency: float, damped: float) -> dict[str, float]:
+    """Where the search for a mode begins."""
+    return {"log_frequency": float(np.log(frequency)), "log_damping": float(np.log(damped))}
 
 
 def peaks(context: Context, count: int, slowest: float) -> list[float]:
