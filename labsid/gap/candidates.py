@@ -48,7 +48,7 @@ CANDIDATES: tuple[tuple[Effect, ...], ...] = (
     tuple(dynamics.SqrtOutflow(which + side) for which in ("both", "upper", "lower") for side in ("", "-flipped")),
     tuple(dynamics.Overflow(which + side) for which in ("upper", "lower") for side in ("", "-flipped")),
     tuple(dynamics.CoulombFriction(which) for which in ("position", "unsprung", "speed", "speed-lag")),
-    (dynamics.CubicStiffness(),),
+    (dynamics.CubicStiffness(), dynamics.CubicStiffness("sampled")),
     tuple(
         drift(bends)
         for drift in (drifting.GainDrift, drifting.PoleDrift, drifting.InnerPoleDrift)

@@ -97,7 +97,7 @@ class Hypothesis:
         inputs = sorted((e for e in self.effects if isinstance(e, InputEffect)), key=lambda e: e.order)
         outputs = sorted((e for e in self.effects if isinstance(e, OutputEffect)), key=lambda e: e.place)
         additive = [e for e in self.effects if isinstance(e, AdditiveEffect)]
-        nuisance = STUCK if plant.friction else SAMPLED if plant.cubic else DELAY
+        nuisance = STUCK if plant.friction else SAMPLED if plant.sampled else DELAY
         parameters: list[Parameter] = [] if any(e.name == "input-delay" for e in inputs) else [nuisance]
         places = {}
         parts: list[tuple[str, tuple[Parameter, ...]]] = [(e.key, e.parameters) for e in inputs]

@@ -68,6 +68,8 @@ class Plant:
         The input counts outflow: more u means less flow.
     friction, cubic : bool
         Dry friction, cubic restoring force.
+    sampled : bool
+        Whether the input may be sampled, and not held: then it comes up to half a sample early.
     unsprung : bool
         Whether what rubs has next to no spring: a constant force is then no shift of its position.
     lag_first : bool
@@ -107,6 +109,7 @@ class Plant:
     flipped: bool = False
     friction: bool = False
     cubic: bool = False
+    sampled: bool = False
     unsprung: bool = False
     lag_first: bool = True
     lag_ahead: bool = False

@@ -279,13 +279,17 @@ def start_away(context: Context) -> float:
 
 
 class CubicStiffness(PlantEffect):
-    """Hardening or softening restoring force."""
+    """Hardening or softening restoring force; `variant` sampled where the input is not held between the samples."""
 
     name = "cubic-stiffness"
 
+    def applies(self, context: Context) -> bool:
+        """Only a mass that swings tells an input that is sampled from one that is held."""
+        return self.variant != "sampled" or damping(*context.rates) < 1.0
+
     def shape(self, plant: Plant) -> Plant:
         """A mass on a spring."""
-        return plant.but(kind="mechanics", cubic=True)
+        return plant.but(kind="mechanics", cubic=True, sampled=self.variant == "sampled")
 
     def plant_starts(self, context: Context) -> list[dict[str, float]]:
         """Hardening and softening, about the median and the first input."""

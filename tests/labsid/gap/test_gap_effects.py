@@ -463,6 +463,15 @@ def test_a_mass_is_tried_without_its_spring_where_the_record_hardly_sees_one(
     assert dynamics.CoulombFriction("position").applies(context)
 
 
+@pytest.mark.parametrize(("damped", "applies"), [(0.05, True), (0.8, True), (1.2, False), (3.0, False)])
+def test_only_a_mass_that_swings_is_tried_on_an_input_that_is_not_held(
+    levels: FloatArray, damped: float, applies: bool
+) -> None:
+    context = linear_context(2.0 * damped * 0.3, 0.3**2, 1.0, levels)
+    assert dynamics.CubicStiffness("sampled").applies(context) == applies
+    assert dynamics.CubicStiffness().applies(context)
+
+
 def linear_context(c: float, k: float, gain: float, levels: FloatArray) -> Context:
     """About two known poles."""
     numerator, denominator, _ = cont2discrete(([gain * k], [1.0, c, k]), 1.0)

@@ -61,12 +61,13 @@ def test_the_input_of_a_spring_may_be_sampled_and_not_held() -> None:
     least = {
         plant: Hypothesis((effect,)).parameters[0].lower
         for plant, effect in (
-            ("spring", dynamics.CubicStiffness()),
+            ("spring", dynamics.CubicStiffness("sampled")),
+            ("held", dynamics.CubicStiffness()),
             ("friction", dynamics.CoulombFriction("position")),
             ("tanks", dynamics.SqrtOutflow("both")),
         )
     }
-    assert least == {"spring": -NUISANCE_DELAY, "friction": 0.0, "tanks": 0.0}
+    assert least == {"spring": -NUISANCE_DELAY, "held": 0.0, "friction": 0.0, "tanks": 0.0}
 
 
 def test_bounds_are_those_of_the_parameters() -> None:
