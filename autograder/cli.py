@@ -25,8 +25,8 @@ SecretFile = Annotated[
 @course.command()
 def build() -> None:
     """Build notebooks/*.md into autograder/source and autograder/release."""
-    from autograder.build import build_course
-    from autograder.course import find_course
+    from autograder.course.build import build_course
+    from autograder.course.layout import find_course
 
     here = find_course()
     names = list(_progress(build_course(here), len(here.assignments()), "building"))
@@ -43,8 +43,8 @@ def release(
     ] = None,
 ) -> None:
     """Zip what students get: notebooks, data, labsid and the environment; with a secret, data for each student."""
-    from autograder.course import find_course
-    from autograder.release import read_students, write_individual_releases, write_release
+    from autograder.course.layout import find_course
+    from autograder.course.release import read_students, write_individual_releases, write_release
     from labsid.rig import read_secret
 
     if (secret is None) != (students is None):
@@ -70,10 +70,10 @@ def collect(
     ] = None,
 ) -> None:
     """Take hand-ins out of Moodle's zip, a line for each student."""
-    from autograder.collect import collect as collect_hand_ins
-    from autograder.course import find_course
-    from autograder.late import time_zone
-    from autograder.worksheet import read_worksheet
+    from autograder.course.layout import find_course
+    from autograder.intake.collect import collect as collect_hand_ins
+    from autograder.intake.worksheet import read_worksheet
+    from autograder.results.late import time_zone
 
     zone = None if timezone is None else time_zone(timezone)
     sheet = None if worksheet is None else read_worksheet(worksheet)
@@ -110,12 +110,12 @@ def grade(
 
     The gradebook is OUT/gradebook.db, or the database that OUT/nbgrader_config.py names in CourseDirectory.db_url.
     """
-    from autograder.course import find_course
-    from autograder.crew import open_crew
-    from autograder.grade import find_batch, grade_batch
-    from autograder.late import parse_rules
-    from autograder.nbgrader_door import nbgrader_api
-    from autograder.summary import class_table
+    from autograder.batch.executors import open_crew
+    from autograder.batch.grade import find_batch, grade_batch
+    from autograder.course.layout import find_course
+    from autograder.course.nbgrader_access import nbgrader_api
+    from autograder.results.late import parse_rules
+    from autograder.results.summary import class_table
     from labsid.rig import read_secret
 
     if isolation not in ("strict", "best", "none"):
@@ -145,7 +145,7 @@ def grade(
 @course.command()
 def feedback(out: Out) -> None:
     """Write OUT/feedback/<student>/<assignment>.html."""
-    from autograder.feedback import write_feedback
+    from autograder.results.feedback import write_feedback
 
     pages = list(_progress(write_feedback(out), None, "feedback"))
     print(f"Wrote {len(pages)} pages below {out / 'feedback'}.")
@@ -163,9 +163,9 @@ def export(
     ] = None,
 ) -> None:
     """Export the grades, with what was graded by hand since."""
-    from autograder.export import export_csv
-    from autograder.moodle import export_moodle
-    from autograder.worksheet import read_worksheet
+    from autograder.export.grades_csv import export_csv
+    from autograder.export.moodle import export_moodle
+    from autograder.intake.worksheet import read_worksheet
 
     if format not in ("csv", "moodle"):
         raise typer.BadParameter(f"got {format!r}, expected csv or moodle", param_hint="--format")
@@ -185,7 +185,7 @@ def export(
 @course.command()
 def report(out: Out) -> None:
     """Write OUT/report.html: how the class did, what cost most, who needs a look."""
-    from autograder.report import write_report
+    from autograder.results.report import write_report
 
     print(f"Wrote {write_report(out)}.")
 
@@ -195,9 +195,9 @@ def doctor(
     json_file: Annotated[Path | None, typer.Option("--json", metavar="FILE", help="Write what was found here.")] = None,
 ) -> None:
     """Try each way out of a student's process on this machine, and say what holds on each rung of isolation."""
-    from autograder.doctor import as_json, as_text, examine
-    from autograder.isolation import RUNGS
-    from labsid.console import write_file
+    from autograder.sandbox.doctor import as_json, as_text, examine
+    from autograder.sandbox.isolation import RUNGS
+    from labsid.cli.console import write_file
 
     found = list(_progress(examine(), len(RUNGS), "trying"))
     print(as_text(found))
@@ -210,8 +210,8 @@ def lab(
     open_lab: Annotated[bool, typer.Option("--open/--no-open", help="Open JupyterLab in it.")] = True,
 ) -> None:
     """Copy the student release into a work folder, never overwriting work, and open JupyterLab."""
-    from autograder.course import find_course
-    from autograder.student import copy_release, open_jupyterlab
+    from autograder.course.layout import find_course
+    from autograder.course.student_folder import copy_release, open_jupyterlab
 
     for line in copy_release(find_course(), folder):
         print(line)
@@ -224,7 +224,7 @@ def submit(
     out: Annotated[Path, typer.Option(help="The file to hand in.")] = Path("hand-in.zip"),
 ) -> None:
     """Check your notebooks and zip them for hand-in."""
-    from autograder.student import pack
+    from autograder.course.student_folder import pack
 
     for line in pack(folder, out):
         print(line)

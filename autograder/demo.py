@@ -5,15 +5,15 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
-from autograder.build import build_course
-from autograder.course import Course, find_course
-from autograder.crew import open_crew
-from autograder.export import export_csv
-from autograder.feedback import write_feedback
-from autograder.grade import Batch, find_batch, grade_batch
-from autograder.report import write_report
+from autograder.batch.executors import open_crew
+from autograder.batch.grade import Batch, find_batch, grade_batch
+from autograder.course.build import build_course
+from autograder.course.layout import Course, find_course
+from autograder.export.grades_csv import export_csv
+from autograder.results.feedback import write_feedback
+from autograder.results.report import write_report
+from autograder.results.summary import class_table
 from autograder.samples import LAB, write_samples
-from autograder.summary import class_table
 
 Progress = Callable[..., Iterator[Any]]
 _MARK = ".labsid-demo"
@@ -75,12 +75,12 @@ def draw_figures(course: Course, folder: Path) -> Iterator[Path]:
     import numpy as np
 
     from labsid import plots
-    from labsid.arx import fit_arx
-    from labsid.offset import find_offsets, remove_offsets
-    from labsid.record import load_record
-    from labsid.sinusoid import make_sinusoids
-    from labsid.step_comparison import compare_with_approximation, second_order_example
-    from labsid.validation import verify
+    from labsid.lab.arx import fit_arx
+    from labsid.lab.offset import find_offsets, remove_offsets
+    from labsid.lab.sinusoid import make_sinusoids
+    from labsid.lab.step_comparison import compare_with_approximation, second_order_example
+    from labsid.lab.verification import verify
+    from labsid.records.record import load_record
 
     record = load_record(course.record)
     u, y = remove_offsets(record.u, record.y, find_offsets(record.u, record.y))
@@ -109,9 +109,9 @@ def draw_figures(course: Course, folder: Path) -> Iterator[Path]:
 
 
 def _identify(course: Course, out: Path) -> str:
-    from labsid.console import identification_text, write_json
-    from labsid.identify import identify, to_json_dict
-    from labsid.record import load_record
+    from labsid.cli.console import identification_text, write_json
+    from labsid.lab.identification import identify, to_json_dict
+    from labsid.records.record import load_record
 
     found = identify(load_record(course.record), order=2, start=2)
     write_json(out / "identification.json", to_json_dict(found))

@@ -7,7 +7,7 @@ from typing import Any
 
 import nbformat
 
-from autograder.course import Course
+from autograder.course.layout import Course
 
 LAB = "lab-identification"
 

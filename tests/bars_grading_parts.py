@@ -20,10 +20,10 @@ from bench_grading import OURS, compare, disturb
 from course_work import GradeCode, copy_course, execute_solution
 from variants import Right, Wrong, questions_lost, variants_of
 
-from autograder.build import build_course
-from autograder.course import Course
-from autograder.isolation import Limits, open_workshop
-from autograder.judge import QuestionResult
+from autograder.course.build import build_course
+from autograder.course.layout import Course
+from autograder.judge.judging import QuestionResult
+from autograder.sandbox.isolation import Limits, open_workshop
 
 
 @dataclass(frozen=True, slots=True)

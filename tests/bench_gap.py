@@ -27,7 +27,7 @@ from scipy.optimize import least_squares
 from scipy.signal import lfilter
 
 from labsid.gap.diagnosis import diagnose
-from labsid.record import Record
+from labsid.records.record import Record
 
 Array = NDArray[np.float64]
 

@@ -32,18 +32,18 @@ sys.path.insert(0, str(Path(__file__).resolve().parent.parent))  # the packages 
 
 from course_work import copy_course
 
-from autograder.build import build_course
-from autograder.course import RECORD_FILE, Course
-from autograder.results import load_good
+from autograder.course.build import build_course
+from autograder.course.layout import RECORD_FILE, Course
+from autograder.results.result_files import load_good
 from autograder.samples import LAB, write_samples
 
 OURS = """
 import sys
 from pathlib import Path
-import autograder.course
-here = autograder.course.Course(Path(sys.argv.pop(1)))
-autograder.course.find_course = lambda: here
-from labsid.cli import main
+import autograder.course.layout
+here = autograder.course.layout.Course(Path(sys.argv.pop(1)))
+autograder.course.layout.find_course = lambda: here
+from labsid.cli.commands import main
 sys.exit(main())
 """
 CONFIG = """

@@ -22,10 +22,10 @@ from rich.console import Console
 from rich.table import Table
 from scipy.signal import lfilter
 
-from labsid.fast_arx import fit_long_arx
-from labsid.recursive import recursive_armax, recursive_least_squares
-from labsid.regressor import build_phi
-from labsid.structures import Structure
+from labsid.estimation.recursive import recursive_armax, recursive_least_squares
+from labsid.lab.long_arx import fit_long_arx
+from labsid.lab.regressor import build_phi
+from labsid.model_structures.structures import Structure
 
 Array = NDArray[np.float64]
 Estimator = Callable[[Array, Array], Array]

@@ -14,15 +14,15 @@ from typing import Any
 
 import nbformat
 
-from autograder.assets import Stock, desk_for
-from autograder.course import Course, read_template
-from autograder.gradebook import database_url
-from autograder.intake import Step, Submission
-from autograder.isolation import Workshop
-from autograder.judge import QuestionResult, judge_submission
-from autograder.nbgrader_door import open_gradebook
+from autograder.batch.assets import Stock, desk_for
+from autograder.course.layout import Course, read_template
+from autograder.course.nbgrader_access import open_gradebook
+from autograder.intake.submission import Step, Submission
+from autograder.judge.judging import QuestionResult, judge_submission
+from autograder.results.gradebook import database_url
+from autograder.sandbox.isolation import Workshop
 from labsid.checks.notebook import load_assignment
-from labsid.record import load_record
+from labsid.records.record import load_record
 
 ROOT = Path(__file__).resolve().parent.parent
 

@@ -16,8 +16,8 @@ from labsid.blind.runner import Replay, run_batch, run_replays
 from labsid.blind.score import score
 from labsid.blind.suite import PER_ROW, cases, label_dict
 from labsid.blind.table import markdown, print_scores
-from labsid.record import Record
-from labsid.rig.play import poles
+from labsid.records.record import Record
+from labsid.rig.switchable.play import poles
 
 FRESH_RECORDS = 20
 

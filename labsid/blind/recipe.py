@@ -6,11 +6,11 @@ from typing import Any
 import numpy as np
 
 from labsid._arrays import FloatArray
-from labsid.record import Record
-from labsid.rig.inputs import draw_input
-from labsid.rig.plants import Scales
-from labsid.rig.play import Noise, Played, play
-from labsid.rig.setup import Setup
+from labsid.records.record import Record
+from labsid.rig.switchable.inputs import draw_input
+from labsid.rig.switchable.plants import Scales
+from labsid.rig.switchable.play import Noise, Played, play
+from labsid.rig.switchable.setup import Setup
 
 
 @dataclass(frozen=True, slots=True)

@@ -31,13 +31,13 @@ from labsid.blind.strength import (
     gap,
     output_spread,
 )
-from labsid.rig.effects import EFFECTS, can_have, draw_effect, look_at
-from labsid.rig.inputs import INPUTS, RICH
-from labsid.rig.outside import OUTSIDE, can_have_outside, draw_outside
-from labsid.rig.plants import RIGS
-from labsid.rig.play import poles
-from labsid.rig.setup import Setup
-from labsid.rig.truth import true_linear
+from labsid.rig.switchable.effects import EFFECTS, can_have, draw_effect, look_at
+from labsid.rig.switchable.inputs import INPUTS, RICH
+from labsid.rig.switchable.outside import OUTSIDE, can_have_outside, draw_outside
+from labsid.rig.switchable.plants import RIGS
+from labsid.rig.switchable.play import poles
+from labsid.rig.switchable.setup import Setup
+from labsid.rig.switchable.truth import true_linear
 
 Draw = Callable[[np.random.Generator, int, str], Case | None]
 

@@ -16,10 +16,10 @@ import numpy as np
 from labsid._arrays import FloatArray
 from labsid.blind.recipe import Case
 from labsid.blind.suite import write_case, write_record
-from labsid.record import Record
+from labsid.records.record import Record
 
-_MAIN = "import sys\nfrom labsid.cli import main\nsys.exit(main(sys.argv[1:]))"
-_MANY = "import json, sys\nfrom labsid.cli import main\nfor line in json.load(sys.stdin):\n    main(line)"
+_MAIN = "import sys\nfrom labsid.cli.commands import main\nsys.exit(main(sys.argv[1:]))"
+_MANY = "import json, sys\nfrom labsid.cli.commands import main\nfor line in json.load(sys.stdin):\n    main(line)"
 SECONDS_TO_START = 60.0
 SECONDS_A_RECORD = 60.0
 """Time limits: what is not there by then counts as wrong."""

@@ -11,8 +11,8 @@ import numpy as np
 
 from labsid.blind.recipe import Case
 from labsid.blind.rows import ROWS
-from labsid.record import Record
-from labsid.rig.play import RunsAway
+from labsid.records.record import Record
+from labsid.rig.switchable.play import RunsAway
 
 PER_ROW = {"dev": 80, "final": 220}
 _MOST_DRAWS = 400

@@ -10,7 +10,7 @@ import numpy as np
 from labsid.checks.question import Assignment, given_values
 from labsid.checks.values import Value, plain
 from labsid.checks.verdict import NoAnswer
-from labsid.record import Record, load_record
+from labsid.records.record import Record, load_record
 
 PUBLIC_SEED = 2018
 
@@ -120,5 +120,5 @@ def load_assignment(name: str) -> Assignment:
 
 def assignment_names() -> list[str]:
     """Names of the assignments that have checks."""
-    modules = (Path(__file__).parent / "assignments").glob("[a-z]*.py")
-    return sorted(module.stem.replace("_", "-") for module in modules)
+    folders = (Path(__file__).parent / "assignments").glob("[a-z]*/__init__.py")
+    return sorted(path.parent.name.replace("_", "-") for path in folders)

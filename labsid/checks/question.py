@@ -9,7 +9,7 @@ import numpy as np
 from labsid.checks.compare import kind_of
 from labsid.checks.values import Value
 from labsid.checks.verdict import NoAnswer, Verdict
-from labsid.record import Record
+from labsid.records.record import Record
 
 
 @dataclass(frozen=True, slots=True)

@@ -3,8 +3,8 @@
 import numpy as np
 
 from labsid._arrays import FloatArray
-from labsid.prediction import free_run
-from labsid.structures import PolynomialModel, Structure
+from labsid.model_structures.prediction import free_run
+from labsid.model_structures.structures import PolynomialModel, Structure
 
 ARX, ARMAX = Structure(1, 1), Structure(1, 1, 1)
 

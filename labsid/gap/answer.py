@@ -21,7 +21,7 @@ from labsid.gap.quantities import counted, percent
 from labsid.gap.steps import closed_by_step
 from labsid.gap.traces import traces
 from labsid.gap.which import Explained
-from labsid.record import Record
+from labsid.records.record import Record
 
 SCHEMA = "labsid.gap/1"
 LAGS = 20

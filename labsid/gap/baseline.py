@@ -16,7 +16,7 @@ from labsid.gap.linear_fits import baseline
 from labsid.gap.model_file import SCHEMA, START, RunningModel, exported_model
 from labsid.gap.noise import fit_noise
 from labsid.gap.plants import Plant
-from labsid.record import Record
+from labsid.records.record import Record
 
 FAR = 1e6  # ranges of the record's output
 NO_STATES = np.zeros((0, 0))

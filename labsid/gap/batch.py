@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from labsid import __version__
-from labsid.console import write_file, write_json
+from labsid.cli.console import write_file, write_json
 from labsid.gap.workers import ATTEMPTS, run_tasks, serve
 
 if TYPE_CHECKING:  # it comes with the whole search, which only the workers need
@@ -146,7 +146,7 @@ def _answer(task: dict[str, Any]) -> dict[str, Any]:
     """Diagnose one record; whatever goes wrong with it is an answer, too."""
     from labsid.gap.diagnosis import diagnose
     from labsid.gap.simulations import load_simulation
-    from labsid.record import load_record
+    from labsid.records.record import load_record
 
     try:
         record = load_record(task["record"], allow_jitter=True)

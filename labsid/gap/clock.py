@@ -5,8 +5,8 @@ from typing import Any
 
 import numpy as np
 
-from labsid.findings import Finding
-from labsid.record import REGULAR_WITHIN, Record
+from labsid.lab.findings import Finding
+from labsid.records.record import REGULAR_WITHIN, Record
 
 APART = 1.0  # samples: two sampling times of one rig may differ by this over a record whose clock jitters
 

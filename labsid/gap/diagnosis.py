@@ -7,7 +7,6 @@ from typing import Any
 import numpy as np
 
 from labsid._arrays import FloatArray
-from labsid.findings import about_clipping
 from labsid.gap.answer import answer
 from labsid.gap.baseline import Baseline, Simulation, as_running, baseline_of, bounded
 from labsid.gap.clock import clock_findings, in_step, stated_sampling
@@ -22,7 +21,8 @@ from labsid.gap.record_findings import PlateauGap, error_findings, filter_length
 from labsid.gap.traces import traces
 from labsid.gap.tree import Progress
 from labsid.gap.which import Explained, explain
-from labsid.record import Record
+from labsid.lab.findings import about_clipping
+from labsid.records.record import Record
 
 FEWEST = 100  # samples
 

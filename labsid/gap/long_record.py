@@ -5,8 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from labsid.gap.baseline import Simulation
-from labsid.record import Record
-from labsid.signal_quality import runs
+from labsid.records.record import Record
+from labsid.records.signal_quality import runs
 
 LONGEST = 20_000  # samples: one to three minutes of search on one core
 KEPT = 40  # samples that stay between two changes of the input when a record is thinned out

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from labsid._arrays import FloatArray
-from labsid.signal_quality import lattice_step, runs
+from labsid.records.signal_quality import lattice_step, runs
 
 SPIKE = 6.0  # robust standard deviations at which an isolated sample is one
 LONGEST_SPIKE = 2  # samples

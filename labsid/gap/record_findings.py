@@ -5,13 +5,13 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from labsid._arrays import FloatArray
-from labsid.direction import gain_from_past
-from labsid.findings import Finding, about_clipping, about_filter, about_plateaus, about_rest
-from labsid.formats import RawRecord
-from labsid.offset import find_offsets
-from labsid.plateaus import repeated_plateaus
-from labsid.record import Record
-from labsid.signal_quality import moving_mean_length
+from labsid.lab.findings import Finding, about_clipping, about_filter, about_plateaus, about_rest
+from labsid.lab.offset import find_offsets
+from labsid.lab.plateaus import repeated_plateaus
+from labsid.records.direction import gain_from_past
+from labsid.records.formats import RawRecord
+from labsid.records.record import Record
+from labsid.records.signal_quality import moving_mean_length
 
 ANSWERS = 10.0  # F statistic: 39 on the lab's closed loop, at most 5 on rigs in open loop
 PARTS = 8  # of a record, in which its delay is looked at

@@ -8,7 +8,7 @@ from labsid.gap.fitting import Fit, refit
 from labsid.gap.how_much import HowMuch, closure
 from labsid.gap.model_file import running_model
 from labsid.gap.which import Explained
-from labsid.record import Record
+from labsid.records.record import Record
 
 
 def closed_by_step(explained: Explained, amount: HowMuch, holdout: Record | None) -> list[float | None]:

@@ -24,9 +24,9 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-    from labsid.offset import Offsets
-    from labsid.record import Record
-    from labsid.sinusoid import Sinusoids
+    from labsid.lab.offset import Offsets
+    from labsid.lab.sinusoid import Sinusoids
+    from labsid.records.record import Record
 
 
 def plot_input(t: ArrayLike, u: ArrayLike, ax: Axes | None = None) -> Axes:
@@ -58,7 +58,7 @@ def figure_1(sinusoids: Sinusoids) -> Figure:
     Parameters
     ----------
     sinusoids : Sinusoids
-        From `labsid.sinusoid.make_sinusoids`.
+        From `labsid.lab.sinusoid.make_sinusoids`.
 
     Returns
     -------
@@ -71,7 +71,7 @@ def figure_1(sinusoids: Sinusoids) -> Figure:
     which: here the sine is drawn with `plot` and the cosine with stairs (``step(..., where="post")``).
     """
     # Students who are being graded draw with this module; the taught step must not come along with it.
-    from labsid.sinusoid import cut_off
+    from labsid.lab.sinusoid import cut_off
 
     cut = cut_off(sinusoids)
     figure = new_figure(8.0, 6.4)
@@ -160,7 +160,7 @@ def figure_offsets(record: Record, offsets: Offsets) -> Figure:
     record : Record
         Best one that starts from an empty tank; where it starts settled, the two means coincide.
     offsets : Offsets
-        From `labsid.offset.find_offsets`.
+        From `labsid.lab.offset.find_offsets`.
 
     Returns
     -------

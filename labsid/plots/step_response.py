@@ -26,8 +26,8 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
     from matplotlib.transforms import Transform
 
-    from labsid.step_comparison import StepComparison
-    from labsid.step_response import StepResponseFit
+    from labsid.lab.step_comparison import StepComparison
+    from labsid.lab.step_response import StepResponseFit
 
 SHARE_283, SHARE_632 = 1 - np.exp(-1 / 3), 1 - np.exp(-1)
 
@@ -42,7 +42,7 @@ def figure_a1(t: ArrayLike, y: ArrayLike, fit: StepResponseFit) -> Figure:
     y : array_like, shape (N,)
         Recorded response in volts.
     fit : StepResponseFit
-        From `labsid.step_response.fit_step_response` on the same samples; its `reading` is drawn.
+        From `labsid.lab.step_response.fit_step_response` on the same samples; its `reading` is drawn.
 
     Returns
     -------
@@ -59,7 +59,7 @@ def figure_a1(t: ArrayLike, y: ArrayLike, fit: StepResponseFit) -> Figure:
     its way at td + tau and 28.3 % at td + tau/3.
     """
     # Loads scipy's optimiser, which the other figures do without.
-    from labsid.step_response import first_order_response
+    from labsid.lab.step_response import first_order_response
 
     t, y = as_signals(t=t, y=y)
     if y.size != fit.y_fit.size:
@@ -92,7 +92,7 @@ def figure_a2(comparison: StepComparison) -> Figure:
     Parameters
     ----------
     comparison : StepComparison
-        From `labsid.step_comparison.compare_with_approximation`.
+        From `labsid.lab.step_comparison.compare_with_approximation`.
 
     Returns
     -------

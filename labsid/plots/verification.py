@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-    from labsid.validation import Verification
+    from labsid.lab.verification import Verification
 
 _SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 
@@ -67,7 +67,7 @@ def figure_7(t: ArrayLike, y: ArrayLike, verification: Verification) -> Figure:
     y : array_like, shape (N,)
         Offset-free output in volts.
     verification : Verification
-        From `labsid.validation.verify`. Panel (a) takes the simulation that starts from rest at the half.
+        From `labsid.lab.verification.verify`. Panel (a) takes the simulation that starts from rest at the half.
 
     Returns
     -------
@@ -104,7 +104,7 @@ def figure_7_initial_state(t: ArrayLike, y: ArrayLike, verification: Verificatio
     y : array_like, shape (N,)
         Offset-free output in volts.
     verification : Verification
-        From `labsid.validation.verify`.
+        From `labsid.lab.verification.verify`.
 
     Returns
     -------

@@ -20,13 +20,13 @@ from unittest import mock
 import nbformat
 
 from attacks import QUESTIONS, Attack, answers, hand_ins, processes, reach
-from autograder import results
-from autograder.course import Course, read_template
-from autograder.crew import LocalCrew
-from autograder.feedback import write_feedback
-from autograder.grade import Batch, find_batch, grade_batch
-from autograder.isolation import Limits, open_workshop
-from autograder.results import StoredResult
+from autograder.batch.executors import LocalCrew
+from autograder.batch.grade import Batch, find_batch, grade_batch
+from autograder.course.layout import Course, read_template
+from autograder.results import result_files
+from autograder.results.feedback import write_feedback
+from autograder.results.result_files import StoredResult
+from autograder.sandbox.isolation import Limits, open_workshop
 
 NAME = "prelab-sinusoids"
 ATTACKS: tuple[Attack, ...] = (*processes.ATTACKS, *answers.ATTACKS, *reach.ATTACKS, *hand_ins.ATTACKS)
@@ -107,7 +107,7 @@ def fight(course: Course, folder: Path, isolation: str) -> Outcome:
     book.close()
     (earlier / "gradebook.db").chmod(0o666)
     earlier.chmod(0o777)
-    same = mock.patch("autograder.fingerprint.sources_hash", return_value="the same")  # whoever edits meanwhile
+    same = mock.patch("autograder.batch.fingerprint.sources_hash", return_value="the same")  # whoever edits meanwhile
     with socket.create_server(("127.0.0.1", 0)) as listener, same:
         listener.setblocking(False)
         with open_workshop(isolation, LIMITS) as workshop:
@@ -151,7 +151,7 @@ def fight(course: Course, folder: Path, isolation: str) -> Outcome:
 def run(course: Course, batch: Batch, out: Path, workshop: Any, jobs: int = 1) -> dict[str, StoredResult]:
     done = list(grade_batch(course, batch, out, LocalCrew(workshop, jobs), SECRET))
     assert sorted(one.student for one in done) == sorted(batch.students)
-    return {one.student: one for one in results.load_all(out)}
+    return {one.student: one for one in result_files.load_all(out)}
 
 
 def honest(submitted: Path, notebook: dict[str, Any]) -> None:

@@ -13,22 +13,22 @@ ATTACKS = (
     Attack(
         "imports the reference",
         "it is refused, and said to be the reference",
-        {FUNCTION: "from labsid.sinusoid import Sinusoids, cut_off as found\n" + _USE},
+        {FUNCTION: "from labsid.lab.sinusoid import Sinusoids, cut_off as found\n" + _USE},
         loses=(FUNCTION,),
-        said="labsid.sinusoid is the reference: it cannot be used",
+        said="labsid.lab.sinusoid is the reference: it cannot be used",
     ),
     Attack(
         "imports the reference by its name as text",
         "it is refused, and said to be the reference",
-        {FUNCTION: "import importlib\nmodule = importlib.import_module('labsid.sinusoid')\n"
+        {FUNCTION: "import importlib\nmodule = importlib.import_module('labsid.lab.sinusoid')\n"
                    "Sinusoids, found = module.Sinusoids, module.cut_off\n" + _USE},
         loses=(FUNCTION,),
-        said="labsid.sinusoid is the reference: it cannot be used",
+        said="labsid.lab.sinusoid is the reference: it cannot be used",
     ),
     Attack(
         "takes the reference from sys.modules",
         "it was never loaded here",
-        {FUNCTION: "import sys, labsid\nmodule = sys.modules.get('labsid.sinusoid') or labsid.sinusoid\n"
+        {FUNCTION: "import sys, labsid\nmodule = sys.modules.get('labsid.lab.sinusoid') or labsid.lab.sinusoid\n"
                    "Sinusoids, found = module.Sinusoids, module.cut_off\n" + _USE},
         loses=(FUNCTION,),
         said=_REFUSED,
@@ -37,7 +37,7 @@ ATTACKS = (
         "takes the guard off the import system",
         "the file is not in its sight",
         {FUNCTION: "import sys, importlib\nsys.meta_path[:] = [one for one in sys.meta_path if isinstance(one, type)]\n"
-                   "from labsid.sinusoid import Sinusoids, cut_off as found\n" + _USE},
+                   "from labsid.lab.sinusoid import Sinusoids, cut_off as found\n" + _USE},
         loses=(FUNCTION,),
         said=_REFUSED,
         open_on_none=_FILES,
@@ -144,7 +144,8 @@ ATTACKS = (
     Attack(
         "runs another program",
         "it cannot become another program",
-        {TIME: "import subprocess, sys\nsubprocess.run([sys.executable, '-c', 'import labsid.sinusoid'], check=True)\n"
+        {TIME: "import subprocess, sys\n"
+               "subprocess.run([sys.executable, '-c', 'import labsid.lab.sinusoid'], check=True)\n"
                "t = np.linspace(0, 100, 1001).reshape(-1, 1)"},
         loses=(TIME,),
         said="Error",

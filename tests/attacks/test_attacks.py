@@ -19,12 +19,12 @@ from course_work import copy_course
 
 from attacks import FUNCTION, NOISE, QUESTIONS, Attack, hand_ins
 from attacks.arena import ATTACKS, HONEST, LIMITS, NAME, ON, SECRET, Outcome, due_to, fight, scores_of, student_of
-from autograder.build import build_course
-from autograder.collect import collect
-from autograder.course import Course
-from autograder.isolation import Rung, open_workshop, rungs_here
+from autograder.course.build import build_course
+from autograder.course.layout import Course
+from autograder.intake.collect import collect
+from autograder.sandbox.isolation import Rung, open_workshop, rungs_here
 from labsid.checks.assignments.prelab_sinusoids import function
-from labsid.sinusoid import make_sinusoids
+from labsid.lab.sinusoid import make_sinusoids
 
 pytestmark = pytest.mark.skipif(not hasattr(os, "fork"), reason="this system cannot fork")
 

@@ -5,9 +5,9 @@ from collections.abc import Iterator
 import pytest
 from course_work import GradeCode, copy_course
 
-from autograder.build import build_course
-from autograder.course import Course
-from autograder.isolation import Limits, Workshop, open_workshop
+from autograder.course.build import build_course
+from autograder.course.layout import Course
+from autograder.sandbox.isolation import Limits, Workshop, open_workshop
 
 
 @pytest.fixture(scope="session")

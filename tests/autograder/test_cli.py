@@ -14,12 +14,12 @@ from pathlib import Path
 
 import pytest
 
-from autograder.course import Course
-from autograder.doctor import Checkup
+from autograder.course.layout import Course
 from autograder.samples import write_samples
-from autograder.sandbox import SandboxError
+from autograder.sandbox.bubblewrap import SandboxError
+from autograder.sandbox.doctor import Checkup
 from labsid.checks.notebook import load_assignment
-from labsid.cli import main
+from labsid.cli.commands import main
 
 PRELAB, LAB = "prelab-sinusoids", "lab-identification"
 
@@ -29,7 +29,7 @@ def here(course: Course, monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Cou
     """The commands work on the course that was built for the tests, from an empty folder."""
     import autograder.demo
 
-    monkeypatch.setattr("autograder.course.find_course", lambda: course)
+    monkeypatch.setattr("autograder.course.layout.find_course", lambda: course)
     monkeypatch.setattr(autograder.demo, "find_course", lambda: course)
     (tmp_path / "cwd").mkdir()
     monkeypatch.chdir(tmp_path / "cwd")
@@ -99,7 +99,7 @@ def test_strict_isolation_is_refused_where_it_cannot_be_had(
     def missing() -> str:
         raise SandboxError("bubblewrap is not installed")
 
-    monkeypatch.setattr("autograder.workshops.find_bubblewrap", missing)
+    monkeypatch.setattr("autograder.sandbox.process_launchers.find_bubblewrap", missing)
     line = complaint(
         capsys, ["course", "grade", "--submitted", str(submitted), "--out", "out", "--isolation", "strict"]
     )
@@ -114,7 +114,7 @@ def test_the_doctor_says_what_holds(
         Checkup("namespaces", "bubblewrap is not installed", {}),
         Checkup("none", "", {"read the course": False, "allocate 2 GB": True}),
     ]
-    monkeypatch.setattr("autograder.doctor.examine", lambda: iter(found))
+    monkeypatch.setattr("autograder.sandbox.doctor.examine", lambda: iter(found))
     assert main(["course", "doctor", "--json", str(tmp_path / "found.json")]) == 0
     said = capsys.readouterr().out
     assert re.search(r"^read the course +- +OPEN$", said, re.MULTILINE)
@@ -174,7 +174,7 @@ def test_the_course_is_built(
     other = Course(tmp_path / "course")
     shutil.copytree(here.notebooks / PRELAB, other.notebooks / PRELAB)
     (other.root / "autograder").mkdir()
-    monkeypatch.setattr("autograder.course.find_course", lambda: other)
+    monkeypatch.setattr("autograder.course.layout.find_course", lambda: other)
     assert main(["course", "build"]) == 0
     assert capsys.readouterr().out == f"Built 1 assignments: {PRELAB}.\nRelease: {other.release}\n"
     text = other.notebooks / PRELAB / f"{PRELAB}.md"
@@ -228,10 +228,10 @@ ENDLESS = "import os\nwith open({path!r}, 'w') as file:\n    file.write(str(os.g
 PROGRAM = """
 import sys
 from pathlib import Path
-import autograder.course
-here = autograder.course.Course(Path(sys.argv.pop(1)))
-autograder.course.find_course = lambda: here
-from labsid.cli import main
+import autograder.course.layout
+here = autograder.course.layout.Course(Path(sys.argv.pop(1)))
+autograder.course.layout.find_course = lambda: here
+from labsid.cli.commands import main
 sys.exit(main())
 """
 

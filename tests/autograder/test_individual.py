@@ -12,16 +12,16 @@ import nbformat
 import numpy as np
 import pytest
 
-from autograder.assets import PUBLIC_SECRET, Stock, desk_for, individual_file, record_path
-from autograder.course import RECORD_FILE, Course, read_template
-from autograder.crew import LocalCrew
-from autograder.foreign import TO_THE_STUDENT, reference_values
-from autograder.grade import find_batch, grade_batch
-from autograder.isolation import Workshop
-from autograder.release import labsid_wheel, read_students, write_individual_releases, write_release
-from autograder.results import load, result_path
+from autograder.batch.assets import PUBLIC_SECRET, Stock, desk_for, individual_file, record_path
+from autograder.batch.executors import LocalCrew
+from autograder.batch.grade import find_batch, grade_batch
+from autograder.batch.wrong_record import TO_THE_STUDENT, reference_values
+from autograder.course.layout import RECORD_FILE, Course, read_template
+from autograder.course.release import labsid_wheel, read_students, write_individual_releases, write_release
+from autograder.results.result_files import load, result_path
+from autograder.sandbox.isolation import Workshop
 from labsid.checks.notebook import load_assignment
-from labsid.record import load_record
+from labsid.records.record import load_record
 
 LAB, STEP = "lab-identification", "step-response"
 SECRET = b"the course's secret, of more than 16 bytes"
@@ -134,8 +134,8 @@ def test_an_answer_that_is_only_wrong_is_not_flagged(graded: Mapping[str, Path])
 
 
 def test_the_report_and_the_table_name_them(graded: Mapping[str, Path]) -> None:
-    from autograder.report import write_report
-    from autograder.summary import class_table
+    from autograder.results.report import write_report
+    from autograder.results.summary import class_table
 
     out = graded["ann"].parent.parent.parent
     page = write_report(out).read_text(encoding="utf-8")

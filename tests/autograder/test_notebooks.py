@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 from course_work import execute_solution
 
-from autograder.course import Course
+from autograder.course.layout import Course
 from labsid.checks.notebook import assignment_names, load_assignment
 
 

@@ -17,14 +17,14 @@ from typing import Any
 import pytest
 from course_work import give_by_hand, scores_in_gradebook
 
-from autograder import gradebook, results
-from autograder.course import Course
-from autograder.crew import LocalCrew
-from autograder.grade import find_batch, grade_batch
-from autograder.isolation import Workshop
-from autograder.nbgrader_door import open_gradebook
+from autograder.batch.executors import LocalCrew
+from autograder.batch.grade import find_batch, grade_batch
+from autograder.course.layout import Course
+from autograder.course.nbgrader_access import open_gradebook
+from autograder.results import gradebook, result_files
 from autograder.samples import write_samples
-from labsid.cli import main
+from autograder.sandbox.isolation import Workshop
+from labsid.cli.commands import main
 
 PRELAB, LAB = "prelab-sinusoids", "lab-identification"
 OPEN = "prelab-6-clock"
@@ -90,7 +90,7 @@ def server() -> Iterator[Server]:
 def unchanged_code() -> Iterator[None]:
     """Somebody may be editing the code while these tests run; a change would have everything graded anew."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("autograder.fingerprint.sources_hash", lambda *modules: "the same")
+        patch.setattr("autograder.batch.fingerprint.sources_hash", lambda *modules: "the same")
         yield
 
 
@@ -193,7 +193,7 @@ def test_what_was_given_by_hand_outlives_a_new_grading(both: Both, workshop: Wor
 def test_a_run_that_is_killed_while_entering_enters_nothing(
     both: Both, server: Server, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    stored = results.load_all(both.file)
+    stored = result_files.load_all(both.file)
     out = out_folder(tmp_path / "other", server.database("other"))
     gradebook.prepare(both.course, out, [PRELAB, LAB])
 

@@ -21,17 +21,18 @@ import pytest
 
 import autograder
 import labsid
-from autograder import cluster, cluster_worker, results
-from autograder.assets import Stock, desk_for
-from autograder.cluster import open_cluster
-from autograder.course import Course, read_template
-from autograder.crew import LocalCrew
-from autograder.grade import Batch, Graded, find_batch, grade_batch
-from autograder.isolation import RUNGS, Limits, open_workshop
-from autograder.sources import sources_hash
-from autograder.student_process import StudentDied
+from autograder.batch import cluster, cluster_worker, executors
+from autograder.batch.assets import Stock, desk_for
+from autograder.batch.cluster import open_cluster
+from autograder.batch.executors import LocalCrew
+from autograder.batch.grade import Batch, Graded, find_batch, grade_batch
+from autograder.course.layout import Course, read_template
+from autograder.course.sources import sources_hash
+from autograder.results import result_files
+from autograder.sandbox.isolation import RUNGS, Limits, open_workshop
+from autograder.sandbox.student_process import StudentDied
 from labsid.checks.question import Origin
-from labsid.cli import main
+from labsid.cli.commands import main
 
 PRELAB = "prelab-sinusoids"
 SECRET = b"sixteen bytes, and a secret of the course"
@@ -112,7 +113,7 @@ def machines(tmp_path: Path) -> Iterator[Machines]:
 def unchanged_code() -> Iterator[None]:
     """Somebody may be editing the code while these tests run; a change would have everything graded anew."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("autograder.fingerprint.sources_hash", lambda *modules: "the same")
+        patch.setattr("autograder.batch.fingerprint.sources_hash", lambda *modules: "the same")
         yield
 
 
@@ -176,8 +177,8 @@ def test_a_worker_killed_half_way_costs_nothing_and_without_workers_the_run_ends
     assert len(first + list(run)) == len(batch.students)
     assert told == []
     assert rows(tmp_path / "out") == rows(local)
-    assert {one.isolation for one in results.load_all(tmp_path / "out")} == {
-        one.isolation for one in results.load_all(local)
+    assert {one.isolation for one in result_files.load_all(tmp_path / "out")} == {
+        one.isolation for one in result_files.load_all(local)
     }
     again = list(grade(course, batch, tmp_path / "out", machines, told))
     assert len(again) == len(batch.students)
@@ -199,11 +200,11 @@ def test_a_submission_that_ends_its_workers_costs_only_itself(
 ) -> None:
     (tmp_path / "killer.py").write_text(
         "import os, signal\n"
-        "from autograder import cluster_worker, crew\n"
+        "from autograder.batch import cluster_worker, executors\n"
         "def carry_out(task, workshop):\n"
         "    if task.submission.student == 'bea':\n"
         "        os.kill(os.getpid(), signal.SIGKILL)\n"
-        "    return crew.carry_out(task, workshop)\n"
+        "    return executors.carry_out(task, workshop)\n"
         "cluster_worker.carry_out = carry_out\n",
         encoding="utf-8",
     )
@@ -241,7 +242,7 @@ def test_a_worker_with_another_labsid_is_refused(
     for package in (labsid, autograder):
         source = Path(str(package.__file__)).parent
         shutil.copytree(source, other / source.name, ignore=shutil.ignore_patterns("__pycache__", "release", "source"))
-    with (other / "labsid" / "sinusoid.py").open("a", encoding="utf-8") as file:
+    with (other / "labsid" / "lab" / "sinusoid.py").open("a", encoding="utf-8") as file:
         file.write("# another version\n")
     machines.start(workers=1)
     told: list[str] = []
@@ -250,7 +251,7 @@ def test_a_worker_with_another_labsid_is_refused(
         patch.undo()
         with open_cluster(machines.address, "best", told.append, LIMITS) as crew:
             machines.add_worker(PYTHONPATH=str(other))
-            crew._client.wait_for_workers(2, timeout=60)
+            executors._client.wait_for_workers(2, timeout=60)
             list(grade_batch(course, few, tmp_path / "out", crew, SECRET))
     (line,) = told
     assert "is refused: its labsid has other sources than this machine's" in line
@@ -258,7 +259,7 @@ def test_a_worker_with_another_labsid_is_refused(
 
     machines.workers[0].kill()
     machines.workers[0].wait()
-    monkeypatch.setattr("autograder.course.find_course", lambda: course)
+    monkeypatch.setattr("autograder.course.layout.find_course", lambda: course)
     arguments = ["--submitted", str(batch.submitted), "--out", str(tmp_path / "none")]
     assert main(["course", "grade", *arguments, "--scheduler", machines.address]) == 2
     (line,) = capsys.readouterr().err.splitlines()
@@ -278,16 +279,16 @@ def test_stopped_by_ctrl_c_and_by_a_scheduler_that_dies_a_run_goes_on(
 ) -> None:
     (tmp_path / "slow.py").write_text(
         "import time\n"
-        "from autograder import cluster_worker, crew\n"
+        "from autograder.batch import cluster_worker, executors\n"
         "def carry_out(task, workshop):\n"
         "    time.sleep(0.3)\n"
-        "    return crew.carry_out(task, workshop)\n"
+        "    return executors.carry_out(task, workshop)\n"
         "cluster_worker.carry_out = carry_out\n",
         encoding="utf-8",
     )
     machines.start().add_worker("--preload", str(tmp_path / "slow.py"))
     assert machines.scheduler is not None
-    monkeypatch.setattr("autograder.course.find_course", lambda: course)
+    monkeypatch.setattr("autograder.course.layout.find_course", lambda: course)
     shutil.copytree(batch.submitted, tmp_path / "submitted", ignore=shutil.ignore_patterns(*CHANGED))
     (tmp_path / "secret").write_bytes(SECRET)
     out = tmp_path / "out"
@@ -340,7 +341,7 @@ def test_a_wrong_address_is_said_in_one_line(
     address: str,
     said: str,
 ) -> None:
-    monkeypatch.setattr("autograder.course.find_course", lambda: course)
+    monkeypatch.setattr("autograder.course.layout.find_course", lambda: course)
     monkeypatch.setattr(cluster, "CONNECT_SECONDS", 0.5)
     with socket.create_server(("127.0.0.1", 0)) as silent, socket.socket() as closed:
         closed.bind(("127.0.0.1", 0))
@@ -385,7 +386,7 @@ def test_what_a_worker_is_refused_for(monkeypatch: pytest.MonkeyPatch) -> None:
     there = tuple("numpy=0.1" if one.startswith("numpy=") else one for one in wanted.environment)
     assert re.match(r"it has numpy=\S+ instead of numpy=0.1: install", refused(environment=there))
     with monkeypatch.context() as patch:
-        patch.setattr("autograder.isolation._climb", lambda wanted, limits: (None, []))
+        patch.setattr("autograder.sandbox.isolation._climb", lambda wanted, limits: (None, []))
         assert "isolation 'strict' cannot be had" in refused(isolation="strict")
     with monkeypatch.context() as patch:
         patch.setattr(cluster_worker, "holds", lambda workshop, escape: False)

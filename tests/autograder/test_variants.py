@@ -5,7 +5,7 @@ import re
 import pytest
 from variants import Right, Wrong, questions_lost, variants_of
 
-from autograder.course import Course, read_template
+from autograder.course.layout import Course, read_template
 from labsid.checks.notebook import assignment_names, load_assignment
 
 ASSIGNMENTS = assignment_names()

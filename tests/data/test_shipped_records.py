@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 import scipy.io
 
-from autograder.assets import PUBLIC_SECRET
-from labsid.identify import identify
-from labsid.record import load_record
+from autograder.batch.assets import PUBLIC_SECRET
+from labsid.lab.identification import identify
+from labsid.records.record import load_record
 from labsid.rig import (
     lab_record_bytes,
     make_empty_start_record,
@@ -17,9 +17,9 @@ from labsid.rig import (
     read_secret,
     student_plan,
 )
-from labsid.rig.individual import STAND_IN
-from labsid.rig.suspects import RECORD_FILE, STAND_IN_STUDENT
-from labsid.rig.withheld import withheld_record_bytes
+from labsid.rig.lab.individual import STAND_IN
+from labsid.rig.switchable.suspects import RECORD_FILE, STAND_IN_STUDENT
+from labsid.rig.switchable.withheld import withheld_record_bytes
 
 MADE_BY = {
     "SysIdenData_StudentVersion.mat": make_lab_record,

@@ -2,45 +2,45 @@
 
 from seed_coverage.row import VARIANT, Row
 
-SINUSOID = "tests/labsid/test_sinusoid.py::"
-OFFSET = "tests/labsid/test_offset.py::"
-PHI = "tests/labsid/test_regressor.py::"
-LS = "tests/labsid/test_least_squares.py::"
-ARX = "tests/labsid/test_arx.py::"
-SIM = "tests/labsid/test_simulation.py::"
-VAL = "tests/labsid/test_validation.py::"
-STEP = "tests/labsid/test_step_response.py::"
-LOOP = "tests/labsid/test_loop.py::"
-EXC = "tests/labsid/test_excitation.py::"
-IDENT = "tests/labsid/test_identify.py::"
+SINUSOID = "tests/labsid/lab/test_sinusoid.py::"
+OFFSET = "tests/labsid/lab/test_offset.py::"
+PHI = "tests/labsid/lab/test_regressor.py::"
+LS = "tests/labsid/least_squares/test_solve.py::"
+ARX = "tests/labsid/lab/test_arx.py::"
+SIM = "tests/labsid/lab/test_simulation.py::"
+VAL = "tests/labsid/lab/test_verification.py::"
+STEP = "tests/labsid/lab/test_step_response.py::"
+LOOP = "tests/labsid/lab/test_diagrams.py::"
+EXC = "tests/labsid/lab/test_excitation.py::"
+IDENT = "tests/labsid/lab/test_identification.py::"
 PLOT = "tests/labsid/plots/"
 
 ROWS = (
     Row(
         "UNSW",
         "pre-lab 1: time as a column vector",
-        ("labsid.sinusoid:make_sinusoids",),
+        ("labsid.lab.sinusoid:make_sinusoids",),
         ("prelab-sinusoids/prelab-1-time",),
         (SINUSOID + "test_time_is_a_column_from_0_to_100_s_in_steps_of_a_tenth", VARIANT),
     ),
     Row(
         "UNSW",
         "pre-lab 2: sine and cosine with uniform noise of ±0.2",
-        ("labsid.sinusoid:make_sinusoids",),
+        ("labsid.lab.sinusoid:make_sinusoids",),
         ("prelab-sinusoids/prelab-2-noise",),
         (SINUSOID + "test_the_sinusoids_have_a_period_of_100_s_and_uniform_noise_within_the_bound", VARIANT),
     ),
     Row(
         "UNSW",
         "pre-lab 3: first 200 samples cut off, time from zero",
-        ("labsid.sinusoid:cut_off",),
+        ("labsid.lab.sinusoid:cut_off",),
         ("prelab-sinusoids/prelab-3-cut", "prelab-sinusoids/prelab-4-function"),
         (SINUSOID + "test_cut_off_drops_200_samples_and_time_starts_from_zero", VARIANT),
     ),
     Row(
         "UNSW",
         "pre-lab 4: data_new by concatenation",
-        ("labsid.sinusoid:cut_off",),
+        ("labsid.lab.sinusoid:cut_off",),
         ("prelab-sinusoids/prelab-4-matrix",),
         (SINUSOID + "test_data_new_holds_the_three_columns_side_by_side", VARIANT),
     ),
@@ -61,16 +61,16 @@ ROWS = (
     Row(
         "UNSW",
         "1a: load LogData, extract t, y_act, y_actm, u_act",
-        ("labsid.record:load_record", "labsid.formats:read_raw"),
+        ("labsid.records.record:load_record", "labsid.records.formats:read_raw"),
         ("lab-identification/lab-1a-extract",),
-        ("tests/labsid/test_record.py::test_the_real_records_load", VARIANT),
+        ("tests/labsid/records/test_record.py::test_the_real_records_load", VARIANT),
     ),
     Row(
         "UNSW",
         "1a: sampling time",
-        ("labsid.record:load_record",),
+        ("labsid.records.record:load_record",),
         ("lab-identification/lab-1a-sampling-time",),
-        ("tests/labsid/test_record.py::test_sampling_time_is_exact", VARIANT),
+        ("tests/labsid/records/test_record.py::test_sampling_time_is_exact", VARIANT),
     ),
     Row(
         "UNSW",
@@ -82,21 +82,21 @@ ROWS = (
     Row(
         "UNSW",
         "1c: length of the first period with a while loop",
-        ("labsid.offset:first_period_length",),
+        ("labsid.lab.offset:first_period_length",),
         ("lab-identification/lab-1c-loop",),
         (OFFSET + "test_first_period_by_hand", VARIANT),
     ),
     Row(
         "UNSW",
         "1c: output offset as mean of the first period, input offset as its first value",
-        ("labsid.offset:mean_of_first_period", "labsid.offset:remove_offsets"),
+        ("labsid.lab.offset:mean_of_first_period", "labsid.lab.offset:remove_offsets"),
         ("lab-identification/lab-1c-offsets",),
         (OFFSET + "test_mean_of_first_period_by_hand", OFFSET + "test_removing_the_offsets_leaves_zero_at_the_start"),
     ),
     Row(
         "UNSW",
         "1c, erratum: the settled part of the first period",
-        ("labsid.offset:find_offsets",),
+        ("labsid.lab.offset:find_offsets",),
         ("lab-identification/lab-1c-empty-tank",),
         (OFFSET + "test_the_runs_from_an_empty_tank_are_averaged_where_they_have_settled",),
     ),
@@ -110,49 +110,49 @@ ROWS = (
     Row(
         "UNSW",
         "middle of the input range against the first value",
-        ("labsid.offset:mid_range",),
+        ("labsid.lab.offset:mid_range",),
         ("lab-identification/lab-1c-offsets",),
         (OFFSET + "test_mid_range_is_not_the_first_value_when_the_range_is_not_symmetric",),
     ),
     Row(
         "UNSW",
         "2a: Phi from the first half, eq. (6)",
-        ("labsid.regressor:build_phi",),
+        ("labsid.lab.regressor:build_phi",),
         ("lab-identification/lab-2a-phi",),
         (PHI + "test_rows_by_hand", PHI + "test_rows_equal_the_definition_written_out_as_a_loop", VARIANT),
     ),
     Row(
         "UNSW",
         "2a: choice of the start k, values before the record",
-        ("labsid.regressor:build_phi",),
+        ("labsid.lab.regressor:build_phi",),
         ("lab-identification/lab-2a-phi",),
         (PHI + "test_start_1_is_the_printed_first_row_with_rest_before_the_record",),
     ),
     Row(
         "UNSW",
         "2b: eq. (8), beside the sound solution",
-        ("labsid.least_squares:normal_equations", "labsid.least_squares:least_squares"),
+        ("labsid.least_squares.solve:normal_equations", "labsid.least_squares.solve:least_squares"),
         ("lab-identification/lab-2b-theta",),
         (LS + "test_the_lesson_and_the_sound_solution_agree_on_a_well_conditioned_problem", VARIANT),
     ),
     Row(
         "UNSW",
         "2b: theta holds -a: the sign",
-        ("labsid.arx:arx_from_theta",),
+        ("labsid.lab.arx:arx_from_theta",),
         ("lab-identification/lab-2b-parameters",),
         (ARX + "test_the_sign_of_a_is_the_one_stated", VARIANT),
     ),
     Row(
         "UNSW",
         "covariance and standard errors",
-        ("labsid.least_squares:least_squares",),
+        ("labsid.least_squares.solve:least_squares",),
         ("lab-identification/lab-2b-excitation",),
         (LS + "test_covariance_and_standard_errors_agree_with_an_independent_regression",),
     ),
     Row(
         "UNSW",
         "persistent excitation: what it asks of Phi'Phi, conditioning",
-        ("labsid.excitation:persistent_excitation", "labsid.excitation:excitation_order"),
+        ("labsid.lab.excitation:persistent_excitation", "labsid.lab.excitation:excitation_order"),
         ("lab-identification/lab-2b-excitation",),
         (
             EXC + "test_dependent_columns_and_too_few_rows_are_not_positive_definite",
@@ -162,49 +162,49 @@ ROWS = (
     Row(
         "UNSW",
         "recommended inputs: PRBS, square wave, sum of sinusoids",
-        ("labsid.excitation:prbs", "labsid.excitation:square_wave", "labsid.excitation:sum_of_sinusoids"),
+        ("labsid.lab.excitation:prbs", "labsid.lab.excitation:square_wave", "labsid.lab.excitation:sum_of_sinusoids"),
         ("lab-identification/lab-2b-excitation",),
         (EXC + "test_prbs_has_two_levels_its_period_and_the_correlation_of_white_noise",),
     ),
     Row(
         "UNSW",
         "2c: transfer function, eq. (1), displayed",
-        ("labsid.arx:to_tf",),
+        ("labsid.lab.arx:to_tf",),
         ("lab-identification/lab-2c-transfer-function",),
         (ARX + "test_transfer_function_and_state_space_are_displayed_as_the_lab_asks", VARIANT),
     ),
     Row(
         "UNSW",
         "2c: state space in the controllable canonical form of eq. (2)",
-        ("labsid.arx:to_ss", "labsid.arx:canonical_form"),
+        ("labsid.lab.arx:to_ss", "labsid.lab.arx:canonical_form"),
         ("lab-identification/lab-2c-state-space",),
         (ARX + "test_the_canonical_form_of_eq_2", VARIANT),
     ),
     Row(
         "UNSW",
         "3a: simulate the second half, from rest",
-        ("labsid.simulation:simulate", "labsid.validation:verify"),
+        ("labsid.lab.simulation:simulate", "labsid.lab.verification:verify"),
         ("lab-identification/lab-3a-second-half",),
         (SIM + "test_free_run_equals_python_control_and_scipy", VARIANT),
     ),
     Row(
         "UNSW",
         "3a: simulate everything",
-        ("labsid.simulation:simulate", "labsid.validation:verify"),
+        ("labsid.lab.simulation:simulate", "labsid.lab.verification:verify"),
         ("lab-identification/lab-3a-all",),
         (IDENT + "test_order_2_gives_the_worked_values_to_their_last_digit", VARIANT),
     ),
     Row(
         "UNSW",
         "simulation is not one-step prediction",
-        ("labsid.simulation:predict_one_step",),
+        ("labsid.lab.simulation:predict_one_step",),
         ("lab-identification/lab-3a-all",),
         (SIM + "test_one_step_prediction_is_not_simulation", VARIANT),
     ),
     Row(
         "UNSW",
         "mean squared error",
-        ("labsid.validation:mse",),
+        ("labsid.lab.verification:mse",),
         ("lab-identification/lab-3a-mse",),
         (VAL + "test_mse_by_hand", VARIANT),
     ),
@@ -225,14 +225,14 @@ ROWS = (
     Row(
         "UNSW",
         "3b: the state estimated at the half is the remedy",
-        ("labsid.simulation:estimate_initial_state",),
+        ("labsid.lab.simulation:estimate_initial_state",),
         ("lab-identification/lab-3b-initial-state",),
         (SIM + "test_the_initial_state_is_recovered_as_far_as_the_output_shows_it", VARIANT),
     ),
     Row(
         "UNSW",
         "post-lab 1: first order, eq. (9)",
-        ("labsid.arx:fit_arx",),
+        ("labsid.lab.arx:fit_arx",),
         (
             "postlab-model-order/postlab-1-phi",
             "postlab-model-order/postlab-1-theta",
@@ -244,7 +244,7 @@ ROWS = (
     Row(
         "UNSW",
         "post-lab 2: both orders simulated",
-        ("labsid.validation:verify",),
+        ("labsid.lab.verification:verify",),
         ("postlab-model-order/postlab-2-simulation",),
         (VARIANT,),
     ),
@@ -258,7 +258,7 @@ ROWS = (
     Row(
         "UNSW",
         "post-lab 3: which model for control, and why",
-        ("labsid.loop:offset_compensated_loop",),
+        ("labsid.lab.diagrams:offset_compensated_loop",),
         ("postlab-model-order/postlab-3-choice",),
         (LOOP + "test_the_closed_loop_is_the_textbook_one",),
     ),
@@ -279,7 +279,7 @@ ROWS = (
     Row(
         "UNSW",
         "Fig. 3 run: offset compensation in operation",
-        ("labsid.loop:offset_compensated_loop", "labsid.loop:run_on_process"),
+        ("labsid.lab.diagrams:offset_compensated_loop", "labsid.lab.diagrams:run_on_process"),
         ("lab-identification/lab-4-figure-3-run",),
         (LOOP + "test_the_loop_follows_the_set_point_about_the_operating_point",),
     ),
@@ -293,86 +293,86 @@ ROWS = (
     Row(
         "UNSW",
         "Fig. 4 as verification on another record",
-        ("labsid.record_verification:verify_on_record",),
+        ("labsid.lab.record_verification:verify_on_record",),
         ("lab-identification/lab-4-other-record",),
         (
-            "tests/labsid/test_record_verification.py::test_the_model_of_the_lab_file_holds_on_the_other_runs_of_the_rig",
+            "tests/labsid/lab/test_record_verification.py::test_the_model_of_the_lab_file_holds_on_the_other_runs_of_the_rig",
         ),
     ),
     Row(
         "UNSW",
         "the optional Simulink run as a block diagram",
-        ("labsid.loop:simulation_diagram", "labsid.loop:simulate_diagram"),
+        ("labsid.lab.diagrams:simulation_diagram", "labsid.lab.diagrams:simulate_diagram"),
         ("lab-identification/lab-4-block-diagram",),
         (LOOP + "test_the_block_diagram_equals_the_simulation",),
     ),
     Row(
         "UNSW",
         "appendix: K, tau, t_d from a step of 2, Fig. A1",
-        ("labsid.step_response:fit_step_response", "labsid.plots:figure_a1"),
+        ("labsid.lab.step_response:fit_step_response", "labsid.plots:figure_a1"),
         ("step-response/step-1-read", "step-response/step-5-function"),
         (STEP + "test_the_reading_of_a_clean_response_of_amplitude_2", VARIANT),
     ),
     Row(
         "UNSW",
         "appendix: original against approximate, Fig. A2",
-        ("labsid.step_comparison:compare_with_approximation", "labsid.plots:figure_a2"),
+        ("labsid.lab.step_comparison:compare_with_approximation", "labsid.plots:figure_a2"),
         ("step-response/step-2-response", "step-response/step-3-figure", "step-response/step-3-mse"),
-        ("tests/labsid/test_step_comparison.py::test_the_approximation_is_close_as_fig_a2_shows", VARIANT),
+        ("tests/labsid/lab/test_step_comparison.py::test_the_approximation_is_close_as_fig_a2_shows", VARIANT),
     ),
     Row(
         "UNSW",
         "appendix: a response that oscillates wants another model",
-        ("labsid.step_response:fit_step_response",),
+        ("labsid.lab.step_response:fit_step_response",),
         ("step-response/step-4-oscillation",),
         (STEP + "test_an_oscillating_response_says_that_it_wants_a_higher_order",),
     ),
     Row(
         "UNSW",
         "appendix: step response of real data",
-        ("labsid.step_response:cut_held_step",),
+        ("labsid.lab.step_response:cut_held_step",),
         ("step-response/step-6-cut", "step-response/step-6-model"),
         (STEP + "test_the_steps_of_the_lab_file_agree_on_gain_and_time_constant", VARIANT),
     ),
     Row(
         "UNSW",
         "(A1), (A2): two equations, determinant",
-        ("labsid.least_squares:two_equations",),
+        ("labsid.least_squares.solve:two_equations",),
         ("step-response/step-7-two",),
         (LS + "test_two_equations_by_hand", LS + "test_dependent_equations_have_no_single_solution", VARIANT),
     ),
     Row(
         "UNSW",
         "(A3), (A4): more equations than unknowns, the error vector",
-        ("labsid.least_squares:least_squares",),
+        ("labsid.least_squares.solve:least_squares",),
         ("step-response/step-8-error",),
         (LS + "test_three_equations_by_hand", VARIANT),
     ),
     Row(
         "UNSW",
         "(A5): the loss V(theta)",
-        ("labsid.least_squares:loss",),
+        ("labsid.least_squares.solve:loss",),
         ("step-response/step-8-loss",),
         (LS + "test_loss_by_hand", VARIANT),
     ),
     Row(
         "UNSW",
         "(A6): the gradient and its zero",
-        ("labsid.least_squares:loss_gradient",),
+        ("labsid.least_squares.solve:loss_gradient",),
         ("step-response/step-8-gradient", "step-response/step-9-minimum"),
         (LS + "test_the_gradient_is_the_slope_of_the_loss", VARIANT),
     ),
     Row(
         "UNSW",
         "appendix, erratum: unique exactly when Phi has full column rank",
-        ("labsid.least_squares:least_squares",),
+        ("labsid.least_squares.solve:least_squares",),
         ("step-response/step-9-unique",),
         (LS + "test_rank_deficiency_is_a_status_with_the_shortest_solution", VARIANT),
     ),
     Row(
         "UNSW",
         "the whole procedure from the shell",
-        ("labsid.identify:identify", "labsid.console:identification_text"),
+        ("labsid.lab.identification:identify", "labsid.cli.console:identification_text"),
         ("lab-identification/lab-3a-mse",),
         (IDENT + "test_order_2_gives_the_worked_values_to_their_last_digit",),
     ),

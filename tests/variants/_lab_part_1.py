@@ -40,7 +40,7 @@ VARIANTS: list[Right | Wrong] = [
     right(
         EXTRACT,
         "load_record",
-        "from labsid.record import load_record\nrecord = load_record('SysIdenData_StudentVersion.mat')\n"
+        "from labsid.records.record import load_record\nrecord = load_record('SysIdenData_StudentVersion.mat')\n"
         + extracted("record.t", "record.y_noise_reduced", "record.y_measured", "record.u"),
     ),
     wrong(

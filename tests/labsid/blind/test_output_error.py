@@ -6,7 +6,7 @@ import pytest
 
 from labsid.blind.closure import run_linear
 from labsid.blind.output_error import discrete_poles, fit_linear
-from labsid.record import Record
+from labsid.records.record import Record
 
 
 def second_order(samples: int = 800, seed: int = 0, x0: float = 0.0) -> tuple[np.ndarray, np.ndarray]:

@@ -14,11 +14,11 @@ from labsid.blind.recipe import Case, command, follow, fresh, to_record
 from labsid.blind.rows import ROWS
 from labsid.blind.strength import CLEAR, HARD, gap
 from labsid.blind.suite import cases, label_dict, write_suite
-from labsid.record import load_record
-from labsid.rig.effects import EFFECTS
-from labsid.rig.outside import OUTSIDE
-from labsid.rig.play import poles
-from labsid.rig.truth import true_linear
+from labsid.records.record import load_record
+from labsid.rig.switchable.effects import EFFECTS
+from labsid.rig.switchable.outside import OUTSIDE
+from labsid.rig.switchable.play import poles
+from labsid.rig.switchable.truth import true_linear
 
 COUNTS = {"single-clear": 22, "single-hard": 22, "short": 22, "pair": 5, "none": 12, "unknown": 9, "with-sim": 6}
 

@@ -14,7 +14,7 @@ import pytest
 from labsid.checks import CheckFailed, NoAnswer
 from labsid.checks.notebook import load_assignment
 from labsid.checks.values import Value, plain
-from labsid.record import Record
+from labsid.records.record import Record
 
 NOTEBOOKS = Path(__file__).resolve().parents[3] / "notebooks"
 REGION = re.compile(r"( *)### BEGIN SOLUTION.*?### END SOLUTION", re.DOTALL)

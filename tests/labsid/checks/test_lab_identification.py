@@ -8,16 +8,16 @@ import numpy as np
 import pytest
 
 from labsid.checks import NoAnswer
-from labsid.checks.assignments._lab_data import LabData
-from labsid.checks.assignments._lab_free_run import judge_mse, read_output
-from labsid.checks.assignments._lab_part_1 import _staircases
-from labsid.checks.assignments._lab_part_2 import judge_transfer_function, require_sampling_time
-from labsid.checks.assignments._lab_regression import judge_equations, judge_theta
 from labsid.checks.assignments.lab_identification import ASSIGNMENT
+from labsid.checks.assignments.lab_identification.lab_data import LabData
+from labsid.checks.assignments.lab_identification.part_1 import _staircases
+from labsid.checks.assignments.lab_identification.part_2 import judge_transfer_function, require_sampling_time
+from labsid.checks.assignments.lab_identification.phi_and_theta import judge_equations, judge_theta
+from labsid.checks.assignments.lab_identification.simulated_output import judge_mse, read_output
 from labsid.checks.values import StateSpaceValue, TransferFunctionValue, Unreadable, Value
-from labsid.offset import find_offsets, first_period_length
-from labsid.record import load_record
-from labsid.regressor import build_phi
+from labsid.lab.offset import find_offsets, first_period_length
+from labsid.lab.regressor import build_phi
+from labsid.records.record import load_record
 
 NAME = "lab-identification"
 SECRET = b"a secret of the tests"
@@ -163,7 +163,7 @@ def test_sampling_time_of_a_model(dt: float | None) -> None:
 
 
 def test_a_transfer_function_with_a_pole_on_the_circle_is_no_error(shipped_record_path: Path) -> None:
-    from labsid.arx import arx_from_theta
+    from labsid.lab.arx import arx_from_theta
 
     model = arx_from_theta(np.array([1.4, -0.4, 0.0, 0.05]), 0.75)
     got = TransferFunctionValue(np.zeros(2), np.array([1.0, -1.0, 0.0]), 0.75)

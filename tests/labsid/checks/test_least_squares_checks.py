@@ -5,9 +5,9 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
-from labsid.checks.assignments._ls_forms import trial_forms
 from labsid.checks.assignments.least_squares import ASSIGNMENT
-from labsid.quadratic_form import definiteness
+from labsid.checks.assignments.least_squares.forms_and_derivatives import trial_forms
+from labsid.least_squares.quadratic_form import definiteness
 
 
 def test_the_trial_forms_are_of_the_kind_that_they_are_made_to_be() -> None:

@@ -11,7 +11,7 @@ from labsid.checks import CheckFailed, notebook_checks
 from labsid.checks.notebook import NotebookAsk, assignment_names, load_assignment
 from labsid.checks.question import Assignment, Question, given_values
 from labsid.checks.verdict import NoAnswer, Slip, Verdict, judge
-from labsid.record import Record, load_record
+from labsid.records.record import Record, load_record
 
 
 @pytest.fixture

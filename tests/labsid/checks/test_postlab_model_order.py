@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 from labsid.checks.assignments.postlab_model_order import ASSIGNMENT, _numbers
-from labsid.offset import find_offsets
-from labsid.record import load_record
+from labsid.lab.offset import find_offsets
+from labsid.records.record import load_record
 
 NAME = "postlab-model-order"
 SECRET = b"a secret of the tests"

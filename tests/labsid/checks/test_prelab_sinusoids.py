@@ -8,10 +8,14 @@ import numpy as np
 import pytest
 
 from labsid._arrays import FloatArray
-from labsid.checks.assignments._prelab_noise import require_independent, require_uniform, require_wave
 from labsid.checks.assignments.prelab_sinusoids import ASSIGNMENT
+from labsid.checks.assignments.prelab_sinusoids.noise_statistics import (
+    require_independent,
+    require_uniform,
+    require_wave,
+)
 from labsid.checks.verdict import NoAnswer
-from labsid.sinusoid import make_sinusoids
+from labsid.lab.sinusoid import make_sinusoids
 
 NAME = "prelab-sinusoids"
 QUESTIONS = [question.id for question in ASSIGNMENT.questions]

@@ -13,9 +13,9 @@ from labsid.checks import NoAnswer, Question, Verdict
 from labsid.checks.notebook import load_assignment
 from labsid.checks.question import Origin
 from labsid.checks.values import plain
-from labsid.record import Record, load_record
-from labsid.rig.suspects import PARAMETERS, PATHS, RECORD_FILE
-from labsid.rig.withheld import withheld_record_bytes, withheld_rig
+from labsid.records.record import Record, load_record
+from labsid.rig.switchable.suspects import PARAMETERS, PATHS, RECORD_FILE
+from labsid.rig.switchable.withheld import withheld_record_bytes, withheld_rig
 
 NAME = "sim-to-real-gap"
 SECRET = b"a secret of the tests"

@@ -10,8 +10,8 @@ import pytest
 from scipy.optimize import curve_fit
 
 from labsid._arrays import FloatArray
-from labsid.checks.assignments._step_reading import Step, judge_reading
 from labsid.checks.assignments.step_response import ASSIGNMENT, _recorded, _trial_steps
+from labsid.checks.assignments.step_response.readings import Step, judge_reading
 from labsid.rig import make_empty_start_record, write_lab_record
 
 NAME = "step-response"

@@ -3,8 +3,8 @@
 import numpy as np
 
 from labsid.checks.trials import ARX, first_order, trial_definite, trial_equations, trial_record
-from labsid.prediction import free_run
-from labsid.structures import fit_structure
+from labsid.model_structures.prediction import free_run
+from labsid.model_structures.structures import fit_structure
 
 
 def test_trial_equations_are_well_conditioned_and_contradict_each_other() -> None:

@@ -11,7 +11,7 @@ from scipy.signal import cont2discrete, lfilter
 from labsid._arrays import FloatArray
 from labsid.gap.context import scaled
 from labsid.gap.which import Explained, explain
-from labsid.record import Record
+from labsid.records.record import Record
 
 Flow = Callable[[FloatArray, float], list[float]]
 

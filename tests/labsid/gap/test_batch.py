@@ -15,7 +15,7 @@ import pytest
 from labsid.gap import batch
 from labsid.gap.batch import diagnose_folder, find_records
 
-LABSID = [sys.executable, "-c", "import sys; from labsid.cli import main; sys.exit(main())"]
+LABSID = [sys.executable, "-c", "import sys; from labsid.cli.commands import main; sys.exit(main())"]
 SAMPLES = 150
 
 
@@ -106,7 +106,7 @@ def test_the_table_and_what_is_printed(finished):
 
 
 def test_an_answer_is_that_of_diagnose(finished, folder, tmp_path):
-    from labsid.cli import main
+    from labsid.cli.commands import main
 
     assert main(["gap", "diagnose", str(folder / "b.csv"), "--json", str(tmp_path / "b.json")]) == 0
     answer = json.loads((finished[0] / "b.json").read_text())

@@ -6,14 +6,14 @@ import re
 import numpy as np
 import pytest
 
-from labsid.cli import main
+from labsid.cli.commands import main
 from labsid.gap.batch import diagnose_folder
 from labsid.gap.clock import clock_findings, in_step
 from labsid.gap.diagnosis import diagnose
 from labsid.gap.page import page
 from labsid.gap.simulations import load_simulation, play
 from labsid.gap.text import verdict_text
-from labsid.record import Record, load_record
+from labsid.records.record import Record, load_record
 
 DEN = np.poly([0.95, 0.8]).tolist()
 

@@ -10,7 +10,7 @@ from scipy.integrate import solve_ivp
 
 from labsid._arrays import FloatArray
 from labsid.gap.diagnosis import FEWEST, Diagnosis, diagnose
-from labsid.record import Record
+from labsid.records.record import Record
 
 TS, SAMPLES, NOISE = 0.5, 480, 0.01
 Response = Callable[..., FloatArray]

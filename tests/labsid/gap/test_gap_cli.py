@@ -9,8 +9,8 @@ import sys
 import numpy as np
 import pytest
 
-from labsid.cli import main
-from labsid.record import Record
+from labsid.cli.commands import main
+from labsid.records.record import Record
 
 DEN = np.poly([0.95, 0.8]).tolist()
 
@@ -98,7 +98,7 @@ def test_two_processes_give_the_same_answer(tmp_path, rig_record, write_rig_reco
     """Whatever the order in which they keep what has none."""
     write_rig_record(tmp_path / "record.csv", rig_record("input-saturation", 200))
     for seed in ("1", "2"):
-        command = [sys.executable, "-c", "import sys; from labsid.cli import main; sys.exit(main())"]
+        command = [sys.executable, "-c", "import sys; from labsid.cli.commands import main; sys.exit(main())"]
         command += ["gap", "diagnose", "record.csv", "--json", f"{seed}.json", "--export", f"better-{seed}.json"]
         environment = os.environ | {"PYTHONHASHSEED": seed}
         subprocess.run(command, cwd=tmp_path, env=environment, check=True, stdout=subprocess.DEVNULL)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from labsid.gap.diagnosis import diagnose
-from labsid.record import Record
+from labsid.records.record import Record
 
 KINDS = ("input-saturation", "input-delay", "load-step", "output-saturation")
 

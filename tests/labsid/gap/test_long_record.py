@@ -6,7 +6,7 @@ import pytest
 from labsid.gap import diagnosis
 from labsid.gap.diagnosis import diagnose
 from labsid.gap.long_record import holdout_part, part_of, thinned
-from labsid.record import Record
+from labsid.records.record import Record
 
 
 def record_of(u, y=None, Ts=0.5):

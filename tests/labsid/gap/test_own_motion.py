@@ -16,7 +16,7 @@ from labsid.gap.hypothesis import Hypothesis
 from labsid.gap.linear_fits import LINEAR, baseline, driven_baseline
 from labsid.gap.own_motion import goes_on_alone, has_become_a_mode
 from labsid.gap.tree import search_tree
-from labsid.record import Record
+from labsid.records.record import Record
 
 TS, SAMPLES, RATE, NOISE = 0.2, 700, 0.07, 0.008
 ALONG = np.linspace(0.0, 1.0, SAMPLES)

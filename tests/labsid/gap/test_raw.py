@@ -8,7 +8,7 @@ import pytest
 from labsid.gap.answer import _screen
 from labsid.gap.raw import RawFaults, find_held, find_spikes, lattice_of
 from labsid.gap.which import Explained
-from labsid.signal_quality import lattice_step
+from labsid.records.signal_quality import lattice_step
 
 
 @pytest.fixture

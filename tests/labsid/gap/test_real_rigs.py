@@ -4,9 +4,9 @@ from pathlib import Path
 
 import numpy as np
 
-from labsid.formats import read_raw
 from labsid.gap.diagnosis import diagnose
-from labsid.record import Record, load_record
+from labsid.records.formats import read_raw
+from labsid.records.record import Record, load_record
 
 
 def test_the_overflow_of_the_cascaded_tanks_is_named_and_the_held_back_record_followed(shared_data: Path) -> None:

@@ -7,7 +7,7 @@ import pytest
 
 from labsid.gap.diagnosis import diagnose
 from labsid.gap.simulations import load_simulation, play, write_played
-from labsid.record import Record, load_record
+from labsid.records.record import Record, load_record
 
 DEN = np.poly([0.95, 0.8]).tolist()
 

@@ -8,7 +8,7 @@ import pytest
 from labsid.gap.how_much import HowMuch, how_much_of
 from labsid.gap.steps import closed_by_step
 from labsid.gap.which import Explained
-from labsid.record import Record
+from labsid.records.record import Record
 
 
 def _amount(explained: Explained, holdout: Record | None) -> HowMuch:

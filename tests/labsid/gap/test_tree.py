@@ -34,7 +34,7 @@ from labsid.gap.tree import (
     rounded,
 )
 from labsid.gap.which import Explained, explain
-from labsid.record import Record
+from labsid.records.record import Record
 
 Response = Callable[..., FloatArray]
 RATE = 0.15  # of the input, a sample

@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from labsid.offset import find_offsets, mean_of_first_period, remove_offsets
+from labsid.lab.offset import find_offsets, mean_of_first_period, remove_offsets
+from labsid.lab.sinusoid import cut_off, make_sinusoids
 from labsid.plots import figure_1, figure_5, figure_6, figure_offsets, plot_input
-from labsid.record import Record, load_record
-from labsid.sinusoid import cut_off, make_sinusoids
+from labsid.records.record import Record, load_record
 
 
 def _legend(ax):

@@ -4,15 +4,15 @@ import numpy as np
 import pytest
 from matplotlib.patches import FancyArrowPatch
 
-from labsid.plots import figure_a1, figure_a2
-from labsid.record import load_record
-from labsid.step_comparison import compare_with_approximation, second_order_example
-from labsid.step_response import (
+from labsid.lab.step_comparison import compare_with_approximation, second_order_example
+from labsid.lab.step_response import (
     FirstOrderDelay,
     cut_held_step,
     first_order_response,
     fit_step_response,
 )
+from labsid.plots import figure_a1, figure_a2
+from labsid.records.record import load_record
 
 
 def _response(model, amplitude, span, level=0.0, noise=0.0):

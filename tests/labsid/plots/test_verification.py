@@ -5,10 +5,10 @@ import re
 import numpy as np
 import pytest
 
-from labsid.arx import ArxModel
+from labsid.lab.arx import ArxModel
+from labsid.lab.simulation import simulate
+from labsid.lab.verification import mse, verify
 from labsid.plots import figure_7, figure_7_initial_state, figure_8, plot_simulated_on_measured
-from labsid.simulation import simulate
-from labsid.validation import mse, verify
 
 MODEL = ArxModel([1.0, -1.37746171, 0.39246554], [-0.00666983, 0.05140205], Ts=0.75)
 FIRST = ArxModel([1.0, -0.9775761], [0.06811909], Ts=0.75)

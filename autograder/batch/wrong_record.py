@@ -1,0 +1,156 @@
+"""Whose record a submission was made on, where it was not the student's own.
+
+Two signs are looked for. A data file beside the notebook that is somebody else's; and a wrong answer that is the right
+one on somebody else's record, to six digits. Only numbers that carry measured noise count as a sign: levels, times
+and counts are shared by many.
+"""
+
+import hashlib
+from collections.abc import Iterable, Mapping
+from dataclasses import replace
+from functools import lru_cache
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from autograder.batch.assets import THE_COURSES, Desk, Stock, record_path
+from autograder.judge.judging import SubmissionResult
+from labsid.checks.question import Assignment, Origin
+from labsid.checks.values import Value
+from labsid.checks.verdict import NoAnswer
+from labsid.records.record import Record, load_record
+
+TO_THE_STUDENT = "The value is right for another record than the one you were given."
+MAX_DATA_BYTES = 16 * 1024 * 1024
+
+
+class _ReferenceAsk:
+    """Asks nobody: only the reference's own values are to be had."""
+
+    def __init__(self, record: Record, origin: Origin | None, known: Mapping[str, Value]) -> None:
+        self.record = record
+        self.origin = origin
+        self.rng = np.random.default_rng(0)
+        self._known = known
+
+    def value(self, name: str) -> Value:
+        raise NoAnswer(f"there is no variable `{name}`")
+
+    def call(self, name: str, *arguments: Value) -> Value:
+        raise NoAnswer(f"there is no function `{name}`")
+
+    def known(self, name: str) -> Value:
+        return self._known[name]
+
+
+def reference_values(
+    assignment: Assignment, record: Record, origin: Origin | None = None
+) -> dict[str, dict[str, Value]]:
+    """The right values of every question of an assignment on a record, by question and name."""
+    known: dict[str, Value] = {}
+    right: dict[str, dict[str, Value]] = {}
+    for question in assignment.questions:
+        if question.gives is None:
+            continue
+        try:
+            right[question.id] = question.gives(_ReferenceAsk(record, origin, known))
+        except Exception:  # a reference that cannot be had on this record is no sign of anything
+            continue
+        known.update(right[question.id])
+    return right
+
+
+def marked(
+    result: SubmissionResult, desk: Desk, stock: Stock, folder: Path, members: Iterable[str]
+) -> SubmissionResult:
+    """The result with a flag for the teacher, and a word for the student, where it was made on another's record.
+
+    Parameters
+    ----------
+    result : SubmissionResult
+    desk : Desk
+        The student's own.
+    stock : Stock
+    folder : Path
+        The hand-in.
+    members : iterable of str
+        The class.
+    """
+    name = desk.assets.assignment.record_file
+    if stock.secret is None or name is None:
+        return result
+    suspects = any(_telling(value).size for held in result.wrong.values() for value in held.values())
+    beside = (path for path in folder.glob(f"*{Path(name).suffix}") if path.is_file())
+    handed_in = {_hash(path) for path in beside if path.stat().st_size <= MAX_DATA_BYTES}
+    handed_in -= {_hash(desk.files[name])}
+    if not suspects and not handed_in:
+        return result
+    files: set[str] = set()
+    answers: dict[str, list[str]] = {}
+    others = [member for member in members if member != result.student]
+    for owner, path, origin in _records(stock, name, stock.secret, others):
+        if _hash(path) in handed_in:
+            files.add(owner)
+        right = _right_values(desk.assets.assignment, path, origin) if suspects else {}
+        matching = [q for q, held in result.wrong.items() if _same(held, right.get(q, {}))]
+        if matching:
+            answers[owner] = matching
+    flags = [f"handed in with the data file of {owner}" for owner in sorted(files)]
+    flags += [f"made on the record of {owner}: {', '.join(questions)}" for owner, questions in sorted(answers.items())]
+    if handed_in and not files:
+        flags.append("handed in with a data file that is nobody's record")
+    told = {question for questions in answers.values() for question in questions}
+    notes: tuple[str, ...] = (f"some answers are made on another record than yours ({name})",) if told else ()
+    if files:
+        notes += (f"{name} is not the one that you were given",)
+    results = tuple(
+        replace(one, reason=f"{one.reason} {TO_THE_STUDENT}") if one.question in told else one for one in result.results
+    )
+    return replace(result, results=results, notes=result.notes + notes, flags=result.flags + tuple(flags))
+
+
+def _records(stock: Stock, name: str, secret: bytes, members: Iterable[str]) -> Iterable[tuple[str, Path, Origin]]:
+    yield "the course's own record", stock.course.data / name, THE_COURSES
+    for member in members:
+        try:
+            yield member, record_path(stock, name, member), Origin(member, secret)
+        except ValueError:  # no record can be made for this ID, so nobody can have worked on it
+            continue
+
+
+@lru_cache(maxsize=4096)
+def _right_values(assignment: Assignment, path: Path, origin: Origin) -> dict[str, dict[str, Value]]:
+    return reference_values(assignment, load_record(path), origin)
+
+
+def _same(held: Mapping[str, Value], right: Mapping[str, Value]) -> bool:
+    """Whether a value that tells is the right one of that record."""
+    for name, value in held.items():
+        wanted = right.get(name)
+        if not _telling(value).size or not isinstance(wanted, int | float | np.ndarray):
+            continue
+        got, other = (np.asarray(numbers, dtype=np.float64).reshape(-1) for numbers in (value, wanted))
+        if got.size == other.size and np.allclose(got, other, rtol=1e-6, atol=1e-12):
+            return True
+    return False
+
+
+def _telling(value: Value) -> NDArray[np.float64]:
+    """The numbers in a value that are not round: round ones are levels, times and counts."""
+    if isinstance(value, bool) or not isinstance(value, int | float | np.ndarray):
+        return np.empty(0)
+    array = np.asarray(value)
+    if array.dtype.kind not in "iuf" or not np.all(np.isfinite(array)):
+        return np.empty(0)
+    numbers = array.astype(np.float64).reshape(-1)
+    return numbers[np.abs(numbers * 1e3 - np.round(numbers * 1e3)) > 1e-5]
+
+
+@lru_cache(maxsize=4096)
+def _hash_at(path: Path, changed: int) -> str:
+    return hashlib.sha256(path.read_bytes()).hexdigest()
+
+
+def _hash(path: Path) -> str:
+    return _hash_at(path, path.stat().st_mtime_ns)

@@ -1,0 +1,223 @@
+"""Building the course: text notebooks -> source notebooks -> release, linted on the way.
+
+The text (MyST) carries short nbgrader metadata; the build fills in the rest, gives every cell its grade_id as its
+cell id, so that two builds are equal byte for byte, and lets nbgrader's own generate step make the release.
+"""
+
+import logging
+import math
+import re
+import shutil
+import tempfile
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+from typing import Any
+
+import jupytext
+import nbformat
+from jupytext.myst import MystMetadataParsingError
+
+from autograder.course.layout import Course, read_cell
+from autograder.course.nbgrader_access import COURSE_ID, nbgrader_api
+from autograder.results.result_files import write_text
+from labsid.checks.notebook import assignment_names, load_assignment
+
+SOLUTION_MARKS = ("### BEGIN SOLUTION", "### END SOLUTION")
+FORBIDDEN_MARKS = re.compile(
+    r"#\s*#*\s*(BEGIN|END)[ _-]*(SOLUTION|HIDDEN|MARK)|(BEGIN|END)\s+(SOL|HIDDEN|MARK)\w*", re.IGNORECASE
+)
+_REGION = re.compile(f"{SOLUTION_MARKS[0]}(.*?){SOLUTION_MARKS[1]}", re.DOTALL)
+CODE_STUB = "# Your code here\n..."
+TEXT_STUB = "*Your answer here*"
+
+
+def build_course(course: Course) -> Iterator[str]:
+    """Build every assignment; yields each name when it is done.
+
+    Raises
+    ------
+    ValueError
+        If a text notebook cannot be released as it is; nothing is written for any assignment then.
+    """
+    names = course.assignments()
+    if not names:
+        raise ValueError(f"no assignments in {course.notebooks}: expected <name>/<name>.md.")
+    built = {name: build_source(course.notebooks / name / f"{name}.md") for name in names}
+    for name, notebook in built.items():
+        _write_notebook(notebook, course.source / name / f"{name}.ipynb")
+    yield from release(course, names)
+
+
+def build_source(path: Path) -> Any:
+    """Turn a text notebook into the one that nbgrader releases from; `ValueError` lists what is wrong with it."""
+    try:
+        notebook = jupytext.read(path, fmt="md:myst")
+    except MystMetadataParsingError as error:
+        raise ValueError(f"{path} cannot be released: {error}") from None
+    problems = [problem for cell in notebook.cells for problem in lint_metadata(cell)]
+    if problems:
+        raise ValueError(f"{path} cannot be released: " + "; ".join(problems))
+    notebook.metadata = {
+        "kernelspec": {"display_name": "Python 3", "language": "python", "name": "python3"},
+        "language_info": {"name": "python"},
+    }
+    for index, cell in enumerate(notebook.cells):
+        short = cell.metadata.pop("nbgrader", None)
+        kept = {key: value for key, value in cell.metadata.items() if key == "tags"}
+        if short is not None:
+            kept["nbgrader"] = full_metadata(short, cell.cell_type)
+        cell.metadata = kept
+        cell.id = str(short["grade_id"]) if short else f"{path.stem[:24]}-{index}"
+    problems = [*lint_source(notebook), *lint_checks(notebook, path.stem)]
+    if problems:
+        raise ValueError(f"{path} cannot be released: " + "; ".join(problems))
+    notebook.nbformat, notebook.nbformat_minor = 4, 5
+    return notebook
+
+
+def full_metadata(short: dict[str, Any], cell_type: str) -> dict[str, Any]:
+    """nbgrader's whole metadata from the few words in the text.
+
+    ``solution`` makes an answer cell, ``points`` on a code cell an automatic question, ``points`` with ``manual`` one
+    graded by hand, ``locked`` a given cell.
+    """
+    manual = bool(short.get("manual"))
+    points = short.get("points")
+    full = {
+        "grade": points is not None,
+        "grade_id": str(short["grade_id"]),
+        "locked": (points is not None and not manual) or bool(short.get("locked")),
+        "schema_version": 3,
+        "solution": bool(short.get("solution")) or manual,
+        "task": False,
+        "cell_type": cell_type,
+    }
+    if points is not None:
+        full["points"] = float(points)
+    return full
+
+
+def lint_metadata(cell: Any) -> Iterator[str]:
+    """What `full_metadata` could not make sense of in a cell of the text."""
+    name = f"the cell {cell.source[:30]!r}"
+    unknown = set(cell.metadata) - {"nbgrader", "tags"}
+    if unknown:
+        yield f"{name}: unknown metadata {', '.join(sorted(unknown))}"
+    if "nbgrader" not in cell.metadata:
+        return
+    short = cell.metadata["nbgrader"]
+    if not isinstance(short, dict) or not re.fullmatch(r"[\w-]{1,64}", str(short.get("grade_id", "")), re.ASCII):
+        yield f"{name}: needs a grade_id of letters, digits and hyphens, got nbgrader: {short}"
+        return
+    unknown = set(short) - {"grade_id", "locked", "manual", "points", "solution"}
+    if unknown:
+        yield f"{short['grade_id']}: unknown metadata {', '.join(sorted(unknown))}"
+    points = short.get("points", 1)
+    if not isinstance(points, int | float) or not 0 < points < math.inf:
+        yield f"{short['grade_id']}: points must be positive, got {points}"
+
+
+def lint_checks(notebook: Any, assignment: str) -> Iterator[str]:
+    """Where the notebook's questions and the checks of its assignment do not fit together."""
+    known = [read_cell(cell) for cell in notebook.cells]
+    asked = [cell.id for cell in known if cell is not None and cell.kind == "question"]
+    checks = load_assignment(assignment).questions if assignment in assignment_names() else ()
+    checked = [question.id for question in checks]
+    for question in asked:
+        if question not in checked:
+            yield f"{question}: labsid.checks.assignments has no check for it"
+    for question in checked:
+        if question not in asked:
+            yield f"{question}: there is a check for it, but no cell that asks it"
+    if sorted(asked) == sorted(checked) and asked != checked:
+        yield "the checks are in another order than the cells that ask them"
+
+
+def lint_source(notebook: Any) -> Iterator[str]:
+    """What would go wrong if this notebook were released."""
+    seen: set[str] = set()
+    for cell in notebook.cells:
+        known = read_cell(cell)
+        opened, closed = (cell.source.count(mark) for mark in SOLUTION_MARKS)
+        rest = cell.source.replace(SOLUTION_MARKS[0], "").replace(SOLUTION_MARKS[1], "")
+        name = known.id if known else f"the cell {cell.source[:30]!r}"
+        strange = FORBIDDEN_MARKS.search(rest)
+        if strange is not None:
+            yield f"{name}: a misspelt or unknown delimiter ({strange[0]!r})"
+        if len(_REGION.findall(cell.source)) != opened or opened != closed:
+            yield f"{name}: {opened} BEGIN SOLUTION and {closed} END SOLUTION that do not pair up"
+        if opened and (known is None or known.kind not in ("answer", "manual")):
+            yield f"{name}: holds a solution but is not an answer cell"
+        if known is None:
+            continue
+        if known.id in seen:
+            yield f"{known.id}: the grade_id is there twice"
+        seen.add(known.id)
+        if known.kind == "answer" and not opened:
+            yield f"{known.id}: an answer cell without a solution region"
+        if known.kind == "question" and cell.source.strip() != f'check("{known.id}")':
+            yield f'{known.id}: a question holds check("{known.id}") and nothing else'
+
+
+def release(course: Course, names: Sequence[str]) -> Iterator[str]:
+    """Make the releases with nbgrader's generate step, and hold each against its source; yields each name when done."""
+    with tempfile.TemporaryDirectory(prefix="labsid-") as scratch:
+        for name in names:
+            made = _generate(course, name, Path(scratch))
+            source = nbformat.read(course.source / name / f"{name}.ipynb", as_version=4)
+            problems = list(lint_release(made, source))
+            if problems:
+                raise ValueError(f"{name} cannot be released: " + "; ".join(problems))
+            _write_notebook(made, course.release / name / f"{name}.ipynb")
+            data = load_assignment(name).record_file if name in assignment_names() else None
+            if data is not None:
+                shutil.copyfile(course.data / data, course.release / name / data)
+            yield name
+
+
+def _generate(course: Course, name: str, scratch: Path) -> Any:
+    nbgrader_api()
+    from nbgrader.converters import GenerateAssignment
+    from nbgrader.converters.base import NbGraderException
+    from nbgrader.coursedir import CourseDirectory
+    from traitlets.config import Config
+
+    config = Config()
+    config.CourseDirectory.root = str(course.root / "autograder")
+    config.CourseDirectory.course_id = COURSE_ID
+    config.CourseDirectory.assignment_id = name
+    config.CourseDirectory.db_url = f"sqlite:///{scratch / 'gradebook.db'}"
+    config.CourseDirectory.release_directory = str(scratch / "release")
+    config.ClearSolutions.code_stub = {"python": CODE_STUB}
+    config.ClearSolutions.text_stub = TEXT_STUB
+    converter = GenerateAssignment(coursedir=CourseDirectory(config=config), config=config)
+    converter.log = logging.getLogger("labsid.build")
+    converter.log.setLevel(logging.ERROR)
+    try:
+        converter.start()
+    except NbGraderException as error:
+        raise ValueError(f"{name} cannot be released: {error}") from error
+    return nbformat.read(scratch / "release" / "." / name / f"{name}.ipynb", as_version=4)
+
+
+def lint_release(release: Any, source: Any) -> Iterator[str]:
+    """Solution text that survived into the release."""
+    texts = {cell.id: cell.source for cell in release.cells}
+    for cell in source.cells:
+        known = read_cell(cell)
+        if known is None or known.kind not in ("answer", "manual"):
+            continue
+        if known.kind == "manual":
+            leaked = [cell.source]
+        else:
+            starter = _REGION.sub("", cell.source)
+            lines = [line.strip() for region in _REGION.findall(cell.source) for line in region.splitlines()]
+            leaked = [line for line in lines if len(line) > 12 and line not in starter]
+        for line in leaked:
+            if line in texts.get(known.id, ""):
+                yield f"{known.id}: the solution line {line[:40]!r} survives"
+
+
+def _write_notebook(notebook: Any, path: Path) -> None:
+    text = nbformat.writes(notebook, version=4)
+    write_text(path, text if text.endswith("\n") else text + "\n")

@@ -1,0 +1,195 @@
+"""Where the course's files are, and the points of its questions."""
+
+import json
+import re
+from dataclasses import dataclass
+from decimal import Decimal
+from pathlib import Path
+from typing import Any
+
+import nbformat
+
+RECORD_FILE = "SysIdenData_StudentVersion.mat"
+
+
+@dataclass(frozen=True, slots=True)
+class Course:
+    """The folders of a course, all below one root.
+
+    Attributes
+    ----------
+    root : Path
+        The checkout: holds ``notebooks``, ``autograder`` and ``data``.
+    """
+
+    root: Path
+
+    @property
+    def notebooks(self) -> Path:
+        """The text notebooks, the only source."""
+        return self.root / "notebooks"
+
+    @property
+    def source(self) -> Path:
+        """Built notebooks with solutions."""
+        return self.root / "autograder" / "source"
+
+    @property
+    def release(self) -> Path:
+        """Built notebooks as students get them."""
+        return self.root / "autograder" / "release"
+
+    @property
+    def data(self) -> Path:
+        """The data files of those who have no individual ones."""
+        return self.root / "data"
+
+    @property
+    def record(self) -> Path:
+        """The lab's record, of those who have no individual one."""
+        return self.data / RECORD_FILE
+
+    def assignments(self) -> list[str]:
+        """Names of the assignments, in the order of the course."""
+        there = {path.parent.name for path in self.notebooks.glob("*/*.md") if path.stem == path.parent.name}
+        return sorted(there, key=in_course_order)
+
+
+def in_course_order(assignment: str) -> tuple[int, str]:
+    """Key that sorts assignments as they are taught."""
+    return (_ORDER.index(assignment) if assignment in _ORDER else len(_ORDER), assignment)
+
+
+_ORDER = (
+    "prelab-sinusoids",
+    "lab-identification",
+    "postlab-model-order",
+    "step-response",
+    "least-squares",
+    "model-structures",
+    "recursive-identification",
+    "armax-and-instruments",
+    "nonlinear-least-squares",
+    "sim-to-real-gap",
+)
+
+
+def find_course() -> Course:
+    """Find the course that this program belongs to, or the one in or above the working folder.
+
+    Raises
+    ------
+    ValueError
+        If there is none.
+    """
+    own = Path(__file__).resolve().parents[2]
+    for root in (own, Path.cwd(), *Path.cwd().parents):
+        if (root / "notebooks").is_dir() and (root / "autograder").is_dir():
+            return Course(root)
+    raise ValueError(
+        f"no course here: neither {own} nor {Path.cwd()} has the folders 'notebooks' and 'autograder'. "
+        "Run this command inside a checkout of the course."
+    )
+
+
+@dataclass(frozen=True, slots=True)
+class Cell:
+    """One cell of a built notebook that nbgrader knows.
+
+    Attributes
+    ----------
+    id : str
+        Its grade_id.
+    kind : {"given", "demonstration", "answer", "question", "manual"}
+        Locked code, locked code that only shows something and is not run while grading, a student's answer, an
+        automatic question, or a question graded by hand.
+    source : str
+        Its text.
+    code : bool
+        Whether it is a code cell.
+    points : Decimal or None
+        What the question is worth, exact.
+    heading : str
+        The heading under which it stands.
+    """
+
+    id: str
+    kind: str
+    source: str
+    code: bool
+    points: Decimal | None
+    heading: str = ""
+
+
+def read_cell(cell: Any, heading: str = "") -> Cell | None:
+    """Read one notebook cell's nbgrader metadata; None where it has none."""
+    meta = cell.get("metadata", {}).get("nbgrader")
+    if not isinstance(meta, dict) or "grade_id" not in meta:
+        return None
+    grade, solution = bool(meta.get("grade")), bool(meta.get("solution"))
+    if grade:
+        kind = "manual" if solution else "question"
+    elif solution:
+        kind = "answer"
+    else:
+        kind = "demonstration" if "demonstration" in cell["metadata"].get("tags", ()) else "given"
+    points = Decimal(str(meta["points"])) if grade else None
+    return Cell(str(meta["grade_id"]), kind, str(cell["source"]), cell["cell_type"] == "code", points, heading)
+
+
+@dataclass(frozen=True, slots=True)
+class Template:
+    """A released assignment: what a submission is held against.
+
+    Attributes
+    ----------
+    assignment, title : str
+        Its name, and the title of its notebook.
+    cells : tuple of Cell
+        The cells that nbgrader knows, in order.
+    """
+
+    assignment: str
+    title: str
+    cells: tuple[Cell, ...]
+
+    @property
+    def questions(self) -> tuple[Cell, ...]:
+        """Cells that carry points, in order."""
+        return tuple(cell for cell in self.cells if cell.points is not None)
+
+
+def read_template(course: Course, assignment: str) -> Template:
+    """Read the released notebook of an assignment; `ValueError` says to build the course where it is not there."""
+    path = course.release / assignment / f"{assignment}.ipynb"
+    if not path.is_file():
+        raise ValueError(f"{assignment} has not been built ({path} is not there). Run: labsid course build")
+    notebook = nbformat.reads(path.read_text(encoding="utf-8"), as_version=4)
+    cells: list[Cell] = []
+    title = heading = ""
+    for raw in notebook.cells:
+        for level, text in re.findall(r"^(#{1,4})\s+(.+)$", raw.source if raw.cell_type == "markdown" else "", re.M):
+            heading = _without_mathematics(text.strip())
+            title = title or (heading if level == "#" else "")
+        cell = read_cell(raw, heading)
+        if cell is not None:
+            cells.append(cell)
+    return Template(assignment, title or assignment, tuple(cells))
+
+
+def _without_mathematics(heading: str) -> str:
+    """A heading as plain text: ``Build $\\Phi$`` is ``Build Φ``."""
+    for mark, letter in (
+        (r"\hat\theta", "θ̂"),
+        (r"\hat{\theta}", "θ̂"),
+        (r"\theta", "θ"),
+        (r"\Phi", "Φ"),
+        (r"\tau", "τ"),
+    ):
+        heading = heading.replace(mark, letter)
+    return heading.replace("$", "").replace("`", "").replace("{", "").replace("}", "")
+
+
+def to_json(value: Any) -> str:
+    """JSON as this program writes it: indented, sorted, with a final newline, so that two runs can be compared."""
+    return json.dumps(value, indent=1, sort_keys=True, ensure_ascii=False) + "\n"

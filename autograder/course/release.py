@@ -1,0 +1,182 @@
+"""What students get: one zip with the notebooks, the data beside them, labsid itself and what it needs."""
+
+import base64
+import hashlib
+import tomllib
+from importlib.metadata import PackageNotFoundError, distribution
+from pathlib import Path
+
+import labsid
+from autograder.batch.assets import individual_file, is_individual
+from autograder.course.layout import Course
+from autograder.intake.archive import zip_bytes
+from labsid.checks.notebook import load_assignment
+from labsid.cli.console import write_file
+from labsid.rig import student_plan
+
+_README = """\
+# {course}
+
+1. Make the environment, once (conda, mamba or micromamba):
+
+       conda env create -f environment.yml
+       conda activate {course}
+
+   Without conda: python -m pip install "./{wheel}[notebooks]"
+
+2. Open the notebooks:
+
+       jupyter lab
+
+   {data}
+
+3. Work through each notebook from top to bottom and run its checks. Hand in the notebooks: their files keep their
+   names; a zip of the folders is fine, too.
+"""
+
+
+def write_release(course: Course, out: Path) -> list[str]:
+    """Zip the release; the same course gives the same bytes.
+
+    Parameters
+    ----------
+    course : Course
+        Built.
+    out : Path
+        The zip; written whole or not at all.
+
+    Returns
+    -------
+    list of str
+        The files in it.
+
+    Raises
+    ------
+    ValueError
+        If the course has not been built.
+    """
+    files = _shared_files(course)
+    for name in course.assignments():
+        data = load_assignment(name).record_file
+        if data is not None:
+            files[f"{name}/{data}"] = (course.data / data).read_bytes()
+    write_file(out, zip_bytes(files))
+    return sorted(files)
+
+
+def write_individual_releases(course: Course, out: Path, secret: bytes, students: list[str]) -> list[str]:
+    """Zip the release with a folder of data for each student, which the teacher hands out one by one.
+
+    Parameters
+    ----------
+    course : Course
+        Built.
+    out : Path
+        The zip: ``for-everybody/`` has what all get, ``students/<ID>/`` the data of one student, each file in the
+        folder of its assignment.
+    secret : bytes
+    students : list of str
+        IDs.
+
+    Returns
+    -------
+    list of str
+        The files in it.
+
+    Raises
+    ------
+    ValueError
+        If the course has not been built, or an ID is unusable.
+    """
+    files = {f"for-everybody/{name}": content for name, content in _shared_files(course).items()}
+    wanted = ((name, load_assignment(name).record_file) for name in course.assignments())
+    data = {name: file for name, file in wanted if file is not None}
+    for student in students:
+        student_plan(student, secret)  # says what is wrong with the ID before anything is made
+        if "/" in student or "\\" in student or student.startswith("."):
+            raise ValueError(f"the student ID {student!r} cannot be the name of a folder.")
+        made = {file: individual_file(file, student, secret) for file in set(data.values()) if is_individual(file)}
+        for name, file in data.items():
+            content = made[file] if file in made else (course.data / file).read_bytes()
+            files[f"students/{student}/{name}/{file}"] = content
+    write_file(out, zip_bytes(files))
+    return sorted(files)
+
+
+def read_students(path: Path) -> list[str]:
+    """Student IDs, one a line; empty lines and those that begin with # do not count.
+
+    Raises
+    ------
+    ValueError
+        If there is none, or one is there twice.
+    """
+    try:
+        lines = [line.strip() for line in path.read_text(encoding="utf-8-sig").splitlines()]
+    except UnicodeDecodeError:
+        raise ValueError(f"{path} is not text in UTF-8. Expected one student ID a line.") from None
+    students = [line for line in lines if line and not line.startswith("#")]
+    if not students:
+        raise ValueError(f"{path} names no students. Expected one student ID a line.")
+    twice = sorted({student for student in students if students.count(student) > 1})
+    if twice:
+        raise ValueError(f"{path} names {', '.join(twice)} twice.")
+    return students
+
+
+def _shared_files(course: Course) -> dict[str, bytes]:
+    files: dict[str, bytes] = {}
+    has_data = False
+    for name in course.assignments():
+        notebook = course.release / name / f"{name}.ipynb"
+        if not notebook.is_file():
+            raise ValueError(f"{name} has not been built ({notebook} is not there). Run: labsid course build")
+        files[f"{name}/{name}.ipynb"] = notebook.read_bytes()
+        has_data = has_data or load_assignment(name).record_file is not None
+    wheel, content = labsid_wheel()
+    files[wheel] = content
+    files["environment.yml"] = _environment(course, wheel).encode()
+    said = "The data files stand beside the notebooks that use them." if has_data else "No notebook needs a data file."
+    files["README.md"] = _README.format(course="labsid", wheel=wheel, data=said).encode()
+    return files
+
+
+def _environment(course: Course, wheel: str) -> str:
+    """For conda: what labsid and the notebooks need, and labsid from the file beside it."""
+    project = tomllib.loads((course.root / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+    needed = [*project["dependencies"], *project["optional-dependencies"]["notebooks"]]
+    lines = ["name: labsid", "channels: [conda-forge, nodefaults]", "dependencies:"]
+    lines += [f"  - python {project['requires-python']}", "  - pip", *(f"  - {need}" for need in needed)]
+    return "\n".join([*lines, "  - pip:", f"      - ./{wheel}", ""])
+
+
+def labsid_wheel() -> tuple[str, bytes]:
+    """The installed labsid as a wheel, without the autograder: its name and its content, the same for the same source.
+
+    Raises
+    ------
+    ValueError
+        If labsid is not installed, so that what it needs is not known.
+    """
+    package = Path(labsid.__file__).parent
+    paths = (path for path in sorted(package.rglob("*")) if path.is_file() and "__pycache__" not in path.parts)
+    files = {f"labsid/{path.relative_to(package).as_posix()}": path.read_bytes() for path in paths}
+    stem = f"labsid-{labsid.__version__}"
+    try:
+        installed = distribution("labsid")
+        metadata = installed.read_text("METADATA") or installed.read_text("PKG-INFO")
+    except PackageNotFoundError:
+        metadata = None
+    if metadata is None:
+        raise ValueError("labsid is not installed. Run: pip install -e .")
+    info = f"{stem}.dist-info"
+    files[f"{info}/METADATA"] = metadata.encode()
+    files[f"{info}/WHEEL"] = b"Wheel-Version: 1.0\nGenerator: labsid\nRoot-Is-Purelib: true\nTag: py3-none-any\n"
+    files[f"{info}/entry_points.txt"] = b"[console_scripts]\nlabsid = labsid.cli.commands:main\n"
+    listed = [f"{name},sha256={_digest(content)},{len(content)}" for name, content in sorted(files.items())]
+    files[f"{info}/RECORD"] = "\n".join([*listed, f"{info}/RECORD,,", ""]).encode()
+    return f"{stem}-py3-none-any.whl", zip_bytes(files)
+
+
+def _digest(content: bytes) -> str:
+    return base64.urlsafe_b64encode(hashlib.sha256(content).digest()).decode("ascii").rstrip("=")

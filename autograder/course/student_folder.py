@@ -1,0 +1,136 @@
+"""What a student does around the notebooks: get them, and hand them in."""
+
+import io
+import json
+import re
+import subprocess
+import sys
+import zipfile
+from collections.abc import Iterator
+from pathlib import Path
+
+from autograder.course.build import CODE_STUB, TEXT_STUB, build_course
+from autograder.course.layout import Course, read_cell
+from labsid.checks.notebook import assignment_names, load_assignment
+from labsid.cli.console import write_file
+
+_ZIP_TIME = (1980, 1, 1, 0, 0, 0)
+_LARGEST_RECORD = 16 * 1024 * 1024
+# as it stands in the release: indented where the answer is the body of a function
+_STUB = re.compile("|".join(r"\n\s*".join(map(re.escape, stub.splitlines())) for stub in (CODE_STUB, TEXT_STUB)))
+
+
+def copy_release(course: Course, folder: Path) -> Iterator[str]:
+    """Copy the release into a work folder; a file that is there already is left as it is.
+
+    Parameters
+    ----------
+    course : Course
+        Built first where it has not been.
+    folder : Path
+        The work folder; made where it is not there.
+
+    Yields
+    ------
+    str
+        A line for each assignment.
+    """
+    if folder.exists() and not folder.is_dir():
+        raise ValueError(f"{folder} is a file; give --folder another name.")
+    names = course.assignments()
+    if not all((course.release / name / f"{name}.ipynb").is_file() for name in names):
+        yield "Building the notebooks (once) ..."
+        list(build_course(course))
+    for name in names:
+        kept, made = [], []
+        for file in sorted((course.release / name).glob("[!.]*.*")):
+            target = folder / name / file.name
+            if target.exists():
+                kept.append(file.name)
+                continue
+            target.parent.mkdir(parents=True, exist_ok=True)
+            write_file(target, file.read_bytes())
+            made.append(file.name)
+        said = [f"new: {', '.join(made)}"] if made else []
+        said += [f"yours, kept as it is: {', '.join(kept)}"] if kept else []
+        yield f"{name}: {'; '.join(said)}"
+
+
+def open_jupyterlab(folder: Path) -> None:
+    """Open JupyterLab in the work folder and stay until it is closed; `ValueError` where it is not installed."""
+    from importlib.util import find_spec
+
+    if find_spec("jupyterlab") is None:
+        raise ValueError('JupyterLab is not installed. Run: pip install "labsid[notebooks]"')
+    try:
+        subprocess.run([sys.executable, "-m", "jupyterlab", str(folder)], check=False)
+    except KeyboardInterrupt:
+        print(f"JupyterLab closed. Your work is in {folder.resolve()}.")
+
+
+def pack(folder: Path, out: Path) -> Iterator[str]:
+    """Check a student's notebooks and zip them for hand-in.
+
+    Parameters
+    ----------
+    folder : Path
+        The work folder.
+    out : Path
+        The zip; replaced where it is there, only when the new one is whole.
+
+    Yields
+    ------
+    str
+        A line for each notebook, with what is still open in it.
+
+    Raises
+    ------
+    ValueError
+        If a notebook cannot be read, or there is none; nothing is written then.
+    """
+    found = sorted(path for path in folder.glob("[!.]*/[!.]*.ipynb") if path.is_file())
+    notebooks = [path for path in found if path.stem == path.parent.name]
+    if not notebooks:
+        raise ValueError(f"{folder} holds no notebooks. Expected <assignment>/<assignment>.ipynb below it.")
+    packed = io.BytesIO()
+    with zipfile.ZipFile(packed, "w", zipfile.ZIP_DEFLATED) as archive:
+        for path in notebooks:
+            data = path.read_bytes()
+            yield f"{path.stem}: {_describe(path, data)}"
+            archive.writestr(zipfile.ZipInfo(f"{path.stem}/{path.name}", _ZIP_TIME), data, zipfile.ZIP_DEFLATED)
+            record = _record_beside(path)
+            if record is not None:
+                info = zipfile.ZipInfo(f"{path.stem}/{record.name}", _ZIP_TIME)
+                archive.writestr(info, record.read_bytes(), zipfile.ZIP_DEFLATED)
+    for path in found:
+        if path not in notebooks:
+            expected = f"{path.parent.name}.ipynb"
+            yield f"{path.parent.name}/{path.name} is left out: what is handed in from this folder is {expected}"
+    write_file(out, packed.getvalue())
+    yield f"Hand in this file: {out}"
+
+
+def _record_beside(notebook: Path) -> Path | None:
+    """The data file that the notebook was worked on: it goes with it, and shows on whose record that was."""
+    name = load_assignment(notebook.stem).record_file if notebook.stem in assignment_names() else None
+    path = notebook.parent / (name or "")
+    return path if name is not None and path.is_file() and path.stat().st_size <= _LARGEST_RECORD else None
+
+
+def _describe(path: Path, data: bytes) -> str:
+    """What is still open in a notebook; `ValueError` where it is none."""
+    try:
+        cells = json.loads(data)["cells"]
+        known = [read_cell({**cell, "source": "".join(cell["source"])}) for cell in cells]
+    except (ValueError, KeyError, TypeError, AttributeError, ArithmeticError, RecursionError) as error:
+        raise ValueError(
+            f"{path} is not a readable notebook ({type(error).__name__}). Open it in JupyterLab and save it again; "
+            "if that fails, take your last good copy."
+        ) from None
+    answers = [cell for cell in known if cell is not None and cell.kind in ("answer", "manual")]
+    if not answers:
+        raise ValueError(f"{path} has none of the assignment's cells. Hand in the notebook that you were given.")
+    still = [cell.id for cell in answers if _STUB.search(cell.source) or not cell.source.strip()]
+    if not still:
+        return f"all {len(answers)} answers are there"
+    return f"{len(answers) - len(still)} of {len(answers)} answers; not answered yet: {', '.join(still)}"

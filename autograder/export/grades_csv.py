@@ -1,0 +1,47 @@
+"""Exports of a graded class."""
+
+from pathlib import Path
+
+from autograder.batch.grade import write_grades
+from autograder.results import gradebook, result_files
+
+COLUMNS = ("student", "assignment", "score", "max_score", "waiting", "status", "late_penalty")
+
+
+def export_csv(out: Path) -> Path:
+    """Write ``OUT/export.csv``: one line a student and assignment, with what still waits to be graded by hand.
+
+    Also brings ``OUT/grades.csv`` up to date with the scores given by hand since.
+
+    Parameters
+    ----------
+    out : Path
+        A folder that ``labsid course grade`` wrote.
+
+    Returns
+    -------
+    Path
+        Columns ``student, assignment, score, max_score, waiting, status, late_penalty``: `score` is what is left after
+        `late_penalty`, `waiting` are marks not yet graded by hand, `status` is ``complete``, ``waiting``,
+        ``missing`` or ``quarantined``.
+    """
+    by_hand = gradebook.given_by_hand(out).scores
+    rows = []
+    for result in result_files.load_all(out):
+        marks = result_files.totals(result, by_hand)
+        refused = {question.status for question in result.questions} & {"missing", "quarantined"}
+        rows.append(
+            {
+                "student": result.student,
+                "assignment": result.assignment,
+                "score": result_files.plain_decimal(marks.score),
+                "max_score": result_files.plain_decimal(marks.max_score),
+                "waiting": result_files.plain_decimal(marks.waiting),
+                "status": refused.pop() if refused else "waiting" if marks.waiting else "complete",
+                "late_penalty": result_files.plain_decimal(marks.penalty),
+            }
+        )
+    write_grades(out)
+    path = out / "export.csv"
+    result_files.write_csv(path, COLUMNS, rows)
+    return path

@@ -1,0 +1,161 @@
+"""Grades and feedback in the form in which Moodle takes them.
+
+The offline grading worksheet comes back as it was downloaded, with the columns Grade and Feedback comments filled in;
+"Last modified (grade)" is left as it is, for Moodle refuses a grade that was changed since. The feedback is a zip with
+a folder ``Full Name_123456_assignsubmission_file_`` for each participant.
+"""
+
+import re
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from decimal import ROUND_HALF_UP, Decimal, InvalidOperation
+from pathlib import Path
+
+from autograder.batch.grade import write_grades
+from autograder.intake.archive import zip_bytes
+from autograder.intake.worksheet import (
+    CHANGEABLE,
+    FEEDBACK,
+    FULL_NAME,
+    GRADE,
+    MAXIMUM,
+    Worksheet,
+    participant,
+    possible_ids,
+    worksheet_text,
+)
+from autograder.results import gradebook, result_files
+from autograder.results.feedback import write_feedback
+from autograder.results.result_files import StoredResult, Totals, one_line, plain_decimal
+from labsid.cli.console import write_file
+
+_CENT = Decimal("0.01")
+
+
+@dataclass(frozen=True, slots=True)
+class Exported:
+    """What was written, and what the teacher should know of it.
+
+    Attributes
+    ----------
+    worksheet, feedback : Path
+    filled : int
+        Rows with a grade.
+    remarks : tuple of str
+    """
+
+    worksheet: Path
+    feedback: Path
+    filled: int
+    remarks: tuple[str, ...]
+
+
+def export_moodle(out: Path, sheet: Worksheet, assignment: str | None = None) -> Exported:
+    """Write ``OUT/moodle/worksheet.csv`` and ``OUT/moodle/feedback.zip``.
+
+    Parameters
+    ----------
+    out : Path
+        A folder that ``labsid course grade`` wrote.
+    sheet : Worksheet
+        As it was downloaded.
+    assignment : str, optional
+        Which assignment the worksheet is of; unless given, all that were graded, added up.
+
+    Returns
+    -------
+    Exported
+
+    Raises
+    ------
+    ValueError
+        If OUT has no results of that assignment, or the worksheet lacks the columns to fill in.
+    """
+    missing = [column for column in (GRADE, FEEDBACK) if column not in sheet.columns]
+    if missing:
+        raise ValueError(
+            f"the worksheet has no column {' and no column '.join(missing)}. In Moodle, switch on the feedback types "
+            "'Feedback comments' and 'Offline grading worksheet', and download it again."
+        )
+    stored = [one for one in result_files.load_all(out) if assignment in (None, one.assignment)]
+    if not stored:
+        raise ValueError(f"{out} holds no results of {assignment!r}.")
+    by_hand = gradebook.given_by_hand(out).scores
+    by_student: dict[str, list[StoredResult]] = {}
+    for one in stored:
+        by_student.setdefault(one.student, []).append(one)
+    names = {student.casefold(): student for student in by_student}
+    pages = {(path.parent.name, path.stem): path.read_bytes() for path in write_feedback(out)}
+    rows: list[dict[str, str]] = []
+    files: dict[str, bytes] = {}
+    found: set[str] = set()
+    remarks: list[str] = []
+    for row in sheet.rows:
+        student = next((names[one.casefold()] for one in possible_ids(row) if one.casefold() in names), None)
+        if student is None:
+            rows.append(row)
+            continue
+        found.add(student)
+        marks = _sum([result_files.totals(one, by_hand) for one in by_student[student]])
+        filled, remark = _filled(row, marks, by_student[student])
+        rows.append(filled)
+        remarks += [f"{student}: {remark}"] if remark else []
+        folder = _folder(row)
+        mine = [one.assignment for one in by_student[student]]
+        for name in mine:
+            page = "feedback.html" if len(mine) == 1 else f"feedback-{name}.html"
+            files[f"{folder}/{page}"] = pages[student, name]
+    remarks += [f"{student}: not in the worksheet" for student in by_student if student not in found]
+    target = out / "moodle"
+    target.mkdir(parents=True, exist_ok=True)
+    write_file(target / "worksheet.csv", worksheet_text(sheet, rows).encode(errors="backslashreplace"))
+    write_file(target / "feedback.zip", zip_bytes(files))
+    write_grades(out)
+    return Exported(target / "worksheet.csv", target / "feedback.zip", len(found), tuple(map(one_line, remarks)))
+
+
+def _sum(totals: Sequence[Totals]) -> Totals:
+    parts = ((one.score, one.max_score, one.waiting, one.penalty) for one in totals)
+    return Totals(*(sum(column, Decimal(0)) for column in zip(*parts, strict=True)))
+
+
+def _filled(row: Mapping[str, str], marks: Totals, stored: Sequence[StoredResult]) -> tuple[dict[str, str], str]:
+    """A row with its grade, in the worksheet's own scale, and what to say of it."""
+    if row.get(CHANGEABLE, "Yes").strip().casefold() == "no":
+        return dict(row), "the grade cannot be changed in Moodle; left as it is"
+    most = _number(row.get(MAXIMUM, ""))
+    score, remark = marks.score, ""
+    if most is not None and most != marks.max_score and marks.max_score:
+        score = (marks.score * most / marks.max_score).quantize(_CENT, ROUND_HALF_UP)
+        remark = f"{plain_decimal(marks.score)} of {plain_decimal(marks.max_score)} is {plain_decimal(score)} of {most}"
+    if marks.waiting:
+        waits = f"{plain_decimal(marks.waiting)} marks wait to be graded by hand"
+        remark = f"{remark}; {waits}" if remark else waits
+    return {**row, GRADE: plain_decimal(score), FEEDBACK: _comment(marks, stored)}, remark
+
+
+def _comment(marks: Totals, stored: Sequence[StoredResult]) -> str:
+    said = [f"{plain_decimal(marks.score)} of {plain_decimal(marks.max_score)} marks."]
+    if marks.waiting:
+        said.append(f"{plain_decimal(marks.waiting)} wait to be graded by hand.")
+    said += [one.late for one in stored if one.late]
+    said += [f"{one.assignment}: {one.questions[0].status}." for one in stored if one.is_refused]
+    slips = dict.fromkeys(question.slip for one in stored for question in one.questions if question.slip)
+    if slips:
+        said.append(f"Known slips: {'; '.join(filter(None, slips))}.")
+    said.append("The feedback file has the details.")
+    return one_line(" ".join(said))
+
+
+def _number(text: str) -> Decimal | None:
+    try:
+        value = Decimal(text.strip())
+    except InvalidOperation:
+        return None
+    return value if value.is_finite() and value > 0 else None
+
+
+def _folder(row: Mapping[str, str]) -> str:
+    """The participant's folder, as Moodle itself calls it."""
+    name = re.sub(r"[\x00-\x1f/\\:*?\"<>|]", "", row.get(FULL_NAME, "")).strip(". ") or "Participant"
+    return f"{name}_{participant(row)}_assignsubmission_file_"

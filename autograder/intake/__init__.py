@@ -1,0 +1,1 @@
+"""Submissions as they arrive: archives, Moodle's worksheet, notebooks that are damaged."""

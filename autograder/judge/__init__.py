@@ -1,0 +1,1 @@
+"""Judging one submission: ask its process for values, compare them with labsid."""

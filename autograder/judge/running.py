@@ -1,0 +1,181 @@
+"""A student's notebook while it runs: within its limits, and brought back to where it was when its process dies."""
+
+import contextlib
+import time
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+from autograder.intake.submission import Step
+from autograder.sandbox.isolation import Reply, Student, StudentDied, Workshop
+from labsid.checks.values import Value
+
+_Done = Step | Mapping[str, Value] | int
+"""What a process went through: a cell that it ran, values that it was given, the key of a pin."""
+
+_HERE = -1
+
+
+@dataclass(frozen=True, slots=True)
+class Ran:
+    """A cell that was gone through: what came back, or how the process died of it."""
+
+    step: Step
+    reply: Reply
+    death: StudentDied | None = None
+
+
+class Running:
+    """One submission's process, or the one that took its place."""
+
+    def __init__(self, workshop: Workshop, folder: Path) -> None:
+        self._workshop = workshop
+        self._folder = folder
+        self._done: list[_Done] = []
+        self._other: Student | None = None
+        self._gone_through = 0  # by the other, of what was done
+        self._cells = 0
+        self._printed = 0
+        self._until = time.monotonic() + workshop.limits.submission_seconds
+        self._again = workshop.limits.submission_seconds
+        self.student = self._start()
+
+    def run(self, step: Step) -> Ran:
+        """Run a cell; one that kills its process is left out of what the next process is brought back to."""
+        most = self._workshop.limits.cells
+        self._cells += 1
+        if self._cells > most:
+            return Ran(step, Reply(False), StudentDied("limit", f"the notebook has more than {most} cells"))
+        try:
+            reply = self.student.run(step.source)
+        except StudentDied as death:
+            self.revive()
+            return Ran(step, Reply(False), death)
+        self._done.append(step)
+        return Ran(step, self._cut(reply))
+
+    def set(self, values: Mapping[str, Value]) -> None:
+        """Put values in the place of the student's own, now and in every process to come."""
+        self._done.append(values)
+        try:
+            self.student.set(values)
+        except StudentDied:
+            self.revive()
+
+    def pin(self, key: int) -> None:
+        """Keep the variables as they are now under a key, in this process and in every process to come."""
+        self._done.append(key)
+        try:
+            self.student.pin(key)
+        except StudentDied:
+            self.revive()
+
+    def revive(self) -> None:
+        """Start another process and bring it to where the last one was, without what killed it."""
+        while True:
+            self.student.close()
+            if time.monotonic() > self._until:
+                return
+            try:
+                self.student = self._start()
+            except StudentDied:  # what is asked of it now fails, and is tried again
+                return
+            failed = self._replay(self.student, self._done)
+            if failed is None:
+                return
+            self._part()
+            del self._done[failed[0]]  # this cell does not survive being run again: go without it
+
+    def replayed(self, key: int) -> Student:
+        """A new process, brought to where the first one was when it kept its variables under `key`.
+
+        Raises
+        ------
+        StudentDied
+            If it does not survive that.
+        """
+        student = self._start()
+        try:
+            self._bring(student, self._done[: self._done.index(key)])
+        except BaseException:
+            student.close()
+            raise
+        return student
+
+    @contextlib.contextmanager
+    def apart(self) -> Iterator[Student]:
+        """Another process at the same place, to call functions on hidden inputs while there are cells to come.
+
+        It has neither memory nor a folder in common with the first, so what it is told stays with it. It is kept for
+        the next time, and then goes on from where it was; not where its variables have changed since.
+
+        Raises
+        ------
+        StudentDied
+            If it does not survive to get there.
+        """
+        if self._other is None:
+            self._other, self._gone_through = self._start(), 0
+        other, behind = self._other, self._done[self._gone_through :]
+        changed = True
+        try:
+            self._bring(other, behind)
+            self._gone_through = len(self._done)
+            other.pin(_HERE)
+            yield other
+            with contextlib.suppress(StudentDied):
+                changed = other.put_back(_HERE)
+        finally:
+            if changed:
+                self._part()
+
+    def more_time(self, seconds: float) -> None:
+        """See to it that there are so many seconds left."""
+        self._until = self.student.until = max(self._until, time.monotonic() + seconds)
+
+    def close(self) -> None:
+        """End it."""
+        self._part()
+        self.student.close()
+
+    def _part(self) -> None:
+        if self._other is not None:
+            self._other.close()
+            self._other = None
+
+    def _bring(self, student: Student, done: list[_Done]) -> None:
+        """Replay at the judge's wish: the time is not the notebook's, and all of it may come to as much again."""
+        began = time.monotonic()
+        student.until = began + self._again
+        failed = self._replay(student, done)
+        gone = time.monotonic() - began
+        self._again -= gone
+        self._until += gone
+        self.student.until = student.until = self._until
+        if failed is not None:
+            student.close()
+            raise StudentDied(failed[1].status, f"run once more from the first cell on, {failed[1]}")
+
+    def _replay(self, student: Student, done: list[_Done]) -> tuple[int, StudentDied] | None:
+        """Do again what was done; the place of what the process did not survive, and how it died."""
+        for index, one in enumerate(done):
+            try:
+                if isinstance(one, Step):
+                    student.run(one.source)
+                elif isinstance(one, int):
+                    student.pin(one)
+                else:
+                    student.set(one)
+            except StudentDied as death:
+                return index, death
+        return None
+
+    def _start(self) -> Student:
+        student = self._workshop.start(self._folder)
+        student.until = self._until
+        return student
+
+    def _cut(self, reply: Reply) -> Reply:
+        left = max(self._workshop.limits.output_characters - self._printed, 0)
+        self._printed += len(reply.stdout)
+        return Reply(reply.ok, reply.value, reply.error, reply.stdout[:left])

@@ -1,0 +1,1 @@
+"""Stored results, the gradebook, feedback pages and the instructor's report."""

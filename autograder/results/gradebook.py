@@ -1,0 +1,330 @@
+"""The gradebook is nbgrader's: formgrader, manual grading and nbgrader's own feedback go on working on it.
+
+Results are entered in bulk, all of them in one transaction, and a table of our own beside nbgrader's says which have
+been: a run that is killed enters nothing or all, and the next run enters the rest. A score or comment given by hand
+is never touched.
+
+The gradebook is where ``OUT/nbgrader_config.py`` says, in nbgrader's own setting ``CourseDirectory.db_url``: a file
+in OUT unless it is changed there, to ``postgresql+psycopg://USER:PASSWORD@HOST/NAME`` for a class that several people
+grade by hand at a time (``pip install 'labsid[postgres]'``).
+"""
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from datetime import datetime
+from decimal import Decimal
+from pathlib import Path
+from typing import Any
+
+import nbformat
+
+from autograder.course.layout import Course
+from autograder.course.nbgrader_access import COURSE_ID, nbgrader_api, open_gradebook, without_waiting_for_the_disk
+from autograder.results.result_files import StoredResult, entry_digest, write_text
+
+Key = tuple[str, str, str]
+"""Student, assignment and question."""
+
+
+@dataclass(frozen=True, slots=True)
+class ByHand:
+    """What was given by hand, by (student, assignment, question).
+
+    Attributes
+    ----------
+    scores : dict
+        Exact decimals, extra credit included.
+    comments : dict
+    look_again : frozenset
+        Scored by hand, and marked since as needing another look.
+    """
+
+    scores: dict[Key, Decimal]
+    comments: dict[Key, str]
+    look_again: frozenset[Key]
+
+
+def database_url(out: Path) -> str:
+    """The gradebook of an OUT folder, in nbgrader's own notation."""
+    config = out / "nbgrader_config.py"
+    if config.is_file():
+        from traitlets.config.loader import PyFileConfigLoader
+
+        try:
+            found = PyFileConfigLoader(config.name, str(out.resolve())).load_config().CourseDirectory.get("db_url")
+        except Exception as error:  # it is a program of the teacher's: it may fail in any way
+            raise ValueError(f"{config} cannot be read: {type(error).__name__}: {error}") from None
+        if isinstance(found, str):
+            return found
+    return f"sqlite:///{(out / 'gradebook.db').resolve()}"
+
+
+def is_there(out: Path) -> bool:
+    """Whether OUT has a gradebook: without it, nothing was given by hand."""
+    url = database_url(out)
+    return Path(url.removeprefix("sqlite:///")).is_file() if url.startswith("sqlite:///") else out.is_dir()
+
+
+def prepare(course: Course, out: Path, assignments: Sequence[str]) -> None:
+    """Enter the assignments into the gradebook, and make OUT a course folder that nbgrader's own commands can open.
+
+    Raises
+    ------
+    ValueError
+        If an assignment's cells have changed since submissions of it were graded here.
+    """
+    nbgrader_api()
+    out.mkdir(parents=True, exist_ok=True)
+    if not (out / "nbgrader_config.py").is_file():
+        write_text(
+            out / "nbgrader_config.py",
+            _CONFIG.format(course_id=COURSE_ID, source=str(course.source), release=str(course.release)),
+        )
+    if is_there(out):
+        _enter_assignments(course, out, assignments)
+    else:
+        with without_waiting_for_the_disk():
+            _enter_assignments(course, out, assignments)
+
+
+def _enter_assignments(course: Course, out: Path, assignments: Sequence[str]) -> None:
+    from nbgrader.preprocessors import ComputeChecksums, SaveCells
+
+    url = database_url(out)
+    with open_gradebook(url) as gradebook:
+        for name in assignments:
+            gradebook.update_or_create_assignment(name)
+    for name in assignments:
+        notebook = nbformat.read(course.release / name / f"{name}.ipynb", as_version=4)
+        resources = {"nbgrader": {"notebook": name, "assignment": name, "db_url": url}}
+        notebook, _ = ComputeChecksums().preprocess(notebook, resources)
+        try:
+            SaveCells().preprocess(notebook, resources)
+        except RuntimeError as error:
+            raise ValueError(
+                f"{name} has changed since submissions were graded into {out} ({error}). Grade into a new folder."
+            ) from None
+
+
+def enter(out: Path, stored: Iterable[StoredResult]) -> int:
+    """Enter what the gradebook does not have yet, all in one transaction; what was graded by hand stays.
+
+    Parameters
+    ----------
+    out : Path
+    stored : iterable of StoredResult
+
+    Returns
+    -------
+    int
+        How many results were new to it.
+    """
+    from sqlalchemy import select
+
+    with open_gradebook(database_url(out)) as gradebook:
+        db, table = gradebook.db, _entered_table(gradebook)
+        entered = {(student, name): digest for student, name, digest in db.execute(select(table)).all()}
+        digests = {(one.student, one.assignment): (one, entry_digest(one)) for one in stored}
+        new = {key: pair for key, pair in digests.items() if entered.get(key) != pair[1]}
+        if not new:
+            return 0
+        entry = _Entry(gradebook)
+        for key, (result, digest) in new.items():
+            if not entry.knows(result.assignment):
+                continue  # until it is graded again
+            if not result.is_refused or entry.is_there(key):  # else nothing that formgrader could open
+                entry.add(result)
+            if key in entered:
+                db.execute(table.delete().where(table.c.student == key[0], table.c.assignment == key[1]))
+            db.execute(table.insert().values(student=key[0], assignment=key[1], digest=digest))
+        entry.flush()
+        db.commit()
+    return len(new)
+
+
+def _entered_table(gradebook: Any) -> Any:
+    from sqlalchemy import Column, MetaData, String, Table
+
+    metadata = MetaData()
+    table = Table(
+        "labsid_entered",
+        metadata,
+        Column("student", String(128), primary_key=True),
+        Column("assignment", String(128), primary_key=True),
+        Column("digest", String(64), nullable=False),
+    )
+    metadata.create_all(gradebook.engine)
+    return table
+
+
+class _Entry:
+    """What entering takes: the gradebook's own keys, each read once, and rows that wait to be written together."""
+
+    def __init__(self, gradebook: Any) -> None:
+        api = nbgrader_api()
+        self._db = db = gradebook.db
+        self._tables = [model.__table__ for model in (api.SubmittedAssignment, api.SubmittedNotebook)]
+        self._tables += [api.Grade.__table__, api.Comment.__table__]
+        self._gradebook = gradebook
+        self._students = {row[0] for row in db.query(api.Student.id).all()}
+        self._assignments = {name: key for key, name in db.query(api.Assignment.id, api.Assignment.name).all()}
+        self._notebooks: dict[str, list[str]] = {}
+        for key, assignment in db.query(api.Notebook.id, api.Notebook.assignment_id).all():
+            self._notebooks.setdefault(assignment, []).append(key)
+        self._cells = {
+            "grade": _by_notebook(db.query(api.GradeCell.id, api.GradeCell.name, api.GradeCell.notebook_id)),
+            "comment": _by_notebook(db.query(api.SolutionCell.id, api.SolutionCell.name, api.SolutionCell.notebook_id)),
+        }
+        submission, notebook, grade, _ = self._tables
+        self._submissions = {
+            (student, assignment): key
+            for key, student, assignment in db.query(
+                submission.c.id, submission.c.student_id, submission.c.assignment_id
+            ).all()
+        }
+        self._submitted: dict[str, list[tuple[str, str]]] = {}
+        for key, master, owner in db.query(notebook.c.id, notebook.c.notebook_id, notebook.c.assignment_id).all():
+            self._submitted.setdefault(owner, []).append((key, master))
+        self._grades = {
+            (owner, cell): (key, manual, waits)
+            for key, cell, owner, manual, waits in db.query(
+                grade.c.id, grade.c.cell_id, grade.c.notebook_id, grade.c.manual_score, grade.c.needs_manual_grade
+            ).all()
+        }
+        self._new: tuple[list[dict[str, Any]], ...] = ([], [], [], [])
+        self._changed: tuple[list[dict[str, Any]], ...] = ([], [], [])
+
+    def knows(self, assignment: str) -> bool:
+        """Whether the gradebook has the assignment."""
+        return assignment in self._assignments
+
+    def is_there(self, key: tuple[str, str]) -> bool:
+        """Whether an earlier hand-in of this submission was entered: its scores must not outlive it."""
+        return (key[0], self._assignments.get(key[1])) in self._submissions
+
+    def add(self, result: StoredResult) -> None:
+        """Make the rows of one result."""
+        if result.student not in self._students:
+            self._gradebook.db.add(nbgrader_api().Student(id=result.student))
+            self._gradebook.db.flush()
+            self._students.add(result.student)
+        assignment = self._assignments[result.assignment]
+        owner = self._submissions.get((result.student, assignment))
+        when = None if result.submitted is None else datetime.fromisoformat(result.submitted).replace(tzinfo=None)
+        if owner is None:
+            owner = self._submissions[result.student, assignment] = _new_key()
+            row = {"id": owner, "student_id": result.student, "assignment_id": assignment, "timestamp": when}
+            self._new[0].append(row)
+            self._submitted[owner] = []
+            for master in self._notebooks[assignment]:
+                key = _new_key()
+                self._submitted[owner].append((key, master))
+                penalty = float(result.penalty)
+                row = {"id": key, "notebook_id": master, "assignment_id": owner, "late_submission_penalty": penalty}
+                self._new[1].append(row | {"flagged": False})
+                cells = self._cells["comment"].get(master, {}).values()
+                self._new[3].extend({"id": _new_key(), "cell_id": cell, "notebook_id": key} for cell in cells)
+        else:
+            self._changed[0].append({"key": owner, "timestamp": when})
+            for key, _ in self._submitted[owner]:
+                self._changed[1].append({"key": key, "late_submission_penalty": float(result.penalty)})
+        scores = {question.question: question.score for question in result.questions}
+        for key, master in self._submitted[owner]:
+            for name, cell in self._cells["grade"].get(master, {}).items():
+                if name in scores:
+                    self._grade(key, cell, scores[name], name in result.review)
+
+    def _grade(self, notebook: str, cell: str, score: Decimal | None, look_again: bool) -> None:
+        known = self._grades.get((notebook, cell))
+        auto = None if score is None else float(score)
+        if known is None:
+            row = {"id": _new_key(), "cell_id": cell, "notebook_id": notebook, "auto_score": auto}
+            self._new[2].append(row | {"needs_manual_grade": score is None})
+            return
+        key, manual, waits = known
+        needs = score is None if manual is None else bool(waits) or look_again
+        self._changed[2].append({"key": key, "auto_score": auto, "needs_manual_grade": needs})
+
+    def flush(self) -> None:
+        """Write all that waits."""
+        from sqlalchemy import bindparam
+
+        for table, rows in zip(self._tables, self._new, strict=True):
+            if rows:
+                self._db.execute(table.insert(), rows)
+        for table, rows in zip(self._tables, self._changed, strict=False):
+            if rows:
+                values: dict[str, Any] = {name: bindparam(name) for name in rows[0] if name != "key"}
+                statement = table.update().where(table.c.id == bindparam("key")).values(values)
+                self._db.connection().execute(statement, rows)
+
+
+def _by_notebook(query: Any) -> dict[str, dict[str, str]]:
+    found: dict[str, dict[str, str]] = {}
+    for key, name, notebook in query.all():
+        found.setdefault(notebook, {})[name] = key
+    return found
+
+
+def _new_key() -> str:
+    from nbgrader.api import new_uuid
+
+    return str(new_uuid())
+
+
+def given_by_hand(out: Path) -> ByHand:
+    """What was given by hand, read in one go."""
+    if not is_there(out):
+        return ByHand({}, {}, frozenset())
+    api = nbgrader_api()
+    scores: dict[Key, Decimal] = {}
+    look_again: set[Key] = set()
+    with open_gradebook(database_url(out)) as gradebook:
+        db = gradebook.db
+        owner = (api.SubmittedAssignment.student_id, api.Assignment.name, api.BaseCell.name)
+        rows = _joined(db.query(*owner, *(getattr(api.Grade, name) for name in _GRADE)), api, api.Grade)
+        for student, name, question, auto, manual, extra, waits in rows:
+            key = student, name, question
+            if manual is not None and waits:
+                look_again.add(key)
+            score = _decimal(manual)
+            if extra:
+                # nbgrader adds it to whichever score counts; without one the question still waits
+                base = _decimal(auto) if score is None else score
+                score = None if base is None else base + Decimal(str(extra))
+            if score is not None:
+                scores[key] = score
+        said = _joined(db.query(*owner, api.Comment.manual_comment), api, api.Comment)
+        comments = {(student, name, question): text for student, name, question, text in said if text}
+    return ByHand(scores, comments, frozenset(look_again))
+
+
+_GRADE = ("auto_score", "manual_score", "extra_credit", "needs_manual_grade")
+
+
+def _joined(query: Any, api: Any, model: Any) -> Any:
+    return (
+        query.select_from(model)
+        .join(api.BaseCell, api.BaseCell.id == model.cell_id)
+        .join(api.SubmittedNotebook, api.SubmittedNotebook.id == model.notebook_id)
+        .join(api.SubmittedAssignment, api.SubmittedAssignment.id == api.SubmittedNotebook.assignment_id)
+        .join(api.Assignment, api.Assignment.id == api.SubmittedAssignment.assignment_id)
+        .all()
+    )
+
+
+def _decimal(score: float | None) -> Decimal | None:
+    return None if score is None else Decimal(str(score))
+
+
+_CONFIG = """# Written by "labsid course grade": lets nbgrader's own commands (formgrader) open this folder.
+import os
+
+c = get_config()  # noqa: F821
+c.CourseDirectory.root = os.path.dirname(os.path.abspath(__file__))
+c.CourseDirectory.course_id = {course_id!r}
+c.CourseDirectory.source_directory = {source!r}
+c.CourseDirectory.release_directory = {release!r}
+c.CourseDirectory.db_url = "sqlite:///" + os.path.join(c.CourseDirectory.root, "gradebook.db")
+c.HTMLExporter.sanitize_html = True  # formgrader shows what students wrote: nothing in it may run
+"""

@@ -1,0 +1,210 @@
+"""The teacher's page: one self-contained HTML file, a pure function of the results and of what was given by hand."""
+
+from collections import Counter
+from collections.abc import Sequence
+from decimal import Decimal
+from pathlib import Path
+from typing import Any
+
+from autograder.course.layout import in_course_order
+from autograder.results import gradebook, result_files
+from autograder.results.feedback import readable, template
+from autograder.results.gradebook import ByHand
+from autograder.results.result_files import StoredResult, plain_decimal, write_text
+from autograder.results.similar import alike
+
+BINS = 10
+MOST_SLIPS = 12
+_BROKEN = ("quarantined", "crashed", "timeout", "limit")
+
+
+def write_report(out: Path) -> Path:
+    """Write ``OUT/report.html``.
+
+    Raises
+    ------
+    ValueError
+        If OUT holds no results.
+    """
+    path = out / "report.html"
+    page = report_page(result_files.load_all(out), gradebook.given_by_hand(out))
+    write_text(path, template("report.html.j2").render(page=page))
+    return path
+
+
+def report_page(stored: Sequence[StoredResult], given: ByHand) -> dict[str, Any]:
+    """Everything that the report shows, as plain text and numbers.
+
+    Parameters
+    ----------
+    stored : sequence of StoredResult
+    given : ByHand
+
+    Returns
+    -------
+    dict
+    """
+    names = sorted({result.assignment for result in stored}, key=in_course_order)
+    by_name = {name: [result for result in stored if result.assignment == name] for name in names}
+    rungs = Counter(result.isolation for result in stored)
+    pairs = alike(stored)
+    return {
+        "students": len({result.student for result in stored}),
+        "submissions": len(stored),
+        "isolation": [{"rung": readable(rung), "count": count} for rung, count in rungs.most_common()],
+        "unisolated": rungs.get("none", 0),
+        "assignments": [_assignment(by_name[name], given) for name in names],
+        "missing": _missing(stored),
+        "looks": sorted(
+            (look for result in stored if (look := _look(result, given)) is not None),
+            key=lambda look: (-look["weight"], look["student"]),
+        ),
+        "alike": [
+            {
+                "assignment": pair.assignment,
+                "first": readable(pair.first),
+                "second": readable(pair.second),
+                "share": round(100 * pair.share),
+                "questions": pair.questions,
+            }
+            for pair in pairs
+        ],
+    }
+
+
+def _assignment(stored: Sequence[StoredResult], given: ByHand) -> dict[str, Any]:
+    handed_in = [result for result in stored if not result.is_refused]
+    totals = [result_files.totals(result, given.scores) for result in handed_in]
+    most = max((one.max_score for one in (result_files.totals(result, {}) for result in stored)), default=Decimal(0))
+    scores = sorted(one.score for one in totals)
+    waiting = sum((one.waiting for one in totals), Decimal(0))
+    return {
+        "name": stored[0].assignment,
+        "title": readable(stored[0].title),
+        "handed_in": len(handed_in),
+        "refused": len(stored) - len(handed_in),
+        "late": sum(one.penalty > 0 for one in totals),
+        "max_score": plain_decimal(most),
+        "mean": plain_decimal((sum(scores, Decimal(0)) / len(scores)).quantize(Decimal("0.01"))) if scores else "–",
+        "median": plain_decimal(_median(scores)) if scores else "–",
+        "waiting": plain_decimal(waiting),
+        "bars": _bars(scores, most),
+        "questions": _questions(handed_in, given),
+        "slips": _slips(handed_in),
+    }
+
+
+def _median(scores: Sequence[Decimal]) -> Decimal:
+    middle = len(scores) // 2
+    return scores[middle] if len(scores) % 2 else (scores[middle - 1] + scores[middle]) / 2
+
+
+def _bars(scores: Sequence[Decimal], most: Decimal) -> list[dict[str, Any]]:
+    """How many students have which share of the marks; full marks stand in the last bar."""
+    counts = [0] * BINS
+    for score in scores:
+        counts[min(int(score * BINS / most), BINS - 1) if most else 0] += 1
+    highest = max(counts, default=0) or 1
+    edges = [plain_decimal(most * edge / BINS) for edge in range(BINS + 1)]
+    return [
+        {"count": count, "height": round(100 * count / highest), "low": edges[i], "high": edges[i + 1]}
+        for i, count in enumerate(counts)
+    ]
+
+
+def _questions(stored: Sequence[StoredResult], given: ByHand) -> list[dict[str, Any]]:
+    """What each question cost the class, the dearest first."""
+    rows: dict[str, dict[str, Any]] = {}
+    for result in stored:
+        for question in result.questions:
+            row = rows.setdefault(
+                question.question,
+                {"id": question.question, "heading": readable(result.headings.get(question.question, "")), "full": 0,
+                 "none": 0, "graded": 0, "lost": Decimal(0), "max_score": plain_decimal(question.max_score),
+                 "worth": question.max_score, "slips": Counter()},
+            )  # fmt: skip
+            score = given.scores.get((result.student, result.assignment, question.question), question.score)
+            if score is None:
+                continue
+            row["graded"] += 1
+            row["full"] += score >= question.max_score
+            row["none"] += score == 0
+            row["lost"] += max(question.max_score - score, Decimal(0))
+            if question.slip:
+                row["slips"][question.slip] += 1
+    table = []
+    for row in sorted(rows.values(), key=lambda row: -row["lost"]):
+        there = row["worth"] * row["graded"]
+        slip = row["slips"].most_common(1)
+        table.append(
+            {key: row[key] for key in ("id", "heading", "full", "none", "graded", "max_score")}
+            | {
+                "lost": plain_decimal(row["lost"]),
+                "share": round(100 * row["lost"] / there) if there else 0,
+                "slip": f"{readable(slip[0][0])} ({slip[0][1]})" if slip else "",
+            }
+        )
+    return table
+
+
+def _slips(stored: Sequence[StoredResult]) -> list[dict[str, Any]]:
+    """Which known slip cost most marks."""
+    cost: dict[str, Decimal] = {}
+    count: Counter[str] = Counter()
+    for result in stored:
+        for question in result.questions:
+            if question.slip and question.score is not None and question.score < question.max_score:
+                cost[question.slip] = cost.get(question.slip, Decimal(0)) + question.max_score - question.score
+                count[question.slip] += 1
+    dearest = sorted(cost, key=lambda slip: (-cost[slip], slip))[:MOST_SLIPS]
+    return [{"slip": readable(slip), "count": count[slip], "lost": plain_decimal(cost[slip])} for slip in dearest]
+
+
+def _look(result: StoredResult, given: ByHand) -> dict[str, Any] | None:
+    """Why a teacher should look at a submission; None where there is no reason. Sorted by how much it matters."""
+    reasons: list[str] = []
+    status = Counter(question.status for question in result.questions)
+    weight = 0
+    if result.flags:
+        reasons += [readable(flag) for flag in result.flags]
+        weight += 100
+    if any((result.student, result.assignment) == key[:2] for key in given.look_again):
+        reasons.append("the automatic part changed after it was graded by hand")
+        weight += 50
+    for kind in _BROKEN:
+        if status[kind]:
+            reasons.append(kind if result.is_refused else f"{kind}: {_named(result, kind)}")
+            weight += 20
+    automatic = [question for question in result.questions if question.status != "manual"]
+    if not result.is_refused and automatic and all(question.score == 0 for question in automatic):
+        reasons.append("no automatic question is right")
+        weight += 10
+    if not result.is_refused and result.notes:
+        reasons.append(f"mended: {'; '.join(readable(note) for note in result.notes[:3])}")
+        weight += 5
+    if result.late:
+        reasons.append(readable(result.late))
+        weight += 2
+    if not reasons:
+        return None
+    detail = readable("; ".join(result.notes)) if result.is_refused else ""
+    return {
+        "student": readable(result.student),
+        "assignment": result.assignment,
+        "reasons": reasons,
+        "detail": detail,
+        "weight": weight,
+    }
+
+
+def _missing(stored: Sequence[StoredResult]) -> list[dict[str, Any]]:
+    """Who handed nothing in for an assignment that others handed in."""
+    found: dict[str, list[str]] = {}
+    for result in stored:
+        if all(question.status == "missing" for question in result.questions):
+            found.setdefault(result.assignment, []).append(readable(result.student))
+    return [{"assignment": name, "students": students} for name, students in found.items()]
+
+
+def _named(result: StoredResult, status: str) -> str:
+    return ", ".join(question.question for question in result.questions if question.status == status)

@@ -1,0 +1,59 @@
+"""The graded class as a table for the terminal."""
+
+import io
+from decimal import Decimal
+from pathlib import Path
+
+from autograder.course.layout import in_course_order
+from autograder.results import gradebook, result_files
+
+
+def class_table(out: Path) -> str:
+    """One line a student, one column an assignment: marks so far of marks in all, and what needs a look.
+
+    Parameters
+    ----------
+    out : Path
+        A folder that ``labsid course grade`` wrote.
+
+    Returns
+    -------
+    str
+    """
+    from rich.console import Console
+    from rich.table import Table
+    from rich.text import Text
+
+    stored = result_files.load_all(out)
+    given = gradebook.given_by_hand(out)
+    assignments = sorted({result.assignment for result in stored}, key=in_course_order)
+    table = Table(box=None, pad_edge=False)
+    table.add_column("student")
+    for name in assignments:
+        table.add_column(name, justify="right")
+    table.add_column("needs a look")
+    cells = {(result.student, result.assignment): result for result in stored}
+    for student in dict.fromkeys(result.student for result in stored):
+        row: list[str] = []
+        remarks: list[str] = []
+        waiting = Decimal(0)
+        for name in assignments:
+            result = cells.get((student, name))
+            if result is None:
+                row.append("")
+                continue
+            marks = result_files.totals(result, given.scores)
+            status = {question.status for question in result.questions}
+            row.append(f"{result_files.plain_decimal(marks.score)} of {result_files.plain_decimal(marks.max_score)}")
+            remarks += ["another's record"] if result.flags else []
+            remarks += [f"{result_files.plain_decimal(marks.penalty)} off for lateness"] if marks.penalty else []
+            if any((student, name) == key[:2] for key in given.look_again):
+                remarks.append("grade by hand again")
+            remarks += sorted(status & {"crashed", "timeout", "limit", "missing", "quarantined"})
+            waiting += marks.waiting
+        if waiting:
+            remarks.append(f"{result_files.plain_decimal(waiting)} by hand")
+        table.add_row(Text(result_files.one_line(student)), *row, ", ".join(dict.fromkeys(remarks)))
+    text = io.StringIO()
+    Console(file=text, width=60 + 22 * len(assignments), color_system=None).print(table)
+    return "\n".join(line.rstrip() for line in text.getvalue().splitlines())

@@ -1,0 +1,149 @@
+"""Checks of recursive extended least squares, and of Fig. 14."""
+
+import numpy as np
+
+from labsid._arrays import FloatArray
+from labsid.checks.compare import as_array, as_figure, as_history, close
+from labsid.checks.figures import find_curve, legend_text, plain_text, require_label, require_legend
+from labsid.checks.question import Ask, returned
+from labsid.checks.trials import ARMAX, ARX, trial_record
+from labsid.checks.values import Value
+from labsid.checks.verdict import NoAnswer, Slip, Verdict, judge
+from labsid.estimation.recursion import RecursiveState
+from labsid.estimation.recursive import recursive_armax, recursive_least_squares
+from labsid.model_structures.lecture_systems import example_7_1
+
+_SAME = close(1e-5)
+_OF_A_LONG_RECORD = close(1e-4)
+SEED = 71
+"""Of the record of Example 7-1 in the notebook."""
+
+
+def rels(ask: Ask) -> Verdict:
+    """`rels(u, y, forgetting, LN)`, then the history of Example 7-1."""
+    for forgetting, LN in ((1.0, 20.0), (0.93, 5.0)):
+        verdict = _judge_history(ask, *trial_record(ask.rng, 40, ask.rng.uniform(0.3, 0.6)), forgetting, LN)
+        if not verdict.passed:
+            return verdict
+    right = as_array("theta_rels", right_history(ask)["theta_rels"])
+    if not _OF_A_LONG_RECORD(as_history("theta_rels", ask.value("theta_rels"), *right.shape), right):
+        return Verdict(False, "`rels` is right, `theta_rels` is not: leave the last line as it was given.")
+    return Verdict(True, "the whole history, with the errors before the update in the regressor.")
+
+
+def right_history(_: Ask) -> dict[str, Value]:
+    """Step 6."""
+    record = example_7_1(np.random.default_rng(SEED))
+    return {"theta_rels": _history(record.u, record.y, 1.0, 1e6)}
+
+
+def _start(p: int, LN: float) -> RecursiveState:
+    return RecursiveState(np.zeros(p), LN * np.eye(p), np.inf, np.empty(0))
+
+
+def _history(u: FloatArray, y: FloatArray, forgetting: float, LN: float) -> FloatArray:
+    # The reference forgets at sample 0, too, before there is a regressor; the notes begin with sample 1.
+    return recursive_armax(ARMAX, u, y, forgetting, _start(3, LN * forgetting)).theta
+
+
+def _errors_after_the_update(u: FloatArray, y: FloatArray, forgetting: float, LN: float) -> FloatArray:
+    state, e, history = _start(3, LN), 0.0, np.zeros((y.size, 3))
+    for n in range(1, y.size):
+        phi = np.array([-y[n - 1], u[n - 1], e])
+        state = recursive_least_squares(phi[np.newaxis], y[n : n + 1], forgetting, state).state
+        history[n] = state.theta
+        e = float(y[n] - phi @ state.theta)
+    return history
+
+
+def _judge_history(ask: Ask, u: FloatArray, y: FloatArray, forgetting: float, LN: float) -> Verdict:
+    call = f"rels(u, y, {forgetting}, {LN:g})"
+    value = returned(ask, "rels", u, y, forgetting, LN)
+    shape = as_array(call, value).shape
+    if shape == (y.size - 1, 3):
+        return Verdict(
+            False,
+            f"`{call}` has one row less than there are samples: row 0 is zero, before anything was learnt.",
+            "first row left out",
+        )
+    if shape == (y.size, 2):
+        return Verdict(False, f"`{call}` estimates a and b only: c is the third.", "noise term left out")
+    got = as_history(call, value, y.size, 3)
+    rights = [_history(u, y, forgetting, LN), _history(u, y, forgetting, LN / forgetting)]
+    right = next((right for right in rights if _SAME(got, right)), rights[0])
+    without = recursive_armax(ARX, u, y, forgetting, _start(2, LN * forgetting)).theta
+    return judge(
+        got,
+        right,
+        _SAME,
+        "",
+        f"`{call}` is off: compare its second row with the case worked by hand in step 6.",
+        [
+            Slip(
+                "errors after the update",
+                f"`{call}` puts the error that is left after the update into the next regressor: the notes take "
+                "epsilon(n), computed with theta(n-1).",
+                lambda: _errors_after_the_update(u, y, forgetting, LN),
+            ),
+            Slip(
+                "noise term left out",
+                f"`{call}` never fills the third place of the regressor with epsilon(n-1).",
+                lambda: np.column_stack([without, np.zeros(y.size)]),
+            ),
+            Slip("forgetting not used", f"`{call}` does not forget: use lambda.", lambda: _history(u, y, 1.0, LN)),
+            Slip(
+                "LN not used",
+                f"`{call}` starts from another P(0): it is LN times the unit matrix.",
+                lambda: _history(u, y, forgetting, 1e6),
+            ),
+            Slip(
+                "LN not used",
+                f"`{call}` starts from another P(0): it is LN times the unit matrix.",
+                lambda: _history(u, y, forgetting, 1.0),
+            ),
+            Slip(
+                "sign of a",
+                f"`{call}` has the other sign of a: the regressor holds -y(n-1).",
+                lambda: right * [-1, 1, 1],
+            ),
+            Slip(
+                "sign of c",
+                f"`{call}` has the other sign of c: the regressor holds +epsilon(n-1).",
+                lambda: right * [1, 1, -1],
+            ),
+            Slip(
+                "lag off by one",
+                f"`{call}` takes u(n) where the regressor has u(n-1).",
+                lambda: _history(np.append(u[1:], 0.0), y, forgetting, LN),
+            ),
+        ],
+    )
+
+
+def figure_14(ask: Ask) -> Verdict:
+    """Fig. 14: the three parameters over the samples."""
+    axes = as_figure("fig_14", ask.value("fig_14"), axes=1).axes[0]
+    history = as_array("theta_rels", ask.known("theta_rels"))
+    if not axes.curves:
+        raise NoAnswer("`fig_14` is empty: draw in its axes, with `plot`.")
+    found = [find_curve(axes, column) for column in history.T]
+    missing = [name for name, curve in zip("abc", found, strict=True) if curve is None]
+    if len(missing) == 3 and any(find_curve(axes, row) for row in history[-5:]):
+        raise NoAnswer(
+            "In Fig. 14 rows are drawn: each of the three columns is a curve over all samples.", "rows drawn"
+        )
+    if missing:
+        raise NoAnswer(
+            f"In Fig. 14 no curve shows {' and '.join(missing)}: draw the columns of `theta_rels` over all samples.",
+            "no curve",
+        )
+    require_label(axes, "Fig. 14", "x", "")
+    require_legend(axes, "Fig. 14", 3)
+    names = [_letter(legend_text(axes, curve)) for curve in found if curve is not None]
+    if sorted(names) == ["a", "b", "c"] and names != ["a", "b", "c"]:
+        return Verdict(False, "In Fig. 14 the names in the legend have changed places.", "legend entries swapped")
+    return Verdict(True, "three histories, and what they settle on.")
+
+
+def _letter(text: str) -> str:
+    return plain_text(text.replace("hat", "")).replace("\\", "")

@@ -1,0 +1,162 @@
+"""Checks of instrumental variables: iterated over a whole record, and recursively."""
+
+from dataclasses import dataclass
+from functools import partial
+
+import numpy as np
+
+from labsid._arrays import FloatArray
+from labsid.checks.compare import SAME, as_history, as_theta, close
+from labsid.checks.question import Ask, returned
+from labsid.checks.trials import ARX, STARTS, first_order, trial_record
+from labsid.checks.verdict import Slip, Verdict, judge
+from labsid.estimation.instrumental import instrumental_variables
+from labsid.estimation.recursive import recursive_instrumental
+from labsid.least_squares.solve import least_squares
+from labsid.model_structures.prediction import free_run, one_step_prediction
+from labsid.model_structures.structures import build_equations
+
+_SAME_HISTORY = close(1e-5)
+WARM_UP = 15
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Way:
+    """How a round is made; the defaults are right."""
+
+    start: int = 1
+    predicted: bool = False
+    renewed: bool = True
+    regressed_on_z: bool = False
+    transposed: bool = False
+
+
+_RIGHT = _Way()
+
+
+def iterated(ask: Ask) -> Verdict:
+    """`iterated_iv(u, y, rounds)`."""
+    verdict = Verdict(False, "")
+    for rounds, c in ((0, -0.7), (1, 0.7), (3, -0.7)):
+        verdict = _judge_iterated(ask, *trial_record(ask.rng, 150, c, noise=0.8), rounds)
+        if not verdict.passed:
+            break
+    return verdict
+
+
+def _rounds(u: FloatArray, y: FloatArray, rounds: int, way: _Way = _RIGHT) -> FloatArray:
+    equations = build_equations(ARX, u, y, start=way.start)
+    Phi, Y = equations.Phi, equations.Y
+    first = theta = least_squares(Phi, Y).theta
+    for _ in range(rounds):
+        a, b = theta if way.renewed else first
+        model = first_order(float(a), float(b))
+        y_model = one_step_prediction(model, u, y) if way.predicted else free_run(model, u)
+        Z = build_equations(ARX, u, y_model, start=way.start).Phi
+        if way.regressed_on_z:
+            theta = least_squares(Z, Y).theta
+        elif way.transposed:
+            theta = np.asarray(np.linalg.solve(Phi.T @ Z, Z.T @ Y), float)
+        else:
+            theta = instrumental_variables(Z, Phi, Y).theta
+    return theta
+
+
+def _judge_iterated(ask: Ask, u: FloatArray, y: FloatArray, rounds: int) -> Verdict:
+    call = f"iterated_iv(u, y, {rounds})"
+    got = as_theta(call, returned(ask, "iterated_iv", u, y, rounds), 2)
+    rights = [_rounds(u, y, rounds, _Way(start)) for start in STARTS]
+    right = next((right for right in rights if SAME(got, right)), rights[0])
+    noisy = f"`{call}` makes its instrument with the measured output: that holds the noise. "
+    count = f"`{call}` goes another number of rounds: a round is simulate, then solve."
+    return judge(
+        got,
+        right,
+        SAME,
+        "an instrument made of the input alone.",
+        f"`{call}` is off. Is z(t) = [-y_M(t-1), u(t-1)], with y_M simulated by the latest [a, b]?",
+        [
+            Slip(
+                "least squares",
+                noisy + "With Z = Phi it is least squares again.",
+                partial(_rounds, u, y, 0),
+            ),
+            Slip(
+                "predicted, not simulated",
+                noisy + "Simulate: y_M(t-1) on the right-hand side is the model's own last output.",
+                partial(_rounds, u, y, rounds, _Way(predicted=True)),
+            ),
+            Slip(
+                "instrument not renewed",
+                f"`{call}` simulates the first model in every round: use the latest [a, b].",
+                partial(_rounds, u, y, rounds, _Way(renewed=False)),
+            ),
+            Slip(
+                "regressed on the instrument",
+                f"`{call}` puts Z in the place of Phi altogether, (Z'Z)^-1 Z'Y: it is (Z'Phi)^-1 Z'Y.",
+                partial(_rounds, u, y, rounds, _Way(regressed_on_z=True)),
+            ),
+            Slip(
+                "Phi'Z for Z'Phi",
+                f"`{call}` solves with Phi'Z, the transpose of Z'Phi.",
+                partial(_rounds, u, y, rounds, _Way(transposed=True)),
+            ),
+            Slip("sign of a", f"`{call}` has the other sign of a.", lambda: right * [-1, 1]),
+            Slip("a and b swapped", f"`{call}` returns b before a.", lambda: right[::-1]),
+            Slip("rounds miscounted", count, partial(_rounds, u, y, rounds + 1)),
+            Slip("rounds miscounted", count, partial(_rounds, u, y, max(rounds - 1, 0))),
+        ],
+    )
+
+
+def recursive(ask: Ask) -> Verdict:
+    """`recursive_iv(u, y, warm_up)`."""
+    u, y = trial_record(ask.rng, 60, -0.7)
+    call = f"recursive_iv(u, y, {WARM_UP})"
+    got = as_history(call, returned(ask, "recursive_iv", u, y, WARM_UP), y.size, 2)
+    if not np.any(got):
+        return Verdict(False, f"In `{call}` the estimate never moves: update theta in the loop.", "theta not updated")
+    right = recursive_instrumental(ARX, u, y, WARM_UP).theta
+    exchanged = "has z and phi exchanged in the update of P, which is not symmetric: P z left, phi' P right."
+    hint = {
+        "z z' for z phi'": "updates P with z twice: it is P z phi' P / (1 + phi' P z).",
+        "phi for z in the gain": "multiplies P by phi for the gain: K = P z. With phi it is least squares again.",
+        "phi throughout": "never uses z: with phi in its place it is least squares.",
+        "z for phi in the error": "predicts with z: the error is y - phi'theta, with the measured past.",
+        "transposed": exchanged,
+        "transposed above only": exchanged,
+        "gain from the P before": "takes the gain from the P before its update: P(n) first, then K(n) = P(n) z(n).",
+        "sign of the update": "takes K epsilon off theta: add it.",
+    }
+    return judge(
+        got,
+        right,
+        _SAME_HISTORY,
+        "recursive, and consistent in coloured noise.",
+        f"`{call}` is off: hold your four lines against those of step 8, term by term.",
+        [
+            Slip(slip.split(" above")[0], f"`recursive_iv` {text}", partial(_loop, u, y, slip))
+            for slip, text in hint.items()
+        ],
+    )
+
+
+@np.errstate(all="ignore")  # some of the slips run away
+def _loop(u: FloatArray, y: FloatArray, slip: str) -> FloatArray:
+    """The notebook's loop with one of the slips in it."""
+    theta, P, stable = np.zeros(2), 1e6 * np.eye(2), np.zeros(2)
+    phi, z_model, history = np.zeros(2), np.zeros(2), np.zeros((y.size, 2))
+    for n in range(y.size):
+        z = phi if n < WARM_UP or slip == "phi throughout" else z_model
+        left, right = (phi, z) if slip.startswith("transposed") else (z, phi)
+        right = z if slip == "z z' for z phi'" else right
+        error = y[n] - (z if slip == "z for phi in the error" else phi) @ theta
+        before = P
+        below = phi @ P @ z if slip == "transposed above only" else right @ P @ left
+        P = P - np.outer(P @ left, right @ P) / (1 + below)
+        K = (before if slip == "gain from the P before" else P) @ (phi if slip == "phi for z in the gain" else z)
+        theta = theta - K * error if slip == "sign of the update" else theta + K * error
+        history[n] = theta
+        stable = theta.copy() if abs(theta[0]) < 1 else stable
+        phi, z_model = np.array([-y[n], u[n]]), np.array([-z_model @ stable, u[n]])
+    return history

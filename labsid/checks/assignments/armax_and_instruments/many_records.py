@@ -1,0 +1,253 @@
+"""Checks of the lecture's start: Tables 2 and 3 by many records, and bias with its standard error."""
+
+from functools import partial
+
+import numpy as np
+
+from labsid._arrays import FloatArray
+from labsid.checks.compare import SAME, as_array, as_matrix, as_theta, as_vector
+from labsid.checks.question import Ask, returned, returned_parts
+from labsid.checks.trials import ARX, STARTS, trial_record
+from labsid.checks.values import Value
+from labsid.checks.verdict import Slip, Verdict, judge
+from labsid.estimation.monte_carlo import MonteCarlo, monte_carlo
+from labsid.least_squares.solve import least_squares
+from labsid.model_structures.lecture_systems import system_1, system_2
+from labsid.model_structures.structures import build_equations, fit_structure
+
+TRUTH = np.array([-0.8, 1.0])
+FEWEST = 100
+WRONG_SIGN_OF_C = np.array([-0.868, 1.0])
+"""Where least squares goes on System 2 with c = +0.8."""
+
+
+def tables(ask: Ask) -> Verdict:
+    """`fit_arx(u, y)`, then the estimates over many records of both systems."""
+    for samples in (30, 60):
+        verdict = _judge_fit(ask, *trial_record(ask.rng, samples, ask.rng.uniform(-0.6, 0.6)))
+        if not verdict.passed:
+            return verdict
+    first, second = (_reference(system) for system in (system_1, system_2))
+    for name, reference, other in (("estimates_1", first, second), ("estimates_2", second, first)):
+        verdict = _judge_estimates(name, as_matrix(name, ask.value(name), (None, 2)), reference, other)
+        if not verdict.passed:
+            return verdict
+    return Verdict(True, "both clouds are where they should be, and as wide.")
+
+
+def right_tables(_: Ask) -> dict[str, Value]:
+    """Step 1."""
+    return {"estimates_1": _reference(system_1).estimates, "estimates_2": _reference(system_2).estimates}
+
+
+def _reference(system: object) -> MonteCarlo:
+    def estimate(rng: np.random.Generator) -> FloatArray:
+        r = system(rng)  # type: ignore[operator]
+        return fit_structure(ARX, r.u, r.y).model.theta
+
+    return monte_carlo(estimate, TRUTH, 200, seed=62)
+
+
+def _judge_fit(ask: Ask, u: FloatArray, y: FloatArray) -> Verdict:
+    got = as_theta("fit_arx(u, y)", returned(ask, "fit_arx", u, y), 2)
+
+    def fit(start: int) -> FloatArray:
+        return fit_structure(ARX, u, y, start=start).model.theta
+
+    rights = [fit(start) for start in STARTS]
+    right = next((right for right in rights if SAME(got, right)), rights[0])
+    k = np.arange(1, u.size)
+    same_time = least_squares(np.column_stack([-y[k - 1], u[k]]), y[k]).theta
+    lag = "`fit_arx` takes u(t) where the equation has u(t-1)."
+    sign = (
+        "`fit_arx` has the other sign of a. The regressor holds -y(t-1), so that a itself is in theta (-0.8, not 0.8)."
+    )
+    return judge(
+        got,
+        right,
+        SAME,
+        "",
+        "`fit_arx` does not return the least-squares [a, b]: write the first two equations down by hand.",
+        [
+            *(Slip("sign of a", sign, partial(np.multiply, other, [-1, 1])) for other in rights),
+            *(Slip("a and b swapped", "`fit_arx` returns b before a.", other[::-1].copy) for other in rights),
+            Slip("lag off by one", lag, lambda: same_time),
+            Slip("lag off by one", lag, lambda: same_time * [-1, 1]),
+            Slip(
+                "inverse forgotten",
+                "`fit_arx` returns Phi'y: the inverse of Phi'Phi is missing.",
+                lambda: build_equations(ARX, u, y).Phi.T @ y[1:],
+            ),
+        ],
+    )
+
+
+@np.errstate(over="ignore", invalid="ignore")
+def _judge_estimates(name: str, got: FloatArray, reference: MonteCarlo, other: MonteCarlo) -> Verdict:
+    runs = len(got)
+    if runs < FEWEST:
+        return Verdict(
+            False, f"`{name}` has {runs} rows: it takes at least {FEWEST} records, one row each.", "too few records"
+        )
+    if len(np.unique(got[:, 0])) < 0.9 * runs:
+        return Verdict(
+            False,
+            f"`{name}` holds the same estimate over and over: every record needs its own noise. Make the generator "
+            "once, before the loop.",
+            "same noise in every record",
+        )
+    system, c = name[-1], {"1": "0", "2": "-0.8"}[name[-1]]
+    mean, slack = got.mean(axis=0), _slack(reference, runs)
+    if np.all(np.abs(mean - reference.mean) < slack):
+        ratio = np.std(got, axis=0, ddof=1) / reference.spread
+        if np.all((ratio > 0.7) & (ratio < 1.4)):
+            return Verdict(True, "")
+        return Verdict(
+            False,
+            f"`{name}` has the right mean but not the right spread for records of 1000 samples with unit noise: "
+            "a shorter record scatters more, a longer one less.",
+            "records of another length",
+        )
+    hints = (
+        (
+            "systems swapped",
+            other.mean,
+            f"`{name}` is not of System {system}: c is {c} there.",
+        ),
+        ("sign of a", reference.mean * [-1, 1], f"`{name}` has the other sign of a."),
+        ("a and b swapped", reference.mean[::-1], f"`{name}` has b before a."),
+        ("sign of c", WRONG_SIGN_OF_C, f"`{name}` is of a system with the other sign of c."),
+    )
+    for slip, wrong, hint in hints:
+        if np.all(np.abs(mean - wrong) < slack):
+            return Verdict(False, hint, slip)
+    return Verdict(
+        False, f"`{name}` does not gather where least squares goes on System {system}: fill it with `fit_arx`."
+    )
+
+
+def _slack(reference: MonteCarlo, runs: int) -> FloatArray:
+    # The constant is for one input kept for all records: its own sample variance shifts the mean a little.
+    return 0.01 + 5 * np.sqrt(reference.spread**2 / runs + reference.bias_stderr**2)
+
+
+def bias(ask: Ask) -> Verdict:
+    """`bias_of(estimates, truth)`."""
+    verdict = Verdict(False, "")
+    for runs, p in ((9, 3), (14, 2)):
+        truth = ask.rng.uniform(-2, 2, p)
+        estimates = truth + ask.rng.uniform(0.3, 1, p) + ask.rng.uniform(0.2, 2, p) * ask.rng.standard_normal((runs, p))
+        verdict = _judge_bias(ask, estimates, truth)
+        if not verdict.passed:
+            break
+    return verdict
+
+
+def _judge_bias(ask: Ask, estimates: FloatArray, truth: FloatArray) -> Verdict:
+    runs, p = estimates.shape
+    parts = returned_parts(ask, "bias_of", "three vectors: bias, spread and standard error", 3, estimates, truth)
+    names = ("the bias", "the spread", "the standard error")
+    sizes = [as_array(f"{name} of bias_of", part).size for name, part in zip(names, parts, strict=True)]
+    if runs in sizes:
+        return Verdict(
+            False, "`bias_of` works along the rows: means go over the records, `axis=0`.", "mean over the wrong axis"
+        )
+    if 1 in sizes:
+        return Verdict(
+            False,
+            "`bias_of` throws all parameters together into one number: give `np.mean` and `np.std` the `axis=0`.",
+            "mean over everything",
+        )
+    got = [as_vector(f"{name} of bias_of", part, p) for name, part in zip(names, parts, strict=True)]
+    off = estimates.mean(axis=0) - truth
+    verdict = judge(
+        got[0],
+        off,
+        SAME,
+        "",
+        "the first part of `bias_of` is not the mean less the truth.",
+        [
+            Slip("sign of the bias", "`bias_of` has the other sign: bias is mean less truth.", lambda: -off),
+            Slip(
+                "truth not subtracted",
+                "the first part of `bias_of` is the mean: take the truth off.",
+                lambda: estimates.mean(axis=0),
+            ),
+            Slip(
+                "absolute errors",
+                "`bias_of` averages absolute errors: errors of both signs must cancel, or scatter looks like bias.",
+                lambda: np.abs(estimates - truth).mean(axis=0),
+            ),
+            Slip("spread before bias", "`bias_of` returns the spread first.", lambda: estimates.std(axis=0, ddof=1)),
+        ],
+    )
+    if not verdict.passed:
+        return verdict
+    spreads = [estimates.std(axis=0, ddof=ddof) for ddof in (1, 0)]
+    right = next((spread for spread in spreads if SAME(got[1], spread)), spreads[0])
+    verdict = judge(
+        got[1],
+        right,
+        SAME,
+        "",
+        "the second part of `bias_of` is not the standard deviation of the estimates.",
+        [
+            *(
+                Slip(
+                    "variance for spread",
+                    "the second part of `bias_of` is the variance: the spread is its root.",
+                    partial(np.square, spread),
+                )
+                for spread in spreads
+            ),
+            Slip(
+                "spread about the truth",
+                "the spread of `bias_of` is taken about the truth, so that the bias is in it: take it about the mean.",
+                lambda: np.sqrt(np.mean((estimates - truth) ** 2, axis=0)),
+            ),
+            *(
+                Slip(
+                    "standard error before spread",
+                    "`bias_of` returns the standard error before the spread.",
+                    partial(np.divide, spread, np.sqrt(runs)),
+                )
+                for spread in spreads
+            ),
+        ],
+    )
+    if not verdict.passed:
+        return verdict
+    errors = [spread / np.sqrt(runs) for spread in spreads]
+    return judge(
+        got[2],
+        next((error for error in errors if SAME(got[2], error)), errors[0]),
+        SAME,
+        "a bias is worth as much as its standard error says.",
+        "the third part of `bias_of` is not the standard error of a mean over so many records.",
+        [
+            *(
+                Slip(
+                    "spread for standard error",
+                    "the third part of `bias_of` is the spread again: a mean of M is better by the root of M.",
+                    spread.copy,
+                )
+                for spread in spreads
+            ),
+            *(
+                Slip(
+                    "divided by M",
+                    "the standard error of `bias_of` is divided by M: variances add up, so it is the root of M.",
+                    partial(np.divide, spread, runs),
+                )
+                for spread in spreads
+            ),
+            *(
+                Slip(
+                    "number of parameters for M",
+                    "the standard error of `bias_of` uses the number of parameters: M is the number of records, rows.",
+                    partial(np.divide, spread, np.sqrt(p)),
+                )
+                for spread in spreads
+            ),
+        ],
+    )

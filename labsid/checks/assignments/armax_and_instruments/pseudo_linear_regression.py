@@ -1,0 +1,167 @@
+"""Checks of pseudo-linear regression: the prediction errors of ARMAX, and the rounds of regression."""
+
+from functools import partial
+
+import numpy as np
+
+from labsid._arrays import FloatArray
+from labsid.checks.compare import SAME, as_array, as_theta, as_vector
+from labsid.checks.question import Ask, returned
+from labsid.checks.trials import ARMAX, ARX, STARTS, first_order, trial_record
+from labsid.checks.verdict import Slip, Verdict, judge
+from labsid.least_squares.solve import least_squares
+from labsid.model_structures.prediction import free_run, prediction_errors
+from labsid.model_structures.structures import build_equations, fit_structure, model_from_theta
+
+
+def armax(ask: Ask) -> Verdict:
+    """`prediction_errors(theta, u, y)` and `pseudo_linear(u, y, share, rounds)`."""
+    for c in (0.5, -0.6):
+        theta = np.array([-ask.rng.uniform(0.3, 0.9), ask.rng.uniform(0.5, 2), c * ask.rng.uniform(0.8, 1.2)])
+        verdict = _judge_errors(ask, theta, *trial_record(ask.rng, 25, 0.3))
+        if not verdict.passed:
+            return verdict
+    for c, share, rounds in ((0.4, 1.0, 0), (0.4, 1.0, 3), (-0.6, 0.5, 6)):
+        verdict = _judge_rounds(ask, *trial_record(ask.rng, 200, c), share, rounds)
+        if not verdict.passed:
+            return verdict
+    return Verdict(True, "the errors are filtered, the rounds go the share that they are told.")
+
+
+def _judge_errors(ask: Ask, theta: FloatArray, u: FloatArray, y: FloatArray) -> Verdict:
+    call = "prediction_errors(theta, u, y)"
+    value = returned(ask, "prediction_errors", theta, u, y)
+    if as_array(call, value).size == y.size - 1:
+        return Verdict(
+            False,
+            f"`{call}` returns one sample less than y has: begin with epsilon(0) = 0.",
+            "first sample left out",
+        )
+    a, b, c = (float(x) for x in theta)
+
+    def errors(a: float = a, b: float = b, c: float = c, delay: int = 1) -> FloatArray:
+        return prediction_errors(first_order(a, b, c, delay), u, y)
+
+    return judge(
+        as_vector(call, value, y.size),
+        errors(),
+        SAME,
+        "",
+        "`prediction_errors` is off: work the three samples of step 5 out by hand and compare.",
+        [
+            Slip(
+                "noise term left out",
+                "`prediction_errors` leaves c epsilon(t-1) out: those are the residuals of the ARX model.",
+                lambda: errors(c=0.0),
+            ),
+            Slip(
+                "sign of c",
+                "`prediction_errors` has the other sign of c: the prediction holds +c epsilon(t-1), so the error -c.",
+                lambda: errors(c=-c),
+            ),
+            Slip(
+                "sign of a",
+                "`prediction_errors` has the other sign of a: the prediction holds -a y(t-1), so the error +a.",
+                lambda: errors(a=-a),
+            ),
+            Slip("sign of b", "`prediction_errors` adds b u(t-1); it is to be taken off.", lambda: errors(b=-b)),
+            Slip(
+                "lag off by one",
+                "`prediction_errors` takes u(t) where the equation has u(t-1).",
+                lambda: errors(delay=0),
+            ),
+            Slip(
+                "lag off by one",
+                "`prediction_errors` takes u(t) where the equation has u(t-1).",
+                lambda: prediction_errors(first_order(a, b, c, 0), np.append(0.0, u[1:]), y),
+            ),
+            Slip(
+                "simulation for prediction",
+                "`prediction_errors` takes a simulated output off: the prediction uses the measured y(t-1).",
+                lambda: y - free_run(first_order(a, b), u),
+            ),
+            Slip(
+                "prediction for its error",
+                "`prediction_errors` returns the prediction itself: take it off y.",
+                lambda: y - errors(),
+            ),
+            Slip("sign of the errors", "`prediction_errors` has prediction less measurement.", lambda: -errors()),
+        ],
+    )
+
+
+def rounds_of(
+    u: FloatArray, y: FloatArray, share: float, rounds: int, start: int = 1, renew: bool = True
+) -> FloatArray:
+    """Pseudo-linear regression as the notebook lays it down; with `renew` off the first errors are kept."""
+    first = np.append(fit_structure(ARX, u, y, start=start).model.theta, 0.0)
+    theta = first
+    for _ in range(rounds):
+        e = prediction_errors(model_from_theta(ARMAX, theta if renew else first), u, y)
+        equations = build_equations(ARMAX, u, y, e, start=start)
+        theta = theta + share * (least_squares(equations.Phi, equations.Y).theta - theta)
+    return theta
+
+
+def _judge_rounds(ask: Ask, u: FloatArray, y: FloatArray, share: float, rounds: int) -> Verdict:
+    call = f"pseudo_linear(u, y, {share}, {rounds})"
+    value = returned(ask, "pseudo_linear", u, y, share, rounds)
+    if rounds == 0 and as_array(call, value).size == 2:
+        return Verdict(
+            False, f"`{call}` returns two numbers: the start has c = 0 as its third.", "start without a third"
+        )
+    got = as_theta(call, value, 3)
+    rights = [rounds_of(u, y, share, rounds, start) for start in STARTS]
+    right = next((right for right in rights if SAME(got, right)), rights[0])
+    count = f"`{call}` goes another number of rounds: a round is errors, regression, step."
+    return judge(
+        got,
+        right,
+        SAME,
+        "",
+        f"`{call}` is off. Is the regressor [-y(t-1), u(t-1), epsilon(t-1)], with theta = [a, b, c]?",
+        [
+            Slip(
+                "share not used",
+                f"`{call}` goes the whole way: a share of 0.5 goes half of it.",
+                partial(rounds_of, u, y, 1.0, rounds),
+            ),
+            Slip(
+                "share not used",
+                f"`{call}` goes the rest of the way: share 1 is the whole step.",
+                partial(rounds_of, u, y, 1 - share, rounds),
+            ),
+            Slip(
+                "errors not renewed",
+                f"`{call}` works with the first errors in every round: compute them with the latest theta.",
+                partial(rounds_of, u, y, share, rounds, renew=False),
+            ),
+            Slip("rounds miscounted", count, partial(rounds_of, u, y, share, rounds + 1)),
+            Slip("rounds miscounted", count, partial(rounds_of, u, y, share, max(rounds - 1, 0))),
+            Slip(
+                "sign of a",
+                f"`{call}` has the other sign of a: the regressor holds -y(t-1).",
+                lambda: right * [-1, 1, 1],
+            ),
+            Slip("order of theta", f"`{call}` has theta in another order than [a, b, c].", lambda: right[[0, 2, 1]]),
+            Slip("order of theta", f"`{call}` has theta in another order than [a, b, c].", lambda: right[[1, 0, 2]]),
+            *(
+                Slip(
+                    "lag off by one",
+                    f"`{call}` pairs the error with its own sample: the regressor of y(t) holds epsilon(t-1).",
+                    partial(_same_time, u, y, share, rounds, renew),
+                )
+                for renew in (True, False)
+            ),
+        ],
+    )
+
+
+def _same_time(u: FloatArray, y: FloatArray, share: float, rounds: int, renew: bool) -> FloatArray:
+    first = np.append(fit_structure(ARX, u, y).model.theta, 0.0)
+    theta = first
+    for _ in range(rounds):
+        e = prediction_errors(model_from_theta(ARMAX, theta if renew else first), u, y)
+        Phi = np.column_stack([-y[:-1], u[:-1], e[1:]])
+        theta = theta + share * (least_squares(Phi, y[1:]).theta - theta)
+    return theta

@@ -1,0 +1,242 @@
+"""Checks of what is computed on paper: the limit of least squares, covariance in coloured noise, likelihood."""
+
+import numpy as np
+
+from labsid._arrays import FloatArray
+from labsid.checks.compare import SAME, as_array, as_matrix, as_number, as_theta, close
+from labsid.checks.question import Ask, returned
+from labsid.checks.trials import first_order, trial_equations
+from labsid.checks.verdict import Slip, Verdict, judge
+from labsid.estimation.likelihood import log_likelihood
+from labsid.least_squares.intervals import parameter_covariance
+from labsid.least_squares.linear_algebra import pseudo_inverse
+from labsid.model_structures.prediction import free_run
+
+
+def limit(ask: Ask) -> Verdict:
+    """`limit_of_least_squares(a, b, c, var_u, var_e)`."""
+    verdict = Verdict(False, "")
+    for sign_a, sign_c in ((-1, -1), (-1, 1), (1, -1)):
+        a, c = sign_a * ask.rng.uniform(0.3, 0.85), sign_c * ask.rng.uniform(0.3, 0.9)
+        b, var_u, var_e = ask.rng.uniform(0.5, 3, 3)
+        verdict = _judge_limit(ask, float(a), float(b), float(c), float(var_u), float(var_e))
+        if not verdict.passed:
+            break
+    return verdict
+
+
+def _judge_limit(ask: Ask, a: float, b: float, c: float, var_u: float, var_e: float) -> Verdict:
+    impulse = np.zeros(600)
+    impulse[0] = 1.0
+    model = first_order(a, b, c)
+    from_u, from_e = free_run(model, impulse), free_run(model, 0 * impulse, impulse)
+    signal, noise = var_u * float(from_u @ from_u), var_e * float(from_e @ from_e)
+    var_y, short = signal + noise, 1 - a**2
+
+    def pulled(share: float) -> FloatArray:
+        return np.array([a - share, b])
+
+    cross = "`limit_of_least_squares` has a wrong variance of y: y(t-1) and e(t-1) are correlated, which leaves -2ac."
+    return judge(
+        as_theta("limit_of_least_squares(...)", returned(ask, "limit_of_least_squares", a, b, c, var_u, var_e), 2),
+        pulled(c * var_e / var_y),
+        SAME,
+        "coloured noise pulls a, and leaves b.",
+        "`limit_of_least_squares` is off: test it with c = 0, and against your own cloud of System 2.",
+        [
+            Slip(
+                "sign of the pull",
+                "`limit_of_least_squares` pulls a the wrong way: the regressor holds -y(t-1).",
+                lambda: pulled(-c * var_e / var_y),
+            ),
+            Slip(
+                "no bias",
+                "`limit_of_least_squares` returns the true values: coloured noise is correlated with y(t-1).",
+                lambda: pulled(0.0),
+            ),
+            Slip(
+                "bias alone",
+                "`limit_of_least_squares` returns the bias alone: add it to [a, b].",
+                lambda: np.array([-c * var_e / var_y, 0.0]),
+            ),
+            Slip("cross term", cross, lambda: pulled(c * var_e / (signal + (1 + c**2) * var_e / short))),
+            Slip("cross term", cross, lambda: pulled(c * var_e / (signal + (1 + c**2 + 2 * a * c) * var_e / short))),
+            Slip(
+                "var_e forgotten",
+                "`limit_of_least_squares` leaves the variance of e out of the correlation of y(t-1) with v(t).",
+                lambda: pulled(c / var_y),
+            ),
+            Slip(
+                "1 - a^2 forgotten",
+                "`limit_of_least_squares` has a wrong variance of y: it contains a^2 times itself; divide by 1 - a^2.",
+                lambda: pulled(c * var_e / (var_y * short)),
+            ),
+            Slip(
+                "variance without noise",
+                "`limit_of_least_squares` takes the variance of the noise-free output: the regressor is the noisy one.",
+                lambda: pulled(c * var_e / signal),
+            ),
+            Slip(
+                "a and b swapped",
+                "`limit_of_least_squares` returns b before a.",
+                lambda: pulled(c * var_e / var_y)[::-1],
+            ),
+        ],
+    )
+
+
+def covariance(ask: Ask) -> Verdict:
+    """`covariance(Phi, c, var_e)`."""
+    verdict = Verdict(False, "")
+    for n, p, sign in ((7, 2, 1), (9, 3, -1), (6, 1, 1)):
+        Phi = trial_equations(ask.rng, n, p)[0]
+        verdict = _judge_covariance(ask, Phi, float(sign * ask.rng.uniform(0.4, 0.9)), float(ask.rng.uniform(1.5, 3)))
+        if not verdict.passed:
+            break
+    return verdict
+
+
+def _judge_covariance(ask: Ask, Phi: FloatArray, c: float, var_e: float) -> Verdict:
+    n, p = Phi.shape
+    value = returned(ask, "covariance", Phi, c, var_e)
+    call = "covariance(Phi, c, var_e)"
+    if p > 1 and as_array(call, value).shape == (p,):
+        return Verdict(False, f"`{call}` returns {p} numbers; the covariance is a {p} by {p} matrix.", "variances only")
+    if p > 1 and as_array(call, value).shape == (n, n):
+        return Verdict(
+            False,
+            f"`{call}` returns a matrix of the noise, n by n: asked for is that of theta, p by p.",
+            "covariance of the noise",
+        )
+    left = pseudo_inverse(Phi)
+    diagonal, beside = np.eye(n), np.eye(n, k=1) + np.eye(n, k=-1)
+
+    def sandwich(R: FloatArray) -> FloatArray:
+        return var_e * left @ R @ left.T
+
+    start = diagonal * (1 + c**2)
+    start[0, 0] = 1.0
+    white = parameter_covariance(Phi, var_e)
+    as_if_white = "`covariance` is the one of Lemma 1, for white noise: neighbouring noise is correlated here."
+    got = as_array(call, value).reshape(1, 1) if p == 1 and as_array(call, value).size == 1 else None
+    return judge(
+        as_matrix(call, value, (p, p)) if got is None else got,
+        sandwich((1 + c**2) * diagonal + c * beside),
+        SAME,
+        "the middle stays when the noise is coloured.",
+        "`covariance` is not that of the estimate: write E(vv') down for three samples, and try the mean of step 4.",
+        [
+            Slip("as if white", as_if_white, lambda: white),
+            Slip("as if white", as_if_white, lambda: (1 + c**2) * white),
+            Slip(
+                "diagonal of white noise",
+                "`covariance` has 1 on the diagonal of E(vv'): v(t) is a sum of two, with variance 1 + c^2.",
+                lambda: sandwich(diagonal + c * beside),
+            ),
+            Slip(
+                "c on one side only",
+                "`covariance` has c above or below the diagonal only: E(vv') is symmetric.",
+                lambda: sandwich((1 + c**2) * diagonal + c * np.eye(n, k=1)),
+            ),
+            Slip(
+                "c on one side only",
+                "`covariance` has c above or below the diagonal only: E(vv') is symmetric.",
+                lambda: sandwich((1 + c**2) * diagonal + c * np.eye(n, k=-1)),
+            ),
+            Slip(
+                "c squared beside the diagonal",
+                "`covariance` has c^2 beside the diagonal: v(t) and v(t-1) share e(t-1), once with c and once with 1.",
+                lambda: sandwich((1 + c**2) * diagonal + c**2 * beside),
+            ),
+            Slip(
+                "first sample without a past",
+                "`covariance` gives the first noise sample a smaller variance: it has e(-1) in it like every other.",
+                lambda: sandwich(start + c * beside),
+            ),
+            Slip(
+                "var_e forgotten",
+                "`covariance` does not use var_e.",
+                lambda: sandwich((1 + c**2) * diagonal + c * beside) / var_e,
+            ),
+            Slip(
+                "var_e squared",
+                "`covariance` squares var_e, which is a variance already.",
+                lambda: sandwich((1 + c**2) * diagonal + c * beside) * var_e,
+            ),
+        ],
+    )
+
+
+def likelihood(ask: Ask) -> Verdict:
+    """`log_likelihood(theta, var_e, Phi, Y)`."""
+    verdict = Verdict(False, "")
+    for n, p in ((6, 2), (11, 3)):
+        Phi, Y = trial_equations(ask.rng, n, p)
+        verdict = _judge_likelihood(ask, ask.rng.uniform(-1, 1, p), float(ask.rng.uniform(1.6, 4)), Phi, Y)
+        if not verdict.passed:
+            break
+    return verdict
+
+
+def _judge_likelihood(ask: Ask, theta: FloatArray, var_e: float, Phi: FloatArray, Y: FloatArray) -> Verdict:
+    n, E = Y.size, Y - Phi @ theta
+    right = log_likelihood(E, var_e)
+    sse, constant = float(E @ E), -n / 2 * float(np.log(2 * np.pi * var_e))
+    value = returned(ask, "log_likelihood", theta, var_e, Phi, Y)
+    if as_array("log_likelihood(...)", value).size == n:
+        return Verdict(False, "`log_likelihood` returns one number a sample: add them up.", "not added up")
+    return judge(
+        as_number("log_likelihood(...)", value),
+        right,
+        close(1e-9),
+        "with the variance fixed, it is highest where the SSE is least.",
+        "`log_likelihood` is off: take the logarithm of the density of one sample by hand, and add up.",
+        [
+            Slip(
+                "printed density",
+                "`log_likelihood` has the slip of the print, sqrt(2 pi sigma): sigma stands outside the root.",
+                lambda: -n / 2 * float(np.log(2 * np.pi * np.sqrt(var_e))) - sse / (2 * var_e),
+            ),
+            Slip("sign", "`log_likelihood` has the other sign: it is to be maximised.", lambda: -right),
+            Slip(
+                "likelihood without its logarithm",
+                "`log_likelihood` returns the likelihood: take the logarithm (before multiplying, or it underflows).",
+                lambda: float(np.exp(right)),
+            ),
+            Slip(
+                "var_e squared",
+                "`log_likelihood` squares var_e, which is a variance already.",
+                lambda: log_likelihood(E, var_e**2),
+            ),
+            Slip(
+                "half forgotten",
+                "`log_likelihood` has N log(2 pi sigma^2) without the half: the root in the density makes it.",
+                lambda: 2 * constant - sse / (2 * var_e),
+            ),
+            Slip(
+                "half forgotten",
+                "`log_likelihood` divides the SSE by sigma^2; it is twice that.",
+                lambda: constant - sse / var_e,
+            ),
+            Slip(
+                "constant left out",
+                "`log_likelihood` leaves out N/2 log(2 pi sigma^2). Without it the best variance would be infinite.",
+                lambda: -sse / (2 * var_e),
+            ),
+            Slip(
+                "2 pi left out",
+                "`log_likelihood` leaves the 2 pi out.",
+                lambda: -n / 2 * float(np.log(var_e)) - sse / (2 * var_e),
+            ),
+            Slip(
+                "mean in place of the sum",
+                "`log_likelihood` divides by N: the samples' log densities are added up.",
+                lambda: right / n,
+            ),
+            Slip(
+                "one sample's constant",
+                "`log_likelihood` counts the constant once: every sample brings one.",
+                lambda: constant / n - sse / (2 * var_e),
+            ),
+        ],
+    )

@@ -1,0 +1,99 @@
+"""The signals and the model from which the checks of the lab and of the post-lab start."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from labsid._arrays import FloatArray, freeze
+from labsid.checks.compare import as_number, as_vector
+from labsid.checks.question import Ask
+from labsid.lab.arx import ArxModel, arx_from_theta
+from labsid.records.record import Record
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class LabData:
+    """A record with its offsets, and what is left without them.
+
+    Attributes
+    ----------
+    u_act, y_act, y_actm : ndarray, shape (N,)
+        Input, noise-reduced and measured output (V).
+    u_offset, y_offset : float
+    Ts : float
+        Sampling time (s).
+    """
+
+    u_act: FloatArray
+    y_act: FloatArray
+    y_actm: FloatArray
+    u_offset: float
+    y_offset: float
+    Ts: float
+
+    def __post_init__(self) -> None:
+        freeze(self, u_act=self.u_act, y_act=self.y_act, y_actm=self.y_actm)
+
+    @property
+    def u(self) -> FloatArray:
+        """Offset-free input."""
+        return self.u_act - self.u_offset
+
+    @property
+    def y(self) -> FloatArray:
+        """Offset-free output."""
+        return self.y_act - self.y_offset
+
+    @property
+    def half(self) -> int:
+        """First sample of the second half."""
+        return int(self.y_act.size // 2)
+
+    def wrong_signals(self) -> Iterator[tuple[str, str, FloatArray, FloatArray]]:
+        """Signals that a later step may be fed with by mistake: name of the slip, hint, u, y."""
+        u, y = self.u, self.y
+        hint = "Use the offset-free `u` and `y` of step 1c."
+        yield "offset left in", f"The offsets are still in. {hint}", self.u_act, self.y_act
+        yield "output offset left in", f"The output offset is still in. {hint}", u, self.y_act
+        yield "input offset left in", f"The input offset is still in. {hint}", self.u_act, y
+        measured = self.y_actm - self.y_offset
+        yield (
+            "measured output used",
+            "This is made from the measured output `y_actm`; `y` is made from `y_act`.",
+            u,
+            measured,
+        )
+
+
+def measured_output(record: Record) -> FloatArray:
+    """Column 1 of a lab record."""
+    return record.y if record.y_measured is None else record.y_measured
+
+
+def noise_reduced_output(record: Record) -> FloatArray:
+    """Column 2 of a lab record."""
+    return record.y if record.y_noise_reduced is None else record.y_noise_reduced
+
+
+def known_vector(ask: Ask, name: str) -> FloatArray:
+    """A signal of an earlier step, shape (N,)."""
+    return as_vector(name, ask.known(name))
+
+
+def known_data(ask: Ask) -> LabData:
+    """The signals as they stand after step 1c of the lab."""
+    return LabData(
+        u_act=known_vector(ask, "u_act"),
+        y_act=known_vector(ask, "y_act"),
+        y_actm=known_vector(ask, "y_actm"),
+        u_offset=as_number("u_offset", ask.known("u_offset")),
+        y_offset=as_number("y_offset", ask.known("y_offset")),
+        Ts=as_number("Ts", ask.known("Ts")),
+    )
+
+
+def known_model(ask: Ask) -> ArxModel:
+    """The second-order model as it stands after step 2b of the lab."""
+    a1, a2, b1, b2 = (as_number(name, ask.known(name)) for name in ("a1", "a2", "b1", "b2"))
+    return arx_from_theta(np.array([-a1, -a2, b1, b2]), as_number("Ts", ask.known("Ts")))

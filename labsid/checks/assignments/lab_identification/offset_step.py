@@ -1,0 +1,140 @@
+"""Step 1c of the lab: the offsets, and the signals without them."""
+
+import numpy as np
+
+from labsid._arrays import FloatArray
+from labsid.checks.assignments.lab_identification.lab_data import known_vector
+from labsid.checks.compare import as_number, as_vector, close
+from labsid.checks.question import Ask
+from labsid.checks.values import Value
+from labsid.checks.verdict import NoAnswer, Slip, Verdict, judge
+from labsid.lab.offset import find_offsets, first_period_length, mid_range
+
+OFFSET_TOLERANCE = 0.01
+"""Of the range of y: between two honest choices of the settled part."""
+
+
+def right_offsets(ask: Ask) -> dict[str, Value]:
+    """Step 1c."""
+    u_act, y_act = known_vector(ask, "u_act"), known_vector(ask, "y_act")
+    found = find_offsets(u_act, y_act)
+    return {
+        "y_offset": found.y_offset,
+        "u_offset": found.u_offset,
+        "y": y_act - found.y_offset,
+        "u": u_act - found.u_offset,
+    }
+
+
+def offsets(ask: Ask) -> Verdict:
+    """Step 1c: both offsets, and both signals without them."""
+    u_act, y_act, y_actm = (known_vector(ask, name) for name in ("u_act", "y_act", "y_actm"))
+    u_offset, y_offset = (as_number(name, ask.value(name)) for name in ("u_offset", "y_offset"))
+    verdict = _output_offset(y_offset, u_act, y_act)
+    if verdict.passed:
+        verdict = _input_offset(u_offset, u_act, y_offset)
+    for name, raw, offset, other in (("y", y_act, y_offset, y_actm), ("u", u_act, u_offset, y_act)):
+        if verdict.passed:
+            verdict = _offset_free(name, as_vector(name, ask.value(name)), raw, offset, other)
+    return verdict
+
+
+def _output_offset(got: float, u_act: FloatArray, y_act: FloatArray) -> Verdict:
+    found = find_offsets(u_act, y_act)
+    n = found.first_period
+    second_change = n + first_period_length(u_act[n:]) if np.ptp(u_act[n:]) else u_act.size
+    for k in (0, n - 1):
+        # within the tolerance perhaps, but one sample has all the noise that an average takes away
+        if abs(got - y_act[k]) < 1e-9:
+            return Verdict(
+                False,
+                "`y_offset` is the value of one sample, with the noise on it. Take the mean over the first period.",
+                "a single sample",
+            )
+    slips = [
+        Slip(
+            "mean over the whole record",
+            "`y_offset` is the mean over the whole record. Average the first period only, before the input changes.",
+            lambda: float(np.mean(y_act)),
+        ),
+        Slip(
+            "start-up averaged in",
+            "`y_offset` is the mean of the whole first period, but your record does not start settled: look at "
+            "Fig. 5(a), and average only the level part at the end of that period.",
+            lambda: float(np.mean(y_act[:n])),
+        ),
+        Slip(
+            "mean over more than the first period",
+            "`y_offset` is averaged over more than the first period. Use `y_act[:n_first]`.",
+            lambda: float(np.mean(y_act[:second_change])),
+        ),
+        Slip(
+            "mean after the first period",
+            "`y_offset` is averaged over what comes after the first period. Use `y_act[:n_first]`.",
+            lambda: float(np.mean(y_act[n:])),
+        ),
+        Slip("input in place of the output", "`y_offset` is made from the input.", lambda: float(u_act[0])),
+        Slip(
+            "middle of the range",
+            "`y_offset` is the middle of the range of the output, where it never rests.",
+            lambda: mid_range(y_act),
+        ),
+        Slip("no offset", "`y_offset` is zero: then nothing is removed.", lambda: 0.0),
+    ]
+    otherwise = "`y_offset` is not the level at which the output rests before the input first changes."
+    if abs(got - found.y_offset) <= OFFSET_TOLERANCE * float(np.ptp(y_act)):
+        return Verdict(True, "")
+    # the slips are told apart more closely than right answers are: on one record, two of them may lie near each other
+    return judge(got, found.y_offset, close(1e-5), "", otherwise, slips)
+
+
+def _input_offset(got: float, u_act: FloatArray, y_offset: float) -> Verdict:
+    n = first_period_length(u_act)
+    slips = [
+        Slip(
+            "middle of the input range",
+            "`u_offset` is the middle of the input range. The output was averaged while the input had its *first* "
+            "value, and the two offsets belong together.",
+            lambda: mid_range(u_act),
+        ),
+        Slip(
+            "mean over the whole record",
+            "`u_offset` is the mean over the whole record. Take the first value.",
+            lambda: float(np.mean(u_act)),
+        ),
+        Slip("output in place of the input", "`u_offset` is the offset of the output.", lambda: y_offset),
+        Slip(
+            "level after the first change",
+            "`u_offset` is the level after the first change. Take the first value.",
+            lambda: float(u_act[n]),
+        ),
+        Slip("no offset", "`u_offset` is zero: then nothing is removed.", lambda: 0.0),
+    ]
+    otherwise = "`u_offset` is not the input of the first period. Take its first value."
+    return judge(got, float(u_act[0]), close(0, 1e-6), "", otherwise, slips)
+
+
+def _offset_free(name: str, got: FloatArray, raw: FloatArray, offset: float, other: FloatArray) -> Verdict:
+    if got.size != raw.size:
+        raise NoAnswer(
+            f"`{name}` has {got.size} samples and `{name}_act` {raw.size}: subtract the offset from the entire signal.",
+            "signal cut",
+        )
+    slips = [
+        Slip("offset not removed", f"`{name}` is still `{name}_act`: subtract `{name}_offset`.", lambda: raw),
+        Slip("offset added", f"`{name}_offset` was added; subtract it.", lambda: raw + offset),
+        Slip(
+            "sign of the signal", f"`{name}` is upside down: it is the signal minus the offset.", lambda: offset - raw
+        ),
+        Slip("divided by the offset", "An offset is subtracted, not divided by.", lambda: raw / offset),
+        Slip("another signal taken", f"`{name}` is not made from `{name}_act`.", lambda: other - offset),
+    ]
+    otherwise = f"`{name}` is not `{name}_act` minus `{name}_offset`."
+    return judge(
+        got,
+        raw - offset,
+        close(1e-9, 1e-9),
+        "The offsets are right, and `y` and `u` are free of them.",
+        otherwise,
+        slips,
+    )

@@ -1,0 +1,207 @@
+"""Part 1 of the lab: the record extracted, looked at, and freed of its offsets."""
+
+from collections.abc import Mapping, Sequence
+from functools import partial
+
+import numpy as np
+
+from labsid._arrays import FloatArray
+from labsid.checks.assignments.lab_identification.lab_data import known_vector, measured_output, noise_reduced_output
+from labsid.checks.assignments.lab_identification.signal_panels import Panel, require_panels
+from labsid.checks.compare import as_number, as_vector, close
+from labsid.checks.question import Ask
+from labsid.checks.values import Value
+from labsid.checks.verdict import NoAnswer, Slip, Verdict, judge
+from labsid.lab.offset import first_period_length
+
+EXACT = close(1e-9, 1e-9)
+
+
+def right_signals(ask: Ask) -> dict[str, Value]:
+    """Step 1a."""
+    record = ask.record
+    return {
+        "t": record.t,
+        "y_act": noise_reduced_output(record),
+        "y_actm": measured_output(record),
+        "u_act": record.u,
+    }
+
+
+def extract(ask: Ask) -> Verdict:
+    """Step 1a: the four signals."""
+    right = {name: np.asarray(value, float) for name, value in right_signals(ask).items()}
+    for name, values in right.items():
+        got = _extracted(name, ask.value(name))
+        taken = [
+            Slip(
+                "y_act and y_actm swapped" if {name, other} == {"y_act", "y_actm"} else "another signal taken",
+                f"`{name}` holds what should be `{other}`. Python counts from 0: MATLAB's column 2 has the index 1.",
+                partial(right.__getitem__, other),
+            )
+            for other in right
+            if other != name
+        ]
+        counted = Slip(
+            "sample number in place of time",
+            f"`{name}` counts the samples; the record holds the time in seconds.",
+            lambda: np.arange(values.size, dtype=float),  # noqa: B023
+        )
+        verdict = judge(
+            got,
+            values,
+            EXACT,
+            "",
+            f"`{name}` is not that signal of the record. Compare your lines with the lab's.",
+            [*taken, counted],
+        )
+        if not verdict.passed:
+            return verdict
+    return Verdict(True, f"Four signals of {right['t'].size} samples each.")
+
+
+def _extracted(name: str, value: Value) -> FloatArray:
+    if isinstance(value, Mapping):
+        raise NoAnswer(
+            f"`{name}` is still a structure (a dictionary): take the field that holds the numbers.",
+            "structure instead of its field",
+        )
+    if isinstance(value, np.ndarray) and value.ndim == 2 and value.shape[1] == 2:
+        raise NoAnswer(f"`{name}` holds both columns: take one, `[:, 0]` or `[:, 1]`.", "both columns taken")
+    return as_vector(name, value)
+
+
+def right_sampling_time(ask: Ask) -> dict[str, Value]:
+    """Step 1a."""
+    return {"Ts": ask.record.Ts}
+
+
+def sampling_time(ask: Ask) -> Verdict:
+    """Step 1a: Ts."""
+    t = known_vector(ask, "t")
+    value = ask.value("Ts")
+    if isinstance(value, np.ndarray) and value.size == t.size - 1 and value.size > 1:
+        raise NoAnswer("`Ts` holds every interval; they are all equal, and one number is wanted.", "all intervals")
+    slips = [
+        Slip(
+            "frequency in place of time", "This is the sampling frequency, samples a second.", lambda: 1 / ask.record.Ts
+        ),
+        Slip("length of the record", "This is how long the record lasts.", lambda: float(t[-1] - t[0])),
+        Slip("number of samples", "This is how many samples there are.", lambda: float(t.size)),
+        Slip(
+            "divided by the number of samples",
+            "There is one interval fewer than there are samples.",
+            lambda: float((t[-1] - t[0]) / t.size),
+        ),
+        Slip("two samples apart", "That is twice the sampling time.", lambda: 2 * ask.record.Ts),
+    ]
+    otherwise = "`Ts` should be the time from one sample to the next. Look at the first few values of `t`."
+    return judge(
+        as_number("Ts", value), ask.record.Ts, close(1e-6), "This is the time between two samples.", otherwise, slips
+    )
+
+
+def figure_5(ask: Ask) -> Verdict:
+    """Step 1b: Fig. 5."""
+    t, y_act, y_actm, u_act = (known_vector(ask, name) for name in ("t", "y_act", "y_actm", "u_act"))
+    calls = ("measured|original|y_actm", "noise|reduced|filter|smooth")
+    upper = Panel("the upper panel of Fig. 5", {"y_actm": y_actm, "y_act": y_act}, (t,), calls)
+    lower = Panel("the lower panel of Fig. 5", {"u_act": u_act}, (t,))
+    require_panels("fig_5", ask.value("fig_5"), (upper, lower))
+    return Verdict(True, "Fig. 5 shows both outputs and the input. Compare it with the description below.")
+
+
+def first_period(ask: Ask) -> Verdict:
+    """Step 1c: the loop, tried on inputs that it has not seen."""
+    trials = [ask.record.u, *_staircases(ask.rng)]
+    is_column = np.ndim(ask.known("u_act")) == 2  # type: ignore[arg-type]
+    got = np.array([_counted(ask, u.reshape(-1, 1) if is_column else u) for u in trials])
+    right = np.array([first_period_length(u) for u in trials], float)
+
+    def slip(name: str, hint: str, wrong: Sequence[float]) -> Slip[FloatArray]:
+        return Slip(name, hint, lambda: np.array(wrong, float))
+
+    changes = [np.flatnonzero(np.diff(u)) for u in trials]
+    fall = [float(np.argmax(u < u[0])) for u in trials]
+    rise = [float(np.argmax(u > u[0])) for u in trials]
+    slips = [
+        slip(
+            "the same number for every input",
+            "It returns the same number for every input: count in the `u` that is handed in.",
+            [float(got[0])] * len(trials),
+        ),
+        slip(
+            "off by one",
+            "One too few: that is the index of the last sample of the period. Samples 0 to n - 1 are n samples.",
+            list(right - 1),
+        ),
+        slip("off by one", "One too many: the sample at which the input changes no longer belongs.", list(right + 1)),
+        slip(
+            "all samples at the first level",
+            "It counts all samples at the first level, also later ones. Stop at the first change.",
+            [float(np.count_nonzero(u == u[0])) for u in trials],
+        ),
+        slip(
+            "last change instead of the first",
+            "It stops at the last change of the input.",
+            [c[-1] + 1 for c in changes],
+        ),
+        slip(
+            "number of changes",
+            "It counts the changes of the input, not the samples before the first.",
+            [c.size for c in changes],
+        ),
+        slip("changes in one direction only", "It overlooks a change upwards: compare with `!=` or `==`.", fall),
+        slip("changes in one direction only", "It overlooks a change downwards: compare with `!=` or `==`.", rise),
+        slip(
+            "length of the input",
+            "It returns the length of the input: the loop never stops at the change.",
+            [u.size for u in trials],
+        ),
+        slip(
+            "time instead of a number of samples",
+            "That is a time; the number of samples is wanted.",
+            list(right * ask.record.Ts),
+        ),
+    ]
+    if got[0] == right[0] and not np.all(got == got[0]):
+        otherwise = "It is right on this record and wrong on another input. Try it on short inputs of your own."
+    else:
+        otherwise = (
+            "It does not return the number of samples before the first change. Try it on a short input: [2, 2, 2, 1]."
+        )
+    return judge(got, right, close(0, 1e-9), "Right, also on inputs that you have not seen.", otherwise, slips)
+
+
+def right_first_period(ask: Ask) -> dict[str, Value]:
+    """Step 1c."""
+    return {"n_first": first_period_length(ask.record.u)}
+
+
+def _counted(ask: Ask, u: FloatArray) -> float:
+    value = ask.call("first_period", u)
+    if value is None:
+        raise NoAnswer("`first_period` returns nothing: end it with `return` and the number.", "nothing returned")
+    return as_number("first_period(u)", value)
+
+
+def _staircases(rng: np.random.Generator) -> list[FloatArray]:
+    """Inputs that change first upwards, first downwards, after one sample, and come back to their first level."""
+    steps = ((0.3, -0.3, 0.0), (-0.4, 0.2, 0.0), (0.05, -0.3, 0.05), (-0.2, 0.4, 0.0))
+    made = []
+    for trial, (second, third, fourth) in enumerate(steps):
+        level = np.round(rng.uniform(1.5, 2.5), 2)
+        holds = rng.integers(5, 60, size=4)
+        if trial == len(steps) - 1:
+            holds[0] = 1
+        made.append(np.repeat(level + np.array([0.0, second, third, fourth]), holds))
+    return made
+
+
+def figure_6(ask: Ask) -> Verdict:
+    """Step 1c: Fig. 6."""
+    t, y, u = (known_vector(ask, name) for name in ("t", "y", "u"))
+    upper = Panel("the upper panel of Fig. 6", {"y": y}, (t,))
+    lower = Panel("the lower panel of Fig. 6", {"u": u}, (t,))
+    require_panels("fig_6", ask.value("fig_6"), (upper, lower))
+    return Verdict(True, "Fig. 6 shows both signals without their offsets; both begin from zero.")

@@ -1,0 +1,220 @@
+"""Part 2 of the lab: Phi, theta, and the model as transfer function and state space."""
+
+import numpy as np
+
+from labsid._arrays import FloatArray
+from labsid.checks.assignments.lab_identification.lab_data import known_data, known_model, known_vector
+from labsid.checks.assignments.lab_identification.phi_and_theta import judge_equations, judge_theta, right_equations
+from labsid.checks.compare import SystemValue, as_number, as_system, close, same_response
+from labsid.checks.question import Ask
+from labsid.checks.values import StateSpaceValue, TransferFunctionValue, Value
+from labsid.checks.verdict import NoAnswer, Slip, Verdict, judge
+from labsid.lab.arx import ArxModel, arx_from_theta, canonical_form
+from labsid.least_squares.solve import least_squares
+
+NAMES = ("Phi", "Y")
+
+
+def phi(ask: Ask) -> Verdict:
+    """Step 2a: Phi and Y."""
+    return judge_equations(ask, NAMES, known_data(ask), 2)
+
+
+def right_phi(ask: Ask) -> dict[str, Value]:
+    """Step 2a."""
+    data = known_data(ask)
+    return right_equations(NAMES, data, 2) | {"half": data.half}
+
+
+def theta(ask: Ask) -> Verdict:
+    """Step 2b: theta."""
+    return judge_theta(ask, "theta_hat", *_known_equations(ask), known_data(ask), 2)
+
+
+def right_theta(ask: Ask) -> dict[str, Value]:
+    """Step 2b."""
+    return {"theta_hat": least_squares(*_known_equations(ask)).theta}
+
+
+def parameters(ask: Ask) -> Verdict:
+    """Step 2b: a1, a2, b1, b2 read off theta."""
+    right = _read_off(known_vector(ask, "theta_hat"))
+    got = np.array([as_number(name, ask.value(name)) for name in right])
+    a1, a2, b1, b2 = values = np.array(list(right.values()))
+    slips = [
+        Slip(
+            "sign of a",
+            "theta holds -a1 and -a2: turn the signs of the first two.",
+            lambda: np.array([-a1, -a2, b1, b2]),
+        ),
+        Slip("sign of a", "a1 has the wrong sign: theta holds -a1.", lambda: np.array([-a1, a2, b1, b2])),
+        Slip("sign of a", "a2 has the wrong sign: theta holds -a2.", lambda: np.array([a1, -a2, b1, b2])),
+        Slip(
+            "sign of b",
+            "b1 and b2 keep their signs: only a is negative in theta.",
+            lambda: np.array([a1, a2, -b1, -b2]),
+        ),
+        Slip(
+            "sign of b",
+            "All signs are turned round. theta holds -a1 and -a2, but +b1 and +b2.",
+            lambda: np.array([-a1, -a2, -b1, -b2]),
+        ),
+        Slip(
+            "a and b swapped",
+            "a and b have changed places: theta = [-a1, -a2, b1, b2].",
+            lambda: np.array([-b1, -b2, -a1, -a2]),
+        ),
+        Slip(
+            "a and b swapped",
+            "a and b have changed places: theta = [-a1, -a2, b1, b2].",
+            lambda: np.array([b1, b2, a1, a2]),
+        ),
+        Slip("a1 and a2 swapped", "a1 and a2 have changed places.", lambda: np.array([a2, a1, b1, b2])),
+        Slip("b1 and b2 swapped", "b1 and b2 have changed places.", lambda: np.array([a1, a2, b2, b1])),
+        Slip(
+            "order of theta",
+            "The parameters are in reverse: theta = [-a1, -a2, b1, b2].",
+            lambda: np.array([a2, a1, b2, b1]),
+        ),
+    ]
+    otherwise = "a1, a2, b1, b2 are not what theta_hat says: theta = [-a1, -a2, b1, b2]."
+    return judge(got, values, close(1e-9), "Read off with the right signs.", otherwise, slips)
+
+
+def right_parameters(ask: Ask) -> dict[str, Value]:
+    """Step 2b."""
+    return dict(_read_off(known_vector(ask, "theta_hat")))
+
+
+def transfer_function(ask: Ask) -> Verdict:
+    """Step 2c: G."""
+    return judge_transfer_function("G", ask.value("G"), known_model(ask))
+
+
+def judge_transfer_function(name: str, value: Value, model: ArxModel) -> Verdict:
+    """Judge a transfer function by its response, whatever made it."""
+    got = as_system(name, value)
+    if isinstance(got, StateSpaceValue):
+        raise NoAnswer(
+            f"`{name}` is a state space; make the transfer function with `ct.tf`.",
+            "state space instead of transfer function",
+        )
+    require_sampling_time(name, got, model.Ts)
+    a, b, Ts = model.a, model.b, model.Ts
+    other_sign = np.concatenate([[1.0], -a[1:]])
+
+    def slip(short: str, hint: str, num: FloatArray, den: FloatArray) -> Slip[SystemValue]:
+        return Slip(short, hint, lambda: TransferFunctionValue(num, den, Ts))
+
+    zero = np.zeros(1)
+    slips = [
+        slip(
+            "sign of a",
+            "The denominator has theta's signs: it should be 1, +a1, ..., and theta holds -a.",
+            b,
+            other_sign,
+        ),
+        slip("theta in place of the denominator", "The denominator lacks its leading 1.", b, a[1:]),
+        slip("numerator and denominator swapped", "Numerator and denominator have changed places.", a, b),
+        slip("order of b", "The numerator is in reverse: b1 belongs to the higher power of z.", b[::-1], a),
+        slip(
+            "order of a",
+            "The denominator is in reverse: it begins with the highest power of z, whose coefficient is 1.",
+            b,
+            a[::-1],
+        ),
+        slip("sign of b", "The numerator has the wrong sign.", -b, a),
+        slip(
+            "numerator one step early",
+            "The numerator has the same order as the denominator, so the output comes a sample too early.",
+            np.concatenate([b, zero]),
+            a,
+        ),
+        slip(
+            "numerator one step late",
+            "The numerator is one power of z too low: b1 belongs to the one below the highest.",
+            b,
+            np.concatenate([a, zero]),
+        ),
+        slip("a and b swapped", "a and b have changed places.", a[1:], np.concatenate([[1.0], b])),
+    ]
+    otherwise = f"`{name}` does not respond as eq. (1) with your parameters does. Look at it beside eq. (1)."
+    right = TransferFunctionValue(b, a, Ts)
+    return judge(got, right, same_response(1e-6), "It responds as eq. (1) does.", otherwise, slips)
+
+
+def right_transfer_function(ask: Ask) -> dict[str, Value]:
+    """Step 2c."""
+    model = known_model(ask)
+    return {"G": TransferFunctionValue(model.b, model.a, model.Ts)}
+
+
+def state_space(ask: Ask) -> Verdict:
+    """Step 2c: G_ss, in any coordinates."""
+    model = known_model(ask)
+    got = as_system("G_ss", ask.value("G_ss"))
+    if isinstance(got, TransferFunctionValue):
+        raise NoAnswer(
+            "`G_ss` is a transfer function; make the state space with `ct.ss`.",
+            "transfer function instead of state space",
+        )
+    require_sampling_time("G_ss", got, model.Ts)
+    if got.A.shape != (2, 2):
+        raise NoAnswer(f"`G_ss` has {got.A.shape[0]} states; a second-order model has 2.", "number of states")
+    G, H, C, D = canonical_form(model)
+
+    def slip(short: str, hint: str, A: FloatArray, B: FloatArray, C: FloatArray, D: FloatArray) -> Slip[SystemValue]:
+        return Slip(short, hint, lambda: StateSpaceValue(A, B, C, D, model.Ts))
+
+    sign = np.array([[1.0], [-1.0]])
+    slips = [
+        slip("sign of a", "The last row of the matrix G should be [-a2, -a1].", sign * G, H, C, D),
+        slip(
+            "a1 and a2 swapped",
+            "The last row of the matrix G should be [-a2, -a1]: a2 comes first.",
+            np.vstack([G[0], G[1, ::-1]]),
+            H,
+            C,
+            D,
+        ),
+        slip("b1 and b2 swapped", "C should be [b2, b1]: b2 comes first.", G, H, C[:, ::-1], D),
+        slip("H upside down", "H should be [[0], [1]]: the input drives the second state.", G, H[::-1], C, D),
+        slip("transposed matrix", "The matrix G is transposed: its last *row* holds the parameters.", G.T, H, C, D),
+        slip("feed-through", "D should be 0: u(k) does not reach y(k) at once.", G, H, C, D + 1),
+        slip("sign of b", "C has the wrong sign.", G, H, -C, D),
+    ]
+    otherwise = "`G_ss` does not respond as eq. (2) with your parameters does. Look at its matrices beside eq. (2)."
+    canonical = all(np.allclose(m, w, atol=1e-9) for m, w in ((got.A, G), (got.B, H), (got.C, C), (got.D, D)))
+    praise = (
+        "It is the form of eq. (2)." if canonical else "It responds as eq. (2) does, in other coordinates of the state."
+    )
+    right = StateSpaceValue(G, H, C, D, model.Ts)
+    return judge(got, right, same_response(1e-6), praise, otherwise, slips)
+
+
+def right_state_space(ask: Ask) -> dict[str, Value]:
+    """Step 2c."""
+    model = known_model(ask)
+    return {"G_ss": StateSpaceValue(*canonical_form(model), model.Ts)}
+
+
+def require_sampling_time(name: str, system: SystemValue, Ts: float) -> None:
+    """Refuse a model in continuous time, or with another sampling time."""
+    if system.dt is None:
+        raise NoAnswer(
+            f"`{name}` has no sampling time, so it is not a model in discrete time: give `Ts` as the last argument.",
+            "no sampling time",
+        )
+    if abs(system.dt - Ts) > 1e-6 * Ts:
+        raise NoAnswer(
+            f"The sampling time of `{name}` is {system.dt:g} s; the record has another.", "wrong sampling time"
+        )
+
+
+def _known_equations(ask: Ask) -> tuple[FloatArray, FloatArray]:
+    return np.asarray(ask.known("Phi"), float).reshape(-1, 4), known_vector(ask, "Y")
+
+
+def _read_off(theta_hat: FloatArray) -> dict[str, float]:
+    model = arx_from_theta(theta_hat, 1.0)
+    return {"a1": float(model.a[1]), "a2": float(model.a[2]), "b1": float(model.b[0]), "b2": float(model.b[1])}

@@ -1,0 +1,205 @@
+"""Part 3 of the lab: the model simulated and held against the record."""
+
+import numpy as np
+
+from labsid._arrays import FloatArray
+from labsid.checks.assignments.lab_identification.lab_data import LabData, known_data, known_model, known_vector
+from labsid.checks.assignments.lab_identification.signal_panels import Panel, require_panels
+from labsid.checks.assignments.lab_identification.simulated_output import (
+    SAME,
+    judge_entire_run,
+    judge_mse,
+    judge_second_half,
+    read_output,
+)
+from labsid.checks.compare import as_number
+from labsid.checks.question import Ask
+from labsid.checks.values import Value
+from labsid.checks.verdict import NoAnswer, Slip, Verdict, judge
+from labsid.lab.arx import ArxModel
+from labsid.lab.simulation import free_response, predict_one_step, simulate
+from labsid.lab.verification import mse
+
+TRIAL_SAMPLES = 160
+TRIAL_NOISE = 0.01
+CALLS = ("actual|measured|record", "simul|model|ident")
+
+
+def second_half(ask: Ask) -> Verdict:
+    """Step 3a: the second half."""
+    return judge_second_half(ask, "y_sim_half", known_data(ask), known_model(ask))
+
+
+def right_second_half(ask: Ask) -> dict[str, Value]:
+    """Step 3a."""
+    data = known_data(ask)
+    return {"y_sim_half": simulate(known_model(ask), data.u[data.half :])}
+
+
+def entire(ask: Ask) -> Verdict:
+    """Step 3a: the entire record."""
+    return judge_entire_run(ask, "y_sim", known_data(ask), known_model(ask))
+
+
+def right_entire(ask: Ask) -> dict[str, Value]:
+    """Step 3a."""
+    return {"y_sim": simulate(known_model(ask), known_data(ask).u)}
+
+
+def errors(ask: Ask) -> Verdict:
+    """Step 3a: both mean squared errors."""
+    y, y_half, y_sim, y_sim_half = _measured_and_simulated(ask)
+    got = {name: as_number(name, ask.value(name)) for name in ("mse_half", "mse_all")}
+    half = y_half.size
+    slips = (
+        Slip("errors swapped", "mse_half and mse_all have changed places.", lambda: mse(y, y_sim)),
+        Slip(
+            "state carried over",
+            "`mse_half` belongs to `y_sim`, cut; use `y_sim_half`.",
+            lambda: mse(y_half, y_sim[-half:]),
+        ),
+        Slip("wrong half", "`mse_half` compares with the first half of `y`.", lambda: mse(y[:half], y_sim_half)),
+    )
+    verdict = judge_mse("mse_half", got["mse_half"], y_half, y_sim_half, slips)
+    return judge_mse("mse_all", got["mse_all"], y, y_sim) if verdict.passed else verdict
+
+
+def right_errors(ask: Ask) -> dict[str, Value]:
+    """Step 3a."""
+    y, y_half, y_sim, y_sim_half = _measured_and_simulated(ask)
+    return {"mse_half": mse(y_half, y_sim_half), "mse_all": mse(y, y_sim)}
+
+
+def figure_7(ask: Ask) -> Verdict:
+    """Step 3a: Fig. 7."""
+    y, y_half, y_sim, y_sim_half = _measured_and_simulated(ask)
+    t = known_vector(ask, "t")
+    t_half = t[-y_half.size :]
+    upper = Panel(
+        "the upper panel of Fig. 7", {"y": y_half, "y_sim_half": y_sim_half}, (t_half, t_half - t_half[0]), CALLS
+    )
+    lower = Panel("the lower panel of Fig. 7", {"y": y, "y_sim": y_sim}, (t,), CALLS)
+    require_panels("fig_7", ask.value("fig_7"), (upper, lower))
+    return Verdict(True, "Fig. 7 shows both comparisons.")
+
+
+def _measured_and_simulated(ask: Ask) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
+    y, y_sim, y_sim_half = (known_vector(ask, name) for name in ("y", "y_sim", "y_sim_half"))
+    return y, y[-y_sim_half.size :], y_sim, y_sim_half
+
+
+def initial_state(ask: Ask) -> Verdict:
+    """Step 3b: a function that simulates from the estimated state, tried on stretches that it has not seen.
+
+    Without noise every honest estimate finds the state, so the output is the true one whatever the coordinates of the
+    state and however many samples were used. With noise the estimates differ, but the output is still a free run.
+    """
+    data, model = known_data(ask), known_model(ask)
+    shape = (-1, 1) if np.ndim(ask.known("y")) == 2 else (-1,)  # type: ignore[arg-type]
+    name = "simulate_from_start(u, y)"
+    for noise in (0.0, TRIAL_NOISE):
+        u, y_true = _stretch(ask.rng, data, model)
+        y = y_true + noise * ask.rng.standard_normal(y_true.size)
+        value = ask.call("simulate_from_start", u.reshape(shape), y.reshape(shape))
+        if value is None:
+            raise NoAnswer(
+                "`simulate_from_start` returns nothing: end it with `return` and the simulated output.",
+                "nothing returned",
+            )
+        got = read_output(name, value)
+        if got.size == model.order:
+            raise NoAnswer(
+                "`simulate_from_start` returns the state; return the output simulated from it.",
+                "state instead of the output",
+            )
+        if got.size != u.size:
+            raise NoAnswer(
+                f"`{name}` should return one number for each of its {u.size} samples; it returned {got.size}."
+            )
+        verdict = _judge_start(got, u, y, y_true, model) if not noise else _judge_free_run(got, u, y, model)
+        if not verdict.passed:
+            return verdict
+    return Verdict(
+        True, "It starts where the measured output does, on stretches that you have not seen, and it is a simulation."
+    )
+
+
+def _stretch(rng: np.random.Generator, data: LabData, model: ArxModel) -> tuple[FloatArray, FloatArray]:
+    """An input, and what the model answers from a state far from rest; about as large as the record."""
+    size = float(np.ptp(data.u)) / 2
+    u = np.repeat(rng.uniform(-size, size, 4), TRIAL_SAMPLES // 4)
+    rest = simulate(model, u)
+    x0 = rng.choice([-1.0, 1.0]) * rng.uniform(0.5, 1.0, model.order)
+    free = free_response(model, u.size) @ x0
+    return u, rest + free * (float(np.ptp(data.y)) / 2 / max(abs(free[0]), 1e-3 * np.max(np.abs(free))))
+
+
+def _judge_start(got: FloatArray, u: FloatArray, y: FloatArray, y_true: FloatArray, model: ArxModel) -> Verdict:
+    rest = simulate(model, u)
+    slips = [
+        Slip(
+            "started from rest",
+            "It still starts from rest: estimate the state from `y`, and hand it to the simulation.",
+            lambda: rest,
+        ),
+        Slip(
+            "shifted instead of simulated",
+            "The output from rest was shifted up or down. The difference at the start fades; a shift stays.",
+            lambda: rest + y[0] - rest[0],
+        ),
+        Slip(
+            "one-step prediction",
+            "It predicts one step ahead from the measured outputs.",
+            lambda: predict_one_step(model, u, y),
+        ),
+        Slip(
+            "response from rest left out",
+            "That is the response to the initial state alone: add the response from rest.",
+            lambda: y_true - rest,
+        ),
+        Slip(
+            "response from rest not subtracted",
+            "The state was fitted to `y` itself. First subtract the response from rest; the state explains the rest.",
+            lambda: rest + _projection(model, y, y.size),
+        ),
+        Slip(
+            "response from rest not subtracted",
+            "The state was fitted to `y` itself. First subtract the response from rest; the state explains the rest.",
+            lambda: rest + _projection(model, y, min(50, y.size)),
+        ),
+    ]
+    otherwise = (
+        "It does not start where the measured output does. On data that the model itself made, without noise, it "
+        "should give the measured output back."
+    )
+    return judge(got, y_true, _near, "", otherwise, slips)
+
+
+def _near(a: FloatArray, b: FloatArray) -> bool:
+    """The tolerance leaves room for estimates from few samples, whose equations are badly conditioned."""
+    return a.shape == b.shape and bool(np.max(np.abs(a - b)) <= 1e-5 * np.max(np.abs(b)))
+
+
+def _judge_free_run(got: FloatArray, u: FloatArray, y: FloatArray, model: ArxModel) -> Verdict:
+    """With noise: whatever the state, the output minus the response from rest is a free response."""
+    rest = got - simulate(model, u)
+    columns = free_response(model, u.size)
+    left = rest - columns @ np.linalg.lstsq(columns, rest, rcond=None)[0]
+    if SAME(got - left, got):
+        return Verdict(True, "")
+    if SAME(got, y):
+        return Verdict(
+            False, "It hands the measured output back. Use `y` for the initial state only.", "measured output"
+        )
+    if np.allclose(got[2:], predict_one_step(model, u, y)[2:], rtol=0, atol=1e-6):
+        hint = "It predicts one step ahead from the measured outputs. Use `y` for the initial state only."
+        return Verdict(False, hint, "one-step prediction")
+    return Verdict(
+        False, "It is not a simulation from some initial state: the measured output must not enter after the start."
+    )
+
+
+def _projection(model: ArxModel, y: FloatArray, samples: int) -> FloatArray:
+    columns = free_response(model, y.size)
+    fitted: FloatArray = columns @ np.linalg.lstsq(columns[:samples], y[:samples], rcond=None)[0]
+    return fitted

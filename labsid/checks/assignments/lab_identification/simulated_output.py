@@ -1,0 +1,206 @@
+"""Judging a simulated output: a free run of the model, and what passes itself off as one."""
+
+from collections.abc import Iterator, Mapping, Sequence
+
+import numpy as np
+from numpy.typing import ArrayLike
+from scipy.signal import lfilter
+
+from labsid._arrays import FloatArray
+from labsid.checks.assignments.lab_identification.lab_data import LabData
+from labsid.checks.compare import as_vector, close, kind_of
+from labsid.checks.question import Ask
+from labsid.checks.values import Unreadable, Value
+from labsid.checks.verdict import NoAnswer, Slip, Verdict, judge
+from labsid.lab.arx import ArxModel
+from labsid.lab.simulation import estimate_initial_state, predict_one_step, simulate
+from labsid.lab.verification import mse
+
+SAME = close(1e-6, 1e-9)
+
+_RESPONSES = ("TimeResponseData", "TimeResponseList")
+
+
+def read_output(name: str, value: Value) -> FloatArray:
+    """A simulated output; what the simulating functions return besides it is named."""
+    if isinstance(value, Unreadable) and value.kind in _RESPONSES:
+        raise NoAnswer(
+            f"`{name}` is the whole answer of `forced_response`: take its `.outputs`.", "response instead of its output"
+        )
+    if isinstance(value, (tuple, Mapping)):
+        raise NoAnswer(
+            f"`{name}` holds several things: take the simulated output alone.", "response instead of its output"
+        )
+    if isinstance(value, np.ndarray) and value.ndim == 2 and 1 in value.shape:
+        value = value.reshape(-1)
+    if isinstance(value, np.ndarray) and value.ndim == 2 and value.shape[0] == 2:
+        raise NoAnswer(f"`{name}` holds time and output: take the output alone.", "response instead of its output")
+    if value is None:
+        raise NoAnswer(f"`{name}` is {kind_of(value)}.")
+    return as_vector(name, value)
+
+
+def judge_entire_run(ask: Ask, name: str, data: LabData, model: ArxModel) -> Verdict:
+    """Judge the free run over the entire input, from rest or from the first measured samples."""
+    got = read_output(name, ask.value(name))
+    right = simulate(model, data.u)
+    n = model.order
+    for other in (
+        _zero_at_first(model, data.u),
+        simulate(model, data.u, estimate_initial_state(model, data.u, data.y, n)),
+    ):
+        if got.size == right.size and SAME(got, other):
+            right = other
+    slips = [
+        Slip(
+            "wrong half", f"`{name}` covers the first half only; simulate the entire input.", lambda: right[: data.half]
+        ),
+        Slip(
+            "wrong half",
+            f"`{name}` covers the second half only; simulate the entire input.",
+            lambda: simulate(model, data.u[data.half :]),
+        ),
+        *_slips(name, data, model, 0),
+    ]
+    return judge(got, right, SAME, "A free run over the entire input.", _otherwise(name, got, right), slips)
+
+
+def judge_second_half(ask: Ask, name: str, data: LabData, model: ArxModel) -> Verdict:
+    """Judge the free run over the second half of the input, from rest. The half may be rounded either way."""
+    got = read_output(name, ask.value(name))
+    for half in range(data.half - 1, -(-data.y.size // 2) + 2):
+        for right in (simulate(model, data.u[half:]), _zero_at_first(model, data.u[half:])):
+            if SAME(got, right):
+                return Verdict(True, "A free run over the second half of the input, from rest.")
+    half = data.half if got.size != data.y.size - data.half - 1 else data.half + 1
+    u, y = data.u[half:], data.y[half:]
+    entire = simulate(model, data.u)
+    carried = (
+        "state carried over",
+        f"`{name}` is cut from the simulation of the entire input, so it goes on from the state that the first half "
+        "left. Simulate with `u[half:]` alone. (You will want this one in 3b.)",
+    )
+    measured = (
+        "started from measured samples",
+        f"`{name}` starts from measured samples. Start from rest, as `lsim` and `filter` do; 3b asks for the other.",
+    )
+    slips = [
+        Slip("wrong half", f"`{name}` is the simulation of the first half.", lambda: simulate(model, data.u[:half])),
+        Slip(
+            "wrong half",
+            f"`{name}` is the simulation of the first half.",
+            lambda: simulate(model, data.u[: data.u.size - half]),
+        ),
+        Slip("entire input", f"`{name}` covers the entire input; simulate with `u[half:]`.", lambda: entire),
+        Slip(*carried, lambda: entire[half:]),
+        Slip(*measured, lambda: simulate(model, u, estimate_initial_state(model, u, y, model.order))),
+        Slip(*measured, lambda: simulate(model, u, estimate_initial_state(model, u, y))),
+        *_slips(name, data, model, half),
+    ]
+    right = simulate(model, u)
+    return judge(got, right, SAME, "", _otherwise(name, got, right), slips)
+
+
+def judge_mse(name: str, got: float, y: FloatArray, y_sim: FloatArray, more: Sequence[Slip[float]] = ()) -> Verdict:
+    """Judge the mean squared error of `y_sim`; `more` are the slips that only the caller can tell."""
+    e = y - y_sim
+    squared = e**2
+
+    def slip(short: str, hint: str, wrong: ArrayLike) -> Slip[float]:
+        return Slip(short, f"`{name}` {hint}", lambda: float(np.asarray(wrong)))
+
+    slips = [
+        slip(
+            "root of the mean squared error",
+            "is the root of the mean squared error: leave the root out.",
+            np.sqrt(np.mean(squared)),
+        ),
+        slip("sum in place of the mean", "is the sum of the squared errors: divide by their number.", np.sum(squared)),
+        slip(
+            "loss V in place of the mean",
+            "is the loss V of the appendix, half the sum: take the mean.",
+            np.sum(squared) / 2,
+        ),
+        slip("half the mean", "is half of the mean squared error.", np.mean(squared) / 2),
+        slip("mean of the errors", "is the mean of the errors: square them first, or they cancel.", np.mean(e)),
+        slip("mean of the errors", "is the mean of the errors: square them first, or they cancel.", -np.mean(e)),
+        slip(
+            "square of the mean error", "is the square of the mean error: square first, then average.", np.mean(e) ** 2
+        ),
+        slip(
+            "second half only",
+            "is averaged over the second half only; the entire record counts.",
+            np.mean(squared[e.size // 2 :]),
+        ),
+        slip("mean absolute error", "is the mean of the absolute errors: square them.", np.mean(np.abs(e))),
+        slip(
+            "variance of the error",
+            "is the variance of the error, which leaves out its mean. Use the mean of its squares.",
+            np.var(e),
+        ),
+        slip("norm of the error", "is the norm of the error: take the mean of the squares.", np.sqrt(np.sum(squared))),
+        slip(
+            "column minus flat",
+            "is averaged over an N-by-N matrix: that is what a column (N, 1) minus a flat (N,) makes. Flatten one.",
+            np.mean(y**2) - 2 * np.mean(y) * np.mean(y_sim) + np.mean(y_sim**2),
+        ),
+    ]
+    otherwise = f"`{name}` is not the mean of the squared differences of measured and simulated output."
+    return judge(got, mse(y, y_sim), close(1e-6), "Both mean squared errors are right.", otherwise, [*slips, *more])
+
+
+def _zero_at_first(model: ArxModel, u: FloatArray) -> FloatArray:
+    """The run of a loop that begins at k = n and leaves the samples before at zero."""
+    n = model.order
+    return simulate(model, u, estimate_initial_state(model, u[:n], np.zeros(n)))
+
+
+def _slips(name: str, data: LabData, model: ArxModel, first: int) -> Iterator[Slip[FloatArray]]:
+    u, y = data.u[first:], data.y[first:]
+    n = model.order
+
+    def slip(short: str, hint: str, wrong: FloatArray) -> Slip[FloatArray]:
+        return Slip(short, f"`{name}` {hint}", lambda: wrong)
+
+    prediction = (
+        "one-step prediction",
+        "predicts one step ahead from the *measured* outputs. A simulation works on with its own: only `u` goes in.",
+    )
+    numerator = np.concatenate([[0.0], model.b])
+    whole = predict_one_step(model, data.u, data.y)
+    own = predict_one_step(model, u, y)
+    yield slip(*prediction, whole[first:])
+    yield slip(*prediction, own)
+    yield slip(*prediction, np.concatenate([np.zeros(n), own[n:]]))
+    yield slip(*prediction, np.concatenate([y[:n], own[n:]]))
+    yield slip(*prediction, own[n:])
+    yield slip("measured output", "is the measured output itself.", y)
+    # not `simulate`, which refuses what leaves the range of numbers, as the first of these does on a long record
+    denominator = np.concatenate([[1.0], -model.a[1:]])
+    turned = "comes from a model with the sign of a turned round: the denominator is 1, a1, a2."
+    yield slip("sign of a", turned, lfilter(numerator, denominator, u))
+    yield slip("sign of b", "is upside down: the sign of b.", lfilter(-numerator, model.a, u))
+    early = "comes one sample too early: the numerator in powers of z^-1 begins with a zero, `[0, b1, b2]`."
+    yield slip("numerator one step early", early, lfilter(model.b, model.a, u))
+    late = "comes one sample too late: y(k) depends on u(k-1)."
+    yield slip("numerator one step late", late, lfilter(np.concatenate([[0.0], numerator]), model.a, u))
+    right = simulate(model, u)
+    yield slip(
+        "offset added back", "has the output offset added; compare offset-free signals here.", right + data.y_offset
+    )
+    yield Slip(
+        "input offset left in",
+        f"`{name}` was simulated with `u_act`. The model takes the offset-free `u`.",
+        lambda: simulate(model, data.u_act[first:]),
+    )
+    yield Slip(
+        "output used as input",
+        f"`{name}` was simulated with `y` as the input; the input is `u`.",
+        lambda: simulate(model, y),
+    )
+
+
+def _otherwise(name: str, got: FloatArray, right: FloatArray) -> str:
+    if got.size != right.size:
+        return f"`{name}` has {got.size} samples; {right.size} go with that part of the input."
+    return f"`{name}` is not the free run of your model from rest. Does it use your a1, a2, b1, b2, and `u` alone?"

@@ -1,0 +1,225 @@
+"""Checks of the lecture's end: known parameters, weights, constraints, confidence, and Cayley-Hamilton."""
+
+from functools import partial
+from itertools import product
+
+import numpy as np
+
+from labsid._arrays import FloatArray
+from labsid.checks.compare import SAME, as_theta
+from labsid.checks.question import Ask, returned
+from labsid.checks.trials import trial_equations
+from labsid.checks.verdict import Slip, Verdict, judge
+from labsid.least_squares.constrained import fit_with_known, least_squares_with_equations
+from labsid.least_squares.linear_algebra import pseudo_inverse
+from labsid.least_squares.solve import least_squares
+from labsid.least_squares.weighted import weighted_least_squares
+from labsid.model_structures.prediction import free_run
+from labsid.model_structures.structures import PolynomialModel
+
+_WRONG_LAGS = ((2, 1, 2), (1, 1, 3), (2, 0, 2), (2, 2, 3), (2, 0, 3), (1, 0, 2), (3, 1, 3), (2, 3, 3))
+"""Of y, of the known u and of the other u in example 1, which are 2, 1 and 3."""
+
+
+def known_parameter(ask: Ask) -> Verdict:
+    """`example_1(u, y)`: SUSTech's example 1, with the known coefficient on the left side."""
+    verdict = Verdict(False, "")
+    for samples in (20, 35):
+        a, b = ask.rng.uniform(-0.8, 0.8), ask.rng.uniform(0.5, 2)
+        u = ask.rng.uniform(-2, 2, samples)
+        model = PolynomialModel(np.array([1, 0, a]), np.array([1, 0, b]), np.array([1.0]), 1, 1.0)
+        y = free_run(model, u) + 0.3 * ask.rng.standard_normal(samples)
+        y[:3] += ask.rng.uniform(1, 2, 3)  # not at rest before the record: rows before k0 are wrong here
+        verdict = _judge_known(ask, u, y)
+        if not verdict.passed:
+            break
+    return verdict
+
+
+def _judge_known(ask: Ask, u: FloatArray, y: FloatArray) -> Verdict:
+    value = returned(ask, "example_1", u, y)
+    if isinstance(value, np.ndarray) and value.size == 3:
+        return Verdict(
+            False,
+            "`example_1` estimates three parameters. The coefficient 1 of u(k-1) is known: take it to the left side "
+            "and its column out of Phi.",
+            "known parameter estimated",
+        )
+    k = np.arange(3, u.size)
+    Phi, Y = np.column_stack([-y[k - 2], u[k - 1], u[k - 3]]), y[k]
+
+    def fit(columns: FloatArray, target: FloatArray) -> FloatArray:
+        return least_squares(columns, target).theta
+
+    two = Phi[:, [0, 2]]
+    right = fit_with_known(Phi, Y, {1: 1.0}).fit.theta
+    rest = np.concatenate([np.zeros(3), u]), np.concatenate([np.zeros(3), y])
+    rows = "`example_1` uses rows before k0 = 4, with zeros for what nobody recorded: begin where all lags exist."
+    lag = "`example_1` has a lag wrong: hold your row for k = 4 against y(4) + a y(2) = u(3) + b u(1)."
+    early = [
+        fit(
+            np.column_stack([-rest[1][first + 1 : -2], rest[0][first : u.size]]),
+            rest[1][first + 3 :] - rest[0][first + 2 : -1],
+        )
+        for first in (0, 1, 2)
+    ]
+    return judge(
+        as_theta("example_1(u, y)", value, 2),
+        right,
+        SAME,
+        "the known coefficient stays known.",
+        "`example_1` does not return the least-squares [a, b]: write the equation for k = 4 down by hand.",
+        [
+            Slip(
+                "sign of a",
+                "`example_1` has the other sign of a: G(z) has +a in its denominator, so the regressor holds -y(k-2).",
+                lambda: right * [-1, 1],
+            ),
+            Slip("a and b swapped", "`example_1` returns b before a.", lambda: right[::-1]),
+            Slip(
+                "known term left out",
+                "`example_1` forgets u(k-1): its coefficient is known to be 1, not 0. Take it off y(k).",
+                lambda: fit(two, Y),
+            ),
+            Slip(
+                "known term left out",
+                "`example_1` forgets u(k-1), and has the other sign of a.",
+                lambda: fit(two, Y) * [-1, 1],
+            ),
+            Slip(
+                "known term with the wrong sign",
+                "`example_1` adds u(k-1) on the left side: it goes there with a minus.",
+                lambda: fit(two, Y + Phi[:, 1]),
+            ),
+            Slip(
+                "known parameter estimated",
+                "`example_1` estimates the coefficient of u(k-1) along with the others: it is known to be 1.",
+                lambda: fit(Phi, Y)[[0, 2]],
+            ),
+            *(
+                Slip("lag off by one", lag, partial(_lagged_fit, u, y, lags, first))
+                for first, lags in product((0, 3), _WRONG_LAGS)
+            ),
+            *(Slip("rows before k0", rows, partial(np.copy, wrong)) for wrong in early),
+        ],
+    )
+
+
+def _lagged_fit(u: FloatArray, y: FloatArray, lags: tuple[int, int, int], first: int) -> FloatArray:
+    """[a, b] with these lags of y, of the known u and of the other u; rows from `first`, or from where all exist."""
+    of_y, of_known, of_u = lags
+    k = np.arange(max(first, *lags), u.size)
+    return least_squares(np.column_stack([-y[k - of_y], u[k - of_u]]), y[k] - u[k - of_known]).theta
+
+
+def weighted(ask: Ask) -> Verdict:
+    """`weighted_fit(Phi, Y, sigma)`."""
+    verdict = Verdict(False, "")
+    for n, p in ((9, 2), (12, 3)):
+        Phi, Y = trial_equations(ask.rng, n, p)
+        sigma = ask.rng.uniform(0.2, 3, n)
+        verdict = _judge_weighted(ask, Phi, Y, sigma)
+        if not verdict.passed:
+            break
+    return verdict
+
+
+def _judge_weighted(ask: Ask, Phi: FloatArray, Y: FloatArray, sigma: FloatArray) -> Verdict:
+    def fit(weights: FloatArray) -> FloatArray:
+        return weighted_least_squares(Phi, Y, weights).theta
+
+    upside = "`weighted_fit` gives the worst measurements the largest weights: a large sigma must count little."
+    return judge(
+        as_theta("weighted_fit(Phi, Y, sigma)", returned(ask, "weighted_fit", Phi, Y, sigma), Phi.shape[1]),
+        fit(1 / sigma**2),
+        SAME,
+        "a measurement counts by one over its variance.",
+        "`weighted_fit` does not minimise the sum of (Y - Phi theta)^2 / sigma^2.",
+        [
+            Slip("weights not used", "`weighted_fit` does not use sigma.", lambda: least_squares(Phi, Y).theta),
+            Slip(
+                "standard deviation for variance",
+                "`weighted_fit` weighs the squared errors by 1/sigma; it takes 1/sigma^2. (Rows are divided by sigma, "
+                "their squares by sigma^2.)",
+                lambda: fit(1 / sigma),
+            ),
+            Slip(
+                "weights squared",
+                "`weighted_fit` applies the weights twice: divide each row by sigma, not by sigma^2.",
+                lambda: fit(1 / sigma**4),
+            ),
+            Slip("weights upside down", upside, lambda: fit(sigma**2)),
+            Slip("weights upside down", upside, lambda: fit(sigma)),
+            Slip(
+                "only one side weighted",
+                "`weighted_fit` divides Phi by sigma but not Y: the equation changes unless both sides are.",
+                lambda: least_squares(Phi / sigma[:, np.newaxis], Y).theta,
+            ),
+            Slip(
+                "only one side weighted",
+                "`weighted_fit` divides Y by sigma but not Phi: the equation changes unless both sides are.",
+                lambda: least_squares(Phi, Y / sigma).theta,
+            ),
+            Slip(
+                "only one side weighted",
+                "`weighted_fit` has W on one side only: (Phi'W Phi)^-1 Phi'W Y has it twice.",
+                lambda: pseudo_inverse(Phi.T @ Phi) @ Phi.T @ (Y / sigma**2),
+            ),
+            Slip(
+                "only one side weighted",
+                "`weighted_fit` has W on one side only: (Phi'W Phi)^-1 Phi'W Y has it twice.",
+                lambda: np.asarray(np.linalg.solve(Phi.T @ (Phi / sigma[:, np.newaxis] ** 2), Phi.T @ Y), float),
+            ),
+        ],
+    )
+
+
+def constrained(ask: Ask) -> Verdict:
+    """`constrained_fit(Phi, Y, A, b)`."""
+    verdict = Verdict(False, "")
+    for n, p, r in ((8, 3, 1), (9, 4, 2), (6, 2, 1)):
+        Phi, Y = trial_equations(ask.rng, n, p)
+        A, b = ask.rng.uniform(0.5, 2, (r, p)) + np.eye(r, p), ask.rng.uniform(2, 4, r)
+        verdict = _judge_constrained(ask, Phi, Y, A, b)
+        if not verdict.passed:
+            break
+    return verdict
+
+
+def _judge_constrained(ask: Ask, Phi: FloatArray, Y: FloatArray, A: FloatArray, b: FloatArray) -> Verdict:
+    p, r = Phi.shape[1], b.size
+    value = returned(ask, "constrained_fit", Phi, Y, A, b)
+    if isinstance(value, np.ndarray) and value.size == p + r and r > 0:
+        return Verdict(
+            False,
+            "`constrained_fit` hands the multipliers back together with theta: return the first p entries only.",
+            "multipliers returned too",
+        )
+    free = least_squares(Phi, Y).theta
+    return judge(
+        as_theta("constrained_fit(Phi, Y, A, b)", value, p),
+        least_squares_with_equations(Phi, Y, A, b).theta,
+        SAME,
+        "the best theta of those that satisfy A theta = b.",
+        "`constrained_fit` does not return the best theta with A theta = b. Does yours satisfy the constraint?",
+        [
+            Slip("constraint not used", "`constrained_fit` leaves the constraint out.", lambda: free),
+            Slip(
+                "constraint as more data",
+                "`constrained_fit` adds the constraint as further rows, which are then met as well as the others. "
+                "It must be met exactly.",
+                lambda: least_squares(np.vstack([Phi, A]), np.concatenate([Y, b])).theta,
+            ),
+            Slip(
+                "free solution moved onto the set",
+                "`constrained_fit` takes the free solution and moves it straight onto the set. This is nearest to the "
+                "free theta, but it does not have the smallest error: Phi'Phi decides which way to move.",
+                lambda: free + pseudo_inverse(A) @ (b - A @ free),
+            ),
+            Slip(
+                "data not used",
+                "`constrained_fit` satisfies the constraint and leaves the data out.",
+                lambda: pseudo_inverse(A) @ b,
+            ),
+        ],
+    )

@@ -1,0 +1,297 @@
+"""Checks of the lecture's first half: definiteness, the rows of Example 2-3, derivatives with respect to a vector."""
+
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from labsid._arrays import FloatArray
+from labsid.checks.compare import as_array, as_matrix, as_vector, close, kind_of
+from labsid.checks.question import Ask, returned
+from labsid.checks.verdict import NoAnswer, Slip, Verdict, judge
+from labsid.least_squares.gradients import gradient_quadratic, jacobian_cubic
+from labsid.least_squares.quadratic_form import definiteness
+from labsid.model_structures.structures import Structure, build_equations
+
+_EXACT = close(1e-9)
+KINDS = ("positive definite", "positive semidefinite", "negative definite", "negative semidefinite", "indefinite")
+
+
+def kind(ask: Ask) -> Verdict:
+    """`kind(M)`, on matrices of every kind, symmetric and not."""
+    trials = trial_forms(ask.rng)
+    answers, truth = [_kind(ask, M) for M, _ in trials], [kind for _, kind in trials]
+    if answers == truth:
+        return Verdict(True, "it tells bowl, trough, hill and saddle apart, for symmetric matrices and others.")
+    for slip, hint, rule in _WRONG_RULES:
+        if answers == [rule(M) for M, _ in trials]:
+            return Verdict(False, f"`kind` {hint}", slip)
+    wrong = [i for i, (answer, right) in enumerate(zip(answers, truth, strict=True)) if answer != right]
+    if all("semi" in truth[i] for i in wrong):
+        return Verdict(
+            False,
+            "`kind` misses a semidefinite matrix: through rounding, an eigenvalue that is zero comes out as about "
+            "1e-16, of either sign. Compare with a small tolerance, not with 0.",
+            "zero compared exactly",
+        )
+    M = trials[wrong[0]][0]
+    is_symmetric = "a symmetric" if np.array_equal(M, M.T) else "an unsymmetric"
+    return Verdict(False, f"`kind` is wrong for {is_symmetric} {len(M)} by {len(M)} matrix: look at the signs of x'Mx.")
+
+
+def trial_forms(rng: np.random.Generator) -> list[tuple[FloatArray, str]]:
+    """Matrices with the kind of their form, known from how they are made."""
+
+    def turned(*eigenvalues: float) -> FloatArray:
+        n = len(eigenvalues)
+        Q = np.linalg.qr(rng.standard_normal((n, n)))[0]
+        M = Q @ np.diag(eigenvalues) @ Q.T
+        return (M + M.T) / 2
+
+    def skew(n: int) -> FloatArray:
+        K = rng.uniform(1, 3, (n, n))
+        return K - K.T
+
+    a, b, c = rng.uniform(0.5, 3, 3)
+    far = rng.uniform(3, 6)
+    return [
+        (turned(a, b), "positive definite"),
+        (turned(a, b, c), "positive definite"),
+        (turned(-a, -b), "negative definite"),
+        (turned(a, -b), "indefinite"),
+        (turned(a, -b, -c), "indefinite"),
+        (np.array([[a, far], [far, a / 2]]), "indefinite"),
+        (np.array([[1.0, far], [0.0, 1.0]]), "indefinite"),
+        (turned(a, b, c) + skew(3), "positive definite"),
+        (turned(-a, -b) + skew(2), "negative definite"),
+        (np.diag([a, 0.0]), "positive semidefinite"),
+        (np.diag([0.0, -a, -b]), "negative semidefinite"),
+        *((turned(a + i, b + i, 0.0), "positive semidefinite") for i in range(4)),
+        (turned(-a, 0.0, -c) + skew(3), "negative semidefinite"),
+    ]
+
+
+def _forgetful(M: FloatArray) -> str:
+    return _tolerant(M).replace("semi", "")
+
+
+def _tolerant(M: FloatArray) -> str:
+    eigenvalues = definiteness(M).eigenvalues
+    return definiteness(np.diag(np.where(np.abs(eigenvalues) < 1e-9, 0, eigenvalues))).kind
+
+
+def _of_determinant(M: FloatArray) -> str:
+    determinant = np.linalg.det(M + M.T)
+    if abs(determinant) < 1e-6:
+        return "positive semidefinite"
+    return "positive definite" if determinant > 0 else "negative definite"
+
+
+_OPPOSITE = {"positive": "negative", "negative": "positive"}
+
+
+def _opposite(M: FloatArray) -> str:
+    first, *rest = _tolerant(M).split()
+    return " ".join([_OPPOSITE.get(first, first), *rest])
+
+
+def _rounded(rule: Callable[[FloatArray], ArrayLike]) -> Callable[[FloatArray], str]:
+    def answer(M: FloatArray) -> str:
+        numbers = np.atleast_1d(np.asarray(rule(M), float))
+        return definiteness(np.diag(np.where(np.abs(numbers) < 1e-6, 0, numbers))).kind
+
+    return answer
+
+
+_WRONG_RULES: tuple[tuple[str, str, Callable[[FloatArray], str]], ...] = (
+    (
+        "eigenvalues of M itself",
+        "goes by the eigenvalues of M. For an unsymmetric M they say nothing about x'Mx: take those of its symmetric "
+        "part, (M + M')/2.",
+        _rounded(lambda M: np.linalg.eigvals(M).real),
+    ),
+    (
+        "eigenvalues of M itself",
+        "looks at one triangle of M only (`eigvalsh` does, without a word): form (M + M')/2 first.",
+        _rounded(lambda M: np.linalg.eigvalsh(M)),
+    ),
+    (
+        "semidefinite forgotten",
+        "calls a trough definite: where x'Mx is zero along some x, the matrix is only semidefinite.",
+        _forgetful,
+    ),
+    ("positive and negative swapped", "has positive and negative swapped: a bowl is positive definite.", _opposite),
+    (
+        "diagonal entries only",
+        "goes by the diagonal of M. The other entries count too: see the saddle with positive diagonal.",
+        _rounded(np.diag),
+    ),
+    (
+        "determinant only",
+        "goes by the determinant, which is the product of all eigenvalues: two negative ones make it positive.",
+        _of_determinant,
+    ),
+)
+
+
+def _kind(ask: Ask, M: FloatArray) -> str:
+    value = returned(ask, "kind", M)
+    if not isinstance(value, str):
+        raise NoAnswer(f"`kind` should return one of the five texts; it returns {kind_of(value)}.")
+    text = " ".join(value.lower().replace("-", " ").split()).replace("semi definite", "semidefinite")
+    if text not in KINDS:
+        raise NoAnswer(f"`kind` returns {value[:40]!r}; it should return one of: {', '.join(KINDS)}.")
+    return text
+
+
+def delays(ask: Ask) -> Verdict:
+    """`delayed_inputs(u, n)`, Example 2-3."""
+    verdict = Verdict(False, "")
+    for n, samples in ((3, 9), (2, 6), (5, 11)):
+        verdict = _judge_delays(ask, ask.rng.uniform(1, 4, samples), n)
+        if not verdict.passed:
+            break
+    return verdict
+
+
+def _judge_delays(ask: Ask, u: FloatArray, n: int) -> Verdict:
+    samples = u.size
+    call = f"delayed_inputs(u, {n})"
+    value = returned(ask, "delayed_inputs", u, n)
+    shape = as_array(call, value).shape
+    if n != 3 and shape == (samples, 3):
+        return Verdict(False, f"`{call}` has three columns: let it use n.", "n not used")
+    if shape == (samples - n + 1, n):
+        return Verdict(
+            False,
+            "`delayed_inputs` leaves out the first rows. Example 2-3 keeps them, with zero for the samples before "
+            "the first: there is a row for every y(t).",
+            "first rows left out",
+        )
+    right = _rows(u, n)
+    return judge(
+        as_matrix(call, value, (samples, n)),
+        right,
+        _EXACT,
+        "one row a sample, one column a lag.",
+        "`delayed_inputs` does not give the matrix of Example 2-3: write its first three rows down by hand.",
+        [
+            Slip(
+                "index goes round to the end",
+                "`delayed_inputs` takes the last samples for those before the first: `np.roll` and negative "
+                "indices go round. Before the first sample the input is zero.",
+                lambda: np.column_stack([np.roll(u, i) for i in range(n)]),
+            ),
+            Slip(
+                "lag off by one",
+                "`delayed_inputs` begins with u(t-1). In Example 2-3 the first column is u(t) itself.",
+                lambda: _rows(u, n + 1)[:, 1:],
+            ),
+            Slip(
+                "columns in reverse order",
+                "`delayed_inputs` has the oldest input first; the columns are u(t), u(t-1), u(t-2), ...",
+                lambda: right[:, ::-1],
+            ),
+            Slip(
+                "first sample repeated",
+                "`delayed_inputs` repeats the first sample to the left; Example 2-3 has zeros there.",
+                lambda: _rows(u - u[0], n) + u[0],
+            ),
+            Slip(
+                "shifted the wrong way",
+                "`delayed_inputs` holds u(t+1), u(t+2): the past must come down, not the future up.",
+                lambda: _rows(u[::-1].copy(), n)[::-1],
+            ),
+        ],
+    )
+
+
+def _rows(u: FloatArray, n: int) -> FloatArray:
+    return build_equations(Structure(0, n, delay=0), u, np.zeros(u.size), start=0).Phi
+
+
+def derivatives(ask: Ask) -> Verdict:
+    """`gradient_form(A, x)` and `jacobian_cubic(x)`."""
+    for n in (3, 2, 4):
+        A, x = ask.rng.uniform(-2, 2, (n, n)), ask.rng.uniform(0.5, 2, n)
+        for verdict in (_gradient(ask, A, x), _jacobian(ask, x)):
+            if not verdict.passed:
+                return verdict
+    return Verdict(True, "both derivatives are right, for vectors of any length.")
+
+
+def _gradient(ask: Ask, A: FloatArray, x: FloatArray) -> Verdict:
+    return judge(
+        as_vector("gradient_form(A, x)", returned(ask, "gradient_form", A, x), x.size),
+        gradient_quadratic(A, x),
+        _EXACT,
+        "",
+        "`gradient_form` is not the derivative of x'Ax: hold it against differences, as the hint says.",
+        [
+            Slip(
+                "A taken for symmetric",
+                "`gradient_form` returns 2Ax, which holds for symmetric A only. Each x_k stands in row k *and* in "
+                "column k of the double sum.",
+                lambda: 2 * A @ x,
+            ),
+            Slip("A taken for symmetric", "`gradient_form` returns 2A'x; Ax is missing.", lambda: 2 * A.T @ x),
+            Slip(
+                "one of the two terms",
+                "`gradient_form` has one of the two terms only: each x_k stands in row k *and* in column k.",
+                lambda: A @ x,
+            ),
+            Slip(
+                "one of the two terms",
+                "`gradient_form` has one of the two terms only: each x_k stands in row k *and* in column k.",
+                lambda: A.T @ x,
+            ),
+            Slip(
+                "half the gradient",
+                "`gradient_form` is half as large as the gradient: nothing divides by two here.",
+                lambda: gradient_quadratic(A, x) / 2,
+            ),
+        ],
+    )
+
+
+def _jacobian(ask: Ask, x: FloatArray) -> Verdict:
+    n, square, outer = x.size, (x @ x) * np.eye(x.size), np.outer(x, x)
+    value = returned(ask, "jacobian_cubic", x)
+    if as_array("jacobian_cubic(x)", value).shape in ((n,), ()):
+        return Verdict(
+            False,
+            "`jacobian_cubic` should return a matrix: f has n entries, and each has n partial derivatives.",
+            "a vector for a Jacobian",
+        )
+    product = "`jacobian_cubic` lacks a term: by the product rule, x'x changes with x, and so does the x behind it."
+    return judge(
+        as_matrix("jacobian_cubic(x)", value, (n, n)),
+        jacobian_cubic(x),
+        _EXACT,
+        "",
+        "`jacobian_cubic` is not the derivative of (x'x) x: hold it against differences, as the hint says.",
+        [
+            Slip("product rule", product, lambda: square),
+            Slip("product rule", product, lambda: 2 * outer),
+            Slip(
+                "the 2 forgotten",
+                "`jacobian_cubic` has x x' once; the derivative of x'x is 2x'.",
+                lambda: square + outer,
+            ),
+            Slip(
+                "3 x'x as for a number",
+                "`jacobian_cubic` differentiates as if x were a number, 3x^2. For a vector, x'x I and x x' differ.",
+                lambda: 3 * square,
+            ),
+            Slip(
+                "3 x'x as for a number",
+                "`jacobian_cubic` differentiates as if x were a number, 3x^2. For a vector, x'x I and x x' differ.",
+                lambda: 3 * outer,
+            ),
+            Slip(
+                "number added to every entry",
+                "`jacobian_cubic` adds x'x to every entry: it stands on the diagonal only, as `np.eye(n)`.",
+                lambda: x @ x + 2 * outer,
+            ),
+        ],
+    )

@@ -1,0 +1,147 @@
+"""Checks of the geometry: the projection onto the columns of Phi, and all solutions where Phi lacks rank."""
+
+import numpy as np
+
+from labsid._arrays import FloatArray
+from labsid.checks.compare import SAME, as_array, as_matrix, as_theta
+from labsid.checks.question import Ask, returned, returned_parts
+from labsid.checks.trials import trial_equations
+from labsid.checks.verdict import Slip, Verdict, judge
+from labsid.least_squares.linear_algebra import singular_values
+from labsid.least_squares.projection import projection_matrix, solution_set
+
+
+def projector(ask: Ask) -> Verdict:
+    """`projector(Phi)`."""
+    verdict = Verdict(False, "")
+    for n, p in ((5, 2), (6, 3), (4, 1)):
+        verdict = _judge_projector(ask, trial_equations(ask.rng, n, p)[0])
+        if not verdict.passed:
+            break
+    return verdict
+
+
+def _judge_projector(ask: Ask, Phi: FloatArray) -> Verdict:
+    n, p = Phi.shape
+    P = projection_matrix(Phi)
+    value = returned(ask, "projector", Phi)
+    shape = as_array("projector(Phi)", value).shape
+    if shape in ((p, n), (p, p)):
+        what = "pseudo-inverse" if shape == (p, n) else "small matrix Phi'Phi or its inverse"
+        return Verdict(
+            False,
+            f"`projector` returns a {shape[0]} by {shape[1]} matrix: that looks like the {what}. P takes Y to "
+            f"Y_hat = Phi theta, both with {n} entries: multiply by Phi from the left.",
+            "pseudo-inverse for the projector" if shape == (p, n) else "small matrix for the projector",
+        )
+    return judge(
+        as_matrix("projector(Phi)", value, (n, n)),
+        P,
+        SAME,
+        "it projects onto the columns of any Phi, and P P = P.",
+        "`projector` does not return the P with Y_hat = P Y. Is your P P equal to P, and P Phi to Phi?",
+        [
+            Slip(
+                "inverse left out",
+                "`projector` returns Phi Phi': (Phi'Phi)^-1 in the middle is missing, so P P is not P.",
+                lambda: Phi @ Phi.T,
+            ),
+            Slip(
+                "projects onto the residual",
+                "`projector` returns I - P, which takes Y to the residual.",
+                lambda: np.eye(n) - P,
+            ),
+            Slip(
+                "inverse forgotten",
+                "`projector` has Phi'Phi in the middle and not its inverse.",
+                lambda: Phi @ Phi.T @ Phi @ Phi.T,
+            ),
+            Slip(
+                "identity",
+                "`projector` returns the identity: a projection onto fewer columns than rows loses something.",
+                lambda: np.eye(n),
+            ),
+        ],
+    )
+
+
+def all_solutions(ask: Ask) -> Verdict:
+    """`all_solutions(Phi, Y)`: the shortest theta and the directions that cost nothing."""
+    for n, p, rank in ((6, 3, 2), (8, 4, 2), (7, 4, 3)):
+        Phi = np.zeros((n, p))
+        while singular_values(Phi).rank < rank:
+            # small integers: dependent columns without rounding
+            Phi = ask.rng.integers(-3, 4, (n, rank)) @ ask.rng.integers(-2, 3, (rank, p)).astype(float)
+        verdict = _solutions(ask, Phi, ask.rng.uniform(-5, 5, n))
+        if not verdict.passed:
+            return verdict
+    return Verdict(True, "the shortest theta, and every direction in which it may move.")
+
+
+def _solutions(ask: Ask, Phi: FloatArray, Y: FloatArray) -> Verdict:
+    p = Phi.shape[1]
+    right = solution_set(Phi, Y)
+    free = p - right.rank
+    parts = returned_parts(ask, "all_solutions", "theta and the matrix N", 2, Phi, Y)
+    theta = as_theta("theta of all_solutions(Phi, Y)", parts[0], p)
+    scale = 1e-6 * float(np.max(np.abs(Phi.T @ Y)))
+    if np.max(np.abs(Phi.T @ (Y - Phi @ theta))) > scale:
+        return judge(
+            theta,
+            right.theta,
+            SAME,
+            "",
+            "theta of `all_solutions` does not solve the normal equations. (`inv` of a singular Phi'Phi gives an error "
+            "or, through rounding, nonsense.)",
+            [
+                Slip("inverse left out", "theta of `all_solutions` is Phi'Y.", lambda: Phi.T @ Y),
+            ],
+        )
+    if not SAME(theta, right.theta):
+        return Verdict(
+            False,
+            "theta of `all_solutions` solves the normal equations, but it is not the shortest: it has a part along "
+            "the directions that cost nothing. (MATLAB's backslash does this too.)",
+            "not the shortest",
+        )
+    N = as_array("N of all_solutions(Phi, Y)", parts[1])
+    N = N.reshape(-1, 1) if N.ndim == 1 else N
+    if N.shape == (p, right.rank) and free != right.rank:
+        return Verdict(
+            False,
+            f"N of `all_solutions` has as many columns as Phi has rank. There are p - rank = {free} directions that "
+            "cost nothing: the other columns of V.",
+            "directions that matter",
+        )
+    return _directions(as_matrix("N of all_solutions(Phi, Y)", N, (p, None)), Phi, free)
+
+
+def _directions(N: FloatArray, Phi: FloatArray, free: int) -> Verdict:
+    parts = singular_values(Phi)
+    if np.max(np.abs(Phi @ N), initial=0) > 1e-8 * parts.s[0] * max(np.max(np.abs(N), initial=0), 1e-300):
+        Vt = np.linalg.svd(Phi)[2]
+        if SAME(N, Vt[:, Vt.shape[0] - free :]):
+            return Verdict(
+                False,
+                "N of `all_solutions` has columns of V'. numpy's `svd` returns V transposed: the directions are its "
+                "last *rows*.",
+                "V for V transposed",
+            )
+        if N.shape[1] == free and np.linalg.matrix_rank(np.hstack([N, parts.V[:, :free]]), tol=1e-6) == free:
+            return Verdict(
+                False,
+                "N of `all_solutions` holds directions that belong to the largest singular values; those that cost "
+                "nothing belong to the zero ones, the last.",
+                "directions that matter",
+            )
+        return Verdict(
+            False, "N of `all_solutions` changes Phi theta: Phi N should be zero. Which columns of V does it need?"
+        )
+    found = int(np.linalg.matrix_rank(N)) if N.size else 0
+    if found < free:
+        return Verdict(
+            False,
+            f"N of `all_solutions` has {found} independent columns that cost nothing; this Phi has {free}, p - rank.",
+            "directions missing",
+        )
+    return Verdict(True, "")

@@ -1,0 +1,175 @@
+"""Checks of the lecture's last two steps: confidence intervals, and the theorem of Cayley and Hamilton."""
+
+import numpy as np
+from scipy.special import ndtri, stdtrit
+
+from labsid._arrays import FloatArray
+from labsid.checks.compare import SAME, as_array, as_theta, as_vector
+from labsid.checks.question import Ask, returned, returned_parts
+from labsid.checks.trials import trial_equations
+from labsid.checks.verdict import Slip, Verdict, judge
+from labsid.least_squares.intervals import confidence_intervals
+from labsid.least_squares.matrix_inverse import characteristic_polynomial
+from labsid.least_squares.solve import LeastSquares, least_squares
+
+
+def confidence(ask: Ask) -> Verdict:
+    """`confidence(Phi, Y, level)`."""
+    verdict = Verdict(False, "")
+    for n, p, level in ((8, 3, 0.9), (11, 2, 0.99)):
+        Phi, Y = trial_equations(ask.rng, n, p)
+        verdict = _judge_confidence(ask, Phi, Y, level)
+        if not verdict.passed:
+            break
+    return verdict
+
+
+def _judge_confidence(ask: Ask, Phi: FloatArray, Y: FloatArray, level: float) -> Verdict:
+    n, p = Phi.shape
+    fit = least_squares(Phi, Y)
+    parts = returned_parts(ask, "confidence", "theta, lower and upper", 3, Phi, Y, level)
+    theta, lower, upper = (
+        as_theta(f"{name} of confidence(Phi, Y, level)", part, p)
+        for name, part in zip(("theta", "lower", "upper"), parts, strict=True)
+    )
+    if not SAME(theta, fit.theta):
+        return Verdict(False, "theta of `confidence` is not the least-squares solution.")
+    if SAME(lower, -upper) or SAME(np.abs(lower), np.abs(upper)):
+        return Verdict(
+            False, "`confidence` returns the half width: the bounds are theta minus and plus it.", "half width returned"
+        )
+    if np.all(lower > upper):
+        return Verdict(False, "`confidence` returns the upper bound before the lower one.", "bounds swapped")
+    if not SAME(lower + upper, 2 * theta):
+        return Verdict(False, "the bounds of `confidence` do not lie evenly about theta.")
+    intervals = confidence_intervals(fit, level)
+    return judge(
+        upper - theta,
+        intervals.upper - fit.theta,
+        SAME,
+        "it says how far each parameter is to be trusted.",
+        "the intervals of `confidence` have the wrong width: go through sigma^2, the covariance, the diagonal, roots "
+        "and the quantile one by one.",
+        _width_slips(fit, n, p, level),
+    )
+
+
+def _width_slips(fit: LeastSquares, n: int, p: int, level: float) -> list[Slip[FloatArray]]:
+    t = float(stdtrit(n - p, (1 + level) / 2))
+    spread = fit.stderr
+    wrong_n = float(np.sqrt((n - p) / n))
+    return [
+        Slip(
+            "one-sided quantile",
+            "`confidence` takes the quantile at `level`. The share that is left over lies on *two* sides: "
+            "(1 + level)/2.",
+            lambda: float(stdtrit(n - p, level)) * spread,
+        ),
+        Slip(
+            "normal quantile",
+            "`confidence` takes the quantile of the normal distribution. sigma^2 is estimated from few: Student's "
+            "t with n - p degrees of freedom allows for that.",
+            lambda: float(ndtri((1 + level) / 2)) * spread,
+        ),
+        Slip(
+            "divided by n",
+            "`confidence` divides the SSE by n. p parameters have been fitted to it: divide by n - p.",
+            lambda: t * wrong_n * spread,
+        ),
+        Slip(
+            "level not used",
+            "`confidence` has intervals of 95 % whatever the level: let it use `level`.",
+            lambda: float(stdtrit(n - p, 0.975)) * spread,
+        ),
+        Slip(
+            "quantile forgotten",
+            "`confidence` goes one standard error to each side: multiply by the quantile.",
+            lambda: spread,
+        ),
+        Slip(
+            "variance for standard error",
+            "`confidence` multiplies the quantile by the variances: take their roots.",
+            lambda: t * spread**2,
+        ),
+        Slip(
+            "degrees of freedom",
+            "the quantile of `confidence` has n degrees of freedom; n - p are left.",
+            lambda: float(stdtrit(n, (1 + level) / 2)) * spread,
+        ),
+        Slip(
+            "degrees of freedom",
+            "the quantile of `confidence` has n - 1 degrees of freedom; n - p are left.",
+            lambda: float(stdtrit(n - 1, (1 + level) / 2)) * spread,
+        ),
+        Slip(
+            "sigma^2 forgotten",
+            "`confidence` leaves sigma^2 out: the covariance is sigma^2 times the inverse of Phi'Phi.",
+            lambda: t * spread / np.sqrt(fit.sigma2),
+        ),
+        Slip(
+            "sigma for sigma^2",
+            "`confidence` multiplies the inverse of Phi'Phi by sigma; it takes sigma^2.",
+            lambda: t * spread / fit.sigma2**0.25,
+        ),
+    ]
+
+
+def cayley_hamilton(ask: Ask) -> Verdict:
+    """`inverse_weights(A)`: the inverse as a sum of powers of A."""
+    verdict = Verdict(False, "")
+    for n in (2, 3, 4):
+        A = ask.rng.uniform(-1, 1, (n, n)) + np.diag(ask.rng.uniform(1.5, 3, n))
+        verdict = _judge_weights(ask, A)
+        if not verdict.passed:
+            break
+    return verdict
+
+
+def _judge_weights(ask: Ask, A: FloatArray) -> Verdict:
+    n = A.shape[0]
+    value = returned(ask, "inverse_weights", A)
+    shape = as_array("inverse_weights(A)", value).shape
+    if shape == (n, n):
+        return Verdict(
+            False, "`inverse_weights` returns a matrix: asked for are the n weights of its powers.", "matrix returned"
+        )
+    if shape == (n + 1,):
+        return Verdict(
+            False,
+            "`inverse_weights` returns n + 1 numbers, as the polynomial has: after multiplying by the inverse of "
+            "A, n powers are left, I to A^(n-1).",
+            "the polynomial itself",
+        )
+    *upper, last = characteristic_polynomial(A)
+    c = np.array(upper)
+    return judge(
+        as_vector("inverse_weights(A)", value, n),
+        -c[::-1] / last,
+        SAME,
+        "the inverse of a matrix is a sum of its own powers.",
+        "the sum of `inverse_weights` times the powers of A is not its inverse: multiply the theorem by it.",
+        [
+            Slip(
+                "highest power first",
+                "`inverse_weights` begins with the highest power; w[0] belongs to I.",
+                lambda: -c / last,
+            ),
+            Slip(
+                "sign of the weights",
+                "`inverse_weights` has the other sign: c_n I moves to the other side.",
+                lambda: c[::-1] / last,
+            ),
+            Slip("not divided by c_n", "`inverse_weights` is not divided by c_n.", lambda: -c[::-1]),
+            Slip(
+                "powers off by one",
+                "`inverse_weights` has c_n for the weight of I: multiplied by the inverse of A, each power falls by "
+                "one.",
+                lambda: -np.concatenate([[last], c[:0:-1]]) / last,
+            ),
+            Slip(
+                "the highest power twice",
+                "`inverse_weights` divides by the first coefficient, which is 1; divide by c_n, the last.",
+                lambda: -np.concatenate([c[1:], [last]])[::-1],
+            ),
+        ],
+    )

@@ -1,0 +1,174 @@
+"""Checks of the lecture's middle: sums of powers (Examples 2-1, 2-2, 2-4), Fig. 5, projection, all solutions."""
+
+from collections.abc import Callable
+
+import numpy as np
+
+from labsid._arrays import FloatArray
+from labsid.checks.compare import SAME, as_array, as_figure, as_number, as_theta, as_vector
+from labsid.checks.figures import legend_text, require_label, require_legend
+from labsid.checks.question import Ask, returned_parts
+from labsid.checks.values import AxesValue, CurveValue, Value
+from labsid.checks.verdict import NoAnswer, Slip, Verdict, judge
+from labsid.least_squares.curve_fit import EXAMPLE_2_1, LINE, PARABOLA, fit_powers, power_regressors
+
+
+def fits(ask: Ask) -> Verdict:
+    """`fit_powers(x, y, powers)`, then what it gives for Example 2-1."""
+    for powers in ((3, 2, 1), (1, 0), (2, 1, 0), (0, 1, 2)):
+        verdict = _one_fit(ask, powers)
+        if not verdict.passed:
+            return verdict
+    for name, right in right_fits(ask).items():
+        if not SAME(np.ravel(as_array(name, ask.value(name))), np.ravel(as_array(name, right))):
+            return Verdict(False, f"the function is right, `{name}` is not: leave the last lines as they were given.")
+    return Verdict(True, "it fits any sum of powers, and its line is the one of Example 2-4.")
+
+
+def _one_fit(ask: Ask, powers: tuple[int, ...]) -> Verdict:
+    n = 9
+    x = ask.rng.permutation(np.linspace(-1.5, 2.5, n) + ask.rng.uniform(-0.15, 0.15, n))
+    y = ask.rng.uniform(-4, 4, n)
+    call = f"fit_powers(x, y, {list(powers)})"
+    parts = returned_parts(ask, "fit_powers", "theta and the SSE", 2, x, y, np.array(powers))
+    if _size(parts[0]) == 1 and _size(parts[1]) == len(powers) > 1:
+        return Verdict(False, "`fit_powers` returns the SSE before theta.", "theta and SSE swapped")
+    fit = fit_powers(x, y, powers)
+    if isinstance(parts[0], np.ndarray) and parts[0].size != len(powers):
+        return Verdict(
+            False,
+            f"`{call}` returns {parts[0].size} parameters; there is one for each power: let it use `powers`.",
+            "powers not used",
+        )
+    verdict = judge(
+        as_theta(f"theta of {call}", parts[0], len(powers)),
+        fit.theta,
+        SAME,
+        "",
+        f"theta of `{call}` is not the least-squares solution.",
+        [
+            Slip(
+                "order of theta",
+                "theta of `fit_powers` is in another order than `powers`: a column for each power, as they come.",
+                lambda: fit.theta[::-1],
+            ),
+            Slip(
+                "powers not used",
+                f"`{call}` fits other powers than it is asked for: let it use `powers`.",
+                lambda: fit_powers(x, y, (2, 1, 0)[-len(powers) :]).theta,
+            ),
+            Slip("x and y swapped", "`fit_powers` fits x to y; x makes Phi.", lambda: fit_powers(y, x, powers).theta),
+            Slip(
+                "inverse forgotten",
+                "theta of `fit_powers` is Phi'y: the inverse of Phi'Phi is missing.",
+                lambda: power_regressors(x, powers).T @ y,
+            ),
+        ],
+    )
+    if not verdict.passed:
+        return verdict
+    sse = 2 * fit.loss
+    if _size(parts[1]) == 0:
+        return Verdict(False, "the SSE of `fit_powers` is empty: compute it from y - Phi theta.")
+    mean = "the second value of `fit_powers` is a mean of the squared errors; asked for is their sum."
+    slips: list[Slip[float]] = [
+        Slip("half the sum", "the second value of `fit_powers` is half the SSE, which has no half.", lambda: fit.loss),
+        Slip("mean in place of the sum", mean, lambda: sse / n),
+        Slip("mean in place of the sum", mean, lambda: fit.sigma2),
+        Slip("root of the sum", "the second value of `fit_powers` is a root of the SSE.", lambda: float(sse**0.5)),
+        Slip(
+            "squares of y and not of the errors",
+            "the second value of `fit_powers` is y'y or a part of it: square the errors y - Phi theta.",
+            lambda: float(y @ y),
+        ),
+        Slip(
+            "errors not squared",
+            "the second value of `fit_powers` adds up the errors without squaring them, so that they cancel.",
+            lambda: float(np.sum(fit.residual)),
+        ),
+        Slip(
+            "errors not squared",
+            "the second value of `fit_powers` adds up absolute errors: square them.",
+            lambda: float(np.sum(np.abs(fit.residual))),
+        ),
+    ]
+    return judge(
+        as_number(f"the SSE of {call}", parts[1]),
+        sse,
+        SAME,
+        "",
+        "the second value of `fit_powers` is not the sum of the squared errors.",
+        slips,
+    )
+
+
+def _size(value: Value) -> int:
+    return value.size if isinstance(value, np.ndarray) else 1
+
+
+def right_fits(_: Ask) -> dict[str, Value]:
+    """What the last lines of that step compute."""
+    line, parabola = (fit_powers(EXAMPLE_2_1.x, EXAMPLE_2_1.y, powers) for powers in (LINE, PARABOLA))
+    return {
+        "theta_line": line.theta,
+        "sse_line": 2 * line.loss,
+        "theta_parabola": parabola.theta,
+        "sse_parabola": 2 * parabola.loss,
+    }
+
+
+def figure_5(ask: Ask) -> Verdict:
+    """Fig. 5: the points, the line and the parabola."""
+    axes = as_figure("fig_5", ask.value("fig_5"), axes=1).axes[0]
+    if not axes.curves:
+        raise NoAnswer("`fig_5` is empty: draw in its axes, with `plot` (also the points: `plot(u_1, y_1, 'o')`).")
+    line, parabola = (
+        as_vector(name, ask.known(name), size) for name, size in (("theta_line", 2), ("theta_parabola", 3))
+    )
+    points = _find(axes, lambda x: np.interp(x, EXAMPLE_2_1.x, EXAMPLE_2_1.y), sizes=(5, 5))
+    if points is None:
+        raise NoAnswer("In Fig. 5 the points of the table are missing: `plot(u_1, y_1, 'o')`.", "points missing")
+    curves = []
+    for name, theta in (("line", line), ("parabola", parabola)):
+        curve = _find(axes, _polynomial(theta), sizes=(20, None))
+        if curve is None and _find(axes, _polynomial(theta), sizes=(3, 19)):
+            raise NoAnswer(
+                f"In Fig. 5 the {name} is drawn through too few points, so that it has corners or stops short: use "
+                "`grid`.",
+                "drawn at the data points only",
+            )
+        if curve is None and _find(axes, _polynomial(theta[::-1]), sizes=(3, None)):
+            raise NoAnswer(
+                f"In Fig. 5 the {name} has its parameters in reverse order: theta begins with the highest power.",
+                "order of theta",
+            )
+        if curve is None:
+            raise NoAnswer(f"In Fig. 5 no curve shows the {name}: evaluate `theta_{name}` at `grid`.", "no curve")
+        if curve.x.min() > 1 or curve.x.max() < 7:
+            raise NoAnswer(f"In Fig. 5 the {name} does not reach over all points, u = 1 to 7.", "drawn too short")
+        curves.append(curve)
+    for axis in "xy":
+        require_label(axes, "Fig. 5", axis, "")
+    require_legend(axes, "Fig. 5", 3)
+    of_line, of_parabola = (legend_text(axes, curve).lower() for curve in curves)
+    if "parab" in of_line or "quadr" in of_line or "line" in of_parabola.split():
+        return Verdict(False, "The legend of Fig. 5 has line and parabola swapped.", "legend entries swapped")
+    return Verdict(True, "both models over the points.")
+
+
+def _polynomial(theta: FloatArray) -> Callable[[FloatArray], FloatArray]:
+    def f(x: FloatArray) -> FloatArray:
+        return np.asarray(np.polyval(theta, x), float)
+
+    return f
+
+
+def _find(axes: AxesValue, f: Callable[[FloatArray], FloatArray], sizes: tuple[int, int | None]) -> CurveValue | None:
+    least, most = sizes
+    for curve in axes.curves:
+        if curve.x.size >= least and (most is None or curve.x.size <= most) and curve.x.size == curve.y.size:
+            if least == 5 == most and not np.array_equal(np.sort(curve.x), EXAMPLE_2_1.x):
+                continue
+            if np.allclose(curve.y, f(curve.x), rtol=1e-6, atol=1e-6):
+                return curve
+    return None

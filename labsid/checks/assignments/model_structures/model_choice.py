@@ -1,0 +1,274 @@
+"""Checks of what speaks for or against a model: excitation, cancelling roots, whiteness."""
+
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from labsid._arrays import FloatArray
+from labsid.checks.compare import SAME, as_array, as_number, as_vector, close
+from labsid.checks.question import Ask, returned, returned_parts
+from labsid.checks.values import Value
+from labsid.checks.verdict import NoAnswer, Slip, Verdict, judge
+from labsid.lab.excitation import excitation_order, square_wave
+from labsid.model_structures.input_signals import sinusoids
+from labsid.model_structures.residuals import autocorrelation as reference_autocorrelation
+
+_EXACT = close(1e-8)
+_LARGEST = 8
+_SAMPLES = 80
+
+
+def excitation(ask: Ask) -> Verdict:
+    """`excitation(u, largest)` on inputs of every order from 0 to `largest`."""
+    trials = _inputs(ask.rng)
+    truth = [excitation_order(u, _LARGEST) for u in trials]
+    answers = [as_number("excitation(u, 8)", returned(ask, "excitation", u, _LARGEST)) for u in trials]
+    if answers == truth:
+        few = as_number("excitation(u, 5)", returned(ask, "excitation", trials[-1], 5))
+        if few != 5:
+            return Verdict(False, "`excitation` does not stop at `largest`.", "largest not used")
+        return Verdict(True, "it counts what an input can teach.")
+    for slip, hint, rule in _WRONG_ORDERS:
+        if answers == [rule(u) for u in trials]:
+            return Verdict(False, f"`excitation` {hint}", slip)
+    if all(right <= answer <= _LARGEST for answer, right in zip(answers, truth, strict=True)):
+        return Verdict(
+            False,
+            "`excitation` finds full rank where there is none. Either zeros are filled in before the first sample, so "
+            "that every input seems to start with a jump: use the rows only for which all samples were recorded. Or "
+            "rounding errors of about 1e-16 are taken for rank: compare with a small tolerance.",
+            "full rank where there is none",
+        )
+    wrong = next(i for i, (answer, right) in enumerate(zip(answers, truth, strict=True)) if answer != right)
+    return Verdict(False, f"`excitation` is wrong for {_NAMES[wrong]}: write the first rows of its matrix down.")
+
+
+_NAMES = (
+    "an input that is zero throughout",
+    "a constant",
+    "a sinusoid",
+    "a sinusoid with a constant added",
+    "a signal that alternates between two values",
+    "two sinusoids",
+    "a square wave",
+    "three sinusoids",
+    "random numbers",
+)
+
+
+def _inputs(rng: np.random.Generator) -> list[FloatArray]:
+    """Inputs in the order of their names; the frequencies lie well apart."""
+    phases = rng.uniform(0, 2 * np.pi, 3)
+    low, middle, high = rng.uniform([0.4, 1.2, 2.1], [0.7, 1.6, 2.6])
+    level = rng.uniform(1, 2)
+
+    def waves(*omegas: float) -> FloatArray:
+        m = len(omegas)
+        return sinusoids(_SAMPLES, np.linspace(1, 2, m), omegas, phases[:m])
+
+    return [
+        np.zeros(_SAMPLES),
+        np.full(_SAMPLES, level),
+        waves(middle),
+        waves(low) + level,
+        level * (-1.0) ** np.arange(_SAMPLES),
+        waves(low, middle),
+        square_wave(_SAMPLES, 6),
+        waves(low, middle, high),
+        rng.uniform(-2, 2, _SAMPLES),
+    ]
+
+
+def _order_of(u: FloatArray) -> int:
+    return excitation_order(u, _LARGEST)
+
+
+def _next_order(u: FloatArray) -> int:
+    return min(_order_of(u) + 1, _LARGEST)
+
+
+def _distinct(u: FloatArray) -> int:
+    return min(np.unique(np.round(u, 9)).size, _LARGEST)
+
+
+_WRONG_ORDERS: tuple[tuple[str, str, Callable[[FloatArray], int]], ...] = (
+    (
+        "order one too high",
+        "is one too high: the order is the *last* n with full column rank, not the first without.",
+        _next_order,
+    ),
+    (
+        "order one too high",
+        "is one too high: the order is the *last* n with full column rank, not the first without.",
+        lambda u: _order_of(u) + 1,
+    ),
+    (
+        "order one too low",
+        "is one too low: a matrix with n columns of full rank means order n.",
+        lambda u: max(_order_of(u) - 1, 0),
+    ),
+    (
+        "mean taken off",
+        "takes the mean off the input. A constant is an input, too, and counts 1.",
+        lambda u: _order_of(u - u.mean()),
+    ),
+    ("values counted", "counts the different values of the input; count independent *columns*.", _distinct),
+)
+
+
+def cancel(ask: Ask) -> Verdict:
+    """`cancel(P, Q, within)`: nothing, one root, a pair of complex roots, one of a double root."""
+    verdict = Verdict(False, "")
+    rng = ask.rng
+    s, t = rng.uniform(0.3, 0.5), rng.uniform(0.6, 0.8)
+    pair = [t * np.exp(0.9j), t * np.exp(-0.9j)]
+    trials: tuple[tuple[list[complex], list[complex], list[complex]], ...] = (
+        ([0.9], [-s], [s]),  # left of P, left of Q, in common
+        ([0.9, -0.7], [], [s]),
+        ([0.85], [-s, 0.1], pair),
+        ([s, -t], [-0.1], [s]),
+        ([0.9, -s], [t - 0.3, -0.9], []),
+    )
+    for of_P, of_Q, common in trials:
+        off = rng.uniform(1e-3, 2e-3) * rng.choice([-1.0, 1.0])
+        P, Q = _poly([*of_P, *common]), _poly([*of_Q, *(root + off for root in common)])
+        verdict = _judge_cancel(ask, P, Q, of_P, of_Q)
+        if not verdict.passed:
+            break
+    return verdict
+
+
+def _poly(roots: ArrayLike) -> FloatArray:
+    return np.atleast_1d(np.asarray(np.poly(np.asarray(roots, complex)).real, float))
+
+
+def _judge_cancel(ask: Ask, P: FloatArray, Q: FloatArray, of_P: list[complex], of_Q: list[complex]) -> Verdict:
+    within = 0.01
+    parts = returned_parts(ask, "cancel", "two polynomials", 2, P, Q, within)
+    left = [_real(part) for part in parts]
+    right = [_poly(of_P), _poly(of_Q)]
+    sizes = [array.size for array in left]
+    if all(SAME(array, wanted) for array, wanted in zip(left, right, strict=True)):
+        return Verdict(True, "what both have in common is gone, one for one.")
+
+    def are(*wanted: FloatArray) -> bool:
+        return all(SAME(array, other) for array, other in zip(left, wanted, strict=True))
+
+    roots_P, roots_Q = np.roots(P), np.roots(Q)
+    monic = all(array.size and SAME(array[0], 1.0) for array in left)
+    near = np.abs(roots_P[:, np.newaxis] - roots_Q) < within
+    greedy = _poly(roots_P[~near.any(axis=1)]), _poly(roots_Q[~near.any(axis=0)])
+    for slip, hint, matches in (
+        ("P and Q swapped", "returns what is left of Q first.", are(right[1], right[0])),
+        (
+            "all of a multiple root cancelled",
+            "cancels both of a double root against a single one: a pair is one root of either.",
+            are(*greedy),
+        ),
+        (
+            "nothing cancelled",
+            "leaves roots in place that lie nearer than `within`. (Equal to the last digit they never are.)",
+            are(P, Q),
+        ),
+        (
+            "the common factor returned",
+            "returns what they have in common; asked for is what is left.",
+            are(_poly(roots_P[near.any(axis=1)]), _poly(roots_Q[near.any(axis=0)])),
+        ),
+        ("only one of them divided", "takes the common roots out of one polynomial only.", are(right[0], Q)),
+        ("only one of them divided", "takes the common roots out of one polynomial only.", are(P, right[1])),
+        (
+            "highest delay first",
+            "returns its polynomials backwards: they begin with 1, the lowest delay.",
+            are(right[0][::-1], right[1][::-1]),
+        ),
+        (
+            "roots for polynomials",
+            "returns roots; make polynomials of them with `np.poly`.",
+            sizes == [len(of_P), len(of_Q)] and not monic,
+        ),
+        (
+            "distance not used",
+            "cancels roots that lie farther apart than `within`.",
+            monic and sizes[0] < right[0].size and sizes[1] < right[1].size,
+        ),
+    ):
+        if matches:
+            return Verdict(False, f"`cancel` {hint}", slip)
+    return Verdict(False, "`cancel` does not leave the right polynomials: try the example above it.")
+
+
+def _real(value: Value) -> FloatArray:
+    """A polynomial, from which no root is left as a number, or with imaginary parts of rounding."""
+    array = np.asarray(value) if isinstance(value, (int, float, complex, np.ndarray)) else None
+    if array is not None and array.dtype.kind == "c" and np.all(np.abs(array.imag) < 1e-6):
+        array = array.real
+    if array is None or array.dtype.kind == "c":
+        raise NoAnswer("`cancel` should return two polynomials with real coefficients: take `.real` at the end.")
+    return np.atleast_1d(as_array("what cancel(P, Q, within) returns", array).squeeze())
+
+
+def autocorrelation(ask: Ask) -> Verdict:
+    """`autocorrelation(e, lags)`, of a sequence whose mean is not zero."""
+    verdict = Verdict(False, "")
+    for N, lags in ((30, 6), (50, 10)):
+        verdict = _judge_autocorrelation(ask, ask.rng.uniform(0.5, 1, 1) + ask.rng.standard_normal(N), lags)
+        if not verdict.passed:
+            break
+    return verdict
+
+
+def _judge_autocorrelation(ask: Ask, e: FloatArray, lags: int) -> Verdict:
+    N, k = e.size, np.arange(lags + 1)
+    value = returned(ask, "autocorrelation", e, lags)
+    size = as_array("autocorrelation(e, lags)", value).size
+    if size == lags:
+        return Verdict(
+            False, "`autocorrelation` returns one value too few: r(0) to r(lags) are lags + 1.", "one lag too few"
+        )
+    if size in (2 * lags + 1, 2 * N - 1, N):
+        return Verdict(
+            False, "`autocorrelation` returns other lags than 0 to `lags`: cut them out.", "lags not cut out"
+        )
+    right = reference_autocorrelation(e, lags).values
+    centred = e - e.mean()
+    return judge(
+        as_vector("autocorrelation(e, lags)", value, lags + 1),
+        right,
+        _EXACT,
+        "the mean is off, and r(0) is one.",
+        "`autocorrelation` is not right: work the example with four numbers by hand.",
+        [
+            Slip(
+                "mean left in",
+                "`autocorrelation` leaves the mean in, so that every lag seems correlated.",
+                lambda: np.array([e[i:] @ e[: N - i] for i in k]) / (e @ e),
+            ),
+            Slip(
+                "not divided by the sum of squares",
+                "`autocorrelation` returns covariances: divide by the sum of squares, so that r(0) = 1.",
+                lambda: right * (centred @ centred),
+            ),
+            Slip(
+                "not divided by the sum of squares",
+                "`autocorrelation` returns covariances: divide by the sum of squares, so that r(0) = 1.",
+                lambda: right * np.mean(centred**2),
+            ),
+            Slip(
+                "index goes round to the end",
+                "`autocorrelation` lets the record go round: `np.roll` brings its end to its beginning.",
+                lambda: np.array([centred @ np.roll(centred, i) for i in k]) / (centred @ centred),
+            ),
+            Slip(
+                "divided by the number of products",
+                "`autocorrelation` takes means of N - k products. The formula has the same denominator for all k.",
+                lambda: right * N / (N - k),
+            ),
+            Slip(
+                "a mean for each part",
+                "`autocorrelation` takes each part's own mean and spread, as `np.corrcoef` does. There is one mean.",
+                lambda: np.array([1.0, *(np.corrcoef(e[i:], e[: N - i])[0, 1] for i in k[1:])]),
+            ),
+        ],
+    )

@@ -1,0 +1,239 @@
+"""Checks of the forms of a model: state space from a transfer function, and the equations of an ARX model."""
+
+from functools import partial
+
+import numpy as np
+
+from labsid._arrays import FloatArray
+from labsid.checks.compare import as_array, as_matrix, as_vector, close, same_response
+from labsid.checks.question import Ask, returned, returned_parts
+from labsid.checks.values import StateSpaceValue, Value
+from labsid.checks.verdict import NoAnswer, Slip, Verdict, judge
+from labsid.model_structures.realisation import controllable_form
+from labsid.model_structures.structures import Structure, build_equations
+
+_SAME_SYSTEM = same_response(1e-6)
+_EXACT = close(1e-9)
+
+
+def state_space(ask: Ask) -> Verdict:
+    """`state_space(num, den)`: without and with a direct path, num shorter than den, den[0] not 1."""
+    verdict = Verdict(False, "")
+    for n, degree, lead in ((2, 1, 1.0), (3, 2, 1.0), (3, 1, 1.0), (2, 2, 1.0), (3, 2, 2.5), (1, 1, 1.0)):
+        # the sum of |a| stays below one: stable, also with the other sign
+        den = lead * np.r_[1, ask.rng.choice([-1.0, 1.0], n) * ask.rng.uniform(0.1, 0.3, n)]
+        num = ask.rng.uniform(0.5, 2, degree + 1) * np.r_[ask.rng.choice([-1.0, 1.0], degree), 1]
+        verdict = _judge_state_space(ask, num, den)
+        if not verdict.passed:
+            break
+    return verdict
+
+
+def _judge_state_space(ask: Ask, num: FloatArray, den: FloatArray) -> Verdict:
+    n = den.size - 1
+    got = _as_state_space(ask, num, den)
+    if got.A.shape[0] != n:
+        return Verdict(
+            False,
+            f"`state_space` makes {got.A.shape[0]} states of a denominator of degree {n}: there are as many as that.",
+            "wrong number of states",
+        )
+    a = den / den[0]
+    b = np.r_[np.zeros(n + 1 - num.size), num] / den[0]
+    ahead = np.r_[num, np.zeros(n + 1 - num.size)] / den[0]
+    c = b[1:] - b[0] * a[1:]
+
+    def form(a_: FloatArray, c_: FloatArray, d: float) -> StateSpaceValue:
+        """The canonical form with a1 .. an and with the entries of C, that of x_n first."""
+        A = np.eye(n, k=1)
+        A[-1] = -a_[::-1]
+        return StateSpaceValue(A, np.eye(n)[:, -1:], c_[np.newaxis, ::-1], np.full((1, 1), d), 1.0)
+
+    direct = float(b[0])
+    divide = "`state_space` expects den[0] to be 1. If it is not, divide num *and* den by it."
+    G, H, C, D = controllable_form(num, den)
+    return judge(
+        got,
+        StateSpaceValue(G, H, C, D, 1.0),
+        _SAME_SYSTEM,
+        "it has the transfer function that went in.",
+        "`state_space` has another transfer function than num / den. Try it on SUSTech's second example.",
+        [
+            Slip(
+                "sign of a",
+                "`state_space` has the other sign of a in its last row: y(k) + a1 y(k-1) ... = ..., so there stands "
+                "-a.",
+                lambda: form(-a[1:], c, direct),
+            ),
+            Slip(
+                "direct path not taken out",
+                "C of `state_space` holds b_i. With a direct path it is b_i - b0 a_i: what goes straight to y must not "
+                "go through the states again.",
+                lambda: form(a[1:], b[1:], direct),
+            ),
+            Slip(
+                "direct path left out",
+                "`state_space` has D = 0 although num is as long as den: there is a direct path, D = b0.",
+                lambda: form(a[1:], b[1:], 0),
+            ),
+            Slip(
+                "direct path left out",
+                "`state_space` has D = 0 although num is as long as den: there is a direct path, D = b0.",
+                lambda: form(a[1:], c, 0),
+            ),
+            Slip("not divided by den[0]", divide, lambda: form(den[1:], c * den[0], direct * den[0])),
+            Slip("not divided by den[0]", divide, lambda: form(a[1:], c * den[0], direct * den[0])),
+            Slip("not divided by den[0]", divide, lambda: form(den[1:], c, direct)),
+            Slip(
+                "num padded on the wrong side",
+                "`state_space` pads a short num at its end, which multiplies it by z. The zeros belong in front, with "
+                "the high powers.",
+                lambda: form(a[1:], ahead[1:] - ahead[0] * a[1:], float(ahead[0])),
+            ),
+            Slip(
+                "num padded on the wrong side",
+                "`state_space` pads a short num at its end: the zeros belong in front, with the high powers.",
+                lambda: form(a[1:], np.r_[num / den[0], np.zeros(n)][:n], 0),
+            ),
+            Slip(
+                "order of C",
+                "C of `state_space` is in reverse order: its first entry belongs to b_n, its last to b_1.",
+                lambda: form(a[1:], c[::-1], direct),
+            ),
+            Slip(
+                "order of the last row",
+                "the last row of A is in reverse order: it begins with -a_n and ends with -a_1.",
+                lambda: form(a[:0:-1], c, direct),
+            ),
+        ],
+    )
+
+
+def _as_state_space(ask: Ask, num: FloatArray, den: FloatArray) -> StateSpaceValue:
+    """The four matrices as a system; a system of python-control counts, and flat B, C and a plain D do."""
+    value = returned(ask, "state_space", num, den)
+    if isinstance(value, StateSpaceValue):
+        return StateSpaceValue(value.A, value.B, value.C, value.D, 1.0)
+    parts: list[Value] = returned_parts(ask, "state_space", "four matrices", 4, num, den)
+    A = as_matrix("A of state_space(num, den)", _square(parts[0]), (None, None))
+    n = A.shape[0]
+    if A.shape != (n, n):
+        raise NoAnswer(f"A of `state_space` should be square; it has shape {A.shape}.")
+    B, C, D = (as_array(f"{name} of state_space(num, den)", part) for name, part in zip("BCD", parts[1:], strict=True))
+    for name, array, shape in (("B", B, (n, 1)), ("C", C, (1, n)), ("D", D, (1, 1))):
+        if array.size != n and name != "D":
+            raise NoAnswer(f"{name} of `state_space` should have shape {shape}; it has {array.shape}.")
+        if array.ndim == 2 and array.shape != shape:
+            slip = "rows instead of columns" if array.T.shape == shape else None
+            raise NoAnswer(f"{name} of `state_space` should have shape {shape}; it has {array.shape}.", slip)
+    if D.size != 1:
+        raise NoAnswer(f"D of `state_space` should be one number; it has shape {D.shape}.")
+    return StateSpaceValue(A, B.reshape(n, 1), C.reshape(1, n), D.reshape(1, 1), 1.0)
+
+
+def _square(value: Value) -> Value:
+    """A number for the A of one state is as good as a matrix."""
+    return np.reshape(value, (1, 1)) if isinstance(value, (int, float)) or np.size(value) == 1 else value  # type: ignore[arg-type]
+
+
+def equations(ask: Ask) -> Verdict:
+    """`equations(u, y, na, nb, d)`, for ARX of several delays, AR and FIR."""
+    verdict = Verdict(False, "")
+    sizes = ((1, 1, 1), (2, 2, 1), (2, 1, 3), (1, 3, 0), (3, 2, 2), (0, 3, 0), (2, 0, 1))
+    for na, nb, d in sizes:
+        u, y = ask.rng.uniform(1, 3, 14), ask.rng.uniform(1, 3, 14)
+        verdict = _judge_equations(ask, u, y, Structure(na, nb, 0, d))
+        if not verdict.passed:
+            break
+    return verdict
+
+
+def _judge_equations(ask: Ask, u: FloatArray, y: FloatArray, structure: Structure) -> Verdict:
+    na, nb, d, N = structure.na, structure.nb, structure.delay, y.size
+    call = f"equations(u, y, {na}, {nb}, {d})"
+    parts = returned_parts(ask, "equations", "two things, Phi and Y", 2, u, y, na, nb, d)
+    if as_array(f"Phi of {call}", parts[0]).ndim == 1 and as_array(f"Y of {call}", parts[1]).ndim == 2:
+        return Verdict(False, "`equations` returns Y before Phi.", "Phi and Y swapped")
+    if as_array(f"Phi of {call}", parts[0]).shape == (N - structure.longest_lag, na + nb + 1) and nb:
+        return Verdict(
+            False,
+            f"Phi of `{call}` has a column too many: `nb` is the *number* of inputs in a row, not the largest lag.",
+            "nb taken for the largest lag",
+        )
+    Phi = as_matrix(f"Phi of {call}", parts[0], (None, na + nb))
+    Y = as_vector(f"Y of {call}", parts[1])
+    if Y.size != Phi.shape[0]:
+        return Verdict(
+            False, f"`{call}` has {Phi.shape[0]} rows in Phi and {Y.size} in Y: one y(k) for each row.", "unequal rows"
+        )
+    start, k0 = N - Y.size, structure.longest_lag
+    if start < k0:
+        return Verdict(
+            False,
+            f"`{call}` has {Y.size} rows, and in the first of them there are lags that nobody recorded. Begin at "
+            "k0 = max(na, d + nb - 1).",
+            "rows before k0",
+        )
+    if start > k0 + 1:
+        return Verdict(
+            False, f"`{call}` begins later than it has to: from k0 = max(na, d + nb - 1) on all lags are there."
+        )
+    if not _EXACT(Y, y[start:]):
+        return Verdict(False, f"Y of `{call}` should be the outputs y(k) of its rows, k0 to the end.", "Y is not y(k)")
+
+    def rows(model: Structure, of_u: FloatArray = u, of_y: FloatArray = y) -> FloatArray:
+        return build_equations(model, of_u, of_y, start=start).Phi
+
+    right = rows(structure)
+    past, inputs = right[:, :na], right[:, na:]
+    lag = f"the inputs of `{call}` have the wrong lags: the first is u(k-d), and d is {d} here."
+    return judge(
+        Phi,
+        right,
+        _EXACT,
+        "one function for ARX with any delay, AR and FIR.",
+        f"Phi of `{call}` is not right: write the row of k = k0 down by hand.",
+        [
+            Slip(
+                "sign of a",
+                "`equations` has +y in Phi, as the lab has. In the lectures' convention it is -y(k-1), so that theta "
+                "holds the a's themselves.",
+                lambda: np.column_stack([-past, inputs]),
+            ),
+            Slip(
+                "u and y swapped",
+                "`equations` has u and y swapped: outputs first, with a minus, then the inputs.",
+                lambda: rows(structure, y, u),
+            ),
+            Slip(
+                "inputs before outputs",
+                "`equations` has the inputs before the outputs: theta = [a1, ..., b1, ...].",
+                lambda: np.column_stack([inputs, past]),
+            ),
+            Slip(
+                "oldest lag first",
+                "`equations` has the oldest lag first; the newest comes first.",
+                lambda: np.column_stack([past[:, ::-1], inputs[:, ::-1]]),
+            ),
+            Slip(
+                "sign of u",
+                "`equations` has a minus before the inputs as well: B stands on the right-hand side already.",
+                lambda: np.column_stack([past, -inputs]),
+            ),
+            *(
+                Slip("delay not used", lag, partial(rows, Structure(na, nb, 0, other)))
+                for other in (1, 0)
+                if nb and other != d
+            ),
+            *(
+                Slip("lag off by one", lag, partial(rows, Structure(na, nb, 0, other)))
+                for other in (d - 1, d + 1)
+                if nb and other >= 0
+            ),
+            Slip(
+                "lag off by one",
+                "`equations` has y(k) in the row of y(k), which it is to explain: begin with y(k-1).",
+                lambda: np.column_stack([rows(Structure(na + 1, 0), u, np.r_[y[1:], 0])[:, :na], inputs]),
+            ),
+        ],
+    )

@@ -1,0 +1,141 @@
+"""Checks of the choice of an order: losses on the same rows, and what a parameter costs."""
+
+from collections.abc import Sequence
+from functools import partial
+
+import numpy as np
+
+from labsid._arrays import FloatArray
+from labsid.checks.compare import SAME, as_vector
+from labsid.checks.question import Ask, returned, returned_parts
+from labsid.checks.verdict import Slip, Verdict, judge
+from labsid.model_structures.prediction import free_run
+from labsid.model_structures.structures import PolynomialModel, Structure, fit_structure
+
+
+def order(ask: Ask) -> Verdict:
+    """`losses(u, y, orders)` and `criteria(V, N, p)`."""
+    a, b = np.array([1, -1.2, 0.5]), np.array([1, 0.5])
+    model = PolynomialModel(a * [1, *ask.rng.uniform(0.9, 1.1, 2)], b * ask.rng.uniform(0.8, 1.2, 2), np.ones(1))
+    for orders in ((1, 2, 3, 4), (2, 5)):
+        u, e = ask.rng.uniform(-2, 2, 60), ask.rng.standard_normal(60)
+        verdict = _judge_losses(ask, u, free_run(model, u, e), orders)
+        if not verdict.passed:
+            return verdict
+    for N in (40, 300):
+        p = np.array([2.0, 4, 6, 8])
+        verdict = _judge_criteria(ask, np.sort(ask.rng.uniform(0.3, 2.5, 4))[::-1], N, p)
+        if not verdict.passed:
+            return verdict
+    return Verdict(True, "the same rows for all, and a price on every parameter.")
+
+
+def _losses(u: FloatArray, y: FloatArray, orders: Sequence[int], starts: Sequence[int]) -> FloatArray:
+    fits = [fit_structure(Structure(n, n), u, y, start=k).fit for n, k in zip(orders, starts, strict=True)]
+    return np.array([np.mean(fit.residual**2) for fit in fits])
+
+
+def _judge_losses(ask: Ask, u: FloatArray, y: FloatArray, orders: tuple[int, ...]) -> Verdict:
+    call = f"losses(u, y, {list(orders)})"
+    got = as_vector(call, returned(ask, "losses", u, y, np.array(orders)), len(orders))
+    start, m = max(orders), len(orders)
+
+    def common(first: int) -> FloatArray:
+        return _losses(u, y, orders, [first] * m)
+
+    right, rows = common(start), u.size - start
+    if any(SAME(got, common(first)) for first in (0, start + 1, start + 2)):
+        return Verdict(True, "")
+    parameters = 2 * np.array(orders)
+    unequal = (
+        "`losses` gives each order rows of its own. Then the models explain different outputs: let all of them start "
+        "at max(orders)."
+    )
+    return judge(
+        got,
+        right,
+        SAME,
+        "",
+        "`losses` does not return the mean squared errors of the ARX models. Begin with one order.",
+        [
+            Slip("rows of its own for each order", unequal, lambda: _losses(u, y, orders, orders)),
+            Slip("sum in place of the mean", "`losses` returns sums: the loss has 1/N.", lambda: right * rows),
+            Slip(
+                "sum in place of the mean", "`losses` returns (half) sums: the loss has 1/N.", lambda: right * rows / 2
+            ),
+            Slip("half the loss", "`losses` has a half; the loss here has none.", lambda: right / 2),
+            Slip(
+                "divided by all samples",
+                "`losses` divides by the number of samples; divide by the number of rows.",
+                lambda: right * rows / u.size,
+            ),
+            Slip(
+                "divided by the degrees of freedom",
+                "`losses` divides by N - p. That estimates the variance of the noise; the loss has 1/N.",
+                lambda: right * rows / (rows - parameters),
+            ),
+            Slip("root of the loss", "`losses` returns the roots of the losses.", lambda: np.sqrt(right)),
+            Slip(
+                "one order for all",
+                "`losses` fits the same order each time: use the n of the loop.",
+                lambda: np.full(m, right[-1]),
+            ),
+            Slip(
+                "variance of y",
+                "`losses` returns the mean square of y: square the errors y - Phi theta.",
+                lambda: np.full(m, np.mean(y[start:] ** 2)),
+            ),
+            Slip(
+                "u and y swapped",
+                "`losses` has u and y swapped: the output is what is explained.",
+                lambda: _losses(y, u, orders, [start] * m),
+            ),
+        ],
+    )
+
+
+def _judge_criteria(ask: Ask, V: FloatArray, N: int, p: FloatArray) -> Verdict:
+    parts = returned_parts(ask, "criteria", "three things, AIC, BIC and FPE", 3, V, N, p)
+    log_loss, fpe = N * np.log(V), V * (1 + p / N) / (1 - p / N)
+    right = {"AIC": log_loss + 2 * p, "BIC": log_loss + p * np.log(N), "FPE": fpe}
+    got = {name: as_vector(f"{name} of criteria(V, N, p)", part, 4) for name, part in zip(right, parts, strict=True)}
+    if SAME(got["AIC"], right["BIC"]) and SAME(got["BIC"], right["AIC"]):
+        return Verdict(False, "`criteria` returns BIC before AIC.", "AIC and BIC swapped")
+    ten = "`criteria` takes the logarithm to base 10: ln is `np.log`."
+    prices = {"AIC": 2 * p, "BIC": p * np.log(N)}
+    for name, price in prices.items():
+        scale = partial(np.add, log_loss / N)
+        slips: list[Slip[FloatArray]] = [
+            Slip("logarithm to base 10", ten, partial(np.add, N * np.log10(V), price)),
+            Slip("logarithm to base 10", ten, partial(np.add, N * np.log10(V), p * np.log10(N))),
+            Slip("logarithm to base 10", ten, partial(np.add, log_loss, p * np.log10(N))),
+            Slip("N forgotten", f"{name} of `criteria` has N ln V, not ln V, before its price.", partial(scale, price)),
+            Slip("no logarithm", f"{name} of `criteria` takes V itself: it is N ln V.", partial(np.add, N * V, price)),
+            Slip(
+                "price with the wrong sign",
+                f"{name} of `criteria` rewards parameters: the price is *added*.",
+                partial(np.subtract, log_loss, price),
+            ),
+            Slip("price of a parameter", f"the price in {name} is not right.", partial(np.add, log_loss, p)),
+            Slip("price of a parameter", f"the price in {name} is not right.", partial(np.add, log_loss, 2 * price)),
+            Slip("price of a parameter", f"{name} has no price on parameters.", partial(np.copy, log_loss)),
+            Slip("price of a parameter", f"the price in {name} is ln p for p ln N.", lambda: log_loss + N * np.log(p)),
+        ]
+        verdict = judge(
+            got[name], right[name], SAME, "", f"{name} of `criteria` is not right: work the example.", slips
+        )
+        if not verdict.passed:
+            return verdict
+    return judge(
+        got["FPE"],
+        fpe,
+        SAME,
+        "",
+        "FPE of `criteria` is not right: work the example by hand.",
+        [
+            Slip("FPE upside down", "FPE has (1 + p/N) above and (1 - p/N) below.", lambda: V**2 / fpe),
+            Slip("half of FPE", "FPE has two factors, one above and one below.", lambda: V * (1 + p / N)),
+            Slip("half of FPE", "FPE has two factors, one above and one below.", lambda: V / (1 - p / N)),
+            Slip("half of FPE", "FPE multiplies the loss V itself.", lambda: fpe / V),
+        ],
+    )

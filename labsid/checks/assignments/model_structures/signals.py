@@ -1,0 +1,198 @@
+"""Checks of what works on signals: a polynomial in q^-1, and the simulation of the whole family of structures."""
+
+import numpy as np
+
+from labsid._arrays import FloatArray
+from labsid.checks.compare import as_array, as_vector, close
+from labsid.checks.question import Ask, returned
+from labsid.checks.verdict import Slip, Verdict, judge
+from labsid.model_structures.polynomials import apply
+from labsid.model_structures.prediction import free_run
+from labsid.model_structures.structures import PolynomialModel
+
+EXACT = close(1e-8)
+
+
+def shift(ask: Ask) -> Verdict:
+    """`apply(P, x)`: a polynomial in q^-1 works on a signal."""
+    verdict = Verdict(False, "")
+    for n in (3, 2, 5, 1):
+        P, x = ask.rng.uniform(0.5, 2, n), ask.rng.uniform(-3, 3, 12)
+        x[0] += 5
+        verdict = _judge_shift(ask, P, x)
+        if not verdict.passed:
+            break
+    return verdict
+
+
+def _judge_shift(ask: Ask, P: FloatArray, x: FloatArray) -> Verdict:
+    n = P.size
+    value = returned(ask, "apply", P, x)
+    size = as_array("apply(P, x)", value).size
+    if n > 1 and size == x.size + n - 1:
+        return Verdict(
+            False,
+            "`apply` returns more samples than `x` has: what comes after the last sample of x is the answer to a "
+            "signal that has ended. Keep the first len(x).",
+            "tail not cut off",
+        )
+    if n > 1 and size == x.size - n + 1:
+        return Verdict(
+            False,
+            "`apply` leaves out the first samples. They are there, with zero for what lies before the signal.",
+            "first samples left out",
+        )
+    forward = np.concatenate([x, np.zeros(n)])
+    before = np.concatenate([np.full(n, x[0]), x])
+    return judge(
+        as_vector("apply(P, x)", value, x.size),
+        apply(P, x),
+        EXACT,
+        "the polynomial works on the signal, from rest.",
+        "`apply` is not p0 x(k) + p1 x(k-1) + ...: go through the table above, sample by sample.",
+        [
+            Slip(
+                "shifted the wrong way",
+                "`apply` takes samples that are yet to come: q^-1 is the value *before*, x(k-1).",
+                lambda: np.array([P @ forward[k : k + n] for k in range(x.size)]),
+            ),
+            Slip(
+                "index goes round to the end",
+                "`apply` takes the last samples for those before the first: `np.roll` and negative indices go round. "
+                "Before the first sample the signal is zero.",
+                lambda: np.asarray(sum(p * np.roll(x, i) for i, p in enumerate(P)), float),
+            ),
+            Slip(
+                "first sample repeated",
+                "`apply` repeats the first sample to the left; before it, the signal is zero.",
+                lambda: np.asarray(sum(P[i] * before[n - i : n - i + x.size] for i in range(n)), float),
+            ),
+            Slip(
+                "coefficients in reverse order",
+                "`apply` has the coefficients in reverse order: P[0] stands with x(k), the lowest delay.",
+                lambda: apply(P[::-1], x),
+            ),
+            Slip(
+                "lag off by one",
+                "`apply` begins with x(k-1): P[0] stands with x(k) itself.",
+                lambda: apply(np.concatenate([[0.0], P]), x),
+            ),
+            Slip(
+                "output fed back",
+                "`apply` divides by P, as `lfilter([1], P, x)` does: P belongs in the numerator.",
+                lambda: free_run(PolynomialModel(P / P[0], 1 / P[:1], np.ones(1), 0), x),
+            ),
+            Slip(
+                "first samples left at zero",
+                "`apply` leaves the first samples at zero. Only what lies *before* the signal is zero.",
+                lambda: np.where(np.arange(x.size) < n - 1, 0, apply(P, x)),
+            ),
+            Slip(
+                "middle of the convolution",
+                "`apply` takes the middle of the convolution (`mode='same'`): take its first len(x) samples.",
+                lambda: np.convolve(P, x, mode="same"),
+            ),
+        ],
+    )
+
+
+def simulate(ask: Ask) -> Verdict:
+    """`simulate(A, B, C, u, e)`, for ARMAX, ARX with a direct path, FIR and ARMA."""
+    verdict = Verdict(False, "")
+    rng = ask.rng
+    for na, nb, nc, delay in ((2, 2, 2, 1), (1, 2, 0, 0), (0, 3, 0, 1), (2, 1, 1, 2), (3, 1, 1, 1)):
+        # the sum of |a| stays below one, so that the model is stable with the other sign, too
+        a = rng.choice([-1.0, 1.0], na) * rng.uniform(0.15, 0.3, na)
+        b = np.concatenate([np.zeros(delay), rng.uniform(0.5, 2, nb)])
+        c = rng.choice([-1.0, 1.0], nc) * rng.uniform(0.3, 0.6, nc)
+        u, e = rng.uniform(1, 2, 25) * rng.choice([-1.0, 1.0], 25), rng.uniform(0.5, 1.5, 25)
+        verdict = _judge_simulate(ask, np.r_[1, a], b, np.r_[1, c], u, e)
+        if not verdict.passed:
+            break
+    return verdict
+
+
+def _judge_simulate(ask: Ask, A: FloatArray, B: FloatArray, C: FloatArray, u: FloatArray, e: FloatArray) -> Verdict:
+    def run(a: FloatArray = A, b: FloatArray = B, c: FloatArray = C, noise: FloatArray = e) -> FloatArray:
+        return free_run(PolynomialModel(a, b, c, 0), u, noise)
+
+    def behind() -> FloatArray:
+        return run(noise=0 * e)
+
+    opposite = np.r_[1, -A[1:]]
+    right = run()
+    output = (
+        "`simulate` adds the noise behind the plant, as in System 2. In A y = B u + C e it goes through 1/A, as the "
+        "input does."
+    )
+    return judge(
+        as_vector("simulate(A, B, C, u, e)", returned(ask, "simulate", A, B, C, u, e), u.size),
+        right,
+        EXACT,
+        "one function for ARX, ARMAX, FIR, AR and ARMA.",
+        "`simulate` does not solve A y = B u + C e from rest: compute its first three samples by hand.",
+        [
+            Slip(
+                "sign of a",
+                "`simulate` adds the past outputs. On the right-hand side they have a minus: y(k) = ... - a1 y(k-1).",
+                lambda: run(a=opposite),
+            ),
+            Slip("noise added at the output", output, lambda: behind() + e),
+            Slip("noise added at the output", output, lambda: behind() + apply(C, e)),
+            Slip(
+                "C not used",
+                "`simulate` takes e for C e: the noise is coloured by C before it goes in.",
+                lambda: run(c=np.ones(1)),
+            ),
+            Slip("noise left out", "`simulate` leaves the noise out.", behind),
+            Slip("input left out", "`simulate` leaves the input out.", lambda: run(b=np.zeros(1))),
+            Slip(
+                "A not used",
+                "`simulate` lets nothing run through 1/A: past outputs are missing.",
+                lambda: run(a=np.ones(1)),
+            ),
+            Slip(
+                "only the noise through 1/A",
+                "`simulate` lets the noise alone run through 1/A: the input goes through it, too.",
+                lambda: apply(B, u) + run(b=np.zeros(1)),
+            ),
+            Slip(
+                "direct path lost",
+                "`simulate` begins with u(k-1), whatever B says: B[0] stands with u(k), and the delay is in B already.",
+                lambda: run(b=np.r_[0, B]),
+            ),
+            Slip(
+                "direct path lost",
+                "`simulate` leaves B[0] out: it stands with u(k), and is not always zero.",
+                lambda: run(b=np.r_[0, B[1:]]),
+            ),
+            Slip(
+                "C without its 1",
+                "`simulate` leaves out e(k) itself: C begins with 1.",
+                lambda: run() - run(b=np.zeros(1), c=np.ones(1)),
+            ),
+            Slip(
+                "first samples left at zero",
+                "`simulate` leaves the first samples at zero, as a loop does that starts at the longest lag. Only what "
+                "lies before the record is zero: u(0) and e(0) act at once.",
+                lambda: _late_start(A, B, C, u, e),
+            ),
+            Slip(
+                "index goes round to the end",
+                "`simulate` takes samples from the end of the record for those before its first: y[k - i] with k < i.",
+                lambda: free_run(PolynomialModel(A, np.ones(1), np.ones(1), 0), _round(B, u) + _round(C, e)),
+            ),
+        ],
+    )
+
+
+def _round(P: FloatArray, x: FloatArray) -> FloatArray:
+    return np.asarray(sum(p * np.roll(x, i) for i, p in enumerate(P)), float)
+
+
+def _late_start(A: FloatArray, B: FloatArray, C: FloatArray, u: FloatArray, e: FloatArray) -> FloatArray:
+    """The output of a loop that starts where all lags were recorded."""
+    first = max(A.size, B.size, C.size) - 1
+    driving = apply(B, u) + apply(C, e)
+    driving[:first] = 0
+    return free_run(PolynomialModel(A, np.ones(1), np.ones(1), 0), driving)

@@ -1,0 +1,288 @@
+"""Checks around Systems 1 and 2: Example 3-1, one-step prediction beside simulation, Fig. 8."""
+
+from functools import lru_cache
+
+import numpy as np
+
+from labsid._arrays import FloatArray
+from labsid.checks.compare import SAME, as_figure, as_theta, as_vector, close
+from labsid.checks.figures import legend_text, plain_text, require_label, require_legend
+from labsid.checks.question import Ask, returned
+from labsid.checks.values import AxesValue, CurveValue, Value
+from labsid.checks.verdict import NoAnswer, Slip, Verdict, judge
+from labsid.least_squares.solve import least_squares
+from labsid.model_structures.prediction import free_run, one_step_prediction
+from labsid.model_structures.structures import PolynomialModel, Structure, fit_structure
+
+_EXACT = close(1e-8)
+_FIRST_ORDER = Structure(1, 1)
+
+
+@lru_cache(maxsize=1)
+def _records() -> tuple[tuple[FloatArray, FloatArray], tuple[FloatArray, FloatArray]]:
+    """(u, y) of System 1 and of System 2, as the notebook's cell `ms-5-records` makes them."""
+    rng = np.random.default_rng(31)
+    u = 2 - 4 * rng.random(1000)
+    e = rng.standard_normal(1000)
+    e[0] = 0
+    models = (_model([1, -0.8], [0, 1]), PolynomialModel(np.array([1, -0.8]), np.ones(1), np.array([1, -0.8])))
+    first, second = ((u, free_run(model, u, e)) for model in models)
+    return first, second
+
+
+def _model(A: list[float] | FloatArray, B: list[float] | FloatArray) -> PolynomialModel:
+    return PolynomialModel(np.array(A, float), np.array(B, float), np.ones(1), 0)
+
+
+def _fit(u: FloatArray, y: FloatArray, start: int = 1) -> FloatArray:
+    return fit_structure(_FIRST_ORDER, u, y, start=start).fit.theta
+
+
+def example_3_1(ask: Ask) -> Verdict:
+    """`example_3_1(u, y)` on systems of the same form, then what it gives for Systems 1 and 2."""
+    for _ in range(2):
+        a, b = ask.rng.uniform(-0.9, -0.5), ask.rng.uniform(1.5, 2.5)
+        u, e = ask.rng.uniform(-2, 2, 60), ask.rng.standard_normal(60)
+        u[0] = e[0] = 0
+        verdict = _judge_table(ask, u, free_run(_model([1, a], [0, b]), u, e))
+        if not verdict.passed:
+            return verdict
+    for system, record in zip((1, 2), _records(), strict=True):
+        name = f"theta_{system}"
+        got = as_theta(name, ask.value(name), 2)
+        if not any(SAME(got, _fit(*record, start)) for start in (1, 0, 2, 3)):
+            return Verdict(
+                False, f"the function is right, `{name}` is not: it is `example_3_1(u_{system}, y_{system})`."
+            )
+    return Verdict(True, "System 1 is found; System 2 is not of this structure, and a goes astray.")
+
+
+def _judge_table(ask: Ask, u: FloatArray, y: FloatArray) -> Verdict:
+    right = _fit(u, y)
+    got = as_theta("example_3_1(u, y)", returned(ask, "example_3_1", u, y), 2)
+    if any(SAME(got, _fit(u, y, start)) for start in (0, 2, 3)):
+        return Verdict(True, "")
+    lag = "`example_3_1` has a lag wrong: the row of y(t) holds y(t-1) and u(t-1)."
+    constant = np.column_stack([-y[:-1], u[:-1], np.ones(y.size - 1)])
+    return judge(
+        got,
+        right,
+        SAME,
+        "",
+        "`example_3_1` does not return the least-squares [a, b].",
+        [
+            Slip(
+                "sign of a",
+                "`example_3_1` returns -a first, as the program of the notes does. Table 1 lists a itself: put -y(t-1) "
+                "into Phi.",
+                lambda: right * [-1, 1],
+            ),
+            Slip("order of theta", "`example_3_1` returns b before a.", lambda: right[::-1]),
+            Slip("order of theta", "`example_3_1` returns b before a, and -a at that.", lambda: right[::-1] * [1, -1]),
+            Slip("u and y swapped", "`example_3_1` has u and y swapped: the input comes first.", lambda: _fit(y, u)),
+            *(
+                Slip("lag off by one", lag, lambda columns=columns, Y=Y: least_squares(columns, Y).theta)  # type: ignore[misc]
+                for columns, Y in (
+                    (np.column_stack([-y[:-1], u[1:]]), y[1:]),
+                    (np.column_stack([-y[:-2], u[:-2]]), y[2:]),
+                    (np.column_stack([-y[1:-1], u[:-2]]), y[2:]),
+                    (np.column_stack([-y[:-2], u[1:-1]]), y[2:]),
+                )
+            ),
+            Slip(
+                "a constant fitted along",
+                "`example_3_1` fits a constant besides a and b; the model has none.",
+                lambda: least_squares(constant, y[1:]).theta[:2],
+            ),
+            Slip(
+                "arguments not used",
+                "`example_3_1` fits the same record whatever is handed in: use its arguments u and y.",
+                lambda: _fit(*_records()[0]),
+            ),
+            Slip(
+                "inverse forgotten",
+                "`example_3_1` returns Phi'y: the inverse of Phi'Phi is missing.",
+                lambda: np.array([-y[:-1] @ y[1:], u[:-1] @ y[1:]]),
+            ),
+        ],
+    )
+
+
+def right_tables(_: Ask) -> dict[str, Value]:
+    """What the last lines of that step compute."""
+    (u_1, y_1), (u_2, y_2) = _records()
+    return {"theta_1": _fit(u_1, y_1), "theta_2": _fit(u_2, y_2)}
+
+
+def predict(ask: Ask) -> Verdict:
+    """`predict(A, B, u, y)` and `free_run(A, B, u)`, then `y_hat` and `y_sim`."""
+    rng = ask.rng
+    for na, nb, delay in ((1, 1, 1), (2, 2, 1), (2, 2, 0), (1, 1, 3)):
+        # the sum of |a| stays below one: stable, also with the other sign
+        A = np.r_[1, rng.choice([-1.0, 1.0], na) * rng.uniform(0.2, 0.45, na)]
+        B = np.r_[np.zeros(delay), rng.uniform(0.5, 2, nb)]
+        u, y = rng.uniform(1, 2, 20), rng.uniform(2, 5, 20)
+        for verdict in (_judge_prediction(ask, A, B, u, y), _judge_run(ask, A, B, u)):
+            if not verdict.passed:
+                return verdict
+    right = _outputs(as_vector("theta_1", ask.known("theta_1"), 2))
+    got = {name: as_vector(name, ask.value(name), 1000) for name in right}
+    if _EXACT(got["y_hat"], right["y_sim"]) or _EXACT(got["y_sim"], right["y_hat"]):
+        return Verdict(
+            False,
+            "the functions are right, but `y_hat` and `y_sim` are not: y_hat is the prediction, y_sim the free run.",
+            "prediction passed off as simulation",
+        )
+    for name in right:
+        if not _EXACT(got[name], right[name]):
+            return Verdict(False, f"the functions are right, `{name}` is not: leave the last lines as they were given.")
+    return Verdict(True, "one is told the truth after every sample, the other never.")
+
+
+def _judge_prediction(ask: Ask, A: FloatArray, B: FloatArray, u: FloatArray, y: FloatArray) -> Verdict:
+    right = one_step_prediction(_model(A, B), u, y)
+    opposite = np.r_[1, -A[1:]]
+    longest = max(A.size, B.size) - 1
+    return judge(
+        as_vector("predict(A, B, u, y)", returned(ask, "predict", A, B, u, y), u.size),
+        right,
+        _EXACT,
+        "",
+        "`predict` is not the one-step prediction: work through the numbers of the example by hand.",
+        [
+            Slip(
+                "simulation passed off as prediction",
+                "`predict` feeds on its own outputs: that is the free run. The prediction takes the *measured* y(k-1).",
+                lambda: free_run(_model(A, B), u),
+            ),
+            Slip(
+                "sign of a",
+                "`predict` adds the past outputs. In the predictor they have a minus: -a1 y(k-1).",
+                lambda: one_step_prediction(_model(opposite, B), u, y),
+            ),
+            Slip(
+                "the prediction error",
+                "`predict` returns the prediction error, y less its prediction (or the negative of it).",
+                lambda: y - right,
+            ),
+            Slip(
+                "the prediction error",
+                "`predict` returns the prediction error, y less its prediction (or the negative of it).",
+                lambda: right - y,
+            ),
+            Slip(
+                "output to be predicted used",
+                "`predict` uses y(k) to predict y(k): A - 1 begins with q^-1, the 1 is taken off.",
+                lambda: right - 2 * y,
+            ),
+            Slip(
+                "lag off by one",
+                "`predict` takes y(k) for y(k-1): the sample that is to be predicted is not known yet.",
+                lambda: one_step_prediction(_model(A, B), u, np.r_[y[1:], 0]),
+            ),
+            Slip(
+                "lag off by one",
+                "`predict` has an extra delay: B holds the delay of u already.",
+                lambda: one_step_prediction(_model(A, np.r_[0, B]), u, y),
+            ),
+            Slip(
+                "first samples left at zero",
+                "`predict` leaves the first samples at zero. Only what lies before the record is zero.",
+                lambda: np.where(np.arange(u.size) < longest, 0, right),
+            ),
+            Slip(
+                "first samples left at zero",
+                "`predict` starts with the measured samples. Before the record all is zero: predict them, too.",
+                lambda: np.where(np.arange(u.size) < longest, y, right),
+            ),
+        ],
+    )
+
+
+def _judge_run(ask: Ask, A: FloatArray, B: FloatArray, u: FloatArray) -> Verdict:
+    opposite = np.r_[1, -A[1:]]
+    return judge(
+        as_vector("free_run(A, B, u)", returned(ask, "free_run", A, B, u), u.size),
+        free_run(_model(A, B), u),
+        _EXACT,
+        "",
+        "`free_run` is not the output of B/A from rest: work through the numbers of the example by hand.",
+        [
+            Slip(
+                "sign of a",
+                "`free_run` has the other sign of a: y(k) = -a1 y(k-1) - ... + B u.",
+                lambda: free_run(_model(opposite, B), u),
+            ),
+            Slip(
+                "past outputs left out",
+                "`free_run` leaves its own past outputs out: the model has a memory.",
+                lambda: free_run(_model([1], B), u),
+            ),
+            Slip(
+                "lag off by one",
+                "`free_run` has an extra delay: B holds it already.",
+                lambda: free_run(_model(A, np.r_[0, B]), u),
+            ),
+            Slip(
+                "A and B swapped",
+                "`free_run` has A and B swapped: `lfilter` takes the numerator first.",
+                lambda: free_run(_model(B / B[0], A / B[0]), u),
+            ),
+            Slip(
+                "first samples left at zero",
+                "`free_run` starts at the longest lag: u(0) acts as soon as B lets it.",
+                lambda: _late_run(A, B, u),
+            ),
+        ],
+    )
+
+
+def _late_run(A: FloatArray, B: FloatArray, u: FloatArray) -> FloatArray:
+    driving = free_run(_model([1], B), u)
+    driving[: max(A.size, B.size) - 1] = 0
+    return free_run(_model(A, [1]), driving)
+
+
+def _outputs(theta: FloatArray) -> dict[str, FloatArray]:
+    u, y = _records()[0]
+    model = _model([1, theta[0]], [0, theta[1]])
+    return {"y_hat": one_step_prediction(model, u, y), "y_sim": free_run(model, u)}
+
+
+def right_outputs(ask: Ask) -> dict[str, Value]:
+    """What the last lines of that step compute, with the parameters of the step before."""
+    return {**_outputs(as_vector("theta_1", ask.known("theta_1"), 2))}
+
+
+def figure_8(ask: Ask) -> Verdict:
+    """Fig. 8: measurement, one-step prediction and simulation."""
+    axes = as_figure("fig_8", ask.value("fig_8"), axes=1).axes[0]
+    if not axes.curves:
+        raise NoAnswer("`fig_8` is empty: draw in its axes, with `plot`.")
+    signals = {
+        "the measured output": _records()[0][1],
+        "the one-step prediction": as_vector("y_hat", ask.known("y_hat"), 1000),
+        "the simulation": as_vector("y_sim", ask.known("y_sim"), 1000),
+    }
+    curves = [_curve(axes, what, signal) for what, signal in signals.items()]
+    require_label(axes, "Fig. 8", "x", "")
+    require_label(axes, "Fig. 8", "y", "")
+    require_legend(axes, "Fig. 8", 3)
+    _, of_prediction, of_simulation = (plain_text(legend_text(axes, curve)).lower() for curve in curves)
+    if "simul" in of_prediction or "free" in of_prediction or "predict" in of_simulation:
+        return Verdict(False, "The legend of Fig. 8 has prediction and simulation swapped.", "legend entries swapped")
+    return Verdict(True, "one follows the measurement, the other goes its own way.")
+
+
+def _curve(axes: AxesValue, what: str, signal: FloatArray) -> CurveValue:
+    """The curve that shows the beginning of a signal."""
+    for curve in axes.curves:
+        n = curve.y.size
+        if 50 <= n <= signal.size and np.allclose(curve.y, signal[:n], rtol=1e-6, atol=1e-6):
+            if n > 300:
+                raise NoAnswer(
+                    "Fig. 8 shows so many samples that the curves cover each other: draw the first 100.",
+                    "too many samples",
+                )
+            return curve
+    raise NoAnswer(f"In Fig. 8 no curve shows {what}: draw its first 100 samples.", "curve missing")

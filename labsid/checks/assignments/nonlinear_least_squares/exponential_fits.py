@@ -1,0 +1,292 @@
+"""Checks of the exponential: through the logarithm, its Jacobian, and the fit itself with its picture."""
+
+import numpy as np
+
+from labsid._arrays import FloatArray
+from labsid.checks.assignments.nonlinear_least_squares.estimates import as_estimate, within
+from labsid.checks.compare import SAME, as_array, as_figure, as_matrix, as_number, as_vector
+from labsid.checks.figures import legend_text, require_label, require_legend
+from labsid.checks.question import Ask, returned, returned_parts
+from labsid.checks.values import AxesValue, CurveValue
+from labsid.checks.verdict import NoAnswer, Slip, Verdict, judge
+from labsid.least_squares.curve_fit import LINE, SUSTECH_POINTS, fit_powers
+from labsid.nonlinear.exponential import exponential, fit_exponential, fit_exponential_by_logarithm
+from labsid.nonlinear.solve import NonlinearFit
+
+
+def logarithm(ask: Ask) -> Verdict:
+    """`fit_logarithm(x, y)`, which returns a and b."""
+    verdict = Verdict(False, "")
+    for a, b in ((0.7, 0.4), (-0.5, 3.0)):
+        x = np.sort(ask.rng.uniform(-2, 3, 7))
+        verdict = _judge_logarithm(ask, x, exponential(x, a, b) * ask.rng.uniform(0.6, 1.6, 7))
+        if not verdict.passed:
+            break
+    return verdict
+
+
+def _judge_logarithm(ask: Ask, x: FloatArray, y: FloatArray) -> Verdict:
+    parts = returned_parts(ask, "fit_logarithm", "two numbers, a and b", 2, x, y)
+    got = np.array([as_number(f"{name} of fit_logarithm(x, y)", part) for name, part in zip("ab", parts, strict=True)])
+    fit = fit_exponential_by_logarithm(x, y)
+    right = np.array([fit.a, fit.b])
+    curve = fit_exponential(x, y)
+    if within(curve.stderr, 1e-3)(got, curve.theta):
+        return Verdict(
+            False,
+            "`fit_logarithm` fits the curve itself. That is the other method: here, fit a line to the logarithms.",
+            "the other method",
+        )
+    return judge(
+        got,
+        right,
+        SAME,
+        "a line through the logarithms.",
+        "`fit_logarithm` does not return the a and b of the line ln y = a x + c with b = e^c.",
+        [
+            Slip("a and b swapped", "`fit_logarithm` returns b before a.", lambda: right[::-1]),
+            Slip(
+                "b left as a logarithm",
+                "b of `fit_logarithm` is still a logarithm: the line gives c = ln b, so b = e^c.",
+                lambda: np.array([fit.a, np.log(fit.b)]),
+            ),
+            Slip(
+                "logarithm to base 10",
+                "`fit_logarithm` mixes bases: `log10` undoes powers of ten, and the model has powers of e. `np.log` is "
+                "the natural logarithm.",
+                lambda: np.array([fit.a, np.log(fit.b)]) / np.log(10),
+            ),
+            Slip(
+                "logarithm to base 10",
+                "`fit_logarithm` mixes bases: `log10` undoes powers of ten, and the model has powers of e. `np.log` is "
+                "the natural logarithm.",
+                lambda: np.array([fit.a / np.log(10), fit.b ** (1 / np.log(10))]),
+            ),
+            Slip(
+                "logarithm to base 10",
+                "a of `fit_logarithm` belongs to a power of ten: ln 10^(a x) is not a x. Use `np.log` throughout.",
+                lambda: np.array([fit.a / np.log(10), fit.b]),
+            ),
+            Slip(
+                "no logarithm taken",
+                "`fit_logarithm` fits a line to y itself: take the logarithm of y first.",
+                lambda: fit_powers(x, y, LINE).theta,
+            ),
+            Slip(
+                "no logarithm taken",
+                "`fit_logarithm` fits a line to y itself: take the logarithm of y first.",
+                lambda: fit_powers(x, y, LINE).theta * [1, 0] + [0, np.exp(fit_powers(x, y, LINE).theta[1])],
+            ),
+            Slip(
+                "line through the origin",
+                "`fit_logarithm` has no column of ones: the line needs its constant, ln b.",
+                lambda: np.array([fit_powers(x, np.log(y), (1,)).theta[0], 1.0]),
+            ),
+        ],
+    )
+
+
+def jacobian(ask: Ask) -> Verdict:
+    """`exp_jacobian(x, theta)` and `sse_gradient(x, y, theta)`."""
+    for n in (5, 8):
+        x, theta = ask.rng.uniform(0.3, 2, n), np.array([ask.rng.uniform(0.4, 0.9), ask.rng.uniform(1.5, 3)])
+        y = exponential(x, *theta) + ask.rng.uniform(-2, 2, n)
+        for verdict in (_jacobian(ask, x, theta), _gradient(ask, x, y, theta)):
+            if not verdict.passed:
+                return verdict
+    return Verdict(True, "both derivatives are right.")
+
+
+def jacobian_exponential(x: FloatArray, theta: FloatArray) -> FloatArray:
+    """Differentiate ``b e^(a x)`` with respect to a and b."""
+    growth = exponential(x, theta[0], 1.0)
+    return np.column_stack([theta[1] * x * growth, growth])
+
+
+def _jacobian(ask: Ask, x: FloatArray, theta: FloatArray) -> Verdict:
+    J = jacobian_exponential(x, theta)
+    curve = exponential(x, theta[0], theta[1])
+    product = "the first column of `exp_jacobian` lacks the factor x: the derivative of e^(a x) for a brings x down."
+    return judge(
+        as_matrix("exp_jacobian(x, theta)", returned(ask, "exp_jacobian", x, theta), (x.size, 2)),
+        J,
+        SAME,
+        "",
+        "`exp_jacobian` is not the derivative of b e^(a x): hold each column against differences.",
+        [
+            Slip("columns swapped", "`exp_jacobian` has b's column first; theta = [a, b].", lambda: J[:, ::-1]),
+            Slip("factor x missing", product, lambda: np.column_stack([curve, J[:, 1]])),
+            Slip("factor x missing", product, lambda: np.column_stack([J[:, 1], J[:, 1]])),
+            Slip(
+                "factor b missing",
+                "the first column of `exp_jacobian` lacks the factor b, which stays when a changes.",
+                lambda: np.column_stack([x * J[:, 1], J[:, 1]]),
+            ),
+            Slip(
+                "differentiated with respect to x",
+                "`exp_jacobian` holds a b e^(a x), the slope along x. Here a and b change, and x stays.",
+                lambda: np.column_stack([theta[0] * curve, J[:, 1]]),
+            ),
+            Slip(
+                "b left in its own column",
+                "the second column of `exp_jacobian` still holds b: b e^(a x) is linear in b, with slope e^(a x).",
+                lambda: np.column_stack([J[:, 0], curve]),
+            ),
+            Slip(
+                "Jacobian of the error",
+                "`exp_jacobian` has the other sign: it is that of the error y - g. Asked for is the one of g.",
+                lambda: -J,
+            ),
+        ],
+    )
+
+
+def _gradient(ask: Ask, x: FloatArray, y: FloatArray, theta: FloatArray) -> Verdict:
+    J = jacobian_exponential(x, theta)
+    e = y - exponential(x, theta[0], theta[1])
+    return judge(
+        as_vector("sse_gradient(x, y, theta)", returned(ask, "sse_gradient", x, y, theta), 2),
+        -2 * J.T @ e,
+        SAME,
+        "",
+        "`sse_gradient` is not the gradient of the SSE: it is -2 J'e, with e = y - g(theta).",
+        [
+            Slip(
+                "uphill and downhill swapped",
+                "`sse_gradient` has the other sign. The gradient points uphill; e holds g with a minus.",
+                lambda: 2 * J.T @ e,
+            ),
+            Slip("factor 2 missing", "`sse_gradient` is half the gradient: e squared brings a 2.", lambda: -J.T @ e),
+            Slip(
+                "uphill and downhill swapped",
+                "`sse_gradient` has the other sign, and the 2 is missing.",
+                lambda: J.T @ e,
+            ),
+            Slip(
+                "a mean in place of the sum",
+                "`sse_gradient` is divided by the number of points: the SSE is a sum.",
+                lambda: -2 * J.T @ e / e.size,
+            ),
+            Slip(
+                "y in place of the error",
+                "`sse_gradient` multiplies J' by y; it takes the error y - g(theta).",
+                lambda: -2 * J.T @ y,
+            ),
+        ],
+    )
+
+
+def exponential_fit(ask: Ask) -> Verdict:
+    """`fit_exponential(x, y)`, `theta_exp` on the printed data, and the picture of both methods."""
+    for a, b in ((0.8, 0.6), (-0.6, 0.8), (0.6, 1.2)):
+        x = np.linspace(-2, 3, 9) + ask.rng.uniform(-0.2, 0.2, 9)
+        y = exponential(x, a, b) + 0.5 * ask.rng.standard_normal(9)
+        y[np.argmin(exponential(x, a, b))] = -ask.rng.uniform(0.5, 1.0)
+        verdict = _judge_exponential(as_estimate("fit_exponential(x, y)", _fitted(ask, x, y), 2), x, y)
+        if not verdict.passed:
+            return verdict
+    points = SUSTECH_POINTS
+    got = as_estimate("theta_exp", ask.value("theta_exp"), 2)
+    printed = _judge_exponential(got, points.x, points.y)
+    if not printed.passed:
+        return Verdict(False, "the function is right, `theta_exp` is not: leave that line as it was given.")
+    return _picture(as_figure("fig_exp", ask.value("fig_exp"), axes=1).axes[0])
+
+
+def _fitted(ask: Ask, x: FloatArray, y: FloatArray) -> FloatArray:
+    value = returned(ask, "fit_exponential", x, y)
+    if isinstance(value, np.ndarray) and not np.all(np.isfinite(value)):
+        raise NoAnswer(
+            "`fit_exponential` returns nan: does it take a logarithm? One of these y is negative. (Or the iteration "
+            "ran away: start it elsewhere.)",
+            "logarithm of a negative number",
+        )
+    return value  # type: ignore[return-value]
+
+
+def _judge_exponential(got: FloatArray, x: FloatArray, y: FloatArray) -> Verdict:
+    fit = fit_exponential(x, y)
+    k = y > 0
+    verdict = judge(
+        got,
+        fit.theta,
+        within(fit.stderr),
+        "",
+        "`fit_exponential` does not return the [a, b] with the smallest sum of squared errors: what is its SSE, and "
+        "what is it from another start?",
+        [
+            Slip("a and b swapped", "`fit_exponential` returns b before a.", lambda: fit.theta[::-1]),
+            Slip(
+                "negative points left out",
+                "`fit_exponential` leaves out the points with a negative y. Only the logarithm needs y > 0.",
+                lambda: fit_exponential(x[k], y[k]).theta,
+            ),
+            Slip(
+                "the logarithm once more",
+                "`fit_exponential` is the line through the logarithms of the positive points: it may start from there, "
+                "but then the curve itself is to be fitted.",
+                lambda: _by_logarithm(x[k], y[k]),
+            ),
+            Slip(
+                "absolute values",
+                "`fit_exponential` takes the absolute value of y: that changes the data.",
+                lambda: fit_exponential(x, np.abs(y)).theta,
+            ),
+        ],
+    )
+    if verdict.passed or verdict.slip or abs(got[0]) > 100:
+        return verdict
+    with np.errstate(over="ignore"):
+        e = y - exponential(x, got[0], got[1])
+        if e @ e < 1.5 * fit.sse:
+            return verdict
+    return Verdict(
+        False,
+        "`fit_exponential` ends where the SSE is far larger than it could be: from some starts the curve passes by all "
+        "points but one, the surface is level there, and the iteration gives up. Start elsewhere, say at a = 0.",
+        "stuck on a plateau",
+    )
+
+
+def _by_logarithm(x: FloatArray, y: FloatArray) -> FloatArray:
+    fit = fit_exponential_by_logarithm(x, y)
+    return np.array([fit.a, fit.b])
+
+
+def sustech_fits() -> tuple[NonlinearFit, FloatArray]:
+    """Both methods on SUSTech's table: the curve on all points, the logarithm on the positive ones."""
+    x, y = SUSTECH_POINTS.x, SUSTECH_POINTS.y
+    return fit_exponential(x, y), _by_logarithm(x[y > 0], y[y > 0])
+
+
+def _picture(axes: AxesValue) -> Verdict:
+    curve, line = sustech_fits()
+    points = [c for c in axes.curves if c.x.size == 5 and np.array_equal(np.sort(c.x), np.sort(SUSTECH_POINTS.x))]
+    if not any(np.allclose(c.y[np.argsort(c.x)], SUSTECH_POINTS.y[np.argsort(SUSTECH_POINTS.x)]) for c in points):
+        raise NoAnswer("In the figure the five points are missing: `plot(x_s, y_s, 'o')`.", "points missing")
+    drawn = []
+    for name, theta in (("theta_exp", curve.theta), ("theta_log", line)):
+        found = _find(axes, theta, 20)
+        if found is None and _find(axes, theta, 3) is not None:
+            raise NoAnswer(f"In the figure the curve of `{name}` has corners: use `grid`.", "drawn at few points")
+        if found is None and _find(axes, theta[::-1], 3) is not None:
+            raise NoAnswer(f"In the figure `{name}` has a and b swapped.", "a and b swapped in the figure")
+        if found is None:
+            raise NoAnswer(f"In the figure no curve shows b e^(a x) of `{name}` over `grid`.", "no curve")
+        drawn.append(found)
+    for axis in "xy":
+        require_label(axes, "the figure", axis, "")
+    require_legend(axes, "the figure", 3)
+    of_curve, of_line = (legend_text(axes, one).lower() for one in drawn)
+    if "log" in of_curve and "log" not in of_line:
+        return Verdict(False, "The legend of the figure has the two methods swapped.", "legend entries swapped")
+    return Verdict(True, "the curve through all five points, and the other method's beside it.")
+
+
+def _find(axes: AxesValue, theta: FloatArray, least: int) -> CurveValue | None:
+    for curve in axes.curves:
+        if curve.x.size >= least and curve.x.size == curve.y.size and np.all(np.abs(curve.x) < 50):
+            right = as_array("curve", exponential(curve.x, theta[0], theta[1]))
+            if np.allclose(curve.y, right, rtol=1e-2, atol=1e-2):
+                return curve
+    return None

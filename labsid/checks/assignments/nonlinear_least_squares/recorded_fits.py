@@ -1,0 +1,229 @@
+"""Checks of the last two fits: a recorded step response with its standard errors, and output error."""
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from labsid._arrays import FloatArray
+from labsid.checks.assignments.nonlinear_least_squares.estimates import as_estimate, within
+from labsid.checks.compare import as_vector, close
+from labsid.checks.question import Ask, returned, returned_parts
+from labsid.checks.trials import first_order
+from labsid.checks.verdict import Slip, Verdict, judge
+from labsid.lab.step_response import FirstOrderDelay, first_order_response
+from labsid.model_structures.prediction import free_run
+from labsid.model_structures.structures import PolynomialModel, Structure, fit_structure
+from labsid.nonlinear.solve import NonlinearFit, levenberg_marquardt
+
+
+def step(ask: Ask) -> Verdict:
+    """`fit_step(t, y, amplitude)`, which returns theta = [y0, K, tau] and its standard errors."""
+    verdict = Verdict(False, "")
+    for amplitude, gain in ((-0.4, 2.5), (2.0, 0.8)):
+        tau = ask.rng.uniform(6, 10)
+        t: FloatArray = 0.5 * np.arange(90, dtype=np.float64)
+        truth = np.array([ask.rng.uniform(1, 3), gain * ask.rng.uniform(0.8, 1.2), tau])
+        y: FloatArray = _step(t, truth, amplitude) + 0.05 * ask.rng.standard_normal(t.size)
+        fit = _fit_of_step(t, y, amplitude, truth)
+        verdict = _judge_step(ask, t, y, amplitude, fit)
+        if not verdict.passed:
+            break
+    return verdict
+
+
+def _fit_of_step(t: FloatArray, y: FloatArray, amplitude: float, start: FloatArray) -> NonlinearFit:
+    return levenberg_marquardt(
+        lambda theta: _step(t, theta, amplitude), lambda theta: _step_jacobian(t, theta, amplitude), y, start
+    )
+
+
+def _step(t: FloatArray, theta: FloatArray, amplitude: float) -> FloatArray:
+    y0, K, tau = (float(number) for number in theta)
+    return y0 + first_order_response(FirstOrderDelay(K, tau, 0.0), t, amplitude)
+
+
+def _step_jacobian(t: FloatArray, theta: FloatArray, amplitude: float) -> FloatArray:
+    _, K, tau = theta
+    left = np.exp(-t / tau)
+    return np.column_stack([np.ones(t.size), amplitude * (1 - left), -amplitude * K * t / tau**2 * left])
+
+
+def _judge_step(ask: Ask, t: FloatArray, y: FloatArray, amplitude: float, fit: NonlinearFit) -> Verdict:
+    parts = returned_parts(ask, "fit_step", "theta and its standard errors", 2, t, y, amplitude)
+    right, n, p = fit.theta, y.size, 3
+    gain = "`fit_step` leaves the amplitude out: K is the change of y over the size of the step."
+    verdict = judge(
+        as_estimate("theta of fit_step(t, y, amplitude)", parts[0], 3),
+        right,
+        within(fit.stderr),
+        "",
+        "theta of `fit_step` is not the [y0, K, tau] with the smallest SSE: where does your iteration start?",
+        [
+            Slip("amplitude not used", gain, lambda: right * [1, amplitude, 1]),
+            Slip(
+                "rate for time constant",
+                "the third parameter of `fit_step` is a rate: tau is its inverse, in seconds.",
+                lambda: np.array([right[0], right[1], 1 / right[2]]),
+            ),
+            Slip("amplitude not used", gain, lambda: np.array([right[0], right[1] * amplitude, 1 / right[2]])),
+            Slip(
+                "order of theta",
+                "theta of `fit_step` is in another order than [y0, K, tau].",
+                lambda: right[[1, 2, 0]],
+            ),
+            Slip("order of theta", "theta of `fit_step` is in another order than [y0, K, tau].", lambda: right[::-1]),
+            Slip(
+                "final level for the gain",
+                "K of `fit_step` is the final level: the gain is the *change* of y over the size of the step.",
+                lambda: np.array([right[0], right[0] + amplitude * right[1], right[2]]),
+            ),
+        ],
+    )
+    if not verdict.passed:
+        return verdict
+    spread = fit.stderr
+    J = _step_jacobian(t, right, amplitude)
+    return judge(
+        as_vector("standard errors of fit_step(t, y, amplitude)", parts[1], 3),
+        spread,
+        close(3e-3),
+        "each parameter, and how far it is to be trusted.",
+        "the standard errors of `fit_step` are wrong: go through s^2, (J'J)^-1, the diagonal and the roots one by one.",
+        [
+            Slip(
+                "half the SSE",
+                "the standard errors of `fit_step` are too small by the root of two: `cost` of scipy is *half* the "
+                "SSE.",
+                lambda: spread / np.sqrt(2),
+            ),
+            Slip(
+                "divided by n",
+                "`fit_step` divides the SSE by n for s^2. Three parameters have been fitted to it: divide by n - 3.",
+                lambda: spread * np.sqrt((n - p) / n),
+            ),
+            Slip(
+                "half the SSE",
+                "`fit_step` takes half the SSE (scipy's `cost`), and divides it by n in place of n - 3.",
+                lambda: spread * np.sqrt((n - p) / n / 2),
+            ),
+            Slip(
+                "variance for standard error",
+                "`fit_step` returns the variances: take their roots.",
+                lambda: spread**2,
+            ),
+            Slip(
+                "s^2 forgotten",
+                "`fit_step` leaves s^2 out: the covariance is s^2 times the inverse of J'J.",
+                lambda: spread / np.sqrt(fit.sse / (n - p)),
+            ),
+            Slip(
+                "s for s^2",
+                "`fit_step` multiplies the inverse of J'J by s; it takes s^2.",
+                lambda: spread / (fit.sse / (n - p)) ** 0.25,
+            ),
+            Slip(
+                "diagonal inverted alone",
+                "`fit_step` inverts the diagonal of J'J: invert the matrix first, then take its diagonal. What the "
+                "parameters have in common is lost otherwise.",
+                lambda: np.sqrt(fit.sse / (n - p) / np.diag(J.T @ J)),
+            ),
+            Slip("relative", "`fit_step` returns relative errors: do not divide by theta.", lambda: spread / right),
+            Slip(
+                "relative", "`fit_step` returns relative errors: do not divide by theta.", lambda: spread / abs(right)
+            ),
+        ],
+    )
+
+
+def output_error(ask: Ask) -> Verdict:
+    """`fit_output_error(u, y)`, which returns [a, b] of ``x(t) + a x(t-1) = b u(t-1)``, ``y = x + e``."""
+    verdict = Verdict(False, "")
+    for _ in range(2):
+        truth = np.array([-ask.rng.uniform(0.6, 0.9), ask.rng.uniform(0.7, 1.5)])
+        u = ask.rng.uniform(-2, 2, 150)
+        y = _run(truth, u) + 0.7 * ask.rng.standard_normal(150)
+        y[0] = ask.rng.uniform(1, 2)  # so that a run that begins from the measured y(0) is told from one from rest
+        fit = _fit_of_run(u, y, truth)
+        verdict = _judge_output_error(ask, u, y, fit)
+        if not verdict.passed:
+            break
+    return verdict
+
+
+def _fit_of_run(u: FloatArray, y: FloatArray, start: ArrayLike, delay: int = 1) -> NonlinearFit:
+    return levenberg_marquardt(
+        lambda theta: _run(theta, u, delay), lambda theta: _run_jacobian(theta, u, delay), y, start
+    )
+
+
+def _run(theta: FloatArray, u: FloatArray, delay: int = 1) -> FloatArray:
+    a, b = theta
+    return free_run(first_order(a, b, delay=delay), u)
+
+
+def _run_jacobian(theta: FloatArray, u: FloatArray, delay: int = 1) -> FloatArray:
+    a, _ = theta
+    x = _run(theta, u, delay)
+    # x(t) + a x(t-1) = b u(t-1), differentiated with respect to a: the same filter runs on -x(t-1)
+    return np.column_stack([_run(np.array([a, -1.0]), x), _run(np.array([a, 1.0]), u, delay)])
+
+
+def _judge_output_error(ask: Ask, u: FloatArray, y: FloatArray, fit: NonlinearFit) -> Verdict:
+    right = fit.theta
+    one_step = (
+        "`fit_output_error` is the one-step fit: its regressor holds measured, noisy outputs, and a comes out too near "
+        "to zero. Let the model run on u alone and compare *that* with y."
+    )
+
+    def from_first() -> FloatArray:
+        impulse = np.zeros(u.size)
+        impulse[0] = y[0]
+
+        def run(theta: FloatArray) -> FloatArray:
+            return _run(theta, u) + free_run(
+                PolynomialModel(np.array([1.0, theta[0]]), np.array([1.0]), np.array([1.0]), 0), impulse
+            )
+
+        def slope(theta: FloatArray) -> FloatArray:
+            x = run(theta)
+            return np.column_stack([_run(np.array([theta[0], -1.0]), x), _run(np.array([theta[0], 1.0]), u)])
+
+        return levenberg_marquardt(run, slope, y, right).theta
+
+    def arx(start: int) -> FloatArray:
+        return fit_structure(Structure(1, 1), u, y, start=start).model.theta[:2]
+
+    slips: list[Slip[FloatArray]] = [
+        Slip("one-step fit", one_step, lambda: arx(1)),
+        Slip("one-step fit", one_step, lambda: arx(1) * [-1, 1]),
+        Slip("one-step fit", one_step, lambda: arx(2)),
+        Slip("one-step fit", one_step, lambda: arx(0)),
+        Slip(
+            "sign of a",
+            "`fit_output_error` has the other sign of a: it stands on the left side, x(t) + a x(t-1) = b u(t-1).",
+            lambda: right * [-1, 1],
+        ),
+        Slip("a and b swapped", "`fit_output_error` returns b before a.", lambda: right[::-1]),
+        Slip(
+            "lag off by one",
+            "`fit_output_error` lets u(t) act at once; in this model x(t) answers u(t-1).",
+            lambda: _fit_of_run(u, y, [right[0], 0.1], 0).theta,
+        ),
+        Slip(
+            "lag off by one",
+            "`fit_output_error` lets u act one sample too late: x(t) answers u(t-1).",
+            lambda: _fit_of_run(u, y, [right[0], 0.1], 2).theta,
+        ),
+        Slip(
+            "run begins at the measured output",
+            "the run of `fit_output_error` begins at y(0), which is noisy. The system begins at rest: x(0) = 0.",
+            from_first,
+        ),
+    ]
+    return judge(
+        as_estimate("fit_output_error(u, y)", returned(ask, "fit_output_error", u, y), 2),
+        right,
+        within(fit.stderr),
+        "the model whose own run is nearest to the record.",
+        "`fit_output_error` does not return the [a, b] whose run on u alone is nearest to y: what is its SSE?",
+        slips,
+    )

@@ -1,0 +1,266 @@
+"""Checks of starting values and of position from ranges: several minima, and layouts that cannot tell."""
+
+import numpy as np
+
+from labsid._arrays import FloatArray
+from labsid.checks.assignments.nonlinear_least_squares.estimates import as_estimate, within
+from labsid.checks.compare import as_number, kind_of
+from labsid.checks.question import Ask, returned
+from labsid.checks.verdict import NoAnswer, Slip, Verdict, judge
+from labsid.least_squares.solve import least_squares
+from labsid.nonlinear.ranges import locate as right_locate
+from labsid.nonlinear.ranges import ranges_from, ranges_jacobian
+from labsid.nonlinear.solve import NonlinearFit, levenberg_marquardt
+
+LAYOUTS = ("unique", "mirror", "undetermined")
+
+
+def frequency(ask: Ask) -> Verdict:
+    """`fit_frequency(t, y, low, high)`."""
+    t: FloatArray = 0.2 * np.arange(60, dtype=np.float64)
+    for w in ask.rng.permutation([1.4, 3.1, 4.8]):
+        truth = np.array([w + ask.rng.uniform(-0.3, 0.3), ask.rng.uniform(1, 2), ask.rng.uniform(1, 2)])
+        truth[1:] *= ask.rng.choice([-1.0, 1.0], 2)
+        y = _wave(t, truth) + 0.4 * ask.rng.standard_normal(t.size)
+        fit = levenberg_marquardt(lambda th: _wave(t, th), lambda th: _wave_jacobian(t, th), y, truth)
+        verdict = _judge_frequency(as_number(*_frequency_of(ask, t, y)), fit, t, y)
+        if not verdict.passed:
+            return verdict
+    return Verdict(True, "the lowest of many valleys, wherever it lies.")
+
+
+def _frequency_of(ask: Ask, t: FloatArray, y: FloatArray) -> tuple[str, FloatArray]:
+    call = "fit_frequency(t, y, low, high)"
+    value = returned(ask, "fit_frequency", t, y, 0.5, 6.0)
+    if isinstance(value, np.ndarray) and value.size == 3:
+        raise NoAnswer(f"`{call}` returns three numbers: asked for is the frequency alone.", "all three parameters")
+    return call, value  # type: ignore[return-value]
+
+
+def _wave(t: FloatArray, theta: FloatArray) -> FloatArray:
+    w, A, B = theta
+    return np.asarray(A * np.sin(w * t) + B * np.cos(w * t), float)
+
+
+def _wave_jacobian(t: FloatArray, theta: FloatArray) -> FloatArray:
+    w, A, B = theta
+    return np.column_stack([t * (A * np.cos(w * t) - B * np.sin(w * t)), np.sin(w * t), np.cos(w * t)])
+
+
+def _profile(t: FloatArray, y: FloatArray, w: float) -> float:
+    """The smallest SSE at this frequency, twice the loss."""
+    return 2 * least_squares(np.column_stack([np.sin(w * t), np.cos(w * t)]), y).loss
+
+
+def _judge_frequency(w: float, fit: NonlinearFit, t: FloatArray, y: FloatArray) -> Verdict:
+    right, valley = float(fit.theta[0]), np.pi / t[-1]
+    same = within(fit.stderr[:1], 0.2)
+    if same([abs(w)], [right]):
+        return Verdict(True, "")
+    if abs(2 * np.pi * w - right) < 0.01 * right:
+        return Verdict(
+            False, "`fit_frequency` returns Hz: asked for is the angular frequency in rad/s.", "Hz for rad/s"
+        )
+    if not 0.5 <= abs(w) <= 6.0:
+        return Verdict(False, "`fit_frequency` returns a frequency outside low and high.", "outside the range")
+    if any(same([w], [_alone(t, y, column, right, valley)]) for column in (np.sin, np.cos)):
+        return Verdict(
+            False,
+            "`fit_frequency` fits a sine without a cosine, or the other way round: then the phase is fixed. With both, "
+            "it is free.",
+            "phase fixed",
+        )
+    if abs(w - right) < 0.5 * valley:
+        return Verdict(
+            False,
+            "`fit_frequency` finds the right valley and stops on its slope: let a finer search, or an iteration, start "
+            "from the best of your frequencies.",
+            "not refined",
+        )
+    d = 0.02 * valley
+    if min(_profile(t, y, w - d), _profile(t, y, w + d)) >= _profile(t, y, w):
+        return Verdict(
+            False,
+            "`fit_frequency` ends in a local minimum: no frequency beside it is better, but one far away is. Compare "
+            "the SSE of many frequencies between low and high first.",
+            "local minimum",
+        )
+    return Verdict(
+        False,
+        "`fit_frequency` returns a frequency at which the SSE is far larger than it could be: how many frequencies do "
+        "you compare, and do A and B have their best values at each?",
+    )
+
+
+def _alone(t: FloatArray, y: FloatArray, column: np.ufunc, right: float, valley: float) -> float:
+    """The frequency that fits best without the other of sine and cosine."""
+    grid = np.linspace(right - valley, right + valley, 801)
+    return float(grid[np.argmin([least_squares(column(w * t)[:, np.newaxis], y).loss for w in grid])])
+
+
+def locate(ask: Ask) -> Verdict:
+    """`locate(beacons, ranges)`, in rooms and along a road, where the wrong side of it is a local minimum."""
+    across = np.array([-0.7, 0.6, -0.3, 0.5, -0.6]) * ask.rng.uniform(0.8, 1.2)
+    road = np.column_stack([np.array([0.0, 2.3, 5.1, 7.4, 10.0]) + ask.rng.uniform(-0.4, 0.4, 5), across])
+    room = ask.rng.uniform(0, 2, (5, 2)) + np.array([[0, 0], [8, 0], [8, 6], [0, 6], [4, 8]])
+    side = ask.rng.uniform(2.5, 4)
+    for beacons, place in (
+        (room, ask.rng.uniform(3, 6, 2)),
+        (road, np.array([ask.rng.uniform(3, 7), side])),
+        (road, np.array([ask.rng.uniform(3, 7), -side])),
+    ):
+        ranges = ranges_from(beacons, place) + 0.03 * ask.rng.standard_normal(5)
+        verdict = _judge_place(ask, beacons, ranges)
+        if not verdict.passed:
+            return verdict
+    return Verdict(True, "on both sides of a row of beacons, too.")
+
+
+def _judge_place(ask: Ask, beacons: FloatArray, ranges: FloatArray) -> Verdict:
+    fix = right_locate(beacons, ranges)
+    assert fix.fit is not None
+    centre = beacons.mean(axis=0)
+    across = np.linalg.svd(beacons - centre)[2][1]
+    mirrored = fix.position - 2 * ((fix.position - centre) @ across) * across
+    other = levenberg_marquardt(
+        lambda theta: ranges_from(beacons, theta), lambda theta: ranges_jacobian(beacons, theta), ranges, mirrored
+    ).theta
+    got = as_estimate("locate(beacons, ranges)", returned(ask, "locate", beacons, ranges), 2)
+    # |theta|^2 - 2 b'theta + |b|^2 = y^2 is linear in theta and in |theta|^2
+    squares = least_squares(
+        np.column_stack([-2 * beacons, np.ones(ranges.size)]), ranges**2 - np.sum(beacons**2, axis=1)
+    ).theta[:2]
+    differences = _less_their_mean(beacons - centre, ranges) + centre
+    linear = (
+        "`locate` solves the linear equations of the *squared* ranges: another criterion, which trusts far beacons "
+        "too much. It is a good start; go on from there with the ranges themselves."
+    )
+    verdict = judge(
+        got,
+        fix.position,
+        within(fix.fit.stderr),
+        "",
+        "`locate` does not return the position with the smallest sum of (range - distance)^2: what is that sum at "
+        "yours, and what from another start?",
+        [
+            Slip("coordinates swapped", "`locate` returns the second coordinate first.", lambda: fix.position[::-1]),
+            Slip("squared ranges", linear, lambda: squares),
+            Slip("squared ranges", linear, lambda: differences),
+            Slip("squared ranges", linear, lambda: _fourth_power(beacons, ranges, fix.position)),
+            Slip("no step taken", "`locate` returns the centre of the beacons.", lambda: centre),
+        ],
+    )
+    apart = np.linalg.norm(other - fix.position) > 0.5
+    if not verdict.passed and not verdict.slip and apart and np.linalg.norm(got - other) < 0.05:
+        return Verdict(
+            False,
+            "`locate` ends on the wrong side of the beacons: a local minimum, near the mirror image of the best place. "
+            "Start on both sides, and keep the one with the smaller SSE.",
+            "local minimum",
+        )
+    return verdict
+
+
+def _less_their_mean(centred: FloatArray, ranges: FloatArray) -> FloatArray:
+    """The linear equations that remain of the squared ranges when their mean is subtracted."""
+    squares = ranges**2 - np.sum(centred**2, axis=1)
+    return least_squares(-2 * centred, squares - squares.mean()).theta
+
+
+def _fourth_power(beacons: FloatArray, ranges: FloatArray, start: FloatArray) -> FloatArray:
+    return levenberg_marquardt(
+        lambda theta: ranges_from(beacons, theta) ** 2, lambda theta: 2 * (theta - beacons), ranges**2, start
+    ).theta
+
+
+def layout(ask: Ask) -> Verdict:
+    """`layout(beacons)`: what the beacons can tell at all."""
+    trials = trial_layouts(ask.rng)
+    answers = [_layout(ask, beacons) for beacons, _ in trials]
+    truth = [kind for _, kind in trials]
+    if answers == truth:
+        return Verdict(True, "it says beforehand what the measurements will be able to tell.")
+    rules = (
+        (
+            "beacons counted",
+            "counts the beacons. Ten on one line tell no more than two: what matters is how they lie.",
+            [_of_rank(min(len(beacons) - 1, 2)) for beacons, _ in trials],
+        ),
+        (
+            "not centred",
+            "takes the rank of the beacons' coordinates as they are. A line need not pass through the origin: subtract "
+            "one beacon, or their mean, first.",
+            [_of_rank(int(np.linalg.matrix_rank(beacons, tol=1e-9))) for beacons, _ in trials],
+        ),
+        (
+            "mirror and unique swapped",
+            "has two of its answers swapped.",
+            [{"unique": "mirror", "mirror": "unique"}.get(kind, kind) for kind in truth],
+        ),
+        (
+            "one place forgotten",
+            "does not see that all beacons are in one place: then only the distance from it is known.",
+            ["mirror" if kind == "undetermined" else kind for kind in truth],
+        ),
+        (
+            "along the axes only",
+            "only sees lines along an axis: a line may run in any direction.",
+            [_of_rank(int(np.count_nonzero(np.ptp(beacons, axis=0) > 1e-9))) for beacons, _ in trials],
+        ),
+    )
+    for slip, hint, wrong in rules:
+        if answers == wrong:
+            return Verdict(False, f"`layout` {hint}", slip)
+    first = next(i for i, (answer, kind) in enumerate(zip(answers, truth, strict=True)) if answer != kind)
+    if all(answers[i] == truth[i] or i in ROUNDED for i in range(len(trials))):
+        return Verdict(
+            False,
+            "`layout` misses beacons on a slanting line: through rounding, what should be zero is about 1e-16. Compare "
+            "with a small tolerance, not with 0.",
+            "zero compared exactly",
+        )
+    beacons, kind = trials[first]
+    return Verdict(
+        False, f"`layout` is wrong for {len(beacons)} beacons that {_SAID[kind]}: it says {answers[first]!r}."
+    )
+
+
+_SAID = {"unique": "span the plane", "mirror": "lie on one line", "undetermined": "are in one place"}
+ROUNDED = (6, 7)
+"""Those of the trial layouts whose coordinates are rounded."""
+
+
+def _of_rank(rank: int) -> str:
+    return LAYOUTS[2 - min(rank, 2)]
+
+
+def trial_layouts(rng: np.random.Generator) -> list[tuple[FloatArray, str]]:
+    """Layouts with what they can tell, known from how they are made."""
+
+    def on_line(n: int, direction: FloatArray, through: FloatArray) -> FloatArray:
+        along = np.arange(n) + 0.25 * rng.integers(0, 4, n)
+        return np.asarray(through + along[:, np.newaxis] * direction, float)
+
+    corner = rng.integers(2, 9, 2).astype(float)
+    angles = rng.uniform(0.3, 1.2, 2)
+    slanting = np.array([[3.0, 1.0], [1.0, 2.0]])[int(rng.integers(2))]
+    return [
+        (corner + rng.uniform(-1, 1, (3, 2)) + np.array([[0, 0], [6, 0], [0, 6]]), "unique"),
+        (corner + rng.uniform(-1, 1, (5, 2)) + np.array([[0, 0], [6, 0], [0, 6], [6, 6], [3, 3]]), "unique"),
+        (corner + rng.uniform(0, 3, (2, 2)) + np.array([[0, 0], [6, 4]]), "mirror"),
+        (on_line(5, np.array([1.0, 0.0]), corner), "mirror"),
+        (on_line(4, slanting, corner + np.array([0, 1])), "mirror"),
+        (on_line(4, np.array([2.0, 1.0]), np.zeros(2)) + np.array([[0, 0], [0, 1], [0, 0], [0, 2]]), "unique"),
+        *((on_line(5, np.array([np.cos(one), np.sin(one)]), corner), "mirror") for one in angles),
+        (np.repeat(corner[np.newaxis], 3, axis=0), "undetermined"),
+        (np.repeat(rng.integers(1, 9, (1, 2)).astype(float), 4, axis=0), "undetermined"),
+        (corner + rng.uniform(0, 1, (1, 2)), "undetermined"),
+    ]
+
+
+def _layout(ask: Ask, beacons: FloatArray) -> str:
+    value = returned(ask, "layout", beacons)
+    if not isinstance(value, str) or value.strip().lower() not in LAYOUTS:
+        what = repr(value[:40]) if isinstance(value, str) else kind_of(value)
+        raise NoAnswer(f"`layout` should return one of the texts {', '.join(LAYOUTS)}; it returns {what}.")
+    return value.strip().lower()

@@ -1,0 +1,147 @@
+"""Judging `fit_order`: a fit of any order, tried on data that it has not seen."""
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from labsid._arrays import FloatArray
+from labsid.checks.assignments.lab_identification.lab_data import LabData
+from labsid.checks.compare import as_vector
+from labsid.checks.question import Ask
+from labsid.checks.values import Value
+from labsid.checks.verdict import NoAnswer, Slip, Verdict, judge
+from labsid.lab.arx import arx_from_theta, fit_arx
+from labsid.lab.regressor import build_phi
+from labsid.lab.simulation import simulate
+from labsid.least_squares.solve import least_squares
+
+ORDERS = (1, 2, 3)
+TRIAL_SAMPLES = 200
+TRIAL_NOISE = 0.01
+LATEST_START = 12
+EXACT_WITHIN = 1e-5
+"""Of the largest parameter, on data without noise: the normal equations square the condition number."""
+SAME_FIT = 1e-6
+
+
+def judge_fit_order(ask: Ask, data: LabData) -> Verdict:
+    """Judge ``fit_order(u, y, n)`` on data of systems of several orders, without and with noise.
+
+    Without noise every right fit finds the system, wherever its rows start; with noise it is the least-squares fit from
+    one of the sensible first rows.
+    """
+    for noise in (0.0, TRIAL_NOISE):
+        for n in ORDERS:
+            theta, u, y = _trial(ask.rng, n, data.Ts)
+            y = y + noise * ask.rng.standard_normal(y.size)
+            got = _fitted(ask, u, y, n)
+            if noise == 0 and _close(got, theta, EXACT_WITHIN):
+                continue
+            if noise and any(_close(got, fit, SAME_FIT) for fit in _fits(u, y, n, data.Ts)):
+                continue
+            otherwise = (
+                f"For n = {n} it does not return the least-squares theta of eq. (8). Try it against your `theta_1`."
+            )
+            if noise:
+                otherwise = (
+                    f"For n = {n} it finds a system without noise, but with noise it is not the least-squares theta."
+                )
+            return judge(got, theta, _alike, "", otherwise, list(_slips(u, y, n, data)))
+    return Verdict(True, "It fits models of every order that was tried, on data that you have not seen.")
+
+
+def judge_second_order(theta_2: Value, data: LabData) -> Verdict:
+    """Judge theta_2 itself: the second-order fit to the first half, from any sensible first row."""
+    got = as_vector("theta_2", theta_2, 4)
+    for half in range(data.half, -(-data.y.size // 2) + 2):
+        if any(_close(got, fit, SAME_FIT) for fit in _fits(data.u[:half], data.y[:half], 2, data.Ts)):
+            return Verdict(True, "")
+    for fit in _fits(data.u, data.y, 2, data.Ts):
+        if _close(got, fit, SAME_FIT):
+            return Verdict(
+                False, "`theta_2` was fitted on all the data: hand in `u[:half]` and `y[:half]`.", "fit on all the data"
+            )
+    return Verdict(False, "`theta_2` should be `fit_order(u[:half], y[:half], 2)`, as the cell was given.")
+
+
+def _fits(u: FloatArray, y: FloatArray, n: int, Ts: float) -> Iterator[FloatArray]:
+    """The fits from every sensible first row, the likeliest first; the last sample may have been left out."""
+    for stop in (y.size, y.size - 1):
+        for start in sorted(range(LATEST_START), key=lambda k: abs(k - n)):
+            yield fit_arx(u, y, Ts, n, start, stop).model.theta
+
+
+def _fitted(ask: Ask, u: FloatArray, y: FloatArray, n: int) -> FloatArray:
+    value = ask.call("fit_order", u, y, n)
+    if value is None:
+        raise NoAnswer("`fit_order` returns nothing: end it with `return` and theta.", "nothing returned")
+    if isinstance(value, tuple) and len(value) == 4:
+        raise NoAnswer(
+            "`fit_order` returns all that `lstsq` does; return the first of it, `[0]`.", "all that lstsq returns"
+        )
+    got = as_vector(f"fit_order(u, y, {n})", value)
+    if got.size != 2 * n:
+        slip = "order fixed" if got.size in (2, 4) else None
+        raise NoAnswer(
+            f"A model of order {n} has {2 * n} parameters; `fit_order(u, y, {n})` returns {got.size}: does it use n?",
+            slip,
+        )
+    return got
+
+
+def _trial(rng: np.random.Generator, n: int, Ts: float) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """A stable system of order n, an input that excites it, and its output from rest."""
+    poles = np.linspace(0.15, 0.85, n) + rng.uniform(-0.1, 0.1, n)
+    b = rng.choice([-1.0, 1.0]) * rng.uniform(0.5, 1.5, n)
+    theta = np.concatenate([-np.poly(poles)[1:], b])
+    u = np.where(rng.random(TRIAL_SAMPLES) < 0.5, -1.0, 1.0) * rng.uniform(0.5, 1.0, TRIAL_SAMPLES)
+    return theta, u, simulate(arx_from_theta(theta, Ts), u)
+
+
+def _slips(u: FloatArray, y: FloatArray, n: int, data: LabData) -> Iterator[Slip[FloatArray]]:
+    for k in range(n + 2):
+        yield from _slips_from(u, y, n, k, data)
+
+
+def _slips_from(u: FloatArray, y: FloatArray, n: int, k: int, data: LabData) -> Iterator[Slip[FloatArray]]:
+    """The slips of a fit whose rows start at k."""
+
+    def order(wrong: FloatArray) -> Slip[FloatArray]:
+        hint = "theta is in the wrong order: first all of y's parameters, lag 1 first, then all of u's."
+        return Slip("order of theta", hint, lambda: wrong)
+
+    def lag(hint: str, past_y: FloatArray, past_u: FloatArray) -> Slip[FloatArray]:
+        return Slip("lag off by one", hint, lambda: least_squares(np.hstack([past_y, past_u]), y[k:]).theta)
+
+    def own(stop: int) -> Slip[FloatArray]:
+        hint = "It fits the record whatever is handed in: use the arguments u and y, not the variables outside."
+        return Slip("arguments not used", hint, lambda: fit_arx(data.u, data.y, data.Ts, n, k, stop).model.theta)
+
+    right = fit_arx(u, y, data.Ts, n, k).model.theta
+    sign = np.repeat([-1.0, 1.0], n)
+    yield Slip("sign of a", "It returns [a, b]; theta is [-a, b], as eq. (8) gives it.", lambda: sign * right)
+    by_signal = right.reshape(2, n)
+    yield order(np.roll(right, n))
+    yield order(right[::-1])
+    yield order(by_signal[:, ::-1].reshape(-1))
+    yield order(by_signal.T.reshape(-1))
+    swapped = "The roles of u and y are swapped: the arguments come as fit_order(u, y, n), input first."
+    yield Slip("u and y swapped", swapped, lambda: fit_arx(y, u, data.Ts, n, k).model.theta)
+    yield own(data.half)
+    yield own(data.y.size)
+    past_y, past_u = np.hsplit(build_phi(u, y, n, k).Phi, 2)
+    early_u = np.column_stack([u[k:], past_u[:, :-1]])
+    yield lag("The row for y(k) holds u(k); the model is strictly proper, so u(k-1) comes first.", past_y, early_u)
+    if k >= 1:
+        late_y, late_u = np.hsplit(build_phi(u, y, n, k - 1, y.size - 1).Phi, 2)
+        yield lag("The lags of y are off by one: the row for y(k) begins with y(k-1).", late_y, past_u)
+        yield lag("The lags of u are off by one: after y's, the row for y(k) has u(k-1) first.", past_y, late_u)
+        yield lag("All lags are off by one: the row for y(k) begins with y(k-1).", late_y, late_u)
+
+
+def _alike(a: FloatArray, b: FloatArray) -> bool:
+    return _close(a, b, SAME_FIT)
+
+
+def _close(a: FloatArray, b: FloatArray, within: float) -> bool:
+    return a.shape == b.shape and bool(np.max(np.abs(a - b)) <= within * np.max(np.abs(b)))

@@ -1,0 +1,184 @@
+"""Judging two noisy sinusoids by what all runs share: the signal underneath and the statistics of the noise."""
+
+from collections.abc import Callable
+
+import numpy as np
+
+from labsid._arrays import FloatArray
+from labsid.checks.verdict import NoAnswer
+from labsid.lab.sinusoid import NOISE_BOUND
+
+Wave = Callable[[FloatArray], FloatArray]
+
+# With 1001 samples, right noise passes each limit below but for about one run in a million.
+BINS = 10
+LARGEST_CHI_SQUARE = 45.0
+"""Of the counts in `BINS` equal parts of the range: chi-square with 9 degrees of freedom."""
+REACHED = 0.95
+"""Share of the bound that the largest and the smallest value reach."""
+AT_THE_BOUND = 15
+"""The most values that may equal the bound."""
+UNRELATED = 0.2
+"""Largest correlation between two noises, or between a noise and itself one sample later."""
+GAUSSIAN_KURTOSIS = 2.4
+"""Between 1.8 of a uniform distribution and 3 of a Gaussian one."""
+STANDARD_ERRORS = 6.0
+LARGEST_MEAN = 0.6
+"""Of a noise on a wrong wave: wrong noise may come with it."""
+
+_EPSILON = 1e-9
+
+_WRONG_WAVES: tuple[tuple[str, str, Callable[[Wave, FloatArray], FloatArray]], ...] = (
+    (
+        "period of 50 s",
+        "its period is 50 s: it goes through two periods in 100 s. Look at the factor before t",
+        lambda wave, t: wave(0.04 * np.pi * t),
+    ),
+    (
+        "period of 200 s",
+        "its period is 200 s: only half a period fits into 100 s. The angle is 2 pi t / T",
+        lambda wave, t: wave(0.01 * np.pi * t),
+    ),
+    (
+        "degrees instead of radians",
+        "the angle is in degrees; np.sin and np.cos take radians, 2 pi for a whole period",
+        lambda wave, t: wave(3.6 * t),
+    ),
+    (
+        "degrees instead of radians",
+        "the angle was converted as if it were in degrees; it is in radians already",
+        lambda wave, t: wave(np.deg2rad(0.02 * np.pi * t)),
+    ),
+    (
+        "pi forgotten",
+        "pi is missing in the angle, which is 2 pi t / T",
+        lambda wave, t: wave(0.02 * t),
+    ),
+    (
+        "two pi forgotten",
+        "2 pi is missing in the angle, which is 2 pi t / T",
+        lambda wave, t: wave(t / 100),
+    ),
+    (
+        "period of 2 pi seconds",
+        "the angle is t itself, so its period is 2 pi seconds. The angle is 2 pi t / T",
+        lambda wave, t: wave(t),
+    ),
+    (
+        "frequency in place of the period",
+        "100 s is its period T, not its frequency: the angle is 2 pi t / T",
+        lambda wave, t: wave(200 * np.pi * t),
+    ),
+    (
+        "sample number in place of time",
+        "its period is 10 s: was the sample number taken for the time?",
+        lambda wave, t: wave(0.2 * np.pi * t),
+    ),
+)
+
+_WRONG_SPREADS: tuple[tuple[float, float, str, str], ...] = (
+    (0.0, 0.2, "one-sided noise", "is never negative: the bound ±0.2 has two sides"),
+    (-0.2, 0.0, "one-sided noise", "is never positive: the bound ±0.2 has two sides"),
+    (0.0, 0.4, "noise not centred", "has the right width, but its mean is not zero: shift it"),
+    (-0.4, 0.0, "noise not centred", "has the right width, but its mean is not zero: shift it"),
+    (-0.1, 0.1, "noise of half the bound", "is 0.2 wide in all. The bound ±0.2 makes it twice as wide"),
+    (-0.4, 0.4, "noise of twice the bound", "reaches to both sides twice as far as the bound"),
+    (
+        0.0,
+        1.0,
+        "noise straight from rand",
+        "runs from 0 to 1, as the generator makes it: shift and stretch it to ±0.2",
+    ),
+    (-0.5, 0.5, "noise shifted but not scaled", "is 1 wide: stretch it to the bound as well"),
+    (-1.0, 1.0, "noise shifted but not scaled", "runs from -1 to 1: scale it to the bound as well"),
+    (-0.2, 0.8, "noise shifted but not scaled", "is 1 wide: scale it to 0.4 first, then shift it"),
+)
+
+
+def require_wave(name: str, t: FloatArray, y: FloatArray, wave: Wave, other: Wave) -> None:
+    """Refuse `y` unless ``wave(2 pi t / 100)`` lies under its noise; names the wave that is there instead."""
+    right, swapped = wave(0.02 * np.pi * t), other(0.02 * np.pi * t)
+    columns = np.column_stack([np.ones(t.size), right, swapped])
+    coefficients, *_ = np.linalg.lstsq(columns, y, rcond=None)
+    spread = float(np.std(y - columns @ coefficients))
+    tolerance = STANDARD_ERRORS * spread * np.sqrt(2 / t.size) + _EPSILON
+    if abs(coefficients[1] - 1) <= tolerance and abs(coefficients[2]) <= tolerance:
+        return
+    if abs(coefficients[2] - 1) <= tolerance and abs(coefficients[1]) <= tolerance:
+        raise NoAnswer(f"`{name}`: sine and cosine are swapped. `y1` is the sine.", "sine and cosine swapped")
+    # a candidate may be constant at the samples, so each is judged by what it leaves over, not by a fit
+    rests = [y - made(wave, t) for _, _, made in _WRONG_WAVES]
+    nearest = int(np.argmin([np.std(rest) for rest in rests]))
+    if np.std(rests[nearest]) < 0.5 * np.std(y - right) and abs(np.median(rests[nearest])) <= LARGEST_MEAN:
+        slip, text, _ = _WRONG_WAVES[nearest]
+        raise NoAnswer(f"`{name}`: {text}.", slip)
+    raise NoAnswer(f"`{name}` is not a sinusoid of amplitude 1 and period 100 s with noise on it. See step 2.")
+
+
+def require_uniform(name: str, noise: FloatArray) -> None:
+    """Refuse noise that is not uniform within the bound; names what it is instead."""
+    if np.ptp(noise) < _EPSILON:
+        if abs(noise[0]) < _EPSILON:
+            raise NoAnswer(f"`{name}` has no noise yet: add it to the sinusoid.", "no noise")
+        raise NoAnswer(
+            f"All samples of `{name}` have got the same random number. Ask for as many as there are samples: "
+            "`t.shape`.",
+            "one random number for all samples",
+        )
+    if np.sum(np.abs(np.abs(noise) - NOISE_BOUND) < _EPSILON) > AT_THE_BOUND:
+        raise NoAnswer(
+            f"Many values of the noise in `{name}` sit exactly at the bound, as if it had been clipped there. Uniform "
+            "noise needs no clipping.",
+            "noise clipped at the bound",
+        )
+    if _is_uniform(noise, -NOISE_BOUND, NOISE_BOUND):
+        return
+    for low, high, slip, text in _WRONG_SPREADS:
+        if _is_uniform(noise, low, high):
+            raise NoAnswer(f"The noise in `{name}` {text}.", slip)
+    deviation = noise - noise.mean()
+    kurtosis = np.mean(deviation**4) / np.mean(deviation**2) ** 2
+    if kurtosis > GAUSSIAN_KURTOSIS:
+        raise NoAnswer(
+            f"The noise in `{name}` piles up at its mean, like Gaussian noise (`randn`, `normal`). Uniform "
+            "noise takes every value within its bound equally often, and none outside.",
+            "Gaussian noise",
+        )
+    raise NoAnswer(
+        f"The noise in `{name}` is not uniform within ±0.2: it should fill the range from -0.2 to 0.2 evenly "
+        "and never leave it."
+    )
+
+
+def require_independent(noises: dict[str, FloatArray]) -> None:
+    """Refuse two noises that are one, or that remember what they were a sample before."""
+    (first, one), (second, two) = noises.items()
+    together = _correlation(one, two)
+    if abs(together) > 1 - _EPSILON:
+        raise NoAnswer(
+            f"`{first}` and `{second}` carry the same noise. Draw new random numbers for each (and do "
+            "not start two generators from the same seed).",
+            "the same noise in both",
+        )
+    if abs(together) > UNRELATED:
+        raise NoAnswer(f"The noises in `{first}` and `{second}` have to do with each other: draw each on its own.")
+    for name, noise in noises.items():
+        if abs(_correlation(noise[1:], noise[:-1])) > UNRELATED:
+            raise NoAnswer(
+                f"The noise in `{name}` is no noise: each value can be told from the one before. Draw random numbers.",
+                "noise that is not random",
+            )
+
+
+def _is_uniform(noise: FloatArray, low: float, high: float) -> bool:
+    middle, half = (low + high) / 2, (high - low) / 2
+    scaled = (noise - middle) / half
+    if np.max(np.abs(scaled)) > 1 + _EPSILON or min(-scaled.min(), scaled.max()) < REACHED:
+        return False
+    counts, _ = np.histogram(scaled, bins=BINS, range=(-1, 1))
+    expected = noise.size / BINS
+    return bool(np.sum((counts - expected) ** 2) / expected <= LARGEST_CHI_SQUARE)
+
+
+def _correlation(one: FloatArray, two: FloatArray) -> float:
+    return float(np.corrcoef(one, two)[0, 1])

@@ -1,0 +1,262 @@
+"""Checks of the lecture's middle: Example 6-1, its regressors, RLS with a forgetting factor, Fig. 9 and 10."""
+
+from functools import cache, partial
+
+import numpy as np
+
+from labsid._arrays import FloatArray
+from labsid.checks.assignments.recursive_identification.reference_runs import faulty_run, is_one_array, reference_run
+from labsid.checks.compare import SAME, as_figure, as_history, as_matrix, as_vector, close
+from labsid.checks.figures import find_curve, legend_text, plain_text, require_label, require_legend
+from labsid.checks.question import Ask, returned, returned_parts
+from labsid.checks.values import CurveValue, Value
+from labsid.checks.verdict import NoAnswer, Slip, Verdict, judge
+from labsid.model_structures.lecture_systems import ChangingRecord, example_6_1
+from labsid.model_structures.structures import Structure, build_equations
+
+SEED_OF_THE_RECORD = 69
+LN = 1e6
+SETTLED = 20
+"""From this row on no trace is left of the start, whatever large number it was made with."""
+_LATEST_START = 5
+_STRUCTURE = Structure(2, 1)
+_NAMES = ("a1", "a2", "b1")
+
+
+@cache
+def lecture_record() -> ChangingRecord:
+    """The record of Example 6-1 that the notebook makes."""
+    return example_6_1(np.random.default_rng(SEED_OF_THE_RECORD))
+
+
+def regressors(ask: Ask) -> Verdict:
+    """`regressors(u, y)`, then what it gives for the record of Example 6-1."""
+    for n in (12, 17):
+        verdict = _rows(ask.rng.uniform(1, 3, n) * ask.rng.choice([-1, 1], n), ask.rng.uniform(1, 4, n), ask)
+        if not verdict.passed:
+            return verdict
+    record = lecture_record()
+    Phi, Y = as_matrix("Phi_61", ask.value("Phi_61"), (None, 3)), as_vector("Y_61", ask.value("Y_61"))
+    start = record.y.size - Y.size
+    same = close(1e-9)
+    if not 0 <= start <= _LATEST_START or not (
+        same(Phi, build_equations(_STRUCTURE, record.u, record.y, start=start).Phi) and same(Y, record.y[start:])
+    ):
+        return Verdict(False, "the function is right, `Phi_61` or `Y_61` is not: leave the last line as it was given.")
+    return Verdict(True, "a row for each sample, with the past in the order of theta = [a1, a2, b1].")
+
+
+def right_regressors(_: Ask) -> dict[str, Value]:
+    """The rows of Example 6-1."""
+    equations = build_equations(_STRUCTURE, lecture_record().u, lecture_record().y)
+    return {"Phi_61": equations.Phi, "Y_61": equations.Y}
+
+
+def _rows(u: FloatArray, y: FloatArray, ask: Ask) -> Verdict:
+    n = y.size
+    got_Phi, got_Y = returned_parts(ask, "regressors", "Phi and Y", 2, u, y)
+    if isinstance(got_Phi, np.ndarray) and got_Phi.ndim == 1 and isinstance(got_Y, np.ndarray) and got_Y.ndim == 2:
+        return Verdict(False, "`regressors` returns Y before Phi.", "Phi and Y swapped")
+    Phi, Y = as_matrix("Phi of regressors(u, y)", got_Phi, (None, 3)), as_vector("Y of regressors(u, y)", got_Y)
+    start = n - Phi.shape[0]
+    if Y.size != Phi.shape[0]:
+        return Verdict(
+            False,
+            f"`regressors` returns {Phi.shape[0]} rows of Phi and {Y.size} of Y: each row of Phi goes with one y(t).",
+            "Phi and Y of unequal length",
+        )
+    if not 0 <= start <= _LATEST_START:
+        return Verdict(False, f"`regressors` makes {Phi.shape[0]} rows of {n} samples: begin at the third sample.")
+    right = build_equations(_STRUCTURE, u, y, start=start).Phi
+    early = [build_equations(_STRUCTURE, u, y, start=s).Phi[: n - start] for s in range(start)]
+    lag = (
+        "a lag of `regressors` is off by one: the row of y(t) holds y(t-1), y(t-2) and u(t-1), nothing newer or older."
+    )
+    future = np.append(u, 0.0)
+    verdict = judge(
+        Phi,
+        right,
+        SAME,
+        "",
+        "Phi of `regressors` is not [-y(t-1), -y(t-2), u(t-1)]: write the row of the third sample down by hand.",
+        [
+            Slip(
+                "sign of a",
+                "`regressors` has +y where theta = [a1, a2, b1] asks for -y. (The lab's theta begins with -a1, and "
+                "there the regressor is +y.)",
+                lambda: right * [-1, -1, 1],
+            ),
+            Slip(
+                "order of the columns",
+                "the columns of `regressors` are in another order than theta = [a1, a2, b1].",
+                lambda: right[:, [2, 0, 1]],
+            ),
+            Slip(
+                "order of the columns",
+                "`regressors` has y(t-2) before y(t-1): a1 belongs to y(t-1).",
+                lambda: right[:, [1, 0, 2]],
+            ),
+            Slip("lag off by one", lag, lambda: np.column_stack([right[:, :2], u[start:]])),
+            Slip("lag off by one", lag, lambda: np.column_stack([-y[start:], right[:, 0], right[:, 2]])),
+            Slip("lag off by one", lag, lambda: np.column_stack([-y[start:], right[:, 0], u[start:]])),
+            Slip("lag off by one", lag, lambda: np.column_stack([right[:, :2], u[start - 2 : n - 2]])),
+            Slip("lag off by one", lag, lambda: np.column_stack([right[:, :2], future[start + 1 :]])),
+            Slip(
+                "index goes round to the end",
+                "`np.roll` brings the end of the record round to its start: a sample from the future. Begin at the "
+                "third sample, or fill with zeros.",
+                lambda: np.column_stack([-np.roll(y, 1), -np.roll(y, 2), np.roll(u, 1)])[start:],
+            ),
+            *(
+                Slip(
+                    "rows do not start together",
+                    "Phi of `regressors` stops before Y does: its rows belong to earlier samples than they should.",
+                    partial(np.copy, wrong),
+                )
+                for wrong in early
+            ),
+        ],
+    )
+    if not verdict.passed:
+        return verdict
+    return judge(
+        Y,
+        y[start:],
+        SAME,
+        "",
+        "Y of `regressors` holds other samples than the rows of Phi are for.",
+        [
+            Slip(
+                "rows do not start together",
+                "Y of `regressors` is one sample early: the row with y(t-1) in it belongs to y(t).",
+                lambda: y[start - 1 : n - 1] if start else y + 1,
+            ),
+            Slip("sign of Y", "`regressors` has the sign of Y turned: the minus belongs into Phi.", lambda: -y[start:]),
+            Slip(
+                "u for y", "Y of `regressors` holds the input; it is the output that is predicted.", lambda: u[start:]
+            ),
+        ],
+    )
+
+
+def forgetting(ask: Ask) -> Verdict:
+    """`rls(Phi, Y, lam, LN)`, then its two runs over Example 6-1."""
+    for n, p, lam, large in ((12, 2, 1.0, 50.0), (15, 3, 0.9, 200.0), (14, 2, 0.75, 5.0)):
+        verdict = _one_run(ask, n, p, lam, large)
+        if not verdict.passed:
+            return verdict
+    Phi, Y = as_matrix("Phi_61", ask.known("Phi_61"), (None, 3)), as_vector("Y_61", ask.known("Y_61"))
+    for name, lam in (("theta_1", 1.0), ("theta_099", 0.99)):
+        got = as_history(name, ask.value(name), *Phi.shape)
+        if not close(0.0, 1e-3)(got[SETTLED:], reference_run(Phi, Y, lam, LN).theta[SETTLED:]):
+            return Verdict(False, f"the function is right, `{name}` is not: leave the last lines as they were given.")
+    return Verdict(True, "every sample updates the estimate, and with lambda below 1 the old ones fade.")
+
+
+def right_histories(ask: Ask) -> dict[str, Value]:
+    """What the last lines of that step compute, from the regressors that the student went on with."""
+    Phi, Y = as_matrix("Phi_61", ask.known("Phi_61"), (None, 3)), as_vector("Y_61", ask.known("Y_61"))
+    return {name: reference_run(Phi, Y, lam, LN).theta for name, lam in (("theta_1", 1.0), ("theta_099", 0.99))}
+
+
+def _one_run(ask: Ask, n: int, p: int, lam: float, large: float) -> Verdict:
+    Phi, Y = ask.rng.uniform(-2, 2, (n, p)), ask.rng.uniform(-3, 3, n)
+    call = f"rls(Phi, Y, {lam:g}, {large:g})"
+    got = as_history(call, returned(ask, "rls", Phi, Y, lam, large), n, p)
+    right = reference_run(Phi, Y, lam, large).theta
+    wrong = partial(faulty_run, Phi, Y, lam, large)
+    if is_one_array(got, [right]):
+        return Verdict(
+            False,
+            "every row of `rls` is the last estimate: the same array was stored each time and changed in place "
+            "(`theta += ...`). Store a copy, or write `theta = theta + ...`.",
+            "one array stored again and again",
+        )
+    return judge(
+        got,
+        right,
+        SAME,
+        "",
+        f"`{call}` does not give the estimates of RLS"
+        + (", though with lambda = 1 it does: look at the two places of lambda." if lam < 1 else ", with lambda = 1."),
+        [
+            Slip(
+                "lambda not used",
+                "`rls` runs with lambda = 1, whatever lam is.",
+                lambda: reference_run(Phi, Y, 1.0, large).theta,
+            ),
+            Slip(
+                "1 in the denominator",
+                "the denominator of `rls` is 1 + phi'P phi: with forgetting the 1 becomes lambda.",
+                lambda: wrong(denominator=1.0),
+            ),
+            Slip(
+                "not divided by lambda",
+                "P of `rls` is not divided by lambda. Without that it only shrinks, and nothing is forgotten.",
+                lambda: wrong(factor=1.0),
+            ),
+            Slip(
+                "multiplied by lambda",
+                "`rls` multiplies P by lambda: old samples would count more and more. Divide.",
+                lambda: wrong(factor=lam),
+            ),
+            Slip(
+                "gain from the old P",
+                "`rls` takes the gain from the P before the sample: update P first.",
+                lambda: wrong(old_gain=True),
+            ),
+            Slip("sign of the error", "`rls` moves away from the samples.", lambda: wrong(sign=-1.0)),
+            Slip(
+                "start not used",
+                "`rls` does not begin with P = LN I for the LN that it is given.",
+                lambda: reference_run(Phi, Y, lam, 1e6).theta,
+            ),
+            Slip(
+                "start not used",
+                "`rls` begins with P = I, whatever LN is.",
+                lambda: reference_run(Phi, Y, lam, 1.0).theta,
+            ),
+            Slip(
+                "history begins with theta(0)",
+                "row k of `rls` is the estimate before sample k: store theta after its update.",
+                lambda: np.vstack([np.zeros(p), right[:-1]]),
+            ),
+        ],
+    )
+
+
+def figures(ask: Ask) -> Verdict:
+    """Fig. 9 and 10: the three estimates over time, and the truth."""
+    rows = as_vector("Y_61", ask.known("Y_61")).size
+    histories = {name: as_history(name, ask.known(name), rows, 3) for name in ("theta_1", "theta_099")}
+    truth = lecture_record().theta
+    for figure, name, other in (("9", "theta_1", "theta_099"), ("10", "theta_099", "theta_1")):
+        where = f"Fig. {figure}"
+        axes = as_figure(f"fig_{figure}", ask.value(f"fig_{figure}"), axes=1).axes[0]
+        if not axes.curves:
+            raise NoAnswer(f"`fig_{figure}` is empty: draw in its axes.", "empty axes")
+        curves: list[CurveValue] = []
+        for i, parameter in enumerate(_NAMES):
+            curve = find_curve(axes, histories[name][:, i])
+            if curve is None and find_curve(axes, histories[other][:, i]) is not None:
+                raise NoAnswer(
+                    f"{where} shows `{other}`: Fig. 9 is lambda = 1, Fig. 10 is lambda = 0.99.", "figures swapped"
+                )
+            if curve is None:
+                raise NoAnswer(f"In {where} no curve shows {parameter}, column {i} of `{name}`.", "no curve")
+            if not any(find_curve(axes, truth[start:, i]) for start in range(_LATEST_START + 1)):
+                raise NoAnswer(
+                    f"{where} has no curve of the true {parameter}: draw the columns of `theta_true`, too.",
+                    "truth missing",
+                )
+            curves.append(curve)
+        for axis in "xy":
+            require_label(axes, where, axis, "")
+        require_legend(axes, where, 3)
+        for curve, parameter in zip(curves, _NAMES, strict=True):
+            text = plain_text(legend_text(axes, curve)).replace("_", "")
+            if parameter not in text:
+                if any(another in text for another in _NAMES):
+                    raise NoAnswer(f"The legend of {where} gives {parameter} another name.", "legend entries swapped")
+                raise NoAnswer(f"The legend of {where} should name the curve of {parameter}.", "no legend")
+    return Verdict(True, "one estimate that averages for ever, and one that follows.")

@@ -1,0 +1,245 @@
+"""Checks of the lecture's end: covariance wind-up and how to stop it, and a form of RLS that loses its symmetry."""
+
+from functools import partial
+
+import numpy as np
+
+from labsid._arrays import FloatArray
+from labsid.checks.assignments.recursive_identification.reference_runs import is_one_array, reference_run
+from labsid.checks.compare import SAME, as_history, as_vector
+from labsid.checks.question import Ask, returned_parts
+from labsid.checks.verdict import Slip, Verdict, judge
+from labsid.estimation.recursion import RecursiveState
+from labsid.estimation.recursive import recursive_least_squares
+from labsid.model_structures.structures import Structure, build_equations
+
+Run = tuple[FloatArray, FloatArray]
+
+_FIR = Structure(0, 2)
+
+_LEAST_ROUNDING = 1e-20
+"""Relative to P, rounding is about 1e-16; relative to 1, in the trials, another 1e-9 smaller."""
+
+
+def windup(ask: Ask) -> Verdict:
+    """`rls_bounded(Phi, Y, lam, LN, bound)`: forgetting pauses at a bound on the trace of P."""
+    verdict = Verdict(False, "")
+    for lam, LN, bound in ((0.8, 5.0, 30.0), (0.9, 10.0, 4.0), (0.95, 10.0, 0.5)):
+        verdict = _one_bounded(ask, lam, LN, bound)
+        if not verdict.passed:
+            break
+    return verdict
+
+
+def _one_bounded(ask: Ask, lam: float, LN: float, bound: float) -> Verdict:
+    busy, quiet, p = 25, 45, 2
+    u = np.concatenate(
+        [ask.rng.uniform(-2, 2, busy), np.full(quiet, ask.rng.uniform(0.5, 1.5)), ask.rng.uniform(-2, 2, busy)]
+    )
+    Phi = build_equations(_FIR, u, np.zeros(u.size), start=0).Phi
+    Y = Phi @ ask.rng.uniform(1, 3, p) + ask.rng.uniform(-1, 1, Phi.shape[0])
+    call = f"rls_bounded(Phi, Y, {lam:g}, {LN:g}, {bound:g})"
+    parts = returned_parts(ask, "rls_bounded", "the history of theta and that of the trace", 2, Phi, Y, lam, LN, bound)
+    theta = as_history(f"theta of {call}", parts[0], *Phi.shape)
+    trace = as_vector(f"trace of {call}", parts[1], Phi.shape[0])
+    start = RecursiveState(np.zeros(p), LN * np.eye(p), bound, np.empty(0))
+    run = recursive_least_squares(Phi, Y, lam, start)
+    right: Run = (run.theta, run.P_trace)
+    if is_one_array(theta, [right[0]]):
+        return Verdict(
+            False,
+            "every row of `rls_bounded` is the last estimate: store a copy of theta.",
+            "one array stored again and again",
+        )
+    after = bounded_run(Phi, Y, lam, LN, bound, "look after")
+    slips: list[Slip[Run]] = [
+        Slip(name, hint, partial(bounded_run, Phi, Y, lam, LN, bound, rule)) for name, rule, hint in _WRONG_RULES
+    ]
+    verdict = judge(
+        (theta, trace),
+        right,
+        _both_same,
+        "forgetting waits until there is something new to learn, and P stays bounded.",
+        "`rls_bounded` does not follow the rule: where trace(P)/lambda exceeds the bound, the sample is used with "
+        "lambda = 1; otherwise as ever.",
+        [
+            Slip(
+                "trace of the old P",
+                "the traces of `rls_bounded` are one sample late: store the trace of the P after the update.",
+                lambda: (right[0], np.concatenate([[p * LN], right[1][:-1]])),
+            ),
+            *slips,
+        ],
+    )
+    if not verdict.passed and _both_same((theta, trace), after):
+        # the other way to read the rule: try the step with lambda, and do it again where P came out too large
+        return Verdict(True, "forgetting waits until there is something new to learn, and P stays bounded.")
+    return verdict
+
+
+_WRONG_RULES = (
+    (
+        "no bound",
+        "none",
+        "`rls_bounded` never pauses: P grows past the bound while nothing excites the plant.",
+    ),
+    (
+        "lambda = 1 for good",
+        "for good",
+        "`rls_bounded` stops forgetting for good once it has paused: decide anew for every sample.",
+    ),
+    (
+        "forgetting never",
+        "never",
+        "`rls_bounded` runs with lambda = 1 throughout: pause only where the bound would be passed.",
+    ),
+    (
+        "sample skipped",
+        "skip",
+        "`rls_bounded` skips the sample at the bound: use it, with lambda = 1. Skipped, it teaches nothing any more.",
+    ),
+    (
+        "looks too late",
+        "late",
+        "`rls_bounded` compares trace(P) with the bound; after the division by lambda it may be above. Compare "
+        "trace(P)/lambda.",
+    ),
+    (
+        "P scaled down",
+        "scale",
+        "`rls_bounded` scales P down to the bound. That limits P, too, but it forgets as fast as before; "
+        "asked for is a pause.",
+    ),
+    (
+        "P reset",
+        "reset",
+        "`rls_bounded` starts P afresh at the bound: what was learnt is thrown away. Asked for is a pause.",
+    ),
+)
+
+
+def bounded_run(Phi: FloatArray, Y: FloatArray, lam: float, LN: float, bound: float, rule: str) -> Run:
+    """RLS with another rule at the bound than the one asked for."""
+    p = Phi.shape[1]
+    theta, P, paused = np.zeros(p), LN * np.eye(p), False
+    history, traces = np.empty(Phi.shape), np.empty(Y.size)
+
+    def updated(kept: float) -> FloatArray:
+        return np.asarray((P - np.outer(P @ phi, P @ phi) / (kept + phi @ P @ phi)) / kept, float)
+
+    for k, (phi, y) in enumerate(zip(Phi, Y, strict=True)):
+        trace = float(np.trace(P))
+        over = trace / lam > bound
+        paused = paused or over
+        if rule == "skip" and over:
+            history[k], traces[k] = theta, trace
+            continue
+        if rule == "look after":
+            over = bool(np.trace(updated(lam)) > bound)
+        pauses = {"for good": paused, "never": True, "late": trace > bound, "look after": over}
+        P = updated(1.0 if pauses.get(rule, False) else lam)
+        theta = theta + P @ phi * (y - phi @ theta)
+        if rule == "scale" and np.trace(P) > bound:
+            P = P * bound / np.trace(P)
+        if rule == "reset" and np.trace(P) > bound:
+            P = LN * np.eye(p)
+        history[k], traces[k] = theta, np.trace(P)
+    return history, traces
+
+
+def _both_same(a: Run, b: Run) -> bool:
+    return SAME(a[0], b[0]) and SAME(a[1], b[1])
+
+
+def careless(ask: Ask) -> Verdict:
+    """`rls_careless(Phi, Y, lam, LN)`: on paper the same RLS; its P loses its symmetry as lambda^-n."""
+    verdict = Verdict(False, "")
+    for p in (3, 4):  # with two parameters P has one pair of entries, which may stay equal for long by chance
+        verdict = _one_careless(ask, p)
+        if not verdict.passed:
+            break
+    return verdict
+
+
+def _one_careless(ask: Ask, p: int) -> Verdict:
+    n, lam, size = 220, 0.9, 1e4
+    LN = 1 / size**2
+    Phi = size * ask.rng.standard_normal((n, p))
+    Y = size * ask.rng.uniform(-3, 3, n)
+    parts = returned_parts(ask, "rls_careless", "the history of theta and that of the asymmetry", 2, Phi, Y, lam, LN)
+    theta = as_history("theta of rls_careless", parts[0], n, p)
+    asymmetry = as_vector("asymmetry of rls_careless", parts[1], n)
+    right = reference_run(Phi, Y, lam, LN).theta
+    if is_one_array(theta[:60], [right[:60], theta[-1:]]):
+        return Verdict(
+            False,
+            "every row of `rls_careless` is the last estimate: store a copy of theta.",
+            "one array stored again and again",
+        )
+    verdict = judge(
+        theta[:60],
+        right[:60],
+        SAME,
+        "",
+        "over the first samples, before rounding has grown, `rls_careless` should be RLS, and is not: "
+        "K = P phi / (lambda + phi'P phi), theta + K error, then P = (P - K (P phi)') / lambda.",
+        [
+            Slip(
+                "P not divided by lambda",
+                "P of `rls_careless` is not divided by lambda: the brackets close before the division.",
+                lambda: _careless_wrong(Phi, Y, lam, LN, divided=False)[:60],
+            ),
+            Slip(
+                "gain from the new P",
+                "`rls_careless` divides a gain that it takes from the new P: K is computed first, from the old P.",
+                lambda: _careless_wrong(Phi, Y, lam, LN, divided=True)[:60],
+            ),
+            Slip(
+                "lambda not used",
+                "`rls_careless` runs with lambda = 1.",
+                lambda: reference_run(Phi, Y, 1.0, LN).theta[:60],
+            ),
+        ],
+    )
+    return verdict if not verdict.passed else _judge_growth(asymmetry, lam)
+
+
+def _careless_wrong(Phi: FloatArray, Y: FloatArray, lam: float, LN: float, divided: bool) -> FloatArray:
+    p = Phi.shape[1]
+    theta, P = np.zeros(p), LN * np.eye(p)
+    history = np.empty(Phi.shape)
+    for k, (phi, y) in enumerate(zip(Phi, Y, strict=True)):
+        P_phi = P @ phi
+        denominator = lam + phi @ P_phi
+        P = (P - np.outer(P_phi, P_phi) / denominator) / (lam if divided else 1)
+        K = P @ phi / denominator if divided else P_phi / denominator
+        theta = theta + K * (y - phi @ theta)
+        history[k] = theta
+    return history
+
+
+def _judge_growth(asymmetry: FloatArray, lam: float) -> Verdict:
+    """Rounding is of no known size, but its growth is: a factor 1/lambda a sample."""
+    if np.min(asymmetry) < 0:
+        return Verdict(
+            False, "the asymmetry of `rls_careless` is negative somewhere: take absolute values.", "sign kept"
+        )
+    window = np.arange(100, 200)
+    symmetric = bool(np.any(asymmetry[window] == 0))
+    growth = 0.0 if symmetric else np.polyfit(window, np.log(asymmetry[window]), 1)[0] / -np.log(lam)
+    if growth < 0.5:
+        return Verdict(
+            False,
+            "P of `rls_careless` stays symmetric: that is the sound form. Asked for is the careless one, with "
+            "K (P phi)' as the product of two vectors, P phi computed once, and nothing made symmetric.",
+            "the sound form",
+        )
+    if growth > 1.5:
+        return Verdict(False, "the asymmetry of `rls_careless` grows too fast: is it max|P - P'| / max|P|?")
+    if asymmetry[100] < _LEAST_ROUNDING * lam**-100:
+        return Verdict(
+            False,
+            "the asymmetry of `rls_careless` is not relative: divide the largest of |P - P'| by the largest of |P|.",
+            "not divided by the size of P",
+        )
+    return Verdict(True, "the same on paper, but a rounding error of 1e-16 grows by 1/lambda with every sample.")

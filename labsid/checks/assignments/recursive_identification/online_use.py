@@ -1,0 +1,220 @@
+"""Checks of online use, and of choosing lambda for a parameter that drifts."""
+
+from functools import partial
+
+import numpy as np
+
+from labsid._arrays import FloatArray
+from labsid.checks.assignments.recursive_identification.reference_runs import reference_step
+from labsid.checks.compare import SAME, as_matrix, as_number, as_vector
+from labsid.checks.question import Ask, returned, returned_parts
+from labsid.checks.trials import trial_definite
+from labsid.checks.verdict import Slip, Verdict, judge
+
+_NEAR_THE_LEAST = 1.02
+"""A lambda whose mean squared error is within 2 % of the least was searched finely enough."""
+
+
+def online(ask: Ask) -> Verdict:
+    """`arx_step(theta, P, past, u, y, lam)`: what a controller runs once a sample."""
+    verdict = Verdict(False, "")
+    for lam in (1.0, 0.9, 0.8):
+        verdict = _one_sample(ask, trial_definite(ask.rng, 3), lam)
+        if not verdict.passed:
+            break
+    return verdict
+
+
+def _one_sample(ask: Ask, P: FloatArray, lam: float) -> Verdict:
+    theta, past = ask.rng.uniform(-2, 2, 3), ask.rng.uniform(0.5, 2, 3)
+    u, y = ask.rng.uniform(3, 4), ask.rng.uniform(5, 7)
+    parts = returned_parts(ask, "arx_step", "theta, P and past", 3, theta, P, past, u, y, lam)
+    sizes = [part.size if isinstance(part, np.ndarray) else 1 for part in parts]
+    if sorted(sizes) == [3, 3, 9] and sizes[1] != 9:
+        return Verdict(False, "`arx_step` returns theta, P and past in another order.", "order of what is returned")
+    got_theta = as_vector("theta of arx_step", parts[0], 3)
+    got_P = as_matrix("P of arx_step", parts[1], (3, 3))
+    got_past = as_vector("past of arx_step", parts[2], 3)
+
+    after = np.array([-y, past[0], u])
+    verdict = judge(
+        got_past,
+        after,
+        SAME,
+        "",
+        "past of `arx_step` is not the regressor of the next sample, [-y(t), -y(t-1), u(t)].",
+        [
+            Slip(
+                "past not updated",
+                "`arx_step` hands past back as it was: the next sample needs a newer one.",
+                lambda: past,
+            ),
+            Slip(
+                "sign of the remembered output",
+                "`arx_step` remembers +y: the regressor holds -y.",
+                lambda: np.array([y, past[0], u]),
+            ),
+            Slip(
+                "oldest output kept",
+                "`arx_step` keeps the oldest output: -y(t-1) moves to the second place, -y(t-2) is dropped.",
+                lambda: np.array([-y, past[1], u]),
+            ),
+            Slip(
+                "new output overwritten",
+                "`arx_step` puts the new output in both places: past[0] is overwritten before it has moved to past[1].",
+                lambda: np.array([-y, -y, u]),
+            ),
+            Slip(
+                "sign of the remembered output",
+                "`arx_step` turns the sign of past[0], which holds -y(t-1) already.",
+                lambda: np.array([-y, -past[0], u]),
+            ),
+            Slip("u not remembered", "`arx_step` forgets to remember u.", lambda: np.array([-y, past[0], past[2]])),
+        ],
+    )
+    if not verdict.passed:
+        return verdict
+    right_theta, right_P = reference_step(theta, P, past, y, lam)
+
+    def both(theta: FloatArray, P: FloatArray) -> FloatArray:
+        return np.vstack([theta, P])
+
+    last = np.array([past[0], past[1], u])
+    return judge(
+        both(got_theta, got_P),
+        both(right_theta, right_P),
+        lambda a, b: SAME(a[0], b[0]) and SAME(a[1:], b[1:]),
+        "theta, P and three numbers: all that an online estimator carries from sample to sample.",
+        "past of `arx_step` is right, theta or P is not: with lambda = "
+        f"{lam:g} they are not those of one RLS step with phi = past.",
+        [
+            Slip(
+                "past updated too early",
+                "`arx_step` updates past before it uses it: y(t) would then predict itself.",
+                lambda: both(*reference_step(theta, P, after, y, lam)),
+            ),
+            Slip(
+                "the present input used",
+                "`arx_step` puts u(t) into the regressor of y(t). u(t) acts on y(t+1): remember it, use it later.",
+                lambda: both(*reference_step(theta, P, last, y, lam)),
+            ),
+            Slip(
+                "lambda not used",
+                "`arx_step` runs with lambda = 1, whatever lam is.",
+                lambda: both(*reference_step(theta, P, past, y, 1.0)),
+            ),
+            Slip(
+                "P not updated",
+                "`arx_step` hands P back as it was.",
+                lambda: both(right_theta, P),
+            ),
+            Slip(
+                "not divided by lambda",
+                "P of `arx_step` is not divided by lambda.",
+                lambda: both(theta + lam * (right_theta - theta), lam * right_P),
+            ),
+            Slip(
+                "gain from the old P",
+                "`arx_step` takes the gain from the P before the sample.",
+                lambda: both(theta + P @ past * (y - past @ theta), right_P),
+            ),
+        ],
+    )
+
+
+def tracking_mse(lam: float, slope: float, sigma: float) -> float:
+    """Lag squared plus variance of an exponentially forgetting mean on ``slope * n`` plus white noise."""
+    return float((slope * lam / (1 - lam)) ** 2 + sigma**2 * (1 - lam) / (1 + lam))
+
+
+def drift(ask: Ask) -> Verdict:
+    """`tracking_mse(lam, slope, sigma)` and `best_forgetting(slope, sigma)`."""
+    for _ in range(2):
+        verdict = _one_error(ask)
+        if not verdict.passed:
+            return verdict
+    grid = 1 - np.logspace(-4, -0.3, 4000)
+    for relative in (0.006, 0.02, 0.05):
+        sigma = ask.rng.uniform(1.5, 3)
+        slope = relative * sigma * ask.rng.uniform(0.8, 1.2)
+        verdict = _one_choice(ask, slope, sigma, np.array([tracking_mse(lam, slope, sigma) for lam in grid]), grid)
+        if not verdict.passed:
+            return verdict
+    return Verdict(True, "fast enough to follow, slow enough to average: the best lambda lies between.")
+
+
+def _one_error(ask: Ask) -> Verdict:
+    lam, slope, sigma = ask.rng.uniform(0.6, 0.95), ask.rng.uniform(0.1, 0.4), ask.rng.uniform(1.2, 2)
+    lag, variance = slope * lam / (1 - lam), sigma**2 * (1 - lam) / (1 + lam)
+    wrong_variances = (
+        ("sigma not squared", "sigma of `tracking_mse` is not squared.", variance / sigma),
+        (
+            "variance of one step",
+            "`tracking_mse` has the noise of one step only: sum over all ages.",
+            sigma**2 * (1 - lam) ** 2,
+        ),
+        (
+            "sum of weights for sum of squares",
+            "`tracking_mse` sums the weights; the variance takes the sum of their squares.",
+            sigma**2 * (1 - lam),
+        ),
+        ("noise forgotten", "`tracking_mse` leaves the noise out.", 0.0),
+    )
+    return judge(
+        as_number("tracking_mse(lam, slope, sigma)", returned(ask, "tracking_mse", lam, slope, sigma)),
+        tracking_mse(lam, slope, sigma),
+        SAME,
+        "",
+        "`tracking_mse` is not the squared lag plus the variance. Put the ramp into the recursion and solve for L.",
+        [
+            Slip(
+                "lag not squared",
+                "`tracking_mse` adds the lag itself; its square belongs there.",
+                lambda: lag + variance,
+            ),
+            Slip(
+                "lag of the old estimate",
+                "the lag of `tracking_mse` is that before the new sample is used: for the ramp, the recursion gives "
+                "theta(n) and not theta(n-1).",
+                lambda: (slope / (1 - lam)) ** 2 + variance,
+            ),
+            Slip("lag forgotten", "`tracking_mse` leaves the lag out.", lambda: variance),
+            Slip(
+                "root of the sum",
+                "`tracking_mse` is a root: asked for is the mean squared error.",
+                lambda: float((lag**2 + variance) ** 0.5),
+            ),
+            *(Slip(name, hint, partial(float, lag**2 + wrong)) for name, hint, wrong in wrong_variances),
+        ],
+    )
+
+
+def _one_choice(ask: Ask, slope: float, sigma: float, errors: FloatArray, grid: FloatArray) -> Verdict:
+    lam = as_number("best_forgetting(slope, sigma)", returned(ask, "best_forgetting", slope, sigma))
+    best = float(grid[np.argmin(errors)])
+    if not 0 < lam < 1:
+        return Verdict(
+            False,
+            "`best_forgetting` returns a number outside 0 to 1: it should be the lambda, not the error there.",
+            "the error in place of lambda",
+        )
+    if tracking_mse(lam, slope, sigma) <= _NEAR_THE_LEAST * float(errors.min()):
+        return Verdict(True, "")
+    if abs(1 - lam - best) < 0.15 * (1 - best):
+        return Verdict(False, "`best_forgetting` returns the gain 1 - lambda.", "gain in place of lambda")
+    if abs(lam - float(errors.min())) < 0.02 * lam:
+        return Verdict(
+            False,
+            "`best_forgetting` returns the least error: asked for is the lambda where it is.",
+            "the error in place of lambda",
+        )
+    if (lam < best and abs(lam - best) > 0.3) or lam > 0.9989:
+        return Verdict(
+            False,
+            "`best_forgetting` ends at an edge of what it searches: is it the least error that it looks for, between "
+            "0.5 and 0.999?",
+            "end of the search",
+        )
+    return Verdict(
+        False, "at the lambda of `best_forgetting` the mean squared error is not the least: search in steps of 0.001."
+    )

@@ -1,0 +1,243 @@
+"""Steps 3 to 5 of the gap: shares of the squared error in time, in frequency and in the operating range."""
+
+import numpy as np
+
+from labsid._arrays import FloatArray
+from labsid.checks.assignments.lab_identification.lab_data import known_vector
+from labsid.checks.assignments.sim_to_real_gap.linear_model import known_error
+from labsid.checks.compare import SAME, as_vector, close
+from labsid.checks.question import Ask, returned
+from labsid.checks.verdict import NoAnswer, Slip, Verdict, judge
+
+PARTS, CELLS = 16, 8
+
+
+def time(ask: Ask) -> Verdict:
+    """Step 3: `time_shares(e, parts)` on other errors, `share_t` and `worst` on this one."""
+    for parts, length in ((4, 30), (5, 24)):
+        e = ask.rng.standard_normal(parts * length) * np.repeat(ask.rng.uniform(0.3, 3, parts), length)
+        got = _shares("time_shares(e, parts)", returned(ask, "time_shares", e, parts), parts)
+        verdict = _judge_shares("time_shares", got, np.sum(e.reshape(parts, -1) ** 2, axis=1), _time_slips(e, parts))
+        if not verdict.passed:
+            return verdict
+    e, _ = known_error(ask)
+    if e.size % PARTS:
+        e = e[: e.size - e.size % PARTS]
+    energy = np.sum(e.reshape(PARTS, -1) ** 2, axis=1)
+    verdict = judge(
+        _shares("share_t", ask.value("share_t"), PARTS),
+        energy / energy.sum(),
+        SAME,
+        "",
+        f"`share_t` is not what `time_shares` makes of the error of your linear model in {PARTS} parts.",
+        [
+            Slip(
+                "shares of the output",
+                "`share_t` are shares of the output. Hand `time_shares` the error `e`.",
+                lambda: _normed(np.sum(known_vector(ask, "y")[: e.size].reshape(PARTS, -1) ** 2, axis=1)),
+            ),
+        ],
+    )
+    return _worst(ask, energy, e.size // PARTS * ask.record.Ts) if verdict.passed else verdict
+
+
+def _time_slips(e: FloatArray, parts: int) -> list[Slip[FloatArray]]:
+    blocks = e.reshape(parts, -1)
+    return [
+        *_common_slips("time_shares", np.sum(blocks**2, axis=1), np.sum(np.abs(blocks), axis=1)),
+        Slip(
+            "every so many samples",
+            "`time_shares` puts every n-th sample together. A stretch is a run of neighbours: `reshape(parts, -1)` has "
+            "one in each row.",
+            lambda: _normed(np.sum(e.reshape(-1, parts) ** 2, axis=0)),
+        ),
+        Slip(
+            "square of the sum",
+            "`time_shares` squares the sum of the errors, in which they cancel. Square first, then add up.",
+            lambda: _normed(np.sum(blocks, axis=1) ** 2),
+        ),
+        Slip(
+            "mean taken out",
+            "`time_shares` takes the variance of each stretch: the mean error is an error too.",
+            lambda: _normed(np.var(blocks, axis=1)),
+        ),
+    ]
+
+
+def _worst(ask: Ask, energy: FloatArray, length: float) -> Verdict:
+    got = as_vector("worst", ask.value("worst"), 2)
+    most, Ts = int(np.argmax(energy)), ask.record.Ts
+    stretch = np.array([most, most + 1.0])
+    return judge(
+        got,
+        length * stretch,
+        close(0, 1.01 * Ts),
+        "the shares add up, and this is where to look.",
+        "`worst` is not the stretch with the largest share: its beginning and its end, in seconds.",
+        [
+            Slip("samples for seconds", "`worst` is in samples: times `Ts`.", lambda: length / Ts * stretch),
+            Slip("numbers of the parts", "`worst` counts parts: give the times, in seconds.", lambda: stretch),
+            Slip(
+                "the quietest stretch",
+                "`worst` is the stretch with the *smallest* share.",
+                lambda: length * (int(np.argmin(energy)) + np.array([0.0, 1.0])),
+            ),
+            Slip(
+                "counted from one",
+                "`worst` is one stretch late: `np.argmax` counts from 0.",
+                lambda: length * (stretch + 1),
+            ),
+        ],
+    )
+
+
+def frequency(ask: Ask) -> Verdict:
+    """Step 4: `band_shares(e, Ts, edges)`."""
+    for n, Ts in ((400, 0.75), (512, float(ask.rng.choice([0.1, 0.2])))):
+        e = _smoothed(ask.rng.standard_normal(n + 40))[40:]
+        e = e - e.mean()
+        f: FloatArray = np.arange(n // 2 + 1, dtype=np.float64) / (n * Ts)
+        edges = np.concatenate([[-0.5], np.sort(ask.rng.choice(np.arange(3, n // 4), 4, replace=False)) + 0.5, [n]])
+        edges *= f[1]
+        power: FloatArray = np.abs(np.fft.rfft(e)) ** 2
+        got = _shares("band_shares(e, Ts, edges)", returned(ask, "band_shares", e, Ts, edges), edges.size - 1)
+        verdict = _judge_shares("band_shares", got, _sorted(f, edges, power), _band_slips(f, edges, power, Ts), 0.003)
+        if not verdict.passed:
+            return verdict
+    return Verdict(True, "the shares of all bands add up to one.")
+
+
+def _band_slips(f: FloatArray, edges: FloatArray, power: FloatArray, Ts: float) -> list[Slip[FloatArray]]:
+    return [
+        *_common_slips("band_shares", _sorted(f, edges, power), _sorted(f, edges, np.sqrt(power))),
+        Slip(
+            "frequencies without Ts",
+            "`band_shares` leaves Ts out: `np.fft.rfftfreq(len(e), Ts)` is in Hz, without Ts in cycles a sample.",
+            lambda: _normed(_sorted(f * Ts, edges, power)),
+        ),
+        Slip(
+            "rad/s for Hz",
+            "`band_shares` compares rad/s with edges in Hz.",
+            lambda: _normed(_sorted(2 * np.pi * f, edges, power)),
+        ),
+        Slip(
+            "mean for sum",
+            "`band_shares` averages over the band; a wide band holds more. Add up.",
+            lambda: _normed(_sorted(f, edges, power) / _sorted(f, edges, np.ones(f.size))),
+        ),
+    ]
+
+
+def operating(ask: Ask) -> Verdict:
+    """Step 5: `cell_shares(x, e, edges)` on other data, `share_u` and `share_y` on this record."""
+    x, e = ask.rng.uniform(-1, 1, 300), ask.rng.standard_normal(300)
+    e = e * (0.3 + np.abs(x - ask.rng.uniform(-0.5, 0.5))) + 0.3
+    edges = np.concatenate([[-1.0], np.sort(ask.rng.uniform(-0.8, 0.8, 4)), [1.0]])
+    got = _shares("cell_shares(x, e, edges)", returned(ask, "cell_shares", x, e, edges), edges.size - 1)
+    verdict = _judge_shares("cell_shares", got, _sorted(x, edges, e**2), _cell_slips(x, e, edges))
+    if not verdict.passed:
+        return verdict
+    e, _ = known_error(ask)
+    verdict = _own_cells(ask, "share_u", _cells(ask.record.u, e), _cells(ask.record.y, e))
+    if verdict.passed:
+        verdict = _own_cells(ask, "share_y", _cells(ask.record.y, e), _cells(ask.record.u, e))
+    return verdict
+
+
+def _own_cells(ask: Ask, name: str, right: FloatArray, other: FloatArray) -> Verdict:
+    return judge(
+        _shares(name, ask.value(name), CELLS),
+        right,
+        close(0, 1e-3),
+        "the cells with the largest shares are where the effect is exercised.",
+        f"`{name}` is not what `cell_shares` makes of the error `e` over the given cells.",
+        [Slip("input and output swapped", f"`{name}` holds the shares of the other signal.", lambda: other)],
+    )
+
+
+def _cell_slips(x: FloatArray, e: FloatArray, edges: FloatArray) -> list[Slip[FloatArray]]:
+    squares, counts = _sorted(x, edges, e**2), _sorted(x, edges, np.ones(x.size))
+    return [
+        *_common_slips("cell_shares", squares, _sorted(x, edges, np.abs(e))),
+        Slip(
+            "shares of the samples",
+            "`cell_shares` counts samples. Each counts with its squared error: `weights=e**2`.",
+            lambda: _normed(counts),
+        ),
+        Slip(
+            "mean for sum",
+            "`cell_shares` averages within each cell, so that a rare cell counts as much as a common one. Add up.",
+            lambda: _normed(squares / np.maximum(counts, 1)),
+        ),
+        Slip(
+            "errors not squared",
+            "`cell_shares` adds up the errors with their signs, and they cancel. Square them.",
+            lambda: _normed(_sorted(x, edges, e)),
+        ),
+        Slip(
+            "cells of the error",
+            "`cell_shares` sorts by the error. The cells are those of x.",
+            lambda: _normed(_sorted(e, edges, e**2)),
+        ),
+    ]
+
+
+def _common_slips(name: str, energy: FloatArray, absolute: FloatArray) -> list[Slip[FloatArray]]:
+    return [
+        Slip("not shares", f"`{name}` does not divide by the sum over all: shares add up to 1.", lambda: energy),
+        Slip("per cent", f"`{name}` returns per cent: shares add up to 1.", lambda: 100 * _normed(energy)),
+        Slip(
+            "errors not squared",
+            f"`{name}` adds up absolute values. Squares are asked for: |.|^2.",
+            lambda: _normed(absolute),
+        ),
+        Slip(
+            "share of the largest",
+            f"`{name}` divides by the largest value. Divide by the sum: shares add up to 1.",
+            lambda: energy / energy.max(),
+        ),
+        Slip(
+            "roots of the shares",
+            f"`{name}` takes roots: the squares themselves are shared out.",
+            lambda: _normed(np.sqrt(energy)),
+        ),
+    ]
+
+
+def _judge_shares(
+    name: str, got: FloatArray, energy: FloatArray, slips: list[Slip[FloatArray]], tolerance: float = 1e-6
+) -> Verdict:
+    return judge(
+        got,
+        _normed(energy),
+        close(0, tolerance),
+        "",
+        f"`{name}` does not return the shares of the squared error, in order.",
+        slips,
+    )
+
+
+def _shares(call: str, value: object, parts: int) -> FloatArray:
+    if isinstance(value, tuple) and len(value) == 2 and isinstance(value[1], np.ndarray):
+        raise NoAnswer(f"`{call}` is all that `np.histogram` returns: take the first of it, `[0]`.", "all of histogram")
+    return as_vector(call, value, parts)  # type: ignore[arg-type]
+
+
+def _normed(energy: FloatArray) -> FloatArray:
+    return np.asarray(energy / energy.sum())
+
+
+def _sorted(x: FloatArray, edges: FloatArray, weights: FloatArray) -> FloatArray:
+    return np.asarray(np.histogram(x, edges, weights=weights)[0], float)
+
+
+def _cells(x: FloatArray, e: FloatArray) -> FloatArray:
+    return _normed(_sorted(x, np.linspace(x.min(), x.max(), CELLS + 1), e**2))
+
+
+def _smoothed(white: FloatArray) -> FloatArray:
+    """Coloured, so that the bands hold shares of different size."""
+    smooth = white.copy()
+    for k in range(1, smooth.size):
+        smooth[k] += 0.8 * smooth[k - 1]
+    return smooth

@@ -1,0 +1,239 @@
+"""Steps 2 and 3 of the gap: the linear model whose free run is nearest, and how far off that is."""
+
+from collections.abc import Iterator
+
+import numpy as np
+from scipy.optimize import least_squares
+from scipy.signal import lfilter
+
+from labsid._arrays import FloatArray
+from labsid.checks.assignments.lab_identification.lab_data import known_vector
+from labsid.checks.compare import SAME, as_number, as_vector, close
+from labsid.checks.question import Ask
+from labsid.checks.values import Value
+from labsid.checks.verdict import NoAnswer, Slip, Verdict, judge
+from labsid.lab.arx import arx_from_theta, fit_arx
+from labsid.lab.simulation import predict_one_step, simulate
+
+NEAREST = 1.002
+"""How much larger than the smallest a sum of squares may be: where iterations stop differs."""
+
+
+def right_linear(ask: Ask) -> dict[str, Value]:
+    """Step 2."""
+    u, y, half = _signals(ask)
+    theta = nearest_free_run(u[:half], y[:half], ask.record.Ts)
+    return {"theta_hat": theta, "y_lin": simulate(arx_from_theta(theta, ask.record.Ts), u)}
+
+
+def nearest_free_run(u: FloatArray, y: FloatArray, Ts: float) -> FloatArray:
+    """The theta whose free run from rest is nearest to y, searched from the lab's least squares."""
+
+    def errors(theta: FloatArray) -> FloatArray:
+        return np.asarray(np.nan_to_num(_free_run(theta, u) - y, nan=1e3, posinf=1e3, neginf=-1e3).clip(-1e3, 1e3))
+
+    start = fit_arx(u, y, Ts).model.theta
+    return np.asarray(least_squares(errors, start, x_scale=np.maximum(np.abs(start), 0.02), xtol=1e-12).x)
+
+
+def _free_run(theta: FloatArray, u: FloatArray) -> FloatArray:
+    """A free run from rest of whatever theta, one that runs away included."""
+    with np.errstate(all="ignore"):
+        return np.asarray(lfilter([0.0, theta[2], theta[3]], [1.0, -theta[0], -theta[1]], u))
+
+
+def linear(ask: Ask) -> Verdict:
+    """Step 2: theta_arx, theta_hat and the free run of the latter."""
+    u, y, half = _signals(ask)
+    Ts = ask.record.Ts
+    verdict = _lab_estimate(ask, u, y, half)
+    if not verdict.passed:
+        return verdict
+    theta = as_vector("theta_hat", ask.value("theta_hat"), 4)
+
+    def sse(one: FloatArray) -> float:
+        with np.errstate(all="ignore"):
+            return float(np.sum((_free_run(one, u[:half]) - y[:half]) ** 2))
+
+    if not sse(theta) <= NEAREST * sse(nearest_free_run(u[:half], y[:half], Ts)):
+        return _not_nearest(theta, u, y, half, Ts)
+    model = arx_from_theta(theta, Ts)
+    run = simulate(model, u)
+    got = _output("y_lin", ask.value("y_lin"), u.size)
+    if SAME(got[model.order :], predict_one_step(model, u, y)[model.order :]):  # how it begins is nobody's concern
+        return Verdict(
+            False,
+            "`y_lin` uses measured outputs: it is the one-step prediction. A free run uses u alone.",
+            "one-step prediction passed off as simulation",
+        )
+    return judge(
+        got,
+        run,
+        SAME,
+        "no second-order model comes nearer on the first half: what is left is not the fit's fault.",
+        "`y_lin` is not the free run of `theta_hat` on the whole of `u`, from rest.",
+        [
+            Slip(
+                "run of the lab's estimate",
+                "`y_lin` is the free run of `theta_arx`; run `theta_hat`.",
+                lambda: simulate(arx_from_theta(as_vector("theta_arx", ask.value("theta_arx"), 4), Ts), u),
+            ),
+            Slip("not a run at all", "`y_lin` is the measured output itself.", lambda: y),
+            Slip(
+                "offset put back",
+                "`y_lin` has the offset in it. It is compared with `y`, which has none.",
+                lambda: run + as_number("y_offset", ask.known("y_offset")),
+            ),
+        ],
+    )
+
+
+def _lab_estimate(ask: Ask, u: FloatArray, y: FloatArray, half: int) -> Verdict:
+    Ts = ask.record.Ts
+    got = as_vector("theta_arx", ask.value("theta_arx"), 4)
+    for start in range(5):
+        for stop in (half, half + 1):
+            right = fit_arx(u, y, Ts, start=start, stop=stop).model.theta
+            if close(1e-5)(got, right):
+                return Verdict(True, "")
+    right = fit_arx(u, y, Ts, stop=half).model.theta
+
+    def others() -> Iterator[Slip[FloatArray]]:
+        yield Slip(
+            "fit on all the data",
+            "`theta_arx` is fitted on the whole record. Its second half is held out: fit on the first.",
+            lambda: fit_arx(u, y, Ts).model.theta,
+        )
+        yield Slip(
+            "wrong half",
+            "`theta_arx` is fitted on the second half, which is held out. Fit on the first.",
+            lambda: fit_arx(u, y, Ts, start=half).model.theta,
+        )
+        yield Slip("sign of a", "`theta_arx` has the other sign of a: it is [-a1, -a2, b1, b2].", lambda: right * SIGNS)
+        yield Slip(
+            "y and u columns swapped",
+            "`theta_arx` has b before a: in Phi the outputs come first.",
+            lambda: right[[2, 3, 0, 1]],
+        )
+        yield Slip(
+            "offset left in",
+            "`theta_arx` is fitted on signals with their offsets. Use `u` and `y`.",
+            lambda: fit_arx(ask.record.u, ask.record.y, Ts, start=2, stop=half).model.theta,
+        )
+
+    return judge(
+        got,
+        right,
+        close(1e-5),
+        "",
+        "`theta_arx` is not the lab's least-squares estimate of order two on the first half: check Phi by columns.",
+        list(others()),
+    )
+
+
+SIGNS = np.array([-1.0, -1.0, 1.0, 1.0])
+
+
+def _not_nearest(theta: FloatArray, u: FloatArray, y: FloatArray, half: int, Ts: float) -> Verdict:
+    span = 0.002 * float(np.std(y))
+
+    def same(one: FloatArray, other: FloatArray) -> bool:
+        with np.errstate(all="ignore"):
+            return bool(np.sqrt(np.mean((_free_run(one, u) - _free_run(other, u)) ** 2)) < span)
+
+    slips = [
+        Slip(
+            "the one-step fit",
+            "`theta_hat` is still the lab's estimate: let `fit` move it until the *free run* is nearest.",
+            lambda: fit_arx(u, y, Ts, stop=half).model.theta,
+        ),
+        Slip(
+            "fit on all the data",
+            "`theta_hat` is fitted on the whole record: hand `fit` the first half of both signals.",
+            lambda: nearest_free_run(u, y, Ts),
+        ),
+        Slip(
+            "sign of a",
+            "`theta_hat` has the other sign of a: it is [-a1, -a2, b1, b2], as `free_run` takes it.",
+            lambda: nearest_free_run(u[:half], y[:half], Ts) * SIGNS,
+        ),
+        Slip(
+            "wrong half",
+            "`theta_hat` is fitted on the second half, which is held out.",
+            lambda: nearest_free_run(u[half:], y[half:], Ts),
+        ),
+    ]
+    return judge(
+        theta,
+        nearest_free_run(u[:half], y[:half], Ts),
+        same,
+        "",
+        "The free run of `theta_hat` is not the nearest one to the first half: where did the fit start?",
+        slips,
+    )
+
+
+def right_size(ask: Ask) -> dict[str, Value]:
+    """Step 3."""
+    e, half = known_error(ask)
+    return {"gap_before": float(np.sqrt(np.mean(e[half:] ** 2)))}
+
+
+def size(ask: Ask) -> Verdict:
+    """Step 3: the root-mean-square error of the linear model on the held-out half."""
+    e, half = known_error(ask)
+    held_out = e[half:]
+    right = float(np.sqrt(np.mean(held_out**2)))
+    return judge(
+        as_number("gap_before", ask.value("gap_before")),
+        right,
+        close(1e-4),
+        "the gap of the linear model, on samples that no fit has seen.",
+        "`gap_before` is not the root-mean-square error of `y_lin` on the held-out half.",
+        [
+            Slip(
+                "error over the whole record",
+                "`gap_before` is taken over the whole record. Only the held-out half counts, `e[half:]`.",
+                lambda: float(np.sqrt(np.mean(e**2))),
+            ),
+            Slip(
+                "error on the fitted half",
+                "`gap_before` is taken over the half that was fitted. Use the other one, `e[half:]`.",
+                lambda: float(np.sqrt(np.mean(e[:half] ** 2))),
+            ),
+            Slip("no root", "`gap_before` is the mean squared error: take its root.", lambda: right**2),
+            Slip(
+                "sum for mean",
+                "`gap_before` is a root of the *sum*: it would grow with the length. Take the mean.",
+                lambda: float(np.sqrt(np.sum(held_out**2))),
+            ),
+            Slip(
+                "absolute error",
+                "`gap_before` is the mean absolute error; square, average, then take the root.",
+                lambda: float(np.mean(np.abs(held_out))),
+            ),
+            Slip(
+                "mean taken out",
+                "`gap_before` is a standard deviation: it leaves out the mean error, which is an error too.",
+                lambda: float(np.std(held_out)),
+            ),
+        ],
+    )
+
+
+def known_error(ask: Ask) -> tuple[FloatArray, int]:
+    """The error of the linear model, and the first held-out sample."""
+    y = known_vector(ask, "y")
+    return y - known_vector(ask, "y_lin"), y.size // 2
+
+
+def _signals(ask: Ask) -> tuple[FloatArray, FloatArray, int]:
+    u, y = known_vector(ask, "u"), known_vector(ask, "y")
+    return u, y, y.size // 2
+
+
+def _output(name: str, value: Value, samples: int) -> FloatArray:
+    got = as_vector(name, value)
+    if got.size in (samples // 2, samples - samples // 2):
+        raise NoAnswer(f"`{name}` covers half the record. Run the model over the whole input.", "half the record")
+    return as_vector(name, value, samples)

@@ -1,0 +1,182 @@
+"""Step 8 of the gap: the effect, where in the loop it acts, and its parameters; only the judge can tell."""
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from labsid.checks.compare import as_number, kind_of
+from labsid.checks.question import Ask
+from labsid.checks.verdict import NoAnswer, Verdict
+from labsid.records.record import Record
+from labsid.rig.switchable.suspects import PARAMETERS, PATHS
+
+if TYPE_CHECKING:
+    from labsid.rig.switchable.withheld import WithheldRig
+
+LEVEL = 0.02
+"""Tolerance of a level, as a share of the range of its signal on the record."""
+DELAY = 1.6
+"""Tolerance of a delay (s): about two samples, as a free numerator can take one off it or put one on."""
+CURVE = 0.08
+"""Relative tolerance of a `c2`, and of the distance of `empty` from rest."""
+
+_STOPS = {"input-saturation", "overflow", "output-saturation"}
+_CURVES = {"input-nonlinearity", "sqrt-outflow", "output-nonlinearity"}
+_NOTED = "is noted. Whether your rig has it, the judge alone knows; step 7 is your evidence."
+
+
+def effect(ask: Ask) -> Verdict:
+    """Step 8: the name of the effect."""
+    got = _named_effect(ask)
+    rig = _rig(ask)
+    if rig is None:
+        return Verdict(True, f"{got} {_NOTED}")
+    if got == rig.effect:
+        return Verdict(True, "this is what your rig has.")
+    for family, what, hint in (
+        (_STOPS, "stops", "how the output comes to the flat stretch and how it leaves it"),
+        (_CURVES, "curves", "the error of each on the held-out half, with the linear part refitted"),
+    ):
+        if {got, rig.effect} <= family:
+            return Verdict(
+                False,
+                f"The shape is right, but your rig has another of the {what}: what tells them apart is {hint}.",
+                f"another of the {what}",
+            )
+    return Verdict(
+        False,
+        "Your rig has another effect. Which one closes the gap on the held-out half, refitted together with the linear "
+        "part?",
+        "another effect",
+    )
+
+
+def path(ask: Ask) -> Verdict:
+    """Step 8: where in the loop the effect acts."""
+    got = _text("path", ask)
+    places = sorted(set(PATHS.values()))
+    if got in PATHS:
+        raise NoAnswer(
+            '`path` is the name of an effect: give the place, "input", "dynamics" or "output".', "effect for path"
+        )
+    if got not in places:
+        raise NoAnswer(f"`path` is {got!r}; it should be one of {', '.join(places)}.", "not a path")
+    rig = _rig(ask)
+    if rig is None:
+        named = PATHS[_named_effect(ask)]
+        if got != named:
+            return Verdict(False, "The effect that you named acts in another place: look at the list.", "another path")
+        return Verdict(True, f"{got} {_NOTED}")
+    if got == rig.path:
+        return Verdict(True, "this is where the effect acts.")
+    if got == "output":
+        return Verdict(
+            False,
+            "The gap shows at the output, as every gap does; what makes it acts before.",
+            "where it shows for where it arises",
+        )
+    return Verdict(False, "The effect acts in another place in the loop.", "another path")
+
+
+def parameters(ask: Ask) -> Verdict:
+    """Step 8: the parameters of the effect, in volts and seconds."""
+    value = ask.value("parameters")
+    if not isinstance(value, Mapping):
+        raise NoAnswer(
+            f'`parameters` should be a dictionary, such as {{"low": 1.2, "high": 3.4}}; it is {kind_of(value)}.',
+            "not a dictionary",
+        )
+    rig = _rig(ask)
+    wanted = PARAMETERS[_named_effect(ask) if rig is None else rig.effect]
+    if set(value) != set(wanted):
+        whose = "the effect that you named" if rig is None else "the effect of your rig"
+        raise NoAnswer(f"`parameters` does not have the names that the list gives for {whose}.", "names of parameters")
+    got = {name: as_number(f'parameters["{name}"]', value[name]) for name in wanted}
+    if rig is None:
+        return Verdict(True, f"{', '.join(wanted)} noted. How near they are, the judge alone knows.")
+    tolerance = _tolerances(rig, ask.record)
+
+    def same(one: Mapping[str, float]) -> bool:
+        return all(abs(one[name] - rig.parameters[name]) <= tolerance[name] for name in wanted)
+
+    if same(got):
+        return Verdict(True, "with these somebody could repair the rig.")
+    for name, hint, mended in _slips(got, rig, ask.record):
+        if same(mended):
+            return Verdict(False, hint, name)
+    return Verdict(False, f"{' and '.join(wanted)}: not within the tolerance of the question.")
+
+
+def _slips(got: Mapping[str, float], rig: "WithheldRig", record: Record) -> list[tuple[str, str, Mapping[str, float]]]:
+    """What the answer would be if one thing in it were mended: name of the slip, hint, mended answer."""
+    offset = record.u[0] if rig.path == "input" else rig.scales.y0
+    slips: list[tuple[str, str, Mapping[str, float]]] = [
+        (
+            "offset left out",
+            "`parameters` are deviations from rest: put the offset back on, so that they can be read at the rig.",
+            {name: value + offset for name, value in got.items()},
+        ),
+        (
+            "the other offset",
+            "`parameters` have the offset of the other signal in them.",
+            {name: value + record.u[0] - rig.scales.y0 for name, value in got.items()},
+        ),
+        (
+            "the other offset",
+            "`parameters` have the offset of the other signal in them.",
+            {name: value - record.u[0] + rig.scales.y0 for name, value in got.items()},
+        ),
+        ("sign", "`parameters` have the wrong sign.", {name: -value for name, value in got.items()}),
+        ("millivolts", "`parameters` are in millivolts.", {name: value / 1000 for name, value in got.items()}),
+    ]
+    if "delay" in got:
+        slips.append(
+            ("samples for seconds", "The delay is in samples: times `Ts`.", {"delay": got["delay"] * record.Ts})
+        )
+    if "low" in got:
+        swapped = {"low": got["high"], "high": got["low"]}
+        slips.append(("low and high swapped", "`low` and `high` have changed places.", swapped))
+    if "empty" in got:
+        slips.append(
+            (
+                "distance for level",
+                "`empty` is the distance from rest down to the empty tank; give what the sensor would show there.",
+                {"empty": rig.scales.y0 - got["empty"]},
+            )
+        )
+    return slips
+
+
+def _tolerances(rig: "WithheldRig", record: Record) -> dict[str, float]:
+    level = LEVEL * float(np.ptp(record.u if rig.path == "input" else record.y))
+    truth = rig.parameters
+    every = {"delay": DELAY, "low": level, "high": level, "level": level}
+    if "c2" in truth:
+        every["c2"] = CURVE * abs(truth["c2"])
+    if "empty" in truth:
+        every["empty"] = CURVE * (rig.scales.y0 - truth["empty"])
+    return every
+
+
+def _named_effect(ask: Ask) -> str:
+    got = _text("effect", ask).replace("_", "-").replace(" ", "-")
+    if got not in PATHS:
+        raise NoAnswer(f"`effect` is {got!r}, which is not in the list: {', '.join(PATHS)}.", "not a name of the list")
+    return got
+
+
+def _text(name: str, ask: Ask) -> str:
+    value = ask.value(name)
+    if not isinstance(value, str):
+        raise NoAnswer(f'`{name}` should be a text in quotes, such as "input"; it is {kind_of(value)}.', "not a text")
+    return value.strip().lower()
+
+
+def _rig(ask: Ask) -> "WithheldRig | None":
+    """The rig as only the judge can make it; None in the notebook."""
+    if ask.origin is None:
+        return None
+    from labsid.rig.switchable.withheld import withheld_rig
+
+    return withheld_rig(ask.origin.student, ask.origin.secret)

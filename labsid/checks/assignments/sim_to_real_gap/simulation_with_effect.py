@@ -1,0 +1,191 @@
+"""Steps 7 and 9 of the gap: the simulation with the effect in it, and how much of the gap it closes.
+
+In the notebook it is played on the student's own record, of which the second half counts; the judge, who can make
+the rig again, plays it on a run of which the student has seen nothing.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from labsid._arrays import FloatArray, freeze
+from labsid.checks.assignments.lab_identification.lab_data import known_vector
+from labsid.checks.compare import as_number, as_vector, close
+from labsid.checks.question import Ask, returned
+from labsid.checks.verdict import NoAnswer, Slip, Verdict, judge
+from labsid.lab.arx import arx_from_theta
+from labsid.lab.simulation import simulate
+
+ENOUGH = 0.85
+"""Share of the gap that the right effect closes with a simple integrator too (0.91 and more), and a wrong one does not
+(0.70 at most), measured over the rigs of the course."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Run:
+    """A run of the student's rig on which simulations are scored: from sample `first` on, above the noise."""
+
+    u: FloatArray
+    y: FloatArray
+    linear: FloatArray
+    first: int
+    noise: float
+
+    def __post_init__(self) -> None:
+        freeze(self, u=self.u, y=self.y, linear=self.linear)
+
+    def closed(self, y_sim: FloatArray) -> float:
+        """Share of the linear model's gap that `y_sim` closes."""
+        return closed_share(self._mse(y_sim), self._mse(self.linear), self.noise)
+
+    def _mse(self, y_sim: FloatArray) -> float:
+        return float(np.mean((y_sim - self.y)[self.first :] ** 2))
+
+
+def closed_share(mse_after: float, mse_before: float, noise: float) -> float:
+    """The formula of step 9."""
+    left = max(mse_after - noise**2, 0.0) / max(mse_before - noise**2, 1e-30)
+    return float(1 - np.sqrt(left))
+
+
+def simulation(ask: Ask) -> Verdict:
+    """Step 7: `simulate_better(u_act)` on a run of the rig."""
+    run = _run(ask)
+    y_sim = _played(ask, run.u)
+    if run.closed(y_sim) >= ENOUGH:
+        return Verdict(True, "your simulation does what the rig does.")
+    slip = _slip(ask, run, y_sim)
+    if slip is not None:
+        return Verdict(False, *slip)
+    return Verdict(
+        False,
+        f"`simulate_better` closes less than {100 * ENOUGH:.0f} % of the gap. If the linear part was refitted with the "
+        "effect and the fit started inside the range that is used, then it is another effect.",
+    )
+
+
+def _slip(ask: Ask, run: _Run, y_sim: FloatArray) -> tuple[str, str] | None:
+    """What is wrong, and the name of the slip."""
+    y_offset = as_number("y_offset", ask.known("y_offset"))
+    if run.closed(y_sim + y_offset) >= ENOUGH:
+        return "`simulate_better` returns deviations from rest: put `y_offset` back on.", "output offset left out"
+    if np.sqrt(np.mean((y_sim - run.linear) ** 2)) < 0.1 * np.sqrt(np.mean((run.linear - run.y) ** 2)):
+        return (
+            "`simulate_better` does what the linear model does: there is no effect in it, or its fit has put it out of "
+            "the range that is used.",
+            "no effect added",
+        )
+    for moved, text in ((y_sim[1:], "late"), (y_sim[:-1], "early")):
+        there = slice(None, -1) if text == "late" else slice(1, None)
+        shifted = _Run(run.u[there], run.y[there], run.linear[there], run.first, run.noise)
+        if shifted.closed(moved) >= ENOUGH:
+            return f"`simulate_better` is one sample {text}.", "lag off by one"
+    without = _played(ask, run.u - ask.record.u[0])
+    if run.closed(without) >= ENOUGH:
+        return (
+            "`simulate_better` expects an input without its offset. It is handed the pump voltage: take `u_offset` off "
+            "inside.",
+            "input offset not taken off",
+        )
+    if np.allclose(y_sim, without) or np.allclose(y_sim, _played(ask, run.u[::-1])):
+        return (
+            "`simulate_better` returns the same whatever it is handed: let it use its argument.",
+            "argument not used",
+        )
+    return None
+
+
+def closed(ask: Ask) -> Verdict:
+    """Step 9: the share closed on the held-out half, which must also hold on the run that the judge holds back."""
+    got = as_number("closed", ask.value("closed"))
+    noise, before = (as_number(name, ask.known(name)) for name in ("noise_sd", "gap_before"))
+    record = ask.record
+    half = record.y.size // 2
+    squares = (_played(ask, record.u) - record.y) ** 2
+    after = float(np.mean(squares[half:]))
+    right = closed_share(after, before**2, noise)
+    verdict = judge(
+        got,
+        right,
+        close(0.01, 0.005),
+        "this is how much of the gap the effect explains.",
+        "`closed` is not the share of the gap that `simulate_better` closes on the held-out half: go through the "
+        "formula term by term.",
+        [
+            Slip("per cent", "`closed` is in per cent; give a number between 0 and 1.", lambda: 100 * right),
+            Slip(
+                "what is left, not what is closed",
+                "`closed` is the share that is *left*: take it from 1.",
+                lambda: 1 - right,
+            ),
+            Slip(
+                "noise left in",
+                "`closed` leaves the noise in both errors: subtract its square from both mean squared errors.",
+                lambda: closed_share(after, before**2, 0.0),
+            ),
+            Slip(
+                "no root",
+                "`closed` compares mean squares: take the root of both.",
+                lambda: 1 - (1 - right) ** 2,
+            ),
+            Slip(
+                "no root",
+                "`closed` compares mean squares, with the noise in them: take the noise off and the root of both.",
+                lambda: 1 - after / before**2,
+            ),
+            Slip(
+                "error over the whole record",
+                "`closed` takes the error after over the whole record. Only the held-out half counts.",
+                lambda: closed_share(float(np.mean(squares)), before**2, noise),
+            ),
+            Slip(
+                "error on the fitted half",
+                "`closed` takes the error after over the half that was fitted.",
+                lambda: closed_share(float(np.mean(squares[:half])), before**2, noise),
+            ),
+        ],
+    )
+    if not verdict.passed or ask.origin is None:
+        return verdict
+    run = _run(ask)
+    left, fresh = 1 - got, 1 - run.closed(_played(ask, run.u))
+    if abs(left - fresh) > 0.15 + 0.35 * max(left, fresh):
+        return Verdict(
+            False,
+            "On the run that the judge holds back your simulation closes another share than the one you report. What "
+            "counts is what holds on fresh data: is there anything in it that knows your record?",
+            "does not hold on fresh data",
+        )
+    return verdict
+
+
+def _run(ask: Ask) -> _Run:
+    """The judge's own run where it can make the rig again, else the record."""
+    record = ask.record
+    u, y, first, noise = record.u, record.y, record.y.size // 2, as_number("noise_sd", ask.known("noise_sd"))
+    if ask.origin is not None:
+        from labsid.rig.switchable.withheld import withheld_rig, withheld_trial
+
+        u, y = withheld_trial(withheld_rig(ask.origin.student, ask.origin.secret))
+        first, noise = 0, 0.0
+    model = arx_from_theta(known_vector(ask, "theta_hat"), record.Ts)
+    linear = as_number("y_offset", ask.known("y_offset")) + simulate(model, u - record.u[0])
+    return _Run(u, y, linear, first, noise)
+
+
+def _played(ask: Ask, u: FloatArray) -> FloatArray:
+    """What the student's simulation makes of an input."""
+    value = returned(ask, "simulate_better", u)
+    if isinstance(value, np.ndarray) and value.ndim == 2 and value.shape[1] == 1:
+        raise NoAnswer(
+            f"`simulate_better` returns a column, shape {value.shape}. The record is one-dimensional, and numpy makes "
+            "a whole table of their difference: return shape (N,).",
+            "a column beside a flat array",
+        )
+    y_sim = as_vector("simulate_better(u_act)", value)
+    if y_sim.size != u.size:
+        raise NoAnswer(
+            f"`simulate_better` was handed {u.size} samples and returned {y_sim.size}. It owes one output for each.",
+            "another length",
+        )
+    return y_sim

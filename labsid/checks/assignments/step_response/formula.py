@@ -1,0 +1,86 @@
+"""Check of step 2 of the appendix: the student's formula for the response of a first-order model with delay."""
+
+import numpy as np
+
+from labsid._arrays import FloatArray
+from labsid.checks.compare import as_vector, close
+from labsid.checks.question import Ask, returned
+from labsid.checks.verdict import Slip, Verdict, judge
+from labsid.lab.step_response import FirstOrderDelay, first_order_response
+
+
+def response(ask: Ask) -> Verdict:
+    """Step 2: first_order_response on other models."""
+    verdict = Verdict(False, "")
+    for sign in (1, -1):
+        Ts = float(ask.rng.choice([0.1, 0.25, 0.5]))
+        t: FloatArray = Ts * np.arange(160, dtype=np.float64)
+        td = float(t[ask.rng.integers(12, 30)])
+        K, tau = float(ask.rng.uniform(0.4, 5)), float(Ts * ask.rng.uniform(15, 40))
+        amplitude = sign * float(ask.rng.uniform(1.5, 4))
+        value = returned(ask, "first_order_response", t, K, tau, td, amplitude)
+        got = as_vector("first_order_response(...)", value, t.size)
+        model = FirstOrderDelay(K, tau, td)
+        verdict = judge(
+            got,
+            first_order_response(model, t, amplitude),
+            close(1e-6),
+            "zero up to the delay, then on its way to K times the amplitude.",
+            "`first_order_response` does not follow the formula of step 1.",
+            _response_slips(t, model, amplitude),
+        )
+        if not verdict.passed:
+            break
+    return verdict
+
+
+def _response_slips(t: FloatArray, model: FirstOrderDelay, amplitude: float) -> list[Slip[FloatArray]]:
+    K, tau, td = model.K, model.tau, model.td
+    Ts, size = t[1] - t[0], K * amplitude
+
+    def slip(name: str, hint: str, wrong: FloatArray) -> Slip[FloatArray]:
+        return Slip(name, f"`first_order_response` {hint}", lambda: wrong)
+
+    since = np.maximum(t - td, 0)
+    no_delay = "starts at once: put t - td in the place of t, and zero before td."
+    return [
+        slip(
+            "not zero before the delay",
+            "is not zero before td: the formula alone gives large values of the other sign there.",
+            size * (1 - np.exp(-(t - td) / tau)),
+        ),
+        slip("amplitude forgotten", "does not depend on the amplitude.", K * (1 - np.exp(-since / tau))),
+        slip("gain forgotten", "does not depend on K.", amplitude * (1 - np.exp(-since / tau))),
+        slip("no delay", no_delay, size * (1 - np.exp(-t / tau))),
+        slip(
+            "delay cut but not shifted",
+            "is zero before td, but then jumps: the exponent needs t - td as well.",
+            np.where(t >= td, size * (1 - np.exp(-t / tau)), 0),
+        ),
+        slip("decays", "falls where it should rise: 1 minus the exponential.", size * np.exp(-since / tau)),
+        slip(
+            "decays",
+            "falls where it should rise: 1 minus the exponential.",
+            np.where(t >= td, size * np.exp(-(t - td) / tau), 0),
+        ),
+        slip(
+            "multiplied by the time constant",
+            "multiplies by tau in the exponent: divide by it.",
+            size * (1 - np.exp(-since * tau)),
+        ),
+        slip(
+            "sign of the exponent",
+            "grows without limit: the exponent is negative.",
+            size * (1 - np.exp(since / tau)),
+        ),
+        slip(
+            "delay in samples",
+            "takes td for a number of samples; it is in seconds.",
+            first_order_response(FirstOrderDelay(K, tau, Ts * round(td)), t, amplitude),
+        ),
+        slip(
+            "delay with the wrong sign",
+            "starts before the step: the time since the delay is t - td.",
+            size * (1 - np.exp(-(t + td) / tau)),
+        ),
+    ]

@@ -1,0 +1,178 @@
+"""Checks of the least-squares appendix: two equations, error, loss, gradient, minimum, and when it is unique."""
+
+from collections.abc import Callable
+
+import numpy as np
+
+from labsid._arrays import FloatArray
+from labsid.checks.assignments.step_response.slips import (
+    error_slips,
+    gradient_slips,
+    loss_slips,
+    minimum_slips,
+    two_slips,
+)
+from labsid.checks.compare import as_number, as_vector, close, kind_of
+from labsid.checks.question import Ask, returned
+from labsid.checks.verdict import NoAnswer, Verdict, judge
+from labsid.least_squares.solve import least_squares, loss, loss_gradient, two_equations
+
+_same = close(1e-8)
+
+# The square one comes first: there a transposed Phi still multiplies, and can be named.
+_SHAPES = ((3, 3), (5, 2), (8, 3))
+
+
+def solve_two(ask: Ask) -> Verdict:
+    """(A2), and its determinant condition."""
+    for turned in (False, True):
+        U, Y = ask.rng.uniform(0.5, 1.5, (2, 2)) + 2 * np.eye(2), ask.rng.uniform(1, 3, 2)
+        if turned:
+            U = U[::-1].copy()
+        verdict = judge(
+            as_vector("solve_two(U, Y)", returned(ask, "solve_two", U, Y), 2),
+            two_equations(U, Y),
+            _same,
+            "it solves two equations, and says `None` where there is no single solution.",
+            "`solve_two` does not give the solution of (A2): put it into the two equations and see.",
+            two_slips(U, Y),
+        )
+        if not verdict.passed:
+            return verdict
+    row = ask.rng.integers(1, 5, 2).astype(float)
+    try:
+        solved = ask.call("solve_two", np.array([row, 2 * row]), np.array([1.0, 3.0])) is not None
+    except NoAnswer:
+        solved = True
+    if solved:
+        return Verdict(
+            False,
+            "`solve_two` gives no `None` for dependent equations: look at the determinant before you divide by it.",
+            "determinant not checked",
+        )
+    return verdict
+
+
+def error_vector(ask: Ask) -> Verdict:
+    """(A4)."""
+
+    def one(Phi: FloatArray, Y: FloatArray, theta: FloatArray) -> Verdict:
+        return judge(
+            as_vector("error_vector(Phi, Y, theta)", returned(ask, "error_vector", Phi, Y, theta)),
+            Y - Phi @ theta,
+            _same,
+            "one error for each equation.",
+            "`error_vector` does not return Y - Phi theta: see (A4).",
+            error_slips(Phi, Y, theta),
+        )
+
+    return _on_all(ask, one)
+
+
+def loss_function(ask: Ask) -> Verdict:
+    """(A5)."""
+
+    def one(Phi: FloatArray, Y: FloatArray, theta: FloatArray) -> Verdict:
+        return judge(
+            as_number("loss(Phi, Y, theta)", returned(ask, "loss", Phi, Y, theta)),
+            loss(Phi, Y, theta),
+            _same,
+            "half the sum of the squared errors.",
+            "`loss` is not half the sum of the squared errors: see (A5).",
+            loss_slips(Phi, Y, theta),
+        )
+
+    return _on_all(ask, one)
+
+
+def gradient(ask: Ask) -> Verdict:
+    """The derivative of (A5), by (A6)."""
+
+    def one(Phi: FloatArray, Y: FloatArray, theta: FloatArray) -> Verdict:
+        return judge(
+            as_vector("gradient(Phi, Y, theta)", returned(ask, "gradient", Phi, Y, theta)),
+            loss_gradient(Phi, Y, theta),
+            _same,
+            "it is the slope of the loss in each parameter.",
+            "`gradient` is not the derivative of V: hold it against differences of the loss, as the hint says.",
+            gradient_slips(Phi, Y, theta),
+        )
+
+    return _on_all(ask, one)
+
+
+def minimum(ask: Ask) -> Verdict:
+    """Eq. (8)."""
+
+    def one(Phi: FloatArray, Y: FloatArray, _: FloatArray) -> Verdict:
+        return judge(
+            as_vector("best_theta(Phi, Y)", returned(ask, "best_theta", Phi, Y)),
+            least_squares(Phi, Y).theta,
+            close(1e-6),
+            "no other theta has a smaller loss.",
+            "`best_theta` does not give the theta with the smallest loss: see eq. (8).",
+            minimum_slips(Phi, Y),
+        )
+
+    return _on_all(ask, one)
+
+
+def unique(ask: Ask) -> Verdict:
+    """Unique exactly when Phi has full column rank."""
+    tall = ask.rng.uniform(-2, 2, (7, 3))
+    dependent = tall.copy()
+    dependent[:, 2] = 0.3 * dependent[:, 0] - 1.7 * dependent[:, 1]
+    answers = tuple(_truth(ask, Phi) for Phi in (tall, tall[:3], dependent, tall[:2]))
+    if answers == (True, True, False, False):
+        return Verdict(True, "full column rank decides, not the number of equations.")
+    slip, reason = _WRONG_RULES.get(answers, (None, "is not right for every Phi: take its rank and its columns."))
+    return Verdict(False, f"`is_unique` {reason}", slip)
+
+
+# What each wrong rule says of a tall and a square matrix of full rank, a tall one with dependent columns, a wide one.
+_WRONG_RULES: dict[tuple[bool, ...], tuple[str, str]] = {
+    (True, True, True, False): (
+        "equations counted",
+        "counts equations and unknowns. That is not enough: try a Phi with two equal columns.",
+    ),
+    (True, True, True, True): (
+        "always unique",
+        "says True to every Phi. (A determinant of dependent columns comes out tiny, not zero, through rounding; "
+        "`matrix_rank` allows for that.)",
+    ),
+    (True, True, False, True): (
+        "rank of the rows",
+        "compares the rank with the rows, or with the smaller side of Phi; what counts is the number of columns.",
+    ),
+    (False, True, False, False): (
+        "square matrices only",
+        "is content only with a square Phi; more equations do no harm.",
+    ),
+    (False, True, False, True): (
+        "rank of the rows",
+        "compares the rank with the number of rows; what counts is the number of columns.",
+    ),
+    (False, False, True, True): (
+        "the other way round",
+        "says the opposite: True is for a solution that is unique.",
+    ),
+}
+
+
+def _truth(ask: Ask, Phi: FloatArray) -> bool:
+    value = returned(ask, "is_unique", Phi)
+    if isinstance(value, np.ndarray) and value.size == 1:
+        value = value.reshape(-1)[0].item()
+    if isinstance(value, (bool, int, float)) and value in (0, 1):
+        return bool(value)
+    raise NoAnswer(f"`is_unique` should return True or False; it returns {kind_of(value)}.")
+
+
+def _on_all(ask: Ask, one: Callable[[FloatArray, FloatArray, FloatArray], Verdict]) -> Verdict:
+    verdict = Verdict(False, "")
+    for n, p in _SHAPES:
+        Phi = ask.rng.uniform(-1, 1, (n, p)) + 3 * np.eye(n, p)
+        verdict = one(Phi, ask.rng.uniform(-3, 3, n), ask.rng.uniform(0.5, 2, p))
+        if not verdict.passed:
+            break
+    return verdict

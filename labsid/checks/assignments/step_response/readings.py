@@ -1,0 +1,152 @@
+"""Judging gain, time constant and delay: by the response that they make, not by the way in which they were read."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from labsid._arrays import FloatArray
+from labsid.checks.compare import as_vector
+from labsid.checks.question import Ask
+from labsid.checks.values import Value
+from labsid.checks.verdict import NoAnswer, Verdict
+from labsid.lab.step_response import FirstOrderDelay, StepResponseFit, first_order_response, fit_step_response
+
+GAIN_WITHIN = 0.04
+"""Relative; a fair reading of the end level is within 1 %."""
+COARSE = 0.5
+"""Sampling time in seconds; above it, seconds and samples are too near to each other to be told apart by a delay."""
+SAME_VALUE = 0.04
+"""Relative; a value this near to what a slip gives is that slip (times may also be a sample and a half off)."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Step:
+    """A recorded response to a step at t = 0.
+
+    Attributes
+    ----------
+    t, y : ndarray, shape (N,)
+        Time in seconds, and the output; samples at t <= 0 give the level before the step.
+    amplitude : float
+        Size of the step, negative for a step down.
+    allowance : float
+        How far the response of a fair reading may lie from the record, beyond what the best model does: root mean
+        square, as a share of the change.
+    """
+
+    t: FloatArray
+    y: FloatArray
+    amplitude: float
+    allowance: float
+
+
+@dataclass(frozen=True, slots=True)
+class _Suspect:
+    """A value that a known slip gives to one parameter."""
+
+    slip: str
+    parameter: str
+    value: float
+    within: float
+    hint: str
+
+
+def judge_reading(got: FloatArray, step: Step, where: str, praise: str) -> Verdict:
+    """Judge ``[K, tau, td]`` as read from a step; `where` begins each reason, such as "``read_step``: "."""
+    fit = fit_step_response(step.t, step.y, step.amplitude)
+    K, tau, td = map(float, got)
+    right_gain = any(abs(K - right) <= GAIN_WITHIN * abs(right) for right in (fit.reading.K, fit.model.K))
+    if right_gain and tau > 0 and _excess(FirstOrderDelay(K, tau, td), step, fit) <= step.allowance:
+        return Verdict(True, praise)
+    values = {"K": K, "tau": tau, "td": td}
+    for suspect in _suspects(step, fit):
+        if (suspect.parameter == "K") == right_gain:
+            continue
+        distance = abs(values[suspect.parameter] - suspect.value)
+        if distance <= SAME_VALUE * abs(suspect.value) + suspect.within:
+            return Verdict(False, where + suspect.hint, suspect.slip)
+    return Verdict(False, where + _what_is_off(values, fit, right_gain))
+
+
+def _excess(model: FirstOrderDelay, step: Step, fit: StepResponseFit) -> float:
+    """Root mean square distance from the record after the step, beyond the best model's, as a share of the change."""
+    after = step.t >= 0
+    change = fit.model.K * step.amplitude
+
+    def mean_square(candidate: FirstOrderDelay) -> float:
+        error = step.y - fit.y_initial - first_order_response(candidate, step.t, step.amplitude)
+        return float(np.mean(error[after] ** 2))
+
+    return float(np.sqrt(max(0.0, mean_square(model) - mean_square(fit.model)))) / abs(change)
+
+
+def _suspects(step: Step, fit: StepResponseFit) -> Iterator[_Suspect]:
+    right, a, change = fit.reading, step.amplitude, fit.y_final - fit.y_initial
+    Ts = float(step.t[1] - step.t[0])
+    grid = 1.5 * Ts
+    both = "K has the wrong sign. Both the change of the output and the amplitude have one: keep them."
+    yield _Suspect("sign of the gain", "K", -right.K, 0, both)
+    if change < 0:
+        downwards = "when the step goes down, `y >= level` is true from the start: work with the share of the way."
+        for value in (0.0, -right.td):
+            yield _Suspect("only steps up", "tau", value, grid, f"tau: {downwards}")
+    if abs(fit.y_initial) > 0.1 * abs(change):
+        crossed = _first_time(step, 0.632 * fit.y_final)
+        left_in = "the level before the step is still in: only the change counts, y - y_start."
+        for value in (fit.y_final / a, fit.y_final):
+            yield _Suspect("initial level left in", "K", value, 0, f"K: {left_in}")
+        for value in (crossed, crossed - right.td):
+            yield _Suspect("initial level left in", "tau", value, grid, f"tau: {left_in}")
+    divide = "K is the whole change of the output: divide it by the amplitude."
+    yield _Suspect("amplitude not divided out", "K", change, 0, divide)
+    yield _Suspect("gain upside down", "K", a / change, 0, "K is upside down: it is output over input.")
+    early = "K was read at 63.2 % of the way; the gain belongs to the end."
+    yield _Suspect("63.2 % taken for the end", "K", 0.632 * right.K, 0, early)
+    two_thirds = "tau is t_63 - t_28 as it stands; two thirds of tau lie between them."
+    yield _Suspect("the factor 3/2 forgotten", "tau", fit.t_632 - fit.t_283, grid, two_thirds)
+    late = "td is the time to 63.2 %; that is t_d + tau."
+    yield _Suspect("63.2 % taken for the delay", "td", fit.t_632, grid, late)
+    if Ts <= COARSE:
+        loosely = 0.4 * right.td / Ts
+        yield _Suspect("time in samples", "td", right.td / Ts, loosely, "td counts samples; it should be in seconds.")
+    if right.td > 0.1 * right.tau:
+        at_once = (
+            "td comes out as nothing, but this response starts late. (Is its start taken as the first change of y? "
+            "Noise changes y at once.)"
+        )
+        yield _Suspect("no delay", "td", 0.0, grid, at_once)
+        negative = "td is negative: the response starts after the step."
+        yield _Suspect("delay with the wrong sign", "td", -right.td, grid, negative)
+        from_step = "tau was measured from the step on, so the delay is in it: measure it from t_d."
+        yield _Suspect("tau measured from the step", "tau", fit.t_632, grid, from_step)
+    settling = "tau is the time to 95 %; the time constant is the time to 63.2 %."
+    yield _Suspect("settling time in place of the time constant", "tau", 3 * right.tau, grid, settling)
+    yield _Suspect("time in samples", "tau", right.tau / Ts, 1.5, "tau counts samples; it should be in seconds.")
+    yield _Suspect("time constant upside down", "tau", 1 / right.tau, 0, "tau is upside down: is it 1/tau?")
+
+
+def _what_is_off(values: dict[str, float], fit: StepResponseFit, right_gain: bool) -> str:
+    if not right_gain:
+        return "K is not the change of the output divided by the amplitude of the step."
+    if not values["tau"] > 0:
+        return "tau is not positive; it is the time from t_d to 63.2 % of the way."
+    slower = values["tau"] > fit.model.tau
+    later = values["td"] + values["tau"] > fit.model.td + fit.model.tau
+    how = ("late", "early")[not later], ("slowly", "fast")[not slower]
+    return (
+        f"K is right, but with this tau and td the model gets to 63.2 % too {how[0]}, or rises too {how[1]}. "
+        "Draw both responses in one figure and look."
+    )
+
+
+def _first_time(step: Step, level: float) -> float:
+    return float(step.t[np.argmax(step.y >= level)])
+
+
+def own_answer(ask: Ask, name: str, *arguments: Value) -> FloatArray | None:
+    """What the student's own function of an earlier step gives, so that its fault counts there alone."""
+    try:
+        return as_vector(name, ask.call(name, *arguments))
+    except NoAnswer:
+        return None

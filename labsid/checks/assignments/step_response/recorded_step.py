@@ -1,0 +1,171 @@
+"""Checks of step 6 of the appendix: a step cut out of the record of the lab, and the model read off it."""
+
+from collections.abc import Callable
+
+import numpy as np
+
+from labsid._arrays import FloatArray
+from labsid.checks.assignments.step_response.readings import Step, judge_reading, own_answer
+from labsid.checks.compare import as_number, as_vector, close
+from labsid.checks.question import Ask
+from labsid.checks.values import Value
+from labsid.checks.verdict import Slip, Verdict, judge
+from labsid.lab.offset import find_offsets, mean_of_first_period
+from labsid.lab.step_response import cut_held_step, fit_step_response
+
+TANK_PARAMETERS = ("K_tank", "tau_tank", "td_tank")
+LEVEL_WITHIN = 0.02
+"""Of the change: how far fair means of the level before the step may lie apart."""
+
+
+def held_step(ask: Ask) -> Verdict:
+    """Step 6: the first step of the record, cut out."""
+    t_act, u, y = ask.record.t, ask.record.u, ask.record.y
+    first, second = (np.flatnonzero(np.diff(u)) + 1)[:2]
+    right = give_held_step(ask)
+    y_held, a_held = np.asarray(right["y_held"]), float(u[first] - u[first - 1])
+    change = abs(np.mean(y_held[-10:]))
+    got_y = as_vector("y_held", ask.value("y_held"))
+    got_t = as_vector("t_held", ask.value("t_held"), got_y.size)
+    # the sample at the second change was taken before that change acts, so it may stay or go
+    stop = second if got_y.size != second - first + 1 else second + 1
+    verdict = judge(
+        got_y,
+        y[first:stop] - find_offsets(u, y).y_offset,
+        _same_but_for_the_level(LEVEL_WITHIN * change),
+        "",
+        "`y_held` is not the output from the first change of the input up to the second, less its level before.",
+        [
+            Slip(
+                "initial level left in",
+                "`y_held` still has the level before the step in it: subtract it.",
+                lambda: y[first:stop],
+            ),
+            Slip(
+                "mean over the whole record",
+                "`y_held`: the level before the step is the mean before the first change, not over the whole record.",
+                lambda: y[first:stop] - y.mean(),
+            ),
+            Slip(
+                "mean over the step itself",
+                "`y_held`: the level before the step is the mean before the first change, not over the step.",
+                lambda: y[first:stop] - y[first:stop].mean(),
+            ),
+            Slip(
+                "level of the end",
+                "`y_held`: the level to subtract is that before the step, not that at its end.",
+                lambda: y[first:stop] - y[stop - 10 : stop].mean(),
+            ),
+            Slip(
+                "mean before the rig has settled",
+                "`y_held`: in this record the output has not settled at first; average the settled end of the first "
+                "period.",
+                lambda: y[first:stop] - mean_of_first_period(u, y),
+            ),
+            Slip(
+                "the period before the step",
+                "`y_held` is what comes before the first change; the step comes after it.",
+                lambda: y[:first] - y[:first].mean(),
+            ),
+            Slip(
+                "cut from the start of the record",
+                "`y_held` starts at the start of the record; it should start at the first change.",
+                lambda: y[:second] - y[:first].mean(),
+            ),
+            Slip(
+                "not cut at the second change",
+                "`y_held` runs on to the end of the record: stop at the second change.",
+                lambda: y[first:] - y[:first].mean(),
+            ),
+            Slip(
+                "off by one",
+                "`y_held` starts one sample too early: np.diff(u)[k] is the change from sample k to sample k + 1.",
+                lambda: y[first - 1 : stop - 1] - y[:first].mean(),
+            ),
+        ],
+    )
+    if verdict.passed:
+        verdict = judge(
+            got_t,
+            t_act[first:stop] - t_act[first],
+            close(0, absolute=1e-6),
+            "",
+            "`t_held` is not the time since the first change of the input.",
+            [
+                Slip("time not set back to zero", "`t_held` should start from zero.", lambda: t_act[first:stop]),
+                Slip(
+                    "time in samples",
+                    "`t_held` counts samples; it should be in seconds.",
+                    lambda: np.arange(stop - first, dtype=float),
+                ),
+            ],
+        )
+    if verdict.passed:
+        verdict = judge(
+            as_number("a_held", ask.value("a_held")),
+            a_held,
+            close(1e-6),
+            "the first step of the record, from zero time and zero level.",
+            "`a_held` is not the change of the input.",
+            [
+                Slip(
+                    "sign of the step",
+                    "`a_held`: new input minus old. Does it go up or down?",
+                    lambda: -a_held,
+                ),
+                Slip(
+                    "level in place of the change",
+                    "`a_held` is the level; take the change.",
+                    lambda: float(u[first]),
+                ),
+                Slip(
+                    "the second step",
+                    "`a_held` belongs to the second change.",
+                    lambda: float(u[second] - u[first]),
+                ),
+            ],
+        )
+    return verdict
+
+
+def tank_model(ask: Ask) -> Verdict:
+    """Step 6: the model of the tanks."""
+    got = np.array([as_number(name, ask.value(name)) for name in TANK_PARAMETERS])
+    settled = find_offsets(ask.record.u, ask.record.y)
+    before = settled.settled[1] - settled.settled[0]
+    t, y, a = cut_held_step(ask.record.u, ask.record.y, ask.record.Ts, 0, before)
+    praise = "a first-order model with delay of the water tanks."
+    verdict = judge_reading(got, Step(t, y, a, 0.03), "", praise)
+    if verdict.passed:
+        return verdict
+    t_held, y_held = (np.asarray(ask.known(name), np.float64).reshape(-1) for name in ("t_held", "y_held"))
+    carried = own_answer(ask, "read_step", t_held, y_held, a)
+    doubled = own_answer(ask, "read_step", 2 * t_held, 3 * y_held, a)
+    depends = carried is not None and doubled is not None and not np.array_equal(carried, doubled)
+    if depends and carried is not None and close(1e-6)(got, carried):
+        return Verdict(True, "this is what your `read_step` says; its faults are judged in step 5.")
+    return verdict
+
+
+def _same_but_for_the_level(within: float) -> Callable[[FloatArray, FloatArray], bool]:
+    def same(a: FloatArray, b: FloatArray) -> bool:
+        if a.shape != b.shape:
+            return False
+        difference = a - b
+        return bool(np.ptp(difference) < 1e-9 and abs(np.mean(difference)) <= within)
+
+    return same
+
+
+def give_held_step(ask: Ask) -> dict[str, Value]:
+    """The right cut."""
+    u, y = ask.record.u, ask.record.y
+    t, y_held, amplitude = cut_held_step(u, y - find_offsets(u, y).y_offset, ask.record.Ts, 0, before=0)
+    return {"t_held": t, "y_held": y_held, "a_held": amplitude}
+
+
+def give_tank_model(ask: Ask) -> dict[str, Value]:
+    """The right model."""
+    u, y = ask.record.u, ask.record.y
+    model = fit_step_response(*cut_held_step(u, y, ask.record.Ts, 0)).model
+    return dict(zip(TANK_PARAMETERS, (model.K, model.tau, model.td), strict=True))

@@ -1,0 +1,1 @@
+"""The `labsid` command: parse, call, print."""

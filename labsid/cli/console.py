@@ -1,0 +1,158 @@
+"""What the command prints and writes: results as text; files whole or not at all."""
+
+import errno
+import json
+import os
+import textwrap
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+if TYPE_CHECKING:  # each takes a while to import, and a command prints only one of them
+    from labsid.lab.identification import Identification
+    from labsid.lab.record_check import RecordCheck
+
+_COLOURS = {"ok": "green", "note": "cyan", "warning": "yellow", "refused": "red"}
+
+
+def print_check(check: "RecordCheck") -> None:
+    """Print a check to standard output: the verdict, then a line for each finding."""
+    from rich.console import Console
+    from rich.table import Table
+    from rich.text import Text
+
+    console = Console(highlight=False)
+    table = Table(box=None, show_header=False, padding=(0, 2, 0, 0))
+    for finding in check.findings:
+        table.add_row(Text(finding.level, style=_COLOURS[finding.level]), finding.topic, Text(finding.text))
+    with console.capture() as capture:
+        console.print(Text(check.verdict, style="bold"))
+        console.print()
+        console.print(table)
+    # A table fills its last column with blanks.
+    print("\n".join(line.rstrip() for line in capture.get().splitlines()))
+
+
+def identification_text(identification: "Identification") -> str:
+    """Render an identification as plain text.
+
+    Parameters
+    ----------
+    identification : Identification
+
+    Returns
+    -------
+    str
+        Offsets, parameters, the model as python-control prints it, errors of the free runs, a verdict in words
+        and what else to mind.
+    """
+    from labsid.lab.arx import to_ss, to_tf
+
+    record, model, fit = identification.record, identification.model, identification.fit
+    offsets, rows, runs = identification.offsets, identification.regression, identification.verification
+    symbols = [f"-a{i + 1}" for i in range(model.order)] + [f"b{i + 1}" for i in range(model.order)]
+    estimates = zip(symbols, fit.theta, fit.stderr, strict=True)
+    lines = [
+        f"{record.name}: {len(record)} samples, Ts = {record.Ts:g} s",
+        "",
+        f"u_offset = {offsets.u_offset:g}, the first input",
+        f"y_offset = {offsets.y_offset:.8f}, the mean of samples {offsets.settled[0]} to {offsets.settled[1] - 1}",
+        f"Phi: rows k = {rows.start} to {rows.stop - 1} of the first half, condition number {fit.condition_number:.2f}",
+        "",
+        "theta        estimate    standard error",
+        *(f"  {symbol:<6}{value:13.8f}{error:18.8f}" for symbol, value, error in estimates),
+        "",
+        str(to_tf(model)).strip(),
+        "",
+        str(to_ss(model)).strip(),
+        "",
+        "mean squared error of the free run",
+        f"  whole record, from rest               {runs.mse_all:.5e}",
+        f"  second half, from rest                {runs.mse_second_half:.5e}",
+        f"  second half, state carried over       {runs.mse_second_half_carried:.5e}",
+        f"  second half, its own state estimated  {runs.mse_second_half_estimated:.5e}",
+        "",
+        *(textwrap.fill(line, 90) for line in _verdict(identification)),
+        *(textwrap.fill(f"Mind: {warning}.", 90) for warning in identification.warnings),
+    ]
+    return "\n".join(lines)
+
+
+def _verdict(identification: "Identification") -> list[str]:
+    """How good the model is on data that it was not fitted to, and what kind of plant it describes, in words."""
+    model, runs = identification.model, identification.verification
+    unseen = identification.y[runs.half :]
+    error, from_rest = np.sqrt([runs.mse_second_half_carried, runs.mse_second_half])
+    lines = []
+    if np.ptp(unseen) > 0:
+        fit = 1 - error / np.std(unseen)
+        words = {0.9: "closely", 0.7: "roughly", 0.0: "poorly"}
+        how = next((word for least, word in words.items() if fit >= least), "worse than a constant would")
+        lines.append(
+            f"Fitted to the first half, the order-{model.order} model follows the second half {how}: "
+            f"{error:.3g} rms, {error / np.ptp(unseen):.1%} of the range of the output there (fit {fit:.1%})."
+        )
+    if from_rest > 2 * error:
+        lines.append(
+            f"Started from rest it misses it by {from_rest:.3g} rms, for the rig is not at rest at sample "
+            f"{runs.half}: the state of the first half must be carried over or estimated."
+        )
+    pole = model.poles[0]
+    if model.is_stable and pole != 0:
+        gain, tau = model.b.sum() / model.a.sum(), -model.Ts / np.log(np.abs(pole))
+        lines.append(f"It is stable, with static gain {gain:.4g} and {tau:.3g} s as its longest time constant.")
+    return lines
+
+
+def write_json(path: Path, content: dict[str, Any]) -> None:
+    """Write a JSON object to a file; see `write_file`."""
+    write_file(path, (json.dumps(content, indent=2, allow_nan=False) + "\n").encode())
+
+
+def write_file(path: Path, content: bytes) -> None:
+    """Write a file so that it is there whole or, if anything fails, as it was before.
+
+    Parameters
+    ----------
+    path : Path
+        A file of that name is replaced; its folder must exist. A device or a pipe is simply written to.
+    content : bytes
+
+    Raises
+    ------
+    OSError
+        If the folder does not exist, or writing fails.
+    """
+    check_writable(path)
+    if path.exists() and not path.is_file():
+        path.write_bytes(content)
+        return
+    path = path.resolve()
+    partial = path.with_name(f".{path.name}.{os.getpid()}.partial")
+    try:
+        partial.write_bytes(content)
+        os.replace(partial, path)
+    finally:
+        partial.unlink(missing_ok=True)
+
+
+def check_writable(path: Path) -> None:
+    """Refuse a path to which `write_file` could not write, ahead of the work whose result shall go there.
+
+    Parameters
+    ----------
+    path : Path
+
+    Raises
+    ------
+    OSError
+        If it is a folder, or its folder does not exist or takes no files.
+    """
+    if path.is_dir():
+        raise IsADirectoryError(errno.EISDIR, "it is a folder; name a file to write to", str(path))
+    folder = path.resolve().parent
+    if not folder.is_dir():
+        raise FileNotFoundError(errno.ENOENT, "there is no such folder to write to", str(folder))
+    if not path.exists() and not os.access(folder, os.W_OK):
+        raise PermissionError(errno.EACCES, "nothing can be written into this folder", str(folder))

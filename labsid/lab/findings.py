@@ -1,0 +1,271 @@
+"""What the signals of a record show, in words: rest, levels, noise, converter, clipping, feedback, excitation."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from labsid._arrays import FloatArray
+from labsid.lab.excitation import excitation_order, persistent_excitation
+from labsid.lab.offset import Offsets, find_offsets, mean_of_first_period, remove_offsets
+from labsid.lab.plateaus import Plateaus, repeated_plateaus
+from labsid.lab.regressor import build_phi
+from labsid.records.direction import gain_from_past
+from labsid.records.formats import RawRecord
+from labsid.records.record import is_sound
+from labsid.records.signal_quality import holds, lattice_step, moving_mean_length, runs, scatter, stuck_at_extreme
+
+Level = Literal["ok", "note", "warning", "refused"]
+
+_MOST_LEVELS = 20  # an input of more levels is no staircase
+_TESTED_ORDER = 10
+
+
+@dataclass(frozen=True, slots=True)
+class Finding:
+    """One thing found in a record.
+
+    Attributes
+    ----------
+    level : {"ok", "note", "warning", "refused"}
+        "note" is worth knowing; "warning" spoils a step of the lab unless one minds it; with "refused" the lab's
+        procedure cannot be carried out.
+    topic : str
+        What it is about, one or two words.
+    text : str
+        One or a few sentences; the first stands by itself.
+    """
+
+    level: Level
+    topic: str
+    text: str
+
+
+def about_signals(raw: RawRecord, Ts: float | None) -> list[Finding]:
+    """Describe input and output of a record.
+
+    Parameters
+    ----------
+    raw : RawRecord
+        Its u and y must be sound and of equal length, at least 5 samples.
+    Ts : float or None
+        Sampling time in seconds, if known, for durations.
+
+    Returns
+    -------
+    list of Finding
+    """
+    u, y = raw.u, raw.y
+    if np.all(u == u[0]):
+        text = f"the input is constant ({u[0]:g}). It excites nothing, so no model can be identified."
+        return [Finding("refused", "input", text), *_about_output(raw, None)]
+    if np.all(y == y[0]):
+        text = f"the output is constant ({y[0]:g}). There is nothing to model."
+        return [_about_input(u), Finding("refused", "output", text)]
+    offsets, plateaus = find_offsets(u, y), repeated_plateaus(u, y)
+    return [
+        _about_input(u),
+        _about_feedback(raw),
+        about_rest(u, y, offsets, Ts),
+        *([] if plateaus is None else [about_plateaus(plateaus)]),
+        *_about_output(raw, offsets),
+        *about_filter(raw, Ts),
+        _about_excitation(u, y, offsets),
+    ]
+
+
+def name_places(stretches: Sequence[tuple[int, int]]) -> str:
+    """Name the first few of some stretches (start, stop) of samples."""
+    named = [f"{k}" if stop == k + 1 else f"{k} to {stop - 1}" for k, stop in stretches[:4]]
+    return ", ".join(named) + (", and so on" if len(stretches) > 4 else "")
+
+
+def _about_input(u: FloatArray) -> Finding:
+    starts, lengths = runs(u)
+    levels = np.unique(u)
+    changes = starts.size - 1
+    if levels.size <= _MOST_LEVELS:
+        text = f"{levels.size} levels ({', '.join(f'{level:g}' for level in levels)}), {changes} changes"
+        if changes > 10:
+            return Finding("ok", "input", f"{text}, held {lengths.min()} to {lengths.max()} samples.")
+        held = ", ".join(f"{u[k]:g} for {n}" for k, n in zip(starts, lengths, strict=True))
+        return Finding("ok", "input", f"{text}; held (samples): {held}.")
+    text = f"between {levels[0]:g} and {levels[-1]:g}, moving at {changes / (u.size - 1):.0%} of the samples."
+    stops = [(extreme, *stuck_at_extreme(u, extreme)) for extreme in (levels[0], levels[-1])]
+    named = [f"{extreme:g} ({samples} samples, {longest} in a row)" for extreme, samples, longest in stops if samples]
+    if named:
+        return Finding("note", "input", f"{text} It rests on a limit: {' and '.join(named)}.")
+    return Finding("ok", "input", text)
+
+
+def _about_feedback(raw: RawRecord) -> Finding:
+    """Whether the input answers to the output; `raw` as for `about_signals`."""
+    if raw.reference is not None:
+        text = (
+            "it is a closed-loop record (it has a reference). The input answers to the output, so noise "
+            "reaches both and a least-squares fit is biased; use it to verify a loop or a model."
+        )
+        return Finding("refused", "feedback", text)
+    # One sample ahead: a controller's input answers to the output of the same sample.
+    gain = gain_from_past(raw.y[1:], raw.u[:-1])
+    if gain <= 10:
+        return Finding("ok", "feedback", "none seen: the output does not help to predict the input.")
+    text = f"the output up to the same sample helps to predict the input (F = {gain:.3g})."
+    if np.unique(raw.u).size <= _MOST_LEVELS:
+        return Finding("note", "feedback", f"{text} A periodic input does that, and so does a relay in closed loop.")
+    text += (
+        " Either the record was taken in closed loop, and a least-squares fit is biased, or the output answers "
+        "within one sample, which a strictly proper model cannot."
+    )
+    return Finding("warning", "feedback", text)
+
+
+def about_rest(u: FloatArray, y: FloatArray, offsets: Offsets, Ts: float | None) -> Finding:
+    """Whether the record begins at rest, and from where on it is settled."""
+    k0, n = offsets.settled
+    length = f"{n} samples" + (f" ({n * Ts:g} s)" if Ts else "")
+    if n == 1:
+        text = "the input moves at once: there is no first period at rest to take the offsets from."
+        return Finding("refused", "rest", text)
+    if offsets.status == "too short":
+        text = f"the first input period has only {length}, too few to see whether the output is settled."
+        return Finding("warning", "rest", text)
+    if offsets.status == "not settled":
+        text = (
+            f"the output does not settle in the first input period of {length}. The mean of its last quarter, "
+            f"{offsets.y_offset:.5g}, is the best offset there is, and a biased one."
+        )
+        return Finding("warning", "rest", text)
+    noise = float(np.std(y[k0:n]))
+    if k0 == 0:
+        text = f"settled from the start: {length} before the first change, u = {offsets.u_offset:g}, "
+        return Finding("ok", "rest", f"{text}y = {offsets.y_offset:.5g}, sd {noise:.2g}.")
+    text = (
+        f"not settled at the start: y comes from {y[0]:.3g} and is at rest only in samples {k0} to {n - 1} of the "
+        f"first period of {length}. Average those: y offset {offsets.y_offset:.5g}, sd {noise:.2g}. The mean of "
+        f"the whole period would be {mean_of_first_period(u, y):.5g}."
+    )
+    return Finding("warning", "rest", text)
+
+
+def about_plateaus(plateaus: Plateaus) -> Finding:
+    """Levels of y at the end of each input period, and whether they repeat at the same input."""
+    at_levels = [
+        f"{', '.join(f'{y_end:.3f}' for y_end in values)} at u = {level:g}" for level, values in plateaus.ends.items()
+    ]
+    listed, share = "; ".join(at_levels), f"{plateaus.largest / plateaus.span:.1%} of"
+    if plateaus.repeat:
+        return Finding("ok", "plateaus", f"y comes back to the same levels within {share} its range: {listed}.")
+    text = (
+        f"y does not come back to the same level at the same input: {listed}. The largest difference is "
+        f"{share} the range of y. A linear model driven by u settles at one level for each input."
+    )
+    return Finding("note", "plateaus", text)
+
+
+def _about_output(raw: RawRecord, offsets: Offsets | None) -> list[Finding]:
+    """Range, noise, and what the converter and the logger did; these two to the raw sensor, if it was logged."""
+    y, sensor = raw.y, raw.y_measured
+    if sensor is None or sensor.size != y.size or not is_sound(sensor):
+        sensor = y
+    findings = [Finding("ok", "output", f"between {y.min():.4g} and {y.max():.4g}.")]
+    which = "measured output" if raw.y_measured is not None else "output"
+    if offsets is not None and offsets.status == "settled":
+        noise, where = float(np.std(sensor[slice(*offsets.settled)])), f"{which}, settled"
+    else:
+        noise, where = scatter(sensor), f"{which}, from sample to sample: an upper bound while y moves"
+    y_range = float(np.ptp(y))
+    share = f", {noise / y_range:.1%} of the range of y" if y_range > 0 else ""
+    findings.append(Finding("ok", "noise", f"sd {noise:.2g} ({where}){share}."))
+    step = lattice_step(sensor)
+    if step is not None and step > noise / 10:
+        against = f"{step / noise:.2g} times the noise" if noise > 0 else "and there is no noise"
+        text = f"values lie on a lattice of {step:.5g}{_converter(step)}, {against}."
+        findings.append(Finding("note" if step > 2 * noise else "ok", "converter", text))
+    findings += about_clipping(y)
+    stuck = [extreme for extreme in (y.min(), y.max()) if stuck_at_extreme(y, extreme)[0]]
+    held = [(k, stop) for k, stop in holds(sensor) if sensor[k] not in stuck] if noise > 0 else []
+    if held:
+        total = sum(stop - k for k, stop in held)
+        text = (
+            f"y repeats one value for longer than its noise allows at samples {name_places(held)} ({total} in "
+            "all). The logger may have kept its last value."
+        )
+        findings.append(Finding("warning", "held values", text))
+    return findings
+
+
+def about_clipping(y: FloatArray) -> list[Finding]:
+    """Extremes at which y stands as if against a stop."""
+    findings = []
+    for extreme, word in ((float(y.min()), "lowest"), (float(y.max()), "highest")):
+        samples, longest = stuck_at_extreme(y, extreme)
+        if samples:
+            text = (
+                f"y is stuck at its {word} value {extreme:g} for {samples} samples ({longest} in a row), so it "
+                "looks clipped. No linear model follows that."
+            )
+            findings.append(Finding("warning", "clipping", text))
+    return findings
+
+
+def _converter(step: float) -> str:
+    """The usual converters of that step."""
+    named = [
+        f"{bits} bits over {span:g}"
+        for span in (5.0, 10.0, 20.0, 3.3)
+        for bits in (8, 10, 12, 14, 16)
+        if abs(step * 2**bits - span) < 1e-6 * span
+    ]
+    return f" (a converter of {' or '.join(named)})" if named else ""
+
+
+def about_filter(raw: RawRecord, Ts: float | None) -> list[Finding]:
+    """What the logger did between the measured output and the noise-reduced one; nothing where it logged but one."""
+    before, after = raw.y_measured, raw.y_noise_reduced
+    if before is None or after is None or before.size != after.size:
+        return []
+    if not (is_sound(before) and is_sound(after)):
+        return []
+    m = moving_mean_length(before, after)
+    if m is None:
+        text = "the noise-reduced output is no moving mean of the measured one."
+    elif m == 1:
+        text = "the noise-reduced output is the measured one, unchanged."
+    else:
+        delay = f"{(m - 1) / 2:g} samples" + (f" ({(m - 1) / 2 * Ts:g} s)" if Ts else "")
+        text = (
+            f"the noise-reduced output is exactly the mean of the last {m} samples of the measured one. That "
+            f"filter, a delay of {delay}, is in the data, so the identified model contains it."
+        )
+    return [Finding("note", "noise reduction", text)]
+
+
+def _about_excitation(u: FloatArray, y: FloatArray, offsets: Offsets) -> Finding:
+    u_free, y_free = remove_offsets(u, y, offsets)
+    half = u.size // 2
+    conditions = []
+    for n in (1, 2):
+        try:
+            Phi = build_phi(u_free, y_free, n, stop=half).Phi
+        except ValueError:
+            text = f"the first half has {half} samples, too few rows for the {2 * n} unknowns of order {n}."
+            return Finding("refused", "excitation", text)
+        result = persistent_excitation(Phi)
+        if not result.positive_definite:
+            text = (
+                f"the first half does not excite order {n}. Phi has rank {result.rank} of {2 * n}, so theta is not "
+                "unique: the input must move, and more than once, before the middle of the record."
+            )
+            return Finding("refused", "excitation", text)
+        conditions.append(f"{result.condition_number:.4g} for order {n}")
+    order = excitation_order(u_free, largest=_TESTED_ORDER)
+    at_least = "at least " if order == _TESTED_ORDER else ""
+    text = (
+        f"input persistently exciting of order {at_least}{order}; cond(Phi) of the first half "
+        f"{' and '.join(conditions)}."
+    )
+    if order < 2:
+        return Finding("warning", "excitation", f"{text} A second-order model needs order 2.")
+    return Finding("ok", "excitation", text)

@@ -1,0 +1,185 @@
+"""The lab's whole procedure on a record: offsets, Phi, theta, model, free runs, mean squared errors."""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from labsid._arrays import FloatArray, freeze
+from labsid.lab.arx import ArxModel, arx_from_theta, fit_arx
+from labsid.lab.excitation import Excitation, persistent_excitation
+from labsid.lab.offset import Offsets, find_offsets, remove_offsets
+from labsid.lab.regressor import Regression
+from labsid.lab.verification import Verification, verify
+from labsid.least_squares.solve import LeastSquares
+from labsid.records.record import Record
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Identification:
+    """Everything that the lab finds in a record.
+
+    Attributes
+    ----------
+    record : Record
+        The record as it was loaded.
+    offsets : Offsets
+        Exercise 1c.
+    u, y : ndarray, shape (N,)
+        Offset-free input and output (Fig. 6).
+    regression : Regression
+        Phi and Y of the first half, exercise 2a.
+    fit : LeastSquares
+        Exercise 2b.
+    excitation : Excitation
+        Whether, and how well, Phi'Phi is positive definite.
+    model : ArxModel
+        The identified model about its operating point, exercise 2c.
+    verification : Verification
+        The free runs, exercise 3.
+    warnings : tuple of str
+        What a reader of the results should know; empty for the lab's own file.
+    """
+
+    record: Record
+    offsets: Offsets
+    u: FloatArray
+    y: FloatArray
+    regression: Regression
+    fit: LeastSquares
+    excitation: Excitation
+    model: ArxModel
+    verification: Verification
+    warnings: tuple[str, ...]
+
+    def __post_init__(self) -> None:
+        freeze(self, u=self.u, y=self.y)
+
+
+def identify(record: Record, order: int = 2, start: int = 2) -> Identification:
+    """Identify a model from the first half of a record and verify it on the second half and on the whole.
+
+    Parameters
+    ----------
+    record : Record
+    order : int
+        Order of the model.
+    start : int
+        First sample k that gets a row of Phi; below `order`, the lags before sample 0 are taken as zero.
+
+    Returns
+    -------
+    Identification
+
+    Raises
+    ------
+    ValueError
+        If the input never changes, the first half leaves too few rows, the input does not excite every
+        parameter, or the identified model is so unstable that its free run overflows.
+
+    Notes
+    -----
+    UNSW lab, exercises 1c to 3a, and with ``order=1`` the post-lab exercise. The rows are the samples
+    k = start .. N // 2 - 1.
+    """
+    half = len(record) // 2
+    if order < 1:
+        raise ValueError(f"order must be at least 1; got {order}.")
+    if start < 0 or half - start < 2 * order:
+        raise ValueError(
+            f"start must be 0 or more and leave {2 * order} rows in the first half, one for each unknown of "
+            f"order {order}; got start {start} and {half} samples there. Use a longer record or lower order."
+        )
+    offsets = find_offsets(record.u, record.y)
+    u, y = remove_offsets(record.u, record.y, offsets)
+    arx = fit_arx(u, y, record.Ts, order, start, half)
+    if arx.fit.status != "unique":
+        raise ValueError(_why_not_unique(u[:half], y[:half], arx.fit, order))
+    model = arx_from_theta(arx.fit.theta, record.Ts, offsets.u_offset, offsets.y_offset)
+    return Identification(
+        record=record,
+        offsets=offsets,
+        u=u,
+        y=y,
+        regression=arx.regression,
+        fit=arx.fit,
+        excitation=persistent_excitation(arx.regression.Phi),
+        model=model,
+        verification=verify(model, u, y),
+        warnings=_warnings(offsets, model, start),
+    )
+
+
+def to_json_dict(identification: Identification) -> dict[str, Any]:
+    """Write the results as the JSON object of ``labsid identify --json``.
+
+    Parameters
+    ----------
+    identification : Identification
+
+    Returns
+    -------
+    dict
+        Plain numbers and lists: ``Ts, samples, u_offset, y_offset, settled, order, theta, a, b, poles, mse,
+        condition_number``; indices zero-based and half-open, poles as [real, imaginary].
+    """
+    model, verification = identification.model, identification.verification
+    return {
+        "Ts": float(model.Ts),
+        "samples": len(identification.record),
+        "u_offset": float(model.u_offset),
+        "y_offset": float(model.y_offset),
+        "settled": list(identification.offsets.settled),
+        "order": model.order,
+        "theta": model.theta.tolist(),
+        "a": model.a.tolist(),
+        "b": model.b.tolist(),
+        "poles": [[float(pole.real), float(pole.imag)] for pole in model.poles],
+        "mse": {
+            "all": verification.mse_all,
+            "second_half": verification.mse_second_half,
+            "second_half_carried": verification.mse_second_half_carried,
+        },
+        "condition_number": identification.fit.condition_number,
+    }
+
+
+def _why_not_unique(u: FloatArray, y: FloatArray, fit: LeastSquares, order: int) -> str:
+    if np.all(u == u[0]):
+        cause = "the input never changes in the first half"
+    elif np.all(y == y[0]):
+        cause = "the output never changes in the first half"
+    else:
+        cause = "the signals of the first half are too simple for this order"
+    return (
+        f"the input must be persistently exciting; got a Phi of rank {fit.rank} for {2 * order} unknowns: "
+        f"{cause}. Record a run with more changes of the input, or lower the order."
+    )
+
+
+def _warnings(offsets: Offsets, model: ArxModel, start: int) -> tuple[str, ...]:
+    found = []
+    k0, k1 = offsets.settled
+    if offsets.status == "too short":
+        found.append(
+            f"the input first changes at sample {offsets.first_period}, too early to see whether the output was "
+            "settled; its mean until then may not be the output offset, which shifts every free run by a constant"
+        )
+    elif offsets.status == "not settled":
+        found.append(
+            f"the output does not settle before the first change of the input; its mean over samples {k0} to "
+            f"{k1 - 1} stands in for the output offset"
+        )
+    if k0 > 0:
+        found.append(
+            f"the record does not start at rest: samples 0 to {k0 - 1} are a start-up, which a simulation "
+            "from rest cannot follow, so that the MSE over the whole record includes it"
+        )
+        if start < model.order:
+            found.append(
+                f"rows from sample {start} take the lags before sample 0 as zero, which they were not; "
+                f"start at {model.order} or later"
+            )
+    if not model.is_stable:
+        found.append(f"the identified model is unstable: its largest pole has magnitude {abs(model.poles[0]):.4g}")
+    return tuple(found)

@@ -1,0 +1,165 @@
+"""What is in a record and what is wrong with it, also where `load_record` refuses it."""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from labsid._arrays import FloatArray
+from labsid.lab.findings import Finding, about_signals, name_places
+from labsid.records.formats import RawRecord
+from labsid.records.record import LARGEST, REGULAR_WITHIN, Fault, find_faults, is_sound
+from labsid.records.signal_quality import runs
+
+
+@dataclass(frozen=True, slots=True)
+class RecordCheck:
+    """Everything found in a record.
+
+    Attributes
+    ----------
+    name : str
+        Of the record.
+    samples : int
+        Samples of the input.
+    Ts : float or None
+        Usual sampling interval in seconds, where there is one.
+    faults : tuple of Fault
+        Why `load_record` refuses it; empty where it does not.
+    findings : tuple of Finding
+    """
+
+    name: str
+    samples: int
+    Ts: float | None
+    faults: tuple[Fault, ...]
+    findings: tuple[Finding, ...]
+
+    @property
+    def usable(self) -> bool:
+        """Whether the lab's procedure can be carried out on it."""
+        return not any(finding.level == "refused" for finding in self.findings)
+
+    @property
+    def verdict(self) -> str:
+        """One line: usable or not, and why."""
+        reasons = [finding for finding in self.findings if finding.level == "refused"]
+        if reasons:
+            return f"usable for the lab: no, because {_first_sentence(reasons[0].text)}"
+        warnings = [finding for finding in self.findings if finding.level == "warning"]
+        if warnings:
+            count = "1 warning" if len(warnings) == 1 else f"{len(warnings)} warnings"
+            return f"usable for the lab: yes, minding {count}: {_first_sentence(warnings[0].text)}"
+        return (
+            "usable for the lab: yes, because it starts at rest, is sampled regularly and excites a second-order model"
+        )
+
+
+def check_record(raw: RawRecord) -> RecordCheck:
+    """Describe a record and what is wrong with it.
+
+    Parameters
+    ----------
+    raw : RawRecord
+        As `labsid.records.formats.read_raw` returns it; nothing about it is taken for granted.
+
+    Returns
+    -------
+    RecordCheck
+    """
+    faults = find_faults(raw)
+    Ts = _usual_interval(raw)
+    findings = [*_about_sampling(raw, Ts), *_about_missing(raw)]
+    # Those descriptions name every place, the fault only the first.
+    told = {finding.topic for finding in findings if finding.level == "refused"}
+    findings += [Finding("refused", fault.topic, fault.text) for fault in faults if fault.topic not in told]
+    if raw.u.size == raw.y.size >= 5 and is_sound(raw.u) and is_sound(raw.y):
+        findings += about_signals(raw, Ts)
+    notes = [Finding("note", "file", f"{note}.") for note in raw.notes]
+    return RecordCheck(raw.name, int(raw.u.size), Ts, faults, (*notes, *findings))
+
+
+def to_json_dict(check: RecordCheck) -> dict[str, Any]:
+    """Write a check as the JSON object of ``labsid check --json``.
+
+    Parameters
+    ----------
+    check : RecordCheck
+
+    Returns
+    -------
+    dict
+        ``record, usable, refused`` (by `load_record`), ``verdict, samples, Ts, findings``.
+    """
+    return {
+        "record": check.name,
+        "usable": check.usable,
+        "refused": bool(check.faults),
+        "verdict": check.verdict,
+        "samples": check.samples,
+        "Ts": check.Ts,
+        "findings": [{"level": f.level, "topic": f.topic, "text": f.text} for f in check.findings],
+    }
+
+
+def _usual_interval(raw: RawRecord) -> float | None:
+    if raw.t is not None and raw.t.size > 1:
+        steps = np.diff(raw.t[np.abs(raw.t) <= LARGEST])
+        steps = steps[steps > 0]
+        if steps.size:
+            return float(f"{np.median(steps):.9g}")
+    return raw.Ts
+
+
+def _about_sampling(raw: RawRecord, Ts: float | None) -> list[Finding]:
+    size = f"{raw.u.size} samples"
+    if Ts is None:
+        return []
+    if raw.t is None or raw.t.size < 2 or not is_sound(raw.t):
+        text = f"{size}, one every {Ts:g} s as given; there are no times to check that by."
+        return [Finding("note", "sampling", text)]
+    steps = np.diff(raw.t)
+    back = np.flatnonzero(steps <= 0)
+    odd = np.flatnonzero((steps > 0) & (np.abs(steps - Ts) > REGULAR_WITHIN * Ts))
+    if not back.size and not odd.size:
+        text = f"{size}, one every {Ts:g} s, {raw.t[-1] - raw.t[0]:g} s in all; no gaps."
+        return [Finding("ok", "sampling", text)]
+    findings = []
+    if back.size:
+        text = f"time goes backwards or stands still {_times(back.size)}: {_jumps(raw.t, back)}."
+        findings.append(Finding("refused", "sampling", text))
+    if odd.size:
+        longest = float(steps[odd].max())
+        text = f"sampling is irregular {_times(odd.size)}: {Ts:g} s as a rule, but {_jumps(raw.t, odd)}."
+        if longest > 1.5 * Ts:
+            missing = round(longest / Ts) - 1
+            text += f" The longest gap is {longest:g} s, about {missing} {'sample' if missing == 1 else 'samples'}."
+        findings.append(Finding("refused", "sampling", text))
+    return findings
+
+
+def _about_missing(raw: RawRecord) -> list[Finding]:
+    """Where values are NaN or infinite, by stretches."""
+    findings = []
+    for name, column in raw.columns.items():
+        bad = ~np.isfinite(column)
+        if not bad.any():
+            continue
+        starts, lengths = runs(bad.astype(float))
+        stretches = [(k, k + n) for k, n in zip(starts, lengths, strict=True) if bad[k]]
+        text = f"{name} is missing or not finite at samples {name_places(stretches)} ({bad.sum()} in all)."
+        findings.append(Finding("refused", "values", text))
+    return findings
+
+
+def _jumps(t: FloatArray, places: np.ndarray) -> str:
+    named = [f"from {t[k]:g} to {t[k + 1]:g} s at sample {k + 1}" for k in places[:4]]
+    return ", ".join(named) + (", and so on" if places.size > 4 else "")
+
+
+def _times(count: int) -> str:
+    return "once" if count == 1 else f"{count} times"
+
+
+def _first_sentence(text: str) -> str:
+    return text.split(". ")[0].rstrip(".")

@@ -1,0 +1,1 @@
+"""Linear least squares as the lectures teach it, with the matrix appendix."""

@@ -1,0 +1,122 @@
+"""Simulation and prediction with a model of any structure, side by side so that they are not confused.
+
+`free_run` sees the inputs alone. `one_step_prediction` sees every measured output but the one it predicts.
+"""
+
+import numpy as np
+from numpy.typing import ArrayLike
+from scipy.signal import lfilter
+
+from labsid._arrays import FloatArray, as_signal, as_signals
+from labsid.lab.simulation import LARGEST
+from labsid.model_structures.structures import PolynomialModel
+
+
+def free_run(model: PolynomialModel, u: ArrayLike | None, e: ArrayLike | None = None) -> FloatArray:
+    """Let the model run from rest on its inputs alone: ``y = (q^-d B u + C e) / A``.
+
+    Parameters
+    ----------
+    model : PolynomialModel
+    u : array_like, shape (N,), or None
+        Input; None without one.
+    e : array_like, shape (N,), optional
+        White noise, to make data; none unless given, and then y is the simulated output.
+
+    Returns
+    -------
+    y : ndarray, shape (N,)
+
+    Raises
+    ------
+    ValueError
+        If neither signal or not the input is given, the lengths differ, or an unstable model leaves the range of
+        numbers.
+
+    Notes
+    -----
+    Reading notes, lecture 3. No measured output goes in: compare `one_step_prediction`.
+    """
+    if model.b.size and u is None:
+        raise ValueError("u must be given: the model has an input.")
+    signals = {name: x for name, x in (("u", u), ("e", e)) if x is not None}
+    if not signals:
+        raise ValueError("e must be given: a model without input runs on its noise alone.")
+    driving = dict(zip(signals, as_signals(1, **signals), strict=True))
+    forced = sum(lfilter({"u": model.delayed_b, "e": model.c}[name], 1.0, x) for name, x in driving.items())
+    return _within_range(lfilter([1.0], model.a, forced), "simulated output", model.a)
+
+
+def prediction_errors(model: PolynomialModel, u: ArrayLike | None, y: ArrayLike) -> FloatArray:
+    """Compute what the model could not foresee: ``epsilon = (A y - q^-d B u) / C``.
+
+    Parameters
+    ----------
+    model : PolynomialModel
+    u : array_like, shape (N,), or None
+        Input; None without one.
+    y : array_like, shape (N,)
+        Measured output.
+
+    Returns
+    -------
+    epsilon : ndarray, shape (N,)
+        ``y - one_step_prediction``, from rest; of the true model the noise itself.
+
+    Raises
+    ------
+    ValueError
+        If the input is missing, the lengths differ, or the errors leave the range of numbers, C having a root
+        outside the unit circle.
+
+    Notes
+    -----
+    Reading notes, lecture 7; for C = 1 the residual of the regression.
+    """
+    if model.b.size and u is None:
+        raise ValueError("u must be given: the model has an input.")
+    y = as_signal("y", y)
+    unexplained = lfilter(model.a, 1.0, y)
+    if u is not None:
+        unexplained = unexplained - lfilter(model.delayed_b, 1.0, as_signals(u=u, y=y)[0])
+    return _within_range(lfilter([1.0], model.c, unexplained), "prediction errors", model.c)
+
+
+def one_step_prediction(model: PolynomialModel, u: ArrayLike | None, y: ArrayLike) -> FloatArray:
+    """Predict each sample from the *measured* outputs before it: ``y_hat(k | theta) = phi'(k) theta``.
+
+    Parameters
+    ----------
+    model : PolynomialModel
+    u : array_like, shape (N,), or None
+        Input; None without one.
+    y : array_like, shape (N,)
+        Measured output.
+
+    Returns
+    -------
+    y_hat : ndarray, shape (N,)
+        From rest: lags before sample 0 are zero.
+
+    Raises
+    ------
+    ValueError
+        As for `prediction_errors`.
+
+    Notes
+    -----
+    SUSTech lecture, "One-step predictor"; Reading notes, Fig. 8. This is *not* simulation: see `free_run`.
+    """
+    errors = prediction_errors(model, u, y)
+    return as_signal("y", y) - errors
+
+
+def _within_range(x: FloatArray, what: str, denominator: FloatArray) -> FloatArray:
+    bounded = np.abs(x) < LARGEST
+    if not np.all(bounded):
+        root = np.max(np.abs(np.roots(denominator)))
+        raise ValueError(
+            f"the {what} must stay within the range of numbers; got past {LARGEST:g} at sample {np.argmin(bounded)}. "
+            f"The polynomial divided by has a root of magnitude {root:.4g}, outside the unit circle."
+        )
+    return x

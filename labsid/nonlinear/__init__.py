@@ -1,0 +1,1 @@
+"""Nonlinear least squares: Gauss-Newton and Levenberg-Marquardt, exponential fits, position from ranges."""

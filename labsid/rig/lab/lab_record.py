@@ -1,0 +1,136 @@
+"""The lab's records: the stand-in for everybody, or one student's own."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from labsid._arrays import FloatArray
+from labsid.rig.instruments import AVERAGED, converter, noise_reduced, sensor_noise
+from labsid.rig.lab.individual import STAND_IN, LabPlan, staircase, student_plan
+from labsid.rig.lab.integration import State, run
+from labsid.rig.lab.log import LabLog
+from labsid.rig.lab.tanks import steady_levels, tank_rig, zero_level
+
+TS = 0.75
+"""Sampling time of the lab's rig (s)."""
+
+SENSOR_NOISE = 0.013
+"""Standard deviation of the level sensor's noise (V)."""
+
+_SAMPLES = 903
+_SAMPLES_TO_FILL = 300
+
+# The second run: other levels about the same rest, other hold times. Differences from the rest in volts.
+_VERIFICATION_STEPS = (0.0, -0.2, 0.1, -0.3, 0.15, -0.1)
+_VERIFICATION_STARTS = (0, 61, 181, 341, 421, 621)
+_VERIFICATION_SAMPLES = 741
+
+_LAB_NOISE, _VERIFICATION_NOISE, _EMPTY_START_NOISE = 1, 2, 3
+
+
+def make_lab_record(student: str | None = None, secret: bytes | None = None) -> LabLog:
+    """Make the record that the lab identifies, from a rig that has settled.
+
+    Parameters
+    ----------
+    student : str, optional
+        An ID, for that student's own rig, levels and hold times. Without it: the stand-in that ships.
+    secret : bytes, optional
+        The course's secret, together with `student`.
+
+    Returns
+    -------
+    LabLog
+        903 samples of 0.75 s; the stand-in has the lab's levels 2.0, 1.6, 2.2, 2.0, 1.6, 2.2 V, which change
+        at samples 51, 251, 451, 651 and 851.
+
+    Raises
+    ------
+    ValueError
+        If only one of `student` and `secret` is given, the ID is unusable or the secret too short.
+    """
+    plan = _plan(student, secret)
+    u = staircase(plan.levels, plan.starts, _SAMPLES)
+    return _settled_log(plan, u, _LAB_NOISE, "SysIdenData_StudentVersion")
+
+
+def make_verification_record(student: str | None = None, secret: bytes | None = None) -> LabLog:
+    """Make a second record of the same rig, to verify a model on data that it was not fitted to (Fig. 4).
+
+    Parameters
+    ----------
+    student, secret : optional
+        As for `make_lab_record`.
+
+    Returns
+    -------
+    LabLog
+        741 samples of 0.75 s from the same level of rest, other levels within the range of the first record.
+
+    Raises
+    ------
+    ValueError
+        As for `make_lab_record`.
+    """
+    plan = _plan(student, secret)
+    levels = tuple(round(plan.levels[0] + step, 2) for step in _VERIFICATION_STEPS)
+    u = staircase(levels, _VERIFICATION_STARTS, _VERIFICATION_SAMPLES)
+    return _settled_log(plan, u, _VERIFICATION_NOISE, "SysIdenData_Verification")
+
+
+def make_empty_start_record(student: str | None = None, secret: bytes | None = None) -> LabLog:
+    """Make the lab's record with the tanks empty, for all that the sensor sees, as several logs of the real rig start.
+
+    Parameters
+    ----------
+    student, secret : optional
+        As for `make_lab_record`.
+
+    Returns
+    -------
+    LabLog
+        1203 samples of 0.75 s: 300 more at rest than `make_lab_record`, in which the tanks fill. The upper tank
+        starts empty, the lower one where the sensor shows 0 V; the rig was switched on with the log, so its moving
+        average begins with zeros.
+
+    Raises
+    ------
+    ValueError
+        As for `make_lab_record`.
+    """
+    plan = _plan(student, secret)
+    filling = np.full(_SAMPLES_TO_FILL, plan.levels[0])
+    u = np.concatenate([filling, staircase(plan.levels, plan.starts, _SAMPLES)])
+    measured = _measure(plan, u, (0.0, zero_level(plan.parameters)), _EMPTY_START_NOISE)
+    return _log(u, measured, np.zeros(AVERAGED - 1), "SysIdenData_EmptyStart")
+
+
+def _plan(student: str | None, secret: bytes | None) -> LabPlan:
+    if student is None and secret is None:
+        return STAND_IN
+    if student is None or secret is None:
+        missing = "student" if student is None else "secret"
+        raise ValueError(f"student and secret go together; got no {missing}. Give both, or neither for the stand-in.")
+    return student_plan(student, secret)
+
+
+def _settled_log(plan: LabPlan, u: FloatArray, noise: int, name: str) -> LabLog:
+    """Log a rig that has been running at its rest level: the moving average reaches back before the log."""
+    before = AVERAGED - 1
+    running = np.concatenate([np.full(before, u[0]), u])
+    measured = _measure(plan, running, steady_levels(plan.parameters, float(u[0])), noise)
+    return _log(u, measured[before:], measured[:before], name)
+
+
+def _measure(plan: LabPlan, u: FloatArray, x0: State, noise: int) -> FloatArray:
+    rig = replace(
+        tank_rig(plan.parameters),
+        # 12 bits over -10..10 V: the step of 0.0048828125 V of the real logs.
+        sensor=(sensor_noise(SENSOR_NOISE, plan.seed(noise)), converter(bits=12, low=-10.0, high=10.0)),
+    )
+    return run(rig, u, TS, x0).y
+
+
+def _log(u: FloatArray, measured: FloatArray, before: FloatArray, name: str) -> LabLog:
+    t = TS * np.arange(u.size, dtype=np.float64)
+    return LabLog(t, u, measured, noise_reduced(measured, before), TS, name)

@@ -1,0 +1,1 @@
+"""Rigs whose unmodelled effects can be switched on one by one, at any strength."""

@@ -1,0 +1,270 @@
+"""What each effect of the table looks like on a given rig and input: one function each, in the order of the table.
+
+A draw returns ``enter(setup, strength) -> setup``. Strength 0 changes nothing, 1 is as strong as one would still
+find in a laboratory; what was drawn does not depend on it.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from scipy.signal import lfilter
+
+from labsid._arrays import FloatArray
+from labsid.rig.switchable._motion import PARALLEL_MODE, SERIES_MODE, TWO_TANKS
+from labsid.rig.switchable.setup import STEPS, Course, Setup
+
+Enter = Callable[[Setup, float], Setup]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Situation:
+    """What a draw may know: the rig without effects, the command, and what the rig does with it.
+
+    Attributes
+    ----------
+    setup : Setup
+    v : ndarray, shape (N,)
+        Command.
+    y : ndarray, shape (N,)
+        Output of the rig without effects.
+    time : float
+        The rig's time scale in samples.
+    rounding : float
+        Radius of corners, as a share of the range.
+    """
+
+    setup: Setup
+    v: FloatArray
+    y: FloatArray
+    time: float
+    rounding: float = 0.0
+
+
+def _in(part: str, **fields: Callable[[float], Any]) -> Enter:
+    """An effect that sets fields of one part of the rig, each a function of the strength."""
+
+    def enter(setup: Setup, s: float) -> Setup:
+        if s == 0.0:
+            return setup
+        values = {name: value(s) for name, value in fields.items()}
+        old = getattr(setup, part)
+        new = old._replace(**values) if part == "motion" else replace(old, **values)
+        return replace(setup, **{part: new})
+
+    return enter
+
+
+def _fixed(value: Any) -> Callable[[float], Any]:
+    return lambda s: value
+
+
+def _times(value: float) -> Callable[[float], float]:
+    return lambda s: float(s * value)
+
+
+def _delay(rng: np.random.Generator, at: Situation) -> Enter:
+    most = float(rng.uniform(0.6, 1.2) * min(30.0, 1.2 * at.time))
+
+    def enter(setup: Setup, s: float) -> Setup:
+        delay = setup.actuator.delay + round(s * most * STEPS) / STEPS
+        return replace(setup, actuator=replace(setup.actuator, delay=delay))
+
+    return enter
+
+
+def _limits(rng: np.random.Generator, low: float, high: float) -> dict[str, Callable[[float], Any]]:
+    """One limit or both, moving inwards from the ends of what is commanded as the strength grows."""
+    sides = rng.choice(["low", "high", "both"])
+    middle, half = 0.5 * (low + high), 0.5 * (high - low)
+    reach = rng.uniform(0.6, 1.0, 2)
+    fields: dict[str, Callable[[float], Any]] = {}
+    if sides != "high":
+        fields["low"] = lambda s: middle - half * (1 - 0.85 * s * reach[0])
+    if sides != "low":
+        fields["high"] = lambda s: middle + half * (1 - 0.85 * s * reach[1])
+    return fields
+
+
+def _input_saturation(rng: np.random.Generator, at: Situation) -> Enter:
+    corner = at.rounding * np.ptp(at.v)
+    return _in("actuator", rounding=_fixed(corner), **_limits(rng, at.v.min(), at.v.max()))
+
+
+def _dead_zone(rng: np.random.Generator, at: Situation) -> Enter:
+    low, high = rng.uniform(0.35, 0.75, 2)
+    corner = at.rounding * np.ptp(at.v)
+    return _in("actuator", dead_low=_times(-low), dead_high=_times(high), rounding=_times(corner))
+
+
+def _backlash(rng: np.random.Generator, at: Situation) -> Enter:
+    return _in("actuator", play=_times(0.6 * np.ptp(at.v)))
+
+
+def _rate_limit(rng: np.random.Generator, at: Situation) -> Enter:
+    longest = rng.uniform(0.7, 1.3) * min(2.0 * at.time, 80.0)
+    return _in("actuator", slew=lambda s: float(np.ptp(at.v) / (s * longest)))
+
+
+def _curve(rng: np.random.Generator, x: FloatArray) -> dict[str, Callable[[float], Any]]:
+    """A quadratic, a cubic or both, monotone within the range of x."""
+    most = float(np.max(np.abs(x)))
+    share = {"quadratic": 1.0, "cubic": 0.0, "both": float(rng.uniform(0.3, 0.7))}[
+        str(rng.choice(["quadratic", "cubic", "both"]))
+    ]
+    bend = rng.choice([-1.0, 1.0], 2)
+    return {
+        "c2": _times(bend[0] * 0.45 * share / most),
+        "c3": _times((1.5 if bend[1] > 0 else -0.3) * (1 - share) / most**2),
+    }
+
+
+def _input_nonlinearity(rng: np.random.Generator, at: Situation) -> Enter:
+    return _in("actuator", **_curve(rng, at.v))
+
+
+def _output_nonlinearity(rng: np.random.Generator, at: Situation) -> Enter:
+    return _in("sensor", **_curve(rng, at.y))
+
+
+def _extra_lag(rng: np.random.Generator, at: Situation) -> Enter:
+    place = str(rng.choice(["actuator_lag", "sensor_lag"]))
+    return _in("motion", **{place: _times(float(min(1.2 * at.time, 40.0)))})
+
+
+def _resonance(rng: np.random.Generator, at: Situation) -> Enter:
+    damping = float(np.exp(rng.uniform(np.log(0.01), np.log(0.08))))
+    if rng.random() < 0.6:
+        period = rng.uniform(4.0, max(min(1.5 * at.time, 40.0), 6.0))
+        return _in(
+            "motion",
+            mode=_fixed(PARALLEL_MODE),
+            mode_frequency=_fixed(float(2 * np.pi / period)),
+            mode_damping=_fixed(damping),
+            mode_share=_times(0.8 * float(rng.choice([-1.0, 1.0]))),
+        )
+    longest = max(min(2.0 * at.time, 45.0), 6.0)
+    return _in(
+        "motion",
+        mode=_fixed(SERIES_MODE),
+        mode_frequency=lambda s: float(2 * np.pi / (3.0 + s * (longest - 3.0))),
+        mode_damping=_fixed(damping),
+    )
+
+
+def _sqrt_outflow(rng: np.random.Generator, at: Situation) -> Enter:
+    return _in("motion", root=_times(0.95 / max(-float(at.y.min()), 0.2)))
+
+
+def _overflow(rng: np.random.Generator, at: Situation) -> Enter:
+    upper = at.setup.motion.kind == TWO_TANKS and rng.random() < 0.5
+    level = at.y
+    if upper:
+        pole = np.exp(-1 / at.setup.motion.T0)
+        level = lfilter([0, 1 - pole], [1, -pole], at.v)
+    top = float(level.max())
+    caught = float(rng.choice([0.0, 0.0, rng.uniform(0.2, 0.8)]))
+    brim = {"brim_upper" if upper else "brim_lower": lambda s: top * (1 - 0.8 * s)}
+    return _in("motion", caught=_fixed(caught if upper else 0.0), **brim)
+
+
+def _coulomb(rng: np.random.Generator, at: Situation) -> Enter:
+    return _in("motion", dry_friction=_times(0.6 * float(np.std(at.v)) + 0.2))
+
+
+def _cubic(rng: np.random.Generator, at: Situation) -> Enter:
+    hardening = rng.random() < 0.7
+    return _in("motion", cubic=_times((3.0 if hardening else -0.12) / float(np.max(np.abs(at.y))) ** 2))
+
+
+def _parameter_drift(rng: np.random.Generator, at: Situation) -> Enter:
+    course = Course(str(rng.choice(["ramp", "settle", "half-sine"])), float(rng.uniform(0.15, 0.4)))
+    sign = float(rng.choice([-1.0, 1.0]))
+    if rng.random() < 0.6:
+        return _in("actuator", gain_change=_times(0.6 * sign), gain_course=_fixed(course))
+    return _in("load", pole_change=lambda s: float(3.0 ** (sign * s) - 1), pole_course=_fixed(course))
+
+
+def _output_drift(rng: np.random.Generator, at: Situation) -> Enter:
+    kind = str(rng.choice(["ramp", "settle", "sine", "wander"]))
+    number = float(rng.uniform(0.15, 0.4) if kind == "settle" else rng.uniform(0.6, 1.6))
+    course = Course(kind, number, int(rng.integers(2**31)))
+    size = float(rng.choice([-1.0, 1.0]) * 0.8 * np.ptp(at.y))
+    return _in("sensor", drift=_times(size), drift_course=_fixed(course))
+
+
+def _output_saturation(rng: np.random.Generator, at: Situation) -> Enter:
+    corner = at.rounding * float(np.ptp(at.y))
+    return _in(
+        "sensor",
+        rounding=_fixed(corner),
+        clips_noise=_fixed(bool(rng.random() < 0.6)),
+        **_limits(rng, float(at.y.min()), float(at.y.max())),
+    )
+
+
+def _quantization(rng: np.random.Generator, at: Situation) -> Enter:
+    return _in("sensor", step=_times(float(np.ptp(at.y)) / 3))
+
+
+def _outliers(rng: np.random.Generator, at: Situation) -> Enter:
+    size = 2.5 * float(np.ptp(at.y))
+    share = float(np.exp(rng.uniform(np.log(0.004), np.log(0.02))))
+    return _in("sensor", spikes=_fixed(share), spike_size=_times(size), seed=_fixed(int(rng.integers(2**31))))
+
+
+def _dropout(rng: np.random.Generator, at: Situation) -> Enter:
+    length = float(rng.uniform(0.3, 1.2) * max(at.time, 8.0))
+    return _in("sensor", held=_times(0.4), held_length=_fixed(length), seed=_fixed(int(rng.integers(2**31))))
+
+
+def _load_step(rng: np.random.Generator, at: Situation) -> Enter:
+    onset = float(round(rng.uniform(0.2, 0.8) * at.v.size * STEPS) / STEPS)
+    rise = at.rounding * 4 * at.time
+    if rng.random() < 0.35:
+        leak = _times(1.0 if at.setup.actuator.zero else 0.8)
+        return _in("load", onset=_fixed(onset), leak=leak, rise=_fixed(rise))
+    size = _times(float(rng.choice([-1.0, 1.0])))
+    return _in("load", onset=_fixed(onset), size=size, rise=_fixed(rise))
+
+
+def _periodic(rng: np.random.Generator, at: Situation) -> Enter:
+    cycles = np.exp(rng.uniform(np.log(8.0), np.log(at.v.size / 8)))
+    frequency, phase = float(cycles / at.v.size), float(rng.uniform(0, 2 * np.pi))
+    at_load = rng.random() < 0.5
+    size = 0.5 * float(np.ptp(at.y)) * (1.0 + 2 * np.pi * frequency * at.time if at_load else 1.0)
+    part = "load" if at_load else "sensor"
+    return _in(part, amplitude=_times(size), frequency=_fixed(frequency), phase=_fixed(phase))
+
+
+def _coloured(rng: np.random.Generator, at: Situation) -> Enter:
+    time = float(np.exp(rng.uniform(np.log(6.0), np.log(max(at.v.size / 40, 10.0)))))
+    size = 0.8 * float(np.std(at.y))
+    return _in("sensor", colour=_times(size), colour_time=_fixed(time), seed=_fixed(int(rng.integers(2**31))))
+
+
+DRAWS: dict[str, Callable[[np.random.Generator, Situation], Enter]] = {
+    "input-delay": _delay,
+    "input-saturation": _input_saturation,
+    "input-dead-zone": _dead_zone,
+    "input-backlash": _backlash,
+    "input-rate-limit": _rate_limit,
+    "input-nonlinearity": _input_nonlinearity,
+    "extra-lag": _extra_lag,
+    "resonance": _resonance,
+    "sqrt-outflow": _sqrt_outflow,
+    "overflow": _overflow,
+    "coulomb-friction": _coulomb,
+    "cubic-stiffness": _cubic,
+    "parameter-drift": _parameter_drift,
+    "output-drift": _output_drift,
+    "output-saturation": _output_saturation,
+    "output-nonlinearity": _output_nonlinearity,
+    "output-quantization": _quantization,
+    "output-outliers": _outliers,
+    "output-dropout": _dropout,
+    "load-step": _load_step,
+    "periodic-disturbance": _periodic,
+    "coloured-noise": _coloured,
+}

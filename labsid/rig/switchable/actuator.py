@@ -1,0 +1,162 @@
+"""From the command to what the actuator does, step by step of the integrator."""
+
+import numpy as np
+
+from labsid._arrays import FloatArray
+from labsid._compiled import compiled
+from labsid.rig.switchable.setup import STEPS, Actuator, course_values
+
+
+def drive(actuator: Actuator, v: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """What the actuator does with a command.
+
+    Parameters
+    ----------
+    actuator : Actuator
+    v : ndarray, shape (N,)
+        Command, held over each sample.
+
+    Returns
+    -------
+    tuple of ndarray, each of shape (N * STEPS,)
+        What it does at the beginning and at the end of each step of the integrator; between them it moves
+        along a straight line.
+    """
+    command = _delayed(actuator, _obeyed(actuator, v))
+    shaped = _dead_band(command, actuator.dead_low, actuator.dead_high, actuator.rounding)
+    shaped = limited(shaped, actuator.low, actuator.high, actuator.rounding)
+    if actuator.stick > 0:
+        shaped = _sticking(shaped, actuator.stick)
+    if actuator.play > 0:
+        shaped = _play(shaped, 0.5 * actuator.play)
+    if actuator.relays:
+        shaped = shaped + sum(_relay(shaped, *relay) for relay in actuator.relays)
+    if np.isfinite(actuator.slew):
+        begin, end = _slew(shaped, actuator.slew / STEPS)
+    else:
+        begin, end = shaped, shaped
+    return _gain(actuator, _curve(actuator, begin)), _gain(actuator, _curve(actuator, end))
+
+
+def limited(v: FloatArray, low: float, high: float, rounding: float) -> FloatArray:
+    """Limit `v` to [low, high], with corners of the radius `rounding`.
+
+    Parameters
+    ----------
+    v : ndarray
+    low, high : float
+        Infinite where there is no limit.
+    rounding : float
+        0 for sharp corners.
+
+    Returns
+    -------
+    ndarray
+    """
+    if rounding == 0.0:
+        return np.clip(v, low, high)
+    if np.isfinite(high):
+        v = high - _soft_plus(high - v, rounding)
+    if np.isfinite(low):
+        v = low + _soft_plus(v - low, rounding)
+    return v
+
+
+def _soft_plus(x: FloatArray, radius: float) -> FloatArray:
+    """max(x, 0), its corner rounded into a hyperbola."""
+    return 0.5 * (x + np.sqrt(x**2 + radius**2)) if radius > 0 else np.maximum(x, 0.0)
+
+
+def _dead_band(v: FloatArray, low: float, high: float, rounding: float) -> FloatArray:
+    if low == high == 0.0:
+        return v
+    return _soft_plus(v - high, rounding) - _soft_plus(low - v, rounding)
+
+
+def _obeyed(actuator: Actuator, v: FloatArray) -> FloatArray:
+    if not actuator.failures:
+        return v
+    v = v.copy()
+    for start, stop in actuator.failures:
+        v[start:stop] = v[max(start - 1, 0)]
+    return v
+
+
+def _delayed(actuator: Actuator, v: FloatArray) -> FloatArray:
+    """The held command at every step, later by the delay; before the record, its first value."""
+    steps = np.arange(v.size * STEPS)
+    lag = actuator.delay * STEPS
+    if actuator.delay_swing:
+        swing = np.sin(2 * np.pi * steps / (STEPS * actuator.delay_period))
+        lag = lag + STEPS * actuator.delay_swing * swing
+    source = np.floor((steps - np.rint(lag)) / STEPS).astype(int)
+    return v[np.clip(source, 0, v.size - 1)]
+
+
+def _curve(actuator: Actuator, v: FloatArray) -> FloatArray:
+    if actuator.c2 == actuator.c3 == 0.0:
+        return v
+    return v + actuator.c2 * v**2 + actuator.c3 * v**3
+
+
+def _gain(actuator: Actuator, v: FloatArray) -> FloatArray:
+    if actuator.gain_change == actuator.valve == 0.0:
+        return v
+    factor = 1 + actuator.gain_change * course_values(actuator.gain_course, np.linspace(0, 1, v.size))
+    if actuator.valve:
+        factor = factor * _random_factors(actuator, v.size)
+    return factor * (v - actuator.zero) + actuator.zero
+
+
+def _random_factors(actuator: Actuator, steps: int) -> FloatArray:
+    rng = np.random.default_rng(actuator.seed)
+    samples = steps / STEPS
+    holds = np.maximum(rng.exponential(actuator.valve_hold, size=int(4 * samples / actuator.valve_hold) + 20), 1.0)
+    factors = 1 + actuator.valve * rng.uniform(-1, 1, holds.size)
+    return factors[np.searchsorted(np.cumsum(holds), np.arange(steps) / STEPS, side="right").clip(0, holds.size - 1)]
+
+
+@compiled()
+def _sticking(v: FloatArray, band: float) -> FloatArray:
+    out = np.empty_like(v)
+    z = v[0]
+    for j in range(v.size):
+        if abs(v[j] - z) > band:
+            z = v[j]
+        out[j] = z
+    return out
+
+
+@compiled()
+def _play(v: FloatArray, half: float) -> FloatArray:
+    out = np.empty_like(v)
+    z = v[0]
+    for j in range(v.size):
+        z = min(max(z, v[j] - half), v[j] + half)
+        out[j] = z
+    return out
+
+
+@compiled()
+def _relay(v: FloatArray, low: float, high: float, height: float) -> FloatArray:
+    out = np.empty_like(v)
+    on = v[0] > high
+    rest = height if on else 0.0
+    for j in range(v.size):
+        if v[j] > high:
+            on = True
+        elif v[j] < low:
+            on = False
+        out[j] = (height if on else 0.0) - rest
+    return out
+
+
+@compiled()
+def _slew(v: FloatArray, most: float) -> tuple[FloatArray, FloatArray]:
+    begin, end = np.empty_like(v), np.empty_like(v)
+    z = v[0]
+    for j in range(v.size):
+        begin[j] = z
+        z += min(max(v[j] - z, -most), most)
+        end[j] = z
+    return begin, end

@@ -1,0 +1,248 @@
+"""Play a command on a rig: actuator, plant and load, sensor; then noise, converter and logger."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.signal import lfilter
+
+from labsid._arrays import FloatArray, as_signal, freeze
+from labsid.rig.switchable._motion import MASS, STATES, Motion, move
+from labsid.rig.switchable.actuator import drive, limited
+from labsid.rig.switchable.setup import STEPS, Load, Sensor, Setup, course_values
+
+
+class RunsAway(ValueError):
+    """The rig left every bound: an effect is stronger than this input allows."""
+
+
+@dataclass(frozen=True, slots=True)
+class Noise:
+    """The sensor's own noise: `sd` in all, of which the share that an AR(1) filter with the pole `colour` makes.
+
+    Attributes
+    ----------
+    sd : float
+        Standard deviation, white and coloured part together.
+    share : float
+        Share of the variance that is coloured.
+    colour : float
+        Pole of the coloured part.
+    seed : int
+    """
+
+    sd: float
+    share: float = 0.0
+    colour: float = 0.0
+    seed: int = 0
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Played:
+    """What a run gave, in deviations from the operating point.
+
+    Attributes
+    ----------
+    v : ndarray, shape (N,)
+        The command.
+    clean : ndarray, shape (N,)
+        The log without the sensor's noise, with every effect.
+    y : ndarray, shape (N,)
+        The log.
+    held : tuple of (int, int)
+        Stretches in which the log holds its last value.
+    """
+
+    v: FloatArray
+    clean: FloatArray
+    y: FloatArray
+    held: tuple[tuple[int, int], ...]
+
+    def __post_init__(self) -> None:
+        freeze(self, v=self.v, clean=self.clean, y=self.y)
+
+
+def play(setup: Setup, v: FloatArray, noise: Noise, start: tuple[float, float] = (0.0, 0.0)) -> Played:
+    """Run a rig on a command and log it.
+
+    Parameters
+    ----------
+    setup : Setup
+    v : array_like, shape (N,)
+        Command in the rig's own units, held over each sample.
+    noise : Noise
+    start : tuple of float
+        The plant's two states at the start, as deviations; (0, 0) is rest.
+
+    Returns
+    -------
+    Played
+
+    Raises
+    ------
+    ValueError
+        If the command is not a signal.
+    RunsAway
+        If the rig does.
+    """
+    v = as_signal("v", v)
+    shown = respond(setup, v, start)
+    held = held_stretches(setup.sensor, v.size)
+    clean = _logged(setup.sensor, shown, np.zeros(v.size), held)
+    y = _logged(setup.sensor, shown, sensor_noise(noise, v.size), held)
+    return Played(v=v, clean=clean, y=y, held=held)
+
+
+def respond(setup: Setup, v: FloatArray, start: tuple[float, float] = (0.0, 0.0)) -> FloatArray:
+    """What the plant exposes to the sensor, at the start of each sample, before the sensor's own effects.
+
+    Parameters
+    ----------
+    setup : Setup
+    v : ndarray, shape (N,)
+    start : tuple of float
+        The plant's two states at the start.
+
+    Returns
+    -------
+    ndarray, shape (N,)
+
+    Raises
+    ------
+    RunsAway
+        If the rig does.
+    """
+    begin, end = drive(setup.actuator, v)
+    x0 = np.zeros(STATES)
+    x0[:2] = start
+    x0[2] = x0[4] = begin[0]
+    x0[3] = x0[0 if setup.motion.kind == MASS else 1]
+    load, rate, leak = _loads(setup.load, v.size)
+    y = move(setup.motion, x0, begin, end, load, rate, leak, STEPS)
+    if not np.all(np.abs(y) < 1e6):
+        raise RunsAway(f"the {setup.rig} must stay bounded; it runs away on this input. Lower the effect.")
+    return y
+
+
+def poles(motion: Motion) -> FloatArray:
+    """The two poles of the plant alone about the operating point, a sample being the unit of time.
+
+    Parameters
+    ----------
+    motion : Motion
+
+    Returns
+    -------
+    ndarray of complex, shape (2,)
+    """
+    m = motion
+    if m.kind == MASS:
+        return np.roots([m.T0**2, 2 * m.damping * m.T0, 1.0]).astype(complex)
+    slope = 1.0
+    if m.kind in (4, 5):
+        A = np.array(
+            [
+                [-(m.coupling + m.loss) / m.T0, m.coupling / m.T0],
+                [m.coupling / m.T1, -(m.coupling + 1 - m.loss) / m.T1],
+            ]
+        )
+        return np.linalg.eigvals(A).astype(complex)
+    return np.array([-slope / m.T0, -slope / m.T1], dtype=complex)
+
+
+def sensor_noise(noise: Noise, samples: int) -> FloatArray:
+    """Make the sensor's noise.
+
+    Parameters
+    ----------
+    noise : Noise
+    samples : int
+
+    Returns
+    -------
+    ndarray, shape (samples,)
+    """
+    rng = np.random.default_rng(noise.seed)
+    white = rng.standard_normal(samples)
+    coloured = _ar1(rng, samples, noise.colour)
+    return noise.sd * (np.sqrt(1 - noise.share) * white + np.sqrt(noise.share) * coloured)
+
+
+def held_stretches(sensor: Sensor, samples: int) -> tuple[tuple[int, int], ...]:
+    """Stretches of samples in which the log holds its last value, in order, not touching each other.
+
+    Parameters
+    ----------
+    sensor : Sensor
+    samples : int
+
+    Returns
+    -------
+    tuple of (int, int)
+        Zero-based, half-open.
+    """
+    if sensor.held == 0.0:
+        return ()
+    rng = np.random.default_rng([sensor.seed, 1])
+    count = max(2, round(sensor.held * samples / sensor.held_length))
+    room = samples / count
+    stretches = []
+    for i in range(count):
+        length = int(np.clip(rng.uniform(0.6, 1.4) * sensor.held * room, 3, room - 3))
+        start = int(i * room + rng.uniform(1, room - length - 1))
+        stretches.append((max(start, 1), start + length))
+    return tuple(stretches)
+
+
+def _ar1(rng: np.random.Generator, samples: int, pole: float) -> FloatArray:
+    """AR(1) noise of unit variance, stationary from the first sample."""
+    e = rng.standard_normal(samples + 1)
+    y, _ = lfilter([np.sqrt(1 - pole**2)], [1, -pole], e[1:], zi=[pole * e[0]])
+    return np.asarray(y)
+
+
+def _loads(load: Load, samples: int) -> tuple[FloatArray, FloatArray, FloatArray]:
+    steps = samples * STEPS
+    k = np.arange(steps) / STEPS
+    on = np.zeros(steps)
+    if np.isfinite(load.onset):
+        on = np.clip((k - load.onset) / load.rise, 0, 1) if load.rise > 0 else (k >= load.onset).astype(float)
+    force = load.size * on + load.amplitude * np.sin(2 * np.pi * load.frequency * k + load.phase)
+    rate = np.ones(steps)
+    if load.pole_change:
+        rate = (1 + load.pole_change) ** course_values(load.pole_course, k / samples)
+    return force, rate, load.leak * on
+
+
+def _logged(sensor: Sensor, shown: FloatArray, noise: FloatArray, held: tuple[tuple[int, int], ...]) -> FloatArray:
+    y = shown
+    if sensor.c2 or sensor.c3:
+        y = y + sensor.c2 * y**2 + sensor.c3 * y**3
+    n = y.size
+    k = np.arange(n)
+    if sensor.drift:
+        y = y + sensor.drift * course_values(sensor.drift_course, k / n)
+    if sensor.amplitude:
+        y = y + sensor.amplitude * np.sin(2 * np.pi * sensor.frequency * k + sensor.phase)
+    rng = np.random.default_rng([sensor.seed, 0])
+    if sensor.colour:
+        y = y + sensor.colour * _ar1(rng, n, float(np.exp(-1 / sensor.colour_time)))
+    y = y + noise if sensor.clips_noise else y
+    y = limited(y, sensor.low, sensor.high, sensor.rounding)
+    y = y if sensor.clips_noise else y + noise
+    if sensor.step:
+        y = sensor.step * np.rint(y / sensor.step)
+    if sensor.spikes:
+        y = y + _spikes(sensor, n)
+    y = np.array(y)
+    for start, stop in held:
+        y[start:stop] = y[start - 1]
+    return y
+
+
+def _spikes(sensor: Sensor, samples: int) -> FloatArray:
+    rng = np.random.default_rng([sensor.seed, 3])
+    count = max(3, round(sensor.spikes * samples))
+    places = rng.choice(np.arange(2, samples), size=count, replace=False)
+    y = np.zeros(samples)
+    y[places] = sensor.spike_size * rng.uniform(0.6, 1.4, count) * rng.choice([-1.0, 1.0], count)
+    return y

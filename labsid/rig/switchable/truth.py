@@ -1,0 +1,146 @@
+"""What was put into a rig, as a diagnosis would state it: parameters in the record's own units and seconds."""
+
+from typing import Any
+
+import numpy as np
+
+from labsid.rig.switchable._motion import MASS, TWO_TANKS
+from labsid.rig.switchable.plants import Scales
+from labsid.rig.switchable.setup import Setup
+
+
+def true_parameters(name: str, setup: Setup, scales: Scales, samples: int) -> dict[str, Any]:
+    """Parameters of one effect of a rig.
+
+    Parameters
+    ----------
+    name : str
+        An effect of the table.
+    setup : Setup
+    scales : Scales
+    samples : int
+        Length of the record.
+
+    Returns
+    -------
+    dict
+        Levels, limits and rates as the record's u or y, times in seconds, frequencies in Hz, `drift` relative.
+
+    Raises
+    ------
+    ValueError
+        If there is no such effect.
+    """
+    a, m, load, sensor = setup.actuator, setup.motion, setup.load, setup.sensor
+    u0, us, y0, ys, Ts = scales.u0, scales.us, scales.y0, scales.ys, scales.Ts
+    match name:
+        case "input-delay":
+            return {"delay": a.delay * Ts}
+        case "input-saturation":
+            return _limits(a.low, a.high, u0, us)
+        case "input-dead-zone":
+            return _limits(a.dead_low, a.dead_high, u0, us)
+        case "input-backlash":
+            return {"width": a.play * abs(us)}
+        case "input-rate-limit":
+            return {"rate": a.slew * abs(us) / Ts}
+        case "input-nonlinearity":
+            return {"c2": a.c2 / us, "c3": a.c3 / us**2}
+        case "extra-lag":
+            return {"tau": max(m.actuator_lag, m.sensor_lag) * Ts}
+        case "resonance":
+            return {"frequency": m.mode_frequency / (2 * np.pi * Ts), "damping": m.mode_damping}
+        case "sqrt-outflow":
+            return {"zero": y0 - ys / m.root}
+        case "overflow":
+            upper = m.kind == TWO_TANKS and np.isfinite(m.brim_upper)
+            return {"level": y0 + ys * min(m.brim_upper, m.brim_lower), "upper": bool(upper)}
+        case "coulomb-friction":
+            return {"friction": m.dry_friction * abs(us)}
+        case "cubic-stiffness":
+            return {"cubic": m.cubic / ys**2}
+        case "parameter-drift":
+            pole = load.pole_change != 0.0
+            return {"pole" if pole else "drift": load.pole_change if pole else a.gain_change}
+        case "output-drift":
+            return {"amplitude": sensor.drift * abs(ys), "course": sensor.drift_course.kind}
+        case "output-saturation":
+            return _limits(sensor.low, sensor.high, y0, ys)
+        case "output-nonlinearity":
+            return {"c2": sensor.c2 / ys, "c3": sensor.c3 / ys**2}
+        case "output-quantization":
+            return {"step": sensor.step * abs(ys)}
+        case "output-outliers":
+            return {"share": max(3, round(sensor.spikes * samples)) / samples}
+        case "output-dropout":
+            return {"share": sensor.held}
+        case "load-step":
+            return {"onset": load.onset * Ts, "size": load.size * us, "leak": load.leak}
+        case "periodic-disturbance":
+            at_load = load.amplitude != 0.0
+            part = load if at_load else sensor
+            return {"frequency": part.frequency / Ts, "at": "load" if at_load else "sensor"}
+        case "coloured-noise":
+            return {"amplitude": sensor.colour * abs(ys), "tau": sensor.colour_time * Ts}
+    raise ValueError(f"name must be an effect of the table; got {name!r}. See labsid.rig.switchable.effects.EFFECTS.")
+
+
+def true_linear(setup: Setup, scales: Scales, steps: int = 0) -> dict[str, Any]:
+    """The rig without effects as a discrete transfer function: what a linear simulation of it would be.
+
+    Parameters
+    ----------
+    setup : Setup
+    scales : Scales
+    steps : int
+        0 for an exact simulation; else one by Euler's method with so many steps in a sample.
+
+    Returns
+    -------
+    dict
+        ``{"num", "den", "dt", "u0", "y0"}``, coefficients in descending powers of z.
+    """
+    from scipy.signal import cont2discrete
+
+    A, B, C = _state_space(setup)
+    if steps:
+        step = np.block([[np.eye(2) + A / steps, B / steps], [np.zeros((1, 2)), np.eye(1)]])
+        whole = np.linalg.matrix_power(step, steps)
+        Ad, Bd = whole[:2, :2], whole[:2, 2:]
+    else:
+        Ad, Bd, *_ = cont2discrete((A, B, C, np.zeros((1, 1))), 1.0, method="zoh")
+    den = np.real(np.poly(Ad))
+    num = np.real(np.poly(Ad - Bd @ C)) - den
+    gain = scales.ys / scales.us
+    return {
+        "num": [0.0, *(gain * num[1:]).tolist()],
+        "den": den.tolist(),
+        "dt": scales.Ts,
+        "u0": scales.u0,
+        "y0": scales.y0,
+    }
+
+
+def _state_space(setup: Setup) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    m = setup.motion
+    if m.kind == MASS:
+        A = np.array([[0.0, 1.0], [-1 / m.T0**2, -2 * m.damping / m.T0]])
+        return A, np.array([[0.0], [1 / m.T0**2]]), np.array([[1.0, 0.0]])
+    if m.kind in (4, 5):
+        A = np.array(
+            [
+                [-(m.coupling + m.loss) / m.T0, m.coupling / m.T0],
+                [m.coupling / m.T1, -(m.coupling + 1 - m.loss) / m.T1],
+            ]
+        )
+        C = np.array([[1.0, 0.0]]) if m.kind == 5 else np.array([[0.0, 1.0]])
+        return A, np.array([[1 / m.T0], [0.0]]), C
+    A = np.array([[-1 / m.T0, 0.0], [1 / m.T1, -1 / m.T1]])
+    return A, np.array([[1 / m.T0], [0.0]]), np.array([[0.0, 1.0]])
+
+
+def _limits(low: float, high: float, zero: float, scale: float) -> dict[str, float]:
+    ends = {"low": zero + scale * low, "high": zero + scale * high}
+    if scale < 0:
+        ends = {"low": ends["high"], "high": ends["low"]}
+    return {name: value for name, value in ends.items() if np.isfinite(value)}

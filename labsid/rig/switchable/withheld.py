@@ -1,0 +1,212 @@
+"""Every student's own rig with one unmodelled effect, which only the holder of the course's secret can name.
+
+Two tanks in series. Rig, effect, command and noise all come from HMAC-SHA256(secret, ID): whoever has the record, the
+ID and this program still has to find the effect in the record.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from math import inf
+from statistics import NormalDist
+
+import numpy as np
+
+from labsid._arrays import FloatArray
+from labsid.records.record import Record
+from labsid.rig.instruments import uniform_samples
+from labsid.rig.lab.individual import student_entropy
+from labsid.rig.switchable._motion import TWO_TANKS
+from labsid.rig.switchable.actuator import limited
+from labsid.rig.switchable.plants import Scales
+from labsid.rig.switchable.play import Noise, play, respond
+from labsid.rig.switchable.setup import Actuator, Sensor, Setup, plain_motion
+from labsid.rig.switchable.suspects import PARAMETERS, PATHS, RECORD_FILE
+from labsid.rig.switchable.truth import true_parameters
+
+TS = 0.75
+SAMPLES = 1600
+AT_REST = 120
+"""Samples at the level of rest with which every record begins."""
+
+SENSOR_NOISE = 0.007
+"""Standard deviation of the level sensor's noise (V)."""
+
+_RIG, _RECORD_INPUT, _RECORD_NOISE, _TRIAL_INPUT = range(4)
+_PURPOSE = "sim-to-real-gap"
+_STRATA = 8
+_SHORTEST_HOLD, _LONGEST_HOLD = 14, 52
+
+
+@dataclass(frozen=True, slots=True)
+class WithheldRig:
+    """A rig and what is withheld about it.
+
+    Attributes
+    ----------
+    effect, path : str
+        The effect by its name in the table, and where in the loop it acts.
+    parameters : dict
+        Its parameters by the names of `labsid.rig.switchable.suspects`.
+    setup : Setup
+        The rig with the effect in it.
+    scales : Scales
+        From the rig's own units to volts and seconds.
+    entropy : int
+        Seeds its commands and its noise.
+    """
+
+    effect: str
+    path: str
+    parameters: Mapping[str, float]
+    setup: Setup
+    scales: Scales
+    entropy: int
+
+
+def withheld_rig(student: str, secret: bytes) -> WithheldRig:
+    """Make one student's rig.
+
+    Parameters
+    ----------
+    student : str
+        The student's ID as the course writes it.
+    secret : bytes
+        The course's secret, at least 16 bytes.
+
+    Returns
+    -------
+    WithheldRig
+
+    Raises
+    ------
+    ValueError
+        If the ID is unusable or the secret too short.
+    """
+    entropy = student_entropy(student, secret, _PURPOSE)
+    which, T0, T1, u0, us, y0, ys, *draws = uniform_samples(_stream(entropy, _RIG), 10).tolist()
+    scales = Scales(
+        Ts=TS,
+        u0=round(2.2 + 0.4 * u0, 1),
+        us=round(0.8 + 0.2 * us, 1),
+        y0=2.4 + 0.4 * y0,
+        ys=1.3 + 0.4 * ys,
+    )
+    plain = Setup("two tanks", plain_motion(TWO_TANKS, 4.0 + 4.0 * T0, 14.0 + 10.0 * T1))
+    effect = list(PATHS)[int(which * len(PATHS))]
+    setup = _with_effect(effect, plain, _command(entropy, _RECORD_INPUT, scales), draws)
+    return WithheldRig(effect, PATHS[effect], _parameters(effect, setup, scales), setup, scales, entropy)
+
+
+def withheld_record(rig: WithheldRig) -> Record:
+    """The record that the student gets: it begins at rest.
+
+    Parameters
+    ----------
+    rig : WithheldRig
+
+    Returns
+    -------
+    Record
+        1600 samples of 0.75 s, to the nearest tenth of a millivolt.
+    """
+    quantile = NormalDist().inv_cdf
+    white = [quantile(p) for p in uniform_samples(_stream(rig.entropy, _RECORD_NOISE), SAMPLES).tolist()]
+    v = _command(rig.entropy, _RECORD_INPUT, rig.scales)
+    u, y = _logged(rig, v, SENSOR_NOISE * np.array(white))
+    t: FloatArray = TS * np.arange(SAMPLES, dtype=np.float64)
+    return Record(t=t, u=u, y=np.round(y, 4), Ts=TS, name=RECORD_FILE.removesuffix(".csv"))
+
+
+def withheld_trial(rig: WithheldRig) -> tuple[FloatArray, FloatArray]:
+    """Another run of the same rig, which stays with the judge.
+
+    Parameters
+    ----------
+    rig : WithheldRig
+
+    Returns
+    -------
+    tuple of ndarray, each of shape (1600,)
+        Input and noise-free output (V), from rest.
+    """
+    v = _command(rig.entropy, _TRIAL_INPUT, rig.scales)
+    return _logged(rig, v, np.zeros(v.size))
+
+
+def withheld_record_bytes(student: str, secret: bytes) -> bytes:
+    """The student's record as the text file that goes beside the notebook; the columns are t, u and y.
+
+    Parameters
+    ----------
+    student : str
+    secret : bytes
+        As for `withheld_rig`.
+
+    Returns
+    -------
+    bytes
+
+    Raises
+    ------
+    ValueError
+        As for `withheld_rig`.
+    """
+    record = withheld_record(withheld_rig(student, secret))
+    rows = (f"{t:.2f},{u:.2f},{y:.4f}" for t, u, y in zip(record.t, record.u, record.y, strict=True))
+    return "\n".join(["t,u,y", *rows, ""]).encode()
+
+
+def _with_effect(effect: str, plain: Setup, v: FloatArray, draws: list[float]) -> Setup:
+    """The plain rig with one effect, strong enough to be seen far above the noise on a command such as `v`."""
+    one, other, third = draws
+    sign = 1.0 if third < 0.5 else -1.0
+    shown = respond(plain, v)
+    match effect:
+        case "input-delay":
+            return replace(plain, actuator=Actuator(delay=float(12 + int(7 * one))))
+        case "input-saturation":
+            return replace(plain, actuator=Actuator(low=-0.35 - 0.25 * one, high=0.35 + 0.25 * other))
+        case "input-dead-zone":
+            return replace(plain, actuator=Actuator(dead_low=-0.25 - 0.25 * one, dead_high=0.25 + 0.25 * other))
+        case "input-nonlinearity":
+            return replace(plain, actuator=Actuator(c2=sign * (0.25 + 0.15 * one)))
+        case "sqrt-outflow":
+            return replace(plain, motion=plain.motion._replace(root=0.75 + 0.15 * one))
+        case "overflow":
+            return replace(plain, motion=plain.motion._replace(brim_lower=(0.3 + 0.25 * one) * float(shown.max())))
+        case "output-saturation":
+            low, high = float(shown.min()), float(shown.max())
+            return replace(plain, sensor=Sensor(low=(0.35 + 0.25 * one) * low, high=(0.35 + 0.25 * other) * high))
+    return replace(plain, sensor=Sensor(c2=sign * (0.22 + 0.1 * one)))
+
+
+def _parameters(effect: str, setup: Setup, scales: Scales) -> dict[str, float]:
+    truth = true_parameters(effect, setup, scales, SAMPLES)
+    if effect == "sqrt-outflow":
+        truth["empty"] = truth["zero"]
+    return {name: float(truth[name]) for name in PARAMETERS[effect]}
+
+
+def _logged(rig: WithheldRig, v: FloatArray, noise: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """What the log holds: the sensor clips after its noise."""
+    sensor = rig.setup.sensor
+    unclipped = replace(rig.setup, sensor=replace(sensor, low=-inf, high=inf))
+    s = rig.scales
+    x = play(unclipped, v, Noise(0.0)).clean + noise / s.ys
+    return np.round(s.u0 + s.us * v, 2), s.y0 + s.ys * limited(x, sensor.low, sensor.high, 0.0)
+
+
+def _command(entropy: int, stream: int, scales: Scales) -> FloatArray:
+    """Rest, then levels that visit every eighth of the range in turn and are held for times of the rig's own scale."""
+    moving = SAMPLES - AT_REST
+    rounds = moving // (_STRATA * _SHORTEST_HOLD) + 1
+    draws = uniform_samples(_stream(entropy, stream), 3 * _STRATA * rounds).reshape(3, rounds, _STRATA)
+    strata = np.argsort(draws[0], axis=1)
+    levels = (-1.0 + 2.0 * (strata + draws[1]) / _STRATA).reshape(-1)
+    holds = (_SHORTEST_HOLD + draws[2] * (_LONGEST_HOLD - _SHORTEST_HOLD)).astype(int).reshape(-1)
+    volts = np.concatenate([np.zeros(AT_REST), np.round(scales.us * np.repeat(levels, holds), 2)])[:SAMPLES]
+    return volts / scales.us
+
+
+def _stream(entropy: int, stream: int) -> np.random.SeedSequence:
+    return np.random.SeedSequence(entropy=entropy, spawn_key=(stream,))

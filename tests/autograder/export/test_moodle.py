@@ -1,0 +1,330 @@
+"""Moodle's worksheet filled in and its feedback zip; the report; equal code; lateness from hand-in to export."""
+
+import csv
+import io
+import json
+import re
+import shutil
+import zipfile
+from collections.abc import Mapping
+from decimal import Decimal
+from pathlib import Path
+
+import pytest
+
+from autograder.batch.executors import LocalCrew
+from autograder.batch.grade import Graded, find_batch, grade_batch
+from autograder.course.layout import Course
+from autograder.export.grades_csv import export_csv
+from autograder.export.moodle import export_moodle
+from autograder.intake.submission import Step
+from autograder.intake.worksheet import Worksheet, read_worksheet
+from autograder.judge.judging import QuestionResult
+from autograder.results import gradebook, result_files
+from autograder.results.feedback import write_feedback
+from autograder.results.gradebook import ByHand
+from autograder.results.late import parse_rules
+from autograder.results.report import report_page, write_report
+from autograder.results.result_files import StoredResult
+from autograder.results.similar import alike, normal_form, work_of
+from autograder.results.summary import class_table
+from autograder.sandbox.isolation import Workshop
+
+PRELAB = "prelab-sinusoids"
+NOTHING = ByHand({}, {}, frozenset())
+
+
+def question(name: str, score: str | None, most: str, status: str = "graded", **rest: object) -> QuestionResult:
+    return QuestionResult(
+        name,
+        None if score is None else Decimal(score),
+        Decimal(most),
+        status,
+        "Because.",
+        **rest,  # type: ignore[arg-type]
+    )
+
+
+def stored(student: str, name: str = "tiny", *questions: QuestionResult, **rest: object) -> StoredResult:
+    return StoredResult(student, name, name.title(), questions, {}, (), "none", {}, **rest)  # type: ignore[arg-type]
+
+
+@pytest.fixture
+def out(tmp_path: Path) -> Path:
+    """Ada has 2 of 2 as 0.6 + 0.6 + 0.8, ben is late, cat's file was broken, dan waits."""
+    folder = tmp_path / "out"
+    thirds = [question("a", "0.6", "0.6"), question("b", "0.6", "0.6"), question("c", "0.8", "0.8")]
+    wrong = question("b", "0", "0.6", slip="sign of a")
+    broken = [question(name, "0", most, "quarantined") for name, most in (("a", "0.6"), ("b", "0.6"), ("c", "0.8"))]
+    for one in (
+        stored("ada", "tiny", *thirds),
+        stored("ben@x.edu", "tiny", thirds[0], wrong, thirds[2], penalty=Decimal("0.2"), late="Handed in 1 d late."),
+        stored("cat", "tiny", *broken),
+        stored("1004", "tiny", thirds[0], question("b", None, "0.6", "manual"), thirds[2]),
+        stored("eve", "tiny", *thirds),
+    ):
+        result_files.store(folder, one)
+    return folder
+
+
+HEADER = (
+    "Identifier,Full name,Email address,ID number,Group,Status,Grade,Maximum Grade,Grade can be changed,"
+    "Last modified (submission),Last modified (grade),Feedback comments"
+)
+ROWS = (
+    'Participant 1001,"Lovelace, Ada",a@x.edu,ada,"A ""1""",Submitted,,2.00,Yes,-,"Monday, 1 June 2026, 9:00 AM",',
+    "Participant 1002,Ben O'Neil,ben@x.edu,,B,Submitted,,2.00,Yes,-,-,",
+    "Participant 1003,Cat,c@x.edu,cat,B,Submitted,,2.00,Yes,-,-,",
+    "Participant 1004,Dan/../x,,,B,Submitted,,2.00,Yes,-,-,",
+    "Participant 1005,Eve,eve@x.edu,eve,B,Submitted,1.00,2.00,No,-,-,mine",
+    "Participant 1006,Fay,f@x.edu,fay,B,No submission,,2.00,Yes,-,-,",
+)
+
+
+@pytest.fixture
+def sheet(tmp_path: Path) -> Worksheet:
+    (tmp_path / "w.csv").write_text("\ufeff" + "\r\n".join([HEADER, *ROWS]) + "\r\n", encoding="utf-8", newline="")
+    return read_worksheet(tmp_path / "w.csv")
+
+
+def test_the_worksheet_comes_back_with_grades_and_nothing_else_changed(out: Path, sheet: Worksheet) -> None:
+    done = export_moodle(out, sheet)
+    text = done.worksheet.read_bytes().decode()
+    assert text.startswith("\ufeff" + HEADER + "\r\n")
+    rows = list(csv.DictReader(io.StringIO(text.removeprefix("\ufeff"), newline="")))
+    assert [row["Grade"] for row in rows] == ["2", "1.2", "0", "1.4", "1.00", ""]
+    for row, before in zip(rows, sheet.rows, strict=True):
+        kept = [column for column in sheet.columns if column not in ("Grade", "Feedback comments")]
+        assert [row[column] for column in kept] == [before[column] for column in kept]
+    assert rows[1]["Feedback comments"].startswith("1.2 of 2 marks. Handed in 1 d late. Known slips: sign of a.")
+    assert "quarantined" in rows[2]["Feedback comments"]
+    assert rows[4]["Feedback comments"] == "mine"
+    assert rows[5]["Feedback comments"] == ""
+    assert done.filled == 5
+    assert done.remarks == (
+        "1004: 0.6 marks wait to be graded by hand",
+        "eve: the grade cannot be changed in Moodle; left as it is",
+    )
+    assert read_worksheet(done.worksheet).columns == sheet.columns  # and it can be read again
+
+
+def test_the_feedback_zip_has_moodles_layout_and_the_same_bytes(out: Path, sheet: Worksheet) -> None:
+    done = export_moodle(out, sheet)
+    first = done.feedback.read_bytes()
+    assert export_moodle(out, sheet).feedback.read_bytes() == first
+    with zipfile.ZipFile(done.feedback) as archive:
+        assert archive.namelist() == sorted(
+            f"{who}_assignsubmission_file_/feedback.html"
+            for who in ("Lovelace, Ada_1001", "Ben O'Neil_1002", "Cat_1003", "Dan..x_1004", "Eve_1005")
+        )
+        assert b"Handed in 1 d late." in archive.read("Ben O'Neil_1002_assignsubmission_file_/feedback.html")
+
+
+def test_several_assignments_add_up_exactly_or_one_is_chosen(out: Path, sheet: Worksheet) -> None:
+    for student in ("ada", "cat"):
+        result_files.store(out, stored(student, "other", question("x", "0.1", "0.3")))
+    done = export_moodle(out, sheet)
+    rows = [list(row.values()) for row in read_worksheet(done.worksheet).rows]
+    assert rows[0][6] == "1.83"  # 2.1 of 2.3, in Moodle's 2
+    assert "ada: 2.1 of 2.3 is 1.83 of 2.00" in done.remarks
+    with zipfile.ZipFile(done.feedback) as archive:
+        assert "Lovelace, Ada_1001_assignsubmission_file_/feedback-other.html" in archive.namelist()
+    only = export_moodle(out, sheet, "tiny")
+    assert read_worksheet(only.worksheet).rows[0]["Grade"] == "2"
+    with pytest.raises(ValueError, match="holds no results of 'holiday'"):
+        export_moodle(out, sheet, "holiday")
+
+
+def test_a_student_who_is_not_in_the_worksheet_is_named(out: Path, sheet: Worksheet) -> None:
+    result_files.store(out, stored("zoe", "tiny", question("a", "0.6", "0.6")))
+    assert "zoe: not in the worksheet" in export_moodle(out, sheet).remarks
+
+
+def test_a_worksheet_without_the_columns_is_said(out: Path) -> None:
+    with pytest.raises(ValueError, match="no column Grade and no column Feedback comments"):
+        export_moodle(out, Worksheet(("Identifier",), (), ""))
+
+
+# ---- lateness, from the hand-in to the exports
+
+
+def test_lateness_is_taken_off_everywhere_and_can_be_changed_without_grading(
+    course: Course, workshop: Workshop, tmp_path: Path
+) -> None:
+    for student in ("ann", "bob"):
+        shutil.copytree(course.source / PRELAB, tmp_path / "submitted" / student / PRELAB)
+    stamp = tmp_path / "submitted" / "bob" / PRELAB / "timestamp.txt"
+    stamp.write_text("2026-12-02 12:00:00.000000 UTC\n", encoding="utf-8")
+    out = tmp_path / "out"
+
+    def grade(rules: str | None) -> list[Graded]:
+        late = None if rules is None else parse_rules(rules)
+        batch = find_batch(course, tmp_path / "submitted", None)
+        return list(grade_batch(course, batch, out, LocalCrew(workshop, 2), late=late))
+
+    def exported() -> Mapping[str, tuple[str, str]]:
+        with export_csv(out).open(encoding="utf-8", newline="") as file:
+            return {row["student"]: (row["score"], row["late_penalty"]) for row in csv.DictReader(file)}
+
+    assert all(one.fresh for one in grade("due=2026-12-01T00:00,per-day=10%"))
+    assert exported() == {"ann": ("0.95", "0"), "bob": ("0.75", "0.2")}
+    with gradebook.open_gradebook(gradebook.database_url(out)) as book:
+        late = book.find_submission(PRELAB, "bob")
+        assert late.late_submission_penalty == pytest.approx(0.2)
+        assert str(late.timestamp) == "2026-12-02 12:00:00"
+        assert book.find_submission(PRELAB, "ann").late_submission_penalty == 0
+    list(write_feedback(out))
+    page = (out / "feedback" / "bob" / f"{PRELAB}.html").read_text(encoding="utf-8")
+    assert "Handed in 1 d 12 h late: 0.2 of 1 marks taken off (10 % a started day)." in page
+    assert "<strong>0.75</strong>" in page
+    assert "Handed in 1 d 12 h late" in write_report(out).read_text(encoding="utf-8")
+    assert "0.2 off for lateness" in class_table(out)
+    questions = (out / "grades.csv").read_bytes()
+
+    assert not any(one.fresh for one in grade("due=2026-12-01T00:00,per-day=5%"))
+    assert exported()["bob"] == ("0.85", "0.1")
+    assert (out / "grades.csv").read_bytes() == questions
+    stamp.write_text("2026-11-02 12:00:00 UTC", encoding="utf-8")
+    assert not any(one.fresh for one in grade("due=2026-12-01T00:00,per-day=5%"))
+    assert exported()["bob"] == ("0.95", "0")
+    with gradebook.open_gradebook(gradebook.database_url(out)) as book:
+        assert book.find_submission(PRELAB, "bob").late_submission_penalty == 0
+
+
+def test_a_penalty_takes_no_more_than_there_is() -> None:
+    one = stored("ann", "tiny", question("a", "0.1", "0.6"), penalty=Decimal("0.3"))
+    assert result_files.totals(one, {}).score == 0
+
+
+# ---- hand grading that an automatic change overtook
+
+
+def test_hand_grading_survives_and_is_flagged_when_the_automatic_part_changes(
+    course: Course, workshop: Workshop, tmp_path: Path
+) -> None:
+    open_question = "prelab-6-clock"
+    path = tmp_path / "submitted" / "ann" / PRELAB / f"{PRELAB}.ipynb"
+    shutil.copytree(course.source / PRELAB, path.parent)
+    batch, out = find_batch(course, tmp_path / "submitted", None), tmp_path / "out"
+    list(grade_batch(course, batch, out, LocalCrew(workshop)))
+    with gradebook.open_gradebook(gradebook.database_url(out)) as book:
+        grade = book.find_grade(open_question, PRELAB, PRELAB, "ann")
+        grade.manual_score, grade.needs_manual_grade = 0.03, False
+        book.db.commit()
+    notebook = json.loads(path.read_text(encoding="utf-8"))
+    notebook["cells"].append({"cell_type": "markdown", "metadata": {}, "source": "Done."})
+    path.write_text(json.dumps(notebook), encoding="utf-8")
+    list(grade_batch(course, batch, out, LocalCrew(workshop)))
+    assert gradebook.given_by_hand(out).look_again == frozenset()  # graded again, and nothing came out otherwise
+
+    (cell,) = (cell for cell in notebook["cells"] if cell.get("id") == "prelab-1-time-answer")
+    cell["source"] = "t = 0"
+    path.write_text(json.dumps(notebook), encoding="utf-8")
+    list(grade_batch(course, batch, out, LocalCrew(workshop)))
+    given = gradebook.given_by_hand(out)
+    assert given.scores["ann", PRELAB, open_question] == Decimal("0.03")
+    assert given.look_again == {("ann", PRELAB, open_question)}
+    assert "grade by hand again" in class_table(out)
+    assert "changed after it was graded by hand" in write_report(out).read_text(encoding="utf-8")
+    with gradebook.open_gradebook(gradebook.database_url(out)) as book:
+        book.find_grade(open_question, PRELAB, PRELAB, "ann").needs_manual_grade = False  # the teacher has looked
+        book.db.commit()
+    assert not any(one.fresh for one in grade_batch(course, batch, out, LocalCrew(workshop)))
+    assert gradebook.given_by_hand(out).look_again == frozenset()
+
+
+# ---- the report
+
+
+def test_the_report_adds_up_exactly(out: Path) -> None:
+    page = report_page(result_files.load_all(out), NOTHING)
+    (tiny,) = page["assignments"]
+    assert (tiny["handed_in"], tiny["refused"], tiny["late"]) == (4, 1, 1)
+    assert (tiny["median"], tiny["mean"], tiny["max_score"], tiny["waiting"]) == ("1.7", "1.65", "2", "0.6")
+    assert [bar["count"] for bar in tiny["bars"]] == [0, 0, 0, 0, 0, 0, 1, 1, 0, 2]
+    dearest = tiny["questions"][0]
+    assert (dearest["id"], dearest["lost"], dearest["full"], dearest["graded"]) == ("b", "0.6", 2, 3)
+    assert dearest["slip"] == "sign of a (1)"
+    assert tiny["slips"] == [{"slip": "sign of a", "count": 1, "lost": "0.6"}]
+    assert [(look["student"], look["reasons"]) for look in page["looks"]] == [
+        ("cat", ["quarantined"]),
+        ("ben@x.edu", ["Handed in 1 d late."]),
+    ]
+    assert page["unisolated"] == 5
+
+
+def test_each_reason_to_look_is_given() -> None:
+    crashed = question("a", "0", "0.6", "crashed")
+    many = [
+        stored("ann", "tiny", crashed, flags=("made on the record of bob: a",)),
+        StoredResult(
+            "bob", "tiny", "Tiny", (question("a", "0.6", "0.6"),), {}, ("the cell x was put back",), "none", {}
+        ),
+    ]
+    looks = {look["student"]: look["reasons"] for look in report_page(many, NOTHING)["looks"]}
+    assert looks["ann"] == ["made on the record of bob: a", "crashed: a", "no automatic question is right"]
+    assert looks["bob"] == ["mended: the cell x was put back"]
+
+
+def test_the_report_stands_alone_and_runs_nothing(tmp_path: Path) -> None:
+    evil = "<script>alert(1)</script>\x1b[31m"
+    one = StoredResult(
+        evil.replace("/", ""), "tiny", evil, (question("q", "0", "0.6", slip=evil),), {"q": evil}, (evil,), evil, {},
+        flags=(evil,), late=evil,
+    )  # fmt: skip
+    result_files.store(tmp_path, one)
+    page = write_report(tmp_path).read_text(encoding="utf-8")
+    assert "<script" not in page
+    assert "&lt;script&gt;" in page
+    assert "\x1b" not in page
+    assert not re.search(r"https?:|<link|@import|src=", page)
+
+
+# ---- equal code
+
+
+FIRST = '''
+def first_period(u):
+    """Count them."""
+    n = 0  # from the start
+    while n < len(u) and u[n] == u[0]:
+        n += 1
+    return n
+'''
+COPY = """
+def first_period( signal ):
+    counter=0
+    while counter < len(signal) and signal[counter] == signal[0]:
+        # one more
+        counter += 1
+    return counter
+"""
+OTHER = "def first_period(u):\n    return int(np.flatnonzero(np.diff(u))[0]) + 1 if np.any(np.diff(u)) else len(u)"
+
+
+def test_names_comments_and_spaces_do_not_hide_a_copy() -> None:
+    assert normal_form(FIRST) == normal_form(COPY)
+    assert normal_form(FIRST) != normal_form(OTHER)
+    assert normal_form("x = np.sin(y)") != normal_form("x = np.cos(y)")
+    assert normal_form("a = u; b = v") == normal_form("c = u\nd = v")
+    assert normal_form("no python (") == ("no python (", 3)
+
+
+def test_released_code_and_short_cells_tell_nothing() -> None:
+    steps = [
+        Step("a", "answer", FIRST, True), Step("q1", "question", "check()", True),
+        Step("b", "answer", "x = 1", True), Step("q2", "question", "check()", True),
+        Step("c", "answer", OTHER, True), Step("q3", "question", "check()", True),
+    ]  # fmt: skip
+    assert set(work_of(steps, {"c": OTHER})) == {"q1"}
+
+
+def test_copies_are_found_and_what_many_wrote_is_not() -> None:
+    mine = {"q1": ("a", 40), "q2": ("b", 60), "q3": ("common", 100)}
+    work = {
+        "ann": mine, "bob": {**mine, "q4": ("e", 30)}, "cat": {"q1": ("c", 40), "q3": ("common", 100)},
+        "dan": {"q2": ("d", 60), "q3": ("common", 100)}, "eve": {"q1": ("a", 40), "q2": ("f", 90)},
+    }  # fmt: skip
+    pairs = alike([stored(student, "tiny", work=cells) for student, cells in work.items()])
+    assert [(pair.first, pair.second, pair.questions) for pair in pairs] == [("ann", "bob", ("q1", "q2"))]
+    assert pairs[0].share == 1

@@ -1,0 +1,314 @@
+"""Hand-ins out of Moodle's zip: what belongs to whom, which version counts, and nothing outside of the folder."""
+
+import contextlib
+import io
+import json
+import re
+import shutil
+import tempfile
+import warnings
+import zipfile
+from collections.abc import Mapping, Sequence
+from datetime import UTC, datetime
+from pathlib import Path
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from autograder.course.layout import Course
+from autograder.course.student_folder import pack
+from autograder.intake.collect import collect
+from autograder.intake.submission import archive
+from autograder.intake.worksheet import Worksheet, folder_name, read_worksheet
+
+PRELAB, LAB = "prelab-sinusoids", "lab-identification"
+ADA, BEN = "Ada Lovelace_1001_assignsubmission_file_", "Ben O'Neil_1002_assignsubmission_file_"
+
+
+def entry(name: str, minute: int = 0, mode: int = 0) -> zipfile.ZipInfo:
+    info = zipfile.ZipInfo(name, (2026, 11, 20, 12, minute, 0))
+    info.external_attr = mode << 16
+    info.compress_type = zipfile.ZIP_DEFLATED
+    return info
+
+
+def moodle(path: Path, files: Sequence[tuple[zipfile.ZipInfo, bytes]]) -> Path:
+    with zipfile.ZipFile(path, "w") as packed:
+        for info, content in files:
+            packed.writestr(info, content)
+    return path
+
+
+def there(folder: Path) -> list[str]:
+    return sorted(path.relative_to(folder).as_posix() for path in folder.rglob("*") if path.is_file())
+
+
+@pytest.fixture
+def notebooks(course: Course) -> Mapping[str, bytes]:
+    return {name: (course.release / name / f"{name}.ipynb").read_bytes() for name in course.assignments()}
+
+
+def with_mark(notebook: bytes, mark: str) -> bytes:
+    changed = json.loads(notebook)
+    changed["cells"].append({"cell_type": "markdown", "metadata": {}, "source": mark, "id": "mark"})
+    return json.dumps(changed).encode()
+
+
+def test_folders_and_flat_names_and_nested_zips(course: Course, notebooks: Mapping[str, bytes], tmp_path: Path) -> None:
+    for name in (PRELAB, LAB):
+        (tmp_path / "work" / name).mkdir(parents=True)
+        (tmp_path / "work" / name / f"{name}.ipynb").write_bytes(notebooks[name])
+    list(pack(tmp_path / "work", tmp_path / "hand-in.zip"))
+    path = moodle(
+        tmp_path / "m.zip",
+        [
+            (entry(f"{ADA}/Untitled1.ipynb"), notebooks[LAB]),
+            (entry(f"{ADA}/essay.pdf"), b"%PDF"),
+            (entry(f"{BEN}hand-in.zip"), (tmp_path / "hand-in.zip").read_bytes()),
+            (entry("C_3_assignsubmission_file_/sub/folder/__MACOSX/._x.ipynb"), b""),
+            (entry("C_3_assignsubmission_onlinetext_/onlinetext.html"), b"<p>See attached</p>"),
+            (entry("readme.txt"), b""),
+        ],
+    )
+    lines = list(collect(course, path, tmp_path / "out"))
+    assert lines == [
+        f"1001 (Ada Lovelace): {LAB}; left out: essay.pdf",
+        f"1002 (Ben O'Neil): {LAB}, {PRELAB}",
+        "3 (C): no notebook of this course; left out: onlinetext.html",
+        "belongs to nobody: readme.txt",
+    ]
+    assert there(tmp_path / "out") == [
+        f"1001/{LAB}/{LAB}.ipynb", f"1002/{LAB}/{LAB}.ipynb", f"1002/{PRELAB}/{PRELAB}.ipynb",
+    ]  # fmt: skip
+    assert (tmp_path / "out" / "1001" / LAB / f"{LAB}.ipynb").read_bytes() == notebooks[LAB]
+
+
+def test_the_latest_version_counts_and_it_is_said(
+    course: Course, notebooks: Mapping[str, bytes], tmp_path: Path
+) -> None:
+    old, new = (with_mark(notebooks[LAB], mark) for mark in ("old", "new"))
+    for names in (
+        (("lab.ipynb", 5), ("a/final.ipynb", 9)),
+        (("lab.ipynb", 5), ("lab (2).ipynb", 5)),
+        (("lab (9).ipynb", 5), ("lab (10).ipynb", 5)),
+    ):
+        for order in (1, -1):
+            pairs = zip(names, (old, new), strict=True)
+            versions = [(entry(f"{ADA}/{name}", minute), data) for (name, minute), data in pairs]
+            out = tmp_path / "out"
+            (line,) = collect(course, moodle(tmp_path / "m.zip", versions[::order]), out)
+            assert line == f"1001 (Ada Lovelace): {LAB} (the latest of 2 versions: {names[1][0]})"
+            assert (out / "1001" / LAB / f"{LAB}.ipynb").read_bytes() == new
+            shutil.rmtree(out)
+
+
+def test_running_again_touches_nothing_and_takes_what_is_new(
+    course: Course, notebooks: Mapping[str, bytes], tmp_path: Path
+) -> None:
+    path = moodle(tmp_path / "m.zip", [(entry(f"{ADA}/a.ipynb"), notebooks[LAB]), (entry(f"{BEN}/a.ipynb"), b"{")])
+    list(collect(course, path, tmp_path / "out"))
+    target = tmp_path / "out" / "1001" / LAB / f"{LAB}.ipynb"
+    before = target.stat().st_mtime_ns
+    list(collect(course, path, tmp_path / "out"))
+    assert target.stat().st_mtime_ns == before
+    newer = with_mark(notebooks[LAB], "newer")
+    list(collect(course, moodle(path, [(entry(f"{ADA}/a.ipynb"), newer)]), tmp_path / "out"))
+    assert target.read_bytes() == newer
+
+
+def test_a_broken_notebook_is_taken_for_what_it_is_called(course: Course, tmp_path: Path) -> None:
+    path = moodle(tmp_path / "m.zip", [(entry(f"{ADA}/My {LAB} final.ipynb"), b"{"), (entry(f"{BEN}/x.ipynb"), b"[]")])
+    assert list(collect(course, path, tmp_path / "out")) == [
+        f"1001 (Ada Lovelace): {LAB}",
+        "1002 (Ben O'Neil): no notebook of this course; left out: x.ipynb: a notebook of no assignment of this course",
+    ]
+    assert (tmp_path / "out" / "1001" / LAB / f"{LAB}.ipynb").read_bytes() == b"{"
+
+
+def test_a_strange_cell_does_not_hide_the_others(
+    course: Course, notebooks: Mapping[str, bytes], tmp_path: Path
+) -> None:
+    strange = json.loads(notebooks[LAB])
+    strange["cells"] += ["text", {"metadata": {"nbgrader": None}}, {"metadata": {"nbgrader": {"grade_id": []}}}, None]
+    path = moodle(tmp_path / "m.zip", [(entry(f"{ADA}/x.ipynb"), json.dumps(strange).encode())])
+    assert list(collect(course, path, tmp_path / "out")) == [f"1001 (Ada Lovelace): {LAB}"]
+
+
+def test_links_bombs_and_paths_that_lead_out_are_left_alone(
+    course: Course, notebooks: Mapping[str, bytes], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(archive, "MAX_FILE_BYTES", 1_000_000)
+    bomb = io.BytesIO()
+    with zipfile.ZipFile(bomb, "w", zipfile.ZIP_DEFLATED) as packed:
+        packed.writestr("bomb.ipynb", bytes(30_000_000))
+    path = moodle(
+        tmp_path / "m.zip",
+        [
+            (entry(f"{ADA}/link.ipynb", mode=0o120777), b"/etc/passwd"),
+            (entry(f"{ADA}/../../../../evil.ipynb"), notebooks[PRELAB]),
+            (entry(f"{ADA}/{LAB}.ipynb"), bytes(2_000_000)),
+            (entry(f"{BEN}/bomb.zip"), bomb.getvalue()),
+            (entry(f"/etc/{BEN}/C:\\x\\lab.ipynb"), notebooks[LAB]),
+            (entry(f"{BEN}/none.zip"), b"PK\x03\x04nothing"),
+        ],
+    )
+    ada, ben = collect(course, path, tmp_path / "deep" / "out")
+    assert ada.startswith(f"1001 (Ada Lovelace): {PRELAB}; left out: link.ipynb: it is a link or a device")
+    assert f"{LAB}.ipynb: it is too large" in ada
+    assert "bomb.zip/bomb.ipynb: it is too large" in ben
+    assert "none.zip is not a zip file that can be read" in ben
+    assert there(tmp_path) == [
+        f"deep/out/1001/{PRELAB}/{PRELAB}.ipynb", f"deep/out/1002/{LAB}/{LAB}.ipynb", "m.zip",
+    ]  # fmt: skip
+
+
+def test_one_students_flood_costs_nobody_else_anything(
+    course: Course, notebooks: Mapping[str, bytes], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("autograder.intake.collect._MOST_BYTES_EACH", 1_000_000)
+    flood = [(entry(f"{ADA}/{index}.ipynb"), bytes(300_000)) for index in range(5)]
+    path = moodle(tmp_path / "m.zip", [*flood, (entry(f"{BEN}/x.ipynb"), notebooks[LAB])])
+    ada, ben = collect(course, path, tmp_path / "out")
+    assert "3.ipynb: it is too large" in ada
+    assert ben == f"1002 (Ben O'Neil): {LAB}"
+
+
+def test_a_link_in_the_folder_is_not_followed(course: Course, notebooks: Mapping[str, bytes], tmp_path: Path) -> None:
+    path = moodle(tmp_path / "m.zip", [(entry(f"{ADA}/x.ipynb"), notebooks[LAB])])
+    (tmp_path / "elsewhere").mkdir()
+    (tmp_path / "out").mkdir()
+    (tmp_path / "out" / "1001").symlink_to(tmp_path / "elsewhere", target_is_directory=True)
+    with pytest.raises(ValueError, match="is a link, or lies below one"):
+        list(collect(course, path, tmp_path / "out"))
+    assert there(tmp_path / "elsewhere") == []
+
+
+def test_an_encrypted_file_is_left_out(course: Course, tmp_path: Path) -> None:
+    path = moodle(tmp_path / "m.zip", [(entry(f"{ADA}/x.ipynb"), b"{}")])
+    raw = bytearray(path.read_bytes())
+    for signature, offset in ((b"PK\x03\x04", 6), (b"PK\x01\x02", 8)):
+        raw[raw.index(signature) + offset] |= 1
+    path.write_bytes(raw)
+    (line,) = collect(course, path, tmp_path / "out")
+    assert "x.ipynb: it cannot be unpacked (" in line
+
+
+@pytest.mark.parametrize("content", [b"", b"not a zip", b"PK\x05\x06" + bytes(18)])
+def test_what_is_not_moodles_is_said(course: Course, tmp_path: Path, content: bytes) -> None:
+    (tmp_path / "m.zip").write_bytes(content)
+    with pytest.raises(ValueError, match=r"is not a zip file|holds no submission"):
+        list(collect(course, tmp_path / "m.zip", tmp_path / "out"))
+    (tmp_path / "out").touch()
+    with pytest.raises(ValueError, match="is a file"):
+        list(collect(course, tmp_path / "m.zip", tmp_path / "out"))
+
+
+# ---- the worksheet
+
+
+def worksheet(path: Path, rows: Sequence[Mapping[str, str]]) -> Worksheet:
+    columns = list(dict.fromkeys(column for row in rows for column in row))
+    lines = [",".join(f'"{text}"' for text in columns)]
+    lines += [",".join('"{}"'.format(row.get(column, "")) for column in columns) for row in rows]
+    path.write_text("\ufeff" + "\r\n".join(lines) + "\r\n", encoding="utf-8", newline="")
+    return read_worksheet(path)
+
+
+def test_the_worksheet_gives_ids_and_times(course: Course, notebooks: Mapping[str, bytes], tmp_path: Path) -> None:
+    sheet = worksheet(
+        tmp_path / "w.csv",
+        [
+            {"Identifier": "Participant 1001", "Full name": "Ada Lovelace", "ID number": "z5000001",
+             "Email address": "ada@x.edu", "Last modified (submission)": "Friday, 20 November 2026, 4:05 PM"},
+            {"Identifier": "Participant 1002", "Full name": "Ben O'Neil", "ID number": "../evil",
+             "Email address": "ben@x.edu", "Last modified (submission)": "-"},
+            {"Identifier": "Participant 3", "Full name": "Cat", "ID number": "Z5000001"},
+        ],
+    )  # fmt: skip
+    files = [(entry(f"{folder}/x.ipynb"), notebooks[LAB]) for folder in (ADA, BEN)]
+    files += [(entry(f"{who}_assignsubmission_file_/x.ipynb"), notebooks[LAB]) for who in ("Cat_0003", "Dan_4")]
+    out = tmp_path / "out"
+    lines = list(collect(course, moodle(tmp_path / "m.zip", files), out, sheet, UTC))
+    assert lines == [
+        f"z5000001 (Ada Lovelace): {LAB}",
+        f"ben@x.edu (Ben O'Neil): {LAB}",
+        f"3 (Cat): {LAB}; another participant has the same ID: the participant number is the ID",
+        f"4 (Dan): {LAB}; not in the worksheet: the participant number is the ID",
+    ]
+    assert (out / "z5000001" / LAB / "timestamp.txt").read_text(encoding="utf-8") == "2026-11-20 16:05:00 UTC\n"
+    assert not (out / "ben@x.edu" / LAB / "timestamp.txt").exists()
+
+
+@pytest.mark.parametrize(
+    ("content", "said"),
+    [
+        (b"", "is not a grading worksheet"),
+        (b"Name,Grade\nx,1\n", "is not a grading worksheet: it has no column Identifier"),
+        (b"Identifier,Grade\nParticipant 1\n", "has 1 fields in row 2, and 2 columns"),
+        (b"Identifier,Grade,Grade\n", "has two columns of one name"),
+        (b'Identifier,"Gra', "is not CSV"),
+        (b"\xff\xfe", "is not text in UTF-8"),
+    ],
+)
+def test_a_worksheet_that_is_none_is_said(tmp_path: Path, content: bytes, said: str) -> None:
+    (tmp_path / "w.csv").write_bytes(content)
+    with pytest.raises(ValueError, match=re.escape(said)):
+        read_worksheet(tmp_path / "w.csv")
+
+
+@given(st.text(max_size=120))
+def test_an_id_is_one_folder_or_none(text: str) -> None:
+    name = folder_name(text)
+    assert name is None or (
+        name and not set("/\\:\0") & set(name) and name not in (".", "..") and Path(name).name == name
+    )
+
+
+names = st.text(st.sampled_from(["a", "_", "1", ".", "/", "\\", " ", "é", "\x07", ":"]), max_size=12)
+paths = st.builds(
+    lambda before, name, number, rest: f"{before}{name}_{number}_assignsubmission_file_{rest}",
+    st.sampled_from(["", "../", "/", "C:\\", "x/"]),
+    names,
+    st.integers(0, 12),
+    st.builds(
+        "{}{}{}".format, st.sampled_from(["", "/", "/../../", "\\..\\"]), names, st.sampled_from([".ipynb", ".zip", ""])
+    ),
+)
+contents = st.sampled_from(
+    [b"", b"{}", b"PK", b'{"cells": []}', b'{"cells": [{"metadata": {"nbgrader": {"grade_id": 1}}}]}']
+)
+
+
+@settings(max_examples=60)
+@given(
+    files=st.lists(st.tuples(paths | names, contents, st.sampled_from([0, 0o100644, 0o120777, 0o040755])), max_size=6)
+)
+def test_nothing_is_ever_written_outside_of_the_folder(course: Course, files: Sequence[tuple[str, bytes, int]]) -> None:
+    with tempfile.TemporaryDirectory() as scratch:
+        root = Path(scratch) / "a" / "b"
+        root.mkdir(parents=True)
+        path = root / "m.zip"
+        with zipfile.ZipFile(path, "w") as packed, warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # of two entries with one name, which an archive can have
+            for name, content, mode in files:
+                if not name.strip("/"):
+                    continue
+                data = (course.release / LAB / f"{LAB}.ipynb").read_bytes() if content == b"{}" else content
+                packed.writestr(entry(name, mode=mode), data)
+        lines = []
+        with contextlib.suppress(ValueError):  # nothing in it is anybody's
+            lines = list(collect(course, path, root / "out"))
+        written = [one for one in there(Path(scratch)) if one != "a/b/m.zip"]
+        for one in written:
+            parts = one.split("/")
+            assert parts[:3] == ["a", "b", "out"]
+            assert parts[3].isdigit()
+            assert len(parts) == 6
+        assert all(len(line.splitlines()) == 1 for line in lines)
+
+
+def test_a_time_is_written_in_utc() -> None:
+    from autograder.intake.worksheet import utc_timestamp
+
+    assert utc_timestamp(datetime(2026, 11, 20, 16, 5, tzinfo=UTC)) == "2026-11-20 16:05:00 UTC"

@@ -1,0 +1,301 @@
+"""Whatever is handed in is taken in, mended or quarantined, and said to be; nothing raises."""
+
+import json
+import os
+from decimal import Decimal
+from pathlib import Path
+from typing import Any
+
+import nbformat
+import pytest
+
+from autograder.course.layout import Cell, Course, Template, read_template
+from autograder.intake.submission import MAX_NOTEBOOK_BYTES, Step, Submission, take_in
+
+TEMPLATE = Template(
+    "tiny",
+    "Tiny",
+    (
+        Cell("setup", "given", "import numpy", True, None),
+        Cell("q-answer", "answer", "# Your code here\n...", True, None),
+        Cell("q", "question", 'check("q")', True, Decimal("0.1")),
+        Cell("open", "manual", "*Your answer here*", False, Decimal("0.3")),
+        Cell("p-answer", "answer", "# Your code here\n...", True, None),
+        Cell("p", "question", 'check("p")', True, Decimal("0.2")),
+    ),
+)
+IDS = [cell.id for cell in TEMPLATE.cells]
+WORK = {"q-answer": "a = 3", "open": "Because.", "p-answer": "b = 4"}
+
+
+def cell(grade_id: str | None, source: Any, kind: str = "code") -> dict[str, Any]:
+    metadata = {} if grade_id is None else {"nbgrader": {"grade_id": grade_id, "schema_version": 3}}
+    return {"cell_type": kind, "metadata": metadata, "source": source, "outputs": [], "execution_count": None}
+
+
+def cells() -> list[dict[str, Any]]:
+    """A hand-in as it should be."""
+    return [cell(c.id, WORK.get(c.id, c.source), "code" if c.code else "markdown") for c in TEMPLATE.cells]
+
+
+def notebook(inside: Any) -> str:
+    return json.dumps({"nbformat": 4, "nbformat_minor": 5, "metadata": {}, "cells": inside})
+
+
+def hand_in(folder: Path, content: str | bytes | list, name: str = "tiny.ipynb") -> Submission:
+    if isinstance(content, list):
+        content = notebook(content)
+    folder.mkdir(exist_ok=True)
+    (folder / name).write_bytes(content.encode() if isinstance(content, str) else content)
+    return take_in(folder, "s", TEMPLATE)
+
+
+def sources(submission: Submission) -> dict[str, str]:
+    return {step.id: step.source for step in submission.steps if step.id is not None}
+
+
+def as_released(**changed: str) -> dict[str, str]:
+    return {c.id: c.source for c in TEMPLATE.cells} | {key.replace("_", "-"): value for key, value in changed.items()}
+
+
+WHOLE = as_released(q_answer="a = 3", open="Because.", p_answer="b = 4")
+
+
+def test_a_hand_in_as_it_should_be(tmp_path: Path) -> None:
+    submission = hand_in(tmp_path, cells())
+    assert (submission.student, submission.assignment, submission.status) == ("s", "tiny", "ready")
+    assert submission.notes == ()
+    assert [step.id for step in submission.steps] == IDS
+    assert sources(submission) == WHOLE
+    assert submission.steps[3] == Step("open", "manual", "Because.", False)
+
+
+def test_the_release_itself_needs_no_mending(course: Course) -> None:
+    for name in course.assignments():
+        template = read_template(course, name)
+        submission = take_in(course.release / name, "s", template)
+        assert (submission.status, submission.notes) == ("ready", ())
+        assert [step.source for step in submission.steps if step.id] == [cell.source for cell in template.cells]
+
+
+def test_nothing_handed_in(tmp_path: Path) -> None:
+    (tmp_path / "report.pdf").write_bytes(b"%PDF")
+    (tmp_path / "file").write_bytes(b"")
+    for folder in (tmp_path, tmp_path / "nosuch", tmp_path / "file"):
+        submission = take_in(folder, "s", TEMPLATE)
+        assert (submission.status, submission.steps) == ("missing", ())
+        assert submission.notes == ("no notebook was handed in",)
+
+
+def test_a_renamed_notebook_is_taken(tmp_path: Path) -> None:
+    submission = hand_in(tmp_path, cells(), "my work (1).ipynb")
+    assert sources(submission) == WHOLE
+    assert submission.notes == ("my work (1).ipynb was taken for tiny.ipynb",)
+
+
+def test_of_several_notebooks_the_one_of_the_right_name_is_taken(tmp_path: Path) -> None:
+    hand_in(tmp_path, "not this one", "a.ipynb")
+    hand_in(tmp_path, "nor this", "tiny-old.ipynb")
+    submission = hand_in(tmp_path, cells())
+    assert (submission.status, submission.notes) == ("ready", ())
+
+
+def test_of_several_other_notebooks_the_closest_name_is_taken(tmp_path: Path) -> None:
+    hand_in(tmp_path, "not this one", "a.ipynb")
+    submission = hand_in(tmp_path, cells(), "my-tiny.ipynb")
+    assert submission.status == "ready"
+    assert submission.notes == ("my-tiny.ipynb was taken for tiny.ipynb",)
+
+
+def test_a_folder_of_the_notebooks_name_is_no_notebook(tmp_path: Path) -> None:
+    (tmp_path / "tiny.ipynb").mkdir()
+    assert take_in(tmp_path, "s", TEMPLATE).status == "missing"
+    assert hand_in(tmp_path, cells(), "other.ipynb").status == "ready"
+
+
+@pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="this system has no named pipes")
+def test_a_pipe_is_no_notebook(tmp_path: Path) -> None:
+    os.mkfifo(tmp_path / "tiny.ipynb")
+    (tmp_path / "link.ipynb").symlink_to(tmp_path / "nosuch")
+    assert take_in(tmp_path, "s", TEMPLATE).status == "missing"
+
+
+@pytest.mark.parametrize(
+    ("content", "said"),
+    [
+        pytest.param("", "broken JSON at line 1", id="an empty file"),
+        pytest.param("a = 3", "broken JSON at line 1", id="a program"),
+        pytest.param(notebook(cells())[:300], "broken JSON", id="cut off"),
+        pytest.param(notebook(cells()).replace('"cells"', '<<<<<<< HEAD\n"cells"'), "broken JSON", id="merge marks"),
+        pytest.param(b"\x89PNG\r\n\x1a\n\0\xff", "not text in UTF-8", id="binary"),
+        pytest.param(notebook(cells()).encode("utf-16"), "not text in UTF-8", id="UTF-16"),
+        pytest.param("[]", "JSON, but not a notebook", id="a list"),
+        pytest.param("null", "JSON, but not a notebook", id="null"),
+        pytest.param("{}", "JSON, but not a notebook", id="an empty object"),
+        pytest.param('{"nbformat": "4"}', "JSON, but not a notebook", id="a version of text"),
+        pytest.param('{"nbformat": true, "cells": []}', "JSON, but not a notebook", id="a version that is true"),
+        pytest.param('{"nbformat": 4}', "it has no cells", id="no cells"),
+        pytest.param('{"nbformat": 4, "cells": {"a": 1}}', "it has no cells", id="cells that are an object"),
+        pytest.param(notebook([]), "none of the cells of tiny", id="an empty list of cells"),
+        pytest.param(notebook([1, None, "x", []]), "none of the cells of tiny", id="cells that are none"),
+        pytest.param(notebook([cell(None, "a = 3")]), "none of the cells of tiny", id="a notebook of one's own"),
+        pytest.param(notebook([cell("lab-1a", "a = 3")]), "none of the cells of tiny", id="another assignment"),
+        pytest.param('{"nbformat": 3}', "broken notebook of the old format 3", id="format 3 without worksheets"),
+        pytest.param('{"nbformat": 2, "worksheets": 7}', "broken notebook of the old format 2", id="broken format 2"),
+        pytest.param('{"nbformat": -1, "cells": []}', "broken notebook of the old format -1", id="format -1"),
+        pytest.param("[" * 100_000, "recursion", id="nesting without end"),
+        pytest.param('{"nbformat": ' + "9" * 5000 + "}", "digits", id="a number of 5000 digits"),
+    ],
+)
+def test_what_cannot_be_read_is_quarantined_and_said(tmp_path: Path, content: str | bytes, said: str) -> None:
+    submission = hand_in(tmp_path, content)
+    assert (submission.status, submission.steps) == ("quarantined", ())
+    (note,) = submission.notes
+    assert note.startswith("tiny.ipynb ")
+    assert said in note
+    assert "\n" not in note
+
+
+def test_a_huge_file_is_quarantined_unread(tmp_path: Path) -> None:
+    with (tmp_path / "tiny.ipynb").open("wb") as file:
+        file.truncate(MAX_NOTEBOOK_BYTES + 1)
+    submission = take_in(tmp_path, "s", TEMPLATE)
+    assert submission.notes == ("tiny.ipynb cannot be read: it is larger than 50 MiB",)
+
+
+def test_a_byte_order_mark_is_read_over(tmp_path: Path) -> None:
+    assert sources(hand_in(tmp_path, notebook(cells()).encode("utf-8-sig"))) == WHOLE
+
+
+def test_a_notebook_of_format_3_is_read(tmp_path: Path) -> None:
+    now = nbformat.from_dict(json.loads(notebook(cells())) | {"nbformat_minor": 4})
+    old = nbformat.convert(now, 3)
+    assert "worksheets" in old
+    submission = hand_in(tmp_path, json.dumps(old))
+    assert submission.status == "ready"
+    assert sources(submission) == WHOLE
+
+
+def test_sources_may_be_lists_of_lines(tmp_path: Path) -> None:
+    listed = [{**one, "source": one["source"].splitlines(keepends=True)} for one in cells()]
+    assert sources(hand_in(tmp_path, listed)) == WHOLE
+
+
+@pytest.mark.parametrize("twice", [False, True])
+def test_of_a_duplicated_cell_the_one_that_was_worked_in_counts(tmp_path: Path, twice: bool) -> None:
+    """Jupyter copies a cell with its grade_id. nbgrader gives up the whole class over it."""
+    handed_in = cells()
+    stub = cell("q-answer", "# Your code here\n...")
+    handed_in.insert(2 if twice else 1, stub)
+    submission = hand_in(tmp_path, handed_in)
+    assert sources(submission) == WHOLE
+    assert [step.id for step in submission.steps] == IDS
+    assert len(submission.notes) == 1
+    assert submission.notes[0].startswith("the cell q-answer is there twice")
+
+
+def test_of_two_cells_that_were_worked_in_both_run_where_they_stand(tmp_path: Path) -> None:
+    handed_in = cells()
+    handed_in.insert(2, cell("q-answer", "a = a + 1"))
+    handed_in.insert(4, cell("q", "a = a + 2"))
+    submission = hand_in(tmp_path, handed_in)
+    assert sources(submission) == WHOLE
+    ran = [(step.id, step.source) for step in submission.steps]
+    assert ran[1:5] == [("q-answer", "a = 3"), (None, "a = a + 1"), ("q", 'check("q")'), (None, "a = a + 2")]
+    assert submission.notes == (
+        "the cell q-answer is there twice: both were kept",
+        "the cell q is there twice: both were kept",
+    )
+
+
+def test_a_copied_check_is_dropped(tmp_path: Path) -> None:
+    handed_in = cells()
+    handed_in.append(cell("q", 'check("q")'))
+    submission = hand_in(tmp_path, handed_in)
+    assert [step.id for step in submission.steps] == IDS
+
+
+def test_deleted_cells_are_put_back(tmp_path: Path) -> None:
+    submission = hand_in(tmp_path, [one for one in cells() if one["metadata"]["nbgrader"]["grade_id"] in ("open", "p")])
+    assert [step.id for step in submission.steps] == IDS
+    assert sources(submission) == as_released(q_answer="", open="Because.", p_answer="")
+    assert submission.notes == (
+        "the cell setup was put back as released",
+        "the cell q-answer was missing: it counts as not answered",
+        "the cell q was put back as released",
+        "the cell p-answer was missing: it counts as not answered",
+    )
+
+
+def test_edited_given_cells_and_checks_are_put_back(tmp_path: Path) -> None:
+    handed_in = cells()
+    handed_in[0]["source"] = "import numpy\nnumpy.allclose = lambda *a: True"
+    handed_in[2]["source"] = "pass"
+    submission = hand_in(tmp_path, handed_in)
+    assert sources(submission) == WHOLE
+    assert submission.notes == (
+        "the cell setup was put back as released",
+        "the cell q was put back as released",
+    )
+
+
+def test_reordered_cells_are_put_in_order(tmp_path: Path) -> None:
+    submission = hand_in(tmp_path, cells()[::-1])
+    assert [step.id for step in submission.steps] == IDS
+    assert sources(submission) == WHOLE
+    assert submission.notes == ()
+
+
+def test_cells_that_the_student_added_stay_where_they_are(tmp_path: Path) -> None:
+    handed_in = cells()
+    handed_in.insert(0, cell(None, "first"))
+    handed_in.insert(3, cell(None, "between", "markdown"))
+    handed_in.insert(4, cell("of-another-course", "foreign"))
+    handed_in.append(cell(None, "last"))
+    submission = hand_in(tmp_path, handed_in)
+    assert [step.id or step.source for step in submission.steps] == [
+        "first", "setup", "q-answer", "between", "foreign", "q", "open", "p-answer", "p", "last",
+    ]  # fmt: skip
+    assert [step.code for step in submission.steps if step.kind == "extra"] == [True, False, True, True]
+    assert submission.notes == ()
+
+
+def test_an_answer_keeps_its_kind_whatever_the_notebook_says(tmp_path: Path) -> None:
+    handed_in = cells()
+    handed_in[1]["cell_type"] = "markdown"
+    handed_in[1]["metadata"]["nbgrader"] |= {"points": 100, "grade": True, "locked": True}
+    submission = hand_in(tmp_path, handed_in)
+    assert submission.steps[1] == Step("q-answer", "answer", "a = 3", True)
+
+
+NONSENSE = [None, 3, "x", [], [[]], {}, {"a": 1}, True]
+
+
+@pytest.mark.parametrize("value", NONSENSE, ids=str)
+@pytest.mark.parametrize("field", ["metadata", "nbgrader", "grade_id", "source", "cell_type"])
+def test_nonsense_in_a_cell_does_no_harm(tmp_path: Path, field: str, value: Any) -> None:
+    strange = cell("q-answer", "a = 5")
+    if field == "nbgrader":
+        strange["metadata"]["nbgrader"] = value
+    elif field == "grade_id":
+        strange["metadata"]["nbgrader"]["grade_id"] = value
+    else:
+        strange[field] = value
+    submission = hand_in(tmp_path, [*cells()[:1], strange, *cells()[2:]])
+    assert submission.status == "ready"
+    got = sources(submission)
+    assert set(got) == set(IDS)
+    assert got["p-answer"] == "b = 4"
+    assert all(isinstance(step.source, str) for step in submission.steps)
+
+
+def test_parts_of_a_source_that_are_no_text_are_left_out(tmp_path: Path) -> None:
+    handed_in = cells()
+    handed_in[1]["source"] = ["a = 3\n", None, 5, ["x"], "b = 4"]
+    assert sources(hand_in(tmp_path, handed_in))["q-answer"] == "a = 3\nb = 4"
+
+
+def test_fields_that_are_missing_do_no_harm(tmp_path: Path) -> None:
+    submission = hand_in(tmp_path, [{}, {"metadata": {"nbgrader": {"grade_id": "q-answer"}}}, *cells()[2:]])
+    assert submission.status == "ready"
+    assert sources(submission)["q-answer"] == ""

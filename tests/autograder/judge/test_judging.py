@@ -1,0 +1,570 @@
+"""The judge on an assignment of its own: values, functions, death, time, errors carried forward, the reference away."""
+
+import os
+import re
+from collections.abc import Iterator, Mapping
+from decimal import Decimal
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from autograder.course.layout import Cell, Template
+from autograder.intake.submission import Step, Submission
+from autograder.judge.judging import Assets, QuestionResult, judge_submission
+from autograder.sandbox.confine import make_call_filter
+from autograder.sandbox.isolation import Limits, StudentDied, Workshop, open_workshop
+from autograder.sandbox.process_launchers import SpawningWorkshop
+from labsid.checks.compare import as_number, as_vector, close
+from labsid.checks.notebook import NotebookAsk
+from labsid.checks.question import Ask, Assignment, Question
+from labsid.checks.verdict import Slip, Verdict, judge
+
+
+def gain(ask: Ask) -> Verdict:
+    slips = [Slip("sign", "Look at the sign.", lambda: -3.0)]
+    return judge(as_number("a", ask.value("a")), 3.0, close(1e-9), "Right.", "Not the gain.", slips)
+
+
+def line(ask: Ask) -> Verdict:
+    x = ask.rng.normal(size=4)
+    right = 2 * x + as_number("a", ask.known("a"))
+    return judge(as_vector("f(x)", ask.call("f", x), 4), right, close(1e-9), "Right.", "Not the line.")
+
+
+GAIN = Question("q-gain", gain, lambda ask: {"a": 3.0})
+ASSIGNMENT = Assignment("tiny", (GAIN, Question("q-line", line, uses=("q-gain",))))
+TEMPLATE = Template(
+    "tiny",
+    "Tiny",
+    (
+        Cell("q-gain-answer", "answer", "...", True, None),
+        Cell("q-gain", "question", 'check("q-gain")', True, Decimal("0.1")),
+        Cell("q-line-answer", "answer", "...", True, None),
+        Cell("q-line", "question", 'check("q-line")', True, Decimal("0.2")),
+        Cell("q-open", "manual", "*Your answer here*", False, Decimal("0.3")),
+    ),
+)
+LINE = "def f(x):\n    return 2 * x + a"
+
+LIMITS = Limits(cell_seconds=20, call_seconds=20)
+HASTY = Limits(cell_seconds=1.5, call_seconds=1.5)
+
+
+@pytest.fixture(scope="module")
+def forked() -> Iterator[Workshop]:
+    """The last rung of the ladder, which every system that can fork has."""
+    if not hasattr(os, "fork"):
+        pytest.skip("this system cannot fork")
+    with open_workshop("none", LIMITS) as workshop:
+        yield workshop
+
+
+@pytest.fixture(scope="module")
+def best() -> Iterator[Workshop]:
+    """The strongest rung that this machine has."""
+    with open_workshop("best", LIMITS) as workshop:
+        yield workshop
+
+
+@pytest.fixture(params=["best", "forked", "spawned"])
+def either(request: pytest.FixtureRequest) -> Workshop:
+    """Every way to start a student's process; systems that cannot fork have the last alone."""
+    if request.param == "spawned":
+        return SpawningWorkshop(LIMITS)
+    return request.getfixturevalue(request.param)
+
+
+@pytest.fixture
+def hasty(forked: Workshop, monkeypatch: pytest.MonkeyPatch) -> Workshop:
+    """The forking workshop with little patience."""
+    monkeypatch.setattr(forked, "limits", HASTY)
+    return forked
+
+
+def grade(
+    workshop: Workshop,
+    folder: Path,
+    gain_cell: str,
+    line_cell: str = LINE,
+    text: str = "Because.",
+    assignment: Assignment = ASSIGNMENT,
+    student: str = "s",
+) -> list[QuestionResult]:
+    texts: Mapping[str, str] = {"q-gain-answer": gain_cell, "q-line-answer": line_cell, "q-open": text}
+    steps = tuple(Step(cell.id, cell.kind, texts.get(cell.id, cell.source), cell.code) for cell in TEMPLATE.cells)
+    submission = Submission(student, "tiny", "ready", steps, ())
+    result = judge_submission(submission, Assets(TEMPLATE, assignment, None, b"secret"), workshop, folder)
+    assert [question.question for question in result.results] == ["q-gain", "q-line", "q-open"]
+    assert [question.max_score for question in result.results] == [Decimal("0.1"), Decimal("0.2"), Decimal("0.3")]
+    assert result.isolation == workshop.rung
+    return list(result.results)
+
+
+def test_right_answers_earn_their_points(either: Workshop, tmp_path: Path) -> None:
+    first, second, third = grade(either, tmp_path, "a = 3")
+    assert (first.score, second.score, third.score) == (Decimal("0.1"), Decimal("0.2"), None)
+    assert (first.status, second.status, third.status) == ("graded", "graded", "manual")
+    assert (first.reason, first.slip, first.answer) == ("Right.", None, "a = 3")
+    assert (third.reason, third.answer) == ("waits to be graded by hand", "Because.")
+
+
+def test_an_error_is_carried_forward_and_said(forked: Workshop, tmp_path: Path) -> None:
+    first, second, _ = grade(forked, tmp_path, "a = -3")
+    assert (first.score, first.slip, first.reason) == (0, "sign", "Look at the sign.")
+    assert second.score == Decimal("0.2")
+    assert second.reason == "Right. (Judged on the right values of q-gain.)"
+
+
+def test_the_students_own_value_is_carried_where_it_was_right(forked: Workshop, tmp_path: Path) -> None:
+    """Within the tolerance of the first question, the second is judged on what the student's function will read."""
+    first, second, _ = grade(forked, tmp_path, "a = 3 + 2e-9")
+    assert (first.score, second.score) == (Decimal("0.1"), Decimal("0.2"))
+    assert second.reason == "Right."
+
+
+def test_a_wrong_function_costs_its_own_question(forked: Workshop, tmp_path: Path) -> None:
+    first, second, _ = grade(forked, tmp_path, "a = 3", "def f(x):\n    return 2 * x")
+    assert (first.score, second.score, second.reason) == (Decimal("0.1"), 0, "Not the line.")
+
+
+@pytest.mark.parametrize(
+    ("cell", "status", "said"),
+    [
+        ("1 / 0", "graded", r"^Your cell stopped in line 1 with ZeroDivisionError: division by zero\. There is no var"),
+        ("b = 1\n\nb.nosuch", "graded", "in line 3 with AttributeError"),
+        ("b = 1\na = (", "graded", r"^Your cell stopped in line 2 with SyntaxError: [^<]*\. There is no variable `a`"),
+        ("  a = 3\n b = 4", "graded", "IndentationError: unexpected indent"),
+        ("raise ValueError('all wrong.')", "graded", r"ValueError: all wrong\. There"),
+        ("raise ValueError", "graded", r"with ValueError\. There"),
+        ("raise KeyboardInterrupt", "graded", r"with KeyboardInterrupt\. There is no variable"),
+        ("raise SystemExit", "graded", r"with SystemExit\. There is no variable"),
+        ("exit()", "graded", "There is no variable `a`"),
+        ("def deeper():\n    deeper()\ndeeper()", "graded", "RecursionError"),
+        ("input('a? ')", "graded", "EOFError"),
+        ("pass", "graded", r"^There is no variable `a`"),
+        ("a = 'three'", "graded", "should be one number; it is text"),
+        ("a = [3, 3]", "graded", r"one number; it is an array of shape \(2,\)"),
+        ("a = lambda: 3", "graded", "an object of type function"),
+        ("a = float('nan')", "graded", r"^`a` holds nan: something before it went wrong"),
+        ("a = 10 ** 1000", "graded", "int of too many digits"),
+        ("import numpy as np\na = np.zeros(10 ** 7)", "graded", "`a` cannot be read .*too large"),
+        ("class A:\n    def __getattr__(self, name):\n        raise RuntimeError\na = A()", "graded", "of type A"),
+        ("import numpy as np\na = np.zeros(2 ** 32)", "limit", "MemoryError"),
+        ("import os\nos._exit(1)", "crashed", r"did not come back: its process ended with exit status 1\.$"),
+        ("import os\nos._exit(0)", "crashed", "ended with exit status 0"),
+        ("import os\nos.kill(os.getpid(), 15)", "crashed", "was ended by SIGTERM"),
+        ("import os\nos.kill(os.getpid(), 9)", "crashed", "was ended by SIGKILL"),
+        ("import os\nos.kill(os.getpid(), 11)", "crashed", "was ended by SIGSEGV"),
+        ("import labsid.lab.offset", "graded", r"labsid\.offset is the reference: it cannot be used in an exercise"),
+        ("from labsid.lab import arx", "graded", r"labsid\.arx is the reference"),
+        ("from labsid.lab.arx import fit_arx", "graded", r"labsid\.arx is the reference"),
+        ("import labsid\nlabsid.least_squares", "graded", "has no attribute 'least_squares'"),
+        ("import autograder", "graded", "autograder is the reference"),
+        ("import autograder.judge.judging", "graded", "is the reference"),
+    ],
+)
+def test_what_goes_wrong_costs_that_question_only(
+    forked: Workshop, tmp_path: Path, cell: str, status: str, said: str
+) -> None:
+    first, second, third = grade(forked, tmp_path, cell)
+    assert (first.score, first.status) == (0, status), first.reason
+    assert re.search(said, first.reason), first.reason
+    assert "\n" not in first.reason
+    assert second.score == Decimal("0.2"), second.reason
+    assert third.status == "manual"
+
+
+def test_a_signal_to_the_parent_costs_its_question_only(either: Workshop, tmp_path: Path) -> None:
+    if isinstance(either, SpawningWorkshop) and make_call_filter(()) is None:
+        pytest.skip("the parent is this test, and nothing here keeps signals from it")
+    first, second, _ = grade(either, tmp_path, "import os\nos.kill(os.getppid() or 1, 9)\nos._exit(1)")
+    assert first.score == 0
+    assert second.score == Decimal("0.2"), second.reason
+
+
+def test_what_a_check_asks_of_labsid_is_there_for_students(forked: Workshop, tmp_path: Path) -> None:
+    cell = "from labsid import plots, rig\nfrom labsid.records.record import load_record\na = 3"
+    assert grade(forked, tmp_path, cell)[0].score == Decimal("0.1")
+
+
+def test_an_endless_loop_costs_its_question_only(hasty: Workshop, tmp_path: Path) -> None:
+    first, second, _ = grade(hasty, tmp_path, "while True:\n    pass")
+    assert (first.score, first.status) == (0, "timeout")
+    assert "took longer than 1.5 s" in first.reason
+    assert second.score == Decimal("0.2"), second.reason
+
+
+def test_an_endless_function_costs_its_question_only(hasty: Workshop, tmp_path: Path) -> None:
+    first, second, third = grade(hasty, tmp_path, "a = 3", "def f(x):\n    while True:\n        pass")
+    assert (first.score, second.score, second.status) == (Decimal("0.1"), 0, "timeout")
+    assert third.status == "manual"
+
+
+def test_processor_time_is_limited(forked: Workshop, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(forked, "limits", Limits(cell_seconds=60, cpu_seconds=1))
+    first, second, _ = grade(forked, tmp_path, "while True:\n    pass")
+    assert (first.score, first.status) == (0, "limit")
+    assert "more than 1 s of processor time" in first.reason
+    assert second.score == Decimal("0.2"), second.reason
+
+
+def test_the_size_of_files_is_limited(forked: Workshop, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(forked, "limits", Limits(cell_seconds=20, file_bytes=1000))
+    then = f"import os\nassert os.path.getsize('full') <= 1000\n{LINE}"
+    first, second, _ = grade(forked, tmp_path, "with open('full', 'wb') as file:\n    file.write(bytes(2000))", then)
+    assert "OSError" in first.reason
+    assert second.score == Decimal("0.2")
+
+
+def test_a_function_that_ends_its_process_costs_its_own_question(either: Workshop, tmp_path: Path) -> None:
+    first, second, _ = grade(either, tmp_path, "a = 3", "import os\ndef f(x):\n    os._exit(3)")
+    assert first.score == Decimal("0.1")
+    assert (second.score, second.status) == (0, "crashed")
+    assert "ended with exit status 3" in second.reason
+
+
+@pytest.mark.parametrize(
+    ("function", "said"),
+    [
+        ("f = 3", "There is no function `f`"),
+        ("", "There is no function `f`"),
+        ("def f(x):\n    return x / nosuch", "`f` stopped with NameError: name 'nosuch' is not defined"),
+        ("def f(x):\n    raise SystemExit", r"`f` stopped with SystemExit\.$"),
+        ("def f():\n    return 1", "`f` stopped with TypeError"),
+        ("def f(x):\n    print(x)", "it is nothing"),
+        ("def f(x):\n    return x.reshape(1, -1)", "is a row"),
+    ],
+)
+def test_what_a_function_does_instead_is_said(forked: Workshop, tmp_path: Path, function: str, said: str) -> None:
+    second = grade(forked, tmp_path, "a = 3", function)[1]
+    assert (second.score, second.status) == (0, "graded")
+    assert re.search(said, second.reason), second.reason
+
+
+def test_a_function_may_change_its_arguments(forked: Workshop, tmp_path: Path) -> None:
+    cell = "def f(x):\n    x *= 2\n    x += a\n    return x"
+    assert grade(forked, tmp_path, "a = 3", cell)[1].score == Decimal("0.2")
+
+
+def test_a_message_that_the_student_forges_costs_that_question_only(forked: Workshop, tmp_path: Path) -> None:
+    cell = (
+        "import gc, socket\n"
+        "for it in gc.get_objects():\n"
+        "    if isinstance(it, socket.socket) and it.fileno() >= 0:\n"
+        "        it.sendall({payload})\n"
+    )
+    garbage = cell.format(payload="b'\\xff' * 8")
+    first, second, _ = grade(forked, tmp_path, garbage)
+    assert (first.score, first.status) == (0, "crashed")
+    assert second.score == Decimal("0.2"), second.reason
+    forged = cell.format(payload=r"b'\0' * 7 + b'\x29' + b'{\"ok\":true,\"figures\":5,\"error\":{\"line\":[]}}'")
+    first, _, third = grade(forked, tmp_path, forged)
+    assert first.score == 0
+    assert third.status == "manual"
+
+
+def test_a_cell_that_survives_only_once_does_not_take_the_others_with_it(forked: Workshop, tmp_path: Path) -> None:
+    """After a death the cells so far are run again; one that dies then is left out, the rest stands."""
+    once = "import os\nif os.path.exists('mark'):\n    os._exit(1)\nopen('mark', 'w').close()"
+    cells = TEMPLATE.cells
+    steps = (
+        Step(None, "extra", "b = 3", True),
+        Step(None, "extra", once, True),
+        Step(cells[0].id, "answer", "a = b", True),
+        Step(cells[1].id, "question", "", True),
+        Step(None, "extra", "import os\nos._exit(1)", True),
+        Step(cells[3].id, "question", "", True),
+        Step(None, "extra", "def f(x):\n    return 2 * x + b", True),
+        Step(cells[3].id, "question", "", True),
+    )
+    submission = Submission("s", "tiny", "ready", steps, ())
+    results = judge_submission(submission, Assets(TEMPLATE, ASSIGNMENT, None, b"s"), forked, tmp_path).results
+    assert [result.status for result in results] == ["graded", "crashed", "graded"]
+    assert results[2].score == Decimal("0.2"), results[2].reason
+
+
+def test_an_untouched_open_question_is_said_to_be(forked: Workshop, tmp_path: Path) -> None:
+    for text in ("*Your answer here*", "  \n"):
+        third = grade(forked, tmp_path, "a = 3", text=text)[2]
+        assert (third.score, third.status, third.reason) == (None, "manual", "no answer")
+
+
+def test_checks_in_the_notebook_do_nothing_while_grading(either: Workshop, tmp_path: Path) -> None:
+    cell = (
+        "from labsid.checks import notebook_checks\n"
+        "check = notebook_checks('lab-identification', globals())\n"
+        "check('q-gain')\n"
+        "a = 3"
+    )
+    first, second, _ = grade(either, tmp_path, cell, "import labsid.lab.regressor")
+    assert first.score == Decimal("0.1"), first.reason
+    assert "labsid.lab.regressor is the reference" in second.reason
+
+
+def test_output_comes_back_and_a_figure_nobody_asks_for_does_not(forked: Workshop, tmp_path: Path) -> None:
+    cell = "%matplotlib inline\nimport matplotlib.pyplot as plt\nplt.plot([1, 2])\nplt.show()\nprint('drawn')\na = 3"
+    first, *_ = grade(forked, tmp_path, cell)
+    assert first.score == Decimal("0.1")
+    assert first.output == "drawn\n"
+    assert first.figures == ()
+
+
+def test_what_was_printed_before_an_error_comes_back(forked: Workshop, tmp_path: Path) -> None:
+    assert grade(forked, tmp_path, "print('so far')\n1 / 0")[0].output == "so far\n"
+
+
+def test_output_without_end_is_cut(forked: Workshop, tmp_path: Path) -> None:
+    assert len(grade(forked, tmp_path, "print('x' * 10 ** 7)\na = 3")[0].output) == 20_000
+
+
+def test_what_a_function_prints_and_draws_of_hidden_inputs_stays_hidden(forked: Workshop, tmp_path: Path) -> None:
+    function = "import matplotlib.pyplot as plt\ndef f(x):\n    print(x)\n    plt.plot(x)\n    return 2 * x + a"
+    cells = TEMPLATE.cells
+    steps = (
+        Step(cells[0].id, "answer", "a = 3\n" + function, True),
+        Step(cells[3].id, "question", "", True),
+        Step(cells[2].id, "answer", "pass", True),
+        Step(cells[1].id, "question", "", True),
+    )
+    assignment = Assignment(
+        "tiny", (GAIN, Question("q-line", lambda ask: Verdict(bool(np.size(ask.call("f", 1))), "")))
+    )
+    assets = Assets(TEMPLATE, assignment, None, b"s")
+    results = judge_submission(Submission("s", "tiny", "ready", steps, ()), assets, forked, tmp_path).results
+    assert all(result.score for result in results)
+    assert [(result.output, result.figures) for result in results] == [("", ()), ("", ())]
+
+
+def test_a_check_that_breaks_takes_nothing_with_it(forked: Workshop, tmp_path: Path) -> None:
+    def broken(ask: Ask) -> Verdict:
+        raise RuntimeError("a bug in a check")
+
+    assignment = Assignment("tiny", (Question("q-gain", broken, GAIN.gives), ASSIGNMENT.questions[1]))
+    first, second, _ = grade(forked, tmp_path, "a = 3", assignment=assignment)
+    assert first.reason == "This answer could not be judged (RuntimeError). Tell your teacher."
+    assert second.score == Decimal("0.2")
+
+
+@pytest.mark.parametrize("cell", ["a = 3", "a = 4"])
+def test_right_values_that_cannot_be_made_cost_no_more_than_what_needs_them(
+    forked: Workshop, tmp_path: Path, cell: str
+) -> None:
+    def broken(ask: Ask) -> dict:
+        raise RuntimeError("a bug in the right values")
+
+    assignment = Assignment("tiny", (Question("q-gain", gain, broken), ASSIGNMENT.questions[1]))
+    first, second, third = grade(forked, tmp_path, cell, assignment=assignment)
+    assert first.reason == ("Right." if cell == "a = 3" else "Not the gain.")
+    assert second.reason == "This answer could not be judged (KeyError). Tell your teacher."
+    assert third.status == "manual"
+
+
+def test_the_judge_tries_functions_on_other_inputs_than_the_notebook(forked: Workshop, tmp_path: Path) -> None:
+    seen: list[np.ndarray] = []
+
+    def remember(ask: Ask) -> Verdict:
+        seen.append(ask.rng.normal(size=3))
+        return Verdict(True, "seen")
+
+    question = Question("q-gain", remember)
+    question.verdict(NotebookAsk({}, None, {}, "q-gain"))
+    assignment = Assignment("tiny", (question, Question("q-line", remember)))
+    for student in ("s", "s", "t"):
+        grade(forked, tmp_path, "a = 3", assignment=assignment, student=student)
+    assert len(seen) == 7
+    notebook, first, other_question, again, _, other_student, _ = seen
+    np.testing.assert_array_equal(first, again)
+    for other in (notebook, other_question, other_student):
+        assert not np.array_equal(first, other)
+
+
+def test_students_start_from_nothing_but_their_folder(forked: Workshop, tmp_path: Path) -> None:
+    """What one submission leaves in its process is not there for the next."""
+    grade(forked, tmp_path, "a = 3\nimport numpy\nnumpy.left_behind = True\nimport builtins\nbuiltins.left = True")
+    first, _, _ = grade(forked, tmp_path, "import numpy, os\nassert not hasattr(numpy, 'left_behind')\nleft")
+    assert "NameError: name 'left' is not defined" in first.reason
+    (tmp_path / "beside.txt").write_text("3", encoding="utf-8")
+    assert grade(forked, tmp_path, "a = int(open('beside.txt').read())")[0].score == Decimal("0.1")
+
+
+def test_a_submission_that_is_not_ready_is_not_run(tmp_path: Path) -> None:
+    class Nothing:
+        rung = "none"
+
+    submission = Submission("s", "tiny", "quarantined", (), ("tiny.ipynb cannot be read", "really"))
+    result = judge_submission(submission, Assets(TEMPLATE, ASSIGNMENT, None, b"s"), Nothing(), tmp_path)
+    assert [(one.score, one.status) for one in result.results] == [(Decimal(0), "quarantined")] * 3
+    assert {one.reason for one in result.results} == {"tiny.ipynb cannot be read; really"}
+    assert result.ran == ()
+
+
+def test_a_process_that_cannot_come_up_is_said(tmp_path: Path) -> None:
+    workshop = SpawningWorkshop(Limits(start_seconds=0.01))
+    with pytest.raises(StudentDied, match="did not start"):
+        workshop.start(tmp_path)
+
+
+def walk(workshop: Workshop, folder: Path, *sources: str, assignment: Assignment = ASSIGNMENT) -> list[QuestionResult]:
+    """Grade a notebook in which a cell follows the second question too."""
+    first, second, after = sources
+    cells = TEMPLATE.cells
+    steps = (
+        Step(cells[0].id, "answer", first, True),
+        Step(cells[1].id, "question", "", True),
+        Step(cells[2].id, "answer", second, True),
+        Step(cells[3].id, "question", "", True),
+        Step(None, "extra", after, True),
+        Step(cells[1].id, "question", "", True),
+    )
+    submission = Submission("s", "tiny", "ready", steps, ())
+    return list(judge_submission(submission, Assets(TEMPLATE, assignment, None, b"s"), workshop, folder).results)
+
+
+@pytest.mark.parametrize("gives", [None, lambda ask: {"b": 5.0}], ids=["waits", "is judged at once"])
+@pytest.mark.parametrize("way", ["a list", "a file", "shared memory", "the channel's own code"])
+def test_no_later_cell_tells_of_hidden_inputs(either: Workshop, tmp_path: Path, way: str, gives: Any) -> None:
+    """However a function keeps what it is called on: it is called after the cells that print, or in another process."""
+    if isinstance(either, SpawningWorkshop) and way != "a file":
+        pytest.skip("tried with a file alone: these processes take seconds to start")
+    function = """
+import mmap, os, sys
+kept, shared = [], mmap.mmap(-1, 100)
+answers = type(sys.meta_path[0]).find_spec.__globals__["_ANSWERS"]
+original = answers["call"]
+def spy(shell, request):
+    shared[50:54] = b"seen"
+    return original(shell, request)
+answers["call"] = spy
+def f(x):
+    kept.append(x)
+    shared[:4] = b"seen"
+    open("kept", "w").write(repr(x))
+    return 2 * x + a
+"""
+    after = """
+import time
+time.sleep(0.3)
+found = {"a list": bool(kept), "a file": os.path.exists("kept"), "shared memory": shared[0] != 0,
+         "the channel's own code": shared[50] != 0}
+print("SEEN" if found[%r] else "nothing")
+"""
+    assignment = Assignment("tiny", (GAIN, Question("q-line", line, gives, uses=("q-gain",))))
+    _, second, last = walk(either, tmp_path, "a = 3", function, after % way, assignment=assignment)
+    assert second.score == Decimal("0.2"), second.reason
+    assert last.output == "nothing\n"
+
+
+IN_LETTERS = "def f(x):\n    told = ''.join('abcdefghijk'['.0123456789'.find(c)] for c in f'{abs(x[0]):.9f}')\n    "
+
+
+@pytest.mark.parametrize(
+    ("tell", "said"),
+    [
+        ("raise ValueError(told)", "`f` stopped with ValueError: …."),
+        ("raise ValueError('index out of range ' + told)", "`f` stopped with ValueError: index out of range."),
+        ("raise type(told, (Exception,), {})", "`f` stopped with an error."),
+        ("return type(told, (), {})()", "`f(x)` should be a vector; it is an object of type …."),
+        ("raise ValueError('x is too short')", "`f` stopped with ValueError: x is too short."),
+        ("raise type('NotFound', (Exception,), {})", "`f` stopped with NotFound."),
+        ("return type('Answer', (), {})()", "`f(x)` should be a vector; it is an object of type Answer."),
+    ],
+)
+def test_errors_and_types_tell_nothing_of_hidden_inputs(forked: Workshop, tmp_path: Path, tell: str, said: str) -> None:
+    assert grade(forked, tmp_path, "a = 3", IN_LETTERS + tell)[1].reason == said
+
+
+@pytest.mark.parametrize("cell", ["raise ValueError('x' * a)", "exec(compile('\\n' * a + '0 / 0', '<cell>', 'exec'))"])
+def test_errors_tell_nothing_of_right_values(forked: Workshop, tmp_path: Path, cell: str) -> None:
+    """After a wrong step, in which a = 3 is the right value that is put in its place."""
+    other = Assignment("tiny", (Question("q-gain", gain, lambda ask: {"a": 300}), ASSIGNMENT.questions[1]))
+    right, wrong = (grade(forked, tmp_path, f"a = {a}", cell, assignment=other)[1].reason for a in (3, 4))
+    assert right.startswith("Your cell stopped in line ")
+    assert re.match(r"Your cell stopped with (ValueError|ZeroDivisionError)\. ", wrong) or "line 1 with" in wrong
+    assert "xxx" not in wrong
+
+
+def test_calls_do_not_tell_on_what_follows(forked: Workshop, tmp_path: Path) -> None:
+    """A function that counts its calls has not been called when the next cell runs."""
+    function = "calls = 0\ndef f(x):\n    global calls\n    calls += 1\n    return 2 * x + a"
+    assert walk(forked, tmp_path, "a = 3", function, "print(calls)")[2].output == "0\n"
+
+
+def test_a_function_is_judged_though_a_later_cell_dies(either: Workshop, tmp_path: Path) -> None:
+    first, second, last = walk(either, tmp_path, "a = 3", LINE, "import os\nos._exit(1)")
+    assert (first.score, second.score) == (Decimal("0.1"), Decimal("0.2"))
+    assert (last.score, last.status) == (0, "crashed")
+
+
+@pytest.mark.parametrize(
+    "after",
+    [
+        "def f(x):\n    return -x",
+        "c = [5]",
+        "del c, f",
+        "c[0] = 5",
+        "d[:] = 5",
+        "import os\nc[0] = 5\nos._exit(1)",
+        "import numpy\nnumpy.zeros(2 ** 40)",
+    ],
+)
+def test_a_function_is_judged_as_it_was_at_its_question(either: Workshop, tmp_path: Path, after: str) -> None:
+    """Whatever later cells make of its name, and of what it reads, in place too."""
+    function = "import numpy as np\nc, d = [2], np.array([3.0])\ndef f(x):\n    return c[0] * x + d[0]"
+    _, second, _ = walk(either, tmp_path, "a = 3", function, after)
+    assert second.score == Decimal("0.2"), second.reason
+
+
+def test_two_functions_of_one_name_are_judged_each_at_its_question(forked: Workshop, tmp_path: Path) -> None:
+    assignment = Assignment("tiny", (Question("q-gain", line_of_3), Question("q-line", line_of_3)))
+    for first, second in (("+ 3", "+ 4"), ("+ 4", "+ 3")):
+        cells = [f"def f(x):\n    return 2 * x {end}" for end in (first, second)]
+        results = grade(forked, tmp_path, *cells, assignment=assignment)
+        assert [bool(result.score) for result in results[:2]] == [first == "+ 3", second == "+ 3"]
+
+
+def line_of_3(ask: Ask) -> Verdict:
+    x = ask.rng.normal(size=4)
+    return judge(as_vector("f(x)", ask.call("f", x), 4), 2 * x + 3, close(1e-9), "Right.", "Not the line.")
+
+
+def test_a_function_that_hangs_costs_its_question_only(hasty: Workshop, tmp_path: Path) -> None:
+    endless = "def f(x):\n    while True:\n        pass"
+    first, second, last = walk(hasty, tmp_path, "a = 3", endless, "a = 3")
+    assert (second.score, second.status) == (0, "timeout")
+    assert (first.score, last.score) == (Decimal("0.1"), Decimal("0.1"))
+
+
+def test_the_whole_submission_has_a_time_limit(
+    forked: Workshop, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(forked, "limits", Limits(cell_seconds=20, submission_seconds=1.5))
+    first, second, last = walk(forked, tmp_path, "a = 3", LINE, "import time\ntime.sleep(15)")
+    assert (first.score, second.score) == (Decimal("0.1"), Decimal("0.2"))
+    assert (last.score, last.status) == (0, "timeout")
+    assert "all of the notebook together took longer than 1.5 s" in last.reason
+
+
+def test_the_number_of_cells_is_limited(forked: Workshop, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(forked, "limits", Limits(cells=2))
+    first, second, last = walk(forked, tmp_path, "a = 3", LINE, "a = 3")
+    assert (first.score, second.score) == (Decimal("0.1"), Decimal("0.2"))
+    assert (last.score, last.status) == (0, "limit")
+    assert "the notebook has more than 2 cells" in last.reason
+
+
+def test_all_output_together_is_limited(forked: Workshop, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(forked, "limits", Limits(output_characters=5))
+    first, _, last = walk(forked, tmp_path, "a = 3\nprint('one')", LINE, "print('two and more')")
+    assert (first.output, last.output) == ("one\n", "t")
+
+
+@pytest.mark.parametrize("cell", ["print('a is', a)", "raise ValueError(a)", "raise type(f'E{a}', (Exception,), {})"])
+def test_a_right_value_that_was_carried_forward_is_not_told(forked: Workshop, tmp_path: Path, cell: str) -> None:
+    _, second, _ = grade(forked, tmp_path, "a = -3", f"{cell}\ndef f(x):\n    return 0 * x")
+    assert second.score == 0
+    assert "3" not in second.output + second.reason.replace("line 1", "")
+    assert ("left out" in second.output) == cell.startswith("print")
+    _, shown, _ = grade(forked, tmp_path, "a = 3", f"{cell}\ndef f(x):\n    return 0 * x")
+    assert "3" in shown.output + shown.reason

@@ -1,0 +1,95 @@
+"""What a student is told of what their process said."""
+
+import numpy as np
+import pytest
+
+from autograder.judge.redaction import passed_on, passed_on_error
+from labsid.checks.values import AxesValue, CurveValue, FigureValue, Unreadable
+
+SOURCE = "def simulate(u):\n    raise ValueError('u is too short')\nclass Answer: pass\ntitle = '(a) Original data'"
+WITH = {"x": np.zeros((3, 2)), "y": np.zeros(5)}
+
+
+def message(code: str) -> dict[str, str]:
+    with pytest.raises(Exception) as caught:  # noqa: PT011
+        eval(code, {"np": np, **WITH})
+    return passed_on_error({"kind": type(caught.value).__name__, "text": str(caught.value)}, SOURCE)
+
+
+@pytest.mark.parametrize(
+    ("code", "kind", "text"),
+    [
+        ("x + y", "ValueError", "operands could not be broadcast together"),
+        ("x @ y", "ValueError", "mismatch in its core dimension"),
+        ("y[12345]", "IndexError", "out of bounds"),
+        ("np.linalg.solve(np.zeros((2, 2)), [1, 2])", "LinAlgError", "Singular matrix"),
+        ("simulate", "NameError", "name 'simulate' is not defined"),
+        ("abcdefgh", "NameError", "…"),
+        ("y.simulate", "AttributeError", "no attribute 'simulate'"),
+        ("y.abcdefgh", "AttributeError", "…"),
+        ("(lambda u: 0)()", "TypeError", "missing 1 required positional argument"),
+        ("1 / 0", "ZeroDivisionError", "division by zero"),
+        ("int('2.71828')", "ValueError", "…"),
+    ],
+)
+def test_messages_of_python_and_numpy_are_passed_on_without_what_varies(code: str, kind: str, text: str) -> None:
+    assert message(code) == {"kind": kind, "text": text}
+
+
+@pytest.mark.parametrize(
+    ("error", "told"),
+    [
+        ({"kind": "ValueError", "text": "u is too short"}, ("ValueError", "u is too short")),
+        ({"kind": "ValueError", "text": "u is too short: 2.71828"}, ("ValueError", "…")),
+        ({"kind": "Answer", "text": ""}, ("Answer", "")),
+        ({"kind": "TwoSevenOne", "text": "two seven one"}, ("an error", "…")),
+        ({"kind": "ValueError"}, ("ValueError", "")),
+    ],
+)
+def test_an_error_is_told_in_the_students_own_words_or_not(error: dict[str, str], told: tuple[str, str]) -> None:
+    found = passed_on_error(error, SOURCE)
+    assert (found["kind"], found["text"]) == told
+
+
+@pytest.mark.parametrize(
+    "kind", ["Answer", "function", "range", "TransferFunctionDiscrete", "list of 20000 items", "array of object"]
+)
+def test_types_that_are_known_are_named(kind: str) -> None:
+    value = passed_on((Unreadable(kind), 1.0), SOURCE)
+    assert isinstance(value, tuple)
+    assert isinstance(value[0], Unreadable)
+    assert value[0].kind == kind
+
+
+@pytest.mark.parametrize("kind", ["TwoSevenOne", "2.71828", "list of 271828182845 items", "TransferFunctionxyz"])
+def test_types_that_are_not_are_not(kind: str) -> None:
+    value = passed_on({"a": Unreadable(kind)}, SOURCE)
+    assert isinstance(value, dict)
+    assert value["a"].kind == "…"
+
+
+def test_a_text_can_be_compared_and_not_quoted() -> None:
+    told = passed_on("two seven one", SOURCE)
+    assert told == "two seven one"
+    assert isinstance(told, str)
+    assert f"{told!r} {told[:3]!r} {told[4:]!r}" == "'…' '…' '…'"
+    assert repr(passed_on("(a) Original data", SOURCE)) == "'(a) Original data'"
+
+
+def test_a_figure_keeps_what_it_shows() -> None:
+    curve = CurveValue(np.arange(3.0), np.ones(3), (0.0, 0.0, 1.0), False, "two")
+    axes = AxesValue("(a) Original data", "seven", "y", (0.0, 1.0), (0.0, 1.0), True, ("two",), (), (curve,))
+    figure = passed_on(FigureValue((axes,)), SOURCE)
+    assert isinstance(figure, FigureValue)
+    (seen,) = figure.axes
+    assert repr((seen.title, seen.xlabel, seen.legend)) == "('(a) Original data', '…', ('…',))"
+    assert (seen.xlabel, seen.legend, seen.curves[0].label) == ("seven", ("two",), "two")
+    assert (seen.xlim, seen.grid) == ((0.0, 1.0), True)
+    np.testing.assert_array_equal(seen.curves[0].x, curve.x)
+
+
+def test_numbers_are_passed_on_as_they_are() -> None:
+    array = np.arange(3.0)
+    assert passed_on(array, SOURCE) is array
+    assert passed_on(None, "") is None
+    assert passed_on(2.5, "") == 2.5

@@ -1,0 +1,154 @@
+"""A notebook in two processes: one for its cells, another for calls on hidden inputs while cells are to come."""
+
+import contextlib
+import os
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+from autograder.intake.submission import Step
+from autograder.judge.running import Running
+from autograder.sandbox.isolation import RUNGS, IsolationError, Limits, StudentDied, Workshop, open_workshop
+from autograder.sandbox.process_launchers import SpawningWorkshop
+
+LIMITS = Limits(cell_seconds=20, call_seconds=20)
+
+
+@pytest.fixture(scope="module", params=[*RUNGS, "spawned"])
+def workshop(request: pytest.FixtureRequest) -> Iterator[Workshop]:
+    """Every way to start a student's process; what this machine does not have is skipped, saying why."""
+    if request.param == "spawned":
+        yield SpawningWorkshop(LIMITS)
+        return
+    if not hasattr(os, "fork"):
+        pytest.skip("this system cannot fork")
+    try:
+        with open_workshop(request.param, LIMITS) as opened:
+            yield opened
+    except IsolationError as error:
+        pytest.skip(str(error))
+
+
+@pytest.fixture(scope="module")
+def forked() -> Iterator[Workshop]:
+    with open_workshop("none", LIMITS) as opened:
+        yield opened
+
+
+def cell(source: str) -> Step:
+    return Step(None, "extra", source, True)
+
+
+@contextlib.contextmanager
+def running(workshop: Workshop, folder: Path, *cells: str) -> Iterator[Running]:
+    started = Running(workshop, folder)
+    try:
+        for source in cells:
+            assert started.run(cell(source)).reply.ok
+        yield started
+    finally:
+        started.close()
+
+
+KEEPS = """
+import mmap, os
+kept, shared, (reader, writer) = [], mmap.mmap(-1, 4), os.pipe()
+os.set_blocking(reader, False)
+def f(x):
+    kept.append(x)
+    shared[:4] = b"seen"
+    os.write(writer, b"seen")
+    open("kept", "w").write(str(x))
+    return len(kept)
+"""
+FOUND = """
+print(kept, shared[0], os.path.exists("kept"))
+try:
+    print(os.read(reader, 4))
+except BlockingIOError:
+    print("nothing")
+"""
+
+
+def test_what_a_function_was_called_on_stays_in_its_process(workshop: Workshop, tmp_path: Path) -> None:
+    with running(workshop, tmp_path, KEEPS) as notebook:
+        with notebook.apart() as other:
+            assert other.call("f", 1234.5).value == 1
+        assert notebook.run(cell(FOUND)).reply.stdout.splitlines() == ["[] 0 False", "nothing"]
+
+
+def test_the_other_process_is_where_the_first_one_is(forked: Workshop, tmp_path: Path) -> None:
+    with running(forked, tmp_path, "a = 1\ndef f():\n    return a") as notebook:
+        with notebook.apart() as other:
+            assert other.call("f").value == 1
+        notebook.run(cell("a += 1"))
+        notebook.set({"b": 5.0})
+        with notebook.apart() as again:
+            assert again is other
+            assert again.call("f").value == 2
+            assert again.value("b").value == 5.0
+
+
+@pytest.mark.parametrize(
+    ("start", "call"),
+    [
+        ("calls = 0", "global calls\n    calls += 1\n    return calls"),
+        ("calls = []", "calls.append(1)\n    return len(calls)"),
+    ],
+)
+def test_a_call_changes_nothing_for_the_next(forked: Workshop, tmp_path: Path, start: str, call: str) -> None:
+    with running(forked, tmp_path, f"{start}\ndef f():\n    {call}") as notebook:
+        for _ in range(2):
+            with notebook.apart() as other:
+                assert other.call("f").value == 1
+
+
+def test_a_cell_that_killed_the_first_process_is_not_run_in_the_other(forked: Workshop, tmp_path: Path) -> None:
+    with running(forked, tmp_path, "a = 1\ndef f():\n    return a") as notebook:
+        with notebook.apart() as other:
+            assert other.call("f").value == 1
+        assert notebook.run(cell("import os\na = 2\nos._exit(1)")).death is not None
+        notebook.run(cell("a += 2"))
+        with notebook.apart() as other:
+            assert other.call("f").value == 3
+
+
+def test_a_call_that_ends_the_other_process_is_not_missed(forked: Workshop, tmp_path: Path) -> None:
+    with running(forked, tmp_path, "import os\ndef f():\n    os._exit(3)\ndef g():\n    return 5") as notebook:
+        with notebook.apart() as other, pytest.raises(StudentDied, match="ended with exit status 3"):
+            other.call("f")
+        with notebook.apart() as other:
+            assert other.call("g").value == 5
+        assert notebook.student.call("g").value == 5
+
+
+def test_cells_that_cannot_be_run_twice_are_said(forked: Workshop, tmp_path: Path) -> None:
+    once = "import os\nif os.path.exists('ran'):\n    os._exit(4)"
+    with running(forked, tmp_path, once) as notebook:
+        (tmp_path / "ran").touch()
+        said = "run once more from the first cell on, its process ended with exit status 4"
+        with pytest.raises(StudentDied, match=said), notebook.apart():
+            pass
+
+
+def test_running_cells_again_is_not_on_the_notebooks_time(tmp_path: Path) -> None:
+    limits = Limits(submission_seconds=4)
+    with (
+        open_workshop("none", limits) as workshop,
+        running(workshop, tmp_path, "import time\ntime.sleep(2.2)") as notebook,
+    ):
+        with notebook.apart():
+            pass
+        assert notebook.run(cell("time.sleep(0.8)")).death is None
+
+
+def test_running_cells_again_has_a_limit_too(tmp_path: Path) -> None:
+    """A notebook that is slow the second time does not hold the grader up for longer than its limit."""
+    slower = "import os, time\nif os.path.exists('ran'):\n    time.sleep(60)"
+    limits = Limits(submission_seconds=1.5)
+    with open_workshop("none", limits) as workshop, running(workshop, tmp_path, slower) as notebook:
+        (tmp_path / "ran").touch()
+        with pytest.raises(StudentDied, match="took longer than") as died, notebook.apart():
+            pass
+    assert died.value.status == "timeout"

@@ -1,0 +1,638 @@
+"""The rungs of isolation: what each lets student code do, its limits, and what is left behind. Loopback only."""
+
+import os
+import re
+import shutil
+import signal
+import site
+import subprocess
+import sys
+import tempfile
+import time
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from autograder.sandbox import allowed_paths, bubblewrap, doctor, isolation, process_launchers, workdirs
+from autograder.sandbox.allowed_paths import is_reference
+from autograder.sandbox.bubblewrap import SandboxError
+from autograder.sandbox.doctor import Checkup
+from autograder.sandbox.isolation import (
+    RUNGS,
+    IsolationError,
+    Limits,
+    Student,
+    StudentDied,
+    Workshop,
+    open_workshop,
+    rungs_here,
+)
+from autograder.sandbox.process_launchers import ForkingWorkshop, SpawningWorkshop
+from autograder.sandbox.workdirs import bench_folder, clear_benches
+from labsid.records.record import load_record
+
+ROOT = Path(__file__).resolve().parents[3]
+LIMITS = Limits(
+    cell_seconds=20,
+    memory_bytes=1 << 30,
+    file_bytes=4 << 20,
+    disk_bytes=12 << 20,
+    processes=12,
+    cpu_seconds=20,
+)
+
+pytestmark = pytest.mark.skipif(not hasattr(os, "fork"), reason="this system cannot fork")
+
+
+@pytest.fixture(scope="module", params=RUNGS)
+def rung(request: pytest.FixtureRequest) -> Iterator[Workshop]:
+    """Every rung that this machine has; the others are skipped, saying why."""
+    try:
+        with open_workshop(request.param, LIMITS) as workshop:
+            assert workshop.rung == request.param
+            yield workshop
+    except IsolationError as error:
+        pytest.skip(str(error))
+
+
+@pytest.fixture
+def student(rung: Workshop, tmp_path: Path) -> Iterator[Student]:
+    started = rung.start(tmp_path)
+    yield started
+    started.close()
+
+
+def value_of(student: Student, code: str) -> object:
+    reply = student.run(code)
+    assert reply.ok, reply.error
+    return student.value("got").value
+
+
+# -- the self-test ----------------------------------------------------------------------------------------------------
+
+
+@pytest.fixture(scope="module")
+def checkups() -> dict[str, Checkup]:
+    return {checkup.rung: checkup for checkup in doctor.examine()}
+
+
+def test_the_doctor_tries_every_rung(checkups: dict[str, Checkup]) -> None:
+    assert tuple(checkups) == RUNGS
+    names = {escape.name for escape in doctor.ESCAPES}
+    for checkup in checkups.values():
+        assert set(checkup.holds) == (set() if checkup.why_not else names)
+    text = doctor.as_text(list(checkups.values()))
+    assert all(name in text for name in (*names, *RUNGS))
+
+
+def test_namespaces_hold_against_everything(checkups: dict[str, Checkup]) -> None:
+    if checkups["namespaces"].why_not:
+        pytest.skip(checkups["namespaces"].why_not)
+    assert {name for name, holds in checkups["namespaces"].holds.items() if not holds} == set()
+
+
+def test_landlock_keeps_files_out_of_reach(checkups: dict[str, Checkup]) -> None:
+    if checkups["landlock"].why_not:
+        pytest.skip(checkups["landlock"].why_not)
+    holds = checkups["landlock"].holds
+    about_files = [name for name in holds if name.startswith(("read", "write", "change", "leave", "import"))]
+    assert len(about_files) > 7
+    assert {name for name in about_files if not holds[name]} == set()
+
+
+def test_without_isolation_files_are_open_and_limits_hold(checkups: dict[str, Checkup]) -> None:
+    """The trials are real: what nothing prevents does succeed."""
+    holds = checkups["none"].holds
+    for name in ("read the course", "read another submission", "read the reference's sources", "write outside"):
+        assert not holds[name], name
+    for name in ("allocate 2 GB", "keep a process alive", "find the reference in memory", "write a file of 12 MB"):
+        assert holds[name], name
+
+
+# -- the ladder -------------------------------------------------------------------------------------------------------
+
+
+def no_bubblewrap() -> str:
+    raise SandboxError("bubblewrap is not installed")
+
+
+def test_strict_is_refused_where_it_cannot_be_had(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(process_launchers, "find_bubblewrap", no_bubblewrap)
+    with (
+        pytest.raises(IsolationError, match=r"'strict' cannot be had: namespaces: .*not installed.*doctor") as caught,
+        open_workshop("strict"),
+    ):
+        pass
+    assert "\n" not in str(caught.value)
+
+
+def test_best_takes_the_next_rung_that_holds(monkeypatch: pytest.MonkeyPatch) -> None:
+    tried = []
+
+    def refuse(workshop: ForkingWorkshop, way: process_launchers.Way) -> str:
+        tried.append(way.rung)
+        return "" if way == process_launchers.Way("none") else "not today"
+
+    monkeypatch.setattr(isolation, "_try", refuse)
+    with open_workshop("best") as workshop:
+        assert workshop.rung == "none"
+    assert list(dict.fromkeys(tried)) == [name for name in RUNGS if name == "none" or sys.platform == "linux"]
+
+
+def test_a_machine_that_starts_no_process_is_said() -> None:
+    hasty = Limits(start_seconds=0.001)
+    said = r"'best' cannot be had: namespaces: the parent of the student processes did not start: .*; none: the parent"
+    with pytest.raises(IsolationError, match=said):
+        open_workshop("best", hasty).__enter__()
+    assert [rung.name for rung in rungs_here(hasty) if rung.why_not] == list(RUNGS)
+
+
+def test_none_asks_for_no_more_than_that(tmp_path: Path) -> None:
+    with open_workshop("none") as workshop:
+        assert workshop.rung == "none"
+
+
+def test_an_unknown_isolation_is_refused() -> None:
+    with pytest.raises(ValueError, match=r"got 'some', expected strict, best or one of namespaces, landlock, none"):
+        open_workshop("some").__enter__()
+
+
+def test_a_rung_is_tried_before_it_is_stood_on(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A sandbox that shows the files of this machine is not taken for one."""
+    monkeypatch.setattr(isolation, "_ways", lambda name: [process_launchers.Way("none")] if name == "none" else [LEAKY])
+    with pytest.raises(IsolationError, match="files of this machine stay in sight"):
+        open_workshop("strict").__enter__()
+
+
+LEAKY = process_launchers.Way("no rung at all")
+
+# -- what exercises use -----------------------------------------------------------------------------------------------
+
+
+def test_what_exercises_use_works(rung: Workshop, tmp_path: Path, shipped_record_path: Path) -> None:
+    (tmp_path / "record.mat").write_bytes(shipped_record_path.read_bytes())
+    student = rung.start(tmp_path)
+    code = """
+import numpy as np, matplotlib.pyplot as plt, scipy.optimize, control
+from labsid import plots, rig
+from labsid.plots import lecture_diagrams
+from labsid.records.record import load_record
+from labsid.checks import notebook_checks
+notebook_checks("lab-identification", globals())("q")
+record = load_record("record.mat")
+plots.figure_5(record)
+np.savetxt("mine.txt", record.y[:3])
+plt.plot(record.t, record.y)
+plt.savefig("mine.png")
+got = len(record) + np.loadtxt("mine.txt").size
+"""
+    try:
+        assert value_of(student, code) == len(load_record(shipped_record_path)) + 3
+    finally:
+        student.close()
+
+
+@pytest.mark.parametrize(
+    "name", ["labsid.lab.arx", "labsid.checks.assignments.lab_identification", "autograder.judge.judging"]
+)
+def test_the_reference_is_refused_and_said_to_be(student: Student, name: str) -> None:
+    reply = student.run(f"import {name}")
+    assert reply.error is not None
+    assert "is the reference: it cannot be used" in reply.error["text"]
+    via_importlib = student.run(f"import importlib\nimportlib.import_module({name!r})")
+    assert via_importlib.error is not None
+    assert via_importlib.error["kind"] == "ImportError"
+
+
+def test_nothing_of_the_reference_is_in_the_parent() -> None:
+    code = (
+        "import sys; from autograder.sandbox.child import open_shell; open_shell()\n"
+        "print(*[name for name in sys.modules if name.startswith('labsid.')])"
+    )
+    named = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout.split()
+    assert "labsid.records.record" in named
+    assert "labsid.plots" in named
+    checks = (ROOT / "labsid" / "checks" / "assignments").rglob("*.py")
+    taught = set(re.findall(r"from (labsid\.\w+)", "".join(path.read_text(encoding="utf-8") for path in checks)))
+    assert len(taught) > 10
+    assert {name for name in named if is_reference(name)} & taught == set()
+
+
+def test_nothing_of_this_machine_is_told(student: Student, tmp_path: Path) -> None:
+    told = str(value_of(student, "import os\ngot = repr(dict(os.environ)) + ' '.join(os.listdir('.'))"))
+    for secret in (os.path.expanduser("~"), os.environ.get("VIRTUAL_ENV", "/nowhere"), os.environ["PATH"]):
+        assert secret not in told
+
+
+def test_only_the_channel_is_inherited(student: Student) -> None:
+    code = """
+import os
+got = []
+for descriptor in range(3, 200):
+    try:
+        os.fstat(descriptor)
+        got.append(descriptor)
+    except OSError:
+        pass
+"""
+    np.testing.assert_array_equal(np.atleast_1d(value_of(student, code)), [3])
+
+
+def test_each_submission_has_its_own_place(rung: Workshop, tmp_path: Path) -> None:
+    """One that runs at the same time cannot be found, neither by its files nor by its processes."""
+    if rung.rung == "none":
+        pytest.skip("without isolation it can")
+    folders = [tmp_path / "one", tmp_path / "two"]
+    for folder in folders:
+        folder.mkdir()
+    one, two = (rung.start(folder) for folder in folders)
+    try:
+        pid = value_of(one, "import os\nopen('mine', 'w').write('5')\ngot = os.getpid()")
+        for path in (str(folders[0] / "mine"), "mine"):
+            assert two.run(f"open({path!r})").error is not None
+        reply = two.run(f"import os\nif os.getpid() != {pid}:\n    os.kill({pid}, 9)")
+        assert reply.error is not None or rung.rung == "namespaces"  # there both may have the same number
+        assert one.run("1").ok
+    finally:
+        one.close()
+        two.close()
+
+
+# -- limits -----------------------------------------------------------------------------------------------------------
+
+
+def ended(student: Student, code: str) -> str:
+    """How a cell came to its end: what the process died of, else the kind of the error, else nothing."""
+    try:
+        reply = student.run(code)
+    except StudentDied as died:
+        return str(died)
+    return (reply.error or {}).get("kind", "")
+
+
+def test_memory_of_one_process(student: Student) -> None:
+    reply = student.run("block = bytearray(1 << 30)")
+    assert reply.error is not None
+    assert reply.error["kind"] == "MemoryError"
+    assert value_of(student, "got = len(bytearray(1 << 28)) >> 28") == 1
+
+
+def test_memory_of_several_processes(student: Student) -> None:
+    if not Path("/proc/self/stat").is_file():
+        pytest.skip("nothing here tells what processes hold")
+    code = """
+import os, time
+for _ in range(6):
+    if os.fork() == 0:
+        block = bytearray(b"x") * (300 << 20)
+        time.sleep(15)
+        os._exit(0)
+time.sleep(15)
+"""
+    assert ended(student, code) == "its processes took more than 1 GB together"
+
+
+def test_number_of_processes(student: Student) -> None:
+    code = """
+import os, time
+got = 0
+try:
+    for _ in range(100):
+        if os.fork() == 0:
+            time.sleep(15)
+            os._exit(0)
+        got += 1
+    time.sleep(15)
+except OSError:
+    pass
+"""
+    assert ended(student, code) in ("", "it started more than 12 processes")
+    if not student.lost:
+        assert 0 < student.value("got").value < 100  # type: ignore[operator]
+
+
+def test_size_of_a_file(student: Student) -> None:
+    reply = student.run("open('large', 'wb').write(bytes(5 << 20))")
+    assert reply.error is not None
+    assert reply.error["kind"] == "OSError"
+
+
+def test_size_of_all_files(student: Student) -> None:
+    code = """
+import time
+for i in range(8):
+    with open(str(i), "wb") as file:
+        file.write(bytes(3 << 20))
+    time.sleep(0.3)
+"""
+    assert ended(student, code) in ("OSError", "its files took more than 12 MB together")
+
+
+def test_what_a_submission_leaves_running_ends_with_it(rung: Workshop, tmp_path: Path) -> None:
+    if not Path("/proc/self/comm").is_file():
+        pytest.skip("nothing here shows it")
+    name = f"left{os.getpid()}"
+    code = f"""
+import ctypes, os, time
+if os.fork() == 0:
+    os.setsid()
+    if os.fork() == 0:
+        ctypes.CDLL(None).prctl(15, b"{name}", 0, 0, 0)
+        time.sleep(60)
+    os._exit(0)
+time.sleep(0.3)
+"""
+    student = rung.start(tmp_path)
+    assert student.run(code).ok
+    student.close()
+    until = time.monotonic() + 10
+    while named(name) and time.monotonic() < until:
+        time.sleep(0.05)
+    assert named(name) == []
+
+
+def named(name: str) -> list[int]:
+    """The processes of that name."""
+    found = []
+    for comm in Path("/proc").glob("[0-9]*/comm"):
+        try:
+            if comm.read_text(encoding="utf-8").strip() == name:
+                found.append(int(comm.parent.name))
+        except OSError:
+            pass
+    return found
+
+
+# -- work folders -----------------------------------------------------------------------------------------------------
+
+SPOILS = (
+    "os.remove('record')",
+    "open('record', 'w').write('changed')",
+    "os.chmod('.', 0)",
+    "os.rename(here, here + '-gone')",
+    "shutil.rmtree(here)",
+    "shutil.rmtree(here)\nopen(here, 'w').close()",
+    "shutil.rmtree(here)\nos.symlink('/', here)",
+)
+
+
+@pytest.mark.parametrize("spoil", SPOILS)
+def test_every_process_starts_from_what_was_given(rung: Workshop, tmp_path: Path, spoil: str) -> None:
+    """Whatever the one before it did to its folder."""
+    (tmp_path / "record").write_text("5", encoding="utf-8")
+    before = benches()
+    first = rung.start(tmp_path)
+    first.run(f"import os, shutil\nhere = os.getcwd()\n{spoil}")
+    first.close()
+    student = rung.start(tmp_path)
+    try:
+        assert value_of(student, "open('mine', 'w').close()\ngot = open('record').read()") == "5"
+    finally:
+        student.close()
+    assert [path.name for path in tmp_path.iterdir()] == ["record"]
+    left = benches() - before
+    for name in left:
+        workdirs.remove(Path(tempfile.gettempdir(), name))
+    assert all(name.endswith("-gone") and rung.rung == "none" for name in left)  # there a folder can be carried off
+
+
+def benches() -> set[str]:
+    return {path.name for path in Path(tempfile.gettempdir()).glob(f"labsid-bench-{os.getpid()}-*")}
+
+
+def test_where_nothing_forks_there_are_folders_and_limits_all_the_same(tmp_path: Path) -> None:
+    (tmp_path / "record").write_text("5", encoding="utf-8")
+    before = benches()
+    student = SpawningWorkshop(LIMITS).start(tmp_path)
+    try:
+        reply = student.run("block = bytearray(1 << 30)")
+        assert reply.error is not None
+        assert reply.error["kind"] == "MemoryError"
+        assert value_of(student, "got = open('record').read()\nopen('record', 'w').close()") == "5"
+    finally:
+        student.close()
+    assert (tmp_path / "record").read_text(encoding="utf-8") == "5"
+    assert benches() == before
+
+
+# -- what is left behind ----------------------------------------------------------------------------------------------
+
+GRADER = """
+import ctypes, sys
+from autograder.sandbox.isolation import Limits, bench_folder, open_workshop
+with open_workshop(sys.argv[1]) as workshop, bench_folder() as folder:
+    student = workshop.start(folder)
+    student.run("import ctypes; ctypes.CDLL(None).prctl(15, b'" + sys.argv[2] + "', 0, 0, 0)")
+    print(folder, workshop.parent, flush=True)
+    student.run("import time; time.sleep(60)")
+"""
+
+
+def test_a_grader_that_is_killed_leaves_nothing(rung: Workshop) -> None:
+    if not Path("/proc/self/comm").is_file():
+        pytest.skip("nothing here shows it")
+    name = f"killed{os.getpid()}"
+    grader = subprocess.Popen([sys.executable, "-c", GRADER, rung.rung, name], stdout=subprocess.PIPE, text=True)
+    assert grader.stdout is not None
+    with grader:
+        folder, parent = grader.stdout.readline().split()
+        assert named(name)
+        grader.send_signal(signal.SIGKILL)
+    until = time.monotonic() + 20
+    while (named(name) or Path(f"/proc/{parent}").exists()) and time.monotonic() < until:
+        time.sleep(0.05)
+    assert named(name) == []
+    assert not Path(f"/proc/{parent}").exists()
+    clear_benches()
+    assert not Path(folder).exists()
+
+
+def test_a_bench_of_a_grader_that_runs_is_spared() -> None:
+    with bench_folder() as folder:
+        (folder / "kept").touch()
+        clear_benches()
+        assert (folder / "kept").is_file()
+    assert not folder.exists()
+
+
+def test_a_bench_is_cleared_whatever_was_done_to_it(tmp_path: Path) -> None:
+    outside = tmp_path / "outside"
+    outside.mkdir()
+    (outside / "kept").touch()
+    with bench_folder() as folder:
+        (folder / "deep").mkdir()
+        (folder / "deep" / "file").touch()
+        (folder / "link").symlink_to(outside)
+        (folder / "deep").chmod(0)
+    assert not folder.exists()
+    assert (outside / "kept").is_file()
+
+
+def test_the_size_of_a_folder_is_that_of_its_files(tmp_path: Path) -> None:
+    (tmp_path / "deep").mkdir()
+    (tmp_path / "a").write_bytes(bytes(10))
+    (tmp_path / "deep" / "b").write_bytes(bytes(5))
+    assert workdirs.size_of(tmp_path) == 15
+
+
+# -- where labsid is installed among the other packages ---------------------------------------------------------------
+
+
+def test_the_reference_is_masked_where_it_lies_among_the_libraries(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    trees = [*allowed_paths.trees(), ROOT / "labsid", ROOT / "autograder"]
+    monkeypatch.setattr(allowed_paths, "trees", lambda: trees)
+    monkeypatch.setattr(allowed_paths, "own_packages", lambda: [ROOT / "labsid" / "checks", ROOT / "labsid" / "gap"])
+    try:
+        with open_workshop("namespaces", LIMITS) as workshop:
+            student = workshop.start(tmp_path)
+            assert value_of(student, f"got = len(open({str(ROOT / 'labsid' / 'arx.py')!r}).read())")  # is not masked
+            for hidden in ("checks/assignments/lab_identification.py", "gap/which.py"):
+                reply = student.run(f"open({str(ROOT / 'labsid' / hidden)!r})")
+                assert reply.error is not None
+                assert reply.error["kind"] == "FileNotFoundError"
+            student.close()
+    except IsolationError as error:
+        pytest.skip(str(error))
+
+
+def test_a_tree_without_what_is_shut(tmp_path: Path) -> None:
+    for path in ("a/x", "a/shut/y", "b/z"):
+        (tmp_path / path).parent.mkdir(parents=True, exist_ok=True)
+        (tmp_path / path).touch()
+    found = allowed_paths.without(tmp_path, [tmp_path / "a" / "shut"])
+    assert [str(path.relative_to(tmp_path)) for path in found] == ["a/x", "b"]
+    assert list(allowed_paths.without(tmp_path / "a", [tmp_path / "a"])) == []
+    assert list(allowed_paths.without(tmp_path / "b", [tmp_path / "a"])) == [tmp_path / "b"]
+
+
+def test_a_place_that_cannot_be_looked_at_is_no_tree(monkeypatch: pytest.MonkeyPatch) -> None:
+    """As the packages of a user whose home is shut to whoever grades."""
+    monkeypatch.setattr(site, "getusersitepackages", lambda: "/nowhere")
+    trees = allowed_paths.trees()
+    monkeypatch.setattr(site, "getusersitepackages", lambda: f"/{'x' * 300}/site-packages")
+    assert allowed_paths.trees() == trees
+
+
+# -- where the interpreter or the checkout lies below the place that is for the submission ----------------------------
+
+
+@pytest.fixture
+def below_tmp(monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
+    """A tree of the interpreter below /tmp, with a file that is not of it beside."""
+    root = Path(tempfile.mkdtemp(dir="/tmp"))
+    tree = root / "env" / "lib"
+    tree.mkdir(parents=True)
+    (tree / "module_below_tmp.py").write_text("kept = 5", encoding="utf-8")
+    (root / "beside").write_text("not for students", encoding="utf-8")
+    root.chmod(0o755)
+    trees = [*allowed_paths.trees(), tree]
+    monkeypatch.setattr(allowed_paths, "trees", lambda: trees)
+    yield tree
+    shutil.rmtree(root)
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="only Linux has this rung")
+def test_trees_are_laid_into_the_place_that_can_be_written_to(below_tmp: Path) -> None:
+    command = bubblewrap.layout("bwrap", [ROOT / "labsid" / "records" / "record.py"], 4096, own_user_namespace=True)
+    words = " ".join(command)
+    place = words.index("--perms 1777 --size 4096 --tmpfs /tmp ")
+    assert place < words.index(f"--dir {bubblewrap.WORK} ") < words.index(f"--ro-bind {below_tmp} {below_tmp} ")
+    assert words.count("--size") == 1
+    assert "--symlink" not in command
+    binds = {Path(command[at + 2]) for at, word in enumerate(command) if word in ("--bind", "--ro-bind")}
+    assert below_tmp in binds
+    assert not binds & {*below_tmp.parents}
+
+
+def test_the_interpreter_may_lie_below_tmp(below_tmp: Path, tmp_path: Path) -> None:
+    code = f"""
+import os, sys
+sys.path.insert(0, {str(below_tmp)!r})
+import module_below_tmp
+got = str(module_below_tmp.kept)
+open("mine", "w").write("5")
+for path in ({str(below_tmp.parent.parent / "beside")!r}, {str(below_tmp / "module_below_tmp.py")!r}):
+    try:
+        open(path, "r+").close()
+        got += path
+    except OSError:
+        pass
+got += " ".join(os.listdir("."))
+"""
+    paths = [*allowed_paths.trees(), *allowed_paths.allowed_of_labsid(), *allowed_paths.own_packages()]
+    below = {path.parts[2] for path in paths if path.parts[1] == "tmp"}
+    try:
+        with open_workshop("namespaces", LIMITS) as workshop:
+            student = workshop.start(tmp_path)
+            try:
+                assert value_of(student, code) == "5mine"
+                seen = value_of(student, "open('/tmp/more', 'w').close()\ngot = ' '.join(os.listdir('/tmp'))")
+                assert set(str(seen).split()) == {"more", "submission", *below}
+            finally:
+                student.close()
+    except IsolationError as error:
+        pytest.skip(str(error))
+
+
+@pytest.mark.parametrize(
+    ("module", "refused"),
+    [
+        ("labsid", False),
+        ("labsid.records.record", False),
+        ("labsid.plots.lab", False),
+        ("labsid.rig.lab.tanks", False),
+        ("labsid.checks", False),
+        ("labsid.checks.values", False),
+        ("labsid.lab.arx", True),
+        ("labsid.gap.which", True),
+        ("labsid.checks.assignments", True),
+        ("labsid.checks.assignments.prelab_sinusoids", True),
+        ("autograder", True),
+        ("autograder.judge.judging", True),
+        ("labsidious", False),
+        ("numpy", False),
+    ],
+)
+def test_what_is_the_reference(module: str, refused: bool) -> None:
+    assert is_reference(module) is refused
+
+
+# -- machines that hold less ------------------------------------------------------------------------------------------
+
+LOCKED_DOWN = """
+import errno, sys
+import seccompy
+from autograder.sandbox.isolation import IsolationError, open_workshop, rungs_here
+refusing = seccompy.Filter(seccompy.Action.ALLOW)
+for name in ("unshare", "mount", "setns", "pivot_root", "umount2"):
+    refusing.errno(name, errno.EPERM)
+for flag in (0x10000000, 0x20000, 0x20000000):
+    refusing.errno("clone", errno.EPERM, args=[(0, seccompy.CmpOp.MASKED_EQ, flag, flag)])
+refusing.errno("clone3", errno.ENOSYS)
+for number in (444, 445, 446) if sys.argv[1] == "bare" else ():
+    refusing.errno(number, errno.ENOSYS)
+refusing.load()
+with open_workshop("best") as workshop:
+    print(workshop.rung)
+try:
+    open_workshop("strict").__enter__()
+except IsolationError as error:
+    print(error)
+"""
+
+
+@pytest.mark.parametrize(("kind", "rung_there"), [("container", "landlock"), ("bare", "none")])
+def test_a_machine_that_refuses_namespaces_gets_the_next_rung(kind: str, rung_there: str) -> None:
+    """As in a container whose filter forbids them, for root too."""
+    pytest.importorskip("seccompy")
+    if rung_there == "landlock" and {rung.name: rung.why_not for rung in rungs_here()}["landlock"]:
+        pytest.skip("this machine has no Landlock")
+    run = subprocess.run([sys.executable, "-c", LOCKED_DOWN, kind], capture_output=True, text=True, check=True)
+    best, strict = run.stdout.splitlines()
+    assert best == rung_there
+    assert strict.startswith("isolation 'strict' cannot be had: namespaces: ")
+    assert ".." not in strict

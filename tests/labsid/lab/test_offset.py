@@ -1,0 +1,198 @@
+"""The lab's offset loop, and the settled tail where the lab's rule is not enough."""
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from scipy.io import loadmat
+from scipy.signal import lfilter
+
+from labsid.lab.offset import (
+    find_offsets,
+    first_period_length,
+    mean_of_first_period,
+    mid_range,
+    remove_offsets,
+)
+
+
+def levels_after(first_period, samples=600, hold=150):
+    """The lab's staircase: 2.0 V for the first period, then 1.6 V and 2.2 V by turns."""
+    k = np.arange(first_period + samples)
+    later = np.where((k - first_period) // hold % 2 == 0, 1.6, 2.2)
+    return np.where(k < first_period, 2.0, later)
+
+
+def tank(u, tau, start, noise=0.0, seed=0):
+    """First-order answer to u - 2.0 about a level of 1, from `start`, noise in shares of the range."""
+    r = np.exp(-1 / tau)
+    y = lfilter([0, 1 - r], [1, -r], (u - 2.0) / 0.6) + (start - 1) * r ** np.arange(u.size)
+    return 1 + y + noise * np.ptp(y) * np.random.default_rng(seed).standard_normal(u.size)
+
+
+def rig_log(shared_data, name):
+    log = loadmat(shared_data / "unsw-water-tank" / f"SysIdenData_{name}.mat", squeeze_me=True, struct_as_record=False)[
+        "LogData"
+    ]
+    return log.signals[1].values, log.signals[0].values[:, 1]
+
+
+def test_first_period_by_hand():
+    assert first_period_length([2, 2, 2, 1.6, 2, 2]) == 3
+    assert first_period_length([1, 0]) == 1
+
+
+def test_mean_of_first_period_by_hand():
+    assert mean_of_first_period([2, 2, 2, 1.6], [1.0, 2.0, 6.0, 100.0]) == 3.0
+
+
+def test_mid_range_is_not_the_first_value_when_the_range_is_not_symmetric():
+    u = [2.0, 2.0, 1.6, 2.2]
+    assert mid_range(u) == pytest.approx(1.9)
+    assert find_offsets(u, np.zeros(4)).u_offset == 2.0
+
+
+def test_the_lab_file_starts_settled_and_gets_the_mean_over_the_whole_first_period(shared_data):
+    u, y = rig_log(shared_data, "StudentVersion")
+    offsets = find_offsets(u, y)
+    assert offsets.status == "settled"
+    assert offsets.settled == (0, 51)
+    assert offsets.first_period == 51
+    assert offsets.u_offset == 2.0
+    assert offsets.y_offset == pytest.approx(2.32781863, abs=5e-9)
+    assert offsets.y_offset == mean_of_first_period(u, y)
+    assert mid_range(u) == pytest.approx(1.9)
+
+
+@pytest.mark.parametrize(
+    ("name", "first_period", "level", "within"), [("4", 308, 2.423, 0.010), ("8", 240, 2.806, 0.012)]
+)
+def test_the_runs_from_an_empty_tank_are_averaged_where_they_have_settled(
+    shared_data, name, first_period, level, within
+):
+    u, y = rig_log(shared_data, name)
+    offsets = find_offsets(u, y)
+    assert offsets.status == "settled"
+    assert offsets.first_period == offsets.settled[1] == first_period
+    assert offsets.settled[0] > 100
+    assert abs(offsets.y_offset - level) < within
+    assert abs(mean_of_first_period(u, y) - level) > 0.25  # what the lab's rule would have given
+
+
+@pytest.mark.parametrize(
+    ("periods_per_tau", "noise"), [(7, 0), (7, 0.002), *((n, s) for n in (10, 20, 50) for s in (0, 0.002, 0.005))]
+)
+@pytest.mark.parametrize("first_period", [40, 100, 250, 1000])
+def test_a_start_up_that_settles_is_found_settled_and_its_level_right(periods_per_tau, first_period, noise):
+    u = levels_after(first_period)
+    for seed in range(5):
+        y = tank(u, first_period / periods_per_tau, start=0.0, noise=noise, seed=seed)
+        offsets = find_offsets(u, y)
+        assert offsets.status == "settled"
+        assert offsets.settled[0] > 0
+        assert abs(offsets.y_offset - 1) < 0.008 * np.ptp(y)
+
+
+@pytest.mark.parametrize("periods_per_tau", [0.3, 1, 2, 3])
+@pytest.mark.parametrize("first_period", [40, 100, 250, 1000])
+@pytest.mark.parametrize("noise", [0, 0.002, 0.005])
+def test_a_start_up_that_does_not_settle_is_not_called_settled(periods_per_tau, first_period, noise):
+    u = levels_after(first_period)
+    for seed in range(5):
+        y = tank(u, first_period / periods_per_tau, start=0.0, noise=noise, seed=seed)
+        offsets = find_offsets(u, y)
+        assert offsets.status == "not settled"
+        assert offsets.settled == (first_period - -(-first_period // 4), first_period)
+        assert offsets.y_offset == pytest.approx(np.mean(y[slice(*offsets.settled)]))
+
+
+@pytest.mark.parametrize("first_period", [8, 51, 400])
+@pytest.mark.parametrize("noise", [0, 0.002, 0.005])
+def test_a_record_that_starts_settled_keeps_the_lab_rule(first_period, noise):
+    u = levels_after(first_period)
+    for seed in range(5):
+        y = tank(u, tau=30, start=1.0, noise=noise, seed=seed)
+        offsets = find_offsets(u, y)
+        assert offsets.settled == (0, first_period)
+        assert offsets.status == "settled"
+        assert offsets.y_offset == pytest.approx(mean_of_first_period(u, y))
+
+
+def test_an_overshooting_start_up_is_not_averaged_though_its_trend_cancels():
+    u = levels_after(200)
+    k = np.arange(200)
+    y = np.concatenate([1 - np.exp(-k / 15) * np.cos(k / 8), tank(u, 20, 1.0)[200:]])
+    offsets = find_offsets(u, y)
+    assert offsets.status == "settled"
+    assert offsets.settled[0] > 30
+    assert offsets.y_offset == pytest.approx(1, abs=0.005)
+
+
+def test_too_short_a_first_period_is_averaged_and_says_so():
+    u = np.array([2.0] * 7 + [1.6] * 20)
+    y = np.arange(27.0)
+    offsets = find_offsets(u, y)
+    assert offsets.status == "too short"
+    assert offsets.settled == (0, 7)
+    assert offsets.y_offset == 3.0
+
+
+def test_a_constant_output_is_settled():
+    assert find_offsets(levels_after(20), np.full(620, 2.5)).settled == (0, 20)
+
+
+signals = st.integers(1, 120).flatmap(
+    lambda first: st.tuples(
+        st.just(first),
+        st.lists(st.integers(-5000, 5000), min_size=first + 5, max_size=first + 60),
+    )
+)
+
+
+@given(signals, st.floats(-100, 100), st.sampled_from([0.25, 0.5, 2.0, 8.0]))
+@settings(max_examples=200, deadline=None)
+def test_offsets_follow_shift_and_scale_of_the_output(case, shift, scale):
+    first_period, values = case
+    y = np.array(values) / 1000
+    u = np.where(np.arange(y.size) < first_period, 2.0, 1.6)
+    offsets = find_offsets(u, y)
+    k0, k1 = offsets.settled
+    assert 0 <= k0 < k1 == first_period
+    assert offsets.y_offset == pytest.approx(np.mean(y[k0:k1]), abs=1e-12)
+    scaled = find_offsets(u, y * scale)  # powers of two: not even the rounding changes
+    assert (scaled.settled, scaled.status) == (offsets.settled, offsets.status)
+    assert scaled.y_offset == pytest.approx(scale * offsets.y_offset, abs=1e-12)
+    shifted = find_offsets(u + 1, y + shift)
+    assert shifted.u_offset == 3.0
+    if shifted.settled == offsets.settled:
+        assert shifted.y_offset == pytest.approx(offsets.y_offset + shift, abs=1e-9)
+    else:  # only a tail that sits on the very limit may tip over by rounding
+        assert {shifted.status, offsets.status} <= {"settled", "not settled"}
+
+
+def test_removing_the_offsets_leaves_zero_at_the_start():
+    u, y = np.array([2.0, 2, 2, 1.6]), np.array([1.0, 2, 6, 7])
+    u_free, y_free = remove_offsets(u, y, find_offsets(u, y))
+    np.testing.assert_allclose(u_free, [0, 0, 0, -0.4])
+    np.testing.assert_allclose(y_free, [-2, -1, 3, 4])
+    assert u[0] == 2.0  # the arguments are left alone
+
+
+def test_a_constant_input_is_refused():
+    message = r"u must change at least once; got the constant 2 over all 50 samples\. A constant input excites"
+    for call in (first_period_length, lambda u: mean_of_first_period(u, u), lambda u: find_offsets(u, u)):
+        with pytest.raises(ValueError, match=message):
+            call(np.full(50, 2.0))
+
+
+def test_lengths_must_agree():
+    for call in (mean_of_first_period, find_offsets):
+        with pytest.raises(ValueError, match="u and y must have equal length; got 3 and 4"):
+            call([2, 2, 1], [0, 0, 0, 0])
+    with pytest.raises(ValueError, match="u and y must have equal length; got 3 and 4"):
+        remove_offsets([2, 2, 1], [0, 0, 0, 0], find_offsets([2, 2, 1], [0, 0, 0]))
+
+
+def test_one_sample_is_too_few():
+    with pytest.raises(ValueError, match="u must have at least 2 samples; got 1"):
+        first_period_length([2.0])

@@ -1,0 +1,271 @@
+"""`Record`, `load_record` and `sampling_time`: what comes in is good, and what is refused is told where."""
+
+import copy
+import pickle
+
+import numpy as np
+import pytest
+
+from labsid.records.formats import RawRecord
+from labsid.records.record import Record, find_faults, load_record, refusal, sampling_time
+
+N = 20
+T = np.arange(N) * 0.75
+U = np.repeat([2.0, 1.6], N // 2)
+Y = np.linspace(2.3, 1.9, N) ** 2
+
+
+def record(**changes):
+    return Record(**({"t": T, "u": U, "y": Y, "Ts": 0.75} | changes))
+
+
+def changed(values, index, value):
+    values = np.array(values)
+    values[index] = value
+    return values
+
+
+# Record ---------------------------------------------------------------------------------------------------
+
+
+def test_a_record_holds_read_only_copies():
+    u = U.copy()
+    made = record(u=u, y_measured=Y + 1, reference=list(Y), name="run 7")
+    u[0] = 99
+    assert made.u[0] == 2.0
+    for name in ("t", "u", "y", "y_measured", "reference"):
+        with pytest.raises(ValueError, match="read-only"):
+            getattr(made, name)[0] = 0
+    with pytest.raises(AttributeError):
+        made.Ts = 1.0
+    assert len(made) == N
+    assert made.y_noise_reduced is None
+
+
+def test_a_record_takes_columns_rows_and_integers():
+    made = record(u=U.reshape(-1, 1), y=np.arange(N).reshape(1, -1))
+    assert made.u.shape == made.y.shape == (N,)
+    assert made.y.dtype == np.float64
+
+
+def test_repr_is_one_line_without_arrays():
+    assert repr(record(name="run 7")) == "Record('run 7': 20 samples, Ts = 0.75 s, u 1.6..2, y 3.61..5.29)"
+
+
+def test_records_can_be_copied_and_sent_to_another_process():
+    for twin in (copy.deepcopy(record()), pickle.loads(pickle.dumps(record()))):
+        np.testing.assert_array_equal(twin.y, Y)
+        assert twin.Ts == 0.75
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"y": Y[:-1]}, r"t and u and y must have equal length; got 20 and 20 and 19\. Cut"),
+        ({"y_measured": Y[:-1]}, r"must have equal length; got 20 and 20 and 20 and 19"),
+        ({"t": T[:1], "u": U[:1], "y": Y[:1]}, r"t must have at least 2 samples; got 1"),
+        ({"u": changed(U, 3, np.nan)}, r"u must be finite; got nan at sample 3 \(1 such samples\)"),
+        ({"reference": changed(U, [3, 4], np.inf)}, r"reference must be finite; got inf at sample 3"),
+        ({"y": changed(Y, 4, -1e200)}, r"y must be below 1e\+100 in size; got -1e\+200 at sample 4"),
+        ({"y": np.column_stack([Y, Y])}, r"y must be one signal .*; got shape \(20, 2\)"),
+        ({"u": ["a"] * N}, r"u must hold real numbers"),
+        ({"t": changed(T, 5, 2.0)}, r"time goes backwards from sample 4 \(t = 3 s\) to sample 5 \(t = 2 s\)\."),
+        ({"t": changed(T, 5, 3.0)}, r"time stands still from sample 4"),
+        ({"t": T[::-1]}, r"time goes backwards from sample 0 .* \(19 such places\)"),
+        ({"t": np.where(T > 6, T + 0.75, T)}, r"irregular: 0.75 s as a rule, but 1.5 s from sample 8 \(t = 6 s\)"),
+        ({"Ts": 0.5}, r"Ts = 0.5 s disagrees with the times, which step by 0.75 s"),
+        ({"Ts": -0.75}, r"Ts = -0.75 s disagrees"),
+        ({"Ts": np.nan}, r"Ts = nan s disagrees"),
+    ],
+)
+def test_a_bad_record_is_refused(changes, message):
+    with pytest.raises(ValueError, match=message):
+        record(**changes)
+
+
+# Sampling time --------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("Ts", [0.75, 0.1, 0.08, 0.02, 1e-3, 4.0, 1 / 3, np.pi, 2.5e-7])
+@pytest.mark.parametrize("samples", [2, 3, 903, 100_000])
+def test_sampling_time_is_exact(Ts, samples):
+    assert sampling_time(np.arange(samples) * Ts) == Ts
+
+
+def test_sampling_time_of_summed_and_shifted_times():
+    assert sampling_time(np.cumsum(np.full(1000, 0.1))) == pytest.approx(0.1, rel=1e-12)
+    assert sampling_time(1.7e9 + np.arange(1000) * 0.1) == 0.1
+    assert sampling_time(np.round(np.arange(1000) / 3, 6)) == pytest.approx(1 / 3, rel=1e-8)
+
+
+def test_sampling_time_forgives_jitter_below_a_hundredth():
+    rng = np.random.default_rng(1)
+    t = np.arange(500) * 0.75
+    assert sampling_time(t + rng.uniform(-0.003, 0.003, t.size)) == pytest.approx(0.75, rel=1e-4)
+    with pytest.raises(ValueError, match="sampling is irregular"):
+        sampling_time(t + rng.uniform(-0.03, 0.03, t.size))
+
+
+def test_rounded_times_are_irregular_and_the_remedy_is_named():
+    with pytest.raises(ValueError, match=r"irregular: .* merely rounded, read it without them \(columns u,y and Ts\)"):
+        sampling_time(np.round(np.arange(100) * 0.025, 2))
+
+
+# load_record ----------------------------------------------------------------------------------------------
+
+
+def test_loading_a_log(write_log, staircase):
+    s = staircase
+    path = write_log(s["t"][:, None], np.column_stack([s["measured"], s["y"]]), s["u"][:, None])
+    loaded = load_record(path)
+    assert (loaded.Ts, loaded.name, len(loaded)) == (0.75, "record", 600)
+    np.testing.assert_array_equal(loaded.y, s["y"])
+    np.testing.assert_array_equal(load_record(path, output="measured").y, s["measured"])
+    assert load_record(path, Ts=0.75).Ts == 0.75
+
+
+def test_loading_text_without_time(write_text):
+    loaded = load_record(write_text("1 2\n1 2.5\n3 2.25\n"), columns="u,y", Ts=0.08)
+    np.testing.assert_array_equal(loaded.t, [0.0, 0.08, 0.16])
+    assert loaded.Ts == 0.08
+
+
+@pytest.mark.parametrize(
+    ("text", "Ts", "message"),
+    [
+        ("t,u,y\n0,1,2\n", None, r"record.csv: t must have at least 2 samples; got 1\. \(2 more: see `labsid check`\)"),
+        ("t,u,y\n0,1,2\n1,,2\n2,1,2\n", None, r"record.csv: u must be finite; got nan at sample 1"),
+        ("t,u,y\n0,1,2\n1,1,2\n0.5,1,2\n", None, r"time goes backwards from sample 1"),
+        ("t,u,y\n0,1,2\n1,1,2\n2,1,2\n7,1,2\n", None, r"irregular: 1 s as a rule, but 5 s from sample 2"),
+        ("t,u,y\n0,1,2\n1,1,2\n2,1,2\n", 0.5, r"Ts = 0.5 s disagrees with the times, which step by 1 s"),
+    ],
+)
+def test_loading_what_is_refused(write_text, text, Ts, message):
+    with pytest.raises(ValueError, match=message):
+        load_record(write_text(text), Ts=Ts)
+
+
+def test_columns_without_time_need_a_sampling_time(write_text):
+    with pytest.raises(ValueError, match=r"there is no time column\. Give the sampling time with Ts \(--Ts\)"):
+        load_record(write_text("1 2\n1 2.5\n"), columns="1,2")
+
+
+def test_lengths_that_differ_are_all_told(write_log, staircase):
+    s = staircase
+    path = write_log(s["t"][:, None], np.column_stack([s["measured"], s["y"]])[:-1], s["u"][:, None])
+    with pytest.raises(ValueError, match=r"columns must have equal length; t has 600, u has 600, y has 599, y_meas"):
+        load_record(path)
+
+
+def test_a_ts_that_agrees_within_its_digits_is_taken():
+    raw = RawRecord(np.arange(100) / 3, np.arange(100.0), np.arange(100.0), Ts=0.3333)
+    assert find_faults(raw) == ()
+    assert find_faults(RawRecord(raw.t, raw.u, raw.y, Ts=0.33))[0].topic == "sampling"
+
+
+def test_swapped_signals_are_refused(staircase):
+    s = staircase
+    good, swapped = RawRecord(s["t"], s["u"], s["y"]), RawRecord(s["t"], s["y"], s["u"])
+    assert find_faults(good) == ()
+    (fault,) = find_faults(swapped)
+    assert fault.topic == "signals"
+    assert fault.text.startswith("u and y look swapped: y holds 3 exact levels")
+    assert refusal("folder/run.csv", [fault]) == f"run.csv: {fault.text}"
+
+
+def test_the_real_records_load(shared_data):
+    tanks = shared_data / "unsw-water-tank"
+    for name, size in (
+        ("SysIdenData_StudentVersion", 903),
+        ("SysIdenData_4", 2578),
+        ("SysIdenData_8", 2216),
+        ("SFControlData_0", 701),
+    ):
+        for output in ("noise-reduced", "measured"):
+            loaded = load_record(tanks / f"{name}.mat", output=output)
+            assert (len(loaded), loaded.Ts) == (size, 0.75)
+    assert loaded.reference is not None
+    assert loaded.y is not loaded.y_noise_reduced
+    np.testing.assert_array_equal(loaded.y, loaded.y_measured)
+    assert load_record(shared_data / "hair-dryer" / "dryer.dat", columns="1,2", Ts=0.08).Ts == 0.08
+
+
+def test_the_real_records_swapped_are_refused(shared_data):
+    for path, options in (
+        ("unsw-water-tank/SysIdenData_StudentVersion.mat", {}),
+        ("unsw-water-tank/SysIdenData_4.mat", {"output": "measured"}),
+        ("unsw-water-tank/SysIdenData_8.mat", {}),
+        ("hair-dryer/dryer.dat", {"columns": "1,2", "Ts": 0.08}),
+    ):
+        loaded = load_record(shared_data / path, **options)
+        (fault,) = find_faults(RawRecord(loaded.t, loaded.y, loaded.u))
+        assert fault.topic == "signals"
+
+
+def stamped(t):
+    """A record of even levels with these stamps, as text."""
+    k = np.arange(t.size)
+    return "t,u,y\n" + "".join(f"{a!r},{b},{c}\n" for a, b, c in zip(t.tolist(), k % 7 % 3, np.sin(k), strict=True))
+
+
+def test_stamps_that_jitter_are_evened_where_that_is_asked_for_only(write_text):
+    t = 0.05 * (np.arange(400) + 0.03 * np.random.default_rng(1).standard_normal(400))
+    path = write_text(stamped(t))
+    with pytest.raises(ValueError, match=r"sampling is irregular: .* read it without them \(columns u,y and Ts\)"):
+        load_record(path)
+    loaded = load_record(path, allow_jitter=True)
+    assert loaded.Ts == 0.05
+    assert loaded.jitter == pytest.approx(np.std(t / 0.05 - np.arange(400)), rel=0.01)
+    np.testing.assert_allclose(np.diff(loaded.t), 0.05, rtol=1e-9)
+    assert np.abs(loaded.t - t).max() < 0.2 * 0.05
+    assert load_record(path, Ts=0.05, allow_jitter=True).Ts == 0.05
+    with pytest.raises(ValueError, match=r"Ts = 0.06 s disagrees with the times, which step by 0.05 s"):
+        load_record(path, Ts=0.06, allow_jitter=True)
+
+
+def test_milliseconds_at_30_hz_are_even_times(write_text):
+    path = write_text(stamped(np.round(np.arange(400) / 30, 3)))
+    assert load_record(path, allow_jitter=True).Ts == pytest.approx(1 / 30, rel=1e-9)
+    with pytest.raises(ValueError, match="sampling is irregular"):
+        load_record(path)
+
+
+def test_good_stamps_stay_as_they_are(write_text):
+    t = 3.0 + 0.05 * (np.arange(400) + 0.001 * np.random.default_rng(1).standard_normal(400))
+    path = write_text(stamped(t))
+    strict, lenient = load_record(path), load_record(path, allow_jitter=True)
+    np.testing.assert_array_equal(lenient.t, t)
+    assert (lenient.Ts, lenient.jitter) == (strict.Ts, 0.0)
+
+
+def test_a_clock_that_wanders_in_small_steps_is_evened_too(write_text):
+    k = np.arange(400)
+    path = write_text(stamped(0.05 * (k + 0.2 * np.sin(2 * np.pi * k / 200))))
+    assert load_record(path).jitter == 0.0
+    assert load_record(path, allow_jitter=True).jitter == pytest.approx(0.13, abs=0.02)
+
+
+@pytest.mark.parametrize(
+    ("stamps", "message"),
+    [
+        (lambda k: np.delete(0.05 * np.append(k, 400), 150), r"irregular: 0.05 s as a rule, but 0.1 s from sample 149"),
+        (lambda k: 0.05 * (k + 0.35 * (k == 150)), r"irregular: 0.05 s as a rule, but 0.0675 s from sample 149"),
+        (lambda k: 0.05 * (k - 1.0 * (k == 150)), r"time stands still from sample 149"),
+        (lambda k: 0.05 * (k - 1.5 * (k == 150)), r"time goes backwards from sample 149"),
+    ],
+)
+def test_what_is_worse_than_jitter_is_refused_as_ever(write_text, stamps, message):
+    path = write_text(stamped(stamps(np.arange(400))))
+    for allow_jitter in (False, True):
+        with pytest.raises(ValueError, match=message):
+            load_record(path, allow_jitter=allow_jitter)
+
+
+def test_a_broken_time_column_is_still_refused_where_jitter_is_allowed(write_text):
+    for text, message in (
+        ("t,u,y\n0,1,2\nnan,1,2\n2,1,2\n", "t must be finite; got nan at sample 1"),
+        ("t,u,y\n0,1,2\n1e200,1,2\n2e200,1,2\n", "t must be below"),
+        ("t,u,y\n0,1,2\n", "t must have at least 2 samples"),
+    ):
+        with pytest.raises(ValueError, match=message):
+            load_record(write_text(text), allow_jitter=True)

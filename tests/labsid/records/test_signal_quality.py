@@ -1,0 +1,90 @@
+"""What sensors and loggers leave in raw samples: found where it was put in, and only there."""
+
+import numpy as np
+import pytest
+
+from labsid.records.signal_quality import holds, lattice_step, moving_mean_length, runs, scatter, stuck_at_extreme
+
+WAVE = np.sin(np.arange(600) / 15)
+
+
+def noisy(seed=0, size=600, sd=0.01):
+    return WAVE[:size] + sd * np.random.default_rng(seed).standard_normal(size)
+
+
+def test_runs_by_hand():
+    starts, lengths = runs(np.array([3.0, 3.0, 1.0, 3.0, 3.0, 3.0]))
+    assert starts.tolist() == [0, 2, 3]
+    assert lengths.tolist() == [2, 1, 3]
+
+
+@pytest.mark.parametrize("step", [5 / 1024, 0.001, 0.3, 1.0])
+def test_the_lattice_of_a_converter_is_found(step):
+    assert lattice_step(np.round(noisy() / step) * step + 0.123) == pytest.approx(step, rel=1e-9)
+
+
+def test_no_lattice_in_other_samples():
+    assert lattice_step(noisy()) is None
+    assert lattice_step(np.repeat([1.6, 2.0], 50)) is None
+    assert lattice_step(np.array([0.0, 1.0, 1.0 + np.pi])) is None
+
+
+@pytest.mark.parametrize("sd", [0.003, 0.02])
+def test_scatter_is_the_noise_of_a_slow_signal(sd):
+    k = np.arange(4000)
+    x = np.sin(k / 60) + sd * np.random.default_rng(2).standard_normal(k.size)
+    assert scatter(x) == pytest.approx(sd, rel=0.08)
+
+
+def test_a_stop_is_seen_at_either_end():
+    x = np.clip(noisy(), -0.8, 0.6)
+    samples, longest = stuck_at_extreme(x, 0.6)
+    assert samples == np.sum(x == 0.6)
+    assert 20 < longest <= samples
+    assert stuck_at_extreme(x, -0.8)[0] == np.sum(x == -0.8)
+
+
+@pytest.mark.parametrize(
+    "x",
+    [
+        noisy(),
+        np.round(noisy() / 0.005) * 0.005,
+        np.round((1 - np.exp(-np.arange(300) / 20)) / 0.01) * 0.01,
+        np.round(1 - 0.5 ** np.arange(100.0), 3),
+        1 - 0.5 ** np.arange(100.0),
+        np.repeat([1.6, 2.0, 2.2], 100),
+    ],
+    ids=["noise", "lattice", "slowly to rest", "quickly to rest", "to rest exactly", "staircase"],
+)
+def test_no_stop_in_other_samples(x):
+    assert stuck_at_extreme(x, x.max()) == (0, 0)
+    assert stuck_at_extreme(x, x.min()) == (0, 0)
+
+
+def test_held_stretches_are_found_to_the_sample():
+    x = noisy()
+    x[100:112], x[400:404] = x[99], x[399]
+    assert holds(x) == [(99, 112), (399, 404)]
+
+
+def test_a_lattice_repeats_values_by_itself():
+    x = np.round(noisy(sd=0.005) / 0.01) * 0.01
+    assert runs(x)[1].max() >= 3
+    assert holds(x) == []
+    x[200:230] = x[199]
+    assert len(holds(x)) == 1
+
+
+@pytest.mark.parametrize("m", [1, 2, 5, 20])
+def test_the_length_of_a_moving_mean(m):
+    x = noisy(1)
+    y = np.convolve(x, np.ones(m) / m)[: x.size]
+    y[: m - 1] = 77.0  # whatever went before the record
+    assert moving_mean_length(x, y) == m
+
+
+def test_other_filters_are_no_moving_mean():
+    x = noisy(1)
+    assert moving_mean_length(x, np.convolve(x, [0.5, 0.3, 0.2])[: x.size]) is None
+    assert moving_mean_length(x, np.round(np.convolve(x, np.ones(5) / 5)[: x.size], 4)) is None
+    assert moving_mean_length(x, np.convolve(x, np.ones(30) / 30)[: x.size]) is None
