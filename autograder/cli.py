@@ -197,7 +197,7 @@ def doctor(
     """Try each way out of a student's process on this machine, and say what holds on each rung of isolation."""
     from autograder.sandbox.doctor import as_json, as_text, examine
     from autograder.sandbox.isolation import RUNGS
-    from labsid.cli.console import write_file
+    from labsid._files import write_file
 
     found = list(_progress(examine(), len(RUNGS), "trying"))
     print(as_text(found))

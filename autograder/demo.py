@@ -109,7 +109,8 @@ def draw_figures(course: Course, folder: Path) -> Iterator[Path]:
 
 
 def _identify(course: Course, out: Path) -> str:
-    from labsid.cli.console import identification_text, write_json
+    from labsid._files import write_json
+    from labsid.cli.console import identification_text
     from labsid.lab.identification import identify, to_json_dict
     from labsid.records.record import load_record
 

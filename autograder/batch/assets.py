@@ -15,9 +15,9 @@ from threading import Lock
 from autograder.course.layout import RECORD_FILE, Course, Template
 from autograder.course.sources import sources_hash
 from autograder.judge.judging import Assets
+from labsid._files import write_file
 from labsid.checks.notebook import load_assignment
 from labsid.checks.question import Origin
-from labsid.cli.console import write_file
 from labsid.records.record import load_record
 from labsid.rig.switchable.suspects import STAND_IN_STUDENT
 

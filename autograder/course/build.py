@@ -19,7 +19,7 @@ from jupytext.myst import MystMetadataParsingError
 
 from autograder.course.layout import Course, read_cell
 from autograder.course.nbgrader_access import COURSE_ID, nbgrader_api
-from autograder.results.result_files import write_text
+from labsid._files import write_text
 from labsid.checks.notebook import assignment_names, load_assignment
 
 SOLUTION_MARKS = ("### BEGIN SOLUTION", "### END SOLUTION")

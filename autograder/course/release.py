@@ -10,8 +10,8 @@ import labsid
 from autograder.batch.assets import individual_file, is_individual
 from autograder.course.layout import Course
 from autograder.intake.archive import zip_bytes
+from labsid._files import write_file
 from labsid.checks.notebook import load_assignment
-from labsid.cli.console import write_file
 from labsid.rig import student_plan
 
 _README = """\

@@ -11,8 +11,8 @@ from pathlib import Path
 
 from autograder.course.build import CODE_STUB, TEXT_STUB, build_course
 from autograder.course.layout import Course, read_cell
+from labsid._files import write_file
 from labsid.checks.notebook import assignment_names, load_assignment
-from labsid.cli.console import write_file
 
 _ZIP_TIME = (1980, 1, 1, 0, 0, 0)
 _LARGEST_RECORD = 16 * 1024 * 1024

@@ -27,7 +27,7 @@ from autograder.intake.worksheet import (
 from autograder.results import gradebook, result_files
 from autograder.results.feedback import write_feedback
 from autograder.results.result_files import StoredResult, Totals, one_line, plain_decimal
-from labsid.cli.console import write_file
+from labsid._files import write_file
 
 _CENT = Decimal("0.01")
 

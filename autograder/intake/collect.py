@@ -22,8 +22,8 @@ from autograder.intake.archive import Entry, entries
 from autograder.intake.untrusted_json import read_json
 from autograder.intake.worksheet import Worksheet, participant, possible_ids, submission_time, utc_timestamp
 from autograder.results.result_files import one_line
+from labsid._files import write_file
 from labsid.checks.notebook import load_assignment
-from labsid.cli.console import write_file
 
 _OWNER = re.compile(r"(?P<name>[^/]*?)_(?P<number>\d{1,18})_assignsubmission_[a-z]+_?(?P<rest>.*)", re.ASCII)
 _MOST_BYTES_EACH = 200 * 1024 * 1024

@@ -7,8 +7,9 @@ import numpy as np
 from autograder.judge.redaction import passed_on, passed_on_error
 from autograder.sandbox.isolation import Student
 from labsid.checks.question import Origin
-from labsid.checks.values import FigureValue, Value
+from labsid.checks.values import Value
 from labsid.checks.verdict import NoAnswer
+from labsid.plots.figure_values import FigureValue
 from labsid.records.record import Record
 
 

@@ -15,7 +15,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from labsid.checks.values import AxesValue, CurveValue, FigureValue
+from labsid.plots.figure_values import AxesValue, CurveValue, FigureValue
 
 MOST_AXES = 6
 MOST_CURVES = 24

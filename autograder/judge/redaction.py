@@ -11,7 +11,8 @@ from collections.abc import Mapping
 from dataclasses import fields, replace
 from typing import Any
 
-from labsid.checks.values import AxesValue, CurveValue, FigureValue, Unreadable, Value
+from labsid.checks.values import Unreadable, Value
+from labsid.plots.figure_values import AxesValue, CurveValue, FigureValue
 
 LEFT_OUT = "…"
 

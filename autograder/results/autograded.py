@@ -10,7 +10,7 @@ from typing import Any
 
 from autograder.course.layout import Course
 from autograder.judge.judging import Ran, SubmissionResult
-from autograder.results.result_files import write_text
+from labsid._files import write_text
 
 
 def write_autograded(course: Course, out: Path, result: SubmissionResult) -> None:

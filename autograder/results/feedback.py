@@ -11,7 +11,8 @@ import markupsafe
 
 from autograder.judge.judging import QuestionResult
 from autograder.results import gradebook, result_files
-from autograder.results.result_files import StoredResult, plain_decimal, write_text
+from autograder.results.result_files import StoredResult, plain_decimal
+from labsid._files import write_text
 
 _MARKS = {"right": "✓", "wrong": "✗", "wait": "…"}
 

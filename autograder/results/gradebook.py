@@ -20,7 +20,8 @@ import nbformat
 
 from autograder.course.layout import Course
 from autograder.course.nbgrader_access import COURSE_ID, nbgrader_api, open_gradebook, without_waiting_for_the_disk
-from autograder.results.result_files import StoredResult, entry_digest, write_text
+from autograder.results.result_files import StoredResult, entry_digest
+from labsid._files import write_text
 
 Key = tuple[str, str, str]
 """Student, assignment and question."""

@@ -10,8 +10,9 @@ from autograder.course.layout import in_course_order
 from autograder.results import gradebook, result_files
 from autograder.results.feedback import readable, template
 from autograder.results.gradebook import ByHand
-from autograder.results.result_files import StoredResult, plain_decimal, write_text
+from autograder.results.result_files import StoredResult, plain_decimal
 from autograder.results.similar import alike
+from labsid._files import write_text
 
 BINS = 10
 MOST_SLIPS = 12

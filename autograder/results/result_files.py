@@ -17,7 +17,7 @@ from typing import Any
 
 from autograder.course.layout import in_course_order, to_json
 from autograder.judge.judging import QuestionResult, SubmissionResult
-from labsid.cli.console import write_file
+from labsid._files import write_text
 
 SCHEMA = "labsid.result/2"
 GRADE_COLUMNS = (
@@ -262,15 +262,6 @@ def plain_decimal(value: Decimal) -> str:
 def one_line(text: str) -> str:
     """Text without line breaks and control characters."""
     return " ".join("".join(c if c.isprintable() or c.isspace() else " " for c in text).split())
-
-
-def write_text(path: Path, text: str) -> None:
-    """Write a file whole or not at all, in a folder that is made where it is not there.
-
-    Half characters, which student text can hold and no file can, are written as their escapes.
-    """
-    path.parent.mkdir(parents=True, exist_ok=True)
-    write_file(path, text.encode(errors="backslashreplace"))
 
 
 def _question(fields: dict[str, Any]) -> QuestionResult:

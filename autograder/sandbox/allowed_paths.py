@@ -11,8 +11,11 @@ import sysconfig
 from collections.abc import Iterable, Iterator
 from pathlib import Path
 
-ALLOWED_OF_LABSID = {"records", "plots", "rig", "checks", "_arrays"}
-"""What an exercise may import of labsid."""
+ALLOWED_ROOMS = ("records", "plots", "rig", "checks")
+"""The rooms of labsid that student code may import while it is graded, without the answers in `checks/assignments`."""
+
+ALLOWED_MODULES = ("__init__", "_arrays", "_compiled", "_files")
+"""And the modules that stand beside them; none of them is taught."""
 
 _SYSTEM = (
     "/lib", "/lib32", "/lib64", "/usr/lib", "/usr/lib32", "/usr/lib64", "/usr/local/lib", "/nix/store",
@@ -26,7 +29,8 @@ def is_reference(module: str) -> bool:
     """Whether a module, by its dotted name, is the reference or the grader."""
     parts = module.split(".")
     if parts[0] == "labsid":
-        return len(parts) > 1 and (parts[1] not in ALLOWED_OF_LABSID or parts[1:3] == ["checks", "assignments"])
+        allowed = len(parts) == 1 or parts[1] in (*ALLOWED_ROOMS, *ALLOWED_MODULES)
+        return not allowed or parts[1:3] == ["checks", "assignments"]
     return parts[0] == "autograder"
 
 
@@ -37,15 +41,11 @@ def own_packages() -> list[Path]:
 
 
 def allowed_of_labsid() -> list[Path]:
-    """The files and folders of labsid that exercises use: all of the drawing and of the rig, and what is loaded.
-
-    Asked in the pre-imported parent, which loads what exercises use and nothing of the reference.
-    """
+    """The files and folders of labsid that student code may import."""
     package = _labsid()
-    folders = [package / "plots", package / "rig"]
-    loaded = [module for name, module in list(sys.modules.items()) if name.split(".")[0] == "labsid"]
-    files = {Path(module.__file__).resolve() for module in loaded if module.__file__ is not None}
-    return folders + sorted(file for file in files if not any(folder in file.parents for folder in folders))
+    rooms = [package / room for room in ALLOWED_ROOMS if room != "checks"]
+    checks = [path for path in (package / "checks").iterdir() if path.suffix == ".py"]
+    return [*rooms, *sorted(checks), *(package / f"{module}.py" for module in ALLOWED_MODULES)]
 
 
 def trees() -> list[Path]:

@@ -17,16 +17,8 @@ from typing import Any
 import numpy as np
 
 from autograder.intake.untrusted_json import read_json
-from labsid.checks.values import (
-    MAX_INTEGER,
-    AxesValue,
-    CurveValue,
-    FigureValue,
-    StateSpaceValue,
-    TransferFunctionValue,
-    Unreadable,
-    Value,
-)
+from labsid.checks.values import MAX_INTEGER, StateSpaceValue, TransferFunctionValue, Unreadable, Value
+from labsid.plots.figure_values import AxesValue, CurveValue, FigureValue
 
 MAX_MESSAGE_BYTES = 64 * 1024 * 1024
 MAX_DIMENSIONS = 8

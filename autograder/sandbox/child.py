@@ -1,7 +1,7 @@
 """The student's process: runs the cells of one submission and answers the judge's questions with plain values.
 
-It never sees a check, a right answer or another submission. It is forked from
-`autograder.sandbox.fork_server` where the system can fork, and started on its own elsewhere; then it calls back to the judge on a loopback address.
+It never sees a check, a right answer or another submission. Where the system can fork, `autograder.sandbox.fork_server`
+forks it; elsewhere it is started on its own. It then connects to the judge on a loopback address.
 """
 
 import contextlib

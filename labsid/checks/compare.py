@@ -5,8 +5,9 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from labsid.checks.values import FigureValue, StateSpaceValue, TransferFunctionValue, Unreadable, Value
+from labsid.checks.values import StateSpaceValue, TransferFunctionValue, Unreadable, Value
 from labsid.checks.verdict import NoAnswer
+from labsid.plots.figure_values import FigureValue
 
 FloatArray = NDArray[np.float64]
 SystemValue = TransferFunctionValue | StateSpaceValue

@@ -5,8 +5,8 @@ import re
 import numpy as np
 from numpy.typing import ArrayLike
 
-from labsid.checks.values import AxesValue, CurveValue
 from labsid.checks.verdict import NoAnswer
+from labsid.plots.figure_values import AxesValue, CurveValue
 
 
 def find_curve(axes: AxesValue, y: ArrayLike, x: ArrayLike | None = None) -> CurveValue | None:

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from labsid._arrays import freeze
+from labsid.plots.figure_values import FigureValue
 
 MAX_ITEMS = 10_000
 MAX_DEPTH = 6
@@ -42,42 +43,6 @@ class StateSpaceValue:
 
     def __post_init__(self) -> None:
         freeze(self, A=self.A, B=self.B, C=self.C, D=self.D)
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class CurveValue:
-    """One drawn curve: its data, colour (red, green, blue), whether it is drawn in steps, and its legend text."""
-
-    x: NDArray[np.float64]
-    y: NDArray[np.float64]
-    color: tuple[float, float, float]
-    steps: bool
-    label: str
-
-    def __post_init__(self) -> None:
-        freeze(self, x=self.x, y=self.y)
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class AxesValue:
-    """One pair of axes of a figure as a reader sees it."""
-
-    title: str
-    xlabel: str
-    ylabel: str
-    xlim: tuple[float, float]
-    ylim: tuple[float, float]
-    grid: bool
-    legend: tuple[str, ...]
-    texts: tuple[str, ...]
-    curves: tuple[CurveValue, ...]
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class FigureValue:
-    """A figure: its axes from top to bottom, left to right."""
-
-    axes: tuple[AxesValue, ...]
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -58,7 +58,8 @@ def check(
     Ts: SamplingTime = None,
 ) -> None:
     """Describe what is in a record and what is wrong with it."""
-    from labsid.cli.console import print_check, write_json
+    from labsid._files import write_json
+    from labsid.cli.console import print_check
     from labsid.lab.record_check import check_record, to_json_dict
     from labsid.records.formats import read_raw
     from labsid.records.record import refusal
@@ -84,7 +85,8 @@ def identify(
     Ts: SamplingTime = None,
 ) -> None:
     """Identify a model from the first half of a record and verify it on the rest: the lab's whole procedure."""
-    from labsid.cli.console import identification_text, write_json
+    from labsid._files import write_json
+    from labsid.cli.console import identification_text
     from labsid.lab import identification as identification
     from labsid.lab.arx import to_gap_model
     from labsid.records.record import load_record
@@ -108,7 +110,7 @@ def make_data(
     ] = None,
 ) -> None:
     """Make the lab's record from a simulated rig: the stand-in for everybody, or one student's own."""
-    from labsid.cli.console import write_file
+    from labsid._files import write_file
     from labsid.rig import lab_record_bytes, make_lab_record, read_secret
 
     log = make_lab_record(student, None if secret is None else read_secret(secret))

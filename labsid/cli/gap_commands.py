@@ -50,7 +50,7 @@ def diagnose(
     Ts: SamplingTime = None,
 ) -> None:
     """Say where the gap between a simulation and a record lies, what causes it, and how much adding it closes."""
-    from labsid.cli.console import check_writable, write_json
+    from labsid._files import check_writable, write_json
     from labsid.gap.diagnosis import diagnose as answer
     from labsid.gap.simulations import load_simulation
     from labsid.gap.text import verdict_text

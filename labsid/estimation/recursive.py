@@ -43,7 +43,7 @@ def recursive_least_squares(
     ``P(n) = [P(n-1) - P phi phi' P / (lambda + phi' P phi)] / lambda``, with P kept exactly symmetric. With lambda 1
     and a diffuse start the last row is the batch estimate.
     """
-    from labsid import _compiled
+    from labsid.estimation import _loops
 
     Phi = np.ascontiguousarray(Phi, dtype=np.float64)
     Y = np.ascontiguousarray(Y, dtype=np.float64)
@@ -58,7 +58,7 @@ def recursive_least_squares(
     theta, P, _ = resume(start, p, 0)
     history, errors, traces = room(Y.size, p)
     Phi, Y = read_only(Phi), read_only(Y)
-    _compiled.rls(Phi, Y, theta, P, forgetting, start.trace_bound, (0,) * p, history, errors, traces)
+    _loops.rls(Phi, Y, theta, P, forgetting, start.trace_bound, (0,) * p, history, errors, traces)
     # A NaN or an infinity never leaves theta again: only then is it worth reading the data to see whose it is.
     if not np.isfinite(theta).all():
         as_signal("Y", Y)
@@ -104,7 +104,7 @@ def recursive_armax(
     Reading lectures, L7: the unmeasured ``e(k-1)`` of the regressor is replaced by the prediction error
     ``epsilon(k-1)``. The regressors are made as the samples come, so nothing but the history grows with the record.
     """
-    from labsid import _compiled
+    from labsid.estimation import _loops
 
     u, y = _signals(structure, u, y)
     p = structure.parameters
@@ -112,7 +112,7 @@ def recursive_armax(
     start = diffuse_start(p) if start is None else start
     theta, P, phi = resume(start, p, p)
     history, errors, traces = room(y.size, p)
-    _compiled.extended_rls(
+    _loops.extended_rls(
         u,
         y,
         structure.na,
@@ -162,7 +162,7 @@ def recursive_instrumental(
     Reading lectures, L8. The instrument ``z = [-y_M(k-1), ..., u(k-1), ...]`` holds the noise-free output y_M of the
     current model; while that model is unstable, of the last stable one (`Recursion.kept_back` counts those samples).
     """
-    from labsid import _compiled
+    from labsid.estimation import _loops
 
     if structure.na < 1 or structure.nb < 1 or structure.nc or warm_up < 0:
         raise ValueError(
@@ -176,7 +176,7 @@ def recursive_instrumental(
     theta, P, memory = resume(start, p, 3 * p)
     phi, z, stable = memory.reshape(3, p)
     history, errors, traces = room(y.size, p)
-    kept_back = _compiled.recursive_iv(
+    kept_back = _loops.recursive_iv(
         u, y, structure.na, theta, P, phi, z, stable, own_instruments, history, errors, traces
     )
     return finish(history, errors, traces, RecursiveState(theta, P, start.trace_bound, memory), kept_back)

@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from labsid import __version__
-from labsid.cli.console import write_file, write_json
+from labsid._files import write_file, write_json
 from labsid.gap.workers import ATTEMPTS, run_tasks, serve
 
 if TYPE_CHECKING:  # it comes with the whole search, which only the workers need

@@ -6,7 +6,7 @@ import shlex
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from labsid.cli.console import write_file
+from labsid._files import write_file
 from labsid.gap import sentences
 from labsid.gap.quantities import closure, number, probability
 from labsid.gap.whereabouts import where_sentences

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from labsid._arrays import FloatArray
-from labsid.cli.console import write_file
+from labsid._files import write_file
 from labsid.gap.baseline import Simulation, bounded, read_transfer_function
 from labsid.gap.clock import in_step, stated_sampling
 from labsid.gap.model_file import SCHEMA, START, exported_model, load_model

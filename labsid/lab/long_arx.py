@@ -112,7 +112,7 @@ def fit_long_arx(u: ArrayLike, y: ArrayLike, Ts: float, order: int = 2) -> LongA
 
 def _gram(u: FloatArray, y: FloatArray, n: int) -> tuple[FloatArray, FloatArray, float]:
     """Phi'Phi, Phi'Y and Y'Y over the rows k = n .. N - 1."""
-    from labsid._compiled import lagged_sums
+    from labsid.lab._lagged_sums import lagged_sums
 
     # With m = k - i, the entry for lags i and j sums x(m) z(m - (j - i)) over m = n - i .. N - 1 - i. The samples
     # m = n .. N - 1 - n are in every entry; the few before and after are added entry by entry.

@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 from matplotlib.colors import to_rgb
 
-from labsid.checks.values import AxesValue, CurveValue, FigureValue
+from labsid.plots.figure_values import AxesValue, CurveValue, FigureValue
 
 
 def describe_figure(figure: Any) -> FigureValue:

@@ -12,8 +12,8 @@ from hypothesis.extra.numpy import arrays
 from matplotlib.figure import Figure
 
 from autograder.judge.picture import MOST_POINTS, svg_picture
-from labsid.checks.values import AxesValue, CurveValue, FigureValue
 from labsid.plots.describe import describe_figure
+from labsid.plots.figure_values import AxesValue, CurveValue, FigureValue
 
 SVG = "{http://www.w3.org/2000/svg}"
 

@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 from autograder.judge.redaction import passed_on, passed_on_error
-from labsid.checks.values import AxesValue, CurveValue, FigureValue, Unreadable
+from labsid.checks.values import Unreadable
+from labsid.plots.figure_values import AxesValue, CurveValue, FigureValue
 
 SOURCE = "def simulate(u):\n    raise ValueError('u is too short')\nclass Answer: pass\ntitle = '(a) Original data'"
 WITH = {"x": np.zeros((3, 2)), "y": np.zeros(5)}

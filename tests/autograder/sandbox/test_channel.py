@@ -25,15 +25,8 @@ from autograder.sandbox.channel import (
     receive,
     send,
 )
-from labsid.checks.values import (
-    AxesValue,
-    CurveValue,
-    FigureValue,
-    StateSpaceValue,
-    TransferFunctionValue,
-    Unreadable,
-    plain,
-)
+from labsid.checks.values import StateSpaceValue, TransferFunctionValue, Unreadable, plain
+from labsid.plots.figure_values import AxesValue, CurveValue, FigureValue
 
 NUMBERS = st.one_of(
     npst.boolean_dtypes(),

@@ -24,8 +24,9 @@ from labsid.checks.compare import (
     kind_of,
     same_response,
 )
-from labsid.checks.values import FigureValue, StateSpaceValue, TransferFunctionValue, Unreadable, plain
+from labsid.checks.values import StateSpaceValue, TransferFunctionValue, Unreadable, plain
 from labsid.checks.verdict import NoAnswer
+from labsid.plots.figure_values import FigureValue
 
 TS = 0.75
 NUM, DEN = [0.2, 0.1], [1.0, -1.2, 0.4]

@@ -18,9 +18,9 @@ from labsid.checks.figures import (
     require_legend,
     require_limits,
 )
-from labsid.checks.values import AxesValue, CurveValue
 from labsid.checks.verdict import NoAnswer
 from labsid.plots.describe import describe_figure
+from labsid.plots.figure_values import AxesValue, CurveValue
 
 T = np.arange(0, 10, 0.5)
 Y = np.sin(T)

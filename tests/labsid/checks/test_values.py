@@ -11,14 +11,8 @@ import scipy.signal
 from hypothesis import given
 from hypothesis import strategies as st
 
-from labsid.checks.values import (
-    MAX_ITEMS,
-    FigureValue,
-    StateSpaceValue,
-    TransferFunctionValue,
-    Unreadable,
-    plain,
-)
+from labsid.checks.values import MAX_ITEMS, StateSpaceValue, TransferFunctionValue, Unreadable, plain
+from labsid.plots.figure_values import FigureValue
 
 TS = 0.75
 

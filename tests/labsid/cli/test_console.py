@@ -6,7 +6,8 @@ import os
 import numpy as np
 import pytest
 
-from labsid.cli.console import identification_text, print_check, write_file, write_json
+from labsid._files import write_file, write_json
+from labsid.cli.console import identification_text, print_check
 from labsid.lab.identification import identify
 from labsid.lab.record_check import check_record
 from labsid.records.formats import RawRecord

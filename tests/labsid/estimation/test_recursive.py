@@ -13,6 +13,7 @@ from hypothesis import strategies as st
 from scipy.signal import lfilter
 
 from labsid import _compiled
+from labsid.estimation import _loops
 from labsid.estimation.monte_carlo import monte_carlo
 from labsid.estimation.recursion import RecursiveState, diffuse_start
 from labsid.estimation.recursive import (
@@ -415,7 +416,7 @@ def test_recursive_iv_is_consistent_on_system_2():
 
 @pytest.mark.parametrize(("a", "stable"), [([0.5], True), ([-1.0], False), ([-1.5, 0.7], True), ([-2.1, 1.2], False)])
 def test_the_stability_test_of_the_instruments(a, stable):
-    assert _compiled.roots_inside(np.array(a), len(a), np.empty(len(a))) == stable
+    assert _loops.roots_inside(np.array(a), len(a), np.empty(len(a))) == stable
 
 
 @given(st.lists(st.floats(-2, 2), min_size=1, max_size=5))
@@ -423,7 +424,7 @@ def test_the_stability_test_of_the_instruments(a, stable):
 def test_the_stability_test_agrees_with_the_roots(a):
     radius = np.max(np.abs(np.roots([1.0, *a])), initial=0.0)
     if abs(radius - 1) > 1e-6:
-        assert _compiled.roots_inside(np.array(a), len(a), np.empty(len(a))) == (radius < 1)
+        assert _loops.roots_inside(np.array(a), len(a), np.empty(len(a))) == (radius < 1)
 
 
 # Compilation

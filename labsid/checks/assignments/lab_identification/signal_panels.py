@@ -8,8 +8,9 @@ import numpy as np
 from labsid._arrays import FloatArray
 from labsid.checks.compare import as_figure
 from labsid.checks.figures import find_curve, legend_text, require_curve, require_label, require_legend
-from labsid.checks.values import AxesValue, CurveValue, Value
+from labsid.checks.values import Value
 from labsid.checks.verdict import NoAnswer
+from labsid.plots.figure_values import AxesValue, CurveValue
 
 
 @dataclass(frozen=True, slots=True)

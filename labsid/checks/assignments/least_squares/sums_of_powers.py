@@ -8,9 +8,10 @@ from labsid._arrays import FloatArray
 from labsid.checks.compare import SAME, as_array, as_figure, as_number, as_theta, as_vector
 from labsid.checks.figures import legend_text, require_label, require_legend
 from labsid.checks.question import Ask, returned_parts
-from labsid.checks.values import AxesValue, CurveValue, Value
+from labsid.checks.values import Value
 from labsid.checks.verdict import NoAnswer, Slip, Verdict, judge
 from labsid.least_squares.curve_fit import EXAMPLE_2_1, LINE, PARABOLA, fit_powers, power_regressors
+from labsid.plots.figure_values import AxesValue, CurveValue
 
 
 def fits(ask: Ask) -> Verdict:

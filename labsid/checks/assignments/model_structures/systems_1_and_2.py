@@ -8,11 +8,12 @@ from labsid._arrays import FloatArray
 from labsid.checks.compare import SAME, as_figure, as_theta, as_vector, close
 from labsid.checks.figures import legend_text, plain_text, require_label, require_legend
 from labsid.checks.question import Ask, returned
-from labsid.checks.values import AxesValue, CurveValue, Value
+from labsid.checks.values import Value
 from labsid.checks.verdict import NoAnswer, Slip, Verdict, judge
 from labsid.least_squares.solve import least_squares
 from labsid.model_structures.prediction import free_run, one_step_prediction
 from labsid.model_structures.structures import PolynomialModel, Structure, fit_structure
+from labsid.plots.figure_values import AxesValue, CurveValue
 
 _EXACT = close(1e-8)
 _FIRST_ORDER = Structure(1, 1)

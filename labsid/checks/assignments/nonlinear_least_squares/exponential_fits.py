@@ -7,11 +7,11 @@ from labsid.checks.assignments.nonlinear_least_squares.estimates import as_estim
 from labsid.checks.compare import SAME, as_array, as_figure, as_matrix, as_number, as_vector
 from labsid.checks.figures import legend_text, require_label, require_legend
 from labsid.checks.question import Ask, returned, returned_parts
-from labsid.checks.values import AxesValue, CurveValue
 from labsid.checks.verdict import NoAnswer, Slip, Verdict, judge
 from labsid.least_squares.curve_fit import LINE, SUSTECH_POINTS, fit_powers
 from labsid.nonlinear.exponential import exponential, fit_exponential, fit_exponential_by_logarithm
 from labsid.nonlinear.solve import NonlinearFit
+from labsid.plots.figure_values import AxesValue, CurveValue
 
 
 def logarithm(ask: Ask) -> Verdict:

@@ -14,8 +14,9 @@ from labsid.checks.figures import (
     require_legend,
     require_limits,
 )
-from labsid.checks.values import AxesValue, CurveValue, FigureValue, Value
+from labsid.checks.values import Value
 from labsid.checks.verdict import NoAnswer
+from labsid.plots.figure_values import AxesValue, CurveValue, FigureValue
 from labsid.plots.style import GREY_BLUE
 
 SAME_COLOUR = 0.02

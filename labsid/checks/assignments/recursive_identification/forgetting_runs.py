@@ -9,10 +9,11 @@ from labsid.checks.assignments.recursive_identification.reference_runs import fa
 from labsid.checks.compare import SAME, as_figure, as_history, as_matrix, as_vector, close
 from labsid.checks.figures import find_curve, legend_text, plain_text, require_label, require_legend
 from labsid.checks.question import Ask, returned, returned_parts
-from labsid.checks.values import CurveValue, Value
+from labsid.checks.values import Value
 from labsid.checks.verdict import NoAnswer, Slip, Verdict, judge
 from labsid.model_structures.lecture_systems import ChangingRecord, example_6_1
 from labsid.model_structures.structures import Structure, build_equations
+from labsid.plots.figure_values import CurveValue
 
 SEED_OF_THE_RECORD = 69
 LN = 1e6
