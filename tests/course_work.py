@@ -4,8 +4,6 @@ And what a graded class has in its gradebook.
 """
 
 import shutil
-import subprocess
-import sys
 import tempfile
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
@@ -13,6 +11,7 @@ from pathlib import Path
 from typing import Any
 
 import nbformat
+from nbclient import NotebookClient
 
 from autograder.batch.assets import Stock, desk_for
 from autograder.course.layout import Course, read_template
@@ -70,20 +69,16 @@ def execute_solution(course: Course, name: str, folder: Path) -> Any:
 
     Raises
     ------
-    RuntimeError
+    nbclient.exceptions.CellExecutionError
         If a cell fails.
     """
-    path = folder / f"{name}.ipynb"
     folder.mkdir(parents=True, exist_ok=True)
-    shutil.copyfile(course.source / name / f"{name}.ipynb", path)
     record = load_assignment(name).record_file
     if record is not None:
         shutil.copyfile(course.data / record, folder / record)
-    command = [sys.executable, "-m", "nbconvert", "--to", "notebook", "--execute", "--inplace", path.name]
-    run = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
-    if run.returncode:
-        raise RuntimeError(f"the solution of {name} fails:\n{run.stderr[-2000:]}")
-    return nbformat.read(path, as_version=4)
+    notebook = nbformat.read(course.source / name / f"{name}.ipynb", as_version=4)
+    client = NotebookClient(notebook, kernel_name="python3", resources={"metadata": {"path": str(folder)}})
+    return client.execute()
 
 
 def scores_in_gradebook(out: Path) -> dict[tuple[str, str, str], tuple[float | None, float, bool]]:

@@ -251,7 +251,7 @@ def test_a_worker_with_another_labsid_is_refused(
         patch.undo()
         with open_cluster(machines.address, "best", told.append, LIMITS) as crew:
             machines.add_worker(PYTHONPATH=str(other))
-            executors._client.wait_for_workers(2, timeout=60)
+            crew._client.wait_for_workers(2, timeout=60)
             list(grade_batch(course, few, tmp_path / "out", crew, SECRET))
     (line,) = told
     assert "is refused: its labsid has other sources than this machine's" in line
