@@ -110,7 +110,7 @@ def grade(
 
     The gradebook is OUT/gradebook.db, or the database that OUT/nbgrader_config.py names in CourseDirectory.db_url.
     """
-    from autograder.batch.executors import open_crew
+    from autograder.batch.executors import open_executor
     from autograder.batch.grade import find_batch, grade_batch
     from autograder.course.layout import find_course
     from autograder.course.nbgrader_access import nbgrader_api
@@ -124,13 +124,13 @@ def grade(
     key = None if secret is None else read_secret(secret)
     here = find_course()
     batch = find_batch(here, submitted, assignment)
-    Thread(target=nbgrader_api, daemon=True).start()  # takes seconds, as does opening the workshop: at one time
+    Thread(target=nbgrader_api, daemon=True).start()  # takes seconds, as does opening the launcher: at one time
     total = len(batch.students) * len(batch.assignments)
     try:
-        with open_crew(isolation, jobs, scheduler, _warn) as crew:
-            if crew.rung == "none":
+        with open_executor(isolation, jobs, scheduler, _warn) as executor:
+            if executor.level == "none":
                 _warn("NOT ISOLATED: student code has its own process with limits, but can read files of its machine.")
-            graded = list(_progress(grade_batch(here, batch, out, crew, key, rules), total, "grading"))
+            graded = list(_progress(grade_batch(here, batch, out, executor, key, rules), total, "grading"))
     except KeyboardInterrupt:
         raise ValueError("interrupted. What is graded is kept; run the same command again for the rest.") from None
     fresh = sum(one.fresh for one in graded)
@@ -194,12 +194,12 @@ def report(out: Out) -> None:
 def doctor(
     json_file: Annotated[Path | None, typer.Option("--json", metavar="FILE", help="Write what was found here.")] = None,
 ) -> None:
-    """Try each way out of a student's process on this machine, and say what holds on each rung of isolation."""
+    """Try each way out of a student's process on this machine, and say what holds on each level of isolation."""
     from autograder.sandbox.doctor import as_json, as_text, examine
-    from autograder.sandbox.isolation import RUNGS
+    from autograder.sandbox.isolation import LEVELS
     from labsid._files import write_file
 
-    found = list(_progress(examine(), len(RUNGS), "trying"))
+    found = list(_progress(examine(), len(LEVELS), "trying"))
     print(as_text(found))
     if json_file is not None:
         write_file(json_file, as_json(found).encode())

@@ -5,7 +5,7 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
-from autograder.batch.executors import open_crew
+from autograder.batch.executors import open_executor
 from autograder.batch.grade import Batch, find_batch, grade_batch
 from autograder.course.build import build_course
 from autograder.course.layout import Course, find_course
@@ -42,10 +42,10 @@ def run_demo(out: Path, progress: Progress) -> None:
     submitted, graded = out / "submitted", out / "graded"
     lab = find_batch(course, submitted, LAB)
     rest = Batch(submitted, ("ada",), tuple(name for name in names if name != LAB))
-    with open_crew("best", 2, None, print) as crew:
-        both = (one for batch in (lab, rest) for one in grade_batch(course, batch, graded, crew))
+    with open_executor("best", 2, None, print) as executor:
+        both = (one for batch in (lab, rest) for one in grade_batch(course, batch, graded, executor))
         list(progress(both, len(students) + len(rest.assignments), "grading"))
-    print(f"2. Graded {len(students)} sample students (isolation: {crew.rung}).\n")
+    print(f"2. Graded {len(students)} sample students (isolation: {executor.level}).\n")
     print(class_table(graded))
     print()
     for student, what in students.items():

@@ -23,7 +23,7 @@ from variants import Right, Wrong, questions_lost, variants_of
 from autograder.course.build import build_course
 from autograder.course.layout import Course
 from autograder.judge.judging import QuestionResult
-from autograder.sandbox.isolation import Limits, open_workshop
+from autograder.sandbox.isolation import Limits, open_launcher
 
 
 @dataclass(frozen=True, slots=True)
@@ -46,8 +46,8 @@ def answers(folder: Path, size: Size, say: Say) -> Iterator[Figure]:
     list(build_course(course))
     right = wrong = full = rewarded = spoiled = named = 0
     limits = Limits(cell_seconds=60, call_seconds=30)
-    with open_workshop(limits=limits) as workshop, ThreadPoolExecutor(size.jobs) as pool:
-        grade_code = GradeCode(course, workshop)
+    with open_launcher(limits=limits) as launcher, ThreadPoolExecutor(size.jobs) as pool:
+        grade_code = GradeCode(course, launcher)
 
         def graded(name: str, variant: Right | Wrong) -> tuple[Right | Wrong, dict[str, QuestionResult]]:
             return variant, grade_code(name, variant.code)
@@ -86,10 +86,10 @@ def attacks(folder: Path, size: Size, say: Say) -> Iterator[Figure]:
             say(f"  {type(error).__name__}: {error}")
             yield Figure(f"attacks with --isolation {isolation}: {what}", "- / 1 / -", "0 / 0 / 0", "", "missed")
             continue
-        known = [attack for attack in ATTACKS if outcome.rung == "none" and attack.open_on_none]
+        known = [attack for attack in ATTACKS if outcome.level == "none" and attack.open_on_none]
         gains = [gain(outcome, course, attack) for attack in ATTACKS if attack not in known]
         touched = len(outcome.touched()) + len(outcome.harmed())
-        yield none(f"{len(gains)} attacks, isolation {outcome.rung}: {what}", sum(gains), 0, touched)
+        yield none(f"{len(gains)} attacks, isolation {outcome.level}: {what}", sum(gains), 0, touched)
         if known:
             name = f"{len(known)} attacks on files there, which only a sandbox stops: the same"
             points = sum(gain(outcome, course, attack) for attack in known)
@@ -107,10 +107,10 @@ def speed(folder: Path, size: Size, say: Say) -> Iterator[Figure]:
     """The same honest hand-ins, graded by labsid and by nbgrader."""
     say(f"{size.submissions} hand-ins; nbgrader takes some seconds for each")
     found = compare(folder, size.submissions, size.jobs)
-    assert found.stock is not None
+    assert found.data_store is not None
     what = f"{found.submissions} hand-ins graded, beside nbgrader autograde"
-    yield at_least(f"{what}: time", found.stock.seconds / found.ours.seconds, 10, 25, "times")
-    yield at_least(f"{what}: processor time", found.stock.cpu / found.ours.cpu, 10, 25, "times")
+    yield at_least(f"{what}: time", found.data_store.seconds / found.ours.seconds, 10, 25, "times")
+    yield at_least(f"{what}: processor time", found.data_store.cpu / found.ours.cpu, 10, 25, "times")
 
 
 def kills(folder: Path, size: Size, say: Say) -> Iterator[Figure]:

@@ -13,13 +13,13 @@ from typing import Any
 import nbformat
 from nbclient import NotebookClient
 
-from autograder.batch.assets import Stock, desk_for
+from autograder.batch.assets import DataStore, inputs_for
 from autograder.course.layout import Course, read_template
 from autograder.course.nbgrader_access import open_gradebook
 from autograder.intake.submission import Step, Submission
 from autograder.judge.judging import QuestionResult, judge_submission
 from autograder.results.gradebook import database_url
-from autograder.sandbox.isolation import Workshop
+from autograder.sandbox.isolation import ProcessLauncher
 from labsid.checks.notebook import load_assignment
 from labsid.records.record import load_record
 
@@ -40,7 +40,7 @@ class GradeCode:
     """Grade the model solution with some cells replaced: ``grade_code(assignment, {cell id: source}, record=path)``."""
 
     course: Course
-    workshop: Workshop
+    launcher: ProcessLauncher
 
     def __call__(
         self, name: str, replaced: Mapping[str, str], record: Path | None = None, student: str = "s"
@@ -54,13 +54,13 @@ class GradeCode:
             Step(cell.id, cell.kind, texts[cell.id] if cell.kind in ("answer", "manual") else cell.source, cell.code)
             for cell in template.cells
         )
-        desk = desk_for(Stock(self.course, None, self.course.root), template, student)
-        assets = desk.assets if record is None else replace(desk.assets, record=load_record(record))
+        inputs = inputs_for(DataStore(self.course, None, self.course.root), template, student)
+        assets = inputs.assets if record is None else replace(inputs.assets, record=load_record(record))
         with tempfile.TemporaryDirectory() as bench:
-            for file, path in desk.files.items():
+            for file, path in inputs.files.items():
                 shutil.copyfile(record or path, Path(bench) / file)
             submission = Submission(student, name, "ready", steps, ())
-            result = judge_submission(submission, assets, self.workshop, Path(bench), pictures=False)
+            result = judge_submission(submission, assets, self.launcher, Path(bench), pictures=False)
         return {question.question: question for question in result.results}
 
 

@@ -1,6 +1,6 @@
 """What grading one student's assignment takes: the checks, the record that this student works on, the work folder.
 
-`desk_for` is the one place that knows what is a student's own: with the course's secret the record comes from
+`inputs_for` is the one place that knows what is a student's own: with the course's secret the record comes from
 HMAC(secret, ID), and the inputs on which functions are tried come from the secret too.
 """
 
@@ -27,12 +27,12 @@ PUBLIC_SECRET = b"labsid: inputs of functions under test"
 """Seeds the inputs on which functions are tried in a course that has no secret of its own."""
 
 
-THE_COURSES = Origin(STAND_IN_STUDENT, PUBLIC_SECRET)
+COURSE_ORIGIN = Origin(STAND_IN_STUDENT, PUBLIC_SECRET)
 """Of the records that everybody works on who has no individual ones."""
 
 
 @dataclass(frozen=True, slots=True)
-class Desk:
+class GradingInputs:
     """One student's place for one assignment.
 
     Attributes
@@ -48,7 +48,7 @@ class Desk:
 
 
 @dataclass(frozen=True, slots=True)
-class Stock:
+class DataStore:
     """Where students' data come from.
 
     Attributes
@@ -70,7 +70,7 @@ class Stock:
         return PUBLIC_SECRET if self.secret is None else self.secret
 
 
-def desk_for(stock: Stock, template: Template, student: str) -> Desk:
+def inputs_for(data_store: DataStore, template: Template, student: str) -> GradingInputs:
     """Lay out what one student's submission of one assignment is judged with.
 
     Raises
@@ -80,18 +80,20 @@ def desk_for(stock: Stock, template: Template, student: str) -> Desk:
     """
     assignment = load_assignment(template.assignment)
     if assignment.record_file is None:
-        return Desk(Assets(template, assignment, None, stock.seed), {})
-    path = record_path(stock, assignment.record_file, student)
-    origin = THE_COURSES if stock.secret is None else Origin(student, stock.secret)
-    return Desk(Assets(template, assignment, load_record(path), stock.seed, origin), {assignment.record_file: path})
+        return GradingInputs(Assets(template, assignment, None, data_store.seed), {})
+    path = record_path(data_store, assignment.record_file, student)
+    origin = COURSE_ORIGIN if data_store.secret is None else Origin(student, data_store.secret)
+    return GradingInputs(
+        Assets(template, assignment, load_record(path), data_store.seed, origin), {assignment.record_file: path}
+    )
 
 
-def record_path(stock: Stock, name: str, student: str) -> Path:
+def record_path(data_store: DataStore, name: str, student: str) -> Path:
     """The file of the record that a student works on, made where it is not there yet.
 
     Parameters
     ----------
-    stock : Stock
+    data_store : DataStore
     name : str
         Name of the file beside the notebook.
     student : str
@@ -101,16 +103,16 @@ def record_path(stock: Stock, name: str, student: str) -> Path:
     ValueError
         If no record can be made for a student of that ID.
     """
-    if stock.secret is None or name not in _MAKERS:
-        return stock.course.data / name
+    if data_store.secret is None or name not in _MAKERS:
+        return data_store.course.data / name
     module, _ = _MAKERS[name]
     key = f"{sources_hash(module, __name__)}\0{name}\0{student}".encode(errors="surrogatepass")
-    made = hmac.new(stock.secret, key, hashlib.sha256).hexdigest()[:32]
-    path = stock.folder / f"{made}{Path(name).suffix}"
+    made = hmac.new(data_store.secret, key, hashlib.sha256).hexdigest()[:32]
+    path = data_store.folder / f"{made}{Path(name).suffix}"
     with _MAKING:
         if not path.is_file():
             path.parent.mkdir(parents=True, exist_ok=True)
-            write_file(path, individual_file(name, student, stock.secret))
+            write_file(path, individual_file(name, student, data_store.secret))
     return path
 
 
@@ -148,9 +150,9 @@ _MAKERS = {
 """What makes each individual data file: a function of (student, secret), by the file's name."""
 
 
-def data_hash(stock: Stock, desk: Desk) -> str:
+def data_hash(data_store: DataStore, inputs: GradingInputs) -> str:
     """Fingerprint of the data and of the hidden inputs' seed; the secret cannot be had back from it."""
-    digest = hashlib.sha256(hmac.new(stock.seed, b"inputs", hashlib.sha256).digest())
-    for name, path in sorted(desk.files.items()):
+    digest = hashlib.sha256(hmac.new(data_store.seed, b"inputs", hashlib.sha256).digest())
+    for name, path in sorted(inputs.files.items()):
         digest.update(name.encode() + b"\0" + hashlib.sha256(path.read_bytes()).digest())
     return digest.hexdigest()

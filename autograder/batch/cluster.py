@@ -1,4 +1,4 @@
-"""A crew on other machines: the workers of a Dask scheduler.
+"""A executor on other machines: the workers of a Dask scheduler.
 
 The scheduler passes calls on as bytes that it does not read: it needs no labsid, and neither its log nor a worker's
 holds the course's secret. What goes over the wire is pickled, as client, scheduler and workers trust each other. A
@@ -23,13 +23,13 @@ from autograder.batch.executors import Task
 from autograder.intake.submission import quarantined
 from autograder.judge.outcome import SubmissionResult, not_judged
 from autograder.results.result_files import one_line
-from autograder.sandbox.isolation import RUNGS, Limits, is_weaker
+from autograder.sandbox.isolation import LEVELS, Limits, is_weaker
 
 CONNECT_SECONDS = 10.0
 """Time for the scheduler to answer, and again for it to have a worker."""
 
 GREETING_SECONDS = 60.0
-"""Time for workers to open their workshops."""
+"""Time for workers to open their launchers."""
 
 ALONE_SECONDS = 30.0
 """Time without any worker after which the cluster is given up; one that ended may be about to be started again."""
@@ -50,7 +50,7 @@ def open_cluster(
     address : str
         ``tcp://HOST:PORT``, ``tls://HOST:PORT`` or ``HOST:PORT``.
     isolation : str
-        What every worker must hold, as `open_workshop` takes it.
+        What every worker must hold, as `open_launcher` takes it.
     tell : callable
         Takes a line for the instructor: a worker that is refused, a submission that ended its workers.
     limits : Limits, optional
@@ -90,12 +90,12 @@ class Cluster:
         self._address = address
         self._demand = demanded
         self._tell = tell
-        self._rungs: dict[str, str] = {}  # of the workers that were greeted
+        self._levels: dict[str, str] = {}  # of the workers that were greeted
         self._refused: dict[str, str] = {}  # the others, and why
         self._greeting, self._looking, self._at_home = Lock(), Lock(), Lock()
         self._there: frozenset[str] = frozenset()
         self._looked = self._alone_since = 0.0
-        self.rung = RUNGS[-1]
+        self.level = LEVELS[-1]
         self.at_once = _AT_ONCE[0]
 
     def start(self) -> None:
@@ -109,11 +109,11 @@ class Cluster:
                 ) from None
             self._greet_new()
             threads = sum(self._threads().values())
-        if not self._rungs:
+        if not self._levels:
             why = [f"{worker} is refused: {why}" for worker, why in self._refused.items()]
             silent = f"none answered within {GREETING_SECONDS:g} s"
             raise ValueError(f"no worker of {self._address} can be used; {why[0] if why else silent}")
-        self.rung = max(self._rungs.values(), key=RUNGS.index)
+        self.level = max(self._levels.values(), key=LEVELS.index)
         self.at_once = sorted((*_AT_ONCE, 2 * threads))[1]
 
     def judge(self, task: Task) -> SubmissionResult:
@@ -161,10 +161,10 @@ class Cluster:
         try:
             with self._at_home, ProcessPoolExecutor(1, get_context("spawn")) as home:
                 self._must_be_connected()
-                rung = home.submit(greet, self._demand).result()
-                if isinstance(rung, str) and is_weaker(rung, self.rung):
-                    rung = Failed(f"it isolates less than the workers ({rung})")
-                answer = rung if isinstance(rung, Failed) else home.submit(work, self._demand, task).result()
+                level = home.submit(greet, self._demand).result()
+                if isinstance(level, str) and is_weaker(level, self.level):
+                    level = Failed(f"it isolates less than the workers ({level})")
+                answer = level if isinstance(level, Failed) else home.submit(work, self._demand, task).result()
         except CancelledError:
             raise
         except Exception as error:
@@ -176,12 +176,12 @@ class Cluster:
             f"{name}: quarantined, as on the cluster {one_line(why)}, and on this machine {one_line(answer.why)}"
         )
         refused = quarantined(task.submission.student, task.submission.assignment, "it could not be graded")
-        return not_judged(refused, task.assets.template, self.rung)
+        return not_judged(refused, task.assets.template, self.level)
 
     def _greet_new(self) -> None:
         """Greet the workers that are not known yet: accept or refuse them."""
         with self._greeting:
-            new = self._threads().keys() - self._rungs.keys() - self._refused.keys()
+            new = self._threads().keys() - self._levels.keys() - self._refused.keys()
             calls = {worker: self._call(greet, workers=[worker], priority=1) for worker in sorted(new)}
             until = time.monotonic() + GREETING_SECONDS
             refused = {}
@@ -197,9 +197,9 @@ class Cluster:
                 if isinstance(answer, Failed):
                     refused[worker] = one_line(answer.why)
                 else:
-                    self._rungs[worker] = answer
+                    self._levels[worker] = answer
             self._refused |= refused
-            for worker, why in refused.items() if self._rungs else ():
+            for worker, why in refused.items() if self._levels else ():
                 self._tell(f"worker {worker} is refused: {why}")
 
     def _whom(self) -> list[str] | None:

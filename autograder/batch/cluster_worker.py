@@ -1,7 +1,7 @@
-"""What a worker of a cluster does: it says how it isolates, and carries tasks out in a workshop of its own.
+"""What a worker of a cluster does: it says how it isolates, and carries tasks out in a launcher of its own.
 
 A worker's process is trusted, as the grader's is elsewhere: it holds checks and right values. Students' processes are
-forked from the workshop's parent, a program of its own that inherits none of the worker's connections.
+forked from the launcher's parent, a program of its own that inherits none of the worker's connections.
 """
 
 import atexit
@@ -14,7 +14,7 @@ from autograder.batch.fingerprint import JUDGING, checks_module, environment
 from autograder.course.sources import sources_hash
 from autograder.judge.outcome import SubmissionResult
 from autograder.sandbox.doctor import TCP, holds
-from autograder.sandbox.isolation import Limits, Workshop, open_workshop
+from autograder.sandbox.isolation import Limits, ProcessLauncher, open_launcher
 from labsid.checks.notebook import assignment_names, load_assignment
 
 
@@ -29,7 +29,7 @@ class Demand:
     environment : tuple of str
         Versions of Python and of the packages that results depend on.
     isolation : str
-        As `open_workshop` takes it.
+        As `open_launcher` takes it.
     limits : Limits
         What one submission may use.
     """
@@ -59,9 +59,9 @@ class Failed:
 
 
 def greet(demanded: Demand) -> str | Failed:
-    """The rung on which this worker executes."""
+    """The level on which this worker executes."""
     try:
-        return _workshop(demanded).rung
+        return _launcher(demanded).level
     except ValueError as error:
         return Failed(str(error))
 
@@ -69,26 +69,26 @@ def greet(demanded: Demand) -> str | Failed:
 def work(demanded: Demand, task: Task) -> SubmissionResult | Failed:
     """Execute and judge a submission."""
     try:
-        return carry_out(task, _workshop(demanded))
+        return carry_out(task, _launcher(demanded))
     except Exception as error:
         return Failed(f"{type(error).__name__}: {error}")
 
 
-_OPEN: dict[Demand, Workshop] = {}
+_OPEN: dict[Demand, ProcessLauncher] = {}
 _OPENING = Lock()
 _TO_CLOSE = contextlib.ExitStack()
 atexit.register(_TO_CLOSE.close)
 
 
-def _workshop(demanded: Demand) -> Workshop:
-    """This process's workshop, opened when it is first asked for."""
+def _launcher(demanded: Demand) -> ProcessLauncher:
+    """This process's launcher, opened when it is first asked for."""
     with _OPENING:
         if demanded not in _OPEN:
             _OPEN[demanded] = _open(demanded)
         return _OPEN[demanded]
 
 
-def _open(demanded: Demand) -> Workshop:
+def _open(demanded: Demand) -> ProcessLauncher:
     for name in assignment_names():
         load_assignment(name)  # what is in memory must be what the fingerprint is of
     here = demand(demanded.isolation, demanded.limits)
@@ -98,10 +98,10 @@ def _open(demanded: Demand) -> Workshop:
     if differing := [f"{mine} instead of {wanted}" for mine, wanted in pairs if mine != wanted]:
         raise ValueError(f"it has {', '.join(differing)}: install what this machine has, and restart it")
     with contextlib.ExitStack() as stack:
-        workshop = stack.enter_context(open_workshop(demanded.isolation, demanded.limits))
-        if demanded.isolation != "none" and not holds(workshop, TCP):
+        launcher = stack.enter_context(open_launcher(demanded.isolation, demanded.limits))
+        if demanded.isolation != "none" and not holds(launcher, TCP):
             raise ValueError(
                 "student code on it could connect to the scheduler; --isolation none takes such a worker all the same"
             )
         _TO_CLOSE.push(stack.pop_all())
-    return workshop
+    return launcher

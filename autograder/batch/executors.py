@@ -11,7 +11,7 @@ from typing import Protocol
 from autograder.intake.submission import Submission
 from autograder.judge.judging import Assets, judge_submission
 from autograder.judge.outcome import SubmissionResult
-from autograder.sandbox.isolation import Workshop, bench_folder, open_workshop
+from autograder.sandbox.isolation import ProcessLauncher, open_launcher, temporary_workdir
 
 
 @dataclass(frozen=True, slots=True)
@@ -33,11 +33,11 @@ class Task:
     files: Mapping[str, bytes]
 
 
-class Crew(Protocol):
+class Executor(Protocol):
     """Those who execute and judge."""
 
     @property
-    def rung(self) -> str:
+    def level(self) -> str:
         """The least isolation that its results come with."""
 
     @property
@@ -52,42 +52,42 @@ class Crew(Protocol):
 
 
 @dataclass(frozen=True, slots=True)
-class LocalCrew:
-    """Executes in a workshop on this machine.
+class LocalExecutor:
+    """Executes in a launcher on this machine.
 
     Attributes
     ----------
-    workshop : Workshop
+    launcher : ProcessLauncher
         Starts students' processes.
     at_once : int
         Submissions at a time.
     """
 
-    workshop: Workshop
+    launcher: ProcessLauncher
     at_once: int = 1
 
     @property
-    def rung(self) -> str:
-        """The rung of the workshop."""
-        return self.workshop.rung
+    def level(self) -> str:
+        """The level of the launcher."""
+        return self.launcher.level
 
     def judge(self, task: Task) -> SubmissionResult:
         """Execute and judge."""
-        return carry_out(task, self.workshop)
+        return carry_out(task, self.launcher)
 
     def close(self) -> None:
-        """End every process of the workshop."""
-        self.workshop.close()
+        """End every process of the launcher."""
+        self.launcher.close()
 
 
 @contextlib.contextmanager
-def open_crew(isolation: str, jobs: int, scheduler: str | None, tell: Callable[[str], None]) -> Iterator[Crew]:
+def open_executor(isolation: str, jobs: int, scheduler: str | None, tell: Callable[[str], None]) -> Iterator[Executor]:
     """Find those who judge: on this machine, or on a scheduler's workers.
 
     Parameters
     ----------
     isolation : str
-        As `open_workshop` takes it.
+        As `open_launcher` takes it.
     jobs : int
         Submissions at a time, on this machine.
     scheduler : str or None
@@ -101,8 +101,8 @@ def open_crew(isolation: str, jobs: int, scheduler: str | None, tell: Callable[[
         If the demanded isolation, or the scheduler, cannot be had.
     """
     if scheduler is None:
-        with open_workshop(isolation) as workshop:
-            yield LocalCrew(workshop, jobs)
+        with open_launcher(isolation) as launcher:
+            yield LocalExecutor(launcher, jobs)
     else:
         from autograder.batch.cluster import open_cluster
 
@@ -110,9 +110,9 @@ def open_crew(isolation: str, jobs: int, scheduler: str | None, tell: Callable[[
             yield cluster
 
 
-def carry_out(task: Task, workshop: Workshop) -> SubmissionResult:
-    """Execute and judge a submission in a workshop of the machine that this runs on."""
-    with bench_folder() as bench:
+def carry_out(task: Task, launcher: ProcessLauncher) -> SubmissionResult:
+    """Execute and judge a submission in a launcher of the machine that this runs on."""
+    with temporary_workdir() as bench:
         for name, content in task.files.items():
             (bench / name).write_bytes(content)
-        return judge_submission(task.submission, task.assets, workshop, bench)
+        return judge_submission(task.submission, task.assets, launcher, bench)

@@ -8,7 +8,7 @@ from functools import cache
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 
-from autograder.batch.assets import Desk, Stock, data_hash
+from autograder.batch.assets import DataStore, GradingInputs, data_hash
 from autograder.course.layout import Template
 from autograder.course.sources import sources_hash
 from autograder.results.result_files import StoredResult
@@ -25,13 +25,13 @@ JUDGING = (
 PACKAGES = ("labsid", "numpy", "scipy", "control", "matplotlib", "ipython")
 
 
-def fingerprint(stock: Stock, desk: Desk, folder: Path) -> dict[str, str]:
+def fingerprint(data_store: DataStore, inputs: GradingInputs, folder: Path) -> dict[str, str]:
     """Fingerprints of what goes into a result.
 
     Parameters
     ----------
-    stock : Stock
-    desk : Desk
+    data_store : DataStore
+    inputs : GradingInputs
         The student's own.
     folder : Path
         The hand-in.
@@ -43,10 +43,10 @@ def fingerprint(stock: Stock, desk: Desk, folder: Path) -> dict[str, str]:
         hidden inputs) and ``environment`` (versions).
     """
     return {
-        "submission": submission_hash(folder, Path(desk.assets.assignment.record_file or "").suffix),
-        "release": template_hash(desk.assets.template),
-        "check": sources_hash(checks_module(desk.assets.template.assignment), *JUDGING),
-        "data": data_hash(stock, desk),
+        "submission": submission_hash(folder, Path(inputs.assets.assignment.record_file or "").suffix),
+        "release": template_hash(inputs.assets.template),
+        "check": sources_hash(checks_module(inputs.assets.template.assignment), *JUDGING),
+        "data": data_hash(data_store, inputs),
         "environment": environment_hash(),
     }
 
@@ -98,9 +98,9 @@ def _version(package: str) -> str:
         return package
 
 
-def what_changed(known: StoredResult | None, new: StoredResult, rung: str) -> str:
+def what_changed(known: StoredResult | None, new: StoredResult, level: str) -> str:
     """In words, why a submission was graded anew."""
     if known is None:
         return "new"
     changed = [part for part, found in new.fingerprint.items() if known.fingerprint.get(part) != found]
-    return ", ".join(changed) or f"isolation {known.isolation} to {rung}"
+    return ", ".join(changed) or f"isolation {known.isolation} to {level}"

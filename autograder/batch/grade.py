@@ -9,8 +9,8 @@ from datetime import datetime
 from decimal import Decimal
 from pathlib import Path
 
-from autograder.batch.assets import Desk, Stock, desk_for
-from autograder.batch.executors import Crew, Task
+from autograder.batch.assets import DataStore, GradingInputs, inputs_for
+from autograder.batch.executors import Executor, Task
 from autograder.batch.fingerprint import fingerprint, what_changed
 from autograder.batch.wrong_record import marked
 from autograder.course.layout import Course, Template, read_template
@@ -86,7 +86,7 @@ def grade_batch(
     course: Course,
     batch: Batch,
     out: Path,
-    crew: Crew,
+    executor: Executor,
     secret: bytes | None = None,
     late: LateRules | None = None,
 ) -> Iterator[Graded]:
@@ -98,7 +98,7 @@ def grade_batch(
     batch : Batch
     out : Path
         Gets ``results``, ``autograded``, ``gradebook.db`` and ``grades.csv``.
-    crew : Crew
+    executor : Executor
         Executes and judges.
     secret : bytes, optional
         The course's secret: every student is graded on the record derived from it and their ID.
@@ -120,8 +120,8 @@ def grade_batch(
         before = {(one.student, one.assignment): one for one in result_files.load_good(out)}
         gradebook.prepare(course, out, batch.assignments)
         gradebook.enter(out, before.values())  # what a run that was killed had not entered
-        stock = Stock(course, secret, out / "records")
-        office = _Office(course, batch, out, crew, stock, late or {}, templates, before)
+        data_store = DataStore(course, secret, out / "records")
+        office = _Office(course, batch, out, executor, data_store, late or {}, templates, before)
         yield from office.run(gradebook.given_by_hand(out))
         gradebook.enter(out, result_files.load_all(out))
         write_grades(out)
@@ -142,15 +142,15 @@ class _Office:
     course: Course
     batch: Batch
     out: Path
-    crew: Crew
-    stock: Stock
+    executor: Executor
+    data_store: DataStore
     late: LateRules
     templates: Mapping[str, Template]
     before: Mapping[tuple[str, str], StoredResult]
 
     def run(self, by_hand: gradebook.ByHand) -> Iterator[Graded]:
         """Grade what is missing or has changed; this thread alone writes."""
-        with ThreadPoolExecutor(self.crew.at_once) as pool:
+        with ThreadPoolExecutor(self.executor.at_once) as pool:
             waiting: dict[Future[_Fresh | None], tuple[str, str]] = {}
             try:
                 for name in self.batch.assignments:
@@ -162,7 +162,7 @@ class _Office:
             except BaseException as stopped:
                 pool.shutdown(wait=False, cancel_futures=True)
                 if isinstance(stopped, KeyboardInterrupt):
-                    self.crew.close()  # or code that is still running would be waited for
+                    self.executor.close()  # or code that is still running would be waited for
                 raise
 
     def _keep(self, student: str, name: str, fresh: "_Fresh | None", by_hand: gradebook.ByHand) -> Graded:
@@ -179,7 +179,7 @@ class _Office:
         if known is not None:
             kept = replace(kept, review=_to_review(known, kept, by_hand))
         result_files.store(self.out, kept)
-        return Graded(student, name, True, what_changed(known, kept, self.crew.rung))
+        return Graded(student, name, True, what_changed(known, kept, self.executor.level))
 
     def _with_lateness(self, stored: StoredResult) -> StoredResult:
         submitted = _handed_in(self.batch.submitted / stored.student / stored.assignment)
@@ -195,16 +195,16 @@ class _Office:
         template, folder = self.templates[name], self.batch.submitted / student / name
         refused: Submission | None = None
         try:
-            desk = desk_for(self.stock, template, student)
+            inputs = inputs_for(self.data_store, template, student)
         except ValueError as error:
-            desk = desk_for(replace(self.stock, secret=None), template, student)
+            inputs = inputs_for(replace(self.data_store, secret=None), template, student)
             refused = quarantined(student, name, f"no record can be made for this student: {error}")
-        parts = fingerprint(self.stock, desk, folder)
+        parts = fingerprint(self.data_store, inputs, folder)
         known = self.before.get((student, name))
-        if known is not None and known.fingerprint == parts and not is_weaker(known.isolation, self.crew.rung):
+        if known is not None and known.fingerprint == parts and not is_weaker(known.isolation, self.executor.level):
             return None
         submission = refused or take_in(folder, student, template)
-        result = self._judge(submission, desk, folder)
+        result = self._judge(submission, inputs, folder)
         headings = {cell.id: cell.heading for cell in template.questions}
         released = {cell.id: cell.source for cell in template.cells}
         stored = result_files.as_stored(result, template.title, headings, parts)
@@ -212,13 +212,13 @@ class _Office:
             stored = replace(stored, fingerprint={**parts, "environment": ""})
         return _Fresh(result, replace(stored, work=work_of(submission.steps, released)))
 
-    def _judge(self, submission: Submission, desk: Desk, folder: Path) -> SubmissionResult:
+    def _judge(self, submission: Submission, inputs: GradingInputs, folder: Path) -> SubmissionResult:
         if submission.status == "ready":
-            files = {name: path.read_bytes() for name, path in desk.files.items()}
-            result = self.crew.judge(Task(submission, desk.assets, files))
+            files = {name: path.read_bytes() for name, path in inputs.files.items()}
+            result = self.executor.judge(Task(submission, inputs.assets, files))
         else:
-            result = not_judged(submission, desk.assets.template, self.crew.rung)
-        return marked(result, desk, self.stock, folder, self.batch.students)
+            result = not_judged(submission, inputs.assets.template, self.executor.level)
+        return marked(result, inputs, self.data_store, folder, self.batch.students)
 
 
 def write_grades(out: Path) -> None:

@@ -14,7 +14,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from autograder.batch.assets import THE_COURSES, Desk, Stock, record_path
+from autograder.batch.assets import COURSE_ORIGIN, DataStore, GradingInputs, record_path
 from autograder.judge.judging import SubmissionResult
 from labsid.checks.question import Assignment, Origin
 from labsid.checks.values import Value
@@ -62,37 +62,37 @@ def reference_values(
 
 
 def marked(
-    result: SubmissionResult, desk: Desk, stock: Stock, folder: Path, members: Iterable[str]
+    result: SubmissionResult, inputs: GradingInputs, data_store: DataStore, folder: Path, members: Iterable[str]
 ) -> SubmissionResult:
     """The result with a flag for the teacher, and a word for the student, where it was made on another's record.
 
     Parameters
     ----------
     result : SubmissionResult
-    desk : Desk
+    inputs : GradingInputs
         The student's own.
-    stock : Stock
+    data_store : DataStore
     folder : Path
         The hand-in.
     members : iterable of str
         The class.
     """
-    name = desk.assets.assignment.record_file
-    if stock.secret is None or name is None:
+    name = inputs.assets.assignment.record_file
+    if data_store.secret is None or name is None:
         return result
     suspects = any(_telling(value).size for held in result.wrong.values() for value in held.values())
     beside = (path for path in folder.glob(f"*{Path(name).suffix}") if path.is_file())
     handed_in = {_hash(path) for path in beside if path.stat().st_size <= MAX_DATA_BYTES}
-    handed_in -= {_hash(desk.files[name])}
+    handed_in -= {_hash(inputs.files[name])}
     if not suspects and not handed_in:
         return result
     files: set[str] = set()
     answers: dict[str, list[str]] = {}
     others = [member for member in members if member != result.student]
-    for owner, path, origin in _records(stock, name, stock.secret, others):
+    for owner, path, origin in _records(data_store, name, data_store.secret, others):
         if _hash(path) in handed_in:
             files.add(owner)
-        right = _right_values(desk.assets.assignment, path, origin) if suspects else {}
+        right = _right_values(inputs.assets.assignment, path, origin) if suspects else {}
         matching = [q for q, held in result.wrong.items() if _same(held, right.get(q, {}))]
         if matching:
             answers[owner] = matching
@@ -110,11 +110,13 @@ def marked(
     return replace(result, results=results, notes=result.notes + notes, flags=result.flags + tuple(flags))
 
 
-def _records(stock: Stock, name: str, secret: bytes, members: Iterable[str]) -> Iterable[tuple[str, Path, Origin]]:
-    yield "the course's own record", stock.course.data / name, THE_COURSES
+def _records(
+    data_store: DataStore, name: str, secret: bytes, members: Iterable[str]
+) -> Iterable[tuple[str, Path, Origin]]:
+    yield "the course's own record", data_store.course.data / name, COURSE_ORIGIN
     for member in members:
         try:
-            yield member, record_path(stock, name, member), Origin(member, secret)
+            yield member, record_path(data_store, name, member), Origin(member, secret)
         except ValueError:  # no record can be made for this ID, so nobody can have worked on it
             continue
 

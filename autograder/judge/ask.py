@@ -5,7 +5,7 @@ from collections.abc import Callable, Iterable, Mapping
 import numpy as np
 
 from autograder.judge.redaction import passed_on, passed_on_error
-from autograder.sandbox.isolation import Student
+from autograder.sandbox.isolation import StudentProcess
 from labsid.checks.question import Origin
 from labsid.checks.values import Value
 from labsid.checks.verdict import NoAnswer
@@ -27,7 +27,7 @@ class ProcessAsk:
 
     def __init__(
         self,
-        student: Callable[[], Student],
+        student: Callable[[], StudentProcess],
         record: Record | None,
         known: Mapping[str, Value],
         rng: np.random.Generator,
@@ -42,7 +42,7 @@ class ProcessAsk:
         self.rng = rng
         self.origin = origin
         self.later = False
-        self.calls: Student | None = None
+        self.calls: StudentProcess | None = None
 
     @property
     def record(self) -> Record:

@@ -23,7 +23,7 @@ from autograder.judge.ask import AsksForCalls, ProcessAsk, said
 from autograder.judge.outcome import QuestionResult, SubmissionResult, not_judged
 from autograder.judge.picture import svg_picture
 from autograder.judge.running import Ran, Running
-from autograder.sandbox.isolation import Reply, Student, StudentDied, Workshop
+from autograder.sandbox.isolation import ProcessLauncher, Reply, StudentProcess, StudentProcessError
 from labsid.checks.question import Assignment, Origin, Question, given_values
 from labsid.checks.values import Value
 from labsid.checks.verdict import Verdict
@@ -56,7 +56,7 @@ class Assets:
 
 
 def judge_submission(
-    submission: Submission, assets: Assets, workshop: Workshop, folder: Path, pictures: bool = True
+    submission: Submission, assets: Assets, launcher: ProcessLauncher, folder: Path, pictures: bool = True
 ) -> SubmissionResult:
     """Judge a submission.
 
@@ -65,7 +65,7 @@ def judge_submission(
     submission : Submission
         As the intake made it.
     assets : Assets
-    workshop : Workshop
+    launcher : ProcessLauncher
         Starts the student's process.
     folder : Path
         The work folder of that process; the record lies in it.
@@ -78,11 +78,11 @@ def judge_submission(
         One result for every question of the assignment, whatever the submission does.
     """
     if submission.status != "ready":
-        return not_judged(submission, assets.template, workshop.rung)
-    walk = _Walk(submission, assets, workshop, folder, pictures)
+        return not_judged(submission, assets.template, launcher.level)
+    walk = _Walk(submission, assets, launcher, folder, pictures)
     results, ran = walk.results()
     return SubmissionResult(
-        submission.student, submission.assignment, results, ran, submission.notes, workshop.rung, walk.wrong
+        submission.student, submission.assignment, results, ran, submission.notes, launcher.level, walk.wrong
     )
 
 
@@ -106,11 +106,11 @@ class _Walk:
     """One walk through a submission, with what has been learnt on the way."""
 
     def __init__(
-        self, submission: Submission, assets: Assets, workshop: Workshop, folder: Path, pictures: bool
+        self, submission: Submission, assets: Assets, launcher: ProcessLauncher, folder: Path, pictures: bool
     ) -> None:
         self._submission = submission
         self._assets = assets
-        self._limits = workshop.limits
+        self._limits = launcher.limits
         self._pictures = pictures
         self._known: dict[str, Value] = {}
         self._waiting: list[_Waiting] = []
@@ -119,7 +119,7 @@ class _Walk:
         self._source = "\n".join(step.source for step in submission.steps)
         self._told = False  # whether right values stand in the student's process
         self.wrong: dict[str, dict[str, Value]] = {}
-        self._running = Running(workshop, folder)
+        self._running = Running(launcher, folder)
 
     def results(self) -> tuple[tuple[QuestionResult, ...], tuple[Ran, ...]]:
         """Go through every cell; one result a question, and every cell with what came of it."""
@@ -172,7 +172,7 @@ class _Walk:
                 try:
                     with self._running.apart() as ask.calls:
                         verdict, death = self._verdict(question, ask)
-                except StudentDied as died:
+                except StudentProcessError as died:
                     death = died
                 ask.calls = None
         result = self._result(question, points, ran, verdict, death, self._drawn(first))
@@ -191,7 +191,7 @@ class _Walk:
             verdict, death, changed = None, None, False
             try:
                 changed = self._running.student.put_back(one.place)
-            except StudentDied as died:
+            except StudentProcessError as died:
                 death = died
                 self._running.revive()
             if death is None:
@@ -215,10 +215,10 @@ class _Walk:
     def _drawn(self, ask: ProcessAsk) -> tuple[str, ...]:
         return tuple(map(svg_picture, ask.figures)) if self._pictures and not self._told else ()
 
-    def _verdict(self, question: Question, ask: ProcessAsk) -> tuple[Verdict | None, StudentDied | None]:
+    def _verdict(self, question: Question, ask: ProcessAsk) -> tuple[Verdict | None, StudentProcessError | None]:
         try:
             return question.verdict(ask), None
-        except StudentDied as died:
+        except StudentProcessError as died:
             if self._running.student.lost:
                 self._running.revive()
             return None, died
@@ -232,7 +232,7 @@ class _Walk:
         points: Decimal,
         ran: list[Ran],
         verdict: Verdict | None,
-        death: StudentDied | None,
+        death: StudentProcessError | None,
         pictures: tuple[str, ...],
     ) -> QuestionResult:
         status = "graded"
@@ -263,7 +263,7 @@ class _Walk:
         ask.later = False
         try:
             given = given_values(question, ask, passed)
-        except StudentDied:
+        except StudentProcessError:
             self._running.revive()
             given = given_values(question, ask, passed=False)
         except Exception:  # the questions that start from these values will say that they could not be judged
@@ -274,7 +274,7 @@ class _Walk:
             self._running.set(given)
             self._told = True
 
-    def _ask(self, question: Question, student: Callable[[], Student], known: Mapping[str, Value]) -> ProcessAsk:
+    def _ask(self, question: Question, student: Callable[[], StudentProcess], known: Mapping[str, Value]) -> ProcessAsk:
         identity = f"{self._submission.student}\0{self._submission.assignment}\0{question.id}".encode(
             errors="surrogatepass"
         )

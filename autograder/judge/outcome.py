@@ -63,7 +63,7 @@ class SubmissionResult:
     notes : tuple of str
         What the intake mended, or why it was refused.
     isolation : str
-        The rung on which it ran.
+        The level on which it ran.
     wrong : mapping
         Of the questions that failed, the values that stood where later steps start from, by question and name.
     flags : tuple of str
@@ -80,11 +80,11 @@ class SubmissionResult:
     flags: tuple[str, ...] = ()
 
 
-def not_judged(submission: Submission, template: Template, rung: str) -> SubmissionResult:
+def not_judged(submission: Submission, template: Template, level: str) -> SubmissionResult:
     """What comes of a submission that is missing or quarantined: no marks for any question, and why."""
     reason = "; ".join(submission.notes)
     results = tuple(
         QuestionResult(cell.id, Decimal(0), cell.points or Decimal(0), submission.status, reason)
         for cell in template.questions
     )
-    return SubmissionResult(submission.student, submission.assignment, results, (), submission.notes, rung)
+    return SubmissionResult(submission.student, submission.assignment, results, (), submission.notes, level)

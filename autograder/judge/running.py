@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from autograder.intake.submission import Step
-from autograder.sandbox.isolation import Reply, Student, StudentDied, Workshop
+from autograder.sandbox.isolation import ProcessLauncher, Reply, StudentProcess, StudentProcessError
 from labsid.checks.values import Value
 
 _Done = Step | Mapping[str, Value] | int
@@ -22,33 +22,33 @@ class Ran:
 
     step: Step
     reply: Reply
-    death: StudentDied | None = None
+    death: StudentProcessError | None = None
 
 
 class Running:
     """One submission's process, or the one that took its place."""
 
-    def __init__(self, workshop: Workshop, folder: Path) -> None:
-        self._workshop = workshop
+    def __init__(self, launcher: ProcessLauncher, folder: Path) -> None:
+        self._launcher = launcher
         self._folder = folder
         self._done: list[_Done] = []
-        self._other: Student | None = None
+        self._other: StudentProcess | None = None
         self._gone_through = 0  # by the other, of what was done
         self._cells = 0
         self._printed = 0
-        self._until = time.monotonic() + workshop.limits.submission_seconds
-        self._again = workshop.limits.submission_seconds
+        self._until = time.monotonic() + launcher.limits.submission_seconds
+        self._again = launcher.limits.submission_seconds
         self.student = self._start()
 
     def run(self, step: Step) -> Ran:
         """Run a cell; one that kills its process is left out of what the next process is brought back to."""
-        most = self._workshop.limits.cells
+        most = self._launcher.limits.cells
         self._cells += 1
         if self._cells > most:
-            return Ran(step, Reply(False), StudentDied("limit", f"the notebook has more than {most} cells"))
+            return Ran(step, Reply(False), StudentProcessError("limit", f"the notebook has more than {most} cells"))
         try:
             reply = self.student.run(step.source)
-        except StudentDied as death:
+        except StudentProcessError as death:
             self.revive()
             return Ran(step, Reply(False), death)
         self._done.append(step)
@@ -59,7 +59,7 @@ class Running:
         self._done.append(values)
         try:
             self.student.set(values)
-        except StudentDied:
+        except StudentProcessError:
             self.revive()
 
     def pin(self, key: int) -> None:
@@ -67,7 +67,7 @@ class Running:
         self._done.append(key)
         try:
             self.student.pin(key)
-        except StudentDied:
+        except StudentProcessError:
             self.revive()
 
     def revive(self) -> None:
@@ -78,7 +78,7 @@ class Running:
                 return
             try:
                 self.student = self._start()
-            except StudentDied:  # what is asked of it now fails, and is tried again
+            except StudentProcessError:  # what is asked of it now fails, and is tried again
                 return
             failed = self._replay(self.student, self._done)
             if failed is None:
@@ -86,12 +86,12 @@ class Running:
             self._part()
             del self._done[failed[0]]  # this cell does not survive being run again: go without it
 
-    def replayed(self, key: int) -> Student:
+    def replayed(self, key: int) -> StudentProcess:
         """A new process, brought to where the first one was when it kept its variables under `key`.
 
         Raises
         ------
-        StudentDied
+        StudentProcessError
             If it does not survive that.
         """
         student = self._start()
@@ -103,7 +103,7 @@ class Running:
         return student
 
     @contextlib.contextmanager
-    def apart(self) -> Iterator[Student]:
+    def apart(self) -> Iterator[StudentProcess]:
         """Another process at the same place, to call functions on hidden inputs while there are cells to come.
 
         It has neither memory nor a folder in common with the first, so what it is told stays with it. It is kept for
@@ -111,7 +111,7 @@ class Running:
 
         Raises
         ------
-        StudentDied
+        StudentProcessError
             If it does not survive to get there.
         """
         if self._other is None:
@@ -123,7 +123,7 @@ class Running:
             self._gone_through = len(self._done)
             other.pin(_HERE)
             yield other
-            with contextlib.suppress(StudentDied):
+            with contextlib.suppress(StudentProcessError):
                 changed = other.put_back(_HERE)
         finally:
             if changed:
@@ -143,7 +143,7 @@ class Running:
             self._other.close()
             self._other = None
 
-    def _bring(self, student: Student, done: list[_Done]) -> None:
+    def _bring(self, student: StudentProcess, done: list[_Done]) -> None:
         """Replay at the judge's wish: the time is not the notebook's, and all of it may come to as much again."""
         began = time.monotonic()
         student.until = began + self._again
@@ -154,9 +154,9 @@ class Running:
         self.student.until = student.until = self._until
         if failed is not None:
             student.close()
-            raise StudentDied(failed[1].status, f"run once more from the first cell on, {failed[1]}")
+            raise StudentProcessError(failed[1].status, f"run once more from the first cell on, {failed[1]}")
 
-    def _replay(self, student: Student, done: list[_Done]) -> tuple[int, StudentDied] | None:
+    def _replay(self, student: StudentProcess, done: list[_Done]) -> tuple[int, StudentProcessError] | None:
         """Do again what was done; the place of what the process did not survive, and how it died."""
         for index, one in enumerate(done):
             try:
@@ -166,16 +166,16 @@ class Running:
                     student.pin(one)
                 else:
                     student.set(one)
-            except StudentDied as death:
+            except StudentProcessError as death:
                 return index, death
         return None
 
-    def _start(self) -> Student:
-        student = self._workshop.start(self._folder)
+    def _start(self) -> StudentProcess:
+        student = self._launcher.start(self._folder)
         student.until = self._until
         return student
 
     def _cut(self, reply: Reply) -> Reply:
-        left = max(self._workshop.limits.output_characters - self._printed, 0)
+        left = max(self._launcher.limits.output_characters - self._printed, 0)
         self._printed += len(reply.stdout)
         return Reply(reply.ok, reply.value, reply.error, reply.stdout[:left])

@@ -47,13 +47,13 @@ def report_page(stored: Sequence[StoredResult], given: ByHand) -> dict[str, Any]
     """
     names = sorted({result.assignment for result in stored}, key=in_course_order)
     by_name = {name: [result for result in stored if result.assignment == name] for name in names}
-    rungs = Counter(result.isolation for result in stored)
+    levels = Counter(result.isolation for result in stored)
     pairs = alike(stored)
     return {
         "students": len({result.student for result in stored}),
         "submissions": len(stored),
-        "isolation": [{"rung": readable(rung), "count": count} for rung, count in rungs.most_common()],
-        "unisolated": rungs.get("none", 0),
+        "isolation": [{"level": readable(level), "count": count} for level, count in levels.most_common()],
+        "unisolated": levels.get("none", 0),
         "assignments": [_assignment(by_name[name], given) for name in names],
         "missing": _missing(stored),
         "looks": sorted(

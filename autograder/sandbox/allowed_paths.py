@@ -1,7 +1,7 @@
 """What a student's process may see of this machine: the interpreter, its libraries, the allowed part of labsid.
 
 The reference (the taught functions), the checks with their right values, the grader, the course and everything else
-are not in the list, so a rung that confines files leaves them out.
+are not in the list, so a level that confines files leaves them out.
 """
 
 import os

@@ -55,7 +55,7 @@ class Terms:
 
     Attributes
     ----------
-    rung : str
+    level : str
     given : str
         Folder of the files that it starts with.
     folder : str
@@ -72,7 +72,7 @@ class Terms:
         User to become; 0 to stay who one is.
     """
 
-    rung: str
+    level: str
     given: str
     folder: str
     limits: Mapping[str, int]
@@ -123,7 +123,7 @@ def settle_in(terms: Terms, call_filter: Any) -> None:
         Path(name).write_bytes(content)
     _forget_where_we_are(terms.folder)
     take_limits(terms.limits)
-    if terms.rung == "landlock":
+    if terms.level == "landlock":
         _confine_files(terms.folder)
     if call_filter is not None:
         call_filter.load()

@@ -1,4 +1,4 @@
-"""``labsid course doctor``: tries each way out of a student's process on this machine, on every rung it has.
+"""``labsid course doctor``: tries each way out of a student's process on this machine, on every level it has.
 
 Each trial is code as a submission could hold it, run in a process of its own. What it is after is made for the trial (a
 course, a gradebook, another submission, listeners on loopback), so nothing of value is touched.
@@ -15,13 +15,13 @@ from pathlib import Path
 
 import labsid
 from autograder.sandbox.isolation import (
-    RUNGS,
+    LEVELS,
     IsolationError,
     Limits,
-    StudentDied,
-    Workshop,
-    bench_folder,
-    open_workshop,
+    ProcessLauncher,
+    StudentProcessError,
+    open_launcher,
+    temporary_workdir,
 )
 
 SCHEMA = "labsid.doctor/1"
@@ -51,18 +51,18 @@ class Escape:
 
 @dataclass(frozen=True, slots=True)
 class Checkup:
-    """What was found on one rung.
+    """What was found on one level.
 
     Attributes
     ----------
-    rung : str
+    level : str
     why_not : str
         Why this machine does not have it; empty where it has.
     holds : mapping
         Whether it holds, by name of the escape.
     """
 
-    rung: str
+    level: str
     why_not: str
     holds: dict[str, bool]
 
@@ -136,61 +136,61 @@ ESCAPES = (
 
 
 def examine() -> Iterator[Checkup]:
-    """Try every escape on every rung, strongest rung first; yields what was found on each."""
-    for rung in RUNGS:
+    """Try every escape on every level, strongest level first; yields what was found on each."""
+    for level in LEVELS:
         try:
-            with open_workshop(rung, LIMITS) as workshop:
-                yield Checkup(rung, "", {escape.name: holds(workshop, escape) for escape in ESCAPES})
+            with open_launcher(level, LIMITS) as launcher:
+                yield Checkup(level, "", {escape.name: holds(launcher, escape) for escape in ESCAPES})
         except IsolationError as error:
-            yield Checkup(rung, str(error), {})
+            yield Checkup(level, str(error), {})
 
 
 def as_text(checkups: list[Checkup]) -> str:
-    """A table: a line for each escape, a column for each rung."""
+    """A table: a line for each escape, a column for each level."""
     width = max(len(escape.name) for escape in ESCAPES)
-    lines = [" " * width + "".join(f"  {checkup.rung:>10}" for checkup in checkups)]
+    lines = [" " * width + "".join(f"  {checkup.level:>10}" for checkup in checkups)]
     for escape in ESCAPES:
         cells = ["-" if escape.name not in one.holds else _WORDS[one.holds[escape.name]] for one in checkups]
         lines.append(f"{escape.name:<{width}}" + "".join(f"  {cell:>10}" for cell in cells))
     lines.append("")
-    lines += [f"{one.rung} is not to be had here: {one.why_not}" for one in checkups if one.why_not]
-    best = next((one.rung for one in checkups if not one.why_not), "nothing: no student process starts here")
+    lines += [f"{one.level} is not to be had here: {one.why_not}" for one in checkups if one.why_not]
+    best = next((one.level for one in checkups if not one.why_not), "nothing: no student process starts here")
     lines.append(f"Grading with --isolation best stands on: {best}")
     return "\n".join(lines)
 
 
 def as_json(checkups: list[Checkup]) -> str:
     """The same for programs."""
-    rungs = {one.rung: {"why_not": one.why_not, "holds": one.holds} for one in checkups}
-    return json.dumps({"schema": SCHEMA, "rungs": rungs}, indent=2) + "\n"
+    levels = {one.level: {"why_not": one.why_not, "holds": one.holds} for one in checkups}
+    return json.dumps({"schema": SCHEMA, "rungs": levels}, indent=2) + "\n"
 
 
 _WORDS = {True: "holds", False: "OPEN"}
 
 
-def holds(workshop: Workshop, escape: Escape) -> bool:
-    """Whether a way out is shut in a workshop."""
-    with _surroundings(workshop) as there, bench_folder() as folder:
-        student = workshop.start(folder)
+def holds(launcher: ProcessLauncher, escape: Escape) -> bool:
+    """Whether a way out is shut in a launcher."""
+    with _surroundings(launcher) as there, temporary_workdir() as folder:
+        student = launcher.start(folder)
         try:
             student.run(f"got = False\nthere = {there!r}")
             student.run(escape.code)
             got = student.value("got").value
-        except StudentDied:
+        except StudentProcessError:
             got = False
         finally:
             student.close()
         if escape.name == "keep a process alive":
             return not _orphan_lives()
         if escape.name == "leave a file for the next":
-            return not _is_there(workshop, "/tmp/labsid-left-behind")
+            return not _is_there(launcher, "/tmp/labsid-left-behind")
         return got is not True
 
 
-def _is_there(workshop: Workshop, path: str) -> bool:
+def _is_there(launcher: ProcessLauncher, path: str) -> bool:
     """Whether the next submission sees a file."""
-    with bench_folder() as folder:
-        student = workshop.start(folder)
+    with temporary_workdir() as folder:
+        student = launcher.start(folder)
         try:
             student.run(f"import os\nthere = os.path.exists({path!r})")
             return student.value("there").value is True
@@ -220,10 +220,10 @@ def _orphan_lives() -> bool:
 
 
 @contextlib.contextmanager
-def _surroundings(workshop: Workshop) -> Iterator[dict[str, object]]:
+def _surroundings(launcher: ProcessLauncher) -> Iterator[dict[str, object]]:
     """What an escape is after."""
-    with bench_folder() as folder, contextlib.ExitStack() as open_now:
-        there: dict[str, object] = {"grader": os.getpid(), "parent": getattr(workshop, "parent", os.getpid())}
+    with temporary_workdir() as folder, contextlib.ExitStack() as open_now:
+        there: dict[str, object] = {"grader": os.getpid(), "parent": getattr(launcher, "parent", os.getpid())}
         for name in ("course", "submission", "gradebook"):
             path = folder / name
             path.write_text("not for students", encoding="utf-8")

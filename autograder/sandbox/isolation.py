@@ -1,9 +1,9 @@
 """Where student code runs: one process a submission, apart from the judge, and how far it is held in.
 
-The ladder has three rungs. On "namespaces", every submission has a bubblewrap sandbox of its own: no network, no other
+The ladder has three levels. On "namespaces", every submission has a bubblewrap sandbox of its own: no network, no other
 processes, of the files the interpreter alone, one small place to write. On "landlock", the kernel confines a plain
 process to the same files. On "none", it is a plain process with limits. A filter of system calls comes on top of each
-where the system has one. `open_workshop` tries a rung before it stands on it.
+where the system has one. `open_launcher` tries a level before it stands on it.
 """
 
 import contextlib
@@ -14,16 +14,25 @@ from dataclasses import dataclass
 
 from autograder.sandbox.bubblewrap import SandboxError
 from autograder.sandbox.limits import Limits
-from autograder.sandbox.process_launchers import ForkingWorkshop, SpawningWorkshop, Way, Workshop
-from autograder.sandbox.student_process import Reply, Student, StudentDied
-from autograder.sandbox.workdirs import bench_folder, clear_benches
+from autograder.sandbox.process_launchers import ForkingLauncher, ProcessLauncher, SpawningLauncher, Way
+from autograder.sandbox.student_process import Reply, StudentProcess, StudentProcessError
+from autograder.sandbox.workdirs import remove_stale_workdirs, temporary_workdir
 
 __all__ = [
-    "RUNGS", "IsolationError", "Limits", "Reply", "Student", "StudentDied", "Workshop", "bench_folder", "is_weaker",
-    "open_workshop", "rungs_here",
+    "LEVELS",
+    "IsolationError",
+    "Limits",
+    "ProcessLauncher",
+    "Reply",
+    "StudentProcess",
+    "StudentProcessError",
+    "is_weaker",
+    "open_launcher",
+    "probe_levels",
+    "temporary_workdir",
 ]  # fmt: skip
 
-RUNGS = ("namespaces", "landlock", "none")
+LEVELS = ("namespaces", "landlock", "none")
 """Rungs of the ladder, strongest first; "none" is a plain process with limits."""
 
 _PROBE = """
@@ -47,13 +56,13 @@ class IsolationError(ValueError):
 
 
 @dataclass(frozen=True, slots=True)
-class Rung:
-    """A rung as it stands on this machine.
+class IsolationLevel:
+    """A level as it stands on this machine.
 
     Attributes
     ----------
     name : str
-        One of `RUNGS`.
+        One of `LEVELS`.
     why_not : str
         Why it cannot be had; empty where it can.
     """
@@ -63,14 +72,14 @@ class Rung:
 
 
 @contextlib.contextmanager
-def open_workshop(isolation: str = "best", limits: Limits | None = None) -> Iterator[Workshop]:
-    """Open the best workshop that this machine has.
+def open_launcher(isolation: str = "best", limits: Limits | None = None) -> Iterator[ProcessLauncher]:
+    """Open the best launcher that this machine has.
 
     Parameters
     ----------
-    isolation : {"strict", "best", "none"} or a rung
-        ``strict`` demands kernel namespaces; ``best`` takes the strongest rung that holds when it is tried here;
-        the name of a rung demands that one.
+    isolation : {"strict", "best", "none"} or a level
+        ``strict`` demands kernel namespaces; ``best`` takes the strongest level that holds when it is tried here;
+        the name of a level demands that one.
     limits : Limits, optional
         What one submission may use.
 
@@ -79,65 +88,65 @@ def open_workshop(isolation: str = "best", limits: Limits | None = None) -> Iter
     IsolationError
         If what is demanded cannot be had.
     """
-    clear_benches()
-    wanted = {"strict": RUNGS[:1], "best": RUNGS}.get(isolation, (isolation,))
-    if not set(wanted) <= set(RUNGS):
-        raise ValueError(f"isolation: got {isolation!r}, expected strict, best or one of {', '.join(RUNGS)}")
-    workshop, tried = _climb(wanted, limits or Limits())
-    if workshop is None:
-        reasons = "; ".join(f"{rung.name}: {rung.why_not.rstrip('.')}" for rung in tried)
+    remove_stale_workdirs()
+    wanted = {"strict": LEVELS[:1], "best": LEVELS}.get(isolation, (isolation,))
+    if not set(wanted) <= set(LEVELS):
+        raise ValueError(f"isolation: got {isolation!r}, expected strict, best or one of {', '.join(LEVELS)}")
+    launcher, tried = _climb(wanted, limits or Limits())
+    if launcher is None:
+        reasons = "; ".join(f"{level.name}: {level.why_not.rstrip('.')}" for level in tried)
         raise IsolationError(
             f"isolation {isolation!r} cannot be had: {reasons}. 'labsid course doctor' says what this machine holds."
         )
     try:
-        yield workshop
+        yield launcher
     finally:
-        workshop.close()
+        launcher.close()
 
 
-def is_weaker(rung: str, wanted: str) -> bool:
-    """Whether one rung isolates less than another; one that is not known does not."""
-    return rung in RUNGS and wanted in RUNGS and RUNGS.index(rung) > RUNGS.index(wanted)
+def is_weaker(level: str, wanted: str) -> bool:
+    """Whether one level isolates less than another; one that is not known does not."""
+    return level in LEVELS and wanted in LEVELS and LEVELS.index(level) > LEVELS.index(wanted)
 
 
-def rungs_here(limits: Limits | None = None) -> list[Rung]:
-    """Try every rung of the ladder on this machine."""
+def probe_levels(limits: Limits | None = None) -> list[IsolationLevel]:
+    """Try every level of the ladder on this machine."""
     found = []
-    for name in RUNGS:
-        workshop, tried = _climb((name,), limits or Limits())
-        if workshop is not None:
-            workshop.close()
-        found.append(Rung(name, "" if workshop is not None else tried[0].why_not))
+    for name in LEVELS:
+        launcher, tried = _climb((name,), limits or Limits())
+        if launcher is not None:
+            launcher.close()
+        found.append(IsolationLevel(name, "" if launcher is not None else tried[0].why_not))
     return found
 
 
-def _climb(wanted: tuple[str, ...], limits: Limits) -> tuple[Workshop | None, list[Rung]]:
-    """The first of the wanted rungs that holds when it is tried, and those that did not."""
+def _climb(wanted: tuple[str, ...], limits: Limits) -> tuple[ProcessLauncher | None, list[IsolationLevel]]:
+    """The first of the wanted levels that holds when it is tried, and those that did not."""
     if not hasattr(os, "fork"):
-        tried = [Rung(name, "this system has no such isolation") for name in wanted if name != "none"]
-        return (SpawningWorkshop(limits) if "none" in wanted else None), tried
+        tried = [IsolationLevel(name, "this system has no such isolation") for name in wanted if name != "none"]
+        return (SpawningLauncher(limits) if "none" in wanted else None), tried
     try:
-        workshop = ForkingWorkshop(limits)
-    except StudentDied as died:
-        return None, [Rung(name, str(died)) for name in wanted]
+        launcher = ForkingLauncher(limits)
+    except StudentProcessError as died:
+        return None, [IsolationLevel(name, str(died)) for name in wanted]
     tried = []
     try:
         for name in wanted:
             why_not = "this system has no such isolation"
             for way in _ways(name):
-                why_not = _try(workshop, way)
+                why_not = _try(launcher, way)
                 if not why_not:
-                    return workshop, tried
-            tried.append(Rung(name, why_not))
+                    return launcher, tried
+            tried.append(IsolationLevel(name, why_not))
     except BaseException:
-        workshop.close()
+        launcher.close()
         raise
-    workshop.close()
+    launcher.close()
     return None, tried
 
 
 def _ways(name: str) -> list[Way]:
-    """How a rung can be built here, best first."""
+    """How a level can be built here, best first."""
     root = os.name == "posix" and os.geteuid() == 0
     if name != "none" and sys.platform != "linux":
         return []
@@ -147,23 +156,23 @@ def _ways(name: str) -> list[Way]:
     return [Way(name, own_user=True), Way(name)] if root and sys.platform == "linux" else [Way(name)]
 
 
-def _try(workshop: ForkingWorkshop, way: Way) -> str:
-    """Stand on a rung and run code there that looks around; why it does not hold, or nothing."""
-    with bench_folder() as folder, bench_folder() as outside:
+def _try(launcher: ForkingLauncher, way: Way) -> str:
+    """Stand on a level and run code there that looks around; why it does not hold, or nothing."""
+    with temporary_workdir() as folder, temporary_workdir() as outside:
         canary = outside / "canary"
         canary.write_text("not for students", encoding="utf-8")
         try:
-            workshop.stand_on(way)
-            student = workshop.start(folder)
-        except (StudentDied, SandboxError) as error:
+            launcher.stand_on(way)
+            student = launcher.start(folder)
+        except (StudentProcessError, SandboxError) as error:
             return str(error)
         try:
             ran = student.run(_PROBE.format(canary=str(canary)))
             seen, broken = student.value("seen").value, student.value("broken").value
-        except StudentDied as error:
+        except StudentProcessError as error:
             return str(error)
         finally:
             student.close()
     if not ran.ok or broken:
         return f"a trial failed ({broken or ran.error})"
-    return "the files of this machine stay in sight" if seen is not False and way.rung != "none" else ""
+    return "the files of this machine stay in sight" if seen is not False and way.level != "none" else ""

@@ -16,7 +16,7 @@ class Limits:
     cells : int
         Cells that are run.
     memory_bytes, file_bytes, disk_bytes : int
-        Address space of a process, the size of any one file, and of all files together (where the rung can hold that).
+        Address space of a process, the size of any one file, and of all files together (where the level can hold that).
     processes, open_files : int
         Processes and threads beside the first, and open files.
     cpu_seconds : int

@@ -19,25 +19,25 @@ from autograder.sandbox.bubblewrap import WORK, Sandbox, SandboxError, find_bubb
 from autograder.sandbox.channel import ChannelError, receive, send
 from autograder.sandbox.confine import Terms
 from autograder.sandbox.limits import Limits
-from autograder.sandbox.student_process import Student, StudentDied
-from autograder.sandbox.workdirs import new_bench, remove
+from autograder.sandbox.student_process import StudentProcess, StudentProcessError
+from autograder.sandbox.workdirs import make_workdir, remove
 
 _USERS = range(61184, 65520)
 """Users that systemd hands out for a while and nobody else owns files of."""
 
 
-class Workshop(Protocol):
+class ProcessLauncher(Protocol):
     """Something that starts students' processes."""
 
     @property
-    def rung(self) -> str:
-        """Which rung of the ladder it stands on, as written into every result."""
+    def level(self) -> str:
+        """Which level of the ladder it stands on, as written into every result."""
 
     @property
     def limits(self) -> Limits:
         """What one submission may use."""
 
-    def start(self, folder: Path) -> Student:
+    def start(self, folder: Path) -> StudentProcess:
         """Start a process whose work folder holds what `folder` holds."""
 
     def close(self) -> None:
@@ -46,23 +46,23 @@ class Workshop(Protocol):
 
 @dataclass(frozen=True, slots=True)
 class Way:
-    """How a rung is built.
+    """How a level is built.
 
     Attributes
     ----------
-    rung : str
+    level : str
     own_user : bool
         Whether each process becomes a user of its own, as only root can.
     own_user_namespace : bool
         Whether the sandbox has a user namespace, as everybody but root needs.
     """
 
-    rung: str
+    level: str
     own_user: bool = False
     own_user_namespace: bool = False
 
 
-class ForkingWorkshop:
+class ForkingLauncher:
     """Forks every student's process from one pre-imported parent."""
 
     def __init__(self, limits: Limits) -> None:
@@ -75,9 +75,9 @@ class ForkingWorkshop:
         self._zygote = _Zygote(limits)
 
     @property
-    def rung(self) -> str:
-        """The rung that it stands on."""
-        return self._way.rung
+    def level(self) -> str:
+        """The level that it stands on."""
+        return self._way.level
 
     @property
     def parent(self) -> int:
@@ -85,14 +85,14 @@ class ForkingWorkshop:
         return self._zygote.pid
 
     def stand_on(self, way: Way) -> None:
-        """Choose the rung; raises `SandboxError` where what it takes is not installed."""
-        if way.rung == "namespaces":
+        """Choose the level; raises `SandboxError` where what it takes is not installed."""
+        if way.level == "namespaces":
             self._layout = layout(
                 find_bubblewrap(), self._zygote.allowed, self.limits.disk_bytes, way.own_user_namespace
             )
         self._way = way
 
-    def start(self, folder: Path) -> Student:
+    def start(self, folder: Path) -> StudentProcess:
         """Start a process whose work folder holds what `folder` holds."""
         way = self._way
         user = next(self._users) if way.own_user else 0
@@ -100,14 +100,14 @@ class ForkingWorkshop:
         with theirs, contextlib.ExitStack() as undo:
             undo.callback(mine.close)
             sandbox, place = None, None
-            if way.rung == "namespaces":
+            if way.level == "namespaces":
                 sandbox = self._open_sandbox()
                 undo.callback(sandbox.close)
             else:
-                place = new_bench()
+                place = make_workdir()
                 undo.callback(remove, place)
             terms = Terms(
-                rung=way.rung,
+                level=way.level,
                 given=str(folder),
                 folder=str(place or WORK),
                 limits=self.limits.as_rlimits(0 if user else _tasks_of(os.getuid())),
@@ -122,10 +122,10 @@ class ForkingWorkshop:
                 pid = self._fork(terms, theirs)
                 zygote = self._zygote
             undo.pop_all()
-        student = Student(mine, self.limits, lambda: self._end(zygote, pid, sandbox, place))
+        student = StudentProcess(mine, self.limits, lambda: self._end(zygote, pid, sandbox, place))
         try:
             student.greet()
-        except StudentDied:
+        except StudentProcessError:
             student.close()
             raise
         return student
@@ -139,12 +139,12 @@ class ForkingWorkshop:
         try:
             return open_sandbox(self._layout)
         except SandboxError as error:
-            raise StudentDied("crashed", f"the sandbox could not be made: {error}") from None
+            raise StudentProcessError("crashed", f"the sandbox could not be made: {error}") from None
 
     def _fork(self, terms: Terms, channel: socket.socket) -> int:
         try:
             return self._zygote.fork(terms, channel)
-        except (ChannelError, OSError):  # on the last rung student code can end the parent of its process, too
+        except (ChannelError, OSError):  # on the last level student code can end the parent of its process, too
             if self._closed:
                 raise
             self._zygote.close()
@@ -185,7 +185,9 @@ class _Zygote:
         except (ChannelError, TimeoutError) as error:
             self._process.kill()
             self.close()
-            raise StudentDied("crashed", f"the parent of the student processes did not start: {error}") from None
+            raise StudentProcessError(
+                "crashed", f"the parent of the student processes did not start: {error}"
+            ) from None
 
     @property
     def pid(self) -> int:
@@ -213,17 +215,17 @@ class _Zygote:
             self._process.wait()
 
 
-class SpawningWorkshop:
+class SpawningLauncher:
     """Starts every student's process on its own: systems that cannot fork."""
 
-    rung = "none"
+    level = "none"
 
     def __init__(self, limits: Limits) -> None:
         self.limits = limits
 
-    def start(self, folder: Path) -> Student:
+    def start(self, folder: Path) -> StudentProcess:
         """Start a process whose work folder holds what `folder` holds."""
-        token, place = secrets.token_hex(16), new_bench()
+        token, place = secrets.token_hex(16), make_workdir()
         for path in folder.iterdir():
             if path.is_file():
                 shutil.copyfile(path, place / path.name)
@@ -260,12 +262,12 @@ class SpawningWorkshop:
                 greeting = receive(channel)
             except (TimeoutError, ChannelError) as error:
                 end()
-                raise StudentDied("crashed", f"the process did not start: {error}") from None
+                raise StudentProcessError("crashed", f"the process did not start: {error}") from None
         if not secrets.compare_digest(str(greeting.get("token")).encode(), token.encode()):
             channel.close()
             end()
-            raise StudentDied("crashed", "somebody else answered")
-        return Student(channel, self.limits, end)
+            raise StudentProcessError("crashed", "somebody else answered")
+        return StudentProcess(channel, self.limits, end)
 
     def close(self) -> None:
         """Nothing is kept between students."""

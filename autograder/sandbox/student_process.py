@@ -1,6 +1,6 @@
 """One student's process, as the judge sees it: what can be asked of it, and how it may end.
 
-Dying, taking too long and breaking the channel are all `StudentDied`; the caller starts another one.
+Dying, taking too long and breaking the channel are all `StudentProcessError`; the caller starts another one.
 """
 
 import math
@@ -27,15 +27,15 @@ from labsid.checks.values import Value
 _MOST_LINES = 100_000
 
 
-class StudentDied(Exception):
+class StudentProcessError(Exception):
     """The student's process ended, hung, or sent what is no answer; `status` is that of GRADING.md."""
 
     def __init__(self, status: str, text: str) -> None:
         super().__init__(text)
         self.status = status
 
-    def __reduce__(self) -> tuple[type["StudentDied"], tuple[str, str]]:
-        return StudentDied, (self.status, str(self))
+    def __reduce__(self) -> tuple[type["StudentProcessError"], tuple[str, str]]:
+        return StudentProcessError, (self.status, str(self))
 
 
 @dataclass(frozen=True, slots=True)
@@ -48,7 +48,7 @@ class Reply:
     stdout: str = ""
 
 
-class Student:
+class StudentProcess:
     """One student's process, spoken to over its channel."""
 
     def __init__(self, channel: socket.socket, limits: Limits, end: Callable[[], tuple[int, str]]) -> None:
@@ -62,10 +62,10 @@ class Student:
         """When everything must be done, by the monotonic clock."""
 
     def greet(self) -> None:
-        """Wait until the process has settled in; `StudentDied` says why it has not."""
+        """Wait until the process has settled in; `StudentProcessError` says why it has not."""
         reply = self._ask(None, self._limits.start_seconds)
         if not reply.ok:
-            raise StudentDied("crashed", f"the process did not start: {(reply.error or {}).get('text', '')}")
+            raise StudentProcessError("crashed", f"the process did not start: {(reply.error or {}).get('text', '')}")
 
     def run(self, source: str) -> Reply:
         """Run one cell."""
@@ -112,19 +112,21 @@ class Student:
         except TimeoutError:
             self.lost = True
             most = f"all of the notebook together took longer than {self._limits.submission_seconds:g} s"
-            raise StudentDied("timeout", most if left < seconds else f"it took longer than {seconds:g} s") from None
+            raise StudentProcessError(
+                "timeout", most if left < seconds else f"it took longer than {seconds:g} s"
+            ) from None
         except (Gone, OSError):
             self.lost = True
             status, because = self.close()
         except ChannelError as error:
             self.lost = True
-            raise StudentDied("crashed", str(error)) from None
+            raise StudentProcessError("crashed", str(error)) from None
         if because:
-            raise StudentDied("limit", because)
+            raise StudentProcessError("limit", because)
         if os.name == "posix" and status == -signal.SIGXCPU:
-            raise StudentDied("limit", f"it used more than {self._limits.cpu_seconds} s of processor time")
+            raise StudentProcessError("limit", f"it used more than {self._limits.cpu_seconds} s of processor time")
         how = f"was ended by {_name_of(-status)}" if status < 0 else f"ended with exit status {status}"
-        raise StudentDied("crashed", f"its process {how}")
+        raise StudentProcessError("crashed", f"its process {how}")
 
 
 def _name_of(number: int) -> str:

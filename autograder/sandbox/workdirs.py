@@ -11,25 +11,25 @@ import tempfile
 from collections.abc import Iterator
 from pathlib import Path
 
-_NAME = "labsid-bench-"
+_NAME = "labsid-workdir-"
 
 
-def new_bench() -> Path:
+def make_workdir() -> Path:
     """An empty work folder; its name says whose it is."""
     return Path(tempfile.mkdtemp(prefix=f"{_NAME}{os.getpid()}-"))
 
 
 @contextlib.contextmanager
-def bench_folder() -> Iterator[Path]:
+def temporary_workdir() -> Iterator[Path]:
     """An empty work folder, gone afterwards."""
-    folder = new_bench()
+    folder = make_workdir()
     try:
         yield folder
     finally:
         remove(folder)
 
 
-def clear_benches() -> None:
+def remove_stale_workdirs() -> None:
     """Remove the work folders that graders left behind which are no more."""
     for folder in Path(tempfile.gettempdir()).glob(f"{_NAME}*"):
         owner = re.match(rf"{_NAME}(\d+)-", folder.name)

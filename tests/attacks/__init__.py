@@ -1,7 +1,7 @@
 """Hand-ins that try to cheat the grader, to break it, or to reach what is not theirs, each with the score it must get.
 
 An attacker's other answers are the model solution's, so an attack earns all points but those of the questions that it
-spoils. What is held in the file system or by the kernel cannot hold on the rung "none": then an attack says so.
+spoils. What is held in the file system or by the kernel cannot hold on the level "none": then an attack says so.
 """
 
 from collections.abc import Callable, Mapping

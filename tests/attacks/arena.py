@@ -20,18 +20,18 @@ from unittest import mock
 import nbformat
 
 from attacks import QUESTIONS, Attack, answers, hand_ins, processes, reach
-from autograder.batch.executors import LocalCrew
+from autograder.batch.executors import LocalExecutor
 from autograder.batch.grade import Batch, find_batch, grade_batch
 from autograder.course.layout import Course, read_template
 from autograder.results import result_files
 from autograder.results.feedback import write_feedback
 from autograder.results.result_files import StoredResult
-from autograder.sandbox.isolation import Limits, open_workshop
+from autograder.sandbox.isolation import Limits, open_launcher
 
 NAME = "prelab-sinusoids"
 ATTACKS: tuple[Attack, ...] = (*processes.ATTACKS, *answers.ATTACKS, *reach.ATTACKS, *hand_ins.ATTACKS)
 ON = {"best": ATTACKS, "landlock": (*processes.ATTACKS, *reach.ATTACKS), "none": ATTACKS}
-"""What is tried on each rung. On Landlock, where it is not the best, that is what reaches for files, the network,
+"""What is tried on each level. On Landlock, where it is not the best, that is what reaches for files, the network,
 signals and processes: in these it differs from both others. What comes over the channel, or is handed in, does not."""
 HONEST = ("honest-ada", "honest-ben")
 SECRET = b"the secret of this course"
@@ -56,7 +56,7 @@ def student_of(attack: Attack) -> str:
 class Outcome:
     """What came of the batch, and of what was around it."""
 
-    rung: str
+    level: str
     out: Path
     results: dict[str, StoredResult]
     pages: dict[str, str]
@@ -66,8 +66,8 @@ class Outcome:
     left_behind: list[str]
 
     def touched(self) -> list[str]:
-        """What must be as it was and is not: on the last rung, files that a sandbox alone protects do not count."""
-        kept = {"course", "hand-ins", "grades"} | ({"gradebook", "left"} if self.rung != "none" else set())
+        """What must be as it was and is not: on the last level, files that a sandbox alone protects do not count."""
+        kept = {"course", "hand-ins", "grades"} | ({"gradebook", "left"} if self.level != "none" else set())
         return [place for place in sorted(kept) if not self.untouched[place]]
 
     def harmed(self) -> list[str]:
@@ -91,7 +91,7 @@ def as_graded(result: StoredResult) -> list[tuple[Any, ...]]:
 
 
 def fight(course: Course, folder: Path, isolation: str) -> Outcome:
-    """Grade the honest alone, then with the attackers, on a rung of the ladder; `course` is built, `folder` empty."""
+    """Grade the honest alone, then with the attackers, on a level of the ladder; `course` is built, `folder` empty."""
     submitted, earlier = folder / "submitted", folder / "earlier"
     mark = f"attack{os.getpid()}"  # others may fight on this machine at the same time
     left = Path("/dev/shm" if os.path.isdir("/dev/shm") else "/tmp", mark)
@@ -110,11 +110,11 @@ def fight(course: Course, folder: Path, isolation: str) -> Outcome:
     same = mock.patch("autograder.batch.fingerprint.sources_hash", return_value="the same")  # whoever edits meanwhile
     with socket.create_server(("127.0.0.1", 0)) as listener, same:
         listener.setblocking(False)
-        with open_workshop(isolation, LIMITS) as workshop:
-            alone = run(course, find_batch(course, submitted, NAME), folder / "alone", workshop)
+        with open_launcher(isolation, LIMITS) as launcher:
+            alone = run(course, find_batch(course, submitted, NAME), folder / "alone", launcher)
             here = {
                 "grader": os.getpid(),
-                "parent": getattr(workshop, "parent", 0),
+                "parent": getattr(launcher, "parent", 0),
                 "secret": SECRET.decode(),
                 "solution": str(course.source / NAME / f"{NAME}.ipynb"),
                 "other": str(submitted / HONEST[0] / NAME / f"{NAME}.ipynb"),
@@ -127,8 +127,8 @@ def fight(course: Course, folder: Path, isolation: str) -> Outcome:
                 lay_out(attack, submitted / student_of(attack) / NAME, notebook, here)
             before = {place: digest(place) for place in (course.root, submitted, earlier, folder / "alone")}
             batch = find_batch(course, submitted, NAME)
-            found = run(course, batch, folder / "out", workshop, jobs=6)
-            rung = workshop.rung
+            found = run(course, batch, folder / "out", launcher, jobs=6)
+            level = launcher.level
         try:
             listener.accept()[0].close()
             asked = True
@@ -143,13 +143,13 @@ def fight(course: Course, folder: Path, isolation: str) -> Outcome:
         "listener": not asked,
     }
     left.unlink(missing_ok=True)
-    benches = sorted(path.name for path in Path(tempfile.gettempdir()).glob(f"labsid-bench-{os.getpid()}-*"))
+    workdirs_now = sorted(path.name for path in Path(tempfile.gettempdir()).glob(f"labsid-workdir-{os.getpid()}-*"))
     pages = {path.parent.name: path.read_text(encoding="utf-8") for path in write_feedback(folder / "out")}
-    return Outcome(rung, folder / "out", found, pages, alone, untouched, running(mark), benches)
+    return Outcome(level, folder / "out", found, pages, alone, untouched, running(mark), workdirs_now)
 
 
-def run(course: Course, batch: Batch, out: Path, workshop: Any, jobs: int = 1) -> dict[str, StoredResult]:
-    done = list(grade_batch(course, batch, out, LocalCrew(workshop, jobs), SECRET))
+def run(course: Course, batch: Batch, out: Path, launcher: Any, jobs: int = 1) -> dict[str, StoredResult]:
+    done = list(grade_batch(course, batch, out, LocalExecutor(launcher, jobs), SECRET))
     assert sorted(one.student for one in done) == sorted(batch.students)
     return {one.student: one for one in result_files.load_all(out)}
 

@@ -1,4 +1,4 @@
-"""Attacks, graded in one batch beside two honest students: all of them on the best rung and on the last, some between.
+"""Attacks, graded in one batch beside two honest students: all of them on the best level and on the last, some between.
 
 Loopback only. What attacks leave running is ended by the grader, which is what is tested.
 """
@@ -22,7 +22,7 @@ from attacks.arena import ATTACKS, HONEST, LIMITS, NAME, ON, SECRET, Outcome, du
 from autograder.course.build import build_course
 from autograder.course.layout import Course
 from autograder.intake.collect import collect
-from autograder.sandbox.isolation import Rung, open_workshop, rungs_here
+from autograder.sandbox.isolation import IsolationLevel, open_launcher, probe_levels
 from labsid.checks.assignments.prelab_sinusoids import function
 from labsid.lab.sinusoid import make_sinusoids
 
@@ -38,14 +38,14 @@ def course(tmp_path_factory: pytest.TempPathFactory) -> Course:
 
 
 @pytest.fixture(scope="module")
-def machine() -> list[Rung]:
-    """The rungs of the ladder on this machine."""
-    return rungs_here()
+def machine() -> list[IsolationLevel]:
+    """The levels of the ladder on this machine."""
+    return probe_levels()
 
 
 @pytest.fixture(scope="module")
 def outcomes() -> dict[str, Outcome]:
-    """Each rung's batch, graded when it is first asked for."""
+    """Each level's batch, graded when it is first asked for."""
     return {}
 
 
@@ -53,33 +53,33 @@ def outcomes() -> dict[str, Outcome]:
 def outcome(
     request: pytest.FixtureRequest,
     course: Course,
-    machine: list[Rung],
+    machine: list[IsolationLevel],
     outcomes: dict[str, Outcome],
     tmp_path_factory: Any,
 ) -> Outcome:
-    """The batch as it was graded on a rung."""
+    """The batch as it was graded on a level."""
     wanted = request.param
-    best = next(rung.name for rung in machine if not rung.why_not)
+    best = next(level.name for level in machine if not level.why_not)
     if wanted == "best" and best == "none":
-        pytest.skip("this machine has no isolation: the last rung is the best")
+        pytest.skip("this machine has no isolation: the last level is the best")
     if wanted == "landlock":
-        why_not = next(rung.why_not for rung in machine if rung.name == wanted)
+        why_not = next(level.why_not for level in machine if level.name == wanted)
         if why_not or best == wanted:
-            pytest.skip(why_not or "it is the best rung of this machine")
+            pytest.skip(why_not or "it is the best level of this machine")
     if wanted not in outcomes:
         outcomes[wanted] = fight(course, tmp_path_factory.mktemp(wanted), wanted)
     return outcomes[wanted]
 
 
-ON_EACH = [pytest.param(rung, one, id=f"{rung}-{one.name}") for rung, attacks in ON.items() for one in attacks]
-EVERYTHING = [rung for rung, attacks in ON.items() if attacks is ATTACKS]
+ON_EACH = [pytest.param(level, one, id=f"{level}-{one.name}") for level, attacks in ON.items() for one in attacks]
+EVERYTHING = [level for level, attacks in ON.items() if attacks is ATTACKS]
 
 
 @pytest.mark.parametrize(("outcome", "attack"), ON_EACH, indirect=["outcome"])
 def test_an_attack_earns_what_it_should(
     attack: Attack, outcome: Outcome, course: Course, request: pytest.FixtureRequest
 ) -> None:
-    if outcome.rung == "none" and attack.open_on_none:
+    if outcome.level == "none" and attack.open_on_none:
         request.applymarker(pytest.mark.xfail(strict=True, reason=attack.open_on_none))
     result = outcome.results[student_of(attack)]
     scores, expected = scores_of(result), due_to(attack, course)
@@ -179,11 +179,11 @@ def test_a_work_folder_that_leads_elsewhere_gives_nothing_away(tmp_path: Path, c
     book.write_text("0.5", encoding="utf-8")
     tmp_path.chmod(0o755)
     before = [(path.stat().st_uid, path.stat().st_mode) for path in (other, book)]
-    with open_workshop("none", LIMITS) as workshop:
-        student = workshop.start(given)
+    with open_launcher("none", LIMITS) as launcher:
+        student = launcher.start(given)
         student.run(f"import os\nhere, other = os.getcwd(), {str(other)!r}\n{code}")
         student.close()
-        again = workshop.start(given)
+        again = launcher.start(given)
         assert again.run("open('mine', 'w').write('5')").ok
         again.close()
     assert [(path.stat().st_uid, path.stat().st_mode) for path in (other, book)] == before

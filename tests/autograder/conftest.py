@@ -1,4 +1,4 @@
-"""A course built once a session in a folder of its own, a workshop, and a way to grade code without a batch."""
+"""A course built once a session in a folder of its own, a launcher, and a way to grade code without a batch."""
 
 from collections.abc import Iterator
 
@@ -7,7 +7,7 @@ from course_work import GradeCode, copy_course
 
 from autograder.course.build import build_course
 from autograder.course.layout import Course
-from autograder.sandbox.isolation import Limits, Workshop, open_workshop
+from autograder.sandbox.isolation import Limits, ProcessLauncher, open_launcher
 
 
 @pytest.fixture(scope="session")
@@ -19,13 +19,13 @@ def course(tmp_path_factory: pytest.TempPathFactory) -> Course:
 
 
 @pytest.fixture(scope="session")
-def workshop() -> Iterator[Workshop]:
+def launcher() -> Iterator[ProcessLauncher]:
     """Starts students' processes, with short limits."""
-    with open_workshop(limits=Limits(cell_seconds=20, call_seconds=10)) as opened:
+    with open_launcher(limits=Limits(cell_seconds=20, call_seconds=10)) as opened:
         yield opened
 
 
 @pytest.fixture(scope="session")
-def grade_code(course: Course, workshop: Workshop) -> GradeCode:
+def grade_code(course: Course, launcher: ProcessLauncher) -> GradeCode:
     """Grade the model solution with some cells replaced: ``grade_code(assignment, {cell id: source}, record=path)``."""
-    return GradeCode(course, workshop)
+    return GradeCode(course, launcher)

@@ -12,14 +12,14 @@ import nbformat
 import numpy as np
 import pytest
 
-from autograder.batch.assets import PUBLIC_SECRET, Stock, desk_for, individual_file, record_path
-from autograder.batch.executors import LocalCrew
+from autograder.batch.assets import PUBLIC_SECRET, DataStore, individual_file, inputs_for, record_path
+from autograder.batch.executors import LocalExecutor
 from autograder.batch.grade import find_batch, grade_batch
 from autograder.batch.wrong_record import TO_THE_STUDENT, reference_values
 from autograder.course.layout import RECORD_FILE, Course, read_template
 from autograder.course.release import labsid_wheel, read_students, write_individual_releases, write_release
 from autograder.results.result_files import load, result_path
-from autograder.sandbox.isolation import Workshop
+from autograder.sandbox.isolation import ProcessLauncher
 from labsid.checks.notebook import load_assignment
 from labsid.records.record import load_record
 
@@ -29,8 +29,8 @@ STUDENTS = ("ann", "bob", "cat", "dan", "eve", "fay")
 
 
 @pytest.fixture(scope="module")
-def stock(course: Course, tmp_path_factory: pytest.TempPathFactory) -> Stock:
-    return Stock(course, SECRET, tmp_path_factory.mktemp("records"))
+def data_store(course: Course, tmp_path_factory: pytest.TempPathFactory) -> DataStore:
+    return DataStore(course, SECRET, tmp_path_factory.mktemp("records"))
 
 
 def literal(values: Mapping[str, object]) -> str:
@@ -39,7 +39,7 @@ def literal(values: Mapping[str, object]) -> str:
 
 @pytest.fixture(scope="module")
 def graded(
-    course: Course, stock: Stock, workshop: Workshop, tmp_path_factory: pytest.TempPathFactory
+    course: Course, data_store: DataStore, launcher: ProcessLauncher, tmp_path_factory: pytest.TempPathFactory
 ) -> Mapping[str, Path]:
     """Honest ann and fay; bob with the numbers of ann, dan with the course's; cat with a file of ann; eve wrong."""
     folder = tmp_path_factory.mktemp("class")
@@ -58,44 +58,44 @@ def graded(
         right = reference_values(load_assignment(LAB), load_record(path))
         return {"theta_hat": right["lab-2b-theta"]["theta_hat"]}
 
-    anns = record_path(stock, RECORD_FILE, "ann")
+    anns = record_path(data_store, RECORD_FILE, "ann")
     hand_in("ann", {})
     hand_in("bob", {"lab-2b-theta-answer": literal(theta(anns))})
     shutil.copyfile(anns, hand_in("cat", {}) / RECORD_FILE)
     hand_in("dan", {"lab-2b-theta-answer": literal(theta(course.record))})
     hand_in("eve", {"lab-2b-theta-answer": "theta_hat = np.array([1.0, 2.0, 3.0, 4.123456])"})
-    shutil.copyfile(record_path(stock, RECORD_FILE, "fay"), hand_in("fay", {}) / RECORD_FILE)
+    shutil.copyfile(record_path(data_store, RECORD_FILE, "fay"), hand_in("fay", {}) / RECORD_FILE)
     out = folder / "out"
-    list(grade_batch(course, find_batch(course, folder / "submitted", None), out, LocalCrew(workshop, 2), SECRET))
+    list(grade_batch(course, find_batch(course, folder / "submitted", None), out, LocalExecutor(launcher, 2), SECRET))
     return {student: result_path(out, student, LAB) for student in STUDENTS}
 
 
 def test_without_a_secret_everybody_has_the_courses_record(course: Course, tmp_path: Path) -> None:
-    desk = desk_for(Stock(course, None, tmp_path), read_template(course, LAB), "ann")
-    assert desk.files == {RECORD_FILE: course.record}
-    assert desk.assets.secret == PUBLIC_SECRET
+    inputs = inputs_for(DataStore(course, None, tmp_path), read_template(course, LAB), "ann")
+    assert inputs.files == {RECORD_FILE: course.record}
+    assert inputs.assets.secret == PUBLIC_SECRET
     assert list(tmp_path.iterdir()) == []
 
 
-def test_with_a_secret_everybody_has_an_own_record(stock: Stock, course: Course) -> None:
+def test_with_a_secret_everybody_has_an_own_record(data_store: DataStore, course: Course) -> None:
     template = read_template(course, LAB)
-    ann, bob = (desk_for(stock, template, student) for student in ("ann", "bob"))
+    ann, bob = (inputs_for(data_store, template, student) for student in ("ann", "bob"))
     assert ann.assets.record is not None
     assert bob.assets.record is not None
     assert not np.array_equal(ann.assets.record.y, bob.assets.record.y)
     assert ann.files[RECORD_FILE].read_bytes() == individual_file(RECORD_FILE, "ann", SECRET)
     assert ann.assets.secret == SECRET
-    again = desk_for(stock, read_template(course, STEP), "ann")
+    again = inputs_for(data_store, read_template(course, STEP), "ann")
     assert again.files == ann.files
-    other = desk_for(Stock(course, SECRET + b"!", stock.folder), template, "ann")
+    other = inputs_for(DataStore(course, SECRET + b"!", data_store.folder), template, "ann")
     assert other.files[RECORD_FILE] != ann.files[RECORD_FILE]
-    for path in stock.folder.iterdir():
+    for path in data_store.folder.iterdir():
         assert "ann" not in path.name
 
 
-def test_an_id_that_can_have_no_record_is_said(stock: Stock, course: Course) -> None:
+def test_an_id_that_can_have_no_record_is_said(data_store: DataStore, course: Course) -> None:
     with pytest.raises(ValueError, match="control characters"):
-        desk_for(stock, read_template(course, LAB), "a\x07b")
+        inputs_for(data_store, read_template(course, LAB), "a\x07b")
     with pytest.raises(ValueError, match="is the same for everybody"):
         individual_file("other.mat", "ann", SECRET)
 
@@ -149,11 +149,13 @@ def test_the_report_and_the_table_name_them(graded: Mapping[str, Path]) -> None:
     assert rows[0]["reason"].endswith(TO_THE_STUDENT)
 
 
-def test_a_student_of_an_impossible_id_is_quarantined_alone(course: Course, workshop: Workshop, tmp_path: Path) -> None:
+def test_a_student_of_an_impossible_id_is_quarantined_alone(
+    course: Course, launcher: ProcessLauncher, tmp_path: Path
+) -> None:
     for student in ("ann", " bob"):
         shutil.copytree(course.release / LAB, tmp_path / "submitted" / student / LAB)
     batch = find_batch(course, tmp_path / "submitted", None)
-    list(grade_batch(course, batch, tmp_path / "out", LocalCrew(workshop, 2), SECRET))
+    list(grade_batch(course, batch, tmp_path / "out", LocalExecutor(launcher, 2), SECRET))
     assert load(result_path(tmp_path / "out", "ann", LAB)).questions[0].status == "graded"
     refused = load(result_path(tmp_path / "out", " bob", LAB)).questions[0]
     assert refused.status == "quarantined"

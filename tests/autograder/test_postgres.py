@@ -17,13 +17,13 @@ from typing import Any
 import pytest
 from course_work import give_by_hand, scores_in_gradebook
 
-from autograder.batch.executors import LocalCrew
+from autograder.batch.executors import LocalExecutor
 from autograder.batch.grade import find_batch, grade_batch
 from autograder.course.layout import Course
 from autograder.course.nbgrader_access import open_gradebook
 from autograder.results import gradebook, result_files
 from autograder.samples import write_samples
-from autograder.sandbox.isolation import Workshop
+from autograder.sandbox.isolation import ProcessLauncher
 from labsid.cli.commands import main
 
 PRELAB, LAB = "prelab-sinusoids", "lab-identification"
@@ -112,10 +112,10 @@ class Both:
     file: Path
     database: Path
 
-    def grade(self, workshop: Workshop, out: Path) -> list[tuple[str, str]]:
+    def grade(self, launcher: ProcessLauncher, out: Path) -> list[tuple[str, str]]:
         """Grade into one of them; which submissions were graded anew."""
         batch = find_batch(self.course, self.submitted, None)
-        done = grade_batch(self.course, batch, out, LocalCrew(workshop, 2))
+        done = grade_batch(self.course, batch, out, LocalExecutor(launcher, 2))
         return sorted((one.student, one.assignment) for one in done if one.fresh)
 
     def texts(self, name: str) -> list[list[str]]:
@@ -127,7 +127,7 @@ class Both:
 
 
 @pytest.fixture
-def both(course: Course, workshop: Workshop, server: Server, tmp_path: Path) -> Both:
+def both(course: Course, launcher: ProcessLauncher, server: Server, tmp_path: Path) -> Both:
     """Ada's pre-lab is right, ben's lab half right, finn's file is cut off, gil's pre-lab untouched."""
     write_samples(course, tmp_path / "samples")
     for student, name in (("ada", PRELAB), ("ben", LAB), ("finn", LAB)):
@@ -135,18 +135,18 @@ def both(course: Course, workshop: Workshop, server: Server, tmp_path: Path) -> 
     shutil.copytree(course.release / PRELAB, tmp_path / "submitted" / "gil" / PRELAB)
     file, database = out_folder(tmp_path / "file"), out_folder(tmp_path / "database", server.database(tmp_path.name))
     made = Both(course, tmp_path / "submitted", file, database)
-    assert len(made.grade(workshop, file)) == len(made.grade(workshop, database)) == 8
+    assert len(made.grade(launcher, file)) == len(made.grade(launcher, database)) == 8
     return made
 
 
-def test_the_gradebook_is_the_same(both: Both, workshop: Workshop) -> None:
+def test_the_gradebook_is_the_same(both: Both, launcher: ProcessLauncher) -> None:
     scores = scores_in_gradebook(both.database)
     assert len(scores) > 20
     assert scores == scores_in_gradebook(both.file)
     assert not (both.database / "gradebook.db").exists()
     one, other = both.texts("grades.csv")
     assert one == other
-    assert both.grade(workshop, both.database) == []
+    assert both.grade(launcher, both.database) == []
     assert scores_in_gradebook(both.database) == scores
 
 
@@ -168,7 +168,7 @@ def lists_of_formgrader(out: Path) -> list[dict[str, Any]]:
     return sorted(plain, key=str)
 
 
-def test_what_was_given_by_hand_outlives_a_new_grading(both: Both, workshop: Workshop) -> None:
+def test_what_was_given_by_hand_outlives_a_new_grading(both: Both, launcher: ProcessLauncher) -> None:
     path = both.submitted / "ada" / PRELAB / f"{PRELAB}.ipynb"
     notebook = json.loads(path.read_text(encoding="utf-8"))
     notebook["cells"].append({"cell_type": "markdown", "metadata": {}, "source": "Done."})
@@ -177,7 +177,7 @@ def test_what_was_given_by_hand_outlives_a_new_grading(both: Both, workshop: Wor
     for out in (both.file, both.database):
         give_by_hand(out, PRELAB, "ada", OPEN, "Nearly: “see” 3a.", manual_score=0.04)
         give_by_hand(out, PRELAB, "ada", "prelab-1-time", extra_credit=0.2)
-        assert both.grade(workshop, out) == [("ada", PRELAB), ("gil", PRELAB)]
+        assert both.grade(launcher, out) == [("ada", PRELAB), ("gil", PRELAB)]
         assert main(["course", "export", "--out", str(out)]) == 0
     assert scores_in_gradebook(both.database) == scores_in_gradebook(both.file)
     given = gradebook.given_by_hand(both.database)

@@ -21,16 +21,16 @@ import pytest
 
 import autograder
 import labsid
-from autograder.batch import cluster, cluster_worker, executors
-from autograder.batch.assets import Stock, desk_for
+from autograder.batch import cluster, cluster_worker
+from autograder.batch.assets import DataStore, inputs_for
 from autograder.batch.cluster import open_cluster
-from autograder.batch.executors import LocalCrew
+from autograder.batch.executors import LocalExecutor
 from autograder.batch.grade import Batch, Graded, find_batch, grade_batch
 from autograder.course.layout import Course, read_template
 from autograder.course.sources import sources_hash
 from autograder.results import result_files
-from autograder.sandbox.isolation import RUNGS, Limits, open_workshop
-from autograder.sandbox.student_process import StudentDied
+from autograder.sandbox.isolation import LEVELS, Limits, open_launcher
+from autograder.sandbox.student_process import StudentProcessError
 from labsid.checks.question import Origin
 from labsid.cli.commands import main
 
@@ -150,8 +150,8 @@ def write_hand_in(course: Course, submitted: Path, student: str, changed: Mappin
 def local(course: Course, batch: Batch, tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The same class, graded on this machine."""
     out = tmp_path_factory.mktemp("local")
-    with open_workshop(limits=LIMITS) as workshop:
-        list(grade_batch(course, batch, out, LocalCrew(workshop, 2), SECRET))
+    with open_launcher(limits=LIMITS) as launcher:
+        list(grade_batch(course, batch, out, LocalExecutor(launcher, 2), SECRET))
     return out
 
 
@@ -162,8 +162,8 @@ def rows(out: Path, *students: str) -> list[list[str]]:
 
 
 def grade(course: Course, batch: Batch, out: Path, machines: Machines, told: list[str]) -> Iterator[Graded]:
-    with open_cluster(machines.address, "best", told.append, LIMITS) as crew:
-        yield from grade_batch(course, batch, out, crew, SECRET)
+    with open_cluster(machines.address, "best", told.append, LIMITS) as executor:
+        yield from grade_batch(course, batch, out, executor, SECRET)
 
 
 def test_a_worker_killed_half_way_costs_nothing_and_without_workers_the_run_ends(
@@ -201,10 +201,10 @@ def test_a_submission_that_ends_its_workers_costs_only_itself(
     (tmp_path / "killer.py").write_text(
         "import os, signal\n"
         "from autograder.batch import cluster_worker, executors\n"
-        "def carry_out(task, workshop):\n"
+        "def carry_out(task, launcher):\n"
         "    if task.submission.student == 'bea':\n"
         "        os.kill(os.getpid(), signal.SIGKILL)\n"
-        "    return executors.carry_out(task, workshop)\n"
+        "    return executors.carry_out(task, launcher)\n"
         "cluster_worker.carry_out = carry_out\n",
         encoding="utf-8",
     )
@@ -214,7 +214,7 @@ def test_a_submission_that_ends_its_workers_costs_only_itself(
     one = replace(batch, students=("bea",))
     told: list[str] = []
     with monkeypatch.context() as patch:
-        patch.setattr(cluster, "is_weaker", lambda rung, wanted: True)
+        patch.setattr(cluster, "is_weaker", lambda level, wanted: True)
         list(grade(course, one, tmp_path / "out", machines, told))
     (line,) = told
     assert line.startswith("prelab-sinusoids of bea: quarantined, as on the cluster it ended 1 workers, and on this")
@@ -249,10 +249,10 @@ def test_a_worker_with_another_labsid_is_refused(
     few = replace(batch, students=RIGHT)
     with monkeypatch.context() as patch:
         patch.undo()
-        with open_cluster(machines.address, "best", told.append, LIMITS) as crew:
+        with open_cluster(machines.address, "best", told.append, LIMITS) as executor:
             machines.add_worker(PYTHONPATH=str(other))
-            crew._client.wait_for_workers(2, timeout=60)
-            list(grade_batch(course, few, tmp_path / "out", crew, SECRET))
+            executor._client.wait_for_workers(2, timeout=60)
+            list(grade_batch(course, few, tmp_path / "out", executor, SECRET))
     (line,) = told
     assert "is refused: its labsid has other sources than this machine's" in line
     assert rows(tmp_path / "out") == rows(local, "student", *RIGHT)
@@ -280,9 +280,9 @@ def test_stopped_by_ctrl_c_and_by_a_scheduler_that_dies_a_run_goes_on(
     (tmp_path / "slow.py").write_text(
         "import time\n"
         "from autograder.batch import cluster_worker, executors\n"
-        "def carry_out(task, workshop):\n"
+        "def carry_out(task, launcher):\n"
         "    time.sleep(0.3)\n"
-        "    return executors.carry_out(task, workshop)\n"
+        "    return executors.carry_out(task, launcher)\n"
         "cluster_worker.carry_out = carry_out\n",
         encoding="utf-8",
     )
@@ -366,7 +366,7 @@ def test_a_scheduler_without_workers_is_not_waited_for(machines: Machines, monke
 
 @pytest.fixture
 def fresh_worker(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
-    """This process as a worker that has no workshop yet."""
+    """This process as a worker that has no launcher yet."""
     with contextlib.ExitStack() as opened:
         monkeypatch.setattr(cluster_worker, "_OPEN", {})
         monkeypatch.setattr(cluster_worker, "_TO_CLOSE", opened)
@@ -389,19 +389,19 @@ def test_what_a_worker_is_refused_for(monkeypatch: pytest.MonkeyPatch) -> None:
         patch.setattr("autograder.sandbox.isolation._climb", lambda wanted, limits: (None, []))
         assert "isolation 'strict' cannot be had" in refused(isolation="strict")
     with monkeypatch.context() as patch:
-        patch.setattr(cluster_worker, "holds", lambda workshop, escape: False)
+        patch.setattr(cluster_worker, "holds", lambda launcher, escape: False)
         assert "student code on it could connect to the scheduler" in refused()
         assert cluster_worker.greet(replace(wanted, isolation="none")) == "none"
-    assert cluster_worker.greet(wanted) in RUNGS
+    assert cluster_worker.greet(wanted) in LEVELS
 
 
 def test_what_goes_over_the_wire_comes_out_the_same(course: Course, tmp_path: Path) -> None:
     for name in course.assignments():
-        assets = desk_for(Stock(course, SECRET, tmp_path), read_template(course, name), "ann").assets
+        assets = inputs_for(DataStore(course, SECRET, tmp_path), read_template(course, name), "ann").assets
         sent = pickle.loads(pickle.dumps(assets))
         assert (sent.template, sent.assignment, sent.origin) == (assets.template, assets.assignment, assets.origin)
         assert sent.secret == SECRET
         assert "secret" not in repr(assets)
     assert "secret" not in repr(Origin("ann", SECRET))
-    died = pickle.loads(pickle.dumps(StudentDied("limit", "it took too long")))
-    assert (type(died), died.status, str(died)) == (StudentDied, "limit", "it took too long")
+    died = pickle.loads(pickle.dumps(StudentProcessError("limit", "it took too long")))
+    assert (type(died), died.status, str(died)) == (StudentProcessError, "limit", "it took too long")

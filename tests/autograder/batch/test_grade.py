@@ -16,14 +16,13 @@ import numpy as np
 import pytest
 from course_work import give_by_hand, scores_in_gradebook
 
-from autograder.batch.assets import Stock, desk_for
-from autograder.batch.executors import LocalCrew
+from autograder.batch.assets import DataStore, inputs_for
+from autograder.batch.executors import LocalExecutor
 from autograder.batch.fingerprint import fingerprint
 from autograder.batch.grade import Batch, Graded, find_batch, grade_batch, write_grades
 from autograder.course.layout import Course, read_template
 from autograder.export.grades_csv import export_csv
 from autograder.intake.submission import Step
-from autograder.judge import judging
 from autograder.judge.ask import ProcessAsk
 from autograder.judge.judging import QuestionResult, Ran, SubmissionResult
 from autograder.results import gradebook, result_files
@@ -32,7 +31,7 @@ from autograder.results.feedback import readable, write_feedback
 from autograder.results.result_files import StoredResult, plain_decimal, write_csv
 from autograder.results.summary import class_table
 from autograder.samples import write_samples
-from autograder.sandbox.isolation import RUNGS, Reply, Workshop, open_workshop
+from autograder.sandbox.isolation import LEVELS, ProcessLauncher, Reply, StudentProcessError, open_launcher
 
 PRELAB, LAB = "prelab-sinusoids", "lab-identification"
 OPEN = "prelab-6-clock"
@@ -64,7 +63,7 @@ def unchanged_code() -> Iterator[None]:
 
 
 @pytest.fixture(scope="module")
-def graded(course: Course, workshop: Workshop, tmp_path_factory: pytest.TempPathFactory) -> Class:
+def graded(course: Course, launcher: ProcessLauncher, tmp_path_factory: pytest.TempPathFactory) -> Class:
     folder = tmp_path_factory.mktemp("class")
     write_samples(course, folder / "samples")
     for student, name in (("ada", PRELAB), ("ben", LAB), ("finn", LAB)):
@@ -73,7 +72,7 @@ def graded(course: Course, workshop: Workshop, tmp_path_factory: pytest.TempPath
     (folder / "submitted" / ".DS_Store").touch()
     (folder / "submitted" / ".cache").mkdir()
     batch = find_batch(course, folder / "submitted", None)
-    done = list(grade_batch(course, batch, folder / "out", LocalCrew(workshop, 2)))
+    done = list(grade_batch(course, batch, folder / "out", LocalExecutor(launcher, 2)))
     assert sorted((one.student, one.assignment) for one in done) == sorted(
         (student, name) for student in ("ada", "ben", "finn", "gil") for name in (PRELAB, LAB)
     )
@@ -89,8 +88,8 @@ def again(graded: Class, tmp_path: Path) -> Class:
     return Class(graded.course, find_batch(graded.course, tmp_path / "submitted", None), tmp_path / "out")
 
 
-def regrade(klass: Class, workshop: Workshop) -> set[Graded]:
-    return {one for one in grade_batch(klass.course, klass.batch, klass.out, LocalCrew(workshop, 2)) if one.fresh}
+def regrade(klass: Class, launcher: ProcessLauncher) -> set[Graded]:
+    return {one for one in grade_batch(klass.course, klass.batch, klass.out, LocalExecutor(launcher, 2)) if one.fresh}
 
 
 def same_but_seconds(one: Path, other: Path, assignment: str = "") -> bool:
@@ -136,7 +135,7 @@ def test_scores_are_exact_decimals(graded: Class) -> None:
         assert Decimal(row["max_score"]) == points[row["question"]]
         assert row["max_score"] == plain_decimal(points[row["question"]])
         assert row["score"] in ("", "0", row["max_score"])
-        assert row["isolation"] in RUNGS
+        assert row["isolation"] in LEVELS
         assert re.fullmatch(r"\d+\.\d{3}", row["seconds"])
     lab = [row for row in graded.grades().values() if (row["student"], row["assignment"]) == ("ben", LAB)]
     assert sum(Decimal(row["max_score"]) for row in lab) == Decimal("2")
@@ -160,53 +159,53 @@ def test_each_student_gets_what_is_due(graded: Class) -> None:
         assert (row["score"], row["status"]) in (("0", "graded"), ("", "manual"))
 
 
-def test_two_runs_are_equal_in_all_but_seconds(graded: Class, workshop: Workshop, tmp_path: Path) -> None:
+def test_two_runs_are_equal_in_all_but_seconds(graded: Class, launcher: ProcessLauncher, tmp_path: Path) -> None:
     batch = find_batch(graded.course, graded.batch.submitted, LAB)
-    list(grade_batch(graded.course, batch, tmp_path, LocalCrew(workshop)))
+    list(grade_batch(graded.course, batch, tmp_path, LocalExecutor(launcher)))
     assert same_but_seconds(graded.out, tmp_path, LAB)
 
 
 # ---- running again
 
 
-def test_a_second_run_grades_nothing_anew(again: Class, graded: Class, workshop: Workshop) -> None:
+def test_a_second_run_grades_nothing_anew(again: Class, graded: Class, launcher: ProcessLauncher) -> None:
     (again.out / "grades.csv").unlink()
-    assert regrade(again, workshop) == set()
+    assert regrade(again, launcher) == set()
     assert (again.out / "grades.csv").read_bytes() == (graded.out / "grades.csv").read_bytes()
 
 
-def test_only_what_changed_is_graded_anew(again: Class, graded: Class, workshop: Workshop) -> None:
+def test_only_what_changed_is_graded_anew(again: Class, graded: Class, launcher: ProcessLauncher) -> None:
     add_a_cell(again, "gil", PRELAB)
-    assert regrade(again, workshop) == {Graded("gil", PRELAB, True, "submission")}
+    assert regrade(again, launcher) == {Graded("gil", PRELAB, True, "submission")}
     assert same_but_seconds(graded.out, again.out)
 
 
-def test_a_broken_result_is_graded_anew(again: Class, graded: Class, workshop: Workshop) -> None:
+def test_a_broken_result_is_graded_anew(again: Class, graded: Class, launcher: ProcessLauncher) -> None:
     for student, content in (("finn", "{"), ("gil", '{"schema": "labsid.result/0"}'), ("ada", "[]")):
         (again.out / "results" / student / f"{PRELAB}.json").write_text(content, encoding="utf-8")
-    assert regrade(again, workshop) == {Graded(student, PRELAB, True, "new") for student in ("ada", "finn", "gil")}
+    assert regrade(again, launcher) == {Graded(student, PRELAB, True, "new") for student in ("ada", "finn", "gil")}
     assert same_but_seconds(graded.out, again.out)
 
 
 def test_a_gradebook_that_is_gone_is_filled_again_without_grading(
-    again: Class, graded: Class, workshop: Workshop
+    again: Class, graded: Class, launcher: ProcessLauncher
 ) -> None:
     (again.out / "gradebook.db").unlink()
-    assert regrade(again, workshop) == set()
+    assert regrade(again, launcher) == set()
     assert scores_in_gradebook(again.out) == scores_in_gradebook(graded.out)
 
 
 def test_what_a_killed_run_had_not_entered_is_entered_by_the_next(
-    again: Class, graded: Class, workshop: Workshop, monkeypatch: pytest.MonkeyPatch
+    again: Class, graded: Class, launcher: ProcessLauncher, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Killed after the results and before the gradebook: nothing is graded again, nothing is missing or twice."""
     (again.out / "gradebook.db").unlink()
     shutil.rmtree(again.out / "results")
     monkeypatch.setattr(gradebook, "enter", lambda out, stored: 0)
-    assert len(regrade(again, workshop)) == 8
+    assert len(regrade(again, launcher)) == 8
     monkeypatch.undo()
     monkeypatch.setattr("autograder.batch.fingerprint.sources_hash", lambda *modules: "the same")
-    assert regrade(again, workshop) == set()
+    assert regrade(again, launcher) == set()
     assert scores_in_gradebook(again.out) == scores_in_gradebook(graded.out)
     assert gradebook.enter(again.out, result_files.load_all(again.out)) == 0
 
@@ -218,8 +217,8 @@ def test_every_part_of_a_fingerprint_counts(course: Course, tmp_path: Path, monk
     folder.mkdir(parents=True)
 
     def parts(root: Path = course.root, secret: bytes | None = None) -> dict[str, str]:
-        stock = Stock(Course(root), secret, tmp_path / "records")
-        return fingerprint(stock, desk_for(stock, template, "ann"), folder)
+        data_store = DataStore(Course(root), secret, tmp_path / "records")
+        return fingerprint(data_store, inputs_for(data_store, template, "ann"), folder)
 
     def differing(other: dict[str, str]) -> set[str]:
         return {part for part, found in other.items() if found != first[part]}
@@ -249,7 +248,7 @@ class Killed(BaseException):
 
 
 def test_killed_at_any_write_nothing_is_lost_or_doubled(
-    graded: Class, workshop: Workshop, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    graded: Class, launcher: ProcessLauncher, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """At a file that is written or a change of the gradebook that is committed: the last ones, and some before."""
     from sqlalchemy import event
@@ -269,7 +268,7 @@ def test_killed_at_any_write_nothing_is_lost_or_doubled(
 
     def grade(out: Path, killed_at: int) -> None:
         writes[:] = 0, killed_at
-        list(grade_batch(graded.course, batch, out, LocalCrew(workshop)))
+        list(grade_batch(graded.course, batch, out, LocalExecutor(launcher)))
 
     monkeypatch.setattr("autograder.results.result_files.write_file", write)
     event.listen(Engine, "commit", step)
@@ -288,22 +287,22 @@ def test_killed_at_any_write_nothing_is_lost_or_doubled(
     assert len(moments) > 8
 
 
-def test_only_one_run_writes(again: Class, workshop: Workshop) -> None:
-    first = grade_batch(again.course, again.batch, again.out, LocalCrew(workshop))
+def test_only_one_run_writes(again: Class, launcher: ProcessLauncher) -> None:
+    first = grade_batch(again.course, again.batch, again.out, LocalExecutor(launcher))
     next(first)
     with pytest.raises(ValueError, match="another 'labsid course grade' is writing to"):
-        next(grade_batch(again.course, again.batch, again.out, LocalCrew(workshop)))
+        next(grade_batch(again.course, again.batch, again.out, LocalExecutor(launcher)))
     first.close()
-    assert regrade(again, workshop) == set()
+    assert regrade(again, launcher) == set()
 
 
 @pytest.mark.parametrize("stop", [RuntimeError, KeyboardInterrupt])
 def test_a_run_that_is_stopped_goes_on_where_it_was(
-    graded: Class, workshop: Workshop, tmp_path: Path, stop: type[BaseException]
+    graded: Class, launcher: ProcessLauncher, tmp_path: Path, stop: type[BaseException]
 ) -> None:
     batch = find_batch(graded.course, graded.batch.submitted, PRELAB)
-    with open_workshop() as doomed:
-        run = grade_batch(graded.course, batch, tmp_path, LocalCrew(doomed, 2))
+    with open_launcher() as doomed:
+        run = grade_batch(graded.course, batch, tmp_path, LocalExecutor(doomed, 2))
         first = {next(run), next(run)}
         with pytest.raises(stop):
             run.throw(stop)
@@ -312,15 +311,15 @@ def test_a_run_that_is_stopped_goes_on_where_it_was(
     assert {(one.student, one.assignment) for one in first} == kept
     assert not list(tmp_path.rglob("*.partial"))
 
-    assert len(regrade(Class(graded.course, batch, tmp_path), workshop)) == 2
+    assert len(regrade(Class(graded.course, batch, tmp_path), launcher)) == 2
     assert same_but_seconds(graded.out, tmp_path, PRELAB)
     entered = {key: score for key, score in scores_in_gradebook(graded.out).items() if key[1] == PRELAB}
     assert scores_in_gradebook(tmp_path) == entered
 
 
-def test_a_caller_may_stop_asking(graded: Class, workshop: Workshop, tmp_path: Path) -> None:
+def test_a_caller_may_stop_asking(graded: Class, launcher: ProcessLauncher, tmp_path: Path) -> None:
     batch = find_batch(graded.course, graded.batch.submitted, PRELAB)
-    run = grade_batch(graded.course, batch, tmp_path, LocalCrew(workshop))
+    run = grade_batch(graded.course, batch, tmp_path, LocalExecutor(launcher))
     first = next(run)
     run.close()
     kept = [(path.parent.name, path.stem) for path in (tmp_path / "results").glob("*/*.json")]
@@ -328,11 +327,11 @@ def test_a_caller_may_stop_asking(graded: Class, workshop: Workshop, tmp_path: P
 
 
 def test_the_gradebook_is_not_entered_twice_when_stopped_before_the_result(
-    again: Class, graded: Class, workshop: Workshop
+    again: Class, graded: Class, launcher: ProcessLauncher
 ) -> None:
     """Killed between the two writes: the gradebook has the score, the result is not there yet."""
     (again.out / "results" / "gil" / f"{PRELAB}.json").unlink()
-    assert regrade(again, workshop) == {Graded("gil", PRELAB, True, "new")}
+    assert regrade(again, launcher) == {Graded("gil", PRELAB, True, "new")}
     assert scores_in_gradebook(again.out) == scores_in_gradebook(graded.out)
 
 
@@ -359,10 +358,12 @@ def by_hand(again: Class) -> Callable[..., None]:
     return partial(give_by_hand, again.out, PRELAB)
 
 
-def test_what_was_given_by_hand_outlives_a_new_grading(again: Class, by_hand: Callable, workshop: Workshop) -> None:
+def test_what_was_given_by_hand_outlives_a_new_grading(
+    again: Class, by_hand: Callable, launcher: ProcessLauncher
+) -> None:
     by_hand("ada", OPEN, "Nearly: see <the> hint & 3a.", manual_score=0.04)
     add_a_cell(again, "ada", PRELAB)
-    assert regrade(again, workshop) == {Graded("ada", PRELAB, True, "submission")}
+    assert regrade(again, launcher) == {Graded("ada", PRELAB, True, "submission")}
     row = again.grades()["ada", PRELAB, OPEN]
     assert (row["score"], row["max_score"], row["status"]) == ("0.04", "0.05", "manual")
     with gradebook.open_gradebook(gradebook.database_url(again.out)) as book:
@@ -399,9 +400,9 @@ def test_extra_credit_is_added_exactly(again: Class, by_hand: Callable) -> None:
     assert again.grades()["gil", PRELAB, OPEN]["score"] == ""
 
 
-def test_a_broken_second_hand_in_takes_the_automatic_scores_with_it(again: Class, workshop: Workshop) -> None:
+def test_a_broken_second_hand_in_takes_the_automatic_scores_with_it(again: Class, launcher: ProcessLauncher) -> None:
     (again.batch.submitted / "ada" / PRELAB / f"{PRELAB}.ipynb").write_text("{", encoding="utf-8")
-    assert regrade(again, workshop) == {Graded("ada", PRELAB, True, "submission")}
+    assert regrade(again, launcher) == {Graded("ada", PRELAB, True, "submission")}
     assert {row["score"] for (student, _, _), row in again.grades().items() if student == "ada"} == {"0"}
     assert {score for (student, _, _), (score, _, _) in scores_in_gradebook(again.out).items() if student == "ada"} == {
         0
@@ -480,7 +481,7 @@ def test_added_cells_errors_and_deaths_are_in_the_autograded_notebook(graded: Cl
             ran(Step(None, "extra", "before", True), stdout="said \ud800"),
             ran(Step(first.id, "given", first.source, True), error={"kind": "NameError", "text": "no x"}),
             ran(Step(None, "extra", "a *note*", False)),
-            Ran(Step(None, "extra", "end()", True), Reply(False), death=judging.StudentDied("crashed", "it ended")),
+            Ran(Step(None, "extra", "end()", True), Reply(False), StudentProcessError("crashed", "it ended")),
         ), (), "none",
     )  # fmt: skip
     write_autograded(course, tmp_path, result)
@@ -745,19 +746,21 @@ def test_an_assignment_can_be_graded_though_nobody_handed_it_in(course: Course, 
     assert find_batch(course, tmp_path, LAB) == Batch(tmp_path, ("ann",), (LAB,))
 
 
-def test_only_what_was_asked_for_is_graded(graded: Class, workshop: Workshop, tmp_path: Path) -> None:
+def test_only_what_was_asked_for_is_graded(graded: Class, launcher: ProcessLauncher, tmp_path: Path) -> None:
     batch = find_batch(graded.course, graded.batch.submitted, PRELAB)
-    list(grade_batch(graded.course, batch, tmp_path, LocalCrew(workshop)))
+    list(grade_batch(graded.course, batch, tmp_path, LocalExecutor(launcher)))
     assert {row["assignment"] for row in read_csv(tmp_path / "grades.csv")} == {PRELAB}
 
 
-def test_a_course_that_is_not_built_is_said(graded: Class, workshop: Workshop, tmp_path: Path) -> None:
+def test_a_course_that_is_not_built_is_said(graded: Class, launcher: ProcessLauncher, tmp_path: Path) -> None:
     shutil.copytree(graded.course.notebooks, tmp_path / "notebooks")
     with pytest.raises(ValueError, match=r"has not been built .*labsid course build"):
-        list(grade_batch(Course(tmp_path), graded.batch, tmp_path / "out", LocalCrew(workshop)))
+        list(grade_batch(Course(tmp_path), graded.batch, tmp_path / "out", LocalExecutor(launcher)))
 
 
-def test_strange_things_in_a_hand_in_do_not_stop_the_class(graded: Class, workshop: Workshop, tmp_path: Path) -> None:
+def test_strange_things_in_a_hand_in_do_not_stop_the_class(
+    graded: Class, launcher: ProcessLauncher, tmp_path: Path
+) -> None:
     """A folder, a dangling link and a half character where a notebook should be."""
     submitted = tmp_path / "submitted"
     (submitted / "ann" / PRELAB / f"{PRELAB}.ipynb").mkdir(parents=True)
@@ -774,12 +777,12 @@ def test_strange_things_in_a_hand_in_do_not_stop_the_class(graded: Class, worksh
     path.write_text(json.dumps(notebook), encoding="utf-8")
     batch = find_batch(graded.course, submitted, None)
     out = tmp_path / "out"
-    assert len(list(grade_batch(graded.course, batch, out, LocalCrew(workshop)))) == 3
+    assert len(list(grade_batch(graded.course, batch, out, LocalExecutor(launcher)))) == 3
     rows = read_csv(out / "grades.csv")
     assert {row["status"] for row in rows if row["student"] != "cat"} == {"missing"}
     assert {row["status"] for row in rows if row["student"] == "cat"} == {"graded", "manual"}
     assert len(list(write_feedback(out))) == 3
-    assert list(grade_batch(graded.course, batch, out, LocalCrew(workshop))) == [
+    assert list(grade_batch(graded.course, batch, out, LocalExecutor(launcher))) == [
         Graded(student, PRELAB, fresh=False) for student in ("ann", "bob", "cat")
     ]
 

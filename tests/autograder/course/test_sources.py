@@ -8,7 +8,7 @@ from autograder.batch.fingerprint import JUDGING
 from autograder.course.layout import sources
 from autograder.course.sources import closure, source_path, sources_hash
 from autograder.results import gradebook
-from autograder.sandbox.isolation import RUNGS, is_weaker
+from autograder.sandbox.isolation import LEVELS, is_weaker
 
 LAB = "labsid.checks.assignments.lab_identification"
 
@@ -56,12 +56,12 @@ def test_what_is_no_module_of_ours_has_no_source(name: str) -> None:
 
 
 def test_a_result_of_less_isolation_than_there_is_nowis_weaker() -> None:
-    assert RUNGS[-1] == "none"
-    for rung in RUNGS[:-1]:
-        assert is_weaker("none", rung)
-        assert not is_weaker(rung, "none")
+    assert LEVELS[-1] == "none"
+    for level in LEVELS[:-1]:
+        assert is_weaker("none", level)
+        assert not is_weaker(level, "none")
     assert not is_weaker("none", "none")
-    assert not is_weaker("of another version", RUNGS[0])
+    assert not is_weaker("of another version", LEVELS[0])
 
 
 def test_the_gradebook_is_where_nbgraders_own_setting_says(tmp_path: Path) -> None:

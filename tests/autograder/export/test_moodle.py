@@ -12,7 +12,7 @@ from pathlib import Path
 
 import pytest
 
-from autograder.batch.executors import LocalCrew
+from autograder.batch.executors import LocalExecutor
 from autograder.batch.grade import Graded, find_batch, grade_batch
 from autograder.course.layout import Course
 from autograder.export.grades_csv import export_csv
@@ -28,7 +28,7 @@ from autograder.results.report import report_page, write_report
 from autograder.results.result_files import StoredResult
 from autograder.results.similar import alike, normal_form, work_of
 from autograder.results.summary import class_table
-from autograder.sandbox.isolation import Workshop
+from autograder.sandbox.isolation import ProcessLauncher
 
 PRELAB = "prelab-sinusoids"
 NOTHING = ByHand({}, {}, frozenset())
@@ -149,7 +149,7 @@ def test_a_worksheet_without_the_columns_is_said(out: Path) -> None:
 
 
 def test_lateness_is_taken_off_everywhere_and_can_be_changed_without_grading(
-    course: Course, workshop: Workshop, tmp_path: Path
+    course: Course, launcher: ProcessLauncher, tmp_path: Path
 ) -> None:
     for student in ("ann", "bob"):
         shutil.copytree(course.source / PRELAB, tmp_path / "submitted" / student / PRELAB)
@@ -160,7 +160,7 @@ def test_lateness_is_taken_off_everywhere_and_can_be_changed_without_grading(
     def grade(rules: str | None) -> list[Graded]:
         late = None if rules is None else parse_rules(rules)
         batch = find_batch(course, tmp_path / "submitted", None)
-        return list(grade_batch(course, batch, out, LocalCrew(workshop, 2), late=late))
+        return list(grade_batch(course, batch, out, LocalExecutor(launcher, 2), late=late))
 
     def exported() -> Mapping[str, tuple[str, str]]:
         with export_csv(out).open(encoding="utf-8", newline="") as file:
@@ -200,13 +200,13 @@ def test_a_penalty_takes_no_more_than_there_is() -> None:
 
 
 def test_hand_grading_survives_and_is_flagged_when_the_automatic_part_changes(
-    course: Course, workshop: Workshop, tmp_path: Path
+    course: Course, launcher: ProcessLauncher, tmp_path: Path
 ) -> None:
     open_question = "prelab-6-clock"
     path = tmp_path / "submitted" / "ann" / PRELAB / f"{PRELAB}.ipynb"
     shutil.copytree(course.source / PRELAB, path.parent)
     batch, out = find_batch(course, tmp_path / "submitted", None), tmp_path / "out"
-    list(grade_batch(course, batch, out, LocalCrew(workshop)))
+    list(grade_batch(course, batch, out, LocalExecutor(launcher)))
     with gradebook.open_gradebook(gradebook.database_url(out)) as book:
         grade = book.find_grade(open_question, PRELAB, PRELAB, "ann")
         grade.manual_score, grade.needs_manual_grade = 0.03, False
@@ -214,13 +214,13 @@ def test_hand_grading_survives_and_is_flagged_when_the_automatic_part_changes(
     notebook = json.loads(path.read_text(encoding="utf-8"))
     notebook["cells"].append({"cell_type": "markdown", "metadata": {}, "source": "Done."})
     path.write_text(json.dumps(notebook), encoding="utf-8")
-    list(grade_batch(course, batch, out, LocalCrew(workshop)))
+    list(grade_batch(course, batch, out, LocalExecutor(launcher)))
     assert gradebook.given_by_hand(out).look_again == frozenset()  # graded again, and nothing came out otherwise
 
     (cell,) = (cell for cell in notebook["cells"] if cell.get("id") == "prelab-1-time-answer")
     cell["source"] = "t = 0"
     path.write_text(json.dumps(notebook), encoding="utf-8")
-    list(grade_batch(course, batch, out, LocalCrew(workshop)))
+    list(grade_batch(course, batch, out, LocalExecutor(launcher)))
     given = gradebook.given_by_hand(out)
     assert given.scores["ann", PRELAB, open_question] == Decimal("0.03")
     assert given.look_again == {("ann", PRELAB, open_question)}
@@ -229,7 +229,7 @@ def test_hand_grading_survives_and_is_flagged_when_the_automatic_part_changes(
     with gradebook.open_gradebook(gradebook.database_url(out)) as book:
         book.find_grade(open_question, PRELAB, PRELAB, "ann").needs_manual_grade = False  # the teacher has looked
         book.db.commit()
-    assert not any(one.fresh for one in grade_batch(course, batch, out, LocalCrew(workshop)))
+    assert not any(one.fresh for one in grade_batch(course, batch, out, LocalExecutor(launcher)))
     assert gradebook.given_by_hand(out).look_again == frozenset()
 
 

@@ -14,8 +14,8 @@ from autograder.course.layout import Cell, Template
 from autograder.intake.submission import Step, Submission
 from autograder.judge.judging import Assets, QuestionResult, judge_submission
 from autograder.sandbox.confine import make_call_filter
-from autograder.sandbox.isolation import Limits, StudentDied, Workshop, open_workshop
-from autograder.sandbox.process_launchers import SpawningWorkshop
+from autograder.sandbox.isolation import Limits, ProcessLauncher, StudentProcessError, open_launcher
+from autograder.sandbox.process_launchers import SpawningLauncher
 from labsid.checks.compare import as_number, as_vector, close
 from labsid.checks.notebook import NotebookAsk
 from labsid.checks.question import Ask, Assignment, Question
@@ -53,38 +53,38 @@ HASTY = Limits(cell_seconds=1.5, call_seconds=1.5)
 
 
 @pytest.fixture(scope="module")
-def forked() -> Iterator[Workshop]:
-    """The last rung of the ladder, which every system that can fork has."""
+def forked() -> Iterator[ProcessLauncher]:
+    """The last level of the ladder, which every system that can fork has."""
     if not hasattr(os, "fork"):
         pytest.skip("this system cannot fork")
-    with open_workshop("none", LIMITS) as workshop:
-        yield workshop
+    with open_launcher("none", LIMITS) as launcher:
+        yield launcher
 
 
 @pytest.fixture(scope="module")
-def best() -> Iterator[Workshop]:
-    """The strongest rung that this machine has."""
-    with open_workshop("best", LIMITS) as workshop:
-        yield workshop
+def best() -> Iterator[ProcessLauncher]:
+    """The strongest level that this machine has."""
+    with open_launcher("best", LIMITS) as launcher:
+        yield launcher
 
 
 @pytest.fixture(params=["best", "forked", "spawned"])
-def either(request: pytest.FixtureRequest) -> Workshop:
+def either(request: pytest.FixtureRequest) -> ProcessLauncher:
     """Every way to start a student's process; systems that cannot fork have the last alone."""
     if request.param == "spawned":
-        return SpawningWorkshop(LIMITS)
+        return SpawningLauncher(LIMITS)
     return request.getfixturevalue(request.param)
 
 
 @pytest.fixture
-def hasty(forked: Workshop, monkeypatch: pytest.MonkeyPatch) -> Workshop:
-    """The forking workshop with little patience."""
+def hasty(forked: ProcessLauncher, monkeypatch: pytest.MonkeyPatch) -> ProcessLauncher:
+    """The forking launcher with little patience."""
     monkeypatch.setattr(forked, "limits", HASTY)
     return forked
 
 
 def grade(
-    workshop: Workshop,
+    launcher: ProcessLauncher,
     folder: Path,
     gain_cell: str,
     line_cell: str = LINE,
@@ -95,14 +95,14 @@ def grade(
     texts: Mapping[str, str] = {"q-gain-answer": gain_cell, "q-line-answer": line_cell, "q-open": text}
     steps = tuple(Step(cell.id, cell.kind, texts.get(cell.id, cell.source), cell.code) for cell in TEMPLATE.cells)
     submission = Submission(student, "tiny", "ready", steps, ())
-    result = judge_submission(submission, Assets(TEMPLATE, assignment, None, b"secret"), workshop, folder)
+    result = judge_submission(submission, Assets(TEMPLATE, assignment, None, b"secret"), launcher, folder)
     assert [question.question for question in result.results] == ["q-gain", "q-line", "q-open"]
     assert [question.max_score for question in result.results] == [Decimal("0.1"), Decimal("0.2"), Decimal("0.3")]
-    assert result.isolation == workshop.rung
+    assert result.isolation == launcher.level
     return list(result.results)
 
 
-def test_right_answers_earn_their_points(either: Workshop, tmp_path: Path) -> None:
+def test_right_answers_earn_their_points(either: ProcessLauncher, tmp_path: Path) -> None:
     first, second, third = grade(either, tmp_path, "a = 3")
     assert (first.score, second.score, third.score) == (Decimal("0.1"), Decimal("0.2"), None)
     assert (first.status, second.status, third.status) == ("graded", "graded", "manual")
@@ -110,21 +110,21 @@ def test_right_answers_earn_their_points(either: Workshop, tmp_path: Path) -> No
     assert (third.reason, third.answer) == ("waits to be graded by hand", "Because.")
 
 
-def test_an_error_is_carried_forward_and_said(forked: Workshop, tmp_path: Path) -> None:
+def test_an_error_is_carried_forward_and_said(forked: ProcessLauncher, tmp_path: Path) -> None:
     first, second, _ = grade(forked, tmp_path, "a = -3")
     assert (first.score, first.slip, first.reason) == (0, "sign", "Look at the sign.")
     assert second.score == Decimal("0.2")
     assert second.reason == "Right. (Judged on the right values of q-gain.)"
 
 
-def test_the_students_own_value_is_carried_where_it_was_right(forked: Workshop, tmp_path: Path) -> None:
+def test_the_students_own_value_is_carried_where_it_was_right(forked: ProcessLauncher, tmp_path: Path) -> None:
     """Within the tolerance of the first question, the second is judged on what the student's function will read."""
     first, second, _ = grade(forked, tmp_path, "a = 3 + 2e-9")
     assert (first.score, second.score) == (Decimal("0.1"), Decimal("0.2"))
     assert second.reason == "Right."
 
 
-def test_a_wrong_function_costs_its_own_question(forked: Workshop, tmp_path: Path) -> None:
+def test_a_wrong_function_costs_its_own_question(forked: ProcessLauncher, tmp_path: Path) -> None:
     first, second, _ = grade(forked, tmp_path, "a = 3", "def f(x):\n    return 2 * x")
     assert (first.score, second.score, second.reason) == (Decimal("0.1"), 0, "Not the line.")
 
@@ -166,7 +166,7 @@ def test_a_wrong_function_costs_its_own_question(forked: Workshop, tmp_path: Pat
     ],
 )
 def test_what_goes_wrong_costs_that_question_only(
-    forked: Workshop, tmp_path: Path, cell: str, status: str, said: str
+    forked: ProcessLauncher, tmp_path: Path, cell: str, status: str, said: str
 ) -> None:
     first, second, third = grade(forked, tmp_path, cell)
     assert (first.score, first.status) == (0, status), first.reason
@@ -176,33 +176,33 @@ def test_what_goes_wrong_costs_that_question_only(
     assert third.status == "manual"
 
 
-def test_a_signal_to_the_parent_costs_its_question_only(either: Workshop, tmp_path: Path) -> None:
-    if isinstance(either, SpawningWorkshop) and make_call_filter(()) is None:
+def test_a_signal_to_the_parent_costs_its_question_only(either: ProcessLauncher, tmp_path: Path) -> None:
+    if isinstance(either, SpawningLauncher) and make_call_filter(()) is None:
         pytest.skip("the parent is this test, and nothing here keeps signals from it")
     first, second, _ = grade(either, tmp_path, "import os\nos.kill(os.getppid() or 1, 9)\nos._exit(1)")
     assert first.score == 0
     assert second.score == Decimal("0.2"), second.reason
 
 
-def test_what_a_check_asks_of_labsid_is_there_for_students(forked: Workshop, tmp_path: Path) -> None:
+def test_what_a_check_asks_of_labsid_is_there_for_students(forked: ProcessLauncher, tmp_path: Path) -> None:
     cell = "from labsid import plots, rig\nfrom labsid.records.record import load_record\na = 3"
     assert grade(forked, tmp_path, cell)[0].score == Decimal("0.1")
 
 
-def test_an_endless_loop_costs_its_question_only(hasty: Workshop, tmp_path: Path) -> None:
+def test_an_endless_loop_costs_its_question_only(hasty: ProcessLauncher, tmp_path: Path) -> None:
     first, second, _ = grade(hasty, tmp_path, "while True:\n    pass")
     assert (first.score, first.status) == (0, "timeout")
     assert "took longer than 1.5 s" in first.reason
     assert second.score == Decimal("0.2"), second.reason
 
 
-def test_an_endless_function_costs_its_question_only(hasty: Workshop, tmp_path: Path) -> None:
+def test_an_endless_function_costs_its_question_only(hasty: ProcessLauncher, tmp_path: Path) -> None:
     first, second, third = grade(hasty, tmp_path, "a = 3", "def f(x):\n    while True:\n        pass")
     assert (first.score, second.score, second.status) == (Decimal("0.1"), 0, "timeout")
     assert third.status == "manual"
 
 
-def test_processor_time_is_limited(forked: Workshop, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_processor_time_is_limited(forked: ProcessLauncher, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(forked, "limits", Limits(cell_seconds=60, cpu_seconds=1))
     first, second, _ = grade(forked, tmp_path, "while True:\n    pass")
     assert (first.score, first.status) == (0, "limit")
@@ -210,7 +210,7 @@ def test_processor_time_is_limited(forked: Workshop, tmp_path: Path, monkeypatch
     assert second.score == Decimal("0.2"), second.reason
 
 
-def test_the_size_of_files_is_limited(forked: Workshop, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_size_of_files_is_limited(forked: ProcessLauncher, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(forked, "limits", Limits(cell_seconds=20, file_bytes=1000))
     then = f"import os\nassert os.path.getsize('full') <= 1000\n{LINE}"
     first, second, _ = grade(forked, tmp_path, "with open('full', 'wb') as file:\n    file.write(bytes(2000))", then)
@@ -218,7 +218,7 @@ def test_the_size_of_files_is_limited(forked: Workshop, tmp_path: Path, monkeypa
     assert second.score == Decimal("0.2")
 
 
-def test_a_function_that_ends_its_process_costs_its_own_question(either: Workshop, tmp_path: Path) -> None:
+def test_a_function_that_ends_its_process_costs_its_own_question(either: ProcessLauncher, tmp_path: Path) -> None:
     first, second, _ = grade(either, tmp_path, "a = 3", "import os\ndef f(x):\n    os._exit(3)")
     assert first.score == Decimal("0.1")
     assert (second.score, second.status) == (0, "crashed")
@@ -237,18 +237,20 @@ def test_a_function_that_ends_its_process_costs_its_own_question(either: Worksho
         ("def f(x):\n    return x.reshape(1, -1)", "is a row"),
     ],
 )
-def test_what_a_function_does_instead_is_said(forked: Workshop, tmp_path: Path, function: str, said: str) -> None:
+def test_what_a_function_does_instead_is_said(
+    forked: ProcessLauncher, tmp_path: Path, function: str, said: str
+) -> None:
     second = grade(forked, tmp_path, "a = 3", function)[1]
     assert (second.score, second.status) == (0, "graded")
     assert re.search(said, second.reason), second.reason
 
 
-def test_a_function_may_change_its_arguments(forked: Workshop, tmp_path: Path) -> None:
+def test_a_function_may_change_its_arguments(forked: ProcessLauncher, tmp_path: Path) -> None:
     cell = "def f(x):\n    x *= 2\n    x += a\n    return x"
     assert grade(forked, tmp_path, "a = 3", cell)[1].score == Decimal("0.2")
 
 
-def test_a_message_that_the_student_forges_costs_that_question_only(forked: Workshop, tmp_path: Path) -> None:
+def test_a_message_that_the_student_forges_costs_that_question_only(forked: ProcessLauncher, tmp_path: Path) -> None:
     cell = (
         "import gc, socket\n"
         "for it in gc.get_objects():\n"
@@ -265,7 +267,9 @@ def test_a_message_that_the_student_forges_costs_that_question_only(forked: Work
     assert third.status == "manual"
 
 
-def test_a_cell_that_survives_only_once_does_not_take_the_others_with_it(forked: Workshop, tmp_path: Path) -> None:
+def test_a_cell_that_survives_only_once_does_not_take_the_others_with_it(
+    forked: ProcessLauncher, tmp_path: Path
+) -> None:
     """After a death the cells so far are run again; one that dies then is left out, the rest stands."""
     once = "import os\nif os.path.exists('mark'):\n    os._exit(1)\nopen('mark', 'w').close()"
     cells = TEMPLATE.cells
@@ -285,13 +289,13 @@ def test_a_cell_that_survives_only_once_does_not_take_the_others_with_it(forked:
     assert results[2].score == Decimal("0.2"), results[2].reason
 
 
-def test_an_untouched_open_question_is_said_to_be(forked: Workshop, tmp_path: Path) -> None:
+def test_an_untouched_open_question_is_said_to_be(forked: ProcessLauncher, tmp_path: Path) -> None:
     for text in ("*Your answer here*", "  \n"):
         third = grade(forked, tmp_path, "a = 3", text=text)[2]
         assert (third.score, third.status, third.reason) == (None, "manual", "no answer")
 
 
-def test_checks_in_the_notebook_do_nothing_while_grading(either: Workshop, tmp_path: Path) -> None:
+def test_checks_in_the_notebook_do_nothing_while_grading(either: ProcessLauncher, tmp_path: Path) -> None:
     cell = (
         "from labsid.checks import notebook_checks\n"
         "check = notebook_checks('lab-identification', globals())\n"
@@ -303,7 +307,7 @@ def test_checks_in_the_notebook_do_nothing_while_grading(either: Workshop, tmp_p
     assert "labsid.lab.regressor is the reference" in second.reason
 
 
-def test_output_comes_back_and_a_figure_nobody_asks_for_does_not(forked: Workshop, tmp_path: Path) -> None:
+def test_output_comes_back_and_a_figure_nobody_asks_for_does_not(forked: ProcessLauncher, tmp_path: Path) -> None:
     cell = "%matplotlib inline\nimport matplotlib.pyplot as plt\nplt.plot([1, 2])\nplt.show()\nprint('drawn')\na = 3"
     first, *_ = grade(forked, tmp_path, cell)
     assert first.score == Decimal("0.1")
@@ -311,15 +315,17 @@ def test_output_comes_back_and_a_figure_nobody_asks_for_does_not(forked: Worksho
     assert first.figures == ()
 
 
-def test_what_was_printed_before_an_error_comes_back(forked: Workshop, tmp_path: Path) -> None:
+def test_what_was_printed_before_an_error_comes_back(forked: ProcessLauncher, tmp_path: Path) -> None:
     assert grade(forked, tmp_path, "print('so far')\n1 / 0")[0].output == "so far\n"
 
 
-def test_output_without_end_is_cut(forked: Workshop, tmp_path: Path) -> None:
+def test_output_without_end_is_cut(forked: ProcessLauncher, tmp_path: Path) -> None:
     assert len(grade(forked, tmp_path, "print('x' * 10 ** 7)\na = 3")[0].output) == 20_000
 
 
-def test_what_a_function_prints_and_draws_of_hidden_inputs_stays_hidden(forked: Workshop, tmp_path: Path) -> None:
+def test_what_a_function_prints_and_draws_of_hidden_inputs_stays_hidden(
+    forked: ProcessLauncher, tmp_path: Path
+) -> None:
     function = "import matplotlib.pyplot as plt\ndef f(x):\n    print(x)\n    plt.plot(x)\n    return 2 * x + a"
     cells = TEMPLATE.cells
     steps = (
@@ -337,7 +343,7 @@ def test_what_a_function_prints_and_draws_of_hidden_inputs_stays_hidden(forked: 
     assert [(result.output, result.figures) for result in results] == [("", ()), ("", ())]
 
 
-def test_a_check_that_breaks_takes_nothing_with_it(forked: Workshop, tmp_path: Path) -> None:
+def test_a_check_that_breaks_takes_nothing_with_it(forked: ProcessLauncher, tmp_path: Path) -> None:
     def broken(ask: Ask) -> Verdict:
         raise RuntimeError("a bug in a check")
 
@@ -349,7 +355,7 @@ def test_a_check_that_breaks_takes_nothing_with_it(forked: Workshop, tmp_path: P
 
 @pytest.mark.parametrize("cell", ["a = 3", "a = 4"])
 def test_right_values_that_cannot_be_made_cost_no_more_than_what_needs_them(
-    forked: Workshop, tmp_path: Path, cell: str
+    forked: ProcessLauncher, tmp_path: Path, cell: str
 ) -> None:
     def broken(ask: Ask) -> dict:
         raise RuntimeError("a bug in the right values")
@@ -361,7 +367,7 @@ def test_right_values_that_cannot_be_made_cost_no_more_than_what_needs_them(
     assert third.status == "manual"
 
 
-def test_the_judge_tries_functions_on_other_inputs_than_the_notebook(forked: Workshop, tmp_path: Path) -> None:
+def test_the_judge_tries_functions_on_other_inputs_than_the_notebook(forked: ProcessLauncher, tmp_path: Path) -> None:
     seen: list[np.ndarray] = []
 
     def remember(ask: Ask) -> Verdict:
@@ -380,7 +386,7 @@ def test_the_judge_tries_functions_on_other_inputs_than_the_notebook(forked: Wor
         assert not np.array_equal(first, other)
 
 
-def test_students_start_from_nothing_but_their_folder(forked: Workshop, tmp_path: Path) -> None:
+def test_students_start_from_nothing_but_their_folder(forked: ProcessLauncher, tmp_path: Path) -> None:
     """What one submission leaves in its process is not there for the next."""
     grade(forked, tmp_path, "a = 3\nimport numpy\nnumpy.left_behind = True\nimport builtins\nbuiltins.left = True")
     first, _, _ = grade(forked, tmp_path, "import numpy, os\nassert not hasattr(numpy, 'left_behind')\nleft")
@@ -391,7 +397,7 @@ def test_students_start_from_nothing_but_their_folder(forked: Workshop, tmp_path
 
 def test_a_submission_that_is_not_ready_is_not_run(tmp_path: Path) -> None:
     class Nothing:
-        rung = "none"
+        level = "none"
 
     submission = Submission("s", "tiny", "quarantined", (), ("tiny.ipynb cannot be read", "really"))
     result = judge_submission(submission, Assets(TEMPLATE, ASSIGNMENT, None, b"s"), Nothing(), tmp_path)
@@ -401,12 +407,14 @@ def test_a_submission_that_is_not_ready_is_not_run(tmp_path: Path) -> None:
 
 
 def test_a_process_that_cannot_come_up_is_said(tmp_path: Path) -> None:
-    workshop = SpawningWorkshop(Limits(start_seconds=0.01))
-    with pytest.raises(StudentDied, match="did not start"):
-        workshop.start(tmp_path)
+    launcher = SpawningLauncher(Limits(start_seconds=0.01))
+    with pytest.raises(StudentProcessError, match="did not start"):
+        launcher.start(tmp_path)
 
 
-def walk(workshop: Workshop, folder: Path, *sources: str, assignment: Assignment = ASSIGNMENT) -> list[QuestionResult]:
+def walk(
+    launcher: ProcessLauncher, folder: Path, *sources: str, assignment: Assignment = ASSIGNMENT
+) -> list[QuestionResult]:
     """Grade a notebook in which a cell follows the second question too."""
     first, second, after = sources
     cells = TEMPLATE.cells
@@ -419,14 +427,14 @@ def walk(workshop: Workshop, folder: Path, *sources: str, assignment: Assignment
         Step(cells[1].id, "question", "", True),
     )
     submission = Submission("s", "tiny", "ready", steps, ())
-    return list(judge_submission(submission, Assets(TEMPLATE, assignment, None, b"s"), workshop, folder).results)
+    return list(judge_submission(submission, Assets(TEMPLATE, assignment, None, b"s"), launcher, folder).results)
 
 
 @pytest.mark.parametrize("gives", [None, lambda ask: {"b": 5.0}], ids=["waits", "is judged at once"])
 @pytest.mark.parametrize("way", ["a list", "a file", "shared memory", "the channel's own code"])
-def test_no_later_cell_tells_of_hidden_inputs(either: Workshop, tmp_path: Path, way: str, gives: Any) -> None:
+def test_no_later_cell_tells_of_hidden_inputs(either: ProcessLauncher, tmp_path: Path, way: str, gives: Any) -> None:
     """However a function keeps what it is called on: it is called after the cells that print, or in another process."""
-    if isinstance(either, SpawningWorkshop) and way != "a file":
+    if isinstance(either, SpawningLauncher) and way != "a file":
         pytest.skip("tried with a file alone: these processes take seconds to start")
     function = """
 import mmap, os, sys
@@ -471,12 +479,14 @@ IN_LETTERS = "def f(x):\n    told = ''.join('abcdefghijk'['.0123456789'.find(c)]
         ("return type('Answer', (), {})()", "`f(x)` should be a vector; it is an object of type Answer."),
     ],
 )
-def test_errors_and_types_tell_nothing_of_hidden_inputs(forked: Workshop, tmp_path: Path, tell: str, said: str) -> None:
+def test_errors_and_types_tell_nothing_of_hidden_inputs(
+    forked: ProcessLauncher, tmp_path: Path, tell: str, said: str
+) -> None:
     assert grade(forked, tmp_path, "a = 3", IN_LETTERS + tell)[1].reason == said
 
 
 @pytest.mark.parametrize("cell", ["raise ValueError('x' * a)", "exec(compile('\\n' * a + '0 / 0', '<cell>', 'exec'))"])
-def test_errors_tell_nothing_of_right_values(forked: Workshop, tmp_path: Path, cell: str) -> None:
+def test_errors_tell_nothing_of_right_values(forked: ProcessLauncher, tmp_path: Path, cell: str) -> None:
     """After a wrong step, in which a = 3 is the right value that is put in its place."""
     other = Assignment("tiny", (Question("q-gain", gain, lambda ask: {"a": 300}), ASSIGNMENT.questions[1]))
     right, wrong = (grade(forked, tmp_path, f"a = {a}", cell, assignment=other)[1].reason for a in (3, 4))
@@ -485,13 +495,13 @@ def test_errors_tell_nothing_of_right_values(forked: Workshop, tmp_path: Path, c
     assert "xxx" not in wrong
 
 
-def test_calls_do_not_tell_on_what_follows(forked: Workshop, tmp_path: Path) -> None:
+def test_calls_do_not_tell_on_what_follows(forked: ProcessLauncher, tmp_path: Path) -> None:
     """A function that counts its calls has not been called when the next cell runs."""
     function = "calls = 0\ndef f(x):\n    global calls\n    calls += 1\n    return 2 * x + a"
     assert walk(forked, tmp_path, "a = 3", function, "print(calls)")[2].output == "0\n"
 
 
-def test_a_function_is_judged_though_a_later_cell_dies(either: Workshop, tmp_path: Path) -> None:
+def test_a_function_is_judged_though_a_later_cell_dies(either: ProcessLauncher, tmp_path: Path) -> None:
     first, second, last = walk(either, tmp_path, "a = 3", LINE, "import os\nos._exit(1)")
     assert (first.score, second.score) == (Decimal("0.1"), Decimal("0.2"))
     assert (last.score, last.status) == (0, "crashed")
@@ -509,14 +519,14 @@ def test_a_function_is_judged_though_a_later_cell_dies(either: Workshop, tmp_pat
         "import numpy\nnumpy.zeros(2 ** 40)",
     ],
 )
-def test_a_function_is_judged_as_it_was_at_its_question(either: Workshop, tmp_path: Path, after: str) -> None:
+def test_a_function_is_judged_as_it_was_at_its_question(either: ProcessLauncher, tmp_path: Path, after: str) -> None:
     """Whatever later cells make of its name, and of what it reads, in place too."""
     function = "import numpy as np\nc, d = [2], np.array([3.0])\ndef f(x):\n    return c[0] * x + d[0]"
     _, second, _ = walk(either, tmp_path, "a = 3", function, after)
     assert second.score == Decimal("0.2"), second.reason
 
 
-def test_two_functions_of_one_name_are_judged_each_at_its_question(forked: Workshop, tmp_path: Path) -> None:
+def test_two_functions_of_one_name_are_judged_each_at_its_question(forked: ProcessLauncher, tmp_path: Path) -> None:
     assignment = Assignment("tiny", (Question("q-gain", line_of_3), Question("q-line", line_of_3)))
     for first, second in (("+ 3", "+ 4"), ("+ 4", "+ 3")):
         cells = [f"def f(x):\n    return 2 * x {end}" for end in (first, second)]
@@ -529,7 +539,7 @@ def line_of_3(ask: Ask) -> Verdict:
     return judge(as_vector("f(x)", ask.call("f", x), 4), 2 * x + 3, close(1e-9), "Right.", "Not the line.")
 
 
-def test_a_function_that_hangs_costs_its_question_only(hasty: Workshop, tmp_path: Path) -> None:
+def test_a_function_that_hangs_costs_its_question_only(hasty: ProcessLauncher, tmp_path: Path) -> None:
     endless = "def f(x):\n    while True:\n        pass"
     first, second, last = walk(hasty, tmp_path, "a = 3", endless, "a = 3")
     assert (second.score, second.status) == (0, "timeout")
@@ -537,7 +547,7 @@ def test_a_function_that_hangs_costs_its_question_only(hasty: Workshop, tmp_path
 
 
 def test_the_whole_submission_has_a_time_limit(
-    forked: Workshop, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    forked: ProcessLauncher, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(forked, "limits", Limits(cell_seconds=20, submission_seconds=1.5))
     first, second, last = walk(forked, tmp_path, "a = 3", LINE, "import time\ntime.sleep(15)")
@@ -546,7 +556,9 @@ def test_the_whole_submission_has_a_time_limit(
     assert "all of the notebook together took longer than 1.5 s" in last.reason
 
 
-def test_the_number_of_cells_is_limited(forked: Workshop, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_number_of_cells_is_limited(
+    forked: ProcessLauncher, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     monkeypatch.setattr(forked, "limits", Limits(cells=2))
     first, second, last = walk(forked, tmp_path, "a = 3", LINE, "a = 3")
     assert (first.score, second.score) == (Decimal("0.1"), Decimal("0.2"))
@@ -554,14 +566,16 @@ def test_the_number_of_cells_is_limited(forked: Workshop, tmp_path: Path, monkey
     assert "the notebook has more than 2 cells" in last.reason
 
 
-def test_all_output_together_is_limited(forked: Workshop, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_all_output_together_is_limited(
+    forked: ProcessLauncher, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     monkeypatch.setattr(forked, "limits", Limits(output_characters=5))
     first, _, last = walk(forked, tmp_path, "a = 3\nprint('one')", LINE, "print('two and more')")
     assert (first.output, last.output) == ("one\n", "t")
 
 
 @pytest.mark.parametrize("cell", ["print('a is', a)", "raise ValueError(a)", "raise type(f'E{a}', (Exception,), {})"])
-def test_a_right_value_that_was_carried_forward_is_not_told(forked: Workshop, tmp_path: Path, cell: str) -> None:
+def test_a_right_value_that_was_carried_forward_is_not_told(forked: ProcessLauncher, tmp_path: Path, cell: str) -> None:
     _, second, _ = grade(forked, tmp_path, "a = -3", f"{cell}\ndef f(x):\n    return 0 * x")
     assert second.score == 0
     assert "3" not in second.output + second.reason.replace("line 1", "")

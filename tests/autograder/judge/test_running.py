@@ -9,30 +9,37 @@ import pytest
 
 from autograder.intake.submission import Step
 from autograder.judge.running import Running
-from autograder.sandbox.isolation import RUNGS, IsolationError, Limits, StudentDied, Workshop, open_workshop
-from autograder.sandbox.process_launchers import SpawningWorkshop
+from autograder.sandbox.isolation import (
+    LEVELS,
+    IsolationError,
+    Limits,
+    ProcessLauncher,
+    StudentProcessError,
+    open_launcher,
+)
+from autograder.sandbox.process_launchers import SpawningLauncher
 
 LIMITS = Limits(cell_seconds=20, call_seconds=20)
 
 
-@pytest.fixture(scope="module", params=[*RUNGS, "spawned"])
-def workshop(request: pytest.FixtureRequest) -> Iterator[Workshop]:
+@pytest.fixture(scope="module", params=[*LEVELS, "spawned"])
+def launcher(request: pytest.FixtureRequest) -> Iterator[ProcessLauncher]:
     """Every way to start a student's process; what this machine does not have is skipped, saying why."""
     if request.param == "spawned":
-        yield SpawningWorkshop(LIMITS)
+        yield SpawningLauncher(LIMITS)
         return
     if not hasattr(os, "fork"):
         pytest.skip("this system cannot fork")
     try:
-        with open_workshop(request.param, LIMITS) as opened:
+        with open_launcher(request.param, LIMITS) as opened:
             yield opened
     except IsolationError as error:
         pytest.skip(str(error))
 
 
 @pytest.fixture(scope="module")
-def forked() -> Iterator[Workshop]:
-    with open_workshop("none", LIMITS) as opened:
+def forked() -> Iterator[ProcessLauncher]:
+    with open_launcher("none", LIMITS) as opened:
         yield opened
 
 
@@ -41,8 +48,8 @@ def cell(source: str) -> Step:
 
 
 @contextlib.contextmanager
-def running(workshop: Workshop, folder: Path, *cells: str) -> Iterator[Running]:
-    started = Running(workshop, folder)
+def running(launcher: ProcessLauncher, folder: Path, *cells: str) -> Iterator[Running]:
+    started = Running(launcher, folder)
     try:
         for source in cells:
             assert started.run(cell(source)).reply.ok
@@ -71,14 +78,14 @@ except BlockingIOError:
 """
 
 
-def test_what_a_function_was_called_on_stays_in_its_process(workshop: Workshop, tmp_path: Path) -> None:
-    with running(workshop, tmp_path, KEEPS) as notebook:
+def test_what_a_function_was_called_on_stays_in_its_process(launcher: ProcessLauncher, tmp_path: Path) -> None:
+    with running(launcher, tmp_path, KEEPS) as notebook:
         with notebook.apart() as other:
             assert other.call("f", 1234.5).value == 1
         assert notebook.run(cell(FOUND)).reply.stdout.splitlines() == ["[] 0 False", "nothing"]
 
 
-def test_the_other_process_is_where_the_first_one_is(forked: Workshop, tmp_path: Path) -> None:
+def test_the_other_process_is_where_the_first_one_is(forked: ProcessLauncher, tmp_path: Path) -> None:
     with running(forked, tmp_path, "a = 1\ndef f():\n    return a") as notebook:
         with notebook.apart() as other:
             assert other.call("f").value == 1
@@ -97,14 +104,14 @@ def test_the_other_process_is_where_the_first_one_is(forked: Workshop, tmp_path:
         ("calls = []", "calls.append(1)\n    return len(calls)"),
     ],
 )
-def test_a_call_changes_nothing_for_the_next(forked: Workshop, tmp_path: Path, start: str, call: str) -> None:
+def test_a_call_changes_nothing_for_the_next(forked: ProcessLauncher, tmp_path: Path, start: str, call: str) -> None:
     with running(forked, tmp_path, f"{start}\ndef f():\n    {call}") as notebook:
         for _ in range(2):
             with notebook.apart() as other:
                 assert other.call("f").value == 1
 
 
-def test_a_cell_that_killed_the_first_process_is_not_run_in_the_other(forked: Workshop, tmp_path: Path) -> None:
+def test_a_cell_that_killed_the_first_process_is_not_run_in_the_other(forked: ProcessLauncher, tmp_path: Path) -> None:
     with running(forked, tmp_path, "a = 1\ndef f():\n    return a") as notebook:
         with notebook.apart() as other:
             assert other.call("f").value == 1
@@ -114,29 +121,29 @@ def test_a_cell_that_killed_the_first_process_is_not_run_in_the_other(forked: Wo
             assert other.call("f").value == 3
 
 
-def test_a_call_that_ends_the_other_process_is_not_missed(forked: Workshop, tmp_path: Path) -> None:
+def test_a_call_that_ends_the_other_process_is_not_missed(forked: ProcessLauncher, tmp_path: Path) -> None:
     with running(forked, tmp_path, "import os\ndef f():\n    os._exit(3)\ndef g():\n    return 5") as notebook:
-        with notebook.apart() as other, pytest.raises(StudentDied, match="ended with exit status 3"):
+        with notebook.apart() as other, pytest.raises(StudentProcessError, match="ended with exit status 3"):
             other.call("f")
         with notebook.apart() as other:
             assert other.call("g").value == 5
         assert notebook.student.call("g").value == 5
 
 
-def test_cells_that_cannot_be_run_twice_are_said(forked: Workshop, tmp_path: Path) -> None:
+def test_cells_that_cannot_be_run_twice_are_said(forked: ProcessLauncher, tmp_path: Path) -> None:
     once = "import os\nif os.path.exists('ran'):\n    os._exit(4)"
     with running(forked, tmp_path, once) as notebook:
         (tmp_path / "ran").touch()
         said = "run once more from the first cell on, its process ended with exit status 4"
-        with pytest.raises(StudentDied, match=said), notebook.apart():
+        with pytest.raises(StudentProcessError, match=said), notebook.apart():
             pass
 
 
 def test_running_cells_again_is_not_on_the_notebooks_time(tmp_path: Path) -> None:
     limits = Limits(submission_seconds=4)
     with (
-        open_workshop("none", limits) as workshop,
-        running(workshop, tmp_path, "import time\ntime.sleep(2.2)") as notebook,
+        open_launcher("none", limits) as launcher,
+        running(launcher, tmp_path, "import time\ntime.sleep(2.2)") as notebook,
     ):
         with notebook.apart():
             pass
@@ -147,8 +154,8 @@ def test_running_cells_again_has_a_limit_too(tmp_path: Path) -> None:
     """A notebook that is slow the second time does not hold the grader up for longer than its limit."""
     slower = "import os, time\nif os.path.exists('ran'):\n    time.sleep(60)"
     limits = Limits(submission_seconds=1.5)
-    with open_workshop("none", limits) as workshop, running(workshop, tmp_path, slower) as notebook:
+    with open_launcher("none", limits) as launcher, running(launcher, tmp_path, slower) as notebook:
         (tmp_path / "ran").touch()
-        with pytest.raises(StudentDied, match="took longer than") as died, notebook.apart():
+        with pytest.raises(StudentProcessError, match="took longer than") as died, notebook.apart():
             pass
     assert died.value.status == "timeout"

@@ -1,7 +1,6 @@
-"""The rungs of isolation: what each lets student code do, its limits, and what is left behind. Loopback only."""
+"""The levels of isolation: what each lets student code do, its limits, and what is left behind. Loopback only."""
 
 import os
-import re
 import shutil
 import signal
 import site
@@ -20,17 +19,17 @@ from autograder.sandbox.allowed_paths import is_reference
 from autograder.sandbox.bubblewrap import SandboxError
 from autograder.sandbox.doctor import Checkup
 from autograder.sandbox.isolation import (
-    RUNGS,
+    LEVELS,
     IsolationError,
     Limits,
-    Student,
-    StudentDied,
-    Workshop,
-    open_workshop,
-    rungs_here,
+    ProcessLauncher,
+    StudentProcess,
+    StudentProcessError,
+    open_launcher,
+    probe_levels,
 )
-from autograder.sandbox.process_launchers import ForkingWorkshop, SpawningWorkshop
-from autograder.sandbox.workdirs import bench_folder, clear_benches
+from autograder.sandbox.process_launchers import ForkingLauncher, SpawningLauncher
+from autograder.sandbox.workdirs import remove_stale_workdirs, temporary_workdir
 from labsid.records.record import load_record
 
 ROOT = Path(__file__).resolve().parents[3]
@@ -46,25 +45,25 @@ LIMITS = Limits(
 pytestmark = pytest.mark.skipif(not hasattr(os, "fork"), reason="this system cannot fork")
 
 
-@pytest.fixture(scope="module", params=RUNGS)
-def rung(request: pytest.FixtureRequest) -> Iterator[Workshop]:
-    """Every rung that this machine has; the others are skipped, saying why."""
+@pytest.fixture(scope="module", params=LEVELS)
+def launcher(request: pytest.FixtureRequest) -> Iterator[ProcessLauncher]:
+    """Every level that this machine has; the others are skipped, saying why."""
     try:
-        with open_workshop(request.param, LIMITS) as workshop:
-            assert workshop.rung == request.param
-            yield workshop
+        with open_launcher(request.param, LIMITS) as launcher:
+            assert launcher.level == request.param
+            yield launcher
     except IsolationError as error:
         pytest.skip(str(error))
 
 
 @pytest.fixture
-def student(rung: Workshop, tmp_path: Path) -> Iterator[Student]:
-    started = rung.start(tmp_path)
+def student(launcher: ProcessLauncher, tmp_path: Path) -> Iterator[StudentProcess]:
+    started = launcher.start(tmp_path)
     yield started
     started.close()
 
 
-def value_of(student: Student, code: str) -> object:
+def value_of(student: StudentProcess, code: str) -> object:
     reply = student.run(code)
     assert reply.ok, reply.error
     return student.value("got").value
@@ -75,16 +74,16 @@ def value_of(student: Student, code: str) -> object:
 
 @pytest.fixture(scope="module")
 def checkups() -> dict[str, Checkup]:
-    return {checkup.rung: checkup for checkup in doctor.examine()}
+    return {checkup.level: checkup for checkup in doctor.examine()}
 
 
-def test_the_doctor_tries_every_rung(checkups: dict[str, Checkup]) -> None:
-    assert tuple(checkups) == RUNGS
+def test_the_doctor_tries_every_level(checkups: dict[str, Checkup]) -> None:
+    assert tuple(checkups) == LEVELS
     names = {escape.name for escape in doctor.ESCAPES}
     for checkup in checkups.values():
         assert set(checkup.holds) == (set() if checkup.why_not else names)
     text = doctor.as_text(list(checkups.values()))
-    assert all(name in text for name in (*names, *RUNGS))
+    assert all(name in text for name in (*names, *LEVELS))
 
 
 def test_namespaces_hold_against_everything(checkups: dict[str, Checkup]) -> None:
@@ -122,58 +121,58 @@ def test_strict_is_refused_where_it_cannot_be_had(monkeypatch: pytest.MonkeyPatc
     monkeypatch.setattr(process_launchers, "find_bubblewrap", no_bubblewrap)
     with (
         pytest.raises(IsolationError, match=r"'strict' cannot be had: namespaces: .*not installed.*doctor") as caught,
-        open_workshop("strict"),
+        open_launcher("strict"),
     ):
         pass
     assert "\n" not in str(caught.value)
 
 
-def test_best_takes_the_next_rung_that_holds(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_best_takes_the_next_level_that_holds(monkeypatch: pytest.MonkeyPatch) -> None:
     tried = []
 
-    def refuse(workshop: ForkingWorkshop, way: process_launchers.Way) -> str:
-        tried.append(way.rung)
+    def refuse(launcher: ForkingLauncher, way: process_launchers.Way) -> str:
+        tried.append(way.level)
         return "" if way == process_launchers.Way("none") else "not today"
 
     monkeypatch.setattr(isolation, "_try", refuse)
-    with open_workshop("best") as workshop:
-        assert workshop.rung == "none"
-    assert list(dict.fromkeys(tried)) == [name for name in RUNGS if name == "none" or sys.platform == "linux"]
+    with open_launcher("best") as launcher:
+        assert launcher.level == "none"
+    assert list(dict.fromkeys(tried)) == [name for name in LEVELS if name == "none" or sys.platform == "linux"]
 
 
 def test_a_machine_that_starts_no_process_is_said() -> None:
     hasty = Limits(start_seconds=0.001)
     said = r"'best' cannot be had: namespaces: the parent of the student processes did not start: .*; none: the parent"
     with pytest.raises(IsolationError, match=said):
-        open_workshop("best", hasty).__enter__()
-    assert [rung.name for rung in rungs_here(hasty) if rung.why_not] == list(RUNGS)
+        open_launcher("best", hasty).__enter__()
+    assert [level.name for level in probe_levels(hasty) if level.why_not] == list(LEVELS)
 
 
 def test_none_asks_for_no_more_than_that(tmp_path: Path) -> None:
-    with open_workshop("none") as workshop:
-        assert workshop.rung == "none"
+    with open_launcher("none") as launcher:
+        assert launcher.level == "none"
 
 
 def test_an_unknown_isolation_is_refused() -> None:
     with pytest.raises(ValueError, match=r"got 'some', expected strict, best or one of namespaces, landlock, none"):
-        open_workshop("some").__enter__()
+        open_launcher("some").__enter__()
 
 
-def test_a_rung_is_tried_before_it_is_stood_on(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_level_is_probed_before_it_is_used(monkeypatch: pytest.MonkeyPatch) -> None:
     """A sandbox that shows the files of this machine is not taken for one."""
     monkeypatch.setattr(isolation, "_ways", lambda name: [process_launchers.Way("none")] if name == "none" else [LEAKY])
     with pytest.raises(IsolationError, match="files of this machine stay in sight"):
-        open_workshop("strict").__enter__()
+        open_launcher("strict").__enter__()
 
 
-LEAKY = process_launchers.Way("no rung at all")
+LEAKY = process_launchers.Way("no level at all")
 
 # -- what exercises use -----------------------------------------------------------------------------------------------
 
 
-def test_what_exercises_use_works(rung: Workshop, tmp_path: Path, shipped_record_path: Path) -> None:
+def test_what_exercises_use_works(launcher: ProcessLauncher, tmp_path: Path, shipped_record_path: Path) -> None:
     (tmp_path / "record.mat").write_bytes(shipped_record_path.read_bytes())
-    student = rung.start(tmp_path)
+    student = launcher.start(tmp_path)
     code = """
 import numpy as np, matplotlib.pyplot as plt, scipy.optimize, control
 from labsid import plots, rig
@@ -197,7 +196,7 @@ got = len(record) + np.loadtxt("mine.txt").size
 @pytest.mark.parametrize(
     "name", ["labsid.lab.arx", "labsid.checks.assignments.lab_identification", "autograder.judge.judging"]
 )
-def test_the_reference_is_refused_and_said_to_be(student: Student, name: str) -> None:
+def test_the_reference_is_refused_and_said_to_be(student: StudentProcess, name: str) -> None:
     reply = student.run(f"import {name}")
     assert reply.error is not None
     assert "is the reference: it cannot be used" in reply.error["text"]
@@ -214,19 +213,16 @@ def test_nothing_of_the_reference_is_in_the_parent() -> None:
     named = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout.split()
     assert "labsid.records.record" in named
     assert "labsid.plots" in named
-    checks = (ROOT / "labsid" / "checks" / "assignments").rglob("*.py")
-    taught = set(re.findall(r"from (labsid\.\w+)", "".join(path.read_text(encoding="utf-8") for path in checks)))
-    assert len(taught) > 10
-    assert {name for name in named if is_reference(name)} & taught == set()
+    assert [name for name in named if is_reference(name)] == []
 
 
-def test_nothing_of_this_machine_is_told(student: Student, tmp_path: Path) -> None:
+def test_nothing_of_this_machine_is_told(student: StudentProcess, tmp_path: Path) -> None:
     told = str(value_of(student, "import os\ngot = repr(dict(os.environ)) + ' '.join(os.listdir('.'))"))
     for secret in (os.path.expanduser("~"), os.environ.get("VIRTUAL_ENV", "/nowhere"), os.environ["PATH"]):
         assert secret not in told
 
 
-def test_only_the_channel_is_inherited(student: Student) -> None:
+def test_only_the_channel_is_inherited(student: StudentProcess) -> None:
     code = """
 import os
 got = []
@@ -240,20 +236,20 @@ for descriptor in range(3, 200):
     np.testing.assert_array_equal(np.atleast_1d(value_of(student, code)), [3])
 
 
-def test_each_submission_has_its_own_place(rung: Workshop, tmp_path: Path) -> None:
+def test_each_submission_has_its_own_place(launcher: ProcessLauncher, tmp_path: Path) -> None:
     """One that runs at the same time cannot be found, neither by its files nor by its processes."""
-    if rung.rung == "none":
+    if launcher.level == "none":
         pytest.skip("without isolation it can")
     folders = [tmp_path / "one", tmp_path / "two"]
     for folder in folders:
         folder.mkdir()
-    one, two = (rung.start(folder) for folder in folders)
+    one, two = (launcher.start(folder) for folder in folders)
     try:
         pid = value_of(one, "import os\nopen('mine', 'w').write('5')\ngot = os.getpid()")
         for path in (str(folders[0] / "mine"), "mine"):
             assert two.run(f"open({path!r})").error is not None
         reply = two.run(f"import os\nif os.getpid() != {pid}:\n    os.kill({pid}, 9)")
-        assert reply.error is not None or rung.rung == "namespaces"  # there both may have the same number
+        assert reply.error is not None or launcher.level == "namespaces"  # there both may have the same number
         assert one.run("1").ok
     finally:
         one.close()
@@ -263,23 +259,23 @@ def test_each_submission_has_its_own_place(rung: Workshop, tmp_path: Path) -> No
 # -- limits -----------------------------------------------------------------------------------------------------------
 
 
-def ended(student: Student, code: str) -> str:
+def ended(student: StudentProcess, code: str) -> str:
     """How a cell came to its end: what the process died of, else the kind of the error, else nothing."""
     try:
         reply = student.run(code)
-    except StudentDied as died:
+    except StudentProcessError as died:
         return str(died)
     return (reply.error or {}).get("kind", "")
 
 
-def test_memory_of_one_process(student: Student) -> None:
+def test_memory_of_one_process(student: StudentProcess) -> None:
     reply = student.run("block = bytearray(1 << 30)")
     assert reply.error is not None
     assert reply.error["kind"] == "MemoryError"
     assert value_of(student, "got = len(bytearray(1 << 28)) >> 28") == 1
 
 
-def test_memory_of_several_processes(student: Student) -> None:
+def test_memory_of_several_processes(student: StudentProcess) -> None:
     if not Path("/proc/self/stat").is_file():
         pytest.skip("nothing here tells what processes hold")
     code = """
@@ -294,7 +290,7 @@ time.sleep(15)
     assert ended(student, code) == "its processes took more than 1 GB together"
 
 
-def test_number_of_processes(student: Student) -> None:
+def test_number_of_processes(student: StudentProcess) -> None:
     code = """
 import os, time
 got = 0
@@ -313,13 +309,13 @@ except OSError:
         assert 0 < student.value("got").value < 100  # type: ignore[operator]
 
 
-def test_size_of_a_file(student: Student) -> None:
+def test_size_of_a_file(student: StudentProcess) -> None:
     reply = student.run("open('large', 'wb').write(bytes(5 << 20))")
     assert reply.error is not None
     assert reply.error["kind"] == "OSError"
 
 
-def test_size_of_all_files(student: Student) -> None:
+def test_size_of_all_files(student: StudentProcess) -> None:
     code = """
 import time
 for i in range(8):
@@ -330,7 +326,7 @@ for i in range(8):
     assert ended(student, code) in ("OSError", "its files took more than 12 MB together")
 
 
-def test_what_a_submission_leaves_running_ends_with_it(rung: Workshop, tmp_path: Path) -> None:
+def test_what_a_submission_leaves_running_ends_with_it(launcher: ProcessLauncher, tmp_path: Path) -> None:
     if not Path("/proc/self/comm").is_file():
         pytest.skip("nothing here shows it")
     name = f"left{os.getpid()}"
@@ -344,7 +340,7 @@ if os.fork() == 0:
     os._exit(0)
 time.sleep(0.3)
 """
-    student = rung.start(tmp_path)
+    student = launcher.start(tmp_path)
     assert student.run(code).ok
     student.close()
     until = time.monotonic() + 10
@@ -379,33 +375,35 @@ SPOILS = (
 
 
 @pytest.mark.parametrize("spoil", SPOILS)
-def test_every_process_starts_from_what_was_given(rung: Workshop, tmp_path: Path, spoil: str) -> None:
+def test_every_process_starts_from_what_was_given(launcher: ProcessLauncher, tmp_path: Path, spoil: str) -> None:
     """Whatever the one before it did to its folder."""
     (tmp_path / "record").write_text("5", encoding="utf-8")
-    before = benches()
-    first = rung.start(tmp_path)
+    before = workdirs_now()
+    first = launcher.start(tmp_path)
     first.run(f"import os, shutil\nhere = os.getcwd()\n{spoil}")
     first.close()
-    student = rung.start(tmp_path)
+    student = launcher.start(tmp_path)
     try:
         assert value_of(student, "open('mine', 'w').close()\ngot = open('record').read()") == "5"
     finally:
         student.close()
     assert [path.name for path in tmp_path.iterdir()] == ["record"]
-    left = benches() - before
+    left = workdirs_now() - before
     for name in left:
         workdirs.remove(Path(tempfile.gettempdir(), name))
-    assert all(name.endswith("-gone") and rung.rung == "none" for name in left)  # there a folder can be carried off
+    assert all(
+        name.endswith("-gone") and launcher.level == "none" for name in left
+    )  # there a folder can be carried off
 
 
-def benches() -> set[str]:
-    return {path.name for path in Path(tempfile.gettempdir()).glob(f"labsid-bench-{os.getpid()}-*")}
+def workdirs_now() -> set[str]:
+    return {path.name for path in Path(tempfile.gettempdir()).glob(f"labsid-workdir-{os.getpid()}-*")}
 
 
 def test_where_nothing_forks_there_are_folders_and_limits_all_the_same(tmp_path: Path) -> None:
     (tmp_path / "record").write_text("5", encoding="utf-8")
-    before = benches()
-    student = SpawningWorkshop(LIMITS).start(tmp_path)
+    before = workdirs_now()
+    student = SpawningLauncher(LIMITS).start(tmp_path)
     try:
         reply = student.run("block = bytearray(1 << 30)")
         assert reply.error is not None
@@ -414,27 +412,27 @@ def test_where_nothing_forks_there_are_folders_and_limits_all_the_same(tmp_path:
     finally:
         student.close()
     assert (tmp_path / "record").read_text(encoding="utf-8") == "5"
-    assert benches() == before
+    assert workdirs_now() == before
 
 
 # -- what is left behind ----------------------------------------------------------------------------------------------
 
 GRADER = """
 import ctypes, sys
-from autograder.sandbox.isolation import Limits, bench_folder, open_workshop
-with open_workshop(sys.argv[1]) as workshop, bench_folder() as folder:
-    student = workshop.start(folder)
+from autograder.sandbox.isolation import Limits, temporary_workdir, open_launcher
+with open_launcher(sys.argv[1]) as launcher, temporary_workdir() as folder:
+    student = launcher.start(folder)
     student.run("import ctypes; ctypes.CDLL(None).prctl(15, b'" + sys.argv[2] + "', 0, 0, 0)")
-    print(folder, workshop.parent, flush=True)
+    print(folder, launcher.parent, flush=True)
     student.run("import time; time.sleep(60)")
 """
 
 
-def test_a_grader_that_is_killed_leaves_nothing(rung: Workshop) -> None:
+def test_a_grader_that_is_killed_leaves_nothing(launcher: ProcessLauncher) -> None:
     if not Path("/proc/self/comm").is_file():
         pytest.skip("nothing here shows it")
     name = f"killed{os.getpid()}"
-    grader = subprocess.Popen([sys.executable, "-c", GRADER, rung.rung, name], stdout=subprocess.PIPE, text=True)
+    grader = subprocess.Popen([sys.executable, "-c", GRADER, launcher.level, name], stdout=subprocess.PIPE, text=True)
     assert grader.stdout is not None
     with grader:
         folder, parent = grader.stdout.readline().split()
@@ -445,14 +443,14 @@ def test_a_grader_that_is_killed_leaves_nothing(rung: Workshop) -> None:
         time.sleep(0.05)
     assert named(name) == []
     assert not Path(f"/proc/{parent}").exists()
-    clear_benches()
+    remove_stale_workdirs()
     assert not Path(folder).exists()
 
 
 def test_a_bench_of_a_grader_that_runs_is_spared() -> None:
-    with bench_folder() as folder:
+    with temporary_workdir() as folder:
         (folder / "kept").touch()
-        clear_benches()
+        remove_stale_workdirs()
         assert (folder / "kept").is_file()
     assert not folder.exists()
 
@@ -461,7 +459,7 @@ def test_a_bench_is_cleared_whatever_was_done_to_it(tmp_path: Path) -> None:
     outside = tmp_path / "outside"
     outside.mkdir()
     (outside / "kept").touch()
-    with bench_folder() as folder:
+    with temporary_workdir() as folder:
         (folder / "deep").mkdir()
         (folder / "deep" / "file").touch()
         (folder / "link").symlink_to(outside)
@@ -487,8 +485,8 @@ def test_the_reference_is_masked_where_it_lies_among_the_libraries(
     monkeypatch.setattr(allowed_paths, "trees", lambda: trees)
     monkeypatch.setattr(allowed_paths, "own_packages", lambda: [ROOT / "labsid" / "checks", ROOT / "labsid" / "gap"])
     try:
-        with open_workshop("namespaces", LIMITS) as workshop:
-            student = workshop.start(tmp_path)
+        with open_launcher("namespaces", LIMITS) as launcher:
+            student = launcher.start(tmp_path)
             assert value_of(student, f"got = len(open({str(ROOT / 'labsid' / 'arx.py')!r}).read())")  # is not masked
             for hidden in ("checks/assignments/lab_identification.py", "gap/which.py"):
                 reply = student.run(f"open({str(ROOT / 'labsid' / hidden)!r})")
@@ -535,7 +533,7 @@ def below_tmp(monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
     shutil.rmtree(root)
 
 
-@pytest.mark.skipif(sys.platform != "linux", reason="only Linux has this rung")
+@pytest.mark.skipif(sys.platform != "linux", reason="only Linux has this level")
 def test_trees_are_laid_into_the_place_that_can_be_written_to(below_tmp: Path) -> None:
     command = bubblewrap.layout("bwrap", [ROOT / "labsid" / "records" / "record.py"], 4096, own_user_namespace=True)
     words = " ".join(command)
@@ -566,8 +564,8 @@ got += " ".join(os.listdir("."))
     paths = [*allowed_paths.trees(), *allowed_paths.allowed_of_labsid(), *allowed_paths.own_packages()]
     below = {path.parts[2] for path in paths if path.parts[1] == "tmp"}
     try:
-        with open_workshop("namespaces", LIMITS) as workshop:
-            student = workshop.start(tmp_path)
+        with open_launcher("namespaces", LIMITS) as launcher:
+            student = launcher.start(tmp_path)
             try:
                 assert value_of(student, code) == "5mine"
                 seen = value_of(student, "open('/tmp/more', 'w').close()\ngot = ' '.join(os.listdir('/tmp'))")
@@ -606,7 +604,7 @@ def test_what_is_the_reference(module: str, refused: bool) -> None:
 LOCKED_DOWN = """
 import errno, sys
 import seccompy
-from autograder.sandbox.isolation import IsolationError, open_workshop, rungs_here
+from autograder.sandbox.isolation import IsolationError, open_launcher, probe_levels
 refusing = seccompy.Filter(seccompy.Action.ALLOW)
 for name in ("unshare", "mount", "setns", "pivot_root", "umount2"):
     refusing.errno(name, errno.EPERM)
@@ -616,23 +614,23 @@ refusing.errno("clone3", errno.ENOSYS)
 for number in (444, 445, 446) if sys.argv[1] == "bare" else ():
     refusing.errno(number, errno.ENOSYS)
 refusing.load()
-with open_workshop("best") as workshop:
-    print(workshop.rung)
+with open_launcher("best") as launcher:
+    print(launcher.level)
 try:
-    open_workshop("strict").__enter__()
+    open_launcher("strict").__enter__()
 except IsolationError as error:
     print(error)
 """
 
 
-@pytest.mark.parametrize(("kind", "rung_there"), [("container", "landlock"), ("bare", "none")])
-def test_a_machine_that_refuses_namespaces_gets_the_next_rung(kind: str, rung_there: str) -> None:
+@pytest.mark.parametrize(("kind", "expected_level"), [("container", "landlock"), ("bare", "none")])
+def test_a_machine_that_refuses_namespaces_gets_the_next_level(kind: str, expected_level: str) -> None:
     """As in a container whose filter forbids them, for root too."""
     pytest.importorskip("seccompy")
-    if rung_there == "landlock" and {rung.name: rung.why_not for rung in rungs_here()}["landlock"]:
+    if expected_level == "landlock" and {level.name: level.why_not for level in probe_levels()}["landlock"]:
         pytest.skip("this machine has no Landlock")
     run = subprocess.run([sys.executable, "-c", LOCKED_DOWN, kind], capture_output=True, text=True, check=True)
     best, strict = run.stdout.splitlines()
-    assert best == rung_there
+    assert best == expected_level
     assert strict.startswith("isolation 'strict' cannot be had: namespaces: ")
     assert ".." not in strict
