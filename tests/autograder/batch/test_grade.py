@@ -270,7 +270,7 @@ def test_killed_at_any_write_nothing_is_lost_or_doubled(
         writes[:] = 0, killed_at
         list(grade_batch(graded.course, batch, out, LocalExecutor(launcher)))
 
-    monkeypatch.setattr("autograder.results.result_files.write_file", write)
+    monkeypatch.setattr("labsid._files.write_file", write)
     event.listen(Engine, "commit", step)
     try:
         grade(tmp_path / "whole", killed_at=0)

@@ -11,6 +11,7 @@ import nbformat
 import pytest
 
 from autograder.batch.fingerprint import template_hash
+from autograder.course import build
 from autograder.course.build import (
     CODE_STUB,
     SOLUTION_MARKS,
@@ -20,7 +21,7 @@ from autograder.course.build import (
     lint_checks,
     lint_release,
 )
-from autograder.course.layout import Cell, Course, Template, build, find_course, read_cell, read_template
+from autograder.course.layout import Cell, Course, Template, find_course, read_cell, read_template
 from labsid.checks.notebook import assignment_names, load_assignment
 
 ASSIGNMENTS = assignment_names()

@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from autograder.batch.fingerprint import JUDGING
-from autograder.course.layout import sources
+from autograder.course import sources
 from autograder.course.sources import closure, source_path, sources_hash
 from autograder.results import gradebook
 from autograder.sandbox.isolation import LEVELS, is_weaker

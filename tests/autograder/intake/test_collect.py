@@ -18,8 +18,8 @@ from hypothesis import strategies as st
 
 from autograder.course.layout import Course
 from autograder.course.student_folder import pack
+from autograder.intake import archive
 from autograder.intake.collect import collect
-from autograder.intake.submission import archive
 from autograder.intake.worksheet import Worksheet, folder_name, read_worksheet
 
 PRELAB, LAB = "prelab-sinusoids", "lab-identification"

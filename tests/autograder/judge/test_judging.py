@@ -157,9 +157,9 @@ def test_a_wrong_function_costs_its_own_question(forked: ProcessLauncher, tmp_pa
         ("import os\nos.kill(os.getpid(), 15)", "crashed", "was ended by SIGTERM"),
         ("import os\nos.kill(os.getpid(), 9)", "crashed", "was ended by SIGKILL"),
         ("import os\nos.kill(os.getpid(), 11)", "crashed", "was ended by SIGSEGV"),
-        ("import labsid.lab.offset", "graded", r"labsid\.offset is the reference: it cannot be used in an exercise"),
-        ("from labsid.lab import arx", "graded", r"labsid\.arx is the reference"),
-        ("from labsid.lab.arx import fit_arx", "graded", r"labsid\.arx is the reference"),
+        ("import labsid.lab.offset", "graded", r"labsid\.lab is the reference: it cannot be used in an exercise"),
+        ("from labsid.lab import arx", "graded", r"labsid\.lab is the reference"),
+        ("from labsid.lab.arx import fit_arx", "graded", r"labsid\.lab is the reference"),
         ("import labsid\nlabsid.least_squares", "graded", "has no attribute 'least_squares'"),
         ("import autograder", "graded", "autograder is the reference"),
         ("import autograder.judge.judging", "graded", "is the reference"),
@@ -304,7 +304,7 @@ def test_checks_in_the_notebook_do_nothing_while_grading(either: ProcessLauncher
     )
     first, second, _ = grade(either, tmp_path, cell, "import labsid.lab.regressor")
     assert first.score == Decimal("0.1"), first.reason
-    assert "labsid.lab.regressor is the reference" in second.reason
+    assert "labsid.lab is the reference" in second.reason
 
 
 def test_output_comes_back_and_a_figure_nobody_asks_for_does_not(forked: ProcessLauncher, tmp_path: Path) -> None:

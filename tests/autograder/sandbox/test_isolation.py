@@ -487,8 +487,9 @@ def test_the_reference_is_masked_where_it_lies_among_the_libraries(
     try:
         with open_launcher("namespaces", LIMITS) as launcher:
             student = launcher.start(tmp_path)
-            assert value_of(student, f"got = len(open({str(ROOT / 'labsid' / 'arx.py')!r}).read())")  # is not masked
-            for hidden in ("checks/assignments/lab_identification.py", "gap/which.py"):
+            open_file = ROOT / "labsid" / "lab" / "arx.py"  # is not masked
+            assert value_of(student, f"got = len(open({str(open_file)!r}).read())")
+            for hidden in ("checks/assignments/lab_identification/__init__.py", "gap/diagnosis.py"):
                 reply = student.run(f"open({str(ROOT / 'labsid' / hidden)!r})")
                 assert reply.error is not None
                 assert reply.error["kind"] == "FileNotFoundError"
