@@ -19,7 +19,7 @@ from labsid._files import write_file
 from labsid.checks.notebook import load_assignment
 from labsid.checks.question import Origin
 from labsid.records.record import load_record
-from labsid.rig.switchable.suspects import STAND_IN_STUDENT
+from labsid.rig.switchable.withheld_effects import STAND_IN_STUDENT
 
 _MAKING = Lock()  # submissions that are looked at side by side may need one record
 

@@ -8,16 +8,16 @@ import numpy as np
 
 from labsid._arrays import FloatArray
 from labsid.blind.closure import closure, held_out, pooled_closure, run_linear
-from labsid.blind.figures import Judged
+from labsid.blind.experiment import Case, follow, fresh, to_record
+from labsid.blind.metrics import Judged
 from labsid.blind.output_error import discrete_poles, fit_linear
-from labsid.blind.recipe import Case, follow, fresh, to_record
 from labsid.blind.rows import REPEATABLE
 from labsid.blind.runner import Replay, run_batch, run_replays
 from labsid.blind.score import score
 from labsid.blind.suite import PER_ROW, cases, label_dict
 from labsid.blind.table import markdown, print_scores
 from labsid.records.record import Record
-from labsid.rig.switchable.play import poles
+from labsid.rig.switchable.simulation import poles
 
 FRESH_RECORDS = 20
 

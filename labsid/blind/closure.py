@@ -9,12 +9,12 @@ from numpy.typing import NDArray
 from scipy.optimize import least_squares
 
 from labsid._arrays import FloatArray
+from labsid.blind.experiment import Case, Recipe, command, follow, to_record
 from labsid.blind.output_error import LinearFit
-from labsid.blind.recipe import Case, Recipe, command, follow, to_record
 from labsid.records.record import Record
 from labsid.rig.switchable._motion import HEATED_FAR, HEATED_NEAR, MASS
-from labsid.rig.switchable.play import Noise, RunsAway, play
 from labsid.rig.switchable.setup import Setup
+from labsid.rig.switchable.simulation import Noise, RunsAway, play
 
 INITIAL = 50
 """Samples of a second record from which its initial state is estimated; they are not scored."""

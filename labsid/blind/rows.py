@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from labsid.blind.drawing import (
+from labsid.blind.draws import (
     any_noise,
     bench,
     distance,
@@ -18,8 +18,8 @@ from labsid.blind.drawing import (
     mildly_coloured,
     partly_coloured,
 )
+from labsid.blind.experiment import Case, Recipe, command, follow, fresh, to_record
 from labsid.blind.output_error import discrete_poles, fit_linear
-from labsid.blind.recipe import Case, Recipe, command, follow, fresh, to_record
 from labsid.blind.strength import (
     CLEAR,
     HARD,
@@ -33,11 +33,11 @@ from labsid.blind.strength import (
 )
 from labsid.rig.switchable.effects import EFFECTS, can_have, draw_effect, look_at
 from labsid.rig.switchable.inputs import INPUTS, RICH
-from labsid.rig.switchable.outside import OUTSIDE, can_have_outside, draw_outside
 from labsid.rig.switchable.plants import RIGS
-from labsid.rig.switchable.play import poles
 from labsid.rig.switchable.setup import Setup
+from labsid.rig.switchable.simulation import poles
 from labsid.rig.switchable.truth import true_linear
+from labsid.rig.switchable.unlisted import OUTSIDE, can_have_outside, draw_outside
 
 Draw = Callable[[np.random.Generator, int, str], Case | None]
 

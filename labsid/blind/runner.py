@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from labsid._arrays import FloatArray
-from labsid.blind.recipe import Case
+from labsid.blind.experiment import Case
 from labsid.blind.suite import write_case, write_record
 from labsid.records.record import Record
 

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from labsid.blind.figures import (
+from labsid.blind.metrics import (
     Z95,
     Figure,
     Judged,

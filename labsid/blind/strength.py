@@ -5,11 +5,11 @@ from dataclasses import replace
 import numpy as np
 
 from labsid._arrays import FloatArray
+from labsid.blind.experiment import Recipe, command
 from labsid.blind.output_error import discrete_poles, fit_linear
-from labsid.blind.recipe import Recipe, command
 from labsid.rig.switchable.effects import Enter
-from labsid.rig.switchable.play import Noise, play, poles
 from labsid.rig.switchable.setup import Setup
+from labsid.rig.switchable.simulation import Noise, play, poles
 
 WEAKEST_NOISE, STRONGEST_NOISE = 0.005, 0.05
 CLEAR, HARD = (5.2, 25.0), (1.55, 4.9)

@@ -9,10 +9,10 @@ from typing import Any
 
 import numpy as np
 
-from labsid.blind.recipe import Case
+from labsid.blind.experiment import Case
 from labsid.blind.rows import ROWS
 from labsid.records.record import Record
-from labsid.rig.switchable.play import RunsAway
+from labsid.rig.switchable.simulation import RunsAway
 
 PER_ROW = {"dev": 80, "final": 220}
 _MOST_DRAWS = 400

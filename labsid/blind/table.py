@@ -1,6 +1,6 @@
 """The table of the sealed check: on the terminal, and in Markdown for the README."""
 
-from labsid.blind.figures import Figure, Scores
+from labsid.blind.metrics import Figure, Scores
 
 Bar = float | tuple[float, float] | None
 

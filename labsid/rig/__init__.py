@@ -10,9 +10,10 @@ is made of, `plants` and `inputs` draw them, `effects` (of the table) and `outsi
 `play` runs it, and `truth` says what was put in. `withheld` makes every student's own rig with one of the `suspects`.
 """
 
-from labsid.rig.lab.individual import read_secret, student_plan
 from labsid.rig.lab.lab_record import make_empty_start_record, make_lab_record, make_verification_record
 from labsid.rig.lab.log import LabLog, lab_record_bytes, log_to_record, write_lab_record
+from labsid.rig.lab.plan import student_plan
+from labsid.rig.seeds import read_secret
 
 __all__ = [
     "LabLog",

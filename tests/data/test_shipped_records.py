@@ -17,9 +17,9 @@ from labsid.rig import (
     read_secret,
     student_plan,
 )
-from labsid.rig.lab.individual import STAND_IN
-from labsid.rig.switchable.suspects import RECORD_FILE, STAND_IN_STUDENT
+from labsid.rig.lab.plan import STAND_IN
 from labsid.rig.switchable.withheld import withheld_record_bytes
+from labsid.rig.switchable.withheld_effects import RECORD_FILE, STAND_IN_STUDENT
 
 MADE_BY = {
     "SysIdenData_StudentVersion.mat": make_lab_record,

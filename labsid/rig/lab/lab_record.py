@@ -5,10 +5,10 @@ from dataclasses import replace
 import numpy as np
 
 from labsid._arrays import FloatArray
-from labsid.rig.instruments import AVERAGED, converter, noise_reduced, sensor_noise
-from labsid.rig.lab.individual import STAND_IN, LabPlan, staircase, student_plan
+from labsid.rig.lab.instruments import AVERAGED, converter, noise_reduced, sensor_noise
 from labsid.rig.lab.integration import State, run
 from labsid.rig.lab.log import LabLog
+from labsid.rig.lab.plan import STAND_IN, LabPlan, staircase, student_plan
 from labsid.rig.lab.tanks import steady_levels, tank_rig, zero_level
 
 TS = 0.75

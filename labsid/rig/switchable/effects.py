@@ -6,8 +6,8 @@ from labsid._arrays import FloatArray
 from labsid.rig.switchable._effect_draws import DRAWS, Enter, Situation
 from labsid.rig.switchable._motion import LAGGED_TANK, MASS, MOTOR_POSITION, MOTOR_SPEED, TWO_TANKS
 from labsid.rig.switchable.plants import time_scale
-from labsid.rig.switchable.play import respond
 from labsid.rig.switchable.setup import Setup
+from labsid.rig.switchable.simulation import respond
 
 __all__ = ["EFFECTS", "Enter", "Situation", "can_have", "draw_effect", "look_at"]
 

@@ -13,8 +13,8 @@ from labsid.rig.switchable._motion import (
     MOTOR_SPEED,
     TWO_TANKS,
 )
-from labsid.rig.switchable.play import poles
 from labsid.rig.switchable.setup import Actuator, Setup, plain_motion
+from labsid.rig.switchable.simulation import poles
 
 SLOWEST = 100.0
 FASTEST = 1.5

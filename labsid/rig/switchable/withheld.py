@@ -13,15 +13,14 @@ import numpy as np
 
 from labsid._arrays import FloatArray
 from labsid.records.record import Record
-from labsid.rig.instruments import uniform_samples
-from labsid.rig.lab.individual import student_entropy
+from labsid.rig.seeds import student_entropy, uniform_samples
 from labsid.rig.switchable._motion import TWO_TANKS
 from labsid.rig.switchable.actuator import limited
 from labsid.rig.switchable.plants import Scales
-from labsid.rig.switchable.play import Noise, play, respond
 from labsid.rig.switchable.setup import Actuator, Sensor, Setup, plain_motion
-from labsid.rig.switchable.suspects import PARAMETERS, PATHS, RECORD_FILE
+from labsid.rig.switchable.simulation import Noise, play, respond
 from labsid.rig.switchable.truth import true_parameters
+from labsid.rig.switchable.withheld_effects import PARAMETERS, PATHS, RECORD_FILE
 
 TS = 0.75
 SAMPLES = 1600
@@ -46,7 +45,7 @@ class WithheldRig:
     effect, path : str
         The effect by its name in the table, and where in the loop it acts.
     parameters : dict
-        Its parameters by the names of `labsid.rig.switchable.suspects`.
+        Its parameters by the names of `labsid.rig.switchable.withheld_effects`.
     setup : Setup
         The rig with the effect in it.
     scales : Scales

@@ -8,7 +8,7 @@ import pytest
 
 from labsid.blind import check, runner
 from labsid.blind.check import is_repeatable, judge_replays, run
-from labsid.blind.recipe import Case, follow, fresh, to_record
+from labsid.blind.experiment import Case, follow, fresh, to_record
 from labsid.blind.runner import run_batch, run_replays
 from labsid.blind.suite import cases
 

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from statsmodels.stats.proportion import proportion_confint
 
-from labsid.blind.figures import Figure, Judged, answer_set, exactly_named, inside_set, told_apart, wilson
+from labsid.blind.metrics import Figure, Judged, answer_set, exactly_named, inside_set, told_apart, wilson
 from labsid.blind.score import calibration_bins, confusion, score
 from labsid.blind.table import figure_cells, markdown, print_scores, standing
 

@@ -9,16 +9,16 @@ from scipy.signal import lfilter
 
 from labsid.blind import suite as suite_module
 from labsid.blind.closure import closed, held_out, pooled_closure, refitted
+from labsid.blind.experiment import Case, command, follow, fresh, to_record
 from labsid.blind.output_error import discrete_poles, fit_linear
-from labsid.blind.recipe import Case, command, follow, fresh, to_record
 from labsid.blind.rows import ROWS
 from labsid.blind.strength import CLEAR, HARD, gap
 from labsid.blind.suite import cases, label_dict, write_suite
 from labsid.records.record import load_record
 from labsid.rig.switchable.effects import EFFECTS
-from labsid.rig.switchable.outside import OUTSIDE
-from labsid.rig.switchable.play import poles
+from labsid.rig.switchable.simulation import poles
 from labsid.rig.switchable.truth import true_linear
+from labsid.rig.switchable.unlisted import OUTSIDE
 
 COUNTS = {"single-clear": 22, "single-hard": 22, "short": 22, "pair": 5, "none": 12, "unknown": 9, "with-sim": 6}
 

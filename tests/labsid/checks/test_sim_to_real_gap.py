@@ -14,8 +14,8 @@ from labsid.checks.notebook import load_assignment
 from labsid.checks.question import Origin
 from labsid.checks.values import plain
 from labsid.records.record import Record, load_record
-from labsid.rig.switchable.suspects import PARAMETERS, PATHS, RECORD_FILE
 from labsid.rig.switchable.withheld import withheld_record_bytes, withheld_rig
+from labsid.rig.switchable.withheld_effects import PARAMETERS, PATHS, RECORD_FILE
 
 NAME = "sim-to-real-gap"
 SECRET = b"a secret of the tests"

@@ -6,7 +6,7 @@ from labsid.checks.assignments.sim_to_real_gap.named_effect import effect, param
 from labsid.checks.assignments.sim_to_real_gap.offsets_and_noise import rest, right_rest
 from labsid.checks.assignments.sim_to_real_gap.simulation_with_effect import closed, simulation
 from labsid.checks.question import Assignment, Question
-from labsid.rig.switchable.suspects import RECORD_FILE
+from labsid.rig.switchable.withheld_effects import RECORD_FILE
 
 _REST, _LINEAR, _SIZE = "gap-1-rest", "gap-2-linear", "gap-3-size"
 

@@ -9,7 +9,7 @@ from labsid.checks.compare import as_number, kind_of
 from labsid.checks.question import Ask
 from labsid.checks.verdict import NoAnswer, Verdict
 from labsid.records.record import Record
-from labsid.rig.switchable.suspects import PARAMETERS, PATHS
+from labsid.rig.switchable.withheld_effects import PARAMETERS, PATHS
 
 if TYPE_CHECKING:
     from labsid.rig.switchable.withheld import WithheldRig

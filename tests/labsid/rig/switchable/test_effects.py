@@ -6,10 +6,10 @@ import pytest
 from labsid.blind.output_error import discrete_poles, fit_linear
 from labsid.rig.switchable.effects import EFFECTS, can_have, draw_effect, look_at
 from labsid.rig.switchable.inputs import draw_input
-from labsid.rig.switchable.outside import OUTSIDE, can_have_outside, draw_outside
 from labsid.rig.switchable.plants import RIGS, Scales, draw_rig, draw_scales, time_scale
-from labsid.rig.switchable.play import Noise, play, poles
+from labsid.rig.switchable.simulation import Noise, play, poles
 from labsid.rig.switchable.truth import true_parameters
+from labsid.rig.switchable.unlisted import OUTSIDE, can_have_outside, draw_outside
 
 GAP_TABLE = {
     *("input-delay", "input-saturation", "input-dead-zone", "input-backlash", "input-rate-limit"),

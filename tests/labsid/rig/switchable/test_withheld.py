@@ -9,8 +9,8 @@ from labsid.checks.assignments.sim_to_real_gap.linear_model import nearest_free_
 from labsid.lab.arx import arx_from_theta
 from labsid.lab.simulation import simulate
 from labsid.records.record import load_record
-from labsid.rig.lab.individual import student_entropy, student_plan
-from labsid.rig.switchable.suspects import PARAMETERS, PATHS
+from labsid.rig.lab.plan import student_plan
+from labsid.rig.seeds import student_entropy
 from labsid.rig.switchable.withheld import (
     AT_REST,
     SENSOR_NOISE,
@@ -21,6 +21,7 @@ from labsid.rig.switchable.withheld import (
     withheld_rig,
     withheld_trial,
 )
+from labsid.rig.switchable.withheld_effects import PARAMETERS, PATHS
 
 SECRET = b"a secret of the tests"
 IDS = [f"z{5000000 + i}" for i in range(160)]

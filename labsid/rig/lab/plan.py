@@ -1,22 +1,14 @@
 """Every student's own rig: parameters, levels and hold times from HMAC-SHA256(secret, ID)."""
 
-import hashlib
-import hmac
-import unicodedata
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from os import PathLike
-from pathlib import Path
 from typing import TypeVar
 
 import numpy as np
 
 from labsid._arrays import FloatArray
-from labsid.rig.instruments import uniform_samples
 from labsid.rig.lab.tanks import TankParameters
-
-SHORTEST_SECRET = 16
-"""Bytes below which a secret can be guessed."""
+from labsid.rig.seeds import student_entropy, uniform_samples
 
 _PLAN_STREAM = 0
 _T = TypeVar("_T")
@@ -74,28 +66,6 @@ _FIRST_HOLD = range(47, 56)
 _OTHER_HOLDS = range(195, 206)
 
 
-def read_secret(path: str | PathLike[str]) -> bytes:
-    """Read a course's secret from a file.
-
-    Parameters
-    ----------
-    path : path
-        Its white space at both ends does not count, so an editor's last line break changes no record.
-
-    Returns
-    -------
-    bytes
-
-    Raises
-    ------
-    OSError
-        If it cannot be read.
-    ValueError
-        If it is empty or shorter than 16 bytes.
-    """
-    return _checked_secret(Path(path).read_bytes().strip(), f"the secret in {Path(path).name}")
-
-
 def student_plan(student: str, secret: bytes) -> LabPlan:
     """Plan one student's record.
 
@@ -128,33 +98,6 @@ def student_plan(student: str, secret: bytes) -> LabPlan:
     return replace(plan, parameters=parameters, levels=_levels(rest, down, up), starts=_starts(holds))
 
 
-def student_entropy(student: str, secret: bytes, purpose: str = "") -> int:
-    """Seed everything random about one student's rig.
-
-    Parameters
-    ----------
-    student : str
-        As for `student_plan`.
-    secret : bytes
-        As for `student_plan`.
-    purpose : str
-        What the rig is for: those of two purposes have nothing in common. Unless given, the lab.
-
-    Returns
-    -------
-    int
-        HMAC-SHA256 of the ID, as a number of 256 bits: no secret, no number.
-
-    Raises
-    ------
-    ValueError
-        As for `student_plan`.
-    """
-    # an ID holds no control character, so no ID is another purpose's
-    message = f"{purpose}\0{_checked_id(student)}" if purpose else _checked_id(student)
-    return int.from_bytes(hmac.digest(_checked_secret(secret, "secret"), message.encode(), hashlib.sha256), "big")
-
-
 def staircase(levels: tuple[float, ...], starts: tuple[int, ...], samples: int) -> FloatArray:
     """Input that holds each of `levels` (V) from its sample in `starts` on; shape (samples,)."""
     return np.repeat(levels, np.diff([*starts, samples]))
@@ -173,25 +116,3 @@ def _starts(draws: list[float]) -> tuple[int, ...]:
 
 def _pick(choices: Sequence[_T], draw: float) -> _T:
     return choices[int(draw * len(choices))]
-
-
-def _checked_secret(secret: bytes, name: str) -> bytes:
-    if len(secret) < SHORTEST_SECRET:
-        raise ValueError(
-            f"{name} must have at least {SHORTEST_SECRET} bytes; got {len(secret)}. "
-            'Make one with `python -c "import secrets; print(secrets.token_hex(32))"`.'
-        )
-    return secret
-
-
-def _checked_id(student: str) -> str:
-    if not student.strip():
-        raise ValueError("student must be an ID; got an empty one. Give the ID as the course writes it.")
-    if student != student.strip():
-        raise ValueError(f"student must have no white space at its ends; got {student!r}. Take it away.")
-    for character in student:
-        if unicodedata.category(character) in ("Cc", "Cf", "Cs", "Zl", "Zp"):
-            raise ValueError(
-                f"student must hold no control characters; got {character!r} in {student!r}. Type the ID again."
-            )
-    return unicodedata.normalize("NFC", student)

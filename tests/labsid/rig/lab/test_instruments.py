@@ -5,25 +5,11 @@ import pytest
 import scipy.io
 from scipy import stats
 
-from labsid.rig.instruments import converter, noise_reduced, sensor_noise, uniform_samples
+from labsid.rig.lab.instruments import converter, noise_reduced, sensor_noise
 
 
 def seed(number=1):
     return np.random.SeedSequence(number)
-
-
-def test_uniform_samples_are_those_of_numpy_moved_to_the_middle_of_their_cell():
-    # `Generator.random` takes the same 53 bits; the half keeps 0 out, whose quantile is minus infinity.
-    ours = uniform_samples(seed(), 1000)
-    numpys = np.random.Generator(np.random.PCG64(seed())).random(1000)
-    np.testing.assert_allclose(ours, numpys, rtol=0, atol=2.0**-53)
-    assert 0 < ours.min() < ours.max() < 1
-
-
-def test_the_bits_never_change():
-    # Recorded once: a student's record must be made again years later, with another numpy.
-    recorded = [0.48740329251299724, 0.17924326731342038, 0.9106144830799372]
-    assert uniform_samples(seed(2018), 3).tolist() == recorded
 
 
 def test_noise_is_white_gaussian_with_the_deviation_asked_for():

@@ -10,8 +10,8 @@ from scipy.integrate import solve_ivp
 from labsid.rig.switchable._motion import MASS, MOTOR_SPEED, PARALLEL_MODE, SERIES_MODE, STATES, TWO_TANKS, move
 from labsid.rig.switchable.inputs import draw_input
 from labsid.rig.switchable.plants import RIGS, Scales, draw_rig, time_scale
-from labsid.rig.switchable.play import Noise, RunsAway, held_stretches, play, poles, respond, sensor_noise
 from labsid.rig.switchable.setup import Actuator, Load, Sensor, Setup, plain_motion
+from labsid.rig.switchable.simulation import Noise, RunsAway, held_stretches, play, poles, respond, sensor_noise
 from labsid.rig.switchable.truth import true_linear
 
 QUIET = Noise(0.0)

@@ -9,8 +9,8 @@ from labsid._arrays import FloatArray
 from labsid.records.record import Record
 from labsid.rig.switchable.inputs import draw_input
 from labsid.rig.switchable.plants import Scales
-from labsid.rig.switchable.play import Noise, Played, play
 from labsid.rig.switchable.setup import Setup
+from labsid.rig.switchable.simulation import Noise, Played, play
 
 
 @dataclass(frozen=True, slots=True)

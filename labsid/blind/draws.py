@@ -6,13 +6,13 @@ from typing import Any
 import numpy as np
 from scipy.signal import lfilter
 
-from labsid.blind.recipe import Case, Recipe, command, follow, to_record
+from labsid.blind.experiment import Case, Recipe, command, follow, to_record
 from labsid.blind.strength import CLEAR, clean_output, gap, with_noise
 from labsid.rig.switchable._motion import MASS
 from labsid.rig.switchable.effects import can_have
 from labsid.rig.switchable.plants import RIGS, draw_rig, draw_scales, time_scale
-from labsid.rig.switchable.play import Noise
 from labsid.rig.switchable.setup import Setup
+from labsid.rig.switchable.simulation import Noise
 from labsid.rig.switchable.truth import true_parameters
 
 

@@ -7,32 +7,12 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from labsid._arrays import FloatArray, as_signal
+from labsid.rig.seeds import uniform_samples
 
 Block = Callable[[FloatArray, FloatArray], FloatArray]
 
 AVERAGED = 5
 """Samples in the rig's moving average."""
-
-
-def uniform_samples(seed: np.random.SeedSequence, n: int) -> FloatArray:
-    """Draw `n` numbers, uniform in (0, 1).
-
-    Parameters
-    ----------
-    seed : SeedSequence
-    n : int
-
-    Returns
-    -------
-    ndarray, shape (n,)
-
-    Notes
-    -----
-    From the raw bits of PCG64, which numpy promises never to change; it makes no such promise of the
-    distributions of its `Generator`. A record must be made again from its secret years later.
-    """
-    bits = np.random.PCG64(seed).random_raw(n) >> np.uint64(11)
-    return (bits.astype(np.float64) + 0.5) * 2.0**-53
 
 
 def sensor_noise(sd: float, seed: np.random.SeedSequence) -> Block:
