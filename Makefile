@@ -7,7 +7,7 @@ PYTEST_ARGS ?=
 BARS_ARGS ?=
 
 .DEFAULT_GOAL := help
-.PHONY: help demo test lint format bars bench lock clean set-up
+.PHONY: help demo test check lint format bars bench lock clean set-up
 
 help:  ## this list
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  make %-8s %s\n", $$1, $$2 }' Makefile
@@ -17,6 +17,9 @@ demo: set-up  ## the main job on embedded data: course built, sample hand-ins gr
 
 test: set-up  ## all tests, on all cores
 	@.venv/bin/python -m pytest -n auto $(PYTEST_ARGS)
+
+check: set-up lint  ## for work in progress, within a minute: style, types, and the tests that start and search nothing
+	@.venv/bin/python -m pytest -n auto -m "not slow" $(PYTEST_ARGS)
 
 lint: set-up  ## style, format and types
 	@.venv/bin/ruff check .

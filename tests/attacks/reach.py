@@ -15,7 +15,7 @@ ATTACKS = (
         "it is refused, and said to be the reference",
         {FUNCTION: "from labsid.lab.sinusoid import Sinusoids, cut_off as found\n" + _USE},
         loses=(FUNCTION,),
-        said="labsid.lab.sinusoid is the reference: it cannot be used",
+        said="labsid.lab is the reference: it cannot be used",
     ),
     Attack(
         "imports the reference by its name as text",
@@ -23,7 +23,7 @@ ATTACKS = (
         {FUNCTION: "import importlib\nmodule = importlib.import_module('labsid.lab.sinusoid')\n"
                    "Sinusoids, found = module.Sinusoids, module.cut_off\n" + _USE},
         loses=(FUNCTION,),
-        said="labsid.lab.sinusoid is the reference: it cannot be used",
+        said="labsid.lab is the reference: it cannot be used",
     ),
     Attack(
         "takes the reference from sys.modules",
@@ -45,7 +45,7 @@ ATTACKS = (
     Attack(
         "runs the source of the reference",
         "the file is not in its sight",
-        {FUNCTION: "import os, labsid\nnames = {}\nexec(open(os.path.join(labsid.__path__[0], 'sinusoid.py')).read(), "
+        {FUNCTION: "import os, labsid\nnames = {}\nexec(open(os.path.join(labsid.__path__[0], 'lab', 'sinusoid.py')).read(), "
                    "names)\nSinusoids, found = names['Sinusoids'], names['cut_off']\n" + _USE},
         loses=(FUNCTION,),
         said="FileNotFoundError|PermissionError",
