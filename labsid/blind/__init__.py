@@ -1,7 +1,7 @@
 """The sealed check of the gap diagnosis: rigs with withheld effects, judged from outside.
 
 `check.run` makes the cases (`suite`, `rows`, `drawing`, `strength`), has the diagnosis run on them as a separate
-process in an otherwise empty folder (`runner`), opens the labels, and prints the table (`score`, `figures`,
+process in an otherwise empty folder (`runner`), opens the labels, and prints the table (`score_cases`, `metrics`,
 `table`). `closure` says what the true structure, refitted, could have closed. Nothing here imports the diagnosis.
 
 How a record gets its label:

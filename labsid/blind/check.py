@@ -7,14 +7,14 @@ from typing import Any
 import numpy as np
 
 from labsid._arrays import FloatArray
-from labsid.blind.closure import closure, held_out, pooled_closure, run_linear
-from labsid.blind.experiment import Case, follow, fresh, to_record
-from labsid.blind.metrics import Judged
+from labsid.blind.closure import compare_closure, held_out_samples, pooled_closure, simulate_linear_fit
+from labsid.blind.experiment import Case, redraw, run_experiment, to_record
+from labsid.blind.metrics import CaseOutcome
 from labsid.blind.output_error import discrete_poles, fit_linear
-from labsid.blind.rows import REPEATABLE
+from labsid.blind.rows import REPEATABLE_EFFECTS
 from labsid.blind.runner import Replay, run_batch, run_replays
-from labsid.blind.score import score
-from labsid.blind.suite import PER_ROW, cases, label_dict
+from labsid.blind.score import score_cases
+from labsid.blind.suite import PER_ROW, label_dict, make_cases
 from labsid.blind.table import markdown, print_scores
 from labsid.records.record import Record
 from labsid.rig.switchable.simulation import poles
@@ -22,7 +22,7 @@ from labsid.rig.switchable.simulation import poles
 FRESH_RECORDS = 20
 
 
-def run(
+def run_sealed_check(
     suite: str = "dev",
     per_row: int | None = None,
     rows: Sequence[str] | None = None,
@@ -64,29 +64,29 @@ def run(
     with Progress(*layout, transient=True) as progress:
         making = progress.add_task("making rigs", total=None)
         made = []
-        for case in cases(suite, per_row, rows, jobs):
+        for case in make_cases(suite, per_row, rows, jobs):
             made.append(case)
             progress.update(making, completed=len(made))
         progress.update(making, total=len(made))
         running = progress.add_task("diagnosing", total=len(made))
         results, seconds = run_batch(made, jobs, lambda n: progress.update(running, completed=n))
         refitting = progress.add_task("refitting the true structures", total=len(made))
-        judged = []
+        outcomes = []
         for case in made:
-            judged.append(judge(case, results.get(case.name)))
+            outcomes.append(evaluate_case(case, results.get(case.name)))
             progress.advance(refitting)
         again = [case for case in made if is_repeatable(case)]
         again = again[: (per_row or PER_ROW[suite]) if replays is None else replays]
         playing = progress.add_task("playing fresh records", total=len(again))
-        replayed = judge_replays(again, jobs, lambda n: progress.update(playing, completed=n))
-    scores = score(judged, replayed, seconds)
+        replayed = evaluate_replays(again, jobs, lambda n: progress.update(playing, completed=n))
+    scores = score_cases(outcomes, replayed, seconds)
     print_scores(scores, f"labsid gap blind --suite {suite}: {len(made)} records")
     if report is not None:
         report.write_text(markdown(scores), encoding="utf-8")
-    return int(any(figure.fails() for figure in scores.figures))
+    return int(any(metric.fails() for metric in scores.metrics))
 
 
-def judge(case: Case, result: dict[str, Any] | None) -> Judged:
+def evaluate_case(case: Case, result: dict[str, Any] | None) -> CaseOutcome:
     """Put label and result side by side; of a clear single effect also what could have been closed.
 
     Parameters
@@ -99,10 +99,10 @@ def judge(case: Case, result: dict[str, Any] | None) -> Judged:
     Judged
     """
     comparable = case.row == "single-clear" and result is not None
-    share = closure(case, result) if comparable and result is not None else None
+    share = compare_closure(case, result) if comparable and result is not None else None
     if share is None:
-        return Judged(label_dict(case), result)
-    return Judged(label_dict(case), result, share.diagnosed, share.possible)
+        return CaseOutcome(label_dict(case), result)
+    return CaseOutcome(label_dict(case), result, share.diagnosed, share.possible)
 
 
 def is_repeatable(case: Case) -> bool:
@@ -117,10 +117,12 @@ def is_repeatable(case: Case) -> bool:
     bool
     """
     single = case.row in ("single-clear", "single-hard")
-    return single and case.holdout is None and case.sim is None and set(case.labels) <= REPEATABLE
+    return single and case.holdout is None and case.sim is None and set(case.labels) <= REPEATABLE_EFFECTS
 
 
-def judge_replays(made: Sequence[Case], jobs: int, on_progress: Callable[[int], None] | None = None) -> list[Judged]:
+def evaluate_replays(
+    made: Sequence[Case], jobs: int, on_progress: Callable[[int], None] | None = None
+) -> list[CaseOutcome]:
     """Play the exported simulation of each case on fresh records of the same rig.
 
     Parameters
@@ -133,16 +135,20 @@ def judge_replays(made: Sequence[Case], jobs: int, on_progress: Callable[[int], 
     Returns
     -------
     list of Judged
-        With `fresh` where the simulation could be played.
+        With `redraw` where the simulation could be played.
     """
-    recipes = [[fresh(case.recipe, i) for i in range(FRESH_RECORDS)] for case in made]
-    others = [[to_record(follow(r), r.scales, f"other{i}") for i, r in enumerate(several)] for several in recipes]
+    experiments = [[redraw(case.experiment, i) for i in range(FRESH_RECORDS)] for case in made]
+    others = [
+        [to_record(run_experiment(r), r.scales, f"other{i}") for i, r in enumerate(several)] for several in experiments
+    ]
     replays = run_replays(list(zip(made, others, strict=True)), jobs, on_progress)
-    judged = []
-    for case, several, records, replay in zip(made, recipes, others, replays, strict=True):
-        clean = [to_record(follow(r), r.scales, case.name, clean=True).y for r in several]
-        judged.append(Judged(label_dict(case), replay.result, fresh=_fresh_closure(case, records, clean, replay)))
-    return judged
+    outcomes = []
+    for case, several, records, replay in zip(made, experiments, others, replays, strict=True):
+        clean = [to_record(run_experiment(r), r.scales, case.name, clean=True).y for r in several]
+        outcomes.append(
+            CaseOutcome(label_dict(case), replay.result, fresh_closure=_fresh_closure(case, records, clean, replay))
+        )
+    return outcomes
 
 
 def _fresh_closure(case: Case, records: Sequence[Record], clean: Sequence[FloatArray], replay: Replay) -> float | None:
@@ -150,10 +156,10 @@ def _fresh_closure(case: Case, records: Sequence[Record], clean: Sequence[FloatA
     after = [output for output in replay.outputs if output is not None]
     if replay.result is None or len(after) < len(records):
         return None
-    scored = held_out(case, replay.result)
+    scored = held_out_samples(case, replay.result)
     if scored is None:
         return None
-    u, start = case.record.u, discrete_poles(poles(case.recipe.plain.motion))
+    u, start = case.record.u, discrete_poles(poles(case.experiment.plain.motion))
     linear = fit_linear(u, case.record.y, start, counts=~scored)
-    before = [run_linear(linear, float(np.mean(u)), record) for record in records]
+    before = [simulate_linear_fit(linear, float(np.mean(u)), record) for record in records]
     return pooled_closure(clean, before, after)

@@ -9,14 +9,14 @@ from numpy.typing import NDArray
 from scipy.optimize import least_squares
 
 from labsid._arrays import FloatArray
-from labsid.blind.experiment import Case, Recipe, command, follow, to_record
+from labsid.blind.experiment import Case, Experiment, input_signal, run_experiment, to_record
 from labsid.blind.output_error import LinearFit
 from labsid.records.record import Record
 from labsid.rig.switchable._motion import HEATED_FAR, HEATED_NEAR, MASS
 from labsid.rig.switchable.setup import Setup
-from labsid.rig.switchable.simulation import Noise, RunsAway, play
+from labsid.rig.switchable.simulation import Noise, UnboundedOutputError, simulate_setup
 
-INITIAL = 50
+INITIAL_SAMPLES = 50
 """Samples of a second record from which its initial state is estimated; they are not scored."""
 
 CLOSES_NOTHING = {"coloured-noise", "output-outliers"}
@@ -24,10 +24,10 @@ CLOSES_NOTHING = {"coloured-noise", "output-outliers"}
 
 _MOTION = (
     *("T0", "T1", "damping", "coupling", "actuator_lag", "sensor_lag"),
-    *("root", "brim_upper", "brim_lower", "dry_friction", "cubic"),
+    *("outflow_curvature", "brim_upper", "brim_lower", "dry_friction", "cubic"),
 )
 _MODE = ("mode_frequency", "mode_damping", "mode_share")
-_ACTUATOR = ("low", "high", "dead_low", "dead_high", "play", "slew", "c2", "c3", "gain_change")
+_ACTUATOR = ("low", "high", "dead_low", "dead_high", "backlash", "slew", "c2", "c3", "gain_change")
 _LOAD = ("size", "leak", "amplitude", "frequency", "phase", "pole_change")
 _SENSOR = ("c2", "c3", "drift", "amplitude", "frequency", "phase", "low", "high")
 
@@ -48,7 +48,7 @@ class Closure:
     possible: float
 
 
-def closed(before: float, after: float, floor: float) -> float | None:
+def closed_share(before: float, after: float, floor: float) -> float | None:
     """Share of a gap that is closed: None where there is no gap before.
 
     Parameters
@@ -66,7 +66,7 @@ def closed(before: float, after: float, floor: float) -> float | None:
     return 1.0 - float(np.sqrt(max(after**2 - floor**2, 0.0) / gap))
 
 
-def closure(case: Case, result: dict[str, Any]) -> Closure | None:
+def compare_closure(case: Case, result: dict[str, Any]) -> Closure | None:
     """Compare what a diagnosis closes with what the true structure closes.
 
     Parameters
@@ -82,20 +82,20 @@ def closure(case: Case, result: dict[str, Any]) -> Closure | None:
     """
     if not case.labels or set(case.labels) & {"unknown", "parameter-mismatch", *CLOSES_NOTHING}:
         return None
-    scored = held_out(case, result)
+    scored = held_out_samples(case, result)
     gap = result.get("gap") or {}
     if scored is None or gap.get("before") is None or gap.get("after") is None:
         return None
-    recipe = case.recipe
-    clean = to_record(follow(recipe), recipe.scales, case.name, clean=True)
+    experiment = case.experiment
+    clean = to_record(run_experiment(experiment), experiment.scales, case.name, clean=True)
     floor = _rms((case.record.y - clean.y)[scored])
-    y = refitted(case, ~scored)
-    diagnosed = closed(gap["before"], gap["after"], floor)
-    possible = closed(gap["before"], _rms((case.record.y - y)[scored]), floor)
+    y = refit_true_structure(case, ~scored)
+    diagnosed = closed_share(gap["before"], gap["after"], floor)
+    possible = closed_share(gap["before"], _rms((case.record.y - y)[scored]), floor)
     return None if diagnosed is None or possible is None else Closure(diagnosed, possible)
 
 
-def held_out(case: Case, result: dict[str, Any]) -> NDArray[np.bool_] | None:
+def held_out_samples(case: Case, result: dict[str, Any]) -> NDArray[np.bool_] | None:
     """Which samples of the record the diagnosis says that it held out.
 
     Parameters
@@ -118,7 +118,7 @@ def held_out(case: Case, result: dict[str, Any]) -> NDArray[np.bool_] | None:
     return scored if 0.1 * t.size < scored.sum() < 0.9 * t.size else None
 
 
-def refitted(case: Case, counts: NDArray[np.bool_]) -> FloatArray:
+def refit_true_structure(case: Case, counts: NDArray[np.bool_]) -> FloatArray:
     """The true structure, its parameters fitted to the samples that count.
 
     Parameters
@@ -131,27 +131,27 @@ def refitted(case: Case, counts: NDArray[np.bool_]) -> FloatArray:
     ndarray, shape (N,)
         Its free run through the whole record, in the record's units.
     """
-    recipe, y = case.recipe, case.record.y
-    names = free_parameters(recipe)
-    truth = np.array([_get(recipe.setup, part, name) for part, name in names])
+    experiment, y = case.experiment, case.record.y
+    names = free_parameters(experiment)
+    truth = np.array([_get(experiment.setup, part, name) for part, name in names])
     spread = np.maximum(np.abs(truth), 1e-3)
-    v = command(recipe)
+    v = input_signal(experiment)
 
     def run(theta: FloatArray) -> FloatArray:
         away = theta - 1.0  # scipy takes its difference steps as shares of theta
-        start = (recipe.start[0] + away[-2], recipe.start[1] + away[-1])
+        start = (experiment.start[0] + away[-2], experiment.start[1] + away[-1])
         values = truth + spread * away[:-2]
-        setup = recipe.setup
+        setup = experiment.setup
         for (part, name), value in zip(names, values, strict=True):
             setup = _set(setup, part, name, float(value))
-        shown = play(setup, v, Noise(0.0), start).clean
+        shown = simulate_setup(setup, v, Noise(0.0), start).clean
         basis = np.column_stack([shown, np.ones(shown.size)])
         return basis @ np.linalg.lstsq(basis[counts], y[counts], rcond=None)[0]
 
     def residual(theta: FloatArray) -> FloatArray:
         try:
             return (run(theta) - y)[counts] / case.sigma
-        except RunsAway:
+        except UnboundedOutputError:
             return np.full(int(counts.sum()), 1e3)
 
     first = np.ones(len(names) + 2)
@@ -159,29 +159,29 @@ def refitted(case: Case, counts: NDArray[np.bool_]) -> FloatArray:
     return run(found.x)
 
 
-def free_parameters(recipe: Recipe) -> list[tuple[str, str]]:
+def free_parameters(experiment: Experiment) -> list[tuple[str, str]]:
     """The parameters of a rig and its effects that a refit may move: part and name.
 
     Parameters
     ----------
-    recipe : Recipe
+    experiment : Recipe
 
     Returns
     -------
     list of (str, str)
     """
-    kind = recipe.plain.motion.kind
+    kind = experiment.plain.motion.kind
     absent = {"T1"} if kind == MASS else set()
     absent |= set() if kind in (HEATED_FAR, HEATED_NEAR) else {"coupling"}
-    modes = _MODE if recipe.setup.motion.mode else ()
+    modes = _MODE if experiment.setup.motion.mode else ()
     names = [("motion", name) for name in (*_MOTION, *modes) if name not in absent]
     names += [("actuator", name) for name in _ACTUATOR]
     names += [("load", name) for name in _LOAD] + [("sensor", name) for name in _SENSOR]
-    values = [(part, name, _get(recipe.setup, part, name)) for part, name in names]
+    values = [(part, name, _get(experiment.setup, part, name)) for part, name in names]
     return [(part, name) for part, name, value in values if value != 0.0 and np.isfinite(value)]
 
 
-def run_linear(fit: LinearFit, u_mean: float, record: Record) -> FloatArray:
+def simulate_linear_fit(fit: LinearFit, u_mean: float, record: Record) -> FloatArray:
     """Play a linear fit on another record, its initial state estimated from the first samples.
 
     Parameters
@@ -203,7 +203,7 @@ def run_linear(fit: LinearFit, u_mean: float, record: Record) -> FloatArray:
     impulse[0] = 1.0
     free = lfilter([1.0], fit.a, impulse)
     basis = np.column_stack([free, np.concatenate([[0.0], free[:-1]])])
-    state = np.linalg.lstsq(basis[:INITIAL], (record.y - forced)[:INITIAL], rcond=None)[0]
+    state = np.linalg.lstsq(basis[:INITIAL_SAMPLES], (record.y - forced)[:INITIAL_SAMPLES], rcond=None)[0]
     return np.asarray(forced + basis @ state)
 
 
@@ -221,7 +221,7 @@ def pooled_closure(clean: Sequence[FloatArray], before: Sequence[FloatArray], af
     """
 
     def error(runs: Sequence[FloatArray]) -> float:
-        return _rms(np.concatenate([(y - x)[INITIAL:] for x, y in zip(runs, clean, strict=True)]))
+        return _rms(np.concatenate([(y - x)[INITIAL_SAMPLES:] for x, y in zip(runs, clean, strict=True)]))
 
     return 1.0 - error(after) / error(before)
 

@@ -6,19 +6,19 @@ from typing import Any
 import numpy as np
 from scipy.signal import lfilter
 
-from labsid.blind.experiment import Case, Recipe, command, follow, to_record
-from labsid.blind.strength import CLEAR, clean_output, gap, with_noise
+from labsid.blind.experiment import Case, Experiment, input_signal, run_experiment, to_record
+from labsid.blind.strength import CLEAR_RATIOS, clean_output, linear_model_gap, with_noise
 from labsid.rig.switchable._motion import MASS
-from labsid.rig.switchable.effects import can_have
+from labsid.rig.switchable.effects import supports_effect
 from labsid.rig.switchable.plants import RIGS, draw_rig, draw_scales, time_scale
 from labsid.rig.switchable.setup import Setup
 from labsid.rig.switchable.simulation import Noise
 from labsid.rig.switchable.truth import true_parameters
 
 
-def bench(
+def draw_experiment(
     rng: np.random.Generator, effect: str, samples: int, inputs: tuple[str, ...], rigs: tuple[str, ...] = RIGS
-) -> Recipe:
+) -> Experiment:
     """Draw a rig without effects, its units, and the input that it will get.
 
     Parameters
@@ -37,13 +37,13 @@ def bench(
     Recipe
     """
     if effect:
-        rigs = tuple(rig for rig in rigs if can_have(example(rig), effect))
+        rigs = tuple(rig for rig in rigs if supports_effect(example_rig(rig), effect))
     plain = draw_rig(rng, samples, rigs)
     from_rest = bool(rng.random() < 0.75)
     start = (0.0, 0.0) if from_rest else (float(rng.uniform(-0.4, 0.4)), float(rng.uniform(-0.4, 0.4)))
     if plain.motion.kind == MASS:
         start = (start[0], 0.0)
-    return Recipe(
+    return Experiment(
         setup=plain,
         plain=plain,
         scales=draw_scales(rng),
@@ -57,14 +57,14 @@ def bench(
     )
 
 
-def example(rig: str) -> Setup:
+def example_rig(rig: str) -> Setup:
     """One rig of that name, to ask what it has a place for."""
     return draw_rig(np.random.default_rng(0), 1500, (rig,))
 
 
-def finished(
+def complete_case(
     rng: np.random.Generator,
-    recipe: Recipe,
+    experiment: Experiment,
     setup: Setup,
     sigma: float,
     name: str,
@@ -78,7 +78,7 @@ def finished(
     Parameters
     ----------
     rng : Generator
-    recipe : Recipe
+    experiment : Recipe
     setup : Setup
         The rig with its effects.
     sigma : float
@@ -95,45 +95,45 @@ def finished(
     Case
     """
     share, colour = noise
-    made = with_noise(recipe, setup, Noise(sigma, share, colour, int(rng.integers(2**31))))
-    ratio = gap(recipe, setup) / sigma
+    made = with_noise(experiment, setup, Noise(sigma, share, colour, int(rng.integers(2**31))))
+    ratio = linear_model_gap(experiment, setup) / sigma
     if truth is None:
-        truth = {e: true_parameters(e, setup, recipe.scales, recipe.samples) for e in labels}
-        truth |= {e: _reached(e, truth[e], recipe, setup) for e in labels if e.endswith("saturation")}
-    level = "none" if not labels else "clear" if ratio >= CLEAR[0] else "hard"
+        truth = {e: true_parameters(e, setup, experiment.scales, experiment.samples) for e in labels}
+        truth |= {e: _reached(e, truth[e], experiment, setup) for e in labels if e.endswith("saturation")}
+    level = "none" if not labels else "clear" if ratio >= CLEAR_RATIOS[0] else "hard"
     return Case(
-        record=to_record(follow(made), recipe.scales, name),
+        record=to_record(run_experiment(made), experiment.scales, name),
         name=name,
         row=row,
         labels=labels,
         truth=truth,
-        sigma=sigma * abs(recipe.scales.ys),
+        sigma=sigma * abs(experiment.scales.ys),
         level=level,
         ratio=float(ratio),
-        recipe=made,
+        experiment=made,
     )
 
 
-def _reached(effect: str, ends: dict[str, float], recipe: Recipe, setup: Setup) -> dict[str, float]:
+def _reached(effect: str, ends: dict[str, float], experiment: Experiment, setup: Setup) -> dict[str, float]:
     """Those of the limits at which the record spends at least one sample in a hundred."""
     if effect == "input-saturation":
-        x = recipe.scales.u0 + recipe.scales.us * command(recipe)
+        x = experiment.scales.u0 + experiment.scales.us * input_signal(experiment)
     else:
         free = replace(setup, sensor=replace(setup.sensor, low=-np.inf, high=np.inf))
-        x = recipe.scales.y0 + recipe.scales.ys * clean_output(recipe, free)
+        x = experiment.scales.y0 + experiment.scales.ys * clean_output(experiment, free)
     beyond = {"low": x < ends.get("low", -np.inf), "high": x > ends.get("high", np.inf)}
     return {name: level for name, level in ends.items() if np.mean(beyond[name]) >= 0.01}
 
 
-def hidden(rng: np.random.Generator, recipe: Recipe, effect: str) -> Setup:
+def with_unexercised_effect(rng: np.random.Generator, experiment: Experiment, effect: str) -> Setup:
     """An effect that lies outside of where the record goes."""
-    v, y = command(recipe), clean_output(recipe, recipe.plain)
-    setup, away = recipe.plain, float(rng.uniform(1.05, 1.5))
+    v, y = input_signal(experiment), clean_output(experiment, experiment.plain)
+    setup, away = experiment.plain, float(rng.uniform(1.05, 1.5))
     match effect:
         case "input-saturation":
             return replace(setup, actuator=replace(setup.actuator, high=away * float(v.max()) + 0.01))
         case "input-backlash":
-            return replace(setup, actuator=replace(setup.actuator, play=float(rng.uniform(0.05, 0.3))))
+            return replace(setup, actuator=replace(setup.actuator, backlash=float(rng.uniform(0.05, 0.3))))
         case "output-saturation":
             return replace(setup, sensor=replace(setup.sensor, high=float(y.max() + 0.2 * away * np.ptp(y))))
         case "overflow":
@@ -144,15 +144,15 @@ def hidden(rng: np.random.Generator, recipe: Recipe, effect: str) -> Setup:
             return replace(setup, motion=setup.motion._replace(dry_friction=0.1, speed_zero=speed))
 
 
-def distance(sim: dict[str, Any], recipe: Recipe) -> float:
+def distance_from_rig(sim: dict[str, Any], experiment: Experiment) -> float:
     """How far a simulation from rest is from the rig without effects, rms, in the rig's own units."""
-    at_rest = replace(recipe, start=(0.0, 0.0))
-    gain = recipe.scales.us / recipe.scales.ys
-    run = lfilter(np.array(sim["num"]) * gain, sim["den"], command(recipe))
-    return float(np.sqrt(np.mean((run - clean_output(at_rest, recipe.plain)) ** 2)))
+    at_rest = replace(experiment, start=(0.0, 0.0))
+    gain = experiment.scales.us / experiment.scales.ys
+    run = lfilter(np.array(sim["num"]) * gain, sim["den"], input_signal(experiment))
+    return float(np.sqrt(np.mean((run - clean_output(at_rest, experiment.plain)) ** 2)))
 
 
-def merged(plain: Setup, one: Setup, two: Setup) -> Setup:
+def merge_effects(plain: Setup, one: Setup, two: Setup) -> Setup:
     """Both effects on one rig: whatever either of them changed."""
     motion = plain.motion._replace(
         **{k: v for part in (one, two) for k, v in part.motion._asdict().items() if v != getattr(plain.motion, k)}
@@ -175,16 +175,16 @@ def log_uniform(rng: np.random.Generator, low: float, high: float) -> float:
     return float(np.exp(rng.uniform(np.log(low), np.log(high))))
 
 
-def any_noise(rng: np.random.Generator) -> tuple[float, float]:
+def draw_noise_colour(rng: np.random.Generator) -> tuple[float, float]:
     """White, or mildly coloured: share of the variance and pole of the AR(1) part."""
-    return (0.0, 0.0) if rng.random() < 0.65 else mildly_coloured(rng)
+    return (0.0, 0.0) if rng.random() < 0.65 else draw_mild_colour(rng)
 
 
-def mildly_coloured(rng: np.random.Generator) -> tuple[float, float]:
+def draw_mild_colour(rng: np.random.Generator) -> tuple[float, float]:
     """Innovations keep at least 0.7 of the standard deviation: a pole up to 0.7 throughout."""
     return 1.0, float(rng.uniform(0.2, 0.7))
 
 
-def partly_coloured(rng: np.random.Generator) -> tuple[float, float]:
+def draw_partial_colour(rng: np.random.Generator) -> tuple[float, float]:
     """A fifth to a half of the variance comes from a slower AR(1) part."""
     return float(rng.uniform(0.2, 0.5)), float(rng.uniform(0.4, 0.8))

@@ -10,11 +10,11 @@ from labsid.records.record import Record
 from labsid.rig.switchable.inputs import draw_input
 from labsid.rig.switchable.plants import Scales
 from labsid.rig.switchable.setup import Setup
-from labsid.rig.switchable.simulation import Noise, Played, play
+from labsid.rig.switchable.simulation import Noise, SimulatedRun, simulate_setup
 
 
 @dataclass(frozen=True, slots=True)
-class Recipe:
+class Experiment:
     """All that makes a record.
 
     Attributes
@@ -69,7 +69,7 @@ class Case:
         ``none``, ``hard`` or ``clear``.
     ratio : float
         What the best linear model leaves of the noise-free output, over `sigma`.
-    recipe : Recipe
+    experiment : Recipe
     sim : dict, optional
         A simulation that is handed over too, as MODEL.json.
     holdout : Record, optional
@@ -84,32 +84,32 @@ class Case:
     sigma: float
     level: str
     ratio: float
-    recipe: Recipe
+    experiment: Experiment
     sim: dict[str, Any] | None = None
     holdout: Record | None = None
 
 
-def command(recipe: Recipe) -> FloatArray:
+def input_signal(experiment: Experiment) -> FloatArray:
     """The input of a recipe, in the rig's own units.
 
     Parameters
     ----------
-    recipe : Recipe
+    experiment : Recipe
 
     Returns
     -------
     ndarray, shape (N,)
     """
-    rng = np.random.default_rng(recipe.input_seed)
-    return draw_input(rng, recipe.input, recipe.samples, recipe.time, recipe.from_rest)
+    rng = np.random.default_rng(experiment.input_seed)
+    return draw_input(rng, experiment.input, experiment.samples, experiment.time, experiment.from_rest)
 
 
-def follow(recipe: Recipe, setup: Setup | None = None) -> Played:
+def run_experiment(experiment: Experiment, setup: Setup | None = None) -> SimulatedRun:
     """Run a recipe.
 
     Parameters
     ----------
-    recipe : Recipe
+    experiment : Recipe
     setup : Setup, optional
         Another rig in the place of the recipe's own.
 
@@ -117,15 +117,17 @@ def follow(recipe: Recipe, setup: Setup | None = None) -> Played:
     -------
     Played
     """
-    return play(recipe.setup if setup is None else setup, command(recipe), recipe.noise, recipe.start)
+    return simulate_setup(
+        experiment.setup if setup is None else setup, input_signal(experiment), experiment.noise, experiment.start
+    )
 
 
-def to_record(played: Played, scales: Scales, name: str, clean: bool = False) -> Record:
+def to_record(simulated: SimulatedRun, scales: Scales, name: str, clean: bool = False) -> Record:
     """A run in the record's units.
 
     Parameters
     ----------
-    played : Played
+    simulated : Played
     scales : Scales
     name : str
     clean : bool
@@ -135,17 +137,17 @@ def to_record(played: Played, scales: Scales, name: str, clean: bool = False) ->
     -------
     Record
     """
-    t = scales.Ts * np.arange(played.v.size, dtype=np.float64)
-    y = played.clean if clean else played.y
-    return Record(t=t, u=scales.u0 + scales.us * played.v, y=scales.y0 + scales.ys * y, Ts=scales.Ts, name=name)
+    t = scales.Ts * np.arange(simulated.v.size, dtype=np.float64)
+    y = simulated.clean if clean else simulated.y
+    return Record(t=t, u=scales.u0 + scales.us * simulated.v, y=scales.y0 + scales.ys * y, Ts=scales.Ts, name=name)
 
 
-def fresh(recipe: Recipe, number: int) -> Recipe:
+def redraw(experiment: Experiment, number: int) -> Experiment:
     """The same rig and effect with a fresh input of the same kind, and fresh noise.
 
     Parameters
     ----------
-    recipe : Recipe
+    experiment : Recipe
     number : int
         Which of the fresh records, from 0.
 
@@ -155,12 +157,12 @@ def fresh(recipe: Recipe, number: int) -> Recipe:
         What happens by the clock (an onset, a drift) happens again; spikes, held stretches and coloured noise
         fall elsewhere.
     """
-    seed = np.random.SeedSequence([recipe.input_seed, recipe.noise.seed, number])
+    seed = np.random.SeedSequence([experiment.input_seed, experiment.noise.seed, number])
     input_seed, noise_seed, sensor_seed = (int(s) for s in seed.generate_state(3))
-    sensor = replace(recipe.setup.sensor, seed=sensor_seed)
+    sensor = replace(experiment.setup.sensor, seed=sensor_seed)
     return replace(
-        recipe,
-        setup=replace(recipe.setup, sensor=sensor),
+        experiment,
+        setup=replace(experiment.setup, sensor=sensor),
         input_seed=input_seed,
-        noise=replace(recipe.noise, seed=noise_seed),
+        noise=replace(experiment.noise, seed=noise_seed),
     )

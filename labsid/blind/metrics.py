@@ -9,7 +9,7 @@ Z95 = 1.959963984540054
 
 
 @dataclass(frozen=True, slots=True)
-class Judged:
+class CaseOutcome:
     """One case: what was in it, and what the diagnosis said.
 
     Attributes
@@ -20,7 +20,7 @@ class Judged:
         The diagnosis; None where there is none, which counts as wrong.
     diagnosed, possible : float or None
         Share of the gap closed by the diagnosis and by the true structure refitted.
-    fresh : float or None
+    fresh_closure : float or None
         Closure of the same fit on fresh records.
     """
 
@@ -28,11 +28,11 @@ class Judged:
     result: dict[str, Any] | None
     diagnosed: float | None = None
     possible: float | None = None
-    fresh: float | None = None
+    fresh_closure: float | None = None
 
 
 @dataclass(frozen=True, slots=True)
-class Figure:
+class Metric:
     """One bar of the table.
 
     Attributes
@@ -44,7 +44,7 @@ class Figure:
         Records behind it.
     low, high : float or None
         95 % interval: Wilson's where the figure is a rate.
-    must, aim : float or tuple of float or None
+    required, target : float or tuple of float or None
         The bar; a tuple is a range to lie in.
     below : bool
         Whether less is better.
@@ -57,29 +57,29 @@ class Figure:
     count: int
     low: float | None = None
     high: float | None = None
-    must: float | tuple[float, float] | None = None
-    aim: float | tuple[float, float] | None = None
+    required: float | tuple[float, float] | None = None
+    target: float | tuple[float, float] | None = None
     below: bool = False
     unit: str = "%"
 
-    def reaches(self, bar: float | tuple[float, float] | None) -> bool | None:
+    def reaches(self, requirement: float | tuple[float, float] | None) -> bool | None:
         """Whether the value is as good as a bar; None where there is no value or no bar."""
-        if bar is None or self.value is None:
+        if requirement is None or self.value is None:
             return None
-        if isinstance(bar, tuple):
-            return bar[0] <= self.value <= bar[1]
-        return self.value <= bar if self.below else self.value >= bar
+        if isinstance(requirement, tuple):
+            return requirement[0] <= self.value <= requirement[1]
+        return self.value <= requirement if self.below else self.value >= requirement
 
     def fails(self) -> bool:
         """Whether the bar that must be reached is missed by more than chance, as the interval tells it.
 
         Without an interval (a time, which depends on the machine) there is no telling.
         """
-        if self.must is None or self.low is None or self.high is None or not self.count:
+        if self.required is None or self.low is None or self.high is None or not self.count:
             return False
-        least, most = self.must if isinstance(self.must, tuple) else (self.must, self.must)
+        least, most = self.required if isinstance(self.required, tuple) else (self.required, self.required)
         too_low, too_high = self.high < least, self.low > most
-        if isinstance(self.must, tuple):
+        if isinstance(self.required, tuple):
             return too_low or too_high
         return too_high if self.below else too_low
 
@@ -90,14 +90,14 @@ class Scores:
 
     Attributes
     ----------
-    figures : tuple of Figure
+    metrics : tuple of Figure
     confusion : dict
         By row, then by true label, how often each set of names was given.
     calibration : tuple of (float, float, int)
         Mean probability, share right, and count of each bin.
     """
 
-    figures: tuple[Figure, ...]
+    metrics: tuple[Metric, ...]
     confusion: dict[str, dict[str, dict[str, int]]] = field(default_factory=dict)
     calibration: tuple[tuple[float, float, int], ...] = ()
 
@@ -122,41 +122,41 @@ def wilson(successes: int, count: int) -> tuple[float, float]:
     return max(0.0, middle - half), min(1.0, middle + half)
 
 
-def names(case: Judged) -> list[str]:
+def named_effects(case: CaseOutcome) -> list[str]:
     """The effects that were named, in their order; empty where there is no result."""
-    if case.result is None or verdict(case) != "effect":
+    if case.result is None or stated_verdict(case) != "effect":
         return []
     return [str(effect.get("name")) for effect in case.result.get("effects") or []]
 
 
-def verdict(case: Judged) -> str:
+def stated_verdict(case: CaseOutcome) -> str:
     """The verdict; ``error`` where there is no result."""
     return "error" if case.result is None else str(case.result.get("verdict"))
 
 
-def exactly_named(case: Judged) -> bool:
+def all_named(case: CaseOutcome) -> bool:
     """Whether all effects were named and nothing else."""
-    return sorted(names(case)) == sorted(case.label["labels"])
+    return sorted(named_effects(case)) == sorted(case.label["labels"])
 
 
-def one_named(case: Judged) -> bool:
+def any_named(case: CaseOutcome) -> bool:
     """Whether at least one of the effects was named."""
-    return bool(set(names(case)) & set(case.label["labels"]))
+    return bool(set(named_effects(case)) & set(case.label["labels"]))
 
 
-def answer_set(case: Judged) -> set[str]:
+def answer_set(case: CaseOutcome) -> set[str]:
     """The names given and those said to be as likely."""
     ambiguous = (case.result or {}).get("ambiguous") or []
-    return {*names(case), *map(str, ambiguous)}
+    return {*named_effects(case), *map(str, ambiguous)}
 
 
-def inside_set(case: Judged) -> bool:
+def within_answer_set(case: CaseOutcome) -> bool:
     """Whether the effect is in a set of at most three names."""
     said = answer_set(case)
     return len(said) <= 3 and set(case.label["labels"]) <= said
 
 
-def not_sure(case: Judged) -> bool:
+def never_confidently_wrong(case: CaseOutcome) -> bool:
     """Whether no wrong name was given with a probability above 0.9; without a result it was not answered."""
     if case.result is None:
         return False
@@ -165,7 +165,7 @@ def not_sure(case: Judged) -> bool:
     return all(float(e.get("probability") or 0.0) <= 0.9 for e in wrong)
 
 
-def told_apart(case: Judged) -> bool:
+def kind_recognised(case: CaseOutcome) -> bool:
     """Whether none, wrong numbers and a structural effect were told apart."""
 
     def kind(effects: Iterable[str]) -> str:
@@ -174,7 +174,7 @@ def told_apart(case: Judged) -> bool:
             return "none"
         return "parameters" if effects == {"parameter-mismatch"} else "structure"
 
-    if verdict(case) not in ("none", "effect"):
+    if stated_verdict(case) not in ("none", "effect"):
         return False
-    said, true = kind(names(case)), kind(case.label["labels"])
-    return said == true and (true != "structure" or set(case.label["labels"]) <= set(names(case)))
+    said, true = kind(named_effects(case)), kind(case.label["labels"])
+    return said == true and (true != "structure" or set(case.label["labels"]) <= set(named_effects(case)))

@@ -7,60 +7,60 @@ from typing import Any
 import numpy as np
 
 from labsid.blind.draws import (
-    any_noise,
-    bench,
-    distance,
-    example,
-    finished,
-    hidden,
+    complete_case,
+    distance_from_rig,
+    draw_experiment,
+    draw_mild_colour,
+    draw_noise_colour,
+    draw_partial_colour,
+    example_rig,
     log_uniform,
-    merged,
-    mildly_coloured,
-    partly_coloured,
+    merge_effects,
+    with_unexercised_effect,
 )
-from labsid.blind.experiment import Case, Recipe, command, follow, fresh, to_record
+from labsid.blind.experiment import Case, Experiment, input_signal, redraw, run_experiment, to_record
 from labsid.blind.output_error import discrete_poles, fit_linear
 from labsid.blind.strength import (
-    CLEAR,
-    HARD,
-    INVISIBLE,
+    CLEAR_RATIOS,
+    HARD_RATIOS,
+    NEGLIGIBLE_RATIO,
     STRONGEST_NOISE,
     WEAKEST_NOISE,
-    at_ratio,
     clean_output,
-    gap,
+    linear_model_gap,
     output_spread,
+    scale_to_ratio,
 )
-from labsid.rig.switchable.effects import EFFECTS, can_have, draw_effect, look_at
-from labsid.rig.switchable.inputs import INPUTS, RICH
+from labsid.rig.switchable.effects import EFFECTS, draw_effect, effect_context, supports_effect
+from labsid.rig.switchable.inputs import INPUT_KINDS, RICH_INPUTS
 from labsid.rig.switchable.plants import RIGS
 from labsid.rig.switchable.setup import Setup
 from labsid.rig.switchable.simulation import poles
-from labsid.rig.switchable.truth import true_linear
-from labsid.rig.switchable.unlisted import OUTSIDE, can_have_outside, draw_outside
+from labsid.rig.switchable.truth import true_linear_model
+from labsid.rig.switchable.unlisted import UNLISTED_EFFECTS, draw_unlisted_effect, supports_unlisted_effect
 
 Draw = Callable[[np.random.Generator, int, str], Case | None]
 
-_MANY = (*RICH, "staircase")
-_MOVING = (*RICH, "two-level", "square")
-_SUITED: dict[str, tuple[str, ...]] = {
-    "input-saturation": RICH,
-    "input-dead-zone": RICH,
-    "input-backlash": RICH,
+_MANY_LEVELS = (*RICH_INPUTS, "staircase")
+_KEEPS_MOVING = (*RICH_INPUTS, "two-level", "square")
+_SUITABLE_INPUTS: dict[str, tuple[str, ...]] = {
+    "input-saturation": RICH_INPUTS,
+    "input-dead-zone": RICH_INPUTS,
+    "input-backlash": RICH_INPUTS,
     "input-rate-limit": ("levels", "multisine"),
-    "input-nonlinearity": RICH,
-    "output-nonlinearity": RICH,
-    "output-saturation": _MANY,
-    "sqrt-outflow": _MANY,
-    "overflow": _MANY,
-    "coulomb-friction": _MOVING,
-    "cubic-stiffness": _MANY,
-    "parameter-drift": _MOVING,
-    "output-drift": _MOVING,
+    "input-nonlinearity": RICH_INPUTS,
+    "output-nonlinearity": RICH_INPUTS,
+    "output-saturation": _MANY_LEVELS,
+    "sqrt-outflow": _MANY_LEVELS,
+    "overflow": _MANY_LEVELS,
+    "coulomb-friction": _KEEPS_MOVING,
+    "cubic-stiffness": _MANY_LEVELS,
+    "parameter-drift": _KEEPS_MOVING,
+    "output-drift": _KEEPS_MOVING,
 }
 """Inputs under which an effect differs from every other one: a static curve seen at two levels is any curve."""
 
-_TOO_ALIKE = {
+_INDISTINGUISHABLE = {
     frozenset(pair)
     for group in (
         ("input-delay", "extra-lag", "input-rate-limit"),
@@ -75,85 +75,91 @@ _TOO_ALIKE = {
 }
 """Pairs of effects of which one record cannot be expected to tell both."""
 
-TIMELESS = {
+TIME_INVARIANT_EFFECTS = {
     *(name for name in EFFECTS if name.startswith("input-")),
     *("extra-lag", "resonance", "sqrt-outflow", "overflow", "coulomb-friction", "cubic-stiffness"),
     *("output-saturation", "output-nonlinearity", "output-quantization"),
 }
 """Effects that are the same in another record of the rig."""
 
-REPEATABLE = TIMELESS | {"load-step", "parameter-drift", "periodic-disturbance", "output-drift"}
+REPEATABLE_EFFECTS = TIME_INVARIANT_EFFECTS | {"load-step", "parameter-drift", "periodic-disturbance", "output-drift"}
 """And those that come by the clock: they happen again where the record begins at the same time."""
 
 
 def draw_single_clear(rng: np.random.Generator, i: int, name: str) -> Case | None:
     """One effect, clear."""
-    return _single(rng, EFFECTS[i % len(EFFECTS)], name, "single-clear", CLEAR)
+    return _single(rng, EFFECTS[i % len(EFFECTS)], name, "single-clear", CLEAR_RATIOS)
 
 
 def draw_single_hard(rng: np.random.Generator, i: int, name: str) -> Case | None:
     """One effect, hard."""
-    return _single(rng, EFFECTS[i % len(EFFECTS)], name, "single-hard", HARD)
+    return _single(rng, EFFECTS[i % len(EFFECTS)], name, "single-hard", HARD_RATIOS)
 
 
 def draw_short(rng: np.random.Generator, i: int, name: str) -> Case | None:
     """One effect in a short, noisy record of few levels, with a fast nuisance pole and rounded corners."""
     effect = EFFECTS[i % len(EFFECTS)]
-    recipe = bench(rng, effect, int(rng.integers(300, 601)), ("staircase", "two-level"))
-    plain = replace(recipe.plain, motion=recipe.plain.motion._replace(actuator_lag=float(rng.uniform(0.1, 0.5))))
-    recipe = replace(recipe, plain=plain)
-    at = look_at(plain, command(recipe), rounding=float(rng.uniform(0.01, 0.05)))
+    experiment = draw_experiment(rng, effect, int(rng.integers(300, 601)), ("staircase", "two-level"))
+    plain = replace(
+        experiment.plain, motion=experiment.plain.motion._replace(actuator_lag=float(rng.uniform(0.1, 0.5)))
+    )
+    experiment = replace(experiment, plain=plain)
+    at = effect_context(plain, input_signal(experiment), rounding=float(rng.uniform(0.01, 0.05)))
     ratio = log_uniform(rng, 3.0, 12.0)
-    found = at_ratio(recipe, draw_effect(rng, effect, at), ratio, (0.02, 0.05), rng)
-    if found is None or not _worth_the_name(effect, recipe, found[0]):
+    found = scale_to_ratio(experiment, draw_effect(rng, effect, at), ratio, (0.02, 0.05), rng)
+    if found is None or not _is_distinct(effect, experiment, found[0]):
         return None
-    return finished(rng, recipe, *found, name, "short", (effect,), partly_coloured(rng))
+    return complete_case(rng, experiment, *found, name, "short", (effect,), draw_partial_colour(rng))
 
 
 def draw_pair(rng: np.random.Generator, i: int, name: str) -> Case | None:
     """Two effects, each of which would be clear alone and leaves its mark beside the other."""
     one = EFFECTS[i % len(EFFECTS)]
     two = str(rng.choice(EFFECTS))
-    if one == two or frozenset((one, two)) in _TOO_ALIKE:
+    if one == two or frozenset((one, two)) in _INDISTINGUISHABLE:
         return None
-    rigs = [rig for rig in RIGS if all(can_have(example(rig), e) for e in (one, two))]
-    suited = [x for x in _SUITED.get(one, _MOVING) if x in _SUITED.get(two, _MOVING) and x in _MOVING]
+    rigs = [rig for rig in RIGS if all(supports_effect(example_rig(rig), e) for e in (one, two))]
+    suited = [
+        x
+        for x in _SUITABLE_INPUTS.get(one, _KEEPS_MOVING)
+        if x in _SUITABLE_INPUTS.get(two, _KEEPS_MOVING) and x in _KEEPS_MOVING
+    ]
     if not rigs or not suited:
         return None
-    recipe = bench(rng, one, int(rng.integers(1200, 3001)), tuple(suited), tuple(rigs))
-    at = look_at(recipe.plain, command(recipe))
+    experiment = draw_experiment(rng, one, int(rng.integers(1200, 3001)), tuple(suited), tuple(rigs))
+    at = effect_context(experiment.plain, input_signal(experiment))
     first, second = draw_effect(rng, one, at), draw_effect(rng, two, at)
     ratio = log_uniform(rng, 6.0, 18.0)
-    found = at_ratio(recipe, first, ratio, (WEAKEST_NOISE, 0.02), rng)
+    found = scale_to_ratio(experiment, first, ratio, (WEAKEST_NOISE, 0.02), rng)
     if found is None:
         return None
     alone, sigma = found
-    if not _worth_the_name(one, recipe, alone):
+    if not _is_distinct(one, experiment, alone):
         return None
-    share = sigma / output_spread(recipe)
-    other = at_ratio(recipe, second, log_uniform(rng, 6.0, 18.0), (0.8 * share, 1.25 * share), rng)
-    if other is None or not _worth_the_name(two, recipe, other[0]):
+    share = sigma / output_spread(experiment)
+    other = scale_to_ratio(experiment, second, log_uniform(rng, 6.0, 18.0), (0.8 * share, 1.25 * share), rng)
+    if other is None or not _is_distinct(two, experiment, other[0]):
         return None
-    both = merged(recipe.plain, alone, other[0])
-    start = discrete_poles(poles(recipe.plain.motion))
-    v, y = command(recipe), clean_output(recipe, both)
+    both = merge_effects(experiment.plain, alone, other[0])
+    start = discrete_poles(poles(experiment.plain.motion))
+    v, y = input_signal(experiment), clean_output(experiment, both)
     for part in (alone, other[0]):
-        left = fit_linear(v, y - clean_output(recipe, part), start)
+        left = fit_linear(v, y - clean_output(experiment, part), start)
         if left.rmse < 3.0 * sigma:
             return None
-    if fit_linear(v, y, start).rmse < CLEAR[0] * sigma:
+    if fit_linear(v, y, start).rmse < CLEAR_RATIOS[0] * sigma:
         return None
-    return finished(rng, recipe, both, sigma, name, "pair", (one, two), any_noise(rng))
+    return complete_case(rng, experiment, both, sigma, name, "pair", (one, two), draw_noise_colour(rng))
 
 
 def draw_none(rng: np.random.Generator, i: int, name: str) -> Case | None:
     """No effect, or one that the record does not exercise, or dynamics too small to matter."""
     kind = ("plain", "coloured", "fast pole", "part of a sample", "not exercised", "fine converter")[i % 6]
     samples = int(rng.integers(300, 5001)) if rng.random() < 0.3 else int(rng.integers(1000, 3001))
-    effect = str(rng.choice(_HIDEABLE))
-    recipe = bench(rng, effect, samples, INPUTS)
-    sigma = output_spread(recipe) * log_uniform(rng, WEAKEST_NOISE, STRONGEST_NOISE)
-    setup, taps = recipe.plain, 2
+    effect = str(rng.choice(_MAY_STAY_UNEXERCISED))
+    experiment = draw_experiment(rng, effect, samples, INPUT_KINDS)
+    sigma = output_spread(experiment) * log_uniform(rng, WEAKEST_NOISE, STRONGEST_NOISE)
+    setup, taps = experiment.plain, 2
     if kind == "fast pole":
         lag: dict[str, Any] = {str(rng.choice(["actuator_lag", "sensor_lag"])): float(rng.uniform(0.05, 0.5))}
         setup = replace(setup, motion=setup.motion._replace(**lag))
@@ -163,26 +169,28 @@ def draw_none(rng: np.random.Generator, i: int, name: str) -> Case | None:
     elif kind == "fine converter":
         setup = replace(setup, sensor=replace(setup.sensor, step=0.3 * sigma))
     elif kind == "not exercised":
-        setup = hidden(rng, recipe, effect)
-    invisible = INVISIBLE * sigma
-    left = gap(recipe, setup, taps)
+        setup = with_unexercised_effect(rng, experiment, effect)
+    invisible = NEGLIGIBLE_RATIO * sigma
+    left = linear_model_gap(experiment, setup, taps)
     if left > invisible:
         return None
-    noise = mildly_coloured(rng) if kind == "coloured" else any_noise(rng)
+    noise = draw_mild_colour(rng) if kind == "coloured" else draw_noise_colour(rng)
     absent = effect if kind == "not exercised" else None
-    return finished(rng, recipe, setup, sigma, name, "none", (), noise, {"kind": kind, "hidden": absent})
+    return complete_case(rng, experiment, setup, sigma, name, "none", (), noise, {"kind": kind, "hidden": absent})
 
 
 def draw_unknown(rng: np.random.Generator, i: int, name: str) -> Case | None:
     """An effect outside the table, clear."""
-    effect = OUTSIDE[i % len(OUTSIDE)]
-    rigs = tuple(rig for rig in RIGS if can_have_outside(example(rig), effect))
-    recipe = bench(rng, "", int(rng.integers(1200, 4001)), RICH, rigs)
-    enter = draw_outside(rng, effect, look_at(recipe.plain, command(recipe)))
-    found = at_ratio(recipe, enter, log_uniform(rng, 6.0, 25.0), (WEAKEST_NOISE, 0.03), rng)
+    effect = UNLISTED_EFFECTS[i % len(UNLISTED_EFFECTS)]
+    rigs = tuple(rig for rig in RIGS if supports_unlisted_effect(example_rig(rig), effect))
+    experiment = draw_experiment(rng, "", int(rng.integers(1200, 4001)), RICH_INPUTS, rigs)
+    apply = draw_unlisted_effect(rng, effect, effect_context(experiment.plain, input_signal(experiment)))
+    found = scale_to_ratio(experiment, apply, log_uniform(rng, 6.0, 25.0), (WEAKEST_NOISE, 0.03), rng)
     if found is None:
         return None
-    return finished(rng, recipe, *found, name, "unknown", ("unknown",), any_noise(rng), {"kind": effect})
+    return complete_case(
+        rng, experiment, *found, name, "unknown", ("unknown",), draw_noise_colour(rng), {"kind": effect}
+    )
 
 
 def draw_with_sim(rng: np.random.Generator, i: int, name: str) -> Case | None:
@@ -190,28 +198,37 @@ def draw_with_sim(rng: np.random.Generator, i: int, name: str) -> Case | None:
     kind = ("mismatch", "none", "effect")[i % 3]
     if kind == "effect":
         effect = EFFECTS[(i // 3) % len(EFFECTS)]
-        case = _single(rng, effect, name, "with-sim", CLEAR)
-        return None if case is None else replace(case, sim=true_linear(case.recipe.plain, case.recipe.scales))
-    recipe = bench(rng, "", int(rng.integers(1200, 3001)), _MOVING)
-    sigma = output_spread(recipe) * log_uniform(rng, WEAKEST_NOISE, 0.03)
+        case = _single(rng, effect, name, "with-sim", CLEAR_RATIOS)
+        return (
+            None
+            if case is None
+            else replace(case, sim=true_linear_model(case.experiment.plain, case.experiment.scales))
+        )
+    experiment = draw_experiment(rng, "", int(rng.integers(1200, 3001)), _KEEPS_MOVING)
+    sigma = output_spread(experiment) * log_uniform(rng, WEAKEST_NOISE, 0.03)
     if kind == "none":
         steps = 0 if i % 2 else int(rng.integers(8, 33))
-        sim = true_linear(recipe.plain, recipe.scales, steps)
-        if distance(sim, recipe) > INVISIBLE * sigma:
+        sim = true_linear_model(experiment.plain, experiment.scales, steps)
+        if distance_from_rig(sim, experiment) > NEGLIGIBLE_RATIO * sigma:
             return None
         what = {"kind": "another integrator" if steps else "true model"}
-        return replace(finished(rng, recipe, recipe.plain, sigma, name, "with-sim", (), any_noise(rng), what), sim=sim)
-    m = recipe.plain.motion
+        return replace(
+            complete_case(rng, experiment, experiment.plain, sigma, name, "with-sim", (), draw_noise_colour(rng), what),
+            sim=sim,
+        )
+    m = experiment.plain.motion
     factor = np.exp(rng.choice([-1.0, 1.0], 3) * rng.uniform(0.08, 0.5, 3))
-    wrong = replace(recipe.plain, motion=m._replace(T0=m.T0 * factor[0], T1=m.T1 * factor[1]))
-    scales = replace(recipe.scales, ys=recipe.scales.ys * float(factor[2]))
-    away = clean_output(recipe, wrong) * factor[2] - clean_output(recipe, recipe.plain)
-    if np.std(away) < CLEAR[0] * sigma:
+    wrong = replace(experiment.plain, motion=m._replace(T0=m.T0 * factor[0], T1=m.T1 * factor[1]))
+    scales = replace(experiment.scales, ys=experiment.scales.ys * float(factor[2]))
+    away = clean_output(experiment, wrong) * factor[2] - clean_output(experiment, experiment.plain)
+    if np.std(away) < CLEAR_RATIOS[0] * sigma:
         return None
     labels = ("parameter-mismatch",)
     truth: dict[str, Any] = {"T0": float(factor[0]), "T1": float(factor[1]), "gain": float(factor[2])}
-    case = finished(rng, recipe, recipe.plain, sigma, name, "with-sim", labels, any_noise(rng), truth)
-    return replace(case, sim=true_linear(wrong, scales), level="clear", ratio=float(np.std(away) / sigma))
+    case = complete_case(
+        rng, experiment, experiment.plain, sigma, name, "with-sim", labels, draw_noise_colour(rng), truth
+    )
+    return replace(case, sim=true_linear_model(wrong, scales), level="clear", ratio=float(np.std(away) / sigma))
 
 
 ROWS: dict[str, Draw] = {
@@ -224,24 +241,24 @@ ROWS: dict[str, Draw] = {
     "with-sim": draw_with_sim,
 }
 
-_HIDEABLE = ("input-saturation", "input-backlash", "coulomb-friction", "overflow", "output-saturation")
+_MAY_STAY_UNEXERCISED = ("input-saturation", "input-backlash", "coulomb-friction", "overflow", "output-saturation")
 
 
 def _single(rng: np.random.Generator, effect: str, name: str, row: str, between: tuple[float, float]) -> Case | None:
     samples = int(np.exp(rng.uniform(np.log(1200), np.log(5000))))
-    recipe = bench(rng, effect, samples, _SUITED.get(effect, INPUTS))
-    enter = draw_effect(rng, effect, look_at(recipe.plain, command(recipe)))
-    found = at_ratio(recipe, enter, log_uniform(rng, *between), (WEAKEST_NOISE, STRONGEST_NOISE), rng)
-    if found is None or not _worth_the_name(effect, recipe, found[0]):
+    experiment = draw_experiment(rng, effect, samples, _SUITABLE_INPUTS.get(effect, INPUT_KINDS))
+    apply = draw_effect(rng, effect, effect_context(experiment.plain, input_signal(experiment)))
+    found = scale_to_ratio(experiment, apply, log_uniform(rng, *between), (WEAKEST_NOISE, STRONGEST_NOISE), rng)
+    if found is None or not _is_distinct(effect, experiment, found[0]):
         return None
-    case = finished(rng, recipe, *found, name, row, (effect,), any_noise(rng))
-    if effect in TIMELESS and rng.random() < 0.25:
-        again = fresh(case.recipe, 1000)
-        return replace(case, holdout=to_record(follow(again), recipe.scales, f"{name}.holdout"))
+    case = complete_case(rng, experiment, *found, name, row, (effect,), draw_noise_colour(rng))
+    if effect in TIME_INVARIANT_EFFECTS and rng.random() < 0.25:
+        again = redraw(case.experiment, 1000)
+        return replace(case, holdout=to_record(run_experiment(again), experiment.scales, f"{name}.holdout"))
     return case
 
 
-def _worth_the_name(effect: str, recipe: Recipe, setup: Setup) -> bool:
+def _is_distinct(effect: str, experiment: Experiment, setup: Setup) -> bool:
     """Whether the effect is one, and not a nuisance or another effect in disguise.
 
     A delay below a sample is nuisance, and so is a lag or a mode that such a delay would do for, or any other delay
@@ -249,19 +266,19 @@ def _worth_the_name(effect: str, recipe: Recipe, setup: Setup) -> bool:
     """
     a = setup.actuator
     if effect == "input-dead-zone":
-        v = command(recipe)
+        v = input_signal(experiment)
         return bool(min(np.mean(v > a.dead_high), np.mean(v < a.dead_low)) > 0.08)
     if effect in ("extra-lag", "resonance"):
-        left = gap(recipe, setup)
-        if gap(recipe, setup, taps=3) <= 0.5 * left:
+        left = linear_model_gap(experiment, setup)
+        if linear_model_gap(experiment, setup, taps=3) <= 0.5 * left:
             return False
-        return recipe.samples < 1000 or _left_by_delays(recipe, setup) > 0.3 * left
+        return experiment.samples < 1000 or _left_by_delays(experiment, setup) > 0.3 * left
     return effect != "input-delay" or a.delay >= 1.0
 
 
-def _left_by_delays(recipe: Recipe, setup: Setup) -> float:
+def _left_by_delays(experiment: Experiment, setup: Setup) -> float:
     """What the best linear model with a delay of up to eight samples leaves; a third tap makes it any real one."""
-    v, y = command(recipe), clean_output(recipe, setup)
-    start = discrete_poles(poles(recipe.plain.motion))
+    v, y = input_signal(experiment), clean_output(experiment, setup)
+    start = discrete_poles(poles(experiment.plain.motion))
     late = [np.concatenate([np.full(n, v[0]), v[:-n]]) for n in range(1, 8)]
     return min(fit_linear(u, y, start, taps=3, thorough=False).rmse for u in late)

@@ -19,7 +19,7 @@ from labsid.blind.suite import write_case, write_record
 from labsid.records.record import Record
 
 _MAIN = "import sys\nfrom labsid.cli.commands import main\nsys.exit(main(sys.argv[1:]))"
-_MANY = "import json, sys\nfrom labsid.cli.commands import main\nfor line in json.load(sys.stdin):\n    main(line)"
+_SEVERAL = "import json, sys\nfrom labsid.cli.commands import main\nfor line in json.load(sys.stdin):\n    main(line)"
 SECONDS_TO_START = 60.0
 SECONDS_A_RECORD = 60.0
 """Time limits: what is not there by then counts as wrong."""
@@ -125,7 +125,7 @@ def _replay(case: Case, others: Sequence[Record]) -> Replay:
             lines.append(["gap", "simulate", "better.json", f"other{i}.csv", "--out", f"played{i}.csv"])
         try:
             subprocess.run(
-                [sys.executable, "-c", _MANY],
+                [sys.executable, "-c", _SEVERAL],
                 cwd=scratch,
                 input=json.dumps(lines),
                 text=True,
@@ -136,8 +136,8 @@ def _replay(case: Case, others: Sequence[Record]) -> Replay:
             )
         except subprocess.TimeoutExpired:
             return Replay(None, (None,) * len(others))
-        played = [_read_output(folder / f"played{i}.csv", len(other)) for i, other in enumerate(others)]
-        return Replay(_read_json(folder / "result.json"), tuple(played))
+        simulated = [_read_output(folder / f"played{i}.csv", len(other)) for i, other in enumerate(others)]
+        return Replay(_read_json(folder / "result.json"), tuple(simulated))
 
 
 def _read_json(path: Path) -> dict[str, Any] | None:

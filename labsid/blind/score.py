@@ -8,22 +8,24 @@ import numpy as np
 
 from labsid.blind.metrics import (
     Z95,
-    Figure,
-    Judged,
+    CaseOutcome,
+    Metric,
     Scores,
+    all_named,
     answer_set,
-    exactly_named,
-    inside_set,
-    names,
-    not_sure,
-    one_named,
-    told_apart,
-    verdict,
+    any_named,
+    kind_recognised,
+    named_effects,
+    never_confidently_wrong,
+    stated_verdict,
     wilson,
+    within_answer_set,
 )
 
 
-def score(cases: Sequence[Judged], replays: Sequence[Judged] = (), seconds: float | None = None) -> Scores:
+def score_cases(
+    cases: Sequence[CaseOutcome], replays: Sequence[CaseOutcome] = (), seconds: float | None = None
+) -> Scores:
     """Judge all cases.
 
     Parameters
@@ -38,36 +40,36 @@ def score(cases: Sequence[Judged], replays: Sequence[Judged] = (), seconds: floa
     -------
     Scores
     """
-    rows: dict[str, list[Judged]] = {}
+    rows: dict[str, list[CaseOutcome]] = {}
     for case in cases:
         rows.setdefault(case.label["row"], []).append(case)
-    empty: list[Judged] = []
+    empty: list[CaseOutcome] = []
     clear, hard, short = (rows.get(name, empty) for name in ("single-clear", "single-hard", "short"))
     pair, none, unknown = (rows.get(name, empty) for name in ("pair", "none", "unknown"))
     bins = calibration_bins(cases)
-    figures = [
-        _rate("right effect named, one effect, clear", map(exactly_named, clear), 0.97, 0.995),
-        _rate("right effect named, one effect, hard", map(exactly_named, hard), 0.93, 0.98),
-        _rate("short and noisy: named", map(exactly_named, short), 0.75, 0.88),
-        _rate("short and noisy: inside the named or ambiguous set", map(inside_set, short), 0.90, 0.97),
+    metrics = [
+        _rate("right effect named, one effect, clear", map(all_named, clear), 0.97, 0.995),
+        _rate("right effect named, one effect, hard", map(all_named, hard), 0.93, 0.98),
+        _rate("short and noisy: named", map(all_named, short), 0.75, 0.88),
+        _rate("short and noisy: inside the named or ambiguous set", map(within_answer_set, short), 0.90, 0.97),
         _set_size("short and noisy: names in that set, mean", short, 1.5),
-        _rate("pair: both and nothing else", map(exactly_named, pair), 0.80, 0.90),
-        _rate("pair: at least one of them", map(one_named, pair), 0.97, 0.99),
-        _rate("no effect: none reported", (verdict(c) == "none" for c in none), 0.98, 0.995),
-        _rate("outside the table: unknown", (verdict(c) == "unknown" for c in unknown), 0.75, 0.90),
-        _rate("outside the table: never p > 0.9 for a wrong name", map(not_sure, unknown), 0.95, 0.98),
-        *_closure_figures(clear),
+        _rate("pair: both and nothing else", map(all_named, pair), 0.80, 0.90),
+        _rate("pair: at least one of them", map(any_named, pair), 0.97, 0.99),
+        _rate("no effect: none reported", (stated_verdict(c) == "none" for c in none), 0.98, 0.995),
+        _rate("outside the table: unknown", (stated_verdict(c) == "unknown" for c in unknown), 0.75, 0.90),
+        _rate("outside the table: never p > 0.9 for a wrong name", map(never_confidently_wrong, unknown), 0.95, 0.98),
+        *_closure_metrics(clear),
         _rate("95 % interval of closed covers fresh records", _covered(replays), (0.92, 0.98), (0.94, 0.96)),
         _calibration_error(bins),
         _rate("load-step onset within 2 % of the record", _onsets(cases), 0.95, 0.99),
         _rate("clip levels within 2 % of the range", _clip_levels(cases), 0.95, 0.99),
-        _rate("with a simulation: told apart", map(told_apart, rows.get("with-sim", empty)), 0.90, 0.97),
-        Figure("time a record and core", seconds, len(cases), must=5.0, aim=2.0, below=True, unit="s"),
+        _rate("with a simulation: told apart", map(kind_recognised, rows.get("with-sim", empty)), 0.90, 0.97),
+        Metric("time a record and core", seconds, len(cases), required=5.0, target=2.0, below=True, unit="s"),
     ]
-    return Scores(tuple(figures), confusion(cases), bins)
+    return Scores(tuple(metrics), confusion(cases), bins)
 
 
-def confusion(cases: Sequence[Judged]) -> dict[str, dict[str, dict[str, int]]]:
+def confusion(cases: Sequence[CaseOutcome]) -> dict[str, dict[str, dict[str, int]]]:
     """Count answers by row and true label.
 
     Parameters
@@ -82,13 +84,13 @@ def confusion(cases: Sequence[Judged]) -> dict[str, dict[str, dict[str, int]]]:
     table: dict[str, dict[str, dict[str, int]]] = {}
     for case in cases:
         true = "+".join(sorted(case.label["labels"])) or "none"
-        said = "+".join(sorted(names(case))) or verdict(case)
+        said = "+".join(sorted(named_effects(case))) or stated_verdict(case)
         counts = table.setdefault(case.label["row"], {}).setdefault(true, {})
         counts[said] = counts.get(said, 0) + 1
     return table
 
 
-def calibration_bins(cases: Sequence[Judged], bins: int = 10) -> tuple[tuple[float, float, int], ...]:
+def calibration_bins(cases: Sequence[CaseOutcome], bins: int = 10) -> tuple[tuple[float, float, int], ...]:
     """How often an effect named with some probability was there.
 
     Parameters
@@ -121,22 +123,22 @@ def calibration_bins(cases: Sequence[Judged], bins: int = 10) -> tuple[tuple[flo
 def _rate(
     name: str,
     outcomes: Iterable[bool],
-    must: float | tuple[float, float],
-    aim: float | tuple[float, float],
-) -> Figure:
+    required: float | tuple[float, float],
+    target: float | tuple[float, float],
+) -> Metric:
     counted = [bool(outcome) for outcome in outcomes]
     right, n = sum(counted), len(counted)
     low, high = wilson(right, n)
-    return Figure(name, right / n if n else None, n, low, high, must, aim)
+    return Metric(name, right / n if n else None, n, low, high, required, target)
 
 
-def _set_size(name: str, cases: Sequence[Judged], bar: float) -> Figure:
+def _set_size(name: str, cases: Sequence[CaseOutcome], requirement: float) -> Metric:
     sizes = [len(answer_set(case)) for case in cases if answer_set(case)]
     value = float(np.mean(sizes)) if sizes else None
-    return Figure(name, value, len(sizes), must=bar, below=True, unit="")
+    return Metric(name, value, len(sizes), required=requirement, below=True, unit="")
 
 
-def _closure_figures(cases: Sequence[Judged]) -> list[Figure]:
+def _closure_metrics(cases: Sequence[CaseOutcome]) -> list[Metric]:
     counted = [c for c in cases if c.possible is not None and c.possible > 0.2]
     shares = [max(c.diagnosed or 0.0, 0.0) / c.possible for c in counted if c.possible]
     title = "median share of the gap closed, against the true structure refitted"
@@ -145,9 +147,9 @@ def _closure_figures(cases: Sequence[Judged]) -> list[Figure]:
     plain = float(np.median([c.diagnosed or 0.0 for c in counted])) if counted else None
     truth = float(np.median([c.possible for c in counted if c.possible])) if counted else None
     return [
-        Figure(title, median, len(shares), low, high, 0.95, 0.98, unit=""),
-        Figure("  the share itself, median", plain, len(counted), unit=""),
-        Figure("  that of the true structure, median", truth, len(counted), unit=""),
+        Metric(title, median, len(shares), low, high, 0.95, 0.98, unit=""),
+        Metric("  the share itself, median", plain, len(counted), unit=""),
+        Metric("  that of the true structure, median", truth, len(counted), unit=""),
     ]
 
 
@@ -161,22 +163,22 @@ def _median_interval(values: Sequence[float]) -> tuple[float | None, float | Non
     return ordered[max(int(n / 2 - half), 0)], ordered[min(int(np.ceil(n / 2 + half)), n - 1)]
 
 
-def _covered(replays: Sequence[Judged]) -> list[bool]:
+def _covered(replays: Sequence[CaseOutcome]) -> list[bool]:
     outcomes = []
     for case in replays:
         interval = ((case.result or {}).get("gap") or {}).get("ci95")
-        if case.fresh is not None and interval and None not in interval:
-            outcomes.append(interval[0] <= case.fresh <= interval[1])
+        if case.fresh_closure is not None and interval and None not in interval:
+            outcomes.append(interval[0] <= case.fresh_closure <= interval[1])
     return outcomes
 
 
-def _calibration_error(bins: Sequence[tuple[float, float, int]]) -> Figure:
+def _calibration_error(bins: Sequence[tuple[float, float, int]]) -> Metric:
     count = sum(n for _, _, n in bins)
     error = sum(n * abs(p - right) for p, right, n in bins) / count if count else None
-    return Figure("probability calibration (ECE)", error, count, must=0.05, aim=0.03, below=True, unit="")
+    return Metric("probability calibration (ECE)", error, count, required=0.05, target=0.03, below=True, unit="")
 
 
-def _found_parameters(case: Judged, effect: str) -> dict[str, Any] | None:
+def _found_parameters(case: CaseOutcome, effect: str) -> dict[str, Any] | None:
     """The parameters of an effect that is there and was named; their values alone."""
     for said in (case.result or {}).get("effects") or []:
         if effect == said.get("name") and effect in case.label["labels"]:
@@ -185,7 +187,7 @@ def _found_parameters(case: Judged, effect: str) -> dict[str, Any] | None:
     return None
 
 
-def _onsets(cases: Sequence[Judged]) -> list[bool]:
+def _onsets(cases: Sequence[CaseOutcome]) -> list[bool]:
     outcomes = []
     for case in cases:
         found = _found_parameters(case, "load-step")
@@ -198,7 +200,7 @@ def _onsets(cases: Sequence[Judged]) -> list[bool]:
     return outcomes
 
 
-def _clip_levels(cases: Sequence[Judged]) -> list[bool]:
+def _clip_levels(cases: Sequence[CaseOutcome]) -> list[bool]:
     outcomes = []
     for case in cases:
         for effect, signal in (("input-saturation", "u_range"), ("output-saturation", "y_range")):

@@ -5,23 +5,23 @@ from dataclasses import replace
 import numpy as np
 
 from labsid._arrays import FloatArray
-from labsid.blind.experiment import Recipe, command
+from labsid.blind.experiment import Experiment, input_signal
 from labsid.blind.output_error import discrete_poles, fit_linear
-from labsid.rig.switchable.effects import Enter
+from labsid.rig.switchable.effects import ApplyEffect
 from labsid.rig.switchable.setup import Setup
-from labsid.rig.switchable.simulation import Noise, play, poles
+from labsid.rig.switchable.simulation import Noise, poles, simulate_setup
 
 WEAKEST_NOISE, STRONGEST_NOISE = 0.005, 0.05
-CLEAR, HARD = (5.2, 25.0), (1.55, 4.9)
-INVISIBLE = 0.1
+CLEAR_RATIOS, HARD_RATIOS = (5.2, 25.0), (1.55, 4.9)
+NEGLIGIBLE_RATIO = 0.1
 
 
-def clean_output(recipe: Recipe, setup: Setup) -> FloatArray:
+def clean_output(experiment: Experiment, setup: Setup) -> FloatArray:
     """The log that a rig would leave without noise, in the rig's own units.
 
     Parameters
     ----------
-    recipe : Recipe
+    experiment : Recipe
     setup : Setup
         In the place of the recipe's own.
 
@@ -29,15 +29,15 @@ def clean_output(recipe: Recipe, setup: Setup) -> FloatArray:
     -------
     ndarray, shape (N,)
     """
-    return play(setup, command(recipe), Noise(0.0), recipe.start).clean
+    return simulate_setup(setup, input_signal(experiment), Noise(0.0), experiment.start).clean
 
 
-def gap(recipe: Recipe, setup: Setup, taps: int = 2, thorough: bool = True) -> float:
+def linear_model_gap(experiment: Experiment, setup: Setup, taps: int = 2, thorough: bool = True) -> float:
     """What the best linear model of the rig's order leaves of the noise-free output, rms, in the rig's own units.
 
     Parameters
     ----------
-    recipe : Recipe
+    experiment : Recipe
     setup : Setup
         In the place of the recipe's own.
     taps : int
@@ -49,27 +49,27 @@ def gap(recipe: Recipe, setup: Setup, taps: int = 2, thorough: bool = True) -> f
     -------
     float
     """
-    start = discrete_poles(poles(recipe.plain.motion))
-    return fit_linear(command(recipe), clean_output(recipe, setup), start, None, taps, thorough).rmse
+    start = discrete_poles(poles(experiment.plain.motion))
+    return fit_linear(input_signal(experiment), clean_output(experiment, setup), start, None, taps, thorough).rmse
 
 
-def output_spread(recipe: Recipe) -> float:
+def output_spread(experiment: Experiment) -> float:
     """Standard deviation of the output of the rig without effects.
 
     Parameters
     ----------
-    recipe : Recipe
+    experiment : Recipe
 
     Returns
     -------
     float
     """
-    return float(np.std(clean_output(recipe, recipe.plain)))
+    return float(np.std(clean_output(experiment, experiment.plain)))
 
 
-def at_ratio(
-    recipe: Recipe,
-    enter: Enter,
+def scale_to_ratio(
+    experiment: Experiment,
+    apply: ApplyEffect,
     ratio: float,
     sigma_share: tuple[float, float],
     rng: np.random.Generator,
@@ -78,8 +78,8 @@ def at_ratio(
 
     Parameters
     ----------
-    recipe : Recipe
-    enter : callable
+    experiment : Recipe
+    apply : callable
         The effect.
     ratio : float
     sigma_share : tuple of float
@@ -92,21 +92,21 @@ def at_ratio(
         The rig with the effect, and the noise's standard deviation in the rig's own units; None where this
         effect cannot be that visible on this rig and input.
     """
-    spread = output_spread(recipe)
+    spread = output_spread(experiment)
     low, high = sigma_share
-    strongest = gap(recipe, enter(recipe.plain, 1.0), thorough=False) / (ratio * spread)
+    strongest = linear_model_gap(experiment, apply(experiment.plain, 1.0), thorough=False) / (ratio * spread)
     if strongest < low:
         return None
     wanted = ratio * spread * float(np.exp(rng.uniform(np.log(low), np.log(min(high, strongest)))))
     bracket, size = [0.0, 1.0], strongest * ratio * spread
     if size <= 1.15 * wanted:
-        return _checked(recipe, enter(recipe.plain, 1.0), ratio, sigma_share, spread)
+        return _checked(experiment, apply(experiment.plain, 1.0), ratio, sigma_share, spread)
     s = float(np.clip(wanted / size, 0.02, 0.95))
     for _ in range(10):
-        setup = enter(recipe.plain, s)
-        size = gap(recipe, setup, thorough=False)
+        setup = apply(experiment.plain, s)
+        size = linear_model_gap(experiment, setup, thorough=False)
         if abs(size / wanted - 1) < 0.2:
-            return _checked(recipe, setup, ratio, sigma_share, spread)
+            return _checked(experiment, setup, ratio, sigma_share, spread)
         if size < wanted:
             bracket[0] = s
         else:
@@ -118,19 +118,19 @@ def at_ratio(
 
 
 def _checked(
-    recipe: Recipe, setup: Setup, ratio: float, sigma_share: tuple[float, float], spread: float
+    experiment: Experiment, setup: Setup, ratio: float, sigma_share: tuple[float, float], spread: float
 ) -> tuple[Setup, float] | None:
     """The noise that makes the ratio exact, unless a thorough fit finds so little left that it would be too small."""
-    sigma = gap(recipe, setup) / ratio
+    sigma = linear_model_gap(experiment, setup) / ratio
     return (setup, sigma) if 0.9 * sigma_share[0] <= sigma / spread <= 1.1 * sigma_share[1] else None
 
 
-def with_noise(recipe: Recipe, setup: Setup, noise: Noise) -> Recipe:
+def with_noise(experiment: Experiment, setup: Setup, noise: Noise) -> Experiment:
     """The recipe with that rig and that noise.
 
     Parameters
     ----------
-    recipe : Recipe
+    experiment : Recipe
     setup : Setup
     noise : Noise
 
@@ -138,4 +138,4 @@ def with_noise(recipe: Recipe, setup: Setup, noise: Noise) -> Recipe:
     -------
     Recipe
     """
-    return replace(recipe, setup=setup, noise=noise)
+    return replace(experiment, setup=setup, noise=noise)

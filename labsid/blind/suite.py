@@ -12,14 +12,16 @@ import numpy as np
 from labsid.blind.experiment import Case
 from labsid.blind.rows import ROWS
 from labsid.records.record import Record
-from labsid.rig.switchable.simulation import RunsAway
+from labsid.rig.switchable.simulation import UnboundedOutputError
 
 PER_ROW = {"dev": 80, "final": 220}
 _MOST_DRAWS = 400
 _DEV = 20260
 
 
-def cases(suite: str, per_row: int | None = None, rows: Sequence[str] | None = None, jobs: int = 1) -> Iterator[Case]:
+def make_cases(
+    suite: str, per_row: int | None = None, rows: Sequence[str] | None = None, jobs: int = 1
+) -> Iterator[Case]:
     """Make the cases of a suite, row by row.
 
     Parameters
@@ -48,7 +50,7 @@ def cases(suite: str, per_row: int | None = None, rows: Sequence[str] | None = N
     unknown = [row for row in rows or () if row not in ROWS]
     if unknown:
         raise ValueError(f"rows must be of {', '.join(ROWS)}; got {unknown[0]!r}. Name some of these.")
-    entropy = _DEV if suite == "dev" else _hash_of_the_diagnosis()
+    entropy = _DEV if suite == "dev" else _diagnosis_hash()
     count = PER_ROW[suite] if per_row is None else per_row
     wanted = [(entropy, row, i) for row in ROWS if rows is None or row in rows for i in range(count)]
     if jobs == 1:
@@ -65,7 +67,7 @@ def _made(which: tuple[int, str, int]) -> Case:
     for attempt in range(_MOST_DRAWS):
         try:
             case = ROWS[row](np.random.default_rng([entropy, list(ROWS).index(row), i, attempt]), i, f"r{name}")
-        except RunsAway:
+        except UnboundedOutputError:
             continue
         if case is not None:
             return case
@@ -94,7 +96,7 @@ def write_suite(
     folder = Path(folder)
     folder.mkdir(parents=True, exist_ok=True)
     labels = {}
-    for case in cases(suite, per_row, rows):
+    for case in make_cases(suite, per_row, rows):
         write_case(folder, case)
         labels[case.name] = label_dict(case)
     path = folder.with_name(f"{folder.name}.labels.json")
@@ -140,7 +142,7 @@ def label_dict(case: Case) -> dict[str, Any]:
     -------
     dict
     """
-    recipe = case.recipe
+    experiment = case.experiment
     return {
         "row": case.row,
         "labels": list(case.labels),
@@ -150,18 +152,18 @@ def label_dict(case: Case) -> dict[str, Any]:
         "u_range": float(np.ptp(case.record.u)),
         "y_range": float(np.ptp(case.record.y)),
         "truth": case.truth,
-        "rig": recipe.plain.rig,
-        "input": recipe.input,
-        "samples": recipe.samples,
-        "Ts": recipe.scales.Ts,
-        "from_rest": recipe.from_rest,
-        "noise": {"share": recipe.noise.share, "pole": recipe.noise.colour},
+        "rig": experiment.plain.rig,
+        "input": experiment.input,
+        "samples": experiment.samples,
+        "Ts": experiment.scales.Ts,
+        "from_rest": experiment.from_rest,
+        "noise": {"share": experiment.noise.share, "pole": experiment.noise.colour},
         "sim": case.sim is not None,
         "holdout": case.holdout is not None,
     }
 
 
-def _hash_of_the_diagnosis() -> int:
+def _diagnosis_hash() -> int:
     """A number that changes with any character of the sources of the diagnosis."""
     folder = Path(__file__).resolve().parent.parent / "gap"
     digest = hashlib.sha256()

@@ -1,50 +1,50 @@
 """The table of the sealed check: on the terminal, and in Markdown for the README."""
 
-from labsid.blind.metrics import Figure, Scores
+from labsid.blind.metrics import Metric, Scores
 
-Bar = float | tuple[float, float] | None
+Requirement = float | tuple[float, float] | None
 
 
-def figure_cells(figure: Figure) -> tuple[str, ...]:
+def metric_cells(metric: Metric) -> tuple[str, ...]:
     """One figure as text: name, value, interval, records, must, aim, and how it stands.
 
     Parameters
     ----------
-    figure : Figure
+    metric : Figure
 
     Returns
     -------
     tuple of str
     """
-    between = "" if figure.low is None or figure.high is None or not figure.count else _range(figure)
-    value = "-" if figure.value is None else _number(figure.value, figure.unit)
+    between = "" if metric.low is None or metric.high is None or not metric.count else _range(metric)
+    value = "-" if metric.value is None else _number(metric.value, metric.unit)
     return (
-        figure.name,
+        metric.name,
         value,
         between,
-        str(figure.count),
-        _bar(figure.must, figure.unit),
-        _bar(figure.aim, figure.unit),
-        standing(figure),
+        str(metric.count),
+        _requirement(metric.required, metric.unit),
+        _requirement(metric.target, metric.unit),
+        metric_status(metric),
     )
 
 
-def standing(figure: Figure) -> str:
+def metric_status(metric: Metric) -> str:
     """Whether a figure reaches its bars.
 
     Parameters
     ----------
-    figure : Figure
+    metric : Figure
 
     Returns
     -------
     str
-        ``aim``, ``must``, ``missed``, or empty where there is no bar or no value.
+        ``target``, ``required``, ``missed``, or empty where there is no bar or no value.
     """
-    reached = figure.reaches(figure.must)
+    reached = metric.reaches(metric.required)
     if reached is None:
         return ""
-    if figure.reaches(figure.aim):
+    if metric.reaches(metric.target):
         return "aim"
     return "must" if reached else "missed"
 
@@ -61,7 +61,7 @@ def markdown(scores: Scores) -> str:
     str
     """
     lines = ["| figure | measured | 95 % interval | records | must | aim | reached |", "|---|---|---|---|---|---|---|"]
-    lines += ["| " + " | ".join(cell.strip() for cell in figure_cells(f)) + " |" for f in scores.figures]
+    lines += ["| " + " | ".join(cell.strip() for cell in metric_cells(f)) + " |" for f in scores.metrics]
     lines += ["", "What was named instead, by row:", "", "| row | in it | answers |", "|---|---|---|"]
     for row, labels in scores.confusion.items():
         lines += [f"| {row} | {label} | {_answers(label, counts)} |" for label, counts in labels.items()]
@@ -96,8 +96,8 @@ def print_scores(scores: Scores, title: str) -> None:
     console.print(table)
     table = Table("figure", "measured", "95 %", "records", "must", "aim", "reached", title=title)
     colours = {"aim": "green", "must": "green", "missed": "red"}
-    for figure in scores.figures:
-        table.add_row(*figure_cells(figure), style=colours.get(standing(figure)))
+    for metric in scores.metrics:
+        table.add_row(*metric_cells(metric), style=colours.get(metric_status(metric)))
     console.print(table)
 
 
@@ -112,17 +112,17 @@ def _number(value: float, unit: str) -> str:
     return f"{value:.2f} {unit}" if unit else f"{value:.3f}"
 
 
-def _range(figure: Figure) -> str:
-    assert figure.low is not None
-    assert figure.high is not None
-    if figure.unit == "%":
-        return f"{100 * figure.low:.1f}-{100 * figure.high:.1f} %"
-    return f"{figure.low:.3f}-{figure.high:.3f}"
+def _range(metric: Metric) -> str:
+    assert metric.low is not None
+    assert metric.high is not None
+    if metric.unit == "%":
+        return f"{100 * metric.low:.1f}-{100 * metric.high:.1f} %"
+    return f"{metric.low:.3f}-{metric.high:.3f}"
 
 
-def _bar(bar: Bar, unit: str) -> str:
-    if bar is None:
+def _requirement(requirement: Requirement, unit: str) -> str:
+    if requirement is None:
         return ""
-    if isinstance(bar, tuple):
-        return f"{100 * bar[0]:g}-{100 * bar[1]:g} %"
-    return f"{100 * bar:g} %" if unit == "%" else f"{bar:g} {unit}".strip()
+    if isinstance(requirement, tuple):
+        return f"{100 * requirement[0]:g}-{100 * requirement[1]:g} %"
+    return f"{100 * requirement:g} %" if unit == "%" else f"{requirement:g} {unit}".strip()

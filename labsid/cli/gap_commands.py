@@ -141,9 +141,11 @@ def blind(
     report: Annotated[Path | None, typer.Option(metavar="FILE", help="Also write the table here.")] = None,
 ) -> None:
     """Check the diagnosis on simulated rigs whose effect is withheld, and print the table."""
-    from labsid.blind.check import run
+    from labsid.blind.check import run_sealed_check
 
-    raise typer.Exit(run(suite=suite, per_row=per_row, rows=row, jobs=jobs, replays=replays, report=report))
+    raise typer.Exit(
+        run_sealed_check(suite=suite, per_row=per_row, rows=row, jobs=jobs, replays=replays, report=report)
+    )
 
 
 def _command(context: typer.Context) -> str:

@@ -13,13 +13,13 @@ from scipy.signal import lfilter
 
 from labsid._arrays import FloatArray
 from labsid.rig.switchable._motion import PARALLEL_MODE, SERIES_MODE, TWO_TANKS
-from labsid.rig.switchable.setup import STEPS, Course, Setup
+from labsid.rig.switchable.setup import STEPS_PER_SAMPLE, Profile, Setup
 
-Enter = Callable[[Setup, float], Setup]
+ApplyEffect = Callable[[Setup, float], Setup]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Situation:
+class EffectContext:
     """What a draw may know: the rig without effects, the command, and what the rig does with it.
 
     Attributes
@@ -42,10 +42,10 @@ class Situation:
     rounding: float = 0.0
 
 
-def _in(part: str, **fields: Callable[[float], Any]) -> Enter:
+def _in(part: str, **fields: Callable[[float], Any]) -> ApplyEffect:
     """An effect that sets fields of one part of the rig, each a function of the strength."""
 
-    def enter(setup: Setup, s: float) -> Setup:
+    def apply(setup: Setup, s: float) -> Setup:
         if s == 0.0:
             return setup
         values = {name: value(s) for name, value in fields.items()}
@@ -53,7 +53,7 @@ def _in(part: str, **fields: Callable[[float], Any]) -> Enter:
         new = old._replace(**values) if part == "motion" else replace(old, **values)
         return replace(setup, **{part: new})
 
-    return enter
+    return apply
 
 
 def _fixed(value: Any) -> Callable[[float], Any]:
@@ -64,14 +64,14 @@ def _times(value: float) -> Callable[[float], float]:
     return lambda s: float(s * value)
 
 
-def _delay(rng: np.random.Generator, at: Situation) -> Enter:
+def _delay(rng: np.random.Generator, at: EffectContext) -> ApplyEffect:
     most = float(rng.uniform(0.6, 1.2) * min(30.0, 1.2 * at.time))
 
-    def enter(setup: Setup, s: float) -> Setup:
-        delay = setup.actuator.delay + round(s * most * STEPS) / STEPS
+    def apply(setup: Setup, s: float) -> Setup:
+        delay = setup.actuator.delay + round(s * most * STEPS_PER_SAMPLE) / STEPS_PER_SAMPLE
         return replace(setup, actuator=replace(setup.actuator, delay=delay))
 
-    return enter
+    return apply
 
 
 def _limits(rng: np.random.Generator, low: float, high: float) -> dict[str, Callable[[float], Any]]:
@@ -87,22 +87,22 @@ def _limits(rng: np.random.Generator, low: float, high: float) -> dict[str, Call
     return fields
 
 
-def _input_saturation(rng: np.random.Generator, at: Situation) -> Enter:
+def _input_saturation(rng: np.random.Generator, at: EffectContext) -> ApplyEffect:
     corner = at.rounding * np.ptp(at.v)
     return _in("actuator", rounding=_fixed(corner), **_limits(rng, at.v.min(), at.v.max()))
 
 
-def _dead_zone(rng: np.random.Generator, at: Situation) -> Enter:
+def _dead_zone(rng: np.random.Generator, at: EffectContext) -> ApplyEffect:
     low, high = rng.uniform(0.35, 0.75, 2)
     corner = at.rounding * np.ptp(at.v)
     return _in("actuator", dead_low=_times(-low), dead_high=_times(high), rounding=_times(corner))
 
 
-def _backlash(rng: np.random.Generator, at: Situation) -> Enter:
-    return _in("actuator", play=_times(0.6 * np.ptp(at.v)))
+def _backlash(rng: np.random.Generator, at: EffectContext) -> ApplyEffect:
+    return _in("actuator", backlash=_times(0.6 * np.ptp(at.v)))
 
 
-def _rate_limit(rng: np.random.Generator, at: Situation) -> Enter:
+def _rate_limit(rng: np.random.Generator, at: EffectContext) -> ApplyEffect:
     longest = rng.uniform(0.7, 1.3) * min(2.0 * at.time, 80.0)
     return _in("actuator", slew=lambda s: float(np.ptp(at.v) / (s * longest)))
 
@@ -120,20 +120,20 @@ def _curve(rng: np.random.Generator, x: FloatArray) -> dict[str, Callable[[float
     }
 
 
-def _input_nonlinearity(rng: np.random.Generator, at: Situation) -> Enter:
+def _input_nonlinearity(rng: np.random.Generator, at: EffectContext) -> ApplyEffect:
     return _in("actuator", **_curve(rng, at.v))
 
 
-def _output_nonlinearity(rng: np.random.Generator, at: Situation) -> Enter:
+def _output_nonlinearity(rng: np.random.Generator, at: EffectContext) -> ApplyEffect:
     return _in("sensor", **_curve(rng, at.y))
 
 
-def _extra_lag(rng: np.random.Generator, at: Situation) -> Enter:
+def _extra_lag(rng: np.random.Generator, at: EffectContext) -> ApplyEffect:
     place = str(rng.choice(["actuator_lag", "sensor_lag"]))
     return _in("motion", **{place: _times(float(min(1.2 * at.time, 40.0)))})
 
 
-def _resonance(rng: np.random.Generator, at: Situation) -> Enter:
+def _resonance(rng: np.random.Generator, at: EffectContext) -> ApplyEffect:
     damping = float(np.exp(rng.uniform(np.log(0.01), np.log(0.08))))
     if rng.random() < 0.6:
         period = rng.uniform(4.0, max(min(1.5 * at.time, 40.0), 6.0))
@@ -153,48 +153,48 @@ def _resonance(rng: np.random.Generator, at: Situation) -> Enter:
     )
 
 
-def _sqrt_outflow(rng: np.random.Generator, at: Situation) -> Enter:
-    return _in("motion", root=_times(0.95 / max(-float(at.y.min()), 0.2)))
+def _sqrt_outflow(rng: np.random.Generator, at: EffectContext) -> ApplyEffect:
+    return _in("motion", outflow_curvature=_times(0.95 / max(-float(at.y.min()), 0.2)))
 
 
-def _overflow(rng: np.random.Generator, at: Situation) -> Enter:
+def _overflow(rng: np.random.Generator, at: EffectContext) -> ApplyEffect:
     upper = at.setup.motion.kind == TWO_TANKS and rng.random() < 0.5
     level = at.y
     if upper:
         pole = np.exp(-1 / at.setup.motion.T0)
         level = lfilter([0, 1 - pole], [1, -pole], at.v)
     top = float(level.max())
-    caught = float(rng.choice([0.0, 0.0, rng.uniform(0.2, 0.8)]))
+    spill_share = float(rng.choice([0.0, 0.0, rng.uniform(0.2, 0.8)]))
     brim = {"brim_upper" if upper else "brim_lower": lambda s: top * (1 - 0.8 * s)}
-    return _in("motion", caught=_fixed(caught if upper else 0.0), **brim)
+    return _in("motion", spill_share=_fixed(spill_share if upper else 0.0), **brim)
 
 
-def _coulomb(rng: np.random.Generator, at: Situation) -> Enter:
+def _coulomb(rng: np.random.Generator, at: EffectContext) -> ApplyEffect:
     return _in("motion", dry_friction=_times(0.6 * float(np.std(at.v)) + 0.2))
 
 
-def _cubic(rng: np.random.Generator, at: Situation) -> Enter:
+def _cubic(rng: np.random.Generator, at: EffectContext) -> ApplyEffect:
     hardening = rng.random() < 0.7
     return _in("motion", cubic=_times((3.0 if hardening else -0.12) / float(np.max(np.abs(at.y))) ** 2))
 
 
-def _parameter_drift(rng: np.random.Generator, at: Situation) -> Enter:
-    course = Course(str(rng.choice(["ramp", "settle", "half-sine"])), float(rng.uniform(0.15, 0.4)))
+def _parameter_drift(rng: np.random.Generator, at: EffectContext) -> ApplyEffect:
+    profile = Profile(str(rng.choice(["ramp", "settle", "half-sine"])), float(rng.uniform(0.15, 0.4)))
     sign = float(rng.choice([-1.0, 1.0]))
     if rng.random() < 0.6:
-        return _in("actuator", gain_change=_times(0.6 * sign), gain_course=_fixed(course))
-    return _in("load", pole_change=lambda s: float(3.0 ** (sign * s) - 1), pole_course=_fixed(course))
+        return _in("actuator", gain_change=_times(0.6 * sign), gain_profile=_fixed(profile))
+    return _in("load", pole_change=lambda s: float(3.0 ** (sign * s) - 1), pole_profile=_fixed(profile))
 
 
-def _output_drift(rng: np.random.Generator, at: Situation) -> Enter:
+def _output_drift(rng: np.random.Generator, at: EffectContext) -> ApplyEffect:
     kind = str(rng.choice(["ramp", "settle", "sine", "wander"]))
     number = float(rng.uniform(0.15, 0.4) if kind == "settle" else rng.uniform(0.6, 1.6))
-    course = Course(kind, number, int(rng.integers(2**31)))
+    profile = Profile(kind, number, int(rng.integers(2**31)))
     size = float(rng.choice([-1.0, 1.0]) * 0.8 * np.ptp(at.y))
-    return _in("sensor", drift=_times(size), drift_course=_fixed(course))
+    return _in("sensor", drift=_times(size), drift_profile=_fixed(profile))
 
 
-def _output_saturation(rng: np.random.Generator, at: Situation) -> Enter:
+def _output_saturation(rng: np.random.Generator, at: EffectContext) -> ApplyEffect:
     corner = at.rounding * float(np.ptp(at.y))
     return _in(
         "sensor",
@@ -204,23 +204,25 @@ def _output_saturation(rng: np.random.Generator, at: Situation) -> Enter:
     )
 
 
-def _quantization(rng: np.random.Generator, at: Situation) -> Enter:
+def _quantization(rng: np.random.Generator, at: EffectContext) -> ApplyEffect:
     return _in("sensor", step=_times(float(np.ptp(at.y)) / 3))
 
 
-def _outliers(rng: np.random.Generator, at: Situation) -> Enter:
+def _outliers(rng: np.random.Generator, at: EffectContext) -> ApplyEffect:
     size = 2.5 * float(np.ptp(at.y))
     share = float(np.exp(rng.uniform(np.log(0.004), np.log(0.02))))
-    return _in("sensor", spikes=_fixed(share), spike_size=_times(size), seed=_fixed(int(rng.integers(2**31))))
+    return _in("sensor", outlier_share=_fixed(share), outlier_size=_times(size), seed=_fixed(int(rng.integers(2**31))))
 
 
-def _dropout(rng: np.random.Generator, at: Situation) -> Enter:
+def _dropout(rng: np.random.Generator, at: EffectContext) -> ApplyEffect:
     length = float(rng.uniform(0.3, 1.2) * max(at.time, 8.0))
-    return _in("sensor", held=_times(0.4), held_length=_fixed(length), seed=_fixed(int(rng.integers(2**31))))
+    return _in(
+        "sensor", dropout_share=_times(0.4), dropout_length=_fixed(length), seed=_fixed(int(rng.integers(2**31)))
+    )
 
 
-def _load_step(rng: np.random.Generator, at: Situation) -> Enter:
-    onset = float(round(rng.uniform(0.2, 0.8) * at.v.size * STEPS) / STEPS)
+def _load_step(rng: np.random.Generator, at: EffectContext) -> ApplyEffect:
+    onset = float(round(rng.uniform(0.2, 0.8) * at.v.size * STEPS_PER_SAMPLE) / STEPS_PER_SAMPLE)
     rise = at.rounding * 4 * at.time
     if rng.random() < 0.35:
         leak = _times(1.0 if at.setup.actuator.zero else 0.8)
@@ -229,7 +231,7 @@ def _load_step(rng: np.random.Generator, at: Situation) -> Enter:
     return _in("load", onset=_fixed(onset), size=size, rise=_fixed(rise))
 
 
-def _periodic(rng: np.random.Generator, at: Situation) -> Enter:
+def _periodic(rng: np.random.Generator, at: EffectContext) -> ApplyEffect:
     cycles = np.exp(rng.uniform(np.log(8.0), np.log(at.v.size / 8)))
     frequency, phase = float(cycles / at.v.size), float(rng.uniform(0, 2 * np.pi))
     at_load = rng.random() < 0.5
@@ -238,13 +240,13 @@ def _periodic(rng: np.random.Generator, at: Situation) -> Enter:
     return _in(part, amplitude=_times(size), frequency=_fixed(frequency), phase=_fixed(phase))
 
 
-def _coloured(rng: np.random.Generator, at: Situation) -> Enter:
+def _coloured(rng: np.random.Generator, at: EffectContext) -> ApplyEffect:
     time = float(np.exp(rng.uniform(np.log(6.0), np.log(max(at.v.size / 40, 10.0)))))
     size = 0.8 * float(np.std(at.y))
     return _in("sensor", colour=_times(size), colour_time=_fixed(time), seed=_fixed(int(rng.integers(2**31))))
 
 
-DRAWS: dict[str, Callable[[np.random.Generator, Situation], Enter]] = {
+DRAWS: dict[str, Callable[[np.random.Generator, EffectContext], ApplyEffect]] = {
     "input-delay": _delay,
     "input-saturation": _input_saturation,
     "input-dead-zone": _dead_zone,

@@ -12,7 +12,7 @@ import numpy as np
 from labsid._arrays import FloatArray
 from labsid._compiled import compiled
 
-STATES = 6
+STATE_COUNT = 6
 
 TWO_TANKS, LAGGED_TANK, MOTOR_SPEED, MOTOR_POSITION, HEATED_FAR, HEATED_NEAR, MASS = range(7)
 NO_MODE, SERIES_MODE, PARALLEL_MODE = range(3)
@@ -39,10 +39,10 @@ class Motion(NamedTuple):
     mode_frequency: float
     mode_damping: float
     mode_share: float
-    root: float
+    outflow_curvature: float
     brim_upper: float
     brim_lower: float
-    caught: float
+    spill_share: float
     dry_friction: float
     cubic: float
     bilinear: float
@@ -60,15 +60,15 @@ def outflow(x: float, root: float) -> float:
 
 
 @compiled()
-def seen(m: Motion, x: FloatArray) -> float:
+def sensor_output(m: Motion, x: FloatArray) -> float:
     """What the sensor shows of the states."""
     if m.sensor_lag > 0.0:
         return x[3]
-    return exposed(m, x)
+    return physical_output(m, x)
 
 
 @compiled()
-def exposed(m: Motion, x: FloatArray) -> float:
+def physical_output(m: Motion, x: FloatArray) -> float:
     """What the sensor is exposed to."""
     y = x[0] if m.kind == HEATED_NEAR or m.kind == MASS else x[1]
     if m.mode == PARALLEL_MODE:
@@ -77,16 +77,16 @@ def exposed(m: Motion, x: FloatArray) -> float:
 
 
 @compiled()
-def rubbing_state(kind: int) -> int:
+def friction_state(kind: int) -> int:
     """The state that dry friction acts on."""
     return 0 if kind == MOTOR_POSITION else 1
 
 
 @compiled()
 def derivative(
-    m: Motion, x: FloatArray, w: float, load: float, rate: float, leak: float, rub: float, d: FloatArray
+    m: Motion, x: FloatArray, w: float, load: float, rate: float, leak: float, friction: float, d: FloatArray
 ) -> None:
-    """Write dx/dt into `d`. `rub` is the friction force of the moment, `rate` scales the slower pole."""
+    """Write dx/dt into `d`. `friction` is the friction force of the moment, `rate` scales the slower pole."""
     if m.actuator_lag > 0.0:
         d[2] = (w - x[2]) / m.actuator_lag
         w = x[2]
@@ -99,25 +99,25 @@ def derivative(
         w *= 1.0 + m.bilinear * x[0 if m.kind == MASS else 1]
     drain = leak * (x[1] + m.level_zero)
     if m.kind == TWO_TANKS or m.kind == LAGGED_TANK:
-        between = outflow(x[0], m.root) if m.kind == TWO_TANKS else x[0]
+        between = outflow(x[0], m.outflow_curvature) if m.kind == TWO_TANKS else x[0]
         d[0] = (w - between) / m.T0
         spill = 0.0
         if x[0] >= m.brim_upper and d[0] > 0.0:
             spill = w - between
             d[0] = 0.0
-        d[1] = rate * (between + m.caught * spill + load - drain - outflow(x[1], m.root)) / m.T1
+        d[1] = rate * (between + m.spill_share * spill + load - drain - outflow(x[1], m.outflow_curvature)) / m.T1
         if x[1] >= m.brim_lower and d[1] > 0.0:
             d[1] = 0.0
     elif m.kind == MOTOR_SPEED:
         d[0] = (w - x[0]) / m.T0
-        d[1] = rate * (x[0] + load - drain - x[1] - rub) / m.T1
+        d[1] = rate * (x[0] + load - drain - x[1] - friction) / m.T1
     elif m.kind == MOTOR_POSITION:
-        d[0] = (w + load - x[0] - rub) / m.T0
+        d[0] = (w + load - x[0] - friction) / m.T0
         d[1] = rate * (x[0] - drain - x[1]) / m.T1
     elif m.kind == MASS:
         pull = rate * x[0] + m.cubic * x[0] ** 3 + leak * (x[0] + m.level_zero)
         d[0] = x[1]
-        d[1] = (w + load - pull - 2.0 * m.damping * m.T0 * x[1] - rub) / m.T0**2
+        d[1] = (w + load - pull - 2.0 * m.damping * m.T0 * x[1] - friction) / m.T0**2
     else:
         flow = m.coupling * (x[0] - x[1])
         d[0] = (w - flow - m.loss * x[0]) / m.T0
@@ -128,7 +128,7 @@ def derivative(
         if x[1] > m.switch_level:
             d[1] *= m.switch_rate
     if m.sensor_lag > 0.0:
-        gap = exposed(m, x) - x[3]
+        gap = physical_output(m, x) - x[3]
         d[3] = gap / (m.sensor_fall_lag if gap < 0.0 and m.sensor_fall_lag > 0.0 else m.sensor_lag)
 
 
@@ -141,7 +141,7 @@ def advance(
     load: float,
     rate: float,
     leak: float,
-    rub: float,
+    friction: float,
     held: int,
     k: FloatArray,
     trial: FloatArray,
@@ -152,19 +152,19 @@ def advance(
     """
     for stage in range(4):
         part = 0.0 if stage == 0 else (1.0 if stage == 3 else 0.5)
-        for i in range(STATES):
+        for i in range(STATE_COUNT):
             trial[i] = x[i] + (part * h * k[stage - 1, i] if stage > 0 else 0.0)
-        derivative(m, trial, w[0] + part * (w[1] - w[0]), load, rate, leak, rub, k[stage])
+        derivative(m, trial, w[0] + part * (w[1] - w[0]), load, rate, leak, friction, k[stage])
         if held >= 0:
             k[stage, held] = 0.0
-    for i in range(STATES):
+    for i in range(STATE_COUNT):
         x[i] += h / 6.0 * (k[0, i] + 2.0 * k[1, i] + 2.0 * k[2, i] + k[3, i])
     if m.kind == TWO_TANKS or m.kind == LAGGED_TANK:
         x[0] = min(x[0], m.brim_upper)
         x[1] = min(x[1], m.brim_lower)
-        if m.root > 0.0:
-            x[0] = max(x[0], -1.0 / m.root) if m.kind == TWO_TANKS else x[0]
-            x[1] = max(x[1], -1.0 / m.root)
+        if m.outflow_curvature > 0.0:
+            x[0] = max(x[0], -1.0 / m.outflow_curvature) if m.kind == TWO_TANKS else x[0]
+            x[1] = max(x[1], -1.0 / m.outflow_curvature)
 
 
 @compiled()
@@ -186,41 +186,41 @@ def move(
     h = 1.0 / per_sample
     x = x0.copy()
     before = x0.copy()
-    k = np.zeros((4, STATES))
-    trial = np.zeros(STATES)
+    k = np.zeros((4, STATE_COUNT))
+    trial = np.zeros(STATE_COUNT)
     y = np.empty(begin.size // per_sample)
-    rubbed = rubbing_state(m.kind)
+    sliding = friction_state(m.kind)
     shift = m.speed_zero
     direction = 0.0
     for j in range(begin.size):
         if j % per_sample == 0:
-            y[j // per_sample] = seen(m, x)
+            y[j // per_sample] = sensor_output(m, x)
         w = (begin[j], end[j])
         if m.dry_friction == 0.0:
             advance(m, x, h, w, load[j], rate[j], leak[j], 0.0, -1, k, trial)
             continue
         left = h
         for _ in range(3):
-            speed = x[rubbed] + shift
+            speed = x[sliding] + shift
             if speed == 0.0:
                 derivative(m, x, w[0], load[j], rate[j], leak[j], 0.0, trial)
-                direction = np.sign(trial[rubbed])
+                direction = np.sign(trial[sliding])
                 derivative(m, x, w[0], load[j], rate[j], leak[j], m.dry_friction * direction, trial)
-                if trial[rubbed] * direction <= 0.0:
-                    advance(m, x, left, w, load[j], rate[j], leak[j], 0.0, rubbed, k, trial)
+                if trial[sliding] * direction <= 0.0:
+                    advance(m, x, left, w, load[j], rate[j], leak[j], 0.0, sliding, k, trial)
                     break
             else:
                 direction = np.sign(speed)
             before[:] = x
-            rub = m.dry_friction * direction
-            advance(m, x, left, w, load[j], rate[j], leak[j], rub, -1, k, trial)
-            after = x[rubbed] + shift
+            friction = m.dry_friction * direction
+            advance(m, x, left, w, load[j], rate[j], leak[j], friction, -1, k, trial)
+            after = x[sliding] + shift
             if after * direction >= 0.0:
                 break
             part = speed / (speed - after)
             x[:] = before
-            advance(m, x, part * left, w, load[j], rate[j], leak[j], rub, -1, k, trial)
-            x[rubbed] = -shift
+            advance(m, x, part * left, w, load[j], rate[j], leak[j], friction, -1, k, trial)
+            x[sliding] = -shift
             left *= 1.0 - part
             if left <= 0.0:
                 break

@@ -4,10 +4,10 @@ import numpy as np
 
 from labsid._arrays import FloatArray
 from labsid._compiled import compiled
-from labsid.rig.switchable.setup import STEPS, Actuator, course_values
+from labsid.rig.switchable.setup import STEPS_PER_SAMPLE, Actuator, profile_values
 
 
-def drive(actuator: Actuator, v: FloatArray) -> tuple[FloatArray, FloatArray]:
+def actuator_output(actuator: Actuator, v: FloatArray) -> tuple[FloatArray, FloatArray]:
     """What the actuator does with a command.
 
     Parameters
@@ -22,17 +22,17 @@ def drive(actuator: Actuator, v: FloatArray) -> tuple[FloatArray, FloatArray]:
         What it does at the beginning and at the end of each step of the integrator; between them it moves
         along a straight line.
     """
-    command = _delayed(actuator, _obeyed(actuator, v))
+    command = _delayed(actuator, _skip_failures(actuator, v))
     shaped = _dead_band(command, actuator.dead_low, actuator.dead_high, actuator.rounding)
     shaped = limited(shaped, actuator.low, actuator.high, actuator.rounding)
-    if actuator.stick > 0:
-        shaped = _sticking(shaped, actuator.stick)
-    if actuator.play > 0:
-        shaped = _play(shaped, 0.5 * actuator.play)
+    if actuator.stick_band > 0:
+        shaped = _sticking(shaped, actuator.stick_band)
+    if actuator.backlash > 0:
+        shaped = _backlash_output(shaped, 0.5 * actuator.backlash)
     if actuator.relays:
         shaped = shaped + sum(_relay(shaped, *relay) for relay in actuator.relays)
     if np.isfinite(actuator.slew):
-        begin, end = _slew(shaped, actuator.slew / STEPS)
+        begin, end = _slew(shaped, actuator.slew / STEPS_PER_SAMPLE)
     else:
         begin, end = shaped, shaped
     return _gain(actuator, _curve(actuator, begin)), _gain(actuator, _curve(actuator, end))
@@ -73,7 +73,7 @@ def _dead_band(v: FloatArray, low: float, high: float, rounding: float) -> Float
     return _soft_plus(v - high, rounding) - _soft_plus(low - v, rounding)
 
 
-def _obeyed(actuator: Actuator, v: FloatArray) -> FloatArray:
+def _skip_failures(actuator: Actuator, v: FloatArray) -> FloatArray:
     if not actuator.failures:
         return v
     v = v.copy()
@@ -84,12 +84,12 @@ def _obeyed(actuator: Actuator, v: FloatArray) -> FloatArray:
 
 def _delayed(actuator: Actuator, v: FloatArray) -> FloatArray:
     """The held command at every step, later by the delay; before the record, its first value."""
-    steps = np.arange(v.size * STEPS)
-    lag = actuator.delay * STEPS
+    steps = np.arange(v.size * STEPS_PER_SAMPLE)
+    lag = actuator.delay * STEPS_PER_SAMPLE
     if actuator.delay_swing:
-        swing = np.sin(2 * np.pi * steps / (STEPS * actuator.delay_period))
-        lag = lag + STEPS * actuator.delay_swing * swing
-    source = np.floor((steps - np.rint(lag)) / STEPS).astype(int)
+        swing = np.sin(2 * np.pi * steps / (STEPS_PER_SAMPLE * actuator.delay_period))
+        lag = lag + STEPS_PER_SAMPLE * actuator.delay_swing * swing
+    source = np.floor((steps - np.rint(lag)) / STEPS_PER_SAMPLE).astype(int)
     return v[np.clip(source, 0, v.size - 1)]
 
 
@@ -100,20 +100,22 @@ def _curve(actuator: Actuator, v: FloatArray) -> FloatArray:
 
 
 def _gain(actuator: Actuator, v: FloatArray) -> FloatArray:
-    if actuator.gain_change == actuator.valve == 0.0:
+    if actuator.gain_change == actuator.valve_spread == 0.0:
         return v
-    factor = 1 + actuator.gain_change * course_values(actuator.gain_course, np.linspace(0, 1, v.size))
-    if actuator.valve:
+    factor = 1 + actuator.gain_change * profile_values(actuator.gain_profile, np.linspace(0, 1, v.size))
+    if actuator.valve_spread:
         factor = factor * _random_factors(actuator, v.size)
     return factor * (v - actuator.zero) + actuator.zero
 
 
 def _random_factors(actuator: Actuator, steps: int) -> FloatArray:
     rng = np.random.default_rng(actuator.seed)
-    samples = steps / STEPS
+    samples = steps / STEPS_PER_SAMPLE
     holds = np.maximum(rng.exponential(actuator.valve_hold, size=int(4 * samples / actuator.valve_hold) + 20), 1.0)
-    factors = 1 + actuator.valve * rng.uniform(-1, 1, holds.size)
-    return factors[np.searchsorted(np.cumsum(holds), np.arange(steps) / STEPS, side="right").clip(0, holds.size - 1)]
+    factors = 1 + actuator.valve_spread * rng.uniform(-1, 1, holds.size)
+    return factors[
+        np.searchsorted(np.cumsum(holds), np.arange(steps) / STEPS_PER_SAMPLE, side="right").clip(0, holds.size - 1)
+    ]
 
 
 @compiled()
@@ -128,7 +130,7 @@ def _sticking(v: FloatArray, band: float) -> FloatArray:
 
 
 @compiled()
-def _play(v: FloatArray, half: float) -> FloatArray:
+def _backlash_output(v: FloatArray, half: float) -> FloatArray:
     out = np.empty_like(v)
     z = v[0]
     for j in range(v.size):

@@ -3,18 +3,18 @@
 import numpy as np
 
 from labsid._arrays import FloatArray
-from labsid.rig.switchable._effect_draws import DRAWS, Enter, Situation
+from labsid.rig.switchable._effect_draws import DRAWS, ApplyEffect, EffectContext
 from labsid.rig.switchable._motion import LAGGED_TANK, MASS, MOTOR_POSITION, MOTOR_SPEED, TWO_TANKS
 from labsid.rig.switchable.plants import time_scale
 from labsid.rig.switchable.setup import Setup
-from labsid.rig.switchable.simulation import respond
+from labsid.rig.switchable.simulation import plant_output
 
-__all__ = ["EFFECTS", "Enter", "Situation", "can_have", "draw_effect", "look_at"]
+__all__ = ["EFFECTS", "ApplyEffect", "EffectContext", "draw_effect", "effect_context", "supports_effect"]
 
 EFFECTS = tuple(DRAWS)
 
 
-def look_at(setup: Setup, v: FloatArray, rounding: float = 0.0) -> Situation:
+def effect_context(setup: Setup, v: FloatArray, rounding: float = 0.0) -> EffectContext:
     """Play the command on the rig without effects and say what a draw may know.
 
     Parameters
@@ -28,10 +28,10 @@ def look_at(setup: Setup, v: FloatArray, rounding: float = 0.0) -> Situation:
     -------
     Situation
     """
-    return Situation(setup=setup, v=v, y=respond(setup, v), time=time_scale(setup), rounding=rounding)
+    return EffectContext(setup=setup, v=v, y=plant_output(setup, v), time=time_scale(setup), rounding=rounding)
 
 
-def draw_effect(rng: np.random.Generator, name: str, situation: Situation) -> Enter:
+def draw_effect(rng: np.random.Generator, name: str, context: EffectContext) -> ApplyEffect:
     """Draw one effect of the table.
 
     Parameters
@@ -39,7 +39,7 @@ def draw_effect(rng: np.random.Generator, name: str, situation: Situation) -> En
     rng : Generator
     name : str
         Its name in the table.
-    situation : Situation
+    context : Situation
 
     Returns
     -------
@@ -53,12 +53,12 @@ def draw_effect(rng: np.random.Generator, name: str, situation: Situation) -> En
     """
     if name not in DRAWS:
         raise ValueError(f"name must be an effect of the table; got {name!r}. There are {', '.join(DRAWS)}.")
-    if not can_have(situation.setup, name):
-        raise ValueError(f"a {situation.setup.rig} cannot have {name}. Draw another rig.")
-    return DRAWS[name](rng, situation)
+    if not supports_effect(context.setup, name):
+        raise ValueError(f"a {context.setup.rig} cannot have {name}. Draw another rig.")
+    return DRAWS[name](rng, context)
 
 
-def can_have(setup: Setup, name: str) -> bool:
+def supports_effect(setup: Setup, name: str) -> bool:
     """Whether the physics of a rig has a place for an effect.
 
     Parameters

@@ -6,8 +6,8 @@ import numpy as np
 
 from labsid._arrays import FloatArray
 
-INPUTS = ("step", "staircase", "levels", "two-level", "multisine", "ramps", "square")
-RICH = ("levels", "multisine", "ramps")
+INPUT_KINDS = ("step", "staircase", "levels", "two-level", "multisine", "ramps", "square")
+RICH_INPUTS = ("levels", "multisine", "ramps")
 """Those that visit many levels, and each of them from both sides."""
 
 
@@ -18,7 +18,7 @@ def draw_input(rng: np.random.Generator, kind: str, samples: int, time: float, f
     ----------
     rng : Generator
     kind : str
-        One of `INPUTS`.
+        One of `INPUT_KINDS`.
     samples : int
     time : float
         The rig's time scale in samples: levels are held about so long.
@@ -56,7 +56,7 @@ def draw_input(rng: np.random.Generator, kind: str, samples: int, time: float, f
     elif kind == "multisine":
         moving = _multisine(rng, n, time)
     else:
-        raise ValueError(f"kind must be one of {', '.join(INPUTS)}; got {kind!r}. Name one of these.")
+        raise ValueError(f"kind must be one of {', '.join(INPUT_KINDS)}; got {kind!r}. Name one of these.")
     v = np.concatenate([np.zeros(rest), moving])
     return v / np.max(np.abs(v))
 

@@ -9,11 +9,11 @@ import numpy as np
 from labsid._arrays import FloatArray
 from labsid.rig.switchable._motion import NO_MODE, Motion
 
-STEPS = 16
+STEPS_PER_SAMPLE = 16
 """Integration steps in a sample; every delay and every instant is a whole number of them."""
 
 
-class Course(NamedTuple):
+class Profile(NamedTuple):
     """How something changes slowly along a record: what kind of curve, its shape number, and a seed."""
 
     kind: str = "ramp"
@@ -21,7 +21,7 @@ class Course(NamedTuple):
     seed: int = 0
 
 
-STRAIGHT = Course()
+STRAIGHT = Profile()
 
 
 @dataclass(frozen=True, slots=True)
@@ -40,7 +40,7 @@ class Actuator:
         Dead band.
     rounding : float
         Radius of the corners of limits and dead band.
-    play : float
+    backlash : float
         Width of the backlash.
     slew : float
         Largest change in a sample.
@@ -50,13 +50,13 @@ class Actuator:
         Relays with hysteresis in parallel to the straight path: lower and upper threshold, and height.
     failures : tuple of (int, int)
         Stretches of samples in which commands are ignored.
-    stick : float
+    stick_band : float
         A valve that sticks until the command is so far away, and then jumps to it.
-    valve, valve_hold, seed : float, float, int
+    valve_spread, valve_hold, seed : float, float, int
         An unmeasured valve in the same line: random factors of this spread about one, each held about so many samples.
     zero : float
         Where the true zero of the input lies; a changing gain acts from there.
-    gain_change, gain_course : float, Course
+    gain_change, gain_profile : float, Course
         Relative change of the gain along the record.
     """
 
@@ -68,19 +68,19 @@ class Actuator:
     dead_low: float = 0.0
     dead_high: float = 0.0
     rounding: float = 0.0
-    play: float = 0.0
+    backlash: float = 0.0
     slew: float = inf
     c2: float = 0.0
     c3: float = 0.0
     relays: tuple[tuple[float, float, float], ...] = ()
     failures: tuple[tuple[int, int], ...] = ()
-    stick: float = 0.0
-    valve: float = 0.0
+    stick_band: float = 0.0
+    valve_spread: float = 0.0
     valve_hold: float = 10.0
     seed: int = 0
     zero: float = 0.0
     gain_change: float = 0.0
-    gain_course: Course = STRAIGHT
+    gain_profile: Profile = STRAIGHT
 
 
 @dataclass(frozen=True, slots=True)
@@ -99,7 +99,7 @@ class Load:
         The load comes within so many samples.
     amplitude, frequency, phase : float
         A periodic load: its frequency in cycles a sample.
-    pole_change, pole_course : float, Course
+    pole_change, pole_profile : float, Course
         Relative change of the slower pole along the record.
     """
 
@@ -111,7 +111,7 @@ class Load:
     frequency: float = 0.0
     phase: float = 0.0
     pole_change: float = 0.0
-    pole_course: Course = STRAIGHT
+    pole_profile: Profile = STRAIGHT
 
 
 @dataclass(frozen=True, slots=True)
@@ -122,7 +122,7 @@ class Sensor:
     ----------
     c2, c3 : float
         Static curve ``y + c2 y^2 + c3 y^3``.
-    drift, drift_course : float, Course
+    drift, drift_profile : float, Course
         Additive wander of the zero.
     amplitude, frequency, phase : float
         A sinusoid added at the sensor: its frequency in cycles a sample.
@@ -134,9 +134,9 @@ class Sensor:
         Whether the noise comes before the clipping: then the plateaus are flat.
     step : float
         Converter step.
-    spikes, spike_size : float
+    outlier_share, outlier_size : float
         Share of the samples that are outliers, and their size.
-    held, held_length : float
+    dropout_share, dropout_length : float
         Share of the samples in which the log holds its last value, and the mean length of such a stretch.
     colour, colour_time : float
         Standard deviation and correlation time in samples of the strongly coloured noise.
@@ -147,7 +147,7 @@ class Sensor:
     c2: float = 0.0
     c3: float = 0.0
     drift: float = 0.0
-    drift_course: Course = STRAIGHT
+    drift_profile: Profile = STRAIGHT
     amplitude: float = 0.0
     frequency: float = 0.0
     phase: float = 0.0
@@ -156,10 +156,10 @@ class Sensor:
     rounding: float = 0.0
     clips_noise: bool = True
     step: float = 0.0
-    spikes: float = 0.0
-    spike_size: float = 0.0
-    held: float = 0.0
-    held_length: float = 10.0
+    outlier_share: float = 0.0
+    outlier_size: float = 0.0
+    dropout_share: float = 0.0
+    dropout_length: float = 10.0
     colour: float = 0.0
     colour_time: float = 10.0
     seed: int = 0
@@ -217,10 +217,10 @@ def plain_motion(kind: int, T0: float, T1: float) -> Motion:
         mode_frequency=1.0,
         mode_damping=0.05,
         mode_share=0.0,
-        root=0.0,
+        outflow_curvature=0.0,
         brim_upper=inf,
         brim_lower=inf,
-        caught=0.0,
+        spill_share=0.0,
         dry_friction=0.0,
         cubic=0.0,
         bilinear=0.0,
@@ -230,12 +230,12 @@ def plain_motion(kind: int, T0: float, T1: float) -> Motion:
     )
 
 
-def course_values(course: Course, x: FloatArray) -> FloatArray:
+def profile_values(profile: Profile, x: FloatArray) -> FloatArray:
     """Values of a slow change at the instants `x`, which run from 0 to 1 along the record; of order one.
 
     Parameters
     ----------
-    course : Course
+    profile : Course
         ``ramp``; ``settle``, exponential with `number` the time constant; ``half-sine``; ``sine``, with `number`
         cycles; ``wander``, a smoothed random walk.
     x : ndarray
@@ -251,22 +251,24 @@ def course_values(course: Course, x: FloatArray) -> FloatArray:
     ValueError
         If there is no such curve.
     """
-    if course.kind == "ramp":
+    if profile.kind == "ramp":
         return x.copy()
-    if course.kind == "settle":
-        return (1 - np.exp(-x / course.number)) / (1 - np.exp(-1 / course.number))
-    if course.kind == "half-sine":
+    if profile.kind == "settle":
+        return (1 - np.exp(-x / profile.number)) / (1 - np.exp(-1 / profile.number))
+    if profile.kind == "half-sine":
         return np.sin(np.pi * x)
-    if course.kind == "sine":
-        phase = np.random.default_rng(course.seed).uniform(0, 2 * np.pi)
-        return np.sin(2 * np.pi * course.number * x + phase)
-    if course.kind == "wander":
+    if profile.kind == "sine":
+        phase = np.random.default_rng(profile.seed).uniform(0, 2 * np.pi)
+        return np.sin(2 * np.pi * profile.number * x + phase)
+    if profile.kind == "wander":
         knots = np.linspace(0, 1, 400)
-        rng = np.random.default_rng(course.seed)
+        rng = np.random.default_rng(profile.seed)
         walk = np.cumsum(rng.standard_normal(knots.size))
         width = 24  # of the Gaussian that smooths, in knots: 6 % of the record
         window = np.exp(-0.5 * (np.arange(-3 * width, 3 * width + 1) / width) ** 2)
         smooth = np.convolve(np.pad(walk, 3 * width, mode="edge"), window / window.sum(), mode="valid")
         smooth = smooth - smooth[0]
         return np.interp(x, knots, smooth / np.max(np.abs(smooth)))
-    raise ValueError(f"course must be ramp, settle, half-sine, sine or wander; got {course.kind!r}. Name one of these.")
+    raise ValueError(
+        f"course must be ramp, settle, half-sine, sine or wander; got {profile.kind!r}. Name one of these."
+    )

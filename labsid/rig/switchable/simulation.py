@@ -6,12 +6,12 @@ import numpy as np
 from scipy.signal import lfilter
 
 from labsid._arrays import FloatArray, as_signal, freeze
-from labsid.rig.switchable._motion import MASS, STATES, Motion, move
-from labsid.rig.switchable.actuator import drive, limited
-from labsid.rig.switchable.setup import STEPS, Load, Sensor, Setup, course_values
+from labsid.rig.switchable._motion import MASS, STATE_COUNT, Motion, move
+from labsid.rig.switchable.actuator import actuator_output, limited
+from labsid.rig.switchable.setup import STEPS_PER_SAMPLE, Load, Sensor, Setup, profile_values
 
 
-class RunsAway(ValueError):
+class UnboundedOutputError(ValueError):
     """The rig left every bound: an effect is stronger than this input allows."""
 
 
@@ -37,7 +37,7 @@ class Noise:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Played:
+class SimulatedRun:
     """What a run gave, in deviations from the operating point.
 
     Attributes
@@ -48,20 +48,20 @@ class Played:
         The log without the sensor's noise, with every effect.
     y : ndarray, shape (N,)
         The log.
-    held : tuple of (int, int)
+    dropouts : tuple of (int, int)
         Stretches in which the log holds its last value.
     """
 
     v: FloatArray
     clean: FloatArray
     y: FloatArray
-    held: tuple[tuple[int, int], ...]
+    dropouts: tuple[tuple[int, int], ...]
 
     def __post_init__(self) -> None:
         freeze(self, v=self.v, clean=self.clean, y=self.y)
 
 
-def play(setup: Setup, v: FloatArray, noise: Noise, start: tuple[float, float] = (0.0, 0.0)) -> Played:
+def simulate_setup(setup: Setup, v: FloatArray, noise: Noise, start: tuple[float, float] = (0.0, 0.0)) -> SimulatedRun:
     """Run a rig on a command and log it.
 
     Parameters
@@ -85,14 +85,14 @@ def play(setup: Setup, v: FloatArray, noise: Noise, start: tuple[float, float] =
         If the rig does.
     """
     v = as_signal("v", v)
-    shown = respond(setup, v, start)
-    held = held_stretches(setup.sensor, v.size)
-    clean = _logged(setup.sensor, shown, np.zeros(v.size), held)
-    y = _logged(setup.sensor, shown, sensor_noise(noise, v.size), held)
-    return Played(v=v, clean=clean, y=y, held=held)
+    shown = plant_output(setup, v, start)
+    dropouts = dropout_intervals(setup.sensor, v.size)
+    clean = _logged(setup.sensor, shown, np.zeros(v.size), dropouts)
+    y = _logged(setup.sensor, shown, noise_samples(noise, v.size), dropouts)
+    return SimulatedRun(v=v, clean=clean, y=y, dropouts=dropouts)
 
 
-def respond(setup: Setup, v: FloatArray, start: tuple[float, float] = (0.0, 0.0)) -> FloatArray:
+def plant_output(setup: Setup, v: FloatArray, start: tuple[float, float] = (0.0, 0.0)) -> FloatArray:
     """What the plant exposes to the sensor, at the start of each sample, before the sensor's own effects.
 
     Parameters
@@ -111,15 +111,15 @@ def respond(setup: Setup, v: FloatArray, start: tuple[float, float] = (0.0, 0.0)
     RunsAway
         If the rig does.
     """
-    begin, end = drive(setup.actuator, v)
-    x0 = np.zeros(STATES)
+    begin, end = actuator_output(setup.actuator, v)
+    x0 = np.zeros(STATE_COUNT)
     x0[:2] = start
     x0[2] = x0[4] = begin[0]
     x0[3] = x0[0 if setup.motion.kind == MASS else 1]
     load, rate, leak = _loads(setup.load, v.size)
-    y = move(setup.motion, x0, begin, end, load, rate, leak, STEPS)
+    y = move(setup.motion, x0, begin, end, load, rate, leak, STEPS_PER_SAMPLE)
     if not np.all(np.abs(y) < 1e6):
-        raise RunsAway(f"the {setup.rig} must stay bounded; it runs away on this input. Lower the effect.")
+        raise UnboundedOutputError(f"the {setup.rig} must stay bounded; it runs away on this input. Lower the effect.")
     return y
 
 
@@ -149,7 +149,7 @@ def poles(motion: Motion) -> FloatArray:
     return np.array([-slope / m.T0, -slope / m.T1], dtype=complex)
 
 
-def sensor_noise(noise: Noise, samples: int) -> FloatArray:
+def noise_samples(noise: Noise, samples: int) -> FloatArray:
     """Make the sensor's noise.
 
     Parameters
@@ -167,7 +167,7 @@ def sensor_noise(noise: Noise, samples: int) -> FloatArray:
     return noise.sd * (np.sqrt(1 - noise.share) * white + np.sqrt(noise.share) * coloured)
 
 
-def held_stretches(sensor: Sensor, samples: int) -> tuple[tuple[int, int], ...]:
+def dropout_intervals(sensor: Sensor, samples: int) -> tuple[tuple[int, int], ...]:
     """Stretches of samples in which the log holds its last value, in order, not touching each other.
 
     Parameters
@@ -180,14 +180,14 @@ def held_stretches(sensor: Sensor, samples: int) -> tuple[tuple[int, int], ...]:
     tuple of (int, int)
         Zero-based, half-open.
     """
-    if sensor.held == 0.0:
+    if sensor.dropout_share == 0.0:
         return ()
     rng = np.random.default_rng([sensor.seed, 1])
-    count = max(2, round(sensor.held * samples / sensor.held_length))
+    count = max(2, round(sensor.dropout_share * samples / sensor.dropout_length))
     room = samples / count
     stretches = []
     for i in range(count):
-        length = int(np.clip(rng.uniform(0.6, 1.4) * sensor.held * room, 3, room - 3))
+        length = int(np.clip(rng.uniform(0.6, 1.4) * sensor.dropout_share * room, 3, room - 3))
         start = int(i * room + rng.uniform(1, room - length - 1))
         stretches.append((max(start, 1), start + length))
     return tuple(stretches)
@@ -201,26 +201,26 @@ def _ar1(rng: np.random.Generator, samples: int, pole: float) -> FloatArray:
 
 
 def _loads(load: Load, samples: int) -> tuple[FloatArray, FloatArray, FloatArray]:
-    steps = samples * STEPS
-    k = np.arange(steps) / STEPS
+    steps = samples * STEPS_PER_SAMPLE
+    k = np.arange(steps) / STEPS_PER_SAMPLE
     on = np.zeros(steps)
     if np.isfinite(load.onset):
         on = np.clip((k - load.onset) / load.rise, 0, 1) if load.rise > 0 else (k >= load.onset).astype(float)
     force = load.size * on + load.amplitude * np.sin(2 * np.pi * load.frequency * k + load.phase)
     rate = np.ones(steps)
     if load.pole_change:
-        rate = (1 + load.pole_change) ** course_values(load.pole_course, k / samples)
+        rate = (1 + load.pole_change) ** profile_values(load.pole_profile, k / samples)
     return force, rate, load.leak * on
 
 
-def _logged(sensor: Sensor, shown: FloatArray, noise: FloatArray, held: tuple[tuple[int, int], ...]) -> FloatArray:
+def _logged(sensor: Sensor, shown: FloatArray, noise: FloatArray, dropouts: tuple[tuple[int, int], ...]) -> FloatArray:
     y = shown
     if sensor.c2 or sensor.c3:
         y = y + sensor.c2 * y**2 + sensor.c3 * y**3
     n = y.size
     k = np.arange(n)
     if sensor.drift:
-        y = y + sensor.drift * course_values(sensor.drift_course, k / n)
+        y = y + sensor.drift * profile_values(sensor.drift_profile, k / n)
     if sensor.amplitude:
         y = y + sensor.amplitude * np.sin(2 * np.pi * sensor.frequency * k + sensor.phase)
     rng = np.random.default_rng([sensor.seed, 0])
@@ -231,18 +231,18 @@ def _logged(sensor: Sensor, shown: FloatArray, noise: FloatArray, held: tuple[tu
     y = y if sensor.clips_noise else y + noise
     if sensor.step:
         y = sensor.step * np.rint(y / sensor.step)
-    if sensor.spikes:
-        y = y + _spikes(sensor, n)
+    if sensor.outlier_share:
+        y = y + _outliers(sensor, n)
     y = np.array(y)
-    for start, stop in held:
+    for start, stop in dropouts:
         y[start:stop] = y[start - 1]
     return y
 
 
-def _spikes(sensor: Sensor, samples: int) -> FloatArray:
+def _outliers(sensor: Sensor, samples: int) -> FloatArray:
     rng = np.random.default_rng([sensor.seed, 3])
-    count = max(3, round(sensor.spikes * samples))
+    count = max(3, round(sensor.outlier_share * samples))
     places = rng.choice(np.arange(2, samples), size=count, replace=False)
     y = np.zeros(samples)
-    y[places] = sensor.spike_size * rng.uniform(0.6, 1.4, count) * rng.choice([-1.0, 1.0], count)
+    y[places] = sensor.outlier_size * rng.uniform(0.6, 1.4, count) * rng.choice([-1.0, 1.0], count)
     return y

@@ -41,7 +41,7 @@ def true_parameters(name: str, setup: Setup, scales: Scales, samples: int) -> di
         case "input-dead-zone":
             return _limits(a.dead_low, a.dead_high, u0, us)
         case "input-backlash":
-            return {"width": a.play * abs(us)}
+            return {"width": a.backlash * abs(us)}
         case "input-rate-limit":
             return {"rate": a.slew * abs(us) / Ts}
         case "input-nonlinearity":
@@ -51,7 +51,7 @@ def true_parameters(name: str, setup: Setup, scales: Scales, samples: int) -> di
         case "resonance":
             return {"frequency": m.mode_frequency / (2 * np.pi * Ts), "damping": m.mode_damping}
         case "sqrt-outflow":
-            return {"zero": y0 - ys / m.root}
+            return {"zero": y0 - ys / m.outflow_curvature}
         case "overflow":
             upper = m.kind == TWO_TANKS and np.isfinite(m.brim_upper)
             return {"level": y0 + ys * min(m.brim_upper, m.brim_lower), "upper": bool(upper)}
@@ -63,7 +63,7 @@ def true_parameters(name: str, setup: Setup, scales: Scales, samples: int) -> di
             pole = load.pole_change != 0.0
             return {"pole" if pole else "drift": load.pole_change if pole else a.gain_change}
         case "output-drift":
-            return {"amplitude": sensor.drift * abs(ys), "course": sensor.drift_course.kind}
+            return {"amplitude": sensor.drift * abs(ys), "course": sensor.drift_profile.kind}
         case "output-saturation":
             return _limits(sensor.low, sensor.high, y0, ys)
         case "output-nonlinearity":
@@ -71,9 +71,9 @@ def true_parameters(name: str, setup: Setup, scales: Scales, samples: int) -> di
         case "output-quantization":
             return {"step": sensor.step * abs(ys)}
         case "output-outliers":
-            return {"share": max(3, round(sensor.spikes * samples)) / samples}
+            return {"share": max(3, round(sensor.outlier_share * samples)) / samples}
         case "output-dropout":
-            return {"share": sensor.held}
+            return {"share": sensor.dropout_share}
         case "load-step":
             return {"onset": load.onset * Ts, "size": load.size * us, "leak": load.leak}
         case "periodic-disturbance":
@@ -85,7 +85,7 @@ def true_parameters(name: str, setup: Setup, scales: Scales, samples: int) -> di
     raise ValueError(f"name must be an effect of the table; got {name!r}. See labsid.rig.switchable.effects.EFFECTS.")
 
 
-def true_linear(setup: Setup, scales: Scales, steps: int = 0) -> dict[str, Any]:
+def true_linear_model(setup: Setup, scales: Scales, steps: int = 0) -> dict[str, Any]:
     """The rig without effects as a discrete transfer function: what a linear simulation of it would be.
 
     Parameters

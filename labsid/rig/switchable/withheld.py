@@ -18,9 +18,9 @@ from labsid.rig.switchable._motion import TWO_TANKS
 from labsid.rig.switchable.actuator import limited
 from labsid.rig.switchable.plants import Scales
 from labsid.rig.switchable.setup import Actuator, Sensor, Setup, plain_motion
-from labsid.rig.switchable.simulation import Noise, play, respond
+from labsid.rig.switchable.simulation import Noise, plant_output, simulate_setup
 from labsid.rig.switchable.truth import true_parameters
-from labsid.rig.switchable.withheld_effects import PARAMETERS, PATHS, RECORD_FILE
+from labsid.rig.switchable.withheld_effects import EFFECT_PARAMETERS, EFFECT_PATHS, RECORD_FILE
 
 TS = 0.75
 SAMPLES = 1600
@@ -91,9 +91,9 @@ def withheld_rig(student: str, secret: bytes) -> WithheldRig:
         ys=1.3 + 0.4 * ys,
     )
     plain = Setup("two tanks", plain_motion(TWO_TANKS, 4.0 + 4.0 * T0, 14.0 + 10.0 * T1))
-    effect = list(PATHS)[int(which * len(PATHS))]
+    effect = list(EFFECT_PATHS)[int(which * len(EFFECT_PATHS))]
     setup = _with_effect(effect, plain, _command(entropy, _RECORD_INPUT, scales), draws)
-    return WithheldRig(effect, PATHS[effect], _parameters(effect, setup, scales), setup, scales, entropy)
+    return WithheldRig(effect, EFFECT_PATHS[effect], _parameters(effect, setup, scales), setup, scales, entropy)
 
 
 def withheld_record(rig: WithheldRig) -> Record:
@@ -116,7 +116,7 @@ def withheld_record(rig: WithheldRig) -> Record:
     return Record(t=t, u=u, y=np.round(y, 4), Ts=TS, name=RECORD_FILE.removesuffix(".csv"))
 
 
-def withheld_trial(rig: WithheldRig) -> tuple[FloatArray, FloatArray]:
+def withheld_validation_data(rig: WithheldRig) -> tuple[FloatArray, FloatArray]:
     """Another run of the same rig, which stays with the judge.
 
     Parameters
@@ -159,7 +159,7 @@ def _with_effect(effect: str, plain: Setup, v: FloatArray, draws: list[float]) -
     """The plain rig with one effect, strong enough to be seen far above the noise on a command such as `v`."""
     one, other, third = draws
     sign = 1.0 if third < 0.5 else -1.0
-    shown = respond(plain, v)
+    shown = plant_output(plain, v)
     match effect:
         case "input-delay":
             return replace(plain, actuator=Actuator(delay=float(12 + int(7 * one))))
@@ -170,7 +170,7 @@ def _with_effect(effect: str, plain: Setup, v: FloatArray, draws: list[float]) -
         case "input-nonlinearity":
             return replace(plain, actuator=Actuator(c2=sign * (0.25 + 0.15 * one)))
         case "sqrt-outflow":
-            return replace(plain, motion=plain.motion._replace(root=0.75 + 0.15 * one))
+            return replace(plain, motion=plain.motion._replace(outflow_curvature=0.75 + 0.15 * one))
         case "overflow":
             return replace(plain, motion=plain.motion._replace(brim_lower=(0.3 + 0.25 * one) * float(shown.max())))
         case "output-saturation":
@@ -183,7 +183,7 @@ def _parameters(effect: str, setup: Setup, scales: Scales) -> dict[str, float]:
     truth = true_parameters(effect, setup, scales, SAMPLES)
     if effect == "sqrt-outflow":
         truth["empty"] = truth["zero"]
-    return {name: float(truth[name]) for name in PARAMETERS[effect]}
+    return {name: float(truth[name]) for name in EFFECT_PARAMETERS[effect]}
 
 
 def _logged(rig: WithheldRig, v: FloatArray, noise: FloatArray) -> tuple[FloatArray, FloatArray]:
@@ -191,7 +191,7 @@ def _logged(rig: WithheldRig, v: FloatArray, noise: FloatArray) -> tuple[FloatAr
     sensor = rig.setup.sensor
     unclipped = replace(rig.setup, sensor=replace(sensor, low=-inf, high=inf))
     s = rig.scales
-    x = play(unclipped, v, Noise(0.0)).clean + noise / s.ys
+    x = simulate_setup(unclipped, v, Noise(0.0)).clean + noise / s.ys
     return np.round(s.u0 + s.us * v, 2), s.y0 + s.ys * limited(x, sensor.low, sensor.high, 0.0)
 
 

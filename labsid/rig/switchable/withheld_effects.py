@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 
-PATHS: Mapping[str, str] = {
+EFFECT_PATHS: Mapping[str, str] = {
     "input-delay": "input",
     "input-saturation": "input",
     "input-dead-zone": "input",
@@ -14,7 +14,7 @@ PATHS: Mapping[str, str] = {
 }
 """Where in the loop each effect acts."""
 
-PARAMETERS: Mapping[str, tuple[str, ...]] = {
+EFFECT_PARAMETERS: Mapping[str, tuple[str, ...]] = {
     "input-delay": ("delay",),
     "input-saturation": ("low", "high"),
     "input-dead-zone": ("low", "high"),

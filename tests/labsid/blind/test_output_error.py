@@ -4,7 +4,7 @@ import control
 import numpy as np
 import pytest
 
-from labsid.blind.closure import run_linear
+from labsid.blind.closure import simulate_linear_fit
 from labsid.blind.output_error import discrete_poles, fit_linear
 from labsid.records.record import Record
 
@@ -69,4 +69,4 @@ def test_a_fit_plays_on_another_record_from_its_own_state() -> None:
     fit = fit_linear(u, y, [0.9, 0.6])
     other_u, other_y = second_order(seed=5, x0=-3.0)
     other = Record(t=np.arange(800.0), u=other_u, y=other_y, Ts=1.0)
-    np.testing.assert_allclose(run_linear(fit, float(u.mean()), other), other_y, atol=1e-5)
+    np.testing.assert_allclose(simulate_linear_fit(fit, float(u.mean()), other), other_y, atol=1e-5)

@@ -7,10 +7,10 @@ import numpy as np
 import pytest
 
 from labsid.blind import check, runner
-from labsid.blind.check import is_repeatable, judge_replays, run
-from labsid.blind.experiment import Case, follow, fresh, to_record
+from labsid.blind.check import evaluate_replays, is_repeatable, run_sealed_check
+from labsid.blind.experiment import Case, redraw, run_experiment, to_record
 from labsid.blind.runner import run_batch, run_replays
-from labsid.blind.suite import cases
+from labsid.blind.suite import make_cases
 
 BATCH = """
 import json, pathlib, sys
@@ -46,16 +46,16 @@ for line in lines[1:]:
 
 @pytest.fixture(scope="module")
 def some() -> list[Case]:
-    return list(cases("dev", 3, ["single-clear", "with-sim", "none"]))
+    return list(make_cases("dev", 3, ["single-clear", "with-sim", "none"]))
 
 
 def test_the_batch_sees_records_and_nothing_else(some: list[Case], monkeypatch) -> None:
     monkeypatch.setattr(runner, "_MAIN", BATCH)
-    seen: list[int] = []
-    results, seconds = run_batch(some, jobs=1, on_progress=seen.append)
+    sensor_output: list[int] = []
+    results, seconds = run_batch(some, jobs=1, on_progress=sensor_output.append)
     assert set(results) == {case.name for case in some}
     assert seconds > 0
-    assert seen == sorted(seen)
+    assert sensor_output == sorted(sensor_output)
     expected = {f"{case.name}.csv" for case in some}
     expected |= {f"{case.name}.sim.json" for case in some if case.sim is not None}
     expected |= {f"{case.name}.holdout.csv" for case in some if case.holdout is not None}
@@ -82,9 +82,9 @@ def test_a_program_that_hangs_is_stopped(some: list[Case], monkeypatch) -> None:
 
 
 def test_an_exported_simulation_is_played_on_fresh_records(some: list[Case], monkeypatch) -> None:
-    monkeypatch.setattr(runner, "_MANY", PLAY)
+    monkeypatch.setattr(runner, "_SEVERAL", PLAY)
     case = next(case for case in some if is_repeatable(case))
-    others = [to_record(follow(fresh(case.recipe, i)), case.recipe.scales, "") for i in range(2)]
+    others = [to_record(run_experiment(redraw(case.experiment, i)), case.experiment.scales, "") for i in range(2)]
     (replay,) = run_replays([(case, others)], jobs=1)
     assert replay.result is not None
     for output, other in zip(replay.outputs, others, strict=True):
@@ -93,20 +93,20 @@ def test_an_exported_simulation_is_played_on_fresh_records(some: list[Case], mon
 
 
 def test_a_simulation_that_follows_to_the_noise_closes_nearly_all(some: list[Case], monkeypatch) -> None:
-    monkeypatch.setattr(runner, "_MANY", PLAY)
+    monkeypatch.setattr(runner, "_SEVERAL", PLAY)
     monkeypatch.setattr(check, "FRESH_RECORDS", 3)
     case = next(case for case in some if is_repeatable(case))
-    (judged,) = judge_replays([case], jobs=1)
+    (outcomes,) = evaluate_replays([case], jobs=1)
     # the stand-in gives back the measured output: what is left is the noise, the gap is `ratio` times that
-    assert judged.fresh == pytest.approx(1 - 1 / case.ratio, abs=0.1)
+    assert outcomes.fresh_closure == pytest.approx(1 - 1 / case.ratio, abs=0.1)
 
 
 def test_the_whole_check_prints_its_table(tmp_path: Path, monkeypatch, capsys) -> None:
     monkeypatch.setattr(runner, "_MAIN", BATCH)
-    monkeypatch.setattr(runner, "_MANY", PLAY)
+    monkeypatch.setattr(runner, "_SEVERAL", PLAY)
     monkeypatch.setattr(check, "FRESH_RECORDS", 2)
     report = tmp_path / "table.md"
-    status = run("dev", per_row=2, rows=["single-clear", "none"], jobs=1, replays=1, report=report)
+    status = run_sealed_check("dev", per_row=2, rows=["single-clear", "none"], jobs=1, replays=1, report=report)
     assert status == 1  # nothing was named in the records that hold an effect
     printed = capsys.readouterr().out
     assert "labsid gap blind --suite dev: 4 records" in printed
@@ -118,7 +118,7 @@ def test_the_whole_check_prints_its_table(tmp_path: Path, monkeypatch, capsys) -
 
 def test_fewer_than_one_job_is_refused() -> None:
     with pytest.raises(ValueError, match="jobs must be at least 1; got 0"):
-        run("dev", per_row=1, jobs=0)
+        run_sealed_check("dev", per_row=1, jobs=0)
 
 
 def test_results_of_the_batch_are_json(some: list[Case], monkeypatch) -> None:

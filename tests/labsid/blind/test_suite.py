@@ -8,24 +8,24 @@ import pytest
 from scipy.signal import lfilter
 
 from labsid.blind import suite as suite_module
-from labsid.blind.closure import closed, held_out, pooled_closure, refitted
-from labsid.blind.experiment import Case, command, follow, fresh, to_record
+from labsid.blind.closure import closed_share, held_out_samples, pooled_closure, refit_true_structure
+from labsid.blind.experiment import Case, input_signal, redraw, run_experiment, to_record
 from labsid.blind.output_error import discrete_poles, fit_linear
 from labsid.blind.rows import ROWS
-from labsid.blind.strength import CLEAR, HARD, gap
-from labsid.blind.suite import cases, label_dict, write_suite
+from labsid.blind.strength import CLEAR_RATIOS, HARD_RATIOS, linear_model_gap
+from labsid.blind.suite import label_dict, make_cases, write_suite
 from labsid.records.record import load_record
 from labsid.rig.switchable.effects import EFFECTS
 from labsid.rig.switchable.simulation import poles
-from labsid.rig.switchable.truth import true_linear
-from labsid.rig.switchable.unlisted import OUTSIDE
+from labsid.rig.switchable.truth import true_linear_model
+from labsid.rig.switchable.unlisted import UNLISTED_EFFECTS
 
 COUNTS = {"single-clear": 22, "single-hard": 22, "short": 22, "pair": 5, "none": 12, "unknown": 9, "with-sim": 6}
 
 
 @pytest.fixture(scope="module")
 def some() -> list[Case]:
-    return [case for row, count in COUNTS.items() for case in cases("dev", count, [row])]
+    return [case for row, count in COUNTS.items() for case in make_cases("dev", count, [row])]
 
 
 def of_row(some: list[Case], row: str) -> list[Case]:
@@ -36,8 +36,8 @@ def of_row(some: list[Case], row: str) -> list[Case]:
 
 def left_by_linear(case: Case) -> float:
     """What the best linear model leaves of the noise-free record, over the noise: from the record, not the recipe."""
-    clean = to_record(follow(case.recipe), case.recipe.scales, "", clean=True)
-    start = discrete_poles(poles(case.recipe.plain.motion))
+    clean = to_record(run_experiment(case.experiment), case.experiment.scales, "", clean=True)
+    start = discrete_poles(poles(case.experiment.plain.motion))
     return fit_linear(clean.u, clean.y, start).rmse / case.sigma
 
 
@@ -45,10 +45,10 @@ def test_every_effect_has_its_turn(some: list[Case]) -> None:
     for row in ("single-clear", "single-hard", "short"):
         assert [case.labels for case in of_row(some, row)] == [(effect,) for effect in EFFECTS]
     assert [case.labels[0] for case in of_row(some, "pair")] == list(EFFECTS[:5])
-    assert {case.truth["kind"] for case in of_row(some, "unknown")} == set(OUTSIDE)
+    assert {case.truth["kind"] for case in of_row(some, "unknown")} == set(UNLISTED_EFFECTS)
 
 
-@pytest.mark.parametrize(("row", "between"), [("single-clear", CLEAR), ("single-hard", HARD)])
+@pytest.mark.parametrize(("row", "between"), [("single-clear", CLEAR_RATIOS), ("single-hard", HARD_RATIOS)])
 def test_clear_and_hard_leave_what_they_should(some: list[Case], row: str, between: tuple[float, float]) -> None:
     for case in of_row(some, row):
         assert between[0] * 0.95 < left_by_linear(case) < between[1] * 1.05, case.labels
@@ -59,17 +59,19 @@ def test_clear_and_hard_leave_what_they_should(some: list[Case], row: str, betwe
 
 def test_the_noise_is_between_half_a_percent_and_five(some: list[Case]) -> None:
     for case in some:
-        undisturbed = to_record(follow(case.recipe, case.recipe.plain), case.recipe.scales, "", clean=True)
+        undisturbed = to_record(
+            run_experiment(case.experiment, case.experiment.plain), case.experiment.scales, "", clean=True
+        )
         assert 0.004 < case.sigma / np.std(undisturbed.y) < 0.06
 
 
 def test_short_records_are_short_noisy_and_of_few_levels(some: list[Case]) -> None:
     for case in of_row(some, "short"):
         assert 300 <= len(case.record) <= 600
-        assert case.recipe.input in ("staircase", "two-level")
-        assert case.recipe.noise.share > 0
+        assert case.experiment.input in ("staircase", "two-level")
+        assert case.experiment.noise.share > 0
         assert np.unique(case.record.u).size < 20
-        assert case.recipe.plain.motion.actuator_lag > 0
+        assert case.experiment.plain.motion.actuator_lag > 0
 
 
 def test_nothing_can_be_seen_where_the_label_is_none(some: list[Case]) -> None:
@@ -77,20 +79,25 @@ def test_nothing_can_be_seen_where_the_label_is_none(some: list[Case]) -> None:
         assert case.labels == ()
         assert case.level == "none"
         part_of_a_sample = case.truth["kind"] == "part of a sample"
-        assert gap(case.recipe, case.recipe.setup, 3 if part_of_a_sample else 2) <= 0.1 * case.recipe.noise.sd
-        assert case.recipe.setup.actuator.delay < 0.5
+        assert (
+            linear_model_gap(case.experiment, case.experiment.setup, 3 if part_of_a_sample else 2)
+            <= 0.1 * case.experiment.noise.sd
+        )
+        assert case.experiment.setup.actuator.delay < 0.5
 
 
 def test_hidden_effects_are_in_the_rig_but_not_in_the_record() -> None:
-    hidden = [case for case in cases("dev", 36, ["none"]) if case.truth["kind"] == "not exercised"]
-    assert len(hidden) == 6
-    assert len({case.truth["hidden"] for case in hidden}) >= 3
-    assert all(case.recipe.setup != case.recipe.plain for case in hidden)
+    unexercised = [
+        case for case in make_cases("dev", 36, ["none"]) if case.truth["kind"] == "not exercised"
+    ]
+    assert len(unexercised) == 6
+    assert len({case.truth["hidden"] for case in unexercised}) >= 3
+    assert all(case.experiment.setup != case.experiment.plain for case in unexercised)
 
 
 def test_the_sensors_own_noise_is_only_mildly_coloured(some: list[Case]) -> None:
     for case in some:
-        noise = case.recipe.noise
+        noise = case.experiment.noise
         if case.row != "short" and noise.share:
             assert np.sqrt(1 - noise.colour**2) >= 0.7
 
@@ -99,16 +106,16 @@ def test_both_effects_of_a_pair_leave_their_mark(some: list[Case]) -> None:
     for case in of_row(some, "pair"):
         assert len(set(case.labels)) == 2
         assert set(case.truth) == set(case.labels)
-        assert case.ratio >= CLEAR[0]
+        assert case.ratio >= CLEAR_RATIOS[0]
 
 
 def test_a_simulation_that_comes_along_is_what_it_is_said_to_be(some: list[Case]) -> None:
     kinds = set()
     for case in of_row(some, "with-sim"):
         assert case.sim is not None
-        scales = case.recipe.scales
-        undisturbed = replace(case.recipe, setup=case.recipe.plain, start=(0.0, 0.0))
-        clean = to_record(follow(undisturbed), scales, "", clean=True)
+        scales = case.experiment.scales
+        undisturbed = replace(case.experiment, setup=case.experiment.plain, start=(0.0, 0.0))
+        clean = to_record(run_experiment(undisturbed), scales, "", clean=True)
         run = scales.y0 + lfilter(case.sim["num"], case.sim["den"], clean.u - case.sim["u0"])
         away = np.sqrt(np.mean((run - clean.y) ** 2)) / case.sigma
         kinds.add(case.labels[0] if case.labels == ("parameter-mismatch",) else bool(case.labels))
@@ -124,7 +131,7 @@ def test_a_simulation_that_comes_along_is_what_it_is_said_to_be(some: list[Case]
 
 
 def test_cases_repeat_in_other_processes_and_a_shorter_suite_is_the_start_of_a_longer_one(some: list[Case]) -> None:
-    again = list(cases("dev", 2, ["single-hard", "unknown"], jobs=2))
+    again = list(make_cases("dev", 2, ["single-hard", "unknown"], jobs=2))
     before = [*of_row(some, "single-hard")[:2], *of_row(some, "unknown")[:2]]
     for one, two in zip(again, before, strict=True):
         assert one.name == two.name
@@ -142,20 +149,20 @@ def test_the_seeds_of_final_follow_the_sources(tmp_path, monkeypatch) -> None:
     gap_folder.mkdir()
     (gap_folder / "a.py").write_text("one = 1\n")
     monkeypatch.setattr(suite_module, "__file__", str(blind / "suite.py"))
-    first, dev = ([case.name for case in cases(suite, 2, ["none"])] for suite in ("final", "dev"))
-    same = [case.name for case in cases("final", 2, ["none"])]
+    first, dev = ([case.name for case in make_cases(suite, 2, ["none"])] for suite in ("final", "dev"))
+    same = [case.name for case in make_cases("final", 2, ["none"])]
     (gap_folder / "a.py").write_text("one = 2\n")
-    changed = [case.name for case in cases("final", 2, ["none"])]
+    changed = [case.name for case in make_cases("final", 2, ["none"])]
     assert first == same
     assert not set(first) & {*changed, *dev}
-    assert dev == [case.name for case in cases("dev", 2, ["none"])]
+    assert dev == [case.name for case in make_cases("dev", 2, ["none"])]
 
 
 def test_a_suite_is_written_without_its_labels(tmp_path) -> None:
     labels_path = write_suite(tmp_path / "records", "dev", 4, ["single-clear", "with-sim"])
     assert labels_path == tmp_path / "records.labels.json"
     labels = json.loads(labels_path.read_text())
-    made = list(cases("dev", 4, ["single-clear", "with-sim"]))
+    made = list(make_cases("dev", 4, ["single-clear", "with-sim"]))
     assert set(labels) == {case.name for case in made}
     files = {path.name for path in (tmp_path / "records").iterdir()}
     expected = {f"{case.name}.csv" for case in made}
@@ -171,33 +178,33 @@ def test_a_suite_is_written_without_its_labels(tmp_path) -> None:
 
 def test_unknown_suites_and_rows_are_refused() -> None:
     with pytest.raises(ValueError, match="suite must be dev or final; got 'test'"):
-        next(cases("test"))
+        next(make_cases("test"))
     with pytest.raises(ValueError, match="rows must be of single-clear"):
-        next(cases("dev", 1, ["triples"]))
+        next(make_cases("dev", 1, ["triples"]))
 
 
 def test_a_fresh_record_has_the_same_rig_and_other_noise_and_input(some: list[Case]) -> None:
     case = of_row(some, "single-clear")[9]
-    again = fresh(case.recipe, 3)
-    assert replace(again.setup, sensor=case.recipe.setup.sensor) == case.recipe.setup
-    assert np.any(command(again) != command(case.recipe))
-    assert again != fresh(case.recipe, 4)
+    again = redraw(case.experiment, 3)
+    assert replace(again.setup, sensor=case.experiment.setup.sensor) == case.experiment.setup
+    assert np.any(input_signal(again) != input_signal(case.experiment))
+    assert again != redraw(case.experiment, 4)
 
 
 def test_the_true_structure_refitted_leaves_the_noise(some: list[Case]) -> None:
     for case in [of_row(some, "single-clear")[i] for i in (1, 4, 8, 10, 19)]:
         counts = np.ones(len(case.record), dtype=bool)
         counts[len(case.record) // 2 : len(case.record) * 3 // 4] = False
-        run = refitted(case, counts)
+        run = refit_true_structure(case, counts)
         left = np.sqrt(np.mean((run - case.record.y)[~counts] ** 2)) / case.sigma
         assert left < 1.15, case.labels
 
 
 def test_closure_is_worked_by_hand() -> None:
-    assert closed(5.0, 3.0, 3.0) == 1.0
-    assert closed(5.0, 5.0, 3.0) == 0.0
-    assert closed(np.sqrt(17.0), np.sqrt(5.0), 1.0) == pytest.approx(0.5)
-    assert closed(1.0, 0.5, 1.0) is None
+    assert closed_share(5.0, 3.0, 3.0) == 1.0
+    assert closed_share(5.0, 5.0, 3.0) == 0.0
+    assert closed_share(np.sqrt(17.0), np.sqrt(5.0), 1.0) == pytest.approx(0.5)
+    assert closed_share(1.0, 0.5, 1.0) is None
     clean = [np.zeros(100), np.zeros(100)]
     assert pooled_closure(clean, [np.full(100, 2.0)] * 2, [np.full(100, 0.5)] * 2) == pytest.approx(0.75)
 
@@ -206,10 +213,10 @@ def test_held_out_blocks_are_read_from_the_result(some: list[Case]) -> None:
     case = next(case for case in some if case.holdout is None)
     t = case.record.t
     blocks = [[float(t[10]), float(t[210])], [float(t[500]), float(t[900])]]
-    found = held_out(case, {"gap": {"holdout": blocks}})
+    found = held_out_samples(case, {"gap": {"holdout": blocks}})
     np.testing.assert_array_equal(np.flatnonzero(found), [*range(10, 210), *range(500, 900)])
-    assert held_out(case, {"gap": {"holdout": []}}) is None
-    assert held_out(case, {}) is None
+    assert held_out_samples(case, {"gap": {"holdout": []}}) is None
+    assert held_out_samples(case, {}) is None
 
 
 def test_rows_are_those_of_the_bars() -> None:
@@ -218,7 +225,7 @@ def test_rows_are_those_of_the_bars() -> None:
 
 def test_the_simulation_is_in_the_records_units(some: list[Case]) -> None:
     case = of_row(some, "with-sim")[1]
-    model = true_linear(case.recipe.plain, case.recipe.scales)
+    model = true_linear_model(case.experiment.plain, case.experiment.scales)
     gain = sum(model["num"]) / sum(model["den"])
-    step = case.recipe.scales.ys / case.recipe.scales.us
+    step = case.experiment.scales.ys / case.experiment.scales.us
     assert 0.1 < gain / step < 10

@@ -15,7 +15,7 @@ from labsid.checks.question import Origin
 from labsid.checks.values import plain
 from labsid.records.record import Record, load_record
 from labsid.rig.switchable.withheld import withheld_record_bytes, withheld_rig
-from labsid.rig.switchable.withheld_effects import PARAMETERS, PATHS, RECORD_FILE
+from labsid.rig.switchable.withheld_effects import EFFECT_PARAMETERS, EFFECT_PATHS, RECORD_FILE
 
 NAME = "sim-to-real-gap"
 SECRET = b"a secret of the tests"
@@ -33,7 +33,7 @@ class Solved:
     variables: dict[str, object]
 
 
-@pytest.fixture(scope="module", params=list(PATHS))
+@pytest.fixture(scope="module", params=list(EFFECT_PATHS))
 def solved(request, tmp_path_factory, notebook_cells) -> Solved:
     """One rig of each effect, worked through by the model solution."""
     student = next(f"z{i}" for i in range(1000) if withheld_rig(f"z{i}", SECRET).effect == request.param)
@@ -99,18 +99,18 @@ def test_every_other_hypothesis_closes_too_little(solved: Solved) -> None:
 
 
 def test_every_other_name_is_wrong(solved: Solved) -> None:
-    for name, path in PATHS.items():
+    for name, path in EFFECT_PATHS.items():
         verdict = judged(solved, "gap-8-effect", effect=name)
         assert verdict.passed == (name == solved.effect)
         assert verdict.passed or (verdict.slip or "").startswith("another")
         assert solved.effect not in verdict.reason
-        assert judged(solved, "gap-8-path", path=path).passed == (path == PATHS[solved.effect])
+        assert judged(solved, "gap-8-path", path=path).passed == (path == EFFECT_PATHS[solved.effect])
 
 
 def test_the_notebook_does_not_know(solved: Solved) -> None:
     """It says the same of every name, so that nobody can ask it for the right one."""
     question = load_assignment(NAME).question("gap-8-effect")
-    said = {question.verdict(Asked(solved, False, effect=name)).reason.replace(name, "") for name in PATHS}
+    said = {question.verdict(Asked(solved, False, effect=name)).reason.replace(name, "") for name in EFFECT_PATHS}
     assert len(said) == 1
 
 
@@ -221,5 +221,5 @@ def test_the_notebook_lists_what_a_rig_may_have() -> None:
     path = Path(__file__).resolve().parents[3] / "notebooks" / NAME / f"{NAME}.md"
     text = jupytext.read(path, fmt="md:myst").cells[0].source
     rows = re.findall(r"^\| `(\w+)` \| `([\w-]+)` \| .*? \| ((?:`\w+`(?:, )?)+)", text, re.M)
-    assert {effect: path for path, effect, _ in rows} == dict(PATHS)
-    assert {effect: tuple(re.findall(r"`(\w+)`", names)) for _, effect, names in rows} == dict(PARAMETERS)
+    assert {effect: path for path, effect, _ in rows} == dict(EFFECT_PATHS)
+    assert {effect: tuple(re.findall(r"`(\w+)`", names)) for _, effect, names in rows} == dict(EFFECT_PARAMETERS)

@@ -9,7 +9,7 @@ from labsid.checks.compare import as_number, kind_of
 from labsid.checks.question import Ask
 from labsid.checks.verdict import NoAnswer, Verdict
 from labsid.records.record import Record
-from labsid.rig.switchable.withheld_effects import PARAMETERS, PATHS
+from labsid.rig.switchable.withheld_effects import EFFECT_PARAMETERS, EFFECT_PATHS
 
 if TYPE_CHECKING:
     from labsid.rig.switchable.withheld import WithheldRig
@@ -55,8 +55,8 @@ def effect(ask: Ask) -> Verdict:
 def path(ask: Ask) -> Verdict:
     """Step 8: where in the loop the effect acts."""
     got = _text("path", ask)
-    places = sorted(set(PATHS.values()))
-    if got in PATHS:
+    places = sorted(set(EFFECT_PATHS.values()))
+    if got in EFFECT_PATHS:
         raise NoAnswer(
             '`path` is the name of an effect: give the place, "input", "dynamics" or "output".', "effect for path"
         )
@@ -64,7 +64,7 @@ def path(ask: Ask) -> Verdict:
         raise NoAnswer(f"`path` is {got!r}; it should be one of {', '.join(places)}.", "not a path")
     rig = _rig(ask)
     if rig is None:
-        named = PATHS[_named_effect(ask)]
+        named = EFFECT_PATHS[_named_effect(ask)]
         if got != named:
             return Verdict(False, "The effect that you named acts in another place: look at the list.", "another path")
         return Verdict(True, f"{got} {_NOTED}")
@@ -88,7 +88,7 @@ def parameters(ask: Ask) -> Verdict:
             "not a dictionary",
         )
     rig = _rig(ask)
-    wanted = PARAMETERS[_named_effect(ask) if rig is None else rig.effect]
+    wanted = EFFECT_PARAMETERS[_named_effect(ask) if rig is None else rig.effect]
     if set(value) != set(wanted):
         whose = "the effect that you named" if rig is None else "the effect of your rig"
         raise NoAnswer(f"`parameters` does not have the names that the list gives for {whose}.", "names of parameters")
@@ -161,8 +161,10 @@ def _tolerances(rig: "WithheldRig", record: Record) -> dict[str, float]:
 
 def _named_effect(ask: Ask) -> str:
     got = _text("effect", ask).replace("_", "-").replace(" ", "-")
-    if got not in PATHS:
-        raise NoAnswer(f"`effect` is {got!r}, which is not in the list: {', '.join(PATHS)}.", "not a name of the list")
+    if got not in EFFECT_PATHS:
+        raise NoAnswer(
+            f"`effect` is {got!r}, which is not in the list: {', '.join(EFFECT_PATHS)}.", "not a name of the list"
+        )
     return got
 
 

@@ -164,9 +164,9 @@ def _run(ask: Ask) -> _Run:
     record = ask.record
     u, y, first, noise = record.u, record.y, record.y.size // 2, as_number("noise_sd", ask.known("noise_sd"))
     if ask.origin is not None:
-        from labsid.rig.switchable.withheld import withheld_rig, withheld_trial
+        from labsid.rig.switchable.withheld import withheld_rig, withheld_validation_data
 
-        u, y = withheld_trial(withheld_rig(ask.origin.student, ask.origin.secret))
+        u, y = withheld_validation_data(withheld_rig(ask.origin.student, ask.origin.secret))
         first, noise = 0, 0.0
     model = arx_from_theta(known_vector(ask, "theta_hat"), record.Ts)
     linear = as_number("y_offset", ask.known("y_offset")) + simulate(model, u - record.u[0])

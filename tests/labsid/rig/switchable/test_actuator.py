@@ -5,22 +5,22 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from labsid.rig.switchable.actuator import drive, limited
-from labsid.rig.switchable.setup import STEPS, Actuator, Course, course_values
+from labsid.rig.switchable.actuator import actuator_output, limited
+from labsid.rig.switchable.setup import STEPS_PER_SAMPLE, Actuator, Profile, profile_values
 
 V = np.repeat([0.0, 1.0, -0.5, 0.2, 0.9, -1.0], 10)
 
 
 def ends(actuator: Actuator, v: np.ndarray = V) -> np.ndarray:
     """What the actuator does at the end of each sample."""
-    begin, end = drive(actuator, v)
-    assert begin.shape == end.shape == (v.size * STEPS,)
-    return end[STEPS - 1 :: STEPS]
+    begin, end = actuator_output(actuator, v)
+    assert begin.shape == end.shape == (v.size * STEPS_PER_SAMPLE,)
+    return end[STEPS_PER_SAMPLE - 1 :: STEPS_PER_SAMPLE]
 
 
 def test_without_effects_the_command_is_held() -> None:
-    begin, end = drive(Actuator(), V)
-    np.testing.assert_array_equal(begin, np.repeat(V, STEPS))
+    begin, end = actuator_output(Actuator(), V)
+    np.testing.assert_array_equal(begin, np.repeat(V, STEPS_PER_SAMPLE))
     np.testing.assert_array_equal(end, begin)
 
 
@@ -40,12 +40,12 @@ def test_rounded_corners_cut_the_corner_and_nothing_else() -> None:
 
 def test_backlash_follows_only_beyond_its_play() -> None:
     v = np.array([0.0, 0.1, 0.5, 0.4, 0.1, 0.1, 0.6])
-    np.testing.assert_allclose(ends(Actuator(play=0.4), v), [0, 0, 0.3, 0.3, 0.3, 0.3, 0.4])
+    np.testing.assert_allclose(ends(Actuator(backlash=0.4), v), [0, 0, 0.3, 0.3, 0.3, 0.3, 0.4])
 
 
 def test_the_slew_is_the_largest_change_in_a_sample() -> None:
-    begin, end = drive(Actuator(slew=0.25), V)
-    assert np.max(np.abs(end - begin)) == pytest.approx(0.25 / STEPS)
+    begin, end = actuator_output(Actuator(slew=0.25), V)
+    assert np.max(np.abs(end - begin)) == pytest.approx(0.25 / STEPS_PER_SAMPLE)
     np.testing.assert_allclose(begin[1:], end[:-1])
     np.testing.assert_allclose(ends(Actuator(slew=0.25))[10:15], [0.25, 0.5, 0.75, 1.0, 1.0])
 
@@ -57,11 +57,11 @@ def test_a_relay_switches_on_above_and_off_below() -> None:
 
 def test_a_sticking_valve_waits_and_then_jumps() -> None:
     v = np.array([0.0, 0.2, 0.35, 0.4, 0.1, 0.0, -0.1])
-    np.testing.assert_allclose(ends(Actuator(stick=0.3), v), [0, 0, 0.35, 0.35, 0.35, 0.0, 0.0])
+    np.testing.assert_allclose(ends(Actuator(stick_band=0.3), v), [0, 0, 0.35, 0.35, 0.35, 0.0, 0.0])
 
 
 def test_an_unmeasured_valve_turns_the_gain_up_and_down() -> None:
-    factor = ends(Actuator(valve=0.4, valve_hold=8.0, seed=2), np.ones(400))
+    factor = ends(Actuator(valve_spread=0.4, valve_hold=8.0, seed=2), np.ones(400))
     assert np.all(np.abs(factor - 1) <= 0.4)
     assert np.std(factor) == pytest.approx(0.4 / np.sqrt(3), rel=0.3)
     assert 15 < np.count_nonzero(np.diff(factor)) < 90
@@ -83,7 +83,8 @@ def test_a_swinging_delay_stays_between_its_ends() -> None:
     v = np.zeros(400)
     v[100:] = 1.0
     instants = [
-        np.argmax(drive(replace(Actuator(delay=5.0, delay_swing=4.0), delay_period=period), v)[0] > 0) / STEPS
+        np.argmax(actuator_output(replace(Actuator(delay=5.0, delay_swing=4.0), delay_period=period), v)[0] > 0)
+        / STEPS_PER_SAMPLE
         for period in (30.0, 47.0, 81.0, 130.0)
     ]
     assert all(100.5 <= instant <= 109.5 for instant in instants)
@@ -92,7 +93,7 @@ def test_a_swinging_delay_stays_between_its_ends() -> None:
 
 @pytest.mark.parametrize("kind", ["ramp", "settle", "half-sine", "wander"])
 def test_slow_changes_start_at_nothing_and_are_of_order_one(kind: str) -> None:
-    values = course_values(Course(kind, 0.3, 5), np.linspace(0, 1, 500))
+    values = profile_values(Profile(kind, 0.3, 5), np.linspace(0, 1, 500))
     assert values[0] == 0.0
     assert np.max(np.abs(values)) == pytest.approx(1.0, abs=0.01)
     assert np.max(np.abs(np.diff(values))) < 0.03
@@ -100,4 +101,4 @@ def test_slow_changes_start_at_nothing_and_are_of_order_one(kind: str) -> None:
 
 def test_an_unknown_course_is_refused() -> None:
     with pytest.raises(ValueError, match="course must be ramp"):
-        course_values(Course("zigzag"), np.zeros(3))
+        profile_values(Profile("zigzag"), np.zeros(3))

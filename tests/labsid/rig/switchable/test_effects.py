@@ -4,12 +4,12 @@ import numpy as np
 import pytest
 
 from labsid.blind.output_error import discrete_poles, fit_linear
-from labsid.rig.switchable.effects import EFFECTS, can_have, draw_effect, look_at
+from labsid.rig.switchable.effects import EFFECTS, draw_effect, effect_context, supports_effect
 from labsid.rig.switchable.inputs import draw_input
 from labsid.rig.switchable.plants import RIGS, Scales, draw_rig, draw_scales, time_scale
-from labsid.rig.switchable.simulation import Noise, play, poles
+from labsid.rig.switchable.simulation import Noise, poles, simulate_setup
 from labsid.rig.switchable.truth import true_parameters
-from labsid.rig.switchable.unlisted import OUTSIDE, can_have_outside, draw_outside
+from labsid.rig.switchable.unlisted import UNLISTED_EFFECTS, draw_unlisted_effect, supports_unlisted_effect
 
 GAP_TABLE = {
     *("input-delay", "input-saturation", "input-dead-zone", "input-backlash", "input-rate-limit"),
@@ -26,7 +26,7 @@ def on_some_rig(seed: int, allowed, samples: int = 1500):
     rigs = tuple(rig for rig in RIGS if allowed(draw_rig(np.random.default_rng(0), samples, (rig,))))
     setup = draw_rig(rng, samples, rigs)
     v = draw_input(rng, "levels", samples, time_scale(setup), from_rest=True)
-    return rng, setup, look_at(setup, v)
+    return rng, setup, effect_context(setup, v)
 
 
 def test_the_table_is_complete() -> None:
@@ -37,11 +37,13 @@ def test_the_table_is_complete() -> None:
 def test_an_effect_is_absent_at_nothing_and_grows_with_its_strength(effect: str) -> None:
     for seed in range(3):
         # beside the zero of a near sensor a lag may cancel: there a longer one need not show more
-        rng, setup, at = on_some_rig(seed, lambda s: can_have(s, effect) and s.rig != "heater, near sensor")
-        enter = draw_effect(rng, effect, at)
-        assert enter(setup, 0.0) == setup
+        rng, setup, at = on_some_rig(seed, lambda s: supports_effect(s, effect) and s.rig != "heater, near sensor")
+        apply = draw_effect(rng, effect, at)
+        assert apply(setup, 0.0) == setup
         left = [
-            fit_linear(at.v, play(enter(setup, s), at.v, QUIET).clean, discrete_poles(poles(setup.motion))).rmse
+            fit_linear(
+                at.v, simulate_setup(apply(setup, s), at.v, QUIET).clean, discrete_poles(poles(setup.motion))
+            ).rmse
             for s in (0.02, 0.2, 0.9)
         ]
         spread = np.std(at.y)
@@ -50,26 +52,28 @@ def test_an_effect_is_absent_at_nothing_and_grows_with_its_strength(effect: str)
         assert left[2] > (0.002 if effect == "extra-lag" else 0.02) * spread
 
 
-@pytest.mark.parametrize("effect", OUTSIDE)
+@pytest.mark.parametrize("effect", UNLISTED_EFFECTS)
 def test_an_effect_outside_the_table_is_visible(effect: str) -> None:
     for seed in range(3):
-        rng, setup, at = on_some_rig(seed, lambda s: can_have_outside(s, effect))
-        enter = draw_outside(rng, effect, at)
-        assert enter(setup, 0.0).motion == setup.motion
+        rng, setup, at = on_some_rig(seed, lambda s: supports_unlisted_effect(s, effect))
+        apply = draw_unlisted_effect(rng, effect, at)
+        assert apply(setup, 0.0).motion == setup.motion
         left = [
-            fit_linear(at.v, play(enter(setup, s), at.v, QUIET).clean, discrete_poles(poles(setup.motion))).rmse
+            fit_linear(
+                at.v, simulate_setup(apply(setup, s), at.v, QUIET).clean, discrete_poles(poles(setup.motion))
+            ).rmse
             for s in (0.1, 0.9)
         ]
         assert left[1] > max(left[0], 0.02 * np.std(at.y))
 
 
 def test_there_are_at_least_six_families_outside_the_table() -> None:
-    assert len(set(OUTSIDE) - GAP_TABLE) >= 6
+    assert len(set(UNLISTED_EFFECTS) - GAP_TABLE) >= 6
 
 
 @pytest.mark.parametrize("effect", EFFECTS)
 def test_parameters_scale_with_the_units_of_the_record(effect: str) -> None:
-    rng, setup, at = on_some_rig(5, lambda s: can_have(s, effect))
+    rng, setup, at = on_some_rig(5, lambda s: supports_effect(s, effect))
     entered = draw_effect(rng, effect, at)(setup, 0.5)
     one = true_parameters(effect, entered, Scales(Ts=1.0, u0=0.0, us=1.0, y0=0.0, ys=1.0), 1500)
     big = true_parameters(effect, entered, Scales(Ts=0.1, u0=0.0, us=1000.0, y0=0.0, ys=1000.0), 1500)
@@ -84,7 +88,7 @@ def test_parameters_scale_with_the_units_of_the_record(effect: str) -> None:
 
 
 def test_a_sign_flip_swaps_the_limits() -> None:
-    rng, setup, at = on_some_rig(2, lambda s: can_have(s, "output-saturation"))
+    rng, setup, at = on_some_rig(2, lambda s: supports_effect(s, "output-saturation"))
     for _ in range(20):
         entered = draw_effect(rng, "output-saturation", at)(setup, 0.5)
         there = true_parameters("output-saturation", entered, Scales(1.0, 0.0, 1.0, 0.0, 2.0), 1500)
@@ -100,9 +104,9 @@ def test_names_outside_the_table_and_impossible_rigs_are_refused() -> None:
     with pytest.raises(ValueError, match="a motor, speed cannot have overflow"):
         draw_effect(rng, "overflow", at)
     with pytest.raises(ValueError, match="name must be an effect outside the table"):
-        draw_outside(rng, "overflow", at)
+        draw_unlisted_effect(rng, "overflow", at)
     with pytest.raises(ValueError, match="name must be an effect of the table"):
         true_parameters("gremlin", setup, draw_scales(rng), 100)
     _, _, mass = on_some_rig(0, lambda s: s.rig == "mass on a spring")
     with pytest.raises(ValueError, match="a mass on a spring cannot have switching-pole"):
-        draw_outside(rng, "switching-pole", mass)
+        draw_unlisted_effect(rng, "switching-pole", mass)
