@@ -87,9 +87,7 @@ def test_nothing_can_be_seen_where_the_label_is_none(some: list[Case]) -> None:
 
 
 def test_hidden_effects_are_in_the_rig_but_not_in_the_record() -> None:
-    unexercised = [
-        case for case in make_cases("dev", 36, ["none"]) if case.truth["kind"] == "not exercised"
-    ]
+    unexercised = [case for case in make_cases("dev", 36, ["none"]) if case.truth["kind"] == "not exercised"]
     assert len(unexercised) == 6
     assert len({case.truth["hidden"] for case in unexercised}) >= 3
     assert all(case.experiment.setup != case.experiment.plain for case in unexercised)
