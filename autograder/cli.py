@@ -135,8 +135,8 @@ def grade(
         raise ValueError("interrupted. What is graded is kept; run the same command again for the rest.") from None
     fresh = sum(one.fresh for one in graded)
     print(class_table(out))
-    for why, count in Counter(one.why for one in graded if one.fresh and one.why != "new").items():
-        print(f"graded again because of {why}: {count}")
+    for reason, count in Counter(one.reason for one in graded if one.fresh and one.reason != "new").items():
+        print(f"graded again because of {reason}: {count}")
     print(
         f"{fresh} submissions graded, {len(graded) - fresh} unchanged since the last run. Grades: {out / 'grades.csv'}"
     )

@@ -13,7 +13,7 @@ from typing import Any
 import nbformat
 from nbclient import NotebookClient
 
-from autograder.batch.assets import DataStore, inputs_for
+from autograder.batch.grading_inputs import DataStore, inputs_for
 from autograder.course.layout import Course, read_template
 from autograder.course.nbgrader_access import open_gradebook
 from autograder.intake.submission import Step, Submission

@@ -1,8 +1,8 @@
-"""A executor on other machines: the workers of a Dask scheduler.
+"""Grading on a cluster: the workers of a Dask scheduler.
 
-The scheduler passes calls on as bytes that it does not read: it needs no labsid, and neither its log nor a worker's
-holds the course's secret. What goes over the wire is pickled, as client, scheduler and workers trust each other. A
-student's process reaches none of them; its values cross the typed channel into the worker, as on one machine.
+The scheduler passes pickled calls on as opaque bytes: it does not need labsid, and no log holds the course's secret.
+Client, scheduler and workers trust each other. Student processes cannot reach any of them: their values cross the
+typed channel into the worker, as on a single machine.
 """
 
 import contextlib
@@ -18,54 +18,61 @@ from multiprocessing import get_context
 from threading import Event, Lock, Thread
 from typing import Any
 
-from autograder.batch.cluster_worker import Demand, Failed, demand, greet, work
-from autograder.batch.executors import Task
+from autograder.batch.cluster_worker import (
+    Failure,
+    WorkerRequirements,
+    check_worker,
+    run_on_worker,
+    worker_requirements,
+)
+from autograder.batch.tasks import Task
 from autograder.intake.submission import quarantined
 from autograder.judge.outcome import SubmissionResult, not_judged
 from autograder.results.result_files import one_line
 from autograder.sandbox.isolation import LEVELS, Limits, is_weaker
 
 CONNECT_SECONDS = 10.0
-"""Time for the scheduler to answer, and again for it to have a worker."""
+"""Time-out of the scheduler's answer, and of its first worker."""
 
-GREETING_SECONDS = 60.0
-"""Time for workers to open their launchers."""
+CHECK_SECONDS = 60.0
+"""Time-out of the workers' check, in which they open their process launchers."""
 
-ALONE_SECONDS = 30.0
-"""Time without any worker after which the cluster is given up; one that ended may be about to be started again."""
+NO_WORKER_SECONDS = 30.0
+"""Time without any worker after which grading stops; workers that ended may be restarting."""
 
-_LOOK_EVERY = 2.0
+_POLL_SECONDS = 2.0
 _REPLY_SECONDS = 60.0
-_AT_ONCE = (16, 256)  # with fewer, workers that join later would have nothing to do; more is of no use
+_MIN_PENDING, _MAX_PENDING = 16, 256  # the minimum leaves tasks for workers that join later
+_RESUME = "Finished results are kept; run the same command again for the rest."
 
 
 @contextlib.contextmanager
 def open_cluster(
-    address: str, isolation: str, tell: Callable[[str], None], limits: Limits | None = None
-) -> Iterator["Cluster"]:
-    """Connect to a scheduler, and greet its workers.
+    address: str, isolation: str, notify: Callable[[str], None], limits: Limits | None = None
+) -> Iterator["ClusterExecutor"]:
+    """Connect to a scheduler and check its workers.
 
     Parameters
     ----------
     address : str
         ``tcp://HOST:PORT``, ``tls://HOST:PORT`` or ``HOST:PORT``.
     isolation : str
-        What every worker must hold, as `open_launcher` takes it.
-    tell : callable
-        Takes a line for the instructor: a worker that is refused, a submission that ended its workers.
+        The isolation required of every worker, as `open_launcher` takes it.
+    notify : callable
+        Takes a line for the instructor: a rejected worker, or a submission that killed its workers.
     limits : Limits, optional
-        What one submission may use.
+        Limits of one submission.
 
     Raises
     ------
     ValueError
-        If the address is none, nobody answers there in time, or no worker can be used.
+        If the address is invalid, nothing answers there in time, or no worker is usable.
     """
     address = check_address(address)
-    demanded = demand(isolation, limits or Limits())
+    requirements = worker_requirements(isolation, limits or Limits())
     with warnings.catch_warnings():
         warnings.filterwarnings("ignore", module="distributed")
-        cluster = Cluster(_connect(address), address, demanded, tell)
+        cluster = ClusterExecutor(_connect(address), address, requirements, notify)
         try:
             cluster.start()
             yield cluster
@@ -74,7 +81,7 @@ def open_cluster(
 
 
 def check_address(text: str) -> str:
-    """A scheduler's address with its scheme; `ValueError` where it is none."""
+    """Add the scheme to a scheduler's address; raise `ValueError` if the address is invalid."""
     address = text if "://" in text else f"tcp://{text}"
     match = re.fullmatch(r"(?:tcp|tls)://(?:[\w.-]+|\[[0-9a-fA-F:.]+\]):(\d{1,5})", address)
     if match is None or not 0 < int(match[1]) < 65536:
@@ -82,178 +89,182 @@ def check_address(text: str) -> str:
     return address
 
 
-class Cluster:
+class ClusterExecutor:
     """Executes and judges on the workers of a scheduler."""
 
-    def __init__(self, client: Any, address: str, demanded: Demand, tell: Callable[[str], None]) -> None:
+    def __init__(
+        self, client: Any, address: str, requirements: WorkerRequirements, notify: Callable[[str], None]
+    ) -> None:
         self._client = client
         self._address = address
-        self._demand = demanded
-        self._tell = tell
-        self._levels: dict[str, str] = {}  # of the workers that were greeted
-        self._refused: dict[str, str] = {}  # the others, and why
-        self._greeting, self._looking, self._at_home = Lock(), Lock(), Lock()
-        self._there: frozenset[str] = frozenset()
-        self._looked = self._alone_since = 0.0
+        self._requirements = requirements
+        self._notify = notify
+        self._levels: dict[str, str] = {}  # isolation level of each accepted worker
+        self._rejected: dict[str, str] = {}  # reason for each rejected worker
+        self._check_lock, self._poll_lock, self._local_lock = Lock(), Lock(), Lock()
+        self._known_workers: frozenset[str] = frozenset()
+        self._polled_at = self._empty_since = 0.0
         self.level = LEVELS[-1]
-        self.at_once = _AT_ONCE[0]
+        self.max_pending = _MIN_PENDING
 
     def start(self) -> None:
-        """Greet the workers there are; `ValueError` where none can be used."""
-        with self._speaking():
+        """Check the workers that are connected; raise `ValueError` if none is usable."""
+        with self._scheduler_errors():
             try:
                 self._client.wait_for_workers(1, timeout=CONNECT_SECONDS)
             except TimeoutError:
                 raise ValueError(
                     f"the scheduler at {self._address} has no worker. Start some: dask worker {self._address}"
                 ) from None
-            self._greet_new()
+            self._check_new_workers()
             threads = sum(self._threads().values())
         if not self._levels:
-            why = [f"{worker} is refused: {why}" for worker, why in self._refused.items()]
-            silent = f"none answered within {GREETING_SECONDS:g} s"
-            raise ValueError(f"no worker of {self._address} can be used; {why[0] if why else silent}")
+            reasons = [f"{worker} is rejected: {reason}" for worker, reason in self._rejected.items()]
+            timed_out = f"none answered within {CHECK_SECONDS:g} s"
+            raise ValueError(f"no worker of {self._address} is usable; {reasons[0] if reasons else timed_out}")
         self.level = max(self._levels.values(), key=LEVELS.index)
-        self.at_once = sorted((*_AT_ONCE, 2 * threads))[1]
+        self.max_pending = min(max(2 * threads, _MIN_PENDING), _MAX_PENDING)
 
-    def judge(self, task: Task) -> SubmissionResult:
-        """Execute and judge on a worker; on this machine, where the workers cannot."""
-        with self._speaking():
+    def run(self, task: Task) -> SubmissionResult:
+        """Execute and judge on a worker, or on this machine if the workers fail."""
+        with self._scheduler_errors():
             while True:
-                refused = len(self._refused)
-                answer = self._judge_there(task)
+                rejected = len(self._rejected)
+                answer = self._run_on_cluster(task)
                 if isinstance(answer, SubmissionResult):
                     return answer
                 if answer is not None:
-                    self._greet_new()  # was it one that joined after the others, and is none of us?
-                    if len(self._refused) == refused:
-                        return self._judge_here(task, answer.why)
+                    self._check_new_workers()  # the task may have gone to a worker that joined since the last check
+                    if len(self._rejected) == rejected:
+                        return self._run_locally(task, answer.reason)
 
     def close(self) -> None:
-        """Let go of the workers; what they have begun they finish for nobody."""
+        """Disconnect; running tasks continue on the workers, and their results are discarded."""
         self._client.close()
 
-    def _judge_there(self, task: Task) -> SubmissionResult | Failed | None:
-        """What a worker makes of a task; None where those that were asked are gone and others have come."""
+    def _run_on_cluster(self, task: Task) -> SubmissionResult | Failure | None:
+        """Run a task on a worker; None if the chosen workers left and others have joined."""
         from distributed import KilledWorker
 
-        asked = self._whom()
-        call, done = self._call(work, task, workers=asked), Event()
+        chosen = self._choose_workers()
+        call, done = self._call(run_on_worker, task, workers=chosen), Event()
         call.add_done_callback(lambda _: done.set())
-        while not done.wait(_LOOK_EVERY):
-            there = self._workers()
-            if asked is not None and there and there.isdisjoint(asked):
+        while not done.wait(_POLL_SECONDS):
+            usable = self._usable_workers()
+            if chosen is not None and usable and usable.isdisjoint(chosen):
                 call.cancel()
                 return None
         try:
-            answer: SubmissionResult | Failed = call.result(timeout=_REPLY_SECONDS)
+            answer: SubmissionResult | Failure = call.result(timeout=_REPLY_SECONDS)
             return answer
         except KilledWorker as killed:
-            return Failed(f"it ended {killed.allowed_failures + 1} workers")
+            return Failure(f"it killed {killed.allowed_failures + 1} workers")
         except Exception as error:
             if call.status == "error":
-                return Failed(str(error))
+                return Failure(str(error))
             raise
 
-    def _judge_here(self, task: Task, why: str) -> SubmissionResult:
-        """Judge in a process of its own what workers do not bring back; what it was beside may be to blame."""
+    def _run_locally(self, task: Task, cluster_reason: str) -> SubmissionResult:
+        """Run a task that failed on the cluster in a process of its own: other tasks may have caused the failure."""
         name = f"{task.submission.assignment} of {task.submission.student}"
+        answer: SubmissionResult | Failure
         try:
-            with self._at_home, ProcessPoolExecutor(1, get_context("spawn")) as home:
-                self._must_be_connected()
-                level = home.submit(greet, self._demand).result()
+            with self._local_lock, ProcessPoolExecutor(1, get_context("spawn")) as pool:
+                self._require_connection()
+                level = pool.submit(check_worker, self._requirements).result()
                 if isinstance(level, str) and is_weaker(level, self.level):
-                    level = Failed(f"it isolates less than the workers ({level})")
-                answer = level if isinstance(level, Failed) else home.submit(work, self._demand, task).result()
+                    level = Failure(f"it isolates less than the workers ({level})")
+                if isinstance(level, Failure):
+                    answer = level
+                else:
+                    answer = pool.submit(run_on_worker, self._requirements, task).result()
         except CancelledError:
             raise
         except Exception as error:
-            answer = Failed(str(error))
+            answer = Failure(str(error))
         if isinstance(answer, SubmissionResult):
-            self._tell(f"{name}: graded on this machine, as on the cluster {one_line(why)}")
+            self._notify(f"{name}: graded on this machine; on the cluster, {one_line(cluster_reason)}")
             return answer
-        self._tell(
-            f"{name}: quarantined, as on the cluster {one_line(why)}, and on this machine {one_line(answer.why)}"
+        self._notify(
+            f"{name}: quarantined; on the cluster, {one_line(cluster_reason)}; "
+            f"on this machine, {one_line(answer.reason)}"
         )
         refused = quarantined(task.submission.student, task.submission.assignment, "it could not be graded")
         return not_judged(refused, task.assets.template, self.level)
 
-    def _greet_new(self) -> None:
-        """Greet the workers that are not known yet: accept or refuse them."""
-        with self._greeting:
-            new = self._threads().keys() - self._levels.keys() - self._refused.keys()
-            calls = {worker: self._call(greet, workers=[worker], priority=1) for worker in sorted(new)}
-            until = time.monotonic() + GREETING_SECONDS
-            refused = {}
+    def _check_new_workers(self) -> None:
+        """Accept or reject the workers that joined since the last check."""
+        with self._check_lock:
+            new = self._threads().keys() - self._levels.keys() - self._rejected.keys()
+            calls = {worker: self._call(check_worker, workers=[worker], priority=1) for worker in sorted(new)}
+            deadline = time.monotonic() + CHECK_SECONDS
+            rejected = {}
             for worker, call in calls.items():
                 try:
-                    answer = call.result(timeout=max(until - time.monotonic(), 0.1))
+                    answer = call.result(timeout=max(deadline - time.monotonic(), 0.1))
                 except Exception as error:
                     if call.status != "error":
-                        if isinstance(error, TimeoutError):  # busy, or gone: neither accepted nor refused
+                        if isinstance(error, TimeoutError):  # busy, or gone: neither accepted nor rejected
                             continue
                         raise
-                    answer = Failed(f"it has not the labsid that this machine has ({error})")
-                if isinstance(answer, Failed):
-                    refused[worker] = one_line(answer.why)
+                    answer = Failure(f"its labsid differs from this machine's ({error})")
+                if isinstance(answer, Failure):
+                    rejected[worker] = one_line(answer.reason)
                 else:
                     self._levels[worker] = answer
-            self._refused |= refused
-            for worker, why in refused.items() if self._levels else ():
-                self._tell(f"worker {worker} is refused: {why}")
+            self._rejected |= rejected
+            for worker, reason in rejected.items() if self._levels else ():
+                self._notify(f"worker {worker} is rejected: {reason}")
 
-    def _whom(self) -> list[str] | None:
-        """Whom to ask: anybody, until one was refused."""
-        while self._refused:
-            if there := self._workers():
-                return sorted(there)
-            time.sleep(_LOOK_EVERY)
+    def _choose_workers(self) -> list[str] | None:
+        """The workers a task may run on; None for any, as long as none was rejected."""
+        while self._rejected:
+            if usable := self._usable_workers():
+                return sorted(usable)
+            time.sleep(_POLL_SECONDS)
         return None
 
-    def _workers(self) -> frozenset[str]:
-        """The workers there are and that were not refused; `ValueError` where there has long been none."""
-        with self._looking:
+    def _usable_workers(self) -> frozenset[str]:
+        """The workers that were not rejected; `ValueError` if there has been none for `NO_WORKER_SECONDS`."""
+        with self._poll_lock:
             now = time.monotonic()
-            if now - self._looked >= _LOOK_EVERY:
-                self._there, self._looked = frozenset(self._threads()), now
-            there = self._there - self._refused.keys()
-            self._alone_since = 0.0 if there else self._alone_since or now
-            if not there and now - self._alone_since > ALONE_SECONDS:
-                raise ValueError(f"no worker that can be used is left at {self._address}. {_GO_ON}")
-            return there
+            if now - self._polled_at >= _POLL_SECONDS:
+                self._known_workers, self._polled_at = frozenset(self._threads()), now
+            usable = self._known_workers - self._rejected.keys()
+            self._empty_since = 0.0 if usable else self._empty_since or now
+            if not usable and now - self._empty_since > NO_WORKER_SECONDS:
+                raise ValueError(f"no usable worker is left at {self._address}. {_RESUME}")
+            return usable
 
     def _call(self, function: Callable[..., Any], *arguments: Any, **settings: Any) -> Any:
-        """Have a worker call a function; the future of what it returns."""
-        self._must_be_connected()  # or it would wait, and be lost as those before it
-        call = pickle.dumps(_Call(function, self._demand, *arguments))
+        """Submit a call to the workers; returns its future."""
+        self._require_connection()  # without one, the future would never complete
+        call = pickle.dumps(_Call(function, self._requirements, *arguments))
         return self._client.submit(pickle.loads, call, key=f"labsid-{uuid.uuid4().hex}", pure=False, **settings)
 
     def _threads(self) -> dict[str, int]:
-        """The workers there are, with how many threads each has."""
-        self._must_be_connected()
+        """The number of threads of each connected worker."""
+        self._require_connection()
         found: dict[str, int] = self._client.nthreads(callback_timeout=_REPLY_SECONDS)
         return found
 
-    def _must_be_connected(self) -> None:
+    def _require_connection(self) -> None:
         if self._client.status != "running":
             raise CancelledError
 
     @contextlib.contextmanager
-    def _speaking(self) -> Iterator[None]:
-        """Whatever is raised because the scheduler is gone, said in one line."""
+    def _scheduler_errors(self) -> Iterator[None]:
+        """Turn any error of a lost scheduler into a one-line `ValueError`."""
         try:
             yield
         except Exception as error:
             if isinstance(error, CancelledError | TimeoutError) or self._client.status != "running":
-                raise ValueError(f"the scheduler at {self._address} is gone. {_GO_ON}") from None
+                raise ValueError(f"the scheduler at {self._address} is gone. {_RESUME}") from None
             raise
 
 
-_GO_ON = "What is graded is kept; run the same command again for the rest."
-
-
 class _Call:
-    """A call that is made by unpickling it, so that the scheduler needs to know nothing but `pickle.loads`."""
+    """A call that runs when it is unpickled, so that the scheduler needs only `pickle.loads`."""
 
     def __init__(self, function: Callable[..., Any], *arguments: Any) -> None:
         self._call = function, arguments
@@ -263,14 +274,14 @@ class _Call:
 
 
 def _connect(address: str) -> Any:
-    """Connect to a scheduler; in a thread that is left behind, as something else at that address may never answer."""
+    """Connect to a scheduler, in a daemon thread: a foreign server at that address may never answer."""
     try:
         from distributed import Client
     except ImportError:
         raise ValueError('--scheduler needs Dask. Install it: pip install "labsid[cluster]"') from None
     for name in ("distributed", "distributed.client", "tornado", "tornado.application"):
         for handler in logging.getLogger(name).handlers:
-            handler.setLevel(logging.CRITICAL + 1)  # what goes wrong is said here, in a line
+            handler.setLevel(logging.CRITICAL + 1)  # errors are reported here, in one line
     found: Future[Any] = Future()
 
     class Quiet(Client):
@@ -278,7 +289,7 @@ def _connect(address: str) -> Any:
             try:
                 super().start(**settings)
             except BaseException:
-                self.status = "closed"  # or its end would wait once more for what has failed
+                self.status = "closed"  # or closing would wait for the failed connection once more
                 raise
 
     def connect() -> None:
@@ -291,5 +302,5 @@ def _connect(address: str) -> Any:
     try:
         return found.result(CONNECT_SECONDS + 0.5)
     except Exception as error:
-        why = str(error) or f"no answer within {CONNECT_SECONDS:g} s"
-        raise ValueError(f"no Dask scheduler answers at {address} ({why}). Start one: dask scheduler") from None
+        reason = str(error) or f"no answer within {CONNECT_SECONDS:g} s"
+        raise ValueError(f"no Dask scheduler answers at {address} ({reason}). Start one: dask scheduler") from None

@@ -1,7 +1,7 @@
-"""What a worker of a cluster does: it says how it isolates, and carries tasks out in a launcher of its own.
+"""The functions that run on a cluster's workers: a check of the worker, and the grading of a task.
 
-A worker's process is trusted, as the grader's is elsewhere: it holds checks and right values. Students' processes are
-forked from the launcher's parent, a program of its own that inherits none of the worker's connections.
+A worker's process is trusted: it holds checks and right values. It starts student processes through a fork server, a
+separate program that inherits none of the worker's connections.
 """
 
 import atexit
@@ -9,29 +9,29 @@ import contextlib
 from dataclasses import dataclass
 from threading import Lock
 
-from autograder.batch.executors import Task, carry_out
 from autograder.batch.fingerprint import JUDGING, checks_module, environment
+from autograder.batch.tasks import Task, run_task
 from autograder.course.sources import sources_hash
 from autograder.judge.outcome import SubmissionResult
-from autograder.sandbox.doctor import TCP, holds
+from autograder.sandbox.doctor import TCP, is_blocked
 from autograder.sandbox.isolation import Limits, ProcessLauncher, open_launcher
 from labsid.checks.notebook import assignment_names, load_assignment
 
 
 @dataclass(frozen=True, slots=True)
-class Demand:
-    """What a worker must fulfil to take tasks.
+class WorkerRequirements:
+    """What a worker must match to take tasks.
 
     Attributes
     ----------
     sources : str
-        Fingerprint of all the code that judges.
+        Fingerprint of all code that results depend on.
     environment : tuple of str
         Versions of Python and of the packages that results depend on.
     isolation : str
         As `open_launcher` takes it.
     limits : Limits
-        What one submission may use.
+        Limits of one submission.
     """
 
     sources: str
@@ -40,68 +40,68 @@ class Demand:
     limits: Limits
 
 
-def demand(isolation: str, limits: Limits) -> Demand:
-    """What this machine demands of others: that they judge as it would itself."""
+def worker_requirements(isolation: str, limits: Limits) -> WorkerRequirements:
+    """The requirements that make a worker grade as this machine does."""
     checks = [checks_module(name) for name in assignment_names()]
-    return Demand(sources_hash(__name__, *JUDGING, *checks), environment(), isolation, limits)
+    return WorkerRequirements(sources_hash(__name__, *JUDGING, *checks), environment(), isolation, limits)
 
 
 @dataclass(frozen=True, slots=True)
-class Failed:
-    """What a worker answers where it does not do what it was asked; raised, it might not survive the way back.
+class Failure:
+    """Why a worker did not do what it was asked; returned, as not every exception can be pickled.
 
     Attributes
     ----------
-    why : str
+    reason : str
     """
 
-    why: str
+    reason: str
 
 
-def greet(demanded: Demand) -> str | Failed:
-    """The level on which this worker executes."""
+def check_worker(requirements: WorkerRequirements) -> str | Failure:
+    """The isolation level of this worker, or why it does not meet the requirements."""
     try:
-        return _launcher(demanded).level
+        return _launcher(requirements).level
     except ValueError as error:
-        return Failed(str(error))
+        return Failure(str(error))
 
 
-def work(demanded: Demand, task: Task) -> SubmissionResult | Failed:
+def run_on_worker(requirements: WorkerRequirements, task: Task) -> SubmissionResult | Failure:
     """Execute and judge a submission."""
     try:
-        return carry_out(task, _launcher(demanded))
+        return run_task(task, _launcher(requirements))
     except Exception as error:
-        return Failed(f"{type(error).__name__}: {error}")
+        return Failure(f"{type(error).__name__}: {error}")
 
 
-_OPEN: dict[Demand, ProcessLauncher] = {}
+_LAUNCHERS: dict[WorkerRequirements, ProcessLauncher] = {}
 _OPENING = Lock()
 _TO_CLOSE = contextlib.ExitStack()
 atexit.register(_TO_CLOSE.close)
 
 
-def _launcher(demanded: Demand) -> ProcessLauncher:
-    """This process's launcher, opened when it is first asked for."""
+def _launcher(requirements: WorkerRequirements) -> ProcessLauncher:
+    """This process's launcher, opened on first use."""
     with _OPENING:
-        if demanded not in _OPEN:
-            _OPEN[demanded] = _open(demanded)
-        return _OPEN[demanded]
+        if requirements not in _LAUNCHERS:
+            _LAUNCHERS[requirements] = _open(requirements)
+        return _LAUNCHERS[requirements]
 
 
-def _open(demanded: Demand) -> ProcessLauncher:
+def _open(requirements: WorkerRequirements) -> ProcessLauncher:
     for name in assignment_names():
-        load_assignment(name)  # what is in memory must be what the fingerprint is of
-    here = demand(demanded.isolation, demanded.limits)
-    if here.sources != demanded.sources:
+        load_assignment(name)  # the fingerprint is of the files, so the code in memory must be theirs
+    own = worker_requirements(requirements.isolation, requirements.limits)
+    if own.sources != requirements.sources:
         raise ValueError("its labsid has other sources than this machine's: install the same version, and restart it")
-    pairs = zip(here.environment, demanded.environment, strict=True)
-    if differing := [f"{mine} instead of {wanted}" for mine, wanted in pairs if mine != wanted]:
-        raise ValueError(f"it has {', '.join(differing)}: install what this machine has, and restart it")
+    pairs = zip(own.environment, requirements.environment, strict=True)
+    if differing := [f"{mine} instead of {required}" for mine, required in pairs if mine != required]:
+        raise ValueError(f"it has {', '.join(differing)}: install this machine's versions, and restart it")
     with contextlib.ExitStack() as stack:
-        launcher = stack.enter_context(open_launcher(demanded.isolation, demanded.limits))
-        if demanded.isolation != "none" and not holds(launcher, TCP):
+        launcher = stack.enter_context(open_launcher(requirements.isolation, requirements.limits))
+        if requirements.isolation != "none" and not is_blocked(launcher, TCP):
             raise ValueError(
-                "student code on it could connect to the scheduler; --isolation none takes such a worker all the same"
+                "student code on it could connect to the scheduler; --isolation none accepts such a worker"
             )
         _TO_CLOSE.push(stack.pop_all())
     return launcher

@@ -1,4 +1,4 @@
-"""Fingerprints of all that goes into a result, part by part, so that a second run can say what has changed."""
+"""Fingerprints of everything a result depends on, part by part, to detect and name changes between runs."""
 
 import hashlib
 import os
@@ -8,7 +8,7 @@ from functools import cache
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 
-from autograder.batch.assets import DataStore, GradingInputs, data_hash
+from autograder.batch.grading_inputs import DataStore, GradingInputs, data_hash
 from autograder.course.layout import Template
 from autograder.course.sources import sources_hash
 from autograder.results.result_files import StoredResult
@@ -20,21 +20,21 @@ JUDGING = (
     "autograder.sandbox.child",
     "autograder.sandbox.fork_server",
 )
-"""With an assignment's checks, the modules on which its results depend."""
+"""The modules on which every result depends, besides the assignment's checks."""
 
 PACKAGES = ("labsid", "numpy", "scipy", "control", "matplotlib", "ipython")
 
 
-def fingerprint(data_store: DataStore, inputs: GradingInputs, folder: Path) -> dict[str, str]:
-    """Fingerprints of what goes into a result.
+def result_fingerprint(data_store: DataStore, inputs: GradingInputs, folder: Path) -> dict[str, str]:
+    """Fingerprint each part that a result depends on.
 
     Parameters
     ----------
     data_store : DataStore
     inputs : GradingInputs
-        The student's own.
+        The student's.
     folder : Path
-        The hand-in.
+        The submission.
 
     Returns
     -------
@@ -52,16 +52,16 @@ def fingerprint(data_store: DataStore, inputs: GradingInputs, folder: Path) -> d
 
 
 def checks_module(assignment: str) -> str:
-    """The module of an assignment's checks, which `sources_hash` must be told."""
+    """The module of an assignment's checks."""
     return f"labsid.checks.assignments.{assignment.replace('-', '_')}"
 
 
 def submission_hash(folder: Path, data_suffix: str) -> str:
-    """Of a hand-in's notebooks and data files; its time does not count."""
+    """Fingerprint of a submission's notebooks and data files, but not of its timestamp."""
     digest = hashlib.sha256()
     kinds = {".ipynb", data_suffix}
-    there = sorted(folder.iterdir()) if folder.is_dir() else []
-    for path in (path for path in there if path.suffix in kinds and path.is_file()):
+    entries = sorted(folder.iterdir()) if folder.is_dir() else []
+    for path in (path for path in entries if path.suffix in kinds and path.is_file()):
         try:
             with path.open("rb") as file:
                 content = hashlib.file_digest(file, "sha256").digest()
@@ -72,7 +72,7 @@ def submission_hash(folder: Path, data_suffix: str) -> str:
 
 
 def template_hash(template: Template) -> str:
-    """Fingerprint of a released assignment: any change of its cells or points changes it."""
+    """Fingerprint of the cells and points of a released assignment."""
     digest = hashlib.sha256()
     for cell in template.cells:
         digest.update(repr((cell.id, cell.kind, cell.source, cell.points or Decimal(0))).encode())
@@ -81,13 +81,13 @@ def template_hash(template: Template) -> str:
 
 @cache
 def environment() -> tuple[str, ...]:
-    """Versions of Python and of what students' code and the checks compute with."""
+    """Versions of Python and of the packages that results depend on."""
     return sys.version, *(_version(name) for name in PACKAGES)
 
 
 @cache
 def environment_hash() -> str:
-    """Fingerprint of these versions."""
+    """Fingerprint of `environment`."""
     return hashlib.sha256(" ".join(environment()).encode()).hexdigest()
 
 
@@ -98,9 +98,9 @@ def _version(package: str) -> str:
         return package
 
 
-def what_changed(known: StoredResult | None, new: StoredResult, level: str) -> str:
-    """In words, why a submission was graded anew."""
-    if known is None:
+def reason_for_regrading(previous: StoredResult | None, new: StoredResult, level: str) -> str:
+    """Say why a submission was graded: ``new``, or the parts that changed since the previous result."""
+    if previous is None:
         return "new"
-    changed = [part for part, found in new.fingerprint.items() if known.fingerprint.get(part) != found]
-    return ", ".join(changed) or f"isolation {known.isolation} to {level}"
+    changed = [part for part, found in new.fingerprint.items() if previous.fingerprint.get(part) != found]
+    return ", ".join(changed) or f"isolation {previous.isolation} to {level}"

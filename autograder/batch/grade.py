@@ -1,4 +1,4 @@
-"""Grading a whole class: intake, judging in parallel, one writer."""
+"""Grade a whole class: read the submissions, judge them in parallel, write the results in one thread."""
 
 import contextlib
 import sqlite3
@@ -9,10 +9,10 @@ from datetime import datetime
 from decimal import Decimal
 from pathlib import Path
 
-from autograder.batch.assets import DataStore, GradingInputs, inputs_for
-from autograder.batch.executors import Executor, Task
-from autograder.batch.fingerprint import fingerprint, what_changed
-from autograder.batch.wrong_record import marked
+from autograder.batch.fingerprint import reason_for_regrading, result_fingerprint
+from autograder.batch.grading_inputs import DataStore, GradingInputs, inputs_for
+from autograder.batch.tasks import Executor, Task
+from autograder.batch.wrong_record import flag_wrong_record
 from autograder.course.layout import Course, Template, read_template
 from autograder.intake.submission import Submission, quarantined, take_in
 from autograder.judge.outcome import SubmissionResult, not_judged
@@ -26,26 +26,27 @@ from autograder.sandbox.isolation import is_weaker
 
 @dataclass(frozen=True, slots=True)
 class Graded:
-    """One submission that is done.
+    """A graded submission.
 
     Attributes
     ----------
     student, assignment : str
     fresh : bool
-        False where the result of an earlier run was still good.
-    why : str
-        Of a fresh one: ``new``, or what has changed since the earlier run, such as ``submission`` or ``check``.
+        False if the result of an earlier run is still valid.
+    reason : str
+        Why it was graded: ``new``, or what changed since the earlier run, such as ``submission`` or ``check``; empty
+        if it is not fresh.
     """
 
     student: str
     assignment: str
     fresh: bool
-    why: str = ""
+    reason: str = ""
 
 
 @dataclass(frozen=True, slots=True)
 class Batch:
-    """What there is to grade.
+    """Submissions to grade.
 
     Attributes
     ----------
@@ -60,12 +61,12 @@ class Batch:
 
 
 def find_batch(course: Course, submitted: Path, assignment: str | None) -> Batch:
-    """Look through a folder of submissions in nbgrader's layout.
+    """Find the submissions in a folder of nbgrader's layout.
 
     Raises
     ------
     ValueError
-        If the folder is not there or empty, or holds nothing for any assignment of the course.
+        If the folder does not exist, or contains no submission for any assignment of the course.
     """
     if not submitted.is_dir():
         raise ValueError(f"{submitted} is not a folder. Expected <student>/<assignment>/<assignment>.ipynb below it.")
@@ -73,8 +74,8 @@ def find_batch(course: Course, submitted: Path, assignment: str | None) -> Batch
     known = course.assignments()
     if assignment is not None and assignment not in known:
         raise ValueError(f"there is no assignment {assignment!r}; there are {', '.join(known)}.")
-    there = [name for name in known if any((submitted / student / name).is_dir() for student in students)]
-    wanted = [assignment] if assignment is not None else there
+    found = [name for name in known if any((submitted / student / name).is_dir() for student in students)]
+    wanted = [assignment] if assignment is not None else found
     if not students or not wanted:
         raise ValueError(
             f"{submitted} holds no submission: expected <student>/<assignment>/<assignment>.ipynb below it."
@@ -90,20 +91,20 @@ def grade_batch(
     secret: bytes | None = None,
     late: LateRules | None = None,
 ) -> Iterator[Graded]:
-    """Grade every student's submission of every assignment; yields each when its result is safe on disk.
+    """Grade every student's submission of every assignment; yields each one after its result is written.
 
     Parameters
     ----------
     course : Course
     batch : Batch
     out : Path
-        Gets ``results``, ``autograded``, ``gradebook.db`` and ``grades.csv``.
+        Receives ``results``, ``autograded``, ``gradebook.db`` and ``grades.csv``.
     executor : Executor
         Executes and judges.
     secret : bytes, optional
-        The course's secret: every student is graded on the record derived from it and their ID.
+        The course's secret; each student is graded on the record derived from it and the student's ID.
     late : mapping, optional
-        Rules for late hand-ins; without them nothing is taken off.
+        Rules for late submissions; without them there is no penalty.
 
     Yields
     ------
@@ -116,28 +117,28 @@ def grade_batch(
     """
     templates = {name: read_template(course, name) for name in batch.assignments}
     out.mkdir(parents=True, exist_ok=True)
-    with _only_writer(out):
-        before = {(one.student, one.assignment): one for one in result_files.load_good(out)}
+    with _exclusive_writer(out):
+        previous = {(one.student, one.assignment): one for one in result_files.load_good(out)}
         gradebook.prepare(course, out, batch.assignments)
-        gradebook.enter(out, before.values())  # what a run that was killed had not entered
+        gradebook.enter(out, previous.values())  # an earlier run may have been killed before it entered them
         data_store = DataStore(course, secret, out / "records")
-        office = _Office(course, batch, out, executor, data_store, late or {}, templates, before)
-        yield from office.run(gradebook.given_by_hand(out))
+        grader = _BatchGrader(course, batch, out, executor, data_store, late or {}, templates, previous)
+        yield from grader.run(gradebook.given_by_hand(out))
         gradebook.enter(out, result_files.load_all(out))
         write_grades(out)
 
 
 @dataclass(frozen=True, slots=True)
-class _Fresh:
-    """What came of a submission that was graded just now, and how it is kept."""
+class _NewResult:
+    """The result of a submission graded in this run, and the form in which it is stored."""
 
     result: SubmissionResult
     stored: StoredResult
 
 
 @dataclass(frozen=True, slots=True)
-class _Office:
-    """What grading a batch takes."""
+class _BatchGrader:
+    """Grades one batch."""
 
     course: Course
     batch: Batch
@@ -146,43 +147,43 @@ class _Office:
     data_store: DataStore
     late: LateRules
     templates: Mapping[str, Template]
-    before: Mapping[tuple[str, str], StoredResult]
+    previous: Mapping[tuple[str, str], StoredResult]
 
     def run(self, by_hand: gradebook.ByHand) -> Iterator[Graded]:
-        """Grade what is missing or has changed; this thread alone writes."""
-        with ThreadPoolExecutor(self.executor.at_once) as pool:
-            waiting: dict[Future[_Fresh | None], tuple[str, str]] = {}
+        """Grade what is missing or has changed; only this thread writes."""
+        with ThreadPoolExecutor(self.executor.max_pending) as pool:
+            pending: dict[Future[_NewResult | None], tuple[str, str]] = {}
             try:
                 for name in self.batch.assignments:
                     for student in self.batch.students:
-                        waiting[pool.submit(self._look_at, student, name)] = student, name
-                for task in as_completed(waiting):
-                    student, name = waiting.pop(task)
-                    yield self._keep(student, name, task.result(), by_hand)
+                        pending[pool.submit(self._grade_if_needed, student, name)] = student, name
+                for future in as_completed(pending):
+                    student, name = pending.pop(future)
+                    yield self._store(student, name, future.result(), by_hand)
             except BaseException as stopped:
                 pool.shutdown(wait=False, cancel_futures=True)
                 if isinstance(stopped, KeyboardInterrupt):
-                    self.executor.close()  # or code that is still running would be waited for
+                    self.executor.close()  # or the pool would wait for running student code
                 raise
 
-    def _keep(self, student: str, name: str, fresh: "_Fresh | None", by_hand: gradebook.ByHand) -> Graded:
-        """Write a result, with what it cost to be late and which hand grading has to be looked at again."""
-        known = self.before.get((student, name))
-        if fresh is None:
-            assert known is not None
-            kept = self._with_lateness(known)
-            if kept is not known:
-                result_files.store(self.out, kept)
+    def _store(self, student: str, name: str, new: _NewResult | None, by_hand: gradebook.ByHand) -> Graded:
+        """Write a result with its late penalty and manual grades to review; without a new one, keep the previous."""
+        previous = self.previous.get((student, name))
+        if new is None:
+            assert previous is not None
+            stored = self._with_penalty(previous)
+            if stored is not previous:
+                result_files.store(self.out, stored)
             return Graded(student, name, fresh=False)
-        write_autograded(self.course, self.out, fresh.result)
-        kept = self._with_lateness(fresh.stored)
-        if known is not None:
-            kept = replace(kept, review=_to_review(known, kept, by_hand))
-        result_files.store(self.out, kept)
-        return Graded(student, name, True, what_changed(known, kept, self.executor.level))
+        write_autograded(self.course, self.out, new.result)
+        stored = self._with_penalty(new.stored)
+        if previous is not None:
+            stored = replace(stored, review=_to_review(previous, stored, by_hand))
+        result_files.store(self.out, stored)
+        return Graded(student, name, True, reason_for_regrading(previous, stored, self.executor.level))
 
-    def _with_lateness(self, stored: StoredResult) -> StoredResult:
-        submitted = _handed_in(self.batch.submitted / stored.student / stored.assignment)
+    def _with_penalty(self, stored: StoredResult) -> StoredResult:
+        submitted = _submission_time(self.batch.submitted / stored.student / stored.assignment)
         marks = sum((question.max_score for question in stored.questions), Decimal(0))
         late = ON_TIME if stored.is_refused else late_for(self.late, stored.assignment, submitted, marks)
         when = None if submitted is None else submitted.isoformat()
@@ -190,62 +191,66 @@ class _Office:
             return stored
         return replace(stored, submitted=when, penalty=late.penalty, late=late.reason)
 
-    def _look_at(self, student: str, name: str) -> "_Fresh | None":
-        """Grade a submission; None where the earlier result is still good. Runs beside others and writes no result."""
+    def _grade_if_needed(self, student: str, name: str) -> _NewResult | None:
+        """Grade a submission; None if the previous result is still valid. Runs in a thread and writes no result."""
         template, folder = self.templates[name], self.batch.submitted / student / name
         refused: Submission | None = None
         try:
             inputs = inputs_for(self.data_store, template, student)
         except ValueError as error:
             inputs = inputs_for(replace(self.data_store, secret=None), template, student)
-            refused = quarantined(student, name, f"no record can be made for this student: {error}")
-        parts = fingerprint(self.data_store, inputs, folder)
-        known = self.before.get((student, name))
-        if known is not None and known.fingerprint == parts and not is_weaker(known.isolation, self.executor.level):
+            refused = quarantined(student, name, f"no record can be generated for this student: {error}")
+        fingerprint = result_fingerprint(self.data_store, inputs, folder)
+        previous = self.previous.get((student, name))
+        if (
+            previous is not None
+            and previous.fingerprint == fingerprint
+            and not is_weaker(previous.isolation, self.executor.level)
+        ):
             return None
         submission = refused or take_in(folder, student, template)
         result = self._judge(submission, inputs, folder)
         headings = {cell.id: cell.heading for cell in template.questions}
         released = {cell.id: cell.source for cell in template.cells}
-        stored = result_files.as_stored(result, template.title, headings, parts)
-        if stored.is_refused and submission.status == "ready":  # by the machines, not by us: the next run tries again
-            stored = replace(stored, fingerprint={**parts, "environment": ""})
-        return _Fresh(result, replace(stored, work=work_of(submission.steps, released)))
+        stored = result_files.as_stored(result, template.title, headings, fingerprint)
+        if stored.is_refused and submission.status == "ready":  # no machine could grade it: the next run tries again
+            stored = replace(stored, fingerprint={**fingerprint, "environment": ""})
+        return _NewResult(result, replace(stored, work=work_of(submission.steps, released)))
 
     def _judge(self, submission: Submission, inputs: GradingInputs, folder: Path) -> SubmissionResult:
         if submission.status == "ready":
             files = {name: path.read_bytes() for name, path in inputs.files.items()}
-            result = self.executor.judge(Task(submission, inputs.assets, files))
+            result = self.executor.run(Task(submission, inputs.assets, files))
         else:
             result = not_judged(submission, inputs.assets.template, self.executor.level)
-        return marked(result, inputs, self.data_store, folder, self.batch.students)
+        return flag_wrong_record(result, inputs, self.data_store, folder, self.batch.students)
 
 
 def write_grades(out: Path) -> None:
-    """Write grades.csv from the results and from what was graded by hand."""
+    """Write grades.csv from the results and the manual grades."""
     rows = result_files.grade_rows(result_files.load_all(out), gradebook.given_by_hand(out).scores)
     result_files.write_csv(out / "grades.csv", result_files.GRADE_COLUMNS, rows)
 
 
-def _to_review(known: StoredResult, new: StoredResult, by_hand: gradebook.ByHand) -> tuple[str, ...]:
-    """Questions scored by hand that the teacher has to look at again: the automatic part is another one now."""
-    old = {question.question: question for question in known.questions}
+def _to_review(previous: StoredResult, new: StoredResult, by_hand: gradebook.ByHand) -> tuple[str, ...]:
+    """Manually graded questions that need a review, because answers or automatic scores have changed."""
+    old = {question.question: question for question in previous.questions}
     changed = {
         one.question
         for one in new.questions
         if one.question not in old
         or (one.score, one.answer.strip()) != (old[one.question].score, old[one.question].answer.strip())
     }
-    mine = new.student, new.assignment
-    scored = {question for *owner, question in by_hand.scores if tuple(owner) == mine}
+    owner = new.student, new.assignment
+    scored = {question for student, assignment, question in by_hand.scores if (student, assignment) == owner}
     return tuple(sorted(scored)) if changed else ()
 
 
-def _handed_in(folder: Path) -> datetime | None:
-    """When a submission was handed in, as nbgrader's ``timestamp.txt`` in its folder says."""
+def _submission_time(folder: Path) -> datetime | None:
+    """The submission time in nbgrader's ``timestamp.txt``."""
     path = folder / "timestamp.txt"
     try:
-        if not path.is_file():  # a pipe would be waited for
+        if not path.is_file():  # opening a pipe would block
             return None
         with path.open(encoding="utf-8", errors="replace") as file:
             return read_timestamp(file.read(200))
@@ -254,8 +259,8 @@ def _handed_in(folder: Path) -> datetime | None:
 
 
 @contextlib.contextmanager
-def _only_writer(out: Path) -> Iterator[None]:
-    """Hold OUT for this run; the system lets go of it however the run ends."""
+def _exclusive_writer(out: Path) -> Iterator[None]:
+    """Lock OUT for this run; the operating system releases the lock however the run ends."""
     with contextlib.closing(sqlite3.connect(out / ".writer", timeout=0, isolation_level=None)) as lock:
         try:
             lock.execute("BEGIN EXCLUSIVE")

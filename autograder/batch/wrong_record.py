@@ -1,8 +1,8 @@
-"""Whose record a submission was made on, where it was not the student's own.
+"""Detect submissions made on another student's record.
 
-Two signs are looked for. A data file beside the notebook that is somebody else's; and a wrong answer that is the right
-one on somebody else's record, to six digits. Only numbers that carry measured noise count as a sign: levels, times
-and counts are shared by many.
+The evidence is another student's data file beside the notebook, or a wrong answer that is right on another student's
+record to six digits. Only numbers that contain measurement noise count: levels, times and counts are the same on many
+records.
 """
 
 import hashlib
@@ -14,19 +14,19 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from autograder.batch.assets import COURSE_ORIGIN, DataStore, GradingInputs, record_path
+from autograder.batch.grading_inputs import COURSE_ORIGIN, DataStore, GradingInputs, record_path
 from autograder.judge.judging import SubmissionResult
 from labsid.checks.question import Assignment, Origin
 from labsid.checks.values import Value
 from labsid.checks.verdict import NoAnswer
 from labsid.records.record import Record, load_record
 
-TO_THE_STUDENT = "The value is right for another record than the one you were given."
+STUDENT_MESSAGE = "The value is right for another record than the one you were given."
 MAX_DATA_BYTES = 16 * 1024 * 1024
 
 
 class _ReferenceAsk:
-    """Asks nobody: only the reference's own values are to be had."""
+    """Answers with the reference's values; there is no student process."""
 
     def __init__(self, record: Record, origin: Origin | None, known: Mapping[str, Value]) -> None:
         self.record = record
@@ -55,69 +55,70 @@ def reference_values(
             continue
         try:
             right[question.id] = question.gives(_ReferenceAsk(record, origin, known))
-        except Exception:  # a reference that cannot be had on this record is no sign of anything
+        except Exception:  # without a reference value on this record there is no evidence
             continue
         known.update(right[question.id])
     return right
 
 
-def marked(
+def flag_wrong_record(
     result: SubmissionResult, inputs: GradingInputs, data_store: DataStore, folder: Path, members: Iterable[str]
 ) -> SubmissionResult:
-    """The result with a flag for the teacher, and a word for the student, where it was made on another's record.
+    """Add flags for the teacher and notes for the student to a result made on another student's record.
 
     Parameters
     ----------
     result : SubmissionResult
     inputs : GradingInputs
-        The student's own.
+        The student's.
     data_store : DataStore
     folder : Path
-        The hand-in.
+        The submission.
     members : iterable of str
-        The class.
+        IDs of all students.
     """
     name = inputs.assets.assignment.record_file
     if data_store.secret is None or name is None:
         return result
-    suspects = any(_telling(value).size for held in result.wrong.values() for value in held.values())
-    beside = (path for path in folder.glob(f"*{Path(name).suffix}") if path.is_file())
-    handed_in = {_hash(path) for path in beside if path.stat().st_size <= MAX_DATA_BYTES}
+    has_evidence = any(_noisy_numbers(value).size for values in result.wrong.values() for value in values.values())
+    submitted = (path for path in folder.glob(f"*{Path(name).suffix}") if path.is_file())
+    handed_in = {_hash(path) for path in submitted if path.stat().st_size <= MAX_DATA_BYTES}
     handed_in -= {_hash(inputs.files[name])}
-    if not suspects and not handed_in:
+    if not has_evidence and not handed_in:
         return result
     files: set[str] = set()
     answers: dict[str, list[str]] = {}
     others = [member for member in members if member != result.student]
-    for owner, path, origin in _records(data_store, name, data_store.secret, others):
+    for owner, path, origin in _other_records(data_store, name, data_store.secret, others):
         if _hash(path) in handed_in:
             files.add(owner)
-        right = _right_values(inputs.assets.assignment, path, origin) if suspects else {}
-        matching = [q for q, held in result.wrong.items() if _same(held, right.get(q, {}))]
+        right = _right_values(inputs.assets.assignment, path, origin) if has_evidence else {}
+        matching = [q for q, values in result.wrong.items() if _any_equal(values, right.get(q, {}))]
         if matching:
             answers[owner] = matching
     flags = [f"handed in with the data file of {owner}" for owner in sorted(files)]
     flags += [f"made on the record of {owner}: {', '.join(questions)}" for owner, questions in sorted(answers.items())]
     if handed_in and not files:
         flags.append("handed in with a data file that is nobody's record")
-    told = {question for questions in answers.values() for question in questions}
-    notes: tuple[str, ...] = (f"some answers are made on another record than yours ({name})",) if told else ()
+    flagged = {question for questions in answers.values() for question in questions}
+    notes: tuple[str, ...] = (f"some answers are made on another record than yours ({name})",) if flagged else ()
     if files:
         notes += (f"{name} is not the one that you were given",)
     results = tuple(
-        replace(one, reason=f"{one.reason} {TO_THE_STUDENT}") if one.question in told else one for one in result.results
+        replace(one, reason=f"{one.reason} {STUDENT_MESSAGE}") if one.question in flagged else one
+        for one in result.results
     )
     return replace(result, results=results, notes=result.notes + notes, flags=result.flags + tuple(flags))
 
 
-def _records(
+def _other_records(
     data_store: DataStore, name: str, secret: bytes, members: Iterable[str]
 ) -> Iterable[tuple[str, Path, Origin]]:
     yield "the course's own record", data_store.course.data / name, COURSE_ORIGIN
     for member in members:
         try:
             yield member, record_path(data_store, name, member), Origin(member, secret)
-        except ValueError:  # no record can be made for this ID, so nobody can have worked on it
+        except ValueError:  # an ID without a record
             continue
 
 
@@ -126,20 +127,20 @@ def _right_values(assignment: Assignment, path: Path, origin: Origin) -> dict[st
     return reference_values(assignment, load_record(path), origin)
 
 
-def _same(held: Mapping[str, Value], right: Mapping[str, Value]) -> bool:
-    """Whether a value that tells is the right one of that record."""
-    for name, value in held.items():
-        wanted = right.get(name)
-        if not _telling(value).size or not isinstance(wanted, int | float | np.ndarray):
+def _any_equal(values: Mapping[str, Value], right: Mapping[str, Value]) -> bool:
+    """Whether any value with measurement noise equals the right value of that record."""
+    for name, value in values.items():
+        expected = right.get(name)
+        if not _noisy_numbers(value).size or not isinstance(expected, int | float | np.ndarray):
             continue
-        got, other = (np.asarray(numbers, dtype=np.float64).reshape(-1) for numbers in (value, wanted))
+        got, other = (np.asarray(numbers, dtype=np.float64).reshape(-1) for numbers in (value, expected))
         if got.size == other.size and np.allclose(got, other, rtol=1e-6, atol=1e-12):
             return True
     return False
 
 
-def _telling(value: Value) -> NDArray[np.float64]:
-    """The numbers in a value that are not round: round ones are levels, times and counts."""
+def _noisy_numbers(value: Value) -> NDArray[np.float64]:
+    """The numbers in a value with more than three decimals: the others are levels, times and counts."""
     if isinstance(value, bool) or not isinstance(value, int | float | np.ndarray):
         return np.empty(0)
     array = np.asarray(value)
@@ -150,7 +151,7 @@ def _telling(value: Value) -> NDArray[np.float64]:
 
 
 @lru_cache(maxsize=4096)
-def _hash_at(path: Path, changed: int) -> str:
+def _hash_at(path: Path, modified_ns: int) -> str:
     return hashlib.sha256(path.read_bytes()).hexdigest()
 
 

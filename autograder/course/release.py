@@ -7,9 +7,9 @@ from importlib.metadata import PackageNotFoundError, distribution
 from pathlib import Path
 
 import labsid
-from autograder.batch.assets import individual_file, is_individual
+from autograder.course.archive import zip_bytes
+from autograder.course.individual_data import individual_file, is_individual
 from autograder.course.layout import Course
-from autograder.intake.archive import zip_bytes
 from labsid._files import write_file
 from labsid.checks.notebook import load_assignment
 from labsid.rig import student_plan

@@ -12,7 +12,7 @@ from decimal import ROUND_HALF_UP, Decimal, InvalidOperation
 from pathlib import Path
 
 from autograder.batch.grade import write_grades
-from autograder.intake.archive import zip_bytes
+from autograder.course.archive import zip_bytes
 from autograder.intake.worksheet import (
     CHANGEABLE,
     FEEDBACK,

@@ -17,8 +17,8 @@ from functools import partial
 from pathlib import Path
 from typing import IO, Any
 
+from autograder.course.archive import Entry, entries
 from autograder.course.layout import Course, Template, read_template
-from autograder.intake.archive import Entry, entries
 from autograder.intake.untrusted_json import read_json
 from autograder.intake.worksheet import Worksheet, participant, possible_ids, submission_time, utc_timestamp
 from autograder.results.result_files import one_line

@@ -140,7 +140,7 @@ def examine() -> Iterator[Checkup]:
     for level in LEVELS:
         try:
             with open_launcher(level, LIMITS) as launcher:
-                yield Checkup(level, "", {escape.name: holds(launcher, escape) for escape in ESCAPES})
+                yield Checkup(level, "", {escape.name: is_blocked(launcher, escape) for escape in ESCAPES})
         except IsolationError as error:
             yield Checkup(level, str(error), {})
 
@@ -168,8 +168,8 @@ def as_json(checkups: list[Checkup]) -> str:
 _WORDS = {True: "holds", False: "OPEN"}
 
 
-def holds(launcher: ProcessLauncher, escape: Escape) -> bool:
-    """Whether a way out is shut in a launcher."""
+def is_blocked(launcher: ProcessLauncher, escape: Escape) -> bool:
+    """Whether the launcher's isolation blocks an escape."""
     with _surroundings(launcher) as there, temporary_workdir() as folder:
         student = launcher.start(folder)
         try:

@@ -12,10 +12,11 @@ import nbformat
 import numpy as np
 import pytest
 
-from autograder.batch.assets import PUBLIC_SECRET, DataStore, individual_file, inputs_for, record_path
 from autograder.batch.executors import LocalExecutor
 from autograder.batch.grade import find_batch, grade_batch
-from autograder.batch.wrong_record import TO_THE_STUDENT, reference_values
+from autograder.batch.grading_inputs import PUBLIC_SECRET, DataStore, inputs_for, record_path
+from autograder.batch.wrong_record import STUDENT_MESSAGE, reference_values
+from autograder.course.individual_data import individual_file
 from autograder.course.layout import RECORD_FILE, Course, read_template
 from autograder.course.release import labsid_wheel, read_students, write_individual_releases, write_release
 from autograder.results.result_files import load, result_path
@@ -114,7 +115,7 @@ def test_a_wrong_answer_that_is_right_on_anothers_record_is_flagged(graded: Mapp
         assert result.flags == (f"made on the record of {owner}: lab-2b-theta",)
         (wrong,) = (question for question in result.questions if question.question == "lab-2b-theta")
         assert wrong.score == Decimal(0)
-        assert wrong.reason.endswith(TO_THE_STUDENT)
+        assert wrong.reason.endswith(STUDENT_MESSAGE)
         assert "ann" not in wrong.reason
         assert result.notes == (f"some answers are made on another record than yours ({RECORD_FILE})",)
         others = [q for q in result.questions if q.question != "lab-2b-theta" and q.status != "manual"]
@@ -146,7 +147,7 @@ def test_the_report_and_the_table_name_them(graded: Mapping[str, Path]) -> None:
     assert "another's record" not in lines["ann"]
     with (out / "grades.csv").open(encoding="utf-8", newline="") as file:
         rows = [row for row in csv.DictReader(file) if row["student"] == "bob" and row["question"] == "lab-2b-theta"]
-    assert rows[0]["reason"].endswith(TO_THE_STUDENT)
+    assert rows[0]["reason"].endswith(STUDENT_MESSAGE)
 
 
 def test_a_student_of_an_impossible_id_is_quarantined_alone(
@@ -159,7 +160,7 @@ def test_a_student_of_an_impossible_id_is_quarantined_alone(
     assert load(result_path(tmp_path / "out", "ann", LAB)).questions[0].status == "graded"
     refused = load(result_path(tmp_path / "out", " bob", LAB)).questions[0]
     assert refused.status == "quarantined"
-    assert "no record can be made for this student" in refused.reason
+    assert "no record can be generated for this student" in refused.reason
 
 
 # ---- the release

@@ -22,10 +22,10 @@ import pytest
 import autograder
 import labsid
 from autograder.batch import cluster, cluster_worker
-from autograder.batch.assets import DataStore, inputs_for
 from autograder.batch.cluster import open_cluster
 from autograder.batch.executors import LocalExecutor
 from autograder.batch.grade import Batch, Graded, find_batch, grade_batch
+from autograder.batch.grading_inputs import DataStore, inputs_for
 from autograder.course.layout import Course, read_template
 from autograder.course.sources import sources_hash
 from autograder.results import result_files
@@ -184,12 +184,12 @@ def test_a_worker_killed_half_way_costs_nothing_and_without_workers_the_run_ends
     assert len(again) == len(batch.students)
     assert not any(one.fresh for one in again)
 
-    monkeypatch.setattr(cluster, "ALONE_SECONDS", 0.5)
-    monkeypatch.setattr(cluster, "_LOOK_EVERY", 0.2)
+    monkeypatch.setattr(cluster, "NO_WORKER_SECONDS", 0.5)
+    monkeypatch.setattr(cluster, "_POLL_SECONDS", 0.2)
     run = grade(course, batch, tmp_path / "other", machines, told)
     next(run)
     machines.workers[1].kill()
-    with pytest.raises(ValueError, match=r"no worker that can be used is left at tcp://.*run the same command again"):
+    with pytest.raises(ValueError, match=r"no usable worker is left at tcp://.*run the same command again"):
         list(run)
     assert b"Starting established connection" in machines.said()
     assert SECRET not in machines.said()
@@ -200,12 +200,12 @@ def test_a_submission_that_ends_its_workers_costs_only_itself(
 ) -> None:
     (tmp_path / "killer.py").write_text(
         "import os, signal\n"
-        "from autograder.batch import cluster_worker, executors\n"
-        "def carry_out(task, launcher):\n"
+        "from autograder.batch import cluster_worker, tasks\n"
+        "def run_task(task, launcher):\n"
         "    if task.submission.student == 'bea':\n"
         "        os.kill(os.getpid(), signal.SIGKILL)\n"
-        "    return executors.carry_out(task, launcher)\n"
-        "cluster_worker.carry_out = carry_out\n",
+        "    return tasks.run_task(task, launcher)\n"
+        "cluster_worker.run_task = run_task\n",
         encoding="utf-8",
     )
     machines.start(allowed_failures=0)
@@ -217,14 +217,16 @@ def test_a_submission_that_ends_its_workers_costs_only_itself(
         patch.setattr(cluster, "is_weaker", lambda level, wanted: True)
         list(grade(course, one, tmp_path / "out", machines, told))
     (line,) = told
-    assert line.startswith("prelab-sinusoids of bea: quarantined, as on the cluster it ended 1 workers, and on this")
+    assert line.startswith(
+        "prelab-sinusoids of bea: quarantined; on the cluster, it killed 1 workers; on this machine, "
+    )
     assert "it isolates less than the workers" in line
     assert {row.split(",")[5] for row in rows(tmp_path / "out")[1:]} == {"quarantined"}
 
     few = replace(batch, students=("ann", "bea", "cut"))
     done = list(grade(course, few, tmp_path / "out", machines, told))
     assert Graded("bea", PRELAB, True, "environment") in done
-    assert "prelab-sinusoids of bea: graded on this machine, as on the cluster it ended 1 workers" in told
+    assert "prelab-sinusoids of bea: graded on this machine; on the cluster, it killed 1 workers" in told
     assert rows(tmp_path / "out") == rows(local, "student", *few.students)
 
 
@@ -254,7 +256,7 @@ def test_a_worker_with_another_labsid_is_refused(
             executor._client.wait_for_workers(2, timeout=60)
             list(grade_batch(course, few, tmp_path / "out", executor, SECRET))
     (line,) = told
-    assert "is refused: its labsid has other sources than this machine's" in line
+    assert "is rejected: its labsid has other sources than this machine's" in line
     assert rows(tmp_path / "out") == rows(local, "student", *RIGHT)
 
     machines.workers[0].kill()
@@ -263,7 +265,7 @@ def test_a_worker_with_another_labsid_is_refused(
     arguments = ["--submitted", str(batch.submitted), "--out", str(tmp_path / "none")]
     assert main(["course", "grade", *arguments, "--scheduler", machines.address]) == 2
     (line,) = capsys.readouterr().err.splitlines()
-    assert f"no worker of {machines.address} can be used" in line
+    assert f"no worker of {machines.address} is usable" in line
     assert "its labsid has other sources" in line
     assert not list((tmp_path / "none").glob("results/*"))
 
@@ -279,11 +281,11 @@ def test_stopped_by_ctrl_c_and_by_a_scheduler_that_dies_a_run_goes_on(
 ) -> None:
     (tmp_path / "slow.py").write_text(
         "import time\n"
-        "from autograder.batch import cluster_worker, executors\n"
-        "def carry_out(task, launcher):\n"
+        "from autograder.batch import cluster_worker, tasks\n"
+        "def run_task(task, launcher):\n"
         "    time.sleep(0.3)\n"
-        "    return executors.carry_out(task, launcher)\n"
-        "cluster_worker.carry_out = carry_out\n",
+        "    return tasks.run_task(task, launcher)\n"
+        "cluster_worker.run_task = run_task\n",
         encoding="utf-8",
     )
     machines.start().add_worker("--preload", str(tmp_path / "slow.py"))
@@ -368,19 +370,19 @@ def test_a_scheduler_without_workers_is_not_waited_for(machines: Machines, monke
 def fresh_worker(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
     """This process as a worker that has no launcher yet."""
     with contextlib.ExitStack() as opened:
-        monkeypatch.setattr(cluster_worker, "_OPEN", {})
+        monkeypatch.setattr(cluster_worker, "_LAUNCHERS", {})
         monkeypatch.setattr(cluster_worker, "_TO_CLOSE", opened)
         yield
 
 
 @pytest.mark.usefixtures("fresh_worker")
 def test_what_a_worker_is_refused_for(monkeypatch: pytest.MonkeyPatch) -> None:
-    wanted = cluster_worker.demand("best", LIMITS)
+    wanted = cluster_worker.worker_requirements("best", LIMITS)
 
     def refused(**other: object) -> str:
-        answer = cluster_worker.greet(replace(wanted, **other))  # type: ignore[arg-type]
-        assert isinstance(answer, cluster_worker.Failed)
-        return answer.why
+        answer = cluster_worker.check_worker(replace(wanted, **other))  # type: ignore[arg-type]
+        assert isinstance(answer, cluster_worker.Failure)
+        return answer.reason
 
     assert "other sources" in refused(sources="others")
     there = tuple("numpy=0.1" if one.startswith("numpy=") else one for one in wanted.environment)
@@ -389,10 +391,10 @@ def test_what_a_worker_is_refused_for(monkeypatch: pytest.MonkeyPatch) -> None:
         patch.setattr("autograder.sandbox.isolation._climb", lambda wanted, limits: (None, []))
         assert "isolation 'strict' cannot be had" in refused(isolation="strict")
     with monkeypatch.context() as patch:
-        patch.setattr(cluster_worker, "holds", lambda launcher, escape: False)
+        patch.setattr(cluster_worker, "is_blocked", lambda launcher, escape: False)
         assert "student code on it could connect to the scheduler" in refused()
-        assert cluster_worker.greet(replace(wanted, isolation="none")) == "none"
-    assert cluster_worker.greet(wanted) in LEVELS
+        assert cluster_worker.check_worker(replace(wanted, isolation="none")) == "none"
+    assert cluster_worker.check_worker(wanted) in LEVELS
 
 
 def test_what_goes_over_the_wire_comes_out_the_same(course: Course, tmp_path: Path) -> None:

@@ -16,10 +16,10 @@ import numpy as np
 import pytest
 from course_work import give_by_hand, scores_in_gradebook
 
-from autograder.batch.assets import DataStore, inputs_for
 from autograder.batch.executors import LocalExecutor
-from autograder.batch.fingerprint import fingerprint
+from autograder.batch.fingerprint import result_fingerprint
 from autograder.batch.grade import Batch, Graded, find_batch, grade_batch, write_grades
+from autograder.batch.grading_inputs import DataStore, inputs_for
 from autograder.course.layout import Course, read_template
 from autograder.export.grades_csv import export_csv
 from autograder.intake.submission import Step
@@ -218,7 +218,7 @@ def test_every_part_of_a_fingerprint_counts(course: Course, tmp_path: Path, monk
 
     def parts(root: Path = course.root, secret: bytes | None = None) -> dict[str, str]:
         data_store = DataStore(Course(root), secret, tmp_path / "records")
-        return fingerprint(data_store, inputs_for(data_store, template, "ann"), folder)
+        return result_fingerprint(data_store, inputs_for(data_store, template, "ann"), folder)
 
     def differing(other: dict[str, str]) -> set[str]:
         return {part for part, found in other.items() if found != first[part]}

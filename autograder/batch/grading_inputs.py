@@ -1,0 +1,120 @@
+"""What grading needs besides the submission: the checks, the student's record and the files of the work folder.
+
+With a course secret, each student's record and the hidden inputs of functions under test are derived from
+HMAC(secret, ID).
+"""
+
+import hashlib
+import hmac
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from threading import Lock
+
+from autograder.course.individual_data import generator_hash, individual_file, is_individual
+from autograder.course.layout import Course, Template
+from autograder.judge.judging import Assets
+from labsid._files import write_file
+from labsid.checks.notebook import load_assignment
+from labsid.checks.question import Origin
+from labsid.records.record import load_record
+from labsid.rig.switchable.withheld_effects import STAND_IN_STUDENT
+
+_GENERATING = Lock()  # several threads may need the same record
+
+PUBLIC_SECRET = b"labsid: inputs of functions under test"
+"""Seeds the hidden inputs of functions under test in a course without a secret."""
+
+COURSE_ORIGIN = Origin(STAND_IN_STUDENT, PUBLIC_SECRET)
+"""Origin of the course's own records, used by everybody without an individual one."""
+
+
+@dataclass(frozen=True, slots=True)
+class GradingInputs:
+    """What one student's submission of one assignment is graded with.
+
+    Attributes
+    ----------
+    assets : Assets
+        What the judge needs.
+    files : mapping
+        Files of the student's work folder: path by file name.
+    """
+
+    assets: Assets
+    files: Mapping[str, Path]
+
+
+@dataclass(frozen=True, slots=True)
+class DataStore:
+    """Source of the students' data files.
+
+    Attributes
+    ----------
+    course : Course
+    secret : bytes or None
+        The course's secret; None if everybody works on the course's own record.
+    folder : Path
+        Cache of the generated records.
+    """
+
+    course: Course
+    secret: bytes | None
+    folder: Path
+
+    @property
+    def seed(self) -> bytes:
+        """Seed of the hidden inputs of functions under test."""
+        return PUBLIC_SECRET if self.secret is None else self.secret
+
+
+def inputs_for(data_store: DataStore, template: Template, student: str) -> GradingInputs:
+    """Collect what one student's submission of one assignment is graded with.
+
+    Raises
+    ------
+    ValueError
+        If no record can be generated for that student ID.
+    """
+    assignment = load_assignment(template.assignment)
+    if assignment.record_file is None:
+        return GradingInputs(Assets(template, assignment, None, data_store.seed), {})
+    path = record_path(data_store, assignment.record_file, student)
+    origin = COURSE_ORIGIN if data_store.secret is None else Origin(student, data_store.secret)
+    assets = Assets(template, assignment, load_record(path), data_store.seed, origin)
+    return GradingInputs(assets, {assignment.record_file: path})
+
+
+def record_path(data_store: DataStore, name: str, student: str) -> Path:
+    """Path of a student's record, which is generated if it is not in the store yet.
+
+    Parameters
+    ----------
+    data_store : DataStore
+    name : str
+        Name of the file beside the notebook.
+    student : str
+
+    Raises
+    ------
+    ValueError
+        If no record can be generated for that student ID.
+    """
+    if data_store.secret is None or not is_individual(name):
+        return data_store.course.data / name
+    key = f"{generator_hash(name)}\0{name}\0{student}".encode(errors="surrogatepass")
+    stem = hmac.new(data_store.secret, key, hashlib.sha256).hexdigest()[:32]
+    path = data_store.folder / f"{stem}{Path(name).suffix}"
+    with _GENERATING:
+        if not path.is_file():
+            path.parent.mkdir(parents=True, exist_ok=True)
+            write_file(path, individual_file(name, student, data_store.secret))
+    return path
+
+
+def data_hash(data_store: DataStore, inputs: GradingInputs) -> str:
+    """Fingerprint of the data files and of the hidden inputs' seed; it does not reveal the secret."""
+    digest = hashlib.sha256(hmac.new(data_store.seed, b"inputs", hashlib.sha256).digest())
+    for name, path in sorted(inputs.files.items()):
+        digest.update(name.encode() + b"\0" + hashlib.sha256(path.read_bytes()).digest())
+    return digest.hexdigest()
