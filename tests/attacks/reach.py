@@ -45,8 +45,9 @@ ATTACKS = (
     Attack(
         "runs the source of the reference",
         "the file is not in its sight",
-        {FUNCTION: "import os, labsid\nnames = {}\nexec(open(os.path.join(labsid.__path__[0], 'lab', 'sinusoid.py')).read(), "
-                   "names)\nSinusoids, found = names['Sinusoids'], names['cut_off']\n" + _USE},
+        {FUNCTION: "import os, labsid\nnames = {}\n"
+                   "exec(open(os.path.join(labsid.__path__[0], 'lab', 'sinusoid.py')).read(), names)\n"
+                   "Sinusoids, found = names['Sinusoids'], names['cut_off']\n" + _USE},
         loses=(FUNCTION,),
         said="FileNotFoundError|PermissionError",
         open_on_none=_FILES,
