@@ -18,7 +18,7 @@ from labsid._files import write_file, write_json
 from labsid.gap.workers import ATTEMPTS, run_tasks, serve
 
 if TYPE_CHECKING:  # it comes with the whole search, which only the workers need
-    from labsid.gap.tree import Progress
+    from labsid.gap.beam_search import Progress
 
 SCHEMA = "labsid.gap/1"
 RECORDS = (".csv", ".mat")

@@ -7,20 +7,20 @@ from typing import Any
 import numpy as np
 
 from labsid._arrays import FloatArray
-from labsid.gap.answer import answer
 from labsid.gap.baseline import Baseline, Simulation, as_running, baseline_of, bounded
+from labsid.gap.beam_search import Progress
 from labsid.gap.clock import clock_findings, in_step, stated_sampling
 from labsid.gap.context import scaled
-from labsid.gap.decide import IS_RIGHT, decide, trusted
+from labsid.gap.decision import IS_RIGHT, decide, trusted
 from labsid.gap.effects.base import AdditiveEffect
-from labsid.gap.how_much import HowMuch, how_much_of
+from labsid.gap.explanation import Explained, explain
 from labsid.gap.leftover import leftover
 from labsid.gap.long_record import holdout_part, part_of
 from labsid.gap.model_file import RunningModel, running_model
 from labsid.gap.record_findings import PlateauGap, error_findings, filter_length, plateau_gap, record_findings
+from labsid.gap.report import answer
+from labsid.gap.scores import HowMuch, how_much_of
 from labsid.gap.traces import traces
-from labsid.gap.tree import Progress
-from labsid.gap.which import Explained, explain
 from labsid.lab.findings import about_clipping
 from labsid.records.record import Record
 

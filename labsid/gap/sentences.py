@@ -3,8 +3,8 @@
 import re
 from typing import Any
 
+from labsid.gap.effect_texts import RAW, STOPS, clause, noun
 from labsid.gap.quantities import closure, number, p_value, percent, probability
-from labsid.gap.words import RAW, STOPS, clause, noun
 
 PLACES = {
     "input": "on the way in, between the command and the process",

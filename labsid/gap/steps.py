@@ -4,10 +4,10 @@ from dataclasses import replace
 
 import numpy as np
 
+from labsid.gap.explanation import Explained
 from labsid.gap.fitting import Fit, refit
-from labsid.gap.how_much import HowMuch, closure
 from labsid.gap.model_file import running_model
-from labsid.gap.which import Explained
+from labsid.gap.scores import HowMuch, closure
 from labsid.records.record import Record
 
 

@@ -10,7 +10,7 @@ from scipy.signal import cont2discrete, lfilter
 
 from labsid._arrays import FloatArray
 from labsid.gap.context import scaled
-from labsid.gap.which import Explained, explain
+from labsid.gap.explanation import Explained, explain
 from labsid.records.record import Record
 
 Flow = Callable[[FloatArray, float], list[float]]

@@ -22,13 +22,13 @@ from labsid.gap.candidates import (
 from labsid.gap.context import Context, Data, scaled
 from labsid.gap.effects import disturbance, drifting, dynamics, input, output
 from labsid.gap.effects.base import Effect
+from labsid.gap.explanation import Explained, explain
 from labsid.gap.fitting import Fit, at_start, finish, rms, search
 from labsid.gap.forms import INNER_WAVE, LOAD_WAVE, WAVE, homes
 from labsid.gap.hypothesis import Hypothesis
 from labsid.gap.linear_fits import LINEAR, baseline, swift_fit
 from labsid.gap.plants import Plant
 from labsid.gap.responses import real_rates
-from labsid.gap.which import Explained, explain
 
 Response = Callable[..., FloatArray]
 

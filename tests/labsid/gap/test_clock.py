@@ -10,9 +10,9 @@ from labsid.cli.commands import main
 from labsid.gap.batch import diagnose_folder
 from labsid.gap.clock import clock_findings, in_step
 from labsid.gap.diagnosis import diagnose
-from labsid.gap.page import page
+from labsid.gap.html_report import page
 from labsid.gap.simulations import load_simulation, play
-from labsid.gap.text import verdict_text
+from labsid.gap.text_report import verdict_text
 from labsid.records.record import Record, load_record
 
 DEN = np.poly([0.95, 0.8]).tolist()

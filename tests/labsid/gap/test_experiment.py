@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from labsid.gap.experiment import Experiment, next_experiment
+from labsid.gap.explanation import Explained
 from labsid.gap.fitting import search
-from labsid.gap.which import Explained
 
 
 @pytest.fixture(scope="module")

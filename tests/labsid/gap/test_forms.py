@@ -11,6 +11,7 @@ from labsid.gap.candidates import finished, sketches
 from labsid.gap.context import Data, scaled
 from labsid.gap.effects import disturbance, drifting, dynamics, input, output
 from labsid.gap.effects.base import Effect
+from labsid.gap.explanation import Explained, explain
 from labsid.gap.fitting import Fit, finish, rms, search
 from labsid.gap.forms import (
     INNER_LOAD,
@@ -35,7 +36,6 @@ from labsid.gap.hypothesis import Hypothesis
 from labsid.gap.linear_fits import LINEAR, baseline, swift_fit
 from labsid.gap.plants import Plant
 from labsid.gap.settling import settle
-from labsid.gap.which import Explained, explain
 
 Response = Callable[..., FloatArray]
 

@@ -10,7 +10,7 @@ from scipy.interpolate import CubicSpline
 from scipy.signal import cont2discrete, lfilter
 
 from labsid._arrays import FloatArray
-from labsid.gap import answer
+from labsid.gap import report
 from labsid.gap.candidates import CANDIDATES
 from labsid.gap.context import Context, Data, Scale, scaled
 from labsid.gap.effects import curves, disturbance, drifting, dynamics, input, output
@@ -98,7 +98,7 @@ def values(fit: Fitted) -> dict[str, tuple[float, str]]:
 
 
 def test_names_and_paths_are_those_of_the_table() -> None:
-    found = {effect.name: effect.path for effect in ALL} | answer.PATHS
+    found = {effect.name: effect.path for effect in ALL} | report.PATHS
     assert found == TABLE
     assert all(effect.path == TABLE[effect.name] for effect in ALL)
     assert [group[0].name for group in CANDIDATES] == list(dict.fromkeys(effect.name for effect in ALL))

@@ -7,6 +7,7 @@ import pytest
 from scipy.signal import cont2discrete, lfilter
 
 from labsid._arrays import FloatArray
+from labsid.gap.beam_search import search_tree
 from labsid.gap.context import Data, scaled
 from labsid.gap.diagnosis import Diagnosis, diagnose
 from labsid.gap.effects import dynamics, input, output
@@ -15,7 +16,6 @@ from labsid.gap.freeing import freed
 from labsid.gap.hypothesis import Hypothesis
 from labsid.gap.linear_fits import LINEAR, baseline, driven_baseline
 from labsid.gap.own_motion import goes_on_alone, has_become_a_mode
-from labsid.gap.tree import search_tree
 from labsid.records.record import Record
 
 TS, SAMPLES, RATE, NOISE = 0.2, 700, 0.07, 0.008

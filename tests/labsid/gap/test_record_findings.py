@@ -17,7 +17,7 @@ from labsid.gap.record_findings import (
     plateau_gap,
     record_findings,
 )
-from labsid.gap.text import verdict_text
+from labsid.gap.text_report import verdict_text
 from labsid.records.record import Record, load_record
 
 MATTERS = PlateauGap(repeat=False, largest=0.1, scatter=0.05, missed=0.05, of_gap=0.9, left=1.0)

@@ -5,9 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from labsid.gap.how_much import HowMuch, how_much_of
+from labsid.gap.explanation import Explained
+from labsid.gap.scores import HowMuch, how_much_of
 from labsid.gap.steps import closed_by_step
-from labsid.gap.which import Explained
 from labsid.records.record import Record
 
 

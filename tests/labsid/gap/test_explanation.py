@@ -9,12 +9,12 @@ import pytest
 from scipy.signal import lfilter
 
 from labsid._arrays import FloatArray
+from labsid.gap.beam_search import nothing_left, search_tree, worth
 from labsid.gap.context import scaled
+from labsid.gap.explanation import Explained, explain, faint, trimmed, unsimulated
 from labsid.gap.fitting import Fit, power
 from labsid.gap.linear_fits import LINEAR
-from labsid.gap.raw import RawFaults
-from labsid.gap.tree import nothing_left, search_tree, worth
-from labsid.gap.which import Explained, explain, faint, trimmed, unsimulated
+from labsid.gap.sample_faults import RawFaults
 
 
 def test_the_path_adds_one_effect_at_a_time(banded: Explained) -> None:

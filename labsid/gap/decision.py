@@ -6,11 +6,11 @@ from typing import NamedTuple
 
 import numpy as np
 
+from labsid.gap.beam_search import worth
+from labsid.gap.effect_texts import STOPS
+from labsid.gap.explanation import Explained
 from labsid.gap.fitting import Fit, power
 from labsid.gap.leftover import SLOW, Leftover, is_noise
-from labsid.gap.tree import worth
-from labsid.gap.which import Explained
-from labsid.gap.words import STOPS
 
 TEMPERATURE = 4.0  # BIC counts for less than theory says: models are never exactly true
 TOLD_APART = 0.03  # probability below which a rival is left out of the set

@@ -11,9 +11,9 @@ import pytest
 from gap_reports import PARAMETERS, report, with_experiment, with_holdout, with_plateaus
 
 from labsid.gap import sentences
-from labsid.gap.page import _unbroken, command, page, write_page
-from labsid.gap.whereabouts import where_sentences
-from labsid.gap.words import WORDS
+from labsid.gap.effect_texts import WORDS
+from labsid.gap.html_report import _unbroken, command, page, write_page
+from labsid.gap.location_text import where_sentences
 
 VOID = {"meta", "img", "source", "br", "link", "hr", "input"}
 HOSTILE = "<script>alert('&\"')</script>"

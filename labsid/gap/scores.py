@@ -6,11 +6,11 @@ import numpy as np
 
 from labsid._arrays import FloatArray
 from labsid.gap.context import Data
+from labsid.gap.explanation import Explained
 from labsid.gap.fitting import Fit, refit
 from labsid.gap.holdout import held_out
 from labsid.gap.leftover import explained_share, features
 from labsid.gap.model_file import START, running_model
-from labsid.gap.which import Explained
 
 DRAWS = 400
 BAND = (2.5, 97.5)

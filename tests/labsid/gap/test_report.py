@@ -5,9 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from labsid.gap.answer import _screen
-from labsid.gap.raw import RawFaults
-from labsid.gap.which import Explained
+from labsid.gap.explanation import Explained
+from labsid.gap.report import _screen
+from labsid.gap.sample_faults import RawFaults
 
 
 @pytest.mark.parametrize(

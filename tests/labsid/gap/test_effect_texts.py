@@ -4,8 +4,8 @@ import pytest
 from gap_reports import PARAMETERS, effect
 
 from labsid.gap.candidates import CANDIDATES
+from labsid.gap.effect_texts import WORDS, amount, clause, label, noun
 from labsid.gap.quantities import UNITS
-from labsid.gap.words import WORDS, amount, clause, label, noun
 
 CLAUSES = {
     "input-delay": "The rig answers each command 0.4339 s late",

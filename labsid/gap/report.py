@@ -6,21 +6,21 @@ import numpy as np
 from scipy.stats import chi2
 
 from labsid._arrays import FloatArray
-from labsid.gap import where
+from labsid.gap import location
 from labsid.gap._kernels import whiten
 from labsid.gap.baseline import Baseline
 from labsid.gap.context import Data
-from labsid.gap.decide import MISMATCH, Decision
+from labsid.gap.decision import MISMATCH, Decision
 from labsid.gap.effects.base import Effect
 from labsid.gap.experiment import Experiment, next_experiment
+from labsid.gap.explanation import Explained
 from labsid.gap.fitting import Fit, power
-from labsid.gap.how_much import HowMuch, closure
 from labsid.gap.leftover import Leftover
 from labsid.gap.numbers import marked, parameters_of
 from labsid.gap.quantities import counted, percent
+from labsid.gap.scores import HowMuch, closure
 from labsid.gap.steps import closed_by_step
 from labsid.gap.traces import traces
-from labsid.gap.which import Explained
 from labsid.records.record import Record
 
 SCHEMA = "labsid.gap/1"
@@ -79,10 +79,10 @@ def answer(
         "ranking": _ranking(explained, decision, before),
         "where": {
             "path": effects[0]["path"] if effects else decision.verdict,
-            "time": where.in_time(record.t, e, record.Ts, mark),
-            "band_hz": where.in_frequency(e, record.Ts),
-            "operating": where.most_telling(record.u, record.y, record.Ts, e),
-            "map": where.operating_map(record.u, record.y, e),
+            "time": location.in_time(record.t, e, record.Ts, mark),
+            "band_hz": location.in_frequency(e, record.Ts),
+            "operating": location.most_telling(record.u, record.y, record.Ts, e),
+            "map": location.operating_map(record.u, record.y, e),
         },
         "gap": {
             "before": amount.before * unit,

@@ -5,6 +5,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from labsid._arrays import FloatArray
+from labsid.gap.beam_search import EFFECT_SIZE, Levels, Progress, best_path, change, changes, search_tree
 from labsid.gap.context import Data
 from labsid.gap.effects.base import AdditiveEffect
 from labsid.gap.fitting import Fit, power, refit, rms
@@ -12,8 +13,7 @@ from labsid.gap.holdout import BLOCKS, held_out
 from labsid.gap.hypothesis import Hypothesis
 from labsid.gap.leftover import SLOW, slow_colour
 from labsid.gap.linear_fits import LINEAR, baseline
-from labsid.gap.raw import RawFaults, find_held, find_spikes, lattice_of
-from labsid.gap.tree import EFFECT_SIZE, Levels, Progress, best_path, change, changes, search_tree
+from labsid.gap.sample_faults import RawFaults, find_held, find_spikes, lattice_of
 
 NOISE_TOO = 1.3**2  # of the variance that is no rounding: from here on the converter is what limits the record
 HELD_TOO = 0.7  # the same where the logger holds values: on a coarse lattice some of that is never found

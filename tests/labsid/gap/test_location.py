@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
-from labsid.gap.where import (
+from labsid.gap.location import (
     CELLS,
     MAP_CELLS,
     MOST_STRETCHES,

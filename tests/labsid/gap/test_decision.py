@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from labsid.gap.candidates import CANDIDATES
-from labsid.gap.decide import (
+from labsid.gap.decision import (
     IS_RIGHT,
     MISMATCH,
     MOST_RIVALS,
@@ -19,10 +19,10 @@ from labsid.gap.decide import (
     trusted,
 )
 from labsid.gap.effects import output
+from labsid.gap.explanation import Explained
 from labsid.gap.fitting import Fit, power
 from labsid.gap.hypothesis import Hypothesis
 from labsid.gap.leftover import Leftover, leftover
-from labsid.gap.which import Explained
 
 STRUCTURE = {"repeats": 0.6, "repeats_z": 9.0, "explained": 0.6}
 

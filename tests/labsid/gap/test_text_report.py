@@ -6,9 +6,9 @@ import pytest
 from gap_reports import PARAMETERS, effect, report, with_experiment, with_holdout, with_plateaus
 
 from labsid.gap import sentences
-from labsid.gap.text import WIDTH, verdict_text
-from labsid.gap.whereabouts import where_sentences
-from labsid.gap.words import RAW, clause, noun
+from labsid.gap.effect_texts import RAW, clause, noun
+from labsid.gap.location_text import where_sentences
+from labsid.gap.text_report import WIDTH, verdict_text
 
 
 def _one_line(text):

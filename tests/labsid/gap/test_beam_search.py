@@ -10,17 +10,7 @@ from scipy.integrate import solve_ivp
 from scipy.signal import lfilter
 
 from labsid._arrays import FloatArray
-from labsid.gap.candidates import compatible
-from labsid.gap.context import Data, scaled
-from labsid.gap.diagnosis import diagnose
-from labsid.gap.effects import dynamics, input, output
-from labsid.gap.effects.base import Fitted
-from labsid.gap.fitting import Fit, finish, rms, search
-from labsid.gap.forms import LEAK, LOAD
-from labsid.gap.hypothesis import Hypothesis
-from labsid.gap.linear_fits import baseline, swift_fit
-from labsid.gap.settling import polish
-from labsid.gap.tree import (
+from labsid.gap.beam_search import (
     BEAM,
     FREE,
     Level,
@@ -33,7 +23,17 @@ from labsid.gap.tree import (
     nothing_left,
     rounded,
 )
-from labsid.gap.which import Explained, explain
+from labsid.gap.candidates import compatible
+from labsid.gap.context import Data, scaled
+from labsid.gap.diagnosis import diagnose
+from labsid.gap.effects import dynamics, input, output
+from labsid.gap.effects.base import Fitted
+from labsid.gap.explanation import Explained, explain
+from labsid.gap.fitting import Fit, finish, rms, search
+from labsid.gap.forms import LEAK, LOAD
+from labsid.gap.hypothesis import Hypothesis
+from labsid.gap.linear_fits import baseline, swift_fit
+from labsid.gap.settling import polish
 from labsid.records.record import Record
 
 Response = Callable[..., FloatArray]
@@ -208,10 +208,10 @@ def test_what_may_be_rounding_is_told_from_what_is_not(plain: Explained, monkeyp
     assert not rounded(replace(lattice, y=np.round((fit.output + wave) / step) * step), fit)
     # A fit that is not quite there is drawn within the steps before it is judged; one that is far off is not.
     assert rounded(lattice, replace(fit, output=fit.output + 0.15 * step))
-    monkeypatch.setattr("labsid.gap.tree.DRAWN", 1)
+    monkeypatch.setattr("labsid.gap.beam_search.DRAWN", 1)
     assert not rounded(lattice, replace(fit, output=fit.output + 0.15 * step))
     assert rounded(lattice, replace(fit, output=fit.output + 0.1 * step))
-    monkeypatch.setattr("labsid.gap.tree.refit", None)
+    monkeypatch.setattr("labsid.gap.beam_search.refit", None)
     assert not rounded(lattice, replace(fit, output=fit.output + 0.5 * step))
 
 

@@ -4,9 +4,9 @@ import textwrap
 from typing import Any
 
 from labsid.gap import sentences
+from labsid.gap.effect_texts import amount, label, noun
+from labsid.gap.location_text import where_sentences
 from labsid.gap.quantities import probability
-from labsid.gap.whereabouts import where_sentences
-from labsid.gap.words import amount, label, noun
 
 WIDTH = 96
 INDENT = 11

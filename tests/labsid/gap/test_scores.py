@@ -9,9 +9,10 @@ from scipy.signal import lfilter
 from scipy.stats import chi2
 
 from labsid._arrays import FloatArray
+from labsid.gap.explanation import Explained
 from labsid.gap.fitting import Fit
 from labsid.gap.holdout import held_out
-from labsid.gap.how_much import (
+from labsid.gap.scores import (
     LEAST_DOUBT,
     HowMuch,
     _interval,
@@ -21,7 +22,6 @@ from labsid.gap.how_much import (
     how_much_of,
     noise_power,
 )
-from labsid.gap.which import Explained
 
 
 @pytest.mark.parametrize(

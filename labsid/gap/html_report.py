@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING, Any
 
 from labsid._files import write_file
 from labsid.gap import sentences
+from labsid.gap.effect_texts import RAW, WORDS, amount, label
+from labsid.gap.location_text import where_sentences
 from labsid.gap.quantities import closure, number, probability
-from labsid.gap.whereabouts import where_sentences
-from labsid.gap.words import RAW, WORDS, amount, label
 
 if TYPE_CHECKING:
     import jinja2
