@@ -1,4 +1,4 @@
-"""The sealed check from end to end: make the cases, run the diagnosis on them, open the labels, print the table."""
+"""The sealed check from end to end: make the cases, run the diagnosis, compare with the labels, print the table."""
 
 from collections.abc import Callable, Sequence
 from pathlib import Path
@@ -36,25 +36,25 @@ def run_sealed_check(
     ----------
     suite : {"dev", "final"}
     per_row : int, optional
-        Records behind each row of the bars; 80 in `dev` and 220 in `final` unless given.
+        Records in each row of the table; by default 80 in `dev` and 220 in `final`.
     rows : sequence of str, optional
-        All unless given.
+        Rows to run; by default all.
     jobs : int
-        Processes at a time.
+        Number of parallel processes.
     replays : int, optional
-        Clear records whose exported simulation is played on 20 fresh ones; as many as `per_row` unless given.
+        Number of records whose exported simulation is run on 20 fresh records; by default `per_row`.
     report : Path, optional
-        Also write the table here, in Markdown.
+        Markdown file to which the table is also written.
 
     Returns
     -------
     int
-        Exit status: 1 where a bar that must be reached is missed by more than chance, else 0.
+        Exit status: 1 if a requirement is missed by more than chance, otherwise 0.
 
     Raises
     ------
     ValueError
-        If there is no such suite or row, or `jobs` is below 1.
+        If the suite or a row does not exist, or `jobs` is below 1.
     """
     if jobs < 1:
         raise ValueError(f"jobs must be at least 1; got {jobs}. Give the number of processes.")
@@ -77,7 +77,7 @@ def run_sealed_check(
             progress.advance(refitting)
         again = [case for case in made if is_repeatable(case)]
         again = again[: (per_row or PER_ROW[suite]) if replays is None else replays]
-        playing = progress.add_task("playing fresh records", total=len(again))
+        playing = progress.add_task("simulating fresh records", total=len(again))
         replayed = evaluate_replays(again, jobs, lambda n: progress.update(playing, completed=n))
     scores = score_cases(outcomes, replayed, seconds)
     print_scores(scores, f"labsid gap blind --suite {suite}: {len(made)} records")
@@ -87,7 +87,7 @@ def run_sealed_check(
 
 
 def evaluate_case(case: Case, result: dict[str, Any] | None) -> CaseOutcome:
-    """Put label and result side by side; of a clear single effect also what could have been closed.
+    """Combine label and result, and compute the closure of a clear single effect.
 
     Parameters
     ----------
@@ -106,7 +106,7 @@ def evaluate_case(case: Case, result: dict[str, Any] | None) -> CaseOutcome:
 
 
 def is_repeatable(case: Case) -> bool:
-    """Whether the rig would do the same in another record, so that its exported simulation can be held to it.
+    """Whether the effect recurs in another record of the rig, so that fresh records can test its simulation.
 
     Parameters
     ----------
@@ -123,19 +123,19 @@ def is_repeatable(case: Case) -> bool:
 def evaluate_replays(
     made: Sequence[Case], jobs: int, on_progress: Callable[[int], None] | None = None
 ) -> list[CaseOutcome]:
-    """Play the exported simulation of each case on fresh records of the same rig.
+    """Run the exported simulation of each case on fresh records of the same rig.
 
     Parameters
     ----------
     made : sequence of Case
     jobs : int
     on_progress : callable, optional
-        Called with how many cases are done.
+        Called with the number of finished cases.
 
     Returns
     -------
     list of Judged
-        With `redraw` where the simulation could be played.
+        With `fresh_closure` if the simulation ran on every record.
     """
     experiments = [[redraw(case.experiment, i) for i in range(FRESH_RECORDS)] for case in made]
     others = [
@@ -152,7 +152,7 @@ def evaluate_replays(
 
 
 def _fresh_closure(case: Case, records: Sequence[Record], clean: Sequence[FloatArray], replay: Replay) -> float | None:
-    """Closure over the fresh records, from the best linear model of the samples that the diagnosis fitted."""
+    """Closure over the fresh records, relative to the best linear model of the samples that the diagnosis fitted."""
     after = [output for output in replay.outputs if output is not None]
     if replay.result is None or len(after) < len(records):
         return None

@@ -1,4 +1,4 @@
-"""How far a gap can be closed: the true structure refitted, on the very samples that the diagnosis held out."""
+"""Share of the gap that the diagnosis and the refitted true structure close on the held-out samples."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -17,10 +17,10 @@ from labsid.rig.switchable.setup import Setup
 from labsid.rig.switchable.simulation import Noise, UnboundedOutputError, simulate_setup
 
 INITIAL_SAMPLES = 50
-"""Samples of a second record from which its initial state is estimated; they are not scored."""
+"""Leading samples of a second record, used to estimate its initial state and excluded from the score."""
 
 CLOSES_NOTHING = {"coloured-noise", "output-outliers"}
-"""Effects that no free run reproduces, however right its structure."""
+"""Effects that no free run can reproduce, even with the true structure."""
 
 _MOTION = (
     *("T0", "T1", "damping", "coupling", "actuator_lag", "sensor_lag"),
@@ -34,14 +34,14 @@ _SENSOR = ("c2", "c3", "drift", "amplitude", "frequency", "phase", "low", "high"
 
 @dataclass(frozen=True, slots=True)
 class Closure:
-    """What is left on held-out samples by the diagnosis and by the truth.
+    """Closed share of the gap on held-out samples.
 
     Attributes
     ----------
     diagnosed : float
-        Share of the gap closed by the diagnosis, scored with the true noise.
+        Share closed by the diagnosis, relative to the true noise.
     possible : float
-        The same for the true structure, its parameters refitted on the same samples.
+        Share closed by the true structure, refitted on the same samples.
     """
 
     diagnosed: float
@@ -49,12 +49,12 @@ class Closure:
 
 
 def closed_share(before: float, after: float, floor: float) -> float | None:
-    """Share of a gap that is closed: None where there is no gap before.
+    """Share of a gap that is closed, or None if there is no gap before.
 
     Parameters
     ----------
     before, after, floor : float
-        Root mean square errors; the floor is the noise's.
+        Root mean square errors; `floor` is that of the noise.
 
     Returns
     -------
@@ -67,7 +67,7 @@ def closed_share(before: float, after: float, floor: float) -> float | None:
 
 
 def compare_closure(case: Case, result: dict[str, Any]) -> Closure | None:
-    """Compare what a diagnosis closes with what the true structure closes.
+    """Compute the shares of the gap closed by a diagnosis and by the true structure.
 
     Parameters
     ----------
@@ -78,7 +78,7 @@ def compare_closure(case: Case, result: dict[str, Any]) -> Closure | None:
     Returns
     -------
     Closure or None
-        None where nothing can be closed, or the result does not say what was held out.
+        None if no free run can close the gap, or the result does not state the held-out samples.
     """
     if not case.labels or set(case.labels) & {"unknown", "parameter-mismatch", *CLOSES_NOTHING}:
         return None
@@ -96,7 +96,7 @@ def compare_closure(case: Case, result: dict[str, Any]) -> Closure | None:
 
 
 def held_out_samples(case: Case, result: dict[str, Any]) -> NDArray[np.bool_] | None:
-    """Which samples of the record the diagnosis says that it held out.
+    """Samples that the diagnosis states it held out.
 
     Parameters
     ----------
@@ -106,7 +106,7 @@ def held_out_samples(case: Case, result: dict[str, Any]) -> NDArray[np.bool_] | 
     Returns
     -------
     ndarray of bool, shape (N,), or None
-        None where it held out a second record, or nothing that makes sense.
+        None if it held out a second record or stated no plausible intervals.
     """
     blocks = (result.get("gap") or {}).get("holdout")
     if case.holdout is not None or not blocks:
@@ -119,17 +119,18 @@ def held_out_samples(case: Case, result: dict[str, Any]) -> NDArray[np.bool_] | 
 
 
 def refit_true_structure(case: Case, counts: NDArray[np.bool_]) -> FloatArray:
-    """The true structure, its parameters fitted to the samples that count.
+    """Fit the parameters of the true structure and simulate the record.
 
     Parameters
     ----------
     case : Case
     counts : ndarray of bool, shape (N,)
+        Samples to fit.
 
     Returns
     -------
     ndarray, shape (N,)
-        Its free run through the whole record, in the record's units.
+        Free run over the whole record, in the record's units.
     """
     experiment, y = case.experiment, case.record.y
     names = free_parameters(experiment)
@@ -138,7 +139,7 @@ def refit_true_structure(case: Case, counts: NDArray[np.bool_]) -> FloatArray:
     v = input_signal(experiment)
 
     def run(theta: FloatArray) -> FloatArray:
-        away = theta - 1.0  # scipy takes its difference steps as shares of theta
+        away = theta - 1.0  # theta is near one because scipy's difference steps are relative to it
         start = (experiment.start[0] + away[-2], experiment.start[1] + away[-1])
         values = truth + spread * away[:-2]
         setup = experiment.setup
@@ -160,7 +161,7 @@ def refit_true_structure(case: Case, counts: NDArray[np.bool_]) -> FloatArray:
 
 
 def free_parameters(experiment: Experiment) -> list[tuple[str, str]]:
-    """The parameters of a rig and its effects that a refit may move: part and name.
+    """Parameters of a rig and its effects that the refit estimates, as (part, name).
 
     Parameters
     ----------
@@ -182,7 +183,7 @@ def free_parameters(experiment: Experiment) -> list[tuple[str, str]]:
 
 
 def simulate_linear_fit(fit: LinearFit, u_mean: float, record: Record) -> FloatArray:
-    """Play a linear fit on another record, its initial state estimated from the first samples.
+    """Simulate a linear fit on another record, with the initial state estimated from the first samples.
 
     Parameters
     ----------
@@ -208,12 +209,12 @@ def simulate_linear_fit(fit: LinearFit, u_mean: float, record: Record) -> FloatA
 
 
 def pooled_closure(clean: Sequence[FloatArray], before: Sequence[FloatArray], after: Sequence[FloatArray]) -> float:
-    """Closure over several fresh records together, against their noise-free outputs.
+    """Closure over several fresh records, relative to their noise-free outputs.
 
     Parameters
     ----------
     clean, before, after : sequence of ndarray
-        Noise-free output, and the simulations before and after the effect was added.
+        Noise-free outputs, and the simulations without and with the effect.
 
     Returns
     -------

@@ -1,4 +1,4 @@
-"""What the rows have in common: a rig with an input and no effect yet, the finished case, kinds of noise."""
+"""Random draws shared by the rows: experiments without effects, complete cases and kinds of noise."""
 
 from dataclasses import replace
 from typing import Any
@@ -19,13 +19,13 @@ from labsid.rig.switchable.truth import true_parameters
 def draw_experiment(
     rng: np.random.Generator, effect: str, samples: int, inputs: tuple[str, ...], rigs: tuple[str, ...] = RIGS
 ) -> Experiment:
-    """Draw a rig without effects, its units, and the input that it will get.
+    """Draw a rig without effects, its units and its input.
 
     Parameters
     ----------
     rng : Generator
     effect : str
-        An effect of the table that the rig must have a place for; empty for any rig.
+        Effect of the table that the rig must support; empty for any rig.
     samples : int
     inputs : tuple of str
         Kinds of input to draw from.
@@ -58,7 +58,7 @@ def draw_experiment(
 
 
 def example_rig(rig: str) -> Setup:
-    """One rig of that name, to ask what it has a place for."""
+    """A rig of the given kind, to test which effects it supports."""
     return draw_rig(np.random.default_rng(0), 1500, (rig,))
 
 
@@ -73,7 +73,7 @@ def complete_case(
     noise: tuple[float, float],
     truth: dict[str, Any] | None = None,
 ) -> Case:
-    """Add the noise, run the rig, and put the label on.
+    """Add the noise, run the experiment and attach the label.
 
     Parameters
     ----------
@@ -82,13 +82,13 @@ def complete_case(
     setup : Setup
         The rig with its effects.
     sigma : float
-        Standard deviation of the noise in the rig's own units.
+        Standard deviation of the noise in rig units.
     name, row : str
     labels : tuple of str
     noise : tuple of float
-        Share of the variance that is coloured, and pole of that part.
+        Share of the coloured part in the variance, and its pole.
     truth : dict, optional
-        What is in the record; the parameters of the labels unless given.
+        True parameters; by default those of the labels.
 
     Returns
     -------
@@ -115,7 +115,7 @@ def complete_case(
 
 
 def _reached(effect: str, ends: dict[str, float], experiment: Experiment, setup: Setup) -> dict[str, float]:
-    """Those of the limits at which the record spends at least one sample in a hundred."""
+    """The limits that are active in at least 1 % of the samples."""
     if effect == "input-saturation":
         x = experiment.scales.u0 + experiment.scales.us * input_signal(experiment)
     else:
@@ -126,7 +126,7 @@ def _reached(effect: str, ends: dict[str, float], experiment: Experiment, setup:
 
 
 def with_unexercised_effect(rng: np.random.Generator, experiment: Experiment, effect: str) -> Setup:
-    """An effect that lies outside of where the record goes."""
+    """Add an effect outside the range of the record, so the record does not exercise it."""
     v, y = input_signal(experiment), clean_output(experiment, experiment.plain)
     setup, away = experiment.plain, float(rng.uniform(1.05, 1.5))
     match effect:
@@ -145,7 +145,7 @@ def with_unexercised_effect(rng: np.random.Generator, experiment: Experiment, ef
 
 
 def distance_from_rig(sim: dict[str, Any], experiment: Experiment) -> float:
-    """How far a simulation from rest is from the rig without effects, rms, in the rig's own units."""
+    """Rms difference between a simulation from rest and the rig without effects, in rig units."""
     at_rest = replace(experiment, start=(0.0, 0.0))
     gain = experiment.scales.us / experiment.scales.ys
     run = lfilter(np.array(sim["num"]) * gain, sim["den"], input_signal(experiment))
@@ -153,7 +153,7 @@ def distance_from_rig(sim: dict[str, Any], experiment: Experiment) -> float:
 
 
 def merge_effects(plain: Setup, one: Setup, two: Setup) -> Setup:
-    """Both effects on one rig: whatever either of them changed."""
+    """Combine two effects: apply every field that either of them changed."""
     motion = plain.motion._replace(
         **{k: v for part in (one, two) for k, v in part.motion._asdict().items() if v != getattr(plain.motion, k)}
     )
@@ -171,20 +171,20 @@ def merge_effects(plain: Setup, one: Setup, two: Setup) -> Setup:
 
 
 def log_uniform(rng: np.random.Generator, low: float, high: float) -> float:
-    """A number between `low` and `high`, its logarithm uniform."""
+    """Draw a number between `low` and `high` with a uniform logarithm."""
     return float(np.exp(rng.uniform(np.log(low), np.log(high))))
 
 
 def draw_noise_colour(rng: np.random.Generator) -> tuple[float, float]:
-    """White, or mildly coloured: share of the variance and pole of the AR(1) part."""
+    """White or mildly coloured noise, as variance share and pole of the AR(1) part."""
     return (0.0, 0.0) if rng.random() < 0.65 else draw_mild_colour(rng)
 
 
 def draw_mild_colour(rng: np.random.Generator) -> tuple[float, float]:
-    """Innovations keep at least 0.7 of the standard deviation: a pole up to 0.7 throughout."""
+    """AR(1) noise with a pole of at most 0.7, so the innovations have at least 0.7 of its standard deviation."""
     return 1.0, float(rng.uniform(0.2, 0.7))
 
 
 def draw_partial_colour(rng: np.random.Generator) -> tuple[float, float]:
-    """A fifth to a half of the variance comes from a slower AR(1) part."""
+    """White noise with a slower AR(1) part of 20 to 50 % of the variance."""
     return float(rng.uniform(0.2, 0.5)), float(rng.uniform(0.4, 0.8))

@@ -1,4 +1,4 @@
-"""A case of the sealed check, and the recipe by which it can be made again, or once more with fresh input and noise."""
+"""Experiments of the sealed check, which can be repeated exactly or with new input and noise, and its cases."""
 
 from dataclasses import dataclass, replace
 from typing import Any
@@ -15,14 +15,14 @@ from labsid.rig.switchable.simulation import Noise, SimulatedRun, simulate_setup
 
 @dataclass(frozen=True, slots=True)
 class Experiment:
-    """All that makes a record.
+    """A rig, its input and its noise: everything needed to reproduce a record.
 
     Attributes
     ----------
     setup : Setup
         The rig with its effects.
     plain : Setup
-        The rig without them.
+        The rig without effects.
     scales : Scales
     noise : Noise
     input : str
@@ -30,10 +30,11 @@ class Experiment:
     input_seed : int
     samples : int
     time : float
-        The rig's time scale in samples.
+        Time scale of the rig in samples.
     from_rest : bool
+        Whether the input begins at rest.
     start : tuple of float
-        The plant's states at the start.
+        Initial states of the plant.
     """
 
     setup: Setup
@@ -50,30 +51,30 @@ class Experiment:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Case:
-    """One record of the sealed check, with what is withheld.
+    """One record of the sealed check with its withheld label.
 
     Attributes
     ----------
     record : Record
     name : str
-        Says nothing about the label.
+        Random name, independent of the label.
     row : str
-        Row of the table of bars.
+        Row of the table.
     labels : tuple of str
-        Effects in it; empty for none, ``("unknown",)`` for one outside the table.
+        Effects in the record; empty for none, ``("unknown",)`` for an effect outside the table.
     truth : dict
-        Their parameters in the record's units; for the others, what is in the record all the same.
+        Parameters of the effects in the record's units; without labelled effects, the kind of the case.
     sigma : float
-        True standard deviation of the noise floor, in the record's units.
+        True standard deviation of the sensor noise, in the record's units.
     level : str
         ``none``, ``hard`` or ``clear``.
     ratio : float
-        What the best linear model leaves of the noise-free output, over `sigma`.
+        Rms error of the best linear model on the noise-free output, divided by `sigma`.
     experiment : Recipe
     sim : dict, optional
-        A simulation that is handed over too, as MODEL.json.
+        Simulation given to the diagnosis, in the format of MODEL.json.
     holdout : Record, optional
-        A second record that is handed over too.
+        Second record given to the diagnosis.
     """
 
     record: Record
@@ -90,7 +91,7 @@ class Case:
 
 
 def input_signal(experiment: Experiment) -> FloatArray:
-    """The input of a recipe, in the rig's own units.
+    """Input of an experiment in rig units.
 
     Parameters
     ----------
@@ -105,17 +106,17 @@ def input_signal(experiment: Experiment) -> FloatArray:
 
 
 def run_experiment(experiment: Experiment, setup: Setup | None = None) -> SimulatedRun:
-    """Run a recipe.
+    """Run an experiment.
 
     Parameters
     ----------
     experiment : Recipe
     setup : Setup, optional
-        Another rig in the place of the recipe's own.
+        Rig to use instead of the experiment's own.
 
     Returns
     -------
-    Played
+    SimulatedRun
     """
     return simulate_setup(
         experiment.setup if setup is None else setup, input_signal(experiment), experiment.noise, experiment.start
@@ -123,7 +124,7 @@ def run_experiment(experiment: Experiment, setup: Setup | None = None) -> Simula
 
 
 def to_record(simulated: SimulatedRun, scales: Scales, name: str, clean: bool = False) -> Record:
-    """A run in the record's units.
+    """Convert a run to a record in the record's units.
 
     Parameters
     ----------
@@ -131,7 +132,7 @@ def to_record(simulated: SimulatedRun, scales: Scales, name: str, clean: bool = 
     scales : Scales
     name : str
     clean : bool
-        Whether to leave the noise out.
+        Whether to omit the noise.
 
     Returns
     -------
@@ -143,19 +144,19 @@ def to_record(simulated: SimulatedRun, scales: Scales, name: str, clean: bool = 
 
 
 def redraw(experiment: Experiment, number: int) -> Experiment:
-    """The same rig and effect with a fresh input of the same kind, and fresh noise.
+    """Keep rig and effect, and draw a new input of the same kind and new noise.
 
     Parameters
     ----------
     experiment : Recipe
     number : int
-        Which of the fresh records, from 0.
+        Index of the new record, from 0.
 
     Returns
     -------
     Recipe
-        What happens by the clock (an onset, a drift) happens again; spikes, held stretches and coloured noise
-        fall elsewhere.
+        Effects that depend on time, such as an onset or a drift, recur; outliers, dropouts and coloured noise are
+        drawn again.
     """
     seed = np.random.SeedSequence([experiment.input_seed, experiment.noise.seed, number])
     input_seed, noise_seed, sensor_seed = (int(s) for s in seed.generate_state(3))

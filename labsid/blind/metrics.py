@@ -1,4 +1,4 @@
-"""One case judged, one bar of the table, and what counts as right."""
+"""Outcome of a case, metrics with their requirements, and the criteria for a correct answer."""
 
 from collections.abc import Iterable
 from dataclasses import dataclass, field
@@ -10,16 +10,16 @@ Z95 = 1.959963984540054
 
 @dataclass(frozen=True, slots=True)
 class CaseOutcome:
-    """One case: what was in it, and what the diagnosis said.
+    """Label of a case and answer of the diagnosis.
 
     Attributes
     ----------
     label : dict
-        As `labsid.blind.suite.label_dict` gives it.
+        From `labsid.blind.suite.label_dict`.
     result : dict or None
-        The diagnosis; None where there is none, which counts as wrong.
+        The diagnosis; None if there is none, which counts as wrong.
     diagnosed, possible : float or None
-        Share of the gap closed by the diagnosis and by the true structure refitted.
+        Share of the gap closed by the diagnosis and by the refitted true structure.
     fresh_closure : float or None
         Closure of the same fit on fresh records.
     """
@@ -33,21 +33,21 @@ class CaseOutcome:
 
 @dataclass(frozen=True, slots=True)
 class Metric:
-    """One bar of the table.
+    """One metric of the table with its requirement.
 
     Attributes
     ----------
     name : str
     value : float or None
-        None where there is nothing behind it.
+        None if no record contributes.
     count : int
-        Records behind it.
+        Number of records that contribute.
     low, high : float or None
-        95 % interval: Wilson's where the figure is a rate.
+        95 % interval; Wilson's for a rate.
     required, target : float or tuple of float or None
-        The bar; a tuple is a range to lie in.
+        Required and desired value; a tuple is a range.
     below : bool
-        Whether less is better.
+        Whether smaller is better.
     unit : str
         ``%`` for rates.
     """
@@ -63,7 +63,7 @@ class Metric:
     unit: str = "%"
 
     def reaches(self, requirement: float | tuple[float, float] | None) -> bool | None:
-        """Whether the value is as good as a bar; None where there is no value or no bar."""
+        """Whether the value meets a requirement; None if there is no value or no requirement."""
         if requirement is None or self.value is None:
             return None
         if isinstance(requirement, tuple):
@@ -71,9 +71,9 @@ class Metric:
         return self.value <= requirement if self.below else self.value >= requirement
 
     def fails(self) -> bool:
-        """Whether the bar that must be reached is missed by more than chance, as the interval tells it.
+        """Whether the 95 % interval lies wholly outside the required range.
 
-        Without an interval (a time, which depends on the machine) there is no telling.
+        False for a metric without an interval, such as a time, which depends on the machine.
         """
         if self.required is None or self.low is None or self.high is None or not self.count:
             return False
@@ -86,15 +86,15 @@ class Metric:
 
 @dataclass(frozen=True, slots=True)
 class Scores:
-    """Everything the check found out.
+    """Results of the sealed check.
 
     Attributes
     ----------
     metrics : tuple of Figure
     confusion : dict
-        By row, then by true label, how often each set of names was given.
+        Counts of the answers by row and true label.
     calibration : tuple of (float, float, int)
-        Mean probability, share right, and count of each bin.
+        Mean probability, share of correct answers and count of each bin.
     """
 
     metrics: tuple[Metric, ...]
@@ -103,7 +103,7 @@ class Scores:
 
 
 def wilson(successes: int, count: int) -> tuple[float, float]:
-    """Wilson's 95 % interval of a rate.
+    """Wilson's 95 % interval for a rate.
 
     Parameters
     ----------
@@ -112,7 +112,7 @@ def wilson(successes: int, count: int) -> tuple[float, float]:
     Returns
     -------
     tuple of float
-        (0, 1) where nothing was counted.
+        (0, 1) if `count` is 0.
     """
     if count == 0:
         return 0.0, 1.0
@@ -123,41 +123,41 @@ def wilson(successes: int, count: int) -> tuple[float, float]:
 
 
 def named_effects(case: CaseOutcome) -> list[str]:
-    """The effects that were named, in their order; empty where there is no result."""
+    """Names of the stated effects in order; empty if there is no result."""
     if case.result is None or stated_verdict(case) != "effect":
         return []
     return [str(effect.get("name")) for effect in case.result.get("effects") or []]
 
 
 def stated_verdict(case: CaseOutcome) -> str:
-    """The verdict; ``error`` where there is no result."""
+    """The stated verdict; ``error`` if there is no result."""
     return "error" if case.result is None else str(case.result.get("verdict"))
 
 
 def all_named(case: CaseOutcome) -> bool:
-    """Whether all effects were named and nothing else."""
+    """Whether exactly the true effects were named."""
     return sorted(named_effects(case)) == sorted(case.label["labels"])
 
 
 def any_named(case: CaseOutcome) -> bool:
-    """Whether at least one of the effects was named."""
+    """Whether at least one true effect was named."""
     return bool(set(named_effects(case)) & set(case.label["labels"]))
 
 
 def answer_set(case: CaseOutcome) -> set[str]:
-    """The names given and those said to be as likely."""
+    """The named effects and those stated to be equally likely."""
     ambiguous = (case.result or {}).get("ambiguous") or []
     return {*named_effects(case), *map(str, ambiguous)}
 
 
 def within_answer_set(case: CaseOutcome) -> bool:
-    """Whether the effect is in a set of at most three names."""
+    """Whether the answer set contains the true effects and at most three names."""
     said = answer_set(case)
     return len(said) <= 3 and set(case.label["labels"]) <= said
 
 
 def never_confidently_wrong(case: CaseOutcome) -> bool:
-    """Whether no wrong name was given with a probability above 0.9; without a result it was not answered."""
+    """Whether there is a result and it names no wrong effect with a probability above 0.9."""
     if case.result is None:
         return False
     effects = case.result.get("effects") or []
@@ -166,7 +166,7 @@ def never_confidently_wrong(case: CaseOutcome) -> bool:
 
 
 def kind_recognised(case: CaseOutcome) -> bool:
-    """Whether none, wrong numbers and a structural effect were told apart."""
+    """Whether the kind of discrepancy (none, wrong parameters or a structural effect) was recognised."""
 
     def kind(effects: Iterable[str]) -> str:
         effects = set(effects)

@@ -1,4 +1,4 @@
-"""How the cases of each row of the bars are drawn. A draw may fail (None): then it is made again with the next seed."""
+"""Random draws of the cases of each row. A draw that fails returns None and is repeated with the next seed."""
 
 from collections.abc import Callable
 from dataclasses import replace
@@ -58,7 +58,7 @@ _SUITABLE_INPUTS: dict[str, tuple[str, ...]] = {
     "parameter-drift": _KEEPS_MOVING,
     "output-drift": _KEEPS_MOVING,
 }
-"""Inputs under which an effect differs from every other one: a static curve seen at two levels is any curve."""
+"""Inputs that distinguish an effect from every other; two levels, for example, do not determine a static curve."""
 
 _INDISTINGUISHABLE = {
     frozenset(pair)
@@ -73,31 +73,31 @@ _INDISTINGUISHABLE = {
     )
     for pair in [(a, b) for a in group for b in group if a != b]
 }
-"""Pairs of effects of which one record cannot be expected to tell both."""
+"""Pairs of effects that a single record need not distinguish."""
 
 TIME_INVARIANT_EFFECTS = {
     *(name for name in EFFECTS if name.startswith("input-")),
     *("extra-lag", "resonance", "sqrt-outflow", "overflow", "coulomb-friction", "cubic-stiffness"),
     *("output-saturation", "output-nonlinearity", "output-quantization"),
 }
-"""Effects that are the same in another record of the rig."""
+"""Effects that do not depend on time and recur in every record of the rig."""
 
 REPEATABLE_EFFECTS = TIME_INVARIANT_EFFECTS | {"load-step", "parameter-drift", "periodic-disturbance", "output-drift"}
-"""And those that come by the clock: they happen again where the record begins at the same time."""
+"""Time-invariant effects, and those that recur at the same time after the start of a record."""
 
 
 def draw_single_clear(rng: np.random.Generator, i: int, name: str) -> Case | None:
-    """One effect, clear."""
+    """One clear effect."""
     return _single(rng, EFFECTS[i % len(EFFECTS)], name, "single-clear", CLEAR_RATIOS)
 
 
 def draw_single_hard(rng: np.random.Generator, i: int, name: str) -> Case | None:
-    """One effect, hard."""
+    """One hard effect."""
     return _single(rng, EFFECTS[i % len(EFFECTS)], name, "single-hard", HARD_RATIOS)
 
 
 def draw_short(rng: np.random.Generator, i: int, name: str) -> Case | None:
-    """One effect in a short, noisy record of few levels, with a fast nuisance pole and rounded corners."""
+    """One effect in a short, noisy record with few levels, a fast additional pole and rounded corners."""
     effect = EFFECTS[i % len(EFFECTS)]
     experiment = draw_experiment(rng, effect, int(rng.integers(300, 601)), ("staircase", "two-level"))
     plain = replace(
@@ -113,7 +113,7 @@ def draw_short(rng: np.random.Generator, i: int, name: str) -> Case | None:
 
 
 def draw_pair(rng: np.random.Generator, i: int, name: str) -> Case | None:
-    """Two effects, each of which would be clear alone and leaves its mark beside the other."""
+    """Two effects, each clear alone and visible beside the other."""
     one = EFFECTS[i % len(EFFECTS)]
     two = str(rng.choice(EFFECTS))
     if one == two or frozenset((one, two)) in _INDISTINGUISHABLE:
@@ -153,7 +153,7 @@ def draw_pair(rng: np.random.Generator, i: int, name: str) -> Case | None:
 
 
 def draw_none(rng: np.random.Generator, i: int, name: str) -> Case | None:
-    """No effect, or one that the record does not exercise, or dynamics too small to matter."""
+    """No effect, an effect that the record does not exercise, or negligible dynamics."""
     kind = ("plain", "coloured", "fast pole", "part of a sample", "not exercised", "fine converter")[i % 6]
     samples = int(rng.integers(300, 5001)) if rng.random() < 0.3 else int(rng.integers(1000, 3001))
     effect = str(rng.choice(_MAY_STAY_UNEXERCISED))
@@ -180,7 +180,7 @@ def draw_none(rng: np.random.Generator, i: int, name: str) -> Case | None:
 
 
 def draw_unknown(rng: np.random.Generator, i: int, name: str) -> Case | None:
-    """An effect outside the table, clear."""
+    """A clear effect outside the table."""
     effect = UNLISTED_EFFECTS[i % len(UNLISTED_EFFECTS)]
     rigs = tuple(rig for rig in RIGS if supports_unlisted_effect(example_rig(rig), effect))
     experiment = draw_experiment(rng, "", int(rng.integers(1200, 4001)), RICH_INPUTS, rigs)
@@ -194,7 +194,7 @@ def draw_unknown(rng: np.random.Generator, i: int, name: str) -> Case | None:
 
 
 def draw_with_sim(rng: np.random.Generator, i: int, name: str) -> Case | None:
-    """A simulation comes with the record: of the undisturbed rig, or one with wrong numbers."""
+    """A record with a simulation: the true linear model, or one with wrong parameters."""
     kind = ("mismatch", "none", "effect")[i % 3]
     if kind == "effect":
         effect = EFFECTS[(i // 3) % len(EFFECTS)]
@@ -259,10 +259,11 @@ def _single(rng: np.random.Generator, effect: str, name: str, row: str, between:
 
 
 def _is_distinct(effect: str, experiment: Experiment, setup: Setup) -> bool:
-    """Whether the effect is one, and not a nuisance or another effect in disguise.
+    """Whether a linear model or another effect cannot reproduce most of the effect.
 
-    A delay below a sample is nuisance, and so is a lag or a mode that such a delay would do for, or any other delay
-    but in the short records; a dead band that the input leaves on one side alone is a limit.
+    A delay below one sample does not count, nor does a lag or a mode that such a delay reproduces; except in short
+    records, neither does one that a longer delay reproduces. A dead zone that the input leaves on one side only is a
+    limit.
     """
     a = setup.actuator
     if effect == "input-dead-zone":
@@ -277,7 +278,7 @@ def _is_distinct(effect: str, experiment: Experiment, setup: Setup) -> bool:
 
 
 def _left_by_delays(experiment: Experiment, setup: Setup) -> float:
-    """What the best linear model with a delay of up to eight samples leaves; a third tap makes it any real one."""
+    """Rms error of the best linear model with a delay of up to eight samples; a third tap adds the fraction."""
     v, y = input_signal(experiment), clean_output(experiment, setup)
     start = discrete_poles(poles(experiment.plain.motion))
     late = [np.concatenate([np.full(n, v[0]), v[:-n]]) for n in range(1, 8)]

@@ -1,4 +1,4 @@
-"""Run the diagnosis from outside: as a separate process, in a folder that holds nothing but the records."""
+"""Run the diagnosis as a separate process, in a folder that holds only the records."""
 
 import json
 import subprocess
@@ -22,19 +22,19 @@ _MAIN = "import sys\nfrom labsid.cli.commands import main\nsys.exit(main(sys.arg
 _SEVERAL = "import json, sys\nfrom labsid.cli.commands import main\nfor line in json.load(sys.stdin):\n    main(line)"
 SECONDS_TO_START = 60.0
 SECONDS_A_RECORD = 60.0
-"""Time limits: what is not there by then counts as wrong."""
+"""Time limits (s); a result that is missing after them counts as wrong."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Replay:
-    """One record diagnosed, and its exported simulation played on others.
+    """Diagnosis of one record, and output of its exported simulation on other records.
 
     Attributes
     ----------
     result : dict or None
-        The diagnosis; None where there is none.
+        The diagnosis; None if there is none.
     outputs : tuple of ndarray or None
-        What the exported simulation gives on each of the other records; None where it gave nothing.
+        Simulated output for each of the other records; None if the simulation failed.
     """
 
     result: dict[str, Any] | None
@@ -44,19 +44,19 @@ class Replay:
 def run_batch(
     cases: Sequence[Case], jobs: int, on_progress: Callable[[int], None] | None = None
 ) -> tuple[dict[str, dict[str, Any]], float]:
-    """Diagnose the records of cases with ``labsid gap batch``.
+    """Diagnose the records of all cases with ``labsid gap batch``.
 
     Parameters
     ----------
     cases : sequence of Case
     jobs : int
     on_progress : callable, optional
-        Called with how many records are done.
+        Called with the number of finished records.
 
     Returns
     -------
     tuple of dict and float
-        Result by name, without those that are missing, unreadable or too late; and seconds a record and core.
+        Results by name, without missing, unreadable or late ones, and the time per record and core (s).
     """
     with TemporaryDirectory(prefix="labsid-blind-") as scratch:
         records, out = Path(scratch, "records"), Path(scratch, "out")
@@ -84,14 +84,14 @@ def run_batch(
 def run_replays(
     pairs: Sequence[tuple[Case, Sequence[Record]]], jobs: int, on_progress: Callable[[int], None] | None = None
 ) -> list[Replay]:
-    """Diagnose each record alone, export its better simulation, and play that on other records.
+    """Diagnose each record alone, export the improved simulation and run it on other records.
 
     Parameters
     ----------
     pairs : sequence of (Case, sequence of Record)
     jobs : int
     on_progress : callable, optional
-        Called with how many cases are done.
+        Called with the number of finished cases.
 
     Returns
     -------
@@ -149,7 +149,7 @@ def _read_json(path: Path) -> dict[str, Any] | None:
 
 
 def _read_output(path: Path, samples: int) -> FloatArray | None:
-    """The column ``y_sim``, or ``y`` where there is none, of a table with a header."""
+    """Read the column ``y_sim``, or else ``y``, of a table with a header."""
     try:
         names = path.read_text(encoding="utf-8").splitlines()[0].split(",")
         table = np.loadtxt(path, delimiter=",", skiprows=1, ndmin=2)

@@ -1,4 +1,4 @@
-"""From results and labels to figures: pure functions, nothing is run here."""
+"""Metrics of the sealed check, computed from results and labels."""
 
 from collections.abc import Iterable, Sequence
 from math import sqrt
@@ -26,15 +26,15 @@ from labsid.blind.metrics import (
 def score_cases(
     cases: Sequence[CaseOutcome], replays: Sequence[CaseOutcome] = (), seconds: float | None = None
 ) -> Scores:
-    """Judge all cases.
+    """Compute the metrics, the confusion table and the calibration of all cases.
 
     Parameters
     ----------
     cases : sequence of Judged
     replays : sequence of Judged
-        Those whose exported simulation was played on fresh records.
+        Cases whose exported simulation was run on fresh records.
     seconds : float, optional
-        Time a record and core.
+        Time per record and core (s).
 
     Returns
     -------
@@ -51,20 +51,25 @@ def score_cases(
         _rate("right effect named, one effect, clear", map(all_named, clear), 0.97, 0.995),
         _rate("right effect named, one effect, hard", map(all_named, hard), 0.93, 0.98),
         _rate("short and noisy: named", map(all_named, short), 0.75, 0.88),
-        _rate("short and noisy: inside the named or ambiguous set", map(within_answer_set, short), 0.90, 0.97),
+        _rate("short and noisy: within the named or ambiguous set", map(within_answer_set, short), 0.90, 0.97),
         _set_size("short and noisy: names in that set, mean", short, 1.5),
-        _rate("pair: both and nothing else", map(all_named, pair), 0.80, 0.90),
-        _rate("pair: at least one of them", map(any_named, pair), 0.97, 0.99),
+        _rate("pair: exactly both named", map(all_named, pair), 0.80, 0.90),
+        _rate("pair: at least one named", map(any_named, pair), 0.97, 0.99),
         _rate("no effect: none reported", (stated_verdict(c) == "none" for c in none), 0.98, 0.995),
         _rate("outside the table: unknown", (stated_verdict(c) == "unknown" for c in unknown), 0.75, 0.90),
         _rate("outside the table: never p > 0.9 for a wrong name", map(never_confidently_wrong, unknown), 0.95, 0.98),
         *_closure_metrics(clear),
-        _rate("95 % interval of closed covers fresh records", _covered(replays), (0.92, 0.98), (0.94, 0.96)),
+        _rate("95 % interval of the closed share covers fresh records", _covered(replays), (0.92, 0.98), (0.94, 0.96)),
         _calibration_error(bins),
         _rate("load-step onset within 2 % of the record", _onsets(cases), 0.95, 0.99),
         _rate("clip levels within 2 % of the range", _clip_levels(cases), 0.95, 0.99),
-        _rate("with a simulation: told apart", map(kind_recognised, rows.get("with-sim", empty)), 0.90, 0.97),
-        Metric("time a record and core", seconds, len(cases), required=5.0, target=2.0, below=True, unit="s"),
+        _rate(
+            "with a simulation: kind of discrepancy recognised",
+            map(kind_recognised, rows.get("with-sim", empty)),
+            0.90,
+            0.97,
+        ),
+        Metric("time per record and core", seconds, len(cases), required=5.0, target=2.0, below=True, unit="s"),
     ]
     return Scores(tuple(metrics), confusion(cases), bins)
 
@@ -79,7 +84,7 @@ def confusion(cases: Sequence[CaseOutcome]) -> dict[str, dict[str, dict[str, int
     Returns
     -------
     dict
-        ``{row: {label: {answer: count}}}``; of a pair the label is ``a+b`` in alphabetical order.
+        ``{row: {label: {answer: count}}}``; the label of a pair is ``a+b`` in alphabetical order.
     """
     table: dict[str, dict[str, dict[str, int]]] = {}
     for case in cases:
@@ -91,19 +96,19 @@ def confusion(cases: Sequence[CaseOutcome]) -> dict[str, dict[str, dict[str, int
 
 
 def calibration_bins(cases: Sequence[CaseOutcome], bins: int = 10) -> tuple[tuple[float, float, int], ...]:
-    """How often an effect named with some probability was there.
+    """Compare the stated probabilities with the share of correct answers.
 
     Parameters
     ----------
     cases : sequence of Judged
     bins : int
-        Equal ranges of the probability.
+        Number of bins of equal width.
 
     Returns
     -------
     tuple of (float, float, int)
-        Mean probability, share right, and count, of the bins that hold anything. The first effect of every
-        answer counts, whatever the case.
+        Mean probability, share of correct answers and count of each non-empty bin. The first effect of every answer
+        counts.
     """
     said = [
         (float(effect.get("probability") or 0.0), effect.get("name") in case.label["labels"])
@@ -141,20 +146,20 @@ def _set_size(name: str, cases: Sequence[CaseOutcome], requirement: float) -> Me
 def _closure_metrics(cases: Sequence[CaseOutcome]) -> list[Metric]:
     counted = [c for c in cases if c.possible is not None and c.possible > 0.2]
     shares = [max(c.diagnosed or 0.0, 0.0) / c.possible for c in counted if c.possible]
-    title = "median share of the gap closed, against the true structure refitted"
+    title = "median share of the gap closed, relative to the refitted true structure"
     median = float(np.median(shares)) if shares else None
     low, high = _median_interval(shares)
     plain = float(np.median([c.diagnosed or 0.0 for c in counted])) if counted else None
     truth = float(np.median([c.possible for c in counted if c.possible])) if counted else None
     return [
         Metric(title, median, len(shares), low, high, 0.95, 0.98, unit=""),
-        Metric("  the share itself, median", plain, len(counted), unit=""),
-        Metric("  that of the true structure, median", truth, len(counted), unit=""),
+        Metric("  share closed by the diagnosis, median", plain, len(counted), unit=""),
+        Metric("  share closed by the true structure, median", truth, len(counted), unit=""),
     ]
 
 
 def _median_interval(values: Sequence[float]) -> tuple[float | None, float | None]:
-    """Order statistics that hold the median with 95 %."""
+    """95 % interval of the median from order statistics."""
     n = len(values)
     if n < 6:
         return None, None
@@ -179,7 +184,7 @@ def _calibration_error(bins: Sequence[tuple[float, float, int]]) -> Metric:
 
 
 def _found_parameters(case: CaseOutcome, effect: str) -> dict[str, Any] | None:
-    """The parameters of an effect that is there and was named; their values alone."""
+    """Parameter values of an effect that is present and was named."""
     for said in (case.result or {}).get("effects") or []:
         if effect == said.get("name") and effect in case.label["labels"]:
             given = said.get("parameters") or {}

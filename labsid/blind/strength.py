@@ -1,4 +1,4 @@
-"""How strong an effect must be so that the best linear model leaves a wanted multiple of the noise."""
+"""Strength of an effect at which the error of the best linear model is a given multiple of the noise."""
 
 from dataclasses import replace
 
@@ -17,13 +17,13 @@ NEGLIGIBLE_RATIO = 0.1
 
 
 def clean_output(experiment: Experiment, setup: Setup) -> FloatArray:
-    """The log that a rig would leave without noise, in the rig's own units.
+    """Noise-free logged output in rig units.
 
     Parameters
     ----------
     experiment : Recipe
     setup : Setup
-        In the place of the recipe's own.
+        Rig to use instead of the experiment's own.
 
     Returns
     -------
@@ -33,17 +33,17 @@ def clean_output(experiment: Experiment, setup: Setup) -> FloatArray:
 
 
 def linear_model_gap(experiment: Experiment, setup: Setup, taps: int = 2, thorough: bool = True) -> float:
-    """What the best linear model of the rig's order leaves of the noise-free output, rms, in the rig's own units.
+    """Rms error of the best second-order linear model on the noise-free output, in rig units.
 
     Parameters
     ----------
     experiment : Recipe
     setup : Setup
-        In the place of the recipe's own.
+        Rig to use instead of the experiment's own.
     taps : int
-        2, or 3 to forgive a delay of part of a sample.
+        Numerator coefficients: 2, or 3 to allow for a fractional delay.
     thorough : bool
-        Whether the fit starts from several places.
+        Whether the fit starts from several initial values.
 
     Returns
     -------
@@ -54,7 +54,7 @@ def linear_model_gap(experiment: Experiment, setup: Setup, taps: int = 2, thorou
 
 
 def output_spread(experiment: Experiment) -> float:
-    """Standard deviation of the output of the rig without effects.
+    """Standard deviation of the output without effects.
 
     Parameters
     ----------
@@ -74,7 +74,7 @@ def scale_to_ratio(
     sigma_share: tuple[float, float],
     rng: np.random.Generator,
 ) -> tuple[Setup, float] | None:
-    """Set an effect's strength and the noise so that the gap is `ratio` times the noise.
+    """Choose the strength of an effect and the noise so that the gap is `ratio` times the noise.
 
     Parameters
     ----------
@@ -83,14 +83,14 @@ def scale_to_ratio(
         The effect.
     ratio : float
     sigma_share : tuple of float
-        Least and most noise, as a share of the output's standard deviation.
+        Smallest and largest noise, relative to the output's standard deviation.
     rng : Generator
 
     Returns
     -------
     tuple of Setup and float, or None
-        The rig with the effect, and the noise's standard deviation in the rig's own units; None where this
-        effect cannot be that visible on this rig and input.
+        The rig with the effect, and the standard deviation of the noise in rig units; None if the effect cannot
+        reach the ratio on this rig and input.
     """
     spread = output_spread(experiment)
     low, high = sigma_share
@@ -120,13 +120,13 @@ def scale_to_ratio(
 def _checked(
     experiment: Experiment, setup: Setup, ratio: float, sigma_share: tuple[float, float], spread: float
 ) -> tuple[Setup, float] | None:
-    """The noise that makes the ratio exact, unless a thorough fit finds so little left that it would be too small."""
+    """Noise for the exact ratio by a thorough fit; None if it is outside `sigma_share`."""
     sigma = linear_model_gap(experiment, setup) / ratio
     return (setup, sigma) if 0.9 * sigma_share[0] <= sigma / spread <= 1.1 * sigma_share[1] else None
 
 
 def with_noise(experiment: Experiment, setup: Setup, noise: Noise) -> Experiment:
-    """The recipe with that rig and that noise.
+    """Replace the rig and the noise of an experiment.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""The cases of the sealed check: `dev` with fixed seeds, `final` with seeds that no version can have been tuned to."""
+"""The suites of the sealed check: `dev` has fixed seeds; the seeds of `final` depend on the diagnosis's source code."""
 
 import hashlib
 import json
@@ -28,11 +28,11 @@ def make_cases(
     ----------
     suite : {"dev", "final"}
     per_row : int, optional
-        Cases behind each row of the bars; 80 in `dev` and 220 in `final` unless given.
+        Cases in each row; by default 80 in `dev` and 220 in `final`.
     rows : sequence of str, optional
-        The rows to make; all unless given.
+        Rows to make; by default all.
     jobs : int
-        Processes that make them.
+        Number of parallel processes.
 
     Yields
     ------
@@ -41,9 +41,9 @@ def make_cases(
     Raises
     ------
     ValueError
-        If there is no such suite or row.
+        If the suite or a row does not exist.
     RuntimeError
-        If a case could not be drawn; the ranges of its row are then wrong.
+        If a case could not be drawn, which means that the ranges of its row are wrong.
     """
     if suite not in PER_ROW:
         raise ValueError(f"suite must be dev or final; got {suite!r}. Name one of these.")
@@ -82,8 +82,8 @@ def write_suite(
     Parameters
     ----------
     folder : Path
-        Made if need be. It gets ``<name>.csv`` and, where there are such, ``<name>.sim.json`` and
-        ``<name>.holdout.csv``; nothing in it says what the labels are.
+        Created if missing. Receives ``<name>.csv`` and, if present, ``<name>.sim.json`` and ``<name>.holdout.csv``;
+        nothing in it reveals the labels.
     suite : {"dev", "final"}
     per_row : int, optional
     rows : sequence of str, optional
@@ -91,7 +91,7 @@ def write_suite(
     Returns
     -------
     Path
-        ``<folder>.labels.json``, beside the folder: one object a record, by name.
+        ``<folder>.labels.json``, beside the folder, with one object per record, by name.
     """
     folder = Path(folder)
     folder.mkdir(parents=True, exist_ok=True)
@@ -105,7 +105,7 @@ def write_suite(
 
 
 def write_case(folder: Path, case: Case) -> None:
-    """Write what the program may see of a case.
+    """Write the files of a case that the diagnosis may read.
 
     Parameters
     ----------
@@ -132,7 +132,7 @@ def write_record(path: Path, record: Record) -> None:
 
 
 def label_dict(case: Case) -> dict[str, Any]:
-    """What is withheld of a case, for a file.
+    """Label of a case in a serialisable form.
 
     Parameters
     ----------
@@ -164,7 +164,7 @@ def label_dict(case: Case) -> dict[str, Any]:
 
 
 def _diagnosis_hash() -> int:
-    """A number that changes with any character of the sources of the diagnosis."""
+    """Hash of the source code of the diagnosis."""
     folder = Path(__file__).resolve().parent.parent / "gap"
     digest = hashlib.sha256()
     for path in sorted(folder.rglob("*.py")):

@@ -1,4 +1,4 @@
-"""The table of the sealed check: on the terminal, and in Markdown for the README."""
+"""The table of the sealed check, on the terminal and in Markdown."""
 
 from labsid.blind.metrics import Metric, Scores
 
@@ -6,7 +6,7 @@ Requirement = float | tuple[float, float] | None
 
 
 def metric_cells(metric: Metric) -> tuple[str, ...]:
-    """One figure as text: name, value, interval, records, must, aim, and how it stands.
+    """Format one metric: name, value, interval, records, required, target and status.
 
     Parameters
     ----------
@@ -30,7 +30,7 @@ def metric_cells(metric: Metric) -> tuple[str, ...]:
 
 
 def metric_status(metric: Metric) -> str:
-    """Whether a figure reaches its bars.
+    """Whether a metric meets its requirement and its target.
 
     Parameters
     ----------
@@ -39,18 +39,18 @@ def metric_status(metric: Metric) -> str:
     Returns
     -------
     str
-        ``target``, ``required``, ``missed``, or empty where there is no bar or no value.
+        ``target``, ``required`` or ``missed``; empty if there is no requirement or no value.
     """
     reached = metric.reaches(metric.required)
     if reached is None:
         return ""
     if metric.reaches(metric.target):
-        return "aim"
-    return "must" if reached else "missed"
+        return "target"
+    return "required" if reached else "missed"
 
 
 def markdown(scores: Scores) -> str:
-    """The bars and the confusion in Markdown.
+    """Format the metrics, the confusion table and the calibration as Markdown.
 
     Parameters
     ----------
@@ -60,18 +60,21 @@ def markdown(scores: Scores) -> str:
     -------
     str
     """
-    lines = ["| figure | measured | 95 % interval | records | must | aim | reached |", "|---|---|---|---|---|---|---|"]
+    lines = [
+        "| metric | measured | 95 % interval | records | required | target | status |",
+        "|---|---|---|---|---|---|---|",
+    ]
     lines += ["| " + " | ".join(cell.strip() for cell in metric_cells(f)) + " |" for f in scores.metrics]
-    lines += ["", "What was named instead, by row:", "", "| row | in it | answers |", "|---|---|---|"]
+    lines += ["", "Answers by row:", "", "| row | true effect | answers |", "|---|---|---|"]
     for row, labels in scores.confusion.items():
         lines += [f"| {row} | {label} | {_answers(label, counts)} |" for label, counts in labels.items()]
-    lines += ["", "| stated probability | right | answers |", "|---|---|---|"]
+    lines += ["", "| stated probability | correct | answers |", "|---|---|---|"]
     lines += [f"| {p:.2f} | {right:.2f} | {n} |" for p, right, n in scores.calibration]
     return "\n".join(lines) + "\n"
 
 
 def print_scores(scores: Scores, title: str) -> None:
-    """Print the confusion table, the calibration and the bars.
+    """Print the confusion table, the calibration and the metrics.
 
     Parameters
     ----------
@@ -82,7 +85,7 @@ def print_scores(scores: Scores, title: str) -> None:
     from rich.table import Table
 
     console = Console()
-    table = Table("row", "in it", "right", "of", "other answers", title="what was named")
+    table = Table("row", "true effect", "correct", "of", "other answers", title="answers")
     for row, labels in scores.confusion.items():
         for label, counts in sorted(labels.items()):
             others = {name: n for name, n in counts.items() if name != label}
@@ -90,12 +93,12 @@ def print_scores(scores: Scores, title: str) -> None:
             table.add_row(row, label, str(right), str(sum(counts.values())), _answers("", others))
         table.add_section()
     console.print(table)
-    table = Table("stated probability", "right", "answers", title="calibration")
+    table = Table("stated probability", "correct", "answers", title="calibration")
     for p, share, n in scores.calibration:
         table.add_row(f"{p:.2f}", f"{share:.2f}", str(n))
     console.print(table)
-    table = Table("figure", "measured", "95 %", "records", "must", "aim", "reached", title=title)
-    colours = {"aim": "green", "must": "green", "missed": "red"}
+    table = Table("metric", "measured", "95 %", "records", "required", "target", "status", title=title)
+    colours = {"target": "green", "required": "green", "missed": "red"}
     for metric in scores.metrics:
         table.add_row(*metric_cells(metric), style=colours.get(metric_status(metric)))
     console.print(table)

@@ -1,13 +1,9 @@
-"""A physics simulator of lab rigs: it makes the lab's records, for everybody or for one student.
+"""Simulated lab rigs and the records they produce.
 
-`bench` is what every rig stands on: a rig is a derivative, an actuator chain and a sensor chain, and `run`
-plays an input on one. `tanks` is the coupled-tank rig of the lab; another rig is another module of its size.
-`instruments` holds blocks for the chains, `log` the file in the lab's layout, `individual` what differs from
-student to student, `lab_record` the records themselves.
-
-The rigs with switchable effects are faster, run in units of their own, and stand beside that: `setup` says what one
-is made of, `plants` and `inputs` draw them, `effects` (of the table) and `outside` (of it) enter one at any strength,
-`play` runs it, and `truth` says what was put in. `withheld` makes every student's own rig with one of the `suspects`.
+- `labsid.rig.lab`: the coupled tanks of the lab in physical units, and the lab's records, shared or individual.
+- `labsid.rig.switchable`: tanks, motors, heaters and masses in normalised units, whose unmodelled effects can be
+  switched on at any strength. The sealed check and the assignment ``sim-to-real-gap`` use them.
+- `labsid.rig.seeds`: the random numbers of both, derived from a course's secret and a student's ID.
 """
 
 from labsid.rig.lab.lab_record import make_empty_start_record, make_lab_record, make_verification_record

@@ -1,4 +1,4 @@
-"""Reproducible random numbers: seeds from a course's secret and a student's ID, and draws that no platform changes."""
+"""Reproducible random numbers: seeds from a course's secret and a student's ID, and draws equal on every platform."""
 
 import hashlib
 import hmac
@@ -11,7 +11,7 @@ import numpy as np
 from labsid._arrays import FloatArray
 
 SHORTEST_SECRET = 16
-"""Bytes below which a secret can be guessed."""
+"""Minimum length of a secret in bytes (128 bits)."""
 
 
 def read_secret(path: str | PathLike[str]) -> bytes:
@@ -20,7 +20,7 @@ def read_secret(path: str | PathLike[str]) -> bytes:
     Parameters
     ----------
     path : path
-        Its white space at both ends does not count, so an editor's last line break changes no record.
+        White space at both ends is ignored, so a line break added by an editor changes no record.
 
     Returns
     -------
@@ -29,36 +29,37 @@ def read_secret(path: str | PathLike[str]) -> bytes:
     Raises
     ------
     OSError
-        If it cannot be read.
+        If the file cannot be read.
     ValueError
-        If it is empty or shorter than 16 bytes.
+        If the secret is empty or shorter than 16 bytes.
     """
     return _checked_secret(Path(path).read_bytes().strip(), f"the secret in {Path(path).name}")
 
 
 def student_entropy(student: str, secret: bytes, purpose: str = "") -> int:
-    """Seed everything random about one student's rig.
+    """Derive the seed of one student's rig.
 
     Parameters
     ----------
     student : str
-        As for `student_plan`.
+        The student's ID as the course writes it. IDs are case-sensitive; accented letters are compared in their
+        composed form (Unicode NFC).
     secret : bytes
-        As for `student_plan`.
+        The course's secret, at least 16 bytes. Its holder can reproduce every student's record.
     purpose : str
-        What the rig is for: those of two purposes have nothing in common. Unless given, the lab.
+        What the rig is used for; different purposes give independent seeds. Empty for the lab.
 
     Returns
     -------
     int
-        HMAC-SHA256 of the ID, as a number of 256 bits: no secret, no number.
+        HMAC-SHA256 of the ID as a 256-bit number.
 
     Raises
     ------
     ValueError
-        As for `student_plan`.
+        If the ID is empty, has white space at an end or holds control characters, or the secret is too short.
     """
-    # an ID holds no control character, so no ID is another purpose's
+    # An ID holds no control character, so "purpose\0ID" never equals another ID.
     message = f"{purpose}\0{_checked_id(student)}" if purpose else _checked_id(student)
     return int.from_bytes(hmac.digest(_checked_secret(secret, "secret"), message.encode(), hashlib.sha256), "big")
 
@@ -77,8 +78,8 @@ def uniform_samples(seed: np.random.SeedSequence, n: int) -> FloatArray:
 
     Notes
     -----
-    From the raw bits of PCG64, which numpy promises never to change; it makes no such promise of the
-    distributions of its `Generator`. A record must be made again from its secret years later.
+    Uses the raw bits of PCG64, which numpy guarantees never to change; the distributions of `Generator` carry no such
+    guarantee, and a record must be reproducible from its secret years later.
     """
     bits = np.random.PCG64(seed).random_raw(n) >> np.uint64(11)
     return (bits.astype(np.float64) + 0.5) * 2.0**-53
@@ -97,7 +98,7 @@ def _checked_id(student: str) -> str:
     if not student.strip():
         raise ValueError("student must be an ID; got an empty one. Give the ID as the course writes it.")
     if student != student.strip():
-        raise ValueError(f"student must have no white space at its ends; got {student!r}. Take it away.")
+        raise ValueError(f"student must have no white space at its ends; got {student!r}. Remove it.")
     for character in student:
         if unicodedata.category(character) in ("Cc", "Cf", "Cs", "Zl", "Zp"):
             raise ValueError(

@@ -1,4 +1,4 @@
-"""What stands between the plant and the log: sensor noise, the converter, the rig's noise reduction."""
+"""Blocks between the plant and the log: sensor noise, analogue-to-digital converter and noise reduction."""
 
 from collections.abc import Callable
 from statistics import NormalDist
@@ -12,11 +12,11 @@ from labsid.rig.seeds import uniform_samples
 Block = Callable[[FloatArray, FloatArray], FloatArray]
 
 AVERAGED = 5
-"""Samples in the rig's moving average."""
+"""Length of the rig's moving average in samples."""
 
 
 def sensor_noise(sd: float, seed: np.random.SeedSequence) -> Block:
-    """White Gaussian noise of the sensor, the same at every run.
+    """White Gaussian sensor noise, equal in every run with the same seed.
 
     Parameters
     ----------
@@ -38,7 +38,7 @@ def sensor_noise(sd: float, seed: np.random.SeedSequence) -> Block:
 
 
 def converter(bits: int, low: float, high: float) -> Block:
-    """An analogue-to-digital converter: rounds to a lattice and stops at the ends of its range.
+    """Analogue-to-digital converter: round to the nearest code and saturate at the ends of the range.
 
     Parameters
     ----------
@@ -68,15 +68,14 @@ def converter(bits: int, low: float, high: float) -> Block:
 
 
 def noise_reduced(measured: ArrayLike, before: ArrayLike) -> FloatArray:
-    """Causal moving average of the rig: each sample with the four before it.
+    """Causal moving average over five samples: each sample and the four before it.
 
     Parameters
     ----------
     measured : array_like, shape (N,)
         The converter's output (V).
     before : array_like, shape (4,)
-        The four samples before the log begins, oldest first: the rig runs before it is logged. Zeros where
-        the rig was switched on with the log.
+        The four samples before the log begins, oldest first; zeros if the rig was switched on with the log.
 
     Returns
     -------

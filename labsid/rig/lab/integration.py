@@ -1,4 +1,4 @@
-"""The bench that every simulated rig stands on: what a rig is made of, and how one is run."""
+"""Simulation of a lab rig: a plant with actuator and sensor chains, integrated by a fixed-step Runge-Kutta method."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -16,14 +16,14 @@ Derivative = Callable[[float, State, float], State]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Drive:
-    """A piecewise constant signal in continuous time: what an actuator is told, or does.
+    """A piecewise constant signal in continuous time.
 
     Parameters
     ----------
     times : ndarray, shape (M,)
-        Instants in seconds, increasing, at which a value begins.
+        Instants at which a value begins, increasing (s).
     values : ndarray, shape (M,)
-        ``values[i]`` holds from ``times[i]`` to ``times[i + 1]``, the last one for ever (V).
+        ``values[i]`` holds from ``times[i]`` to ``times[i + 1]``; the last value holds for all later times (V).
     """
 
     times: FloatArray
@@ -33,33 +33,31 @@ class Drive:
         freeze(self, times=self.times, values=self.values)
 
     def at(self, t: ArrayLike) -> FloatArray:
-        """Value at the times `t`; before the first instant, the first value."""
+        """Values at the times `t`; the first value applies before the first instant."""
         index = np.searchsorted(self.times, t, side="right") - 1
         return self.values[np.maximum(index, 0)]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Rig:
-    """A lab rig: what moves, what drives it, what is measured.
-
-    An unmodelled effect is one more function in one of the chains, or another derivative.
+    """A lab rig: plant, actuator chain and sensor chain.
 
     Parameters
     ----------
     derivative : callable
-        ``derivative(t, x, v) -> dx/dt`` in continuous time: time (s), state, and what the actuator does (V).
+        ``derivative(t, x, v) -> dx/dt`` of time (s), state and actuator output (V).
     output : callable
-        ``output(states) -> volts``: what an ideal sensor shows, from states of shape (N, n).
+        ``output(states) -> volts``: output of an ideal sensor for states of shape (N, n).
     state_names : tuple of str
-        What each state is, for messages.
+        Name of each state, for messages.
     lowest : tuple of float
-        Where each state stops: a tank is never emptier than empty. ``-inf`` for a state without a stop.
+        Lower bound at which each state stops, such as an empty tank; ``-inf`` if there is none.
     highest : tuple of float
-        How far each state may go before `derivative` is no longer the physics (the brim of a tank).
+        Largest value of each state for which `derivative` is valid, such as the brim of a tank.
     actuator : tuple of callable
-        ``block(drive) -> drive``, in the order from the command to the plant.
+        ``block(drive) -> drive``, in order from the command to the plant.
     sensor : tuple of callable
-        ``block(t, volts) -> volts`` at the sampling instants, in the order from the plant to the log.
+        ``block(t, volts) -> volts`` at the sampling instants, in order from the plant to the log.
     """
 
     derivative: Derivative
@@ -72,19 +70,19 @@ class Rig:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Run:
-    """What one run of a rig left behind.
+class RigRun:
+    """Signals of one run of a rig.
 
     Parameters
     ----------
     t : ndarray, shape (N,)
-        Sampling instants in seconds, from 0.
+        Sampling instants, from 0 (s).
     u : ndarray, shape (N,)
-        The commanded input (V).
+        Commanded input (V).
     states : ndarray, shape (N, n)
-        The true states at the sampling instants; no student sees them.
+        True states at the sampling instants.
     y : ndarray, shape (N,)
-        What the sensor chain put out (V).
+        Output of the sensor chain (V).
     """
 
     t: FloatArray
@@ -96,8 +94,8 @@ class Run:
         freeze(self, t=self.t, u=self.u, states=self.states, y=self.y)
 
 
-def hold(u: ArrayLike, Ts: float) -> Drive:
-    """Zero-order hold: the command as a drive, ``u[k]`` from ``k Ts`` on.
+def zero_order_hold(u: ArrayLike, Ts: float) -> Drive:
+    """Zero-order hold: ``u[k]`` holds from ``k Ts`` on.
 
     Parameters
     ----------
@@ -121,8 +119,8 @@ def hold(u: ArrayLike, Ts: float) -> Drive:
     return Drive(times=Ts * np.arange(u.size, dtype=np.float64), values=u)
 
 
-def run(rig: Rig, u: ArrayLike, Ts: float, x0: Sequence[float], max_step: float = 0.1) -> Run:
-    """Run a rig on an input and sample it.
+def simulate_rig(rig: Rig, u: ArrayLike, Ts: float, x0: Sequence[float], max_step: float = 0.1) -> RigRun:
+    """Simulate a rig and sample its output.
 
     Parameters
     ----------
@@ -134,31 +132,31 @@ def run(rig: Rig, u: ArrayLike, Ts: float, x0: Sequence[float], max_step: float 
     x0 : sequence of float, length n
         State at t = 0.
     max_step : float
-        The longest integration step in seconds.
+        Longest integration step (s).
 
     Returns
     -------
-    Run
-        Sample k is taken at ``k Ts``, before ``u[k]`` has had any effect.
+    RigRun
+        Sample k is taken at ``k Ts``, before ``u[k]`` takes effect.
 
     Raises
     ------
     ValueError
-        If an argument is malformed, or a state goes where the rig's physics no longer holds.
+        If an argument is malformed, or a state exceeds the range of the rig's model.
     """
     if len(x0) != len(rig.state_names):
         raise ValueError(f"x0 must hold {len(rig.state_names)} states ({', '.join(rig.state_names)}); got {len(x0)}.")
-    command = hold(u, Ts)
+    command = zero_order_hold(u, Ts)
     drive = command
     for actuate in rig.actuator:
         drive = actuate(drive)
     t = command.times
     states = integrate(rig.derivative, x0, drive, t, max_step, rig.lowest)
-    _refuse_out_of_range(rig, t, states)
+    _check_range(rig, t, states)
     y = rig.output(states)
     for measure in rig.sensor:
         y = measure(t, y)
-    return Run(t=t, u=command.values, states=states, y=y)
+    return RigRun(t=t, u=command.values, states=states, y=y)
 
 
 def integrate(
@@ -171,8 +169,8 @@ def integrate(
 ) -> FloatArray:
     """Integrate ``dx/dt = derivative(t, x, v)`` by the classical Runge-Kutta method of order four.
 
-    Steps end at every instant of `t` and at every edge of the drive, so that no step straddles a jump and
-    the order holds; in between they are equal and no longer than `max_step`. The cost is linear in time.
+    Steps end at every instant of `t` and at every jump of the drive, which preserves the order of the method;
+    in between they are equal and no longer than `max_step`.
 
     Parameters
     ----------
@@ -183,11 +181,11 @@ def integrate(
     drive : Drive
         The input ``v``.
     t : array_like, shape (N,)
-        Instants in seconds at which the state is wanted, increasing.
+        Instants of the returned states, increasing (s).
     max_step : float
-        In seconds.
+        Longest integration step (s).
     lowest : sequence of float, length n
-        A step that ends below it ends on it.
+        Lower bound of each state, applied after every step.
 
     Returns
     -------
@@ -200,8 +198,8 @@ def integrate(
 
     Notes
     -----
-    Plain floats, not arrays: sums, products and roots of Python floats are rounded in the same way on every
-    platform, so a record made from a secret on one machine is the record made from it on another.
+    Uses Python floats instead of arrays: their sums, products and square roots round equally on every platform, so
+    a secret gives the same record on every machine.
     """
     if not max_step > 0:
         raise ValueError(f"max_step must be a positive time in seconds; got {max_step}.")
@@ -225,22 +223,22 @@ def integrate(
 def _runge_kutta_step(derivative: Derivative, t: float, x: State, v: float, h: float) -> State:
     half = 0.5 * h
     k1 = derivative(t, x, v)
-    k2 = derivative(t + half, _moved(x, half, k1), v)
-    k3 = derivative(t + half, _moved(x, half, k2), v)
-    k4 = derivative(t + h, _moved(x, h, k3), v)
+    k2 = derivative(t + half, _advance(x, half, k1), v)
+    k3 = derivative(t + half, _advance(x, half, k2), v)
+    k4 = derivative(t + h, _advance(x, h, k3), v)
     slope = [a + 2 * b + 2 * c + d for a, b, c, d in zip(k1, k2, k3, k4, strict=True)]
-    return _moved(x, h / 6, slope)
+    return _advance(x, h / 6, slope)
 
 
-def _moved(x: State, h: float, slope: Sequence[float]) -> State:
+def _advance(x: State, h: float, slope: Sequence[float]) -> State:
     return tuple([xi + h * si for xi, si in zip(x, slope, strict=True)])
 
 
-def _refuse_out_of_range(rig: Rig, t: FloatArray, states: FloatArray) -> None:
+def _check_range(rig: Rig, t: FloatArray, states: FloatArray) -> None:
     beyond = np.argwhere(~(states <= np.array(rig.highest)))
     if beyond.size:
         k, i = beyond[0]
         raise ValueError(
             f"{rig.state_names[i]} must stay below {rig.highest[i]:g}; got {states[k, i]:.4g} "
-            f"at t = {t[k]:g} s. Lower the input, or start lower."
+            f"at t = {t[k]:g} s. Lower the input or the initial state."
         )

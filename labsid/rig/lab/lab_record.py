@@ -1,4 +1,4 @@
-"""The lab's records: the stand-in for everybody, or one student's own."""
+"""The lab's records: the stand-in, or an individual record for each student."""
 
 from dataclasses import replace
 
@@ -6,7 +6,7 @@ import numpy as np
 
 from labsid._arrays import FloatArray
 from labsid.rig.lab.instruments import AVERAGED, converter, noise_reduced, sensor_noise
-from labsid.rig.lab.integration import State, run
+from labsid.rig.lab.integration import State, simulate_rig
 from labsid.rig.lab.log import LabLog
 from labsid.rig.lab.plan import STAND_IN, LabPlan, staircase, student_plan
 from labsid.rig.lab.tanks import steady_levels, tank_rig, zero_level
@@ -20,7 +20,7 @@ SENSOR_NOISE = 0.013
 _SAMPLES = 903
 _SAMPLES_TO_FILL = 300
 
-# The second run: other levels about the same rest, other hold times. Differences from the rest in volts.
+# The verification run uses other levels about the same rest level, and other hold times. Differences in volts.
 _VERIFICATION_STEPS = (0.0, -0.2, 0.1, -0.3, 0.15, -0.1)
 _VERIFICATION_STARTS = (0, 61, 181, 341, 421, 621)
 _VERIFICATION_SAMPLES = 741
@@ -29,25 +29,25 @@ _LAB_NOISE, _VERIFICATION_NOISE, _EMPTY_START_NOISE = 1, 2, 3
 
 
 def make_lab_record(student: str | None = None, secret: bytes | None = None) -> LabLog:
-    """Make the record that the lab identifies, from a rig that has settled.
+    """Make the record that the lab identifies; the rig starts settled.
 
     Parameters
     ----------
     student : str, optional
-        An ID, for that student's own rig, levels and hold times. Without it: the stand-in that ships.
+        Student ID for an individual rig, levels and hold times; by default the stand-in.
     secret : bytes, optional
-        The course's secret, together with `student`.
+        The course's secret; required with `student`.
 
     Returns
     -------
     LabLog
-        903 samples of 0.75 s; the stand-in has the lab's levels 2.0, 1.6, 2.2, 2.0, 1.6, 2.2 V, which change
+        903 samples at 0.75 s. The stand-in has the lab's levels 2.0, 1.6, 2.2, 2.0, 1.6 and 2.2 V, with changes
         at samples 51, 251, 451, 651 and 851.
 
     Raises
     ------
     ValueError
-        If only one of `student` and `secret` is given, the ID is unusable or the secret too short.
+        If only one of `student` and `secret` is given, or one of them is invalid.
     """
     plan = _plan(student, secret)
     u = staircase(plan.levels, plan.starts, _SAMPLES)
@@ -55,7 +55,7 @@ def make_lab_record(student: str | None = None, secret: bytes | None = None) -> 
 
 
 def make_verification_record(student: str | None = None, secret: bytes | None = None) -> LabLog:
-    """Make a second record of the same rig, to verify a model on data that it was not fitted to (Fig. 4).
+    """Make a second record of the same rig, for verification on data not used in the fit (Fig. 4).
 
     Parameters
     ----------
@@ -65,7 +65,7 @@ def make_verification_record(student: str | None = None, secret: bytes | None = 
     Returns
     -------
     LabLog
-        741 samples of 0.75 s from the same level of rest, other levels within the range of the first record.
+        741 samples at 0.75 s from the same rest level, with other levels within the range of the first record.
 
     Raises
     ------
@@ -79,7 +79,7 @@ def make_verification_record(student: str | None = None, secret: bytes | None = 
 
 
 def make_empty_start_record(student: str | None = None, secret: bytes | None = None) -> LabLog:
-    """Make the lab's record with the tanks empty, for all that the sensor sees, as several logs of the real rig start.
+    """Make the lab's record with the tanks empty at the start, like several logs of the real rig.
 
     Parameters
     ----------
@@ -89,9 +89,9 @@ def make_empty_start_record(student: str | None = None, secret: bytes | None = N
     Returns
     -------
     LabLog
-        1203 samples of 0.75 s: 300 more at rest than `make_lab_record`, in which the tanks fill. The upper tank
-        starts empty, the lower one where the sensor shows 0 V; the rig was switched on with the log, so its moving
-        average begins with zeros.
+        1203 samples at 0.75 s: 300 samples in which the tanks fill, then those of `make_lab_record`. The upper tank
+        starts empty and the lower one at the level where the sensor reads 0 V. The rig is switched on with the log,
+        so its moving average begins with zeros.
 
     Raises
     ------
@@ -115,7 +115,7 @@ def _plan(student: str | None, secret: bytes | None) -> LabPlan:
 
 
 def _settled_log(plan: LabPlan, u: FloatArray, noise: int, name: str) -> LabLog:
-    """Log a rig that has been running at its rest level: the moving average reaches back before the log."""
+    """Log a rig that ran at its rest level before the log, so the moving average uses samples from before it."""
     before = AVERAGED - 1
     running = np.concatenate([np.full(before, u[0]), u])
     measured = _measure(plan, running, steady_levels(plan.parameters, float(u[0])), noise)
@@ -128,7 +128,7 @@ def _measure(plan: LabPlan, u: FloatArray, x0: State, noise: int) -> FloatArray:
         # 12 bits over -10..10 V: the step of 0.0048828125 V of the real logs.
         sensor=(sensor_noise(SENSOR_NOISE, plan.seed(noise)), converter(bits=12, low=-10.0, high=10.0)),
     )
-    return run(rig, u, TS, x0).y
+    return simulate_rig(rig, u, TS, x0).y
 
 
 def _log(u: FloatArray, measured: FloatArray, before: FloatArray, name: str) -> LabLog:

@@ -1,4 +1,4 @@
-"""The log that a rig leaves behind, and the `.mat` file in the lab's layout."""
+"""The rig's log and its `.mat` file in the lab's layout."""
 
 from dataclasses import dataclass
 from io import BytesIO
@@ -10,14 +10,14 @@ import numpy as np
 from labsid._arrays import FloatArray, as_signals, freeze
 from labsid.records.record import Record
 
-# MATLAB and scipy put the time of writing here; a fixed text makes the same log the same bytes.
+# MATLAB and scipy write the current time here; a fixed text makes equal logs equal bytes.
 _HEADER = b"MATLAB 5.0 MAT-file, written by labsid.rig: a simulated record in the layout of the lab's rig"
 _HEADER_LENGTH = 116
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class LabLog:
-    """What the lab's rig logs: time, both outputs, input.
+    """Log of the lab's rig: time, input and both outputs.
 
     Parameters
     ----------
@@ -26,13 +26,13 @@ class LabLog:
     u : ndarray, shape (N,)
         Actual input: pump voltage (V).
     y_measured : ndarray, shape (N,)
-        Measured output: level-sensor voltage on the converter's lattice (V).
+        Measured output: level-sensor voltage, quantised by the converter (V).
     y_noise_reduced : ndarray, shape (N,)
-        Noise-reduced output: causal mean of five samples of `y_measured` (V).
+        Noise-reduced output: causal moving average over five samples of `y_measured` (V).
     Ts : float
         Sampling time in seconds.
     name : str
-        What the record is called: the file's name without its ending.
+        Name of the record: the file name without its extension.
 
     Raises
     ------
@@ -55,7 +55,7 @@ class LabLog:
 
 
 def log_to_record(log: LabLog) -> Record:
-    """Turn a log into the record that `load_record` reads back from its file.
+    """Convert a log to the record that `load_record` reads from its file.
 
     Parameters
     ----------
@@ -64,7 +64,7 @@ def log_to_record(log: LabLog) -> Record:
     Returns
     -------
     Record
-        Its output `y` is the noise-reduced one.
+        The output `y` is the noise-reduced one.
     """
     return Record(
         t=log.t,
@@ -78,7 +78,7 @@ def log_to_record(log: LabLog) -> Record:
 
 
 def lab_record_bytes(log: LabLog) -> bytes:
-    """Write a log as a `.mat` file of version 5, in memory.
+    """Encode a log as a version 5 `.mat` file.
 
     Parameters
     ----------
@@ -87,13 +87,13 @@ def lab_record_bytes(log: LabLog) -> bytes:
     Returns
     -------
     bytes
-        Equal logs give equal bytes: no time of writing, no compression (whose bytes depend on the library).
+        Equal logs give equal bytes: the file holds no time of writing and is not compressed.
 
     Notes
     -----
     UNSW lab, step 1a. ``LogData.time`` is (N, 1); ``LogData.signals(1).values`` is (N, 2), measured and
     noise-reduced output; ``LogData.signals(2).values`` is (N, 1), the input. The other fields are those
-    that a Simulink scope logs.
+    of a Simulink scope.
     """
     from scipy.io import savemat
 
@@ -116,12 +116,12 @@ def lab_record_bytes(log: LabLog) -> bytes:
 
 
 def write_lab_record(path: str | PathLike[str], log: LabLog) -> None:
-    """Write a log as a `.mat` file in the lab's layout, replacing a file of that name.
+    """Write a log as a `.mat` file in the lab's layout, replacing an existing file.
 
     Parameters
     ----------
     path : path
-        It must end in ``.mat``, by which a record's format is known.
+        Must end in ``.mat``, because the extension determines a record's format.
     log : LabLog
 
     Raises
@@ -129,7 +129,7 @@ def write_lab_record(path: str | PathLike[str], log: LabLog) -> None:
     ValueError
         If `path` does not end in ``.mat``.
     OSError
-        If it cannot be written.
+        If the file cannot be written.
     """
     path = Path(path)
     if path.suffix.lower() != ".mat":

@@ -1,4 +1,4 @@
-"""Every student's own rig: parameters, levels and hold times from HMAC-SHA256(secret, ID)."""
+"""Rig parameters and input levels of a lab record: the stand-in's, or individual ones from HMAC-SHA256(secret, ID)."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -16,18 +16,18 @@ _T = TypeVar("_T")
 
 @dataclass(frozen=True, slots=True)
 class LabPlan:
-    """One rig and what is done to it.
+    """Parameters of one rig and the input of its lab record.
 
     Parameters
     ----------
     parameters : TankParameters
-        The rig.
+        The tanks.
     levels : tuple of float
-        The levels of the input in the lab's record, in order; the first is the level of rest (V).
+        Input levels of the lab's record in order; the first is the rest level (V).
     starts : tuple of int
-        The sample at which each level begins, the first at 0.
+        Sample at which each level begins; the first is 0.
     entropy : int
-        Seeds everything random about this rig.
+        Seed of the rig's random numbers.
     """
 
     parameters: TankParameters
@@ -36,7 +36,7 @@ class LabPlan:
     entropy: int
 
     def seed(self, stream: int) -> np.random.SeedSequence:
-        """Seed of one of the independent random streams of this rig."""
+        """Seed of one of the rig's independent random streams."""
         return np.random.SeedSequence(entropy=self.entropy, spawn_key=(stream,))
 
 
@@ -46,10 +46,10 @@ STAND_IN = LabPlan(
     starts=(0, 51, 251, 451, 651, 851),
     entropy=2016,
 )
-"""The rig of the record that ships."""
+"""The rig of the stand-in record in `data/`."""
 
-# How far a parameter of a student's rig may lie from the stand-in's, as a share of it. The plateaus go with
-# (pump_gain / lower_orifice)^2, so the shares of these two are small.
+# Largest relative deviation of a student's parameter from the stand-in's. The plateaus are proportional to
+# (pump_gain / lower_orifice)^2, so these two vary least.
 _SPREAD = {
     "upper_area": 0.30,
     "lower_area": 0.15,
@@ -72,10 +72,9 @@ def student_plan(student: str, secret: bytes) -> LabPlan:
     Parameters
     ----------
     student : str
-        The student's ID as the course writes it: ``z5000001`` and ``Z5000001`` are two. Accented letters are
-        the same however the system composes them (Unicode NFC).
+        The student's ID, as for `labsid.rig.seeds.student_entropy`.
     secret : bytes
-        The course's secret, at least 16 bytes. Whoever has it can make every student's record again.
+        The course's secret, at least 16 bytes.
 
     Returns
     -------
@@ -84,7 +83,7 @@ def student_plan(student: str, secret: bytes) -> LabPlan:
     Raises
     ------
     ValueError
-        If the ID is empty, has white space at an end or holds control characters, or the secret is too short.
+        If the ID or the secret is invalid.
     """
     plan = replace(STAND_IN, entropy=student_entropy(student, secret))
     draws = uniform_samples(plan.seed(_PLAN_STREAM), len(_SPREAD) + 8)
@@ -99,7 +98,7 @@ def student_plan(student: str, secret: bytes) -> LabPlan:
 
 
 def staircase(levels: tuple[float, ...], starts: tuple[int, ...], samples: int) -> FloatArray:
-    """Input that holds each of `levels` (V) from its sample in `starts` on; shape (samples,)."""
+    """Input that holds ``levels[i]`` (V) from sample ``starts[i]`` on; shape (samples,)."""
     return np.repeat(levels, np.diff([*starts, samples]))
 
 

@@ -1,4 +1,4 @@
-"""The coupled-tank rig: a pump fills the upper tank, it drains into the lower one, whose level is read."""
+"""The coupled tanks: a pump fills the upper tank, which drains into the lower one, whose level is measured."""
 
 from dataclasses import dataclass, fields
 from math import inf, sqrt
@@ -21,13 +21,13 @@ class TankParameters:
     upper_orifice, lower_orifice : float
         Effective area of each drain: its area times its discharge coefficient (cm^2).
     upper_height, lower_height : float
-        Brim of each tank above its drain (cm).
+        Height of each tank's brim above its drain (cm).
     pump_gain : float
-        Flow of the pump for every volt (cm^3/s/V).
+        Pump flow per volt (cm^3/s/V).
     sensor_gain : float
-        Rise of the sensor voltage with the lower level (V/cm).
+        Sensor voltage per centimetre of lower level (V/cm).
     sensor_zero : float
-        What the sensor shows of an empty tank (V); negative where it is trimmed to begin above the bottom.
+        Sensor voltage of an empty tank (V); negative if the sensor is trimmed to 0 V above the bottom.
 
     Raises
     ------
@@ -54,17 +54,17 @@ class TankParameters:
 
 
 def zero_level(parameters: TankParameters) -> float:
-    """Level of the lower tank at which the sensor shows 0 V (cm)."""
+    """Level of the lower tank at which the sensor reads 0 V (cm)."""
     return max(0.0, -parameters.sensor_zero / parameters.sensor_gain)
 
 
 def pump_flow(parameters: TankParameters, v: float) -> float:
-    """Flow of the pump (cm^3/s) at the voltage `v`; it does not run backwards."""
+    """Pump flow (cm^3/s) at the voltage `v`; zero for a negative voltage."""
     return parameters.pump_gain * max(v, 0.0)
 
 
 def steady_levels(parameters: TankParameters, v: float) -> State:
-    """Levels at which the rig settles when the pump is held at a voltage.
+    """Steady-state levels for a constant pump voltage.
 
     Parameters
     ----------
@@ -75,7 +75,7 @@ def steady_levels(parameters: TankParameters, v: float) -> State:
     Returns
     -------
     tuple of float
-        Upper and lower level (cm): both drains pass the pump's flow q, ``q = a sqrt(2 g h)``.
+        Upper and lower level (cm), at which both drains pass the pump's flow q, ``q = a sqrt(2 g h)``.
     """
     flow = pump_flow(parameters, v)
     upper = (flow / parameters.upper_orifice) ** 2 / (2 * GRAVITY)
@@ -84,7 +84,7 @@ def steady_levels(parameters: TankParameters, v: float) -> State:
 
 
 def tank_rig(parameters: TankParameters) -> Rig:
-    """Build the rig with an ideal actuator and an ideal sensor; `dataclasses.replace` puts chains in.
+    """Build the rig with an ideal actuator and an ideal sensor; add chains with `dataclasses.replace`.
 
     Parameters
     ----------
@@ -107,7 +107,7 @@ def tank_rig(parameters: TankParameters) -> Rig:
     lower_drain = p.lower_orifice * sqrt(2 * GRAVITY)
 
     def derivative(t: float, x: State, v: float) -> State:
-        # A trial state of the integrator may lie below empty.
+        # An intermediate state of the integrator may be negative.
         between = upper_drain * sqrt(max(x[0], 0.0))
         out = lower_drain * sqrt(max(x[1], 0.0))
         return (pump_flow(p, v) - between) / p.upper_area, (between - out) / p.lower_area

@@ -1,7 +1,7 @@
-"""What each effect of the table looks like on a given rig and input: one function each, in the order of the table.
+"""Random draws of the effects of GAP.md's table for a given rig and input: one function per effect, in its order.
 
-A draw returns ``enter(setup, strength) -> setup``. Strength 0 changes nothing, 1 is as strong as one would still
-find in a laboratory; what was drawn does not depend on it.
+Each draw returns ``apply(setup, strength) -> setup``. Strength 0 changes nothing and strength 1 is the strongest that
+occurs in a laboratory; the drawn parameters do not depend on the strength.
 """
 
 from collections.abc import Callable
@@ -20,7 +20,7 @@ ApplyEffect = Callable[[Setup, float], Setup]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class EffectContext:
-    """What a draw may know: the rig without effects, the command, and what the rig does with it.
+    """Information for drawing an effect: the rig without effects, the input and the resulting output.
 
     Attributes
     ----------
@@ -30,9 +30,9 @@ class EffectContext:
     y : ndarray, shape (N,)
         Output of the rig without effects.
     time : float
-        The rig's time scale in samples.
+        Time scale of the rig in samples.
     rounding : float
-        Radius of corners, as a share of the range.
+        Corner radius of limits and dead zones, relative to the range.
     """
 
     setup: Setup
@@ -43,7 +43,7 @@ class EffectContext:
 
 
 def _in(part: str, **fields: Callable[[float], Any]) -> ApplyEffect:
-    """An effect that sets fields of one part of the rig, each a function of the strength."""
+    """Effect that sets fields of one part of the setup, each a function of the strength."""
 
     def apply(setup: Setup, s: float) -> Setup:
         if s == 0.0:
@@ -75,7 +75,7 @@ def _delay(rng: np.random.Generator, at: EffectContext) -> ApplyEffect:
 
 
 def _limits(rng: np.random.Generator, low: float, high: float) -> dict[str, Callable[[float], Any]]:
-    """One limit or both, moving inwards from the ends of what is commanded as the strength grows."""
+    """One or both limits, which move inwards from `low` and `high` as the strength grows."""
     sides = rng.choice(["low", "high", "both"])
     middle, half = 0.5 * (low + high), 0.5 * (high - low)
     reach = rng.uniform(0.6, 1.0, 2)
@@ -108,7 +108,7 @@ def _rate_limit(rng: np.random.Generator, at: EffectContext) -> ApplyEffect:
 
 
 def _curve(rng: np.random.Generator, x: FloatArray) -> dict[str, Callable[[float], Any]]:
-    """A quadratic, a cubic or both, monotone within the range of x."""
+    """A quadratic term, a cubic term or both, monotone over the range of x."""
     most = float(np.max(np.abs(x)))
     share = {"quadratic": 1.0, "cubic": 0.0, "both": float(rng.uniform(0.3, 0.7))}[
         str(rng.choice(["quadratic", "cubic", "both"]))

@@ -1,8 +1,8 @@
-"""The equations of motion of every rig, and their integration: the loops that numba compiles.
+"""Equations of motion of all rigs and their integration, compiled by numba.
 
-Import it where it is used: numba takes most of a second to load. A rig lives in its own units: time in samples, the
-input and every state as deviations from the operating point, static gain one. The two states of the plant are
-``x0`` and ``x1``; ``x2`` is a lag of the actuator, ``x3`` of the sensor, ``x4`` and ``x5`` a resonant mode.
+Rig units: time in samples, input and states as deviations from the operating point, static gain one. ``x0`` and
+``x1`` are the states of the plant, ``x2`` the lag of the actuator, ``x3`` the lag of the sensor, and ``x4`` and ``x5``
+a resonant mode.
 """
 
 from typing import NamedTuple
@@ -19,9 +19,10 @@ NO_MODE, SERIES_MODE, PARALLEL_MODE = range(3)
 
 
 class Motion(NamedTuple):
-    """The numbers in the equations of motion: those of the plant, then those of the effects on its states.
+    """Parameters of the equations of motion: first the plant, then the effects on its states.
 
     Times are in samples. ``speed_zero`` is the true speed at the operating point, ``level_zero`` the true level.
+    ``spill_share`` is the share of the upper tank's overflow that reaches the lower tank.
     """
 
     kind: int
@@ -53,7 +54,7 @@ class Motion(NamedTuple):
 
 @compiled()
 def outflow(x: float, root: float) -> float:
-    """What runs out of a tank: with its level, or with the root of it (slope one at the operating point)."""
+    """Outflow of a tank: linear in its level, or a square root with slope one at the operating point."""
     if root == 0.0:
         return x
     return 2.0 / root * (np.sqrt(max(1.0 + root * x, 0.0)) - 1.0)
@@ -61,7 +62,7 @@ def outflow(x: float, root: float) -> float:
 
 @compiled()
 def sensor_output(m: Motion, x: FloatArray) -> float:
-    """What the sensor shows of the states."""
+    """Output of the sensor, with its lag."""
     if m.sensor_lag > 0.0:
         return x[3]
     return physical_output(m, x)
@@ -69,7 +70,7 @@ def sensor_output(m: Motion, x: FloatArray) -> float:
 
 @compiled()
 def physical_output(m: Motion, x: FloatArray) -> float:
-    """What the sensor is exposed to."""
+    """Quantity that the sensor measures, before its lag."""
     y = x[0] if m.kind == HEATED_NEAR or m.kind == MASS else x[1]
     if m.mode == PARALLEL_MODE:
         y += m.mode_share * x[4]
@@ -78,7 +79,7 @@ def physical_output(m: Motion, x: FloatArray) -> float:
 
 @compiled()
 def friction_state(kind: int) -> int:
-    """The state that dry friction acts on."""
+    """Index of the state that dry friction acts on."""
     return 0 if kind == MOTOR_POSITION else 1
 
 
@@ -86,7 +87,7 @@ def friction_state(kind: int) -> int:
 def derivative(
     m: Motion, x: FloatArray, w: float, load: float, rate: float, leak: float, friction: float, d: FloatArray
 ) -> None:
-    """Write dx/dt into `d`. `friction` is the friction force of the moment, `rate` scales the slower pole."""
+    """Write dx/dt into `d`; `friction` is the present friction force and `rate` scales the slower pole."""
     if m.actuator_lag > 0.0:
         d[2] = (w - x[2]) / m.actuator_lag
         w = x[2]
@@ -178,10 +179,10 @@ def move(
     leak: FloatArray,
     per_sample: int,
 ) -> FloatArray:
-    """Integrate over all steps and return what the sensor shows at the start of each sample.
+    """Integrate over all steps and return the sensor output at the start of each sample.
 
-    The arrays hold one value a step, `per_sample` of them a sample. With dry friction a step in which the speed
-    changes sign is cut where it does; from there the rig sticks for as long as friction can hold it.
+    The arrays hold one value per integration step, `per_sample` steps per sample. With dry friction, a step in which
+    the speed changes sign is split at the sign change; the rig then sticks while friction balances the other forces.
     """
     h = 1.0 / per_sample
     x = x0.copy()

@@ -1,4 +1,4 @@
-"""From the command to what the actuator does, step by step of the integrator."""
+"""The actuator chain: from the command to the plant input at every integration step."""
 
 import numpy as np
 
@@ -8,7 +8,7 @@ from labsid.rig.switchable.setup import STEPS_PER_SAMPLE, Actuator, profile_valu
 
 
 def actuator_output(actuator: Actuator, v: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """What the actuator does with a command.
+    """Compute the actuator output.
 
     Parameters
     ----------
@@ -19,8 +19,7 @@ def actuator_output(actuator: Actuator, v: FloatArray) -> tuple[FloatArray, Floa
     Returns
     -------
     tuple of ndarray, each of shape (N * STEPS,)
-        What it does at the beginning and at the end of each step of the integrator; between them it moves
-        along a straight line.
+        Output at the beginning and at the end of each integration step; it is linear in between.
     """
     command = _delayed(actuator, _skip_failures(actuator, v))
     shaped = _dead_band(command, actuator.dead_low, actuator.dead_high, actuator.rounding)
@@ -39,15 +38,15 @@ def actuator_output(actuator: Actuator, v: FloatArray) -> tuple[FloatArray, Floa
 
 
 def limited(v: FloatArray, low: float, high: float, rounding: float) -> FloatArray:
-    """Limit `v` to [low, high], with corners of the radius `rounding`.
+    """Limit `v` to [low, high], with rounded corners.
 
     Parameters
     ----------
     v : ndarray
     low, high : float
-        Infinite where there is no limit.
+        Infinite if there is no limit.
     rounding : float
-        0 for sharp corners.
+        Corner radius; 0 for sharp corners.
 
     Returns
     -------
@@ -63,7 +62,7 @@ def limited(v: FloatArray, low: float, high: float, rounding: float) -> FloatArr
 
 
 def _soft_plus(x: FloatArray, radius: float) -> FloatArray:
-    """max(x, 0), its corner rounded into a hyperbola."""
+    """max(x, 0) with its corner rounded to a hyperbola."""
     return 0.5 * (x + np.sqrt(x**2 + radius**2)) if radius > 0 else np.maximum(x, 0.0)
 
 
@@ -83,7 +82,7 @@ def _skip_failures(actuator: Actuator, v: FloatArray) -> FloatArray:
 
 
 def _delayed(actuator: Actuator, v: FloatArray) -> FloatArray:
-    """The held command at every step, later by the delay; before the record, its first value."""
+    """The delayed command, held over each sample; before the record it equals its first value."""
     steps = np.arange(v.size * STEPS_PER_SAMPLE)
     lag = actuator.delay * STEPS_PER_SAMPLE
     if actuator.delay_swing:

@@ -1,4 +1,4 @@
-"""The unmodelled effects of the table: drawn for a rig and an input, then entered at any strength."""
+"""The unmodelled effects of GAP.md's table, drawn for a rig and an input and applied at any strength."""
 
 import numpy as np
 
@@ -15,14 +15,14 @@ EFFECTS = tuple(DRAWS)
 
 
 def effect_context(setup: Setup, v: FloatArray, rounding: float = 0.0) -> EffectContext:
-    """Play the command on the rig without effects and say what a draw may know.
+    """Run the rig without effects and collect the information for drawing an effect.
 
     Parameters
     ----------
     setup : Setup
     v : ndarray, shape (N,)
     rounding : float
-        Radius of the corners of limits and dead bands, as a share of the range.
+        Corner radius of limits and dead zones, relative to the range.
 
     Returns
     -------
@@ -32,24 +32,24 @@ def effect_context(setup: Setup, v: FloatArray, rounding: float = 0.0) -> Effect
 
 
 def draw_effect(rng: np.random.Generator, name: str, context: EffectContext) -> ApplyEffect:
-    """Draw one effect of the table.
+    """Draw an effect of GAP.md's table.
 
     Parameters
     ----------
     rng : Generator
     name : str
-        Its name in the table.
+        Name of the effect.
     context : Situation
 
     Returns
     -------
     callable
-        ``enter(setup, strength) -> setup`` with strength from 0 to 1.
+        ``apply(setup, strength) -> setup`` with strength from 0 to 1.
 
     Raises
     ------
     ValueError
-        If there is no such effect, or this rig cannot have it.
+        If there is no such effect, or the rig does not support it.
     """
     if name not in DRAWS:
         raise ValueError(f"name must be an effect of the table; got {name!r}. There are {', '.join(DRAWS)}.")
@@ -59,7 +59,7 @@ def draw_effect(rng: np.random.Generator, name: str, context: EffectContext) -> 
 
 
 def supports_effect(setup: Setup, name: str) -> bool:
-    """Whether the physics of a rig has a place for an effect.
+    """Whether an effect is physically possible on a rig.
 
     Parameters
     ----------

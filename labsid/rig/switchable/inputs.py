@@ -1,4 +1,4 @@
-"""Inputs that are played on the rigs, from a single step to a multisine; all lie within [-1, 1]."""
+"""Input signals within [-1, 1], from a single step to a multisine."""
 
 from collections.abc import Callable
 
@@ -8,11 +8,11 @@ from labsid._arrays import FloatArray
 
 INPUT_KINDS = ("step", "staircase", "levels", "two-level", "multisine", "ramps", "square")
 RICH_INPUTS = ("levels", "multisine", "ramps")
-"""Those that visit many levels, and each of them from both sides."""
+"""Kinds that visit many levels, each from above and from below."""
 
 
 def draw_input(rng: np.random.Generator, kind: str, samples: int, time: float, from_rest: bool) -> FloatArray:
-    """Draw an input.
+    """Draw an input signal.
 
     Parameters
     ----------
@@ -21,9 +21,9 @@ def draw_input(rng: np.random.Generator, kind: str, samples: int, time: float, f
         One of `INPUT_KINDS`.
     samples : int
     time : float
-        The rig's time scale in samples: levels are held about so long.
+        Time scale of the rig in samples; levels are held for about this long.
     from_rest : bool
-        Whether it begins with a while at 0, the level of rest.
+        Whether to begin with a stretch at 0, the rest level.
 
     Returns
     -------
@@ -32,7 +32,7 @@ def draw_input(rng: np.random.Generator, kind: str, samples: int, time: float, f
     Raises
     ------
     ValueError
-        If there is no such input.
+        If there is no such kind.
     """
     rest = int(rng.integers(12, 13 + min(50, samples // 15))) if from_rest else 0
     n = samples - rest

@@ -1,4 +1,4 @@
-"""The rigs on the shelf: tanks, motors, a heater, a mass on a spring, drawn at random within what a lab has."""
+"""Random rigs: tanks, motors, heaters and masses on springs, with parameters that occur in a laboratory."""
 
 from dataclasses import dataclass, replace
 
@@ -33,7 +33,7 @@ RIGS = (
 
 @dataclass(frozen=True, slots=True)
 class Scales:
-    """How a rig's own units become the record's: ``u = u0 + us v``, ``y = y0 + ys x``, ``t = Ts k``.
+    """Conversion from rig units to the record's units: ``u = u0 + us v``, ``y = y0 + ys x``, ``t = Ts k``.
 
     Attributes
     ----------
@@ -57,9 +57,9 @@ def draw_rig(rng: np.random.Generator, samples: int, rigs: tuple[str, ...] = RIG
     ----------
     rng : Generator
     samples : int
-        Length of the record that it is for: it should see the slowest time constant a dozen times.
+        Length of the record; the slowest time constant is at most a twelfth of it.
     rigs : tuple of str
-        Names to draw from.
+        Rigs to draw from.
 
     Returns
     -------
@@ -98,7 +98,7 @@ def draw_rig(rng: np.random.Generator, samples: int, rigs: tuple[str, ...] = RIG
 
 
 def draw_scales(rng: np.random.Generator) -> Scales:
-    """Draw units and operating point: volts or millivolts, degrees or radians a second, a sign now and then.
+    """Draw the units and the operating point; the output scale is sometimes negative.
 
     Parameters
     ----------
@@ -119,7 +119,7 @@ def draw_scales(rng: np.random.Generator) -> Scales:
 
 
 def time_scale(setup: Setup) -> float:
-    """Longest time in samples in which the plant settles or swings.
+    """Longest time constant of the plant, or time scale of its oscillation, in samples.
 
     Parameters
     ----------

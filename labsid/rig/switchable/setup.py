@@ -1,4 +1,4 @@
-"""What a rig is set up with: plant, actuator, load and sensor, each with its effects, all of them absent unless set."""
+"""Description of a rig: plant, actuator, load and sensor with their unmodelled effects, which are off by default."""
 
 from dataclasses import dataclass, field
 from math import inf
@@ -10,11 +10,11 @@ from labsid._arrays import FloatArray
 from labsid.rig.switchable._motion import NO_MODE, Motion
 
 STEPS_PER_SAMPLE = 16
-"""Integration steps in a sample; every delay and every instant is a whole number of them."""
+"""Integration steps per sample; every delay and every onset is a whole number of steps."""
 
 
 class Profile(NamedTuple):
-    """How something changes slowly along a record: what kind of curve, its shape number, and a seed."""
+    """Slow change along a record: the kind of curve, its shape parameter and a seed."""
 
     kind: str = "ramp"
     number: float = 1.0
@@ -26,36 +26,37 @@ STRAIGHT = Profile()
 
 @dataclass(frozen=True, slots=True)
 class Actuator:
-    """The path from the command to the plant; levels are deviations from the operating point.
+    """Path from the command to the plant; levels are deviations from the operating point.
 
     Attributes
     ----------
     delay : float
         Transport delay in samples.
     delay_swing, delay_period : float
-        The delay also swings by so many samples, with this period in samples.
+        Amplitude and period of a sinusoidal variation of the delay, in samples.
     low, high : float
         Limits.
     dead_low, dead_high : float
-        Dead band.
+        Ends of the dead zone.
     rounding : float
-        Radius of the corners of limits and dead band.
+        Corner radius of limits and dead zone.
     backlash : float
         Width of the backlash.
     slew : float
-        Largest change in a sample.
+        Largest change per sample.
     c2, c3 : float
         Static curve ``v + c2 v^2 + c3 v^3``.
     relays : tuple of (float, float, float)
-        Relays with hysteresis in parallel to the straight path: lower and upper threshold, and height.
+        Relays with hysteresis in parallel to the direct path: lower threshold, upper threshold and height.
     failures : tuple of (int, int)
-        Stretches of samples in which commands are ignored.
+        Intervals of samples in which commands are ignored.
     stick_band : float
-        A valve that sticks until the command is so far away, and then jumps to it.
+        Sticking valve: it jumps to the command when the difference exceeds this value.
     valve_spread, valve_hold, seed : float, float, int
-        An unmeasured valve in the same line: random factors of this spread about one, each held about so many samples.
+        Unmeasured second valve in the same line: random gain factors of this spread about one, each held for about
+        `valve_hold` samples.
     zero : float
-        Where the true zero of the input lies; a changing gain acts from there.
+        True zero of the input, about which a gain change acts.
     gain_change, gain_profile : float, Course
         Relative change of the gain along the record.
     """
@@ -85,20 +86,20 @@ class Actuator:
 
 @dataclass(frozen=True, slots=True)
 class Load:
-    """What acts on the plant unmeasured, and how the plant itself changes.
+    """Unmeasured load on the plant, and change of the plant's slower pole.
 
     Attributes
     ----------
     onset : float
-        When the load begins, in samples.
+        Onset of the load in samples.
     size : float
         Additive load (torque, flow, heat).
     leak : float
-        Load that grows with the level or the speed.
+        Load proportional to the level or the speed.
     rise : float
-        The load comes within so many samples.
+        Rise time of the load in samples.
     amplitude, frequency, phase : float
-        A periodic load: its frequency in cycles a sample.
+        Periodic load; frequency in cycles per sample.
     pole_change, pole_profile : float, Course
         Relative change of the slower pole along the record.
     """
@@ -116,32 +117,32 @@ class Load:
 
 @dataclass(frozen=True, slots=True)
 class Sensor:
-    """The path from the plant to the log, in deviations from the operating point.
+    """Path from the plant to the log; levels are deviations from the operating point.
 
     Attributes
     ----------
     c2, c3 : float
         Static curve ``y + c2 y^2 + c3 y^3``.
     drift, drift_profile : float, Course
-        Additive wander of the zero.
+        Drift of the zero.
     amplitude, frequency, phase : float
-        A sinusoid added at the sensor: its frequency in cycles a sample.
+        Additive sinusoid; frequency in cycles per sample.
     low, high : float
-        Where the sensor clips.
+        Saturation levels.
     rounding : float
-        Radius of the corners.
+        Corner radius of the saturation.
     clips_noise : bool
-        Whether the noise comes before the clipping: then the plateaus are flat.
+        Whether the noise is added before the saturation.
     step : float
-        Converter step.
+        Quantisation step of the converter.
     outlier_share, outlier_size : float
-        Share of the samples that are outliers, and their size.
+        Share of outliers among the samples, and their size.
     dropout_share, dropout_length : float
-        Share of the samples in which the log holds its last value, and the mean length of such a stretch.
+        Share of the samples in which the logger repeats the last value, and mean length of such an interval.
     colour, colour_time : float
-        Standard deviation and correlation time in samples of the strongly coloured noise.
+        Standard deviation and correlation time (in samples) of the strongly coloured noise.
     seed : int
-        Seeds spikes, held stretches and coloured noise.
+        Seed of outliers, dropouts and coloured noise.
     """
 
     c2: float = 0.0
@@ -167,12 +168,12 @@ class Sensor:
 
 @dataclass(frozen=True, slots=True)
 class Setup:
-    """One rig as it stands on the bench.
+    """Description of one rig with its effects.
 
     Attributes
     ----------
     rig : str
-        What it is, for people.
+        Name of the rig.
     motion : Motion
         The plant and the effects on its states.
     actuator : Actuator
@@ -188,14 +189,14 @@ class Setup:
 
 
 def plain_motion(kind: int, T0: float, T1: float) -> Motion:
-    """Equations of motion without any effect.
+    """Parameters of the equations of motion without effects.
 
     Parameters
     ----------
     kind : int
         One of the kinds in `labsid.rig.switchable._motion`.
     T0, T1 : float
-        Its two times in samples; a mass on a spring has T0 alone, one over its natural frequency.
+        The two time constants in samples; a mass on a spring has only T0, the inverse of its natural frequency.
 
     Returns
     -------
@@ -231,12 +232,12 @@ def plain_motion(kind: int, T0: float, T1: float) -> Motion:
 
 
 def profile_values(profile: Profile, x: FloatArray) -> FloatArray:
-    """Values of a slow change at the instants `x`, which run from 0 to 1 along the record; of order one.
+    """Values of a slow change at the instants `x`, which run from 0 to 1 along the record; their maximum is about one.
 
     Parameters
     ----------
     profile : Course
-        ``ramp``; ``settle``, exponential with `number` the time constant; ``half-sine``; ``sine``, with `number`
+        ``ramp``; ``settle``, an exponential with time constant `number`; ``half-sine``; ``sine`` with `number`
         cycles; ``wander``, a smoothed random walk.
     x : ndarray
         Instants.
@@ -244,7 +245,7 @@ def profile_values(profile: Profile, x: FloatArray) -> FloatArray:
     Returns
     -------
     ndarray
-        Zero at 0, except the sine's phase, which the seed draws.
+        Zero at 0, except for ``sine``, whose phase is random.
 
     Raises
     ------
@@ -264,11 +265,11 @@ def profile_values(profile: Profile, x: FloatArray) -> FloatArray:
         knots = np.linspace(0, 1, 400)
         rng = np.random.default_rng(profile.seed)
         walk = np.cumsum(rng.standard_normal(knots.size))
-        width = 24  # of the Gaussian that smooths, in knots: 6 % of the record
+        width = 24  # standard deviation of the smoothing Gaussian in knots: 6 % of the record
         window = np.exp(-0.5 * (np.arange(-3 * width, 3 * width + 1) / width) ** 2)
         smooth = np.convolve(np.pad(walk, 3 * width, mode="edge"), window / window.sum(), mode="valid")
         smooth = smooth - smooth[0]
         return np.interp(x, knots, smooth / np.max(np.abs(smooth)))
     raise ValueError(
-        f"course must be ramp, settle, half-sine, sine or wander; got {profile.kind!r}. Name one of these."
+        f"profile must be ramp, settle, half-sine, sine or wander; got {profile.kind!r}. Name one of these."
     )

@@ -1,4 +1,4 @@
-"""Play a command on a rig: actuator, plant and load, sensor; then noise, converter and logger."""
+"""Simulation of a rig: actuator, plant with load, sensor, noise, converter and logger."""
 
 from dataclasses import dataclass
 
@@ -12,21 +12,21 @@ from labsid.rig.switchable.setup import STEPS_PER_SAMPLE, Load, Sensor, Setup, p
 
 
 class UnboundedOutputError(ValueError):
-    """The rig left every bound: an effect is stronger than this input allows."""
+    """The simulated output diverges: an effect is too strong for the input."""
 
 
 @dataclass(frozen=True, slots=True)
 class Noise:
-    """The sensor's own noise: `sd` in all, of which the share that an AR(1) filter with the pole `colour` makes.
+    """Sensor noise: the sum of white noise and AR(1) noise.
 
     Attributes
     ----------
     sd : float
-        Standard deviation, white and coloured part together.
+        Standard deviation of the sum.
     share : float
-        Share of the variance that is coloured.
+        Share of the AR(1) part in the variance.
     colour : float
-        Pole of the coloured part.
+        Pole of the AR(1) part.
     seed : int
     """
 
@@ -38,18 +38,18 @@ class Noise:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class SimulatedRun:
-    """What a run gave, in deviations from the operating point.
+    """Signals of one run, as deviations from the operating point.
 
     Attributes
     ----------
     v : ndarray, shape (N,)
-        The command.
+        Commanded input.
     clean : ndarray, shape (N,)
-        The log without the sensor's noise, with every effect.
+        Logged output without sensor noise, with every effect.
     y : ndarray, shape (N,)
-        The log.
+        Logged output.
     dropouts : tuple of (int, int)
-        Stretches in which the log holds its last value.
+        Intervals of samples in which the logger repeats the last value.
     """
 
     v: FloatArray
@@ -62,27 +62,27 @@ class SimulatedRun:
 
 
 def simulate_setup(setup: Setup, v: FloatArray, noise: Noise, start: tuple[float, float] = (0.0, 0.0)) -> SimulatedRun:
-    """Run a rig on a command and log it.
+    """Simulate a rig and log its output.
 
     Parameters
     ----------
     setup : Setup
     v : array_like, shape (N,)
-        Command in the rig's own units, held over each sample.
+        Commanded input in rig units, held over each sample.
     noise : Noise
     start : tuple of float
-        The plant's two states at the start, as deviations; (0, 0) is rest.
+        Initial values of the plant's two states, as deviations; (0, 0) is rest.
 
     Returns
     -------
-    Played
+    SimulatedRun
 
     Raises
     ------
     ValueError
-        If the command is not a signal.
-    RunsAway
-        If the rig does.
+        If `v` is not a finite signal.
+    UnboundedOutputError
+        If the output diverges.
     """
     v = as_signal("v", v)
     shown = plant_output(setup, v, start)
@@ -93,14 +93,14 @@ def simulate_setup(setup: Setup, v: FloatArray, noise: Noise, start: tuple[float
 
 
 def plant_output(setup: Setup, v: FloatArray, start: tuple[float, float] = (0.0, 0.0)) -> FloatArray:
-    """What the plant exposes to the sensor, at the start of each sample, before the sensor's own effects.
+    """Simulate the plant's output at the start of each sample, before the effects of the sensor.
 
     Parameters
     ----------
     setup : Setup
     v : ndarray, shape (N,)
     start : tuple of float
-        The plant's two states at the start.
+        Initial values of the plant's two states.
 
     Returns
     -------
@@ -108,8 +108,8 @@ def plant_output(setup: Setup, v: FloatArray, start: tuple[float, float] = (0.0,
 
     Raises
     ------
-    RunsAway
-        If the rig does.
+    UnboundedOutputError
+        If the output diverges.
     """
     begin, end = actuator_output(setup.actuator, v)
     x0 = np.zeros(STATE_COUNT)
@@ -119,12 +119,14 @@ def plant_output(setup: Setup, v: FloatArray, start: tuple[float, float] = (0.0,
     load, rate, leak = _loads(setup.load, v.size)
     y = move(setup.motion, x0, begin, end, load, rate, leak, STEPS_PER_SAMPLE)
     if not np.all(np.abs(y) < 1e6):
-        raise UnboundedOutputError(f"the {setup.rig} must stay bounded; it runs away on this input. Lower the effect.")
+        raise UnboundedOutputError(
+            f"the {setup.rig} must stay bounded; its output diverges on this input. Reduce the effect."
+        )
     return y
 
 
 def poles(motion: Motion) -> FloatArray:
-    """The two poles of the plant alone about the operating point, a sample being the unit of time.
+    """Poles of the linearised plant without effects, in continuous time with a sample as the unit.
 
     Parameters
     ----------
@@ -150,7 +152,7 @@ def poles(motion: Motion) -> FloatArray:
 
 
 def noise_samples(noise: Noise, samples: int) -> FloatArray:
-    """Make the sensor's noise.
+    """Generate sensor noise.
 
     Parameters
     ----------
@@ -168,7 +170,7 @@ def noise_samples(noise: Noise, samples: int) -> FloatArray:
 
 
 def dropout_intervals(sensor: Sensor, samples: int) -> tuple[tuple[int, int], ...]:
-    """Stretches of samples in which the log holds its last value, in order, not touching each other.
+    """Intervals of samples in which the logger repeats the last value, in order and separate from each other.
 
     Parameters
     ----------
@@ -194,7 +196,7 @@ def dropout_intervals(sensor: Sensor, samples: int) -> tuple[tuple[int, int], ..
 
 
 def _ar1(rng: np.random.Generator, samples: int, pole: float) -> FloatArray:
-    """AR(1) noise of unit variance, stationary from the first sample."""
+    """Stationary AR(1) noise of unit variance."""
     e = rng.standard_normal(samples + 1)
     y, _ = lfilter([np.sqrt(1 - pole**2)], [1, -pole], e[1:], zi=[pole * e[0]])
     return np.asarray(y)

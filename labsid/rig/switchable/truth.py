@@ -1,4 +1,4 @@
-"""What was put into a rig, as a diagnosis would state it: parameters in the record's own units and seconds."""
+"""True parameters of a rig and its effects, in the record's units and seconds, as a diagnosis states them."""
 
 from typing import Any
 
@@ -10,7 +10,7 @@ from labsid.rig.switchable.setup import Setup
 
 
 def true_parameters(name: str, setup: Setup, scales: Scales, samples: int) -> dict[str, Any]:
-    """Parameters of one effect of a rig.
+    """True parameters of one effect of a rig.
 
     Parameters
     ----------
@@ -24,7 +24,7 @@ def true_parameters(name: str, setup: Setup, scales: Scales, samples: int) -> di
     Returns
     -------
     dict
-        Levels, limits and rates as the record's u or y, times in seconds, frequencies in Hz, `drift` relative.
+        Levels, limits and rates in units of u or y, times in seconds, frequencies in Hz, `drift` relative.
 
     Raises
     ------
@@ -86,14 +86,14 @@ def true_parameters(name: str, setup: Setup, scales: Scales, samples: int) -> di
 
 
 def true_linear_model(setup: Setup, scales: Scales, steps: int = 0) -> dict[str, Any]:
-    """The rig without effects as a discrete transfer function: what a linear simulation of it would be.
+    """Discrete transfer function of the linearised rig without effects.
 
     Parameters
     ----------
     setup : Setup
     scales : Scales
     steps : int
-        0 for an exact simulation; else one by Euler's method with so many steps in a sample.
+        0 for exact discretisation; otherwise the number of Euler steps per sample.
 
     Returns
     -------

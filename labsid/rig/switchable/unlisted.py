@@ -1,7 +1,7 @@
-"""Effects outside the table: real ones, that none of the table's names describes.
+"""Effects outside GAP.md's table, to which the correct verdict is "unknown".
 
-All of them leave a gap that has to do with the input. An unmeasured additive input would not: to one record that is
-coloured noise, or a periodic disturbance.
+Each of them depends on the input. An unmeasured additive input is not among them: in a single record it is
+indistinguishable from coloured noise or a periodic disturbance, which are in the table.
 """
 
 from collections.abc import Callable
@@ -16,7 +16,7 @@ from labsid.rig.switchable.setup import Setup
 
 
 def draw_unlisted_effect(rng: np.random.Generator, name: str, context: EffectContext) -> ApplyEffect:
-    """Draw one effect outside the table.
+    """Draw an effect outside the table.
 
     Parameters
     ----------
@@ -28,12 +28,12 @@ def draw_unlisted_effect(rng: np.random.Generator, name: str, context: EffectCon
     Returns
     -------
     callable
-        ``enter(setup, strength) -> setup`` with strength from 0 to 1.
+        ``apply(setup, strength) -> setup`` with strength from 0 to 1.
 
     Raises
     ------
     ValueError
-        If there is no such effect, or this rig cannot have it.
+        If there is no such effect, or the rig does not support it.
     """
     if name not in _DRAWS:
         raise ValueError(f"name must be an effect outside the table; got {name!r}. There are {', '.join(_DRAWS)}.")
@@ -43,7 +43,7 @@ def draw_unlisted_effect(rng: np.random.Generator, name: str, context: EffectCon
 
 
 def supports_unlisted_effect(setup: Setup, name: str) -> bool:
-    """Whether a rig has a place for an effect outside the table.
+    """Whether an effect outside the table is physically possible on a rig.
 
     Parameters
     ----------

@@ -1,7 +1,7 @@
-"""Every student's own rig with one unmodelled effect, which only the holder of the course's secret can name.
+"""Individual two-tank rigs with one withheld effect, for the assignment ``sim-to-real-gap``.
 
-Two tanks in series. Rig, effect, command and noise all come from HMAC-SHA256(secret, ID): whoever has the record, the
-ID and this program still has to find the effect in the record.
+Rig, effect, input and noise are derived from HMAC-SHA256(secret, ID). Without the course's secret the effect can only
+be found from the record.
 """
 
 from collections.abc import Mapping
@@ -25,7 +25,7 @@ from labsid.rig.switchable.withheld_effects import EFFECT_PARAMETERS, EFFECT_PAT
 TS = 0.75
 SAMPLES = 1600
 AT_REST = 120
-"""Samples at the level of rest with which every record begins."""
+"""Samples at the rest level at the start of every record."""
 
 SENSOR_NOISE = 0.007
 """Standard deviation of the level sensor's noise (V)."""
@@ -38,20 +38,20 @@ _SHORTEST_HOLD, _LONGEST_HOLD = 14, 52
 
 @dataclass(frozen=True, slots=True)
 class WithheldRig:
-    """A rig and what is withheld about it.
+    """A rig with the facts that are withheld from the student.
 
     Attributes
     ----------
     effect, path : str
-        The effect by its name in the table, and where in the loop it acts.
+        Name of the effect, and the part of the loop in which it acts.
     parameters : dict
-        Its parameters by the names of `labsid.rig.switchable.withheld_effects`.
+        Parameters of the effect, named as in `labsid.rig.switchable.withheld_effects`.
     setup : Setup
-        The rig with the effect in it.
+        The rig with the effect.
     scales : Scales
-        From the rig's own units to volts and seconds.
+        Conversion from rig units to volts and seconds.
     entropy : int
-        Seeds its commands and its noise.
+        Seed of inputs and noise.
     """
 
     effect: str
@@ -79,7 +79,7 @@ def withheld_rig(student: str, secret: bytes) -> WithheldRig:
     Raises
     ------
     ValueError
-        If the ID is unusable or the secret too short.
+        If the ID or the secret is invalid.
     """
     entropy = student_entropy(student, secret, _PURPOSE)
     which, T0, T1, u0, us, y0, ys, *draws = uniform_samples(_stream(entropy, _RIG), 10).tolist()
@@ -97,7 +97,7 @@ def withheld_rig(student: str, secret: bytes) -> WithheldRig:
 
 
 def withheld_record(rig: WithheldRig) -> Record:
-    """The record that the student gets: it begins at rest.
+    """Make the record that the student receives; it begins at rest.
 
     Parameters
     ----------
@@ -106,7 +106,7 @@ def withheld_record(rig: WithheldRig) -> Record:
     Returns
     -------
     Record
-        1600 samples of 0.75 s, to the nearest tenth of a millivolt.
+        1600 samples at 0.75 s, with the output rounded to 0.1 mV.
     """
     quantile = NormalDist().inv_cdf
     white = [quantile(p) for p in uniform_samples(_stream(rig.entropy, _RECORD_NOISE), SAMPLES).tolist()]
@@ -117,7 +117,7 @@ def withheld_record(rig: WithheldRig) -> Record:
 
 
 def withheld_validation_data(rig: WithheldRig) -> tuple[FloatArray, FloatArray]:
-    """Another run of the same rig, which stays with the judge.
+    """Simulate a second run of the same rig, on which a student's simulation is graded.
 
     Parameters
     ----------
@@ -133,7 +133,7 @@ def withheld_validation_data(rig: WithheldRig) -> tuple[FloatArray, FloatArray]:
 
 
 def withheld_record_bytes(student: str, secret: bytes) -> bytes:
-    """The student's record as the text file that goes beside the notebook; the columns are t, u and y.
+    """Encode the student's record as delimited text with the columns t, u and y.
 
     Parameters
     ----------
@@ -156,7 +156,7 @@ def withheld_record_bytes(student: str, secret: bytes) -> bytes:
 
 
 def _with_effect(effect: str, plain: Setup, v: FloatArray, draws: list[float]) -> Setup:
-    """The plain rig with one effect, strong enough to be seen far above the noise on a command such as `v`."""
+    """Add one effect to the plain rig, clearly visible above the noise for an input like `v`."""
     one, other, third = draws
     sign = 1.0 if third < 0.5 else -1.0
     shown = plant_output(plain, v)
@@ -187,7 +187,7 @@ def _parameters(effect: str, setup: Setup, scales: Scales) -> dict[str, float]:
 
 
 def _logged(rig: WithheldRig, v: FloatArray, noise: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """What the log holds: the sensor clips after its noise."""
+    """Logged input and output; the sensor saturates after its noise."""
     sensor = rig.setup.sensor
     unclipped = replace(rig.setup, sensor=replace(sensor, low=-inf, high=inf))
     s = rig.scales
@@ -196,7 +196,7 @@ def _logged(rig: WithheldRig, v: FloatArray, noise: FloatArray) -> tuple[FloatAr
 
 
 def _command(entropy: int, stream: int, scales: Scales) -> FloatArray:
-    """Rest, then levels that visit every eighth of the range in turn and are held for times of the rig's own scale."""
+    """Input that starts at rest and then steps through random levels, one in each eighth of the range per round."""
     moving = SAMPLES - AT_REST
     rounds = moving // (_STRATA * _SHORTEST_HOLD) + 1
     draws = uniform_samples(_stream(entropy, stream), 3 * _STRATA * rounds).reshape(3, rounds, _STRATA)

@@ -1,4 +1,4 @@
-"""The effects that a withheld rig may have: what everybody may know of it."""
+"""Public facts of the assignment ``sim-to-real-gap``: the effects that a withheld rig may have, and its file name."""
 
 from collections.abc import Mapping
 
@@ -12,7 +12,7 @@ EFFECT_PATHS: Mapping[str, str] = {
     "output-saturation": "output",
     "output-nonlinearity": "output",
 }
-"""Where in the loop each effect acts."""
+"""Part of the loop in which each effect acts."""
 
 EFFECT_PARAMETERS: Mapping[str, tuple[str, ...]] = {
     "input-delay": ("delay",),
@@ -24,10 +24,10 @@ EFFECT_PARAMETERS: Mapping[str, tuple[str, ...]] = {
     "output-saturation": ("low", "high"),
     "output-nonlinearity": ("c2",),
 }
-"""Their parameters, in volts and seconds; ``empty`` is what the sensor would show of an empty tank."""
+"""Parameters of each effect in volts and seconds; ``empty`` is the sensor voltage of an empty tank."""
 
 STAND_IN_STUDENT = "nobody"
-"""Whose record a course without individual data hands to everybody."""
+"""Student ID of the shared record, for courses without individual data."""
 
 RECORD_FILE = "WithheldRig.csv"
-"""Name of the record beside the notebook."""
+"""File name of the record beside the notebook."""

@@ -1,4 +1,4 @@
-"""The diagnosis is run from outside, here played by a program of a few lines."""
+"""The diagnosis runs as a separate process, replaced here by a program of a few lines."""
 
 import json
 from pathlib import Path
@@ -113,7 +113,7 @@ def test_the_whole_check_prints_its_table(tmp_path: Path, monkeypatch, capsys) -
     text = report.read_text()
     assert "| right effect named, one effect, clear | 0.0 % |" in text
     assert "| no effect: none reported | 100.0 % |" in text
-    assert "| 95 % interval of closed covers fresh records | 100.0 % |" in text
+    assert "| 95 % interval of the closed share covers fresh records | 100.0 % |" in text
 
 
 def test_fewer_than_one_job_is_refused() -> None:

@@ -1,4 +1,4 @@
-"""Figures from hand-made results and labels."""
+"""Metrics from hand-made results and labels."""
 
 from dataclasses import replace
 from typing import Any
@@ -64,7 +64,7 @@ def test_sets_hold_three_names_at_most() -> None:
     wide = replace(case, result=said("input-saturation", ambiguous=("overflow", "sqrt-outflow", "extra-lag")))
     assert not within_answer_set(wide)
     assert metric([case, wide], "short and noisy: names in that set").value == 3.0
-    assert metric([case, wide], "short and noisy: inside").value == 0.5
+    assert metric([case, wide], "short and noisy: within").value == 0.5
 
 
 def test_pairs_count_whole_and_half() -> None:
@@ -74,7 +74,7 @@ def test_pairs_count_whole_and_half() -> None:
         CaseOutcome(label("pair", "overflow", "input-delay"), said("overflow", "extra-lag")),
         CaseOutcome(label("pair", "overflow", "input-delay"), UNKNOWN),
     ]
-    assert metric(cases, "pair: both").value == 0.25
+    assert metric(cases, "pair: exactly both").value == 0.25
     assert metric(cases, "pair: at least").value == 0.75
 
 
@@ -113,7 +113,7 @@ def test_closure_is_held_against_the_true_structure() -> None:
     found = metric(cases, "median share of the gap closed")
     assert found.count == 4  # where the truth itself closes nothing there is nothing to hold it against
     assert found.value == pytest.approx(0.95)
-    assert metric(cases, "  that of the true structure").value == pytest.approx(0.925)
+    assert metric(cases, "  share closed by the true structure").value == pytest.approx(0.925)
 
 
 def test_intervals_must_neither_miss_nor_always_hit() -> None:
@@ -122,7 +122,7 @@ def test_intervals_must_neither_miss_nor_always_hit() -> None:
     outside = replace(inside, fresh_closure=0.95)
     found = metric([], "95 % interval", replays=[inside] * 19 + [outside])
     assert found.value == pytest.approx(0.95)
-    assert metric_status(found) == "aim"
+    assert metric_status(found) == "target"
     assert metric_status(metric([], "95 % interval", replays=[inside] * 20)) == "missed"
     assert metric([], "95 % interval", replays=[replace(inside, fresh_closure=None)]).count == 0
 
@@ -171,9 +171,9 @@ def test_the_confusion_counts_every_answer() -> None:
 
 
 def test_time_is_better_below() -> None:
-    assert metric_status(metric([], "time a record", seconds=1.9)) == "aim"
-    assert metric_status(metric([], "time a record", seconds=4.0)) == "must"
-    assert metric_status(metric([], "time a record", seconds=5.1)) == "missed"
+    assert metric_status(metric([], "time per record", seconds=1.9)) == "target"
+    assert metric_status(metric([], "time per record", seconds=4.0)) == "required"
+    assert metric_status(metric([], "time per record", seconds=5.1)) == "missed"
 
 
 def test_the_table_reads_well(capsys) -> None:
@@ -192,7 +192,7 @@ def test_the_table_reads_well(capsys) -> None:
     text = markdown(scores)
     assert "| right effect named, one effect, clear | 75.0 % | 30.1-95.4 % | 4 | 97 % | 99.5 % | missed |" in text
     assert "| single-clear | overflow | overflow 3, extra-lag 1 |" in text
-    assert "| time a record and core | 1.00 s |" in text
+    assert "| time per record and core | 1.00 s |" in text
     print_scores(scores, "a title")
     printed = capsys.readouterr().out
     assert "a title" in printed

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from labsid.rig.lab.integration import run
+from labsid.rig.lab.integration import simulate_rig
 from labsid.rig.lab.tanks import GRAVITY, TankParameters, pump_flow, steady_levels, tank_rig
 
 LAB_INPUT = np.repeat([2.0, 1.6, 2.2, 2.0, 1.6, 2.2], [51, 200, 200, 200, 200, 52])
@@ -36,7 +36,7 @@ def test_a_tank_drains_as_torricelli_says():
     # Pump off, upper tank alone: sqrt(h) falls linearly, h = (sqrt(h0) - a sqrt(2 g) t / (2 A))^2.
     p = TankParameters(upper_area=10.0, upper_orifice=0.2)
     h0 = 16.0
-    states = run(tank_rig(p), np.zeros(8), TS, (h0, 0.0)).states
+    states = simulate_rig(tank_rig(p), np.zeros(8), TS, (h0, 0.0)).states
     t = TS * np.arange(8)
     by_hand = (np.sqrt(h0) - 0.2 * np.sqrt(2 * 981.0) / (2 * 10.0) * t) ** 2
     np.testing.assert_allclose(states[:, 0], by_hand, atol=1e-6)
@@ -53,7 +53,7 @@ def test_steady_levels_by_hand():
 def test_the_rig_stays_where_it_is_steady():
     p = TankParameters()
     start = steady_levels(p, 1.8)
-    states = run(tank_rig(p), np.full(400, 1.8), TS, start).states
+    states = simulate_rig(tank_rig(p), np.full(400, 1.8), TS, start).states
     np.testing.assert_allclose(states, np.tile(start, (400, 1)), rtol=1e-12)
 
 
@@ -65,13 +65,13 @@ def test_the_sensor_reads_the_lower_level():
 def test_scipy_agrees_over_the_whole_lab_record():
     p = TankParameters()
     start = steady_levels(p, 2.0)
-    states = run(tank_rig(p), LAB_INPUT, TS, start).states
+    states = simulate_rig(tank_rig(p), LAB_INPUT, TS, start).states
     np.testing.assert_allclose(states, oracle(p, LAB_INPUT, start), atol=2e-6)
 
 
 def test_scipy_agrees_from_empty_tanks():
     p = TankParameters()
-    states = run(tank_rig(p), LAB_INPUT, TS, (0.0, 0.0)).states
+    states = simulate_rig(tank_rig(p), LAB_INPUT, TS, (0.0, 0.0)).states
     exact = oracle(p, LAB_INPUT, (0.0, 0.0))
     # The slope of the root at an empty tank is infinite: the first steps cost 0.04 mm, later ones nothing.
     np.testing.assert_allclose(states, exact, atol=4e-3)
@@ -82,13 +82,13 @@ def test_scipy_agrees_from_empty_tanks():
 def test_halving_the_step_moves_nothing_that_the_converter_could_show():
     p = TankParameters()
     start = steady_levels(p, 2.0)
-    coarse, fine = (run(tank_rig(p), LAB_INPUT, TS, start, max_step=step).y for step in (0.1, 0.05))
+    coarse, fine = (simulate_rig(tank_rig(p), LAB_INPUT, TS, start, max_step=step).y for step in (0.1, 0.05))
     assert np.abs(coarse - fine).max() < 1e-7
 
 
 def test_water_is_conserved():
     p = TankParameters()
-    states = run(tank_rig(p), LAB_INPUT, TS, (0.0, 0.0), max_step=0.01).states
+    states = simulate_rig(tank_rig(p), LAB_INPUT, TS, (0.0, 0.0), max_step=0.01).states
     volume = p.upper_area * states[:, 0] + p.lower_area * states[:, 1]
     pumped = np.concatenate([[0.0], np.cumsum(p.pump_gain * LAB_INPUT[:-1] * TS)])
     out = p.lower_orifice * np.sqrt(2 * GRAVITY * states[:, 1])
@@ -104,7 +104,7 @@ def test_a_small_step_shows_the_two_time_constants():
     tau = np.array([p.upper_area * upper, p.lower_area * lower]) * 2 / pump_flow(p, 2.0)
     assert tau == pytest.approx([0.884, 28.8], rel=1e-3)
     t = TS * np.arange(200)
-    step = run(tank_rig(p), np.full(200, 2.001), TS, (upper, lower)).states[:, 1] - lower
+    step = simulate_rig(tank_rig(p), np.full(200, 2.001), TS, (upper, lower)).states[:, 1] - lower
     linear = 1 - (tau[1] * np.exp(-t / tau[1]) - tau[0] * np.exp(-t / tau[0])) / (tau[1] - tau[0])
     np.testing.assert_allclose(step, 2 * lower / 2.0 * 0.001 * linear, atol=1e-3 * step.max())
 
@@ -115,14 +115,14 @@ def test_a_pump_does_not_run_backwards():
 
 
 def test_tanks_that_run_dry_stay_dry():
-    states = run(tank_rig(TankParameters()), np.zeros(200), TS, steady_levels(TankParameters(), 2.0)).states
+    states = simulate_rig(tank_rig(TankParameters()), np.zeros(200), TS, steady_levels(TankParameters(), 2.0)).states
     assert (states >= 0).all()
     assert (states[-1] == 0).all()
 
 
 def test_a_level_over_the_brim_is_refused():
     with pytest.raises(ValueError, match=r"the lower level \(cm\) must stay below 40; got 40\.\d+ at t = "):
-        run(tank_rig(TankParameters()), np.full(400, 3.0), TS, (0.0, 0.0))
+        simulate_rig(tank_rig(TankParameters()), np.full(400, 3.0), TS, (0.0, 0.0))
 
 
 @pytest.mark.parametrize("name", ["upper_area", "lower_orifice", "pump_gain", "sensor_gain", "lower_height"])

@@ -99,6 +99,6 @@ def test_slow_changes_start_at_nothing_and_are_of_order_one(kind: str) -> None:
     assert np.max(np.abs(np.diff(values))) < 0.03
 
 
-def test_an_unknown_course_is_refused() -> None:
-    with pytest.raises(ValueError, match="course must be ramp"):
+def test_an_unknown_profile_is_refused() -> None:
+    with pytest.raises(ValueError, match="profile must be ramp"):
         profile_values(Profile("zigzag"), np.zeros(3))
