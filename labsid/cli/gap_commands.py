@@ -53,7 +53,7 @@ def diagnose(
     from labsid._files import check_writable, write_json
     from labsid.gap.diagnosis import diagnose as answer
     from labsid.gap.simulations import load_simulation
-    from labsid.gap.text_report import verdict_text
+    from labsid.gap.text_report import format_report
     from labsid.records.record import load_record
 
     written = [path for path in (json_file, html, export) if path is not None]
@@ -82,10 +82,10 @@ def diagnose(
     if export is not None:
         write_json(export, found.model.to_json_dict())
     if html is not None:
-        from labsid.gap.html_report import write_page
+        from labsid.gap.html_report import write_html_report
 
-        write_page(html, found.report)
-    print(verdict_text(found.report))
+        write_html_report(html, found.report)
+    print(format_report(found.report))
 
 
 @gap.command()

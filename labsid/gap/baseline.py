@@ -18,7 +18,7 @@ from labsid.gap.noise import fit_noise
 from labsid.gap.plants import Plant
 from labsid.records.record import Record
 
-FAR = 1e6  # ranges of the record's output
+UNSTABLE_RATIO = 1e6  # ranges of the record's output
 NO_STATES = np.zeros((0, 0))
 
 Simulation = dict[str, Any] | RunningModel | FloatArray | Callable[[FloatArray, FloatArray], FloatArray]
@@ -33,24 +33,24 @@ class Baseline:
     before : Fit
         The simulation as it is: its output over the record, offset and initial state estimated. Without a given
         simulation, the fitted linear structure.
-    free : Hypothesis
+    structure : Hypothesis
         Its structure, for the search.
     given : bool
         Whether a simulation was given.
     output_only : bool
         Whether only its output is known, so that nothing ahead of the output can be refitted.
-    elsewhere : callable, optional
-        ``elsewhere(record) -> y`` of a given simulation that can be run: its output on another record, shape (N,), the
-        initial state estimated from the first samples there.
+    simulate_record : callable, optional
+        ``simulate_record(record) -> y``: the output of a given simulation on another record, shape (N,), its initial
+        state estimated from the first samples there.
     start : ndarray, optional
         Numbers of the structure from which the search begins, where the given simulation tells them.
     """
 
     before: Fit | None
-    free: Hypothesis
+    structure: Hypothesis
     given: bool
     output_only: bool = False
-    elsewhere: Callable[[Record], FloatArray] | None = None
+    simulate_record: Callable[[Record], FloatArray] | None = None
     start: FloatArray | None = None
 
 
@@ -69,16 +69,16 @@ class TransferFunction:
         padded = np.concatenate([np.zeros(self.den.size - self.num.size), self.num])
         return np.asarray(lfilter(padded / self.den[0], self.den / self.den[0], u - self.u0)) + self.y0
 
-    def play(self, u: FloatArray, y: FloatArray) -> FloatArray:
+    def simulate(self, u: FloatArray, y: FloatArray) -> FloatArray:
         """Free-run output, shape (N,), from the state that the first samples of the measured output `y` tell."""
         first = slice(0, min(START, u.size))
-        forced, states = self.response(u), self.free_motion(u.size)
+        forced, states = self.response(u), self.free_response(u.size)
         if not np.isfinite(forced[first]).all() or not np.isfinite(states[first]).all():
             return np.full(u.size, np.nan)
         state = np.linalg.lstsq(states[first], (y - forced)[first], rcond=None)[0]
         return np.asarray(forced + states @ state)
 
-    def free_motion(self, samples: int) -> FloatArray:
+    def free_response(self, samples: int) -> FloatArray:
         """Columns of the initial state, shape (samples, n)."""
         n = self.den.size - 1
         if n == 0:
@@ -141,7 +141,7 @@ def linear_structure(order: int) -> Hypothesis:
     return Hypothesis(effects, known=len(effects))
 
 
-def baseline_of(data: Data, t: FloatArray, simulation: Simulation | None, order: int = 2) -> Baseline:
+def make_baseline(data: Data, t: FloatArray, simulation: Simulation | None, order: int = 2) -> Baseline:
     """What the gap on this record is measured from.
 
     Parameters
@@ -164,7 +164,7 @@ def baseline_of(data: Data, t: FloatArray, simulation: Simulation | None, order:
         if order > 4:
             raise ValueError(f"--order must be at most 4; got {order}. Give a larger model with --sim.")
         return Baseline(None, linear_structure(order), given=False)
-    simulation = as_running(simulation, data.Ts)
+    simulation = read_exported(simulation, data.Ts)
     if isinstance(simulation, RunningModel):
         return _exported(data, simulation)
     if isinstance(simulation, dict):
@@ -174,7 +174,7 @@ def baseline_of(data: Data, t: FloatArray, simulation: Simulation | None, order:
     return _series(data, np.asarray(simulation, float))
 
 
-def as_running(simulation: Simulation | None, Ts: float) -> Simulation | None:
+def read_exported(simulation: Simulation | None, Ts: float) -> Simulation | None:
     """The simulation, an exported one read.
 
     Raises
@@ -187,7 +187,7 @@ def as_running(simulation: Simulation | None, Ts: float) -> Simulation | None:
     return simulation
 
 
-def bounded(y: FloatArray, measured: FloatArray) -> FloatArray:
+def check_bounded(y: FloatArray, measured: FloatArray) -> FloatArray:
     """A simulated output, refused where it runs away from the measured one.
 
     Raises
@@ -195,27 +195,29 @@ def bounded(y: FloatArray, measured: FloatArray) -> FloatArray:
     ValueError
         If it does.
     """
-    if not np.all(np.abs(y - np.mean(measured)) <= FAR * np.ptp(measured)):  # nor where it is not a number
+    if not np.all(np.abs(y - np.mean(measured)) <= UNSTABLE_RATIO * np.ptp(measured)):  # nor where it is not a number
         raise ValueError("the simulation is unstable on this record: its output leaves every bound. Check its poles.")
     return y
 
 
 def _transfer_function(data: Data, model: TransferFunction) -> Baseline:
-    u, y = _in_units(data)
-    output = bounded(model.response(u), y)
-    before = _as_it_is(data, output, model.free_motion(u.size), baseline(data).rates)
-    free = linear_structure(max(model.den.size - 1, 1))
-    return Baseline(before, free, given=True, elsewhere=lambda record: model.play(record.u, record.y))
+    u, y = _unscaled(data)
+    output = check_bounded(model.response(u), y)
+    before = _given_fit(data, output, model.free_response(u.size), baseline(data).rates)
+    structure = linear_structure(max(model.den.size - 1, 1))
+    return Baseline(before, structure, given=True, simulate_record=lambda record: model.simulate(record.u, record.y))
 
 
 def _exported(data: Data, model: RunningModel) -> Baseline:
-    u, y = _in_units(data)
-    output = bounded(model.simulate(u, y), y)
+    u, y = _unscaled(data)
+    output = check_bounded(model.simulate(u, y), y)
     plant = model.hypothesis.plant
-    before = _as_it_is(data, output, NO_STATES, plant.linear_rates(model.theta[model.hypothesis.slices["plant"]]))
-    free = Hypothesis(model.hypothesis.effects, known=len(model.hypothesis.effects))
+    before = _given_fit(data, output, NO_STATES, plant.linear_rates(model.theta[model.hypothesis.slices["plant"]]))
+    structure = Hypothesis(model.hypothesis.effects, known=len(model.hypothesis.effects))
     start = model.theta if (model.u_scale, model.y_scale) == (data.u_scale, data.y_scale) else None
-    return Baseline(before, free, True, elsewhere=lambda record: model.simulate(record.u, record.y), start=start)
+    return Baseline(
+        before, structure, True, simulate_record=lambda record: model.simulate(record.u, record.y), start=start
+    )
 
 
 def _callable(data: Data, t: FloatArray, simulate: Callable[[FloatArray, FloatArray], FloatArray]) -> Baseline:
@@ -229,28 +231,28 @@ def _callable(data: Data, t: FloatArray, simulate: Callable[[FloatArray, FloatAr
         times = t[0] + data.Ts * np.arange(w.size)
         return data.y_scale.of(run(times, np.asarray(data.u_scale.back(w))))
 
-    u, y = _in_units(data)
+    u, y = _unscaled(data)
     rates = baseline(data).rates
-    before = _as_it_is(data, bounded(run(t, u), y), NO_STATES, rates)
-    free = Hypothesis((), 0, Plant(kind="given", run=scaled_run, takes_input=True, given_rates=rates))
-    return Baseline(before, free, given=True, elsewhere=lambda record: run(record.t, record.u))
+    before = _given_fit(data, check_bounded(run(t, u), y), NO_STATES, rates)
+    structure = Hypothesis((), 0, Plant(kind="given", run=scaled_run, takes_input=True, given_rates=rates))
+    return Baseline(before, structure, given=True, simulate_record=lambda record: run(record.t, record.u))
 
 
 def _series(data: Data, series: FloatArray) -> Baseline:
     if series.shape != data.u.shape:
         raise ValueError(f"the simulated output must have the record's {data.samples} samples; got {series.size}.")
-    scaled_series = data.y_scale.of(bounded(series, _in_units(data)[1]))
+    scaled_series = data.y_scale.of(check_bounded(series, _unscaled(data)[1]))
     rates = baseline(data).rates
-    free = Hypothesis((), 0, Plant(kind="given", run=lambda w: scaled_series, given_rates=rates))
-    return Baseline(_as_it_is(data, series, NO_STATES, rates), free, given=True, output_only=True)
+    structure = Hypothesis((), 0, Plant(kind="given", run=lambda w: scaled_series, given_rates=rates))
+    return Baseline(_given_fit(data, series, NO_STATES, rates), structure, given=True, output_only=True)
 
 
-def _in_units(data: Data) -> tuple[FloatArray, FloatArray]:
+def _unscaled(data: Data) -> tuple[FloatArray, FloatArray]:
     """Input and output in the record's units."""
     return np.asarray(data.u_scale.back(data.u)), np.asarray(data.y_scale.back(data.y))
 
 
-def _as_it_is(data: Data, output: FloatArray, states: FloatArray, rates: tuple[float, float]) -> Fit:
+def _given_fit(data: Data, output: FloatArray, states: FloatArray, rates: tuple[float, float]) -> Fit:
     """The given simulation as a fit without searched numbers: offset and initial state are nuisance.
 
     `rates` are those of a linear model of the rig, for whoever wants to know how fast it is.

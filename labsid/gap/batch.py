@@ -177,14 +177,14 @@ def _finished(job: Job, answer: dict[str, Any] | None) -> dict[str, Any]:
 
 
 def _job(record: Path, out: Path, seed: int) -> Job:
-    sim, holdout = _beside(record, SIMULATIONS), _beside(record, HOLDOUTS)
+    sim, holdout = _companion(record, SIMULATIONS), _companion(record, HOLDOUTS)
     digest = hashlib.sha256(f"{_version()} {seed}".encode())
     for path in (record, sim, holdout):
         digest.update(b"\0" if path is None else f"{path.suffix.lower()} {_hash(path)}".encode())
     return Job(record, sim, holdout, out / f"{record.stem}.json", digest.hexdigest())
 
 
-def _beside(record: Path, endings: tuple[str, ...]) -> Path | None:
+def _companion(record: Path, endings: tuple[str, ...]) -> Path | None:
     paths = [record.with_name(record.stem + ending) for ending in endings]
     return next((path for path in paths if path.exists()), None)
 

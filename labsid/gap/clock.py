@@ -8,7 +8,7 @@ import numpy as np
 from labsid.lab.findings import Finding
 from labsid.records.record import REGULAR_WITHIN, Record
 
-APART = 1.0  # samples: two sampling times of one rig may differ by this over a record whose clock jitters
+MAX_CLOCK_ERROR = 1.0  # samples: two sampling times of one rig may differ by this over a record whose clock jitters
 
 
 def clock_findings(record: Record, holdout: Record | None = None) -> list[Finding]:
@@ -35,12 +35,12 @@ def clock_findings(record: Record, holdout: Record | None = None) -> list[Findin
     return found
 
 
-def stated_sampling(simulation: dict[str, Any]) -> object:
+def stated_sampling_time(simulation: dict[str, Any]) -> object:
     """The sampling time that a MODEL.json or an exported simulation states; it may be anything."""
     return simulation.get("dt", simulation.get("Ts"))
 
 
-def in_step(record: Record, Ts: object) -> Record:
+def at_sampling_time(record: Record, Ts: object) -> Record:
     """The record at the sampling time of another one or of a simulation, where its own is not known better.
 
     Parameters
@@ -56,6 +56,6 @@ def in_step(record: Record, Ts: object) -> Record:
     """
     if not record.jitter or not isinstance(Ts, float | int) or Ts == record.Ts:
         return record
-    if not abs(Ts - record.Ts) * (len(record) - 1) <= APART * record.Ts:
+    if not abs(Ts - record.Ts) * (len(record) - 1) <= MAX_CLOCK_ERROR * record.Ts:
         return record
     return replace(record, t=record.t[0] + Ts * np.arange(len(record)), Ts=float(Ts))

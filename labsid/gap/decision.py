@@ -6,23 +6,25 @@ from typing import NamedTuple
 
 import numpy as np
 
-from labsid.gap.beam_search import worth
-from labsid.gap.effect_texts import STOPS
-from labsid.gap.explanation import Explained
+from labsid.gap.beam_search import is_improvement
+from labsid.gap.effect_texts import STOP_EFFECTS
+from labsid.gap.explanation import Explanation
 from labsid.gap.fitting import Fit, power
 from labsid.gap.leftover import SLOW, Leftover, is_noise
 
 TEMPERATURE = 4.0  # BIC counts for less than theory says: models are never exactly true
-TOLD_APART = 0.03  # probability below which a rival is left out of the set
-MOST_RIVALS = 3
-UNREPEATED = 0.15  # of the scatter of the levels: a true drift or load leaves a few hundredths
-LEVELS_LEFT = 0.4  # how far an explanation is to be trusted that leaves more
-IS_RIGHT = 0.5  # probability below which the answer is `unknown`
+MIN_RIVAL_PROBABILITY = 0.03  # probability below which a rival is left out of the set
+MAX_RIVALS = 3
+MAX_UNREPEATED = 0.15  # of the scatter of the levels: a true drift or load leaves a few hundredths
+UNREPEATED_FACTOR = 0.4  # how far an explanation is to be trusted that leaves more
+MIN_CONFIDENCE = 0.5  # probability below which the answer is `unknown`
 MISMATCH = "parameter-mismatch"
-SEEN = 0.8  # probability of a stop that the output is seen to stand against, or of what leads, whatever else acts
-SHRINKS = 5.0  # times that an effect by itself shrinks the error, where it leads
-MOST = 0.8  # of the gap that is then closed, whatever else acts
-AHEAD = 3.0  # times the error that every other effect by itself leaves, there
+DIRECT_EVIDENCE = (
+    0.8  # probability of a stop that the output is seen to stand against, or of what leads, whatever else acts
+)
+LEADING_REDUCTION = 5.0  # times that an effect by itself shrinks the error, where it leads
+LEADING_CLOSED = 0.8  # of the gap that is then closed, whatever else acts
+LEADING_MARGIN = 3.0  # times the error that every other effect by itself leaves, there
 
 
 class Evidence(NamedTuple):
@@ -51,11 +53,11 @@ class Evidence(NamedTuple):
 
 
 PRIOR = 3.5
-AGAINST = Evidence(colour=-5.2, repeats=-6.0, activity=-3.0, tails=-4.0, short=-4.0)
-PATCHED = -1.7  # by two effects or more
-SHRUNK = 0.33
-BY_CHANCE = 0.1  # of the gap
-FORETOLD = 0.07  # share of coloured noise that a function of the input's past may seem to predict
+EVIDENCE_WEIGHTS = Evidence(colour=-5.2, repeats=-6.0, activity=-3.0, tails=-4.0, short=-4.0)
+SEVERAL_EFFECTS = -1.7  # by two effects or more
+ERROR_REDUCTION = 0.33
+CHANCE_SHORTFALL = 0.1  # of the gap
+CHANCE_PREDICTION = 0.07  # share of coloured noise that a function of the input's past may seem to predict
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -89,7 +91,9 @@ class Decision:
     beside: tuple[str, ...] = ()
 
 
-def decide(explained: Explained, left: Leftover, given: Fit | None, trust: float, stopped: bool = False) -> Decision:
+def decide(
+    explanation: Explanation, left: Leftover, given: Fit | None, confidence: float, at_stop: bool = False
+) -> Decision:
     """Weigh the candidates of the accepted level against each other, and against other causes.
 
     An explanation that is not to be trusted names nothing, but for a stop that the record itself shows, and for an
@@ -97,70 +101,76 @@ def decide(explained: Explained, left: Leftover, given: Fit | None, trust: float
 
     Parameters
     ----------
-    explained : Explained
+    explanation : Explanation
     left : Leftover
         Of the accepted hypothesis.
     given : Fit or None
         The simulation that was given, as it is.
-    trust : float
+    confidence : float
         Probability that the explanation is the right one.
-    stopped : bool
+    at_stop : bool
         Whether the record shows the output standing against a stop.
     """
-    level = len(explained.best.hypothesis.names)
-    weights = _weights(explained, level)
-    simulated = explained.best.hypothesis.names
-    noise = is_noise(left, "output-quantization" in explained.added)
+    level = len(explanation.best.hypothesis.names)
+    weights = _weights(explanation, level)
+    simulated = explanation.best.hypothesis.names
+    noise = is_noise(left, "output-quantization" in explanation.unsimulated)
     # What repeats itself with the input is no noise of the sensor, however slow it is.
-    added = explained.added if noise else tuple(name for name in explained.added if name != "coloured-noise")
+    added = (
+        explanation.unsimulated
+        if noise
+        else tuple(name for name in explanation.unsimulated if name != "coloured-noise")
+    )
     shares: defaultdict[str, float] = defaultdict(float)
     for tried, weight in weights.items():
         for name in tried:
             shares[name] += weight
-    probability = {name: trust * shares[name] for name in simulated}
-    probability |= dict.fromkeys(added, trust)
+    probability = {name: confidence * shares[name] for name in simulated}
+    probability |= dict.fromkeys(added, confidence)
     rivals = {name: share for name, share in shares.items() if name not in simulated}
-    ambiguous = [name for name, p in sorted(rivals.items(), key=lambda item: -item[1]) if p > TOLD_APART]
+    ambiguous = [name for name, p in sorted(rivals.items(), key=lambda item: -item[1]) if p > MIN_RIVAL_PROBABILITY]
     names = (*simulated, *added)
-    if given is not None and not simulated and worth(explained.data, given, explained.path[0]):
+    if given is not None and not simulated and is_improvement(explanation.data, given, explanation.path[0]):
         names = (MISMATCH, *names)
-        probability[MISMATCH] = trust * mismatch_weight(given, explained.path[0])
+        probability[MISMATCH] = confidence * mismatch_probability(given, explanation.path[0])
     named = names
-    if trust < IS_RIGHT:
-        lead = leading(explained) if closing(explained, left, added) > MOST else None
-        seen = (*(STOPS if stopped else ()), lead)
-        probability |= {name: SEEN * shares[name] for name in simulated if name in seen}
-        named = tuple(name for name in names if name in seen and probability[name] > IS_RIGHT)
+    if confidence < MIN_CONFIDENCE:
+        lead = leading_effect(explanation) if closed_on_fit(explanation, left, added) > LEADING_CLOSED else None
+        seen = (*(STOP_EFFECTS if at_stop else ()), lead)
+        probability |= {name: DIRECT_EVIDENCE * shares[name] for name in simulated if name in seen}
+        named = tuple(name for name in names if name in seen and probability[name] > MIN_CONFIDENCE)
     rest = tuple(name for name in names if name not in named)
     ambiguous = [*rest, *ambiguous]
-    verdict = "effect" if named else "unknown" if trust < IS_RIGHT else "none"
-    weights = {combination: trust * weight for combination, weight in weights.items()}
-    closed = closing(explained, left, added)
+    verdict = "effect" if named else "unknown" if confidence < MIN_CONFIDENCE else "none"
+    weights = {combination: confidence * weight for combination, weight in weights.items()}
+    closed = closed_on_fit(explanation, left, added)
     beside = rest if named else ()
-    return Decision(verdict, named, probability, tuple(ambiguous[:MOST_RIVALS]), weights, closed, beside)
+    return Decision(verdict, named, probability, tuple(ambiguous[:MAX_RIVALS]), weights, closed, beside)
 
 
-def leading(explained: Explained) -> str | None:
+def leading_effect(explanation: Explanation) -> str | None:
     """The effect that by itself shrinks the error many times, as none of the others does; None where there is none."""
-    data, alone = explained.data, explained.levels[1] if len(explained.levels) > 1 else {}
+    data, alone = explanation.data, explanation.levels[1] if len(explanation.levels) > 1 else {}
     left = sorted((power(data, fit), names[0]) for names, fit in alone.items() if len(names) == 1)
     if len(left) < 2:
         return None
     (least, name), (next_best, _) = left[:2]
-    far = power(data, explained.path[0]) > SHRINKS**2 * least and next_best > AHEAD**2 * least
+    far = power(data, explanation.path[0]) > LEADING_REDUCTION**2 * least and next_best > LEADING_MARGIN**2 * least
     return name if far else None
 
 
-def _weights(explained: Explained, level: int) -> dict[tuple[str, ...], float]:
+def _weights(explanation: Explanation, level: int) -> dict[tuple[str, ...], float]:
     """Probabilities of the combinations of `level` names, from their BIC."""
-    fits = explained.levels[level]
-    best = explained.best.bic
+    fits = explanation.levels[level]
+    best = explanation.best.bic
     raw = {names: float(np.exp(-max(fit.bic - best, 0.0) / (2.0 * TEMPERATURE))) for names, fit in fits.items()}
     total = sum(raw.values())
     return {names: weight / total for names, weight in raw.items()}
 
 
-def trusted(explained: Explained, left: Leftover, closed: float | None = None, unrepeated: float = 0.0) -> float:
+def confidence_in(
+    explanation: Explanation, left: Leftover, closed: float | None = None, unrepeated: float = 0.0
+) -> float:
     """Probability that the accepted explanation, `none` included, is the right one, by what it leaves.
 
     A logistic regression on the `dev` records of the sealed check. The right explanation leaves white noise, or that of
@@ -169,18 +179,18 @@ def trusted(explained: Explained, left: Leftover, closed: float | None = None, u
 
     Parameters
     ----------
-    explained : Explained
+    explanation : Explanation
     left : Leftover
         Of the accepted hypothesis.
     closed : float, optional
         Share of the gap that the explanation closes on samples that no fit has seen.
     unrepeated : float
         Where most of the gap is that the output does not come back to its levels at the same input: how much of that
-        the accepted explanation leaves, zero for all explained.
+        the accepted explanation leaves, zero for all explanation.
     """
-    path = explained.path
+    path = explanation.path
     steps = len(path) - 1
-    converted = "output-quantization" in explained.added
+    converted = "output-quantization" in explanation.unsimulated
     wandering = False  # noise so slow that levels do not come back for it
     if converted:
         evidence = Evidence()  # rounding repeats itself with the input, and jumps
@@ -190,33 +200,35 @@ def trusted(explained: Explained, left: Leftover, closed: float | None = None, u
             colour *= 0.5 * max(left.slow, 0.0)
         quiet = steps > 0 and is_noise(left, converted=False) and left.activity_z < 3.0
         colour *= 0.4 if quiet else 1.0  # noise beside an effect, with no sign of the input in it
-        wandering = quiet and "coloured-noise" in explained.added
-        foretold = left.explained if not quiet or left.explained > FORETOLD else 0.0
+        wandering = quiet and "coloured-noise" in explanation.unsimulated
+        foretold = left.explained if not quiet or left.explained > CHANCE_PREDICTION else 0.0
         evidence = Evidence(
             colour=colour,
             repeats=float(np.sqrt(max(left.repeats if left.repeats_z > 2.0 else 0.0, foretold, 0.0))),
             activity=float(np.sqrt(max(left.activity, 0.0))) if left.activity_z > 3.0 else 0.0,
             tails=float(np.log(max(left.tails, 3.0) / 3.0)),
-            short=_shortfall(explained, closed),
+            short=_shortfall(explanation, closed),
         )
-    shrunk = 0.5 * float(np.log(power(explained.data, path[0]) / max(power(explained.data, path[-1]), 1e-300)))
-    score = PRIOR + PATCHED * (steps >= 2) + SHRUNK * min(max(shrunk, 0.0), 4.0)
-    score += sum(weight * seen for weight, seen in zip(AGAINST, evidence, strict=True))
-    trust = float(1.0 / (1.0 + np.exp(-score)))
-    return trust * LEVELS_LEFT if unrepeated > UNREPEATED and not (converted or wandering) else trust
+    shrunk = 0.5 * float(np.log(power(explanation.data, path[0]) / max(power(explanation.data, path[-1]), 1e-300)))
+    score = PRIOR + SEVERAL_EFFECTS * (steps >= 2) + ERROR_REDUCTION * min(max(shrunk, 0.0), 4.0)
+    score += sum(weight * seen for weight, seen in zip(EVIDENCE_WEIGHTS, evidence, strict=True))
+    confidence = float(1.0 / (1.0 + np.exp(-score)))
+    return (
+        confidence * UNREPEATED_FACTOR if unrepeated > MAX_UNREPEATED and not (converted or wandering) else confidence
+    )
 
 
-def _shortfall(explained: Explained, closed: float | None) -> float:
+def _shortfall(explanation: Explanation, closed: float | None) -> float:
     """What stays open of the gap, beyond chance; of coloured noise nobody knows the floor."""
-    if closed is None or len(explained.path) == 1 or "coloured-noise" in explained.added:
+    if closed is None or len(explanation.path) == 1 or "coloured-noise" in explanation.unsimulated:
         return 0.0
-    return float(np.clip(1.0 - closed - BY_CHANCE, 0.0, 1.0))
+    return float(np.clip(1.0 - closed - CHANCE_SHORTFALL, 0.0, 1.0))
 
 
-def closing(explained: Explained, left: Leftover, added: tuple[str, ...]) -> float:
+def closed_on_fit(explanation: Explanation, left: Leftover, added: tuple[str, ...]) -> float:
     """Share of the gap that the explanation closes on the fitted samples: what is left of it is no noise."""
-    path = explained.path
-    before = power(explained.data, path[0])
+    path = explanation.path
+    before = power(explanation.data, path[0])
     after, white = left.rms**2, path[-1].noise.sigma2
     noise = is_noise(left, "output-quantization" in added)
     coloured = after - white if not noise or (left.slow > SLOW and "coloured-noise" not in added) else 0.0
@@ -225,6 +237,6 @@ def closing(explained: Explained, left: Leftover, added: tuple[str, ...]) -> flo
     return 1.0 - float(np.sqrt(min(max(structure, 0.0) / gap, 1.0)))
 
 
-def mismatch_weight(given: Fit, free: Fit) -> float:
+def mismatch_probability(given: Fit, free: Fit) -> float:
     """Probability that the numbers of the given simulation are wrong, against that it is right as it is."""
     return float(1.0 / (1.0 + np.exp(-max(given.bic - free.bic, 0.0) / (2.0 * TEMPERATURE))))

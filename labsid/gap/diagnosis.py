@@ -7,24 +7,30 @@ from typing import Any
 import numpy as np
 
 from labsid._arrays import FloatArray
-from labsid.gap.baseline import Baseline, Simulation, as_running, baseline_of, bounded
+from labsid.gap.baseline import Baseline, Simulation, check_bounded, make_baseline, read_exported
 from labsid.gap.beam_search import Progress
-from labsid.gap.clock import clock_findings, in_step, stated_sampling
+from labsid.gap.clock import at_sampling_time, clock_findings, stated_sampling_time
 from labsid.gap.context import scaled
-from labsid.gap.decision import IS_RIGHT, decide, trusted
+from labsid.gap.decision import MIN_CONFIDENCE, confidence_in, decide
 from labsid.gap.effects.base import AdditiveEffect
-from labsid.gap.explanation import Explained, explain
+from labsid.gap.explanation import Explanation, explain
 from labsid.gap.leftover import leftover
-from labsid.gap.long_record import holdout_part, part_of
+from labsid.gap.long_record import shorten_holdout, shorten_record
 from labsid.gap.model_file import RunningModel, running_model
-from labsid.gap.record_findings import PlateauGap, error_findings, filter_length, plateau_gap, record_findings
-from labsid.gap.report import answer
-from labsid.gap.scores import HowMuch, how_much_of
-from labsid.gap.traces import traces
+from labsid.gap.record_findings import (
+    PlateauGap,
+    filter_length,
+    findings_from_errors,
+    findings_from_record,
+    plateau_gap,
+)
+from labsid.gap.report import build_report
+from labsid.gap.scores import GapScore, score_explanation
+from labsid.gap.traces import figure_traces
 from labsid.lab.findings import about_clipping
 from labsid.records.record import Record
 
-FEWEST = 100  # samples
+MIN_SAMPLES = 100  # samples
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -82,51 +88,55 @@ def diagnose(
     ValueError
         If the record is too short or its input or output is constant, or the simulation does not fit it.
     """
-    record, holdout = _in_step(record, holdout, simulation)
-    _check(record, holdout)
+    record, holdout = _common_sampling_time(record, holdout, simulation)
+    _check_records(record, holdout)
     clocks = clock_findings(record, holdout)
-    whole, part = record, part_of(record, simulation)
+    whole, part = record, shorten_record(record, simulation)
     record, simulation, notes = part.record, part.simulation, part.notes
     if holdout is not None:
-        holdout, more = holdout_part(holdout, part.every)
+        holdout, more = shorten_holdout(holdout, part.every)
         notes += more
-    _check(record, holdout)
+    _check_records(record, holdout)
     if holdout is not None:
-        holdout = Record(holdout.t, behind_filter(holdout), holdout.y, holdout.Ts, name=holdout.name)
-    simulation = as_running(simulation, record.Ts)
+        holdout = Record(holdout.t, filtered_input(holdout), holdout.y, holdout.Ts, name=holdout.name)
+    simulation = read_exported(simulation, record.Ts)
     scales = (simulation.u_scale, simulation.y_scale) if isinstance(simulation, RunningModel) else None
     rows = _counted(record, exclude)
-    data = scaled(behind_filter(record), record.y, rows, record.Ts, float(record.t[0]), scales)
-    base = baseline_of(data, record.t, simulation, order)
+    data = scaled(filtered_input(record), record.y, rows, record.Ts, float(record.t[0]), scales)
+    base = make_baseline(data, record.t, simulation, order)
     if base.output_only and holdout is not None:
         raise ValueError(
             "a simulated output is known on its own record only. Give a simulation that runs, or no holdout."
         )
     rng = np.random.default_rng(seed)
-    explained, amount = _scored(explain(data, base.free, base.start, progress=progress), base, holdout, rng)
-    left, plateau = leftover(explained.data, explained.best), _plateaus(record, base, explained)
+    explanation, score = _score(explain(data, base.structure, base.start, progress=progress), base, holdout, rng)
+    left, plateau = leftover(explanation.data, explanation.best), _plateaus(record, base, explanation)
     unrepeated = plateau.left if plateau is not None and plateau.matters else 0.0
-    trust = trusted(explained, left, amount.closed, unrepeated)
-    if trust < IS_RIGHT and explained.cut:  # small steps are left out for their names, and these are not given
-        explained, amount = _scored(explained.uncut(), base, holdout, rng)
-        left, plateau = leftover(explained.data, explained.best), _plateaus(record, base, explained)
-    decision = decide(explained, left, base.before, trust, stopped=bool(about_clipping(record.y)))
-    if decision.verdict != "unknown" and len(explained.path) == 1:  # what was found, no simulation shows
-        amount = replace(amount, closed=None, ci95=None, black_box=None)
-    model = running_model(explained.data, amount.after_fit)
-    report = answer(record, explained, base, decision, left, amount, rng, holdout)
-    seen = [*clocks, *record_findings(whole, plateau)]
-    seen += error_findings(record.u, record.y, *_ends(base, explained), explained.data.rows)
+    confidence = confidence_in(explanation, left, score.closed, unrepeated)
+    if (
+        confidence < MIN_CONFIDENCE and explanation.trimmed
+    ):  # small steps are left out for their names, and these are not given
+        explanation, score = _score(explanation.untrimmed(), base, holdout, rng)
+        left, plateau = leftover(explanation.data, explanation.best), _plateaus(record, base, explanation)
+    decision = decide(explanation, left, base.before, confidence, at_stop=bool(about_clipping(record.y)))
+    if decision.verdict != "unknown" and len(explanation.path) == 1:  # what was found, no simulation shows
+        score = replace(score, closed=None, ci95=None, black_box=None)
+    model = running_model(explanation.data, score.after_fit)
+    report = build_report(record, explanation, base, decision, left, score, rng, holdout)
+    seen = [*clocks, *findings_from_record(whole, plateau)]
+    seen += findings_from_errors(record.u, record.y, *_outputs(base, explanation), explanation.data.rows)
     report["record"]["samples"] = len(whole)
     report["record_findings"] = [asdict(finding) for finding in seen]
     report["plateaus"] = None if plateau is None else asdict(plateau)
     report["screen"] = [*notes, *report["screen"]]
     report["holdout_traces"] = None
     if holdout is not None:
-        linear = running_model(explained.data, explained.path[0])
-        before = linear.simulate(holdout.u, holdout.y) if base.elsewhere is None else base.elsewhere(holdout)
+        linear = running_model(explanation.data, explanation.path[0])
+        before = (
+            linear.simulate(holdout.u, holdout.y) if base.simulate_record is None else base.simulate_record(holdout)
+        )
         after = model.simulate(holdout.u, holdout.y)
-        report["holdout_traces"] = traces(holdout.t, holdout.u, holdout.y, before, after)
+        report["holdout_traces"] = figure_traces(holdout.t, holdout.u, holdout.y, before, after)
     return Diagnosis(report, model)
 
 
@@ -139,43 +149,43 @@ def _counted(record: Record, exclude: Sequence[tuple[float, float]]) -> np.ndarr
             span = f"{record.t[0]:g} to {record.t[-1]:g} s"
             raise ValueError(f"--exclude {start:g}:{stop:g} holds no sample: the record runs from {span}.")
         rows &= ~inside
-    if rows.sum() < FEWEST:
-        raise ValueError(f"--exclude leaves {rows.sum()} samples; at least {FEWEST} must stay.")
+    if rows.sum() < MIN_SAMPLES:
+        raise ValueError(f"--exclude leaves {rows.sum()} samples; at least {MIN_SAMPLES} must stay.")
     return rows
 
 
-def _scored(
-    explained: Explained, base: Baseline, holdout: Record | None, rng: np.random.Generator
-) -> tuple[Explained, HowMuch]:
+def _score(
+    explanation: Explanation, base: Baseline, holdout: Record | None, rng: np.random.Generator
+) -> tuple[Explanation, GapScore]:
     """How far an explanation closes the gap; where it helps a given simulation not at all, it is none.
 
     A slow disturbance cannot be foretold on samples that no fit has seen, and stands nevertheless.
     """
-    data = explained.data
+    data = explanation.data
     other = None if holdout is None else (data.u_scale.of(holdout.u), data.y_scale.of(holdout.y))
     played = None
-    if holdout is not None and base.elsewhere is not None:
-        played = data.y_scale.of(bounded(base.elsewhere(holdout), holdout.y))
-    amount = how_much_of(explained, base.before, other, rng, played)
-    foretold = not any(isinstance(effect, AdditiveEffect) for effect in explained.best.hypothesis.effects)
-    if base.given and len(explained.path) > 1 and foretold and (amount.closed or 0.0) <= 0.0:
-        explained = explained.up_to(0)
-        amount = how_much_of(explained, base.before, other, rng, played)
-    return explained, amount
+    if holdout is not None and base.simulate_record is not None:
+        played = data.y_scale.of(check_bounded(base.simulate_record(holdout), holdout.y))
+    score = score_explanation(explanation, base.before, other, rng, played)
+    foretold = not any(isinstance(effect, AdditiveEffect) for effect in explanation.best.hypothesis.effects)
+    if base.given and len(explanation.path) > 1 and foretold and (score.closed or 0.0) <= 0.0:
+        explanation = explanation.up_to(0)
+        score = score_explanation(explanation, base.before, other, rng, played)
+    return explanation, score
 
 
-def _ends(base: Baseline, explained: Explained) -> tuple[FloatArray, FloatArray]:
+def _outputs(base: Baseline, explanation: Explanation) -> tuple[FloatArray, FloatArray]:
     """Output of the simulation before and after, in the record's unit."""
-    before = base.before or explained.path[0]
-    back = explained.data.y_scale.back
-    return np.asarray(back(before.output)), np.asarray(back(explained.best.output))
+    before = base.before or explanation.path[0]
+    back = explanation.data.y_scale.back
+    return np.asarray(back(before.output)), np.asarray(back(explanation.best.output))
 
 
-def _plateaus(record: Record, base: Baseline, explained: Explained) -> PlateauGap | None:
-    return plateau_gap(record.u, record.y, *_ends(base, explained), explained.data.rows)
+def _plateaus(record: Record, base: Baseline, explanation: Explanation) -> PlateauGap | None:
+    return plateau_gap(record.u, record.y, *_outputs(base, explanation), explanation.data.rows)
 
 
-def behind_filter(record: Record) -> FloatArray:
+def filtered_input(record: Record) -> FloatArray:
     """The input, averaged as the logger averages its output where the record shows that it does.
 
     The mean of the last m samples commutes with linear dynamics: with it in front, the simulation has the logger's
@@ -186,29 +196,31 @@ def behind_filter(record: Record) -> FloatArray:
     return np.convolve(padded, np.full(length, 1.0 / length), mode="valid")
 
 
-def _in_step(record: Record, holdout: Record | None, simulation: Simulation | None) -> tuple[Record, Record | None]:
+def _common_sampling_time(
+    record: Record, holdout: Record | None, simulation: Simulation | None
+) -> tuple[Record, Record | None]:
     """Both records at one sampling time, as far as clocks that jitter leave it open.
 
     It is that of the simulation if that has one, or of a holdout whose clock does not jitter, or else of the record.
     """
     if isinstance(simulation, RunningModel):
-        record = in_step(record, simulation.Ts)
+        record = at_sampling_time(record, simulation.Ts)
     elif isinstance(simulation, dict):
-        record = in_step(record, stated_sampling(simulation))
+        record = at_sampling_time(record, stated_sampling_time(simulation))
     if holdout is None:
         return record, None
     if not holdout.jitter:
-        record = in_step(record, holdout.Ts)
-    return record, in_step(holdout, record.Ts)
+        record = at_sampling_time(record, holdout.Ts)
+    return record, at_sampling_time(holdout, record.Ts)
 
 
-def _check(record: Record, holdout: Record | None) -> None:
+def _check_records(record: Record, holdout: Record | None) -> None:
     """Refuse what no method could answer on."""
     for name, one in (("the record", record), ("the holdout", holdout)):
         if one is None:
             continue
-        if len(one) < FEWEST:
-            raise ValueError(f"{name} has {len(one)} samples; a diagnosis needs at least {FEWEST}. Record longer.")
+        if len(one) < MIN_SAMPLES:
+            raise ValueError(f"{name} has {len(one)} samples; a diagnosis needs at least {MIN_SAMPLES}. Record longer.")
         for signal, values in (("u", one.u), ("y", one.y)):
             if np.ptp(values) == 0.0:
                 raise ValueError(f"{signal} of {name} is constant ({values[0]:g}); nothing can be identified from it.")

@@ -8,8 +8,8 @@ from labsid._arrays import FloatArray
 from labsid.gap.context import Data
 from labsid.gap.fitting import Fit, search
 
-MOST_SAMPLES = 2000
-TELLING = 6.0  # margin below which the decision would be a coin toss: the input is not worth playing
+MAX_SAMPLES = 2000
+MIN_MARGIN = 6.0  # margin below which the decision would be a coin toss: the input is not worth playing
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -49,7 +49,7 @@ def next_experiment(data: Data, first: Fit, second: Fit, rng: np.random.Generato
     Experiment or None
         None where no input of these tells the two apart more surely than a coin toss.
     """
-    samples = min(data.samples, MOST_SAMPLES)
+    samples = min(data.samples, MAX_SAMPLES)
     noise = first.noise.sigma2
     best: Experiment | None = None
     for why, u in _inputs(data, samples, first.rates, rng):
@@ -64,7 +64,7 @@ def next_experiment(data: Data, first: Fit, second: Fit, rng: np.random.Generato
         if best is None or margin > best.margin:
             names = ("+".join(first.hypothesis.names), "+".join(second.hypothesis.names))
             best = Experiment(names, why, np.asarray(data.u_scale.back(u)), margin)
-    return best if best is not None and best.margin >= TELLING else None
+    return best if best is not None and best.margin >= MIN_MARGIN else None
 
 
 def _inputs(

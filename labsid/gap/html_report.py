@@ -8,15 +8,15 @@ from typing import TYPE_CHECKING, Any
 
 from labsid._files import write_file
 from labsid.gap import sentences
-from labsid.gap.effect_texts import RAW, WORDS, amount, label
-from labsid.gap.location_text import where_sentences
+from labsid.gap.effect_texts import EFFECT_TEXTS, UNSIMULATED, parameter_label, parameter_value
+from labsid.gap.location_text import location_sentences
 from labsid.gap.quantities import closure, number, probability
 
 if TYPE_CHECKING:
     import jinja2
 
-SHOWN = 8  # rows of the ranking that are not folded away
-_TOGETHER = r" %( \[-?\d+, -?\d+\])?|(?<=\d) (s|Hz)\b|\bp [=<>] (?=\d)"
+VISIBLE_ROWS = 8  # rows of the ranking that are not folded away
+_UNBREAKABLE = r" %( \[-?\d+, -?\d+\])?|(?<=\d) (s|Hz)\b|\bp [=<>] (?=\d)"
 LOOP = (
     ("input", "Actuator", "the way in"),
     ("dynamics", "Process", "the rig itself"),
@@ -26,7 +26,7 @@ LOOP = (
 )
 
 
-def write_page(path: Path, report: dict[str, Any]) -> None:
+def write_html_report(path: Path, report: dict[str, Any]) -> None:
     """Write the report as one HTML page that needs nothing else: no network, no script.
 
     Parameters
@@ -41,10 +41,10 @@ def write_page(path: Path, report: dict[str, Any]) -> None:
     OSError
         If the file cannot be written.
     """
-    write_file(path, _template().render(page=page(report), pictures=pictures(report)).encode())
+    write_file(path, _template().render(page=page_content(report), pictures=encoded_figures(report)).encode())
 
 
-def page(report: dict[str, Any]) -> dict[str, Any]:
+def page_content(report: dict[str, Any]) -> dict[str, Any]:
     """Everything that the page says, as plain text."""
     gap, record = report["gap"], report["record"]
     return {
@@ -55,25 +55,27 @@ def page(report: dict[str, Any]) -> dict[str, Any]:
         "Ts": f"{record['Ts']:.6g}",
         "duration": f"{record['samples'] * record['Ts']:.4g}",
         "simulation": _simulation(report),
-        "closed": None if gap["closed"] is None or sentences.unchanged(report) else closure(gap["closed"], gap["ci95"]),
+        "closed": None
+        if gap["closed"] is None or sentences.is_unchanged(report)
+        else closure(gap["closed"], gap["ci95"]),
         "bars": _bars(report),
         "gap": sentences.gap_sentence(report),
-        "yardstick": sentences.yardstick_sentence(report),
+        "yardstick": sentences.black_box_sentence(report),
         "effects": [_effect(effect) for effect in report["effects"]],
         "unsure": sentences.ambiguity_sentence(report),
         "record": sentences.record_sentences(report),
         "screen": report["screen"],
         "other": report["holdout_traces"] is not None,
         "plateaus": sentences.plateaus_matter(report),
-        "beyond": sentences.beyond_sentence(report),
+        "beyond": sentences.other_causes_sentence(report),
         "loop": _loop(report),
         "place": sentences.place_sentence(report),
-        "where": where_sentences(report),
-        "sides": sentences.both_sides_sentence(report),
+        "where": location_sentences(report),
+        "sides": sentences.fitted_baseline_sentence(report),
         "ranking": _ranking(report),
-        "shown": SHOWN,
-        "tried": [sentences.bare(name) for name in sentences.looked_at(report)],
-        "left": sentences.left_sentences(report),
+        "shown": VISIBLE_ROWS,
+        "tried": [sentences.noun_without_article(name) for name in sentences.effects_tried(report)],
+        "left": sentences.residual_sentences(report),
         "experiment": _experiment(report),
         "command": command(report),
         "exact": "command" in report,
@@ -92,7 +94,7 @@ def _simulation(report: dict[str, Any]) -> str:
 def _bars(report: dict[str, Any]) -> list[dict[str, Any]]:
     """Errors as lengths, in per cent of the longest."""
     gap = report["gap"]
-    if sentences.unchanged(report):
+    if sentences.is_unchanged(report):
         rows = [("Simulation", gap["before"], "after")]
     else:
         rows = [("Before", gap["before"], "before"), (f"After: {_added(report)}", gap["after"], "after")]
@@ -106,25 +108,25 @@ def _bars(report: dict[str, Any]) -> list[dict[str, Any]]:
 
 def _added(report: dict[str, Any]) -> str:
     """What makes the simulation after another one than that before."""
-    if sentences.incomplete(report):
+    if sentences.is_incomplete(report):
         return "nearest explanation added"
     names = [effect["name"] for effect in report["effects"]]
     return "numbers fitted again" if names == ["parameter-mismatch"] else "cause added"
 
 
 def _effect(effect: dict[str, Any]) -> dict[str, Any]:
-    words = WORDS.get(effect["name"])
+    words = EFFECT_TEXTS.get(effect["name"])
     closed = effect["closed"]
     parameters = []
     for name, entry in effect["parameters"].items():
-        value, unit = amount(effect["name"], name, entry)
-        parameters.append({"label": label(effect["name"], name, entry["unit"]), "value": value, "unit": unit})
+        value, unit = parameter_value(effect["name"], name, entry)
+        parameters.append({"label": parameter_label(effect["name"], name, entry["unit"]), "value": value, "unit": unit})
     return {
-        "title": sentences.capitalised(sentences.bare(effect["name"])),
+        "title": sentences.capitalised(sentences.noun_without_article(effect["name"])),
         "name": effect["name"],
         "meaning": "" if words is None else words.meaning,
         "probability": probability(effect["probability"]),
-        "closed": None if closed is None or effect["name"] in RAW else closure(closed),
+        "closed": None if closed is None or effect["name"] in UNSIMULATED else closure(closed),
         "parameters": parameters,
     }
 
@@ -142,8 +144,8 @@ def _loop(report: dict[str, Any]) -> list[dict[str, Any]]:
 def _ranking(report: dict[str, Any]) -> list[dict[str, Any]]:
     """Explanations, best first; the accepted one carries what it closes on samples held back, with its interval."""
     gap = report["gap"]
-    accepted = {*(effect["name"] for effect in report["effects"]), *sentences.beside(report)} - {
-        *RAW,
+    accepted = {*(effect["name"] for effect in report["effects"]), *sentences.unnamed_effects(report)} - {
+        *UNSIMULATED,
         "parameter-mismatch",
     }
     rows = []
@@ -152,13 +154,15 @@ def _ranking(report: dict[str, Any]) -> list[dict[str, Any]]:
         ours = report["verdict"] == "effect" and set(names) == accepted
         rows.append(
             {
-                "name": sentences.capitalised(sentences.listed([sentences.bare(name) for name in names])),
+                "name": sentences.capitalised(
+                    sentences.joined([sentences.noun_without_article(name) for name in names])
+                ),
                 "probability": probability(row["probability"]),
                 "closed": "–" if closed is None else closure(closed),
                 "width": "" if closed is None else f"{100.0 * min(max(closed, 0.0), 1.0):.0f}",
                 "rmse": number(row["rmse"]),
                 "accepted": ours,
-                "tag": "holds the answer" if sentences.beside(report) else "the answer",
+                "tag": "holds the answer" if sentences.unnamed_effects(report) else "the answer",
                 "held": closure(gap["closed"], gap["ci95"]) if ours and gap["closed"] is not None else "",
             }
         )
@@ -190,13 +194,13 @@ def command(report: dict[str, Any]) -> str:
     return shlex.join([*words, "--json", "report.json", "--html", "report.html"])
 
 
-def pictures(report: dict[str, Any]) -> dict[str, dict[str, str]]:
+def encoded_figures(report: dict[str, Any]) -> dict[str, dict[str, str]]:
     """The figures, each for a wide and for a narrow screen, as PNG in base64."""
-    from labsid.plots.gap import pictures_of
+    from labsid.plots.gap import figures_as_png
 
     return {
         name: {screen: base64.b64encode(png).decode("ascii") for screen, png in screens.items()}
-        for name, screens in pictures_of(report).items()
+        for name, screens in figures_as_png(report).items()
     }
 
 
@@ -205,13 +209,13 @@ def _template() -> "jinja2.Template":
 
     loader = jinja2.FileSystemLoader(Path(__file__).parent / "templates")
     environment = jinja2.Environment(
-        loader=loader, autoescape=True, undefined=jinja2.StrictUndefined, trim_blocks=True, finalize=_unbroken
+        loader=loader, autoescape=True, undefined=jinja2.StrictUndefined, trim_blocks=True, finalize=_no_break
     )
     return environment.get_template("gap.html.j2")
 
 
-def _unbroken(value: Any) -> Any:
+def _no_break(value: Any) -> Any:
     """Text in which no unit or interval is parted from its number at the end of a line."""
     if not isinstance(value, str) or hasattr(value, "__html__"):  # markup, of which every part has been here before
         return value
-    return re.sub(_TOGETHER, lambda found: found[0].replace(" ", "\u00a0"), value)
+    return re.sub(_UNBREAKABLE, lambda found: found[0].replace(" ", "\u00a0"), value)

@@ -10,10 +10,10 @@ SEGMENTS = 12
 BANDS = 8
 CELLS = 6
 MAP_CELLS = 14  # either way
-MOST_STRETCHES = 60
+MAX_STRETCHES = 60
 
 
-def in_time(t: FloatArray, e: FloatArray, Ts: float, marked: np.ndarray) -> list[list[float]]:
+def share_by_time(t: FloatArray, e: FloatArray, Ts: float, marked: np.ndarray) -> list[list[float]]:
     """Segments [t0, t1, share] that cover the record.
 
     Parameters
@@ -26,14 +26,14 @@ def in_time(t: FloatArray, e: FloatArray, Ts: float, marked: np.ndarray) -> list
         more stretches than one can look at, the segments are of equal length.
     """
     edges = np.flatnonzero(np.diff(marked.astype(int))) + 1
-    if not 0 < edges.size <= 2 * MOST_STRETCHES:
+    if not 0 < edges.size <= 2 * MAX_STRETCHES:
         edges = np.linspace(0, e.size, SEGMENTS + 1).astype(int)[1:-1]
     bounds = np.unique(np.concatenate([[0], edges, [e.size]]))
     total = float(e @ e) or 1.0
     return [[float(t[a]), float(t[b - 1] + Ts), float(e[a:b] @ e[a:b]) / total] for a, b in pairwise(bounds)]
 
 
-def in_frequency(e: FloatArray, Ts: float) -> list[list[float]]:
+def share_by_frequency(e: FloatArray, Ts: float) -> list[list[float]]:
     """Bands [f0, f1, share] from zero to the Nyquist frequency, each twice as wide as the one below."""
     power = np.abs(np.fft.rfft(e)) ** 2
     power[1 : (e.size + 1) // 2] *= 2.0  # both halves of the spectrum, all but zero and Nyquist
@@ -45,7 +45,7 @@ def in_frequency(e: FloatArray, Ts: float) -> list[list[float]]:
     return [[float(a), float(b), float(s)] for (a, b), s in zip(pairwise(edges), shares, strict=True)]
 
 
-def in_range(name: str, x: FloatArray, e: FloatArray) -> list[dict[str, object]]:
+def share_by_value(name: str, x: FloatArray, e: FloatArray) -> list[dict[str, object]]:
     """Cells of one signal, with the share of the error and the share of the samples that fall in each."""
     edges = np.linspace(float(x.min()), float(x.max()), CELLS + 1)
     cell = np.clip(np.searchsorted(edges, x, side="right") - 1, 0, CELLS - 1)
@@ -63,13 +63,13 @@ def in_range(name: str, x: FloatArray, e: FloatArray) -> list[dict[str, object]]
     ]
 
 
-def most_telling(u: FloatArray, y: FloatArray, Ts: float, e: FloatArray) -> list[dict[str, object]]:
+def most_uneven_signal(u: FloatArray, y: FloatArray, Ts: float, e: FloatArray) -> list[dict[str, object]]:
     """Cells of the signal over whose range the error lies most unevenly: the input, the output or its rate."""
     signals = {"u": u, "y": y, "dy": np.gradient(y, Ts)}
-    return max((in_range(name, x, e) for name, x in signals.items()), key=concentration)
+    return max((share_by_value(name, x, e) for name, x in signals.items()), key=unevenness)
 
 
-def concentration(cells: list[dict[str, object]]) -> float:
+def unevenness(cells: list[dict[str, object]]) -> float:
     """How unevenly the error lies over the cells, against the time that the signal spends in them (0: evenly)."""
     share, time = (np.array([cell[name] for cell in cells], float) for name in ("share", "time"))
     return float(0.5 * np.abs(share - time).sum())

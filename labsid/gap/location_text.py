@@ -5,12 +5,12 @@ from typing import Any
 from labsid.gap.quantities import between, number, percent
 
 HALF = 0.5  # of the gap: what a band or a range must hold to be named
-DENSE = 1.5  # times the average over the record
-TOLD = 0.4  # of the gap, that dense stretches must hold to be named
-STANDS_OUT = 0.1  # of the gap, above the share of the time
+DENSE_RATIO = 1.5  # times the average over the record
+MIN_DENSE_SHARE = 0.4  # of the gap, that dense stretches must hold to be named
+MIN_EXCESS = 0.1  # of the gap, above the share of the time
 
 
-def where_sentences(report: dict[str, Any]) -> list[str]:
+def location_sentences(report: dict[str, Any]) -> list[str]:
     """Where the gap lies in time, in frequency and over the operating range."""
     where = report["where"]
     said = [_in_time(where["time"]), _in_frequency(where["band_hz"]), *_in_range(report)]
@@ -23,14 +23,14 @@ def _in_time(segments: list[list[float]]) -> str:
     whole = segments[-1][1] - segments[0][0]
     dense: list[list[float]] = []  # stretches of [start, stop, share], neighbours as one
     for start, stop, share in segments:
-        if share * whole <= DENSE * (stop - start):
+        if share * whole <= DENSE_RATIO * (stop - start):
             continue
         if dense and start - dense[-1][1] < 1e-6 * whole:
             dense[-1] = [dense[-1][0], stop, dense[-1][2] + share]
         else:
             dense.append([start, stop, share])
     total, time = sum(s[2] for s in dense), sum(s[1] - s[0] for s in dense) / whole
-    if total < TOLD:
+    if total < MIN_DENSE_SHARE:
         return "In time it is spread over the whole record."
     low, high = between(*max(dense, key=lambda s: s[2])[:2])
     if len(dense) == 1:
@@ -64,7 +64,7 @@ def _in_range(report: dict[str, Any]) -> list[str]:
         inside = own[run[0] : run[1]]
         share, time = (sum(cell[name] for cell in inside) for name in ("share", "time"))
         what = "the change of y a second" if signal == "dy" else signal
-        if share < time + STANDS_OUT:
+        if share < time + MIN_EXCESS:
             said.append(f"In the operating range it follows the time that the record spends at each value of {what}.")
             continue
         low, high = between(inside[0]["low"], inside[-1]["high"])

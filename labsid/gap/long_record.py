@@ -8,12 +8,12 @@ from labsid.gap.baseline import Simulation
 from labsid.records.record import Record
 from labsid.records.signal_quality import runs
 
-LONGEST = 20_000  # samples: one to three minutes of search on one core
-KEPT = 40  # samples that stay between two changes of the input when a record is thinned out
+MAX_SAMPLES = 20_000  # samples: one to three minutes of search on one core
+MIN_SAMPLES_PER_STEP = 40  # samples that stay between two changes of the input when a record is thinned out
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Part:
+class ShortenedRecord:
     """The part of a record that is diagnosed.
 
     Attributes
@@ -33,7 +33,7 @@ class Part:
     notes: tuple[str, ...]
 
 
-def part_of(record: Record, simulation: Simulation | None, longest: int = LONGEST) -> Part:
+def shorten_record(record: Record, simulation: Simulation | None, longest: int = MAX_SAMPLES) -> ShortenedRecord:
     """Shorten a long record to `longest` samples.
 
     It is thinned out as far as its input allows, which changes little from one sample to the next where it rests for
@@ -51,25 +51,25 @@ def part_of(record: Record, simulation: Simulation | None, longest: int = LONGES
     Part
     """
     if len(record) <= longest:
-        return Part(record, simulation, 1, ())
+        return ShortenedRecord(record, simulation, 1, ())
     every = 1
     if simulation is None:
         usual = int(np.median(runs(record.u)[1]))
-        every = max(1, min(-(-len(record) // longest), usual // KEPT))
-    thin = thinned(record, every)
-    start = 0 if callable(simulation) else _liveliest(thin.u, longest)
+        every = max(1, min(-(-len(record) // longest), usual // MIN_SAMPLES_PER_STEP))
+    thin = downsample(record, every)
+    start = 0 if callable(simulation) else _most_excited(thin.u, longest)
     rows = slice(start, start + longest)
     part = _cut(thin, rows)
     if isinstance(simulation, np.ndarray) and simulation.shape == record.u.shape:
         simulation = simulation[rows]
     which = "" if every == 1 else f", one in {every} (the input averaged in between),"
     said = f"The record has {len(record)} samples: from t = {part.t[0]:g} s to {part.t[-1]:g} s"
-    return Part(
+    return ShortenedRecord(
         part, simulation, every, (f"{said} {len(part)} of them{which} are diagnosed, the rest is not looked at.",)
     )
 
 
-def holdout_part(holdout: Record, every: int, longest: int = LONGEST) -> tuple[Record, tuple[str, ...]]:
+def shorten_holdout(holdout: Record, every: int, longest: int = MAX_SAMPLES) -> tuple[Record, tuple[str, ...]]:
     """Another record as the diagnosed one was shortened: equally thinned out, and its beginning.
 
     Parameters
@@ -84,13 +84,13 @@ def holdout_part(holdout: Record, every: int, longest: int = LONGEST) -> tuple[R
     tuple of Record and tuple of str
         And what was left out.
     """
-    part = _cut(thinned(holdout, every), slice(0, longest))
+    part = _cut(downsample(holdout, every), slice(0, longest))
     if len(part) == len(holdout):
         return holdout, ()
     return part, (f"Of the {len(holdout)} samples of the holdout {len(part)} count, up to t = {part.t[-1]:g} s.",)
 
 
-def thinned(record: Record, every: int) -> Record:
+def downsample(record: Record, every: int) -> Record:
     """Every so many samples one: the output as it was then, the input averaged until the next.
 
     Parameters
@@ -116,7 +116,7 @@ def _cut(record: Record, rows: slice) -> Record:
     return Record(record.t[rows], record.u[rows], record.y[rows], record.Ts, sensor, name=record.name)
 
 
-def _liveliest(u: np.ndarray, length: int) -> int:
+def _most_excited(u: np.ndarray, length: int) -> int:
     """Where the stretch of `length` samples begins over which the input spreads most; steps of half a stretch."""
     last = max(u.size - length, 0)
     return max([*range(0, last, length // 2), last], key=lambda start: float(np.std(u[start : start + length])))

@@ -13,14 +13,16 @@ from labsid.records.formats import RawRecord
 from labsid.records.record import Record
 from labsid.records.signal_quality import moving_mean_length
 
-ANSWERS = 10.0  # F statistic: 39 on the lab's closed loop, at most 5 on rigs in open loop
-PARTS = 8  # of a record, in which its delay is looked at
-SLIP = 1.0  # samples
-STEADY = (
+FEEDBACK_F = 10.0  # F statistic: 39 on the lab's closed loop, at most 5 on rigs in open loop
+CLOCK_PARTS = 8  # of a record, in which its delay is looked at
+MIN_SLIP = 1.0  # samples
+MIN_STEADY = (
     0.95  # of the variance of the delays that a steady rate explains: 0.996 with two clocks, under 0.8 with effects
 )
-HARDLY = 0.9  # of the spread of the output: what a simulation misses that follows next to nothing
-MATTERS = 0.3  # of the scatter of the levels, and of the gap: where a simulation misses less, the gap is about others
+UNRELATED_OUTPUT = 0.9  # of the spread of the output: what a simulation misses that follows next to nothing
+MIN_PLATEAU_SHARE = (
+    0.3  # of the scatter of the levels, and of the gap: where a simulation misses less, the gap is about others
+)
 
 
 @dataclass(frozen=True, slots=True)
@@ -54,7 +56,7 @@ class PlateauGap:
     @property
     def matters(self) -> bool:
         """Whether a good part of the gap is plateaus that do not repeat."""
-        return not self.repeat and self.of_gap > MATTERS and self.missed > MATTERS * self.scatter
+        return not self.repeat and self.of_gap > MIN_PLATEAU_SHARE and self.missed > MIN_PLATEAU_SHARE * self.scatter
 
 
 def plateau_gap(
@@ -91,7 +93,7 @@ def plateau_gap(
     )
 
 
-def record_findings(record: Record, plateau: PlateauGap | None) -> list[Finding]:
+def findings_from_record(record: Record, plateau: PlateauGap | None) -> list[Finding]:
     """Say what anybody who looks at the record should know before any simulation is blamed.
 
     Parameters
@@ -116,14 +118,14 @@ def record_findings(record: Record, plateau: PlateauGap | None) -> list[Finding]
             "This filter in the path of the sensor delays the record. The input of the simulation is averaged in the "
             "same way here, so the filter is no part of the gap."
         )
-        found += [_as_here(finding, added) for finding in about_filter(raw, record.Ts)]
+        found += [_with_advice(finding, added) for finding in about_filter(raw, record.Ts)]
     if offsets.status == "settled" and offsets.settled[0] > 0:
         added = "The state in which the simulation begins is estimated, so the start by itself makes no gap."
-        found.append(_as_here(about_rest(record.u, record.y, offsets, record.Ts), added))
+        found.append(_with_advice(about_rest(record.u, record.y, offsets, record.Ts), added))
     return [*found, *about_clipping(record.y)]
 
 
-def error_findings(
+def findings_from_errors(
     u: FloatArray, y: FloatArray, before: FloatArray, after: FloatArray, counted: np.ndarray
 ) -> list[Finding]:
     """Say what errors tell of a record: it cannot answer, is of two clocks, or is of a closed loop.
@@ -144,7 +146,7 @@ def error_findings(
     found = []
     e = np.where(counted, y - after, 0.0)
     missed = float(np.sqrt(np.mean(e[counted] ** 2)) / np.std(y[counted]))
-    if missed > HARDLY:
+    if missed > UNRELATED_OUTPUT:
         text = (
             f"the output hardly follows the input: what the best simulation misses is {missed:.0%} of the spread of "
             "the output. What is found on such a record, and what is not, says little of the rig. Move the input more."
@@ -159,7 +161,7 @@ def error_findings(
         )
         return [*found, Finding("warning", "clocks", text)]
     gain = gain_from_past(e[1:], u[:-1])  # one sample ahead: a controller answers to the output of the same sample
-    if gain > ANSWERS:
+    if gain > FEEDBACK_F:
         text = (
             f"what the best simulation misses helps to predict the input (F = {gain:.3g}). Either the input answers to "
             "the output, as in a closed loop: noise then reaches both, and dynamics fitted to them are biased. Or the "
@@ -184,15 +186,15 @@ def clock_slip(y: FloatArray, simulated: FloatArray, counted: np.ndarray) -> flo
         None where it is under one sample, or not steady: then it is no clock.
     """
     lags, rate = [], np.gradient(simulated)
-    for part in np.array_split(np.flatnonzero(counted), PARTS):
+    for part in np.array_split(np.flatnonzero(counted), CLOCK_PARTS):
         columns = np.column_stack([rate[part], simulated[part], np.ones(part.size)])
         lags.append(-np.linalg.lstsq(columns, (y - simulated)[part], rcond=None)[0][0])
-    place = np.arange(PARTS) - 0.5 * (PARTS - 1)
+    place = np.arange(CLOCK_PARTS) - 0.5 * (CLOCK_PARTS - 1)
     slope = float(place @ np.array(lags) / (place @ place))
     spread = np.array(lags) - np.mean(lags)
     wander = float(np.sum((spread - slope * place) ** 2))
-    slip = slope * PARTS
-    return slip if abs(slip) > SLIP and wander < (1.0 - STEADY) * float(spread @ spread) else None
+    slip = slope * CLOCK_PARTS
+    return slip if abs(slip) > MIN_SLIP and wander < (1.0 - MIN_STEADY) * float(spread @ spread) else None
 
 
 def filter_length(record: Record) -> int:
@@ -200,6 +202,6 @@ def filter_length(record: Record) -> int:
     return 1 if record.y_measured is None else moving_mean_length(record.y_measured, record.y) or 1
 
 
-def _as_here(finding: Finding, added: str) -> Finding:
+def _with_advice(finding: Finding, added: str) -> Finding:
     """The first sentence, which stands by itself, and what the diagnosis makes of it in place of the lab's advice."""
     return replace(finding, text=f"{finding.text.split('. ')[0].rstrip('.')}. {added}")

@@ -13,14 +13,14 @@ from labsid.gap.context import Data
 from labsid.gap.decision import MISMATCH, Decision
 from labsid.gap.effects.base import Effect
 from labsid.gap.experiment import Experiment, next_experiment
-from labsid.gap.explanation import Explained
+from labsid.gap.explanation import Explanation
 from labsid.gap.fitting import Fit, power
 from labsid.gap.leftover import Leftover
 from labsid.gap.numbers import marked, parameters_of
 from labsid.gap.quantities import counted, percent
-from labsid.gap.scores import HowMuch, closure
+from labsid.gap.scores import GapScore, closed_share
 from labsid.gap.steps import closed_by_step
-from labsid.gap.traces import traces
+from labsid.gap.traces import figure_traces
 from labsid.records.record import Record
 
 SCHEMA = "labsid.gap/1"
@@ -34,13 +34,13 @@ PATHS = {
 }
 
 
-def answer(
+def build_report(
     record: Record,
-    explained: Explained,
+    explanation: Explanation,
     base: Baseline,
     decision: Decision,
     left: Leftover,
-    amount: HowMuch,
+    score: GapScore,
     rng: np.random.Generator,
     holdout: Record | None = None,
 ) -> dict[str, Any]:
@@ -49,11 +49,11 @@ def answer(
     Parameters
     ----------
     record : Record
-    explained : Explained
+    explanation : Explanation
     base : Baseline
     decision : Decision
     left : Leftover
-    amount : HowMuch
+    score : GapScore
     rng : Generator
         For the proposed input.
     holdout : Record, optional
@@ -64,48 +64,48 @@ def answer(
     dict
         JSON-ready; the keys of the contract, and further ones for the page.
     """
-    data, unit = explained.data, explained.data.y_scale.unit
-    before = base.before or explained.path[0]
-    effects = _effects(explained, decision, closed_by_step(explained, amount, holdout))
+    data, unit = explanation.data, explanation.data.y_scale.unit
+    before = base.before or explanation.path[0]
+    effects = _effects(explanation, decision, closed_by_step(explanation, score, holdout))
     e = (data.y - before.output) * unit
-    mark = _acting(explained, decision)
-    runs = before.output, explained.best.output
+    mark = _acting_samples(explanation, decision)
+    runs = before.output, explanation.best.output
     return {
         "schema": SCHEMA,
         "verdict": decision.verdict,
         "effects": effects,
         "beside": list(decision.beside),
         "ambiguous": list(decision.ambiguous),
-        "ranking": _ranking(explained, decision, before),
+        "ranking": _ranking(explanation, decision, before),
         "where": {
             "path": effects[0]["path"] if effects else decision.verdict,
-            "time": location.in_time(record.t, e, record.Ts, mark),
-            "band_hz": location.in_frequency(e, record.Ts),
-            "operating": location.most_telling(record.u, record.y, record.Ts, e),
+            "time": location.share_by_time(record.t, e, record.Ts, mark),
+            "band_hz": location.share_by_frequency(e, record.Ts),
+            "operating": location.most_uneven_signal(record.u, record.y, record.Ts, e),
             "map": location.operating_map(record.u, record.y, e),
         },
         "gap": {
-            "before": amount.before * unit,
-            "after": amount.after * unit,
-            "noise_floor": amount.floor * unit,
-            "closed": amount.closed,
-            "ci95": None if amount.ci95 is None else list(amount.ci95),
-            "black_box": amount.black_box,
-            "holdout": _stretches(holdout or record, amount.scored),
+            "before": score.before * unit,
+            "after": score.after * unit,
+            "noise_floor": score.floor * unit,
+            "closed": score.closed,
+            "ci95": None if score.ci95 is None else list(score.ci95),
+            "black_box": score.black_box,
+            "holdout": _stretches(holdout or record, score.scored),
         },
-        "unexplained": _unexplained(explained, left, decision),
-        "next_experiment": _experiment(record, explained, decision, rng),
+        "unexplained": _unexplained(explanation, left, decision),
+        "next_experiment": _experiment(record, explanation, decision, rng),
         "record": {"name": record.name, "samples": len(record), "Ts": record.Ts},
         "simulation": {"given": base.given, "output_only": base.output_only},
-        "screen": _screen(explained),
-        "traces": traces(record.t, record.u, record.y, *(np.asarray(data.y_scale.back(x)) for x in runs)),
+        "screen": _screen_sentences(explanation),
+        "traces": figure_traces(record.t, record.u, record.y, *(np.asarray(data.y_scale.back(x)) for x in runs)),
     }
 
 
-def _effects(explained: Explained, decision: Decision, closed: list[float | None]) -> list[dict[str, Any]]:
+def _effects(explanation: Explanation, decision: Decision, closed: list[float | None]) -> list[dict[str, Any]]:
     found = []
     by_name: dict[str, Effect] = {
-        e.name: e for e in explained.best.hypothesis.effects[explained.best.hypothesis.known :]
+        e.name: e for e in explanation.best.hypothesis.effects[explanation.best.hypothesis.known :]
     }
     for name in decision.names:
         effect = by_name.get(name)
@@ -113,26 +113,26 @@ def _effects(explained: Explained, decision: Decision, closed: list[float | None
             {
                 "name": name,
                 "path": PATHS[name] if effect is None else effect.path,
-                "parameters": _raw_parameters(explained, name)
+                "parameters": _sample_parameters(explanation, name)
                 if effect is None
-                else parameters_of(explained.data, explained.best, effect),
+                else parameters_of(explanation.data, explanation.best, effect),
                 "probability": float(decision.probability[name]),
-                "closed": closed[_step(explained, name)],
+                "closed": closed[_step(explanation, name)],
             }
         )
     return found
 
 
-def _step(explained: Explained, name: str) -> int:
+def _step(explanation: Explanation, name: str) -> int:
     """At which step of the path a name appears; the last one for effects that no simulation shows."""
-    for number, fit in enumerate(explained.path):
+    for number, fit in enumerate(explanation.path):
         if name in fit.hypothesis.names:
             return number
-    return 0 if name == MISMATCH else len(explained.path) - 1
+    return 0 if name == MISMATCH else len(explanation.path) - 1
 
 
-def _raw_parameters(explained: Explained, name: str) -> dict[str, dict[str, Any]]:
-    faults, data = explained.faults, explained.data
+def _sample_parameters(explanation: Explanation, name: str) -> dict[str, dict[str, Any]]:
+    faults, data = explanation.faults, explanation.data
     exact = {"stderr": 0.0}
     if name == "output-dropout":
         return {"share": {"value": float(faults.held.mean()), "unit": "1", **exact}}
@@ -141,9 +141,11 @@ def _raw_parameters(explained: Explained, name: str) -> dict[str, dict[str, Any]
     if name == "output-quantization":
         return {"step": {"value": float(faults.lattice or 0.0) * data.y_scale.unit, "unit": "y", **exact}}
     if name == "coloured-noise":
-        e = (data.y - explained.best.output)[data.rows]
-        amplitude = float(np.sqrt(max(np.mean(e**2) - explained.best.noise.sigma2, 0.0))) * data.y_scale.unit
-        pole = float(np.abs(np.roots([1.0, *-explained.best.noise.ar])).max()) if explained.best.noise.ar.size else 0.0
+        e = (data.y - explanation.best.output)[data.rows]
+        amplitude = float(np.sqrt(max(np.mean(e**2) - explanation.best.noise.sigma2, 0.0))) * data.y_scale.unit
+        pole = (
+            float(np.abs(np.roots([1.0, *-explanation.best.noise.ar])).max()) if explanation.best.noise.ar.size else 0.0
+        )
         n = e.size
         return {
             "amplitude": {
@@ -156,13 +158,13 @@ def _raw_parameters(explained: Explained, name: str) -> dict[str, dict[str, Any]
     return {}
 
 
-def _ranking(explained: Explained, decision: Decision, before: Fit) -> list[dict[str, Any]]:
+def _ranking(explanation: Explanation, decision: Decision, before: Fit) -> list[dict[str, Any]]:
     """Every combination that was tried, best first; those of the accepted level carry the probabilities."""
-    data, unit = explained.data, explained.data.y_scale.unit
+    data, unit = explanation.data, explanation.data.y_scale.unit
     start = power(data, before)
-    floor = float(explained.best.noise.sigma2)
+    floor = float(explanation.best.noise.sigma2)
     rows = []
-    for level in explained.levels[1:]:
+    for level in explanation.levels[1:]:
         for names, fit in level.items():
             mse = power(data, fit)
             rows.append(
@@ -170,25 +172,25 @@ def _ranking(explained: Explained, decision: Decision, before: Fit) -> list[dict
                     "name": "+".join(names),
                     "probability": decision.weights.get(names, 0.0),
                     "rmse": float(np.sqrt(mse)) * unit,
-                    "closed": closure(start, mse, floor),
-                    "bic": fit.bic - explained.path[0].bic,
+                    "closed": closed_share(start, mse, floor),
+                    "bic": fit.bic - explanation.path[0].bic,
                 }
             )
     return sorted(rows, key=lambda row: (-float(row["probability"]), float(row["bic"])))
 
 
-def _acting(explained: Explained, decision: Decision) -> np.ndarray:
+def _acting_samples(explanation: Explanation, decision: Decision) -> np.ndarray:
     """Where the first effect acts that acts somewhere and not everywhere."""
-    fit = explained.best
+    fit = explanation.best
     for effect in fit.hypothesis.effects[fit.hypothesis.known :]:
-        at = marked(explained.data, fit, effect)
+        at = marked(explanation.data, fit, effect)
         if effect.name in decision.names and at.any() and not at.all():
             return at
     if "output-dropout" in decision.names:
-        return explained.faults.held
+        return explanation.faults.held
     if "output-outliers" in decision.names:
-        return explained.faults.spikes
-    return np.zeros(explained.data.samples, bool)
+        return explanation.faults.spikes
+    return np.zeros(explanation.data.samples, bool)
 
 
 def _stretches(record: Record, scored: np.ndarray) -> list[list[float]]:
@@ -198,8 +200,8 @@ def _stretches(record: Record, scored: np.ndarray) -> list[list[float]]:
     ]
 
 
-def _unexplained(explained: Explained, left: Leftover, decision: Decision) -> dict[str, Any]:
-    data, fit = explained.data, explained.best
+def _unexplained(explanation: Explanation, left: Leftover, decision: Decision) -> dict[str, Any]:
+    data, fit = explanation.data, explanation.best
     e = np.where(data.rows, data.y - fit.output, 0.0)
     return {
         "share": 1.0 - decision.closed,
@@ -230,23 +232,23 @@ def _input_correlation(e: FloatArray, data: Data, fit: Fit) -> float:
     target = x[sound] - x[sound].mean()
     q, r = np.linalg.qr(past)
     independent = np.abs(np.diag(r)) > 1e-6 * np.abs(np.diag(r)).max()
-    explained = float(((q.T @ target)[independent] ** 2).sum())
-    return float(chi2.sf(explained / (float(target @ target) / target.size), int(independent.sum())))
+    predicted = float(((q.T @ target)[independent] ** 2).sum())
+    return float(chi2.sf(predicted / (float(target @ target) / target.size), int(independent.sum())))
 
 
 def _experiment(
-    record: Record, explained: Explained, decision: Decision, rng: np.random.Generator
+    record: Record, explanation: Explanation, decision: Decision, rng: np.random.Generator
 ) -> dict[str, Any] | None:
     """The input that would tell the accepted explanation from its best rival, where there is one."""
-    if not decision.ambiguous or len(explained.path) < 2:
+    if not decision.ambiguous or len(explanation.path) < 2:
         return None
-    level = explained.levels[len(explained.best.hypothesis.names)]
-    accepted = set(explained.best.hypothesis.names)
+    level = explanation.levels[len(explanation.best.hypothesis.names)]
+    accepted = set(explanation.best.hypothesis.names)
     rivals = [fit for names, fit in level.items() if set(names) != accepted and set(names) & set(decision.ambiguous)]
     if not rivals:
         return None
     rival = min(rivals, key=lambda fit: fit.bic)
-    found: Experiment | None = next_experiment(explained.data, explained.best, rival, rng)
+    found: Experiment | None = next_experiment(explanation.data, explanation.best, rival, rng)
     if found is None:
         return None
     return {
@@ -258,12 +260,12 @@ def _experiment(
     }
 
 
-def _screen(explained: Explained) -> list[str]:
+def _screen_sentences(explanation: Explanation) -> list[str]:
     """What the raw samples say, in sentences."""
-    faults = explained.faults
+    faults = explanation.faults
     said = []
     if faults.lattice is not None:
-        said.append(f"The output lies on a lattice of {faults.lattice * explained.data.y_scale.unit:.4g}.")
+        said.append(f"The output lies on a lattice of {faults.lattice * explanation.data.y_scale.unit:.4g}.")
     if faults.stretches:
         share, places = percent(float(faults.held.mean())), counted(len(faults.stretches), "stretch", "stretches")
         said.append(f"The output repeats its last value over {places}, {share} of the record.")

@@ -7,19 +7,19 @@ import numpy as np
 from labsid._arrays import FloatArray
 from labsid.records.signal_quality import lattice_step, runs
 
-SPIKE = 6.0  # robust standard deviations at which an isolated sample is one
+SPIKE_THRESHOLD = 6.0  # robust standard deviations at which an isolated sample is one
 LONGEST_SPIKE = 2  # samples
-MOST_SPIKES = 3  # in a row, unlike each other
-SHORTEST_HOLD = 3  # equal samples in a row
-FINE = 1e-4  # of the range: a converter step that makes equal samples only by chance
-USUAL_MOVES = 4.0  # times the median move from sample to sample: a jump from the sensor's stop
-OFTEN = 3  # held stretches
-OFF = 0.05  # converter steps from the lattice: more than rounding
-MOSTLY = 0.9  # of the samples have a value that comes again
+MAX_SPIKE_RUN = 3  # in a row, unlike each other
+MIN_HOLD = 3  # equal samples in a row
+FINE_STEP = 1e-4  # of the range: a converter step that makes equal samples only by chance
+LARGE_MOVE = 4.0  # times the median move from sample to sample: a jump from the sensor's stop
+SEVERAL_HOLDS = 3  # held stretches
+OFF_LATTICE = 0.05  # converter steps from the lattice: more than rounding
+MIN_REPEATED = 0.9  # of the samples have a value that comes again
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class RawFaults:
+class SampleFaults:
     """Samples that no simulation of the rig can give.
 
     Attributes
@@ -44,7 +44,7 @@ class RawFaults:
         return self.held | self.spikes
 
 
-def lattice_of(y: FloatArray) -> tuple[float | None, np.ndarray]:
+def find_lattice(y: FloatArray) -> tuple[float | None, np.ndarray]:
     """The converter's step, and the samples off its lattice: spikes that came into the log behind the converter.
 
     Parameters
@@ -62,11 +62,11 @@ def lattice_of(y: FloatArray) -> tuple[float | None, np.ndarray]:
         return lattice, nowhere
     _, which, count = np.unique(y, return_inverse=True, return_counts=True)
     again = count[which] > 1
-    lattice = lattice_step(y[again]) if again.mean() > MOSTLY else None
+    lattice = lattice_step(y[again]) if again.mean() > MIN_REPEATED else None
     if lattice is None:
         return None, nowhere
     steps = (y - y[again][0]) / lattice
-    return lattice, np.abs(steps - np.round(steps)) > OFF
+    return lattice, np.abs(steps - np.round(steps)) > OFF_LATTICE
 
 
 def find_held(y: FloatArray, lattice: float | None) -> tuple[tuple[int, int], ...]:
@@ -78,24 +78,24 @@ def find_held(y: FloatArray, lattice: float | None) -> tuple[tuple[int, int], ..
     """
     starts, lengths = runs(y)
     step = 0.0 if lattice is None else lattice
-    fine = step <= FINE * np.ptp(y)
-    long = lengths >= SHORTEST_HOLD
+    fine = step <= FINE_STEP * np.ptp(y)
+    long = lengths >= MIN_HOLD
     moves = np.abs(np.diff(y, append=[y[-1]] * 2))
     jump, onward = moves[starts + lengths - 1], moves[starts + lengths]
-    usual = max(1.5 * step, USUAL_MOVES * float(np.median(moves[moves > 0.0])))
+    usual = max(1.5 * step, LARGE_MOVE * float(np.median(moves[moves > 0.0])))
     jumps = (jump > (usual if fine else 1.5 * step)) & (jump > 2.0 * onward)
     if not fine:
         long &= jumps & (lengths >= 2.0 * np.median(np.repeat(lengths, lengths)) + 3.0)
     # A record that begins at rest holds nothing, unless its logger is one that does, and it goes on with a jump.
-    long &= (starts > 0) | (jumps & (np.count_nonzero(long & jumps & (starts > 0)) >= OFTEN))
+    long &= (starts > 0) | (jumps & (np.count_nonzero(long & jumps & (starts > 0)) >= SEVERAL_HOLDS))
     starts, lengths, jumps, jump = starts[long], lengths[long], jumps[long], jump[long]
     values, which, count = np.unique(y[starts], return_inverse=True, return_counts=True)
     again = count > 1
     extreme = (values == y.max()) | (values == y.min())
     if not fine:
         stop = extreme
-        jumps &= ~(again & extreme)[which] | (jump > USUAL_MOVES * np.median(moves))  # noise makes it jump off a stop
-    elif (~again & ~extreme).sum() >= OFTEN:  # a logger that sleeps often may do so at the extreme, too
+        jumps &= ~(again & extreme)[which] | (jump > LARGE_MOVE * np.median(moves))  # noise makes it jump off a stop
+    elif (~again & ~extreme).sum() >= SEVERAL_HOLDS:  # a logger that sleeps often may do so at the extreme, too
         stop = again
     else:
         stop = again | extreme
@@ -106,7 +106,9 @@ def find_held(y: FloatArray, lattice: float | None) -> tuple[tuple[int, int], ..
     )
 
 
-def find_spikes(e: FloatArray, usable: np.ndarray, lattice: float = 0.0, threshold: float = SPIKE) -> np.ndarray:
+def find_spikes(
+    e: FloatArray, usable: np.ndarray, lattice: float = 0.0, threshold: float = SPIKE_THRESHOLD
+) -> np.ndarray:
     """Isolated samples of the residual `e` that stand far from their neighbours on both sides.
 
     Parameters
@@ -138,7 +140,7 @@ def find_spikes(e: FloatArray, usable: np.ndarray, lattice: float = 0.0, thresho
     starts, lengths = runs(far.astype(float))
     for start, length in zip(starts, lengths, strict=True):
         stop = start + length
-        several = length <= MOST_SPIKES and bool(np.all(np.abs(np.diff(x[start:stop])) > least))
+        several = length <= MAX_SPIKE_RUN and bool(np.all(np.abs(np.diff(x[start:stop])) > least))
         alone = length <= LONGEST_SPIKE or several
         if far[start] and alone and start > 0:  # at its start a simulation may not be under way yet
             before = x[start - 1]

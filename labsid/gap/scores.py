@@ -6,21 +6,21 @@ import numpy as np
 
 from labsid._arrays import FloatArray
 from labsid.gap.context import Data
-from labsid.gap.explanation import Explained
+from labsid.gap.explanation import Explanation
 from labsid.gap.fitting import Fit, refit
-from labsid.gap.holdout import held_out
+from labsid.gap.holdout import held_out_samples
 from labsid.gap.leftover import explained_share, features
 from labsid.gap.model_file import START, running_model
 
 DRAWS = 400
-BAND = (2.5, 97.5)
-RESAMPLED = 20  # blocks
-SPREAD = 1.2  # so few blocks vary less than what they stand for
-LEAST_DOUBT = 0.005  # of a closure
+PERCENTILES = (2.5, 97.5)
+RESAMPLED_BLOCKS = 20  # blocks
+SPREAD_FACTOR = 1.2  # so few blocks vary less than what they stand for
+MIN_HALF_WIDTH = 0.005  # of a closure
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class HowMuch:
+class GapScore:
     """The gap on held-out samples, in the unit of the data.
 
     Attributes
@@ -50,18 +50,18 @@ class HowMuch:
     after_fit: Fit
 
 
-def how_much_of(
-    explained: Explained,
+def score_explanation(
+    explanation: Explanation,
     given: Fit | None,
     holdout: tuple[FloatArray, FloatArray] | None,
     rng: np.random.Generator,
     played: FloatArray | None = None,
-) -> HowMuch:
+) -> GapScore:
     """Refit the baseline and the explanation without the held-out samples, and score them there.
 
     Parameters
     ----------
-    explained : Explained
+    explanation : Explanation
     given : Fit or None
         The simulation that was given: it is scored as it is.
     holdout : tuple of ndarray or None
@@ -70,25 +70,25 @@ def how_much_of(
     played : ndarray, optional
         Output of the given simulation on the other record, scaled as the data.
     """
-    data = explained.data
+    data = explanation.data
     if holdout is not None:
-        return _on_another(explained, given, holdout, rng, played)
-    blocks = held_out(data.samples, explained.best.onset)
+        return _score_on_holdout(explanation, given, holdout, rng, played)
+    blocks = held_out_samples(data.samples, explanation.best.onset)
     fitted = replace(data, rows=data.rows & ~blocks)
-    before = refit(fitted, explained.path[0]) if given is None else given
-    after = before if given is None and len(explained.path) == 1 else refit(fitted, explained.best)
-    return how_much(fitted, before, after, data.rows & blocks, rng)
+    before = refit(fitted, explanation.path[0]) if given is None else given
+    after = before if given is None and len(explanation.path) == 1 else refit(fitted, explanation.best)
+    return score_fits(fitted, before, after, data.rows & blocks, rng)
 
 
-def _on_another(
-    explained: Explained,
+def _score_on_holdout(
+    explanation: Explanation,
     given: Fit | None,
     holdout: tuple[FloatArray, FloatArray],
     rng: np.random.Generator,
     before_output: FloatArray | None,
-) -> HowMuch:
-    data = explained.data
-    before, after = given or explained.path[0], explained.best
+) -> GapScore:
+    data = explanation.data
+    before, after = given or explanation.path[0], explanation.best
     u, y = holdout
     record_u, record_y = np.asarray(data.u_scale.back(u)), np.asarray(data.y_scale.back(y))
 
@@ -99,13 +99,13 @@ def _on_another(
     scored = np.arange(u.size) >= START
     other = replace(data, u=u, y=y, rows=scored)
     return replace(
-        how_much(other, first, on_holdout(after), scored, rng, floor=noise_power(data, after)),
+        score_fits(other, first, on_holdout(after), scored, rng, floor=noise_power(data, after)),
         before_fit=before,
         after_fit=after,
     )
 
 
-def closure(before: float, after: float, floor: float) -> float | None:
+def closed_share(before: float, after: float, floor: float) -> float | None:
     """Share of the gap that is closed, from mean squares."""
     gap = before - floor
     if gap <= 0.0:
@@ -121,9 +121,9 @@ def noise_power(data: Data, fit: Fit) -> float:
     return power * (1.0 - min(max(explained_share(data, fit, e), 0.0), 0.9))
 
 
-def how_much(
+def score_fits(
     data: Data, before: Fit, after: Fit, scored: np.ndarray, rng: np.random.Generator, floor: float | None = None
-) -> HowMuch:
+) -> GapScore:
     """Score two fits that have not seen the rows `scored`.
 
     Parameters
@@ -141,17 +141,17 @@ def how_much(
     e0, e1 = data.y - before.output, data.y - after.output
     floor = noise_power(data, after) if floor is None else floor
     m0, m1 = float(np.mean(e0[scored] ** 2)), float(np.mean(e1[scored] ** 2))
-    closed = closure(m0, m1, floor)
+    closed = closed_share(m0, m1, floor)
     if m0 <= floor * 1.02:
         closed = None
-    box = black_box(data, before, e0)
-    return HowMuch(
+    box = black_box_residual(data, before, e0)
+    return GapScore(
         before=float(np.sqrt(m0)),
         after=float(np.sqrt(m1)),
         floor=float(np.sqrt(floor)),
         closed=closed,
         ci95=None if closed is None else _interval(e0, e1, data.rows, scored, floor, after, rng),
-        black_box=None if closed is None else closure(m0, float(np.mean(box[scored] ** 2)), floor),
+        black_box=None if closed is None else closed_share(m0, float(np.mean(box[scored] ** 2)), floor),
         scored=scored,
         before_fit=before,
         after_fit=after,
@@ -177,32 +177,35 @@ def _interval(
     inexact = floor * (floor / after.noise.sigma2) * after.free / max(int(rows.sum()), 1)  # of coloured noise the more
     low, high = [], []
     for _ in range(DRAWS):
-        m0, m1 = _redrawn(power, rng)
-        (noise,) = _redrawn(fitted[None], rng) * correct
+        m0, m1 = _resampled_means(power, rng)
+        (noise,) = _resampled_means(fitted[None], rng) * correct
         if m0 > noise:
             wrong = inexact * rng.chisquare(after.free) / after.free
             high.append(1.0 - np.sqrt(max(m1 - noise, 0.0) / (m0 - noise)))
             low.append(1.0 - np.sqrt(max(m1 - noise, wrong) / (m0 - noise)))
     if not low:
         return (0.0, 1.0)
-    ends = float(np.percentile(low, BAND[0])) - LEAST_DOUBT, float(np.percentile(high, BAND[1])) + LEAST_DOUBT
+    ends = (
+        float(np.percentile(low, PERCENTILES[0])) - MIN_HALF_WIDTH,
+        float(np.percentile(high, PERCENTILES[1])) + MIN_HALF_WIDTH,
+    )
     return ends[0], min(ends[1], 1.0)
 
 
-def _redrawn(blocks: FloatArray, rng: np.random.Generator) -> FloatArray:
+def _resampled_means(blocks: FloatArray, rng: np.random.Generator) -> FloatArray:
     """Means of the same blocks of every row, drawn with replacement."""
     mean = blocks.mean(axis=1)
     drawn = blocks[:, rng.integers(0, blocks.shape[1], blocks.shape[1])].mean(axis=1)
-    return np.asarray(mean + SPREAD * (drawn - mean))
+    return np.asarray(mean + SPREAD_FACTOR * (drawn - mean))
 
 
 def _block_means(power: FloatArray, rows: np.ndarray) -> FloatArray:
     values = power[rows]
-    length = max(values.size // RESAMPLED, 5)
+    length = max(values.size // RESAMPLED_BLOCKS, 5)
     return np.array([block.mean() for block in np.array_split(values, max(values.size // length, 2))])
 
 
-def black_box(data: Data, before: Fit, e: FloatArray) -> FloatArray:
+def black_box_residual(data: Data, before: Fit, e: FloatArray) -> FloatArray:
     """What is left of the baseline's error when a flexible function of the input's past is fitted to it."""
     X = features(data, before)
     X = np.column_stack([np.ones(e.size), (X - X.mean(axis=0)) / np.where(X.std(axis=0) > 0, X.std(axis=0), 1.0)])

@@ -3,7 +3,7 @@
 import re
 from typing import Any
 
-from labsid.gap.effect_texts import RAW, STOPS, clause, noun
+from labsid.gap.effect_texts import STOP_EFFECTS, UNSIMULATED, clause, noun
 from labsid.gap.quantities import closure, number, p_value, percent, probability
 
 PLACES = {
@@ -14,12 +14,12 @@ PLACES = {
     "parameters": "in the numbers of the simulation, not in its structure",
 }
 SURE, LIKELY = 0.9, 0.6  # probabilities from which an effect is stated, and from which it is called probable
-WHITE = 0.01  # p-value under which a residual test speaks
+SIGNIFICANT = 0.01  # p-value under which a residual test speaks
 SAFE = 20.0  # margin of an experiment from which its decision was right in 995 of 1000
 NO_GAP = 1.1  # times the noise
 HALF = 0.5
-CHANGES = {"load-step", "parameter-drift"}
-ACCOUNTED = 0.3  # of the scatter of the levels: what an explanation of them leaves at most
+TIME_VARYING = {"load-step", "parameter-drift"}
+MAX_UNACCOUNTED = 0.3  # of the scatter of the levels: what an explanation of them leaves at most
 
 
 def verdict_sentence(report: dict[str, Any]) -> str:
@@ -32,14 +32,14 @@ def verdict_sentence(report: dict[str, Any]) -> str:
 def _effect_sentence(report: dict[str, Any]) -> str:
     effects, gap = report["effects"], report["gap"]
     several = len(effects) > 1
-    clauses = [_hedged(effect) + (f" ({noun(effect['name'])})" if several else "") for effect in effects]
-    said = listed([clauses[0], *(uncapitalised(text) for text in clauses[1:])], comma=True)
-    if beside(report):
+    clauses = [_qualified(effect) + (f" ({noun(effect['name'])})" if several else "") for effect in effects]
+    said = joined([clauses[0], *(uncapitalised(text) for text in clauses[1:])], comma=True)
+    if unnamed_effects(report):
         return _partial_sentence(report, said)
     who = "together they" if several else noun(effects[0]["name"])
     explain = "explain" if several else "explains"
     closed = gap["closed"]
-    if all(effect["name"] in RAW for effect in effects):
+    if all(effect["name"] in UNSIMULATED for effect in effects):
         what = "" if several else f": {who}"
         if gap["before"] <= NO_GAP * gap["noise_floor"]:
             return f"{said}{what}; that aside, the simulation leaves no gap beyond noise."
@@ -57,21 +57,21 @@ def _effect_sentence(report: dict[str, Any]) -> str:
 
 def _partial_sentence(report: dict[str, Any], said: str) -> str:
     """Only a part of the explanation is named: a stop that the record shows, or what leads all others by far."""
-    gap, causes = report["gap"], listed([noun(effect["name"]) for effect in report["effects"]])
-    stands = all(effect["name"] in STOPS for effect in report["effects"])
+    gap, causes = report["gap"], joined([noun(effect["name"]) for effect in report["effects"]])
+    stands = all(effect["name"] in STOP_EFFECTS for effect in report["effects"])
     shown = "at which the output is seen to stand" if stands else "which by itself shrinks the gap as nothing else does"
     if gap["closed"] is None or gap["closed"] <= 0.0:
         share = "nothing of the gap on samples held back"
     else:
         share = f"{closure(gap['closed'], gap['ci95'])} of the gap"
-    rest = listed([noun(name) for name in beside(report)])
+    rest = joined([noun(name) for name in unnamed_effects(report)])
     return (
         f"{said}: {causes}, {shown}. It is not all that acts: "
         f"with {rest} beside it, the nearest that was tried, the simulation closes {share}."
     )
 
 
-def _hedged(effect: dict[str, Any]) -> str:
+def _qualified(effect: dict[str, Any]) -> str:
     """What the rig does, called probable or possible where it is no more than that."""
     p = effect["probability"]
     if p >= SURE:
@@ -89,13 +89,13 @@ def _none_sentence(report: dict[str, Any]) -> str:
 
 
 def _unknown_sentence(report: dict[str, Any]) -> str:
-    gap, tried = report["gap"], len(looked_at(report))
+    gap, tried = report["gap"], len(effects_tried(report))
     start = f"There is a gap that none of the {tried} causes tried explains"
     if plateaus_matter(report):
         return f"{start}: at the same input, the output does not come back to the same level."
-    if not tried_nearest(report):
+    if not nearest_effects(report):
         return f"{start}: none of them shrinks it by more than chance would."
-    nearest = listed([noun(name) for name in tried_nearest(report)])
+    nearest = joined([noun(name) for name in nearest_effects(report)])
     if gap["closed"] is None or gap["closed"] <= 0.0:
         return f"{start}: the nearest, {nearest}, does not shrink it on samples held back."
     only = "only " if gap["closed"] < HALF else ""
@@ -105,46 +105,46 @@ def _unknown_sentence(report: dict[str, Any]) -> str:
     )
 
 
-def tried_nearest(report: dict[str, Any]) -> list[str]:
+def nearest_effects(report: dict[str, Any]) -> list[str]:
     """Names of the best explanation of a gap that is not explained; empty where nothing shrank it."""
-    if not report["ranking"] or unchanged(report):
+    if not report["ranking"] or is_unchanged(report):
         return []
     return list(report["ranking"][0]["name"].split("+"))
 
 
-def unchanged(report: dict[str, Any]) -> bool:
+def is_unchanged(report: dict[str, Any]) -> bool:
     """Whether nothing was added to the simulation that counts, so that before and after are one."""
     return report["verdict"] == "none" or report["gap"]["after"] == report["gap"]["before"]
 
 
-def beside(report: dict[str, Any]) -> list[str]:
+def unnamed_effects(report: dict[str, Any]) -> list[str]:
     """Effects that the simulation after holds without their being named as causes, where others are."""
     return list(report.get("beside", []))
 
 
-def incomplete(report: dict[str, Any]) -> bool:
+def is_incomplete(report: dict[str, Any]) -> bool:
     """Whether the simulation after holds what is not named as a cause."""
-    return report["verdict"] == "unknown" or bool(beside(report))
+    return report["verdict"] == "unknown" or bool(unnamed_effects(report))
 
 
-def looked_at(report: dict[str, Any]) -> list[str]:
+def effects_tried(report: dict[str, Any]) -> list[str]:
     """Every effect that was tried on this record, those seen in the raw samples last."""
     names = {name for row in report["ranking"] for name in row["name"].split("+")}
-    return [*sorted(names - set(RAW)), *RAW]
+    return [*sorted(names - set(UNSIMULATED)), *UNSIMULATED]
 
 
 def ambiguity_sentence(report: dict[str, Any]) -> str | None:
     """What the record cannot tell apart."""
-    rivals = listed([noun(name) for name in report["ambiguous"]], "or")
-    if not rivals or (report["verdict"] == "unknown" and set(report["ambiguous"]) <= set(tried_nearest(report))):
+    rivals = joined([noun(name) for name in report["ambiguous"]], "or")
+    if not rivals or (report["verdict"] == "unknown" and set(report["ambiguous"]) <= set(nearest_effects(report))):
         return None
     if report["verdict"] == "unknown":
         return f"{capitalised(rivals)}: these come nearest, but none of them is put forward as the cause."
     if report["verdict"] == "none":
         return f"The record does not rule out {rivals}."
-    if beside(report):
+    if unnamed_effects(report):
         return f"What else acts is not certain: {rivals} comes nearest."
-    chances = listed([f"{noun(e['name'])} {probability(e['probability'])}" for e in report["effects"]])
+    chances = joined([f"{noun(e['name'])} {probability(e['probability'])}" for e in report["effects"]])
     return f"It could also be {rivals}: this record cannot tell. Probability: {chances}."
 
 
@@ -168,17 +168,17 @@ def _plateaus(report: dict[str, Any]) -> str:
     size = f"The simulation misses these levels by {number(missed)} rms; its whole error is {number(whole)} rms."
     left = f"{number(seen['left'] * missed)} rms" if seen["left"] else "no more than noise may do"
     left += " is left of it"
-    if seen["left"] > ACCOUNTED:
+    if seen["left"] > MAX_UNACCOUNTED:
         return f"{size} Nothing that was tried accounts for that: with the nearest explanation added, {left}."
-    return f"{size} With the {'nearest explanation' if incomplete(report) else 'cause'} added, {left}."
+    return f"{size} With the {'nearest explanation' if is_incomplete(report) else 'cause'} added, {left}."
 
 
-def beyond_sentence(report: dict[str, Any]) -> str:
+def other_causes_sentence(report: dict[str, Any]) -> str:
     """What the probabilities of the ranking leave for a cause that is not in it."""
     left = max(1.0 - sum(row["probability"] for row in report["ranking"]), 0.0)
     if report["verdict"] == "none":
         return "Here none of them is needed."
-    if beside(report):
+    if unnamed_effects(report):
         return (
             "Of the first one only the part that is named above is sure; the rest of it is the nearest that was tried."
         )
@@ -193,13 +193,13 @@ def gap_sentence(report: dict[str, Any]) -> str:
     gap = report["gap"]
     where = "on samples that no fit has seen" if report["holdout_traces"] is None else "on the record held back"
     floor = f"the noise alone is {number(gap['noise_floor'])}"
-    if unchanged(report):
+    if is_unchanged(report):
         return f"The simulation misses the record by {number(gap['before'])} rms, and {floor}: in units of y, {where}."
     size = f"{number(gap['before'])} rms before and {number(gap['after'])} after"
     return f"The simulation misses the record by {size}, and {floor}: in units of y, {where}."
 
 
-def yardstick_sentence(report: dict[str, Any]) -> str | None:
+def black_box_sentence(report: dict[str, Any]) -> str | None:
     """What a flexible black box reaches on the same samples."""
     box = report["gap"].get("black_box")
     if box is None:
@@ -221,24 +221,24 @@ def place_sentence(report: dict[str, Any]) -> str | None:
     return f"{capitalised('; '.join(said))}."
 
 
-def both_sides_sentence(report: dict[str, Any]) -> str:
+def fitted_baseline_sentence(report: dict[str, Any]) -> str:
     """Why a gap lies ahead of what causes it, where it does."""
-    if report["simulation"]["given"] or not {effect["name"] for effect in report["effects"]} & CHANGES:
+    if report["simulation"]["given"] or not {effect["name"] for effect in report["effects"]} & TIME_VARYING:
         return ""
     return "The simulation before is fitted to the whole record, so it is off on both sides of what changes in it."
 
 
-def left_sentences(report: dict[str, Any]) -> list[str]:
+def residual_sentences(report: dict[str, Any]) -> list[str]:
     """What is left unexplained, and what the residual tests say of it, in plain words."""
     left = report["unexplained"]
-    white, linked = left["whiteness_p"], left["input_correlation_p"] < WHITE
+    white, linked = left["whiteness_p"], left["input_correlation_p"] < SIGNIFICANT
     link = p_value(left["input_correlation_p"])
     said = []
-    if white >= WHITE and not linked:
+    if white >= SIGNIFICANT and not linked:
         said.append("What is left looks like noise and nothing else.")
     elif left["share"] > 0.0 and report["verdict"] != "none":
         said.append(f"{percent(left['share'])} of the gap is left, {number(left['rms'])} rms with the noise.")
-    if white >= WHITE:
+    if white >= SIGNIFICANT:
         said.append(f"Its samples say nothing about the next ones (whiteness, {p_value(white)}).")
     else:
         said.append(
@@ -261,7 +261,7 @@ def experiment_sentence(report: dict[str, Any]) -> str | None:
     planned = report["next_experiment"]
     if planned is None:
         return None
-    ours, rival = telling_apart(planned["separates"])
+    ours, rival = distinguishing_effects(planned["separates"])
     why = str(planned["why"])
     for name in sorted(planned["separates"], key=len, reverse=True):
         why = why.replace(name, ours if name == planned["separates"][0] else rival)
@@ -270,21 +270,21 @@ def experiment_sentence(report: dict[str, Any]) -> str | None:
     return f"It would tell {ours} from {rival}. {why} Expected margin {margin:.0f}: the decision would be {safe}."
 
 
-def telling_apart(separates: list[str]) -> tuple[str, str]:
+def distinguishing_effects(separates: list[str]) -> tuple[str, str]:
     """Two explanations by what only one of them holds."""
     first, second = (name.split("+") for name in separates[:2])
     ours, rival = [n for n in first if n not in second], [n for n in second if n not in first]
-    return listed([noun(n) for n in ours or first]), listed([noun(n) for n in rival or second])
+    return joined([noun(n) for n in ours or first]), joined([noun(n) for n in rival or second])
 
 
-def listed(words: list[str], last: str = "and", comma: bool = False) -> str:
+def joined(words: list[str], last: str = "and", comma: bool = False) -> str:
     """``a, b and c``; whole clauses with a comma before the last."""
     if len(words) < 2:
         return "".join(words)
     return f"{', '.join(words[:-1])}{',' if comma else ''} {last} {words[-1]}"
 
 
-def bare(name: str) -> str:
+def noun_without_article(name: str) -> str:
     """What an effect is called, without its article."""
     return noun(name).removeprefix("a ").removeprefix("an ")
 

@@ -8,8 +8,8 @@ import numpy as np
 
 from labsid._arrays import FloatArray
 from labsid._files import write_file
-from labsid.gap.baseline import Simulation, bounded, read_transfer_function
-from labsid.gap.clock import in_step, stated_sampling
+from labsid.gap.baseline import Simulation, check_bounded, read_transfer_function
+from labsid.gap.clock import at_sampling_time, stated_sampling_time
 from labsid.gap.model_file import SCHEMA, START, exported_model, load_model
 from labsid.records.record import Record
 
@@ -69,12 +69,12 @@ def play(path: Path, record: Record) -> Played:
         If the file holds no simulation, or one of another sampling time.
     """
     content = load_model(path)
-    record = in_step(record, stated_sampling(content))
+    record = at_sampling_time(record, stated_sampling_time(content))
     if content.get("schema") == SCHEMA:
         y = exported_model(content, record.Ts).simulate(record.u, record.y)
     else:
-        y = read_transfer_function(content, record.Ts).play(record.u, record.y)
-    bounded(y, record.y)
+        y = read_transfer_function(content, record.Ts).simulate(record.u, record.y)
+    check_bounded(y, record.y)
     first = START if len(record) > 2 * START else 0
     return Played(y, float(np.sqrt(np.mean((record.y - y)[first:] ** 2))), first)
 

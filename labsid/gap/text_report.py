@@ -4,15 +4,15 @@ import textwrap
 from typing import Any
 
 from labsid.gap import sentences
-from labsid.gap.effect_texts import amount, label, noun
-from labsid.gap.location_text import where_sentences
+from labsid.gap.effect_texts import noun, parameter_label, parameter_value
+from labsid.gap.location_text import location_sentences
 from labsid.gap.quantities import probability
 
 WIDTH = 96
 INDENT = 11
 
 
-def verdict_text(report: dict[str, Any]) -> str:
+def format_report(report: dict[str, Any]) -> str:
     """Say the verdict in one sentence, and in a few lines what it rests on.
 
     Parameters
@@ -34,16 +34,16 @@ def verdict_text(report: dict[str, Any]) -> str:
         lines += _row("" if number else "record", _plain(said_of_it))
     rows = [
         ("unsure", [sentences.ambiguity_sentence(report)]),
-        ("gap", [sentences.gap_sentence(report), sentences.yardstick_sentence(report)]),
-        ("where", [sentences.place_sentence(report), *where_sentences(report)]),
-        ("left", sentences.left_sentences(report)),
+        ("gap", [sentences.gap_sentence(report), sentences.black_box_sentence(report)]),
+        ("where", [sentences.place_sentence(report), *location_sentences(report)]),
+        ("left", sentences.residual_sentences(report)),
         ("samples", report["screen"]),
         ("next", [_experiment(report)]),
     ]
     if report["verdict"] == "none":
         rows = [row for row in rows if row[0] != "where"]  # where noise lies says nothing
     if report["verdict"] == "unknown":
-        tried = sentences.listed([sentences.bare(name) for name in sentences.looked_at(report)])
+        tried = sentences.joined([sentences.noun_without_article(name) for name in sentences.effects_tried(report)])
         rows.insert(1, ("tried", [f"{sentences.capitalised(tried)}."]))
     for title, said in rows:
         lines += _row(title, " ".join(_plain(text) for text in said if text))
@@ -55,7 +55,7 @@ def _effect(effect: dict[str, Any]) -> list[str]:
     chance = probability(effect["probability"])
     lines = _row("cause", f"{noun(effect['name'])} ({effect['name']}), probability {chance}")
     rows = [
-        (label(effect["name"], name, entry["unit"]), *amount(effect["name"], name, entry))
+        (parameter_label(effect["name"], name, entry["unit"]), *parameter_value(effect["name"], name, entry))
         for name, entry in effect["parameters"].items()
     ]
     wide = [max((len(row[i]) for row in rows), default=0) for i in range(2)]

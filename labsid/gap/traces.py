@@ -4,10 +4,10 @@ import numpy as np
 
 from labsid._arrays import FloatArray
 
-MOST_POINTS = 2400
+MAX_POINTS = 2400
 
 
-def outline(signals: list[FloatArray], most: int = MOST_POINTS) -> np.ndarray:
+def extreme_samples(signals: list[FloatArray], most: int = MAX_POINTS) -> np.ndarray:
     """Choose the samples that a thinned-out figure shows: where any of the signals is lowest or highest in its stretch.
 
     Parameters
@@ -29,7 +29,7 @@ def outline(signals: list[FloatArray], most: int = MOST_POINTS) -> np.ndarray:
     return np.unique(np.concatenate(picked))
 
 
-def traces(
+def figure_traces(
     t: FloatArray, u: FloatArray, y: FloatArray, before: FloatArray, after: FloatArray
 ) -> dict[str, list[float]]:
     """Signals for the figures, thinned out so that the output, and what both simulations miss of it, keep their shape.
@@ -45,6 +45,6 @@ def traces(
     dict of list
         All five at the same samples.
     """
-    pick = outline([y, y - before, y - after])
+    pick = extreme_samples([y, y - before, y - after])
     named = {"t": t, "u": u, "y": y, "before": before, "after": after}
     return {name: x[pick].tolist() for name, x in named.items()}

@@ -52,9 +52,9 @@ def run_tasks(module: str, tasks: Sequence[Task], jobs: int) -> Generator[tuple[
     done: SimpleQueue[tuple[int, Task | None] | Exception] = SimpleQueue()
     for number in range(len(tasks)):
         todo.put(number)
-    crew = _Crew(module)
+    crew = _ProcessGroup(module)
 
-    def attend() -> None:
+    def feed() -> None:
         worker = None
         try:
             while True:
@@ -76,7 +76,7 @@ def run_tasks(module: str, tasks: Sequence[Task], jobs: int) -> Generator[tuple[
             if worker is not None:
                 crew.end(worker)
 
-    threads = [Thread(target=attend, daemon=True) for _ in range(min(jobs, len(tasks)))]
+    threads = [Thread(target=feed, daemon=True) for _ in range(min(jobs, len(tasks)))]
     try:
         for thread in threads:
             thread.start()
@@ -122,7 +122,7 @@ class _Stopped(Exception):
     """No further process is wanted."""
 
 
-class _Crew:
+class _ProcessGroup:
     """The processes that run now. They are in sessions of their own: Ctrl-C reaches only the process that asks."""
 
     def __init__(self, module: str) -> None:

@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 
 WIDE, NARROW = 9.5, 4.4  # inches: for a desktop's page and for a telephone's
 ZOOM = 0.1  # of the record
-FEWEST = 40  # samples in the zoom
+MIN_ZOOM_SAMPLES = 40  # samples in the zoom
 OUTPUT = "Output $y$ (units of y)"
 ERROR = "Error (units of y)"
 SIGNALS = {"u": "Input $u$ (units of u)", "y": OUTPUT, "dy": "Change of $y$ (units of y a second)"}
@@ -56,7 +56,7 @@ def figure_simulations(report: dict[str, Any], narrow: bool = False) -> Figure:
     close = report["verdict"] != "none"
     other = report["holdout_traces"]
     rows = 2 + close + (other is not None)
-    figure = _sheet(narrow, 3.1 * rows, 2.75 * rows)
+    figure = _new_figure(narrow, 3.1 * rows, 2.75 * rows)
     panels = list(figure.subplots(rows, 1))
     _overlay(panels[0], trace, curves, slice(None))
     finish(panels[0], "The whole record", TIME, OUTPUT, legend_columns=2 if narrow else len(curves) + 1)
@@ -88,7 +88,7 @@ def _curves(report: dict[str, Any]) -> list[tuple[str, str, str, str]]:
 def furthest_off(trace: dict[str, FloatArray]) -> slice:
     """The tenth of the record in which the simulation before is furthest from the measured output."""
     power = (trace["y"] - trace["before"]) ** 2
-    length = min(max(int(ZOOM * power.size), FEWEST), power.size)
+    length = min(max(int(ZOOM * power.size), MIN_ZOOM_SAMPLES), power.size)
     total = np.concatenate([[0.0], np.cumsum(power)])
     first = int(np.argmax(total[length:] - total[:-length]))
     return slice(first, first + length)
@@ -137,10 +137,10 @@ def figure_where(report: dict[str, Any], narrow: bool = False) -> Figure:
     parts = ["frequency", *signals, "map"]
     if narrow:
         heights = [1.0, *[1.3] * (len(parts) - 1), 1.8]
-        figure = _sheet(narrow, 0.0, 2.3 * sum(heights))
+        figure = _new_figure(narrow, 0.0, 2.3 * sum(heights))
         panels = figure.subplot_mosaic([["time"], *([part] for part in parts)], height_ratios=heights)
     else:
-        figure = _sheet(narrow, 5.6, 0.0)
+        figure = _new_figure(narrow, 5.6, 0.0)
         panels = figure.subplot_mosaic([["time"] * len(parts), parts], height_ratios=[1.0, 1.7])
     _time_strip(panels["time"], where["time"])
     _bands(panels["frequency"], where["band_hz"])
@@ -209,7 +209,7 @@ def figure_experiment(report: dict[str, Any], narrow: bool = False) -> Figure:
     matplotlib.figure.Figure
     """
     planned = report["next_experiment"]
-    figure = _sheet(narrow, 2.8, 2.8)
+    figure = _new_figure(narrow, 2.8, 2.8)
     ax = figure.subplots()
     ax.step(planned["t"], planned["u"], where="post", color=BLUE, linewidth=1.2)
     ax.margins(x=0)
@@ -217,7 +217,7 @@ def figure_experiment(report: dict[str, Any], narrow: bool = False) -> Figure:
     return figure
 
 
-def pictures_of(report: dict[str, Any]) -> dict[str, dict[str, bytes]]:
+def figures_as_png(report: dict[str, Any]) -> dict[str, dict[str, bytes]]:
     """All figures of a report as PNG, each for a wide and for a narrow screen."""
     figures: dict[str, Callable[[dict[str, Any], bool], Figure]]
     figures = {"simulations": figure_simulations, "where": figure_where}
@@ -232,5 +232,5 @@ def _png(figure: Figure) -> bytes:
     return picture.getvalue()
 
 
-def _sheet(narrow: bool, wide_height: float, narrow_height: float) -> Figure:
+def _new_figure(narrow: bool, wide_height: float, narrow_height: float) -> Figure:
     return new_figure(NARROW, narrow_height) if narrow else new_figure(WIDE, wide_height)

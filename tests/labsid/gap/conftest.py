@@ -10,7 +10,7 @@ from scipy.signal import cont2discrete, lfilter
 
 from labsid._arrays import FloatArray
 from labsid.gap.context import scaled
-from labsid.gap.explanation import Explained, explain
+from labsid.gap.explanation import Explanation, explain
 from labsid.records.record import Record
 
 Flow = Callable[[FloatArray, float], list[float]]
@@ -86,7 +86,7 @@ def write_rig_record() -> Callable[[Path, Record], Path]:
 
 
 @pytest.fixture(scope="session")
-def banded(levels: FloatArray, two_poles: Callable[..., FloatArray]) -> Explained:
+def banded(levels: FloatArray, two_poles: Callable[..., FloatArray]) -> Explanation:
     """The search on a record with a dead zone from -0.4 to 0.3, 2 % noise."""
     u = levels[:480]
     y = two_poles(np.maximum(u - 0.3, 0.0) + np.minimum(u + 0.4, 0.0))
@@ -95,7 +95,7 @@ def banded(levels: FloatArray, two_poles: Callable[..., FloatArray]) -> Explaine
 
 
 @pytest.fixture(scope="session")
-def plain(levels: FloatArray, two_poles: Callable[..., FloatArray]) -> Explained:
+def plain(levels: FloatArray, two_poles: Callable[..., FloatArray]) -> Explanation:
     """The search on a linear record with 5 % noise."""
     u = levels[:480]
     y = two_poles(u)

@@ -4,7 +4,7 @@ import control
 import numpy as np
 import pytest
 
-from labsid.gap.baseline import baseline_of, bounded, linear_structure, read_transfer_function
+from labsid.gap.baseline import check_bounded, linear_structure, make_baseline, read_transfer_function
 from labsid.gap.context import scaled
 
 DEN = np.poly([0.95, 0.8]).tolist()
@@ -45,9 +45,9 @@ def test_powers_of_z_descend_as_in_python_control(num, levels):
 def test_it_starts_in_the_state_that_the_measured_output_tells(levels):
     model = read_transfer_function(TRUE, 0.5)
     measured = model.response(levels) + 2.0 * 0.95 ** np.arange(levels.size) - 0.8 ** np.arange(levels.size)
-    np.testing.assert_allclose(model.play(levels, measured), measured, atol=1e-9)
+    np.testing.assert_allclose(model.simulate(levels, measured), measured, atol=1e-9)
     static = read_transfer_function({"num": 3.0, "den": 2.0, "dt": 0.5}, 0.5)
-    np.testing.assert_allclose(static.play(levels, levels), 1.5 * levels)
+    np.testing.assert_allclose(static.simulate(levels, levels), 1.5 * levels)
 
 
 @pytest.mark.parametrize(
@@ -86,15 +86,15 @@ def test_every_kind_of_the_true_simulation_leaves_the_noise(data, record, true):
         "callable": lambda t, u: function.response(u)[:, None],
     }
     for name, simulation in kinds.items():
-        base = baseline_of(data, record.t, simulation)
+        base = make_baseline(data, record.t, simulation)
         assert base.given, name
         assert left(data, base.before) == pytest.approx(0.01, rel=0.2), name
         assert base.output_only == (name == "series")
-        assert (base.elsewhere is None) == (name == "series")
+        assert (base.simulate_record is None) == (name == "series")
 
 
 def test_a_wrong_simulation_is_taken_as_it_is(data, record, true):
-    base = baseline_of(data, record.t, true | {"num": [0.02, 0.0]})
+    base = make_baseline(data, record.t, true | {"num": [0.02, 0.0]})
     assert left(data, base.before) > 0.3
 
 
@@ -102,16 +102,16 @@ def test_a_given_simulation_plays_on_another_record(data, record, true, rig_reco
     other = rig_record("none", 200, seed=9)
     function = read_transfer_function(true, 0.5)
     for simulation in (true, lambda t, u: function.response(u)):
-        elsewhere = baseline_of(data, record.t, simulation).elsewhere
-        error = (other.y - elsewhere(other))[120:]  # only a model's initial state can be estimated
+        simulate_record = make_baseline(data, record.t, simulation).simulate_record
+        error = (other.y - simulate_record(other))[120:]  # only a model's initial state can be estimated
         assert np.std(error) < 0.03 * np.std(other.y)
 
 
 def test_without_one_it_is_the_labs_structure(data, record):
-    base = baseline_of(data, record.t, None)
+    base = make_baseline(data, record.t, None)
     assert base.before is None
-    assert (base.given, base.output_only, base.elsewhere) == (False, False, None)
-    assert base.free.parameters == linear_structure(2).parameters
+    assert (base.given, base.output_only, base.simulate_record) == (False, False, None)
+    assert base.structure.parameters == linear_structure(2).parameters
 
 
 @pytest.mark.parametrize(
@@ -136,11 +136,11 @@ def test_orders(order, names):
 )
 def test_simulations_that_do_not_fit(data, record, simulation, order, words):
     with pytest.raises(ValueError, match=words):
-        baseline_of(data, record.t, simulation, order)
+        make_baseline(data, record.t, simulation, order)
 
 
 def test_bounded():
     measured = np.array([1.0, 3.0])
-    np.testing.assert_array_equal(bounded(np.array([2e6, 0.0]), measured), [2e6, 0.0])
+    np.testing.assert_array_equal(check_bounded(np.array([2e6, 0.0]), measured), [2e6, 0.0])
     with pytest.raises(ValueError, match="its output leaves every bound"):
-        bounded(np.array([2e6, 3e6]), measured)
+        check_bounded(np.array([2e6, 3e6]), measured)

@@ -11,24 +11,24 @@ from scipy.signal import lfilter
 
 from labsid._arrays import FloatArray
 from labsid.gap.beam_search import (
-    BEAM,
-    FREE,
+    BEAM_WIDTH,
+    EXTRA_PARENTS,
     Level,
-    _forms,
+    _alternative_forms,
     _parents,
-    _plain,
-    _whitest,
+    _whiter_baseline,
+    _with_constant_load,
     best_path,
-    keep,
-    nothing_left,
-    rounded,
+    keep_best,
+    residual_is_white,
+    within_rounding,
 )
 from labsid.gap.candidates import compatible
 from labsid.gap.context import Data, scaled
 from labsid.gap.diagnosis import diagnose
 from labsid.gap.effects import dynamics, input, output
 from labsid.gap.effects.base import Fitted
-from labsid.gap.explanation import Explained, explain
+from labsid.gap.explanation import Explanation, explain
 from labsid.gap.fitting import Fit, finish, rms, search
 from labsid.gap.forms import LEAK, LOAD
 from labsid.gap.hypothesis import Hypothesis
@@ -83,17 +83,17 @@ def test_the_curve_stands_at_the_end_of_the_actuator_unless_told() -> None:
     assert [e.name for e in behind.inputs] == ["input-dead-zone", "input-rate-limit"]
 
 
-def test_a_level_keeps_the_better_of_two_fits_of_the_same_names(banded: Explained) -> None:
+def test_a_level_keeps_the_better_of_two_fits_of_the_same_names(banded: Explanation) -> None:
     fit = banded.best
     level = {("input-dead-zone",): fit}
-    keep(level, [None, replace(fit, bic=fit.bic + 1.0)])
+    keep_best(level, [None, replace(fit, bic=fit.bic + 1.0)])
     assert level == {("input-dead-zone",): fit}
     better = replace(fit, bic=fit.bic - 1.0)
-    keep(level, [better])
+    keep_best(level, [better])
     assert level == {("input-dead-zone",): better}
 
 
-def test_the_best_path_goes_as_far_as_effects_are_worth_it(banded: Explained) -> None:
+def test_the_best_path_goes_as_far_as_effects_are_worth_it(banded: Explanation) -> None:
     assert best_path(banded.data, banded.levels)[:2] == banded.path[:2]
     (base,) = banded.levels[0].values()
     assert best_path(banded.data, (banded.levels[0], {("nothing",): replace(base, bic=base.bic - 1.0)})) == (base,)
@@ -158,14 +158,14 @@ def noisy(fit: Fit, data: Data, bic: float, error: float) -> Fit:
 
 @pytest.mark.parametrize("slow", [True, False])
 def test_parents_are_the_best_and_where_the_residual_is_slow_those_that_run_free_best(
-    plain: Explained, slow: bool
+    plain: Explanation, slow: bool
 ) -> None:
     errors = [0.5, 0.6, 0.4, 0.3, 0.45, 0.2, 0.9]
     level: Level = {(str(i),): noisy(plain.best, plain.data, float(i), error) for i, error in enumerate(errors)}
     innovations = 0.1 * errors[0] ** 2 if slow else 0.5 * errors[0] ** 2
     level = {names: replace(fit, noise=replace(fit.noise, sigma2=innovations)) for names, fit in level.items()}
     found = [fit.bic for fit in _parents(plain.data, level)]
-    assert (BEAM, FREE) == (3, 2)
+    assert (BEAM_WIDTH, EXTRA_PARENTS) == (3, 2)
     assert found == ([0.0, 1.0, 2.0, 5.0, 3.0] if slow else [0.0, 1.0, 2.0])
 
 
@@ -176,7 +176,7 @@ def test_a_baseline_that_follows_strongly_coloured_noise_is_brought_back_by_the_
     noise = lfilter([1.0], [1.0, -pole], size * np.random.default_rng(seed).standard_normal(levels.size))
     data = data_of(levels, two_poles(levels) + noise, noise=0.0)
     base = polish(data, baseline(data))
-    found = _whitest(data, base, swift_fit(data, base))
+    found = _whiter_baseline(data, base, swift_fit(data, base))
     assert found.bic < base.bic - 20.0
     assert rms(data, found) < 1.2 * rms(data, base)
     off = [float(np.abs(np.log(np.divide(fit.rates, (0.5, 0.05)))).max()) for fit in (found, base)]
@@ -184,12 +184,12 @@ def test_a_baseline_that_follows_strongly_coloured_noise_is_brought_back_by_the_
     assert off[1] > 2.0
 
 
-def test_a_baseline_that_the_swift_part_does_not_better_stays(plain: Explained) -> None:
+def test_a_baseline_that_the_swift_part_does_not_better_stays(plain: Explanation) -> None:
     data, base = plain.data, plain.best
-    assert _whitest(data, replace(base, bic=base.bic - 5.0), base).bic == base.bic - 5.0
+    assert _whiter_baseline(data, replace(base, bic=base.bic - 5.0), base).bic == base.bic - 5.0
     other = Hypothesis((dynamics.ExtraLag(),), known=1)
     third = baseline(data, other)
-    assert _whitest(data, third, base) is third  # the swift fit is of another structure
+    assert _whiter_baseline(data, third, base) is third  # the swift fit is of another structure
 
 
 def coarse(y: FloatArray, steps: int) -> FloatArray:
@@ -198,21 +198,21 @@ def coarse(y: FloatArray, steps: int) -> FloatArray:
     return np.round(y / step) * step
 
 
-def test_what_may_be_rounding_is_told_from_what_is_not(plain: Explained, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_what_may_be_rounding_is_told_from_what_is_not(plain: Explanation, monkeypatch: pytest.MonkeyPatch) -> None:
     data, fit, step = plain.data, plain.best, 0.2
     lattice = replace(data, y=np.round(fit.output / step) * step, lattice=step)
-    assert rounded(lattice, fit)
-    assert nothing_left(lattice, fit)
-    assert not rounded(replace(lattice, lattice=0.0), fit)
+    assert within_rounding(lattice, fit)
+    assert residual_is_white(lattice, fit)
+    assert not within_rounding(replace(lattice, lattice=0.0), fit)
     wave = 2.0 * step * np.sin(0.3 * np.arange(data.samples))
-    assert not rounded(replace(lattice, y=np.round((fit.output + wave) / step) * step), fit)
+    assert not within_rounding(replace(lattice, y=np.round((fit.output + wave) / step) * step), fit)
     # A fit that is not quite there is drawn within the steps before it is judged; one that is far off is not.
-    assert rounded(lattice, replace(fit, output=fit.output + 0.15 * step))
+    assert within_rounding(lattice, replace(fit, output=fit.output + 0.15 * step))
     monkeypatch.setattr("labsid.gap.beam_search.DRAWN", 1)
-    assert not rounded(lattice, replace(fit, output=fit.output + 0.15 * step))
-    assert rounded(lattice, replace(fit, output=fit.output + 0.1 * step))
+    assert not within_rounding(lattice, replace(fit, output=fit.output + 0.15 * step))
+    assert within_rounding(lattice, replace(fit, output=fit.output + 0.1 * step))
     monkeypatch.setattr("labsid.gap.beam_search.refit", None)
-    assert not rounded(lattice, replace(fit, output=fit.output + 0.5 * step))
+    assert not within_rounding(lattice, replace(fit, output=fit.output + 0.5 * step))
 
 
 @pytest.mark.parametrize("steps", [8, 32])
@@ -284,16 +284,16 @@ def test_beside_a_nonlinear_state_a_leak_is_a_plain_load_again(levels: FloatArra
     assert point is not None
     fit = finish(data, hypothesis, point)
     assert not compatible(fit, dynamics.CubicStiffness())
-    plain = _plain(data, fit)
+    plain = _with_constant_load(data, fit)
     assert plain.hypothesis == Hypothesis((output.Drift("1"), LOAD, input.DeadZone()), known=1)
     assert compatible(plain, dynamics.CubicStiffness())
     assert plain.theta[plain.hypothesis.slices[LOAD.key]][0] == pytest.approx(330 / 600, abs=0.01)
     assert rms(data, plain) < 0.02
-    assert _plain(data, plain) is plain
+    assert _with_constant_load(data, plain) is plain
 
 
 def test_a_form_is_none_if_an_effect_in_it_is_not_what_it_says(
-    banded: Explained, monkeypatch: pytest.MonkeyPatch
+    banded: Explanation, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     data = banded.data
     hypothesis = Hypothesis((output.Nonlinearity(), input.DeadZone()))
@@ -302,14 +302,14 @@ def test_a_form_is_none_if_an_effect_in_it_is_not_what_it_says(
     point = search(data, hypothesis, theta, iterations=0)
     assert point is not None
     fit = finish(data, hypothesis, point)
-    assert [form.hypothesis.effects[0].variant for form in _forms(data, fit)] == ["", "rich"]
+    assert [form.hypothesis.effects[0].variant for form in _alternative_forms(data, fit)] == ["", "rich"]
     monkeypatch.setattr(output.Nonlinearity, "holds", lambda effect, fit: effect.variant != "rich")
-    assert _forms(data, fit) == [fit]  # although the last effect is
+    assert _alternative_forms(data, fit) == [fit]  # although the last effect is
     monkeypatch.undo()
     monkeypatch.setattr(input.DeadZone, "holds", lambda effect, fit: False)
-    assert _forms(data, fit) == [fit]
+    assert _alternative_forms(data, fit) == [fit]
     known = replace(fit, hypothesis=Hypothesis(hypothesis.effects[::-1], known=1))
-    assert len(_forms(data, known)) == 2  # the simulation's own effects are not asked
+    assert len(_alternative_forms(data, known)) == 2  # the simulation's own effects are not asked
 
 
 def loaded_spring(u: FloatArray, load: float, onset: int) -> FloatArray:

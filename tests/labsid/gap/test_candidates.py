@@ -22,7 +22,7 @@ from labsid.gap.candidates import (
 from labsid.gap.context import Context, Data, scaled
 from labsid.gap.effects import disturbance, drifting, dynamics, input, output
 from labsid.gap.effects.base import Effect
-from labsid.gap.explanation import Explained, explain
+from labsid.gap.explanation import Explanation, explain
 from labsid.gap.fitting import Fit, at_start, finish, rms, search
 from labsid.gap.forms import INNER_WAVE, LOAD_WAVE, WAVE, homes
 from labsid.gap.hypothesis import Hypothesis
@@ -104,7 +104,7 @@ def test_a_given_simulation_takes_no_other_dynamics(levels: FloatArray, two_pole
     assert compatible(parent, input.DeadZone()) is takes_input
 
 
-def test_starts_keep_the_numbers_of_the_parent(banded: Explained) -> None:
+def test_starts_keep_the_numbers_of_the_parent(banded: Explanation) -> None:
     data, parent = banded.data, banded.best
     assert parent.hypothesis.keys == ("input-dead-zone",)
     context = Context(data, parent, parent)
@@ -121,7 +121,7 @@ def test_starts_keep_the_numbers_of_the_parent(banded: Explained) -> None:
         np.testing.assert_allclose(rates[0], parent.rates)
 
 
-def test_search_finds_the_effect_and_nothing_where_it_cannot_be_seen(banded: Explained) -> None:
+def test_search_finds_the_effect_and_nothing_where_it_cannot_be_seen(banded: Explanation) -> None:
     data, base = banded.data, banded.path[0]
     found = finished(data, sketches(data, base, (input.DeadZone(),), base))
     assert found is not None
@@ -327,7 +327,7 @@ def test_a_search_of_tanks_also_begins_with_one_state_at_once(levels: FloatArray
     assert any(max(pair) < 1.0 for pair in rates)
 
 
-def test_a_race_takes_the_first_few_some_steps_further_and_ranks_them_anew(banded: Explained) -> None:
+def test_a_race_takes_the_first_few_some_steps_further_and_ranks_them_anew(banded: Explanation) -> None:
     data, base = banded.data, banded.path[0]
     tried = sketches(data, base, (input.DeadZone(), input.Backlash()), base)
     assert len(tried) > 6
@@ -338,7 +338,7 @@ def test_a_race_takes_the_first_few_some_steps_further_and_ranks_them_anew(bande
     assert _raced(data, tried[:3], 6) == tried[:3]
 
 
-def test_the_best_start_need_not_be_ahead_at_once(banded: Explained) -> None:
+def test_the_best_start_need_not_be_ahead_at_once(banded: Explanation) -> None:
     """Three starts of limits stand before the right one of a band, which is kept all the same."""
     data, base = banded.data, banded.path[0]
     dead, *_ = sketches(data, base, (input.DeadZone(),), base)
@@ -489,7 +489,7 @@ def test_the_last_effects_have_to_be_what_they_say_they_are(levels: FloatArray, 
         (disturbance.LoadStep(), disturbance.Leak("leak")),
     ],
 )
-def test_a_richer_form_has_to_gain_more_than_chance(banded: Explained, simple: Effect, rich: Effect) -> None:
+def test_a_richer_form_has_to_gain_more_than_chance(banded: Explanation, simple: Effect, rich: Effect) -> None:
     plain = replace(banded.best, hypothesis=Hypothesis((simple,)))
     richer = replace(banded.best, hypothesis=Hypothesis((rich,)))
     assert price(plain) == plain.bic

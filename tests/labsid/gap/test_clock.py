@@ -8,11 +8,11 @@ import pytest
 
 from labsid.cli.commands import main
 from labsid.gap.batch import diagnose_folder
-from labsid.gap.clock import clock_findings, in_step
+from labsid.gap.clock import at_sampling_time, clock_findings
 from labsid.gap.diagnosis import diagnose
-from labsid.gap.html_report import page
+from labsid.gap.html_report import page_content
 from labsid.gap.simulations import load_simulation, play
-from labsid.gap.text_report import verdict_text
+from labsid.gap.text_report import format_report
 from labsid.records.record import Record, load_record
 
 DEN = np.poly([0.95, 0.8]).tolist()
@@ -70,8 +70,8 @@ def test_text_and_page_say_that_the_clock_jitters(even_report, clipped):
         "The clock jitters by 3 % of the sampling time (root mean square); the record is read as if it were sampled "
         "every 0.03333 s."
     )
-    assert said in " ".join(verdict_text(report).split())
-    assert page(report)["record"] == [said]
+    assert said in " ".join(format_report(report).split())
+    assert page_content(report)["record"] == [said]
 
 
 def test_little_jitter_is_not_worth_a_word_and_the_holdout_has_a_clock_of_its_own(plain):
@@ -83,13 +83,13 @@ def test_little_jitter_is_not_worth_a_word_and_the_holdout_has_a_clock_of_its_ow
 
 def test_an_unknown_sampling_time_gives_way_to_a_known_one_by_a_sample_at_most(plain):
     record = jittering(plain, 0.501)
-    near = in_step(record, 0.5)
+    near = at_sampling_time(record, 0.5)
     assert (near.Ts, near.jitter) == (0.5, 0.03)
     np.testing.assert_allclose(near.t, 0.5 * np.arange(200), rtol=1e-12)
     for other in (0.495, 0.51, float("nan"), "0.5", None, [0.5]):
-        assert in_step(record, other) is record
+        assert at_sampling_time(record, other) is record
     regular = Record(record.t, record.u, record.y, 0.501)
-    assert in_step(regular, 0.5) is regular
+    assert at_sampling_time(regular, 0.5) is regular
 
 
 def test_a_holdout_a_model_and_a_series_of_nearly_the_same_clock_are_taken(tmp_path, plain):

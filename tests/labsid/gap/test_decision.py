@@ -7,19 +7,19 @@ import pytest
 
 from labsid.gap.candidates import CANDIDATES
 from labsid.gap.decision import (
-    IS_RIGHT,
+    DIRECT_EVIDENCE,
+    MAX_RIVALS,
+    MIN_CONFIDENCE,
     MISMATCH,
-    MOST_RIVALS,
-    SEEN,
     Decision,
-    closing,
+    closed_on_fit,
+    confidence_in,
     decide,
-    leading,
-    mismatch_weight,
-    trusted,
+    leading_effect,
+    mismatch_probability,
 )
 from labsid.gap.effects import output
-from labsid.gap.explanation import Explained
+from labsid.gap.explanation import Explanation
 from labsid.gap.fitting import Fit, power
 from labsid.gap.hypothesis import Hypothesis
 from labsid.gap.leftover import Leftover, leftover
@@ -27,12 +27,12 @@ from labsid.gap.leftover import Leftover, leftover
 STRUCTURE = {"repeats": 0.6, "repeats_z": 9.0, "explained": 0.6}
 
 
-def left_of(explained: Explained) -> Leftover:
+def left_of(explained: Explanation) -> Leftover:
     """Of the accepted hypothesis."""
     return leftover(explained.data, explained.best)
 
 
-def rivalled(explained: Explained, *gaps: float) -> Explained:
+def rivalled(explained: Explanation, *gaps: float) -> Explanation:
     """With the rivals of the first level so much worse in BIC than the accepted hypothesis, the rest far behind."""
     level, best = {}, explained.best
     others = iter(gaps)
@@ -41,7 +41,7 @@ def rivalled(explained: Explained, *gaps: float) -> Explained:
     return replace(explained, levels=(explained.levels[0], level))
 
 
-def crowded(explained: Explained) -> Explained:
+def crowded(explained: Explanation) -> Explanation:
     """With rivals that by themselves leave twice the error of the best first effect."""
     level, data = explained.levels[1], explained.data
     first = min(level.values(), key=lambda fit: power(data, fit))
@@ -51,10 +51,10 @@ def crowded(explained: Explained) -> Explained:
 
 
 def decided(
-    explained: Explained, left: Leftover, given: Fit | None, unrepeated: float = 0.0, stopped: bool = False
+    explained: Explanation, left: Leftover, given: Fit | None, unrepeated: float = 0.0, at_stop: bool = False
 ) -> Decision:
     """With the trust that what is left deserves."""
-    return decide(explained, left, given, trusted(explained, left, unrepeated=unrepeated), stopped)
+    return decide(explained, left, given, confidence_in(explained, left, unrepeated=unrepeated), at_stop)
 
 
 def check(decision: Decision) -> None:
@@ -62,34 +62,34 @@ def check(decision: Decision) -> None:
     assert sum(decision.weights.values()) <= 1.0
     assert all(0.0 <= p <= 1.0 for p in decision.probability.values())
     assert set(decision.names) <= set(decision.probability)
-    assert len(decision.ambiguous) <= MOST_RIVALS
+    assert len(decision.ambiguous) <= MAX_RIVALS
     assert not set(decision.names) & set(decision.ambiguous)
     assert len(set(decision.ambiguous)) == len(decision.ambiguous)
     assert 0.0 <= decision.closed <= 1.0
     assert (decision.verdict == "effect") == bool(decision.names)
 
 
-def test_an_effect_far_ahead_is_named_alone(banded: Explained) -> None:
+def test_an_effect_far_ahead_is_named_alone(banded: Explanation) -> None:
     decision = decided(rivalled(banded), left_of(banded), None)
     check(decision)
     assert decision.verdict == "effect"
     assert decision.names == ("input-dead-zone",)
     assert decision.ambiguous == ()
-    assert decision.probability["input-dead-zone"] == pytest.approx(trusted(banded, left_of(banded)))
+    assert decision.probability["input-dead-zone"] == pytest.approx(confidence_in(banded, left_of(banded)))
     assert decision.closed > 0.9
 
 
-def test_a_rival_at_the_same_score_halves_the_probability_and_is_named_beside(banded: Explained) -> None:
+def test_a_rival_at_the_same_score_halves_the_probability_and_is_named_beside(banded: Explanation) -> None:
     explained = rivalled(banded, 0.0)
     rival = sorted(names for names in explained.levels[1] if names != ("input-dead-zone",))[0][0]
     decision = decided(explained, left_of(banded), None)
     check(decision)
     assert decision.names == ("input-dead-zone",)
     assert decision.ambiguous == (rival,)
-    assert decision.probability["input-dead-zone"] == pytest.approx(0.5 * trusted(explained, left_of(banded)))
+    assert decision.probability["input-dead-zone"] == pytest.approx(0.5 * confidence_in(explained, left_of(banded)))
 
 
-def test_the_nearer_the_rival_the_less_sure(banded: Explained) -> None:
+def test_the_nearer_the_rival_the_less_sure(banded: Explanation) -> None:
     sure = []
     for gap in (0.0, 5.0, 15.0, 60.0):
         decision = decided(rivalled(banded, gap), left_of(banded), None)
@@ -99,13 +99,13 @@ def test_the_nearer_the_rival_the_less_sure(banded: Explained) -> None:
     assert sure[-1] > 0.9
 
 
-def test_no_more_rivals_than_the_contract_allows(banded: Explained) -> None:
+def test_no_more_rivals_than_the_contract_allows(banded: Explanation) -> None:
     decision = decided(rivalled(banded, 0.0, 0.5, 1.0, 1.5, 2.0, 2.5), left_of(banded), None)
     check(decision)
-    assert len(decision.ambiguous) == MOST_RIVALS
+    assert len(decision.ambiguous) == MAX_RIVALS
 
 
-def test_noise_alone_is_no_effect(plain: Explained) -> None:
+def test_noise_alone_is_no_effect(plain: Explanation) -> None:
     decision = decided(plain, left_of(plain), None)
     check(decision)
     assert decision.verdict == "none"
@@ -113,7 +113,7 @@ def test_noise_alone_is_no_effect(plain: Explained) -> None:
     assert decision.closed == pytest.approx(1.0)
 
 
-def test_a_gap_that_nothing_explains_is_unknown(banded: Explained) -> None:
+def test_a_gap_that_nothing_explains_is_unknown(banded: Explanation) -> None:
     """The baseline accepted, although the input tells most of what it leaves."""
     stuck = replace(banded, path=banded.path[:1], levels=banded.levels[:1])
     left = left_of(stuck)
@@ -121,11 +121,11 @@ def test_a_gap_that_nothing_explains_is_unknown(banded: Explained) -> None:
     check(decision)
     assert decision.verdict == "unknown"
     assert decision.names == ()
-    assert trusted(stuck, left) < IS_RIGHT
-    assert closing(stuck, left, ()) == decision.closed < 0.5
+    assert confidence_in(stuck, left) < MIN_CONFIDENCE
+    assert closed_on_fit(stuck, left, ()) == decision.closed < 0.5
 
 
-def test_an_explanation_that_leaves_most_of_the_gap_is_unknown_and_its_name_a_guess(banded: Explained) -> None:
+def test_an_explanation_that_leaves_most_of_the_gap_is_unknown_and_its_name_a_guess(banded: Explanation) -> None:
     slow = {"colour": 4.0, "slow": 0.8}
     large = replace(
         left_of(banded), rms=0.9 * float(np.std(banded.data.y - banded.path[0].output)), **STRUCTURE, **slow
@@ -137,14 +137,14 @@ def test_an_explanation_that_leaves_most_of_the_gap_is_unknown_and_its_name_a_gu
     assert decision.probability["input-dead-zone"] < 0.5
 
 
-def test_effects_of_single_samples_are_named_behind(banded: Explained) -> None:
-    decision = decided(replace(rivalled(banded), added=("output-outliers",)), left_of(banded), None)
+def test_effects_of_single_samples_are_named_behind(banded: Explanation) -> None:
+    decision = decided(replace(rivalled(banded), unsimulated=("output-outliers",)), left_of(banded), None)
     check(decision)
     assert decision.names == ("input-dead-zone", "output-outliers")
     assert decision.probability["output-outliers"] > 0.9
 
 
-def test_wrong_numbers_are_a_mismatch_only_where_a_simulation_was_given(plain: Explained) -> None:
+def test_wrong_numbers_are_a_mismatch_only_where_a_simulation_was_given(plain: Explanation) -> None:
     base = plain.path[0]
     off = replace(base, bic=base.bic + 300.0, output=1.3 * base.output)
     decision = decided(plain, left_of(plain), off)
@@ -154,9 +154,9 @@ def test_wrong_numbers_are_a_mismatch_only_where_a_simulation_was_given(plain: E
     assert decided(plain, left_of(plain), base).verdict == "none"
 
 
-def test_mismatch_weight_grows_with_the_gain(plain: Explained) -> None:
+def test_mismatch_weight_grows_with_the_gain(plain: Explanation) -> None:
     base = plain.path[0]
-    weights = [mismatch_weight(replace(base, bic=base.bic + gain), base) for gain in (-5.0, 0.0, 10.0, 100.0)]
+    weights = [mismatch_probability(replace(base, bic=base.bic + gain), base) for gain in (-5.0, 0.0, 10.0, 100.0)]
     assert weights[:2] == [0.5, 0.5]
     assert weights == sorted(weights)
     assert weights[-1] > 0.99
@@ -172,50 +172,50 @@ def test_mismatch_weight_grows_with_the_gain(plain: Explained) -> None:
         {"explained": 0.4},
     ],
 )
-def test_whatever_is_left_that_is_no_noise_makes_it_less_sure(banded: Explained, worse: dict[str, float]) -> None:
+def test_whatever_is_left_that_is_no_noise_makes_it_less_sure(banded: Explanation, worse: dict[str, float]) -> None:
     left = left_of(banded)
-    assert 1.0 - trusted(banded, replace(left, **worse)) > 1.3 * (1.0 - trusted(banded, left))
-    converted = replace(banded, added=("output-quantization",))
-    assert trusted(converted, replace(left, **worse)) == trusted(converted, left)
+    assert 1.0 - confidence_in(banded, replace(left, **worse)) > 1.3 * (1.0 - confidence_in(banded, left))
+    converted = replace(banded, unsimulated=("output-quantization",))
+    assert confidence_in(converted, replace(left, **worse)) == confidence_in(converted, left)
 
 
-def test_slow_noise_that_comes_back_with_the_input_is_not_named_noise(banded: Explained) -> None:
-    coloured = replace(rivalled(banded), added=("coloured-noise",))
+def test_slow_noise_that_comes_back_with_the_input_is_not_named_noise(banded: Explanation) -> None:
+    coloured = replace(rivalled(banded), unsimulated=("coloured-noise",))
     left = left_of(banded)
     assert decided(coloured, left, None).names == ("input-dead-zone", "coloured-noise")
     again = replace(left, repeats=0.2, repeats_z=5.0)
     assert decided(coloured, again, None).names == ("input-dead-zone",)
 
 
-def test_fast_noise_of_a_sensor_is_no_reason_to_doubt_that_nothing_is_wrong(plain: Explained) -> None:
+def test_fast_noise_of_a_sensor_is_no_reason_to_doubt_that_nothing_is_wrong(plain: Explanation) -> None:
     left = replace(left_of(plain), colour=1.4, slow=0.02)
-    assert trusted(plain, left) == pytest.approx(trusted(plain, replace(left, colour=1.0)), abs=0.01)
-    assert trusted(plain, replace(left, colour=5.0, slow=0.9)) < 0.5
+    assert confidence_in(plain, left) == pytest.approx(confidence_in(plain, replace(left, colour=1.0)), abs=0.01)
+    assert confidence_in(plain, replace(left, colour=5.0, slow=0.9)) < 0.5
 
 
-def test_what_coloured_noise_seems_to_foretell_by_chance_is_no_reason_to_doubt(banded: Explained) -> None:
+def test_what_coloured_noise_seems_to_foretell_by_chance_is_no_reason_to_doubt(banded: Explanation) -> None:
     """An effect beside strongly coloured noise: the share of it that the input's past predicts is never quite zero."""
     left = replace(left_of(banded), colour=3.0, slow=0.8, explained=0.0)
-    assert trusted(banded, replace(left, explained=0.05)) == trusted(banded, left) > IS_RIGHT
-    assert trusted(banded, replace(left, explained=0.2)) < IS_RIGHT
+    assert confidence_in(banded, replace(left, explained=0.05)) == confidence_in(banded, left) > MIN_CONFIDENCE
+    assert confidence_in(banded, replace(left, explained=0.2)) < MIN_CONFIDENCE
     again = replace(left, repeats=0.15, repeats_z=5.0)  # with the input in it, that counts
-    assert trusted(banded, replace(again, explained=0.05)) < IS_RIGHT
+    assert confidence_in(banded, replace(again, explained=0.05)) < MIN_CONFIDENCE
 
 
-def test_levels_that_do_not_come_back_are_no_drift_that_leaves_them(banded: Explained) -> None:
+def test_levels_that_do_not_come_back_are_no_drift_that_leaves_them(banded: Explanation) -> None:
     left = left_of(banded)
     assert decided(rivalled(banded), left, None, unrepeated=0.05).verdict == "effect"
     decision = decided(crowded(rivalled(banded)), left, None, unrepeated=0.6)
     check(decision)
     assert decision.verdict == "unknown"
-    rounded = replace(rivalled(banded), added=("output-quantization",))
+    rounded = replace(rivalled(banded), unsimulated=("output-quantization",))
     assert decided(rounded, left, None, unrepeated=0.6).verdict == "effect"
 
 
 @pytest.mark.parametrize(
     ("name", "named"), [("overflow", True), ("output-saturation", True), ("input-saturation", False)]
 )
-def test_a_stop_that_the_record_shows_is_named_whatever_else_acts(banded: Explained, name: str, named: bool) -> None:
+def test_a_stop_that_the_record_shows_is_named_whatever_else_acts(banded: Explanation, name: str, named: bool) -> None:
     fit = banded.best
     effect = next(e for group in CANDIDATES for e in group if e.name == name)
     hypothesis = replace(fit.hypothesis, effects=(*fit.hypothesis.effects, effect))
@@ -227,30 +227,30 @@ def test_a_stop_that_the_record_shows_is_named_whatever_else_acts(banded: Explai
     check(unseen)
     assert unseen.verdict == "unknown"
     assert unseen.beside == ()
-    seen = decided(explained, left, None, stopped=True)
+    seen = decided(explained, left, None, at_stop=True)
     check(seen)
     assert seen.names == ((name,) if named else ())
     assert seen.beside == (("input-dead-zone",) if named else ())
     assert set(seen.ambiguous) >= {"input-dead-zone"}
-    sure = decided(explained, left_of(banded), None, stopped=True)
+    sure = decided(explained, left_of(banded), None, at_stop=True)
     assert sure.names == ("input-dead-zone", name)
     assert sure.beside == ()
 
 
-def test_a_stop_that_may_as_well_be_another_effect_is_not_named(banded: Explained) -> None:
+def test_a_stop_that_may_as_well_be_another_effect_is_not_named(banded: Explanation) -> None:
     explained = rivalled(banded, 0.0)
     fit = replace(explained.best, hypothesis=Hypothesis((output.Saturation("high"),)))
     rival = next(iter(explained.levels[1].values()))
     level = {("output-saturation",): fit, ("coulomb-friction",): replace(rival, bic=fit.bic)}
     explained = replace(explained, path=(explained.path[0], fit), levels=(explained.levels[0], level))
-    decision = decided(explained, replace(left_of(banded), **STRUCTURE), None, stopped=True)
+    decision = decided(explained, replace(left_of(banded), **STRUCTURE), None, at_stop=True)
     assert decision.verdict == "unknown"
     assert {"output-saturation", "coulomb-friction"} <= set(decision.ambiguous)
 
 
 @pytest.mark.parametrize(("shrinks", "ahead", "named"), [(20.0, 10.0, True), (20.0, 2.0, False), (4.0, 10.0, False)])
 def test_what_leads_all_others_by_far_is_named_whatever_else_acts(
-    banded: Explained, shrinks: float, ahead: float, named: bool
+    banded: Explanation, shrinks: float, ahead: float, named: bool
 ) -> None:
     data, best = banded.data, banded.best
     assert best.hypothesis.names == ("input-dead-zone",)
@@ -263,18 +263,18 @@ def test_what_leads_all_others_by_far_is_named_whatever_else_acts(
     level = {names: leaving(fit, small if fit is best else ahead * small) for names, fit in banded.levels[1].items()}
     path = (leaving(banded.path[0], shrinks * small), level["input-dead-zone",])
     explained = replace(banded, levels=({(): path[0]}, level), path=path)
-    assert leading(explained) == ("input-dead-zone" if named else None)
+    assert leading_effect(explained) == ("input-dead-zone" if named else None)
     left = replace(left_of(banded), rms=small, **STRUCTURE)
-    decision = decide(explained, left, None, trust=0.1)
+    decision = decide(explained, left, None, confidence=0.1)
     check(decision)
     assert decision.verdict == ("effect" if named else "unknown")
-    assert decide(explained, replace(left, rms=0.5 * shrinks * small), None, trust=0.1).verdict == "unknown"
+    assert decide(explained, replace(left, rms=0.5 * shrinks * small), None, confidence=0.1).verdict == "unknown"
     if named:
         assert decision.names == ("input-dead-zone",)
-        assert IS_RIGHT < decision.probability["input-dead-zone"] <= SEEN
+        assert MIN_CONFIDENCE < decision.probability["input-dead-zone"] <= DIRECT_EVIDENCE
 
 
-def test_nothing_leads_where_nothing_else_was_tried(banded: Explained) -> None:
+def test_nothing_leads_where_nothing_else_was_tried(banded: Explanation) -> None:
     alone = {("input-dead-zone",): banded.best}
-    assert leading(replace(banded, levels=(banded.levels[0], alone))) is None
-    assert leading(replace(banded, levels=banded.levels[:1])) is None
+    assert leading_effect(replace(banded, levels=(banded.levels[0], alone))) is None
+    assert leading_effect(replace(banded, levels=banded.levels[:1])) is None

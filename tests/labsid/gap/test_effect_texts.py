@@ -4,7 +4,7 @@ import pytest
 from gap_reports import PARAMETERS, effect
 
 from labsid.gap.candidates import CANDIDATES
-from labsid.gap.effect_texts import WORDS, amount, clause, label, noun
+from labsid.gap.effect_texts import EFFECT_TEXTS, clause, noun, parameter_label, parameter_value
 from labsid.gap.quantities import UNITS
 
 CLAUSES = {
@@ -35,8 +35,8 @@ CLAUSES = {
 
 
 def test_the_words_are_those_of_the_table_and_of_every_candidate():
-    assert set(WORDS) == set(CLAUSES) == set(PARAMETERS)
-    assert {variant.name for group in CANDIDATES for variant in group} <= set(WORDS)
+    assert set(EFFECT_TEXTS) == set(CLAUSES) == set(PARAMETERS)
+    assert {variant.name for group in CANDIDATES for variant in group} <= set(EFFECT_TEXTS)
 
 
 @pytest.mark.parametrize("name", CLAUSES)
@@ -56,8 +56,12 @@ def test_what_the_rig_does_without_numbers(name):
 @pytest.mark.parametrize("name", CLAUSES)
 def test_every_parameter_has_a_label_and_a_unit_in_words(name):
     for parameter, entry in PARAMETERS[name].items():
-        assert label(name, parameter, entry["unit"]) != parameter or parameter in ("delay", "frequency", "amplitude")
-        value, unit = amount(name, parameter, entry)
+        assert parameter_label(name, parameter, entry["unit"]) != parameter or parameter in (
+            "delay",
+            "frequency",
+            "amplitude",
+        )
+        value, unit = parameter_value(name, parameter, entry)
         assert value
         assert unit in {*UNITS.values(), "s", "Hz", "%"}
 
@@ -74,8 +78,8 @@ def test_a_load_that_grows_with_the_output_is_a_leak():
     assert clause(leak) == (
         "An unmeasured load sets in at 374.2 s and adds 21 % to the pull towards rest, as a leak does"
     )
-    assert label("load-step", "size", "1") == "growth of the pull towards rest"
-    assert amount("load-step", "size", leak["parameters"]["size"]) == ("21.0 ± 1.0", "%")
+    assert parameter_label("load-step", "size", "1") == "growth of the pull towards rest"
+    assert parameter_value("load-step", "size", leak["parameters"]["size"]) == ("21.0 ± 1.0", "%")
 
 
 def test_a_stiffening_spring_is_not_a_softening_one():
@@ -96,4 +100,4 @@ def test_a_size_that_its_error_swallows_is_not_said():
 def test_a_name_outside_the_table_is_said_as_it_is():
     assert noun("gremlins") == "gremlins"
     assert clause(effect("gremlins")) == "The record shows gremlins"
-    assert amount("gremlins", "x", {"value": 2.0, "stderr": 0.0, "unit": "furlong"}) == ("2.000", "furlong")
+    assert parameter_value("gremlins", "x", {"value": 2.0, "stderr": 0.0, "unit": "furlong"}) == ("2.000", "furlong")

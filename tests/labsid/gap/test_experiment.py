@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 
 from labsid.gap.experiment import Experiment, next_experiment
-from labsid.gap.explanation import Explained
+from labsid.gap.explanation import Explanation
 from labsid.gap.fitting import search
 
 
 @pytest.fixture(scope="module")
-def proposed(banded: Explained) -> Experiment:
+def proposed(banded: Explanation) -> Experiment:
     """What would tell the dead zone from its best rival."""
     rivals = [fit for names, fit in banded.levels[1].items() if names != ("input-dead-zone",)]
     rival = min(rivals, key=lambda fit: fit.bic)
@@ -20,13 +20,13 @@ def proposed(banded: Explained) -> Experiment:
     return found
 
 
-def test_it_names_what_it_separates(banded: Explained, proposed: Experiment) -> None:
+def test_it_names_what_it_separates(banded: Explanation, proposed: Experiment) -> None:
     assert proposed.separates[0] == "input-dead-zone"
     assert (proposed.separates[1],) in banded.levels[1]
     assert proposed.why
 
 
-def test_it_stays_in_the_range_of_the_record_and_uses_it(banded: Explained, proposed: Experiment) -> None:
+def test_it_stays_in_the_range_of_the_record_and_uses_it(banded: Explanation, proposed: Experiment) -> None:
     u = np.asarray(banded.data.u_scale.back(banded.data.u))
     assert proposed.u.size == u.size
     assert u.min() - 1e-9 <= proposed.u.min() <= proposed.u.max() <= u.max() + 1e-9
@@ -34,7 +34,7 @@ def test_it_stays_in_the_range_of_the_record_and_uses_it(banded: Explained, prop
 
 
 def test_its_margin_is_what_the_second_explanation_misses_over_the_noise(
-    banded: Explained, proposed: Experiment
+    banded: Explanation, proposed: Experiment
 ) -> None:
     """The BIC of white noise: the error that the refitted rival leaves of the first one's output, and the noise."""
     data, first, second = banded.data, banded.best, banded.levels[1][(proposed.separates[1],)]
@@ -47,12 +47,12 @@ def test_its_margin_is_what_the_second_explanation_misses_over_the_noise(
     assert proposed.margin > 12.0
 
 
-def test_nothing_separates_an_explanation_from_itself(banded: Explained) -> None:
+def test_nothing_separates_an_explanation_from_itself(banded: Explanation) -> None:
     """An input of which the outcome would be a coin toss is not worth playing."""
     assert next_experiment(banded.data, banded.best, banded.best, np.random.default_rng(0)) is None
 
 
-def test_the_same_seed_proposes_the_same_input(banded: Explained, proposed: Experiment) -> None:
+def test_the_same_seed_proposes_the_same_input(banded: Explanation, proposed: Experiment) -> None:
     rival = banded.levels[1][(proposed.separates[1],)]
     again = next_experiment(banded.data, banded.best, rival, np.random.default_rng(0))
     assert again is not None
@@ -60,7 +60,7 @@ def test_the_same_seed_proposes_the_same_input(banded: Explained, proposed: Expe
     assert again.margin == proposed.margin
 
 
-def test_an_explanation_that_runs_away_proposes_nothing(banded: Explained) -> None:
+def test_an_explanation_that_runs_away_proposes_nothing(banded: Explanation) -> None:
     """Its output would leave the range that the record has seen."""
     wild = replace(banded.path[0], gains=100.0 * banded.path[0].gains)
     assert next_experiment(banded.data, wild, banded.best, np.random.default_rng(0)) is None

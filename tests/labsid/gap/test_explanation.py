@@ -9,22 +9,22 @@ import pytest
 from scipy.signal import lfilter
 
 from labsid._arrays import FloatArray
-from labsid.gap.beam_search import nothing_left, search_tree, worth
+from labsid.gap.beam_search import is_improvement, residual_is_white, search_effects
 from labsid.gap.context import scaled
-from labsid.gap.explanation import Explained, explain, faint, trimmed, unsimulated
+from labsid.gap.explanation import Explanation, explain, is_nuisance, unsimulated_effects, without_small_steps
 from labsid.gap.fitting import Fit, power
 from labsid.gap.linear_fits import LINEAR
-from labsid.gap.sample_faults import RawFaults
+from labsid.gap.sample_faults import SampleFaults
 
 
-def test_the_path_adds_one_effect_at_a_time(banded: Explained) -> None:
+def test_the_path_adds_one_effect_at_a_time(banded: Explanation) -> None:
     assert banded.names == banded.best.hypothesis.names == ("input-dead-zone",)
     assert [len(fit.hypothesis.effects) for fit in banded.path] == list(range(len(banded.path)))
     assert all(b.bic < a.bic for a, b in pairwise(banded.path))
     assert banded.path[0] is banded.levels[0][()]
 
 
-def test_levels_hold_the_best_fit_of_every_combination(banded: Explained) -> None:
+def test_levels_hold_the_best_fit_of_every_combination(banded: Explanation) -> None:
     for number, level in enumerate(banded.levels):
         for names, fit in level.items():
             assert len(names) == number
@@ -33,29 +33,29 @@ def test_levels_hold_the_best_fit_of_every_combination(banded: Explained) -> Non
     assert min(banded.levels[1].values(), key=lambda fit: fit.bic) is banded.best
 
 
-def test_a_linear_record_has_no_effect(plain: Explained) -> None:
+def test_a_linear_record_has_no_effect(plain: Explanation) -> None:
     assert plain.names == ()
     assert len(plain.path) == 1
-    assert nothing_left(plain.data, plain.best)
+    assert residual_is_white(plain.data, plain.best)
     assert not plain.faults.bad.any()
     assert plain.faults.lattice is None
     assert plain.data.lattice == 0.0
 
 
-def test_something_is_left_where_an_effect_is_missing(banded: Explained) -> None:
-    assert not nothing_left(banded.data, banded.path[0])
-    assert nothing_left(banded.data, banded.best)
+def test_something_is_left_where_an_effect_is_missing(banded: Explanation) -> None:
+    assert not residual_is_white(banded.data, banded.path[0])
+    assert residual_is_white(banded.data, banded.best)
 
 
-def test_worth_asks_for_significance_and_for_size(banded: Explained) -> None:
+def test_worth_asks_for_significance_and_for_size(banded: Explanation) -> None:
     data, base, best = banded.data, banded.path[0], banded.best
-    assert worth(data, base, best)
-    assert not worth(data, best, base)
-    assert not worth(data, base, replace(best, bic=base.bic - 1.0))
-    assert not worth(data, base, replace(best, output=base.output + 1e-4))
+    assert is_improvement(data, base, best)
+    assert not is_improvement(data, best, base)
+    assert not is_improvement(data, base, replace(best, bic=base.bic - 1.0))
+    assert not is_improvement(data, base, replace(best, output=base.output + 1e-4))
 
 
-def test_progress_is_told_and_no_more_effects_than_asked_for_are_added(banded: Explained) -> None:
+def test_progress_is_told_and_no_more_effects_than_asked_for_are_added(banded: Explanation) -> None:
     told: list[float] = []
     again = explain(banded.data, most=1, progress=lambda what, share: told.append(share))
     assert len(again.levels) == 2
@@ -65,57 +65,57 @@ def test_progress_is_told_and_no_more_effects_than_asked_for_are_added(banded: E
     assert told[-1] < 1.0
 
 
-def spoilt(fit: Fit, explained: Explained, faults: RawFaults, y: np.ndarray) -> tuple[str, ...]:
+def spoilt(fit: Fit, explained: Explanation, faults: SampleFaults, y: np.ndarray) -> tuple[str, ...]:
     """What `unsimulated` says of other samples."""
     data = replace(explained.data, y=y)
-    return unsimulated(data, replace(data, rows=data.rows & ~faults.bad), faults, fit)
+    return unsimulated_effects(data, replace(data, rows=data.rows & ~faults.bad), faults, fit)
 
 
-def test_bad_samples_are_an_effect_where_they_make_the_gap(plain: Explained) -> None:
+def test_bad_samples_are_an_effect_where_they_make_the_gap(plain: Explanation) -> None:
     fit, nothing = plain.best, np.zeros(plain.data.samples, bool)
-    assert spoilt(fit, plain, RawFaults(nothing, (), nothing, None), plain.data.y) == ()
+    assert spoilt(fit, plain, SampleFaults(nothing, (), nothing, None), plain.data.y) == ()
     y, spikes = plain.data.y.copy(), nothing.copy()
     spikes[[50, 150, 333]] = True
     y[spikes] += 3.0
-    assert spoilt(fit, plain, RawFaults(nothing, (), spikes, None), y) == ("output-outliers",)
+    assert spoilt(fit, plain, SampleFaults(nothing, (), spikes, None), y) == ("output-outliers",)
     y, held = plain.data.y.copy(), nothing.copy()
     held[100:140] = True
     y[held] = y[99] + 1.0
-    assert spoilt(fit, plain, RawFaults(held, ((100, 140),), nothing, None), y) == ("output-dropout",)
+    assert spoilt(fit, plain, SampleFaults(held, ((100, 140),), nothing, None), y) == ("output-dropout",)
 
 
-def test_a_step_that_makes_the_noise_is_quantization(plain: Explained) -> None:
+def test_a_step_that_makes_the_noise_is_quantization(plain: Explanation) -> None:
     nothing = np.zeros(plain.data.samples, bool)
     sd = np.sqrt(plain.best.noise.sigma2)
-    coarse = RawFaults(nothing, (), nothing, float(sd * np.sqrt(12.0)))
+    coarse = SampleFaults(nothing, (), nothing, float(sd * np.sqrt(12.0)))
     assert spoilt(plain.best, plain, coarse, plain.data.y) == ("output-quantization",)
-    fine = RawFaults(nothing, (), nothing, float(0.1 * sd))
+    fine = SampleFaults(nothing, (), nothing, float(0.1 * sd))
     assert spoilt(plain.best, plain, fine, plain.data.y) == ()
 
 
 @pytest.mark.parametrize(("pole", "names"), [(0.5, ()), (0.97, ("coloured-noise",))])
-def test_only_slow_noise_is_an_effect(plain: Explained, pole: float, names: tuple[str, ...]) -> None:
+def test_only_slow_noise_is_an_effect(plain: Explanation, pole: float, names: tuple[str, ...]) -> None:
     """A sensor's noise forgets itself within a few samples."""
     e = lfilter([1.0], [1.0, -pole], 0.05 * np.random.default_rng(3).standard_normal(plain.data.samples))
     data = replace(plain.data, y=plain.best.output + e)
     fit = replace(plain.best, noise=replace(plain.best.noise, sigma2=0.05**2))
     nothing = np.zeros(data.samples, bool)
-    assert unsimulated(data, data, RawFaults(nothing, (), nothing, None), fit) == names
+    assert unsimulated_effects(data, data, SampleFaults(nothing, (), nothing, None), fit) == names
 
 
-def test_a_small_last_effect_is_not_named_and_a_small_one_before_a_large_one_is(banded: Explained) -> None:
+def test_a_small_last_effect_is_not_named_and_a_small_one_before_a_large_one_is(banded: Explanation) -> None:
     data, base, best = banded.data, banded.path[0], banded.best
     noise = np.sqrt(np.mean((data.y - best.output) ** 2))
     wave = np.sin(0.1 * np.arange(data.samples)) * np.sqrt(2.0) * noise
     small = replace(best, output=best.output + 0.3 * wave)
     large = replace(best, output=best.output + 8.0 * wave)
-    assert trimmed(data, (base, best, small)) == (base, best)
-    assert trimmed(data, (base, best, small, best)) == (base, best)
-    assert trimmed(data, (base, large, best)) == (base, large, best)
-    assert trimmed(data, (base,)) == (base,)
+    assert without_small_steps(data, (base, best, small)) == (base, best)
+    assert without_small_steps(data, (base, best, small, best)) == (base, best)
+    assert without_small_steps(data, (base, large, best)) == (base, large, best)
+    assert without_small_steps(data, (base,)) == (base,)
 
 
-def test_a_second_effect_that_is_next_to_nothing_of_the_gap_is_a_patch(banded: Explained) -> None:
+def test_a_second_effect_that_is_next_to_nothing_of_the_gap_is_a_patch(banded: Explanation) -> None:
     """However far it stands out of noise that is hardly there."""
     data, base, best = banded.data, banded.path[0], banded.best
     gap = float(np.sqrt(np.mean((data.y - base.output)[data.rows] ** 2)))
@@ -124,15 +124,17 @@ def test_a_second_effect_that_is_next_to_nothing_of_the_gap_is_a_patch(banded: E
     for share, kept in ((0.03, False), (0.15, True)):
         further = replace(best, output=best.output)
         before = replace(best, output=best.output - share * wave)
-        assert trimmed(quiet, (base, before, further)) == ((base, before, further) if kept else (base, before))
+        assert without_small_steps(quiet, (base, before, further)) == (
+            (base, before, further) if kept else (base, before)
+        )
 
 
-def test_what_is_cut_for_its_name_can_be_had_back(banded: Explained) -> None:
-    whole = replace(banded, path=banded.path[:1], cut=banded.path[1:])
+def test_what_is_cut_for_its_name_can_be_had_back(banded: Explanation) -> None:
+    whole = replace(banded, path=banded.path[:1], trimmed=banded.path[1:])
     assert whole.best is banded.path[0]
-    assert whole.uncut().path == banded.path
-    assert whole.uncut().cut == ()
-    assert whole.up_to(0).uncut().path == banded.path[:1]  # an explanation that is given up leaves nothing behind
+    assert whole.untrimmed().path == banded.path
+    assert whole.untrimmed().trimmed == ()
+    assert whole.up_to(0).untrimmed().path == banded.path[:1]  # an explanation that is given up leaves nothing behind
 
 
 def test_what_a_lattice_holds_still_is_no_dropout() -> None:
@@ -154,15 +156,15 @@ def test_what_a_lattice_holds_still_is_no_dropout() -> None:
     assert found.data.lattice * found.data.y_scale.unit == pytest.approx(0.06)
 
 
-def test_a_small_effect_that_another_does_as_well_is_none(banded: Explained) -> None:
+def test_a_small_effect_that_another_does_as_well_is_none(banded: Explanation) -> None:
     data, base, best = banded.data, banded.path[0], banded.best
     noise = np.sqrt(np.mean((data.y - best.output) ** 2))
     wave = np.sin(0.1 * np.arange(data.samples)) * np.sqrt(2.0) * noise
     small = replace(base, output=best.output + 0.4 * wave)
     near, far = replace(best, bic=best.bic + 3.0), replace(best, bic=best.bic + 30.0)
-    assert faint(data, {("a",): best, ("b",): near}, (small, best))
-    assert not faint(data, {("a",): best, ("b",): far}, (small, best))
-    assert not faint(data, {("a",): best, ("b",): near}, (base, best))
+    assert is_nuisance(data, {("a",): best, ("b",): near}, (small, best))
+    assert not is_nuisance(data, {("a",): best, ("b",): far}, (small, best))
+    assert not is_nuisance(data, {("a",): best, ("b",): near}, (base, best))
 
 
 def test_a_slow_wander_beside_a_curve_is_accepted_where_what_is_left_is_white(
@@ -173,7 +175,7 @@ def test_a_slow_wander_beside_a_curve_is_accepted_where_what_is_left_is_white(
     waves = [size * np.sin(2.0 * np.pi * cycles * k / k.size + at) for size, cycles, at in slow_waves(rng)]
     y = two_poles(levels + 0.25 * levels**2) + 0.25 * np.sum(waves, axis=0) + 0.01 * rng.standard_normal(k.size)
     data = scaled(levels, y, np.ones(k.size, bool), 1.0)
-    assert len(search_tree(data, LINEAR, None, 2, None)[1]) == 1
+    assert len(search_effects(data, LINEAR, None, 2, None)[1]) == 1
     found = explain(data, most=2)
     assert found.names == ("output-drift", "input-nonlinearity")
     assert power(found.data, found.best) < 1.1 * found.best.noise.sigma2
@@ -192,7 +194,7 @@ def test_slow_noise_is_no_drift_although_a_drift_would_take_most_of_it(
     y = two_poles(levels)
     e = lfilter([1.0], [1.0, -pole], np.random.default_rng(4).standard_normal(levels.size + 300))[300:]
     data = scaled(levels, y + 0.3 * np.std(y) * e / np.std(e), np.ones(levels.size, bool), 1.0)
-    other = search_tree(replace(data, by_free_run=True), LINEAR, None, 2, None)[1]
+    other = search_effects(replace(data, by_free_run=True), LINEAR, None, 2, None)[1]
     assert "output-drift" in other[-1].hypothesis.names
     assert power(data, other[-1]) < 0.5 * power(data, other[0])
     assert explain(data, most=2).names == ("coloured-noise",)

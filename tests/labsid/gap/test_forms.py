@@ -11,7 +11,7 @@ from labsid.gap.candidates import finished, sketches
 from labsid.gap.context import Data, scaled
 from labsid.gap.effects import disturbance, drifting, dynamics, input, output
 from labsid.gap.effects.base import Effect
-from labsid.gap.explanation import Explained, explain
+from labsid.gap.explanation import Explanation, explain
 from labsid.gap.fitting import Fit, finish, rms, search
 from labsid.gap.forms import (
     INNER_LOAD,
@@ -85,7 +85,7 @@ def test_a_memory_is_tried_with_another_past_and_a_curve_with_more_bends(effect:
 
 @pytest.mark.parametrize("effect", [*SWITCHED, *RICHER])
 def test_the_general_form_begins_as_the_special_one(
-    levels: FloatArray, two_poles: Response, banded: Explained, effect: Effect
+    levels: FloatArray, two_poles: Response, banded: Explanation, effect: Effect
 ) -> None:
     numbers = {"delay": 3.4, "log_rate": -1.0, "c2": 0.1, "c3": -0.05, "log_c": np.log(0.5), "log_k": np.log(0.05)}
     old = Hypothesis((effect,))
@@ -203,7 +203,7 @@ def test_a_load_that_grows_on_linear_dynamics_is_also_tried_as_one_that_does_not
     assert rearranged(Hypothesis((input.DeadZone(), LEAK), known=2)) == []
 
 
-def test_numbers_are_carried_to_another_form(banded: Explained) -> None:
+def test_numbers_are_carried_to_another_form(banded: Explanation) -> None:
     base = banded.path[0]
     leak = Hypothesis((input.DeadZone(), disturbance.Leak("leak")))
     theta = np.arange(1.0, len(leak.parameters) + 1.0)
@@ -216,7 +216,7 @@ def test_numbers_are_carried_to_another_form(banded: Explained) -> None:
     assert plain.parameters[-1].name == "onset"
 
 
-def test_an_inner_load_has_the_onset_of_the_plain_one(banded: Explained) -> None:
+def test_an_inner_load_has_the_onset_of_the_plain_one(banded: Explanation) -> None:
     old = Hypothesis((dynamics.SqrtOutflow("both"), LOAD))
     fit = replace(banded.path[0], hypothesis=old, theta=np.arange(1.0, len(old.parameters) + 1.0))
     (grown,) = (other for other in rearranged(old) if other.effects[0] == old.effects[0])
@@ -313,7 +313,7 @@ def test_a_plain_load_stays_one_on_linear_dynamics(levels: FloatArray, two_poles
 @pytest.mark.parametrize("which", ["both", "upper", "lower"])
 @pytest.mark.parametrize("brims", [{}, {"lower": "brim"}, {"upper": "brim"}, {"upper": "brim", "lower": "brim2"}])
 def test_roots_are_tried_at_the_other_outflows_at_the_rates_of_before(
-    banded: Explained, which: str, side: str, brims: dict[str, str]
+    banded: Explanation, which: str, side: str, brims: dict[str, str]
 ) -> None:
     over = [dynamics.Overflow("both" if len(brims) == 2 else brim) for brim in list(brims)[:1]]
     hypothesis = Hypothesis((dynamics.SqrtOutflow(which + side), *over))
@@ -336,7 +336,7 @@ def test_roots_are_tried_at_the_other_outflows_at_the_rates_of_before(
 
 
 @pytest.mark.parametrize(("which", "stop"), [("high", 0.4), ("low", -0.3)])
-def test_one_stop_of_a_sensor_is_also_tried_as_two(banded: Explained, which: str, stop: float) -> None:
+def test_one_stop_of_a_sensor_is_also_tried_as_two(banded: Explanation, which: str, stop: float) -> None:
     """The other one begins where the output hardly comes."""
     hypothesis = Hypothesis((output.Saturation(which), input.Saturation("low")))
     (both,) = rearranged(hypothesis)

@@ -11,9 +11,9 @@ import pytest
 from gap_reports import PARAMETERS, report, with_experiment, with_holdout, with_plateaus
 
 from labsid.gap import sentences
-from labsid.gap.effect_texts import WORDS
-from labsid.gap.html_report import _unbroken, command, page, write_page
-from labsid.gap.location_text import where_sentences
+from labsid.gap.effect_texts import EFFECT_TEXTS
+from labsid.gap.html_report import _no_break, command, page_content, write_html_report
+from labsid.gap.location_text import location_sentences
 
 VOID = {"meta", "img", "source", "br", "link", "hr", "input"}
 HOSTILE = "<script>alert('&\"')</script>"
@@ -47,7 +47,7 @@ class Page(HTMLParser):
 
 def _read(path, content):
     """Write the page of a report and read it back as a browser would."""
-    write_page(path, content)
+    write_html_report(path, content)
     html = path.read_text(encoding="utf-8")
     parsed = Page()
     parsed.feed(html)
@@ -103,14 +103,14 @@ def test_the_verdict_stands_first_and_the_order_is_that_of_the_contract(kind, pa
     )
     places = [words.index(title) for title in titles]
     assert places == sorted(places)
-    for said in (*where_sentences(KINDS[kind]), *sentences.left_sentences(KINDS[kind])):
+    for said in (*location_sentences(KINDS[kind]), *sentences.residual_sentences(KINDS[kind])):
         assert said in words
 
 
 @pytest.mark.parametrize("name", PARAMETERS)
 def test_every_effect_is_explained_with_its_parameters(name):
-    (shown,) = page(report(name))["effects"]
-    assert shown["meaning"] == WORDS[name].meaning
+    (shown,) = page_content(report(name))["effects"]
+    assert shown["meaning"] == EFFECT_TEXTS[name].meaning
     assert len(shown["parameters"]) == len(PARAMETERS[name])
     assert all(row["label"] and row["value"] for row in shown["parameters"])
 
@@ -156,7 +156,7 @@ def test_the_command_is_safe_to_paste():
 def test_the_accepted_row_carries_its_interval_and_the_rest_is_folded(tmp_path):
     base = report("input-delay", "output-outliers")
     base["ranking"] += [{"name": f"extra-lag+{k}", "probability": 0.0, "rmse": 1.0, "closed": 0.1} for k in range(7)]
-    shown = page(base)
+    shown = page_content(base)
     assert [row["accepted"] for row in shown["ranking"]] == [True, *[False] * 10]
     assert shown["ranking"][0]["held"] == "97 % [94, 100]"
     _, parsed = _read(tmp_path / "page.html", base)
@@ -184,10 +184,10 @@ def test_the_proposed_input_can_be_saved(pages):
 
 
 def test_the_loop_marks_where_the_causes_sit():
-    stations = page(KINDS["pair"])["loop"]
+    stations = page_content(KINDS["pair"])["loop"]
     assert [part["title"] for part in stations if part["hit"]] == ["Sensor", "Surroundings"]
     assert "Simulation" not in [part["title"] for part in stations]
-    assert [part["title"] for part in page(KINDS["mismatch"])["loop"] if part["hit"]] == ["Simulation"]
+    assert [part["title"] for part in page_content(KINDS["mismatch"])["loop"] if part["hit"]] == ["Simulation"]
 
 
 def test_no_line_ends_between_a_number_and_its_per_cent(pages):
@@ -198,7 +198,7 @@ def test_no_line_ends_between_a_number_and_its_per_cent(pages):
 
 def test_no_line_ends_inside_an_interval_or_between_a_number_and_its_unit():
     said = "5 % [1, 12] after 1138 s at 0.2 Hz (p = 0.5, p > 0.99), in units of y"
-    assert _unbroken(said).split(" ") == [
+    assert _no_break(said).split(" ") == [
         "5\u00a0%\u00a0[1,\u00a012]",
         "after",
         "1138\u00a0s",
@@ -222,16 +222,16 @@ def test_what_the_record_itself_shows_is_a_list_under_the_verdict(tmp_path):
 
 
 def test_a_change_within_the_record_is_said_to_show_on_both_sides():
-    assert "on both sides" in page(report("load-step"))["sides"]
-    assert page(report("input-delay"))["sides"] == ""
+    assert "on both sides" in page_content(report("load-step"))["sides"]
+    assert page_content(report("input-delay"))["sides"] == ""
     given = report("load-step") | {"simulation": {"given": True, "output_only": False}}
-    assert page(given)["sides"] == ""
+    assert page_content(given)["sides"] == ""
 
 
 def test_bars_compare_before_after_and_noise_or_what_there_is():
-    assert [bar["width"] for bar in page(KINDS["effect"])["bars"]] == ["100.0", "15.8", "15.5"]
-    assert [bar["label"] for bar in page(KINDS["none"])["bars"]] == ["Simulation", "Noise alone"]
-    after = {kind: page(KINDS[kind])["bars"][1]["label"] for kind in ("effect", "unknown", "mismatch")}
+    assert [bar["width"] for bar in page_content(KINDS["effect"])["bars"]] == ["100.0", "15.8", "15.5"]
+    assert [bar["label"] for bar in page_content(KINDS["none"])["bars"]] == ["Simulation", "Noise alone"]
+    after = {kind: page_content(KINDS[kind])["bars"][1]["label"] for kind in ("effect", "unknown", "mismatch")}
     assert after == {
         "effect": "After: cause added",
         "unknown": "After: nearest explanation added",
@@ -242,20 +242,20 @@ def test_bars_compare_before_after_and_noise_or_what_there_is():
 def test_a_simulation_of_which_only_the_output_is_known_is_said_so():
     base = report("output-drift")
     base["simulation"] = {"given": True, "output_only": True}
-    assert "Only the output" in page(base)["simulation"]
+    assert "Only the output" in page_content(base)["simulation"]
     base["simulation"]["output_only"] = False
-    assert "as it is" in page(base)["simulation"]
+    assert "as it is" in page_content(base)["simulation"]
 
 
 def test_the_page_is_a_pure_function_of_the_report(tmp_path):
     base = with_experiment(report("input-delay"))
     before = copy.deepcopy(base)
     for name in ("one.html", "two.html"):
-        write_page(tmp_path / name, base)
+        write_html_report(tmp_path / name, base)
     assert (tmp_path / "one.html").read_bytes() == (tmp_path / "two.html").read_bytes()
     assert base == before
 
 
 def test_a_folder_that_is_not_there_is_an_error(tmp_path):
     with pytest.raises(FileNotFoundError, match="no such folder"):
-        write_page(tmp_path / "nowhere" / "page.html", KINDS["none"])
+        write_html_report(tmp_path / "nowhere" / "page.html", KINDS["none"])

@@ -5,7 +5,7 @@ import pytest
 
 from labsid.gap import diagnosis
 from labsid.gap.diagnosis import diagnose
-from labsid.gap.long_record import holdout_part, part_of, thinned
+from labsid.gap.long_record import downsample, shorten_holdout, shorten_record
 from labsid.records.record import Record
 
 
@@ -17,15 +17,15 @@ def record_of(u, y=None, Ts=0.5):
 
 def test_a_record_that_is_short_enough_stays_as_it_is():
     record = record_of(np.arange(100) % 7)
-    part = part_of(record, None, longest=100)
+    part = shorten_record(record, None, longest=100)
     assert part.record is record
     assert (part.every, part.notes) == (1, ())
-    assert holdout_part(record, 1, longest=100) == (record, ())
+    assert shorten_holdout(record, 1, longest=100) == (record, ())
 
 
 def test_thinned_out_where_the_input_rests():
     u = np.repeat([1.0, 2.0, 1.0, 3.0, 2.0], 200)
-    part = part_of(record_of(u), None, longest=400)
+    part = shorten_record(record_of(u), None, longest=400)
     assert part.every == 3
     assert len(part.record) == 333
     assert part.record.Ts == 1.5
@@ -39,7 +39,7 @@ def test_thinned_out_where_the_input_rests():
 
 def test_cut_where_the_input_never_rests():
     u = np.concatenate([np.zeros(500), np.random.default_rng(1).uniform(-1, 1, 420), np.zeros(80)])
-    part = part_of(record_of(u), None, longest=100)
+    part = shorten_record(record_of(u), None, longest=100)
     assert part.every == 1
     assert len(part.record) == 100
     k = round(part.record.t[0] / 0.5)
@@ -52,36 +52,38 @@ def test_the_last_samples_are_not_forgotten():
     u = np.zeros(1030)
     u[-5:] = [1.0, 0.0, 1.0, 0.0, 1.0]
     u[:-5] += 1e-9 * np.arange(1025)
-    part = part_of(record_of(u), None, longest=100)
+    part = shorten_record(record_of(u), None, longest=100)
     assert part.record.t[-1] == 0.5 * 1029
 
 
 def test_a_given_simulation_keeps_its_sampling_time_and_its_beginning():
     u = np.repeat([1.0, 1.0, 1.0, 1.0, 3.0, 2.0], 200)
     record = record_of(u)
-    part = part_of(record, {"num": [1.0]}, longest=300)
+    part = shorten_record(record, {"num": [1.0]}, longest=300)
     assert (part.every, len(part.record)) == (1, 300)
-    part = part_of(record, 2.0 * record.y, longest=300)
+    part = shorten_record(record, 2.0 * record.y, longest=300)
     np.testing.assert_array_equal(part.simulation, 2.0 * part.record.y)
-    part = part_of(record, lambda t, u: u, longest=300)
+    part = shorten_record(record, lambda t, u: u, longest=300)
     assert part.record.t[0] == 0.0
 
 
 def test_the_holdout_goes_along():
-    part, notes = holdout_part(record_of(np.arange(1000)), 3, longest=100)
+    part, notes = shorten_holdout(record_of(np.arange(1000)), 3, longest=100)
     assert (len(part), part.Ts) == (100, 1.5)
     assert notes == ("Of the 1000 samples of the holdout 100 count, up to t = 148.5 s.",)
 
 
 def test_thinned_by_one_is_the_same():
     record = record_of(np.arange(10))
-    assert thinned(record, 1) is record
+    assert downsample(record, 1) is record
 
 
 def test_the_report_says_what_was_left_out(rig_record, monkeypatch):
     record = rig_record("none", 900)
-    monkeypatch.setattr(diagnosis, "part_of", lambda record, simulation: part_of(record, simulation, longest=200))
-    monkeypatch.setattr(diagnosis, "holdout_part", lambda holdout, every: holdout_part(holdout, every, longest=200))
+    monkeypatch.setattr(
+        diagnosis, "part_of", lambda record, simulation: shorten_record(record, simulation, longest=200)
+    )
+    monkeypatch.setattr(diagnosis, "holdout_part", lambda holdout, every: shorten_holdout(holdout, every, longest=200))
     report = diagnose(record, holdout=rig_record("none", 700, seed=6)).report
     assert report["record"]["samples"] == 900
     assert report["screen"][0].startswith("The record has 900 samples: from t = ")

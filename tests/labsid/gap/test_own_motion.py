@@ -7,7 +7,7 @@ import pytest
 from scipy.signal import cont2discrete, lfilter
 
 from labsid._arrays import FloatArray
-from labsid.gap.beam_search import search_tree
+from labsid.gap.beam_search import search_effects
 from labsid.gap.context import Data, scaled
 from labsid.gap.diagnosis import Diagnosis, diagnose
 from labsid.gap.effects import dynamics, input, output
@@ -136,7 +136,7 @@ def test_a_swinging_rig_with_a_further_lag_keeps_its_poles() -> None:
 
 def test_only_a_lag_can_hide_a_mode() -> None:
     fit, data = fitted(OWN["ramp"])
-    levels_tried, _ = search_tree(data, LINEAR, None, 1, None)
+    levels_tried, _ = search_effects(data, LINEAR, None, 1, None)
     lagged = next(tried for names, tried in levels_tried[1].items() if names == ("output-drift",))
     assert not has_become_a_mode(fit, lagged)
     light = Hypothesis((dynamics.ExtraLag(),))

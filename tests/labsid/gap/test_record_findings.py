@@ -12,12 +12,12 @@ from labsid.gap.diagnosis import diagnose
 from labsid.gap.record_findings import (
     PlateauGap,
     clock_slip,
-    error_findings,
     filter_length,
+    findings_from_errors,
+    findings_from_record,
     plateau_gap,
-    record_findings,
 )
-from labsid.gap.text_report import verdict_text
+from labsid.gap.text_report import format_report
 from labsid.records.record import Record, load_record
 
 MATTERS = PlateauGap(repeat=False, largest=0.1, scatter=0.05, missed=0.05, of_gap=0.9, left=1.0)
@@ -34,14 +34,14 @@ def record_of(u: FloatArray, y: FloatArray, **more: FloatArray) -> Record:
 
 
 def topics(record: Record, plateau: PlateauGap | None = None) -> list[str]:
-    return [finding.topic for finding in record_findings(record, plateau)]
+    return [finding.topic for finding in findings_from_record(record, plateau)]
 
 
 @pytest.mark.parametrize("name", ["SysIdenData_StudentVersion", "SysIdenData_4", "SysIdenData_8"])
 def test_the_tanks_do_not_repeat_their_levels_and_average_five_samples(shared_data: Path, name: str) -> None:
     record = load_record(shared_data / "unsw-water-tank" / f"{name}.mat")
     assert filter_length(record) == 5
-    found = {finding.topic: finding.text for finding in record_findings(record, MATTERS)}
+    found = {finding.topic: finding.text for finding in findings_from_record(record, MATTERS)}
     assert "does not come back to the same level at the same input" in found["plateaus"]
     assert "exactly the mean of the last 5 samples" in found["noise reduction"]
     assert "no part of the gap" in found["noise reduction"]
@@ -85,7 +85,7 @@ def test_the_answer_on_the_tanks_carries_both_and_how_much_of_the_gap_they_are(s
     assert {"plateaus", "noise reduction"} <= {finding["topic"] for finding in report["record_findings"]}
     assert report["plateaus"]["repeat"] is False
     assert 0.3 < report["plateaus"]["of_gap"] < 1.2
-    said = " ".join(verdict_text(report).split())
+    said = " ".join(format_report(report).split())
     assert "The output does not come back to the same level at the same input: 1.160, 1.172 at u = 1.6" in said
     assert "mean of the last 5 samples" in said
 
@@ -93,7 +93,7 @@ def test_the_answer_on_the_tanks_carries_both_and_how_much_of_the_gap_they_are(s
 def test_a_stop_is_said_with_its_value(rig_record: Callable[..., Record]) -> None:
     record = rig_record("output-saturation")
     clipped = record_of(record.u, np.minimum(record.y, 2.9))
-    (found,) = record_findings(clipped, None)
+    (found,) = findings_from_record(clipped, None)
     assert found.topic == "clipping"
     assert "stuck at its highest value 2.9" in found.text
 
@@ -113,10 +113,10 @@ def test_an_output_that_does_not_follow_the_input_is_said_so(rig_record: Callabl
     record, rng = rig_record("none"), np.random.default_rng(1)
     everywhere = np.ones(len(record), bool)
     near = record.y + 0.01 * rng.standard_normal(len(record))
-    assert error_findings(record.u, record.y, near, near, everywhere) == []
+    assert findings_from_errors(record.u, record.y, near, near, everywhere) == []
     noise = rng.standard_normal(len(record))
     flat = 0.03 * noise
-    (found,) = error_findings(record.u, noise, flat, flat, everywhere)
+    (found,) = findings_from_errors(record.u, noise, flat, flat, everywhere)
     assert (found.level, found.topic) == ("warning", "excitation")
     assert "misses is 97% of the spread of the output" in found.text
 
@@ -131,7 +131,7 @@ def test_an_input_that_answers_to_the_noise_is_a_closed_loop() -> None:
             y[k] = 0.9 * y[k - 1] + 0.1 * u[k - 1] + e[k]
             without[k] = 0.9 * without[k - 1] + 0.1 * u[k - 1]
             u[k] -= gain * y[k]
-        topics = [finding.topic for finding in error_findings(u, y, without, without, np.ones(800, bool))]
+        topics = [finding.topic for finding in findings_from_errors(u, y, without, without, np.ones(800, bool))]
         assert ("feedback" in topics) == (gain > 0.0)
 
 
@@ -145,7 +145,7 @@ def test_two_clocks_are_told_by_a_delay_that_grows_steadily(rig_record: Callable
         assert found is None
         return
     assert found == pytest.approx(slip, rel=0.15)
-    (said,) = error_findings(record.u, late, record.y, record.y, counted)
+    (said,) = findings_from_errors(record.u, late, record.y, record.y, counted)
     assert said.topic == "clocks"
     assert f"ever {'later' if slip > 0 else 'earlier'}" in said.text
 

@@ -5,9 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from labsid.gap.explanation import Explained
-from labsid.gap.report import _screen
-from labsid.gap.sample_faults import RawFaults
+from labsid.gap.explanation import Explanation
+from labsid.gap.report import _screen_sentences
+from labsid.gap.sample_faults import SampleFaults
 
 
 @pytest.mark.parametrize(
@@ -17,12 +17,12 @@ from labsid.gap.sample_faults import RawFaults
         (2, "2 isolated samples stand far from their neighbours; the fits leave them out."),
     ],
 )
-def test_what_is_left_out_is_counted_in_words(plain: Explained, spikes: int, said: str) -> None:
+def test_what_is_left_out_is_counted_in_words(plain: Explanation, spikes: int, said: str) -> None:
     none = np.zeros(plain.data.samples, bool)
-    faults = RawFaults(none, (), np.arange(none.size) < spikes, None)
-    assert _screen(replace(plain, faults=faults)) == [said]
-    held = RawFaults(np.arange(none.size) < 48, ((0, 24), (24, 48))[:spikes], none, 0.5)
+    faults = SampleFaults(none, (), np.arange(none.size) < spikes, None)
+    assert _screen_sentences(replace(plain, faults=faults)) == [said]
+    held = SampleFaults(np.arange(none.size) < 48, ((0, 24), (24, 48))[:spikes], none, 0.5)
     stretches = "1 stretch" if spikes == 1 else "2 stretches"
-    lattice, repeats = _screen(replace(plain, faults=held))
+    lattice, repeats = _screen_sentences(replace(plain, faults=held))
     assert lattice.startswith("The output lies on a lattice of ")
     assert repeats == f"The output repeats its last value over {stretches}, 10 % of the record."

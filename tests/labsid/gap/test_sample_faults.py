@@ -5,9 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from labsid.gap.explanation import Explained
-from labsid.gap.report import _screen
-from labsid.gap.sample_faults import RawFaults, find_held, find_spikes, lattice_of
+from labsid.gap.explanation import Explanation
+from labsid.gap.report import _screen_sentences
+from labsid.gap.sample_faults import SampleFaults, find_held, find_lattice, find_spikes
 from labsid.records.signal_quality import lattice_step
 
 
@@ -179,7 +179,7 @@ def test_a_lattice_is_found_and_a_fine_scale_is_none(noise: np.ndarray) -> None:
 def test_bad_samples_are_the_held_and_the_spikes() -> None:
     held, spikes = np.zeros(5, bool), np.zeros(5, bool)
     held[1], spikes[3] = True, True
-    assert RawFaults(held, ((1, 2),), spikes, None).bad.tolist() == [False, True, False, True, False]
+    assert SampleFaults(held, ((1, 2),), spikes, None).bad.tolist() == [False, True, False, True, False]
 
 
 def test_a_record_that_begins_at_rest_holds_nothing(noise: np.ndarray) -> None:
@@ -205,22 +205,22 @@ def test_a_spike_may_stand_at_the_end_of_the_record_but_not_at_its_start(noise: 
         ((4, 9), ["2 isolated samples stand far from their neighbours; the fits leave them out."]),
     ],
 )
-def test_what_the_samples_say_is_counted_in_words(plain: Explained, bad: tuple[int, ...], said: list[str]) -> None:
+def test_what_the_samples_say_is_counted_in_words(plain: Explanation, bad: tuple[int, ...], said: list[str]) -> None:
     none = np.zeros(plain.data.samples, bool)
     spikes = none.copy()
     spikes[list(bad)] = True
-    assert _screen(replace(plain, faults=RawFaults(none, (), spikes, None))) == said
+    assert _screen_sentences(replace(plain, faults=SampleFaults(none, (), spikes, None))) == said
 
 
 def test_a_lattice_is_found_although_a_few_samples_lie_off_it() -> None:
     """Spikes that came into the log behind the converter."""
     y = np.round(8.0 * np.sin(0.05 * np.arange(400))) / 8.0
-    lattice, off = lattice_of(y)
+    lattice, off = find_lattice(y)
     assert lattice == pytest.approx(0.125)
     assert not off.any()
     y[[50, 130, 260]] += 1.2345, -2.1, 0.777
     assert lattice_step(y) is None
-    lattice, off = lattice_of(y)
+    lattice, off = find_lattice(y)
     assert lattice == pytest.approx(0.125)
     assert np.flatnonzero(off).tolist() == [50, 130, 260]
 
@@ -231,7 +231,7 @@ def test_a_value_of_the_lattice_that_comes_only_once_is_on_it() -> None:
     y[200] += 2.5
     y[[50, 130]] += 0.03, 1.2345
     y[300] += 1e-9
-    lattice, off = lattice_of(y)
+    lattice, off = find_lattice(y)
     assert lattice == pytest.approx(0.125)
     assert (y == y[200]).sum() == 1
     assert np.flatnonzero(off).tolist() == [50, 130]
@@ -239,7 +239,7 @@ def test_a_value_of_the_lattice_that_comes_only_once_is_on_it() -> None:
 
 @pytest.mark.parametrize("times", [1, 3])
 def test_continuous_values_lie_on_no_lattice_held_or_not(noise: np.ndarray, times: int) -> None:
-    lattice, off = lattice_of(np.repeat(noise, times))
+    lattice, off = find_lattice(np.repeat(noise, times))
     assert lattice is None
     assert not off.any()
 
@@ -247,7 +247,7 @@ def test_continuous_values_lie_on_no_lattice_held_or_not(noise: np.ndarray, time
 def test_values_of_which_many_come_only_once_lie_on_no_lattice(noise: np.ndarray) -> None:
     y = np.round(8.0 * np.sin(0.05 * np.arange(400))) / 8.0
     y[::8] = noise[::8]
-    assert lattice_of(y)[0] is None
+    assert find_lattice(y)[0] is None
 
 
 def test_a_hold_that_begins_on_the_stop_of_the_sensor_ends_with_a_jump(noise: np.ndarray) -> None:

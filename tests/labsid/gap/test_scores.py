@@ -9,18 +9,18 @@ from scipy.signal import lfilter
 from scipy.stats import chi2
 
 from labsid._arrays import FloatArray
-from labsid.gap.explanation import Explained
+from labsid.gap.explanation import Explanation
 from labsid.gap.fitting import Fit
-from labsid.gap.holdout import held_out
+from labsid.gap.holdout import held_out_samples
 from labsid.gap.scores import (
-    LEAST_DOUBT,
-    HowMuch,
+    MIN_HALF_WIDTH,
+    GapScore,
     _interval,
-    black_box,
-    closure,
-    how_much,
-    how_much_of,
+    black_box_residual,
+    closed_share,
     noise_power,
+    score_explanation,
+    score_fits,
 )
 
 
@@ -37,12 +37,12 @@ from labsid.gap.scores import (
     ],
 )
 def test_closure_by_hand(before: float, after: float, floor: float, expected: float | None) -> None:
-    assert closure(before, after, floor) == expected
+    assert closed_share(before, after, floor) == expected
 
 
 @pytest.mark.parametrize("samples", [100, 480, 601, 3000])
 def test_blocks_spread_over_the_record_hold_at_least_three_tenths(samples: int) -> None:
-    out = held_out(samples)
+    out = held_out_samples(samples)
     assert 0.3 <= out.mean() < 0.36
     starts = np.flatnonzero(np.diff(np.concatenate([[0], out.astype(int)])) == 1)
     assert starts.size >= 5
@@ -53,7 +53,7 @@ def test_blocks_spread_over_the_record_hold_at_least_three_tenths(samples: int) 
 
 @pytest.mark.parametrize("samples", [100, 480, 601, 3000])
 def test_the_fits_see_both_sides_of_every_block(samples: int) -> None:
-    out = held_out(samples)
+    out = held_out_samples(samples)
     assert not out[: samples // 20].any()
     assert not out[-(samples // 20) :].any()
     for sixth in np.array_split(out, 6):
@@ -63,21 +63,21 @@ def test_the_fits_see_both_sides_of_every_block(samples: int) -> None:
 @pytest.mark.parametrize("sixth", [0, 3, 5])
 @pytest.mark.parametrize("place", [0.1, 0.3, 0.33, 0.35, 0.5, 0.64, 0.7, 0.9])
 def test_an_instant_is_not_among_the_samples_that_no_fit_sees(sixth: int, place: float) -> None:
-    out = held_out(3000, (sixth + place) / 6)
+    out = held_out_samples(3000, (sixth + place) / 6)
     at = round((sixth + place) * 500)
     assert not out[at - 3 : at + 4].any()
-    assert out.mean() == pytest.approx(held_out(3000).mean(), abs=0.01)
+    assert out.mean() == pytest.approx(held_out_samples(3000).mean(), abs=0.01)
     assert not out[:60].any()  # where it begins, the state in which it begins is found
 
 
-def amount_of(explained: Explained, **options: object) -> HowMuch:
+def amount_of(explained: Explanation, **options: object) -> GapScore:
     """The closure with a fixed seed."""
-    return how_much_of(explained, None, None, np.random.default_rng(0), **options)
+    return score_explanation(explained, None, None, np.random.default_rng(0), **options)
 
 
-def test_the_gap_closes_on_held_out_samples(banded: Explained) -> None:
+def test_the_gap_closes_on_held_out_samples(banded: Explanation) -> None:
     amount = amount_of(banded)
-    np.testing.assert_array_equal(amount.scored, held_out(banded.data.samples))
+    np.testing.assert_array_equal(amount.scored, held_out_samples(banded.data.samples))
     for fit, rmse in ((amount.before_fit, amount.before), (amount.after_fit, amount.after)):
         error = banded.data.y - fit.output
         assert rmse == pytest.approx(np.sqrt(np.mean(error[amount.scored] ** 2)))
@@ -85,56 +85,56 @@ def test_the_gap_closes_on_held_out_samples(banded: Explained) -> None:
     assert amount.before_fit.hypothesis.names == ()
     assert amount.after_fit.hypothesis.names == ("input-dead-zone",)
     assert amount.closed is not None
-    assert amount.closed == pytest.approx(closure(amount.before**2, amount.after**2, amount.floor**2))
+    assert amount.closed == pytest.approx(closed_share(amount.before**2, amount.after**2, amount.floor**2))
     assert amount.closed > 0.9
 
 
-def test_the_interval_contains_the_point_and_repeats_with_its_seed(banded: Explained) -> None:
+def test_the_interval_contains_the_point_and_repeats_with_its_seed(banded: Explanation) -> None:
     amount = amount_of(banded)
     assert amount.ci95 is not None
     assert amount.closed is not None
     assert amount.ci95[0] <= amount.closed <= amount.ci95[1] <= 1.0
     assert amount.ci95[0] < amount.ci95[1]
     assert amount_of(banded).ci95 == amount.ci95
-    assert how_much_of(banded, None, None, np.random.default_rng(1)).ci95 != amount.ci95
+    assert score_explanation(banded, None, None, np.random.default_rng(1)).ci95 != amount.ci95
 
 
-def test_the_floor_is_the_noise(banded: Explained, two_poles: Callable[..., FloatArray]) -> None:
+def test_the_floor_is_the_noise(banded: Explanation, two_poles: Callable[..., FloatArray]) -> None:
     u = np.asarray(banded.data.u_scale.back(banded.data.u))
     y = two_poles(np.maximum(u - 0.3, 0.0) + np.minimum(u + 0.4, 0.0))
     assert amount_of(banded).floor * banded.data.y_scale.unit == pytest.approx(0.02 * y.std(), rel=0.15)
     assert noise_power(banded.data, banded.best) == pytest.approx(banded.best.noise.sigma2, rel=0.1)
 
 
-def told_by_the_input(explained: Explained, noise: float) -> FloatArray:
+def told_by_the_input(explained: Explanation, noise: float) -> FloatArray:
     """The square of the filtered input up to the sample before, standard deviation one, and noise."""
     state = lfilter([0.0, 0.2], [1.0, -0.8], explained.data.u) ** 2
     return (state - state.mean()) / state.std() + noise * np.random.default_rng(4).standard_normal(state.size)
 
 
-def test_what_the_input_explains_is_no_noise(plain: Explained) -> None:
+def test_what_the_input_explains_is_no_noise(plain: Explanation) -> None:
     """It is taken out of the floor."""
     e = told_by_the_input(plain, 0.5)
     power = noise_power(replace(plain.data, y=plain.best.output + e), plain.best)
     assert 0.5**2 * 0.8 < power < 0.6 * np.mean(e**2)
 
 
-def test_where_there_is_no_gap_there_is_nothing_to_close(plain: Explained) -> None:
+def test_where_there_is_no_gap_there_is_nothing_to_close(plain: Explanation) -> None:
     amount = amount_of(plain)
     assert amount.closed is None or abs(amount.closed) < 1e-9
     assert (amount.closed is None) == (amount.ci95 is None) == (amount.black_box is None)
     assert amount.before == amount.after
 
 
-def test_a_given_simulation_is_scored_as_it_is(banded: Explained) -> None:
+def test_a_given_simulation_is_scored_as_it_is(banded: Explanation) -> None:
     given = replace(banded.path[0], output=0.8 * banded.path[0].output)
-    amount = how_much_of(banded, given, None, np.random.default_rng(0))
+    amount = score_explanation(banded, given, None, np.random.default_rng(0))
     assert amount.before_fit is given
     assert amount.before > amount_of(banded).before
 
 
 def test_another_record_is_scored_behind_its_first_samples(
-    banded: Explained, two_poles: Callable[..., FloatArray]
+    banded: Explanation, two_poles: Callable[..., FloatArray]
 ) -> None:
     """No fit is made again, its beginning gives the initial state; spoilt there, it is not scored."""
     u = np.repeat(np.random.default_rng(9).uniform(-1.5, 1.5, 40), 8)
@@ -144,7 +144,7 @@ def test_another_record_is_scored_behind_its_first_samples(
     bend = [np.maximum(x - 0.3, 0.0) + np.minimum(x + 0.4, 0.0) for x in (u[0], data.u_scale.back(data.u[0]))]
     y = y + bend[0] - bend[1] + 0.01 * np.random.default_rng(3).standard_normal(u.size)
     other = data.u_scale.of(u), data.y_scale.of(y)
-    amount = how_much_of(banded, None, other, np.random.default_rng(0))
+    amount = score_explanation(banded, None, other, np.random.default_rng(0))
     assert amount.scored.tolist() == [False] * 50 + [True] * (u.size - 50)
     assert amount.after_fit is banded.best
     assert amount.after * data.y_scale.unit < 0.02
@@ -152,21 +152,21 @@ def test_another_record_is_scored_behind_its_first_samples(
     assert amount.closed > 0.85
 
 
-def test_how_much_scores_two_fits_on_the_rows_that_it_is_given(banded: Explained) -> None:
+def test_how_much_scores_two_fits_on_the_rows_that_it_is_given(banded: Explanation) -> None:
     base, best = banded.path[0], banded.best
     scored = np.arange(banded.data.samples) >= 300
-    amount = how_much(banded.data, base, best, scored, np.random.default_rng(0), floor=0.0)
+    amount = score_fits(banded.data, base, best, scored, np.random.default_rng(0), floor=0.0)
     e0, e1 = banded.data.y - base.output, banded.data.y - best.output
     assert amount.before == pytest.approx(np.sqrt(np.mean(e0[300:] ** 2)))
     assert amount.closed == pytest.approx(1.0 - np.sqrt(np.mean(e1[300:] ** 2) / np.mean(e0[300:] ** 2)))
-    assert how_much(banded.data, base, base, scored, np.random.default_rng(0), floor=0.0).closed == 0.0
+    assert score_fits(banded.data, base, base, scored, np.random.default_rng(0), floor=0.0).closed == 0.0
 
 
-def test_the_black_box_explains_what_the_input_tells_and_no_noise(plain: Explained) -> None:
+def test_the_black_box_explains_what_the_input_tells_and_no_noise(plain: Explanation) -> None:
     e = told_by_the_input(plain, 0.1)
-    assert np.mean(black_box(plain.data, plain.best, e) ** 2) < 0.1 * np.mean(e**2)
+    assert np.mean(black_box_residual(plain.data, plain.best, e) ** 2) < 0.1 * np.mean(e**2)
     noise = plain.data.y - plain.best.output
-    assert np.mean(black_box(plain.data, plain.best, noise) ** 2) > 0.8 * np.mean(noise**2)
+    assert np.mean(black_box_residual(plain.data, plain.best, noise) ** 2) > 0.8 * np.mean(noise**2)
 
 
 def even(before: float, after: float, floor: float, explanation: Fit, seed: int = 0) -> tuple[float, float]:
@@ -183,27 +183,27 @@ def with_numbers(fit: Fit, count: int, sigma2: float) -> Fit:
 
 @pytest.mark.parametrize(("before", "after", "floor"), [(2.0, 1.0, 0.5), (3.0, 2.0, 1.0), (1.0, 2.0, 0.5)])
 def test_an_interval_is_never_narrower_than_the_least_doubt(
-    plain: Explained, before: float, after: float, floor: float
+    plain: Explanation, before: float, after: float, floor: float
 ) -> None:
-    closed = closure(before**2, after**2, floor)
+    closed = closed_share(before**2, after**2, floor)
     assert closed is not None
     low, high = even(before, after, floor, with_numbers(plain.best, 2, floor))
-    assert low == pytest.approx(closed - LEAST_DOUBT)
-    assert high == pytest.approx(closed + LEAST_DOUBT)
+    assert low == pytest.approx(closed - MIN_HALF_WIDTH)
+    assert high == pytest.approx(closed + MIN_HALF_WIDTH)
 
 
 @pytest.mark.parametrize(("count", "colour"), [(3, 1.0), (30, 1.0), (30, 2.0)])
 def test_many_numbers_for_few_rows_are_inexact_which_an_interval_counts(
-    plain: Explained, count: int, colour: float
+    plain: Explanation, count: int, colour: float
 ) -> None:
     """All is closed; below it, the expected error of so many numbers, more of coloured noise."""
     low, high = even(2.0, 1.0, 1.0, with_numbers(plain.best, count, 1.0 / colour))
     inexact = colour * chi2.ppf(0.975, count) / 300
     assert high == 1.0
-    assert low + LEAST_DOUBT == pytest.approx(1.0 - np.sqrt(inexact / 3.0), rel=0.03)
+    assert low + MIN_HALF_WIDTH == pytest.approx(1.0 - np.sqrt(inexact / 3.0), rel=0.03)
 
 
-def test_an_interval_repeats_with_its_seed(plain: Explained) -> None:
+def test_an_interval_repeats_with_its_seed(plain: Explanation) -> None:
     fit = with_numbers(plain.best, 30, 1.0)
     assert even(2.0, 1.0, 1.0, fit) == even(2.0, 1.0, 1.0, fit)
     assert even(2.0, 1.0, 1.0, fit) != even(2.0, 1.0, 1.0, fit, seed=1)

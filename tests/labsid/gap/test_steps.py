@@ -5,20 +5,20 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from labsid.gap.explanation import Explained
-from labsid.gap.scores import HowMuch, how_much_of
+from labsid.gap.explanation import Explanation
+from labsid.gap.scores import GapScore, score_explanation
 from labsid.gap.steps import closed_by_step
 from labsid.records.record import Record
 
 
-def _amount(explained: Explained, holdout: Record | None) -> HowMuch:
+def _amount(explained: Explanation, holdout: Record | None) -> GapScore:
     data = explained.data
     other = None if holdout is None else (data.u_scale.of(holdout.u), data.y_scale.of(holdout.y))
-    return how_much_of(explained, None, other, np.random.default_rng(0))
+    return score_explanation(explained, None, other, np.random.default_rng(0))
 
 
 @pytest.fixture
-def other(banded: Explained) -> Record:
+def other(banded: Explanation) -> Record:
     """Another record of the same rig: the first part of it."""
     data = banded.data
     u, y = (np.asarray(scale.back(x))[:300] for scale, x in ((data.u_scale, data.u), (data.y_scale, data.y)))
@@ -26,7 +26,9 @@ def other(banded: Explained) -> Record:
 
 
 @pytest.mark.parametrize("elsewhere", [False, True])
-def test_a_step_that_is_the_last_one_already_closes_as_much(banded: Explained, other: Record, elsewhere: bool) -> None:
+def test_a_step_that_is_the_last_one_already_closes_as_much(
+    banded: Explanation, other: Record, elsewhere: bool
+) -> None:
     holdout = other if elsewhere else None
     longer = replace(banded, path=(*banded.path, banded.best))
     amount = _amount(longer, holdout)
@@ -38,14 +40,14 @@ def test_a_step_that_is_the_last_one_already_closes_as_much(banded: Explained, o
 
 
 @pytest.mark.parametrize("elsewhere", [False, True])
-def test_a_step_that_adds_nothing_closes_nothing(banded: Explained, other: Record, elsewhere: bool) -> None:
+def test_a_step_that_adds_nothing_closes_nothing(banded: Explanation, other: Record, elsewhere: bool) -> None:
     holdout = other if elsewhere else None
     longer = replace(banded, path=(banded.path[0], *banded.path))
     _, middle, _ = closed_by_step(longer, _amount(longer, holdout), holdout)
     assert middle == pytest.approx(0.0, abs=1e-6)
 
 
-def test_without_a_gap_no_step_closes_any(banded: Explained) -> None:
+def test_without_a_gap_no_step_closes_any(banded: Explanation) -> None:
     amount = replace(_amount(banded, None), closed=None)
     assert closed_by_step(banded, amount, None) == [None] * len(banded.path)
     alone = replace(banded, path=banded.path[:1])

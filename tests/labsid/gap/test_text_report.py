@@ -6,25 +6,25 @@ import pytest
 from gap_reports import PARAMETERS, effect, report, with_experiment, with_holdout, with_plateaus
 
 from labsid.gap import sentences
-from labsid.gap.effect_texts import RAW, clause, noun
-from labsid.gap.location_text import where_sentences
-from labsid.gap.text_report import WIDTH, verdict_text
+from labsid.gap.effect_texts import UNSIMULATED, clause, noun
+from labsid.gap.location_text import location_sentences
+from labsid.gap.text_report import WIDTH, format_report
 
 
 def _one_line(text):
     return " ".join(text.split())
 
 
-@pytest.mark.parametrize("name", sorted(set(PARAMETERS) - set(RAW)))
+@pytest.mark.parametrize("name", sorted(set(PARAMETERS) - set(UNSIMULATED)))
 def test_every_effect_is_one_sentence_with_its_share_of_the_gap(name):
     said = sentences.verdict_sentence(report(name))
     assert said == f"{clause(effect(name))}: {noun(name)} explains 97 % [94, 100] of the gap."
-    text = verdict_text(report(name))
+    text = format_report(report(name))
     assert _one_line(text).startswith(said)
     assert f"{noun(name)} ({name}), probability over 99 %" in _one_line(text)
 
 
-@pytest.mark.parametrize("name", RAW)
+@pytest.mark.parametrize("name", UNSIMULATED)
 def test_what_only_the_samples_show_closes_no_gap(name):
     base = report(name)
     base["gap"] |= {"before": 0.0102, "after": 0.0102, "closed": None, "ci95": None, "black_box": None}
@@ -37,7 +37,7 @@ def test_what_only_the_samples_show_closes_no_gap(name):
 
 
 def test_the_dead_zone_as_the_contract_says_it():
-    text = verdict_text(report("input-dead-zone"))
+    text = format_report(report("input-dead-zone"))
     assert text.splitlines()[0].startswith(
         "The actuator does not move between 0.458 and 0.875: a dead zone explains 97 %"
     )
@@ -61,7 +61,7 @@ def test_a_pair_is_said_together_and_the_unsure_half_of_it_hedged():
     assert "(a dead zone), and possibly an unmeasured load sets in" in sentences.verdict_sentence(base)
     base["effects"][0]["probability"] = 0.7
     assert sentences.verdict_sentence(base).startswith("Probably the actuator does not move")
-    assert "A dead zone: on the way in" in _one_line(verdict_text(base))
+    assert "A dead zone: on the way in" in _one_line(format_report(base))
 
 
 def test_three_effects_are_listed():
@@ -87,7 +87,7 @@ def test_what_does_not_hold_on_fresh_samples_is_not_praised(closed, ci95, end):
 
 def test_none_says_which_simulation_was_good_enough():
     base = report(verdict="none")
-    text = verdict_text(base)
+    text = format_report(base)
     assert _one_line(text).startswith(
         "There is no gap beyond noise: a linear model fitted to the record misses the record by 0.0102 rms, and the "
         "noise alone is 0.0100."
@@ -95,15 +95,15 @@ def test_none_says_which_simulation_was_good_enough():
     assert "where " not in text
     base["simulation"]["given"] = True
     base["gap"]["after"] = 0.0099  # refitted, which changes nothing that counts
-    assert "your simulation misses the record by 0.0102 rms" in _one_line(verdict_text(base))
-    assert "0.0099" not in verdict_text(base)
+    assert "your simulation misses the record by 0.0102 rms" in _one_line(format_report(base))
+    assert "0.0099" not in format_report(base)
 
 
 def test_unknown_says_what_was_looked_at_and_what_is_left():
     base = report("input-delay", verdict="unknown")
     base["gap"] |= {"closed": 0.43, "ci95": [0.08, 0.58], "after": 0.04}
     base["unexplained"] |= {"share": 0.24, "whiteness_p": 0.0, "input_correlation_p": 1e-9, "repeats": 0.3}
-    text = _one_line(verdict_text(base))
+    text = _one_line(format_report(base))
     assert text.startswith(
         "There is a gap that none of the 9 causes tried explains: the nearest, a transport delay, closes only "
         "43 % [8, 58] of it, and what it leaves is more than noise."
@@ -149,9 +149,9 @@ def test_a_stop_that_is_seen_is_said_apart_from_what_is_only_nearest():
         "the simulation closes 97 % [94, 100] of the gap."
     )
     assert sentences.ambiguity_sentence(base).startswith("What else acts is not certain: a curved characteristic")
-    assert sentences.beyond_sentence(base).startswith("Of the first one only the part that is named")
-    assert sentences.incomplete(base)
-    assert not sentences.incomplete(report("overflow"))
+    assert sentences.other_causes_sentence(base).startswith("Of the first one only the part that is named")
+    assert sentences.is_incomplete(base)
+    assert not sentences.is_incomplete(report("overflow"))
     base["gap"] |= {"closed": -0.1, "ci95": [-0.4, 0.2]}
     assert "closes nothing of the gap on samples held back." in sentences.verdict_sentence(base)
 
@@ -166,15 +166,15 @@ def test_the_experiment_says_what_it_tells_apart_and_how_surely(margin, how):
     )
     assert said.endswith(f"the decision would be {how}.")
     assert "input-delay" not in said
-    assert "next_experiment" in verdict_text(base)
+    assert "next_experiment" in format_report(base)
 
 
 def test_the_gap_in_time_is_spread_or_in_stretches():
     base = report("output-dropout")
     base["where"]["time"] = [[0.0, 60.0, 0.55], [60.0, 120.0, 0.45]]
-    assert "In time it is spread over the whole record." in where_sentences(base)
+    assert "In time it is spread over the whole record." in location_sentences(base)
     base["where"]["time"] = [[0, 50, 0.1], [50, 52, 0.3], [52, 54, 0.2], [54, 90, 0.1], [90, 92, 0.3], [92, 120, 0.0]]
-    assert where_sentences(base)[0] == (
+    assert location_sentences(base)[0] == (
         "In time, 80 % of it lies in 2 stretches that make up 5 % of the record, most between 50 and 54 s."
     )
 
@@ -182,7 +182,7 @@ def test_the_gap_in_time_is_spread_or_in_stretches():
 def test_an_operating_range_that_only_follows_the_time_is_said_so():
     base = report("input-delay")
     base["where"]["operating"][2]["share"], base["where"]["operating"][1]["share"] = 0.55, 0.4
-    assert "it follows the time that the record spends at each value of u" in where_sentences(base)[2]
+    assert "it follows the time that the record spends at each value of u" in location_sentences(base)[2]
 
 
 def test_a_given_holdout_is_named_as_the_ground_of_the_score():
@@ -193,14 +193,14 @@ def test_a_given_holdout_is_named_as_the_ground_of_the_score():
 
 def test_lines_are_short_and_numbers_stay_with_their_per_cent():
     for base in (report("input-dead-zone", "load-step"), report("input-delay", verdict="unknown")):
-        for line in verdict_text(with_experiment(base)).splitlines():
+        for line in format_report(with_experiment(base)).splitlines():
             assert len(line) <= WIDTH
             assert not line.strip().startswith(("%", "±"))
 
 
 def test_control_characters_of_a_file_do_not_reach_the_terminal():
     base = report("input-delay") | {"screen": ["odd\x1b[2Jname\x07"]}
-    text = verdict_text(base)
+    text = format_report(base)
     assert "\x1b" not in text
     assert "\x07" not in text
     assert "odd [2Jname" in text
@@ -209,7 +209,7 @@ def test_control_characters_of_a_file_do_not_reach_the_terminal():
 def test_the_report_is_only_read():
     base = with_experiment(report("input-delay", "load-step"))
     before = copy.deepcopy(base)
-    assert verdict_text(base) == verdict_text(base)
+    assert format_report(base) == format_report(base)
     assert base == before
 
 
@@ -220,7 +220,7 @@ def test_levels_that_do_not_repeat_are_said_with_what_the_simulations_miss_of_th
         "The output does not come back to the same level. It should. The simulation misses these levels by 0.0400 rms; "
         "its whole error is 0.0500 rms. With the cause added, 0.00400 rms is left of it."
     )
-    assert said in _one_line(verdict_text(base))
+    assert said in _one_line(format_report(base))
     base = with_plateaus(report("output-drift"), left=0.0)
     assert sentences.record_sentences(base)[0].endswith(
         "With the cause added, no more than noise may do is left of it."
@@ -232,13 +232,13 @@ def test_levels_that_do_not_repeat_are_said_with_what_the_simulations_miss_of_th
 
 def test_a_record_that_shows_nothing_of_its_own_has_no_such_row():
     assert sentences.record_sentences(report("output-drift")) == []
-    assert "\nrecord" not in verdict_text(report("output-drift"))
+    assert "\nrecord" not in format_report(report("output-drift"))
 
 
 def test_what_the_ranking_leaves_for_other_causes_is_said():
     base = report("input-delay", verdict="unknown")
-    assert sentences.beyond_sentence(base).endswith("the nearest and not the right one.")
+    assert sentences.other_causes_sentence(base).endswith("the nearest and not the right one.")
     for row in base["ranking"]:
         row["probability"] *= 0.3
-    assert sentences.beyond_sentence(base).endswith("That leaves 70 % for a cause that is not in the table.")
-    assert sentences.beyond_sentence(report("input-delay")) == ""
+    assert sentences.other_causes_sentence(base).endswith("That leaves 70 % for a cause that is not in the table.")
+    assert sentences.other_causes_sentence(report("input-delay")) == ""
