@@ -8,7 +8,7 @@ import numpy as np
 from scipy.signal import lfilter
 
 from labsid._arrays import FloatArray
-from labsid.gap.context import Data
+from labsid.gap.data import Data
 from labsid.gap.effects.dynamics import ExtraLag, Resonance
 from labsid.gap.fitting import Fit
 from labsid.gap.hypothesis import Hypothesis

@@ -16,7 +16,7 @@ from labsid.gap.candidates import (
     price,
     sketches,
 )
-from labsid.gap.context import Data
+from labsid.gap.data import Data
 from labsid.gap.fitting import Fit, finish, power, refit, rms, search
 from labsid.gap.forms import LEAK, LOAD, carried, rearranged, without
 from labsid.gap.freeing import freed

@@ -6,9 +6,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from labsid._arrays import FloatArray
-from labsid.gap.context import Context, Data
+from labsid.gap.data import Data
 from labsid.gap.effects import drifting, dynamics, input, output
 from labsid.gap.effects.base import Effect, Fitted, InputEffect, PlantEffect
+from labsid.gap.effects.context import Context
 from labsid.gap.fitting import Fit, Point, at_start, finish, search
 from labsid.gap.forms import (
     INNER_LOAD,
@@ -207,7 +208,7 @@ def starts(context: Context, hypothesis: Hypothesis, effect: Effect) -> Iterable
     """Full thetas: the parent's numbers where it has them, the effect's starts where it brings new ones."""
     parent = context.parent
     common = np.zeros(len(hypothesis.parameters))
-    if not hypothesis.slices_has_delay and not parent.hypothesis.slices_has_delay:
+    if not hypothesis.delay_is_an_effect and not parent.hypothesis.delay_is_an_effect:
         common[0] = parent.theta[0]
     for key, place in parent.hypothesis.slices.items():
         if key != "plant" and key in hypothesis.slices:

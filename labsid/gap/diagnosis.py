@@ -10,7 +10,7 @@ from labsid._arrays import FloatArray
 from labsid.gap.baseline import Baseline, Simulation, check_bounded, make_baseline, read_exported
 from labsid.gap.beam_search import Progress
 from labsid.gap.clock import at_sampling_time, clock_findings, stated_sampling_time
-from labsid.gap.context import scaled
+from labsid.gap.data import scaled
 from labsid.gap.decision import MIN_CONFIDENCE, confidence_in, decide
 from labsid.gap.effects.base import AdditiveEffect
 from labsid.gap.explanation import Explanation, explain

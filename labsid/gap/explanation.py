@@ -6,7 +6,7 @@ import numpy as np
 
 from labsid._arrays import FloatArray
 from labsid.gap.beam_search import MIN_CHANGE, Levels, Progress, best_path, differ, rms_difference, search_effects
-from labsid.gap.context import Data
+from labsid.gap.data import Data
 from labsid.gap.effects.base import AdditiveEffect
 from labsid.gap.fitting import Fit, power, refit, rms
 from labsid.gap.holdout import BLOCKS, held_out_samples

@@ -6,7 +6,7 @@ import numpy as np
 
 from labsid._arrays import FloatArray
 from labsid.gap._kernels import whiten
-from labsid.gap.context import Data
+from labsid.gap.data import Data
 from labsid.gap.hypothesis import Design, Hypothesis
 from labsid.gap.noise import Noise, fit_noise
 from labsid.gap.normal_equations import RIDGE, scaled_gram, solve, solved

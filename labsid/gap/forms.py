@@ -3,7 +3,7 @@
 import numpy as np
 
 from labsid._arrays import FloatArray
-from labsid.gap.context import Data
+from labsid.gap.data import Data
 from labsid.gap.effects import curves, disturbance, drifting, dynamics, input, output
 from labsid.gap.effects.base import Effect
 from labsid.gap.fitting import Fit, finish, search
@@ -141,7 +141,7 @@ def carried(fit: Fit, other: Hypothesis) -> FloatArray:
     for plain, rich in RICHER.items():
         if rich in other.effects and plain in old.effects:
             theta[other.slices[rich.key]] = curves.richer(fit.theta[old.slices[plain.key]])
-    if not other.slices_has_delay:
+    if not other.delay_is_an_effect:
         theta[0] = fit.theta[0]
     if STOPS in other.effects and STOPS not in old.effects:
         stops = theta[other.slices[STOPS.key]]

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from labsid.gap.context import Data
+from labsid.gap.data import Data
 from labsid.gap.fitting import Fit, finish, search
 from labsid.gap.forms import SENSOR_DRIFTS, WAVE, carried
 from labsid.gap.linear_fits import SINGLE

@@ -7,7 +7,8 @@ import numpy as np
 from labsid._arrays import FloatArray, beside
 from labsid.gap import _kernels
 from labsid.gap.effects.base import AdditiveEffect, Effect, InputEffect, OutputEffect
-from labsid.gap.plants import Parameter, Plant
+from labsid.gap.plant_form import Parameter
+from labsid.gap.plants import Plant
 
 NUISANCE_DELAY = 0.5  # samples; up to here a delay belongs to the sampling, not to the rig
 DELAY = Parameter("delay", 0.0, NUISANCE_DELAY, 0.02)
@@ -134,7 +135,7 @@ class Hypothesis:
         return Hypothesis((*self.effects, effect), self.known, self.given)
 
     @property
-    def slices_has_delay(self) -> bool:
+    def delay_is_an_effect(self) -> bool:
         """Whether a delay is an effect here, not a nuisance."""
         return any(e.name == "input-delay" for e in self.inputs)
 

@@ -7,7 +7,7 @@ from scipy.spatial import cKDTree
 
 from labsid._arrays import FloatArray
 from labsid.gap import _kernels
-from labsid.gap.context import Data
+from labsid.gap.data import Data
 from labsid.gap.fitting import Fit
 
 FOLDS = 5

@@ -3,7 +3,7 @@
 import numpy as np
 
 from labsid._arrays import FloatArray
-from labsid.gap.context import Data
+from labsid.gap.data import Data
 from labsid.gap.effects import output
 from labsid.gap.fitting import Fit, Point, finish, search
 from labsid.gap.hypothesis import Hypothesis

@@ -10,7 +10,7 @@ import numpy as np
 
 from labsid._arrays import FloatArray
 from labsid.gap.candidates import CANDIDATES
-from labsid.gap.context import Data, Scale
+from labsid.gap.data import Data, Scale
 from labsid.gap.effects.base import Effect
 from labsid.gap.fitting import Fit
 from labsid.gap.forms import GENERAL, LOAD_AHEAD, LOAD_WAVE, ORDERS, PLACES, WAVE_AHEAD

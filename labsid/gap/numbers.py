@@ -5,7 +5,7 @@ from collections.abc import Callable
 import numpy as np
 
 from labsid._arrays import FloatArray
-from labsid.gap.context import Data
+from labsid.gap.data import Data
 from labsid.gap.effects.base import Effect, Fitted, Value
 from labsid.gap.fitting import Fit, covariance
 from labsid.gap.profile import profile

@@ -4,7 +4,7 @@ import numpy as np
 
 from labsid._arrays import FloatArray
 from labsid.gap import _kernels
-from labsid.gap.context import Data
+from labsid.gap.data import Data
 from labsid.gap.fitting import Fit
 from labsid.gap.responses import damping, denominator
 

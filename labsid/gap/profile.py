@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from labsid._arrays import FloatArray
-from labsid.gap.context import Data
+from labsid.gap.data import Data
 from labsid.gap.fitting import Fit, Point, search
 from labsid.gap.hypothesis import Hypothesis
 

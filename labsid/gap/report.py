@@ -9,7 +9,7 @@ from labsid._arrays import FloatArray
 from labsid.gap import location
 from labsid.gap._kernels import whiten
 from labsid.gap.baseline import Baseline
-from labsid.gap.context import Data
+from labsid.gap.data import Data
 from labsid.gap.decision import MISMATCH, Decision
 from labsid.gap.effects.base import Effect
 from labsid.gap.experiment import Experiment, next_experiment

@@ -1,15 +1,11 @@
 """How each kind of dynamics answers: the columns that the simulation of one plant gives. Time is counted in samples."""
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 from numpy.polynomial.chebyshev import chebval
 
 from labsid._arrays import FloatArray, beside
 from labsid.gap import _kernels, _rates, _states
-
-if TYPE_CHECKING:
-    from labsid.gap.plants import Plant
+from labsid.gap.plant_form import PlantForm
 
 NO_BRIM = np.inf
 RESTORING = 1e-11, 90.0  # bounds of k, in samples
@@ -20,13 +16,13 @@ AT_ONCE = 30.0  # rate, a sample, of a pole that is none
 
 
 def response(
-    plant: "Plant", own: dict[str, float], w: FloatArray, span: int, reference: float, late: float = 0.0
+    plant: PlantForm, own: dict[str, float], w: FloatArray, span: int, reference: float, late: float = 0.0
 ) -> FloatArray:
     """Columns of the dynamics without a further lag or mode, NaN where the simulation diverges.
 
     Parameters
     ----------
-    plant : Plant
+    plant : PlantForm
     own : dict
         The plant's parameters by name.
     w : ndarray, shape (N,)
@@ -127,7 +123,7 @@ def through_mode(w: FloatArray, frequency: float, damping: float) -> FloatArray:
 
 
 def _linear(
-    plant: "Plant", own: dict[str, float], w: FloatArray, span: int, reference: float, late: float
+    plant: PlantForm, own: dict[str, float], w: FloatArray, span: int, reference: float, late: float
 ) -> FloatArray:
     c, k = float(np.exp(own["log_c"])), float(np.exp(own["log_k"]))
     away = _rising(c, k, w.size, span)
@@ -152,7 +148,7 @@ def _comes_to_rest(c: float, k: float, span: int) -> bool:
 
 
 def _tanks(
-    plant: "Plant", own: dict[str, float], w: FloatArray, span: int, reference: float, late: float
+    plant: PlantForm, own: dict[str, float], w: FloatArray, span: int, reference: float, late: float
 ) -> FloatArray:
     a, b = np.exp(own["log_a"]), np.exp(own["log_b"])
     flow = (-w if plant.flipped else w) - own.get("zero", 0.0)
@@ -190,7 +186,7 @@ def _tanks(
     )[:, None]
 
 
-def _loaded(plant: "Plant", own: dict[str, float], w: FloatArray, span: int) -> tuple[FloatArray, tuple[float, ...]]:
+def _loaded(plant: PlantForm, own: dict[str, float], w: FloatArray, span: int) -> tuple[FloatArray, tuple[float, ...]]:
     """The drive less what enters ahead of it, and for the loops the rest.
 
     Load, leak and onset in samples, and the two parts and the frequency of a wave.
@@ -206,19 +202,19 @@ def _loaded(plant: "Plant", own: dict[str, float], w: FloatArray, span: int) -> 
     return w, (load, leak, onset, cosine, sine, frequency)
 
 
-def _pace(plant: "Plant", own: dict[str, float], samples: int, span: int) -> FloatArray | None:
+def _pace(plant: PlantForm, own: dict[str, float], samples: int, span: int) -> FloatArray | None:
     """What multiplies the rate of the latter state, or the spring, where it drifts."""
     return np.exp(_course(plant, own, samples, span)) if plant.fading else None
 
 
-def _course(plant: "Plant", own: dict[str, float], samples: int, span: int) -> FloatArray:
+def _course(plant: PlantForm, own: dict[str, float], samples: int, span: int) -> FloatArray:
     """Logarithm of a rate that drifts, without its constant."""
     shape = np.array([own["drift"], *(own[f"bend{n}"] for n in range(1, plant.bends + 1))])
     return np.clip(slow_course(shape, samples, span), -6.0, 6.0)
 
 
 def _mechanics(
-    plant: "Plant", own: dict[str, float], w: FloatArray, span: int, reference: float, late: float
+    plant: PlantForm, own: dict[str, float], w: FloatArray, span: int, reference: float, late: float
 ) -> FloatArray:
     c, k = np.exp(own["log_c"]), np.exp(own["log_k"])
     unit = max(k, 0.02 * c * c)  # the force that one unit of position takes
@@ -243,7 +239,7 @@ def _equilibrium(force: float, k: float, cubic: float) -> float:
 
 
 def _speed(
-    plant: "Plant", own: dict[str, float], w: FloatArray, span: int, reference: float, late: float
+    plant: PlantForm, own: dict[str, float], w: FloatArray, span: int, reference: float, late: float
 ) -> FloatArray:
     a, b = np.exp(own["log_a"]), np.exp(own["log_b"])
     drive = w - own["centre"]
@@ -256,7 +252,7 @@ def _speed(
 
 
 def _varying(
-    plant: "Plant", own: dict[str, float], w: FloatArray, span: int, reference: float, late: float
+    plant: PlantForm, own: dict[str, float], w: FloatArray, span: int, reference: float, late: float
 ) -> FloatArray:
     if plant.course == "step":
         return _stepping(own, w - reference, span)
@@ -292,7 +288,7 @@ def _changed(own: dict[str, float], change: FloatArray) -> tuple[FloatArray, Flo
 
 
 def _given(
-    plant: "Plant", own: dict[str, float], w: FloatArray, span: int, reference: float, late: float
+    plant: PlantForm, own: dict[str, float], w: FloatArray, span: int, reference: float, late: float
 ) -> FloatArray:
     assert plant.run is not None
     return plant.run(w)[:, None]

@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from labsid._arrays import FloatArray
-from labsid.gap.context import Data
+from labsid.gap.data import Data
 from labsid.gap.explanation import Explanation
 from labsid.gap.fitting import Fit, refit
 from labsid.gap.holdout import held_out_samples

@@ -3,7 +3,7 @@
 import numpy as np
 
 from labsid._arrays import FloatArray
-from labsid.gap.context import Data
+from labsid.gap.data import Data
 from labsid.gap.fitting import NOTHING, Fit, Point, Problem, finish, rms, search
 from labsid.gap.normal_equations import scaled_gram
 

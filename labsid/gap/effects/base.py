@@ -1,16 +1,15 @@
 """What every effect says of itself: its name, its path, its parameters, and where the search for them begins."""
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, ClassVar
+from typing import ClassVar
 
 import numpy as np
 
 from labsid._arrays import FloatArray
-
-if TYPE_CHECKING:
-    from labsid.gap.context import Context, Data
-    from labsid.gap.hypothesis import Hypothesis
-    from labsid.gap.plants import Parameter, Plant
+from labsid.gap.data import Data
+from labsid.gap.effects.context import Context, Structure
+from labsid.gap.plant_form import Parameter
+from labsid.gap.plants import Plant
 
 OVER_CHANCE = 12.0  # BIC that a richer form of an effect has to gain over a simpler one
 
@@ -40,19 +39,19 @@ class Effect:
         return f"{self.name}/{self.variant}" if self.variant else self.name
 
     @property
-    def parameters(self) -> tuple["Parameter", ...]:
+    def parameters(self) -> tuple[Parameter, ...]:
         """The searched numbers that this effect brings; those inside the plant are the plant's."""
         return ()
 
-    def shape(self, plant: "Plant") -> "Plant":
+    def shape(self, plant: Plant) -> Plant:
         """The plant with this effect in it."""
         return plant
 
-    def applies(self, context: "Context") -> bool:
+    def applies(self, context: Context) -> bool:
         """Whether the record could show this effect at all."""
         return True
 
-    def starts(self, context: "Context") -> list[FloatArray]:
+    def starts(self, context: Context) -> list[FloatArray]:
         """Where the search begins: values of `parameters`."""
         return [np.zeros(0)]
 
@@ -90,16 +89,16 @@ class Fitted:
 
     Attributes
     ----------
-    hypothesis : Hypothesis
+    hypothesis : Structure
     theta, gains : ndarray
         The searched numbers, and the projected ones.
     data : Data
     """
 
-    hypothesis: "Hypothesis"
+    hypothesis: Structure
     theta: FloatArray
     gains: FloatArray
-    data: "Data"
+    data: Data
 
     def own(self, effect: Effect) -> FloatArray:
         """The effect's part of theta."""
@@ -141,11 +140,11 @@ class PlantEffect(Effect):
 
     path = "dynamics"
 
-    def shape(self, plant: "Plant") -> "Plant":
+    def shape(self, plant: Plant) -> Plant:
         """The plant with this effect in it."""
         raise NotImplementedError
 
-    def plant_starts(self, context: "Context") -> list[dict[str, float]]:
+    def plant_starts(self, context: Context) -> list[dict[str, float]]:
         """Where the search of the plant's further parameters begins, by name."""
         return [{}]
 
@@ -181,6 +180,6 @@ class AdditiveEffect(Effect):
         """How many columns it adds."""
         return 2
 
-    def columns(self, own: FloatArray, samples: int, span: int, plant: "Plant", rates: FloatArray) -> FloatArray:
+    def columns(self, own: FloatArray, samples: int, span: int, plant: Plant, rates: FloatArray) -> FloatArray:
         """The signals, shape (samples, q)."""
         raise NotImplementedError

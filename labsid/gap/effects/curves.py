@@ -5,7 +5,7 @@ import numpy as np
 from labsid._arrays import FloatArray
 from labsid.gap import _kernels
 from labsid.gap.effects.base import Value
-from labsid.gap.plants import Parameter
+from labsid.gap.plant_form import Parameter
 
 RICH = "rich"
 """The variant that is a spline."""

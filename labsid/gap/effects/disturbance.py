@@ -5,10 +5,11 @@ from typing import ClassVar
 import numpy as np
 
 from labsid._arrays import FloatArray
-from labsid.gap.context import Context
 from labsid.gap.effects.base import OVER_CHANCE, AdditiveEffect, Fitted, PlantEffect, Value
+from labsid.gap.effects.context import Context
 from labsid.gap.effects.dynamics import peaks
-from labsid.gap.plants import CYCLES, ONSET, Parameter, Plant
+from labsid.gap.plant_form import CYCLES, ONSET, Parameter
+from labsid.gap.plants import Plant
 from labsid.gap.responses import begun, denominator
 
 SHORTEST_LOAD = 8  # samples

@@ -1,19 +1,16 @@
 """Parameters of the rig that change slowly along the record."""
 
-from typing import TYPE_CHECKING, ClassVar
+from typing import ClassVar
 
 import numpy as np
 
 from labsid._arrays import FloatArray
 from labsid.gap import _kernels
-from labsid.gap.context import Context
 from labsid.gap.effects.base import Fitted, InputEffect, PlantEffect, Value
-from labsid.gap.plants import Parameter, Plant
+from labsid.gap.effects.context import Context, ParentFit
+from labsid.gap.plant_form import Parameter
+from labsid.gap.plants import Plant
 from labsid.gap.responses import denominator, slow_course
-
-if TYPE_CHECKING:
-    from labsid.gap.fitting import Fit
-
 
 NEUTRAL = 0.05  # least cosine of the angle at which the neutral input lies: within 20 units of the input
 
@@ -133,6 +130,6 @@ class GainDrift(InputEffect):
         return {"drift": Value(float(course[-1] / course[0]) - 1.0, "1")}
 
 
-def _answer(fit: "Fit", w: FloatArray) -> FloatArray:
+def _answer(fit: ParentFit, w: FloatArray) -> FloatArray:
     """What the linear dynamics of a fit make of a signal, up to a gain."""
     return _kernels.second_order(w - w[0], *denominator(*fit.rates))

@@ -3,8 +3,8 @@
 import numpy as np
 
 from labsid.gap import _kernels
-from labsid.gap.context import Context
 from labsid.gap.effects.base import Fitted, PlantEffect, Value
+from labsid.gap.effects.context import Context
 from labsid.gap.plants import Plant
 from labsid.gap.responses import damping, one_pole, real_rates
 

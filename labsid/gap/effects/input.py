@@ -6,10 +6,11 @@ import numpy as np
 
 from labsid._arrays import FloatArray
 from labsid.gap import _kernels
-from labsid.gap.context import Context
 from labsid.gap.effects import curves
 from labsid.gap.effects.base import OVER_CHANCE, Fitted, InputEffect, Value
-from labsid.gap.plants import Parameter, Plant
+from labsid.gap.effects.context import Context
+from labsid.gap.plant_form import Parameter
+from labsid.gap.plants import Plant
 
 LONGEST_DELAY = 250.0  # samples
 BEFORE = Parameter("before", -30.0, 30.0)  # how far from the first command the actuator stood before the record

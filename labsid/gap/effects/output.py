@@ -6,10 +6,11 @@ import numpy as np
 from numpy.polynomial.chebyshev import chebvander
 
 from labsid._arrays import FloatArray
-from labsid.gap.context import Context
 from labsid.gap.effects import curves
 from labsid.gap.effects.base import OVER_CHANCE, AdditiveEffect, Fitted, OutputEffect, Value
-from labsid.gap.plants import Parameter, Plant
+from labsid.gap.effects.context import Context
+from labsid.gap.plant_form import Parameter
+from labsid.gap.plants import Plant
 from labsid.gap.responses import along
 
 NEAR = (-20.0, 20.0)  # scaled output where a curve is bent

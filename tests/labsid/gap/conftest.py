@@ -9,7 +9,7 @@ from scipy.integrate import solve_ivp
 from scipy.signal import cont2discrete, lfilter
 
 from labsid._arrays import FloatArray
-from labsid.gap.context import scaled
+from labsid.gap.data import scaled
 from labsid.gap.explanation import Explanation, explain
 from labsid.records.record import Record
 

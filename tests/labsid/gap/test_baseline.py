@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from labsid.gap.baseline import check_bounded, linear_structure, make_baseline, read_transfer_function
-from labsid.gap.context import scaled
+from labsid.gap.data import scaled
 
 DEN = np.poly([0.95, 0.8]).tolist()
 TRUE = {"num": [0.01, 0.0], "den": DEN, "dt": 0.5}

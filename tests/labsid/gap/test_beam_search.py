@@ -24,7 +24,7 @@ from labsid.gap.beam_search import (
     within_rounding,
 )
 from labsid.gap.candidates import compatible
-from labsid.gap.context import Data, scaled
+from labsid.gap.data import Data, scaled
 from labsid.gap.diagnosis import diagnose
 from labsid.gap.effects import dynamics, input, output
 from labsid.gap.effects.base import Fitted

@@ -19,9 +19,10 @@ from labsid.gap.candidates import (
     sketches,
     starts,
 )
-from labsid.gap.context import Context, Data, scaled
+from labsid.gap.data import Data, scaled
 from labsid.gap.effects import disturbance, drifting, dynamics, input, output
 from labsid.gap.effects.base import Effect
+from labsid.gap.effects.context import Context
 from labsid.gap.explanation import Explanation, explain
 from labsid.gap.fitting import Fit, at_start, finish, rms, search
 from labsid.gap.forms import INNER_WAVE, LOAD_WAVE, WAVE, homes

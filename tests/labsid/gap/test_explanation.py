@@ -10,7 +10,7 @@ from scipy.signal import lfilter
 
 from labsid._arrays import FloatArray
 from labsid.gap.beam_search import is_improvement, residual_is_white, search_effects
-from labsid.gap.context import scaled
+from labsid.gap.data import scaled
 from labsid.gap.explanation import Explanation, explain, is_nuisance, unsimulated_effects, without_small_steps
 from labsid.gap.fitting import Fit, power
 from labsid.gap.linear_fits import LINEAR

@@ -9,7 +9,7 @@ from scipy.signal import lfilter
 
 from labsid._arrays import FloatArray
 from labsid.gap._kernels import delayed
-from labsid.gap.context import Data, Scale
+from labsid.gap.data import Data, Scale
 from labsid.gap.effects import disturbance, input, output
 from labsid.gap.fitting import Fit, at_start, covariance, finish, refit, rms, search
 from labsid.gap.hypothesis import NUISANCE_DELAY, Hypothesis
@@ -76,7 +76,7 @@ def test_numbers_of_an_effect_come_back(effect: object, own: list[float], start:
     theta = np.zeros(len(hypothesis.parameters))
     place = hypothesis.slices[effect.key]
     theta[hypothesis.slices["plant"]] = TRUTH[1:]
-    if not hypothesis.slices_has_delay:
+    if not hypothesis.delay_is_an_effect:
         theta[0] = 0.25
     begin = theta.copy()
     theta[place], begin[place] = own, start

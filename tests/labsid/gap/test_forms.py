@@ -8,7 +8,7 @@ import pytest
 
 from labsid._arrays import FloatArray
 from labsid.gap.candidates import finished, sketches
-from labsid.gap.context import Data, scaled
+from labsid.gap.data import Data, scaled
 from labsid.gap.effects import disturbance, drifting, dynamics, input, output
 from labsid.gap.effects.base import Effect
 from labsid.gap.explanation import Explanation, explain

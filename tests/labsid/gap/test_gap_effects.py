@@ -12,9 +12,10 @@ from scipy.signal import cont2discrete, lfilter
 from labsid._arrays import FloatArray
 from labsid.gap import report
 from labsid.gap.candidates import CANDIDATES
-from labsid.gap.context import Context, Data, Scale, scaled
+from labsid.gap.data import Data, Scale, scaled
 from labsid.gap.effects import curves, disturbance, drifting, dynamics, input, output
 from labsid.gap.effects.base import AdditiveEffect, Effect, Fitted, InputEffect, OutputEffect, PlantEffect
+from labsid.gap.effects.context import Context
 from labsid.gap.fitting import finish, search
 from labsid.gap.hypothesis import Hypothesis
 from labsid.gap.linear_fits import LINEAR, baseline
@@ -136,7 +137,7 @@ def test_every_effect_starts_inside_its_bounds_and_reports_the_agreed_parameters
         for start in starts:
             assert len(start) == len(effect.parameters)
             assert all(p.lower <= x <= p.upper for p, x in zip(effect.parameters, start, strict=True))
-    theta = np.clip(np.concatenate([[0.2] * (not hypothesis.slices_has_delay), np.zeros(60)]), None, None)
+    theta = np.clip(np.concatenate([[0.2] * (not hypothesis.delay_is_an_effect), np.zeros(60)]), None, None)
     theta = np.clip(theta[: len(hypothesis.parameters)], *hypothesis.bounds)
     theta[hypothesis.slices["plant"]][:2] = hypothesis.plant.starts(*parent.rates)[0][:2]
     design = hypothesis.design(theta, data.u)

@@ -8,7 +8,7 @@ import pytest
 from scipy.signal import lfilter
 from statsmodels.tsa.ar_model import AutoReg
 
-from labsid.gap.context import scaled
+from labsid.gap.data import scaled
 from labsid.gap.linear_fits import baseline
 from labsid.gap.noise import LONGEST, ORDERS, fit_noise, lags_for, whole_rows
 

@@ -45,15 +45,15 @@ def test_theta_holds_delay_inputs_plant_outputs_and_additive_effects_in_this_ord
 def test_slices_and_the_delay_cover_theta_once() -> None:
     for hypothesis in (FULL, FULL.plus(input.Delay()), Hypothesis()):
         covered = [i for place in hypothesis.slices.values() for i in range(place.start, place.stop)]
-        first = [] if hypothesis.slices_has_delay else [0]
+        first = [] if hypothesis.delay_is_an_effect else [0]
         assert sorted(first + covered) == list(range(len(hypothesis.parameters)))
 
 
 def test_a_delay_that_is_an_effect_takes_the_place_of_the_nuisance_one() -> None:
     hypothesis = Hypothesis((input.DeadZone(), input.Delay()))
     assert [parameter.name for parameter in hypothesis.parameters] == ["low", "high", "delay", "log_c", "log_k"]
-    assert hypothesis.slices_has_delay
-    assert not FULL.slices_has_delay
+    assert hypothesis.delay_is_an_effect
+    assert not FULL.delay_is_an_effect
 
 
 def test_the_input_of_a_spring_may_be_sampled_and_not_held() -> None:

@@ -9,7 +9,7 @@ from scipy.signal import lfilter
 from scipy.stats import kurtosis
 
 from labsid._arrays import FloatArray
-from labsid.gap.context import Data, scaled
+from labsid.gap.data import Data, scaled
 from labsid.gap.effects import output
 from labsid.gap.fitting import Fit, finish, search
 from labsid.gap.hypothesis import Hypothesis

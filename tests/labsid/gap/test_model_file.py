@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.signal import lfilter
 
-from labsid.gap.context import Scale
+from labsid.gap.data import Scale
 from labsid.gap.effects.dynamics import Overflow, SqrtOutflow
 from labsid.gap.effects.input import Delay, RateLimit
 from labsid.gap.hypothesis import Hypothesis

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from labsid._arrays import FloatArray
-from labsid.gap.context import Data, Scale
+from labsid.gap.data import Data, Scale
 from labsid.gap.effects import disturbance, input
 from labsid.gap.effects.base import Effect
 from labsid.gap.fitting import Fit, finish, search

@@ -8,7 +8,7 @@ from scipy.signal import cont2discrete, lfilter
 
 from labsid._arrays import FloatArray
 from labsid.gap.beam_search import search_effects
-from labsid.gap.context import Data, scaled
+from labsid.gap.data import Data, scaled
 from labsid.gap.diagnosis import Diagnosis, diagnose
 from labsid.gap.effects import dynamics, input, output
 from labsid.gap.fitting import Fit, finish, rms, search

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from labsid._arrays import FloatArray
-from labsid.gap.context import Data, Scale
+from labsid.gap.data import Data, Scale
 from labsid.gap.effects.disturbance import LoadStep
 from labsid.gap.fitting import Fit, finish, search
 from labsid.gap.hypothesis import Hypothesis

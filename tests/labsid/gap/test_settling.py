@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from labsid.gap.context import Data, scaled
+from labsid.gap.data import Data, scaled
 from labsid.gap.effects import dynamics
 from labsid.gap.fitting import NOTHING, Fit, Problem, finish, search
 from labsid.gap.hypothesis import Hypothesis

@@ -10,7 +10,7 @@ from scipy.linalg import expm
 
 from labsid._arrays import FloatArray
 from labsid.gap.candidates import finished, sketches
-from labsid.gap.context import scaled
+from labsid.gap.data import scaled
 from labsid.gap.effects.drifting import PoleDrift
 from labsid.gap.fitting import rms
 from labsid.gap.linear_fits import baseline, swift_fit

@@ -1,18 +1,11 @@
-"""The record as the search sees it: scaled, counted in samples, with the rows that the fits may use."""
+"""The record as the search uses it: scaled, time in samples, with the rows that the fits may use."""
 
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from labsid._arrays import FloatArray
 from labsid.gap.noise import lags_for, whole_rows
-
-if TYPE_CHECKING:
-    from labsid.gap.fitting import Fit
-
-
-LONG_STEP = 2000  # samples that a step of the input is followed for
 
 
 @dataclass(frozen=True, slots=True)
@@ -83,72 +76,6 @@ class Data:
     def samples(self) -> int:
         """N."""
         return int(self.u.size)
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Context:
-    """What the effects may look at to choose where their search begins.
-
-    Attributes
-    ----------
-    data : Data
-    parent : Fit
-        To which they are added.
-    swift : Fit or None
-        The linear structure fitted to what changes from sample to sample.
-    """
-
-    data: Data
-    parent: "Fit"
-    swift: "Fit | None" = None
-
-    @property
-    def residual(self) -> FloatArray:
-        """What the parent leaves, zero on the rows that do not count."""
-        return np.where(self.data.rows, self.data.y - self.parent.output, 0.0)
-
-    @property
-    def actuator(self) -> FloatArray:
-        """The signal that reaches the parent's dynamics."""
-        return self.parent.hypothesis.actuator(self.parent.theta, self.data.u)
-
-    @property
-    def levels(self) -> FloatArray:
-        """The different values of the input, ascending."""
-        return np.unique(np.round(self.data.u, 9))
-
-    @property
-    def rates(self) -> tuple[float, float]:
-        """c and k of the parent's linear dynamics."""
-        return self.parent.rates
-
-    @property
-    def gain(self) -> float:
-        """Change of the parent's output, long after a step of the input by one; zero where there is none."""
-        return _rise(self._step)
-
-    @property
-    def settling(self) -> float:
-        """Mean time in samples in which the parent's output follows a step of the input; zero where it does not."""
-        step = self._step
-        gain = _rise(step)
-        return max(float(np.sum((step[-1] - step[1:]) / gain)) - 0.5, 0.0) if gain else 0.0
-
-    @property
-    def _step(self) -> FloatArray:
-        fit, step = self.parent, np.repeat((0.0, 1.0), LONG_STEP)
-        outputs = [fit.hypothesis.output(fit.theta, fit.gains, u) for u in (step, np.zeros_like(step))]
-        return np.asarray(outputs[0] - outputs[1])[LONG_STEP - 1 :]  # without loads, drifts and waves
-
-    @property
-    def swift_rates(self) -> tuple[float, float]:
-        """The same from the swift part of the record: what drifts or jumps has pulled less at them."""
-        return (self.swift or self.parent).rates
-
-
-def _rise(step: FloatArray) -> float:
-    gain = float(step[-1] - step[0])
-    return gain if np.isfinite(gain) else 0.0
 
 
 def scaled(
