@@ -1,4 +1,4 @@
-"""The search among combinations: one effect, a second and a third on top of the best, exchanged and left out again."""
+"""Beam search over combinations of effects: add up to three effects one by one, replace single ones, then prune."""
 
 from collections.abc import Callable, Collection, Iterable
 from dataclasses import replace
@@ -30,38 +30,45 @@ Progress = Callable[[str, float], None]
 Level = dict[tuple[str, ...], Fit]
 Levels = tuple[Level, ...]
 
-BEAM_WIDTH = 3  # best first effects on top of which a second one is tried; a third one only on the best pair
-FREE_RUN_TOLERANCE = 1.2  # of the error of the free run
-EXTRA_PARENTS = 2  # and those with the smallest error of the free run
-SLOW_RATIO = 4.0  # mean square error over the variance of its innovations
-REFINED_EFFECTS = 12  # second and third effects that are taken further than a sketch, of each parent
-FITTED_EFFECTS = 6  # second and third effects that are taken to the end, of each parent
-FITTED_REPLACEMENTS = 3  # the same, in the place of another
-POLISHED_FITS = 6
-BIC_MARGIN = 12.0  # BIC: what one effect more has to gain
-ROUNDING_ERROR = 1e-6  # scaled: a difference of rounding, the file's own included
-ROUNDING_ONLY = 0.06  # of half a converter step: what may lie beyond it
-NOT_ROUNDING = 0.3  # the same, from which no fit is drawn within
-ROUNDING_PASSES = 4  # times
-MIN_CHANGE = 0.3  # change of the simulation over the standard deviation of what is left
+BEAM_WIDTH = 3  # best one-effect fits to which a second effect is added; only the best pair gets a third
+FREE_RUN_TOLERANCE = 1.2  # free-run error over that of the baseline, up to which a whiter baseline is accepted
+EXTRA_PARENTS = 2  # further one-effect fits: those with the smallest free-run error
+SLOW_RATIO = 4.0  # mean square error over the variance of its innovations, from which the residual is slow
+REFINED_EFFECTS = 12  # second and third effects per parent whose sketches are refined
+FITTED_EFFECTS = 6  # second and third effects per parent that are fitted completely
+FITTED_REPLACEMENTS = 3  # effects fitted completely in place of another one
+POLISHED_FITS = 6  # best fits of a level
+BIC_MARGIN = 12.0  # smallest BIC gain of one more effect
+ROUNDING_ERROR = 1e-6  # scaled units: smaller differences are rounding, of the file included
+ROUNDING_ONLY = 0.06  # rms excess over half a converter step, in half steps, below which the residual is rounding
+NOT_ROUNDING = 0.3  # the same excess, above which refitting cannot bring the residual within rounding
+ROUNDING_PASSES = 4  # refits towards the interval that rounding allows
+MIN_CHANGE = 0.3  # smallest change of the output, over the standard deviation of the residual
 
 
 def search_effects(
     data: Data, structure: Hypothesis, start: FloatArray | None, most: int, progress: Progress | None
 ) -> tuple[Levels, tuple[Fit, ...]]:
-    """All levels that were tried, and the accepted path.
+    """Search for the effects that explain a record.
 
     Parameters
     ----------
     data : Data
     structure : Hypothesis
-        What the simulation under test already holds.
+        Structure of the simulation under test, with the effects it already contains.
     start : ndarray, optional
-        Its numbers, where they are known.
+        Parameters of that structure, if known.
     most : int
-        How many effects at most.
+        Largest number of effects.
     progress : callable, optional
-        Called with what is being done and the share of it that is done.
+        Called with a description of the current step and the completed share of it.
+
+    Returns
+    -------
+    levels : tuple of dict
+        The best fit of every combination tried, by number of effects.
+    path : tuple of Fit
+        From the baseline to the accepted fit, one effect more at each step.
     """
     base = baseline(data, structure, start)
     swift = swift_fit(data, base)
@@ -86,7 +93,7 @@ def search_effects(
 def _search_from(
     data: Data, base: Fit, swift: Fit, most: int, progress: Progress | None, driven: bool = False
 ) -> tuple[Levels, tuple[Fit, ...]]:
-    """All levels tried on top of a baseline, and the accepted path; where `driven`, no pole goes on alone."""
+    """Levels and accepted path of the search from one baseline; if `driven`, the input must excite every pole."""
 
     def disguised(fit: Fit) -> bool:
         return has_become_a_mode(base, fit) or (driven and goes_on_alone(data, fit))
@@ -120,9 +127,9 @@ def _search_from(
 
 
 def _whiter_baseline(data: Data, base: Fit, swift: Fit) -> Fit:
-    """The baseline, from where the swift part of the record has brought it if that leaves whiter noise.
+    """The baseline, or its refit from the differenced record if that leaves whiter residuals.
 
-    Strongly coloured noise pulls a free run to rates that follow the noise.
+    Strongly coloured noise biases the rates of a free-run fit.
     """
     if swift.theta.size != base.theta.size:
         return base
@@ -132,9 +139,9 @@ def _whiter_baseline(data: Data, base: Fit, swift: Fit) -> Fit:
 
 
 def _parents(data: Data, level: Level) -> list[Fit]:
-    """First effects on top of which a second one is tried: the best, and those that run free best.
+    """One-effect fits to which a second effect is added: those of lowest BIC, and those of lowest free-run error.
 
-    Where much of the residual is slow, the innovations say little about an effect without its companion.
+    Free-run error counts if the residual is slow: the innovations then say little about one effect of a pair.
     """
     ranked = sorted(level.values(), key=_bic)
     free = sorted(ranked[BEAM_WIDTH:], key=lambda fit: power(data, fit))
@@ -143,7 +150,7 @@ def _parents(data: Data, level: Level) -> list[Fit]:
 
 
 def keep_best(level: Level, fits: Iterable[Fit | None]) -> None:
-    """Take into a level the fits that are the best of their names."""
+    """Keep the fit of lowest BIC for each combination of names."""
     for fit in fits:
         if fit is not None:
             names = tuple(sorted(fit.hypothesis.names))
@@ -154,7 +161,7 @@ def keep_best(level: Level, fits: Iterable[Fit | None]) -> None:
 def _extensions(
     data: Data, parent: Fit, swift: Fit, step: int, progress: Progress | None, place: tuple[int, int]
 ) -> list[list[Sketch]]:
-    """Sketches of one effect more, by effect; of a second or third one only those that promise most."""
+    """Sketches of the fits with one more effect, grouped by effect; from the second effect on, only the best groups."""
     tried = []
     plain = _with_constant_load(data, parent)
     for number, group in enumerate(CANDIDATES):
@@ -168,9 +175,9 @@ def _extensions(
 
 
 def _with_constant_load(data: Data, parent: Fit) -> Fit:
-    """The parent with a load that does not grow with the state in the place of one that does.
+    """The parent with a constant load in place of a state-dependent one.
 
-    The latter's dynamics hold no nonlinear state; beside one, it grows again.
+    The dynamics of a state-dependent load cannot be combined with a nonlinear state.
     """
     old = parent.hypothesis
     if LEAK not in old.effects:
@@ -190,7 +197,7 @@ def _best_groups(tried: list[list[Sketch]], count: int) -> list[list[Sketch]]:
 
 
 def _replacements(data: Data, fit: Fit, swift: Fit) -> Iterable[Fit | None]:
-    """Another effect in the place of each of a fit's own, from where that one has brought the others."""
+    """Fits with one of the effects replaced by another, started from the parameters of the remaining effects."""
     for i in range(fit.hypothesis.known, len(fit.hypothesis.effects)):
         parent = without(data, fit, i)
         if parent is not None:
@@ -203,7 +210,7 @@ def _replacements(data: Data, fit: Fit, swift: Fit) -> Iterable[Fit | None]:
 
 
 def _pruned(data: Data, levels: list[Level], path: list[Fit]) -> tuple[Fit, ...]:
-    """The path without an effect that a later one has made superfluous."""
+    """The path without effects that a later one has made redundant."""
     while len(path) > 2:
         best = path[-1]
         fewer = []
@@ -220,7 +227,7 @@ def _pruned(data: Data, levels: list[Level], path: list[Fit]) -> tuple[Fit, ...]
 
 
 def _polish_best(data: Data, level: Level, done: Collection[int] = ()) -> None:
-    """Take the best of a level to the end, in the form that suits them, but for those that are `done`, by identity."""
+    """Polish the best fits of a level in their best form, except those in `done` (by identity)."""
     for names, fit in sorted(level.items(), key=lambda item: item[1].bic)[:POLISHED_FITS]:
         if id(fit) in done:
             continue
@@ -228,12 +235,12 @@ def _polish_best(data: Data, level: Level, done: Collection[int] = ()) -> None:
 
 
 def _in_best_form(data: Data, fit: Fit) -> Fit:
-    """The fit in the form that suits it, taken to the end."""
+    """The polished fit, in the best of its equivalent forms."""
     return polish(data, min((settle(data, one) for one in _alternative_forms(data, fit)), key=price))
 
 
 def _alternative_forms(data: Data, fit: Fit) -> list[Fit]:
-    """The fit, and the same effects in other forms."""
+    """The fit, and fits of the same effects in other forms."""
     points = [(other, search(data, other, carried(fit, other), iterations=8)) for other in rearranged(fit.hypothesis)]
     forms = [finish(data, other, point) for other, point in points if point is not None]
     found = len(fit.hypothesis.effects) - fit.hypothesis.known
@@ -241,14 +248,14 @@ def _alternative_forms(data: Data, fit: Fit) -> list[Fit]:
 
 
 def _best_accepted(data: Data, simpler: Fit, level: Level) -> Fit | None:
-    """The best of a level that is worth its further effect."""
+    """The best fit of a level that improves on `simpler`; None if there is none."""
     if within_rounding(data, simpler):
         return None
     return next((fit for fit in sorted(level.values(), key=_bic) if is_improvement(data, simpler, fit)), None)
 
 
 def best_path(data: Data, levels: Levels) -> tuple[Fit, ...]:
-    """The path through levels that were fitted anew."""
+    """The accepted path through levels whose fits have been repeated."""
     path = list(levels[0].values())
     for level in levels[1:]:
         best = _best_accepted(data, path[-1], level)
@@ -263,21 +270,21 @@ def _bic(fit: Fit) -> float:
 
 
 def residual_is_white(data: Data, fit: Fit) -> bool:
-    """Whether the residual is white and the input has no part in it: no further effect could gain anything."""
+    """Whether the residual is white and independent of the input, so that no further effect can gain anything."""
     if within_rounding(data, fit):
         return True
     return power(data, fit) < 1.03 * fit.noise.sigma2 and explained_share(data, fit, data.y - fit.output) < 0.01
 
 
 def is_improvement(data: Data, simpler: Fit, fit: Fit) -> bool:
-    """Whether `fit` explains significantly more than `simpler`, and something that matters."""
+    """Whether `fit` gains enough BIC over `simpler` and changes the output by more than the noise hides."""
     return bool(simpler.bic - fit.bic > BIC_MARGIN and differ(data, simpler, fit, MIN_CHANGE))
 
 
 def within_rounding(data: Data, fit: Fit) -> bool:
-    """Whether all that a fit leaves may be the converter's rounding: what betters it further fits the rounding.
+    """Whether the residual may be quantization alone, so that any further gain would fit the rounding.
 
-    The true output may lie anywhere within half a step of a reading; the fit is drawn towards the nearest such point.
+    The true output lies within half a step of each reading; the fit is repeated on the nearest such output.
     """
     half = 0.5 * data.lattice
     for _ in range(ROUNDING_PASSES):
@@ -292,10 +299,10 @@ def within_rounding(data: Data, fit: Fit) -> bool:
 
 
 def differ(data: Data, simpler: Fit, fit: Fit, size: float) -> bool:
-    """Whether two simulations differ by more than `size` standard deviations of what the second one leaves."""
+    """Whether two outputs differ by more than `size` standard deviations of the residual of the second."""
     return bool(rms_difference(data, simpler, fit) > max(size * rms(data, fit), ROUNDING_ERROR))
 
 
 def rms_difference(data: Data, simpler: Fit, fit: Fit) -> float:
-    """By how much two simulations differ, rms over the rows that count."""
+    """Rms difference of two outputs over the counted rows."""
     return float(np.sqrt(np.mean((fit.output - simpler.output)[data.rows] ** 2)))

@@ -1,4 +1,4 @@
-"""From everything that was tried to an answer: which names, how sure, what cannot be told apart, or `unknown`."""
+"""Decide on the effects to name, with their probabilities and rivals, or on the verdict `unknown`."""
 
 from collections import defaultdict
 from dataclasses import dataclass
@@ -12,37 +12,37 @@ from labsid.gap.explanation import Explanation
 from labsid.gap.fitting import Fit, power
 from labsid.gap.leftover import SLOW, Leftover, is_noise
 
-TEMPERATURE = 4.0  # BIC counts for less than theory says: models are never exactly true
-MIN_RIVAL_PROBABILITY = 0.03  # probability below which a rival is left out of the set
+TEMPERATURE = 4.0  # divides BIC differences: models are never exact
+MIN_RIVAL_PROBABILITY = 0.03  # of an alternative to be reported as ambiguous
 MAX_RIVALS = 3
-MAX_UNREPEATED = 0.15  # of the scatter of the levels: a true drift or load leaves a few hundredths
-UNREPEATED_FACTOR = 0.4  # how far an explanation is to be trusted that leaves more
-MIN_CONFIDENCE = 0.5  # probability below which the answer is `unknown`
-MISMATCH = "parameter-mismatch"
-DIRECT_EVIDENCE = (
-    0.8  # probability of a stop that the output is seen to stand against, or of what leads, whatever else acts
+MAX_UNREPEATED = (
+    0.15  # unexplained share of the scatter of repeated levels; a true drift or load leaves a few hundredths
 )
-LEADING_REDUCTION = 5.0  # times that an effect by itself shrinks the error, where it leads
-LEADING_CLOSED = 0.8  # of the gap that is then closed, whatever else acts
-LEADING_MARGIN = 3.0  # times the error that every other effect by itself leaves, there
+UNREPEATED_FACTOR = 0.4  # factor on the confidence if more is left
+MIN_CONFIDENCE = 0.5  # below which the verdict is `unknown`
+MISMATCH = "parameter-mismatch"
+DIRECT_EVIDENCE = 0.8  # probability of a stop visible in the record, or of the leading effect, whatever else acts
+LEADING_REDUCTION = 5.0  # factor by which a leading effect alone reduces the error
+LEADING_CLOSED = 0.8  # share of the gap that the whole explanation then closes
+LEADING_MARGIN = 3.0  # error of every other single effect over that of the leading one
 
 
 class Evidence(NamedTuple):
-    """What speaks against an explanation, each zero where nothing does.
+    """Evidence against an explanation; zero means none.
 
     Attributes
     ----------
     colour : float
-        Logarithm of the residual's spread over that of its innovations; less of it where the input has no part in it,
-        and without an effect only that of a slow one.
+        Logarithm of the standard deviation of the residual over that of its innovations; reduced if the residual is
+        independent of the input, and without effects counted for a slow residual only.
     repeats : float
-        Root of the share of the residual that comes back with the input, or that a function of its past predicts.
+        Square root of the share of the residual that repeats with the input, or that past inputs predict.
     activity : float
-        The same of its magnitude.
+        The same for the magnitude of the residual.
     tails : float
         Logarithm of the kurtosis over that of normal noise.
     short : float
-        How much of the gap the explanation leaves open on samples that no fit has seen, beyond what chance does.
+        Share of the gap left open on held-out samples, beyond chance.
     """
 
     colour: float = 0.0
@@ -54,32 +54,32 @@ class Evidence(NamedTuple):
 
 PRIOR = 3.5
 EVIDENCE_WEIGHTS = Evidence(colour=-5.2, repeats=-6.0, activity=-3.0, tails=-4.0, short=-4.0)
-SEVERAL_EFFECTS = -1.7  # by two effects or more
+SEVERAL_EFFECTS = -1.7  # for two effects or more
 ERROR_REDUCTION = 0.33
-CHANCE_SHORTFALL = 0.1  # of the gap
-CHANCE_PREDICTION = 0.07  # share of coloured noise that a function of the input's past may seem to predict
+CHANCE_SHORTFALL = 0.1  # share of the gap left open by chance
+CHANCE_PREDICTION = 0.07  # share of coloured noise that past inputs may predict by chance
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Decision:
-    """The answer.
+    """Verdict and named effects.
 
     Attributes
     ----------
     verdict : str
         "none", "effect" or "unknown".
     names : tuple of str
-        The effects in the order in which they were added.
+        The effects, in the order in which they were added.
     probability : dict
         By name.
     ambiguous : tuple of str
-        Names that the record cannot tell from the ones above.
+        Alternatives that the record cannot exclude.
     weights : dict
-        Probability of every combination that was tried at the accepted level, by names; the rest is for other causes.
+        Probability of every combination tried with as many effects; the remainder is for other causes.
     closed : float
-        Share of the gap that the explanation closes on the fitted samples.
+        Share of the gap closed on the fitted samples.
     beside : tuple of str
-        Effects of the accepted hypothesis that are not named, where others of it are.
+        Effects of the accepted fit that are not named, if others are.
     """
 
     verdict: str
@@ -94,28 +94,28 @@ class Decision:
 def decide(
     explanation: Explanation, left: Leftover, given: Fit | None, confidence: float, at_stop: bool = False
 ) -> Decision:
-    """Weigh the candidates of the accepted level against each other, and against other causes.
+    """Compare the candidates of the accepted level with each other and with an unknown cause.
 
-    An explanation that is not to be trusted names nothing, but for a stop that the record itself shows, and for an
-    effect that by itself shrinks the error as none of the others does: neither depends on what else acts.
+    With too little confidence nothing is named, except a stop that is visible in the record and an effect that alone
+    reduces the error far more than any other.
 
     Parameters
     ----------
     explanation : Explanation
     left : Leftover
-        Of the accepted hypothesis.
+        Of the accepted fit.
     given : Fit or None
-        The simulation that was given, as it is.
+        The given simulation, not refitted.
     confidence : float
-        Probability that the explanation is the right one.
+        Probability that the explanation is right.
     at_stop : bool
-        Whether the record shows the output standing against a stop.
+        Whether the record shows the output at a stop.
     """
     level = len(explanation.best.hypothesis.names)
     weights = _weights(explanation, level)
     simulated = explanation.best.hypothesis.names
     noise = is_noise(left, "output-quantization" in explanation.unsimulated)
-    # What repeats itself with the input is no noise of the sensor, however slow it is.
+    # A residual that repeats with the input is not sensor noise, however slow it is.
     added = (
         explanation.unsimulated
         if noise
@@ -149,7 +149,7 @@ def decide(
 
 
 def leading_effect(explanation: Explanation) -> str | None:
-    """The effect that by itself shrinks the error many times, as none of the others does; None where there is none."""
+    """The effect that alone reduces the error far more than any other; None if there is none."""
     data, alone = explanation.data, explanation.levels[1] if len(explanation.levels) > 1 else {}
     left = sorted((power(data, fit), names[0]) for names, fit in alone.items() if len(names) == 1)
     if len(left) < 2:
@@ -160,7 +160,7 @@ def leading_effect(explanation: Explanation) -> str | None:
 
 
 def _weights(explanation: Explanation, level: int) -> dict[tuple[str, ...], float]:
-    """Probabilities of the combinations of `level` names, from their BIC."""
+    """Probabilities of the combinations of `level` effects, from their BIC."""
     fits = explanation.levels[level]
     best = explanation.best.bic
     raw = {names: float(np.exp(-max(fit.bic - best, 0.0) / (2.0 * TEMPERATURE))) for names, fit in fits.items()}
@@ -171,35 +171,35 @@ def _weights(explanation: Explanation, level: int) -> dict[tuple[str, ...], floa
 def confidence_in(
     explanation: Explanation, left: Leftover, closed: float | None = None, unrepeated: float = 0.0
 ) -> float:
-    """Probability that the accepted explanation, `none` included, is the right one, by what it leaves.
+    """Probability that the accepted explanation (possibly no effect) is right, from its residual.
 
-    A logistic regression on the `dev` records of the sealed check. The right explanation leaves white noise, or that of
-    a sensor, which forgets itself within a few samples and in which the input has no part; a patchwork over something
-    unknown leaves a slow residual, or one that comes back with the input.
+    A logistic regression fitted to the `dev` records of the sealed check. The right explanation leaves white noise, or
+    sensor noise that is correlated over a few samples and independent of the input. Effects that imitate an unknown
+    cause leave a slow residual, or one that repeats with the input.
 
     Parameters
     ----------
     explanation : Explanation
     left : Leftover
-        Of the accepted hypothesis.
+        Of the accepted fit.
     closed : float, optional
-        Share of the gap that the explanation closes on samples that no fit has seen.
+        Share of the gap closed on held-out samples.
     unrepeated : float
-        Where most of the gap is that the output does not come back to its levels at the same input: how much of that
-        the accepted explanation leaves, zero for all explanation.
+        If the gap is mainly in levels that do not repeat at the same input: the share of it that the explanation leaves
+        open, else 0.
     """
     path = explanation.path
     steps = len(path) - 1
     converted = "output-quantization" in explanation.unsimulated
-    wandering = False  # noise so slow that levels do not come back for it
+    wandering = False  # noise slow enough to keep levels from repeating
     if converted:
-        evidence = Evidence()  # rounding repeats itself with the input, and jumps
+        evidence = Evidence()  # rounding repeats with the input, and jumps
     else:
         colour = float(np.log(max(left.colour, 1.0)))
         if not steps:
             colour *= 0.5 * max(left.slow, 0.0)
         quiet = steps > 0 and is_noise(left, converted=False) and left.activity_z < 3.0
-        colour *= 0.4 if quiet else 1.0  # noise beside an effect, with no sign of the input in it
+        colour *= 0.4 if quiet else 1.0  # noise that is independent of the input
         wandering = quiet and "coloured-noise" in explanation.unsimulated
         foretold = left.explained if not quiet or left.explained > CHANCE_PREDICTION else 0.0
         evidence = Evidence(
@@ -219,14 +219,14 @@ def confidence_in(
 
 
 def _shortfall(explanation: Explanation, closed: float | None) -> float:
-    """What stays open of the gap, beyond chance; of coloured noise nobody knows the floor."""
+    """Share of the gap left open beyond chance; zero with coloured noise, whose floor is unknown."""
     if closed is None or len(explanation.path) == 1 or "coloured-noise" in explanation.unsimulated:
         return 0.0
     return float(np.clip(1.0 - closed - CHANCE_SHORTFALL, 0.0, 1.0))
 
 
 def closed_on_fit(explanation: Explanation, left: Leftover, added: tuple[str, ...]) -> float:
-    """Share of the gap that the explanation closes on the fitted samples: what is left of it is no noise."""
+    """Share of the gap closed on the fitted samples; the structured part of the residual counts as open."""
     path = explanation.path
     before = power(explanation.data, path[0])
     after, white = left.rms**2, path[-1].noise.sigma2
@@ -238,5 +238,5 @@ def closed_on_fit(explanation: Explanation, left: Leftover, added: tuple[str, ..
 
 
 def mismatch_probability(given: Fit, free: Fit) -> float:
-    """Probability that the numbers of the given simulation are wrong, against that it is right as it is."""
+    """Probability that the parameters of the given simulation are wrong."""
     return float(1.0 / (1.0 + np.exp(-max(given.bic - free.bic, 0.0) / (2.0 * TEMPERATURE))))

@@ -1,4 +1,4 @@
-"""What next: the input, within the range used so far, that would separate two explanations best."""
+"""Design the next experiment: the input, within the range used so far, that best distinguishes two explanations."""
 
 from dataclasses import dataclass, replace
 
@@ -9,7 +9,7 @@ from labsid.gap.data import Data
 from labsid.gap.fitting import Fit, search
 
 MAX_SAMPLES = 2000
-MIN_MARGIN = 6.0  # margin below which the decision would be a coin toss: the input is not worth playing
+MIN_MARGIN = 6.0  # BIC below which the decision would be random, so that no input is proposed
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -24,7 +24,7 @@ class Experiment:
     u : ndarray, shape (N,)
         In the record's unit, at its sampling time.
     margin : float
-        BIC by which the better of the two would win on average.
+        Expected BIC difference between the two explanations.
     """
 
     separates: tuple[str, ...]
@@ -34,7 +34,7 @@ class Experiment:
 
 
 def next_experiment(data: Data, first: Fit, second: Fit, rng: np.random.Generator) -> Experiment | None:
-    """Choose among inputs of several kinds the one on which the second explanation, refitted, misses the first most.
+    """Choose the input on which the refitted second explanation differs most from the first.
 
     Parameters
     ----------
@@ -47,14 +47,14 @@ def next_experiment(data: Data, first: Fit, second: Fit, rng: np.random.Generato
     Returns
     -------
     Experiment or None
-        None where no input of these tells the two apart more surely than a coin toss.
+        None if no candidate input distinguishes the two.
     """
     samples = min(data.samples, MAX_SAMPLES)
     noise = first.noise.sigma2
     best: Experiment | None = None
     for why, u in _inputs(data, samples, first.rates, rng):
         y = first.hypothesis.output(first.theta, first.gains, u)
-        if not np.isfinite(y).all() or np.abs(y).max() > 6.0:  # leaves the range that the record has seen
+        if not np.isfinite(y).all() or np.abs(y).max() > 6.0:  # outside the range of the record
             continue
         played = replace(data, u=u, y=y, rows=np.ones(samples, bool))
         point = search(played, second.hypothesis, second.theta, second.gains, iterations=10)
@@ -70,7 +70,7 @@ def next_experiment(data: Data, first: Fit, second: Fit, rng: np.random.Generato
 def _inputs(
     data: Data, samples: int, rates: tuple[float, float], rng: np.random.Generator
 ) -> list[tuple[str, FloatArray]]:
-    """Inputs over the range of the record's: levels, two levels, ramps, sinusoids, steps of both signs and sizes."""
+    """Candidate inputs over the range of the record: random levels, two levels, a sweep, a staircase, ramps."""
     low, high = float(data.u.min()), float(data.u.max())
     c, k = rates
     hold = int(np.clip(c / max(k, 1e-9), 3, samples / 12))
@@ -88,8 +88,8 @@ def _inputs(
     return [
         ("random levels over the whole range, each held for about one time constant", levels),
         ("random levels over the whole range, each held for a third of a time constant", swift),
-        ("two levels, the ends of the range", two),
-        ("a sinusoid over the whole range that becomes faster", middle + half * np.sin(2.0 * np.pi * sweep)),
+        ("random switching between the ends of the range", two),
+        ("a sine sweep over the whole range", middle + half * np.sin(2.0 * np.pi * sweep)),
         ("a staircase up and down over the whole range", staircase),
         ("ramps up and down over the whole range", ramps),
     ]

@@ -1,4 +1,4 @@
-"""Which effects: single ones first, then a second and a third on top of the best, as long as it gains enough."""
+"""The explanation of a record: screen its samples, run the beam search, keep the effects large enough to be named."""
 
 from dataclasses import dataclass, replace
 
@@ -15,39 +15,41 @@ from labsid.gap.leftover import SLOW, slow_colour
 from labsid.gap.linear_fits import LINEAR, baseline
 from labsid.gap.sample_faults import SampleFaults, find_held, find_lattice, find_spikes
 
-CONVERTER_LIMITED = 1.3**2  # of the variance that is no rounding: from here on the converter is what limits the record
-CONVERTER_LIMITED_HELD = 0.7  # the same where the logger holds values: on a coarse lattice some of that is never found
-MAX_FALSE_SPIKES = 0.03  # of the samples: spikes that the baseline's error made, for which the search is repeated
-MIN_NAMED_CHANGE = (MIN_CHANGE, 1.0, 2.0)  # the same, for a first, second and third effect that is named
+CONVERTER_LIMITED = (
+    1.3**2
+)  # rounding variance over the other noise variance, from which the converter limits the record
+CONVERTER_LIMITED_HELD = 0.7  # the same if the logger holds values: on a coarse lattice not every hold is detected
+MAX_FALSE_SPIKES = 0.03  # share of the samples: spikes due to the baseline's error, above which the search is repeated
+MIN_NAMED_CHANGE = (MIN_CHANGE, 1.0, 2.0)  # for a first, second and third effect to be named
 MIN_SHARE_OF_GAP = (
-    0.07  # the same over the error of the baseline, for a second and a third effect: true ones make up 0.14
+    0.07  # change of the output over the baseline's error, for a second and third effect; true ones reach 0.14
 )
-MIN_UNRIVALLED_CHANGE = 0.6  # the same, below which a first effect that is not told from others is none
-UNDECIDED_BIC = 6.0  # BIC
+MIN_UNRIVALLED_CHANGE = 0.6  # for a first effect that has rivals of nearly the same BIC
+UNDECIDED_BIC = 6.0  # BIC difference below which two fits are not distinguished
 BAD_SAMPLE_RATIO = 1.3  # mean square error with the bad samples over that without them
-COLOUR_RATIO = 1.3  # standard deviation of the noise over that of its innovations
-ROUNDING_RATIO = 1.3  # mean square error over that of the converter alone
+COLOUR_RATIO = 1.3  # standard deviation of the noise over that of its innovations, above which noise is coloured
+ROUNDING_RATIO = 1.3  # mean square error over that of the converter alone, above which it is more than rounding
 SLOW_RESIDUAL_RATIO = 4.0  # standard deviation of the residual over that of its innovations
-MAX_ERROR_RATIO = 0.8  # of the error on blocks that were not fitted
+MAX_ERROR_RATIO = 0.8  # error on the blocks left out, with an effect over without it
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Explanation:
-    """Everything that was tried on a record.
+    """All fits of a record, and the accepted ones.
 
     Attributes
     ----------
     data : Data
-        With the rows that the fits counted.
-    faults : RawFaults
+        With the rows that were fitted.
+    faults : SampleFaults
     levels : tuple of dict
-        Level n: the best fit of every combination of n names that was tried, by its sorted names; 0 the baseline.
+        Level n holds the best fit of every combination of n effects tried, by sorted names; level 0 is the baseline.
     path : tuple of Fit
-        From the baseline to the accepted hypothesis, one effect more at each step.
+        From the baseline to the accepted fit, one effect more at each step.
     unsimulated : tuple of str
-        Effects that no simulation shows: of single samples, and coloured noise.
+        Effects found in the samples, not by simulation: held samples, spikes, quantization, coloured noise.
     trimmed : tuple of Fit
-        What the search went on to from there: steps that gain significantly, but too little to be named.
+        Further steps of the search: significant, but too small to be named.
     """
 
     data: Data
@@ -59,20 +61,20 @@ class Explanation:
 
     @property
     def best(self) -> Fit:
-        """The accepted hypothesis."""
+        """The accepted fit."""
         return self.path[-1]
 
     def up_to(self, level: int) -> "Explanation":
-        """The same without the effects beyond a level of the path."""
+        """The explanation cut to the first `level` effects."""
         return replace(self, path=self.path[: level + 1], trimmed=())
 
     def untrimmed(self) -> "Explanation":
-        """The same with the steps that are too small to be named."""
+        """The explanation with the steps that are too small to be named."""
         return replace(self, path=self.path + self.trimmed, trimmed=())
 
     @property
     def names(self) -> tuple[str, ...]:
-        """All effects."""
+        """Names of all effects."""
         return (*self.best.hypothesis.names, *self.unsimulated)
 
 
@@ -89,13 +91,13 @@ def explain(
     ----------
     data : Data
     structure : Hypothesis
-        What the simulation under test already holds.
+        Structure of the simulation under test, with the effects it already contains.
     start : ndarray, optional
-        Its numbers, where they are known.
+        Parameters of that structure, if known.
     most : int
-        How many effects at most.
+        Largest number of effects.
     progress : callable, optional
-        Called with what is being done and the share of it that is done.
+        Called with a description of the current step and the completed share of it.
     """
     y = np.asarray(data.y_scale.back(data.y))
     lattice, off = find_lattice(y)
@@ -111,7 +113,7 @@ def explain(
     if residual_is_slow(clean, path[-1]):
         other_levels, other = search_effects(replace(clean, by_free_run=True), structure, start, min(most, 2), progress)
         if power(clean, other[-1]) > COLOUR_RATIO**2 * other[-1].noise.sigma2:
-            other = cross_validated(clean, other)  # what leaves hardly any colour needs no other proof
+            other = cross_validated(clean, other)  # an explanation with nearly white residuals needs no validation
         if len(other) > 1 and power(clean, other[-1]) < 0.5 * power(clean, path[-1]):
             levels, path = other_levels, other
     whole, path = path, without_small_steps(clean, path)
@@ -130,16 +132,16 @@ def _search_without_spikes(
     most: int,
     progress: Progress | None,
 ) -> tuple[Data, np.ndarray, Levels, tuple[Fit, ...]]:
-    """The beam search without the spikes, which are judged beside the best explanation: it may be what makes them.
+    """Run the beam search without the spikes, and detect the spikes again on the residual of the best fit.
 
-    Samples `off` the lattice on which all others lie are spikes in any case.
+    Samples `off` the lattice of the others are always spikes.
     """
     first = baseline(replace(data, rows=usable), structure, start)
     spikes = off | find_spikes(data.y - first.output, usable, data.lattice)
     clean = replace(data, rows=usable & ~spikes)
     levels, path = search_effects(clean, structure, start, most, progress)
     again = off | find_spikes(data.y - path[-1].output, usable, data.lattice)
-    hidden, made = (again & ~spikes).sum(), (spikes & ~again).sum()  # by the baseline's error
+    hidden, made = (again & ~spikes).sum(), (spikes & ~again).sum()  # because of the baseline's error
     if hidden > 0.2 * max(again.sum(), 10) or made > MAX_FALSE_SPIKES * data.samples:
         clean = replace(data, rows=usable & ~again)
         levels, path = search_effects(clean, structure, start, most, progress)
@@ -153,19 +155,19 @@ def _search_without_spikes(
 
 
 def is_nuisance(data: Data, level: dict[tuple[str, ...], Fit], path: tuple[Fit, ...]) -> bool:
-    """Whether a first effect is small beside the noise, and another one does as well: then it is a nuisance."""
+    """Whether a single effect is small compared with the noise and has a rival of similar BIC."""
     rivals = [fit for fit in level.values() if fit is not path[1] and fit.bic - path[1].bic < UNDECIDED_BIC]
     return bool(rivals) and not differ(data, path[0], path[1], MIN_UNRIVALLED_CHANGE)
 
 
 def residual_is_slow(data: Data, fit: Fit) -> bool:
-    """Whether most of what is left is slow: the innovations then say little about the free run."""
+    """Whether most of the residual is slow, so that the innovations say little about the free run."""
     e = data.y - fit.output
     return power(data, fit) > SLOW_RESIDUAL_RATIO**2 * fit.noise.sigma2 and slow_colour(e, data.rows) > SLOW
 
 
 def cross_validated(data: Data, path: tuple[Fit, ...]) -> tuple[Fit, ...]:
-    """The steps of a path that also help on blocks which their refits have not seen: chance and mere wander do not."""
+    """The steps of a path that also reduce the error on blocks left out of their refits."""
     blocks = held_out_samples(data.samples)
     fitted = replace(data, rows=data.rows & ~blocks)
     kept = [path[0]]
@@ -190,9 +192,9 @@ def cross_validated(data: Data, path: tuple[Fit, ...]) -> tuple[Fit, ...]:
 
 
 def without_small_steps(data: Data, path: tuple[Fit, ...]) -> tuple[Fit, ...]:
-    """The path without the steps at its end that are significant but small: they mend what another effect is not quite.
+    """The path without the significant but small steps at its end.
 
-    Two real effects each leave a mark; a further one that only trims the residual is more often a patch.
+    Such a step usually corrects an error in the model of another effect.
     """
     last = len(path) - 1
     patch = MIN_SHARE_OF_GAP * rms(data, path[0])
@@ -205,7 +207,7 @@ def without_small_steps(data: Data, path: tuple[Fit, ...]) -> tuple[Fit, ...]:
 
 
 def unsimulated_effects(data: Data, clean: Data, faults: SampleFaults, best: Fit) -> tuple[str, ...]:
-    """Effects that explain a gap without changing the simulation's course."""
+    """Effects that cause a gap without changing the simulated output: sample faults, quantization, coloured noise."""
     e = data.y - best.output
     floor = float(np.mean(e[clean.rows] ** 2))
     found = []
@@ -224,13 +226,13 @@ def unsimulated_effects(data: Data, clean: Data, faults: SampleFaults, best: Fit
         rounding = 0.0
     wanders = {"output-drift", "parameter-drift"} & set(best.hypothesis.names)
     coloured = np.sqrt(floor / white) > COLOUR_RATIO and slow_colour(e, clean.rows) > SLOW
-    if coloured and floor > ROUNDING_RATIO * rounding and not wanders:  # what they and a converter leave is slow too
+    if coloured and floor > ROUNDING_RATIO * rounding and not wanders:  # drift and rounding leave a slow residual, too
         found.append("coloured-noise")
     return tuple(found)
 
 
 def _held_by_rounding(data: Data, clean: Data, faults: SampleFaults, best: Fit) -> bool:
-    """Whether the held values are only those of a slow motion on the converter's lattice."""
+    """Whether the held values are explained by slow motion within one converter step."""
     assert faults.lattice is not None
     held = faults.held & data.rows
     e = data.y - refit(replace(clean, rows=clean.rows | held), best).output

@@ -1,26 +1,30 @@
-"""Which samples of a record are kept from the fits that are scored."""
+"""The samples of a record that are held out for scoring."""
 
 import numpy as np
 
 BLOCKS = 6
 HELD_OUT = 0.32  # of the record
-EDGE_MARGIN = 0.02  # of a sixth: an instant at the very edge of a block
-LATE = 0.6  # of a sixth: an instant behind it is near the last third
-FITTED_START = 0.15  # of the first sixth: without it, nothing would tell in which state the record begins
+EDGE_MARGIN = 0.02  # of a sixth: an onset this close to a block counts as inside
+LATE = 0.6  # of a sixth: later onsets move the block to the first third
+FITTED_START = 0.15  # of the first sixth: always fitted, to estimate the initial state
 
 
 def held_out_samples(samples: int, onset: float | None = None) -> np.ndarray:
-    """Which samples are held out: the middle third, or nearly, of every sixth of the record.
+    """Mark the held-out samples: about the middle third of every sixth of the record.
 
-    The end of the record is not among them: what wanders can be followed from one side to the other, not foretold.
-    Where something begins there it is the last third instead, or the first: an instant that lies among samples which no
-    fit sees cannot be found. The very beginning of the record is always fitted.
+    The end of the record is fitted: drifts can be interpolated, not predicted. If an onset falls into the middle thirds,
+    the last or first thirds are held out instead: an onset among held-out samples cannot be estimated. The start of the
+    record is always fitted.
 
     Parameters
     ----------
     samples : int
     onset : float, optional
-        As a share of the record.
+        Instant at which an effect begins, as a share of the record.
+
+    Returns
+    -------
+    ndarray of bool, shape (samples,)
     """
     place = np.arange(samples) * BLOCKS % samples / samples
     centre, half = 0.5, 0.5 * HELD_OUT

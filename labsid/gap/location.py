@@ -1,4 +1,4 @@
-"""Where the gap lies: in time, in frequency, and in the operating range. Shares of the baseline's squared error."""
+"""Location of the gap in time, frequency and operating range, as shares of the baseline's squared error."""
 
 from itertools import pairwise
 
@@ -9,7 +9,7 @@ from labsid._arrays import FloatArray
 SEGMENTS = 12
 BANDS = 8
 CELLS = 6
-MAP_CELLS = 14  # either way
+MAP_CELLS = 14  # in each direction
 MAX_STRETCHES = 60
 
 
@@ -22,8 +22,8 @@ def share_by_time(t: FloatArray, e: FloatArray, Ts: float, marked: np.ndarray) -
         Times, and the baseline's error.
     Ts : float
     marked : ndarray of bool, shape (N,)
-        Where the effect acts; its stretches are segments of their own. Where it marks nothing, or everything, or
-        more stretches than one can look at, the segments are of equal length.
+        Samples on which the effect acts; each stretch of them is a segment. Without any, or with too many, the
+        segments have equal length.
     """
     edges = np.flatnonzero(np.diff(marked.astype(int))) + 1
     if not 0 < edges.size <= 2 * MAX_STRETCHES:
@@ -34,7 +34,7 @@ def share_by_time(t: FloatArray, e: FloatArray, Ts: float, marked: np.ndarray) -
 
 
 def share_by_frequency(e: FloatArray, Ts: float) -> list[list[float]]:
-    """Bands [f0, f1, share] from zero to the Nyquist frequency, each twice as wide as the one below."""
+    """Octave bands [f0, f1, share] from zero to the Nyquist frequency."""
     power = np.abs(np.fft.rfft(e)) ** 2
     power[1 : (e.size + 1) // 2] *= 2.0  # both halves of the spectrum, all but zero and Nyquist
     nyquist = 0.5 / Ts
@@ -46,7 +46,7 @@ def share_by_frequency(e: FloatArray, Ts: float) -> list[list[float]]:
 
 
 def share_by_value(name: str, x: FloatArray, e: FloatArray) -> list[dict[str, object]]:
-    """Cells of one signal, with the share of the error and the share of the samples that fall in each."""
+    """Cells over the range of one signal, with their shares of the error and of the samples."""
     edges = np.linspace(float(x.min()), float(x.max()), CELLS + 1)
     cell = np.clip(np.searchsorted(edges, x, side="right") - 1, 0, CELLS - 1)
     shares = np.bincount(cell, e**2, CELLS) / (float(e @ e) or 1.0)
@@ -64,19 +64,19 @@ def share_by_value(name: str, x: FloatArray, e: FloatArray) -> list[dict[str, ob
 
 
 def most_uneven_signal(u: FloatArray, y: FloatArray, Ts: float, e: FloatArray) -> list[dict[str, object]]:
-    """Cells of the signal over whose range the error lies most unevenly: the input, the output or its rate."""
+    """Cells of the signal (input, output or its rate) over whose range the error is most uneven."""
     signals = {"u": u, "y": y, "dy": np.gradient(y, Ts)}
     return max((share_by_value(name, x, e) for name, x in signals.items()), key=unevenness)
 
 
 def unevenness(cells: list[dict[str, object]]) -> float:
-    """How unevenly the error lies over the cells, against the time that the signal spends in them (0: evenly)."""
+    """Total variation distance between the shares of error and time over the cells: 0 to 1."""
     share, time = (np.array([cell[name] for cell in cells], float) for name in ("share", "time"))
     return float(0.5 * np.abs(share - time).sum())
 
 
 def operating_map(u: FloatArray, y: FloatArray, e: FloatArray) -> dict[str, object]:
-    """Rms error in cells of input and output: edges of both, and a row for each cell of u; None where nothing was."""
+    """Rms error in cells of input and output: edges of both, and a row per cell of u; None in cells not visited."""
     count, u_edges, y_edges = np.histogram2d(u, y, MAP_CELLS)
     power = np.histogram2d(u, y, (u_edges, y_edges), weights=e**2)[0]
     rms = [

@@ -1,4 +1,4 @@
-"""The answer in the contract's layout: everything that text and page print is in it."""
+"""The JSON report (layout ``labsid.gap/1``), from which the text and HTML reports are made."""
 
 from typing import Any
 
@@ -44,7 +44,7 @@ def build_report(
     rng: np.random.Generator,
     holdout: Record | None = None,
 ) -> dict[str, Any]:
-    """Everything found, in the record's units.
+    """Assemble the report, in the units of the record.
 
     Parameters
     ----------
@@ -57,12 +57,12 @@ def build_report(
     rng : Generator
         For the proposed input.
     holdout : Record, optional
-        The record that the scores are of, where it is another one.
+        The record on which the gap was scored, if it is another one.
 
     Returns
     -------
     dict
-        JSON-ready; the keys of the contract, and further ones for the page.
+        JSON-ready, in the layout ``labsid.gap/1``.
     """
     data, unit = explanation.data, explanation.data.y_scale.unit
     before = base.before or explanation.path[0]
@@ -124,7 +124,7 @@ def _effects(explanation: Explanation, decision: Decision, closed: list[float | 
 
 
 def _step(explanation: Explanation, name: str) -> int:
-    """At which step of the path a name appears; the last one for effects that no simulation shows."""
+    """Step of the path at which an effect is added; the last one for effects found in the samples."""
     for number, fit in enumerate(explanation.path):
         if name in fit.hypothesis.names:
             return number
@@ -159,7 +159,7 @@ def _sample_parameters(explanation: Explanation, name: str) -> dict[str, dict[st
 
 
 def _ranking(explanation: Explanation, decision: Decision, before: Fit) -> list[dict[str, Any]]:
-    """Every combination that was tried, best first; those of the accepted level carry the probabilities."""
+    """Every combination tried, best first; those of the accepted level have probabilities."""
     data, unit = explanation.data, explanation.data.y_scale.unit
     start = power(data, before)
     floor = float(explanation.best.noise.sigma2)
@@ -180,7 +180,7 @@ def _ranking(explanation: Explanation, decision: Decision, before: Fit) -> list[
 
 
 def _acting_samples(explanation: Explanation, decision: Decision) -> np.ndarray:
-    """Where the first effect acts that acts somewhere and not everywhere."""
+    """Samples on which the first effect acts that is confined to a part of the record."""
     fit = explanation.best
     for effect in fit.hypothesis.effects[fit.hypothesis.known :]:
         at = marked(explanation.data, fit, effect)
@@ -214,7 +214,7 @@ def _unexplained(explanation: Explanation, left: Leftover, decision: Decision) -
 
 
 def _whiteness(e: FloatArray, data: Data) -> float:
-    """Ljung-Box test on the residual as it is."""
+    """P-value of the Ljung-Box test on the residual."""
     x = e - e[data.rows].mean() * data.rows
     n = int(data.rows.sum())
     power = float(x @ x)
@@ -223,7 +223,7 @@ def _whiteness(e: FloatArray, data: Data) -> float:
 
 
 def _input_correlation(e: FloatArray, data: Data, fit: Fit) -> float:
-    """Correlation of the whitened residual with the equally filtered input's past: none if the dynamics are right."""
+    """P-value of a test that the whitened residual is uncorrelated with past values of the equally filtered input."""
     white = whiten(np.column_stack([e, data.u - data.u.mean()]), fit.noise.ar)
     x, u = white[:, 0], white[:, 1]
     sound = data.sound
@@ -239,7 +239,7 @@ def _input_correlation(e: FloatArray, data: Data, fit: Fit) -> float:
 def _experiment(
     record: Record, explanation: Explanation, decision: Decision, rng: np.random.Generator
 ) -> dict[str, Any] | None:
-    """The input that would tell the accepted explanation from its best rival, where there is one."""
+    """The input that best distinguishes the accepted explanation from its best rival, if there is one."""
     if not decision.ambiguous or len(explanation.path) < 2:
         return None
     level = explanation.levels[len(explanation.best.hypothesis.names)]
@@ -253,7 +253,7 @@ def _experiment(
         return None
     return {
         "separates": list(found.separates),
-        "why": f"On {found.why}, {found.separates[1]} cannot follow what {found.separates[0]} does.",
+        "why": f"On {found.why}, {found.separates[1]} cannot reproduce the response of {found.separates[0]}.",
         "t": (np.arange(found.u.size) * record.Ts).tolist(),
         "u": found.u.tolist(),
         "margin": found.margin,
@@ -261,17 +261,19 @@ def _experiment(
 
 
 def _screen_sentences(explanation: Explanation) -> list[str]:
-    """What the raw samples say, in sentences."""
+    """Faults found in the samples, in sentences."""
     faults = explanation.faults
     said = []
     if faults.lattice is not None:
-        said.append(f"The output lies on a lattice of {faults.lattice * explanation.data.y_scale.unit:.4g}.")
+        said.append(
+            f"All output values are multiples of one step of {faults.lattice * explanation.data.y_scale.unit:.4g}."
+        )
     if faults.stretches:
         share, places = percent(float(faults.held.mean())), counted(len(faults.stretches), "stretch", "stretches")
-        said.append(f"The output repeats its last value over {places}, {share} of the record.")
+        said.append(f"The output repeats its last value in {places}, {share} of the record.")
     spikes = int(faults.spikes.sum())
     if spikes == 1:
-        said.append("1 isolated sample stands far from its neighbours; the fits leave it out.")
+        said.append("1 sample is an isolated spike; the fits exclude it.")
     elif spikes:
-        said.append(f"{spikes} isolated samples stand far from their neighbours; the fits leave them out.")
+        said.append(f"{spikes} samples are isolated spikes; the fits exclude them.")
     return said

@@ -1,4 +1,4 @@
-"""What the converter and the logger did to single samples: spikes, held values, a coarse lattice."""
+"""Faults of single samples: spikes, held values, and the step of a coarse converter."""
 
 from dataclasses import dataclass
 
@@ -7,25 +7,25 @@ import numpy as np
 from labsid._arrays import FloatArray
 from labsid.records.signal_quality import lattice_step, runs
 
-SPIKE_THRESHOLD = 6.0  # robust standard deviations at which an isolated sample is one
+SPIKE_THRESHOLD = 6.0  # robust standard deviations from which an isolated sample is a spike
 LONGEST_SPIKE = 2  # samples
-MAX_SPIKE_RUN = 3  # in a row, unlike each other
+MAX_SPIKE_RUN = 3  # adjacent spikes of different values
 MIN_HOLD = 3  # equal samples in a row
-FINE_STEP = 1e-4  # of the range: a converter step that makes equal samples only by chance
-LARGE_MOVE = 4.0  # times the median move from sample to sample: a jump from the sensor's stop
+FINE_STEP = 1e-4  # of the range: below this converter step, equal samples are rare by chance
+LARGE_MOVE = 4.0  # times the median change between samples: a jump away from the sensor's limit
 SEVERAL_HOLDS = 3  # held stretches
-OFF_LATTICE = 0.05  # converter steps from the lattice: more than rounding
-MIN_REPEATED = 0.9  # of the samples have a value that comes again
+OFF_LATTICE = 0.05  # converter steps from the lattice, above rounding errors
+MIN_REPEATED = 0.9  # share of the samples whose value recurs
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class SampleFaults:
-    """Samples that no simulation of the rig can give.
+    """Samples that no simulation of the rig can reproduce.
 
     Attributes
     ----------
     held : ndarray of bool, shape (N,)
-        The logger repeats its last value here.
+        Samples at which the logger repeats its last value.
     stretches : tuple of (int, int)
         The held stretches, half-open.
     spikes : ndarray of bool, shape (N,)
@@ -40,12 +40,12 @@ class SampleFaults:
 
     @property
     def bad(self) -> np.ndarray:
-        """Samples that the fits leave out."""
+        """Samples that the fits exclude."""
         return self.held | self.spikes
 
 
 def find_lattice(y: FloatArray) -> tuple[float | None, np.ndarray]:
-    """The converter's step, and the samples off its lattice: spikes that came into the log behind the converter.
+    """Find the converter step, and the samples off its lattice: spikes added after the conversion.
 
     Parameters
     ----------
@@ -70,11 +70,10 @@ def find_lattice(y: FloatArray) -> tuple[float | None, np.ndarray]:
 
 
 def find_held(y: FloatArray, lattice: float | None) -> tuple[tuple[int, int], ...]:
-    """Stretches over which the logger holds its last value: the first sample of each is still a reading.
+    """Find the stretches over which the logger holds its last value, without their first sample, a true reading.
 
-    On a fine scale a few equal readings in a row are a hold, but at a value to which the output comes back: that is the
-    sensor's stop, or rest. On a converter's lattice rest and slow motion make equal readings, too; there a hold is what
-    ends with a jump to where the output has gone meanwhile.
+    On a fine scale a few equal readings are a hold, unless the output returns to that value: then it is the sensor's
+    limit, or rest. On a coarse lattice, rest and slow motion give equal readings, too; there a hold ends with a jump.
     """
     starts, lengths = runs(y)
     step = 0.0 if lattice is None else lattice
@@ -86,7 +85,7 @@ def find_held(y: FloatArray, lattice: float | None) -> tuple[tuple[int, int], ..
     jumps = (jump > (usual if fine else 1.5 * step)) & (jump > 2.0 * onward)
     if not fine:
         long &= jumps & (lengths >= 2.0 * np.median(np.repeat(lengths, lengths)) + 3.0)
-    # A record that begins at rest holds nothing, unless its logger is one that does, and it goes on with a jump.
+    # Equal readings at the start are rest, unless they end with a jump and the logger holds values elsewhere.
     long &= (starts > 0) | (jumps & (np.count_nonzero(long & jumps & (starts > 0)) >= SEVERAL_HOLDS))
     starts, lengths, jumps, jump = starts[long], lengths[long], jumps[long], jump[long]
     values, which, count = np.unique(y[starts], return_inverse=True, return_counts=True)
@@ -94,8 +93,10 @@ def find_held(y: FloatArray, lattice: float | None) -> tuple[tuple[int, int], ..
     extreme = (values == y.max()) | (values == y.min())
     if not fine:
         stop = extreme
-        jumps &= ~(again & extreme)[which] | (jump > LARGE_MOVE * np.median(moves))  # noise makes it jump off a stop
-    elif (~again & ~extreme).sum() >= SEVERAL_HOLDS:  # a logger that sleeps often may do so at the extreme, too
+        jumps &= ~(again & extreme)[which] | (
+            jump > LARGE_MOVE * np.median(moves)
+        )  # noise causes small jumps off a limit
+    elif (~again & ~extreme).sum() >= SEVERAL_HOLDS:  # a logger with several holds may hold at the extreme, too
         stop = again
     else:
         stop = again | extreme
@@ -109,15 +110,15 @@ def find_held(y: FloatArray, lattice: float | None) -> tuple[tuple[int, int], ..
 def find_spikes(
     e: FloatArray, usable: np.ndarray, lattice: float = 0.0, threshold: float = SPIKE_THRESHOLD
 ) -> np.ndarray:
-    """Isolated samples of the residual `e` that stand far from their neighbours on both sides.
+    """Find isolated samples of the residual `e` far from their neighbours on both sides.
 
     Parameters
     ----------
     e : ndarray, shape (N,)
     usable : ndarray of bool, shape (N,)
-        Samples that are readings at all.
+        Samples that are true readings.
     lattice : float
-        Converter step: what lies within one of it is rounding.
+        Converter step; smaller distances are rounding.
     threshold : float
         In robust standard deviations of the distance from the median of the neighbourhood.
     """
@@ -130,7 +131,7 @@ def find_spikes(
     windows = np.lib.stride_tricks.sliding_window_view(padded, 7)
     off = x - np.median(windows, axis=1)
     away = np.abs(off)
-    if not lattice:  # on the sensor's stop there is no noise
+    if not lattice:  # at the sensor's limit there is no noise
         away = away[away > 0.0]
     spread = 1.4826 * float(np.median(away)) if away.size else 0.0
     if spread == 0.0:
@@ -142,11 +143,11 @@ def find_spikes(
         stop = start + length
         several = length <= MAX_SPIKE_RUN and bool(np.all(np.abs(np.diff(x[start:stop])) > least))
         alone = length <= LONGEST_SPIKE or several
-        if far[start] and alone and start > 0:  # at its start a simulation may not be under way yet
+        if far[start] and alone and start > 0:  # the initial state may still be wrong at the first sample
             before = x[start - 1]
             behind = x[stop] if stop < x.size else before
             height = float(np.abs(x[start : start + length] - 0.5 * (before + behind)).min())
-            if height < 3.0 * abs(behind - before):  # a jump that stays is no spike
+            if height < 3.0 * abs(behind - before):  # a lasting jump is not a spike
                 continue
             spikes[at[start : start + length]] = True
     return spikes

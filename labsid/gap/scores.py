@@ -1,4 +1,4 @@
-"""How much of the gap an explanation closes: free run on samples that no fit has seen, with an interval."""
+"""Score an explanation: the share of the gap that its free run closes on held-out samples, with an interval."""
 
 from dataclasses import dataclass, replace
 
@@ -14,29 +14,29 @@ from labsid.gap.model_file import START, running_model
 
 DRAWS = 400
 PERCENTILES = (2.5, 97.5)
-RESAMPLED_BLOCKS = 20  # blocks
-SPREAD_FACTOR = 1.2  # so few blocks vary less than what they stand for
-MIN_HALF_WIDTH = 0.005  # of a closure
+RESAMPLED_BLOCKS = 20
+SPREAD_FACTOR = 1.2  # widens the interval: few blocks underestimate the spread
+MIN_HALF_WIDTH = 0.005  # of the interval of the closed share
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class GapScore:
-    """The gap on held-out samples, in the unit of the data.
+    """The gap on held-out samples, in scaled units.
 
     Attributes
     ----------
     before, after, floor : float
-        Root mean square errors, and the noise that no function of the input explains.
+        Rms errors before and after, and rms of the noise.
     closed : float or None
-        1 - sqrt(after^2 - floor^2) / sqrt(before^2 - floor^2); None where there is no gap before.
+        1 - sqrt(after^2 - floor^2) / sqrt(before^2 - floor^2); None if there is no gap before.
     ci95 : tuple of float or None
-        From resampled blocks.
+        95 % interval of `closed`, from resampled blocks.
     black_box : float or None
-        The same for a flexible function of the input's past in place of the effects.
+        Share closed by a nonlinear regression on past inputs instead of the effects.
     scored : ndarray of bool, shape (N,)
-        The samples that count.
+        The samples on which the gap is scored.
     before_fit, after_fit : Fit
-        The baseline and the explanation, as they were scored.
+        The scored fits of the baseline and of the explanation.
     """
 
     before: float
@@ -63,12 +63,12 @@ def score_explanation(
     ----------
     explanation : Explanation
     given : Fit or None
-        The simulation that was given: it is scored as it is.
+        The given simulation, scored without refitting.
     holdout : tuple of ndarray or None
-        Input and output of another record, scaled as the data; then nothing of the record is held out.
+        Input and output of another record, in scaled units; then the whole of this record is fitted.
     rng : Generator
     played : ndarray, optional
-        Output of the given simulation on the other record, scaled as the data.
+        Output of the given simulation on the other record, in scaled units.
     """
     data = explanation.data
     if holdout is not None:
@@ -106,7 +106,7 @@ def _score_on_holdout(
 
 
 def closed_share(before: float, after: float, floor: float) -> float | None:
-    """Share of the gap that is closed, from mean squares."""
+    """Share of the gap that is closed, from mean square errors; None if there is no gap."""
     gap = before - floor
     if gap <= 0.0:
         return None
@@ -114,7 +114,7 @@ def closed_share(before: float, after: float, floor: float) -> float | None:
 
 
 def noise_power(data: Data, fit: Fit) -> float:
-    """Power of the noise: what is left on the fitted rows, without what the input still explains."""
+    """Variance of the noise: that of the residual on the fitted rows, less the part that past inputs predict."""
     e = data.y - fit.output
     count = int(data.rows.sum())
     power = float(e[data.rows] @ e[data.rows]) / max(count - fit.free, 1)
@@ -124,19 +124,19 @@ def noise_power(data: Data, fit: Fit) -> float:
 def score_fits(
     data: Data, before: Fit, after: Fit, scored: np.ndarray, rng: np.random.Generator, floor: float | None = None
 ) -> GapScore:
-    """Score two fits that have not seen the rows `scored`.
+    """Score two fits on the rows `scored`, which neither was fitted to.
 
     Parameters
     ----------
     data : Data
-        Its rows are those that both were fitted to.
+        Its rows are those of both fits.
     before, after : Fit
-        The baseline, and the explanation.
+        The baseline and the explanation.
     scored : ndarray of bool, shape (N,)
     rng : Generator
         For the resampling.
     floor : float, optional
-        Power of the noise, where it is known from other samples.
+        Variance of the noise, if known from other samples.
     """
     e0, e1 = data.y - before.output, data.y - after.output
     floor = noise_power(data, after) if floor is None else floor
@@ -167,14 +167,14 @@ def _interval(
     after: Fit,
     rng: np.random.Generator,
 ) -> tuple[float, float]:
-    """Percentiles of the closure over resampled blocks of the scored samples, and of the fitted ones for the floor.
+    """Percentiles of the closed share over resampled blocks: of the scored samples, and of the fitted ones for the floor.
 
-    Its lower end also counts that the numbers of the explanation are not exact, which few samples hide in their noise.
+    The lower end includes the error of the estimated parameters, which few samples hide in their noise.
     """
     power = np.array([_block_means(e0**2, scored), _block_means(e1**2, scored)])
     fitted = _block_means(e1**2, rows)
     correct = floor / max(float(np.mean(e1[rows] ** 2)), 1e-300)
-    inexact = floor * (floor / after.noise.sigma2) * after.free / max(int(rows.sum()), 1)  # of coloured noise the more
+    inexact = floor * (floor / after.noise.sigma2) * after.free / max(int(rows.sum()), 1)  # larger with coloured noise
     low, high = [], []
     for _ in range(DRAWS):
         m0, m1 = _resampled_means(power, rng)
@@ -193,7 +193,7 @@ def _interval(
 
 
 def _resampled_means(blocks: FloatArray, rng: np.random.Generator) -> FloatArray:
-    """Means of the same blocks of every row, drawn with replacement."""
+    """Mean of each row over the same blocks, drawn with replacement."""
     mean = blocks.mean(axis=1)
     drawn = blocks[:, rng.integers(0, blocks.shape[1], blocks.shape[1])].mean(axis=1)
     return np.asarray(mean + SPREAD_FACTOR * (drawn - mean))
@@ -206,7 +206,7 @@ def _block_means(power: FloatArray, rows: np.ndarray) -> FloatArray:
 
 
 def black_box_residual(data: Data, before: Fit, e: FloatArray) -> FloatArray:
-    """What is left of the baseline's error when a flexible function of the input's past is fitted to it."""
+    """Residual of a nonlinear regression of the baseline's error on past inputs."""
     X = features(data, before)
     X = np.column_stack([np.ones(e.size), (X - X.mean(axis=0)) / np.where(X.std(axis=0) > 0, X.std(axis=0), 1.0)])
     rows = data.rows

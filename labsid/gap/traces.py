@@ -1,4 +1,4 @@
-"""The signals of a report's figures: all samples of a short record, the extremes of each stretch of a long one."""
+"""Signals for the figures of a report: all samples of a short record, local extremes of a long one."""
 
 import numpy as np
 
@@ -8,18 +8,18 @@ MAX_POINTS = 2400
 
 
 def extreme_samples(signals: list[FloatArray], most: int = MAX_POINTS) -> np.ndarray:
-    """Choose the samples that a thinned-out figure shows: where any of the signals is lowest or highest in its stretch.
+    """Select the samples at which any of the signals has its minimum or maximum within a stretch.
 
     Parameters
     ----------
     signals : list of ndarray, shape (N,)
     most : int
-        Samples that a figure shows at most.
+        Largest number of samples.
 
     Returns
     -------
     ndarray of int
-        In order; all of them where there are no more. So no spike is lost, however long the record.
+        In order; all samples if there are at most `most`. Spikes are kept, however long the record.
     """
     samples = signals[0].size
     if samples <= most:
@@ -32,18 +32,18 @@ def extreme_samples(signals: list[FloatArray], most: int = MAX_POINTS) -> np.nda
 def figure_traces(
     t: FloatArray, u: FloatArray, y: FloatArray, before: FloatArray, after: FloatArray
 ) -> dict[str, list[float]]:
-    """Signals for the figures, thinned out so that the output, and what both simulations miss of it, keep their shape.
+    """Signals for the figures, thinned so that the output and the errors of both simulations keep their shape.
 
     Parameters
     ----------
     t, u, y : ndarray, shape (N,)
     before, after : ndarray, shape (N,)
-        The simulations.
+        Simulated outputs.
 
     Returns
     -------
     dict of list
-        All five at the same samples.
+        The five signals at the same samples.
     """
     pick = extreme_samples([y, y - before, y - after])
     named = {"t": t, "u": u, "y": y, "before": before, "after": after}

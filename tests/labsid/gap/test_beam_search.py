@@ -208,7 +208,7 @@ def test_what_may_be_rounding_is_told_from_what_is_not(plain: Explanation, monke
     assert not within_rounding(replace(lattice, y=np.round((fit.output + wave) / step) * step), fit)
     # A fit that is not quite there is drawn within the steps before it is judged; one that is far off is not.
     assert within_rounding(lattice, replace(fit, output=fit.output + 0.15 * step))
-    monkeypatch.setattr("labsid.gap.beam_search.DRAWN", 1)
+    monkeypatch.setattr("labsid.gap.beam_search.ROUNDING_PASSES", 1)
     assert not within_rounding(lattice, replace(fit, output=fit.output + 0.15 * step))
     assert within_rounding(lattice, replace(fit, output=fit.output + 0.1 * step))
     monkeypatch.setattr("labsid.gap.beam_search.refit", None)

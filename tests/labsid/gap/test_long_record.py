@@ -83,7 +83,9 @@ def test_the_report_says_what_was_left_out(rig_record, monkeypatch):
     monkeypatch.setattr(
         diagnosis, "part_of", lambda record, simulation: shorten_record(record, simulation, longest=200)
     )
-    monkeypatch.setattr(diagnosis, "holdout_part", lambda holdout, every: shorten_holdout(holdout, every, longest=200))
+    monkeypatch.setattr(
+        diagnosis, "shorten_holdout", lambda holdout, every: shorten_holdout(holdout, every, longest=200)
+    )
     report = diagnose(record, holdout=rig_record("none", 700, seed=6)).report
     assert report["record"]["samples"] == 900
     assert report["screen"][0].startswith("The record has 900 samples: from t = ")
