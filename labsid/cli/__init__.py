@@ -1,1 +1,1 @@
-"""The `labsid` command: parse, call, print."""
+"""The command-line interface `labsid`."""

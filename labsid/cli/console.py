@@ -1,11 +1,11 @@
-"""What the command prints: results as text."""
+"""Text output of the command `labsid`."""
 
 import textwrap
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-if TYPE_CHECKING:  # each takes a while to import, and a command prints only one of them
+if TYPE_CHECKING:  # slow imports, and a command needs only one of them
     from labsid.lab.identification import Identification
     from labsid.lab.record_check import RecordCheck
 
@@ -13,7 +13,7 @@ _COLOURS = {"ok": "green", "note": "cyan", "warning": "yellow", "refused": "red"
 
 
 def print_check(check: "RecordCheck") -> None:
-    """Print a check to standard output: the verdict, then a line for each finding."""
+    """Print the check of a record: the verdict, then one line per finding."""
     from rich.console import Console
     from rich.table import Table
     from rich.text import Text
@@ -26,7 +26,7 @@ def print_check(check: "RecordCheck") -> None:
         console.print(Text(check.verdict, style="bold"))
         console.print()
         console.print(table)
-    # A table fills its last column with blanks.
+    # rich pads the last column with blanks.
     print("\n".join(line.rstrip() for line in capture.get().splitlines()))
 
 
@@ -40,8 +40,7 @@ def identification_text(identification: "Identification") -> str:
     Returns
     -------
     str
-        Offsets, parameters, the model as python-control prints it, errors of the free runs, a verdict in words
-        and what else to mind.
+        Offsets, parameters, the model as printed by python-control, errors of the free runs, a verdict and warnings.
     """
     from labsid.lab.arx import to_ss, to_tf
 
@@ -67,16 +66,16 @@ def identification_text(identification: "Identification") -> str:
         f"  whole record, from rest               {runs.mse_all:.5e}",
         f"  second half, from rest                {runs.mse_second_half:.5e}",
         f"  second half, state carried over       {runs.mse_second_half_carried:.5e}",
-        f"  second half, its own state estimated  {runs.mse_second_half_estimated:.5e}",
+        f"  second half, initial state estimated  {runs.mse_second_half_estimated:.5e}",
         "",
         *(textwrap.fill(line, 90) for line in _verdict(identification)),
-        *(textwrap.fill(f"Mind: {warning}.", 90) for warning in identification.warnings),
+        *(textwrap.fill(f"Warning: {warning}.", 90) for warning in identification.warnings),
     ]
     return "\n".join(lines)
 
 
 def _verdict(identification: "Identification") -> list[str]:
-    """How good the model is on data that it was not fitted to, and what kind of plant it describes, in words."""
+    """Describe the model's accuracy on the data not used in the fit, its gain and its time constant."""
     model, runs = identification.model, identification.verification
     unseen = identification.y[runs.half :]
     error, from_rest = np.sqrt([runs.mse_second_half_carried, runs.mse_second_half])
@@ -84,18 +83,18 @@ def _verdict(identification: "Identification") -> list[str]:
     if np.ptp(unseen) > 0:
         fit = 1 - error / np.std(unseen)
         words = {0.9: "closely", 0.7: "roughly", 0.0: "poorly"}
-        how = next((word for least, word in words.items() if fit >= least), "worse than a constant would")
+        how = next((word for least, word in words.items() if fit >= least), "worse than a constant")
         lines.append(
             f"Fitted to the first half, the order-{model.order} model follows the second half {how}: "
             f"{error:.3g} rms, {error / np.ptp(unseen):.1%} of the range of the output there (fit {fit:.1%})."
         )
     if from_rest > 2 * error:
         lines.append(
-            f"Started from rest it misses it by {from_rest:.3g} rms, for the rig is not at rest at sample "
-            f"{runs.half}: the state of the first half must be carried over or estimated."
+            f"From rest the error is {from_rest:.3g} rms, because the rig is not at rest at sample {runs.half}: "
+            "carry the state over from the first half, or estimate it."
         )
     pole = model.poles[0]
     if model.is_stable and pole != 0:
         gain, tau = model.b.sum() / model.a.sum(), -model.Ts / np.log(np.abs(pole))
-        lines.append(f"It is stable, with static gain {gain:.4g} and {tau:.3g} s as its longest time constant.")
+        lines.append(f"It is stable, with static gain {gain:.4g} and longest time constant {tau:.3g} s.")
     return lines

@@ -1,4 +1,4 @@
-"""Options that several commands of `labsid` share."""
+"""Options shared by several commands of `labsid`."""
 
 from pathlib import Path
 from typing import Annotated, Literal
@@ -17,4 +17,4 @@ Columns = Annotated[
 SamplingTime = Annotated[
     float | None, typer.Option("--Ts", metavar="SECONDS", help="Sampling time of a file without time.")
 ]
-JsonFile = Annotated[Path | None, typer.Option("--json", metavar="FILE", help="Also write the result here.")]
+JsonFile = Annotated[Path | None, typer.Option("--json", metavar="FILE", help="Also write the result to this file.")]

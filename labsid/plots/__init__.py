@@ -1,4 +1,4 @@
-"""The figures of the lab. Nothing here imports pyplot, and matplotlib itself loads with the first figure."""
+"""The figures of the lab. No module imports pyplot; matplotlib is loaded with the first figure."""
 
 from labsid.plots.block_diagrams import figure_2, figure_3, figure_4
 from labsid.plots.captions import CAPTIONS

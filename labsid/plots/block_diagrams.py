@@ -1,4 +1,4 @@
-"""Fig. 2, 3 and 4 of the lab: the three block diagrams, drawn by code."""
+"""Block diagrams of the lab: Fig. 2, 3 and 4."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ if TYPE_CHECKING:
 
 
 def figure_2() -> Figure:
-    """Draw Fig. 2: the computer excites the process, and N samples of u and y make N equations for theta.
+    """Draw Fig. 2: the computer excites the process, and N samples of u and y give N equations for theta.
 
     Returns
     -------
@@ -51,7 +51,7 @@ def figure_2() -> Figure:
 
 
 def figure_3() -> Figure:
-    """Draw Fig. 3: the controller works without offsets, the process with them.
+    """Draw Fig. 3: offset compensation between controller and process.
 
     Returns
     -------
@@ -90,7 +90,7 @@ def figure_3() -> Figure:
 
 
 def figure_4() -> Figure:
-    """Draw Fig. 4: the same input into the process and the model, and the error between their outputs.
+    """Draw Fig. 4: process and model with the same input, and the error between their outputs.
 
     Returns
     -------

@@ -27,4 +27,4 @@ CAPTIONS = MappingProxyType(
         ),
     }
 )
-"""Caption of each figure by its number, ``CAPTIONS["Fig. 5"]``, without the number."""
+"""Captions by figure number, such as ``CAPTIONS["Fig. 5"]``; the text does not repeat the number."""

@@ -1,4 +1,4 @@
-"""What a reader sees in a figure, as plain data: axes, limits, labels, curves and their colours."""
+"""Extraction of a figure's content as plain data: axes, limits, labels, curves and their colours."""
 
 from typing import Any
 
@@ -9,17 +9,17 @@ from labsid.plots.figure_values import AxesValue, CurveValue, FigureValue
 
 
 def describe_figure(figure: Any) -> FigureValue:
-    """Describe a matplotlib figure.
+    """Extract the content of a matplotlib figure.
 
     Parameters
     ----------
     figure : matplotlib.figure.Figure
-        The figure, drawn with any of ``plot``, ``step`` or ``stairs``.
+        A figure drawn with ``plot``, ``step`` or ``stairs``.
 
     Returns
     -------
     FigureValue
-        Its axes from top to bottom and left to right; colour bars and the like are left out when they hold no curve.
+        All axes of the figure, from top to bottom and from left to right.
     """
     axes = sorted(figure.axes, key=lambda ax: (-round(ax.get_position().y0, 2), ax.get_position().x0))
     return FigureValue(tuple(_describe_axes(ax) for ax in axes))
@@ -43,7 +43,7 @@ def _describe_axes(ax: Any) -> AxesValue:
 
 
 def _has_grid(axis: Any) -> bool:
-    """Asked of the setting: asking the lines of the grid would lay out every tick, which takes longer than all else."""
+    """Whether the grid is on, from the tick settings: querying the grid lines would lay out every tick, which is slow."""
     return bool(axis.get_tick_params(which="major").get("gridOn")) and len(axis.get_majorticklocs()) > 0
 
 

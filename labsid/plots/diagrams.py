@@ -1,7 +1,7 @@
-"""The parts of a block diagram: blocks, summing junctions with signs, wires, arrows and labels.
+"""Elements of block diagrams: blocks, summing junctions with signs, wires, arrows and labels.
 
-Coordinates are free units with y upwards; `show_as_diagram` fixes how many of them a sheet shows, with equal
-scales. Text may hold formulas in mathtext, ``$...$``.
+Coordinates are in diagram units with y upwards; `show_as_diagram` sets the size of the diagram in these units. Text may
+contain formulas in mathtext, ``$...$``.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ JUNCTION_RADIUS = 0.22
 
 @dataclass(frozen=True, slots=True)
 class Part:
-    """The four points at which wires meet a block or a junction."""
+    """Connection points of a block or a junction."""
 
     left: Point
     right: Point
@@ -32,7 +32,7 @@ class Part:
 
 
 def show_as_diagram(ax: Axes, width: float, height: float) -> None:
-    """Turn `ax` into a sheet of `width` by `height` units, without axes, its origin at the lower left."""
+    """Set up `ax` as a diagram of `width` by `height` units, without visible axes, with the origin at the lower left."""
     ax.set_xlim(0.0, width)
     ax.set_ylim(0.0, height)
     ax.set_aspect("equal")
@@ -40,7 +40,7 @@ def show_as_diagram(ax: Axes, width: float, height: float) -> None:
 
 
 def block(ax: Axes, centre: Point, text: str, width: float = 2.2, height: float = 1.0) -> Part:
-    """Draw a block with `text` in its middle."""
+    """Draw a block with centred `text`."""
     from matplotlib.patches import Rectangle
 
     x, y = centre
@@ -51,7 +51,7 @@ def block(ax: Axes, centre: Point, text: str, width: float = 2.2, height: float 
 
 
 def junction(ax: Axes, centre: Point, *, left: str = "", top: str = "", bottom: str = "") -> Part:
-    """Draw a summing junction; `left`, `top` and `bottom` are the signs of the signals that come in there."""
+    """Draw a summing junction; `left`, `top` and `bottom` are the signs of the signals that enter on these sides."""
     from matplotlib.patches import Circle
 
     x, y = centre
@@ -74,7 +74,7 @@ def wire(ax: Axes, *points: Point) -> None:
 
 
 def arrow(ax: Axes, *points: Point) -> None:
-    """Draw a line through `points` with an arrow head at the last."""
+    """Draw a line through `points` with an arrow head at the last one."""
     from matplotlib.patches import FancyArrowPatch
 
     if len(points) > 2:
@@ -95,7 +95,7 @@ def arrow(ax: Axes, *points: Point) -> None:
 
 
 def branch(ax: Axes, point: Point) -> None:
-    """Draw the dot at which a signal goes two ways."""
+    """Draw the dot of a branch point."""
     ax.plot(*point, marker="o", markersize=5, color=BLACK)
 
 

@@ -1,4 +1,4 @@
-"""A figure that a notebook shows as it is."""
+"""A figure with its own notebook representation."""
 
 from io import BytesIO
 
@@ -6,13 +6,13 @@ from matplotlib.figure import Figure
 
 
 class ShownFigure(Figure):
-    """A matplotlib figure that knows its own picture.
+    """A matplotlib figure that a notebook displays as an image.
 
-    IPython learns to show figures only when pyplot makes one or ``%matplotlib inline`` has run; importing
-    pyplot is not enough, and a figure made without it would appear as one line of text.
+    IPython displays figures only after pyplot has created one or ``%matplotlib inline`` has run. Without either, a
+    figure would appear as one line of text.
     """
 
     def _repr_png_(self) -> bytes:
-        picture = BytesIO()
-        self.savefig(picture, format="png", dpi=100)
-        return picture.getvalue()
+        buffer = BytesIO()
+        self.savefig(buffer, format="png", dpi=100)
+        return buffer.getvalue()

@@ -1,4 +1,4 @@
-"""A figure as plain data: what a reader sees in it, without matplotlib."""
+"""The content of a figure as plain data, independent of matplotlib."""
 
 from dataclasses import dataclass
 
@@ -7,7 +7,7 @@ from labsid._arrays import FloatArray, freeze
 
 @dataclass(frozen=True, slots=True, eq=False)
 class CurveValue:
-    """One drawn curve: its data, colour (red, green, blue), whether it is drawn in steps, and its legend text."""
+    """One curve: data, colour (red, green, blue), whether it is drawn in steps, and legend text."""
 
     x: FloatArray
     y: FloatArray
@@ -21,7 +21,7 @@ class CurveValue:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class AxesValue:
-    """One pair of axes of a figure as a reader sees it."""
+    """Content of one set of axes."""
 
     title: str
     xlabel: str
@@ -36,6 +36,6 @@ class AxesValue:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class FigureValue:
-    """A figure: its axes from top to bottom, left to right."""
+    """Content of a figure: its axes from top to bottom and from left to right."""
 
     axes: tuple[AxesValue, ...]

@@ -1,4 +1,4 @@
-"""Fig. 1, 5 and 6 of the lab, and the offsets: what a right picture of the data looks like."""
+"""Fig. 1, 5 and 6 of the lab, and the figure of the offsets."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 
 
 def plot_input(t: ArrayLike, u: ArrayLike, ax: Axes | None = None) -> Axes:
-    """Draw an input as it acts on the process: held from one sample to the next.
+    """Draw an input as a staircase, held from one sample to the next.
 
     Parameters
     ----------
@@ -39,7 +39,7 @@ def plot_input(t: ArrayLike, u: ArrayLike, ax: Axes | None = None) -> Axes:
     u : array_like, shape (N,)
         Input in volts.
     ax : matplotlib.axes.Axes, optional
-        Where to draw; a new figure of one panel without it.
+        Axes to draw into; by default those of a new figure.
 
     Returns
     -------
@@ -53,7 +53,7 @@ def plot_input(t: ArrayLike, u: ArrayLike, ax: Axes | None = None) -> Axes:
 
 
 def figure_1(sinusoids: Sinusoids) -> Figure:
-    """Draw Fig. 1: two noisy sinusoids, (a) as made and (b) with the first 200 samples cut off.
+    """Draw Fig. 1: two noisy sinusoids, (a) in full and (b) without the first 200 samples.
 
     Parameters
     ----------
@@ -67,10 +67,10 @@ def figure_1(sinusoids: Sinusoids) -> Figure:
     Notes
     -----
     UNSW lab, pre-lab steps 5 and 6. A curve has the same colour in both panels, so cos(0.02*pi*t) is the
-    grey-blue [0.6 0.7 0.8] in both. The lab asks for `plot` and `stairs` and does not say which curve takes
-    which: here the sine is drawn with `plot` and the cosine with stairs (``step(..., where="post")``).
+    grey-blue [0.6 0.7 0.8] in both. The lab asks for `plot` and `stairs` but does not assign them: here the sine is
+    drawn with `plot` and the cosine with stairs (``step(..., where="post")``).
     """
-    # Students who are being graded draw with this module; the taught step must not come along with it.
+    # Imported here because student code under grading may import this module, but not the solution of the step.
     from labsid.lab.sinusoid import cut_off
 
     cut = cut_off(sinusoids)
@@ -94,7 +94,7 @@ def figure_5(record: Record) -> Figure:
     Parameters
     ----------
     record : Record
-        A record with both outputs shows both; one with a single output shows that.
+        Both outputs are drawn if the record has both.
 
     Returns
     -------
@@ -122,7 +122,7 @@ def figure_5(record: Record) -> Figure:
 
 
 def figure_6(t: ArrayLike, y: ArrayLike, u: ArrayLike) -> Figure:
-    """Draw Fig. 6: (a) the offset-free output, (b) the offset-free input. Both begin from zero.
+    """Draw Fig. 6: (a) the offset-free output, (b) the offset-free input.
 
     Parameters
     ----------
@@ -153,12 +153,12 @@ def figure_6(t: ArrayLike, y: ArrayLike, u: ArrayLike) -> Figure:
 
 
 def figure_offsets(record: Record, offsets: Offsets) -> Figure:
-    """Draw the first input period, with the mean over all of it against the mean over its settled part.
+    """Draw the first input period with the mean over the whole period and over its settled part.
 
     Parameters
     ----------
     record : Record
-        Best one that starts from an empty tank; where it starts settled, the two means coincide.
+        The two means coincide if the record starts settled; they differ if it starts from an empty tank.
     offsets : Offsets
         From `labsid.lab.offset.find_offsets`.
 
@@ -168,8 +168,8 @@ def figure_offsets(record: Record, offsets: Offsets) -> Figure:
 
     Notes
     -----
-    UNSW lab, step 1c: the lesson averages the whole first period, which is right only where the rig is
-    settled from the start.
+    UNSW lab, step 1c. The lab averages the whole first period, which is correct only if the rig is settled from the
+    start.
     """
     n = offsets.first_period
     k0, k1 = offsets.settled

@@ -1,4 +1,4 @@
-"""Block diagrams of the Reading notes: Fig. 1, the five steps, Fig. 2 and Fig. 6, drawn from captions and text."""
+"""Block diagrams of the Reading notes, drawn from captions and text: Fig. 1, the five steps, Fig. 2 and Fig. 6."""
 
 from __future__ import annotations
 
@@ -19,11 +19,11 @@ FIVE_STEPS = (
     "4. Estimate\nthe parameters",
     "5. Validate\nthe model",
 )
-"""How system identification is applied, Reading notes, lecture 1."""
+"""The five steps of system identification (Reading notes, lecture 1)."""
 
 
 def figure_dynamical_system() -> Figure:
-    """Draw Fig. 1: input u(t) and disturbance v(t) go into a system, output y(t) comes out.
+    """Draw Fig. 1: a system with input u(t), disturbance v(t) and output y(t).
 
     Returns
     -------
@@ -47,7 +47,7 @@ def figure_dynamical_system() -> Figure:
 
 
 def figure_five_steps() -> Figure:
-    """Draw the five steps of system identification, and the way back.
+    """Draw the five steps of system identification and the return paths for another iteration.
 
     Returns
     -------
@@ -67,12 +67,12 @@ def figure_five_steps() -> Figure:
     arrow(ax, steps[-1].bottom, (steps[-1].bottom[0], 0.9), (steps[0].bottom[0], 0.9), steps[0].bottom)
     arrow(ax, (steps[2].bottom[0], 0.9), steps[2].bottom)
     branch(ax, (steps[2].bottom[0], 0.9))
-    label(ax, (steps[3].bottom[0], 0.4), "not good enough: once more")
+    label(ax, (steps[3].bottom[0], 0.4), "not good enough: repeat")
     return figure
 
 
 def figure_computer_control() -> Figure:
-    """Draw Fig. 2: a computer controls the process through converters, and identifies it from the same samples.
+    """Draw Fig. 2: a computer that controls the process through converters and identifies it from the same samples.
 
     Returns
     -------
@@ -80,7 +80,7 @@ def figure_computer_control() -> Figure:
 
     Notes
     -----
-    Reading notes, Fig. 2, of which the text has the caption alone.
+    Reading notes, Fig. 2; the notes contain only its caption.
     """
     from matplotlib.patches import Rectangle
 
@@ -106,7 +106,7 @@ def figure_computer_control() -> Figure:
     arrow(ax, (14.1, low), (14.1, back), from_plant.right)
     arrow(ax, from_plant.left, (control.bottom[0], back), control.bottom)
     label(ax, (5.4, back - 0.45), "$y(k)$")
-    # Both samples go to the identification, and what it finds to the control.
+    # u(k) and y(k) enter the identification, and its estimate enters the control.
     branch(ax, (6.2, low))
     arrow(ax, (6.2, low), (6.2, identification.bottom[1]))
     branch(ax, (7.4, back))
@@ -117,7 +117,7 @@ def figure_computer_control() -> Figure:
 
 
 def figure_systems_1_and_2() -> Figure:
-    """Draw Fig. 6: the noise of System 1 goes round the loop, that of System 2 is added behind it.
+    """Draw Fig. 6: in System 1 the noise enters inside the loop, in System 2 it is added to the output.
 
     Returns
     -------
@@ -137,7 +137,7 @@ def figure_systems_1_and_2() -> Figure:
 
 
 def _draw_loop(ax: Axes, noise_in_the_loop: bool) -> None:
-    """x(t) = u(t-1) + 0.8 x(t-1), the noise added inside the loop or behind it."""
+    """Draw x(t) = u(t-1) + 0.8 x(t-1) with the noise added inside the loop or to its output."""
     show_as_diagram(ax, 9.6, 4.6)
     y, low, noise = 2.4, 0.6, 4.0
     delay = block(ax, (2.2, y), "$q^{-1}$", width=1.2)

@@ -1,4 +1,4 @@
-"""Fig. A1 and A2 of the lab's appendix: how a model is read off a step response, and how close it comes."""
+"""Fig. A1 and A2 of the lab's appendix: a first-order model read off a step response, and its accuracy."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ SHARE_283, SHARE_632 = 1 - np.exp(-1 / 3), 1 - np.exp(-1)
 
 
 def figure_a1(t: ArrayLike, y: ArrayLike, fit: StepResponseFit) -> Figure:
-    """Draw Fig. A1: a step response, and how gain, time constant and delay are read off it.
+    """Draw Fig. A1: the graphical construction of gain, time constant and delay from a step response.
 
     Parameters
     ----------
@@ -51,21 +51,21 @@ def figure_a1(t: ArrayLike, y: ArrayLike, fit: StepResponseFit) -> Figure:
     Raises
     ------
     ValueError
-        If t and y are not as long as the samples of the fit.
+        If the length of t and y differs from that of the fit.
 
     Notes
     -----
-    UNSW lab, appendix, Fig. A1. With the step at t = 0, a first-order response with delay has made 63.2 % of
-    its way at td + tau and 28.3 % at td + tau/3.
+    UNSW lab, appendix, Fig. A1. With the step at t = 0, a first-order response with delay reaches 63.2 % of its final
+    change at td + tau and 28.3 % at td + tau/3.
     """
-    # Loads scipy's optimiser, which the other figures do without.
+    # Imported here because it loads scipy's optimiser, which the other figures do not need.
     from labsid.lab.step_response import first_order_response
 
     t, y = as_signals(t=t, y=y)
     if y.size != fit.y_fit.size:
         raise ValueError(
             f"t and y must be the samples that were fitted, {fit.y_fit.size} of them; got {y.size}. "
-            "Pass what went into fit_step_response."
+            "Pass the t and y given to fit_step_response."
         )
     low, change = fit.y_initial, fit.y_final - fit.y_initial
     figure = new_figure(8.0, 5.2)
@@ -74,7 +74,7 @@ def figure_a1(t: ArrayLike, y: ArrayLike, fit: StepResponseFit) -> Figure:
     y_read = low + first_order_response(fit.reading, t, fit.amplitude)
     ax.plot(t, y_read, color=BLUE, linestyle="--", linewidth=1.8, label="First-order model, as read")
     ax.set_xlim(t[0], t[-1])
-    # Room before the initial level for the arrows, and beyond everything drawn for the legend.
+    # Leave room below the initial level for the arrows, and above all curves for the legend.
     way = (y - low) / change
     ax.set_ylim(*sorted((low + min(-0.25, way.min()) * change, low + (way.max() + 0.2) * change)))
 
@@ -87,7 +87,7 @@ def figure_a1(t: ArrayLike, y: ArrayLike, fit: StepResponseFit) -> Figure:
 
 
 def figure_a2(comparison: StepComparison) -> Figure:
-    """Draw Fig. A2: (a) the simulation as a block diagram, (b) the original and the approximate response.
+    """Draw Fig. A2: (a) the block diagram of the simulation, (b) the original and the approximate response.
 
     Parameters
     ----------
@@ -100,8 +100,7 @@ def figure_a2(comparison: StepComparison) -> Figure:
 
     Notes
     -----
-    UNSW lab, appendix, Fig. A2. The coefficients of the original system are chosen; the print does not give
-    them.
+    UNSW lab, appendix, Fig. A2. The lab does not state the coefficients of its original system.
     """
     fit = comparison.fit
     figure = new_figure(8.0, 7.0)
@@ -142,7 +141,7 @@ def figure_a2(comparison: StepComparison) -> Figure:
 
 
 def _draw_construction(ax: Axes, fit: StepResponseFit, t_first: float, t_last: float) -> None:
-    """Mark how far the response has come, and with arrows the delay, the time constant and the change."""
+    """Mark the levels of 0, 28.3, 63.2 and 100 %, and draw arrows for delay, time constant and change."""
     low, change, td = fit.y_initial, fit.y_final - fit.y_initial, fit.reading.td
     arrows_at, names_at = low - 0.08 * change, low - 0.11 * change
     beyond = "top" if change > 0 else "bottom"
@@ -155,7 +154,7 @@ def _draw_construction(ax: Axes, fit: StepResponseFit, t_first: float, t_last: f
             ax.plot(time, level, marker="o", markersize=6, color=VERMILION)
     _span(ax, (td, arrows_at), (fit.t_632, arrows_at))
     _note(ax, (td + fit.t_632) / 2, names_at, r"$\tau$", "center", beyond)
-    # A delay too short for the two heads of its own arrow is only written in the box.
+    # A delay too short for a double-headed arrow is stated only in the box.
     if td > 0.025 * (t_last - t_first):
         _span(ax, (0.0, arrows_at), (td, arrows_at))
         _note(ax, td / 2, names_at, "$t_d$", "center", beyond)
@@ -166,7 +165,7 @@ def _draw_construction(ax: Axes, fit: StepResponseFit, t_first: float, t_last: f
 
 
 def _write_values(ax: Axes, fit: StepResponseFit) -> None:
-    """Write the three numbers in a box between the first two levels."""
+    """Write gain, time constant and delay in a box between the first two levels."""
     K, tau, td = (_number(value) for value in (fit.reading.K, fit.reading.tau, fit.reading.td))
     ax.text(
         0.98,
@@ -184,7 +183,7 @@ def _write_values(ax: Axes, fit: StepResponseFit) -> None:
 
 
 def _span(ax: Axes, start: tuple[float, float], end: tuple[float, float]) -> None:
-    """Draw an arrow with a head at both ends, as in a dimension drawing."""
+    """Draw a double-headed dimension arrow."""
     from matplotlib.patches import FancyArrowPatch
 
     ax.add_patch(
@@ -220,7 +219,7 @@ def _number(value: float) -> str:
 
 
 def _polynomial(coefficients: FloatArray) -> str:
-    """Write descending powers of s in mathtext, a coefficient of one left out."""
+    """Format descending powers of s as mathtext, omitting coefficients of one."""
     order = len(coefficients) - 1
     terms = []
     for power, coefficient in zip(range(order, -1, -1), coefficients, strict=True):

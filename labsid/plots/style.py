@@ -1,7 +1,6 @@
-"""How every figure of the lab looks: colours, sizes, and how a figure is saved.
+"""Colours, sizes and saving of all figures.
 
-Figures are made without pyplot: nothing is registered, shown or left behind, and no global setting is
-written. matplotlib is imported when the first figure is made.
+Figures are created without pyplot, so no global state or setting changes. matplotlib is imported with the first figure.
 """
 
 from __future__ import annotations
@@ -18,7 +17,7 @@ Corner = Literal["upper right", "lower right"]
 GREY_BLUE = (0.6, 0.7, 0.8)
 """The lab's colour code for cos(0.02*pi*t)."""
 
-# The palette of Okabe and Ito (2008), which colour-blind readers can tell apart.
+# The palette of Okabe and Ito (2008), distinguishable by colour-blind readers.
 BLACK = "#222222"
 GREY = "#B0B0B0"
 BLUE = "#0072B2"
@@ -32,14 +31,14 @@ SMALL_TEXT_SIZE = 11
 
 
 def new_figure(width: float = 8.0, height: float = 6.0) -> Figure:
-    """Make an empty white figure of `width` by `height` inches that lays itself out."""
+    """Create an empty white figure of `width` by `height` inches with constrained layout."""
     from labsid.plots.figure import ShownFigure
 
     return ShownFigure(figsize=(width, height), layout="constrained", facecolor="white")
 
 
 def axes_or_new(ax: Axes | None) -> Axes:
-    """Return `ax`, or the only axes of a new figure of one panel."""
+    """Return `ax`, or the axes of a new figure."""
     return new_figure(height=3.6).add_subplot() if ax is None else ax
 
 
@@ -51,7 +50,7 @@ def finish(
     legend_columns: int = 1,
     legend_place: Corner = "upper right",
 ) -> None:
-    """Give `ax` its title, labels and grid, and a legend of so many columns (0: none)."""
+    """Set title, axis labels and grid of `ax`, and add a legend with `legend_columns` columns (0: no legend)."""
     ax.set_title(title, fontsize=TEXT_SIZE)
     ax.set_xlabel(xlabel, fontsize=TEXT_SIZE)
     ax.set_ylabel(ylabel, fontsize=TEXT_SIZE)
@@ -63,16 +62,16 @@ def finish(
 
 
 def make_headroom(ax: Axes, share: float) -> None:
-    """Raise the upper y limit so that the uppermost `share` of `ax` is free for a legend or a box."""
+    """Raise the upper y limit so that the top `share` of `ax` is free for a legend or a box."""
     lower, upper = ax.get_ylim()
     ax.set_ylim(lower, lower + (upper - lower) / (1.0 - share))
 
 
 def save_png(figure: Figure, path: str | PathLike[str] | BinaryIO, dpi: int = 150) -> None:
-    """Write `figure` as PNG to `path`, a file name or an open binary file, at `dpi` dots an inch."""
+    """Write `figure` as PNG to `path`, a file name or an open binary file, at `dpi` dots per inch."""
     figure.savefig(path, format="png", dpi=dpi)
 
 
 def save_svg(figure: Figure, path: str | PathLike[str] | BinaryIO) -> None:
-    """Write `figure` as SVG, without a date in it, to `path`, a file name or an open binary file."""
+    """Write `figure` as SVG without a date to `path`, a file name or an open binary file."""
     figure.savefig(path, format="svg", metadata={"Date": None})

@@ -1,4 +1,4 @@
-"""Fig. 7 and 8 of the lab: simulated outputs against the one that was measured."""
+"""Fig. 7 and 8 of the lab: simulated and measured output."""
 
 from __future__ import annotations
 
@@ -33,18 +33,18 @@ _SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 def plot_simulated_on_measured(
     t: ArrayLike, y: ArrayLike, y_sim: ArrayLike, label: str = "Simulated output", ax: Axes | None = None
 ) -> Axes:
-    """Draw a simulated output over the one that was measured.
+    """Draw a simulated output over the measured output.
 
     Parameters
     ----------
     t : array_like, shape (N,)
         Time in seconds.
     y, y_sim : array_like, shape (N,)
-        Offset-free output as measured, and as the model gives it, in volts.
+        Measured and simulated offset-free output in volts.
     label : str
-        What the legend calls `y_sim`.
+        Legend text of `y_sim`.
     ax : matplotlib.axes.Axes, optional
-        Where to draw; a new figure of one panel without it.
+        Axes to draw into; by default those of a new figure.
 
     Returns
     -------
@@ -67,7 +67,7 @@ def figure_7(t: ArrayLike, y: ArrayLike, verification: Verification) -> Figure:
     y : array_like, shape (N,)
         Offset-free output in volts.
     verification : Verification
-        From `labsid.lab.verification.verify`. Panel (a) takes the simulation that starts from rest at the half.
+        From `labsid.lab.verification.verify`. Panel (a) shows the simulation that starts from rest at the second half.
 
     Returns
     -------
@@ -76,11 +76,11 @@ def figure_7(t: ArrayLike, y: ArrayLike, verification: Verification) -> Figure:
     Raises
     ------
     ValueError
-        If t and y are not as long as the record that was verified.
+        If the length of t and y differs from that of the verified record.
 
     Notes
     -----
-    UNSW lab, step 3a. Why (a) does not start at the same point: `figure_7_initial_state`.
+    UNSW lab, step 3a. `figure_7_initial_state` shows why (a) does not start at the same point.
     """
     t, y = _of_length(verification, t, y)
     half = verification.half
@@ -95,7 +95,7 @@ def figure_7(t: ArrayLike, y: ArrayLike, verification: Verification) -> Figure:
 
 
 def figure_7_initial_state(t: ArrayLike, y: ArrayLike, verification: Verification) -> Figure:
-    """Draw why the second half of Fig. 7 does not start at the same point: three initial states, one model.
+    """Draw the second half of Fig. 7 from three initial states, which shows why it does not start at the same point.
 
     Parameters
     ----------
@@ -109,13 +109,13 @@ def figure_7_initial_state(t: ArrayLike, y: ArrayLike, verification: Verificatio
     Returns
     -------
     matplotlib.figure.Figure
-        (a) The second half from rest, with the state carried over from the first half, and with the state
-        estimated at the half; (b) the error of each: they differ by a transient that fades.
+        (a) The second half from rest, with the state carried over from the first half, and with an estimated initial
+        state; (b) the error of each. The errors differ by a decaying transient.
 
     Raises
     ------
     ValueError
-        If t and y are not as long as the record that was verified.
+        If the length of t and y differs from that of the verified record.
 
     Notes
     -----
@@ -152,7 +152,7 @@ def figure_8(
     mse_first: float,
     mse_second: float,
 ) -> Figure:
-    """Draw Fig. 8: the first-order and the second-order model against the actual output, with their errors.
+    """Draw Fig. 8: the first-order and the second-order model and the actual output, with their errors.
 
     Parameters
     ----------
@@ -161,7 +161,7 @@ def figure_8(
     y : array_like, shape (N,)
         Offset-free output in volts.
     y_first, y_second : array_like, shape (N,)
-        Output of the first-order and of the second-order model, simulated over the entire input, in volts.
+        Simulated outputs of the first-order and the second-order model in volts.
     mse_first, mse_second : float
         Their mean squared errors in square volts, written in the top-left corner.
 
@@ -177,7 +177,7 @@ def figure_8(
     figure = new_figure(8.0, 4.8)
     ax = figure.add_subplot()
     _plot_actual(ax, t, y)
-    # The dashes of the first order lie over the second, or one of them would hide the other.
+    # Draw the dashed first-order curve on top; otherwise one curve would hide the other.
     ax.plot(t, y_first, color=VERMILION, linestyle="--", linewidth=1.8, zorder=3, label="First-order model")
     ax.plot(t, y_second, color=BLUE, linewidth=1.8, label="Second-order model")
     make_headroom(ax, 0.25)
@@ -201,17 +201,17 @@ def _plot_actual(ax: Axes, t: ArrayLike, y: ArrayLike) -> None:
 
 
 def _of_length(verification: Verification, t: ArrayLike, y: ArrayLike) -> tuple[FloatArray, FloatArray]:
-    """Check `t` and `y` against the record that was verified."""
+    """Check that `t` and `y` have the length of the verified record."""
     t, y = as_signals(t=t, y=y)
     if y.size != verification.y_all.size:
         raise ValueError(
             f"t and y must be those of the record that was verified, {verification.y_all.size} samples; "
-            f"got {y.size}. Pass the offset-free y that went into verify."
+            f"got {y.size}. Pass the offset-free y given to verify."
         )
     return t, y
 
 
 def _scientific(value: float) -> str:
-    """Write `value` as 8.945×10⁻⁴."""
+    """Format `value` like 8.945×10⁻⁴."""
     mantissa, exponent = f"{value:.3e}".split("e")
     return f"{mantissa}×10{str(int(exponent)).translate(_SUPERSCRIPTS)}"

@@ -155,7 +155,7 @@ def test_the_settled_part_of_the_empty_tank_starts(labsid, shared_data, tmp_path
         assert found["y_offset"] == pytest.approx(level, abs=0.012)
         assert found["settled"][0] > 100
         assert found["settled"][1] == first
-        assert "Mind: the record does not start at rest" in out
+        assert "Warning: the record does not start at rest" in out
 
 
 # Bad input ------------------------------------------------------------------------------------------------
@@ -314,7 +314,7 @@ def test_data_make(labsid, refused, tmp_path, monkeypatch):
     assert labsid("data", "make")[0] == 0
     record = load_record("SysIdenData_StudentVersion.mat")
     assert (len(record), record.Ts) == (903, 0.75)
-    assert "is there already; it is not overwritten" in refused("data", "make")[0]
+    assert "already exists and is not overwritten" in refused("data", "make")[0]
     Path("secret").write_text("correct horse battery staple\n")
     files = []
     for student, name in (("z1", "a.mat"), ("z1", "b.mat"), ("z2", "c.mat")):

@@ -38,14 +38,14 @@ def test_identification_text_says_what_was_found(tank):
     assert "<StateSpace>: G" in text
     assert "follows the second half closely" in text
     assert "It is stable, with static gain" in text
-    assert "Mind:" not in text
+    assert "Warning:" not in text
 
 
 def test_identification_text_in_words(tank):
     late = Record(tank.t[:500], tank.u[97:597], tank.y[97:597], 0.75)
     result = identify(late)
     (warning,) = result.warnings
-    assert f"Mind: {warning}." in " ".join(identification_text(result).split())
+    assert f"Warning: {warning}." in " ".join(identification_text(result).split())
     noise = Record(tank.t, tank.u, np.r_[tank.y[:300], 5 * np.sin(np.arange(300.0))], 0.75)
     text = " ".join(identification_text(identify(noise)).split())
     assert "follows the second half" in text

@@ -113,5 +113,5 @@ def test_fig_a1_of_the_real_rig(shared_data, covered, change):
 
 def test_fig_a1_refuses_other_samples_than_were_fitted():
     t, y, fit = _response(FirstOrderDelay(K=3.0, tau=5.0, td=1.5), 2.0, 35.0)
-    with pytest.raises(ValueError, match=r"fitted, 370 of them; got 369\. Pass what went into"):
+    with pytest.raises(ValueError, match=r"fitted, 370 of them; got 369\. Pass the t and y given to"):
         figure_a1(t[:-1], y[:-1], fit)
