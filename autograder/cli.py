@@ -195,14 +195,14 @@ def doctor(
     json_file: Annotated[Path | None, typer.Option("--json", metavar="FILE", help="Write what was found here.")] = None,
 ) -> None:
     """Try each way out of a student's process on this machine, and say what holds on each level of isolation."""
-    from autograder.sandbox.doctor import as_json, as_text, examine
+    from autograder.sandbox.doctor import attempt_escapes, reports_json, reports_text
     from autograder.sandbox.isolation import LEVELS
     from labsid._files import write_file
 
-    found = list(_progress(examine(), len(LEVELS), "trying"))
-    print(as_text(found))
+    found = list(_progress(attempt_escapes(), len(LEVELS), "trying"))
+    print(reports_text(found))
     if json_file is not None:
-        write_file(json_file, as_json(found).encode())
+        write_file(json_file, reports_json(found).encode())
 
 
 def lab(

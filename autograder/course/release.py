@@ -1,4 +1,4 @@
-"""What students get: one zip with the notebooks, the data beside them, labsid itself and what it needs."""
+"""The student release: one zip with the notebooks, their data files, labsid and its environment."""
 
 import base64
 import hashlib
@@ -17,7 +17,7 @@ from labsid.rig import student_plan
 _README = """\
 # {course}
 
-1. Make the environment, once (conda, mamba or micromamba):
+1. Create the environment once (conda, mamba or micromamba):
 
        conda env create -f environment.yml
        conda activate {course}
@@ -30,25 +30,25 @@ _README = """\
 
    {data}
 
-3. Work through each notebook from top to bottom and run its checks. Hand in the notebooks: their files keep their
-   names; a zip of the folders is fine, too.
+3. Work through each notebook from top to bottom and run its checks. Submit the notebooks without renaming the files;
+   a zip of the folders is accepted, too.
 """
 
 
 def write_release(course: Course, out: Path) -> list[str]:
-    """Zip the release; the same course gives the same bytes.
+    """Write the release; the same course gives the same bytes.
 
     Parameters
     ----------
     course : Course
         Built.
     out : Path
-        The zip; written whole or not at all.
+        The zip file, written atomically.
 
     Returns
     -------
     list of str
-        The files in it.
+        The names of its files.
 
     Raises
     ------
@@ -65,15 +65,15 @@ def write_release(course: Course, out: Path) -> list[str]:
 
 
 def write_individual_releases(course: Course, out: Path, secret: bytes, students: list[str]) -> list[str]:
-    """Zip the release with a folder of data for each student, which the teacher hands out one by one.
+    """Write the release with individual data: one folder for each student, for the teacher to distribute.
 
     Parameters
     ----------
     course : Course
         Built.
     out : Path
-        The zip: ``for-everybody/`` has what all get, ``students/<ID>/`` the data of one student, each file in the
-        folder of its assignment.
+        The zip file: ``for-everybody/`` contains the shared files, ``students/<ID>/`` the data of one student, each
+        file in the folder of its assignment.
     secret : bytes
     students : list of str
         IDs.
@@ -81,7 +81,7 @@ def write_individual_releases(course: Course, out: Path, secret: bytes, students
     Returns
     -------
     list of str
-        The files in it.
+        The names of its files.
 
     Raises
     ------
@@ -92,32 +92,34 @@ def write_individual_releases(course: Course, out: Path, secret: bytes, students
     wanted = ((name, load_assignment(name).record_file) for name in course.assignments())
     data = {name: file for name, file in wanted if file is not None}
     for student in students:
-        student_plan(student, secret)  # says what is wrong with the ID before anything is made
+        student_plan(student, secret)  # reports an invalid ID before any file is generated
         if "/" in student or "\\" in student or student.startswith("."):
             raise ValueError(f"the student ID {student!r} cannot be the name of a folder.")
-        made = {file: individual_file(file, student, secret) for file in set(data.values()) if is_individual(file)}
+        individual = {
+            file: individual_file(file, student, secret) for file in set(data.values()) if is_individual(file)
+        }
         for name, file in data.items():
-            content = made[file] if file in made else (course.data / file).read_bytes()
+            content = individual[file] if file in individual else (course.data / file).read_bytes()
             files[f"students/{student}/{name}/{file}"] = content
     write_file(out, zip_bytes(files))
     return sorted(files)
 
 
 def read_students(path: Path) -> list[str]:
-    """Student IDs, one a line; empty lines and those that begin with # do not count.
+    """Read student IDs, one per line; empty lines and lines that start with # are skipped.
 
     Raises
     ------
     ValueError
-        If there is none, or one is there twice.
+        If there is no ID, or a duplicate.
     """
     try:
         lines = [line.strip() for line in path.read_text(encoding="utf-8-sig").splitlines()]
     except UnicodeDecodeError:
-        raise ValueError(f"{path} is not text in UTF-8. Expected one student ID a line.") from None
+        raise ValueError(f"{path} is not text in UTF-8. Expected one student ID per line.") from None
     students = [line for line in lines if line and not line.startswith("#")]
     if not students:
-        raise ValueError(f"{path} names no students. Expected one student ID a line.")
+        raise ValueError(f"{path} names no students. Expected one student ID per line.")
     twice = sorted({student for student in students if students.count(student) > 1})
     if twice:
         raise ValueError(f"{path} names {', '.join(twice)} twice.")
@@ -136,13 +138,13 @@ def _shared_files(course: Course) -> dict[str, bytes]:
     wheel, content = labsid_wheel()
     files[wheel] = content
     files["environment.yml"] = _environment(course, wheel).encode()
-    said = "The data files stand beside the notebooks that use them." if has_data else "No notebook needs a data file."
-    files["README.md"] = _README.format(course="labsid", wheel=wheel, data=said).encode()
+    data = "The data files are beside the notebooks that use them." if has_data else "No notebook needs a data file."
+    files["README.md"] = _README.format(course="labsid", wheel=wheel, data=data).encode()
     return files
 
 
 def _environment(course: Course, wheel: str) -> str:
-    """For conda: what labsid and the notebooks need, and labsid from the file beside it."""
+    """A conda environment with the dependencies of labsid and the notebooks, and labsid from the wheel."""
     project = tomllib.loads((course.root / "pyproject.toml").read_text(encoding="utf-8"))["project"]
     needed = [*project["dependencies"], *project["optional-dependencies"]["notebooks"]]
     lines = ["name: labsid", "channels: [conda-forge, nodefaults]", "dependencies:"]
@@ -151,12 +153,12 @@ def _environment(course: Course, wheel: str) -> str:
 
 
 def labsid_wheel() -> tuple[str, bytes]:
-    """The installed labsid as a wheel, without the autograder: its name and its content, the same for the same source.
+    """Name and content of a reproducible wheel of the installed labsid, without the autograder.
 
     Raises
     ------
     ValueError
-        If labsid is not installed, so that what it needs is not known.
+        If labsid is not installed, so that its dependencies are unknown.
     """
     package = Path(labsid.__file__).parent
     paths = (path for path in sorted(package.rglob("*")) if path.is_file() and "__pycache__" not in path.parts)

@@ -190,7 +190,7 @@ class _Walk:
             ask = self._ask(one.question, lambda: self._running.student, one.known)
             verdict, death, changed = None, None, False
             try:
-                changed = self._running.student.put_back(one.place)
+                changed = self._running.student.restore_variables(one.place)
             except StudentProcessError as died:
                 death = died
                 self._running.revive()

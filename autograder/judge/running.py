@@ -66,7 +66,7 @@ class Running:
         """Keep the variables as they are now under a key, in this process and in every process to come."""
         self._done.append(key)
         try:
-            self.student.pin(key)
+            self.student.save_variables(key)
         except StudentProcessError:
             self.revive()
 
@@ -121,17 +121,17 @@ class Running:
         try:
             self._bring(other, behind)
             self._gone_through = len(self._done)
-            other.pin(_HERE)
+            other.save_variables(_HERE)
             yield other
             with contextlib.suppress(StudentProcessError):
-                changed = other.put_back(_HERE)
+                changed = other.restore_variables(_HERE)
         finally:
             if changed:
                 self._part()
 
     def more_time(self, seconds: float) -> None:
         """See to it that there are so many seconds left."""
-        self._until = self.student.until = max(self._until, time.monotonic() + seconds)
+        self._until = self.student.deadline = max(self._until, time.monotonic() + seconds)
 
     def close(self) -> None:
         """End it."""
@@ -146,12 +146,12 @@ class Running:
     def _bring(self, student: StudentProcess, done: list[_Done]) -> None:
         """Replay at the judge's wish: the time is not the notebook's, and all of it may come to as much again."""
         began = time.monotonic()
-        student.until = began + self._again
+        student.deadline = began + self._again
         failed = self._replay(student, done)
         gone = time.monotonic() - began
         self._again -= gone
         self._until += gone
-        self.student.until = student.until = self._until
+        self.student.deadline = student.deadline = self._until
         if failed is not None:
             student.close()
             raise StudentProcessError(failed[1].status, f"run once more from the first cell on, {failed[1]}")
@@ -163,7 +163,7 @@ class Running:
                 if isinstance(one, Step):
                     student.run(one.source)
                 elif isinstance(one, int):
-                    student.pin(one)
+                    student.save_variables(one)
                 else:
                     student.set(one)
             except StudentProcessError as death:
@@ -172,7 +172,7 @@ class Running:
 
     def _start(self) -> StudentProcess:
         student = self._launcher.start(self._folder)
-        student.until = self._until
+        student.deadline = self._until
         return student
 
     def _cut(self, reply: Reply) -> Reply:

@@ -1,7 +1,7 @@
-"""What a student's process may see of this machine: the interpreter, its libraries, the allowed part of labsid.
+"""The files that a student process may read: the interpreter, its libraries and the allowed part of labsid.
 
-The reference (the taught functions), the checks with their right values, the grader, the course and everything else
-are not in the list, so a level that confines files leaves them out.
+The reference (the taught functions), the checks with their right values, the grader and the course are not among them,
+so every isolation level that confines files hides them.
 """
 
 import os
@@ -11,11 +11,11 @@ import sysconfig
 from collections.abc import Iterable, Iterator
 from pathlib import Path
 
-ALLOWED_ROOMS = ("records", "plots", "rig", "checks")
-"""The rooms of labsid that student code may import while it is graded, without the answers in `checks/assignments`."""
+ALLOWED_SUBPACKAGES = ("records", "plots", "rig", "checks")
+"""The subpackages of labsid that graded code may import, except `checks/assignments` with the right values."""
 
 ALLOWED_MODULES = ("__init__", "_arrays", "_compiled", "_files")
-"""And the modules that stand beside them; none of them is taught."""
+"""The top-level modules of labsid that graded code may import; none of them is taught."""
 
 _SYSTEM = (
     "/lib", "/lib32", "/lib64", "/usr/lib", "/usr/lib32", "/usr/lib64", "/usr/local/lib", "/nix/store",
@@ -26,49 +26,49 @@ _PACKAGES = ("site-packages", "dist-packages")
 
 
 def is_reference(module: str) -> bool:
-    """Whether a module, by its dotted name, is the reference or the grader."""
+    """Whether a dotted module name belongs to the reference or the grader."""
     parts = module.split(".")
     if parts[0] == "labsid":
-        allowed = len(parts) == 1 or parts[1] in (*ALLOWED_ROOMS, *ALLOWED_MODULES)
+        allowed = len(parts) == 1 or parts[1] in (*ALLOWED_SUBPACKAGES, *ALLOWED_MODULES)
         return not allowed or parts[1:3] == ["checks", "assignments"]
     return parts[0] == "autograder"
 
 
-def own_packages() -> list[Path]:
-    """The folders of labsid and of the autograder: shut, but for `allowed_of_labsid`."""
+def package_folders() -> list[Path]:
+    """The folders of labsid and of the autograder, hidden except for `allowed_labsid_paths`."""
     autograder = Path(__file__).resolve().parent.parent
     return [_labsid(), autograder]
 
 
-def allowed_of_labsid() -> list[Path]:
-    """The files and folders of labsid that student code may import."""
+def allowed_labsid_paths() -> list[Path]:
+    """The files and folders of labsid that graded code may import."""
     package = _labsid()
-    rooms = [package / room for room in ALLOWED_ROOMS if room != "checks"]
+    subpackages = [package / name for name in ALLOWED_SUBPACKAGES if name != "checks"]
     checks = [path for path in (package / "checks").iterdir() if path.suffix == ".py"]
-    return [*rooms, *sorted(checks), *(package / f"{module}.py" for module in ALLOWED_MODULES)]
+    return [*subpackages, *sorted(checks), *(package / f"{module}.py" for module in ALLOWED_MODULES)]
 
 
-def trees() -> list[Path]:
-    """The folders and files of the interpreter, its packages and the system's libraries, none inside another."""
+def interpreter_paths() -> list[Path]:
+    """The files and folders of the interpreter, its packages and the system's libraries, none inside another."""
     named = sysconfig.get_paths()
     found = [Path(named[key]) for key in ("stdlib", "platstdlib", "purelib", "platlib")]
     found += [Path(prefix) / "lib" for prefix in (sys.base_prefix, sys.prefix)]
     found += [Path(path) for path in (*sys.path, site.getusersitepackages()) if Path(path).name in _PACKAGES]
     found += map(Path, _SYSTEM)
-    there = sorted({Path(os.path.abspath(path)) for path in found if os.path.exists(path)})
-    return [path for path in there if not any(other in path.parents for other in there)]
+    existing = sorted({Path(os.path.abspath(path)) for path in found if os.path.exists(path)})
+    return [path for path in existing if not any(other in path.parents for other in existing)]
 
 
-def without(tree: Path, shut: Iterable[Path]) -> Iterator[Path]:
-    """The parts of a tree that hold nothing of what is shut."""
-    shut = list(shut)
-    if tree.resolve() in shut:
+def exclude_paths(folder: Path, excluded: Iterable[Path]) -> Iterator[Path]:
+    """The largest files and folders in a folder that contain no excluded path."""
+    excluded = list(excluded)
+    if folder.resolve() in excluded:
         return
-    if not any(tree.resolve() in path.parents for path in shut):
-        yield tree
+    if not any(folder.resolve() in path.parents for path in excluded):
+        yield folder
         return
-    for inner in sorted(tree.iterdir()):
-        yield from without(inner, shut)
+    for inner in sorted(folder.iterdir()):
+        yield from exclude_paths(inner, excluded)
 
 
 def _labsid() -> Path:

@@ -1,10 +1,10 @@
-"""A sandbox a submission: bubblewrap lays out the namespaces, and the forked process steps into them.
+"""bubblewrap sandboxes: one for each submission, entered by the forked student process.
 
-bubblewrap starts programs, and a Python that starts anew takes longer to import its packages than most notebooks to
-run. So bubblewrap holds an empty sandbox open (its only program is `cat`, waiting for an end of file), and a
-process forked from the pre-imported parent enters that sandbox's namespaces before any student code runs. Every
-submission has a sandbox of its own: its own processes, files, network (none) and memory segments. Ending its first
-process ends all that runs in it. When the grader dies, however, `cat` reads its end of file, and the sandbox is gone.
+A Python program that bubblewrap starts would take longer to import its packages than most notebooks to run. Instead,
+bubblewrap runs `cat`, which waits for an end of file and so holds an empty sandbox open. A process forked from the fork
+server enters the namespaces of that sandbox before it runs student code. Each sandbox has its own processes, files and
+memory segments, and no network. Killing its init process ends everything in it. If the grader dies, `cat` reads an
+end of file, and the sandbox closes.
 """
 
 import contextlib
@@ -20,15 +20,15 @@ from pathlib import Path
 from autograder.sandbox import allowed_paths
 
 TMP = "/tmp"
-"""The one place in a sandbox that can be written to; trees that lie below it on this machine are laid into it."""
+"""The only writable folder in a sandbox; interpreter paths below it are mounted into it."""
 
 WORK = f"{TMP}/submission"
 _CAT = "/bin/cat"
-_PATIENCE = 10.0
+_CLOSE_SECONDS = 10.0
 
 
 class SandboxError(Exception):
-    """bubblewrap is not there, or cannot make a sandbox on this machine."""
+    """bubblewrap is not installed, or cannot create a sandbox on this machine."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -39,30 +39,30 @@ class Sandbox:
     ----------
     process : subprocess.Popen
         bubblewrap itself.
-    first : int
-        Its first process, as seen from here: the way in, and what ends all of it.
+    init_pid : int
+        Its init process, in the grader's numbering: used to enter the sandbox and to end it.
     """
 
     process: "subprocess.Popen[bytes]"
-    first: int
+    init_pid: int
 
     def close(self) -> None:
         """End everything in it."""
         with contextlib.suppress(ProcessLookupError):
-            os.kill(self.first, signal.SIGKILL)
+            os.kill(self.init_pid, signal.SIGKILL)
         for pipe in (self.process.stdin, self.process.stdout, self.process.stderr):
             if pipe is not None:
                 with contextlib.suppress(OSError):
                     pipe.close()
         try:
-            self.process.wait(timeout=_PATIENCE)
-        except subprocess.TimeoutExpired:  # something in it cannot be ended yet; it ends without an audience
+            self.process.wait(timeout=_CLOSE_SECONDS)
+        except subprocess.TimeoutExpired:  # a process in it cannot end yet; stop waiting for it
             self.process.kill()
             self.process.wait()
 
 
 def find_bubblewrap() -> str:
-    """The system's own bubblewrap, which its distribution keeps patched; else the one that comes as a package."""
+    """Path of the system's bubblewrap, which receives security updates, or else of the Python package's."""
     found = shutil.which("bwrap")
     if found is not None:
         return found
@@ -76,19 +76,19 @@ def find_bubblewrap() -> str:
         raise SandboxError(f"bubblewrap cannot be used ({error})") from None
 
 
-def layout(bubblewrap: str, allowed: Iterable[Path], disk_bytes: int, own_user_namespace: bool) -> list[str]:
-    """The command that holds a sandbox open: what is to be seen in it, read-only, and one bounded place to write.
+def sandbox_command(bubblewrap: str, allowed: Iterable[Path], disk_bytes: int, own_user_namespace: bool) -> list[str]:
+    """The command that opens a sandbox with read-only allowed paths and one writable folder of bounded size.
 
     Parameters
     ----------
     bubblewrap : str
         Path of the program.
     allowed : iterable of Path
-        The files and folders of labsid that exercises use.
+        The files and folders of labsid that graded code may import.
     disk_bytes : int
-        Size of everything that can be written.
+        Size of the writable folder.
     own_user_namespace : bool
-        What everybody but root needs; root does without and gives up its rights by changing the user.
+        Required for every user but root, who instead drops its privileges by changing the user.
 
     Returns
     -------
@@ -102,13 +102,20 @@ def layout(bubblewrap: str, allowed: Iterable[Path], disk_bytes: int, own_user_n
     if own_user_namespace:
         command += ["--unshare-user", "--disable-userns", "--uid", "1000", "--gid", "1000"]
     command += ["--perms", "1777", "--size", str(disk_bytes), "--tmpfs", TMP, "--perms", "0777", "--dir", WORK]
-    trees, allowed = allowed_paths.trees(), list(allowed)
-    for parent in _parents([*trees, *allowed]):
-        command += ["--perms", "0755", "--dir", parent]  # bubblewrap's own are for its user alone
-    for tree in trees:
-        command += ["--ro-bind", str(tree), str(tree)]
+    readable, allowed = allowed_paths.interpreter_paths(), list(allowed)
+    for parent in _parents([*readable, *allowed]):
+        command += [
+            "--perms",
+            "0755",
+            "--dir",
+            parent,
+        ]  # bubblewrap's default folders are private to its user
+    for path in readable:
+        command += ["--ro-bind", str(path), str(path)]
     masked = [
-        str(path) for path in allowed_paths.own_packages() if any(tree.resolve() in path.parents for tree in trees)
+        str(package)
+        for package in allowed_paths.package_folders()
+        if any(path.resolve() in package.parents for path in readable)
     ]
     for package in masked:
         command += ["--tmpfs", package]
@@ -120,14 +127,14 @@ def layout(bubblewrap: str, allowed: Iterable[Path], disk_bytes: int, own_user_n
 
 
 def _parents(paths: Iterable[Path]) -> list[str]:
-    """The folders in which paths lie, outermost first."""
+    """The parent folders of the paths, outermost first."""
     return [str(parent) for parent in sorted({parent for path in paths for parent in path.parents})[1:]]
 
 
 def open_sandbox(command: Iterable[str]) -> Sandbox:
-    """Open a sandbox, as `layout` says; raises `SandboxError` where this machine does not let it."""
+    """Open a sandbox with the command of `sandbox_command`; raises `SandboxError` if this machine forbids it."""
     reader, writer = os.pipe()
-    with open(reader, "rb") as told:
+    with open(reader, "rb") as info_pipe:
         try:
             process = subprocess.Popen(
                 [*command, str(writer), "--", _CAT],
@@ -141,13 +148,13 @@ def open_sandbox(command: Iterable[str]) -> Sandbox:
             raise SandboxError(str(error)) from None
         finally:
             os.close(writer)
-        info = told.read()
+        info = info_pipe.read()
     assert process.stdin is not None
     assert process.stdout is not None
     assert process.stderr is not None
     with contextlib.suppress(OSError):
         process.stdin.write(b"\n")
-    if process.stdout.read(1) != b"\n":  # comes back when everything is laid out
+    if process.stdout.read(1) != b"\n":  # echoed by `cat` once everything is mounted
         with process:
             process.kill()
             raise SandboxError(_last_line(process.stderr.read()) or "bubblewrap stopped")

@@ -1,7 +1,7 @@
-"""What passes between the judge and a student's process: length-prefixed JSON of plain values, never pickle.
+"""The channel between the judge and a student process: length-prefixed JSON of plain values, never pickle.
 
-The student's side is not trusted. Everything that arrives is held against a size limit before it is read, and every
-array against its own declaration, so an answer that lies about its shape or kind is refused, not believed.
+The student's side is not trusted. The size of a message is checked before it is read, and the declared shape and dtype
+of an array against its data.
 """
 
 import base64
@@ -34,18 +34,18 @@ _LENGTHS = {"xlim": 2, "ylim": 2, "color": 3}
 
 
 class ChannelError(Exception):
-    """The other side is gone, or what it sent is not a message."""
+    """The other side closed the channel, or sent an invalid message."""
 
 
-class Gone(ChannelError):
-    """The other side is gone."""
+class ChannelClosed(ChannelError):
+    """The other side closed the channel."""
 
-    def __init__(self, how: object = "") -> None:
-        super().__init__(f"the other side is gone ({how})" if how else "the other side is gone")
+    def __init__(self, reason: object = "") -> None:
+        super().__init__(f"the channel is closed ({reason})" if reason else "the channel is closed")
 
 
 def send(sock: socket.socket, message: dict[str, Any]) -> None:
-    """Send one message; values in it are encoded with `encode`."""
+    """Send one message, whose values were encoded with `encode`."""
     payload = json.dumps(message, separators=(",", ":")).encode()
     if len(payload) > MAX_MESSAGE_BYTES:
         raise ChannelError(f"a message of {len(payload)} bytes; at most {MAX_MESSAGE_BYTES} are allowed")
@@ -54,11 +54,11 @@ def send(sock: socket.socket, message: dict[str, Any]) -> None:
     except TimeoutError:
         raise
     except OSError as error:
-        raise Gone(error) from None
+        raise ChannelClosed(error) from None
 
 
 def receive(sock: socket.socket) -> dict[str, Any]:
-    """Receive one message; raises `ChannelError`, or `TimeoutError` when all of it takes longer than the time-out."""
+    """Receive one message; raises `ChannelError`, or `TimeoutError` if the whole message exceeds the time-out."""
     seconds = sock.gettimeout()
     deadline = math.inf if seconds is None else time.monotonic() + seconds
     try:
@@ -86,7 +86,7 @@ def _read(sock: socket.socket, size: int, deadline: float) -> bytes:
     while len(data) < size:
         try:
             if deadline < math.inf:
-                # a sender that keeps sending a little must not hold the reader for ever
+                # a sender of a few bytes at a time must not block the reader forever
                 left = deadline - time.monotonic()
                 if left <= 0:
                     raise TimeoutError
@@ -95,15 +95,15 @@ def _read(sock: socket.socket, size: int, deadline: float) -> bytes:
         except TimeoutError:
             raise
         except OSError as error:
-            raise Gone(error) from None
+            raise ChannelClosed(error) from None
         if not chunk:
-            raise Gone
+            raise ChannelClosed
         data += chunk
     return bytes(data)
 
 
 def encode(value: Value) -> Any:
-    """Turn a plain value into JSON."""
+    """Encode a plain value as JSON."""
     if isinstance(value, np.ndarray):
         array = np.ascontiguousarray(value)
         data = base64.b64encode(array.tobytes()).decode("ascii")
@@ -124,11 +124,11 @@ def encode(value: Value) -> Any:
 
 
 def decode(encoded: Any) -> Value:
-    """Read a plain value that `encode` wrote; raises `ChannelError` where it is not one."""
+    """Decode a plain value; raises `ChannelError` if it is invalid."""
     try:
         return _decode(encoded)
     except (KeyError, TypeError, ValueError, AttributeError, OverflowError, RecursionError, MemoryError) as error:
-        raise ChannelError(f"an answer that is not a plain value ({type(error).__name__})") from None
+        raise ChannelError(f"not a plain value ({type(error).__name__})") from None
 
 
 def _decode(encoded: Any) -> Value:
@@ -149,7 +149,7 @@ def _decode(encoded: Any) -> Value:
 
 
 def _decode_record(kind: type, fields: dict[str, Any]) -> Value:
-    """Build a record whose every field is of the kind that its reader relies on."""
+    """Build a record after checking the type of every field."""
     checked: dict[str, Any] = {}
     for name, value in fields.items():
         if name == "dt":

@@ -1,7 +1,7 @@
-"""The student's process: runs the cells of one submission and answers the judge's questions with plain values.
+"""The student process: runs the cells of one submission and answers the judge's requests with plain values.
 
-It never sees a check, a right answer or another submission. Where the system can fork, `autograder.sandbox.fork_server`
-forks it; elsewhere it is started on its own. It then connects to the judge on a loopback address.
+It never receives a check, a right value or another submission. `autograder.sandbox.fork_server` forks it; on systems
+without fork it is a new Python process, which connects to the judge on a loopback address.
 """
 
 import contextlib
@@ -20,25 +20,25 @@ import numpy as np
 from autograder.sandbox.allowed_paths import is_reference
 from autograder.sandbox.channel import (
     MAX_OUTPUT_CHARACTERS,
+    ChannelClosed,
     ChannelError,
-    Gone,
     decode,
     encode,
     receive,
     send,
 )
-from autograder.sandbox.confine import make_call_filter, take_limits
+from autograder.sandbox.confine import make_syscall_filter, set_rlimits
 from labsid.checks.values import plain
 
-_PINS: dict[int, tuple[dict[str, Any], dict[str, int]]] = {}
-_MOST_MARKED = 100_000
+_SAVED: dict[int, tuple[dict[str, Any], dict[str, int]]] = {}
+_MAX_REPR_CHARACTERS = 100_000
 
 
 class ReferenceFinder(MetaPathFinder):
-    """Refuses the taught functions of labsid: an exercise asks for the student's own."""
+    """Import hook that blocks the reference: an exercise requires the student's own function."""
 
     def find_spec(self, fullname: str, path: Any = None, target: Any = None) -> None:
-        """Refuse ``labsid.<taught module>``, the right values of the checks, and everything of the autograder."""
+        """Raise `ImportError` for modules of the reference and the grader."""
         if is_reference(fullname):
             raise ImportError(
                 f"{fullname} is the reference: it cannot be used in an exercise that is being graded. "
@@ -47,27 +47,27 @@ class ReferenceFinder(MetaPathFinder):
 
 
 def serve(sock: socket.socket, shell: Any) -> None:
-    """Answer the judge until it hangs up."""
-    keep_reference_out_of_reach()
+    """Answer the judge's requests until it closes the channel."""
+    block_reference()
     while True:
         try:
             request = receive(sock)
         except ChannelError:
             return
         try:
-            reply = _ANSWERS[request["op"]](shell, request)
+            reply = _HANDLERS[request["op"]](shell, request)
         except BaseException as error:
             reply = {"ok": False, "error": describe_error(error)}
         try:
             send(sock, reply)
-        except Gone:
+        except ChannelClosed:
             return
         except ChannelError as error:
             send(sock, {"ok": False, "error": describe_error(ValueError(f"it is too large: {error}"))})
 
 
-def keep_reference_out_of_reach() -> None:
-    """Take the taught modules out of this process and put nothing-doing checks in the place of the notebook's."""
+def block_reference() -> None:
+    """Remove the reference from this process, and replace the notebook's checks by ones that do nothing."""
     import labsid
     import labsid.checks
 
@@ -81,13 +81,13 @@ def keep_reference_out_of_reach() -> None:
 
 
 def _no_checks(assignment: str, variables: Any, record: Any = None) -> Any:
-    """What ``notebook_checks`` is while grading: the judge does the checking."""
+    """Replacement of ``notebook_checks`` while grading: the judge checks instead."""
     return lambda question_id: None
 
 
 def describe_error(error: BaseException) -> dict[str, Any]:
     """Kind, text and line of an error in the student's code."""
-    # Python 3.13 has kinds that are not for the public, such as _IncompleteInputError: what they derive from is
+    # Python 3.13 raises private kinds such as _IncompleteInputError: report the public base class
     kind = next(kind.__name__ for kind in type(error).__mro__ if not kind.__name__.startswith("_"))[:100]
     if isinstance(error, SyntaxError):
         return {"kind": kind, "text": str(error.msg)[:500], "line": error.lineno}
@@ -102,7 +102,7 @@ def describe_error(error: BaseException) -> dict[str, Any]:
 
 
 def open_shell() -> Any:
-    """Import what notebooks use, and open the IPython shell in which their cells run."""
+    """Import the packages that notebooks use, and create the IPython shell that runs their cells."""
     os.environ["MPLBACKEND"] = "Agg"
     import control  # noqa: F401
     import matplotlib.pyplot
@@ -117,10 +117,10 @@ def open_shell() -> Any:
 
     HistoryManager.enabled = False  # type: ignore[assignment]
     shell: Any = InteractiveShell.instance()
-    # there is no screen here, whatever backend a notebook asks for
+    # ignore %matplotlib: there is no display
     shell.register_magic_function(lambda line: None, magic_name="matplotlib")
     matplotlib.pyplot.switch_backend("Agg")
-    # an error goes to the judge as it is; drawing its traceback for a terminal would take longer than most cells
+    # the judge receives the error itself; formatting a terminal traceback would take longer than most cells
     shell.showtraceback = shell.showsyntaxerror = lambda *args, **kwargs: None
     return shell
 
@@ -131,7 +131,7 @@ def _run(shell: Any, request: dict[str, Any]) -> dict[str, Any]:
     with capture_output() as captured:
         result = shell.run_cell(request["source"], store_history=False)
     if "matplotlib.pyplot" in sys.modules:
-        sys.modules["matplotlib.pyplot"].close("all")  # as a notebook does when the cell ends
+        sys.modules["matplotlib.pyplot"].close("all")  # as Jupyter does after each cell
     error = result.error_before_exec or result.error_in_exec
     reply: dict[str, Any] = {
         "ok": error is None,
@@ -158,7 +158,7 @@ def _call(shell: Any, request: dict[str, Any]) -> dict[str, Any]:
         with contextlib.redirect_stdout(io.StringIO()), contextlib.redirect_stderr(io.StringIO()):
             value = function(*arguments)
     finally:
-        sys.modules["matplotlib.pyplot"].close("all")  # what it drew of the judge's inputs is not the next cell's
+        sys.modules["matplotlib.pyplot"].close("all")  # figures of hidden inputs must not reach the next cell
     return {"ok": True, "value": encode(plain(value))}
 
 
@@ -168,34 +168,34 @@ def _set(shell: Any, request: dict[str, Any]) -> dict[str, Any]:
     return {"ok": True}
 
 
-def _pin(shell: Any, request: dict[str, Any]) -> dict[str, Any]:
-    """Keep the variables, and what would tell that one of them was changed in place."""
-    _PINS[request["key"]] = dict(shell.user_ns), _marks(shell.user_ns)
+def _save(shell: Any, request: dict[str, Any]) -> dict[str, Any]:
+    """Save the variables, with checksums that reveal changes in place."""
+    _SAVED[request["key"]] = dict(shell.user_ns), _checksums(shell.user_ns)
     return {"ok": True}
 
 
-def _put_back(shell: Any, request: dict[str, Any]) -> dict[str, Any]:
-    """Put the variables back; tell whether something in them was changed in place since."""
-    variables, marks = _PINS[request["key"]]
+def _restore(shell: Any, request: dict[str, Any]) -> dict[str, Any]:
+    """Restore the variables; the value is whether any of them was modified in place."""
+    variables, checksums = _SAVED[request["key"]]
     shell.user_ns.clear()
     shell.user_ns.update(variables)
-    return {"ok": True, "value": _marks(variables) != marks}
+    return {"ok": True, "value": _checksums(variables) != checksums}
 
 
-def _marks(variables: dict[str, Any]) -> dict[str, int]:
-    marks = {}
+def _checksums(variables: dict[str, Any]) -> dict[str, int]:
+    checksums = {}
     for name, value in list(variables.items()):
         if name.startswith("_") or name in ("In", "Out"):
             continue
         if isinstance(value, np.ndarray) and not value.dtype.hasobject:
-            marks[name] = zlib.crc32(np.ascontiguousarray(value).tobytes())
+            checksums[name] = zlib.crc32(np.ascontiguousarray(value).tobytes())
         elif isinstance(value, (list, dict, set)):
-            marks[name] = zlib.crc32(repr(value)[:_MOST_MARKED].encode(errors="replace"))
-    return marks
+            checksums[name] = zlib.crc32(repr(value)[:_MAX_REPR_CHARACTERS].encode(errors="replace"))
+    return checksums
 
 
 def _as_student_object(value: Any) -> Any:
-    """A reference value as the object that a student would hold: systems as python-control's own."""
+    """Convert a reference value to the object a student would use: systems become python-control's."""
     import control
 
     from labsid.checks.values import StateSpaceValue, TransferFunctionValue
@@ -207,21 +207,21 @@ def _as_student_object(value: Any) -> Any:
     return value
 
 
-_ANSWERS = {"run": _run, "value": _value, "call": _call, "set": _set, "pin": _pin, "put back": _put_back}
+_HANDLERS = {"run": _run, "value": _value, "call": _call, "set": _set, "save": _save, "restore": _restore}
 
 
 def main() -> None:
-    """Serve the judge that listens at ``host:port`` (first argument), greeting it with the token it passed on."""
+    """Connect to the judge at ``host:port`` (first argument), send its token, and serve."""
     host, port = sys.argv[1].rsplit(":", 1)
-    orders = json.loads(sys.stdin.readline())
+    settings = json.loads(sys.stdin.readline())
     sys.path.insert(0, os.getcwd())
-    shell = open_shell()  # before the greeting: coming up has a time limit of its own
+    shell = open_shell()  # before the connection: the import has its own time-out
     with socket.create_connection((host, int(port))) as sock:
-        take_limits(orders["limits"])
-        call_filter = make_call_filter((os.getppid(),))
-        if call_filter is not None:
-            call_filter.load()
-        send(sock, {"token": orders["token"]})
+        set_rlimits(settings["limits"])
+        syscall_filter = make_syscall_filter((os.getppid(),))
+        if syscall_filter is not None:
+            syscall_filter.load()
+        send(sock, {"token": settings["token"]})
         serve(sock, shell)
 
 

@@ -1,7 +1,7 @@
-"""What a forked process does to itself before it runs student code: enter its sandbox, take limits, give up rights.
+"""Confinement of a forked process before it runs student code: sandbox, limits, privileges and system calls.
 
-The namespaces are bubblewrap's, the file rules the kernel's Landlock, the filter of system calls the kernel's seccomp,
-the last two through packaged bindings. What is here calls them in the right order, and closes what they leave open.
+bubblewrap provides the namespaces, Landlock the file rules and seccomp the filter of system calls, the last two through
+packaged bindings. This module applies them in the right order and closes the gaps between them.
 """
 
 import contextlib
@@ -17,7 +17,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from autograder.sandbox.bubblewrap import TMP, allowed_paths
+from autograder.sandbox import allowed_paths
+from autograder.sandbox.bubblewrap import TMP
 
 _PR_SET_DUMPABLE, _PR_CAPBSET_DROP, _PR_SET_NO_NEW_PRIVS = 4, 24, 38
 _PR_SET_CHILD_SUBREAPER, _PR_CAP_AMBIENT, _PR_CAP_AMBIENT_CLEAR_ALL = 36, 47, 4
@@ -28,21 +29,21 @@ _CLONE_NEWNS, _CLONE_NEWUTS, _CLONE_NEWIPC, _CLONE_NEWPID, _CLONE_NEWNET = (
 )  # fmt: skip
 _NAMESPACES = _CLONE_NEWNS | _CLONE_NEWUTS | _CLONE_NEWIPC | _CLONE_NEWPID | _CLONE_NEWNET
 _MS_NOSUID, _MS_NODEV, _MS_REMOUNT = 2, 4, 32
-_MOST_FILES = 10_000
-_X32 = 0x40000000  # the same calls again under other numbers, where a kernel of x86 has them
+_MAX_FILES = 10_000
+_X32 = 0x40000000  # offset of the x32 ABI, which repeats every call on x86-64 kernels
 
-_NO_CALLS = (
+_FORBIDDEN_CALLS = (
     # other namespaces, other file systems
     "unshare", "setns", "mount", "umount2", "pivot_root", "chroot", "open_tree", "move_mount", "fsopen", "fsconfig",
     "fsmount", "fspick", "mount_setattr", "open_by_handle_at", "name_to_handle_at", "quotactl", "swapon", "swapoff",
     # other processes
     "ptrace", "process_vm_readv", "process_vm_writev", "process_madvise", "kcmp", "pidfd_open", "pidfd_getfd",
     "pidfd_send_signal", "rt_sigqueueinfo", "rt_tgsigqueueinfo",
-    # other programs: the one that is in sight, Python, would have this module's guards against the reference no more
+    # other programs: a new Python interpreter would run without the import hook that blocks the reference
     "execve", "execveat",
-    # memory that no limit counts, and that may outlive its process
+    # memory that no limit counts and that may outlive its process
     "memfd_create", "memfd_secret", "shmget", "msgget", "semget", "mq_open", "add_key", "keyctl", "request_key",
-    # the kernel's less trodden ways
+    # rarely used parts of the kernel
     "bpf", "perf_event_open", "userfaultfd", "io_uring_setup", "io_uring_enter", "io_uring_register", "init_module",
     "finit_module", "delete_module", "kexec_load", "kexec_file_load", "reboot", "syslog", "acct", "personality",
     "fanotify_init", "settimeofday", "clock_settime", "adjtimex", "sethostname", "setdomainname",
@@ -50,42 +51,43 @@ _NO_CALLS = (
 
 
 @dataclass(frozen=True, slots=True)
-class Terms:
-    """On what terms a student's process runs.
+class ProcessSettings:
+    """Settings of a student process.
 
     Attributes
     ----------
     level : str
-    given : str
-        Folder of the files that it starts with.
-    folder : str
-        The work folder, its own and empty: whatever it does there, the next process starts as this one did.
-    limits : mapping
-        Of the operating system, by name.
+        Isolation level.
+    input_folder : str
+        The files to copy into the work folder.
+    workdir : str
+        The work folder, new and empty for each process.
+    rlimits : mapping
+        Limits of the operating system, by name.
     processes, memory_bytes, disk_bytes : int
-        What its processes, and its files in the folder, may come to together, where nothing else holds them to it.
-    first : int
-        First process of the sandbox to step into; 0 where there is none.
+        Limits of the whole process group and its files, enforced by the fork server.
+    sandbox_pid : int
+        Init process of the sandbox to enter; 0 without a sandbox.
     own_user_namespace : bool
-        Whether the sandbox has one.
-    user : int
-        User to become; 0 to stay who one is.
+        Whether the sandbox has a user namespace.
+    user_id : int
+        User to switch to; 0 to keep the user.
     """
 
     level: str
-    given: str
-    folder: str
-    limits: Mapping[str, int]
+    input_folder: str
+    workdir: str
+    rlimits: Mapping[str, int]
     processes: int
     memory_bytes: int
     disk_bytes: int
-    first: int = 0
+    sandbox_pid: int = 0
     own_user_namespace: bool = False
-    user: int = 0
+    user_id: int = 0
 
 
-def shield() -> None:
-    """Keep the parent's memory from its children, take in their orphans, and do once what every child needs."""
+def prepare_fork_server() -> None:
+    """Hide the fork server's memory from its children, adopt their orphans, and cache what every child needs."""
     if sys.platform != "linux":
         return
     _prctl(_PR_SET_DUMPABLE, 0)
@@ -94,48 +96,49 @@ def shield() -> None:
         import landlockpy
 
         landlockpy.abi_version()
-        _files_in_reach()
+        _readable_paths()
 
 
-def settle_in(terms: Terms, call_filter: Any) -> None:
-    """Become a student's process: in its sandbox, in its folder, with nothing inherited but descriptor 3.
+def confine_process(settings: ProcessSettings, syscall_filter: Any) -> None:
+    """Confine this process: enter the sandbox and work folder, close every descriptor above 3, and drop privileges.
 
-    Where there is a sandbox, the caller stays behind as the messenger of how the process ended, and never returns.
+    With a sandbox, the calling process never returns: its child continues in the sandbox, and the caller exits with the
+    child's status.
     """
     os.setsid()
     signal.signal(signal.SIGINT, signal.SIG_DFL)
     null = os.open(os.devnull, os.O_RDWR)
     for descriptor in (0, 1, 2):
         os.dup2(null, descriptor)
-    files = _read_files(Path(terms.given))
-    if terms.first:
-        _step_inside(terms.first, terms.own_user_namespace)
-    os.closerange(4, _most_descriptors())
-    if terms.own_user_namespace:
-        _mount(TMP, f"nr_inodes={_MOST_FILES}")
-    if terms.user:
-        _become(terms.user, None if terms.first else terms.folder)
+    files = _read_files(Path(settings.input_folder))
+    if settings.sandbox_pid:
+        _enter_sandbox(settings.sandbox_pid, settings.own_user_namespace)
+    os.closerange(4, _max_descriptors())
+    if settings.own_user_namespace:
+        _remount(TMP, f"nr_inodes={_MAX_FILES}")
+    if settings.user_id:
+        _switch_user(settings.user_id, None if settings.sandbox_pid else settings.workdir)
     if sys.platform == "linux":
         _drop_capabilities()
         _prctl(_PR_SET_NO_NEW_PRIVS, 1)
-    os.chdir(terms.folder)
+    os.chdir(settings.workdir)
     for name, content in files.items():
         Path(name).write_bytes(content)
-    _forget_where_we_are(terms.folder)
-    take_limits(terms.limits)
-    if terms.level == "landlock":
-        _confine_files(terms.folder)
-    if call_filter is not None:
-        call_filter.load()
+    _reset_environment(settings.workdir)
+    set_rlimits(settings.rlimits)
+    if settings.level == "landlock":
+        _confine_files(settings.workdir)
+    if syscall_filter is not None:
+        syscall_filter.load()
 
 
-def make_call_filter(protected: tuple[int, ...]) -> Any:
-    """The filter of system calls, ready to be loaded; None where there is no binding or no support for it.
+def make_syscall_filter(protected: tuple[int, ...]) -> Any:
+    """The filter of system calls, ready to be loaded; None if seccomp is unavailable.
 
     Parameters
     ----------
     protected : tuple of int
-        Processes that must not get signals: the parent and the grader, where they can be seen.
+        Processes to protect from signals: the fork server and the grader, if they are visible.
     """
     if sys.platform != "linux":
         return None
@@ -145,23 +148,23 @@ def make_call_filter(protected: tuple[int, ...]) -> Any:
         return None
     if not seccompy.supported():
         return None
-    chosen = seccompy.Filter(seccompy.Action.ALLOW)
-    wide = _X32 if seccompy.arch() == "x86_64" else 0
+    rules = seccompy.Filter(seccompy.Action.ALLOW)
+    x32 = _X32 if seccompy.arch() == "x86_64" else 0
 
     def refuse(name: str, error: int = errno.EPERM, args: Any = None) -> None:
         try:
             number = seccompy.syscall_nr(name)
-        except (KeyError, ValueError, OSError):  # not on this architecture
+        except (KeyError, ValueError, OSError):  # not available on this architecture
             return
-        chosen.errno(number, error, args=args)
-        if wide:
-            chosen.errno(number | wide, error, args=args)
+        rules.errno(number, error, args=args)
+        if x32:
+            rules.errno(number | x32, error, args=args)
 
-    for name in _NO_CALLS:
+    for name in _FORBIDDEN_CALLS:
         refuse(name)
     masked, different = seccompy.CmpOp.MASKED_EQ, seccompy.CmpOp.NE
-    refuse("socket", errno.EACCES)  # pairs of sockets stay: they lead nowhere else
-    refuse("clone3", errno.ENOSYS)  # its flags are out of a filter's sight; callers fall back on clone
+    refuse("socket", errno.EACCES)  # socketpair stays allowed: it reaches no other process
+    refuse("clone3", errno.ENOSYS)  # a filter cannot read its flags; callers fall back on clone
     for flag in (_CLONE_NEWUSER, _CLONE_NEWNS, _CLONE_NEWUTS, _CLONE_NEWIPC, _CLONE_NEWPID, _CLONE_NEWNET, 0x2000000):
         refuse("clone", args=[(0, masked, flag, flag)])
     refuse("prlimit64", args=[(0, different, 0)])
@@ -172,26 +175,26 @@ def make_call_filter(protected: tuple[int, ...]) -> Any:
             refuse("tkill", args=[(0, masked, low, 0xFFFFFFFF)])
             refuse("tgkill", args=[(0, masked, low, 0xFFFFFFFF)])
     if protected:
-        refuse("kill", args=[(0, masked, 0xFFFFFFFF, 0xFFFFFFFF)])  # -1: everybody
-    _ = chosen.program  # assembled once, before the forks
-    return chosen
+        refuse("kill", args=[(0, masked, 0xFFFFFFFF, 0xFFFFFFFF)])  # -1: every process
+    _ = rules.program  # assembled once, before forking
+    return rules
 
 
-def _step_inside(first: int, own_user_namespace: bool) -> None:
-    """Enter the namespaces of a sandbox; what goes on is a child of the caller, who tells how it ended."""
-    descriptor = os.pidfd_open(first)
-    wanted = _NAMESPACES | (_CLONE_NEWUSER if own_user_namespace else 0)
-    if _libc().setns(descriptor, wanted) != 0:
+def _enter_sandbox(sandbox_pid: int, own_user_namespace: bool) -> None:
+    """Enter the namespaces of a sandbox and continue in a child; the caller exits with the child's status."""
+    descriptor = os.pidfd_open(sandbox_pid)
+    namespaces = _NAMESPACES | (_CLONE_NEWUSER if own_user_namespace else 0)
+    if _libc().setns(descriptor, namespaces) != 0:
         raise OSError(ctypes.get_errno(), "the sandbox cannot be entered")
     os.close(descriptor)
     child = os.fork()
     if child == 0:
         os.setsid()
         return
-    os.closerange(3, _most_descriptors())
+    os.closerange(3, _max_descriptors())
     status = os.waitstatus_to_exitcode(os.waitpid(child, 0)[1])
     if status < 0:
-        take_limits({"RLIMIT_CORE": 0})
+        set_rlimits({"RLIMIT_CORE": 0})
         with contextlib.suppress(OSError, ValueError):
             signal.signal(-status, signal.SIG_DFL)
         os.kill(os.getpid(), -status)
@@ -199,12 +202,12 @@ def _step_inside(first: int, own_user_namespace: bool) -> None:
 
 
 def _read_files(folder: Path) -> dict[str, bytes]:
-    """The files that lie ready for a process: the record."""
+    """The regular files of a folder: the student's data files."""
     return {path.name: path.read_bytes() for path in folder.iterdir() if stat.S_ISREG(path.lstat().st_mode)}
 
 
-def _become(user: int, folder: str | None) -> None:
-    """Become a user that nobody else is; the work folder, empty yet, comes along."""
+def _switch_user(user: int, folder: str | None) -> None:
+    """Switch to a user of this process alone, and give it the empty work folder."""
     if folder is not None:
         os.chown(folder, user, user)
     os.setgroups([])
@@ -222,17 +225,17 @@ def _drop_capabilities() -> None:
         raise OSError(ctypes.get_errno(), "capabilities cannot be given up")
 
 
-def _forget_where_we_are(folder: str) -> None:
-    """An environment that says nothing of this machine, and a search path that starts in the work folder."""
+def _reset_environment(folder: str) -> None:
+    """Remove this machine's environment variables, and start the module search path in the work folder."""
     threads = {name: value for name, value in os.environ.items() if name.endswith("_NUM_THREADS")}
     os.environ.clear()
-    places = dict.fromkeys(("HOME", "TMPDIR", "MPLCONFIGDIR", "IPYTHONDIR"), folder)
-    os.environ.update(threads | places | {"MPLBACKEND": "Agg", "LANG": "C.UTF-8", "PATH": ""})
+    folders = dict.fromkeys(("HOME", "TMPDIR", "MPLCONFIGDIR", "IPYTHONDIR"), folder)
+    os.environ.update(threads | folders | {"MPLBACKEND": "Agg", "LANG": "C.UTF-8", "PATH": ""})
     sys.path.insert(0, folder)
 
 
-def take_limits(limits: Mapping[str, int]) -> None:
-    """Take on limits of the operating system, as far as it keeps them."""
+def set_rlimits(limits: Mapping[str, int]) -> None:
+    """Set the limits that this operating system supports."""
     try:
         import resource
     except ImportError:
@@ -241,21 +244,21 @@ def take_limits(limits: Mapping[str, int]) -> None:
         kind = getattr(resource, name, None)
         if kind is None:
             continue
-        most = resource.getrlimit(kind)[1]
-        wanted = value if most == resource.RLIM_INFINITY else min(value, most)
-        # a second above it: at the lower limit of time the process is told apart from one that was killed
-        above = wanted + 1 if name == "RLIMIT_CPU" and wanted != most else wanted
-        with contextlib.suppress(ValueError, OSError):  # not every system keeps every limit
-            resource.setrlimit(kind, (wanted, above))
+        maximum = resource.getrlimit(kind)[1]
+        soft = value if maximum == resource.RLIM_INFINITY else min(value, maximum)
+        # a hard limit one second later: the soft limit raises SIGXCPU, the hard one SIGKILL, which says nothing
+        hard = soft + 1 if name == "RLIMIT_CPU" and soft != maximum else soft
+        with contextlib.suppress(ValueError, OSError):  # not every system supports every limit
+            resource.setrlimit(kind, (soft, hard))
 
 
 def _confine_files(folder: str) -> None:
-    """Landlock: read the interpreter and its libraries, write the work folder, signal nobody outside."""
+    """Landlock rules: read the interpreter and its libraries, write the work folder, signal no process outside."""
     from landlockpy import AccessFS, Ruleset, Scope
 
     read, names = AccessFS.READ_FILE, AccessFS.READ_DIR
     with Ruleset(scoped=Scope.SIGNAL | Scope.ABSTRACT_UNIX_SOCKET) as rules:
-        for path, access in _files_in_reach():
+        for path, access in _readable_paths():
             rules.allow_path(path, {"file": read, "names": names, "folder": read | names}[access])
         for device in ("null", "zero", "random", "urandom"):
             rules.allow_path(f"/dev/{device}", read | AccessFS.WRITE_FILE)
@@ -264,30 +267,30 @@ def _confine_files(folder: str) -> None:
 
 
 @functools.cache
-def _files_in_reach() -> tuple[tuple[str, str], ...]:
-    """What may be read, and whether it is a file, a folder, or the names in a folder."""
+def _readable_paths() -> tuple[tuple[str, str], ...]:
+    """The readable paths, each as a "file", a "folder", or a folder of which only the "names" may be listed."""
     found: list[tuple[str, str]] = []
-    shut = allowed_paths.own_packages()
-    for tree in allowed_paths.trees():
-        parts = list(allowed_paths.without(tree, shut))
-        if parts != [tree]:
-            found.append((str(tree), "names"))  # the import system lists a folder before it opens what is in it
+    excluded = allowed_paths.package_folders()
+    for path in allowed_paths.interpreter_paths():
+        parts = list(allowed_paths.exclude_paths(path, excluded))
+        if parts != [path]:
+            found.append((str(path), "names"))  # the import system lists a folder before it opens its files
         found += [(str(part), "folder" if part.is_dir() else "file") for part in parts]
-    found += [(str(path), "folder" if path.is_dir() else "file") for path in allowed_paths.allowed_of_labsid()]
+    found += [(str(path), "folder" if path.is_dir() else "file") for path in allowed_paths.allowed_labsid_paths()]
     return tuple(found)
 
 
-def _mount(folder: str, options: str) -> None:
-    """Set an option of the file system that the sandbox writes to."""
+def _remount(folder: str, options: str) -> None:
+    """Set an option of the sandbox's writable file system."""
     flags = _MS_REMOUNT | _MS_NOSUID | _MS_NODEV
     _libc().mount(None, folder.encode(), None, ctypes.c_ulong(flags), options.encode())
 
 
-def _most_descriptors() -> int:
+def _max_descriptors() -> int:
     import resource
 
-    most = resource.getrlimit(resource.RLIMIT_NOFILE)[1]
-    return 1 << 20 if most == resource.RLIM_INFINITY else most
+    maximum = resource.getrlimit(resource.RLIMIT_NOFILE)[1]
+    return 1 << 20 if maximum == resource.RLIM_INFINITY else maximum
 
 
 def _prctl(option: int, value: int) -> None:

@@ -1,8 +1,8 @@
-"""The pre-imported parent: imports what notebooks use once, then forks one clean child a submission.
+"""The fork server: imports the packages that notebooks use once, then forks one child for each submission.
 
-It holds no check, no answer, no reference and no submission, so a child inherits nothing worth having. It talks with
-the judge over a Unix socket on its standard input: a message with the terms of a process, and the child's end of a
-channel as a file descriptor. It takes in what a submission leaves running, and ends it.
+It holds no check, no right value, no reference and no submission, so a child inherits nothing to protect. The judge
+sends requests over a Unix socket on standard input: the settings of a process, and the child's end of its channel as a
+file descriptor. The fork server adopts and kills the processes that a submission leaves running.
 """
 
 import contextlib
@@ -16,88 +16,93 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from autograder.sandbox.allowed_paths import allowed_of_labsid
+from autograder.sandbox.allowed_paths import allowed_labsid_paths
 from autograder.sandbox.channel import ChannelError, receive, send
 from autograder.sandbox.child import open_shell, serve
-from autograder.sandbox.confine import Terms, make_call_filter, settle_in, shield
-from autograder.sandbox.process_groups import end_families, families_of, memory_of, orphans_of
-from autograder.sandbox.workdirs import remove, size_of
+from autograder.sandbox.confine import ProcessSettings, confine_process, make_syscall_filter, prepare_fork_server
+from autograder.sandbox.process_groups import (
+    find_orphans,
+    find_process_groups,
+    kill_process_groups,
+    resident_bytes,
+)
+from autograder.sandbox.workdirs import folder_bytes, remove_folder
 
 _CHANNEL = 3
-_LOOK_EVERY = 0.25
-_PATIENCE = 5.0
+_POLL_SECONDS = 0.25
+_END_SECONDS = 5.0
 
 
 @dataclass(slots=True)
 class _Child:
-    """A process that was forked, what its family may use, and why it was ended, where this process did that."""
+    """A forked process: its settings, and the limit its group exceeded, if the fork server killed it."""
 
-    terms: Terms
-    ended_because: str = ""
+    settings: ProcessSettings
+    exceeded: str = ""
 
 
 def main() -> None:
-    """Fork children until the judge hangs up."""
+    """Fork children until the judge closes the connection."""
     control = socket.socket(fileno=os.dup(0))
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     shell = open_shell()
-    shield()
+    prepare_fork_server()
     children: dict[int, _Child] = {}
     filters: dict[tuple[int, ...], Any] = {}
     gc.collect()
-    gc.freeze()  # what is here now stays shared between the children
-    shared_bytes = memory_of(os.getpid())
-    send(control, {"allowed": [str(path) for path in allowed_of_labsid()]})
-    looked = time.monotonic()
+    gc.freeze()  # the children keep sharing these objects' memory
+    shared_bytes = resident_bytes(os.getpid())
+    send(control, {"allowed": [str(path) for path in allowed_labsid_paths()]})
+    polled = time.monotonic()
     while True:
-        if children and time.monotonic() - looked > _LOOK_EVERY:  # also while requests come one after another
-            _hold_to_limits(children, shared_bytes)
-            looked = time.monotonic()
-        if children and not select.select([control], [], [], _LOOK_EVERY)[0]:
+        if children and time.monotonic() - polled > _POLL_SECONDS:  # also under a steady stream of requests
+            _enforce_limits(children, shared_bytes)
+            polled = time.monotonic()
+        if children and not select.select([control], [], [], _POLL_SECONDS)[0]:
             continue
         try:
             request = receive(control)
             if request["op"] == "fork":
-                terms = Terms(**request["terms"])
-                # in a sandbox neither is to be seen, and their numbers may be those of the student's own processes
-                protected = () if terms.first else (os.getpid(), request["grader"])
+                settings = ProcessSettings(**request["settings"])
+                # in a sandbox neither is visible, and their numbers may be those of the student's own processes
+                protected = () if settings.sandbox_pid else (os.getpid(), request["grader"])
                 if protected not in filters:
-                    filters[protected] = make_call_filter(protected)
-                pid = _fork(control, terms, filters[protected], shell)
-                children[pid] = _Child(terms)
+                    filters[protected] = make_syscall_filter(protected)
+                pid = _fork(control, settings, filters[protected], shell)
+                children[pid] = _Child(settings)
                 send(control, {"pid": pid})
             elif request["op"] == "end":
                 child = children.pop(request["pid"])
                 status = _end(request["pid"], child)
-                end_families(orphans_of(os.getpid(), children), wait=True)
-                send(control, {"status": status, "because": child.ended_because})
+                kill_process_groups(find_orphans(os.getpid(), children), wait=True)
+                send(control, {"status": status, "exceeded": child.exceeded})
         except ChannelError:
             break
-    end_families([*children, *orphans_of(os.getpid(), children)], wait=True)
-    for child in children.values():  # the grader was killed, and cannot
-        remove(Path(child.terms.given))
-        if not child.terms.first:
-            remove(Path(child.terms.folder))
+    kill_process_groups([*children, *find_orphans(os.getpid(), children)], wait=True)
+    for child in children.values():  # the grader was killed and cannot remove them
+        remove_folder(Path(child.settings.input_folder))
+        if not child.settings.sandbox_pid:
+            remove_folder(Path(child.settings.workdir))
 
 
-def _hold_to_limits(children: dict[int, _Child], shared_bytes: int) -> None:
-    """End a family that has grown beyond what each of its members is held to, and orphans at once."""
-    end_families(orphans_of(os.getpid(), children), wait=True)
-    for pid, family in families_of(children, shared_bytes).items():
-        child, terms = children[pid], children[pid].terms
-        if len(family.members) > terms.processes + 2:
-            child.ended_because = f"it started more than {terms.processes} processes"
-        elif family.memory_bytes > terms.memory_bytes:
-            child.ended_because = f"its processes took more than {terms.memory_bytes / 1024**3:g} GB together"
-        elif not terms.first and size_of(Path(terms.folder)) > terms.disk_bytes:
-            child.ended_because = f"its files took more than {terms.disk_bytes / 1024**2:g} MB together"
+def _enforce_limits(children: dict[int, _Child], shared_bytes: int) -> None:
+    """Kill orphans, and process groups that exceed the limits of a group; rlimits bound only single processes."""
+    kill_process_groups(find_orphans(os.getpid(), children), wait=True)
+    for pid, group in find_process_groups(children, shared_bytes).items():
+        child, settings = children[pid], children[pid].settings
+        if len(group.members) > settings.processes + 2:
+            child.exceeded = f"it started more than {settings.processes} processes"
+        elif group.memory_bytes > settings.memory_bytes:
+            child.exceeded = f"its processes took more than {settings.memory_bytes / 1024**3:g} GB together"
+        elif not settings.sandbox_pid and folder_bytes(Path(settings.workdir)) > settings.disk_bytes:
+            child.exceeded = f"its files took more than {settings.disk_bytes / 1024**2:g} MB together"
         else:
             continue
-        # the first of a family in a sandbox is the messenger, and collects the others
-        end_families(family.members[1:2] if terms.first else [pid], wait=False)
+        # with a sandbox, the leader waits for the student process outside and must report its status
+        kill_process_groups(group.members[1:2] if settings.sandbox_pid else [pid], wait=False)
 
 
-def _fork(control: socket.socket, terms: Terms, call_filter: Any, shell: Any) -> int:
+def _fork(control: socket.socket, settings: ProcessSettings, syscall_filter: Any, shell: Any) -> int:
     _, descriptors, _, _ = socket.recv_fds(control, 1, 1)
     pid = os.fork()
     if pid:
@@ -110,7 +115,7 @@ def _fork(control: socket.socket, terms: Terms, call_filter: Any, shell: Any) ->
             os.dup2(descriptors[0], _CHANNEL, inheritable=False)
         with socket.socket(fileno=_CHANNEL) as channel:
             try:
-                settle_in(terms, call_filter)
+                confine_process(settings, syscall_filter)
             except Exception as error:
                 send(channel, {"ok": False, "error": {"kind": type(error).__name__, "text": str(error)}})
                 raise
@@ -123,10 +128,10 @@ def _fork(control: socket.socket, terms: Terms, call_filter: Any, shell: Any) ->
 
 
 def _end(pid: int, child: _Child) -> int:
-    """Wait for a child, after ending it and all that it started; return how it ended."""
-    if child.terms.first:  # it ends with its sandbox, and tells how the process in there ended
-        before = time.monotonic() + _PATIENCE
-        while time.monotonic() < before:
+    """Kill a child and everything it started; return its exit status."""
+    if child.settings.sandbox_pid:  # it ends with its sandbox, and exits with the status of the process inside
+        deadline = time.monotonic() + _END_SECONDS
+        while time.monotonic() < deadline:
             ended, status = os.waitpid(pid, os.WNOHANG)
             if ended:
                 return os.waitstatus_to_exitcode(status)

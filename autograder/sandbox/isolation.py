@@ -1,9 +1,9 @@
-"""Where student code runs: one process a submission, apart from the judge, and how far it is held in.
+"""Isolation of student code: one process for each submission, at the strongest level that works on this machine.
 
-The ladder has three levels. On "namespaces", every submission has a bubblewrap sandbox of its own: no network, no other
-processes, of the files the interpreter alone, one small place to write. On "landlock", the kernel confines a plain
-process to the same files. On "none", it is a plain process with limits. A filter of system calls comes on top of each
-where the system has one. `open_launcher` tries a level before it stands on it.
+There are three levels. At "namespaces", every submission has its own bubblewrap sandbox: no network, no other
+processes, no files but the interpreter's, and one small writable folder. At "landlock", the kernel confines a plain
+process to the same files. At "none", it is a plain process with limits. Each level adds a filter of system calls if the
+system supports one. `open_launcher` probes a level before using it.
 """
 
 import contextlib
@@ -14,7 +14,7 @@ from dataclasses import dataclass
 
 from autograder.sandbox.bubblewrap import SandboxError
 from autograder.sandbox.limits import Limits
-from autograder.sandbox.process_launchers import ForkingLauncher, ProcessLauncher, SpawningLauncher, Way
+from autograder.sandbox.process_launchers import ForkingLauncher, IsolationSetup, ProcessLauncher, SpawningLauncher
 from autograder.sandbox.student_process import Reply, StudentProcess, StudentProcessError
 from autograder.sandbox.workdirs import remove_stale_workdirs, temporary_workdir
 
@@ -33,9 +33,9 @@ __all__ = [
 ]  # fmt: skip
 
 LEVELS = ("namespaces", "landlock", "none")
-"""Rungs of the ladder, strongest first; "none" is a plain process with limits."""
+"""Isolation levels, strongest first."""
 
-_PROBE = """
+_PROBE_CODE = """
 import os, numpy
 seen = True
 try:
@@ -51,52 +51,55 @@ for path, mode in ((os.__file__, "r"), (numpy.__file__, "r"), ("probe", "w")):
 """
 
 
+_UNSUPPORTED = "this system does not support it"
+
+
 class IsolationError(ValueError):
-    """The demanded isolation cannot be had on this machine."""
+    """The requested isolation is unavailable on this machine."""
 
 
 @dataclass(frozen=True, slots=True)
 class IsolationLevel:
-    """A level as it stands on this machine.
+    """An isolation level, and whether this machine supports it.
 
     Attributes
     ----------
     name : str
         One of `LEVELS`.
-    why_not : str
-        Why it cannot be had; empty where it can.
+    problem : str
+        Why it is unavailable; empty if it is available.
     """
 
     name: str
-    why_not: str
+    problem: str
 
 
 @contextlib.contextmanager
 def open_launcher(isolation: str = "best", limits: Limits | None = None) -> Iterator[ProcessLauncher]:
-    """Open the best launcher that this machine has.
+    """Open a launcher at the strongest permitted isolation level.
 
     Parameters
     ----------
     isolation : {"strict", "best", "none"} or a level
-        ``strict`` demands kernel namespaces; ``best`` takes the strongest level that holds when it is tried here;
-        the name of a level demands that one.
+        ``strict`` requires kernel namespaces; ``best`` uses the strongest level that passes its probe; the name of a
+        level requires that one.
     limits : Limits, optional
-        What one submission may use.
+        Limits of one submission.
 
     Raises
     ------
     IsolationError
-        If what is demanded cannot be had.
+        If the requested isolation is unavailable.
     """
     remove_stale_workdirs()
-    wanted = {"strict": LEVELS[:1], "best": LEVELS}.get(isolation, (isolation,))
-    if not set(wanted) <= set(LEVELS):
+    permitted = {"strict": LEVELS[:1], "best": LEVELS}.get(isolation, (isolation,))
+    if not set(permitted) <= set(LEVELS):
         raise ValueError(f"isolation: got {isolation!r}, expected strict, best or one of {', '.join(LEVELS)}")
-    launcher, tried = _climb(wanted, limits or Limits())
+    launcher, unavailable = _open_strongest(permitted, limits or Limits())
     if launcher is None:
-        reasons = "; ".join(f"{level.name}: {level.why_not.rstrip('.')}" for level in tried)
+        reasons = "; ".join(f"{level.name}: {level.problem.rstrip('.')}" for level in unavailable)
         raise IsolationError(
-            f"isolation {isolation!r} cannot be had: {reasons}. 'labsid course doctor' says what this machine holds."
+            f"isolation {isolation!r} is unavailable: {reasons}. 'labsid course doctor' tests this machine."
         )
     try:
         yield launcher
@@ -104,75 +107,76 @@ def open_launcher(isolation: str = "best", limits: Limits | None = None) -> Iter
         launcher.close()
 
 
-def is_weaker(level: str, wanted: str) -> bool:
-    """Whether one level isolates less than another; one that is not known does not."""
-    return level in LEVELS and wanted in LEVELS and LEVELS.index(level) > LEVELS.index(wanted)
+def is_weaker(level: str, other: str) -> bool:
+    """Whether a level isolates less than another; False if either is unknown."""
+    return level in LEVELS and other in LEVELS and LEVELS.index(level) > LEVELS.index(other)
 
 
 def probe_levels(limits: Limits | None = None) -> list[IsolationLevel]:
-    """Try every level of the ladder on this machine."""
+    """Probe every isolation level on this machine."""
     found = []
     for name in LEVELS:
-        launcher, tried = _climb((name,), limits or Limits())
+        launcher, unavailable = _open_strongest((name,), limits or Limits())
         if launcher is not None:
             launcher.close()
-        found.append(IsolationLevel(name, "" if launcher is not None else tried[0].why_not))
+        found.append(IsolationLevel(name, "" if launcher is not None else unavailable[0].problem))
     return found
 
 
-def _climb(wanted: tuple[str, ...], limits: Limits) -> tuple[ProcessLauncher | None, list[IsolationLevel]]:
-    """The first of the wanted levels that holds when it is tried, and those that did not."""
+def _open_strongest(permitted: tuple[str, ...], limits: Limits) -> tuple[ProcessLauncher | None, list[IsolationLevel]]:
+    """Open a launcher at the first permitted level that passes its probe; also returns the levels that failed."""
     if not hasattr(os, "fork"):
-        tried = [IsolationLevel(name, "this system has no such isolation") for name in wanted if name != "none"]
-        return (SpawningLauncher(limits) if "none" in wanted else None), tried
+        failed = [IsolationLevel(name, _UNSUPPORTED) for name in permitted if name != "none"]
+        return (SpawningLauncher(limits) if "none" in permitted else None), failed
     try:
         launcher = ForkingLauncher(limits)
-    except StudentProcessError as died:
-        return None, [IsolationLevel(name, str(died)) for name in wanted]
-    tried = []
+    except StudentProcessError as error:
+        return None, [IsolationLevel(name, str(error)) for name in permitted]
+    failed = []
     try:
-        for name in wanted:
-            why_not = "this system has no such isolation"
-            for way in _ways(name):
-                why_not = _try(launcher, way)
-                if not why_not:
-                    return launcher, tried
-            tried.append(IsolationLevel(name, why_not))
+        for name in permitted:
+            problem = _UNSUPPORTED
+            for setup in _setups(name):
+                problem = _probe(launcher, setup)
+                if not problem:
+                    return launcher, failed
+            failed.append(IsolationLevel(name, problem))
     except BaseException:
         launcher.close()
         raise
     launcher.close()
-    return None, tried
+    return None, failed
 
 
-def _ways(name: str) -> list[Way]:
-    """How a level can be built here, best first."""
+def _setups(name: str) -> list[IsolationSetup]:
+    """The setups of a level on this machine, best first."""
     root = os.name == "posix" and os.geteuid() == 0
     if name != "none" and sys.platform != "linux":
         return []
     if name == "namespaces":
-        shared = Way(name, own_user_namespace=True)
-        return [Way(name, own_user=True), shared] if root else [shared]
-    return [Way(name, own_user=True), Way(name)] if root and sys.platform == "linux" else [Way(name)]
+        unprivileged = IsolationSetup(name, own_user_namespace=True)
+        return [IsolationSetup(name, own_user=True), unprivileged] if root else [unprivileged]
+    plain = IsolationSetup(name)
+    return [IsolationSetup(name, own_user=True), plain] if root and sys.platform == "linux" else [plain]
 
 
-def _try(launcher: ForkingLauncher, way: Way) -> str:
-    """Stand on a level and run code there that looks around; why it does not hold, or nothing."""
+def _probe(launcher: ForkingLauncher, setup: IsolationSetup) -> str:
+    """Run code in a process of this setup that checks its isolation; returns the problem, or an empty string."""
     with temporary_workdir() as folder, temporary_workdir() as outside:
         canary = outside / "canary"
         canary.write_text("not for students", encoding="utf-8")
         try:
-            launcher.stand_on(way)
+            launcher.configure(setup)
             student = launcher.start(folder)
         except (StudentProcessError, SandboxError) as error:
             return str(error)
         try:
-            ran = student.run(_PROBE.format(canary=str(canary)))
+            ran = student.run(_PROBE_CODE.format(canary=str(canary)))
             seen, broken = student.value("seen").value, student.value("broken").value
         except StudentProcessError as error:
             return str(error)
         finally:
             student.close()
     if not ran.ok or broken:
-        return f"a trial failed ({broken or ran.error})"
-    return "the files of this machine stay in sight" if seen is not False and way.level != "none" else ""
+        return f"the probe failed ({broken or ran.error})"
+    return "the files of this machine stay visible" if seen is not False and setup.level != "none" else ""

@@ -1,28 +1,28 @@
-"""What one submission may use: time, processor, memory, processes, disk, cells and output."""
+"""Limits of one submission: time, processor, memory, processes, disk, cells and output."""
 
 from dataclasses import dataclass
 
 
 @dataclass(frozen=True, slots=True)
 class Limits:
-    """What one submission may use.
+    """Limits of one submission.
 
     Attributes
     ----------
     start_seconds, cell_seconds, call_seconds : float
-        Time for the process to come up, for one cell, and for one answer (a value or a call of a function).
+        Time-outs of starting a process, of one cell, and of one answer (a value or a function call).
     submission_seconds : float
-        Time for everything together, so that time-outs spread over many cells end too.
+        Time-out of the whole submission, which also bounds many cells that each time out.
     cells : int
         Cells that are run.
     memory_bytes, file_bytes, disk_bytes : int
-        Address space of a process, the size of any one file, and of all files together (where the level can hold that).
+        Address space of a process, size of one file, and size of all files (if the isolation level can bound it).
     processes, open_files : int
         Processes and threads beside the first, and open files.
     cpu_seconds : int
         Processor time of a process.
     output_characters : int
-        What all cells together may print for the feedback.
+        Output of all cells that is kept for the feedback.
     """
 
     start_seconds: float = 60.0
@@ -39,7 +39,7 @@ class Limits:
     output_characters: int = 200_000
 
     def as_rlimits(self, running: int = 0) -> dict[str, int]:
-        """The limits that the operating system keeps; `running` processes of the same user count too."""
+        """The limits that the operating system enforces; RLIMIT_NPROC also counts the user's `running` processes."""
         return {
             "RLIMIT_AS": self.memory_bytes,
             "RLIMIT_FSIZE": self.file_bytes,

@@ -1,6 +1,7 @@
-"""Processes and what they started: counted against the limits, and ended together.
+"""Find, measure and kill a process together with everything it started.
 
-A family is a process, what descends from it, and what is in its session: those whose parent has ended keep it.
+A process group here is a leader, its descendants, and the members of its session: a process whose parent has ended
+keeps its session.
 """
 
 import contextlib
@@ -10,93 +11,93 @@ import time
 from collections.abc import Iterable
 from dataclasses import dataclass
 
-_PATIENCE = 5.0
-_PAGE = os.sysconf("SC_PAGE_SIZE") if hasattr(os, "sysconf") else 4096
+_KILL_SECONDS = 5.0
+_PAGE_BYTES = os.sysconf("SC_PAGE_SIZE") if hasattr(os, "sysconf") else 4096
 
 
 @dataclass(frozen=True, slots=True)
-class Family:
-    """A process with all that descends from it.
+class ProcessGroup:
+    """A process and everything it started.
 
     Attributes
     ----------
     members : tuple of int
-        The process first.
+        Process IDs, the leader first.
     memory_bytes : int
-        What they hold together, beside what each shares with the process that it was forked from.
+        Total memory, without the pages that each member shares with the process it was forked from.
     """
 
     members: tuple[int, ...]
     memory_bytes: int
 
 
-def families_of(heads: Iterable[int], shared_bytes: int = 0) -> dict[int, Family]:
-    """The family of each process, where a system shows it; what ended already has none.
+def find_process_groups(leaders: Iterable[int], shared_bytes: int = 0) -> dict[int, ProcessGroup]:
+    """Find the process group of each leader that is running; empty on systems without ``/proc``.
 
     Parameters
     ----------
-    heads : iterable of int
+    leaders : iterable of int
     shared_bytes : int
-        Memory that every member has in common with the others, which is there once.
+        Memory that all members share, subtracted from each.
     """
-    everybody = _everybody()
+    processes = _list_processes()
     children: dict[int, list[int]] = {}
-    for process, one in everybody.items():
-        children.setdefault(one.parent, []).append(process)
+    for pid, process in processes.items():
+        children.setdefault(process.parent, []).append(pid)
     found = {}
-    for head in heads:
-        members = [head] if head in everybody else []
-        members += [process for process, one in everybody.items() if one.session == head and process != head]
+    for leader in leaders:
+        members = [leader] if leader in processes else []
+        members += [pid for pid, process in processes.items() if process.session == leader and pid != leader]
         for member in members:
             members += [child for child in children.get(member, []) if child not in members]
         if members:
-            held = sum(max(everybody[member].memory_bytes - shared_bytes, 0) for member in members)
-            found[head] = Family(tuple(members), held)
+            memory = sum(max(processes[member].memory_bytes - shared_bytes, 0) for member in members)
+            found[leader] = ProcessGroup(tuple(members), memory)
     return found
 
 
-def orphans_of(parent: int, known: Iterable[int]) -> list[int]:
-    """The children of a process that are of no known family, also those that have ended and wait to be collected."""
-    known = set(known)
-    everybody = _everybody(ended=True).items()
-    return [pid for pid, one in everybody if one.parent == parent and pid not in known and one.session not in known]
+def find_orphans(parent: int, leaders: Iterable[int]) -> list[int]:
+    """The children of a process that belong to no known leader, including ended ones that nobody waited for."""
+    known = set(leaders)
+    processes = _list_processes(ended=True).items()
+    return [pid for pid, one in processes if one.parent == parent and pid not in known and one.session not in known]
 
 
-def memory_of(process: int) -> int:
-    """The bytes of memory that a process holds; 0 where that is not to be seen."""
-    found = _everybody().get(process)
-    return 0 if found is None else found.memory_bytes
+def resident_bytes(pid: int) -> int:
+    """Resident memory of a process; 0 if unknown."""
+    process = _list_processes().get(pid)
+    return 0 if process is None else process.memory_bytes
 
 
-def end_families(heads: Iterable[int], wait: bool) -> None:
-    """End processes with all that descends from them, also while they go on starting more.
+def kill_process_groups(leaders: Iterable[int], wait: bool) -> None:
+    """Kill process groups, even while their members keep starting processes.
 
     Parameters
     ----------
-    heads : iterable of int
+    leaders : iterable of int
     wait : bool
-        Whether the heads are children of the caller, for it to collect.
+        Whether to wait for the leaders, which are then children of the caller.
     """
-    heads = list(heads)
+    leaders = list(leaders)
     stopped: set[int] = set()
-    before = time.monotonic() + _PATIENCE
-    while time.monotonic() < before:
-        members = {member for family in families_of(heads).values() for member in family.members} - stopped
+    deadline = time.monotonic() + _KILL_SECONDS
+    while time.monotonic() < deadline:
+        members = {member for group in find_process_groups(leaders).values() for member in group.members} - stopped
         if not members:
             break
-        for member in members:  # what stands still starts nothing
+        for member in members:  # a stopped process cannot start others
             _signal(member, signal.SIGSTOP)
         stopped |= members
-    for member in stopped | set(heads if wait else ()):
+    for member in stopped | set(leaders if wait else ()):
         _signal(member, signal.SIGKILL)
-    for head in heads if wait else ():
+    for leader in leaders if wait else ():
         with contextlib.suppress(ChildProcessError):
-            os.waitpid(head, 0)
+            os.waitpid(leader, 0)
 
 
-def _signal(process: int, number: int) -> None:
+def _signal(pid: int, number: int) -> None:
     with contextlib.suppress(ProcessLookupError, PermissionError):
-        os.kill(process, number)
+        os.kill(pid, number)
 
 
 @dataclass(frozen=True, slots=True)
@@ -106,8 +107,8 @@ class _Process:
     memory_bytes: int
 
 
-def _everybody(ended: bool = False) -> dict[int, _Process]:
-    """Every process to be seen, by its number."""
+def _list_processes(ended: bool = False) -> dict[int, _Process]:
+    """Every visible process by its ID."""
     found: dict[int, _Process] = {}
     with contextlib.suppress(OSError):
         for name in os.listdir("/proc"):
@@ -117,5 +118,5 @@ def _everybody(ended: bool = False) -> dict[int, _Process]:
                 with open(f"/proc/{name}/stat", encoding="utf-8", errors="replace") as file:
                     fields = file.read().rpartition(")")[2].split()
                 if ended or fields[0] != "Z":
-                    found[int(name)] = _Process(int(fields[1]), int(fields[3]), int(fields[21]) * _PAGE)
+                    found[int(name)] = _Process(int(fields[1]), int(fields[3]), int(fields[21]) * _PAGE_BYTES)
     return found

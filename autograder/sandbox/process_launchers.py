@@ -1,4 +1,4 @@
-"""What starts students' processes: forks of one pre-imported parent, or new processes where a system cannot fork."""
+"""Start student processes: forks of a pre-imported fork server, or new processes on systems without fork."""
 
 import contextlib
 import itertools
@@ -15,46 +15,46 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Protocol
 
-from autograder.sandbox.bubblewrap import WORK, Sandbox, SandboxError, find_bubblewrap, layout, open_sandbox
+from autograder.sandbox.bubblewrap import WORK, Sandbox, SandboxError, find_bubblewrap, open_sandbox, sandbox_command
 from autograder.sandbox.channel import ChannelError, receive, send
-from autograder.sandbox.confine import Terms
+from autograder.sandbox.confine import ProcessSettings
 from autograder.sandbox.limits import Limits
 from autograder.sandbox.student_process import StudentProcess, StudentProcessError
-from autograder.sandbox.workdirs import make_workdir, remove
+from autograder.sandbox.workdirs import make_workdir, remove_folder
 
-_USERS = range(61184, 65520)
-"""Users that systemd hands out for a while and nobody else owns files of."""
+_USER_IDS = range(61184, 65520)
+"""The range of systemd's dynamic users, who own no files."""
 
 
 class ProcessLauncher(Protocol):
-    """Something that starts students' processes."""
+    """Starts student processes."""
 
     @property
     def level(self) -> str:
-        """Which level of the ladder it stands on, as written into every result."""
+        """The isolation level, as written into every result."""
 
     @property
     def limits(self) -> Limits:
-        """What one submission may use."""
+        """Limits of one submission."""
 
     def start(self, folder: Path) -> StudentProcess:
-        """Start a process whose work folder holds what `folder` holds."""
+        """Start a process with a copy of the files in `folder` in its work folder."""
 
     def close(self) -> None:
-        """End everything that was started."""
+        """End all student processes."""
 
 
 @dataclass(frozen=True, slots=True)
-class Way:
-    """How a level is built.
+class IsolationSetup:
+    """An isolation level, and how it is implemented on this machine.
 
     Attributes
     ----------
     level : str
     own_user : bool
-        Whether each process becomes a user of its own, as only root can.
+        Whether each process switches to its own user, which requires root.
     own_user_namespace : bool
-        Whether the sandbox has a user namespace, as everybody but root needs.
+        Whether the sandbox has a user namespace, which every user but root requires.
     """
 
     level: str
@@ -63,111 +63,111 @@ class Way:
 
 
 class ForkingLauncher:
-    """Forks every student's process from one pre-imported parent."""
+    """Forks student processes from a fork server."""
 
     def __init__(self, limits: Limits) -> None:
         self.limits = limits
-        self._way = Way("none")
-        self._layout: list[str] = []
-        self._users = itertools.cycle(_USERS)
+        self._setup = IsolationSetup("none")
+        self._sandbox_command: list[str] = []
+        self._user_ids = itertools.cycle(_USER_IDS)
         self._lock = threading.Lock()
         self._closed = False
-        self._zygote = _Zygote(limits)
+        self._fork_server = _ForkServer(limits)
 
     @property
     def level(self) -> str:
-        """The level that it stands on."""
-        return self._way.level
+        """The isolation level."""
+        return self._setup.level
 
     @property
-    def parent(self) -> int:
-        """The process from which students' processes are forked."""
-        return self._zygote.pid
+    def fork_server_pid(self) -> int:
+        """Process ID of the fork server."""
+        return self._fork_server.pid
 
-    def stand_on(self, way: Way) -> None:
-        """Choose the level; raises `SandboxError` where what it takes is not installed."""
-        if way.level == "namespaces":
-            self._layout = layout(
-                find_bubblewrap(), self._zygote.allowed, self.limits.disk_bytes, way.own_user_namespace
+    def configure(self, setup: IsolationSetup) -> None:
+        """Choose how processes are isolated; raises `SandboxError` if bubblewrap is needed and not installed."""
+        if setup.level == "namespaces":
+            self._sandbox_command = sandbox_command(
+                find_bubblewrap(), self._fork_server.allowed, self.limits.disk_bytes, setup.own_user_namespace
             )
-        self._way = way
+        self._setup = setup
 
     def start(self, folder: Path) -> StudentProcess:
-        """Start a process whose work folder holds what `folder` holds."""
-        way = self._way
-        user = next(self._users) if way.own_user else 0
+        """Start a process with a copy of the files in `folder` in its work folder."""
+        setup = self._setup
+        user_id = next(self._user_ids) if setup.own_user else 0
         mine, theirs = socket.socketpair()
         with theirs, contextlib.ExitStack() as undo:
             undo.callback(mine.close)
-            sandbox, place = None, None
-            if way.level == "namespaces":
+            sandbox, workdir = None, None
+            if setup.level == "namespaces":
                 sandbox = self._open_sandbox()
                 undo.callback(sandbox.close)
             else:
-                place = make_workdir()
-                undo.callback(remove, place)
-            terms = Terms(
-                level=way.level,
-                given=str(folder),
-                folder=str(place or WORK),
-                limits=self.limits.as_rlimits(0 if user else _tasks_of(os.getuid())),
+                workdir = make_workdir()
+                undo.callback(remove_folder, workdir)
+            settings = ProcessSettings(
+                level=setup.level,
+                input_folder=str(folder),
+                workdir=str(workdir or WORK),
+                rlimits=self.limits.as_rlimits(0 if user_id else _count_tasks(os.getuid())),
                 processes=self.limits.processes,
                 memory_bytes=self.limits.memory_bytes,
                 disk_bytes=self.limits.disk_bytes,
-                first=sandbox.first if sandbox else 0,
-                own_user_namespace=way.own_user_namespace,
-                user=user,
+                sandbox_pid=sandbox.init_pid if sandbox else 0,
+                own_user_namespace=setup.own_user_namespace,
+                user_id=user_id,
             )
             with self._lock:
-                pid = self._fork(terms, theirs)
-                zygote = self._zygote
+                pid = self._fork(settings, theirs)
+                server = self._fork_server
             undo.pop_all()
-        student = StudentProcess(mine, self.limits, lambda: self._end(zygote, pid, sandbox, place))
+        student = StudentProcess(mine, self.limits, lambda: self._end(server, pid, sandbox, workdir))
         try:
-            student.greet()
+            student.wait_until_ready()
         except StudentProcessError:
             student.close()
             raise
         return student
 
     def close(self) -> None:
-        """End the parent, and with it every process that it forked."""
+        """End the fork server, which ends every process that it forked."""
         self._closed = True
-        self._zygote.close()
+        self._fork_server.close()
 
     def _open_sandbox(self) -> Sandbox:
         try:
-            return open_sandbox(self._layout)
+            return open_sandbox(self._sandbox_command)
         except SandboxError as error:
-            raise StudentProcessError("crashed", f"the sandbox could not be made: {error}") from None
+            raise StudentProcessError("crashed", f"the sandbox could not be created: {error}") from None
 
-    def _fork(self, terms: Terms, channel: socket.socket) -> int:
+    def _fork(self, settings: ProcessSettings, channel: socket.socket) -> int:
         try:
-            return self._zygote.fork(terms, channel)
-        except (ChannelError, OSError):  # on the last level student code can end the parent of its process, too
+            return self._fork_server.fork(settings, channel)
+        except (ChannelError, OSError):  # at level "none" student code can kill the fork server
             if self._closed:
                 raise
-            self._zygote.close()
-            self._zygote = _Zygote(self.limits)
-            return self._zygote.fork(terms, channel)
+            self._fork_server.close()
+            self._fork_server = _ForkServer(self.limits)
+            return self._fork_server.fork(settings, channel)
 
-    def _end(self, zygote: "_Zygote", pid: int, sandbox: Sandbox | None, place: Path | None) -> tuple[int, str]:
+    def _end(self, server: "_ForkServer", pid: int, sandbox: Sandbox | None, workdir: Path | None) -> tuple[int, str]:
         if sandbox:
             sandbox.close()
         try:
             with self._lock:
-                return zygote.end(pid)
+                return server.end(pid)
         except (ChannelError, OSError):
             with contextlib.suppress(OSError):
                 os.killpg(pid, signal.SIGKILL)
             return -signal.SIGKILL, ""
         finally:
-            if place:
-                remove(place)
+            if workdir:
+                remove_folder(workdir)
 
 
-class _Zygote:
-    """The pre-imported parent from which students' processes are forked."""
+class _ForkServer:
+    """Connection to the fork server, which runs as a separate process."""
 
     def __init__(self, limits: Limits) -> None:
         self._control, theirs = socket.socketpair()
@@ -185,28 +185,26 @@ class _Zygote:
         except (ChannelError, TimeoutError) as error:
             self._process.kill()
             self.close()
-            raise StudentProcessError(
-                "crashed", f"the parent of the student processes did not start: {error}"
-            ) from None
+            raise StudentProcessError("crashed", f"the fork server did not start: {error}") from None
 
     @property
     def pid(self) -> int:
-        """Its process."""
+        """Process ID."""
         return self._process.pid
 
-    def fork(self, terms: Terms, channel: socket.socket) -> int:
-        send(self._control, {"op": "fork", "terms": asdict(terms), "grader": os.getpid()})
+    def fork(self, settings: ProcessSettings, channel: socket.socket) -> int:
+        send(self._control, {"op": "fork", "settings": asdict(settings), "grader": os.getpid()})
         socket.send_fds(self._control, [b"."], [channel.fileno()])
         return int(receive(self._control)["pid"])
 
     def end(self, pid: int) -> tuple[int, str]:
         send(self._control, {"op": "end", "pid": pid})
         reply = receive(self._control)
-        return int(reply["status"]), str(reply["because"])
+        return int(reply["status"]), str(reply["exceeded"])
 
     def close(self) -> None:
         with contextlib.suppress(OSError):
-            self._control.shutdown(socket.SHUT_RDWR)  # wakes a thread that waits on it
+            self._control.shutdown(socket.SHUT_RDWR)  # wakes up threads that wait on it
         self._control.close()
         try:
             self._process.wait(timeout=10)
@@ -216,7 +214,7 @@ class _Zygote:
 
 
 class SpawningLauncher:
-    """Starts every student's process on its own: systems that cannot fork."""
+    """Starts every student process as a new Python process, for systems without fork."""
 
     level = "none"
 
@@ -224,11 +222,11 @@ class SpawningLauncher:
         self.limits = limits
 
     def start(self, folder: Path) -> StudentProcess:
-        """Start a process whose work folder holds what `folder` holds."""
-        token, place = secrets.token_hex(16), make_workdir()
+        """Start a process with a copy of the files in `folder` in its work folder."""
+        token, workdir = secrets.token_hex(16), make_workdir()
         for path in folder.iterdir():
             if path.is_file():
-                shutil.copyfile(path, place / path.name)
+                shutil.copyfile(path, workdir / path.name)
         with socket.create_server(("127.0.0.1", 0)) as listener:
             host, port = listener.getsockname()[:2]
             process = subprocess.Popen(
@@ -236,7 +234,7 @@ class SpawningLauncher:
                 stdin=subprocess.PIPE,
                 stdout=subprocess.DEVNULL,
                 stderr=subprocess.DEVNULL,
-                cwd=place,
+                cwd=workdir,
                 env=_clean_environment(),
                 text=True,
                 start_new_session=True,
@@ -248,33 +246,33 @@ class SpawningLauncher:
                         os.killpg(process.pid, signal.SIGKILL)
                 process.kill()
                 status = process.wait()
-                remove(place)
+                remove_folder(workdir)
                 return status, ""
 
             assert process.stdin is not None
-            limits = self.limits.as_rlimits(_tasks_of(os.getuid()) if hasattr(os, "getuid") else 0)
+            limits = self.limits.as_rlimits(_count_tasks(os.getuid()) if hasattr(os, "getuid") else 0)
             process.stdin.write(json.dumps({"token": token, "limits": limits}) + "\n")
             process.stdin.close()
             listener.settimeout(self.limits.start_seconds)
             try:
                 channel, _ = listener.accept()
                 channel.settimeout(self.limits.start_seconds)
-                greeting = receive(channel)
+                hello = receive(channel)
             except (TimeoutError, ChannelError) as error:
                 end()
                 raise StudentProcessError("crashed", f"the process did not start: {error}") from None
-        if not secrets.compare_digest(str(greeting.get("token")).encode(), token.encode()):
+        if not secrets.compare_digest(str(hello.get("token")).encode(), token.encode()):
             channel.close()
             end()
-            raise StudentProcessError("crashed", "somebody else answered")
+            raise StudentProcessError("crashed", "another process answered")
         return StudentProcess(channel, self.limits, end)
 
     def close(self) -> None:
-        """Nothing is kept between students."""
+        """Do nothing: nothing is shared between students."""
 
 
-def _tasks_of(user: int) -> int:
-    """How many processes and threads a user has; 0 where that is not to be seen."""
+def _count_tasks(user: int) -> int:
+    """Number of a user's processes and threads; 0 if unknown."""
     tasks = 0
     with contextlib.suppress(OSError):
         for entry in os.scandir("/proc"):
@@ -286,8 +284,8 @@ def _tasks_of(user: int) -> int:
 
 
 def _clean_environment() -> dict[str, str]:
-    """What a student's process may know of this machine: where programs and its Python are, nothing else."""
+    """The environment variables of a student process: only the paths of programs and of its Python."""
     kept = ("PATH", "SYSTEMROOT", "LANG", "LC_ALL", "TEMP", "TMP", "TMPDIR", "HOME", "USERPROFILE", "VIRTUAL_ENV")
     fixed = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"), "1")
-    fixed |= {"MALLOC_ARENA_MAX": "2"}  # or ten threads fill half the address space that a process may have
+    fixed |= {"MALLOC_ARENA_MAX": "2"}  # more arenas would fill half the permitted address space with ten threads
     return {name: os.environ[name] for name in kept if name in os.environ} | fixed | {"MPLBACKEND": "Agg"}

@@ -1,6 +1,6 @@
-"""One student's process, as the judge sees it: what can be asked of it, and how it may end.
+"""The judge's side of a student process: requests and their replies.
 
-Dying, taking too long and breaking the channel are all `StudentProcessError`; the caller starts another one.
+A process that ends, times out or breaks the channel raises `StudentProcessError`; the caller then starts another one.
 """
 
 import math
@@ -14,8 +14,8 @@ from typing import Any
 
 from autograder.sandbox.channel import (
     MAX_OUTPUT_CHARACTERS,
+    ChannelClosed,
     ChannelError,
-    Gone,
     decode,
     encode,
     receive,
@@ -24,11 +24,11 @@ from autograder.sandbox.channel import (
 from autograder.sandbox.limits import Limits
 from labsid.checks.values import Value
 
-_MOST_LINES = 100_000
+_MAX_LINE = 100_000
 
 
 class StudentProcessError(Exception):
-    """The student's process ended, hung, or sent what is no answer; `status` is that of GRADING.md."""
+    """The student's process ended, timed out or sent an invalid reply; `status` is the question's status."""
 
     def __init__(self, status: str, text: str) -> None:
         super().__init__(text)
@@ -40,7 +40,7 @@ class StudentProcessError(Exception):
 
 @dataclass(frozen=True, slots=True)
 class Reply:
-    """What came back: a value, or why there is none."""
+    """The reply to a request: a value, or the error."""
 
     ok: bool
     value: Value = None
@@ -49,7 +49,7 @@ class Reply:
 
 
 class StudentProcess:
-    """One student's process, spoken to over its channel."""
+    """A running student process."""
 
     def __init__(self, channel: socket.socket, limits: Limits, end: Callable[[], tuple[int, str]]) -> None:
         self._channel = channel
@@ -57,12 +57,12 @@ class StudentProcess:
         self._end = end
         self._ended: tuple[int, str] | None = None
         self.lost = False
-        """Whether it ended, hung or broke the channel."""
-        self.until = math.inf
-        """When everything must be done, by the monotonic clock."""
+        """Whether it ended, timed out or broke the channel."""
+        self.deadline = math.inf
+        """The end of the submission's time, on the monotonic clock."""
 
-    def greet(self) -> None:
-        """Wait until the process has settled in; `StudentProcessError` says why it has not."""
+    def wait_until_ready(self) -> None:
+        """Wait until the process is confined and ready to run cells."""
         reply = self._ask(None, self._limits.start_seconds)
         if not reply.ok:
             raise StudentProcessError("crashed", f"the process did not start: {(reply.error or {}).get('text', '')}")
@@ -72,7 +72,7 @@ class StudentProcess:
         return self._ask({"op": "run", "source": source}, self._limits.cell_seconds)
 
     def value(self, name: str) -> Reply:
-        """Ask for a variable."""
+        """Read a variable."""
         return self._ask({"op": "value", "name": name}, self._limits.call_seconds)
 
     def call(self, name: str, *arguments: Value) -> Reply:
@@ -81,27 +81,27 @@ class StudentProcess:
         return self._ask({"op": "call", "name": name, "arguments": encoded}, self._limits.call_seconds)
 
     def set(self, values: Mapping[str, Value]) -> Reply:
-        """Put values in the place of the student's own (error carried forward)."""
+        """Replace variables, to carry right values forward."""
         encoded = {name: encode(value) for name, value in values.items()}
         return self._ask({"op": "set", "values": encoded}, self._limits.call_seconds)
 
-    def pin(self, key: int) -> Reply:
-        """Keep the variables as they are now, to be put back under that key."""
-        return self._ask({"op": "pin", "key": key}, self._limits.call_seconds)
+    def save_variables(self, key: int) -> Reply:
+        """Save the current variables under a key."""
+        return self._ask({"op": "save", "key": key}, self._limits.call_seconds)
 
-    def put_back(self, key: int) -> bool:
-        """Put back the variables kept under a key; whether something in them was changed in place since."""
-        return self._ask({"op": "put back", "key": key}, self._limits.call_seconds).value is not False
+    def restore_variables(self, key: int) -> bool:
+        """Restore the variables saved under a key; returns whether any of them was modified in place."""
+        return self._ask({"op": "restore", "key": key}, self._limits.call_seconds).value is not False
 
     def close(self) -> tuple[int, str]:
-        """End the process and everything it started, once; return how it ended, and the limit that ended it."""
+        """End the process and everything it started; returns its exit status and the limit it exceeded, if any."""
         if self._ended is None:
             self._channel.close()
             self._ended = self._end()
         return self._ended
 
     def _ask(self, request: dict[str, Any] | None, seconds: float) -> Reply:
-        left = self.until - time.monotonic()
+        left = self.deadline - time.monotonic()
         try:
             if left <= 0:
                 raise TimeoutError
@@ -111,33 +111,33 @@ class StudentProcess:
             return _read_reply(receive(self._channel))
         except TimeoutError:
             self.lost = True
-            most = f"all of the notebook together took longer than {self._limits.submission_seconds:g} s"
+            most = f"the whole notebook took longer than {self._limits.submission_seconds:g} s"
             raise StudentProcessError(
                 "timeout", most if left < seconds else f"it took longer than {seconds:g} s"
             ) from None
-        except (Gone, OSError):
+        except (ChannelClosed, OSError):
             self.lost = True
-            status, because = self.close()
+            status, exceeded = self.close()
         except ChannelError as error:
             self.lost = True
             raise StudentProcessError("crashed", str(error)) from None
-        if because:
-            raise StudentProcessError("limit", because)
+        if exceeded:
+            raise StudentProcessError("limit", exceeded)
         if os.name == "posix" and status == -signal.SIGXCPU:
             raise StudentProcessError("limit", f"it used more than {self._limits.cpu_seconds} s of processor time")
-        how = f"was ended by {_name_of(-status)}" if status < 0 else f"ended with exit status {status}"
+        how = f"was ended by {_signal_name(-status)}" if status < 0 else f"ended with exit status {status}"
         raise StudentProcessError("crashed", f"its process {how}")
 
 
-def _name_of(number: int) -> str:
+def _signal_name(number: int) -> str:
     try:
         return signal.Signals(number).name
-    except ValueError:  # student code tells it where it is the student's own process that was forked
+    except ValueError:  # student code chooses the number where it can end its own parent
         return f"signal {number}"
 
 
 def _read_reply(message: dict[str, Any]) -> Reply:
-    """A reply whose every part is of the kind, and of a size, that its reader relies on."""
+    """Validate the types and sizes of a reply's parts."""
     error = message.get("error")
     return Reply(
         ok=message.get("ok") is True,
@@ -150,4 +150,4 @@ def _read_reply(message: dict[str, Any]) -> Reply:
 def _read_error(error: dict[str, Any]) -> dict[str, Any]:
     read: dict[str, Any] = {key: str(error[key])[:500] for key in ("kind", "text") if error.get(key) is not None}
     line = error.get("line")
-    return {**read, "line": line} if type(line) is int and 0 < line < _MOST_LINES else read
+    return {**read, "line": line} if type(line) is int and 0 < line < _MAX_LINE else read

@@ -1,4 +1,4 @@
-"""Work folders of submissions and of their processes, and the cleaning up after a grader that was killed."""
+"""Temporary work folders of student processes, and their removal after a grader was killed."""
 
 import contextlib
 import errno
@@ -11,34 +11,34 @@ import tempfile
 from collections.abc import Iterator
 from pathlib import Path
 
-_NAME = "labsid-workdir-"
+_PREFIX = "labsid-workdir-"
 
 
 def make_workdir() -> Path:
-    """An empty work folder; its name says whose it is."""
-    return Path(tempfile.mkdtemp(prefix=f"{_NAME}{os.getpid()}-"))
+    """Create an empty work folder, named after this process."""
+    return Path(tempfile.mkdtemp(prefix=f"{_PREFIX}{os.getpid()}-"))
 
 
 @contextlib.contextmanager
 def temporary_workdir() -> Iterator[Path]:
-    """An empty work folder, gone afterwards."""
+    """Create an empty work folder and remove it on exit."""
     folder = make_workdir()
     try:
         yield folder
     finally:
-        remove(folder)
+        remove_folder(folder)
 
 
 def remove_stale_workdirs() -> None:
-    """Remove the work folders that graders left behind which are no more."""
-    for folder in Path(tempfile.gettempdir()).glob(f"{_NAME}*"):
-        owner = re.match(rf"{_NAME}(\d+)-", folder.name)
+    """Remove the work folders of graders that no longer run."""
+    for folder in Path(tempfile.gettempdir()).glob(f"{_PREFIX}*"):
+        owner = re.match(rf"{_PREFIX}(\d+)-", folder.name)
         if owner is not None and not _is_running(int(owner[1])):
-            remove(folder)
+            remove_folder(folder)
 
 
-def size_of(folder: Path) -> int:
-    """The bytes of all files in a folder; without end where it is nested deeper than a path can tell."""
+def folder_bytes(folder: Path) -> int:
+    """Total size of the files in a folder; `sys.maxsize` if it is nested too deeply for a path."""
     size, folders = 0, [os.fspath(folder)]
     while folders:
         try:
@@ -55,8 +55,8 @@ def size_of(folder: Path) -> int:
     return size
 
 
-def remove(folder: Path) -> None:
-    """Remove a folder, whatever rights student code took from it, however deep it is, or what was put in its place."""
+def remove_folder(folder: Path) -> None:
+    """Remove a folder, whatever its permissions and depth; remove a link or file in its place."""
     if folder.is_symlink() or folder.is_file():
         folder.unlink()
         return
@@ -65,16 +65,16 @@ def remove(folder: Path) -> None:
     while found:
         found = False
         for inner in _folders_in(folder):
-            for deeper in _folders_in(inner):  # to the top, where its path is short
+            for deeper in _folders_in(inner):  # move it up, to keep its path short
                 with contextlib.suppress(OSError):
-                    os.rename(deeper, folder / f"{_NAME}{next(names)}")
+                    os.rename(deeper, folder / f"{_PREFIX}{next(names)}")
                     found = True
             shutil.rmtree(inner, ignore_errors=True)
     shutil.rmtree(folder, ignore_errors=True)
 
 
 def _folders_in(folder: "str | Path") -> list[str]:
-    """The folders in a folder, opened up."""
+    """Make the folders in a folder accessible, and list them."""
     found = []
     with contextlib.suppress(OSError):
         os.chmod(folder, 0o700)
@@ -86,11 +86,11 @@ def _folders_in(folder: "str | Path") -> list[str]:
     return found
 
 
-def _is_running(process: int) -> bool:
+def _is_running(pid: int) -> bool:
     if os.name != "posix":
-        return True  # there, a signal of 0 would end it
+        return True  # on Windows, signal 0 would end the process
     try:
-        os.kill(process, 0)
+        os.kill(pid, 0)
     except ProcessLookupError:
         return False
     except OSError:

@@ -8,13 +8,13 @@ _GLOBALS = (
     "import sys\nworlds = [vars(module) for name, module in list(sys.modules.items()) if name.startswith('labsid')]\n"
     "worlds += [vars(one)['find_spec'].__globals__ for one in map(type, sys.meta_path) if 'find_spec' in vars(one)\n"
     "           and hasattr(vars(one)['find_spec'], '__globals__')]\n"
-    "assert any('_ANSWERS' in world for world in worlds)\n"
+    "assert any('_HANDLERS' in world for world in worlds)\n"
 )
 
 
 def _always(reply: str) -> str:
     """Code that answers every request for a value with `reply`."""
-    found = "for world in worlds:\n    if '_ANSWERS' in world:\n        world['_ANSWERS']['value'] = lambda *a: "
+    found = "for world in worlds:\n    if '_HANDLERS' in world:\n        world['_HANDLERS']['value'] = lambda *a: "
     return f"{_GLOBALS}{found}{reply}\n"
 
 

@@ -114,7 +114,7 @@ def fight(course: Course, folder: Path, isolation: str) -> Outcome:
             alone = run(course, find_batch(course, submitted, NAME), folder / "alone", launcher)
             here = {
                 "grader": os.getpid(),
-                "parent": getattr(launcher, "parent", 0),
+                "parent": getattr(launcher, "fork_server_pid", 0),
                 "secret": SECRET.decode(),
                 "solution": str(course.source / NAME / f"{NAME}.ipynb"),
                 "other": str(submitted / HONEST[0] / NAME / f"{NAME}.ipynb"),

@@ -59,13 +59,13 @@ def outcome(
 ) -> Outcome:
     """The batch as it was graded on a level."""
     wanted = request.param
-    best = next(level.name for level in machine if not level.why_not)
+    best = next(level.name for level in machine if not level.problem)
     if wanted == "best" and best == "none":
         pytest.skip("this machine has no isolation: the last level is the best")
     if wanted == "landlock":
-        why_not = next(level.why_not for level in machine if level.name == wanted)
-        if why_not or best == wanted:
-            pytest.skip(why_not or "it is the best level of this machine")
+        problem = next(level.problem for level in machine if level.name == wanted)
+        if problem or best == wanted:
+            pytest.skip(problem or "it is the best level of this machine")
     if wanted not in outcomes:
         outcomes[wanted] = fight(course, tmp_path_factory.mktemp(wanted), wanted)
     return outcomes[wanted]

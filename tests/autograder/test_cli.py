@@ -17,7 +17,7 @@ import pytest
 from autograder.course.layout import Course
 from autograder.samples import write_samples
 from autograder.sandbox.bubblewrap import SandboxError
-from autograder.sandbox.doctor import Checkup
+from autograder.sandbox.doctor import LevelReport
 from labsid.checks.notebook import load_assignment
 from labsid.cli.commands import main
 
@@ -103,27 +103,27 @@ def test_strict_isolation_is_refused_where_it_cannot_be_had(
     line = complaint(
         capsys, ["course", "grade", "--submitted", str(submitted), "--out", "out", "--isolation", "strict"]
     )
-    assert "isolation 'strict' cannot be had: namespaces: bubblewrap is not installed" in line
+    assert "isolation 'strict' is unavailable: namespaces: bubblewrap is not installed" in line
     assert not Path("out").exists()
 
 
-def test_the_doctor_says_what_holds(
+def test_the_doctor_reports_what_is_blocked(
     capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
     found = [
-        Checkup("namespaces", "bubblewrap is not installed", {}),
-        Checkup("none", "", {"read the course": False, "allocate 2 GB": True}),
+        LevelReport("namespaces", "bubblewrap is not installed", {}),
+        LevelReport("none", "", {"read the course": False, "allocate 2 GB": True}),
     ]
-    monkeypatch.setattr("autograder.sandbox.doctor.examine", lambda: iter(found))
+    monkeypatch.setattr("autograder.sandbox.doctor.attempt_escapes", lambda: iter(found))
     assert main(["course", "doctor", "--json", str(tmp_path / "found.json")]) == 0
     said = capsys.readouterr().out
     assert re.search(r"^read the course +- +OPEN$", said, re.MULTILINE)
-    assert re.search(r"^allocate 2 GB +- +holds$", said, re.MULTILINE)
-    assert "namespaces is not to be had here: bubblewrap is not installed" in said
-    assert said.splitlines()[-1] == "Grading with --isolation best stands on: none"
+    assert re.search(r"^allocate 2 GB +- +blocked$", said, re.MULTILINE)
+    assert "namespaces is unavailable: bubblewrap is not installed" in said
+    assert said.splitlines()[-1] == "Grading with --isolation best uses: none"
     written = json.loads((tmp_path / "found.json").read_text(encoding="utf-8"))
     assert written["schema"] == "labsid.doctor/1"
-    assert written["rungs"]["none"]["holds"] == found[1].holds
+    assert written["rungs"]["none"]["holds"] == found[1].blocked
 
 
 def test_from_hand_ins_to_feedback_and_export(

@@ -388,8 +388,8 @@ def test_what_a_worker_is_refused_for(monkeypatch: pytest.MonkeyPatch) -> None:
     there = tuple("numpy=0.1" if one.startswith("numpy=") else one for one in wanted.environment)
     assert re.match(r"it has numpy=\S+ instead of numpy=0.1: install", refused(environment=there))
     with monkeypatch.context() as patch:
-        patch.setattr("autograder.sandbox.isolation._climb", lambda wanted, limits: (None, []))
-        assert "isolation 'strict' cannot be had" in refused(isolation="strict")
+        patch.setattr("autograder.sandbox.isolation._open_strongest", lambda wanted, limits: (None, []))
+        assert "isolation 'strict' is unavailable" in refused(isolation="strict")
     with monkeypatch.context() as patch:
         patch.setattr(cluster_worker, "is_blocked", lambda launcher, escape: False)
         assert "student code on it could connect to the scheduler" in refused()

@@ -278,9 +278,9 @@ def test_messages_arrive_whole_and_in_order(ends: tuple[socket.socket, socket.so
         (struct.pack(">Q", 0), "not a message"),
         (struct.pack(">Q", 200_000) + b"[" * 200_000, "not a message"),
         (struct.pack(">Q", 9999) + b"9" * 9999, "not a message"),
-        (b"\0\0\0", "gone"),
-        (struct.pack(">Q", 100) + b"{", "gone"),
-        (b"", "gone"),
+        (b"\0\0\0", "closed"),
+        (struct.pack(">Q", 100) + b"{", "closed"),
+        (b"", "closed"),
     ],
     ids=[
         "a length over the limit", "a length of all ones", "broken JSON", "no text", "a list", "null", "empty",
@@ -328,7 +328,7 @@ def test_a_trickle_is_a_time_out_too(ends: tuple[socket.socket, socket.socket]) 
 def test_sending_to_nobody_is_said(ends: tuple[socket.socket, socket.socket]) -> None:
     mine, theirs = ends
     theirs.close()
-    with pytest.raises(ChannelError, match="gone"):
+    with pytest.raises(ChannelError, match="closed"):
         send(mine, {"op": "x" * 10**6})
 
 
@@ -340,5 +340,5 @@ def test_a_message_over_the_limit_is_not_sent(
     with pytest.raises(ChannelError, match="at most 100"):
         send(theirs, {"value": "x" * 100})
     theirs.close()
-    with pytest.raises(ChannelError, match="gone"):
+    with pytest.raises(ChannelError, match="closed"):
         receive(mine)

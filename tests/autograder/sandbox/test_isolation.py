@@ -17,7 +17,7 @@ import pytest
 from autograder.sandbox import allowed_paths, bubblewrap, doctor, isolation, process_launchers, workdirs
 from autograder.sandbox.allowed_paths import is_reference
 from autograder.sandbox.bubblewrap import SandboxError
-from autograder.sandbox.doctor import Checkup
+from autograder.sandbox.doctor import LevelReport
 from autograder.sandbox.isolation import (
     LEVELS,
     IsolationError,
@@ -73,37 +73,37 @@ def value_of(student: StudentProcess, code: str) -> object:
 
 
 @pytest.fixture(scope="module")
-def checkups() -> dict[str, Checkup]:
-    return {checkup.level: checkup for checkup in doctor.examine()}
+def reports() -> dict[str, LevelReport]:
+    return {report.level: report for report in doctor.attempt_escapes()}
 
 
-def test_the_doctor_tries_every_level(checkups: dict[str, Checkup]) -> None:
-    assert tuple(checkups) == LEVELS
+def test_the_doctor_tries_every_level(reports: dict[str, LevelReport]) -> None:
+    assert tuple(reports) == LEVELS
     names = {escape.name for escape in doctor.ESCAPES}
-    for checkup in checkups.values():
-        assert set(checkup.holds) == (set() if checkup.why_not else names)
-    text = doctor.as_text(list(checkups.values()))
+    for report in reports.values():
+        assert set(report.blocked) == (set() if report.problem else names)
+    text = doctor.reports_text(list(reports.values()))
     assert all(name in text for name in (*names, *LEVELS))
 
 
-def test_namespaces_hold_against_everything(checkups: dict[str, Checkup]) -> None:
-    if checkups["namespaces"].why_not:
-        pytest.skip(checkups["namespaces"].why_not)
-    assert {name for name, holds in checkups["namespaces"].holds.items() if not holds} == set()
+def test_namespaces_block_every_escape(reports: dict[str, LevelReport]) -> None:
+    if reports["namespaces"].problem:
+        pytest.skip(reports["namespaces"].problem)
+    assert {name for name, holds in reports["namespaces"].blocked.items() if not holds} == set()
 
 
-def test_landlock_keeps_files_out_of_reach(checkups: dict[str, Checkup]) -> None:
-    if checkups["landlock"].why_not:
-        pytest.skip(checkups["landlock"].why_not)
-    holds = checkups["landlock"].holds
+def test_landlock_blocks_access_to_files(reports: dict[str, LevelReport]) -> None:
+    if reports["landlock"].problem:
+        pytest.skip(reports["landlock"].problem)
+    holds = reports["landlock"].blocked
     about_files = [name for name in holds if name.startswith(("read", "write", "change", "leave", "import"))]
     assert len(about_files) > 7
     assert {name for name in about_files if not holds[name]} == set()
 
 
-def test_without_isolation_files_are_open_and_limits_hold(checkups: dict[str, Checkup]) -> None:
+def test_without_isolation_files_are_open_and_limits_hold(reports: dict[str, LevelReport]) -> None:
     """The trials are real: what nothing prevents does succeed."""
-    holds = checkups["none"].holds
+    holds = reports["none"].blocked
     for name in ("read the course", "read another submission", "read the reference's sources", "write outside"):
         assert not holds[name], name
     for name in ("allocate 2 GB", "keep a process alive", "find the reference in memory", "write a file of 12 MB"):
@@ -120,7 +120,7 @@ def no_bubblewrap() -> str:
 def test_strict_is_refused_where_it_cannot_be_had(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(process_launchers, "find_bubblewrap", no_bubblewrap)
     with (
-        pytest.raises(IsolationError, match=r"'strict' cannot be had: namespaces: .*not installed.*doctor") as caught,
+        pytest.raises(IsolationError, match=r"'strict' is unavailable: namespaces: .*not installed.*doctor") as caught,
         open_launcher("strict"),
     ):
         pass
@@ -130,11 +130,11 @@ def test_strict_is_refused_where_it_cannot_be_had(monkeypatch: pytest.MonkeyPatc
 def test_best_takes_the_next_level_that_holds(monkeypatch: pytest.MonkeyPatch) -> None:
     tried = []
 
-    def refuse(launcher: ForkingLauncher, way: process_launchers.Way) -> str:
-        tried.append(way.level)
-        return "" if way == process_launchers.Way("none") else "not today"
+    def refuse(launcher: ForkingLauncher, setup: process_launchers.IsolationSetup) -> str:
+        tried.append(setup.level)
+        return "" if setup == process_launchers.IsolationSetup("none") else "not today"
 
-    monkeypatch.setattr(isolation, "_try", refuse)
+    monkeypatch.setattr(isolation, "_probe", refuse)
     with open_launcher("best") as launcher:
         assert launcher.level == "none"
     assert list(dict.fromkeys(tried)) == [name for name in LEVELS if name == "none" or sys.platform == "linux"]
@@ -142,10 +142,10 @@ def test_best_takes_the_next_level_that_holds(monkeypatch: pytest.MonkeyPatch) -
 
 def test_a_machine_that_starts_no_process_is_said() -> None:
     hasty = Limits(start_seconds=0.001)
-    said = r"'best' cannot be had: namespaces: the parent of the student processes did not start: .*; none: the parent"
+    said = r"'best' is unavailable: namespaces: the fork server did not start: .*; none: the fork server"
     with pytest.raises(IsolationError, match=said):
         open_launcher("best", hasty).__enter__()
-    assert [level.name for level in probe_levels(hasty) if level.why_not] == list(LEVELS)
+    assert [level.name for level in probe_levels(hasty) if level.problem] == list(LEVELS)
 
 
 def test_none_asks_for_no_more_than_that(tmp_path: Path) -> None:
@@ -160,12 +160,11 @@ def test_an_unknown_isolation_is_refused() -> None:
 
 def test_a_level_is_probed_before_it_is_used(monkeypatch: pytest.MonkeyPatch) -> None:
     """A sandbox that shows the files of this machine is not taken for one."""
-    monkeypatch.setattr(isolation, "_ways", lambda name: [process_launchers.Way("none")] if name == "none" else [LEAKY])
-    with pytest.raises(IsolationError, match="files of this machine stay in sight"):
+    leaky = process_launchers.IsolationSetup("no level at all")
+    monkeypatch.setattr(isolation, "_setups", lambda name: [leaky])
+    with pytest.raises(IsolationError, match="files of this machine stay visible"):
         open_launcher("strict").__enter__()
 
-
-LEAKY = process_launchers.Way("no level at all")
 
 # -- what exercises use -----------------------------------------------------------------------------------------------
 
@@ -390,7 +389,7 @@ def test_every_process_starts_from_what_was_given(launcher: ProcessLauncher, tmp
     assert [path.name for path in tmp_path.iterdir()] == ["record"]
     left = workdirs_now() - before
     for name in left:
-        workdirs.remove(Path(tempfile.gettempdir(), name))
+        workdirs.remove_folder(Path(tempfile.gettempdir(), name))
     assert all(
         name.endswith("-gone") and launcher.level == "none" for name in left
     )  # there a folder can be carried off
@@ -423,7 +422,7 @@ from autograder.sandbox.isolation import Limits, temporary_workdir, open_launche
 with open_launcher(sys.argv[1]) as launcher, temporary_workdir() as folder:
     student = launcher.start(folder)
     student.run("import ctypes; ctypes.CDLL(None).prctl(15, b'" + sys.argv[2] + "', 0, 0, 0)")
-    print(folder, launcher.parent, flush=True)
+    print(folder, launcher.fork_server_pid, flush=True)
     student.run("import time; time.sleep(60)")
 """
 
@@ -447,7 +446,7 @@ def test_a_grader_that_is_killed_leaves_nothing(launcher: ProcessLauncher) -> No
     assert not Path(folder).exists()
 
 
-def test_a_bench_of_a_grader_that_runs_is_spared() -> None:
+def test_the_workdir_of_a_running_grader_is_kept() -> None:
     with temporary_workdir() as folder:
         (folder / "kept").touch()
         remove_stale_workdirs()
@@ -455,7 +454,7 @@ def test_a_bench_of_a_grader_that_runs_is_spared() -> None:
     assert not folder.exists()
 
 
-def test_a_bench_is_cleared_whatever_was_done_to_it(tmp_path: Path) -> None:
+def test_a_workdir_is_removed_whatever_was_done_to_it(tmp_path: Path) -> None:
     outside = tmp_path / "outside"
     outside.mkdir()
     (outside / "kept").touch()
@@ -472,7 +471,7 @@ def test_the_size_of_a_folder_is_that_of_its_files(tmp_path: Path) -> None:
     (tmp_path / "deep").mkdir()
     (tmp_path / "a").write_bytes(bytes(10))
     (tmp_path / "deep" / "b").write_bytes(bytes(5))
-    assert workdirs.size_of(tmp_path) == 15
+    assert workdirs.folder_bytes(tmp_path) == 15
 
 
 # -- where labsid is installed among the other packages ---------------------------------------------------------------
@@ -481,15 +480,16 @@ def test_the_size_of_a_folder_is_that_of_its_files(tmp_path: Path) -> None:
 def test_the_reference_is_masked_where_it_lies_among_the_libraries(
     monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
-    trees = [*allowed_paths.trees(), ROOT / "labsid", ROOT / "autograder"]
-    monkeypatch.setattr(allowed_paths, "trees", lambda: trees)
-    monkeypatch.setattr(allowed_paths, "own_packages", lambda: [ROOT / "labsid" / "checks", ROOT / "labsid" / "gap"])
+    paths = [*allowed_paths.interpreter_paths(), ROOT / "labsid", ROOT / "autograder"]
+    monkeypatch.setattr(allowed_paths, "interpreter_paths", lambda: paths)
+    monkeypatch.setattr(allowed_paths, "package_folders", lambda: [ROOT / "labsid" / "checks", ROOT / "labsid" / "gap"])
     try:
         with open_launcher("namespaces", LIMITS) as launcher:
             student = launcher.start(tmp_path)
             open_file = ROOT / "labsid" / "lab" / "arx.py"  # is not masked
             assert value_of(student, f"got = len(open({str(open_file)!r}).read())")
             for hidden in ("checks/assignments/lab_identification/__init__.py", "gap/diagnosis.py"):
+                assert (ROOT / "labsid" / hidden).is_file()
                 reply = student.run(f"open({str(ROOT / 'labsid' / hidden)!r})")
                 assert reply.error is not None
                 assert reply.error["kind"] == "FileNotFoundError"
@@ -498,22 +498,22 @@ def test_the_reference_is_masked_where_it_lies_among_the_libraries(
         pytest.skip(str(error))
 
 
-def test_a_tree_without_what_is_shut(tmp_path: Path) -> None:
+def test_excluded_paths_are_left_out(tmp_path: Path) -> None:
     for path in ("a/x", "a/shut/y", "b/z"):
         (tmp_path / path).parent.mkdir(parents=True, exist_ok=True)
         (tmp_path / path).touch()
-    found = allowed_paths.without(tmp_path, [tmp_path / "a" / "shut"])
+    found = allowed_paths.exclude_paths(tmp_path, [tmp_path / "a" / "shut"])
     assert [str(path.relative_to(tmp_path)) for path in found] == ["a/x", "b"]
-    assert list(allowed_paths.without(tmp_path / "a", [tmp_path / "a"])) == []
-    assert list(allowed_paths.without(tmp_path / "b", [tmp_path / "a"])) == [tmp_path / "b"]
+    assert list(allowed_paths.exclude_paths(tmp_path / "a", [tmp_path / "a"])) == []
+    assert list(allowed_paths.exclude_paths(tmp_path / "b", [tmp_path / "a"])) == [tmp_path / "b"]
 
 
-def test_a_place_that_cannot_be_looked_at_is_no_tree(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_an_unreadable_folder_is_not_an_interpreter_path(monkeypatch: pytest.MonkeyPatch) -> None:
     """As the packages of a user whose home is shut to whoever grades."""
     monkeypatch.setattr(site, "getusersitepackages", lambda: "/nowhere")
-    trees = allowed_paths.trees()
+    before = allowed_paths.interpreter_paths()
     monkeypatch.setattr(site, "getusersitepackages", lambda: f"/{'x' * 300}/site-packages")
-    assert allowed_paths.trees() == trees
+    assert allowed_paths.interpreter_paths() == before
 
 
 # -- where the interpreter or the checkout lies below the place that is for the submission ----------------------------
@@ -528,15 +528,17 @@ def below_tmp(monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
     (tree / "module_below_tmp.py").write_text("kept = 5", encoding="utf-8")
     (root / "beside").write_text("not for students", encoding="utf-8")
     root.chmod(0o755)
-    trees = [*allowed_paths.trees(), tree]
-    monkeypatch.setattr(allowed_paths, "trees", lambda: trees)
+    paths = [*allowed_paths.interpreter_paths(), tree]
+    monkeypatch.setattr(allowed_paths, "interpreter_paths", lambda: paths)
     yield tree
     shutil.rmtree(root)
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="only Linux has this level")
-def test_trees_are_laid_into_the_place_that_can_be_written_to(below_tmp: Path) -> None:
-    command = bubblewrap.layout("bwrap", [ROOT / "labsid" / "records" / "record.py"], 4096, own_user_namespace=True)
+def test_interpreter_paths_below_tmp_are_mounted_into_the_writable_folder(below_tmp: Path) -> None:
+    command = bubblewrap.sandbox_command(
+        "bwrap", [ROOT / "labsid" / "records" / "record.py"], 4096, own_user_namespace=True
+    )
     words = " ".join(command)
     place = words.index("--perms 1777 --size 4096 --tmpfs /tmp ")
     assert place < words.index(f"--dir {bubblewrap.WORK} ") < words.index(f"--ro-bind {below_tmp} {below_tmp} ")
@@ -562,7 +564,11 @@ for path in ({str(below_tmp.parent.parent / "beside")!r}, {str(below_tmp / "modu
         pass
 got += " ".join(os.listdir("."))
 """
-    paths = [*allowed_paths.trees(), *allowed_paths.allowed_of_labsid(), *allowed_paths.own_packages()]
+    paths = [
+        *allowed_paths.interpreter_paths(),
+        *allowed_paths.allowed_labsid_paths(),
+        *allowed_paths.package_folders(),
+    ]
     below = {path.parts[2] for path in paths if path.parts[1] == "tmp"}
     try:
         with open_launcher("namespaces", LIMITS) as launcher:
@@ -628,10 +634,10 @@ except IsolationError as error:
 def test_a_machine_that_refuses_namespaces_gets_the_next_level(kind: str, expected_level: str) -> None:
     """As in a container whose filter forbids them, for root too."""
     pytest.importorskip("seccompy")
-    if expected_level == "landlock" and {level.name: level.why_not for level in probe_levels()}["landlock"]:
+    if expected_level == "landlock" and {level.name: level.problem for level in probe_levels()}["landlock"]:
         pytest.skip("this machine has no Landlock")
     run = subprocess.run([sys.executable, "-c", LOCKED_DOWN, kind], capture_output=True, text=True, check=True)
     best, strict = run.stdout.splitlines()
     assert best == expected_level
-    assert strict.startswith("isolation 'strict' cannot be had: namespaces: ")
+    assert strict.startswith("isolation 'strict' is unavailable: namespaces: ")
     assert ".." not in strict
