@@ -12,9 +12,9 @@ FITTED_START = 0.15  # of the first sixth: always fitted, to estimate the initia
 def held_out_samples(samples: int, onset: float | None = None) -> np.ndarray:
     """Mark the held-out samples: about the middle third of every sixth of the record.
 
-    The end of the record is fitted: drifts can be interpolated, not predicted. If an onset falls into the middle thirds,
-    the last or first thirds are held out instead: an onset among held-out samples cannot be estimated. The start of the
-    record is always fitted.
+    The end of the record is fitted: drifts can be interpolated, not predicted. If an onset falls into the middle
+    thirds, the last or first thirds are held out instead: an onset among held-out samples cannot be estimated. The
+    start of the record is always fitted.
 
     Parameters
     ----------

@@ -167,7 +167,7 @@ def _interval(
     after: Fit,
     rng: np.random.Generator,
 ) -> tuple[float, float]:
-    """Percentiles of the closed share over resampled blocks: of the scored samples, and of the fitted ones for the floor.
+    """Percentiles of the closed share over resampled blocks of the scored samples; for the floor, of the fitted ones.
 
     The lower end includes the error of the estimated parameters, which few samples hide in their noise.
     """

@@ -43,7 +43,7 @@ def _describe_axes(ax: Any) -> AxesValue:
 
 
 def _has_grid(axis: Any) -> bool:
-    """Whether the grid is on, from the tick settings: querying the grid lines would lay out every tick, which is slow."""
+    """Whether the grid is on, from the tick settings: the grid lines themselves would lay out every tick."""
     return bool(axis.get_tick_params(which="major").get("gridOn")) and len(axis.get_majorticklocs()) > 0
 
 

@@ -32,7 +32,7 @@ class Part:
 
 
 def show_as_diagram(ax: Axes, width: float, height: float) -> None:
-    """Set up `ax` as a diagram of `width` by `height` units, without visible axes, with the origin at the lower left."""
+    """Set up `ax` as a diagram of `width` by `height` units, without axes, with the origin at the lower left."""
     ax.set_xlim(0.0, width)
     ax.set_ylim(0.0, height)
     ax.set_aspect("equal")
