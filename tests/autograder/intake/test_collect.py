@@ -16,9 +16,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from autograder.course import archive
 from autograder.course.layout import Course
 from autograder.course.student_folder import pack
-from autograder.intake import archive
 from autograder.intake.collect import collect
 from autograder.intake.worksheet import Worksheet, folder_name, read_worksheet
 

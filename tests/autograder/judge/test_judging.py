@@ -13,7 +13,7 @@ import pytest
 from autograder.course.layout import Cell, Template
 from autograder.intake.submission import Step, Submission
 from autograder.judge.judging import Assets, QuestionResult, judge_submission
-from autograder.sandbox.confine import make_call_filter
+from autograder.sandbox.confine import make_syscall_filter
 from autograder.sandbox.isolation import Limits, ProcessLauncher, StudentProcessError, open_launcher
 from autograder.sandbox.process_launchers import SpawningLauncher
 from labsid.checks.compare import as_number, as_vector, close
@@ -177,7 +177,7 @@ def test_what_goes_wrong_costs_that_question_only(
 
 
 def test_a_signal_to_the_parent_costs_its_question_only(either: ProcessLauncher, tmp_path: Path) -> None:
-    if isinstance(either, SpawningLauncher) and make_call_filter(()) is None:
+    if isinstance(either, SpawningLauncher) and make_syscall_filter(()) is None:
         pytest.skip("the parent is this test, and nothing here keeps signals from it")
     first, second, _ = grade(either, tmp_path, "import os\nos.kill(os.getppid() or 1, 9)\nos._exit(1)")
     assert first.score == 0
