@@ -22,7 +22,7 @@ from variants import Right, Wrong, questions_lost, variants_of
 
 from autograder.course.build import build_course
 from autograder.course.layout import Course
-from autograder.judge.judging import QuestionResult
+from autograder.judge.outcome import QuestionResult
 from autograder.sandbox.isolation import Limits, open_launcher
 
 

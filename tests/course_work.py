@@ -17,7 +17,8 @@ from autograder.batch.grading_inputs import DataStore, inputs_for
 from autograder.course.layout import Course, read_template
 from autograder.course.nbgrader_access import open_gradebook
 from autograder.intake.submission import Step, Submission
-from autograder.judge.judging import QuestionResult, judge_submission
+from autograder.judge.judging import judge_submission
+from autograder.judge.outcome import QuestionResult
 from autograder.results.gradebook import database_url
 from autograder.sandbox.isolation import ProcessLauncher
 from labsid.checks.notebook import load_assignment

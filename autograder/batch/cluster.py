@@ -26,9 +26,9 @@ from autograder.batch.cluster_worker import (
     worker_requirements,
 )
 from autograder.batch.tasks import Task
+from autograder.course.plain_text import one_line
 from autograder.intake.submission import quarantined
 from autograder.judge.outcome import SubmissionResult, not_judged
-from autograder.results.result_files import one_line
 from autograder.sandbox.isolation import LEVELS, Limits, is_weaker
 
 CONNECT_SECONDS = 10.0

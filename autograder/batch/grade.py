@@ -18,6 +18,7 @@ from autograder.intake.submission import Submission, quarantined, take_in
 from autograder.judge.outcome import SubmissionResult, not_judged
 from autograder.results import gradebook, result_files
 from autograder.results.autograded import write_autograded
+from autograder.results.grades import write_grades
 from autograder.results.late import ON_TIME, LateRules, late_for, read_timestamp
 from autograder.results.result_files import StoredResult
 from autograder.results.similar import work_of
@@ -224,12 +225,6 @@ class _BatchGrader:
         else:
             result = not_judged(submission, inputs.assets.template, self.executor.level)
         return flag_wrong_record(result, inputs, self.data_store, folder, self.batch.students)
-
-
-def write_grades(out: Path) -> None:
-    """Write grades.csv from the results and the manual grades."""
-    rows = result_files.grade_rows(result_files.load_all(out), gradebook.given_by_hand(out).scores)
-    result_files.write_csv(out / "grades.csv", result_files.GRADE_COLUMNS, rows)
 
 
 def _to_review(previous: StoredResult, new: StoredResult, by_hand: gradebook.ByHand) -> tuple[str, ...]:

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from autograder.batch.grading_inputs import COURSE_ORIGIN, DataStore, GradingInputs, record_path
-from autograder.judge.judging import SubmissionResult
+from autograder.judge.outcome import SubmissionResult
 from labsid.checks.question import Assignment, Origin
 from labsid.checks.values import Value
 from labsid.checks.verdict import NoAnswer

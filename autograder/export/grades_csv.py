@@ -2,8 +2,9 @@
 
 from pathlib import Path
 
-from autograder.batch.grade import write_grades
-from autograder.results import gradebook, result_files
+from autograder.course.plain_text import plain_decimal
+from autograder.results import gradebook, grades, result_files
+from autograder.results.grades import write_grades
 
 COLUMNS = ("student", "assignment", "score", "max_score", "waiting", "status", "late_penalty")
 
@@ -28,20 +29,20 @@ def export_csv(out: Path) -> Path:
     by_hand = gradebook.given_by_hand(out).scores
     rows = []
     for result in result_files.load_all(out):
-        marks = result_files.totals(result, by_hand)
+        marks = grades.totals(result, by_hand)
         refused = {question.status for question in result.questions} & {"missing", "quarantined"}
         rows.append(
             {
                 "student": result.student,
                 "assignment": result.assignment,
-                "score": result_files.plain_decimal(marks.score),
-                "max_score": result_files.plain_decimal(marks.max_score),
-                "waiting": result_files.plain_decimal(marks.waiting),
+                "score": plain_decimal(marks.score),
+                "max_score": plain_decimal(marks.max_score),
+                "waiting": plain_decimal(marks.waiting),
                 "status": refused.pop() if refused else "waiting" if marks.waiting else "complete",
-                "late_penalty": result_files.plain_decimal(marks.penalty),
+                "late_penalty": plain_decimal(marks.penalty),
             }
         )
     write_grades(out)
     path = out / "export.csv"
-    result_files.write_csv(path, COLUMNS, rows)
+    grades.write_csv(path, COLUMNS, rows)
     return path

@@ -11,8 +11,8 @@ from dataclasses import dataclass
 from decimal import ROUND_HALF_UP, Decimal, InvalidOperation
 from pathlib import Path
 
-from autograder.batch.grade import write_grades
 from autograder.course.archive import zip_bytes
+from autograder.course.plain_text import one_line, plain_decimal
 from autograder.intake.worksheet import (
     CHANGEABLE,
     FEEDBACK,
@@ -24,9 +24,10 @@ from autograder.intake.worksheet import (
     possible_ids,
     worksheet_text,
 )
-from autograder.results import gradebook, result_files
+from autograder.results import gradebook, grades, result_files
 from autograder.results.feedback import write_feedback
-from autograder.results.result_files import StoredResult, Totals, one_line, plain_decimal
+from autograder.results.grades import Totals, write_grades
+from autograder.results.result_files import StoredResult
 from labsid._files import write_file
 
 _CENT = Decimal("0.01")
@@ -96,7 +97,7 @@ def export_moodle(out: Path, sheet: Worksheet, assignment: str | None = None) ->
             rows.append(row)
             continue
         found.add(student)
-        marks = _sum([result_files.totals(one, by_hand) for one in by_student[student]])
+        marks = _sum([grades.totals(one, by_hand) for one in by_student[student]])
         filled, remark = _filled(row, marks, by_student[student])
         rows.append(filled)
         remarks += [f"{student}: {remark}"] if remark else []

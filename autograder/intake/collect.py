@@ -19,9 +19,9 @@ from typing import IO, Any
 
 from autograder.course.archive import Entry, entries
 from autograder.course.layout import Course, Template, read_template
+from autograder.course.plain_text import one_line
 from autograder.intake.untrusted_json import read_json
 from autograder.intake.worksheet import Worksheet, participant, possible_ids, submission_time, utc_timestamp
-from autograder.results.result_files import one_line
 from labsid._files import write_file
 from labsid.checks.notebook import load_assignment
 

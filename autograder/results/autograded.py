@@ -9,7 +9,8 @@ from pathlib import Path
 from typing import Any
 
 from autograder.course.layout import Course
-from autograder.judge.judging import Ran, SubmissionResult
+from autograder.judge.outcome import SubmissionResult
+from autograder.judge.running import Ran
 from labsid._files import write_text
 
 

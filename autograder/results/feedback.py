@@ -9,9 +9,10 @@ from typing import Any
 import jinja2
 import markupsafe
 
-from autograder.judge.judging import QuestionResult
-from autograder.results import gradebook, result_files
-from autograder.results.result_files import StoredResult, plain_decimal
+from autograder.course.plain_text import plain_decimal
+from autograder.judge.outcome import QuestionResult
+from autograder.results import gradebook, grades, result_files
+from autograder.results.result_files import StoredResult
 from labsid._files import write_text
 
 _MARKS = {"right": "✓", "wrong": "✗", "wait": "…"}
@@ -53,7 +54,7 @@ def page(
     dict
     """
     questions = []
-    marks = result_files.totals(result, scores)
+    marks = grades.totals(result, scores)
     for question in result.questions:
         key = (result.student, result.assignment, question.question)
         score = scores.get(key, question.score)

@@ -22,7 +22,7 @@ from datetime import UTC, datetime, timedelta, tzinfo
 from decimal import Decimal, InvalidOperation
 from zoneinfo import ZoneInfo
 
-from autograder.results.result_files import plain_decimal
+from autograder.course.plain_text import plain_decimal
 
 _KEYS = ("due", "tz", "grace", "per-day", "most")
 _DAY = timedelta(days=1)

@@ -7,10 +7,11 @@ from pathlib import Path
 from typing import Any
 
 from autograder.course.layout import in_course_order
-from autograder.results import gradebook, result_files
+from autograder.course.plain_text import plain_decimal
+from autograder.results import gradebook, grades, result_files
 from autograder.results.feedback import readable, template
 from autograder.results.gradebook import ByHand
-from autograder.results.result_files import StoredResult, plain_decimal
+from autograder.results.result_files import StoredResult
 from autograder.results.similar import alike
 from labsid._files import write_text
 
@@ -75,8 +76,8 @@ def report_page(stored: Sequence[StoredResult], given: ByHand) -> dict[str, Any]
 
 def _assignment(stored: Sequence[StoredResult], given: ByHand) -> dict[str, Any]:
     handed_in = [result for result in stored if not result.is_refused]
-    totals = [result_files.totals(result, given.scores) for result in handed_in]
-    most = max((one.max_score for one in (result_files.totals(result, {}) for result in stored)), default=Decimal(0))
+    totals = [grades.totals(result, given.scores) for result in handed_in]
+    most = max((one.max_score for one in (grades.totals(result, {}) for result in stored)), default=Decimal(0))
     scores = sorted(one.score for one in totals)
     waiting = sum((one.waiting for one in totals), Decimal(0))
     return {

@@ -4,25 +4,19 @@
 grades only what is missing or has changed, and can say which.
 """
 
-import csv
 import hashlib
-import io
 import json
-import re
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import asdict, dataclass, field
 from decimal import Decimal
 from pathlib import Path
 from typing import Any
 
 from autograder.course.layout import in_course_order, to_json
-from autograder.judge.judging import QuestionResult, SubmissionResult
+from autograder.judge.outcome import QuestionResult, SubmissionResult
 from labsid._files import write_text
 
 SCHEMA = "labsid.result/2"
-GRADE_COLUMNS = (
-    "student", "assignment", "question", "score", "max_score", "status", "reason", "isolation", "seconds",
-)  # fmt: skip
 
 
 @dataclass(frozen=True, slots=True)
@@ -178,90 +172,6 @@ def load_good(out: Path) -> Iterator[StoredResult]:
 def result_path(out: Path, student: str, assignment: str) -> Path:
     """Where the results of one submission are."""
     return out / "results" / student / f"{assignment}.json"
-
-
-@dataclass(frozen=True, slots=True)
-class Totals:
-    """Marks of one submission: what it has, what there is, what still waits to be graded by hand, what lateness cost.
-
-    The score is what is left after the penalty.
-    """
-
-    score: Decimal
-    max_score: Decimal
-    waiting: Decimal
-    penalty: Decimal = Decimal(0)
-
-
-def totals(result: StoredResult, manual: Mapping[tuple[str, str, str], Decimal]) -> Totals:
-    """Add up a submission's marks; scores given by hand, by (student, assignment, question), take precedence."""
-    score = most = waiting = Decimal(0)
-    for question in result.questions:
-        given = manual.get((result.student, result.assignment, question.question), question.score)
-        most += question.max_score
-        score += given or Decimal(0)
-        waiting += question.max_score if given is None else Decimal(0)
-    return Totals(max(score - result.penalty, Decimal(0)), most, waiting, result.penalty)
-
-
-def grade_rows(results: Iterable[StoredResult], manual: Mapping[tuple[str, str, str], Decimal]) -> list[dict[str, str]]:
-    """The lines of grades.csv, in the order of students, assignments and questions.
-
-    Parameters
-    ----------
-    results : iterable of StoredResult
-    manual : mapping
-        Scores given by hand, by (student, assignment, question); they take precedence.
-
-    Returns
-    -------
-    list of dict
-        One a question, with the columns of `GRADE_COLUMNS`.
-    """
-    rows = []
-    for result in results:
-        for question in result.questions:
-            by_hand = manual.get((result.student, result.assignment, question.question))
-            score = question.score if by_hand is None else by_hand
-            rows.append(
-                {
-                    "student": result.student,
-                    "assignment": result.assignment,
-                    "question": question.question,
-                    "score": "" if score is None else plain_decimal(score),
-                    "max_score": plain_decimal(question.max_score),
-                    "status": question.status,
-                    "reason": one_line(question.reason),
-                    "isolation": result.isolation,
-                    "seconds": f"{question.seconds:.3f}",
-                }
-            )
-    return rows
-
-
-def write_csv(path: Path, columns: Iterable[str], rows: Iterable[Mapping[str, str]]) -> None:
-    """Write a table, whole or not at all; text that a spreadsheet would run as a formula gets an apostrophe."""
-    text = io.StringIO(newline="")
-    writer = csv.DictWriter(text, list(columns), lineterminator="\n")
-    writer.writeheader()
-    for row in rows:
-        writer.writerow({key: f"'{value}" if _is_formula(value) else value for key, value in row.items()})
-    write_text(path, text.getvalue())
-
-
-def _is_formula(text: str) -> bool:
-    return text.lstrip()[:1] in ("=", "@", "+", "-") and not re.fullmatch(r"-?\d+(\.\d+)?", text)
-
-
-def plain_decimal(value: Decimal) -> str:
-    """A decimal without exponent and trailing zeros: ``0.60`` is ``0.6``, ``2.0`` is ``2``."""
-    text = format(value.normalize(), "f")
-    return "0" if text in ("-0", "") else text
-
-
-def one_line(text: str) -> str:
-    """Text without line breaks and control characters."""
-    return " ".join("".join(c if c.isprintable() or c.isspace() else " " for c in text).split())
 
 
 def _question(fields: dict[str, Any]) -> QuestionResult:

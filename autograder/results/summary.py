@@ -5,7 +5,8 @@ from decimal import Decimal
 from pathlib import Path
 
 from autograder.course.layout import in_course_order
-from autograder.results import gradebook, result_files
+from autograder.course.plain_text import one_line, plain_decimal
+from autograder.results import gradebook, grades, result_files
 
 
 def class_table(out: Path) -> str:
@@ -42,18 +43,18 @@ def class_table(out: Path) -> str:
             if result is None:
                 row.append("")
                 continue
-            marks = result_files.totals(result, given.scores)
+            marks = grades.totals(result, given.scores)
             status = {question.status for question in result.questions}
-            row.append(f"{result_files.plain_decimal(marks.score)} of {result_files.plain_decimal(marks.max_score)}")
+            row.append(f"{plain_decimal(marks.score)} of {plain_decimal(marks.max_score)}")
             remarks += ["another's record"] if result.flags else []
-            remarks += [f"{result_files.plain_decimal(marks.penalty)} off for lateness"] if marks.penalty else []
+            remarks += [f"{plain_decimal(marks.penalty)} off for lateness"] if marks.penalty else []
             if any((student, name) == key[:2] for key in given.look_again):
                 remarks.append("grade by hand again")
             remarks += sorted(status & {"crashed", "timeout", "limit", "missing", "quarantined"})
             waiting += marks.waiting
         if waiting:
-            remarks.append(f"{result_files.plain_decimal(waiting)} by hand")
-        table.add_row(Text(result_files.one_line(student)), *row, ", ".join(dict.fromkeys(remarks)))
+            remarks.append(f"{plain_decimal(waiting)} by hand")
+        table.add_row(Text(one_line(student)), *row, ", ".join(dict.fromkeys(remarks)))
     text = io.StringIO()
     Console(file=text, width=60 + 22 * len(assignments), color_system=None).print(table)
     return "\n".join(line.rstrip() for line in text.getvalue().splitlines())

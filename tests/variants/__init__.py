@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from importlib import import_module
 
-from autograder.judge.judging import QuestionResult
+from autograder.judge.outcome import QuestionResult
 
 
 @dataclass(frozen=True)

@@ -18,17 +18,20 @@ from course_work import give_by_hand, scores_in_gradebook
 
 from autograder.batch.executors import LocalExecutor
 from autograder.batch.fingerprint import result_fingerprint
-from autograder.batch.grade import Batch, Graded, find_batch, grade_batch, write_grades
+from autograder.batch.grade import Batch, Graded, find_batch, grade_batch
 from autograder.batch.grading_inputs import DataStore, inputs_for
 from autograder.course.layout import Course, read_template
+from autograder.course.plain_text import plain_decimal
 from autograder.export.grades_csv import export_csv
 from autograder.intake.submission import Step
 from autograder.judge.ask import ProcessAsk
-from autograder.judge.judging import QuestionResult, Ran, SubmissionResult
-from autograder.results import gradebook, result_files
+from autograder.judge.outcome import QuestionResult, SubmissionResult
+from autograder.judge.running import Ran
+from autograder.results import gradebook, grades, result_files
 from autograder.results.autograded import write_autograded
 from autograder.results.feedback import readable, write_feedback
-from autograder.results.result_files import StoredResult, plain_decimal, write_csv
+from autograder.results.grades import write_csv, write_grades
+from autograder.results.result_files import StoredResult
 from autograder.results.summary import class_table
 from autograder.samples import write_samples
 from autograder.sandbox.isolation import LEVELS, ProcessLauncher, Reply, StudentProcessError, open_launcher
@@ -668,7 +671,7 @@ def test_reasons_stand_on_one_line(tmp_path: Path) -> None:
     reason = 'first\nsecond\r\n\x07"third", \x1b[31mred'
     question = QuestionResult("q", Decimal("0.1"), Decimal("0.10"), "graded", reason, seconds=1.23456)
     stored = StoredResult("=ann", "tiny", "Tiny", (question,), {}, (), "none", {})
-    write_csv(tmp_path / "grades.csv", result_files.GRADE_COLUMNS, result_files.grade_rows([stored], {}))
+    write_csv(tmp_path / "grades.csv", grades.GRADE_COLUMNS, grades.grade_rows([stored], {}))
     (row,) = read_csv(tmp_path / "grades.csv")
     assert row["reason"] == 'first second "third", [31mred'
     assert (row["student"], row["max_score"], row["seconds"]) == ("'=ann", "0.1", "1.235")
@@ -695,13 +698,9 @@ def test_results_come_back_as_they_were_stored(tmp_path: Path) -> None:
     result_files.store(tmp_path, result)
     (stored,) = result_files.load_all(tmp_path)
     assert stored == result
-    assert result_files.totals(stored, {}) == result_files.Totals(
-        Decimal("0.2"), Decimal("0.7"), Decimal("0.1"), Decimal("0.1")
-    )
+    assert grades.totals(stored, {}) == grades.Totals(Decimal("0.2"), Decimal("0.7"), Decimal("0.1"), Decimal("0.1"))
     given = {("ann", "tiny", "open"): Decimal("0.1")}
-    assert result_files.totals(stored, given) == result_files.Totals(
-        Decimal("0.3"), Decimal("0.7"), Decimal("0"), Decimal("0.1")
-    )
+    assert grades.totals(stored, given) == grades.Totals(Decimal("0.3"), Decimal("0.7"), Decimal("0"), Decimal("0.1"))
 
 
 @pytest.mark.parametrize(

@@ -19,8 +19,8 @@ from autograder.export.grades_csv import export_csv
 from autograder.export.moodle import export_moodle
 from autograder.intake.submission import Step
 from autograder.intake.worksheet import Worksheet, read_worksheet
-from autograder.judge.judging import QuestionResult
-from autograder.results import gradebook, result_files
+from autograder.judge.outcome import QuestionResult
+from autograder.results import gradebook, grades, result_files
 from autograder.results.feedback import write_feedback
 from autograder.results.gradebook import ByHand
 from autograder.results.late import parse_rules
@@ -193,7 +193,7 @@ def test_lateness_is_taken_off_everywhere_and_can_be_changed_without_grading(
 
 def test_a_penalty_takes_no_more_than_there_is() -> None:
     one = stored("ann", "tiny", question("a", "0.1", "0.6"), penalty=Decimal("0.3"))
-    assert result_files.totals(one, {}).score == 0
+    assert grades.totals(one, {}).score == 0
 
 
 # ---- hand grading that an automatic change overtook

@@ -12,7 +12,8 @@ import pytest
 
 from autograder.course.layout import Cell, Template
 from autograder.intake.submission import Step, Submission
-from autograder.judge.judging import Assets, QuestionResult, judge_submission
+from autograder.judge.judging import Assets, judge_submission
+from autograder.judge.outcome import QuestionResult
 from autograder.sandbox.confine import make_syscall_filter
 from autograder.sandbox.isolation import Limits, ProcessLauncher, StudentProcessError, open_launcher
 from autograder.sandbox.process_launchers import SpawningLauncher

@@ -1,0 +1,97 @@
+"""Marks of submissions, and the table ``grades.csv``."""
+
+import csv
+import io
+import re
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from decimal import Decimal
+from pathlib import Path
+
+from autograder.course.plain_text import one_line, plain_decimal
+from autograder.results import gradebook, result_files
+from autograder.results.result_files import StoredResult
+from labsid._files import write_text
+
+GRADE_COLUMNS = (
+    "student", "assignment", "question", "score", "max_score", "status", "reason", "isolation", "seconds",
+)  # fmt: skip
+
+
+@dataclass(frozen=True, slots=True)
+class Totals:
+    """Marks of one submission: what it has, what there is, what still waits to be graded by hand, what lateness cost.
+
+    The score is what is left after the penalty.
+    """
+
+    score: Decimal
+    max_score: Decimal
+    waiting: Decimal
+    penalty: Decimal = Decimal(0)
+
+
+def totals(result: StoredResult, manual: Mapping[tuple[str, str, str], Decimal]) -> Totals:
+    """Add up a submission's marks; scores given by hand, by (student, assignment, question), take precedence."""
+    score = most = waiting = Decimal(0)
+    for question in result.questions:
+        given = manual.get((result.student, result.assignment, question.question), question.score)
+        most += question.max_score
+        score += given or Decimal(0)
+        waiting += question.max_score if given is None else Decimal(0)
+    return Totals(max(score - result.penalty, Decimal(0)), most, waiting, result.penalty)
+
+
+def grade_rows(results: Iterable[StoredResult], manual: Mapping[tuple[str, str, str], Decimal]) -> list[dict[str, str]]:
+    """The lines of grades.csv, in the order of students, assignments and questions.
+
+    Parameters
+    ----------
+    results : iterable of StoredResult
+    manual : mapping
+        Scores given by hand, by (student, assignment, question); they take precedence.
+
+    Returns
+    -------
+    list of dict
+        One a question, with the columns of `GRADE_COLUMNS`.
+    """
+    rows = []
+    for result in results:
+        for question in result.questions:
+            by_hand = manual.get((result.student, result.assignment, question.question))
+            score = question.score if by_hand is None else by_hand
+            rows.append(
+                {
+                    "student": result.student,
+                    "assignment": result.assignment,
+                    "question": question.question,
+                    "score": "" if score is None else plain_decimal(score),
+                    "max_score": plain_decimal(question.max_score),
+                    "status": question.status,
+                    "reason": one_line(question.reason),
+                    "isolation": result.isolation,
+                    "seconds": f"{question.seconds:.3f}",
+                }
+            )
+    return rows
+
+
+def write_csv(path: Path, columns: Iterable[str], rows: Iterable[Mapping[str, str]]) -> None:
+    """Write a table, whole or not at all; text that a spreadsheet would run as a formula gets an apostrophe."""
+    text = io.StringIO(newline="")
+    writer = csv.DictWriter(text, list(columns), lineterminator="\n")
+    writer.writeheader()
+    for row in rows:
+        writer.writerow({key: f"'{value}" if _is_formula(value) else value for key, value in row.items()})
+    write_text(path, text.getvalue())
+
+
+def _is_formula(text: str) -> bool:
+    return text.lstrip()[:1] in ("=", "@", "+", "-") and not re.fullmatch(r"-?\d+(\.\d+)?", text)
+
+
+def write_grades(out: Path) -> None:
+    """Write grades.csv from the results and the manual grades."""
+    rows = grade_rows(result_files.load_all(out), gradebook.given_by_hand(out).scores)
+    write_csv(out / "grades.csv", GRADE_COLUMNS, rows)
