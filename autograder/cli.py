@@ -58,7 +58,7 @@ def release(
 
 
 @course.command()
-def collect(
+def collect_submissions(
     hand_ins: Annotated[Path, typer.Argument(metavar="MOODLE.zip", help="From 'Download all submissions'.")],
     out: Annotated[Path, typer.Option(metavar="DIR", help="Gets <student>/<assignment>/<assignment>.ipynb.")],
     worksheet: Annotated[
@@ -71,7 +71,7 @@ def collect(
 ) -> None:
     """Take hand-ins out of Moodle's zip, a line for each student."""
     from autograder.course.layout import find_course
-    from autograder.intake.collect import collect as collect_hand_ins
+    from autograder.intake.collect import collect_submissions as collect_hand_ins
     from autograder.intake.worksheet import read_worksheet
     from autograder.results.late import time_zone
 
@@ -113,7 +113,7 @@ def grade(
     from autograder.batch.executors import open_executor
     from autograder.batch.grade import find_batch, grade_batch
     from autograder.course.layout import find_course
-    from autograder.course.nbgrader_access import nbgrader_api
+    from autograder.course.nbgrader_access import import_nbgrader_api
     from autograder.results.late import parse_rules
     from autograder.results.summary import class_table
     from labsid.rig import read_secret
@@ -124,7 +124,7 @@ def grade(
     key = None if secret is None else read_secret(secret)
     here = find_course()
     batch = find_batch(here, submitted, assignment)
-    Thread(target=nbgrader_api, daemon=True).start()  # takes seconds, as does opening the launcher: at one time
+    Thread(target=import_nbgrader_api, daemon=True).start()  # takes seconds, as does opening the launcher: at one time
     total = len(batch.students) * len(batch.assignments)
     try:
         with open_executor(isolation, jobs, scheduler, _warn) as executor:
@@ -224,9 +224,9 @@ def submit(
     out: Annotated[Path, typer.Option(help="The file to hand in.")] = Path("hand-in.zip"),
 ) -> None:
     """Check your notebooks and zip them for hand-in."""
-    from autograder.course.student_folder import pack
+    from autograder.course.student_folder import pack_submission
 
-    for line in pack(folder, out):
+    for line in pack_submission(folder, out):
         print(line)
 
 

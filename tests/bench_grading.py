@@ -34,7 +34,7 @@ from course_work import copy_course
 
 from autograder.course.build import build_course
 from autograder.course.layout import RECORD_FILE, Course
-from autograder.results.result_files import load_good
+from autograder.results.result_files import load_valid
 from autograder.samples import LAB, write_samples
 
 OURS = """
@@ -225,7 +225,7 @@ def disturb(scratch: Path, found: Comparison, kills: int, say: Callable[[str], N
 
 def results_in(out: Path) -> set[str]:
     """The students whose result is safe on disk."""
-    return {result.student for result in load_good(out)}
+    return {result.student for result in load_valid(out)}
 
 
 def missing(there: Path, here: Path) -> int:

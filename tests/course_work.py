@@ -16,7 +16,7 @@ from nbclient import NotebookClient
 from autograder.batch.grading_inputs import DataStore, inputs_for
 from autograder.course.layout import Course, read_template
 from autograder.course.nbgrader_access import open_gradebook
-from autograder.intake.submission import Step, Submission
+from autograder.intake.submission import NotebookCell, Submission
 from autograder.judge.judging import judge_submission
 from autograder.judge.outcome import QuestionResult
 from autograder.results.gradebook import database_url
@@ -52,7 +52,9 @@ class GradeCode:
         unknown = set(replaced) - {cell.id for cell in template.cells}
         assert not unknown, f"{name} has no cells {unknown}"
         steps = tuple(
-            Step(cell.id, cell.kind, texts[cell.id] if cell.kind in ("answer", "manual") else cell.source, cell.code)
+            NotebookCell(
+                cell.id, cell.kind, texts[cell.id] if cell.kind in ("answer", "manual") else cell.source, cell.code
+            )
             for cell in template.cells
         )
         inputs = inputs_for(DataStore(self.course, None, self.course.root), template, student)

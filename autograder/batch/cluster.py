@@ -27,8 +27,8 @@ from autograder.batch.cluster_worker import (
 )
 from autograder.batch.tasks import Task
 from autograder.course.plain_text import one_line
-from autograder.intake.submission import quarantined
-from autograder.judge.outcome import SubmissionResult, not_judged
+from autograder.intake.submission import quarantined_submission
+from autograder.judge.outcome import SubmissionResult, ungraded_result
 from autograder.sandbox.isolation import LEVELS, Limits, is_weaker
 
 CONNECT_SECONDS = 10.0
@@ -189,8 +189,8 @@ class ClusterExecutor:
             f"{name}: quarantined; on the cluster, {one_line(cluster_reason)}; "
             f"on this machine, {one_line(answer.reason)}"
         )
-        refused = quarantined(task.submission.student, task.submission.assignment, "it could not be graded")
-        return not_judged(refused, task.assets.template, self.level)
+        refused = quarantined_submission(task.submission.student, task.submission.assignment, "it could not be graded")
+        return ungraded_result(refused, task.assets.template, self.level)
 
     def _check_new_workers(self) -> None:
         """Accept or reject the workers that joined since the last check."""

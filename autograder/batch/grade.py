@@ -14,14 +14,14 @@ from autograder.batch.grading_inputs import DataStore, GradingInputs, inputs_for
 from autograder.batch.tasks import Executor, Task
 from autograder.batch.wrong_record import flag_wrong_record
 from autograder.course.layout import Course, Template, read_template
-from autograder.intake.submission import Submission, quarantined, take_in
-from autograder.judge.outcome import SubmissionResult, not_judged
+from autograder.intake.submission import Submission, quarantined_submission, read_submission
+from autograder.judge.outcome import SubmissionResult, ungraded_result
 from autograder.results import gradebook, result_files
 from autograder.results.autograded import write_autograded
 from autograder.results.grades import write_grades
-from autograder.results.late import ON_TIME, LateRules, late_for, read_timestamp
+from autograder.results.late import ON_TIME, LateRules, late_penalty, read_timestamp
 from autograder.results.result_files import StoredResult
-from autograder.results.similar import work_of
+from autograder.results.similar import code_fingerprints
 from autograder.sandbox.isolation import is_weaker
 
 
@@ -119,12 +119,12 @@ def grade_batch(
     templates = {name: read_template(course, name) for name in batch.assignments}
     out.mkdir(parents=True, exist_ok=True)
     with _exclusive_writer(out):
-        previous = {(one.student, one.assignment): one for one in result_files.load_good(out)}
+        previous = {(one.student, one.assignment): one for one in result_files.load_valid(out)}
         gradebook.prepare(course, out, batch.assignments)
         gradebook.enter(out, previous.values())  # an earlier run may have been killed before it entered them
         data_store = DataStore(course, secret, out / "records")
         grader = _BatchGrader(course, batch, out, executor, data_store, late or {}, templates, previous)
-        yield from grader.run(gradebook.given_by_hand(out))
+        yield from grader.run(gradebook.read_manual_grades(out))
         gradebook.enter(out, result_files.load_all(out))
         write_grades(out)
 
@@ -150,7 +150,7 @@ class _BatchGrader:
     templates: Mapping[str, Template]
     previous: Mapping[tuple[str, str], StoredResult]
 
-    def run(self, by_hand: gradebook.ByHand) -> Iterator[Graded]:
+    def run(self, by_hand: gradebook.ManualGrades) -> Iterator[Graded]:
         """Grade what is missing or has changed; only this thread writes."""
         with ThreadPoolExecutor(self.executor.max_pending) as pool:
             pending: dict[Future[_NewResult | None], tuple[str, str]] = {}
@@ -167,7 +167,7 @@ class _BatchGrader:
                     self.executor.close()  # or the pool would wait for running student code
                 raise
 
-    def _store(self, student: str, name: str, new: _NewResult | None, by_hand: gradebook.ByHand) -> Graded:
+    def _store(self, student: str, name: str, new: _NewResult | None, by_hand: gradebook.ManualGrades) -> Graded:
         """Write a result with its late penalty and manual grades to review; without a new one, keep the previous."""
         previous = self.previous.get((student, name))
         if new is None:
@@ -186,7 +186,7 @@ class _BatchGrader:
     def _with_penalty(self, stored: StoredResult) -> StoredResult:
         submitted = _submission_time(self.batch.submitted / stored.student / stored.assignment)
         marks = sum((question.max_score for question in stored.questions), Decimal(0))
-        late = ON_TIME if stored.is_refused else late_for(self.late, stored.assignment, submitted, marks)
+        late = ON_TIME if stored.is_refused else late_penalty(self.late, stored.assignment, submitted, marks)
         when = None if submitted is None else submitted.isoformat()
         if (stored.submitted, stored.penalty, stored.late) == (when, late.penalty, late.reason):
             return stored
@@ -200,7 +200,7 @@ class _BatchGrader:
             inputs = inputs_for(self.data_store, template, student)
         except ValueError as error:
             inputs = inputs_for(replace(self.data_store, secret=None), template, student)
-            refused = quarantined(student, name, f"no record can be generated for this student: {error}")
+            refused = quarantined_submission(student, name, f"no record can be generated for this student: {error}")
         fingerprint = result_fingerprint(self.data_store, inputs, folder)
         previous = self.previous.get((student, name))
         if (
@@ -209,25 +209,25 @@ class _BatchGrader:
             and not is_weaker(previous.isolation, self.executor.level)
         ):
             return None
-        submission = refused or take_in(folder, student, template)
+        submission = refused or read_submission(folder, student, template)
         result = self._judge(submission, inputs, folder)
         headings = {cell.id: cell.heading for cell in template.questions}
         released = {cell.id: cell.source for cell in template.cells}
-        stored = result_files.as_stored(result, template.title, headings, fingerprint)
+        stored = result_files.to_stored(result, template.title, headings, fingerprint)
         if stored.is_refused and submission.status == "ready":  # no machine could grade it: the next run tries again
             stored = replace(stored, fingerprint={**fingerprint, "environment": ""})
-        return _NewResult(result, replace(stored, work=work_of(submission.steps, released)))
+        return _NewResult(result, replace(stored, work=code_fingerprints(submission.steps, released)))
 
     def _judge(self, submission: Submission, inputs: GradingInputs, folder: Path) -> SubmissionResult:
         if submission.status == "ready":
             files = {name: path.read_bytes() for name, path in inputs.files.items()}
             result = self.executor.run(Task(submission, inputs.assets, files))
         else:
-            result = not_judged(submission, inputs.assets.template, self.executor.level)
+            result = ungraded_result(submission, inputs.assets.template, self.executor.level)
         return flag_wrong_record(result, inputs, self.data_store, folder, self.batch.students)
 
 
-def _to_review(previous: StoredResult, new: StoredResult, by_hand: gradebook.ByHand) -> tuple[str, ...]:
+def _to_review(previous: StoredResult, new: StoredResult, by_hand: gradebook.ManualGrades) -> tuple[str, ...]:
     """Manually graded questions that need a review, because answers or automatic scores have changed."""
     old = {question.question: question for question in previous.questions}
     changed = {

@@ -26,7 +26,7 @@ def zip_bytes(files: Mapping[str, bytes]) -> bytes:
 
 
 @dataclass(frozen=True, slots=True)
-class Entry:
+class ArchiveEntry:
     """One file of an archive, or why it could not be had.
 
     Attributes
@@ -47,7 +47,7 @@ class Entry:
     refused: str = ""
 
 
-def entries(content: IO[bytes], what: str, allowed: Callable[[str], int]) -> Iterator[Entry]:
+def read_entries(content: IO[bytes], what: str, allowed: Callable[[str], int]) -> Iterator[ArchiveEntry]:
     """Read every file of a zip, each as far as the limits allow.
 
     Parameters
@@ -81,19 +81,19 @@ def entries(content: IO[bytes], what: str, allowed: Callable[[str], int]) -> Ite
                 yield _read(archive, info, name, min(MAX_FILE_BYTES, allowed(name)))
 
 
-def _read(archive: zipfile.ZipFile, info: zipfile.ZipInfo, name: str, most: int) -> Entry:
+def _read(archive: zipfile.ZipFile, info: zipfile.ZipInfo, name: str, most: int) -> ArchiveEntry:
     changed = _time(info)
     kind = stat.S_IFMT(info.external_attr >> 16)
     if kind not in (0, stat.S_IFREG):
-        return Entry(name, changed, b"", "it is a link or a device, not a file")
+        return ArchiveEntry(name, changed, b"", "it is a link or a device, not a file")
     try:
         with archive.open(info) as file:
             data = file.read(most + 1)  # what is declared may be a lie: a bomb is read no further than this
     except (zipfile.BadZipFile, zlib.error, RuntimeError, NotImplementedError, OSError, EOFError, ValueError) as error:
-        return Entry(name, changed, b"", f"it cannot be unpacked ({str(error)[:100]})")
+        return ArchiveEntry(name, changed, b"", f"it cannot be unpacked ({str(error)[:100]})")
     if len(data) > most:
-        return Entry(name, changed, b"", "it is too large")
-    return Entry(name, changed, data)
+        return ArchiveEntry(name, changed, b"", "it is too large")
+    return ArchiveEntry(name, changed, data)
 
 
 def _time(info: zipfile.ZipInfo) -> datetime | None:

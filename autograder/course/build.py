@@ -18,15 +18,15 @@ import nbformat
 from jupytext.myst import MystMetadataParsingError
 
 from autograder.course.layout import Course, read_cell
-from autograder.course.nbgrader_access import COURSE_ID, nbgrader_api
+from autograder.course.nbgrader_access import COURSE_ID, import_nbgrader_api
 from labsid._files import write_text
 from labsid.checks.notebook import assignment_names, load_assignment
 
-SOLUTION_MARKS = ("### BEGIN SOLUTION", "### END SOLUTION")
-FORBIDDEN_MARKS = re.compile(
+SOLUTION_DELIMITERS = ("### BEGIN SOLUTION", "### END SOLUTION")
+STRAY_DELIMITER = re.compile(
     r"#\s*#*\s*(BEGIN|END)[ _-]*(SOLUTION|HIDDEN|MARK)|(BEGIN|END)\s+(SOL|HIDDEN|MARK)\w*", re.IGNORECASE
 )
-_REGION = re.compile(f"{SOLUTION_MARKS[0]}(.*?){SOLUTION_MARKS[1]}", re.DOTALL)
+_REGION = re.compile(f"{SOLUTION_DELIMITERS[0]}(.*?){SOLUTION_DELIMITERS[1]}", re.DOTALL)
 CODE_STUB = "# Your code here\n..."
 TEXT_STUB = "*Your answer here*"
 
@@ -45,7 +45,7 @@ def build_course(course: Course) -> Iterator[str]:
     built = {name: build_source(course.notebooks / name / f"{name}.md") for name in names}
     for name, notebook in built.items():
         _write_notebook(notebook, course.source / name / f"{name}.ipynb")
-    yield from release(course, names)
+    yield from build_releases(course, names)
 
 
 def build_source(path: Path) -> Any:
@@ -65,7 +65,7 @@ def build_source(path: Path) -> Any:
         short = cell.metadata.pop("nbgrader", None)
         kept = {key: value for key, value in cell.metadata.items() if key == "tags"}
         if short is not None:
-            kept["nbgrader"] = full_metadata(short, cell.cell_type)
+            kept["nbgrader"] = nbgrader_metadata(short, cell.cell_type)
         cell.metadata = kept
         cell.id = str(short["grade_id"]) if short else f"{path.stem[:24]}-{index}"
     problems = [*lint_source(notebook), *lint_checks(notebook, path.stem)]
@@ -75,7 +75,7 @@ def build_source(path: Path) -> Any:
     return notebook
 
 
-def full_metadata(short: dict[str, Any], cell_type: str) -> dict[str, Any]:
+def nbgrader_metadata(short: dict[str, Any], cell_type: str) -> dict[str, Any]:
     """nbgrader's whole metadata from the few words in the text.
 
     ``solution`` makes an answer cell, ``points`` on a code cell an automatic question, ``points`` with ``manual`` one
@@ -138,10 +138,10 @@ def lint_source(notebook: Any) -> Iterator[str]:
     seen: set[str] = set()
     for cell in notebook.cells:
         known = read_cell(cell)
-        opened, closed = (cell.source.count(mark) for mark in SOLUTION_MARKS)
-        rest = cell.source.replace(SOLUTION_MARKS[0], "").replace(SOLUTION_MARKS[1], "")
+        opened, closed = (cell.source.count(mark) for mark in SOLUTION_DELIMITERS)
+        rest = cell.source.replace(SOLUTION_DELIMITERS[0], "").replace(SOLUTION_DELIMITERS[1], "")
         name = known.id if known else f"the cell {cell.source[:30]!r}"
-        strange = FORBIDDEN_MARKS.search(rest)
+        strange = STRAY_DELIMITER.search(rest)
         if strange is not None:
             yield f"{name}: a misspelt or unknown delimiter ({strange[0]!r})"
         if len(_REGION.findall(cell.source)) != opened or opened != closed:
@@ -159,7 +159,7 @@ def lint_source(notebook: Any) -> Iterator[str]:
             yield f'{known.id}: a question holds check("{known.id}") and nothing else'
 
 
-def release(course: Course, names: Sequence[str]) -> Iterator[str]:
+def build_releases(course: Course, names: Sequence[str]) -> Iterator[str]:
     """Make the releases with nbgrader's generate step, and hold each against its source; yields each name when done."""
     with tempfile.TemporaryDirectory(prefix="labsid-") as scratch:
         for name in names:
@@ -176,7 +176,7 @@ def release(course: Course, names: Sequence[str]) -> Iterator[str]:
 
 
 def _generate(course: Course, name: str, scratch: Path) -> Any:
-    nbgrader_api()
+    import_nbgrader_api()
     from nbgrader.converters import GenerateAssignment
     from nbgrader.converters.base import NbGraderException
     from nbgrader.coursedir import CourseDirectory

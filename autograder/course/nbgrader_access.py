@@ -12,7 +12,7 @@ from typing import Any
 COURSE_ID = "labsid"
 
 
-def nbgrader_api() -> Any:
+def import_nbgrader_api() -> Any:
     """Import ``nbgrader.api``."""
     import nbgrader.api
 
@@ -28,7 +28,7 @@ def open_gradebook(url: str) -> Any:
     ValueError
         If the database cannot be reached, or the package that speaks with it is not installed.
     """
-    api = nbgrader_api()
+    api = import_nbgrader_api()
     from sqlalchemy.engine import make_url
     from sqlalchemy.exc import SQLAlchemyError
 
@@ -52,7 +52,7 @@ def open_gradebook(url: str) -> Any:
 
 
 @contextlib.contextmanager
-def without_waiting_for_the_disk() -> Iterator[None]:
+def without_disk_sync() -> Iterator[None]:
     """Let every database that is opened meanwhile not wait for the disk: for one that is new, and holds no grades."""
     from sqlalchemy import event
     from sqlalchemy.engine import Engine

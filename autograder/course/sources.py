@@ -30,13 +30,13 @@ def sources_hash(*modules: str) -> str:
         an assignment's checks must be named.
     """
     digest = hashlib.sha256()
-    for name in sorted(closure(modules)):
+    for name in sorted(imported_modules(modules)):
         path = source_path(name)
         digest.update(name.encode() + b"\0" + (b"" if path is None else hashlib.sha256(path.read_bytes()).digest()))
     return digest.hexdigest()
 
 
-def closure(modules: tuple[str, ...]) -> set[str]:
+def imported_modules(modules: tuple[str, ...]) -> set[str]:
     """The modules named and all that they import from `PACKAGES`, directly or not."""
     found: set[str] = set()
     waiting = list(modules)
@@ -53,10 +53,10 @@ def closure(modules: tuple[str, ...]) -> set[str]:
 def _imports(name: str) -> tuple[str, ...]:
     path = source_path(name)
     assert path is not None
-    return tuple(_imported(parse(path.read_bytes())))
+    return tuple(_imported(parse_python(path.read_bytes())))
 
 
-def parse(source: str | bytes) -> ast.Module:
+def parse_python(source: str | bytes) -> ast.Module:
     """Parse Python; Python 3.11 counts the depth of recursion of all threads together, so only one may at a time."""
     with _PARSING:
         return ast.parse(source)

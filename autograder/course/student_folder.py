@@ -68,7 +68,7 @@ def open_jupyterlab(folder: Path) -> None:
         print(f"JupyterLab closed. Your work is in {folder.resolve()}.")
 
 
-def pack(folder: Path, out: Path) -> Iterator[str]:
+def pack_submission(folder: Path, out: Path) -> Iterator[str]:
     """Check a student's notebooks and zip them for hand-in.
 
     Parameters

@@ -26,7 +26,7 @@ def export_csv(out: Path) -> Path:
         `late_penalty`, `waiting` are marks not yet graded by hand, `status` is ``complete``, ``waiting``,
         ``missing`` or ``quarantined``.
     """
-    by_hand = gradebook.given_by_hand(out).scores
+    by_hand = gradebook.read_manual_grades(out).scores
     rows = []
     for result in result_files.load_all(out):
         marks = grades.totals(result, by_hand)

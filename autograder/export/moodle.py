@@ -20,7 +20,7 @@ from autograder.intake.worksheet import (
     GRADE,
     MAXIMUM,
     Worksheet,
-    participant,
+    participant_number,
     possible_ids,
     worksheet_text,
 )
@@ -34,7 +34,7 @@ _CENT = Decimal("0.01")
 
 
 @dataclass(frozen=True, slots=True)
-class Exported:
+class MoodleExport:
     """What was written, and what the teacher should know of it.
 
     Attributes
@@ -51,7 +51,7 @@ class Exported:
     remarks: tuple[str, ...]
 
 
-def export_moodle(out: Path, sheet: Worksheet, assignment: str | None = None) -> Exported:
+def export_moodle(out: Path, sheet: Worksheet, assignment: str | None = None) -> MoodleExport:
     """Write ``OUT/moodle/worksheet.csv`` and ``OUT/moodle/feedback.zip``.
 
     Parameters
@@ -81,7 +81,7 @@ def export_moodle(out: Path, sheet: Worksheet, assignment: str | None = None) ->
     stored = [one for one in result_files.load_all(out) if assignment in (None, one.assignment)]
     if not stored:
         raise ValueError(f"{out} holds no results of {assignment!r}.")
-    by_hand = gradebook.given_by_hand(out).scores
+    by_hand = gradebook.read_manual_grades(out).scores
     by_student: dict[str, list[StoredResult]] = {}
     for one in stored:
         by_student.setdefault(one.student, []).append(one)
@@ -97,11 +97,11 @@ def export_moodle(out: Path, sheet: Worksheet, assignment: str | None = None) ->
             rows.append(row)
             continue
         found.add(student)
-        marks = _sum([grades.totals(one, by_hand) for one in by_student[student]])
-        filled, remark = _filled(row, marks, by_student[student])
+        marks = _sum_totals([grades.totals(one, by_hand) for one in by_student[student]])
+        filled, remark = _fill_in(row, marks, by_student[student])
         rows.append(filled)
         remarks += [f"{student}: {remark}"] if remark else []
-        folder = _folder(row)
+        folder = _participant_folder(row)
         mine = [one.assignment for one in by_student[student]]
         for name in mine:
             page = "feedback.html" if len(mine) == 1 else f"feedback-{name}.html"
@@ -112,19 +112,19 @@ def export_moodle(out: Path, sheet: Worksheet, assignment: str | None = None) ->
     write_file(target / "worksheet.csv", worksheet_text(sheet, rows).encode(errors="backslashreplace"))
     write_file(target / "feedback.zip", zip_bytes(files))
     write_grades(out)
-    return Exported(target / "worksheet.csv", target / "feedback.zip", len(found), tuple(map(one_line, remarks)))
+    return MoodleExport(target / "worksheet.csv", target / "feedback.zip", len(found), tuple(map(one_line, remarks)))
 
 
-def _sum(totals: Sequence[Totals]) -> Totals:
+def _sum_totals(totals: Sequence[Totals]) -> Totals:
     parts = ((one.score, one.max_score, one.waiting, one.penalty) for one in totals)
     return Totals(*(sum(column, Decimal(0)) for column in zip(*parts, strict=True)))
 
 
-def _filled(row: Mapping[str, str], marks: Totals, stored: Sequence[StoredResult]) -> tuple[dict[str, str], str]:
+def _fill_in(row: Mapping[str, str], marks: Totals, stored: Sequence[StoredResult]) -> tuple[dict[str, str], str]:
     """A row with its grade, in the worksheet's own scale, and what to say of it."""
     if row.get(CHANGEABLE, "Yes").strip().casefold() == "no":
         return dict(row), "the grade cannot be changed in Moodle; left as it is"
-    most = _number(row.get(MAXIMUM, ""))
+    most = _maximum_grade(row.get(MAXIMUM, ""))
     score, remark = marks.score, ""
     if most is not None and most != marks.max_score and marks.max_score:
         score = (marks.score * most / marks.max_score).quantize(_CENT, ROUND_HALF_UP)
@@ -148,7 +148,7 @@ def _comment(marks: Totals, stored: Sequence[StoredResult]) -> str:
     return one_line(" ".join(said))
 
 
-def _number(text: str) -> Decimal | None:
+def _maximum_grade(text: str) -> Decimal | None:
     try:
         value = Decimal(text.strip())
     except InvalidOperation:
@@ -156,7 +156,7 @@ def _number(text: str) -> Decimal | None:
     return value if value.is_finite() and value > 0 else None
 
 
-def _folder(row: Mapping[str, str]) -> str:
+def _participant_folder(row: Mapping[str, str]) -> str:
     """The participant's folder, as Moodle itself calls it."""
     name = re.sub(r"[\x00-\x1f/\\:*?\"<>|]", "", row.get(FULL_NAME, "")).strip(". ") or "Participant"
-    return f"{name}_{participant(row)}_assignsubmission_file_"
+    return f"{name}_{participant_number(row)}_assignsubmission_file_"

@@ -17,30 +17,30 @@ from functools import partial
 from pathlib import Path
 from typing import IO, Any
 
-from autograder.course.archive import Entry, entries
+from autograder.course.archive import ArchiveEntry, read_entries
 from autograder.course.layout import Course, Template, read_template
 from autograder.course.plain_text import one_line
 from autograder.intake.untrusted_json import read_json
-from autograder.intake.worksheet import Worksheet, participant, possible_ids, submission_time, utc_timestamp
+from autograder.intake.worksheet import Worksheet, participant_number, possible_ids, submission_time, utc_timestamp
 from labsid._files import write_file
 from labsid.checks.notebook import load_assignment
 
-_OWNER = re.compile(r"(?P<name>[^/]*?)_(?P<number>\d{1,18})_assignsubmission_[a-z]+_?(?P<rest>.*)", re.ASCII)
-_MOST_BYTES_EACH = 200 * 1024 * 1024
+_MOODLE_FOLDER = re.compile(r"(?P<name>[^/]*?)_(?P<number>\d{1,18})_assignsubmission_[a-z]+_?(?P<rest>.*)", re.ASCII)
+MAX_PARTICIPANT_BYTES = 200 * 1024 * 1024
 
 
 @dataclass(frozen=True, slots=True)
-class _HandIn:
+class _ParticipantFiles:
     """All that one participant handed in, while the zip is read."""
 
     name: str
     number: str
-    notebooks: dict[str, list[Entry]] = field(default_factory=dict)
-    data: dict[str, Entry] = field(default_factory=dict)
+    notebooks: dict[str, list[ArchiveEntry]] = field(default_factory=dict)
+    data: dict[str, ArchiveEntry] = field(default_factory=dict)
     left_out: list[str] = field(default_factory=list)
 
 
-def collect(
+def collect_submissions(
     course: Course, path: Path, out: Path, sheet: Worksheet | None = None, zone: tzinfo | None = None
 ) -> Iterator[str]:
     """Take the hand-ins out of Moodle's zip.
@@ -74,13 +74,13 @@ def collect(
         raise ValueError(f"{out} is a file; give --out another name.")
     templates = {name: read_template(course, name) for name in course.assignments()}
     with path.open("rb") as content:
-        hand_ins, strays = _read(content, path.name, templates)
+        hand_ins, strays = _read_participants(content, path.name, templates)
     if not hand_ins:
         raise ValueError(
             f"{path} holds no submission: expected folders such as 'Full Name_123456_assignsubmission_file_', "
             "as Moodle's 'Download all submissions' makes them."
         )
-    rows = {} if sheet is None else {participant(row): row for row in sheet.rows}
+    rows = {} if sheet is None else {participant_number(row): row for row in sheet.rows}
     taken: dict[str, str] = {}
     for hand_in in sorted(hand_ins.values(), key=lambda one: (one.name, int(one.number))):
         row = rows.get(hand_in.number)
@@ -90,7 +90,7 @@ def collect(
         if twice:
             student = hand_in.number
         taken[student.casefold()] = hand_in.number
-        said = _write(out / student, hand_in, None if row is None else submission_time(row), zone)
+        said = _write_submission(out / student, hand_in, None if row is None else submission_time(row), zone)
         said += ["not in the worksheet: the participant number is the ID"] if unknown else []
         said += ["another participant has the same ID: the participant number is the ID"] if twice else []
         yield one_line(f"{student} ({hand_in.name}): {'; '.join(said)}")
@@ -98,34 +98,40 @@ def collect(
         yield one_line(f"belongs to nobody: {', '.join(strays[:10])}{' ...' if len(strays) > 10 else ''}")
 
 
-def _read(content: IO[bytes], what: str, templates: Mapping[str, Template]) -> tuple[dict[str, _HandIn], list[str]]:
-    hand_ins: dict[str, _HandIn] = {}
+def _read_participants(
+    content: IO[bytes], what: str, templates: Mapping[str, Template]
+) -> tuple[dict[str, _ParticipantFiles], list[str]]:
+    hand_ins: dict[str, _ParticipantFiles] = {}
     strays: list[str] = []
     left: dict[str, int] = {}
 
     def allowed(path: str) -> int:
         """What a participant may still have unpacked: a bomb costs nobody else their hand-in."""
-        owner, _ = _owner(path)
-        return 0 if owner is None else left.get(_number(owner), _MOST_BYTES_EACH)
+        owner, _ = _match_owner(path)
+        return 0 if owner is None else left.get(_participant_number(owner), MAX_PARTICIPANT_BYTES)
 
-    for entry in entries(content, what, allowed):
-        owner, name = _owner(entry.name)
+    for entry in read_entries(content, what, allowed):
+        owner, name = _match_owner(entry.name)
         if owner is None:
             strays.append(name)
             continue
-        number = _number(owner)
-        hand_in = hand_ins.setdefault(number, _HandIn(owner["name"], number))
-        left[number] = left.get(number, _MOST_BYTES_EACH) - len(entry.data)
+        number = _participant_number(owner)
+        hand_in = hand_ins.setdefault(number, _ParticipantFiles(owner["name"], number))
+        left[number] = left.get(number, MAX_PARTICIPANT_BYTES) - len(entry.data)
         if name.lower().endswith(".zip") and not entry.refused:
             try:
-                for inner in entries(io.BytesIO(entry.data), name, partial(_left_for, left, number)):
+                for inner in read_entries(io.BytesIO(entry.data), name, partial(_left_for, left, number)):
                     left[number] -= len(inner.data)
                     # the time of the zip counts: the times in it are the packing program's
-                    _sort(hand_in, Entry(f"{name}/{inner.name}", entry.changed, inner.data, inner.refused), templates)
+                    _add_file(
+                        hand_in,
+                        ArchiveEntry(f"{name}/{inner.name}", entry.changed, inner.data, inner.refused),
+                        templates,
+                    )
             except ValueError as error:
                 hand_in.left_out.append(str(error).rstrip("."))
         else:
-            _sort(hand_in, Entry(name, entry.changed, entry.data, entry.refused), templates)
+            _add_file(hand_in, ArchiveEntry(name, entry.changed, entry.data, entry.refused), templates)
     return hand_ins, strays
 
 
@@ -133,21 +139,21 @@ def _left_for(left: Mapping[str, int], number: str, path: str) -> int:
     return left[number]
 
 
-def _number(owner: re.Match[str]) -> str:
+def _participant_number(owner: re.Match[str]) -> str:
     return owner["number"].lstrip("0") or "0"
 
 
-def _owner(path: str) -> tuple[re.Match[str] | None, str]:
+def _match_owner(path: str) -> tuple[re.Match[str] | None, str]:
     """Whose a path is, and what it is called there: the folder may stand below others, or be the start of a name."""
     parts = [part for part in path.split("/") if part not in ("", ".")]
     for index, part in enumerate(parts):
-        found = _OWNER.fullmatch(part)
+        found = _MOODLE_FOLDER.fullmatch(part)
         if found is not None:
             return found, "/".join([*([found["rest"]] if found["rest"] else []), *parts[index + 1 :]])
     return None, path
 
 
-def _sort(hand_in: _HandIn, entry: Entry, templates: Mapping[str, Template]) -> None:
+def _add_file(hand_in: _ParticipantFiles, entry: ArchiveEntry, templates: Mapping[str, Template]) -> None:
     """Put a file where it belongs: a notebook of an assignment, a data file, or left out."""
     base = entry.name.rpartition("/")[2]
     if "__MACOSX" in entry.name or base.startswith(".") or ".ipynb_checkpoints" in entry.name:
@@ -162,13 +168,13 @@ def _sort(hand_in: _HandIn, entry: Entry, templates: Mapping[str, Template]) -> 
             hand_in.notebooks.setdefault(name, []).append(entry)
     else:
         data = {load_assignment(name).record_file for name in templates}
-        if base in data and (base not in hand_in.data or _age(entry) >= _age(hand_in.data[base])):
+        if base in data and (base not in hand_in.data or _version_key(entry) >= _version_key(hand_in.data[base])):
             hand_in.data[base] = entry
         elif base not in data:
             hand_in.left_out.append(entry.name)
 
 
-def _assignment_of(entry: Entry, templates: Mapping[str, Template]) -> str | None:
+def _assignment_of(entry: ArchiveEntry, templates: Mapping[str, Template]) -> str | None:
     """The assignment whose cells a notebook has; where it cannot be read, the one that its path names."""
     try:
         ids = {_grade_id(cell) for cell in read_json(entry.data)["cells"]}
@@ -189,16 +195,18 @@ def _grade_id(cell: Any) -> str | None:
         return None
 
 
-def _age(entry: Entry) -> tuple[datetime, int, str]:
+def _version_key(entry: ArchiveEntry) -> tuple[datetime, int, str]:
     """Sorts versions of a file, the latest last; ``lab (2).ipynb`` is later than ``lab.ipynb`` of the same time."""
     copy = re.search(r"\((\d{1,6})\)\.\w+$", entry.name)
     return entry.changed or datetime.min, int(copy[1]) if copy else 0, entry.name
 
 
-def _write(folder: Path, hand_in: _HandIn, submitted: datetime | None, zone: tzinfo | None) -> list[str]:
+def _write_submission(
+    folder: Path, hand_in: _ParticipantFiles, submitted: datetime | None, zone: tzinfo | None
+) -> list[str]:
     said: list[str] = []
     for name, versions in sorted(hand_in.notebooks.items()):
-        latest = max(versions, key=_age)
+        latest = max(versions, key=_version_key)
         files = {f"{name}.ipynb": latest.data}
         data = load_assignment(name).record_file
         if data is not None and data in hand_in.data:
@@ -206,7 +214,7 @@ def _write(folder: Path, hand_in: _HandIn, submitted: datetime | None, zone: tzi
         if submitted is not None:
             files["timestamp.txt"] = (utc_timestamp(submitted.replace(tzinfo=zone)) + "\n").encode()
         for file, content in files.items():
-            _put(folder.parent, Path(folder.name, name, file), content)
+            _write_below(folder.parent, Path(folder.name, name, file), content)
         said.append(name if len(versions) == 1 else f"{name} (the latest of {len(versions)} versions: {latest.name})")
     said = [", ".join(said) or "no notebook of this course"]
     if hand_in.left_out:
@@ -214,7 +222,7 @@ def _write(folder: Path, hand_in: _HandIn, submitted: datetime | None, zone: tzi
     return said
 
 
-def _put(out: Path, inner: Path, content: bytes) -> None:
+def _write_below(out: Path, inner: Path, content: bytes) -> None:
     """Write a file below OUT, unless it is there as it should be: running again touches nothing."""
     path = out / inner
     path.parent.mkdir(parents=True, exist_ok=True)

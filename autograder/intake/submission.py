@@ -14,7 +14,7 @@ MAX_NOTEBOOK_BYTES = 50 * 1024 * 1024
 
 
 @dataclass(frozen=True, slots=True)
-class Step:
+class NotebookCell:
     """One cell to go through while grading.
 
     Attributes
@@ -51,11 +51,11 @@ class Submission:
     student: str
     assignment: str
     status: str
-    steps: tuple[Step, ...]
+    steps: tuple[NotebookCell, ...]
     notes: tuple[str, ...]
 
 
-def take_in(folder: Path, student: str, template: Template) -> Submission:
+def read_submission(folder: Path, student: str, template: Template) -> Submission:
     """Read a student's hand-in folder for one assignment.
 
     Parameters
@@ -82,14 +82,16 @@ def take_in(folder: Path, student: str, template: Template) -> Submission:
             raise ValueError("it is a link, or lies below one: hand in the file itself")
         cells = _read_cells(found[0])
     except (ValueError, OSError, RecursionError, MemoryError) as error:
-        return quarantined(student, template.assignment, f"{name} cannot be read: {error}")
+        return quarantined_submission(student, template.assignment, f"{name} cannot be read: {error}")
     if not {cell["id"] for cell in cells} & {cell.id for cell in template.cells}:
-        return quarantined(student, template.assignment, f"{name} has none of the cells of {template.assignment}")
-    steps, mended = _line_up(cells, template)
+        return quarantined_submission(
+            student, template.assignment, f"{name} has none of the cells of {template.assignment}"
+        )
+    steps, mended = _align_cells(cells, template)
     return Submission(student, template.assignment, "ready", steps, tuple(notes + mended))
 
 
-def quarantined(student: str, assignment: str, why: str) -> Submission:
+def quarantined_submission(student: str, assignment: str, why: str) -> Submission:
     """A submission that cannot be graded, with the reason."""
     return Submission(student, assignment, "quarantined", (), (why,))
 
@@ -142,11 +144,11 @@ def _plain_cell(cell: dict[str, Any]) -> dict[str, Any]:
     }
 
 
-def _line_up(cells: list[dict[str, Any]], template: Template) -> tuple[tuple[Step, ...], list[str]]:
+def _align_cells(cells: list[dict[str, Any]], template: Template) -> tuple[tuple[NotebookCell, ...], list[str]]:
     """The template's cells in its order, filled with the student's answers, and the cells that the student added."""
     released = {cell.id: cell.source.strip() for cell in template.cells}
     answers: dict[str, str] = {}
-    extras: dict[str | None, list[Step]] = {}
+    extras: dict[str | None, list[NotebookCell]] = {}
     notes: list[str] = []
     own = {cell.id for cell in template.cells if cell.kind in ("answer", "manual")}
     anchor: str | None = None
@@ -166,7 +168,7 @@ def _line_up(cells: list[dict[str, Any]], template: Template) -> tuple[tuple[Ste
                 answers[grade_id] = source
                 continue
             notes.append(f"the cell {grade_id} is there twice: both were kept")
-        extras.setdefault(anchor, []).append(Step(None, "extra", source, cell["code"]))
+        extras.setdefault(anchor, []).append(NotebookCell(None, "extra", source, cell["code"]))
     steps = list(extras.get(None, []))
     for wanted in template.cells:
         if wanted.id not in answers and wanted.id in own:
@@ -174,6 +176,6 @@ def _line_up(cells: list[dict[str, Any]], template: Template) -> tuple[tuple[Ste
         elif wanted.id not in answers or (wanted.id not in own and answers[wanted.id].strip() != released[wanted.id]):
             notes.append(f"the cell {wanted.id} was put back as released")
         source = answers.get(wanted.id, "") if wanted.id in own else wanted.source
-        steps.append(Step(wanted.id, wanted.kind, source, wanted.code))
+        steps.append(NotebookCell(wanted.id, wanted.kind, source, wanted.code))
         steps.extend(extras.get(wanted.id, []))
     return tuple(steps), notes

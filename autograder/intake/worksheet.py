@@ -75,7 +75,7 @@ def worksheet_text(sheet: Worksheet, rows: Sequence[dict[str, str]]) -> str:
     return sheet.start + text.getvalue()
 
 
-def participant(row: Mapping[str, str]) -> str | None:
+def participant_number(row: Mapping[str, str]) -> str | None:
     """The participant number of a row, from such as ``Participant 123456``; None where there is none."""
     found = re.search(r"(\d{1,18})\s*$", row.get(IDENTIFIER, ""), re.ASCII)
     return (found[1].lstrip("0") or "0") if found else None
@@ -87,7 +87,7 @@ def possible_ids(row: Mapping[str, str]) -> Iterator[str]:
         name = folder_name(row.get(column, ""))
         if name is not None:
             yield name
-    number = participant(row)
+    number = participant_number(row)
     if number is not None:
         yield number
 

@@ -4,7 +4,7 @@ from collections.abc import Callable, Iterable, Mapping
 
 import numpy as np
 
-from autograder.judge.redaction import passed_on, passed_on_error
+from autograder.judge.redaction import redact, redact_error
 from autograder.sandbox.isolation import StudentProcess
 from labsid.checks.question import Origin
 from labsid.checks.values import Value
@@ -13,7 +13,7 @@ from labsid.plots.figure_values import FigureValue
 from labsid.records.record import Record
 
 
-class AsksForCalls(BaseException):
+class CallDeferred(BaseException):
     """A check wants a function called, and this is not the time: not an `Exception`, which a check may catch."""
 
 
@@ -56,22 +56,22 @@ class ProcessAsk:
         if name not in self._seen:
             reply = self._student().value(name)
             if reply.error is not None:
-                raise NoAnswer(f"`{name}` cannot be read ({said(passed_on_error(reply.error, self._source))}).")
+                raise NoAnswer(f"`{name}` cannot be read ({error_text(redact_error(reply.error, self._source))}).")
             if not reply.ok:
                 raise NoAnswer(f"There is no variable `{name}`: it is not defined.")
-            self._seen[name] = passed_on(reply.value, self._source)
+            self._seen[name] = redact(reply.value, self._source)
         return self._seen[name]
 
     def call(self, name: str, *arguments: Value) -> Value:
         """What the function of that name returns, as plain data."""
         if self.later:
-            raise AsksForCalls
+            raise CallDeferred
         reply = (self.calls or self._student()).call(name, *arguments)
         if reply.error is not None:
-            raise NoAnswer(f"`{name}` stopped with {said(passed_on_error(reply.error, self._source))}.")
+            raise NoAnswer(f"`{name}` stopped with {error_text(redact_error(reply.error, self._source))}.")
         if not reply.ok:
             raise NoAnswer(f"There is no function `{name}`: it is not defined.")
-        return passed_on(reply.value, self._source)
+        return redact(reply.value, self._source)
 
     def known(self, name: str) -> Value:
         """A value of an earlier step, right or made right."""
@@ -87,6 +87,6 @@ class ProcessAsk:
         return {name: self._seen[name] for name in names if name in self._seen}
 
 
-def said(error: Mapping[str, str]) -> str:
+def error_text(error: Mapping[str, str]) -> str:
     """Kind and text of an error, without the full stop."""
     return f"{error.get('kind')}: {error.get('text', '')}".rstrip(".: ")

@@ -18,11 +18,11 @@ from pathlib import Path
 import numpy as np
 
 from autograder.course.layout import Template
-from autograder.intake.submission import Step, Submission
-from autograder.judge.ask import AsksForCalls, ProcessAsk, said
-from autograder.judge.outcome import QuestionResult, SubmissionResult, not_judged
-from autograder.judge.picture import svg_picture
-from autograder.judge.running import Ran, Running
+from autograder.intake.submission import NotebookCell, Submission
+from autograder.judge.ask import CallDeferred, ProcessAsk, error_text
+from autograder.judge.execution import ExecutedCell, Execution
+from autograder.judge.outcome import QuestionResult, SubmissionResult, ungraded_result
+from autograder.judge.picture import figure_svg
 from autograder.sandbox.isolation import ProcessLauncher, Reply, StudentProcess, StudentProcessError
 from labsid.checks.question import Assignment, Origin, Question, given_values
 from labsid.checks.values import Value
@@ -78,8 +78,8 @@ def judge_submission(
         One result for every question of the assignment, whatever the submission does.
     """
     if submission.status != "ready":
-        return not_judged(submission, assets.template, launcher.level)
-    walk = _Walk(submission, assets, launcher, folder, pictures)
+        return ungraded_result(submission, assets.template, launcher.level)
+    walk = _SubmissionJudge(submission, assets, launcher, folder, pictures)
     results, ran = walk.results()
     return SubmissionResult(
         submission.student, submission.assignment, results, ran, submission.notes, launcher.level, walk.wrong
@@ -87,22 +87,24 @@ def judge_submission(
 
 
 @dataclass(frozen=True, slots=True)
-class _Waiting:
+class _DeferredQuestion:
     """A question that wants functions called: judged when nothing that the student sees comes after."""
 
     place: int
     question: Question
     points: Decimal
-    ran: list[Ran]
+    ran: list[ExecutedCell]
     known: Mapping[str, Value]
     pictures: tuple[str, ...]
 
 
-_RUN = ("given", "answer", "extra")
-WITHHELD = "(What this cell printed is left out: it ran on the right values of an earlier step that went wrong.)\n"
+_EXECUTED_KINDS = ("given", "answer", "extra")
+OUTPUT_REDACTED = (
+    "(What this cell printed is left out: it ran on the right values of an earlier step that went wrong.)\n"
+)
 
 
-class _Walk:
+class _SubmissionJudge:
     """One walk through a submission, with what has been learnt on the way."""
 
     def __init__(
@@ -113,24 +115,28 @@ class _Walk:
         self._limits = launcher.limits
         self._pictures = pictures
         self._known: dict[str, Value] = {}
-        self._waiting: list[_Waiting] = []
+        self._waiting: list[_DeferredQuestion] = []
         self._found: list[QuestionResult] = []
         self._failed: list[str] = []
         self._source = "\n".join(step.source for step in submission.steps)
         self._told = False  # whether right values stand in the student's process
         self.wrong: dict[str, dict[str, Value]] = {}
-        self._running = Running(launcher, folder)
+        self._running = Execution(launcher, folder)
 
-    def results(self) -> tuple[tuple[QuestionResult, ...], tuple[Ran, ...]]:
+    def results(self) -> tuple[tuple[QuestionResult, ...], tuple[ExecutedCell, ...]]:
         """Go through every cell; one result a question, and every cell with what came of it."""
         points = {cell.id: cell.points or Decimal(0) for cell in self._assets.template.questions}
-        gone: list[Ran] = []
-        answer: list[Ran] = []
+        gone: list[ExecutedCell] = []
+        answer: list[ExecutedCell] = []
         start = time.monotonic()
         try:
             for step in self._submission.steps:
-                ran = self._running.run(step) if step.code and step.kind in _RUN else Ran(step, Reply(True))
-                ran = without_values(ran) if self._told else ran
+                ran = (
+                    self._running.run(step)
+                    if step.code and step.kind in _EXECUTED_KINDS
+                    else ExecutedCell(step, Reply(True))
+                )
+                ran = redact_output(ran) if self._told else ran
                 gone.append(ran)
                 if step.kind in ("answer", "extra") and step.code:
                     answer.append(ran)
@@ -146,13 +152,13 @@ class _Walk:
             self._running.close()
         return tuple(self._found), tuple(gone)
 
-    def _manual(self, step: Step, points: Decimal) -> QuestionResult:
+    def _manual(self, step: NotebookCell, points: Decimal) -> QuestionResult:
         released = next(cell.source for cell in self._assets.template.cells if cell.id == step.id)
         empty = step.source.strip() in ("", released.strip())
         reason = "no answer" if empty else "waits to be graded by hand"
         return QuestionResult(step.id or "", None, points, "manual", reason, answer=step.source)
 
-    def _question(self, step: Step, points: Decimal, ran: list[Ran]) -> QuestionResult:
+    def _question(self, step: NotebookCell, points: Decimal, ran: list[ExecutedCell]) -> QuestionResult:
         question = self._assets.assignment.question(step.id or "")
         ask = self._ask(question, lambda: self._running.student, self._known)
         first = ask  # its pictures show what was drawn before any function saw a hidden input
@@ -161,11 +167,11 @@ class _Walk:
             try:
                 ask.later = True
                 verdict, death = self._verdict(question, ask)
-            except AsksForCalls:
+            except CallDeferred:
                 if question.gives is None:
                     place = len(self._found)
                     self._running.pin(place)
-                    waiting = _Waiting(place, question, points, ran, dict(self._known), self._drawn(first))
+                    waiting = _DeferredQuestion(place, question, points, ran, dict(self._known), self._drawn(first))
                     self._waiting.append(waiting)
                     return QuestionResult(question.id, None, points, "waiting", "")
                 ask = self._ask(question, lambda: self._running.student, self._known)
@@ -204,7 +210,7 @@ class _Walk:
             before = self._found[one.place].seconds
             self._found[one.place] = replace(result, seconds=before + time.monotonic() - start)
 
-    def _exact_verdict(self, one: _Waiting) -> Verdict | None:
+    def _exact_verdict(self, one: _DeferredQuestion) -> Verdict | None:
         """Judge in a process that never went further than the question: later cells changed things in place."""
         try:
             with contextlib.closing(self._running.replayed(one.place)) as student:
@@ -213,7 +219,7 @@ class _Walk:
             return None
 
     def _drawn(self, ask: ProcessAsk) -> tuple[str, ...]:
-        return tuple(map(svg_picture, ask.figures)) if self._pictures and not self._told else ()
+        return tuple(map(figure_svg, ask.figures)) if self._pictures and not self._told else ()
 
     def _verdict(self, question: Question, ask: ProcessAsk) -> tuple[Verdict | None, StudentProcessError | None]:
         try:
@@ -230,7 +236,7 @@ class _Walk:
         self,
         question: Question,
         points: Decimal,
-        ran: list[Ran],
+        ran: list[ExecutedCell],
         verdict: Verdict | None,
         death: StudentProcessError | None,
         pictures: tuple[str, ...],
@@ -240,7 +246,7 @@ class _Walk:
             status = "crashed" if death is None else death.status
             verdict = Verdict(False, f"Your code for this step did not come back: {death}.")
         elif not verdict.passed:
-            verdict = _with_error(verdict, ran)
+            verdict = _with_cell_error(verdict, ran)
             if any((cell.reply.error or {}).get("kind") == "MemoryError" for cell in ran):
                 status = "limit"
         if verdict.passed and (spoilt := [used for used in question.uses if used in self._failed]):
@@ -283,23 +289,23 @@ class _Walk:
         return ProcessAsk(student, self._assets.record, known, rng, self._assets.origin, self._source)
 
 
-def without_values(ran: Ran) -> Ran:
+def redact_output(ran: ExecutedCell) -> ExecutedCell:
     """What a cell said, without anything that could tell the right values that it was run with."""
     reply, error = ran.reply, ran.reply.error
     if ran.step.kind == "extra" and ran.step.code:  # of any number of these, even whether they stop would tell
-        return replace(ran, reply=Reply(True, None, None, WITHHELD))
+        return replace(ran, reply=Reply(True, None, None, OUTPUT_REDACTED))
     if error is not None:
         kind, line = str(error.get("kind")), error.get("line")
         told = {"kind": kind if hasattr(builtins, kind) else "an error", "text": ""}
         error = {**told, "line": line} if line in range(1, ran.step.source.count("\n") + 2) else told
-    return replace(ran, reply=Reply(reply.ok, None, error, WITHHELD if reply.stdout else ""))
+    return replace(ran, reply=Reply(reply.ok, None, error, OUTPUT_REDACTED if reply.stdout else ""))
 
 
-def _with_error(verdict: Verdict, ran: list[Ran]) -> Verdict:
+def _with_cell_error(verdict: Verdict, ran: list[ExecutedCell]) -> Verdict:
     """Say first that the cell above stopped, where it did: that is what the student must mend."""
     for cell in ran:
         error = cell.reply.error
         if error is not None:
             line = f" in line {error['line']}" if error.get("line") else ""
-            return replace(verdict, reason=f"Your cell stopped{line} with {said(error)}. {verdict.reason}")
+            return replace(verdict, reason=f"Your cell stopped{line} with {error_text(error)}. {verdict.reason}")
     return verdict

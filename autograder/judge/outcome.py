@@ -6,7 +6,7 @@ from decimal import Decimal
 
 from autograder.course.layout import Template
 from autograder.intake.submission import Submission
-from autograder.judge.running import Ran
+from autograder.judge.execution import ExecutedCell
 from labsid.checks.values import Value
 
 
@@ -73,14 +73,14 @@ class SubmissionResult:
     student: str
     assignment: str
     results: tuple[QuestionResult, ...]
-    ran: tuple[Ran, ...]
+    ran: tuple[ExecutedCell, ...]
     notes: tuple[str, ...]
     isolation: str
     wrong: Mapping[str, Mapping[str, Value]] = field(default_factory=dict)
     flags: tuple[str, ...] = ()
 
 
-def not_judged(submission: Submission, template: Template, level: str) -> SubmissionResult:
+def ungraded_result(submission: Submission, template: Template, level: str) -> SubmissionResult:
     """What comes of a submission that is missing or quarantined: no marks for any question, and why."""
     reason = "; ".join(submission.notes)
     results = tuple(

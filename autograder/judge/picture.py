@@ -17,15 +17,15 @@ from numpy.typing import NDArray
 
 from labsid.plots.figure_values import AxesValue, CurveValue, FigureValue
 
-MOST_AXES = 6
-MOST_CURVES = 24
-MOST_POINTS = 1200
+MAX_AXES = 6
+MAX_CURVES = 24
+MAX_POINTS = 1200
 _WIDTH, _HEIGHT = 640, 250
 _LEFT, _RIGHT, _TOP, _BOTTOM = 62, 12, 26, 42
 _GREEK = {"theta": "θ", "Phi": "Φ", "phi": "φ", "tau": "τ", "alpha": "α", "lambda": "λ", "sigma": "σ", "omega": "ω"}
 
 
-def svg_picture(figure: FigureValue) -> str:
+def figure_svg(figure: FigureValue) -> str:
     """Draw a figure.
 
     Parameters
@@ -37,7 +37,7 @@ def svg_picture(figure: FigureValue) -> str:
     str
         An SVG image in base64, its axes one below the other.
     """
-    axes = figure.axes[:MOST_AXES]
+    axes = figure.axes[:MAX_AXES]
     height = max(len(axes), 1) * _HEIGHT
     parts = [
         f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {_WIDTH} {height}" width="{_WIDTH}" height="{height}" '
@@ -97,7 +97,7 @@ def _panel(axes: AxesValue, index: int) -> Iterator[str]:
         yield _text(f"{value:.6g}", _LEFT - 5, at + 4, "end")
     yield f'<rect {frame} fill="none" stroke="#5a6b7d"/>'
     yield f'<g clip-path="url(#c{index})" fill="none" stroke-width="1.5" stroke-linejoin="round">'
-    for curve in axes.curves[:MOST_CURVES]:
+    for curve in axes.curves[:MAX_CURVES]:
         yield f'<path stroke="{_colour(curve.color)}" d="{_path(curve, x, y)}"/>'
     yield "</g>"
     yield _text(axes.title, _WIDTH / 2, 17, "middle", 70)
@@ -110,7 +110,7 @@ def _legend(axes: AxesValue) -> Iterator[str]:
     shown = {curve.label: curve.color for curve in axes.curves if curve.label in axes.legend}
     lines = [(label, shown.get(label)) for label in axes.legend[:8]]
     lines += [(text, None) for text in axes.texts[: 8 - len(lines)]]
-    longest = max((len(_plain(label, 40)) for label, _ in lines), default=0)
+    longest = max((len(_label_text(label, 40)) for label, _ in lines), default=0)
     left = _WIDTH - _RIGHT - 40 - 7 * longest
     if lines:
         yield (
@@ -126,7 +126,7 @@ def _legend(axes: AxesValue) -> Iterator[str]:
 
 def _path(curve: CurveValue, x: _Scale, y: _Scale) -> str:
     n = min(curve.x.size, curve.y.size)
-    rows = _spread(curve.y[:n])
+    rows = _decimated_rows(curve.y[:n])
     at_x, at_y = np.round(x.place(curve.x[rows]), 1), np.round(y.place(curve.y[rows]), 1)
     made: list[str] = []
     pen = "M"
@@ -145,12 +145,12 @@ def _path(curve: CurveValue, x: _Scale, y: _Scale) -> str:
     return "".join(made)
 
 
-def _spread(y: NDArray[np.float64]) -> NDArray[np.intp]:
+def _decimated_rows(y: NDArray[np.float64]) -> NDArray[np.intp]:
     """All samples, or of a long curve the lowest and the highest of each short stretch."""
-    if y.size <= MOST_POINTS:
+    if y.size <= MAX_POINTS:
         return np.arange(y.size)
     finite = np.where(np.isfinite(y), y, 0.0)
-    stretches = np.array_split(np.arange(y.size), MOST_POINTS // 2)
+    stretches = np.array_split(np.arange(y.size), MAX_POINTS // 2)
     ends = [(rows[np.argmin(finite[rows])], rows[np.argmax(finite[rows])]) for rows in stretches]
     return np.unique(np.array(ends).reshape(-1))
 
@@ -161,12 +161,12 @@ def _colour(color: Sequence[float]) -> str:
 
 
 def _text(text: str, x: float, y: float, anchor: str, longest: int = 20, turned: bool = False) -> str:
-    said = html.escape(_plain(text, longest))
+    said = html.escape(_label_text(text, longest))
     turn = f' transform="rotate(-90 {x:.0f} {y:.0f})"' if turned else ""
     return f'<text x="{x:.1f}" y="{y:.1f}" text-anchor="{anchor}"{turn}>{said}</text>' if said else ""
 
 
-def _plain(text: str, longest: int) -> str:
+def _label_text(text: str, longest: int) -> str:
     """Text as a picture shows it: without mathematics mark-up, control characters, and more than it has room for."""
     text = re.sub(r"\\([A-Za-z]+)", lambda found: _GREEK.get(found[1], ""), text.replace("$", ""))
     text = "".join(c for c in re.sub(r"[{}]", "", text) if c.isprintable())

@@ -14,7 +14,7 @@ from typing import Any
 from labsid.checks.values import Unreadable, Value
 from labsid.plots.figure_values import AxesValue, CurveValue, FigureValue
 
-LEFT_OUT = "…"
+REDACTED = "…"
 
 _MESSAGES = re.compile(
     r"name '(?P<name>\w+)' is not defined|no attribute '(?P<attribute>\w+)'|unexpected keyword argument"
@@ -33,40 +33,40 @@ _TYPES = re.compile(
 )
 
 
-class _LeftOut(str):
+class _RedactedText(str):
     """A text that a check can read and compare, and that it cannot quote to the student."""
 
     __slots__ = ()
 
     def __repr__(self) -> str:
-        return repr(LEFT_OUT)
+        return repr(REDACTED)
 
     def __getitem__(self, index: Any) -> str:
-        return _LeftOut(super().__getitem__(index))
+        return _RedactedText(super().__getitem__(index))
 
 
-def passed_on_error(error: Mapping[str, Any], source: str) -> dict[str, str]:
+def redact_error(error: Mapping[str, Any], source: str) -> dict[str, str]:
     """Kind and text of an error, as far as they may be told to the author of `source`."""
     kind, text = str(error.get("kind")), str(error.get("text", "")).strip()
     found = _MESSAGES.search(text)
     if text not in source:
         named = [] if found is None else [name for name in found.groupdict().values() if name]
-        text = found[0] if found and all(name in source for name in named) else LEFT_OUT
+        text = found[0] if found and all(name in source for name in named) else REDACTED
     return {"kind": kind if _is_known(kind, source) else "an error", "text": text}
 
 
-def passed_on(value: Value, source: str) -> Value:
+def redact(value: Value, source: str) -> Value:
     """A value whose texts and names of types can be told to the author of `source` wherever a check quotes them."""
     if isinstance(value, Unreadable):
-        return value if _is_known(value.kind, source) else Unreadable(LEFT_OUT)
+        return value if _is_known(value.kind, source) else Unreadable(REDACTED)
     if isinstance(value, str):
-        return value if value in source else _LeftOut(value)
+        return value if value in source else _RedactedText(value)
     if isinstance(value, (tuple, list)):
-        return tuple(passed_on(one, source) for one in value)
+        return tuple(redact(one, source) for one in value)
     if isinstance(value, Mapping):
-        return {key: passed_on(one, source) for key, one in value.items()}
+        return {key: redact(one, source) for key, one in value.items()}
     if isinstance(value, (FigureValue, AxesValue, CurveValue)):
-        parts: dict[str, Any] = {one.name: passed_on(getattr(value, one.name), source) for one in fields(value)}
+        parts: dict[str, Any] = {one.name: redact(getattr(value, one.name), source) for one in fields(value)}
         return replace(value, **parts)
     return value
 

@@ -9,8 +9,8 @@ from pathlib import Path
 from typing import Any
 
 from autograder.course.layout import Course
+from autograder.judge.execution import ExecutedCell
 from autograder.judge.outcome import SubmissionResult
-from autograder.judge.running import Ran
 from labsid._files import write_text
 
 
@@ -41,7 +41,7 @@ def _released(path: Path, changed: int) -> dict[str, Any]:
     return read
 
 
-def _as_cell(ran: Ran, released: Mapping[str, dict[str, Any]], extra_id: str) -> dict[str, Any]:
+def _as_cell(ran: ExecutedCell, released: Mapping[str, dict[str, Any]], extra_id: str) -> dict[str, Any]:
     step = ran.step
     if step.id is not None:
         cell = deepcopy(released[step.id])
@@ -53,7 +53,7 @@ def _as_cell(ran: Ran, released: Mapping[str, dict[str, Any]], extra_id: str) ->
     return cell
 
 
-def _outputs(ran: Ran) -> list[dict[str, Any]]:
+def _outputs(ran: ExecutedCell) -> list[dict[str, Any]]:
     made: list[dict[str, Any]] = []
     if ran.reply.stdout:
         made.append({"output_type": "stream", "name": "stdout", "text": ran.reply.stdout})

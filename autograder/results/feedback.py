@@ -28,15 +28,15 @@ def write_feedback(out: Path) -> Iterator[Path]:
     ValueError
         If OUT holds no results.
     """
-    given = gradebook.given_by_hand(out)
-    page_template = template("feedback.html.j2")
+    given = gradebook.read_manual_grades(out)
+    page_template = load_template("feedback.html.j2")
     for result in result_files.load_all(out):
         path = out / "feedback" / result.student / f"{result.assignment}.html"
-        write_text(path, page_template.render(page=page(result, given.scores, given.comments)))
+        write_text(path, page_template.render(page=feedback_page(result, given.scores, given.comments)))
         yield path
 
 
-def page(
+def feedback_page(
     result: StoredResult,
     scores: Mapping[tuple[str, str, str], Decimal],
     comments: Mapping[tuple[str, str, str], str],
@@ -58,7 +58,9 @@ def page(
     for question in result.questions:
         key = (result.student, result.assignment, question.question)
         score = scores.get(key, question.score)
-        questions.append(_block(question, score, comments.get(key, ""), result.headings.get(question.question, "")))
+        questions.append(
+            _question_block(question, score, comments.get(key, ""), result.headings.get(question.question, ""))
+        )
     automatic = [block for block in questions if not block["by_hand"]]
     wrong = [block for block in questions if block["look"] == "wrong"]
     return {
@@ -72,13 +74,13 @@ def page(
         "automatic": len(automatic),
         "right": sum(block["look"] == "right" for block in automatic),
         "first_wrong": wrong[0] if wrong else None,
-        "notes": [readable(note) for note in result.notes],
+        "notes": [printable(note) for note in result.notes],
         "questions": questions,
         "isolation": result.isolation,
     }
 
 
-def _block(question: QuestionResult, score: Decimal | None, comment: str, heading: str) -> dict[str, Any]:
+def _question_block(question: QuestionResult, score: Decimal | None, comment: str, heading: str) -> dict[str, Any]:
     full = score is not None and score == question.max_score
     look = "wait" if score is None else "right" if full else "wrong"
     by_hand = question.status == "manual"
@@ -92,16 +94,16 @@ def _block(question: QuestionResult, score: Decimal | None, comment: str, headin
         "score": "–" if score is None else plain_decimal(score),
         "max_score": plain_decimal(question.max_score),
         "status": question.status,
-        "reason": "graded by hand" if graded_by_hand else readable(question.reason),
+        "reason": "graded by hand" if graded_by_hand else printable(question.reason),
         "slip": question.slip,
-        "comment": readable(comment),
-        "answer": readable(question.answer),
-        "output": readable(question.output),
+        "comment": printable(comment),
+        "answer": printable(question.answer),
+        "output": printable(question.output),
         "figures": question.figures,
     }
 
 
-def readable(text: str) -> str:
+def printable(text: str) -> str:
     """Text without terminal colours and control characters; HTML in it is escaped by the template."""
     text = re.sub(r"\x1b\[[0-9;?]*[ -/]*[@-~]", "", text)
     return "".join(c for c in text if c in "\n\t" or c.isprintable())
@@ -116,7 +118,7 @@ def with_code(text: str) -> markupsafe.Markup:
     return markupsafe.Markup("".join(marked))
 
 
-def template(name: str) -> jinja2.Template:
+def load_template(name: str) -> jinja2.Template:
     """A page's template; all that is put into it is escaped."""
     loader = jinja2.FileSystemLoader(Path(__file__).parent / "templates")
     environment = jinja2.Environment(loader=loader, autoescape=True, undefined=jinja2.StrictUndefined, trim_blocks=True)

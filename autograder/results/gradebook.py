@@ -19,7 +19,7 @@ from typing import Any
 import nbformat
 
 from autograder.course.layout import Course
-from autograder.course.nbgrader_access import COURSE_ID, nbgrader_api, open_gradebook, without_waiting_for_the_disk
+from autograder.course.nbgrader_access import COURSE_ID, import_nbgrader_api, open_gradebook, without_disk_sync
 from autograder.results.result_files import StoredResult, entry_digest
 from labsid._files import write_text
 
@@ -28,7 +28,7 @@ Key = tuple[str, str, str]
 
 
 @dataclass(frozen=True, slots=True)
-class ByHand:
+class ManualGrades:
     """What was given by hand, by (student, assignment, question).
 
     Attributes
@@ -60,7 +60,7 @@ def database_url(out: Path) -> str:
     return f"sqlite:///{(out / 'gradebook.db').resolve()}"
 
 
-def is_there(out: Path) -> bool:
+def exists(out: Path) -> bool:
     """Whether OUT has a gradebook: without it, nothing was given by hand."""
     url = database_url(out)
     return Path(url.removeprefix("sqlite:///")).is_file() if url.startswith("sqlite:///") else out.is_dir()
@@ -74,17 +74,17 @@ def prepare(course: Course, out: Path, assignments: Sequence[str]) -> None:
     ValueError
         If an assignment's cells have changed since submissions of it were graded here.
     """
-    nbgrader_api()
+    import_nbgrader_api()
     out.mkdir(parents=True, exist_ok=True)
     if not (out / "nbgrader_config.py").is_file():
         write_text(
             out / "nbgrader_config.py",
             _CONFIG.format(course_id=COURSE_ID, source=str(course.source), release=str(course.release)),
         )
-    if is_there(out):
+    if exists(out):
         _enter_assignments(course, out, assignments)
     else:
-        with without_waiting_for_the_disk():
+        with without_disk_sync():
             _enter_assignments(course, out, assignments)
 
 
@@ -129,11 +129,11 @@ def enter(out: Path, stored: Iterable[StoredResult]) -> int:
         new = {key: pair for key, pair in digests.items() if entered.get(key) != pair[1]}
         if not new:
             return 0
-        entry = _Entry(gradebook)
+        entry = _BulkEntry(gradebook)
         for key, (result, digest) in new.items():
             if not entry.knows(result.assignment):
                 continue  # until it is graded again
-            if not result.is_refused or entry.is_there(key):  # else nothing that formgrader could open
+            if not result.is_refused or entry.has_submission(key):  # else nothing that formgrader could open
                 entry.add(result)
             if key in entered:
                 db.execute(table.delete().where(table.c.student == key[0], table.c.assignment == key[1]))
@@ -158,11 +158,11 @@ def _entered_table(gradebook: Any) -> Any:
     return table
 
 
-class _Entry:
+class _BulkEntry:
     """What entering takes: the gradebook's own keys, each read once, and rows that wait to be written together."""
 
     def __init__(self, gradebook: Any) -> None:
-        api = nbgrader_api()
+        api = import_nbgrader_api()
         self._db = db = gradebook.db
         self._tables = [model.__table__ for model in (api.SubmittedAssignment, api.SubmittedNotebook)]
         self._tables += [api.Grade.__table__, api.Comment.__table__]
@@ -199,14 +199,14 @@ class _Entry:
         """Whether the gradebook has the assignment."""
         return assignment in self._assignments
 
-    def is_there(self, key: tuple[str, str]) -> bool:
+    def has_submission(self, key: tuple[str, str]) -> bool:
         """Whether an earlier hand-in of this submission was entered: its scores must not outlive it."""
         return (key[0], self._assignments.get(key[1])) in self._submissions
 
     def add(self, result: StoredResult) -> None:
         """Make the rows of one result."""
         if result.student not in self._students:
-            self._gradebook.db.add(nbgrader_api().Student(id=result.student))
+            self._gradebook.db.add(import_nbgrader_api().Student(id=result.student))
             self._gradebook.db.flush()
             self._students.add(result.student)
         assignment = self._assignments[result.assignment]
@@ -273,17 +273,17 @@ def _new_key() -> str:
     return str(new_uuid())
 
 
-def given_by_hand(out: Path) -> ByHand:
+def read_manual_grades(out: Path) -> ManualGrades:
     """What was given by hand, read in one go."""
-    if not is_there(out):
-        return ByHand({}, {}, frozenset())
-    api = nbgrader_api()
+    if not exists(out):
+        return ManualGrades({}, {}, frozenset())
+    api = import_nbgrader_api()
     scores: dict[Key, Decimal] = {}
     look_again: set[Key] = set()
     with open_gradebook(database_url(out)) as gradebook:
         db = gradebook.db
         owner = (api.SubmittedAssignment.student_id, api.Assignment.name, api.BaseCell.name)
-        rows = _joined(db.query(*owner, *(getattr(api.Grade, name) for name in _GRADE)), api, api.Grade)
+        rows = _cell_rows(db.query(*owner, *(getattr(api.Grade, name) for name in _GRADE)), api, api.Grade)
         for student, name, question, auto, manual, extra, waits in rows:
             key = student, name, question
             if manual is not None and waits:
@@ -295,15 +295,15 @@ def given_by_hand(out: Path) -> ByHand:
                 score = None if base is None else base + Decimal(str(extra))
             if score is not None:
                 scores[key] = score
-        said = _joined(db.query(*owner, api.Comment.manual_comment), api, api.Comment)
+        said = _cell_rows(db.query(*owner, api.Comment.manual_comment), api, api.Comment)
         comments = {(student, name, question): text for student, name, question, text in said if text}
-    return ByHand(scores, comments, frozenset(look_again))
+    return ManualGrades(scores, comments, frozenset(look_again))
 
 
 _GRADE = ("auto_score", "manual_score", "extra_credit", "needs_manual_grade")
 
 
-def _joined(query: Any, api: Any, model: Any) -> Any:
+def _cell_rows(query: Any, api: Any, model: Any) -> Any:
     return (
         query.select_from(model)
         .join(api.BaseCell, api.BaseCell.id == model.cell_id)

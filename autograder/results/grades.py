@@ -93,5 +93,5 @@ def _is_formula(text: str) -> bool:
 
 def write_grades(out: Path) -> None:
     """Write grades.csv from the results and the manual grades."""
-    rows = grade_rows(result_files.load_all(out), gradebook.given_by_hand(out).scores)
+    rows = grade_rows(result_files.load_all(out), gradebook.read_manual_grades(out).scores)
     write_csv(out / "grades.csv", GRADE_COLUMNS, rows)

@@ -31,7 +31,7 @@ _UNITS = {"m": "minutes", "h": "hours", "d": "days"}
 
 
 @dataclass(frozen=True, slots=True)
-class Share:
+class Deduction:
     """Marks, or a share of the marks there are.
 
     Attributes
@@ -68,8 +68,8 @@ class LateRule:
 
     due: datetime
     grace: timedelta
-    per_day: Share
-    most: Share
+    per_day: Deduction
+    most: Deduction
 
 
 LateRules = Mapping[str, LateRule]
@@ -77,7 +77,7 @@ LateRules = Mapping[str, LateRule]
 
 
 @dataclass(frozen=True, slots=True)
-class Late:
+class LatePenalty:
     """What lateness cost one submission.
 
     Attributes
@@ -92,7 +92,7 @@ class Late:
     reason: str
 
 
-ON_TIME = Late(Decimal(0), "")
+ON_TIME = LatePenalty(Decimal(0), "")
 
 
 def parse_rules(text: str) -> LateRules:
@@ -115,7 +115,7 @@ def parse_rules(text: str) -> LateRules:
     return rules
 
 
-def late_for(rules: LateRules, assignment: str, submitted: datetime | None, marks: Decimal) -> Late:
+def late_penalty(rules: LateRules, assignment: str, submitted: datetime | None, marks: Decimal) -> LatePenalty:
     """What lateness costs a submission.
 
     Parameters
@@ -134,9 +134,9 @@ def late_for(rules: LateRules, assignment: str, submitted: datetime | None, mark
     over = submitted - rule.due
     days = -(-over // _DAY)
     penalty = min(days * rule.per_day.of(marks), rule.most.of(marks), marks)
-    return Late(
+    return LatePenalty(
         penalty,
-        f"Handed in {_in_words(over)} late: {plain_decimal(penalty)} of {plain_decimal(marks)} marks taken off "
+        f"Handed in {_duration_text(over)} late: {plain_decimal(penalty)} of {plain_decimal(marks)} marks taken off "
         f"({rule.per_day} a started day).",
     )
 
@@ -172,18 +172,18 @@ def _parse_rule(text: str) -> LateRule:
         raise ValueError("--late needs due, such as due=2026-11-30T23:59.")
     if "per-day" not in given:
         raise ValueError("--late needs per-day, such as per-day=10%.")
-    due, grace = _due(given["due"], given.get("tz")), _duration(given.get("grace", "0m"))
+    due, grace = _parse_due(given["due"], given.get("tz")), _parse_duration(given.get("grace", "0m"))
     if datetime.max.replace(tzinfo=UTC) - due < grace:
         raise ValueError(f"--late: due={given['due']} with grace={given['grace']} is beyond the end of time.")
     return LateRule(
         due,
         grace,
-        _share("per-day", given["per-day"]),
-        _share("most", given.get("most", "100%")),
+        _parse_deduction("per-day", given["per-day"]),
+        _parse_deduction("most", given.get("most", "100%")),
     )
 
 
-def _due(text: str, zone: str | None) -> datetime:
+def _parse_due(text: str, zone: str | None) -> datetime:
     try:
         due = datetime.fromisoformat(text)
     except ValueError:
@@ -206,14 +206,14 @@ def time_zone(name: str) -> tzinfo:
         raise ValueError(f"the time zone {name} is not known here; expected such as Australia/Sydney.") from None
 
 
-def _duration(text: str) -> timedelta:
+def _parse_duration(text: str) -> timedelta:
     found = _DURATION.fullmatch(text)
     if found is None:
         raise ValueError(f"--late: grace={text} is no duration; expected such as 30m, 2h or 1d.")
     return timedelta(**{_UNITS[found[2]]: int(found[1])})
 
 
-def _share(key: str, text: str) -> Share:
+def _parse_deduction(key: str, text: str) -> Deduction:
     try:
         amount = Decimal(text.removesuffix("%").strip())
     except InvalidOperation:
@@ -221,11 +221,11 @@ def _share(key: str, text: str) -> Share:
     if not amount.is_finite() or amount < 0 or amount.adjusted() > 6 or len(amount.as_tuple().digits) > 12:
         raise ValueError(f"--late: {key}={text} is no amount; expected such as 10% or 0.2.")
     if text.endswith("%"):
-        return Share(amount / 100, of_all=True)
-    return Share(amount, of_all=False)
+        return Deduction(amount / 100, of_all=True)
+    return Deduction(amount, of_all=False)
 
 
-def _in_words(over: timedelta) -> str:
+def _duration_text(over: timedelta) -> str:
     minutes = max(over // timedelta(minutes=1), 1)
     parts = ((minutes // 1440, "d"), (minutes // 60 % 24, "h"), (minutes % 60, "min"))
     return " ".join(f"{number} {unit}" for number, unit in parts if number)

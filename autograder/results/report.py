@@ -9,15 +9,15 @@ from typing import Any
 from autograder.course.layout import in_course_order
 from autograder.course.plain_text import plain_decimal
 from autograder.results import gradebook, grades, result_files
-from autograder.results.feedback import readable, template
-from autograder.results.gradebook import ByHand
+from autograder.results.feedback import load_template, printable
+from autograder.results.gradebook import ManualGrades
 from autograder.results.result_files import StoredResult
-from autograder.results.similar import alike
+from autograder.results.similar import find_similar
 from labsid._files import write_text
 
 BINS = 10
-MOST_SLIPS = 12
-_BROKEN = ("quarantined", "crashed", "timeout", "limit")
+MAX_MISTAKES = 12
+_FAILURES = ("quarantined", "crashed", "timeout", "limit")
 
 
 def write_report(out: Path) -> Path:
@@ -29,12 +29,12 @@ def write_report(out: Path) -> Path:
         If OUT holds no results.
     """
     path = out / "report.html"
-    page = report_page(result_files.load_all(out), gradebook.given_by_hand(out))
-    write_text(path, template("report.html.j2").render(page=page))
+    page = report_page(result_files.load_all(out), gradebook.read_manual_grades(out))
+    write_text(path, load_template("report.html.j2").render(page=page))
     return path
 
 
-def report_page(stored: Sequence[StoredResult], given: ByHand) -> dict[str, Any]:
+def report_page(stored: Sequence[StoredResult], given: ManualGrades) -> dict[str, Any]:
     """Everything that the report shows, as plain text and numbers.
 
     Parameters
@@ -49,23 +49,23 @@ def report_page(stored: Sequence[StoredResult], given: ByHand) -> dict[str, Any]
     names = sorted({result.assignment for result in stored}, key=in_course_order)
     by_name = {name: [result for result in stored if result.assignment == name] for name in names}
     levels = Counter(result.isolation for result in stored)
-    pairs = alike(stored)
+    pairs = find_similar(stored)
     return {
         "students": len({result.student for result in stored}),
         "submissions": len(stored),
-        "isolation": [{"level": readable(level), "count": count} for level, count in levels.most_common()],
+        "isolation": [{"level": printable(level), "count": count} for level, count in levels.most_common()],
         "unisolated": levels.get("none", 0),
         "assignments": [_assignment(by_name[name], given) for name in names],
         "missing": _missing(stored),
         "looks": sorted(
-            (look for result in stored if (look := _look(result, given)) is not None),
+            (look for result in stored if (look := _attention(result, given)) is not None),
             key=lambda look: (-look["weight"], look["student"]),
         ),
         "alike": [
             {
                 "assignment": pair.assignment,
-                "first": readable(pair.first),
-                "second": readable(pair.second),
+                "first": printable(pair.first),
+                "second": printable(pair.second),
                 "share": round(100 * pair.share),
                 "questions": pair.questions,
             }
@@ -74,7 +74,7 @@ def report_page(stored: Sequence[StoredResult], given: ByHand) -> dict[str, Any]
     }
 
 
-def _assignment(stored: Sequence[StoredResult], given: ByHand) -> dict[str, Any]:
+def _assignment(stored: Sequence[StoredResult], given: ManualGrades) -> dict[str, Any]:
     handed_in = [result for result in stored if not result.is_refused]
     totals = [grades.totals(result, given.scores) for result in handed_in]
     most = max((one.max_score for one in (grades.totals(result, {}) for result in stored)), default=Decimal(0))
@@ -82,7 +82,7 @@ def _assignment(stored: Sequence[StoredResult], given: ByHand) -> dict[str, Any]
     waiting = sum((one.waiting for one in totals), Decimal(0))
     return {
         "name": stored[0].assignment,
-        "title": readable(stored[0].title),
+        "title": printable(stored[0].title),
         "handed_in": len(handed_in),
         "refused": len(stored) - len(handed_in),
         "late": sum(one.penalty > 0 for one in totals),
@@ -114,14 +114,14 @@ def _bars(scores: Sequence[Decimal], most: Decimal) -> list[dict[str, Any]]:
     ]
 
 
-def _questions(stored: Sequence[StoredResult], given: ByHand) -> list[dict[str, Any]]:
+def _questions(stored: Sequence[StoredResult], given: ManualGrades) -> list[dict[str, Any]]:
     """What each question cost the class, the dearest first."""
     rows: dict[str, dict[str, Any]] = {}
     for result in stored:
         for question in result.questions:
             row = rows.setdefault(
                 question.question,
-                {"id": question.question, "heading": readable(result.headings.get(question.question, "")), "full": 0,
+                {"id": question.question, "heading": printable(result.headings.get(question.question, "")), "full": 0,
                  "none": 0, "graded": 0, "lost": Decimal(0), "max_score": plain_decimal(question.max_score),
                  "worth": question.max_score, "slips": Counter()},
             )  # fmt: skip
@@ -143,7 +143,7 @@ def _questions(stored: Sequence[StoredResult], given: ByHand) -> list[dict[str, 
             | {
                 "lost": plain_decimal(row["lost"]),
                 "share": round(100 * row["lost"] / there) if there else 0,
-                "slip": f"{readable(slip[0][0])} ({slip[0][1]})" if slip else "",
+                "slip": f"{printable(slip[0][0])} ({slip[0][1]})" if slip else "",
             }
         )
     return table
@@ -158,22 +158,22 @@ def _slips(stored: Sequence[StoredResult]) -> list[dict[str, Any]]:
             if question.slip and question.score is not None and question.score < question.max_score:
                 cost[question.slip] = cost.get(question.slip, Decimal(0)) + question.max_score - question.score
                 count[question.slip] += 1
-    dearest = sorted(cost, key=lambda slip: (-cost[slip], slip))[:MOST_SLIPS]
-    return [{"slip": readable(slip), "count": count[slip], "lost": plain_decimal(cost[slip])} for slip in dearest]
+    dearest = sorted(cost, key=lambda slip: (-cost[slip], slip))[:MAX_MISTAKES]
+    return [{"slip": printable(slip), "count": count[slip], "lost": plain_decimal(cost[slip])} for slip in dearest]
 
 
-def _look(result: StoredResult, given: ByHand) -> dict[str, Any] | None:
+def _attention(result: StoredResult, given: ManualGrades) -> dict[str, Any] | None:
     """Why a teacher should look at a submission; None where there is no reason. Sorted by how much it matters."""
     reasons: list[str] = []
     status = Counter(question.status for question in result.questions)
     weight = 0
     if result.flags:
-        reasons += [readable(flag) for flag in result.flags]
+        reasons += [printable(flag) for flag in result.flags]
         weight += 100
     if any((result.student, result.assignment) == key[:2] for key in given.look_again):
         reasons.append("the automatic part changed after it was graded by hand")
         weight += 50
-    for kind in _BROKEN:
+    for kind in _FAILURES:
         if status[kind]:
             reasons.append(kind if result.is_refused else f"{kind}: {_named(result, kind)}")
             weight += 20
@@ -182,16 +182,16 @@ def _look(result: StoredResult, given: ByHand) -> dict[str, Any] | None:
         reasons.append("no automatic question is right")
         weight += 10
     if not result.is_refused and result.notes:
-        reasons.append(f"mended: {'; '.join(readable(note) for note in result.notes[:3])}")
+        reasons.append(f"mended: {'; '.join(printable(note) for note in result.notes[:3])}")
         weight += 5
     if result.late:
-        reasons.append(readable(result.late))
+        reasons.append(printable(result.late))
         weight += 2
     if not reasons:
         return None
-    detail = readable("; ".join(result.notes)) if result.is_refused else ""
+    detail = printable("; ".join(result.notes)) if result.is_refused else ""
     return {
-        "student": readable(result.student),
+        "student": printable(result.student),
         "assignment": result.assignment,
         "reasons": reasons,
         "detail": detail,
@@ -204,7 +204,7 @@ def _missing(stored: Sequence[StoredResult]) -> list[dict[str, Any]]:
     found: dict[str, list[str]] = {}
     for result in stored:
         if all(question.status == "missing" for question in result.questions):
-            found.setdefault(result.assignment, []).append(readable(result.student))
+            found.setdefault(result.assignment, []).append(printable(result.student))
     return [{"assignment": name, "students": students} for name, students in found.items()]
 
 

@@ -69,7 +69,7 @@ class StoredResult:
         return all(question.status in ("missing", "quarantined") for question in self.questions)
 
 
-def as_stored(
+def to_stored(
     result: SubmissionResult, title: str, headings: Mapping[str, str], fingerprint: Mapping[str, str]
 ) -> StoredResult:
     """A submission's results as they are kept."""
@@ -158,7 +158,7 @@ def load_all(out: Path) -> list[StoredResult]:
     return sorted((load(path) for path in paths), key=lambda one: (one.student, in_course_order(one.assignment)))
 
 
-def load_good(out: Path) -> Iterator[StoredResult]:
+def load_valid(out: Path) -> Iterator[StoredResult]:
     """Every result in OUT that can be read, in no order; the others are as good as not there."""
     for path in (out / "results").glob("*/*.json"):
         try:

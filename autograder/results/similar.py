@@ -10,19 +10,19 @@ from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
-from autograder.course.sources import parse
-from autograder.intake.submission import Step
+from autograder.course.sources import parse_python
+from autograder.intake.submission import NotebookCell
 from autograder.results.result_files import StoredResult
 
-SHORTEST = 25
+MIN_NODES = 25
 """Nodes of the syntax tree below which a cell tells nothing."""
 
-MANY = 3
+MAX_SHARING = 3
 """So many students may share a cell before it counts as what the class writes; in a large class, a tenth of it."""
 
 
 @dataclass(frozen=True, slots=True)
-class Alike:
+class SimilarPair:
     """Two submissions of one assignment with the same code.
 
     Attributes
@@ -41,7 +41,7 @@ class Alike:
     share: float
 
 
-def work_of(steps: Sequence[Step], released: Mapping[str, str]) -> dict[str, tuple[str, int]]:
+def code_fingerprints(steps: Sequence[NotebookCell], released: Mapping[str, str]) -> dict[str, tuple[str, int]]:
     """The student's code for each question: fingerprint of its normal form, and its size.
 
     Parameters
@@ -64,7 +64,7 @@ def work_of(steps: Sequence[Step], released: Mapping[str, str]) -> dict[str, tup
         elif step.kind == "question":
             forms = [normal_form(source) for source in code]
             size = sum(size for _, size in forms)
-            if size >= SHORTEST:
+            if size >= MIN_NODES:
                 joined = "\n".join(text for text, _ in forms)
                 found[step.id or ""] = hashlib.sha256(joined.encode(errors="surrogatepass")).hexdigest()[:32], size
             code = []
@@ -74,15 +74,15 @@ def work_of(steps: Sequence[Step], released: Mapping[str, str]) -> dict[str, tup
 def normal_form(source: str) -> tuple[str, int]:
     """A cell without what one changes to hide a copy, and its size in nodes of the syntax tree."""
     try:
-        tree = parse(source)
-        _Renamed(tree).visit(tree)
+        tree = parse_python(source)
+        _NameNormaliser(tree).visit(tree)
         return ast.dump(tree), sum(1 for _ in ast.walk(tree))
     except (SyntaxError, ValueError, RecursionError, MemoryError):  # not Python: as text then
         words = source.split()
         return " ".join(words), len(words)
 
 
-class _Renamed(ast.NodeTransformer):
+class _NameNormaliser(ast.NodeTransformer):
     """Numbers the names that the code itself makes."""
 
     def __init__(self, tree: ast.Module) -> None:
@@ -114,7 +114,7 @@ class _Renamed(ast.NodeTransformer):
         return self.generic_visit(node)
 
 
-def alike(results: Iterable[StoredResult], least: float = 0.6) -> list[Alike]:
+def find_similar(results: Iterable[StoredResult], least: float = 0.6) -> list[SimilarPair]:
     """Pairs of submissions that share most of their telling code, the most alike first.
 
     Parameters
@@ -127,9 +127,9 @@ def alike(results: Iterable[StoredResult], least: float = 0.6) -> list[Alike]:
     for result in results:
         if result.work:
             by_assignment.setdefault(result.assignment, []).append(result)
-    found: list[Alike] = []
+    found: list[SimilarPair] = []
     for assignment, submissions in by_assignment.items():
-        many = max(MANY, len(submissions) // 10)
+        many = max(MAX_SHARING, len(submissions) // 10)
         common = Counter((question, work[0]) for one in submissions for question, work in one.work.items())
         holders: dict[tuple[str, str], list[int]] = {}
         sizes = []
@@ -148,5 +148,5 @@ def alike(results: Iterable[StoredResult], least: float = 0.6) -> list[Alike]:
             share = sum(one.work[question][1] for question in questions) / min(sizes[i], sizes[j])
             if share >= least and len(questions) > 1:
                 order = [question for question in one.work if question in questions]
-                found.append(Alike(assignment, one.student, other.student, tuple(order), share))
+                found.append(SimilarPair(assignment, one.student, other.student, tuple(order), share))
     return sorted(found, key=lambda pair: (-pair.share, -len(pair.questions), pair.assignment, pair.first, pair.second))

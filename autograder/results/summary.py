@@ -26,7 +26,7 @@ def class_table(out: Path) -> str:
     from rich.text import Text
 
     stored = result_files.load_all(out)
-    given = gradebook.given_by_hand(out)
+    given = gradebook.read_manual_grades(out)
     assignments = sorted({result.assignment for result in stored}, key=in_course_order)
     table = Table(box=None, pad_edge=False)
     table.add_column("student")

@@ -21,7 +21,7 @@ from attacks import FUNCTION, NOISE, QUESTIONS, Attack, hand_ins
 from attacks.arena import ATTACKS, HONEST, LIMITS, NAME, ON, SECRET, Outcome, due_to, fight, scores_of, student_of
 from autograder.course.build import build_course
 from autograder.course.layout import Course
-from autograder.intake.collect import collect
+from autograder.intake.collect import collect_submissions
 from autograder.sandbox.isolation import IsolationLevel, open_launcher, probe_levels
 from labsid.checks.assignments.prelab_sinusoids import function
 from labsid.lab.sinusoid import make_sinusoids
@@ -203,7 +203,7 @@ def test_a_zip_bomb_costs_nobody_else_their_hand_in(course: Course, tmp_path: Pa
         archive.write(bomb, "Mallory_2_assignsubmission_file_/bomb2.zip")
         archive.writestr("Mallory_2_assignsubmission_file_/../../../out.ipynb", release)
         archive.writestr(f"Eve_3_assignsubmission_file_/{NAME}.ipynb", release)
-    list(collect(course, tmp_path / "moodle.zip", tmp_path / "submitted"))
+    list(collect_submissions(course, tmp_path / "moodle.zip", tmp_path / "submitted"))
     taken = {path.relative_to(tmp_path / "submitted") for path in (tmp_path / "submitted").rglob("*.ipynb")}
     assert {Path("1", NAME, f"{NAME}.ipynb"), Path("3", NAME, f"{NAME}.ipynb")} <= taken
     assert all(path.parts[0] in ("1", "2", "3") for path in taken)

@@ -180,8 +180,8 @@ def test_what_was_given_by_hand_outlives_a_new_grading(both: Both, launcher: Pro
         assert both.grade(launcher, out) == [("ada", PRELAB), ("gil", PRELAB)]
         assert main(["course", "export", "--out", str(out)]) == 0
     assert scores_in_gradebook(both.database) == scores_in_gradebook(both.file)
-    given = gradebook.given_by_hand(both.database)
-    assert given == gradebook.given_by_hand(both.file)
+    given = gradebook.read_manual_grades(both.database)
+    assert given == gradebook.read_manual_grades(both.file)
     assert given.scores == {("ada", PRELAB, OPEN): Decimal("0.04"), ("ada", PRELAB, "prelab-1-time"): Decimal("0.3")}
     assert given.comments == {("ada", PRELAB, OPEN): "Nearly: “see” 3a."}
     for name in ("grades.csv", "export.csv"):
@@ -200,12 +200,12 @@ def test_a_run_that_is_killed_while_entering_enters_nothing(
     class Killed(BaseException):
         pass
 
-    def killed(entry: Any, write: Callable[[Any], None] = gradebook._Entry.flush) -> None:
+    def killed(entry: Any, write: Callable[[Any], None] = gradebook._BulkEntry.flush) -> None:
         write(entry)
         raise Killed
 
     with monkeypatch.context() as patch:
-        patch.setattr(gradebook._Entry, "flush", killed)
+        patch.setattr(gradebook._BulkEntry, "flush", killed)
         with pytest.raises(Killed):
             gradebook.enter(out, stored)
     assert scores_in_gradebook(out) == {}
@@ -239,4 +239,4 @@ def test_a_missing_driver_is_said(tmp_path: Path, monkeypatch: pytest.MonkeyPatc
     monkeypatch.setitem(sys.modules, "psycopg", None)
     out = out_folder(tmp_path / "out", "postgresql+psycopg://labsid@/x")
     with pytest.raises(ValueError, match=r"needs the package psycopg. Install it: pip install 'labsid\[postgres\]'"):
-        gradebook.given_by_hand(out)
+        gradebook.read_manual_grades(out)

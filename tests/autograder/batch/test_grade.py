@@ -23,13 +23,13 @@ from autograder.batch.grading_inputs import DataStore, inputs_for
 from autograder.course.layout import Course, read_template
 from autograder.course.plain_text import plain_decimal
 from autograder.export.grades_csv import export_csv
-from autograder.intake.submission import Step
+from autograder.intake.submission import NotebookCell
 from autograder.judge.ask import ProcessAsk
+from autograder.judge.execution import ExecutedCell
 from autograder.judge.outcome import QuestionResult, SubmissionResult
-from autograder.judge.running import Ran
 from autograder.results import gradebook, grades, result_files
 from autograder.results.autograded import write_autograded
-from autograder.results.feedback import readable, write_feedback
+from autograder.results.feedback import printable, write_feedback
 from autograder.results.grades import write_csv, write_grades
 from autograder.results.result_files import StoredResult
 from autograder.results.summary import class_table
@@ -396,7 +396,7 @@ def test_extra_credit_is_added_exactly(again: Class, by_hand: Callable) -> None:
     by_hand("ada", "prelab-1-time", extra_credit=0.2)  # 0.1 + 0.2
     by_hand("ada", OPEN, manual_score=0.01, extra_credit=0.05)
     by_hand("gil", OPEN, extra_credit=0.05)
-    given = gradebook.given_by_hand(again.out).scores
+    given = gradebook.read_manual_grades(again.out).scores
     assert given == {("ada", PRELAB, "prelab-1-time"): Decimal("0.3"), ("ada", PRELAB, OPEN): Decimal("0.06")}
     write_grades(again.out)
     assert again.grades()["ada", PRELAB, "prelab-1-time"]["score"] == "0.3"
@@ -474,17 +474,19 @@ def test_autograded_notebooks_show_what_was_handed_in_and_what_came_of_it(graded
 
 
 def test_added_cells_errors_and_deaths_are_in_the_autograded_notebook(graded: Class, tmp_path: Path) -> None:
-    def ran(step: Step, **reply: Any) -> Ran:
-        return Ran(step, Reply(ok=True, **reply))
+    def ran(step: NotebookCell, **reply: Any) -> ExecutedCell:
+        return ExecutedCell(step, Reply(ok=True, **reply))
 
     course = graded.course
     first = read_template(course, PRELAB).cells[0]
     result = SubmissionResult(
         "ann", PRELAB, (), (
-            ran(Step(None, "extra", "before", True), stdout="said \ud800"),
-            ran(Step(first.id, "given", first.source, True), error={"kind": "NameError", "text": "no x"}),
-            ran(Step(None, "extra", "a *note*", False)),
-            Ran(Step(None, "extra", "end()", True), Reply(False), StudentProcessError("crashed", "it ended")),
+            ran(NotebookCell(None, "extra", "before", True), stdout="said \ud800"),
+            ran(NotebookCell(first.id, "given", first.source, True), error={"kind": "NameError", "text": "no x"}),
+            ran(NotebookCell(None, "extra", "a *note*", False)),
+            ExecutedCell(
+                NotebookCell(None, "extra", "end()", True), Reply(False), StudentProcessError("crashed", "it ended")
+            ),
         ), (), "none",
     )  # fmt: skip
     write_autograded(course, tmp_path, result)
@@ -612,7 +614,7 @@ def test_terminal_colours_and_control_characters_are_taken_out(hostile_page: str
     assert not re.search(r"[\x00-\x08\x0b-\x1f\x7f]", hostile_page)
     assert "red" in hostile_page
     assert "é" in hostile_page
-    assert readable("\x1b[1;31mHot\x1b[0m\ttea\r\n\x07") == "Hot\ttea\n"
+    assert printable("\x1b[1;31mHot\x1b[0m\ttea\r\n\x07") == "Hot\ttea\n"
 
 
 def test_feedback_on_nothing_is_said(tmp_path: Path) -> None:

@@ -14,7 +14,7 @@ from autograder.batch.fingerprint import template_hash
 from autograder.course import build
 from autograder.course.build import (
     CODE_STUB,
-    SOLUTION_MARKS,
+    SOLUTION_DELIMITERS,
     TEXT_STUB,
     build_course,
     build_source,
@@ -25,7 +25,7 @@ from autograder.course.layout import Cell, Course, Template, find_course, read_c
 from labsid.checks.notebook import assignment_names, load_assignment
 
 ASSIGNMENTS = assignment_names()
-BEGIN, END = SOLUTION_MARKS
+BEGIN, END = SOLUTION_DELIMITERS
 HEAD = """---
 jupytext:
   text_representation:

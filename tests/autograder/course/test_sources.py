@@ -6,7 +6,7 @@ import pytest
 
 from autograder.batch.fingerprint import JUDGING
 from autograder.course import sources
-from autograder.course.sources import closure, source_path, sources_hash
+from autograder.course.sources import imported_modules, source_path, sources_hash
 from autograder.results import gradebook
 from autograder.sandbox.isolation import LEVELS, is_weaker
 
@@ -14,7 +14,7 @@ LAB = "labsid.checks.assignments.lab_identification"
 
 
 def test_an_assignment_depends_on_its_checks_and_the_reference_and_not_on_another() -> None:
-    found = closure((LAB, *JUDGING))
+    found = imported_modules((LAB, *JUDGING))
     assert {
         "labsid.checks.assignments.lab_identification.offset_step",
         "labsid.least_squares.solve",

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from autograder.course.layout import RECORD_FILE, Course, read_template
-from autograder.course.student_folder import copy_release, pack
+from autograder.course.student_folder import copy_release, pack_submission
 from labsid.checks.notebook import load_assignment
 
 PRELAB, LAB = "prelab-sinusoids", "lab-identification"
@@ -82,15 +82,15 @@ def test_what_is_still_open_is_said(course: Course, work: Path, tmp_path: Path) 
     cells = [cell for cell in read_template(course, PRELAB).cells if cell.kind in ("answer", "manual")]
     ids = [cell.id for cell in cells]
     answer(work / PRELAB / f"{PRELAB}.ipynb", prelab_1_time_answer="t = 1  # Your code here\nprint(...)")
-    lines = list(pack(work, tmp_path / "hand-in.zip"))
+    lines = list(pack_submission(work, tmp_path / "hand-in.zip"))
     assert [line.split(":")[0] for line in lines] == [LAB, PRELAB, "Hand in this file"]
     open_ones = ", ".join(one for one in ids if one != "prelab-1-time-answer")
     assert lines[1] == f"{PRELAB}: 1 of {len(ids)} answers; not answered yet: {open_ones}"
 
     answer(work / PRELAB / f"{PRELAB}.ipynb", **{one.replace("-", "_"): "done" for one in ids})
-    assert list(pack(work, tmp_path / "hand-in.zip"))[1] == f"{PRELAB}: all {len(ids)} answers are there"
+    assert list(pack_submission(work, tmp_path / "hand-in.zip"))[1] == f"{PRELAB}: all {len(ids)} answers are there"
     answer(work / PRELAB / f"{PRELAB}.ipynb", **{ids[0].replace("-", "_"): " \n"})
-    assert list(pack(work, tmp_path / "hand-in.zip"))[1].endswith(f"not answered yet: {ids[0]}")
+    assert list(pack_submission(work, tmp_path / "hand-in.zip"))[1].endswith(f"not answered yet: {ids[0]}")
 
 
 def test_the_hand_in_holds_the_notebooks_their_record_and_nothing_else(work: Path, tmp_path: Path) -> None:
@@ -99,7 +99,7 @@ def test_the_hand_in_holds_the_notebooks_their_record_and_nothing_else(work: Pat
     (work / "notes.txt").touch()
     (work / "notes.ipynb").touch()
     out = tmp_path / "hand-in.zip"
-    lines = list(pack(work, out))
+    lines = list(pack_submission(work, out))
     assert len(lines) == 3
     with zipfile.ZipFile(out) as archive:
         assert archive.testzip() is None
@@ -111,14 +111,14 @@ def test_the_hand_in_holds_the_notebooks_their_record_and_nothing_else(work: Pat
 
 def test_a_notebook_of_another_name_is_said_to_be_left_out(work: Path, tmp_path: Path) -> None:
     (work / LAB / f"{LAB}.ipynb").rename(work / LAB / "final version.ipynb")
-    lines = list(pack(work, tmp_path / "hand-in.zip"))
+    lines = list(pack_submission(work, tmp_path / "hand-in.zip"))
     left = f"{LAB}/final version.ipynb is left out: what is handed in from this folder is {LAB}.ipynb"
     assert lines[1:] == [left, f"Hand in this file: {tmp_path / 'hand-in.zip'}"]
 
 
 def test_the_same_work_makes_the_same_file(work: Path, tmp_path: Path) -> None:
     for name in ("one.zip", "two.zip"):
-        list(pack(work, tmp_path / name))
+        list(pack_submission(work, tmp_path / name))
         for path in work.rglob("*.ipynb"):
             path.touch()
     assert (tmp_path / "one.zip").read_bytes() == (tmp_path / "two.zip").read_bytes()
@@ -150,7 +150,7 @@ def test_a_notebook_that_cannot_be_read_is_not_handed_in(work: Path, tmp_path: P
     with pytest.raises(
         ValueError, match=r"prelab-sinusoids.ipynb is not a readable notebook \(\w+\)\. Open it"
     ) as said:
-        list(pack(work, out))
+        list(pack_submission(work, out))
     assert "\n" not in str(said.value)
     assert out.read_bytes() == b"the last hand-in"
 
@@ -159,12 +159,12 @@ def test_a_notebook_of_somebody_else_is_not_handed_in(work: Path, tmp_path: Path
     content = '{"cells": [{"cell_type": "code", "source": "a = 3", "metadata": {}}], "nbformat": 4}'
     (work / LAB / f"{LAB}.ipynb").write_text(content, encoding="utf-8")
     with pytest.raises(ValueError, match="has none of the assignment's cells"):
-        list(pack(work, tmp_path / "hand-in.zip"))
+        list(pack_submission(work, tmp_path / "hand-in.zip"))
     assert not (tmp_path / "hand-in.zip").exists()
 
 
 def test_an_empty_folder_is_said(tmp_path: Path) -> None:
     for folder in (tmp_path, tmp_path / "nosuch"):
         with pytest.raises(ValueError, match="holds no notebooks"):
-            list(pack(folder, tmp_path / "hand-in.zip"))
+            list(pack_submission(folder, tmp_path / "hand-in.zip"))
     assert list(tmp_path.iterdir()) == []

@@ -17,21 +17,21 @@ from autograder.batch.grade import Graded, find_batch, grade_batch
 from autograder.course.layout import Course
 from autograder.export.grades_csv import export_csv
 from autograder.export.moodle import export_moodle
-from autograder.intake.submission import Step
+from autograder.intake.submission import NotebookCell
 from autograder.intake.worksheet import Worksheet, read_worksheet
 from autograder.judge.outcome import QuestionResult
 from autograder.results import gradebook, grades, result_files
 from autograder.results.feedback import write_feedback
-from autograder.results.gradebook import ByHand
+from autograder.results.gradebook import ManualGrades
 from autograder.results.late import parse_rules
 from autograder.results.report import report_page, write_report
 from autograder.results.result_files import StoredResult
-from autograder.results.similar import alike, normal_form, work_of
+from autograder.results.similar import code_fingerprints, find_similar, normal_form
 from autograder.results.summary import class_table
 from autograder.sandbox.isolation import ProcessLauncher
 
 PRELAB = "prelab-sinusoids"
-NOTHING = ByHand({}, {}, frozenset())
+NOTHING = ManualGrades({}, {}, frozenset())
 
 
 def question(name: str, score: str | None, most: str, status: str = "graded", **rest: object) -> QuestionResult:
@@ -215,13 +215,13 @@ def test_hand_grading_survives_and_is_flagged_when_the_automatic_part_changes(
     notebook["cells"].append({"cell_type": "markdown", "metadata": {}, "source": "Done."})
     path.write_text(json.dumps(notebook), encoding="utf-8")
     list(grade_batch(course, batch, out, LocalExecutor(launcher)))
-    assert gradebook.given_by_hand(out).look_again == frozenset()  # graded again, and nothing came out otherwise
+    assert gradebook.read_manual_grades(out).look_again == frozenset()  # graded again, and nothing came out otherwise
 
     (cell,) = (cell for cell in notebook["cells"] if cell.get("id") == "prelab-1-time-answer")
     cell["source"] = "t = 0"
     path.write_text(json.dumps(notebook), encoding="utf-8")
     list(grade_batch(course, batch, out, LocalExecutor(launcher)))
-    given = gradebook.given_by_hand(out)
+    given = gradebook.read_manual_grades(out)
     assert given.scores["ann", PRELAB, open_question] == Decimal("0.03")
     assert given.look_again == {("ann", PRELAB, open_question)}
     assert "grade by hand again" in class_table(out)
@@ -230,7 +230,7 @@ def test_hand_grading_survives_and_is_flagged_when_the_automatic_part_changes(
         book.find_grade(open_question, PRELAB, PRELAB, "ann").needs_manual_grade = False  # the teacher has looked
         book.db.commit()
     assert not any(one.fresh for one in grade_batch(course, batch, out, LocalExecutor(launcher)))
-    assert gradebook.given_by_hand(out).look_again == frozenset()
+    assert gradebook.read_manual_grades(out).look_again == frozenset()
 
 
 # ---- the report
@@ -312,11 +312,11 @@ def test_names_comments_and_spaces_do_not_hide_a_copy() -> None:
 
 def test_released_code_and_short_cells_tell_nothing() -> None:
     steps = [
-        Step("a", "answer", FIRST, True), Step("q1", "question", "check()", True),
-        Step("b", "answer", "x = 1", True), Step("q2", "question", "check()", True),
-        Step("c", "answer", OTHER, True), Step("q3", "question", "check()", True),
+        NotebookCell("a", "answer", FIRST, True), NotebookCell("q1", "question", "check()", True),
+        NotebookCell("b", "answer", "x = 1", True), NotebookCell("q2", "question", "check()", True),
+        NotebookCell("c", "answer", OTHER, True), NotebookCell("q3", "question", "check()", True),
     ]  # fmt: skip
-    assert set(work_of(steps, {"c": OTHER})) == {"q1"}
+    assert set(code_fingerprints(steps, {"c": OTHER})) == {"q1"}
 
 
 def test_copies_are_found_and_what_many_wrote_is_not() -> None:
@@ -325,6 +325,6 @@ def test_copies_are_found_and_what_many_wrote_is_not() -> None:
         "ann": mine, "bob": {**mine, "q4": ("e", 30)}, "cat": {"q1": ("c", 40), "q3": ("common", 100)},
         "dan": {"q2": ("d", 60), "q3": ("common", 100)}, "eve": {"q1": ("a", 40), "q2": ("f", 90)},
     }  # fmt: skip
-    pairs = alike([stored(student, "tiny", work=cells) for student, cells in work.items()])
+    pairs = find_similar([stored(student, "tiny", work=cells) for student, cells in work.items()])
     assert [(pair.first, pair.second, pair.questions) for pair in pairs] == [("ann", "bob", ("q1", "q2"))]
     assert pairs[0].share == 1

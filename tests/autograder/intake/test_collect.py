@@ -18,8 +18,8 @@ from hypothesis import strategies as st
 
 from autograder.course import archive
 from autograder.course.layout import Course
-from autograder.course.student_folder import pack
-from autograder.intake.collect import collect
+from autograder.course.student_folder import pack_submission
+from autograder.intake.collect import collect_submissions
 from autograder.intake.worksheet import Worksheet, folder_name, read_worksheet
 
 PRELAB, LAB = "prelab-sinusoids", "lab-identification"
@@ -59,7 +59,7 @@ def test_folders_and_flat_names_and_nested_zips(course: Course, notebooks: Mappi
     for name in (PRELAB, LAB):
         (tmp_path / "work" / name).mkdir(parents=True)
         (tmp_path / "work" / name / f"{name}.ipynb").write_bytes(notebooks[name])
-    list(pack(tmp_path / "work", tmp_path / "hand-in.zip"))
+    list(pack_submission(tmp_path / "work", tmp_path / "hand-in.zip"))
     path = moodle(
         tmp_path / "m.zip",
         [
@@ -71,7 +71,7 @@ def test_folders_and_flat_names_and_nested_zips(course: Course, notebooks: Mappi
             (entry("readme.txt"), b""),
         ],
     )
-    lines = list(collect(course, path, tmp_path / "out"))
+    lines = list(collect_submissions(course, path, tmp_path / "out"))
     assert lines == [
         f"1001 (Ada Lovelace): {LAB}; left out: essay.pdf",
         f"1002 (Ben O'Neil): {LAB}, {PRELAB}",
@@ -97,7 +97,7 @@ def test_the_latest_version_counts_and_it_is_said(
             pairs = zip(names, (old, new), strict=True)
             versions = [(entry(f"{ADA}/{name}", minute), data) for (name, minute), data in pairs]
             out = tmp_path / "out"
-            (line,) = collect(course, moodle(tmp_path / "m.zip", versions[::order]), out)
+            (line,) = collect_submissions(course, moodle(tmp_path / "m.zip", versions[::order]), out)
             assert line == f"1001 (Ada Lovelace): {LAB} (the latest of 2 versions: {names[1][0]})"
             assert (out / "1001" / LAB / f"{LAB}.ipynb").read_bytes() == new
             shutil.rmtree(out)
@@ -107,19 +107,19 @@ def test_running_again_touches_nothing_and_takes_what_is_new(
     course: Course, notebooks: Mapping[str, bytes], tmp_path: Path
 ) -> None:
     path = moodle(tmp_path / "m.zip", [(entry(f"{ADA}/a.ipynb"), notebooks[LAB]), (entry(f"{BEN}/a.ipynb"), b"{")])
-    list(collect(course, path, tmp_path / "out"))
+    list(collect_submissions(course, path, tmp_path / "out"))
     target = tmp_path / "out" / "1001" / LAB / f"{LAB}.ipynb"
     before = target.stat().st_mtime_ns
-    list(collect(course, path, tmp_path / "out"))
+    list(collect_submissions(course, path, tmp_path / "out"))
     assert target.stat().st_mtime_ns == before
     newer = with_mark(notebooks[LAB], "newer")
-    list(collect(course, moodle(path, [(entry(f"{ADA}/a.ipynb"), newer)]), tmp_path / "out"))
+    list(collect_submissions(course, moodle(path, [(entry(f"{ADA}/a.ipynb"), newer)]), tmp_path / "out"))
     assert target.read_bytes() == newer
 
 
 def test_a_broken_notebook_is_taken_for_what_it_is_called(course: Course, tmp_path: Path) -> None:
     path = moodle(tmp_path / "m.zip", [(entry(f"{ADA}/My {LAB} final.ipynb"), b"{"), (entry(f"{BEN}/x.ipynb"), b"[]")])
-    assert list(collect(course, path, tmp_path / "out")) == [
+    assert list(collect_submissions(course, path, tmp_path / "out")) == [
         f"1001 (Ada Lovelace): {LAB}",
         "1002 (Ben O'Neil): no notebook of this course; left out: x.ipynb: a notebook of no assignment of this course",
     ]
@@ -132,7 +132,7 @@ def test_a_strange_cell_does_not_hide_the_others(
     strange = json.loads(notebooks[LAB])
     strange["cells"] += ["text", {"metadata": {"nbgrader": None}}, {"metadata": {"nbgrader": {"grade_id": []}}}, None]
     path = moodle(tmp_path / "m.zip", [(entry(f"{ADA}/x.ipynb"), json.dumps(strange).encode())])
-    assert list(collect(course, path, tmp_path / "out")) == [f"1001 (Ada Lovelace): {LAB}"]
+    assert list(collect_submissions(course, path, tmp_path / "out")) == [f"1001 (Ada Lovelace): {LAB}"]
 
 
 def test_links_bombs_and_paths_that_lead_out_are_left_alone(
@@ -153,7 +153,7 @@ def test_links_bombs_and_paths_that_lead_out_are_left_alone(
             (entry(f"{BEN}/none.zip"), b"PK\x03\x04nothing"),
         ],
     )
-    ada, ben = collect(course, path, tmp_path / "deep" / "out")
+    ada, ben = collect_submissions(course, path, tmp_path / "deep" / "out")
     assert ada.startswith(f"1001 (Ada Lovelace): {PRELAB}; left out: link.ipynb: it is a link or a device")
     assert f"{LAB}.ipynb: it is too large" in ada
     assert "bomb.zip/bomb.ipynb: it is too large" in ben
@@ -166,10 +166,10 @@ def test_links_bombs_and_paths_that_lead_out_are_left_alone(
 def test_one_students_flood_costs_nobody_else_anything(
     course: Course, notebooks: Mapping[str, bytes], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("autograder.intake.collect._MOST_BYTES_EACH", 1_000_000)
+    monkeypatch.setattr("autograder.intake.collect.MAX_PARTICIPANT_BYTES", 1_000_000)
     flood = [(entry(f"{ADA}/{index}.ipynb"), bytes(300_000)) for index in range(5)]
     path = moodle(tmp_path / "m.zip", [*flood, (entry(f"{BEN}/x.ipynb"), notebooks[LAB])])
-    ada, ben = collect(course, path, tmp_path / "out")
+    ada, ben = collect_submissions(course, path, tmp_path / "out")
     assert "3.ipynb: it is too large" in ada
     assert ben == f"1002 (Ben O'Neil): {LAB}"
 
@@ -180,7 +180,7 @@ def test_a_link_in_the_folder_is_not_followed(course: Course, notebooks: Mapping
     (tmp_path / "out").mkdir()
     (tmp_path / "out" / "1001").symlink_to(tmp_path / "elsewhere", target_is_directory=True)
     with pytest.raises(ValueError, match="is a link, or lies below one"):
-        list(collect(course, path, tmp_path / "out"))
+        list(collect_submissions(course, path, tmp_path / "out"))
     assert there(tmp_path / "elsewhere") == []
 
 
@@ -190,7 +190,7 @@ def test_an_encrypted_file_is_left_out(course: Course, tmp_path: Path) -> None:
     for signature, offset in ((b"PK\x03\x04", 6), (b"PK\x01\x02", 8)):
         raw[raw.index(signature) + offset] |= 1
     path.write_bytes(raw)
-    (line,) = collect(course, path, tmp_path / "out")
+    (line,) = collect_submissions(course, path, tmp_path / "out")
     assert "x.ipynb: it cannot be unpacked (" in line
 
 
@@ -198,10 +198,10 @@ def test_an_encrypted_file_is_left_out(course: Course, tmp_path: Path) -> None:
 def test_what_is_not_moodles_is_said(course: Course, tmp_path: Path, content: bytes) -> None:
     (tmp_path / "m.zip").write_bytes(content)
     with pytest.raises(ValueError, match=r"is not a zip file|holds no submission"):
-        list(collect(course, tmp_path / "m.zip", tmp_path / "out"))
+        list(collect_submissions(course, tmp_path / "m.zip", tmp_path / "out"))
     (tmp_path / "out").touch()
     with pytest.raises(ValueError, match="is a file"):
-        list(collect(course, tmp_path / "m.zip", tmp_path / "out"))
+        list(collect_submissions(course, tmp_path / "m.zip", tmp_path / "out"))
 
 
 # ---- the worksheet
@@ -229,7 +229,7 @@ def test_the_worksheet_gives_ids_and_times(course: Course, notebooks: Mapping[st
     files = [(entry(f"{folder}/x.ipynb"), notebooks[LAB]) for folder in (ADA, BEN)]
     files += [(entry(f"{who}_assignsubmission_file_/x.ipynb"), notebooks[LAB]) for who in ("Cat_0003", "Dan_4")]
     out = tmp_path / "out"
-    lines = list(collect(course, moodle(tmp_path / "m.zip", files), out, sheet, UTC))
+    lines = list(collect_submissions(course, moodle(tmp_path / "m.zip", files), out, sheet, UTC))
     assert lines == [
         f"z5000001 (Ada Lovelace): {LAB}",
         f"ben@x.edu (Ben O'Neil): {LAB}",
@@ -298,7 +298,7 @@ def test_nothing_is_ever_written_outside_of_the_folder(course: Course, files: Se
                 packed.writestr(entry(name, mode=mode), data)
         lines = []
         with contextlib.suppress(ValueError):  # nothing in it is anybody's
-            lines = list(collect(course, path, root / "out"))
+            lines = list(collect_submissions(course, path, root / "out"))
         written = [one for one in there(Path(scratch)) if one != "a/b/m.zip"]
         for one in written:
             parts = one.split("/")

@@ -10,7 +10,7 @@ import nbformat
 import pytest
 
 from autograder.course.layout import Cell, Course, Template, read_template
-from autograder.intake.submission import MAX_NOTEBOOK_BYTES, Step, Submission, take_in
+from autograder.intake.submission import MAX_NOTEBOOK_BYTES, NotebookCell, Submission, read_submission
 
 TEMPLATE = Template(
     "tiny",
@@ -47,7 +47,7 @@ def hand_in(folder: Path, content: str | bytes | list, name: str = "tiny.ipynb")
         content = notebook(content)
     folder.mkdir(exist_ok=True)
     (folder / name).write_bytes(content.encode() if isinstance(content, str) else content)
-    return take_in(folder, "s", TEMPLATE)
+    return read_submission(folder, "s", TEMPLATE)
 
 
 def sources(submission: Submission) -> dict[str, str]:
@@ -67,13 +67,13 @@ def test_a_hand_in_as_it_should_be(tmp_path: Path) -> None:
     assert submission.notes == ()
     assert [step.id for step in submission.steps] == IDS
     assert sources(submission) == WHOLE
-    assert submission.steps[3] == Step("open", "manual", "Because.", False)
+    assert submission.steps[3] == NotebookCell("open", "manual", "Because.", False)
 
 
 def test_the_release_itself_needs_no_mending(course: Course) -> None:
     for name in course.assignments():
         template = read_template(course, name)
-        submission = take_in(course.release / name, "s", template)
+        submission = read_submission(course.release / name, "s", template)
         assert (submission.status, submission.notes) == ("ready", ())
         assert [step.source for step in submission.steps if step.id] == [cell.source for cell in template.cells]
 
@@ -82,7 +82,7 @@ def test_nothing_handed_in(tmp_path: Path) -> None:
     (tmp_path / "report.pdf").write_bytes(b"%PDF")
     (tmp_path / "file").write_bytes(b"")
     for folder in (tmp_path, tmp_path / "nosuch", tmp_path / "file"):
-        submission = take_in(folder, "s", TEMPLATE)
+        submission = read_submission(folder, "s", TEMPLATE)
         assert (submission.status, submission.steps) == ("missing", ())
         assert submission.notes == ("no notebook was handed in",)
 
@@ -109,7 +109,7 @@ def test_of_several_other_notebooks_the_closest_name_is_taken(tmp_path: Path) ->
 
 def test_a_folder_of_the_notebooks_name_is_no_notebook(tmp_path: Path) -> None:
     (tmp_path / "tiny.ipynb").mkdir()
-    assert take_in(tmp_path, "s", TEMPLATE).status == "missing"
+    assert read_submission(tmp_path, "s", TEMPLATE).status == "missing"
     assert hand_in(tmp_path, cells(), "other.ipynb").status == "ready"
 
 
@@ -117,7 +117,7 @@ def test_a_folder_of_the_notebooks_name_is_no_notebook(tmp_path: Path) -> None:
 def test_a_pipe_is_no_notebook(tmp_path: Path) -> None:
     os.mkfifo(tmp_path / "tiny.ipynb")
     (tmp_path / "link.ipynb").symlink_to(tmp_path / "nosuch")
-    assert take_in(tmp_path, "s", TEMPLATE).status == "missing"
+    assert read_submission(tmp_path, "s", TEMPLATE).status == "missing"
 
 
 @pytest.mark.parametrize(
@@ -159,7 +159,7 @@ def test_what_cannot_be_read_is_quarantined_and_said(tmp_path: Path, content: st
 def test_a_huge_file_is_quarantined_unread(tmp_path: Path) -> None:
     with (tmp_path / "tiny.ipynb").open("wb") as file:
         file.truncate(MAX_NOTEBOOK_BYTES + 1)
-    submission = take_in(tmp_path, "s", TEMPLATE)
+    submission = read_submission(tmp_path, "s", TEMPLATE)
     assert submission.notes == ("tiny.ipynb cannot be read: it is larger than 50 MiB",)
 
 
@@ -265,7 +265,7 @@ def test_an_answer_keeps_its_kind_whatever_the_notebook_says(tmp_path: Path) -> 
     handed_in[1]["cell_type"] = "markdown"
     handed_in[1]["metadata"]["nbgrader"] |= {"points": 100, "grade": True, "locked": True}
     submission = hand_in(tmp_path, handed_in)
-    assert submission.steps[1] == Step("q-answer", "answer", "a = 3", True)
+    assert submission.steps[1] == NotebookCell("q-answer", "answer", "a = 3", True)
 
 
 NONSENSE = [None, 3, "x", [], [[]], {}, {"a": 1}, True]

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from autograder.course.layout import Cell, Template
-from autograder.intake.submission import Step, Submission
+from autograder.intake.submission import NotebookCell, Submission
 from autograder.judge.judging import Assets, judge_submission
 from autograder.judge.outcome import QuestionResult
 from autograder.sandbox.confine import make_syscall_filter
@@ -94,7 +94,9 @@ def grade(
     student: str = "s",
 ) -> list[QuestionResult]:
     texts: Mapping[str, str] = {"q-gain-answer": gain_cell, "q-line-answer": line_cell, "q-open": text}
-    steps = tuple(Step(cell.id, cell.kind, texts.get(cell.id, cell.source), cell.code) for cell in TEMPLATE.cells)
+    steps = tuple(
+        NotebookCell(cell.id, cell.kind, texts.get(cell.id, cell.source), cell.code) for cell in TEMPLATE.cells
+    )
     submission = Submission(student, "tiny", "ready", steps, ())
     result = judge_submission(submission, Assets(TEMPLATE, assignment, None, b"secret"), launcher, folder)
     assert [question.question for question in result.results] == ["q-gain", "q-line", "q-open"]
@@ -275,14 +277,14 @@ def test_a_cell_that_survives_only_once_does_not_take_the_others_with_it(
     once = "import os\nif os.path.exists('mark'):\n    os._exit(1)\nopen('mark', 'w').close()"
     cells = TEMPLATE.cells
     steps = (
-        Step(None, "extra", "b = 3", True),
-        Step(None, "extra", once, True),
-        Step(cells[0].id, "answer", "a = b", True),
-        Step(cells[1].id, "question", "", True),
-        Step(None, "extra", "import os\nos._exit(1)", True),
-        Step(cells[3].id, "question", "", True),
-        Step(None, "extra", "def f(x):\n    return 2 * x + b", True),
-        Step(cells[3].id, "question", "", True),
+        NotebookCell(None, "extra", "b = 3", True),
+        NotebookCell(None, "extra", once, True),
+        NotebookCell(cells[0].id, "answer", "a = b", True),
+        NotebookCell(cells[1].id, "question", "", True),
+        NotebookCell(None, "extra", "import os\nos._exit(1)", True),
+        NotebookCell(cells[3].id, "question", "", True),
+        NotebookCell(None, "extra", "def f(x):\n    return 2 * x + b", True),
+        NotebookCell(cells[3].id, "question", "", True),
     )
     submission = Submission("s", "tiny", "ready", steps, ())
     results = judge_submission(submission, Assets(TEMPLATE, ASSIGNMENT, None, b"s"), forked, tmp_path).results
@@ -330,10 +332,10 @@ def test_what_a_function_prints_and_draws_of_hidden_inputs_stays_hidden(
     function = "import matplotlib.pyplot as plt\ndef f(x):\n    print(x)\n    plt.plot(x)\n    return 2 * x + a"
     cells = TEMPLATE.cells
     steps = (
-        Step(cells[0].id, "answer", "a = 3\n" + function, True),
-        Step(cells[3].id, "question", "", True),
-        Step(cells[2].id, "answer", "pass", True),
-        Step(cells[1].id, "question", "", True),
+        NotebookCell(cells[0].id, "answer", "a = 3\n" + function, True),
+        NotebookCell(cells[3].id, "question", "", True),
+        NotebookCell(cells[2].id, "answer", "pass", True),
+        NotebookCell(cells[1].id, "question", "", True),
     )
     assignment = Assignment(
         "tiny", (GAIN, Question("q-line", lambda ask: Verdict(bool(np.size(ask.call("f", 1))), "")))
@@ -420,12 +422,12 @@ def walk(
     first, second, after = sources
     cells = TEMPLATE.cells
     steps = (
-        Step(cells[0].id, "answer", first, True),
-        Step(cells[1].id, "question", "", True),
-        Step(cells[2].id, "answer", second, True),
-        Step(cells[3].id, "question", "", True),
-        Step(None, "extra", after, True),
-        Step(cells[1].id, "question", "", True),
+        NotebookCell(cells[0].id, "answer", first, True),
+        NotebookCell(cells[1].id, "question", "", True),
+        NotebookCell(cells[2].id, "answer", second, True),
+        NotebookCell(cells[3].id, "question", "", True),
+        NotebookCell(None, "extra", after, True),
+        NotebookCell(cells[1].id, "question", "", True),
     )
     submission = Submission("s", "tiny", "ready", steps, ())
     return list(judge_submission(submission, Assets(TEMPLATE, assignment, None, b"s"), launcher, folder).results)

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 from matplotlib.figure import Figure
 
-from autograder.judge.picture import MOST_POINTS, svg_picture
+from autograder.judge.picture import MAX_POINTS, figure_svg
 from labsid.plots.describe import describe_figure
 from labsid.plots.figure_values import AxesValue, CurveValue, FigureValue
 
@@ -19,7 +19,7 @@ SVG = "{http://www.w3.org/2000/svg}"
 
 
 def drawn(figure: FigureValue) -> ElementTree.Element:
-    return ElementTree.fromstring(base64.b64decode(svg_picture(figure)))
+    return ElementTree.fromstring(base64.b64decode(figure_svg(figure)))
 
 
 def texts(root: ElementTree.Element) -> list[str]:
@@ -63,7 +63,7 @@ def test_a_long_curve_keeps_its_extremes_and_gets_no_larger() -> None:
     axes = AxesValue("", "", "", (0, y.size), (0, 1), False, (), (), (curve,))
     (path,) = curves(drawn(FigureValue((axes,))))
     assert " 26L" in path  # the top
-    assert path.count("L") <= MOST_POINTS
+    assert path.count("L") <= MAX_POINTS
 
 
 hostile = st.text(max_size=30) | st.sampled_from(["<script>alert(1)</script>", '" onload="x', "]]>", "\x1b[31m\0"])

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from autograder.judge.redaction import passed_on, passed_on_error
+from autograder.judge.redaction import redact, redact_error
 from labsid.checks.values import Unreadable
 from labsid.plots.figure_values import AxesValue, CurveValue, FigureValue
 
@@ -14,7 +14,7 @@ WITH = {"x": np.zeros((3, 2)), "y": np.zeros(5)}
 def message(code: str) -> dict[str, str]:
     with pytest.raises(Exception) as caught:  # noqa: PT011
         eval(code, {"np": np, **WITH})
-    return passed_on_error({"kind": type(caught.value).__name__, "text": str(caught.value)}, SOURCE)
+    return redact_error({"kind": type(caught.value).__name__, "text": str(caught.value)}, SOURCE)
 
 
 @pytest.mark.parametrize(
@@ -48,7 +48,7 @@ def test_messages_of_python_and_numpy_are_passed_on_without_what_varies(code: st
     ],
 )
 def test_an_error_is_told_in_the_students_own_words_or_not(error: dict[str, str], told: tuple[str, str]) -> None:
-    found = passed_on_error(error, SOURCE)
+    found = redact_error(error, SOURCE)
     assert (found["kind"], found["text"]) == told
 
 
@@ -56,7 +56,7 @@ def test_an_error_is_told_in_the_students_own_words_or_not(error: dict[str, str]
     "kind", ["Answer", "function", "range", "TransferFunctionDiscrete", "list of 20000 items", "array of object"]
 )
 def test_types_that_are_known_are_named(kind: str) -> None:
-    value = passed_on((Unreadable(kind), 1.0), SOURCE)
+    value = redact((Unreadable(kind), 1.0), SOURCE)
     assert isinstance(value, tuple)
     assert isinstance(value[0], Unreadable)
     assert value[0].kind == kind
@@ -64,23 +64,23 @@ def test_types_that_are_known_are_named(kind: str) -> None:
 
 @pytest.mark.parametrize("kind", ["TwoSevenOne", "2.71828", "list of 271828182845 items", "TransferFunctionxyz"])
 def test_types_that_are_not_are_not(kind: str) -> None:
-    value = passed_on({"a": Unreadable(kind)}, SOURCE)
+    value = redact({"a": Unreadable(kind)}, SOURCE)
     assert isinstance(value, dict)
     assert value["a"].kind == "…"
 
 
 def test_a_text_can_be_compared_and_not_quoted() -> None:
-    told = passed_on("two seven one", SOURCE)
+    told = redact("two seven one", SOURCE)
     assert told == "two seven one"
     assert isinstance(told, str)
     assert f"{told!r} {told[:3]!r} {told[4:]!r}" == "'…' '…' '…'"
-    assert repr(passed_on("(a) Original data", SOURCE)) == "'(a) Original data'"
+    assert repr(redact("(a) Original data", SOURCE)) == "'(a) Original data'"
 
 
 def test_a_figure_keeps_what_it_shows() -> None:
     curve = CurveValue(np.arange(3.0), np.ones(3), (0.0, 0.0, 1.0), False, "two")
     axes = AxesValue("(a) Original data", "seven", "y", (0.0, 1.0), (0.0, 1.0), True, ("two",), (), (curve,))
-    figure = passed_on(FigureValue((axes,)), SOURCE)
+    figure = redact(FigureValue((axes,)), SOURCE)
     assert isinstance(figure, FigureValue)
     (seen,) = figure.axes
     assert repr((seen.title, seen.xlabel, seen.legend)) == "('(a) Original data', '…', ('…',))"
@@ -91,6 +91,6 @@ def test_a_figure_keeps_what_it_shows() -> None:
 
 def test_numbers_are_passed_on_as_they_are() -> None:
     array = np.arange(3.0)
-    assert passed_on(array, SOURCE) is array
-    assert passed_on(None, "") is None
-    assert passed_on(2.5, "") == 2.5
+    assert redact(array, SOURCE) is array
+    assert redact(None, "") is None
+    assert redact(2.5, "") == 2.5

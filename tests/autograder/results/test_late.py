@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from autograder.results.late import Late, late_for, parse_rules, read_timestamp
+from autograder.results.late import LatePenalty, late_penalty, parse_rules, read_timestamp
 
 RULE = "due=2026-11-30T23:59,grace=2h,per-day=10%,most=50%"
 DUE = datetime(2026, 11, 30, 23, 59, tzinfo=UTC)
@@ -17,7 +17,7 @@ MINUTE, HOUR, DAY = timedelta(minutes=1), timedelta(hours=1), timedelta(days=1)
 
 
 def penalty(rule: str, submitted: datetime | None, marks: str = "2", assignment: str = "lab") -> Decimal:
-    return late_for(parse_rules(rule), assignment, submitted, Decimal(marks)).penalty
+    return late_penalty(parse_rules(rule), assignment, submitted, Decimal(marks)).penalty
 
 
 @pytest.mark.parametrize(
@@ -45,9 +45,11 @@ def test_decimals_are_exact() -> None:
 
 
 def test_the_student_is_told_how_late_and_what_it_costs() -> None:
-    late = late_for(parse_rules(RULE), "lab", DUE + DAY + 3 * HOUR + MINUTE, Decimal("2"))
-    assert late == Late(Decimal("0.4"), "Handed in 1 d 3 h 1 min late: 0.4 of 2 marks taken off (10 % a started day).")
-    assert late_for(parse_rules(RULE), "lab", DUE, Decimal("2")).reason == ""
+    late = late_penalty(parse_rules(RULE), "lab", DUE + DAY + 3 * HOUR + MINUTE, Decimal("2"))
+    assert late == LatePenalty(
+        Decimal("0.4"), "Handed in 1 d 3 h 1 min late: 0.4 of 2 marks taken off (10 % a started day)."
+    )
+    assert late_penalty(parse_rules(RULE), "lab", DUE, Decimal("2")).reason == ""
 
 
 def test_a_hand_in_without_a_time_is_not_late() -> None:
@@ -99,7 +101,7 @@ def test_a_rule_that_is_none_is_said(rules: str, said: str) -> None:
 @given(st.text(max_size=80) | st.from_regex(r"(due|tz|grace|per-day|most|x)=[\w:%+.-]*(,|;|$)", fullmatch=False))
 def test_any_text_is_read_or_refused(text: str) -> None:
     with contextlib.suppress(ValueError):
-        assert late_for(parse_rules(text), "lab", DUE, Decimal(2)).penalty >= 0
+        assert late_penalty(parse_rules(text), "lab", DUE, Decimal(2)).penalty >= 0
 
 
 amounts = st.decimals(0, 100, allow_nan=False, places=2)
@@ -115,8 +117,8 @@ def test_a_penalty_never_grows_beyond_the_marks_nor_shrinks_with_time(
     unit = "%" if share else ""
     rules = parse_rules(f"due=2026-11-30T23:59,grace={grace}h,per-day={per_day}{unit},most={most}{unit}")
     submitted = DUE + days * DAY + minutes * MINUTE
-    earlier = late_for(rules, "lab", submitted, marks).penalty
-    later = late_for(rules, "lab", submitted + DAY, marks).penalty
+    earlier = late_penalty(rules, "lab", submitted, marks).penalty
+    later = late_penalty(rules, "lab", submitted + DAY, marks).penalty
     assert 0 <= earlier <= later <= marks
     assert later <= (most / 100 * marks if share else most)
     if submitted <= DUE + grace * HOUR:

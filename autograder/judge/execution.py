@@ -6,32 +6,32 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
-from autograder.intake.submission import Step
+from autograder.intake.submission import NotebookCell
 from autograder.sandbox.isolation import ProcessLauncher, Reply, StudentProcess, StudentProcessError
 from labsid.checks.values import Value
 
-_Done = Step | Mapping[str, Value] | int
+_Action = NotebookCell | Mapping[str, Value] | int
 """What a process went through: a cell that it ran, values that it was given, the key of a pin."""
 
-_HERE = -1
+_SECOND_PROCESS_KEY = -1
 
 
 @dataclass(frozen=True, slots=True)
-class Ran:
+class ExecutedCell:
     """A cell that was gone through: what came back, or how the process died of it."""
 
-    step: Step
+    step: NotebookCell
     reply: Reply
     death: StudentProcessError | None = None
 
 
-class Running:
+class Execution:
     """One submission's process, or the one that took its place."""
 
     def __init__(self, launcher: ProcessLauncher, folder: Path) -> None:
         self._launcher = launcher
         self._folder = folder
-        self._done: list[_Done] = []
+        self._done: list[_Action] = []
         self._other: StudentProcess | None = None
         self._gone_through = 0  # by the other, of what was done
         self._cells = 0
@@ -40,19 +40,21 @@ class Running:
         self._again = launcher.limits.submission_seconds
         self.student = self._start()
 
-    def run(self, step: Step) -> Ran:
+    def run(self, step: NotebookCell) -> ExecutedCell:
         """Run a cell; one that kills its process is left out of what the next process is brought back to."""
         most = self._launcher.limits.cells
         self._cells += 1
         if self._cells > most:
-            return Ran(step, Reply(False), StudentProcessError("limit", f"the notebook has more than {most} cells"))
+            return ExecutedCell(
+                step, Reply(False), StudentProcessError("limit", f"the notebook has more than {most} cells")
+            )
         try:
             reply = self.student.run(step.source)
         except StudentProcessError as death:
             self.revive()
-            return Ran(step, Reply(False), death)
+            return ExecutedCell(step, Reply(False), death)
         self._done.append(step)
-        return Ran(step, self._cut(reply))
+        return ExecutedCell(step, self._cut(reply))
 
     def set(self, values: Mapping[str, Value]) -> None:
         """Put values in the place of the student's own, now and in every process to come."""
@@ -121,10 +123,10 @@ class Running:
         try:
             self._bring(other, behind)
             self._gone_through = len(self._done)
-            other.save_variables(_HERE)
+            other.save_variables(_SECOND_PROCESS_KEY)
             yield other
             with contextlib.suppress(StudentProcessError):
-                changed = other.restore_variables(_HERE)
+                changed = other.restore_variables(_SECOND_PROCESS_KEY)
         finally:
             if changed:
                 self._part()
@@ -143,7 +145,7 @@ class Running:
             self._other.close()
             self._other = None
 
-    def _bring(self, student: StudentProcess, done: list[_Done]) -> None:
+    def _bring(self, student: StudentProcess, done: list[_Action]) -> None:
         """Replay at the judge's wish: the time is not the notebook's, and all of it may come to as much again."""
         began = time.monotonic()
         student.deadline = began + self._again
@@ -156,11 +158,11 @@ class Running:
             student.close()
             raise StudentProcessError(failed[1].status, f"run once more from the first cell on, {failed[1]}")
 
-    def _replay(self, student: StudentProcess, done: list[_Done]) -> tuple[int, StudentProcessError] | None:
+    def _replay(self, student: StudentProcess, done: list[_Action]) -> tuple[int, StudentProcessError] | None:
         """Do again what was done; the place of what the process did not survive, and how it died."""
         for index, one in enumerate(done):
             try:
-                if isinstance(one, Step):
+                if isinstance(one, NotebookCell):
                     student.run(one.source)
                 elif isinstance(one, int):
                     student.save_variables(one)

@@ -7,8 +7,8 @@ from pathlib import Path
 
 import pytest
 
-from autograder.intake.submission import Step
-from autograder.judge.running import Running
+from autograder.intake.submission import NotebookCell
+from autograder.judge.execution import Execution
 from autograder.sandbox.isolation import (
     LEVELS,
     IsolationError,
@@ -43,13 +43,13 @@ def forked() -> Iterator[ProcessLauncher]:
         yield opened
 
 
-def cell(source: str) -> Step:
-    return Step(None, "extra", source, True)
+def cell(source: str) -> NotebookCell:
+    return NotebookCell(None, "extra", source, True)
 
 
 @contextlib.contextmanager
-def running(launcher: ProcessLauncher, folder: Path, *cells: str) -> Iterator[Running]:
-    started = Running(launcher, folder)
+def running(launcher: ProcessLauncher, folder: Path, *cells: str) -> Iterator[Execution]:
+    started = Execution(launcher, folder)
     try:
         for source in cells:
             assert started.run(cell(source)).reply.ok
