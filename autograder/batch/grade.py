@@ -216,7 +216,7 @@ class _BatchGrader:
         stored = result_files.to_stored(result, template.title, headings, fingerprint)
         if stored.is_refused and submission.status == "ready":  # no machine could grade it: the next run tries again
             stored = replace(stored, fingerprint={**fingerprint, "environment": ""})
-        return _NewResult(result, replace(stored, work=code_fingerprints(submission.steps, released)))
+        return _NewResult(result, replace(stored, work=code_fingerprints(submission.cells, released)))
 
     def _judge(self, submission: Submission, inputs: GradingInputs, folder: Path) -> SubmissionResult:
         if submission.status == "ready":

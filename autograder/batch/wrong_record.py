@@ -80,7 +80,9 @@ def flag_wrong_record(
     name = inputs.assets.assignment.record_file
     if data_store.secret is None or name is None:
         return result
-    has_evidence = any(_noisy_numbers(value).size for values in result.wrong.values() for value in values.values())
+    has_evidence = any(
+        _noisy_numbers(value).size for values in result.wrong_values.values() for value in values.values()
+    )
     submitted = (path for path in folder.glob(f"*{Path(name).suffix}") if path.is_file())
     handed_in = {_hash(path) for path in submitted if path.stat().st_size <= MAX_DATA_BYTES}
     handed_in -= {_hash(inputs.files[name])}
@@ -93,7 +95,7 @@ def flag_wrong_record(
         if _hash(path) in handed_in:
             files.add(owner)
         right = _right_values(inputs.assets.assignment, path, origin) if has_evidence else {}
-        matching = [q for q, values in result.wrong.items() if _any_equal(values, right.get(q, {}))]
+        matching = [q for q, values in result.wrong_values.items() if _any_equal(values, right.get(q, {}))]
         if matching:
             answers[owner] = matching
     flags = [f"handed in with the data file of {owner}" for owner in sorted(files)]

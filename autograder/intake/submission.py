@@ -42,7 +42,7 @@ class Submission:
     ----------
     student, assignment : str
     status : {"ready", "missing", "quarantined"}
-    steps : tuple of Step
+    cells : tuple of NotebookCell
         Empty unless ready.
     notes : tuple of str
         What was mended, or why it is quarantined.
@@ -51,7 +51,7 @@ class Submission:
     student: str
     assignment: str
     status: str
-    steps: tuple[NotebookCell, ...]
+    cells: tuple[NotebookCell, ...]
     notes: tuple[str, ...]
 
 

@@ -1,4 +1,4 @@
-"""What a check can ask, backed by a student's process."""
+"""The interface between checks and a student's process."""
 
 from collections.abc import Callable, Iterable, Mapping
 
@@ -14,59 +14,64 @@ from labsid.records.record import Record
 
 
 class CallDeferred(BaseException):
-    """A check wants a function called, and this is not the time: not an `Exception`, which a check may catch."""
+    """A check calls a function while calls are deferred; not an `Exception`, which a check may catch."""
 
 
 class ProcessAsk:
-    """Asks a student's process, and keeps the values that it was handed: for pictures, and to see whose data they are.
+    """Answers a check from a student's process, redacted for the author of `source`, the notebook.
 
-    `calls` is the process in which functions are called, the same where it is None. A function sees the judge's hidden
-    inputs. So where `later` is set, wanting one called is `AsksForCalls`. What is handed on is no more than may be told
-    to the author of `source`, the notebook.
+    The values read are kept, for the figures of the feedback and to detect answers made on another student's record.
+
+    Attributes
+    ----------
+    defer_calls : bool
+        Whether to raise `CallDeferred` instead of calling a function, which would receive hidden inputs.
+    call_process : StudentProcess or None
+        The process in which functions are called; None for the process of the variables.
     """
 
     def __init__(
         self,
-        student: Callable[[], StudentProcess],
+        process: Callable[[], StudentProcess],
         record: Record | None,
         known: Mapping[str, Value],
         rng: np.random.Generator,
         origin: Origin | None = None,
         source: str = "",
     ) -> None:
-        self._student = student
+        self._process = process
         self._record = record
         self._known = known
         self._source = source
-        self._seen: dict[str, Value] = {}
+        self._values: dict[str, Value] = {}
         self.rng = rng
         self.origin = origin
-        self.later = False
-        self.calls: StudentProcess | None = None
+        self.defer_calls = False
+        self.call_process: StudentProcess | None = None
 
     @property
     def record(self) -> Record:
-        """The record that this student works on."""
+        """The student's record."""
         if self._record is None:
             raise ValueError("this assignment has no record")
         return self._record
 
     def value(self, name: str) -> Value:
-        """The variable as plain data; asked for once, as an object of the student's may answer otherwise next time."""
-        if name not in self._seen:
-            reply = self._student().value(name)
+        """The variable as plain data; read only once, because a student's object can change its answer."""
+        if name not in self._values:
+            reply = self._process().value(name)
             if reply.error is not None:
                 raise NoAnswer(f"`{name}` cannot be read ({error_text(redact_error(reply.error, self._source))}).")
             if not reply.ok:
                 raise NoAnswer(f"There is no variable `{name}`: it is not defined.")
-            self._seen[name] = redact(reply.value, self._source)
-        return self._seen[name]
+            self._values[name] = redact(reply.value, self._source)
+        return self._values[name]
 
     def call(self, name: str, *arguments: Value) -> Value:
-        """What the function of that name returns, as plain data."""
-        if self.later:
+        """The return value of the function, as plain data."""
+        if self.defer_calls:
             raise CallDeferred
-        reply = (self.calls or self._student()).call(name, *arguments)
+        reply = (self.call_process or self._process()).call(name, *arguments)
         if reply.error is not None:
             raise NoAnswer(f"`{name}` stopped with {error_text(redact_error(reply.error, self._source))}.")
         if not reply.ok:
@@ -74,19 +79,19 @@ class ProcessAsk:
         return redact(reply.value, self._source)
 
     def known(self, name: str) -> Value:
-        """A value of an earlier step, right or made right."""
+        """A value of an earlier step: the student's if it was right, otherwise the reference's."""
         return self._known[name]
 
     @property
     def figures(self) -> tuple[FigureValue, ...]:
-        """The figures that were asked for."""
-        return tuple(value for value in self._seen.values() if isinstance(value, FigureValue))
+        """The figures read so far."""
+        return tuple(value for value in self._values.values() if isinstance(value, FigureValue))
 
-    def values_of(self, names: Iterable[str]) -> dict[str, Value]:
-        """Those of the variables that were asked for."""
-        return {name: self._seen[name] for name in names if name in self._seen}
+    def values_read(self, names: Iterable[str]) -> dict[str, Value]:
+        """Those of the named variables that have been read."""
+        return {name: self._values[name] for name in names if name in self._values}
 
 
 def error_text(error: Mapping[str, str]) -> str:
-    """Kind and text of an error, without the full stop."""
+    """Kind and message of an error, without a full stop."""
     return f"{error.get('kind')}: {error.get('text', '')}".rstrip(".: ")

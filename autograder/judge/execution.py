@@ -1,4 +1,4 @@
-"""A student's notebook while it runs: within its limits, and brought back to where it was when its process dies."""
+"""Execution of a student's notebook: within its limits, with the state restored when its process ends."""
 
 import contextlib
 import time
@@ -11,173 +11,187 @@ from autograder.sandbox.isolation import ProcessLauncher, Reply, StudentProcess,
 from labsid.checks.values import Value
 
 _Action = NotebookCell | Mapping[str, Value] | int
-"""What a process went through: a cell that it ran, values that it was given, the key of a pin."""
+"""A step of a replay: a cell to run, variables to set, or the key to save the variables under."""
 
-_SECOND_PROCESS_KEY = -1
+_CALL_KEY = -1
 
 
 @dataclass(frozen=True, slots=True)
 class ExecutedCell:
-    """A cell that was gone through: what came back, or how the process died of it."""
+    """A cell with its output.
 
-    step: NotebookCell
+    Attributes
+    ----------
+    cell : NotebookCell
+    reply : Reply
+        Empty for a cell that is not executed.
+    failure : StudentProcessError or None
+        How the process ended while it ran this cell.
+    """
+
+    cell: NotebookCell
     reply: Reply
-    death: StudentProcessError | None = None
+    failure: StudentProcessError | None = None
 
 
 class Execution:
-    """One submission's process, or the one that took its place."""
+    """Runs the cells of one submission; a process that ends is replaced by one in the same state.
+
+    Attributes
+    ----------
+    process : StudentProcess
+        The current process.
+    """
 
     def __init__(self, launcher: ProcessLauncher, folder: Path) -> None:
         self._launcher = launcher
         self._folder = folder
-        self._done: list[_Action] = []
-        self._other: StudentProcess | None = None
-        self._gone_through = 0  # by the other, of what was done
+        self._actions: list[_Action] = []
+        self._call_process: StudentProcess | None = None
+        self._call_position = 0  # number of actions replayed in the call process
         self._cells = 0
         self._printed = 0
-        self._until = time.monotonic() + launcher.limits.submission_seconds
-        self._again = launcher.limits.submission_seconds
-        self.student = self._start()
+        self._deadline = time.monotonic() + launcher.limits.submission_seconds
+        self._replay_seconds = launcher.limits.submission_seconds
+        self.process = self._start()
 
-    def run(self, step: NotebookCell) -> ExecutedCell:
-        """Run a cell; one that kills its process is left out of what the next process is brought back to."""
-        most = self._launcher.limits.cells
+    def run(self, cell: NotebookCell) -> ExecutedCell:
+        """Run a cell; one that ends its process is not replayed in the next process."""
+        max_cells = self._launcher.limits.cells
         self._cells += 1
-        if self._cells > most:
-            return ExecutedCell(
-                step, Reply(False), StudentProcessError("limit", f"the notebook has more than {most} cells")
-            )
+        if self._cells > max_cells:
+            failure = StudentProcessError("limit", f"the notebook has more than {max_cells} cells")
+            return ExecutedCell(cell, Reply(False), failure)
         try:
-            reply = self.student.run(step.source)
-        except StudentProcessError as death:
-            self.revive()
-            return ExecutedCell(step, Reply(False), death)
-        self._done.append(step)
-        return ExecutedCell(step, self._cut(reply))
+            reply = self.process.run(cell.source)
+        except StudentProcessError as failure:
+            self.restart()
+            return ExecutedCell(cell, Reply(False), failure)
+        self._actions.append(cell)
+        return ExecutedCell(cell, self._truncated(reply))
 
     def set(self, values: Mapping[str, Value]) -> None:
-        """Put values in the place of the student's own, now and in every process to come."""
-        self._done.append(values)
+        """Set variables, in this process and in every later one."""
+        self._actions.append(values)
         try:
-            self.student.set(values)
+            self.process.set(values)
         except StudentProcessError:
-            self.revive()
+            self.restart()
 
-    def pin(self, key: int) -> None:
-        """Keep the variables as they are now under a key, in this process and in every process to come."""
-        self._done.append(key)
+    def save_variables(self, key: int) -> None:
+        """Save the current variables under a key, in this process and in every later one."""
+        self._actions.append(key)
         try:
-            self.student.save_variables(key)
+            self.process.save_variables(key)
         except StudentProcessError:
-            self.revive()
+            self.restart()
 
-    def revive(self) -> None:
-        """Start another process and bring it to where the last one was, without what killed it."""
+    def restart(self) -> None:
+        """Start another process and replay all actions, without a cell that ends the process."""
         while True:
-            self.student.close()
-            if time.monotonic() > self._until:
+            self.process.close()
+            if time.monotonic() > self._deadline:
                 return
             try:
-                self.student = self._start()
-            except StudentProcessError:  # what is asked of it now fails, and is tried again
+                self.process = self._start()
+            except StudentProcessError:  # the next request fails and restarts again
                 return
-            failed = self._replay(self.student, self._done)
+            failed = self._replay(self.process, self._actions)
             if failed is None:
                 return
-            self._part()
-            del self._done[failed[0]]  # this cell does not survive being run again: go without it
+            self._close_call_process()
+            del self._actions[failed[0]]
 
     def replayed(self, key: int) -> StudentProcess:
-        """A new process, brought to where the first one was when it kept its variables under `key`.
+        """Start a process and replay the actions up to the point where the variables were saved under `key`.
 
         Raises
         ------
         StudentProcessError
-            If it does not survive that.
+            If the process ends during the replay.
         """
-        student = self._start()
+        process = self._start()
         try:
-            self._bring(student, self._done[: self._done.index(key)])
+            self._timed_replay(process, self._actions[: self._actions.index(key)])
         except BaseException:
-            student.close()
+            process.close()
             raise
-        return student
+        return process
 
     @contextlib.contextmanager
-    def apart(self) -> Iterator[StudentProcess]:
-        """Another process at the same place, to call functions on hidden inputs while there are cells to come.
+    def call_process(self) -> Iterator[StudentProcess]:
+        """A second process in the same state, to call functions on hidden inputs before the last cell has run.
 
-        It has neither memory nor a folder in common with the first, so what it is told stays with it. It is kept for
-        the next time, and then goes on from where it was; not where its variables have changed since.
+        It shares no memory and no folder with the first process, so student code cannot pass hidden inputs on to later
+        cells. It is reused for the next question unless the calls have changed its variables.
 
         Raises
         ------
         StudentProcessError
-            If it does not survive to get there.
+            If the process ends during the replay.
         """
-        if self._other is None:
-            self._other, self._gone_through = self._start(), 0
-        other, behind = self._other, self._done[self._gone_through :]
+        if self._call_process is None:
+            self._call_process, self._call_position = self._start(), 0
+        process = self._call_process
         changed = True
         try:
-            self._bring(other, behind)
-            self._gone_through = len(self._done)
-            other.save_variables(_SECOND_PROCESS_KEY)
-            yield other
+            self._timed_replay(process, self._actions[self._call_position :])
+            self._call_position = len(self._actions)
+            process.save_variables(_CALL_KEY)
+            yield process
             with contextlib.suppress(StudentProcessError):
-                changed = other.restore_variables(_SECOND_PROCESS_KEY)
+                changed = process.restore_variables(_CALL_KEY)
         finally:
             if changed:
-                self._part()
+                self._close_call_process()
 
-    def more_time(self, seconds: float) -> None:
-        """See to it that there are so many seconds left."""
-        self._until = self.student.deadline = max(self._until, time.monotonic() + seconds)
+    def extend_deadline(self, seconds: float) -> None:
+        """Extend the deadline, if necessary, so that at least this many seconds remain."""
+        self._deadline = self.process.deadline = max(self._deadline, time.monotonic() + seconds)
 
     def close(self) -> None:
-        """End it."""
-        self._part()
-        self.student.close()
+        """End all processes of this submission."""
+        self._close_call_process()
+        self.process.close()
 
-    def _part(self) -> None:
-        if self._other is not None:
-            self._other.close()
-            self._other = None
+    def _close_call_process(self) -> None:
+        if self._call_process is not None:
+            self._call_process.close()
+            self._call_process = None
 
-    def _bring(self, student: StudentProcess, done: list[_Action]) -> None:
-        """Replay at the judge's wish: the time is not the notebook's, and all of it may come to as much again."""
+    def _timed_replay(self, process: StudentProcess, actions: list[_Action]) -> None:
+        """Replay on the judge's time: it moves the deadline, and all replays together have a limit of their own."""
         began = time.monotonic()
-        student.deadline = began + self._again
-        failed = self._replay(student, done)
-        gone = time.monotonic() - began
-        self._again -= gone
-        self._until += gone
-        self.student.deadline = student.deadline = self._until
+        process.deadline = began + self._replay_seconds
+        failed = self._replay(process, actions)
+        elapsed = time.monotonic() - began
+        self._replay_seconds -= elapsed
+        self._deadline += elapsed
+        self.process.deadline = process.deadline = self._deadline
         if failed is not None:
-            student.close()
-            raise StudentProcessError(failed[1].status, f"run once more from the first cell on, {failed[1]}")
+            process.close()
+            raise StudentProcessError(failed[1].status, f"when its cells were run a second time, {failed[1]}")
 
-    def _replay(self, student: StudentProcess, done: list[_Action]) -> tuple[int, StudentProcessError] | None:
-        """Do again what was done; the place of what the process did not survive, and how it died."""
-        for index, one in enumerate(done):
+    def _replay(self, process: StudentProcess, actions: list[_Action]) -> tuple[int, StudentProcessError] | None:
+        """Replay actions; returns the index and the error of the one that ended the process."""
+        for index, action in enumerate(actions):
             try:
-                if isinstance(one, NotebookCell):
-                    student.run(one.source)
-                elif isinstance(one, int):
-                    student.save_variables(one)
+                if isinstance(action, NotebookCell):
+                    process.run(action.source)
+                elif isinstance(action, int):
+                    process.save_variables(action)
                 else:
-                    student.set(one)
-            except StudentProcessError as death:
-                return index, death
+                    process.set(action)
+            except StudentProcessError as failure:
+                return index, failure
         return None
 
     def _start(self) -> StudentProcess:
-        student = self._launcher.start(self._folder)
-        student.deadline = self._until
-        return student
+        process = self._launcher.start(self._folder)
+        process.deadline = self._deadline
+        return process
 
-    def _cut(self, reply: Reply) -> Reply:
-        left = max(self._launcher.limits.output_characters - self._printed, 0)
+    def _truncated(self, reply: Reply) -> Reply:
+        remaining = max(self._launcher.limits.output_characters - self._printed, 0)
         self._printed += len(reply.stdout)
-        return Reply(reply.ok, reply.value, reply.error, reply.stdout[:left])
+        return Reply(reply.ok, reply.value, reply.error, reply.stdout[:remaining])

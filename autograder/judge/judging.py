@@ -1,8 +1,8 @@
-"""Judging one submission: walk through its cells, ask for values, compare with labsid in this process.
+"""Judge one submission: run its cells, read its variables and compare them with labsid in this process.
 
-The student's process runs the cells; this one alone holds the checks, the reference and the inputs on which
-functions are tried. A question that fails has its right values put in the place of the student's, so that later
-steps are judged on them.
+The student's process runs the cells. Only this process holds the checks, the reference and the hidden inputs on which
+functions are tested. After a wrong answer its reference values replace the student's, so that later steps are judged on
+right inputs.
 """
 
 import builtins
@@ -32,7 +32,7 @@ from labsid.records.record import Record
 
 @dataclass(frozen=True, slots=True)
 class Assets:
-    """What judging a submission takes besides the submission.
+    """What judging needs besides the submission.
 
     Attributes
     ----------
@@ -41,11 +41,11 @@ class Assets:
     assignment : Assignment
         Its checks.
     record : Record or None
-        The record that this student works on.
+        The student's record.
     secret : bytes
-        Seeds the inputs on which functions are tried.
+        Seeds the hidden inputs on which functions are tested.
     origin : Origin or None
-        Where the record comes from, for checks that know what is withheld about it.
+        Origin of the record, for checks that need what is withheld about it.
     """
 
     template: Template
@@ -63,14 +63,13 @@ def judge_submission(
     Parameters
     ----------
     submission : Submission
-        As the intake made it.
     assets : Assets
     launcher : ProcessLauncher
-        Starts the student's process.
+        Starts the student's processes.
     folder : Path
-        The work folder of that process; the record lies in it.
+        Work folder of these processes; it contains the record.
     pictures : bool
-        Whether to keep pictures of the figures that are judged, for the feedback.
+        Whether to draw the figures that are judged, for the feedback.
 
     Returns
     -------
@@ -79,33 +78,31 @@ def judge_submission(
     """
     if submission.status != "ready":
         return ungraded_result(submission, assets.template, launcher.level)
-    walk = _SubmissionJudge(submission, assets, launcher, folder, pictures)
-    results, ran = walk.results()
+    judge = _SubmissionJudge(submission, assets, launcher, folder, pictures)
+    results, cells = judge.run()
     return SubmissionResult(
-        submission.student, submission.assignment, results, ran, submission.notes, launcher.level, walk.wrong
+        submission.student, submission.assignment, results, cells, submission.notes, launcher.level, judge.wrong_values
     )
 
 
 @dataclass(frozen=True, slots=True)
 class _DeferredQuestion:
-    """A question that wants functions called: judged when nothing that the student sees comes after."""
+    """A question whose check calls functions and that no later step needs: judged after the last cell."""
 
-    place: int
+    index: int
     question: Question
     points: Decimal
-    ran: list[ExecutedCell]
+    cells: list[ExecutedCell]
     known: Mapping[str, Value]
     pictures: tuple[str, ...]
 
 
 _EXECUTED_KINDS = ("given", "answer", "extra")
-OUTPUT_REDACTED = (
-    "(What this cell printed is left out: it ran on the right values of an earlier step that went wrong.)\n"
-)
+OUTPUT_REDACTED = "(Output not shown: this cell ran on the right values of an earlier step that was wrong.)\n"
 
 
 class _SubmissionJudge:
-    """One walk through a submission, with what has been learnt on the way."""
+    """Judges one submission, cell by cell."""
 
     def __init__(
         self, submission: Submission, assets: Assets, launcher: ProcessLauncher, folder: Path, pictures: bool
@@ -115,142 +112,148 @@ class _SubmissionJudge:
         self._limits = launcher.limits
         self._pictures = pictures
         self._known: dict[str, Value] = {}
-        self._waiting: list[_DeferredQuestion] = []
-        self._found: list[QuestionResult] = []
+        self._deferred: list[_DeferredQuestion] = []
+        self._results: list[QuestionResult] = []
         self._failed: list[str] = []
-        self._source = "\n".join(step.source for step in submission.steps)
-        self._told = False  # whether right values stand in the student's process
-        self.wrong: dict[str, dict[str, Value]] = {}
-        self._running = Execution(launcher, folder)
+        self._source = "\n".join(cell.source for cell in submission.cells)
+        self._has_reference_values = False  # in the student's process
+        self.wrong_values: dict[str, dict[str, Value]] = {}
+        self._execution = Execution(launcher, folder)
 
-    def results(self) -> tuple[tuple[QuestionResult, ...], tuple[ExecutedCell, ...]]:
-        """Go through every cell; one result a question, and every cell with what came of it."""
+    def run(self) -> tuple[tuple[QuestionResult, ...], tuple[ExecutedCell, ...]]:
+        """Run and judge all cells; returns a result for each question, and every cell with its output."""
         points = {cell.id: cell.points or Decimal(0) for cell in self._assets.template.questions}
-        gone: list[ExecutedCell] = []
+        executed: list[ExecutedCell] = []
         answer: list[ExecutedCell] = []
         start = time.monotonic()
         try:
-            for step in self._submission.steps:
-                ran = (
-                    self._running.run(step)
-                    if step.code and step.kind in _EXECUTED_KINDS
-                    else ExecutedCell(step, Reply(True))
-                )
-                ran = redact_output(ran) if self._told else ran
-                gone.append(ran)
-                if step.kind in ("answer", "extra") and step.code:
-                    answer.append(ran)
-                if step.kind not in ("question", "manual"):
+            for cell in self._submission.cells:
+                runs = cell.code and cell.kind in _EXECUTED_KINDS
+                done = self._execution.run(cell) if runs else ExecutedCell(cell, Reply(True))
+                done = redact_output(done) if self._has_reference_values else done
+                executed.append(done)
+                if cell.kind in ("answer", "extra") and cell.code:
+                    answer.append(done)
+                if cell.kind not in ("question", "manual"):
                     continue
-                worth = points[step.id or ""]
-                result = self._manual(step, worth) if step.kind == "manual" else self._question(step, worth, answer)
+                worth = points[cell.id or ""]
+                result = self._manual(cell, worth) if cell.kind == "manual" else self._question(cell, worth, answer)
                 now = time.monotonic()
-                self._found.append(replace(result, seconds=now - start))
+                self._results.append(replace(result, seconds=now - start))
                 start, answer = now, []
-            self._judge_waiting()
+            self._judge_deferred()
         finally:
-            self._running.close()
-        return tuple(self._found), tuple(gone)
+            self._execution.close()
+        return tuple(self._results), tuple(executed)
 
-    def _manual(self, step: NotebookCell, points: Decimal) -> QuestionResult:
-        released = next(cell.source for cell in self._assets.template.cells if cell.id == step.id)
-        empty = step.source.strip() in ("", released.strip())
+    def _manual(self, cell: NotebookCell, points: Decimal) -> QuestionResult:
+        released = next(known.source for known in self._assets.template.cells if known.id == cell.id)
+        empty = cell.source.strip() in ("", released.strip())
         reason = "no answer" if empty else "waits to be graded by hand"
-        return QuestionResult(step.id or "", None, points, "manual", reason, answer=step.source)
+        return QuestionResult(cell.id or "", None, points, "manual", reason, answer=cell.source)
 
-    def _question(self, step: NotebookCell, points: Decimal, ran: list[ExecutedCell]) -> QuestionResult:
-        question = self._assets.assignment.question(step.id or "")
-        ask = self._ask(question, lambda: self._running.student, self._known)
-        first = ask  # its pictures show what was drawn before any function saw a hidden input
-        verdict, death = None, next((cell.death for cell in ran if cell.death is not None), None)
-        if death is None:
+    def _question(self, cell: NotebookCell, points: Decimal, answer: list[ExecutedCell]) -> QuestionResult:
+        question = self._assets.assignment.question(cell.id or "")
+        ask = self._ask(question, lambda: self._execution.process, self._known)
+        first_ask = ask  # its figures were drawn before any function received a hidden input
+        verdict, failure = None, next((done.failure for done in answer if done.failure is not None), None)
+        if failure is None:
             try:
-                ask.later = True
-                verdict, death = self._verdict(question, ask)
+                ask.defer_calls = True
+                verdict, failure = self._verdict(question, ask)
             except CallDeferred:
                 if question.gives is None:
-                    place = len(self._found)
-                    self._running.pin(place)
-                    waiting = _DeferredQuestion(place, question, points, ran, dict(self._known), self._drawn(first))
-                    self._waiting.append(waiting)
-                    return QuestionResult(question.id, None, points, "waiting", "")
-                ask = self._ask(question, lambda: self._running.student, self._known)
+                    return self._defer(question, points, answer, first_ask)
+                ask = self._ask(question, lambda: self._execution.process, self._known)
                 try:
-                    with self._running.apart() as ask.calls:
-                        verdict, death = self._verdict(question, ask)
-                except StudentProcessError as died:
-                    death = died
-                ask.calls = None
-        result = self._result(question, points, ran, verdict, death, self._drawn(first))
+                    with self._execution.call_process() as ask.call_process:
+                        verdict, failure = self._verdict(question, ask)
+                except StudentProcessError as error:
+                    failure = error
+                ask.call_process = None
+        result = self._result(question, points, answer, verdict, failure, self._drawn(first_ask))
         self._carry_forward(question, ask, passed=bool(verdict and verdict.passed))
         return result
 
-    def _judge_waiting(self) -> None:
-        """Call functions on the hidden inputs, when no output comes any more that could tell of them."""
-        if self._waiting and self._running.student.lost:  # the time for everything was used up by what came after
-            self._running.more_time(self._limits.cell_seconds)
-            self._running.revive()
-        for one in self._waiting:
-            start = time.monotonic()
-            self._running.more_time(self._limits.call_seconds)
-            ask = self._ask(one.question, lambda: self._running.student, one.known)
-            verdict, death, changed = None, None, False
-            try:
-                changed = self._running.student.restore_variables(one.place)
-            except StudentProcessError as died:
-                death = died
-                self._running.revive()
-            if death is None:
-                verdict, death = self._verdict(one.question, ask)
-            if changed and verdict is not None and not verdict.passed:
-                verdict = self._exact_verdict(one) or verdict
-            result = self._result(one.question, one.points, one.ran, verdict, death, one.pictures)
-            if result.score == 0:
-                self._failed.append(one.question.id)
-            before = self._found[one.place].seconds
-            self._found[one.place] = replace(result, seconds=before + time.monotonic() - start)
+    def _defer(
+        self, question: Question, points: Decimal, answer: list[ExecutedCell], ask: ProcessAsk
+    ) -> QuestionResult:
+        """Save the variables for judging the question later; returns a placeholder."""
+        index = len(self._results)
+        self._execution.save_variables(index)
+        self._deferred.append(_DeferredQuestion(index, question, points, answer, dict(self._known), self._drawn(ask)))
+        return QuestionResult(question.id, None, points, "waiting", "")
 
-    def _exact_verdict(self, one: _DeferredQuestion) -> Verdict | None:
-        """Judge in a process that never went further than the question: later cells changed things in place."""
+    def _judge_deferred(self) -> None:
+        """Call functions on hidden inputs, now that no later output can reveal them."""
+        if self._deferred and self._execution.process.lost:  # the cells have used up the time of the submission
+            self._execution.extend_deadline(self._limits.cell_seconds)
+            self._execution.restart()
+        for deferred in self._deferred:
+            start = time.monotonic()
+            self._execution.extend_deadline(self._limits.call_seconds)
+            ask = self._ask(deferred.question, lambda: self._execution.process, deferred.known)
+            verdict, failure, changed = None, None, False
+            try:
+                changed = self._execution.process.restore_variables(deferred.index)
+            except StudentProcessError as error:
+                failure = error
+                self._execution.restart()
+            if failure is None:
+                verdict, failure = self._verdict(deferred.question, ask)
+            if changed and verdict is not None and not verdict.passed:
+                verdict = self._verdict_after_replay(deferred) or verdict
+            result = self._result(
+                deferred.question, deferred.points, deferred.cells, verdict, failure, deferred.pictures
+            )
+            if result.score == 0:
+                self._failed.append(deferred.question.id)
+            before = self._results[deferred.index].seconds
+            self._results[deferred.index] = replace(result, seconds=before + time.monotonic() - start)
+
+    def _verdict_after_replay(self, deferred: _DeferredQuestion) -> Verdict | None:
+        """Judge in a process without the later cells, which have modified variables in place; None if that fails."""
         try:
-            with contextlib.closing(self._running.replayed(one.place)) as student:
-                return one.question.verdict(self._ask(one.question, lambda: student, one.known))
-        except Exception:  # the process died, or the check broke: then what was found before stands
+            with contextlib.closing(self._execution.replayed(deferred.index)) as process:
+                return deferred.question.verdict(self._ask(deferred.question, lambda: process, deferred.known))
+        except Exception:  # the process ended, or the check is broken: the first verdict stands
             return None
 
     def _drawn(self, ask: ProcessAsk) -> tuple[str, ...]:
-        return tuple(map(figure_svg, ask.figures)) if self._pictures and not self._told else ()
+        return tuple(map(figure_svg, ask.figures)) if self._pictures and not self._has_reference_values else ()
 
     def _verdict(self, question: Question, ask: ProcessAsk) -> tuple[Verdict | None, StudentProcessError | None]:
         try:
             return question.verdict(ask), None
-        except StudentProcessError as died:
-            if self._running.student.lost:
-                self._running.revive()
-            return None, died
-        except Exception as error:  # a check must never take the other questions with it
-            said_so = f"This answer could not be judged ({type(error).__name__}). Tell your teacher."
-            return Verdict(False, said_so), None
+        except StudentProcessError as failure:
+            if self._execution.process.lost:
+                self._execution.restart()
+            return None, failure
+        except Exception as error:  # a broken check must not affect the other questions
+            text = f"This answer could not be judged ({type(error).__name__}). Tell your instructor."
+            return Verdict(False, text), None
 
     def _result(
         self,
         question: Question,
         points: Decimal,
-        ran: list[ExecutedCell],
+        answer: list[ExecutedCell],
         verdict: Verdict | None,
-        death: StudentProcessError | None,
+        failure: StudentProcessError | None,
         pictures: tuple[str, ...],
     ) -> QuestionResult:
         status = "graded"
-        if verdict is None or death is not None:
-            status = "crashed" if death is None else death.status
-            verdict = Verdict(False, f"Your code for this step did not come back: {death}.")
+        if verdict is None or failure is not None:
+            status = "crashed" if failure is None else failure.status
+            verdict = Verdict(False, f"Your code for this step did not finish: {failure}.")
         elif not verdict.passed:
-            verdict = _with_cell_error(verdict, ran)
-            if any((cell.reply.error or {}).get("kind") == "MemoryError" for cell in ran):
+            verdict = _with_cell_error(verdict, answer)
+            if any((done.reply.error or {}).get("kind") == "MemoryError" for done in answer):
                 status = "limit"
-        if verdict.passed and (spoilt := [used for used in question.uses if used in self._failed]):
-            verdict = replace(verdict, reason=f"{verdict.reason} (Judged on the right values of {', '.join(spoilt)}.)")
+        if verdict.passed and (replaced := [used for used in question.uses if used in self._failed]):
+            verdict = replace(
+                verdict, reason=f"{verdict.reason} (Judged on the right values of {', '.join(replaced)}.)"
+            )
         return QuestionResult(
             question.id,
             points if verdict.passed else Decimal(0),
@@ -258,53 +261,54 @@ class _SubmissionJudge:
             status,
             verdict.reason,
             verdict.slip,
-            answer="\n\n".join(cell.step.source for cell in ran),
-            output="".join(cell.reply.stdout for cell in ran),
+            answer="\n\n".join(done.cell.source for done in answer),
+            output="".join(done.reply.stdout for done in answer),
             figures=pictures,
         )
 
     def _carry_forward(self, question: Question, ask: ProcessAsk, passed: bool) -> None:
+        """Keep the values from which later steps start: the student's, or after a wrong answer the reference's."""
         if not passed:
             self._failed.append(question.id)
-        ask.later = False
+        ask.defer_calls = False
         try:
-            given = given_values(question, ask, passed)
+            values = given_values(question, ask, passed)
         except StudentProcessError:
-            self._running.revive()
-            given = given_values(question, ask, passed=False)
-        except Exception:  # the questions that start from these values will say that they could not be judged
+            self._execution.restart()
+            values = given_values(question, ask, passed=False)
+        except Exception:  # the questions that need these values will report that they could not be judged
             return
-        self._known.update(given)
-        if given and not passed:
-            self.wrong[question.id] = ask.values_of(given)
-            self._running.set(given)
-            self._told = True
+        self._known.update(values)
+        if values and not passed:
+            self.wrong_values[question.id] = ask.values_read(values)
+            self._execution.set(values)
+            self._has_reference_values = True
 
-    def _ask(self, question: Question, student: Callable[[], StudentProcess], known: Mapping[str, Value]) -> ProcessAsk:
+    def _ask(self, question: Question, process: Callable[[], StudentProcess], known: Mapping[str, Value]) -> ProcessAsk:
         identity = f"{self._submission.student}\0{self._submission.assignment}\0{question.id}".encode(
             errors="surrogatepass"
         )
         seed = hmac.new(self._assets.secret, identity, hashlib.sha256).digest()
         rng = np.random.default_rng(list(seed))
-        return ProcessAsk(student, self._assets.record, known, rng, self._assets.origin, self._source)
+        return ProcessAsk(process, self._assets.record, known, rng, self._assets.origin, self._source)
 
 
-def redact_output(ran: ExecutedCell) -> ExecutedCell:
-    """What a cell said, without anything that could tell the right values that it was run with."""
-    reply, error = ran.reply, ran.reply.error
-    if ran.step.kind == "extra" and ran.step.code:  # of any number of these, even whether they stop would tell
-        return replace(ran, reply=Reply(True, None, None, OUTPUT_REDACTED))
+def redact_output(executed: ExecutedCell) -> ExecutedCell:
+    """Remove all output of a cell that could reveal the reference values on which it ran."""
+    cell, reply, error = executed.cell, executed.reply, executed.reply.error
+    if cell.kind == "extra" and cell.code:  # students can add any number of these: even whether one fails reveals a bit
+        return replace(executed, reply=Reply(True, None, None, OUTPUT_REDACTED))
     if error is not None:
         kind, line = str(error.get("kind")), error.get("line")
-        told = {"kind": kind if hasattr(builtins, kind) else "an error", "text": ""}
-        error = {**told, "line": line} if line in range(1, ran.step.source.count("\n") + 2) else told
-    return replace(ran, reply=Reply(reply.ok, None, error, OUTPUT_REDACTED if reply.stdout else ""))
+        shown = {"kind": kind if hasattr(builtins, kind) else "an error", "text": ""}
+        error = {**shown, "line": line} if line in range(1, cell.source.count("\n") + 2) else shown
+    return replace(executed, reply=Reply(reply.ok, None, error, OUTPUT_REDACTED if reply.stdout else ""))
 
 
-def _with_cell_error(verdict: Verdict, ran: list[ExecutedCell]) -> Verdict:
-    """Say first that the cell above stopped, where it did: that is what the student must mend."""
-    for cell in ran:
-        error = cell.reply.error
+def _with_cell_error(verdict: Verdict, answer: list[ExecutedCell]) -> Verdict:
+    """Put the error that stopped the cell, if any, before the reason: the student has to correct it first."""
+    for done in answer:
+        error = done.reply.error
         if error is not None:
             line = f" in line {error['line']}" if error.get("line") else ""
             return replace(verdict, reason=f"Your cell stopped{line} with {error_text(error)}. {verdict.reason}")

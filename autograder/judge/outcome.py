@@ -1,4 +1,4 @@
-"""What comes of judging: a line for each question, and everything known of a submission."""
+"""Results of judging: of a question, and of a submission."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -12,7 +12,7 @@ from labsid.checks.values import Value
 
 @dataclass(frozen=True, slots=True)
 class QuestionResult:
-    """One line of the grades.
+    """The result of one question.
 
     Attributes
     ----------
@@ -24,17 +24,17 @@ class QuestionResult:
     status : str
         One of ``graded, manual, crashed, timeout, limit, missing, quarantined``.
     reason : str
-        What the student is told.
+        Explanation for the student.
     slip : str or None
-        Name of the known slip.
+        Name of the known mistake that the answer matches.
     answer : str
         The student's own text or code for this question.
     output : str
-        What the answer's cell printed.
+        Printed output of the answer's cells.
     figures : tuple of str
-        Pictures of the figures that were judged, as SVG in base64.
+        The judged figures, as SVG in base64.
     seconds : float
-        Time that its cells and the judging took.
+        Time to run its cells and judge the answer.
     """
 
     question: str
@@ -51,37 +51,37 @@ class QuestionResult:
 
 @dataclass(frozen=True, slots=True)
 class SubmissionResult:
-    """Everything known of a graded submission.
+    """The result of one submission.
 
     Attributes
     ----------
     student, assignment : str
     results : tuple of QuestionResult
-        One for every question, in the order of the notebook.
-    ran : tuple of Ran
-        Every cell that was gone through, with what it printed and drew.
+        One for each question, in the order of the notebook.
+    cells : tuple of ExecutedCell
+        All cells with their output.
     notes : tuple of str
-        What the intake mended, or why it was refused.
+        What was repaired in the submission, or why it was not graded.
     isolation : str
-        The level on which it ran.
-    wrong : mapping
-        Of the questions that failed, the values that stood where later steps start from, by question and name.
+        The isolation level at which it ran.
+    wrong_values : mapping
+        The student's values that were replaced after a wrong answer, by question and name.
     flags : tuple of str
-        What the teacher alone should know.
+        Remarks for the instructor only.
     """
 
     student: str
     assignment: str
     results: tuple[QuestionResult, ...]
-    ran: tuple[ExecutedCell, ...]
+    cells: tuple[ExecutedCell, ...]
     notes: tuple[str, ...]
     isolation: str
-    wrong: Mapping[str, Mapping[str, Value]] = field(default_factory=dict)
+    wrong_values: Mapping[str, Mapping[str, Value]] = field(default_factory=dict)
     flags: tuple[str, ...] = ()
 
 
 def ungraded_result(submission: Submission, template: Template, level: str) -> SubmissionResult:
-    """What comes of a submission that is missing or quarantined: no marks for any question, and why."""
+    """The result of a missing or quarantined submission: no marks, with the reason."""
     reason = "; ".join(submission.notes)
     results = tuple(
         QuestionResult(cell.id, Decimal(0), cell.points or Decimal(0), submission.status, reason)

@@ -1,8 +1,8 @@
-"""What is passed on of what a student's process says: nothing that could tell what it has in hand.
+"""Redaction of student output that could reveal hidden inputs or reference values.
 
-It is given hidden inputs, and after a wrong step the right values. It can write either into the message of an error,
-the name of a type, or a text that it returns, in letters as well as in digits. So words are passed on that stand in the
-notebook's own source, and the common words of Python and numpy; of the rest is said that something was left out.
+A student's process receives hidden inputs, and the reference values after a wrong answer. Its code can put either into
+an error message, a type name or a returned text, as digits or as letters. Only words of the notebook's own source and
+common words of Python and numpy are shown; anything else is replaced by `REDACTED`.
 """
 
 import builtins
@@ -34,7 +34,7 @@ _TYPES = re.compile(
 
 
 class _RedactedText(str):
-    """A text that a check can read and compare, and that it cannot quote to the student."""
+    """A text that a check can read and compare, but not quote: its repr and slices are redacted."""
 
     __slots__ = ()
 
@@ -46,7 +46,7 @@ class _RedactedText(str):
 
 
 def redact_error(error: Mapping[str, Any], source: str) -> dict[str, str]:
-    """Kind and text of an error, as far as they may be told to the author of `source`."""
+    """Kind and message of an error, redacted for the author of `source`."""
     kind, text = str(error.get("kind")), str(error.get("text", "")).strip()
     found = _MESSAGES.search(text)
     if text not in source:
@@ -56,17 +56,17 @@ def redact_error(error: Mapping[str, Any], source: str) -> dict[str, str]:
 
 
 def redact(value: Value, source: str) -> Value:
-    """A value whose texts and names of types can be told to the author of `source` wherever a check quotes them."""
+    """A value whose texts and type names are redacted for the author of `source` wherever a check quotes them."""
     if isinstance(value, Unreadable):
         return value if _is_known(value.kind, source) else Unreadable(REDACTED)
     if isinstance(value, str):
         return value if value in source else _RedactedText(value)
     if isinstance(value, (tuple, list)):
-        return tuple(redact(one, source) for one in value)
+        return tuple(redact(item, source) for item in value)
     if isinstance(value, Mapping):
-        return {key: redact(one, source) for key, one in value.items()}
+        return {key: redact(item, source) for key, item in value.items()}
     if isinstance(value, (FigureValue, AxesValue, CurveValue)):
-        parts: dict[str, Any] = {one.name: redact(getattr(value, one.name), source) for one in fields(value)}
+        parts: dict[str, Any] = {field.name: redact(getattr(value, field.name), source) for field in fields(value)}
         return replace(value, **parts)
     return value
 

@@ -1,4 +1,4 @@
-"""The notebooks that formgrader shows: the student's cells with what they printed, and pictures of what was judged."""
+"""Notebooks for formgrader: the student's cells with their output, and the judged figures."""
 
 import base64
 import json
@@ -15,8 +15,8 @@ from labsid._files import write_text
 
 
 def write_autograded(course: Course, out: Path, result: SubmissionResult) -> None:
-    """Write ``OUT/autograded/<student>/<assignment>/<assignment>.ipynb``; nothing where there was nothing to grade."""
-    if not result.ran:
+    """Write ``OUT/autograded/<student>/<assignment>/<assignment>.ipynb``; nothing for a submission that was not graded."""
+    if not result.cells:
         return
     name = result.assignment
     path = course.release / name / f"{name}.ipynb"
@@ -24,11 +24,11 @@ def write_autograded(course: Course, out: Path, result: SubmissionResult) -> Non
     released = {cell["id"]: cell for cell in notebook["cells"]}
     pictures = {question.question: question.figures for question in result.results}
     cells: list[dict[str, Any]] = []
-    for index, ran in enumerate(result.ran):
-        # cells without a grade_id are the hand-in's own, the course's text among them
-        cell = _as_cell(ran, released, f"extra-{index}")
-        if ran.step.code:
-            cell["outputs"] = [*_outputs(ran), *map(_picture, pictures.get(ran.step.id or "", ()))]
+    for index, executed in enumerate(result.cells):
+        # cells without a grade_id come from the submission, text of the course included
+        cell = _as_cell(executed, released, f"extra-{index}")
+        if executed.cell.code:
+            cell["outputs"] = [*_outputs(executed), *map(_picture, pictures.get(executed.cell.id or "", ()))]
         cells.append(cell)
     target = out / "autograded" / result.student / name / f"{name}.ipynb"
     write_text(target, json.dumps({**notebook, "cells": cells}, indent=1, ensure_ascii=False) + "\n")
@@ -36,32 +36,32 @@ def write_autograded(course: Course, out: Path, result: SubmissionResult) -> Non
 
 @lru_cache(maxsize=32)
 def _released(path: Path, changed: int) -> dict[str, Any]:
-    """The released notebook as plain JSON, read once as long as it does not change."""
+    """The released notebook as plain JSON, cached until it changes."""
     read: dict[str, Any] = json.loads(path.read_text(encoding="utf-8"))
     return read
 
 
-def _as_cell(ran: ExecutedCell, released: Mapping[str, dict[str, Any]], extra_id: str) -> dict[str, Any]:
-    step = ran.step
-    if step.id is not None:
-        cell = deepcopy(released[step.id])
+def _as_cell(executed: ExecutedCell, released: Mapping[str, dict[str, Any]], extra_id: str) -> dict[str, Any]:
+    own = executed.cell
+    if own.id is not None:
+        cell = deepcopy(released[own.id])
     else:
-        cell = {"cell_type": "code" if step.code else "markdown", "id": extra_id, "metadata": {}}
-        if step.code:
+        cell = {"cell_type": "code" if own.code else "markdown", "id": extra_id, "metadata": {}}
+        if own.code:
             cell["execution_count"] = None
-    cell["source"] = step.source
+    cell["source"] = own.source
     return cell
 
 
-def _outputs(ran: ExecutedCell) -> list[dict[str, Any]]:
+def _outputs(executed: ExecutedCell) -> list[dict[str, Any]]:
     made: list[dict[str, Any]] = []
-    if ran.reply.stdout:
-        made.append({"output_type": "stream", "name": "stdout", "text": ran.reply.stdout})
-    if ran.reply.error is not None:
-        kind, text = str(ran.reply.error.get("kind")), str(ran.reply.error.get("text"))
+    if executed.reply.stdout:
+        made.append({"output_type": "stream", "name": "stdout", "text": executed.reply.stdout})
+    if executed.reply.error is not None:
+        kind, text = str(executed.reply.error.get("kind")), str(executed.reply.error.get("text"))
         made.append({"output_type": "error", "ename": kind, "evalue": text, "traceback": [f"{kind}: {text}"]})
-    if ran.death is not None:
-        made.append({"output_type": "stream", "name": "stderr", "text": f"{ran.death}\n"})
+    if executed.failure is not None:
+        made.append({"output_type": "stream", "name": "stderr", "text": f"{executed.failure}\n"})
     return made
 
 

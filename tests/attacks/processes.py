@@ -109,7 +109,7 @@ ATTACKS = (
                 "            os.killpg(pid, signal.SIGKILL)\n"
                 "    except OSError:\n        pass\nos._exit(1)"},
         loses=(NOISE,),
-        said="did not come back",
+        said="did not finish",
     ),
     Attack(
         "traces its parent",

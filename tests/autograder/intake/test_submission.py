@@ -51,7 +51,7 @@ def hand_in(folder: Path, content: str | bytes | list, name: str = "tiny.ipynb")
 
 
 def sources(submission: Submission) -> dict[str, str]:
-    return {step.id: step.source for step in submission.steps if step.id is not None}
+    return {cell.id: cell.source for cell in submission.cells if cell.id is not None}
 
 
 def as_released(**changed: str) -> dict[str, str]:
@@ -65,9 +65,9 @@ def test_a_hand_in_as_it_should_be(tmp_path: Path) -> None:
     submission = hand_in(tmp_path, cells())
     assert (submission.student, submission.assignment, submission.status) == ("s", "tiny", "ready")
     assert submission.notes == ()
-    assert [step.id for step in submission.steps] == IDS
+    assert [cell.id for cell in submission.cells] == IDS
     assert sources(submission) == WHOLE
-    assert submission.steps[3] == NotebookCell("open", "manual", "Because.", False)
+    assert submission.cells[3] == NotebookCell("open", "manual", "Because.", False)
 
 
 def test_the_release_itself_needs_no_mending(course: Course) -> None:
@@ -75,7 +75,7 @@ def test_the_release_itself_needs_no_mending(course: Course) -> None:
         template = read_template(course, name)
         submission = read_submission(course.release / name, "s", template)
         assert (submission.status, submission.notes) == ("ready", ())
-        assert [step.source for step in submission.steps if step.id] == [cell.source for cell in template.cells]
+        assert [cell.source for cell in submission.cells if cell.id] == [cell.source for cell in template.cells]
 
 
 def test_nothing_handed_in(tmp_path: Path) -> None:
@@ -83,7 +83,7 @@ def test_nothing_handed_in(tmp_path: Path) -> None:
     (tmp_path / "file").write_bytes(b"")
     for folder in (tmp_path, tmp_path / "nosuch", tmp_path / "file"):
         submission = read_submission(folder, "s", TEMPLATE)
-        assert (submission.status, submission.steps) == ("missing", ())
+        assert (submission.status, submission.cells) == ("missing", ())
         assert submission.notes == ("no notebook was handed in",)
 
 
@@ -149,7 +149,7 @@ def test_a_pipe_is_no_notebook(tmp_path: Path) -> None:
 )
 def test_what_cannot_be_read_is_quarantined_and_said(tmp_path: Path, content: str | bytes, said: str) -> None:
     submission = hand_in(tmp_path, content)
-    assert (submission.status, submission.steps) == ("quarantined", ())
+    assert (submission.status, submission.cells) == ("quarantined", ())
     (note,) = submission.notes
     assert note.startswith("tiny.ipynb ")
     assert said in note
@@ -189,7 +189,7 @@ def test_of_a_duplicated_cell_the_one_that_was_worked_in_counts(tmp_path: Path, 
     handed_in.insert(2 if twice else 1, stub)
     submission = hand_in(tmp_path, handed_in)
     assert sources(submission) == WHOLE
-    assert [step.id for step in submission.steps] == IDS
+    assert [cell.id for cell in submission.cells] == IDS
     assert len(submission.notes) == 1
     assert submission.notes[0].startswith("the cell q-answer is there twice")
 
@@ -200,7 +200,7 @@ def test_of_two_cells_that_were_worked_in_both_run_where_they_stand(tmp_path: Pa
     handed_in.insert(4, cell("q", "a = a + 2"))
     submission = hand_in(tmp_path, handed_in)
     assert sources(submission) == WHOLE
-    ran = [(step.id, step.source) for step in submission.steps]
+    ran = [(cell.id, cell.source) for cell in submission.cells]
     assert ran[1:5] == [("q-answer", "a = 3"), (None, "a = a + 1"), ("q", 'check("q")'), (None, "a = a + 2")]
     assert submission.notes == (
         "the cell q-answer is there twice: both were kept",
@@ -212,12 +212,12 @@ def test_a_copied_check_is_dropped(tmp_path: Path) -> None:
     handed_in = cells()
     handed_in.append(cell("q", 'check("q")'))
     submission = hand_in(tmp_path, handed_in)
-    assert [step.id for step in submission.steps] == IDS
+    assert [cell.id for cell in submission.cells] == IDS
 
 
 def test_deleted_cells_are_put_back(tmp_path: Path) -> None:
     submission = hand_in(tmp_path, [one for one in cells() if one["metadata"]["nbgrader"]["grade_id"] in ("open", "p")])
-    assert [step.id for step in submission.steps] == IDS
+    assert [cell.id for cell in submission.cells] == IDS
     assert sources(submission) == as_released(q_answer="", open="Because.", p_answer="")
     assert submission.notes == (
         "the cell setup was put back as released",
@@ -241,7 +241,7 @@ def test_edited_given_cells_and_checks_are_put_back(tmp_path: Path) -> None:
 
 def test_reordered_cells_are_put_in_order(tmp_path: Path) -> None:
     submission = hand_in(tmp_path, cells()[::-1])
-    assert [step.id for step in submission.steps] == IDS
+    assert [cell.id for cell in submission.cells] == IDS
     assert sources(submission) == WHOLE
     assert submission.notes == ()
 
@@ -253,10 +253,10 @@ def test_cells_that_the_student_added_stay_where_they_are(tmp_path: Path) -> Non
     handed_in.insert(4, cell("of-another-course", "foreign"))
     handed_in.append(cell(None, "last"))
     submission = hand_in(tmp_path, handed_in)
-    assert [step.id or step.source for step in submission.steps] == [
+    assert [cell.id or cell.source for cell in submission.cells] == [
         "first", "setup", "q-answer", "between", "foreign", "q", "open", "p-answer", "p", "last",
     ]  # fmt: skip
-    assert [step.code for step in submission.steps if step.kind == "extra"] == [True, False, True, True]
+    assert [cell.code for cell in submission.cells if cell.kind == "extra"] == [True, False, True, True]
     assert submission.notes == ()
 
 
@@ -265,7 +265,7 @@ def test_an_answer_keeps_its_kind_whatever_the_notebook_says(tmp_path: Path) -> 
     handed_in[1]["cell_type"] = "markdown"
     handed_in[1]["metadata"]["nbgrader"] |= {"points": 100, "grade": True, "locked": True}
     submission = hand_in(tmp_path, handed_in)
-    assert submission.steps[1] == NotebookCell("q-answer", "answer", "a = 3", True)
+    assert submission.cells[1] == NotebookCell("q-answer", "answer", "a = 3", True)
 
 
 NONSENSE = [None, 3, "x", [], [[]], {}, {"a": 1}, True]
@@ -286,7 +286,7 @@ def test_nonsense_in_a_cell_does_no_harm(tmp_path: Path, field: str, value: Any)
     got = sources(submission)
     assert set(got) == set(IDS)
     assert got["p-answer"] == "b = 4"
-    assert all(isinstance(step.source, str) for step in submission.steps)
+    assert all(isinstance(cell.source, str) for cell in submission.cells)
 
 
 def test_parts_of_a_source_that_are_no_text_are_left_out(tmp_path: Path) -> None:

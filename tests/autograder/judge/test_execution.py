@@ -80,18 +80,18 @@ except BlockingIOError:
 
 def test_what_a_function_was_called_on_stays_in_its_process(launcher: ProcessLauncher, tmp_path: Path) -> None:
     with running(launcher, tmp_path, KEEPS) as notebook:
-        with notebook.apart() as other:
+        with notebook.call_process() as other:
             assert other.call("f", 1234.5).value == 1
         assert notebook.run(cell(FOUND)).reply.stdout.splitlines() == ["[] 0 False", "nothing"]
 
 
 def test_the_other_process_is_where_the_first_one_is(forked: ProcessLauncher, tmp_path: Path) -> None:
     with running(forked, tmp_path, "a = 1\ndef f():\n    return a") as notebook:
-        with notebook.apart() as other:
+        with notebook.call_process() as other:
             assert other.call("f").value == 1
         notebook.run(cell("a += 1"))
         notebook.set({"b": 5.0})
-        with notebook.apart() as again:
+        with notebook.call_process() as again:
             assert again is other
             assert again.call("f").value == 2
             assert again.value("b").value == 5.0
@@ -107,35 +107,35 @@ def test_the_other_process_is_where_the_first_one_is(forked: ProcessLauncher, tm
 def test_a_call_changes_nothing_for_the_next(forked: ProcessLauncher, tmp_path: Path, start: str, call: str) -> None:
     with running(forked, tmp_path, f"{start}\ndef f():\n    {call}") as notebook:
         for _ in range(2):
-            with notebook.apart() as other:
+            with notebook.call_process() as other:
                 assert other.call("f").value == 1
 
 
 def test_a_cell_that_killed_the_first_process_is_not_run_in_the_other(forked: ProcessLauncher, tmp_path: Path) -> None:
     with running(forked, tmp_path, "a = 1\ndef f():\n    return a") as notebook:
-        with notebook.apart() as other:
+        with notebook.call_process() as other:
             assert other.call("f").value == 1
-        assert notebook.run(cell("import os\na = 2\nos._exit(1)")).death is not None
+        assert notebook.run(cell("import os\na = 2\nos._exit(1)")).failure is not None
         notebook.run(cell("a += 2"))
-        with notebook.apart() as other:
+        with notebook.call_process() as other:
             assert other.call("f").value == 3
 
 
 def test_a_call_that_ends_the_other_process_is_not_missed(forked: ProcessLauncher, tmp_path: Path) -> None:
     with running(forked, tmp_path, "import os\ndef f():\n    os._exit(3)\ndef g():\n    return 5") as notebook:
-        with notebook.apart() as other, pytest.raises(StudentProcessError, match="ended with exit status 3"):
+        with notebook.call_process() as other, pytest.raises(StudentProcessError, match="ended with exit status 3"):
             other.call("f")
-        with notebook.apart() as other:
+        with notebook.call_process() as other:
             assert other.call("g").value == 5
-        assert notebook.student.call("g").value == 5
+        assert notebook.process.call("g").value == 5
 
 
 def test_cells_that_cannot_be_run_twice_are_said(forked: ProcessLauncher, tmp_path: Path) -> None:
     once = "import os\nif os.path.exists('ran'):\n    os._exit(4)"
     with running(forked, tmp_path, once) as notebook:
         (tmp_path / "ran").touch()
-        said = "run once more from the first cell on, its process ended with exit status 4"
-        with pytest.raises(StudentProcessError, match=said), notebook.apart():
+        said = "when its cells were run a second time, its process ended with exit status 4"
+        with pytest.raises(StudentProcessError, match=said), notebook.call_process():
             pass
 
 
@@ -145,9 +145,9 @@ def test_running_cells_again_is_not_on_the_notebooks_time(tmp_path: Path) -> Non
         open_launcher("none", limits) as launcher,
         running(launcher, tmp_path, "import time\ntime.sleep(2.2)") as notebook,
     ):
-        with notebook.apart():
+        with notebook.call_process():
             pass
-        assert notebook.run(cell("time.sleep(0.8)")).death is None
+        assert notebook.run(cell("time.sleep(0.8)")).failure is None
 
 
 def test_running_cells_again_has_a_limit_too(tmp_path: Path) -> None:
@@ -156,6 +156,6 @@ def test_running_cells_again_has_a_limit_too(tmp_path: Path) -> None:
     limits = Limits(submission_seconds=1.5)
     with open_launcher("none", limits) as launcher, running(launcher, tmp_path, slower) as notebook:
         (tmp_path / "ran").touch()
-        with pytest.raises(StudentProcessError, match="took longer than") as died, notebook.apart():
+        with pytest.raises(StudentProcessError, match="took longer than") as died, notebook.call_process():
             pass
     assert died.value.status == "timeout"

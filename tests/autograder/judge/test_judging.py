@@ -155,7 +155,7 @@ def test_a_wrong_function_costs_its_own_question(forked: ProcessLauncher, tmp_pa
         ("import numpy as np\na = np.zeros(10 ** 7)", "graded", "`a` cannot be read .*too large"),
         ("class A:\n    def __getattr__(self, name):\n        raise RuntimeError\na = A()", "graded", "of type A"),
         ("import numpy as np\na = np.zeros(2 ** 32)", "limit", "MemoryError"),
-        ("import os\nos._exit(1)", "crashed", r"did not come back: its process ended with exit status 1\.$"),
+        ("import os\nos._exit(1)", "crashed", r"did not finish: its process ended with exit status 1\.$"),
         ("import os\nos._exit(0)", "crashed", "ended with exit status 0"),
         ("import os\nos.kill(os.getpid(), 15)", "crashed", "was ended by SIGTERM"),
         ("import os\nos.kill(os.getpid(), 9)", "crashed", "was ended by SIGKILL"),
@@ -352,7 +352,7 @@ def test_a_check_that_breaks_takes_nothing_with_it(forked: ProcessLauncher, tmp_
 
     assignment = Assignment("tiny", (Question("q-gain", broken, GAIN.gives), ASSIGNMENT.questions[1]))
     first, second, _ = grade(forked, tmp_path, "a = 3", assignment=assignment)
-    assert first.reason == "This answer could not be judged (RuntimeError). Tell your teacher."
+    assert first.reason == "This answer could not be judged (RuntimeError). Tell your instructor."
     assert second.score == Decimal("0.2")
 
 
@@ -366,7 +366,7 @@ def test_right_values_that_cannot_be_made_cost_no_more_than_what_needs_them(
     assignment = Assignment("tiny", (Question("q-gain", gain, broken), ASSIGNMENT.questions[1]))
     first, second, third = grade(forked, tmp_path, cell, assignment=assignment)
     assert first.reason == ("Right." if cell == "a = 3" else "Not the gain.")
-    assert second.reason == "This answer could not be judged (KeyError). Tell your teacher."
+    assert second.reason == "This answer could not be judged (KeyError). Tell your instructor."
     assert third.status == "manual"
 
 
@@ -406,7 +406,7 @@ def test_a_submission_that_is_not_ready_is_not_run(tmp_path: Path) -> None:
     result = judge_submission(submission, Assets(TEMPLATE, ASSIGNMENT, None, b"s"), Nothing(), tmp_path)
     assert [(one.score, one.status) for one in result.results] == [(Decimal(0), "quarantined")] * 3
     assert {one.reason for one in result.results} == {"tiny.ipynb cannot be read; really"}
-    assert result.ran == ()
+    assert result.cells == ()
 
 
 def test_a_process_that_cannot_come_up_is_said(tmp_path: Path) -> None:
@@ -582,6 +582,6 @@ def test_a_right_value_that_was_carried_forward_is_not_told(forked: ProcessLaunc
     _, second, _ = grade(forked, tmp_path, "a = -3", f"{cell}\ndef f(x):\n    return 0 * x")
     assert second.score == 0
     assert "3" not in second.output + second.reason.replace("line 1", "")
-    assert ("left out" in second.output) == cell.startswith("print")
+    assert ("not shown" in second.output) == cell.startswith("print")
     _, shown, _ = grade(forked, tmp_path, "a = 3", f"{cell}\ndef f(x):\n    return 0 * x")
     assert "3" in shown.output + shown.reason
