@@ -250,10 +250,8 @@ class _SubmissionJudge:
             verdict = _with_cell_error(verdict, answer)
             if any((done.reply.error or {}).get("kind") == "MemoryError" for done in answer):
                 status = "limit"
-        if verdict.passed and (replaced := [used for used in question.uses if used in self._failed]):
-            verdict = replace(
-                verdict, reason=f"{verdict.reason} (Judged on the right values of {', '.join(replaced)}.)"
-            )
+        if verdict.passed and (failed := [used for used in question.uses if used in self._failed]):
+            verdict = replace(verdict, reason=f"{verdict.reason} (Judged on the right values of {', '.join(failed)}.)")
         return QuestionResult(
             question.id,
             points if verdict.passed else Decimal(0),

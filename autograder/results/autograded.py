@@ -15,7 +15,7 @@ from labsid._files import write_text
 
 
 def write_autograded(course: Course, out: Path, result: SubmissionResult) -> None:
-    """Write ``OUT/autograded/<student>/<assignment>/<assignment>.ipynb``; nothing for a submission that was not graded."""
+    """Write ``OUT/autograded/<student>/<assignment>/<assignment>.ipynb``; nothing if there are no cells."""
     if not result.cells:
         return
     name = result.assignment
