@@ -52,7 +52,7 @@ def diagnose(
     """Say where the gap between a simulation and a record lies, what causes it, and how much adding it closes."""
     from labsid._files import check_writable, write_json
     from labsid.gap.diagnosis import diagnose as answer
-    from labsid.gap.simulations import load_simulation
+    from labsid.gap.simulation_files import load_simulation
     from labsid.gap.text_report import format_report
     from labsid.records.record import load_record
 
@@ -117,13 +117,13 @@ def simulate(
 ) -> None:
     """Play a simulation on a record's input, its initial state estimated from the first 50 samples."""
     from labsid.gap.clock import clock_findings
-    from labsid.gap.simulations import play, write_played
+    from labsid.gap.simulation_files import replay, write_replay
     from labsid.records.record import load_record
 
     loaded = load_record(record, output=output, columns=columns, Ts=Ts, allow_jitter=True)
-    played = play(model, loaded)
+    played = replay(model, loaded)
     if out is not None:
-        write_played(out, loaded, played.y)
+        write_replay(out, loaded, played.y)
     print(f"{len(loaded)} samples, free run: rmse {played.rmse:.6g} behind the first {played.start} samples")
     for finding in clock_findings(loaded):
         print(f"note: {finding.text}")

@@ -8,7 +8,7 @@ from labsid.gap._states import transition
 
 
 @compiled()
-def varying(w: FloatArray, c: FloatArray, k: FloatArray) -> FloatArray:
+def simulate_varying(w: FloatArray, c: FloatArray, k: FloatArray) -> FloatArray:
     """Position and speed of z'' = -c(t) z' - k(t) z + w from zero, for each column of `w`; shape (N, 2 m + 4).
 
     The last four columns are those of the free motion from z = 1 and from z' = 1.
@@ -36,7 +36,7 @@ def varying(w: FloatArray, c: FloatArray, k: FloatArray) -> FloatArray:
 
 
 @compiled()
-def stepped(
+def simulate_stepped(
     w: FloatArray, c: tuple[float, float], k: tuple[float, float], onset: float, kick: float, push: float
 ) -> FloatArray:
     """Position and speed of z'' = -c z' - k z + w from zero, whose c and k step at `onset`; shape (N, 2 m + 6).
@@ -55,14 +55,14 @@ def stepped(
         force[:driven] = w[n]
         if onset > n:
             left = min(onset - n, 1.0)
-            z, v = _onward(z, v, force, before if left == 1.0 else transition(c[0], k[0], left))
+            z, v = _advance(z, v, force, before if left == 1.0 else transition(c[0], k[0], left))
         if n <= onset < n + 1:
             v = v - kick * z
             v[driven] = push
             force[driven] = 1.0
         if onset < n + 1:
             left = min(n + 1 - onset, 1.0)
-            z, v = _onward(z, v, force, after if left == 1.0 else transition(c[1], k[1], left))
+            z, v = _advance(z, v, force, after if left == 1.0 else transition(c[1], k[1], left))
         if not abs(z[0]) < 1e12:
             out[n + 1 :] = np.nan
             break
@@ -70,7 +70,7 @@ def stepped(
 
 
 @compiled()
-def _onward(
+def _advance(
     z: FloatArray, v: FloatArray, force: FloatArray, step: tuple[float, float, float, float, float, float]
 ) -> tuple[FloatArray, FloatArray]:
     f11, f12, f21, f22, g1, g2 = step

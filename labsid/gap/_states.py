@@ -10,12 +10,14 @@ import numpy as np
 from labsid._arrays import FloatArray
 from labsid._compiled import compiled
 
-FAR = 1e6  # a state beyond this has left every record behind: the simulation has diverged
-BEYOND = 0.109  # of the square of a step, times the acceleration: of a spring's force, measured against short steps
+DIVERGED = 1e6  # a state beyond this has left every record behind: the simulation has diverged
+CUBIC_CORRECTION = (
+    0.109  # of the square of a step, times the acceleration: of a spring's force, measured against short steps
+)
 
 
 @compiled()
-def _wave(cosine: float, sine: float, frequency: float, k: int) -> float:
+def _sinusoid(cosine: float, sine: float, frequency: float, k: int) -> float:
     """A wave in the middle of sample k; `frequency` in radians a sample."""
     if frequency == 0.0:
         return 0.0
@@ -24,7 +26,7 @@ def _wave(cosine: float, sine: float, frequency: float, k: int) -> float:
 
 
 @compiled()
-def tanks(
+def simulate_tanks(
     w: FloatArray,
     a1: float,
     a2: float,
@@ -56,12 +58,12 @@ def tanks(
     for k in range(w.size):
         out[k] = h2
         on = min(max(k + 1.0 - onset, 0.0), 1.0)
-        pull = on * load + _wave(cosine, sine, frequency, k)
+        pull = on * load + _sinusoid(cosine, sine, frequency, k)
         restoring = 1.0 + on * leak
         rate2 = a2 if pace is None else a2 * pace[k]
         keep2 = math.exp(-rate2 * restoring * h)
         for j in range(substeps):
-            flow = _held(w, k, late * substeps - j)
+            flow = _held_input(w, k, late * substeps - j)
             if root1:
                 half1 = min(h1 + 0.5 * h * a1 * (flow - math.sqrt(max(h1, 0.0))), brim1)
                 into = math.sqrt(max(half1, 0.0))
@@ -81,7 +83,7 @@ def tanks(
                 end = (into - pull) / restoring
                 h2 = end + (h2 - end) * keep2
             h2 = min(h2, brim2)
-        if not (abs(h2) < FAR and abs(h1) < FAR):
+        if not (abs(h2) < DIVERGED and abs(h1) < DIVERGED):
             out[k:] = np.nan
             break
     return out
@@ -105,7 +107,7 @@ def _linear_tank(
 
 
 @compiled()
-def _held(w: FloatArray, k: int, before: float) -> float:
+def _held_input(w: FloatArray, k: int, before: float) -> float:
     """The input in a part of a sample, of which the share `before` (0 to 1 and beyond) still sees the last one."""
     if before <= 0.0 or k == 0:
         return w[k]
@@ -139,7 +141,7 @@ def transition(c: float, k: float, h: float) -> tuple[float, float, float, float
 
 
 @compiled()
-def mechanics(
+def simulate_mass(
     w: FloatArray,
     c: float,
     k: float,
@@ -165,7 +167,7 @@ def mechanics(
     out = np.empty((w.size, 2))
     h = 1.0 / substeps
     f11, f12, f21, f22, g1, g2 = transition(c, k, h)
-    far = FAR / max(k, 1e-6)
+    far = DIVERGED / max(k, 1e-6)
     unpaced = k
     for n in range(w.size):
         if pace is not None:
@@ -174,13 +176,13 @@ def mechanics(
         out[n, 0] = z
         out[n, 1] = v
         on = min(max(n + 1.0 - onset, 0.0), 1.0)
-        pull = on * load + _wave(cosine, sine, frequency, n)
+        pull = on * load + _sinusoid(cosine, sine, frequency, n)
         spring = on * leak * k
         for j in range(substeps):
-            pushed = _held(w, n, late * substeps - j) - pull
+            pushed = _held_input(w, n, late * substeps - j) - pull
             middle = z + 0.5 * h * v
             if cubic != 0.0 and friction == 0.0:
-                middle += BEYOND * h * h * (pushed - c * v - (k + cubic * z * z) * z)
+                middle += CUBIC_CORRECTION * h * h * (pushed - c * v - (k + cubic * z * z) * z)
             force = pushed - cubic * middle * middle * middle - spring * middle
             if friction > 0.0:
                 if v > 0.0:
@@ -216,7 +218,7 @@ def mechanics(
 
 
 @compiled()
-def speed(
+def simulate_motor(
     w: FloatArray,
     a: float,
     b: float,
@@ -254,9 +256,9 @@ def speed(
         out[n, 0] = v if lag_first else i
         out[n, 1] = v
         on = min(max(n + 1.0 - onset, 0.0), 1.0)
-        pull = on * load + _wave(cosine, sine, frequency, n)
+        pull = on * load + _sinusoid(cosine, sine, frequency, n)
         for j in range(substeps):
-            drive = _held(w, n, late * substeps - j)
+            drive = _held_input(w, n, late * substeps - j)
             if lag_first:
                 new_i = drive + (i - drive) * keep_b
                 drive -= (new_i - i) / (b * h)  # its mean over the step

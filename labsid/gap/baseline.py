@@ -12,16 +12,16 @@ from labsid.gap.data import Data
 from labsid.gap.effects.dynamics import ExtraLag, Resonance
 from labsid.gap.fitting import Fit
 from labsid.gap.hypothesis import Hypothesis
-from labsid.gap.linear_fits import baseline
-from labsid.gap.model_file import SCHEMA, START, RunningModel, exported_model
-from labsid.gap.noise import fit_noise
+from labsid.gap.linear_fits import fit_baseline
+from labsid.gap.model_file import SCHEMA, START_SAMPLES, ExportedModel, read_exported_model
+from labsid.gap.noise_model import fit_noise
 from labsid.gap.plants import Plant
 from labsid.records.record import Record
 
 UNSTABLE_RATIO = 1e6  # ranges of the record's output
 NO_STATES = np.zeros((0, 0))
 
-Simulation = dict[str, Any] | RunningModel | FloatArray | Callable[[FloatArray, FloatArray], FloatArray]
+Simulation = dict[str, Any] | ExportedModel | FloatArray | Callable[[FloatArray, FloatArray], FloatArray]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -71,7 +71,7 @@ class TransferFunction:
 
     def simulate(self, u: FloatArray, y: FloatArray) -> FloatArray:
         """Free-run output, shape (N,), from the state that the first samples of the measured output `y` tell."""
-        first = slice(0, min(START, u.size))
+        first = slice(0, min(START_SAMPLES, u.size))
         forced, states = self.response(u), self.free_response(u.size)
         if not np.isfinite(forced[first]).all() or not np.isfinite(states[first]).all():
             return np.full(u.size, np.nan)
@@ -138,7 +138,7 @@ def linear_structure(order: int) -> Hypothesis:
     if order < 1:
         raise ValueError(f"--order must be at least 1; got {order}. The lab's model has order 2.")
     effects = (ExtraLag(),) if order == 3 else (Resonance(),) if order > 3 else ()
-    return Hypothesis(effects, known=len(effects))
+    return Hypothesis(effects, n_given=len(effects))
 
 
 def make_baseline(data: Data, t: FloatArray, simulation: Simulation | None, order: int = 2) -> Baseline:
@@ -165,7 +165,7 @@ def make_baseline(data: Data, t: FloatArray, simulation: Simulation | None, orde
             raise ValueError(f"--order must be at most 4; got {order}. Give a larger model with --sim.")
         return Baseline(None, linear_structure(order), given=False)
     simulation = read_exported(simulation, data.Ts)
-    if isinstance(simulation, RunningModel):
+    if isinstance(simulation, ExportedModel):
         return _exported(data, simulation)
     if isinstance(simulation, dict):
         return _transfer_function(data, read_transfer_function(simulation, data.Ts))
@@ -183,7 +183,7 @@ def read_exported(simulation: Simulation | None, Ts: float) -> Simulation | None
         If it is none, or one of another sampling time.
     """
     if isinstance(simulation, dict) and simulation.get("schema") == SCHEMA:
-        return exported_model(simulation, Ts)
+        return read_exported_model(simulation, Ts)
     return simulation
 
 
@@ -203,17 +203,17 @@ def check_bounded(y: FloatArray, measured: FloatArray) -> FloatArray:
 def _transfer_function(data: Data, model: TransferFunction) -> Baseline:
     u, y = _unscaled(data)
     output = check_bounded(model.response(u), y)
-    before = _given_fit(data, output, model.free_response(u.size), baseline(data).rates)
+    before = _given_fit(data, output, model.free_response(u.size), fit_baseline(data).rates)
     structure = linear_structure(max(model.den.size - 1, 1))
     return Baseline(before, structure, given=True, simulate_record=lambda record: model.simulate(record.u, record.y))
 
 
-def _exported(data: Data, model: RunningModel) -> Baseline:
+def _exported(data: Data, model: ExportedModel) -> Baseline:
     u, y = _unscaled(data)
     output = check_bounded(model.simulate(u, y), y)
     plant = model.hypothesis.plant
     before = _given_fit(data, output, NO_STATES, plant.linear_rates(model.theta[model.hypothesis.slices["plant"]]))
-    structure = Hypothesis(model.hypothesis.effects, known=len(model.hypothesis.effects))
+    structure = Hypothesis(model.hypothesis.effects, n_given=len(model.hypothesis.effects))
     start = model.theta if (model.u_scale, model.y_scale) == (data.u_scale, data.y_scale) else None
     return Baseline(
         before, structure, True, simulate_record=lambda record: model.simulate(record.u, record.y), start=start
@@ -232,7 +232,7 @@ def _callable(data: Data, t: FloatArray, simulate: Callable[[FloatArray, FloatAr
         return data.y_scale.of(run(times, np.asarray(data.u_scale.back(w))))
 
     u, y = _unscaled(data)
-    rates = baseline(data).rates
+    rates = fit_baseline(data).rates
     before = _given_fit(data, check_bounded(run(t, u), y), NO_STATES, rates)
     structure = Hypothesis((), 0, Plant(kind="given", run=scaled_run, takes_input=True, given_rates=rates))
     return Baseline(before, structure, given=True, simulate_record=lambda record: run(record.t, record.u))
@@ -242,7 +242,7 @@ def _series(data: Data, series: FloatArray) -> Baseline:
     if series.shape != data.u.shape:
         raise ValueError(f"the simulated output must have the record's {data.samples} samples; got {series.size}.")
     scaled_series = data.y_scale.of(check_bounded(series, _unscaled(data)[1]))
-    rates = baseline(data).rates
+    rates = fit_baseline(data).rates
     structure = Hypothesis((), 0, Plant(kind="given", run=lambda w: scaled_series, given_rates=rates))
     return Baseline(_given_fit(data, series, NO_STATES, rates), structure, given=True, output_only=True)
 
@@ -264,7 +264,7 @@ def _given_fit(data: Data, output: FloatArray, states: FloatArray, rates: tuple[
     scale[scale == 0.0] = 1.0
     gains = np.linalg.lstsq(columns[data.rows] / scale, y[data.rows], rcond=None)[0] / scale
     after = data.y_scale.of(output) + columns @ gains
-    noise = fit_noise(data.y - after, data.sound, data.lags)
+    noise = fit_noise(data.y - after, data.complete, data.lags)
     cost = float(np.mean((data.y - after)[data.rows] ** 2))
     bic = noise.score + gains.size * np.log(noise.rows)
     itself = Hypothesis((), 0, Plant(kind="given", given_rates=rates))

@@ -145,7 +145,7 @@ def work() -> None:
 def _answer(task: dict[str, Any]) -> dict[str, Any]:
     """Diagnose one record; whatever goes wrong with it is an answer, too."""
     from labsid.gap.diagnosis import diagnose
-    from labsid.gap.simulations import load_simulation
+    from labsid.gap.simulation_files import load_simulation
     from labsid.records.record import load_record
 
     try:

@@ -8,23 +8,23 @@ import numpy as np
 from labsid._arrays import FloatArray
 from labsid.gap.candidates import (
     CANDIDATES,
-    Sketch,
-    compatible,
-    finished,
-    holds,
-    onward,
-    price,
-    sketches,
+    Trial,
+    best_fit,
+    is_compatible,
+    is_plausible,
+    penalized_bic,
+    refine_first,
+    trial_fits,
 )
 from labsid.gap.data import Data
-from labsid.gap.fitting import Fit, finish, power, refit, rms, search
-from labsid.gap.forms import LEAK, LOAD, carried, rearranged, without
-from labsid.gap.freeing import freed
+from labsid.gap.fitting import Fit, finish, mean_square, minimize, refit, rms
+from labsid.gap.forms import LEAK, LOAD, alternative_forms, remove_effect, transfer_theta
 from labsid.gap.hypothesis import Hypothesis
-from labsid.gap.leftover import explained_share
-from labsid.gap.linear_fits import baseline, driven_baseline, swift_fit
-from labsid.gap.own_motion import goes_on_alone, has_become_a_mode
-from labsid.gap.settling import polish, settle
+from labsid.gap.linear_fits import fit_baseline, fit_driven_pole, fit_highpass
+from labsid.gap.pole_replacement import replace_undriven_pole
+from labsid.gap.refinement import converge, polish
+from labsid.gap.residual_tests import explained_share
+from labsid.gap.undriven_poles import has_undriven_pole, lag_became_mode
 
 Progress = Callable[[str, float], None]
 Level = dict[tuple[str, ...], Fit]
@@ -34,7 +34,7 @@ BEAM_WIDTH = 3  # best one-effect fits to which a second effect is added; only t
 FREE_RUN_TOLERANCE = 1.2  # free-run error over that of the baseline, up to which a whiter baseline is accepted
 EXTRA_PARENTS = 2  # further one-effect fits: those with the smallest free-run error
 SLOW_RATIO = 4.0  # mean square error over the variance of its innovations, from which the residual is slow
-REFINED_EFFECTS = 12  # second and third effects per parent whose sketches are refined
+REFINED_EFFECTS = 12  # second and third effects per parent whose trials are refined
 FITTED_EFFECTS = 6  # second and third effects per parent that are fitted completely
 FITTED_REPLACEMENTS = 3  # effects fitted completely in place of another one
 POLISHED_FITS = 6  # best fits of a level
@@ -70,20 +70,20 @@ def search_effects(
     path : tuple of Fit
         From the baseline to the accepted fit, one effect more at each step.
     """
-    base = baseline(data, structure, start)
-    swift = swift_fit(data, base)
-    base = _whiter_baseline(data, polish(data, base), swift)
-    levels, path = _search_from(data, base, swift, most, progress)
-    if not goes_on_alone(data, path[-1]):
+    base = fit_baseline(data, structure, start)
+    highpass = fit_highpass(data, base)
+    base = _whiter_baseline(data, polish(data, base), highpass)
+    levels, path = _search_from(data, base, highpass, most, progress)
+    if not has_undriven_pole(data, path[-1]):
         return levels, path
     if len(path) == 1:
-        other = driven_baseline(data, structure)
+        other = fit_driven_pole(data, structure)
         if other is not None:
-            other_levels, other_path = _search_from(data, polish(data, other), swift, most, progress, driven=True)
+            other_levels, other_path = _search_from(data, polish(data, other), highpass, most, progress, driven=True)
             if len(other_path) > 1 and other_path[-1].bic < base.bic + BIC_MARGIN:
                 return other_levels, other_path
     elif len(path) <= most:
-        steps = freed(data, path[-1])
+        steps = replace_undriven_pole(data, path[-1])
         if steps is not None and steps[-1].bic < path[-1].bic + BIC_MARGIN:
             found = ({tuple(sorted(fit.hypothesis.names)): fit} for fit in steps)
             return (*levels[: len(path) - 1], *found), (*path[:-1], *steps)
@@ -91,12 +91,12 @@ def search_effects(
 
 
 def _search_from(
-    data: Data, base: Fit, swift: Fit, most: int, progress: Progress | None, driven: bool = False
+    data: Data, base: Fit, highpass: Fit, most: int, progress: Progress | None, driven: bool = False
 ) -> tuple[Levels, tuple[Fit, ...]]:
     """Levels and accepted path of the search from one baseline; if `driven`, the input must excite every pole."""
 
     def disguised(fit: Fit) -> bool:
-        return has_become_a_mode(base, fit) or (driven and goes_on_alone(data, fit))
+        return lag_became_mode(base, fit) or (driven and has_undriven_pole(data, fit))
 
     levels: list[Level] = [{(): base}]
     path = [base]
@@ -104,8 +104,8 @@ def _search_from(
     for step in range(most):
         level: Level = {}
         for number, parent in enumerate(beam):
-            tried = _extensions(data, parent, swift, step, progress, (number, len(beam)))
-            fits = [finished(data, few, kept=3) for few in tried]
+            tried = _extensions(data, parent, highpass, step, progress, (number, len(beam)))
+            fits = [best_fit(data, few, kept=3) for few in tried]
             keep_best(level, (fit for fit in fits if fit is not None and not disguised(fit)))
         if not level:
             break
@@ -116,7 +116,7 @@ def _search_from(
             break
         if step == 1:
             known = set(map(id, level.values()))
-            keep_best(level, _replacements(data, best, swift))
+            keep_best(level, _replacements(data, best, highpass))
             _polish_best(data, level, known)
             best = _best_accepted(data, path[-1], level) or best
         path.append(best)
@@ -126,14 +126,14 @@ def _search_from(
     return tuple(levels), _pruned(data, levels, path)
 
 
-def _whiter_baseline(data: Data, base: Fit, swift: Fit) -> Fit:
+def _whiter_baseline(data: Data, base: Fit, highpass: Fit) -> Fit:
     """The baseline, or its refit from the differenced record if that leaves whiter residuals.
 
     Strongly coloured noise biases the rates of a free-run fit.
     """
-    if swift.theta.size != base.theta.size:
+    if highpass.theta.size != base.theta.size:
         return base
-    point = search(data, base.hypothesis, swift.theta, iterations=12, ar=swift.noise.ar)
+    point = minimize(data, base.hypothesis, highpass.theta, iterations=12, ar=highpass.noise.ar)
     other = base if point is None else polish(data, finish(data, base.hypothesis, point))
     return other if other.bic < base.bic and rms(data, other) < FREE_RUN_TOLERANCE * rms(data, base) else base
 
@@ -144,8 +144,8 @@ def _parents(data: Data, level: Level) -> list[Fit]:
     Free-run error counts if the residual is slow: the innovations then say little about one effect of a pair.
     """
     ranked = sorted(level.values(), key=_bic)
-    free = sorted(ranked[BEAM_WIDTH:], key=lambda fit: power(data, fit))
-    slow = power(data, ranked[0]) > SLOW_RATIO * ranked[0].noise.sigma2
+    free = sorted(ranked[BEAM_WIDTH:], key=lambda fit: mean_square(data, fit))
+    slow = mean_square(data, ranked[0]) > SLOW_RATIO * ranked[0].noise.sigma2
     return [*ranked[:BEAM_WIDTH], *(free[:EXTRA_PARENTS] if slow else [])]
 
 
@@ -159,8 +159,8 @@ def keep_best(level: Level, fits: Iterable[Fit | None]) -> None:
 
 
 def _extensions(
-    data: Data, parent: Fit, swift: Fit, step: int, progress: Progress | None, place: tuple[int, int]
-) -> list[list[Sketch]]:
+    data: Data, parent: Fit, highpass: Fit, step: int, progress: Progress | None, place: tuple[int, int]
+) -> list[list[Trial]]:
     """Sketches of the fits with one more effect, grouped by effect; from the second effect on, only the best groups."""
     tried = []
     plain = _with_constant_load(data, parent)
@@ -169,8 +169,8 @@ def _extensions(
             done = (place[0] + number / len(CANDIDATES)) / place[1]
             progress("one effect" if step == 0 else f"{step + 1} effects", done)
         if group[0].name not in parent.hypothesis.names:
-            host = parent if any(compatible(parent, effect) for effect in group) else plain
-            tried.append(sketches(data, host, group, swift, brief=step > 0))
+            host = parent if any(is_compatible(parent, effect) for effect in group) else plain
+            tried.append(trial_fits(data, host, group, highpass, brief=step > 0))
     return tried if step == 0 else _refined_groups(data, tried, FITTED_EFFECTS)
 
 
@@ -182,31 +182,33 @@ def _with_constant_load(data: Data, parent: Fit) -> Fit:
     old = parent.hypothesis
     if LEAK not in old.effects:
         return parent
-    other = Hypothesis(tuple(LOAD if effect == LEAK else effect for effect in old.effects), old.known, old.given)
-    point = search(data, other, carried(parent, other))
+    other = Hypothesis(tuple(LOAD if effect == LEAK else effect for effect in old.effects), old.n_given, old.given)
+    point = minimize(data, other, transfer_theta(parent, other))
     return parent if point is None else finish(data, other, point)
 
 
-def _refined_groups(data: Data, tried: list[list[Sketch]], count: int) -> list[list[Sketch]]:
-    return _best_groups([onward(data, few) for few in _best_groups(tried, REFINED_EFFECTS)], count)
+def _refined_groups(data: Data, tried: list[list[Trial]], count: int) -> list[list[Trial]]:
+    return _best_groups([refine_first(data, few) for few in _best_groups(tried, REFINED_EFFECTS)], count)
 
 
-def _best_groups(tried: list[list[Sketch]], count: int) -> list[list[Sketch]]:
-    """The groups with the best sketches, best first."""
+def _best_groups(tried: list[list[Trial]], count: int) -> list[list[Trial]]:
+    """The groups with the best trials, best first."""
     return sorted(filter(None, tried), key=lambda sketched: sketched[0].score)[:count]
 
 
-def _replacements(data: Data, fit: Fit, swift: Fit) -> Iterable[Fit | None]:
+def _replacements(data: Data, fit: Fit, highpass: Fit) -> Iterable[Fit | None]:
     """Fits with one of the effects replaced by another, started from the parameters of the remaining effects."""
-    for i in range(fit.hypothesis.known, len(fit.hypothesis.effects)):
-        parent = without(data, fit, i)
+    for i in range(fit.hypothesis.n_given, len(fit.hypothesis.effects)):
+        parent = remove_effect(data, fit, i)
         if parent is not None:
             names = fit.hypothesis.names
             tried = [
-                sketches(data, parent, group, swift, brief=True) for group in CANDIDATES if group[0].name not in names
+                trial_fits(data, parent, group, highpass, brief=True)
+                for group in CANDIDATES
+                if group[0].name not in names
             ]
             for few in _refined_groups(data, tried, FITTED_REPLACEMENTS):
-                yield finished(data, few, kept=1)
+                yield best_fit(data, few, kept=1)
 
 
 def _pruned(data: Data, levels: list[Level], path: list[Fit]) -> tuple[Fit, ...]:
@@ -214,8 +216,8 @@ def _pruned(data: Data, levels: list[Level], path: list[Fit]) -> tuple[Fit, ...]
     while len(path) > 2:
         best = path[-1]
         fewer = []
-        for i in range(best.hypothesis.known, len(best.hypothesis.effects)):
-            parent = without(data, best, i)
+        for i in range(best.hypothesis.n_given, len(best.hypothesis.effects)):
+            parent = remove_effect(data, best, i)
             if parent is not None:
                 fewer.append(_in_best_form(data, parent))
         simpler = min(fewer, key=_bic, default=None)
@@ -236,15 +238,18 @@ def _polish_best(data: Data, level: Level, done: Collection[int] = ()) -> None:
 
 def _in_best_form(data: Data, fit: Fit) -> Fit:
     """The polished fit, in the best of its equivalent forms."""
-    return polish(data, min((settle(data, one) for one in _alternative_forms(data, fit)), key=price))
+    return polish(data, min((converge(data, one) for one in _alternative_forms(data, fit)), key=penalized_bic))
 
 
 def _alternative_forms(data: Data, fit: Fit) -> list[Fit]:
     """The fit, and fits of the same effects in other forms."""
-    points = [(other, search(data, other, carried(fit, other), iterations=8)) for other in rearranged(fit.hypothesis)]
+    points = [
+        (other, minimize(data, other, transfer_theta(fit, other), iterations=8))
+        for other in alternative_forms(fit.hypothesis)
+    ]
     forms = [finish(data, other, point) for other, point in points if point is not None]
-    found = len(fit.hypothesis.effects) - fit.hypothesis.known
-    return [fit, *(form for form in forms if holds(data, form, found))]
+    found = len(fit.hypothesis.effects) - fit.hypothesis.n_given
+    return [fit, *(form for form in forms if is_plausible(data, form, found))]
 
 
 def _best_accepted(data: Data, simpler: Fit, level: Level) -> Fit | None:
@@ -273,7 +278,7 @@ def residual_is_white(data: Data, fit: Fit) -> bool:
     """Whether the residual is white and independent of the input, so that no further effect can gain anything."""
     if within_rounding(data, fit):
         return True
-    return power(data, fit) < 1.03 * fit.noise.sigma2 and explained_share(data, fit, data.y - fit.output) < 0.01
+    return mean_square(data, fit) < 1.03 * fit.noise.sigma2 and explained_share(data, fit, data.y - fit.output) < 0.01
 
 
 def is_improvement(data: Data, simpler: Fit, fit: Fit) -> bool:

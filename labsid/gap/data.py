@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from labsid._arrays import FloatArray
-from labsid.gap.noise import lags_for, whole_rows
+from labsid.gap.noise_model import complete_rows, usable_lags
 
 
 @dataclass(frozen=True, slots=True)
@@ -66,11 +66,11 @@ class Data:
     by_free_run: bool = False
     lattice: float = 0.0
     lags: int = field(init=False, repr=False)
-    sound: np.ndarray = field(init=False, repr=False)
+    complete: np.ndarray = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "lags", lags_for(self.rows))
-        object.__setattr__(self, "sound", whole_rows(self.rows, self.lags))
+        object.__setattr__(self, "lags", usable_lags(self.rows))
+        object.__setattr__(self, "sound", complete_rows(self.rows, self.lags))
 
     @property
     def samples(self) -> int:

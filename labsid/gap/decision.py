@@ -9,8 +9,8 @@ import numpy as np
 from labsid.gap.beam_search import is_improvement
 from labsid.gap.effect_texts import STOP_EFFECTS
 from labsid.gap.explanation import Explanation
-from labsid.gap.fitting import Fit, power
-from labsid.gap.leftover import SLOW, Leftover, is_noise
+from labsid.gap.fitting import Fit, mean_square
+from labsid.gap.residual_tests import SLOW_CORRELATION, ResidualMeasures, is_noise
 
 TEMPERATURE = 4.0  # divides BIC differences: models are never exact
 MIN_RIVAL_PROBABILITY = 0.03  # of an alternative to be reported as ambiguous
@@ -92,7 +92,7 @@ class Decision:
 
 
 def decide(
-    explanation: Explanation, left: Leftover, given: Fit | None, confidence: float, at_stop: bool = False
+    explanation: Explanation, left: ResidualMeasures, given: Fit | None, confidence: float, at_stop: bool = False
 ) -> Decision:
     """Compare the candidates of the accepted level with each other and with an unknown cause.
 
@@ -151,11 +151,13 @@ def decide(
 def leading_effect(explanation: Explanation) -> str | None:
     """The effect that alone reduces the error far more than any other; None if there is none."""
     data, alone = explanation.data, explanation.levels[1] if len(explanation.levels) > 1 else {}
-    left = sorted((power(data, fit), names[0]) for names, fit in alone.items() if len(names) == 1)
+    left = sorted((mean_square(data, fit), names[0]) for names, fit in alone.items() if len(names) == 1)
     if len(left) < 2:
         return None
     (least, name), (next_best, _) = left[:2]
-    far = power(data, explanation.path[0]) > LEADING_REDUCTION**2 * least and next_best > LEADING_MARGIN**2 * least
+    far = (
+        mean_square(data, explanation.path[0]) > LEADING_REDUCTION**2 * least and next_best > LEADING_MARGIN**2 * least
+    )
     return name if far else None
 
 
@@ -169,7 +171,7 @@ def _weights(explanation: Explanation, level: int) -> dict[tuple[str, ...], floa
 
 
 def confidence_in(
-    explanation: Explanation, left: Leftover, closed: float | None = None, unrepeated: float = 0.0
+    explanation: Explanation, left: ResidualMeasures, closed: float | None = None, unrepeated: float = 0.0
 ) -> float:
     """Probability that the accepted explanation (possibly no effect) is right, from its residual.
 
@@ -209,7 +211,9 @@ def confidence_in(
             tails=float(np.log(max(left.tails, 3.0) / 3.0)),
             short=_shortfall(explanation, closed),
         )
-    shrunk = 0.5 * float(np.log(power(explanation.data, path[0]) / max(power(explanation.data, path[-1]), 1e-300)))
+    shrunk = 0.5 * float(
+        np.log(mean_square(explanation.data, path[0]) / max(mean_square(explanation.data, path[-1]), 1e-300))
+    )
     score = PRIOR + SEVERAL_EFFECTS * (steps >= 2) + ERROR_REDUCTION * min(max(shrunk, 0.0), 4.0)
     score += sum(weight * seen for weight, seen in zip(EVIDENCE_WEIGHTS, evidence, strict=True))
     confidence = float(1.0 / (1.0 + np.exp(-score)))
@@ -225,13 +229,13 @@ def _shortfall(explanation: Explanation, closed: float | None) -> float:
     return float(np.clip(1.0 - closed - CHANCE_SHORTFALL, 0.0, 1.0))
 
 
-def closed_on_fit(explanation: Explanation, left: Leftover, added: tuple[str, ...]) -> float:
+def closed_on_fit(explanation: Explanation, left: ResidualMeasures, added: tuple[str, ...]) -> float:
     """Share of the gap closed on the fitted samples; the structured part of the residual counts as open."""
     path = explanation.path
-    before = power(explanation.data, path[0])
+    before = mean_square(explanation.data, path[0])
     after, white = left.rms**2, path[-1].noise.sigma2
     noise = is_noise(left, "output-quantization" in added)
-    coloured = after - white if not noise or (left.slow > SLOW and "coloured-noise" not in added) else 0.0
+    coloured = after - white if not noise or (left.slow > SLOW_CORRELATION and "coloured-noise" not in added) else 0.0
     structure = max(max(left.explained, left.repeats) * after if not noise else 0.0, coloured)
     gap = max(before - (after - structure), 1e-300)
     return 1.0 - float(np.sqrt(min(max(structure, 0.0) / gap, 1.0)))

@@ -14,9 +14,8 @@ from labsid.gap.data import scaled
 from labsid.gap.decision import MIN_CONFIDENCE, confidence_in, decide
 from labsid.gap.effects.base import AdditiveEffect
 from labsid.gap.explanation import Explanation, explain
-from labsid.gap.leftover import leftover
 from labsid.gap.long_record import shorten_holdout, shorten_record
-from labsid.gap.model_file import RunningModel, running_model
+from labsid.gap.model_file import ExportedModel, export_model
 from labsid.gap.record_findings import (
     PlateauGap,
     filter_length,
@@ -25,6 +24,7 @@ from labsid.gap.record_findings import (
     plateau_gap,
 )
 from labsid.gap.report import build_report
+from labsid.gap.residual_tests import measure_residual
 from labsid.gap.scores import GapScore, score_explanation
 from labsid.gap.traces import figure_traces
 from labsid.lab.findings import about_clipping
@@ -46,7 +46,7 @@ class Diagnosis:
     """
 
     report: dict[str, Any]
-    model: RunningModel
+    model: ExportedModel
 
 
 def diagnose(
@@ -100,7 +100,7 @@ def diagnose(
     if holdout is not None:
         holdout = Record(holdout.t, filtered_input(holdout), holdout.y, holdout.Ts, name=holdout.name)
     simulation = read_exported(simulation, record.Ts)
-    scales = (simulation.u_scale, simulation.y_scale) if isinstance(simulation, RunningModel) else None
+    scales = (simulation.u_scale, simulation.y_scale) if isinstance(simulation, ExportedModel) else None
     rows = _counted(record, exclude)
     data = scaled(filtered_input(record), record.y, rows, record.Ts, float(record.t[0]), scales)
     base = make_baseline(data, record.t, simulation, order)
@@ -110,18 +110,18 @@ def diagnose(
         )
     rng = np.random.default_rng(seed)
     explanation, score = _score(explain(data, base.structure, base.start, progress=progress), base, holdout, rng)
-    left, plateau = leftover(explanation.data, explanation.best), _plateaus(record, base, explanation)
+    left, plateau = measure_residual(explanation.data, explanation.best), _plateaus(record, base, explanation)
     unrepeated = plateau.left if plateau is not None and plateau.matters else 0.0
     confidence = confidence_in(explanation, left, score.closed, unrepeated)
     if (
         confidence < MIN_CONFIDENCE and explanation.trimmed
     ):  # small steps are left out for their names, and these are not given
         explanation, score = _score(explanation.untrimmed(), base, holdout, rng)
-        left, plateau = leftover(explanation.data, explanation.best), _plateaus(record, base, explanation)
+        left, plateau = measure_residual(explanation.data, explanation.best), _plateaus(record, base, explanation)
     decision = decide(explanation, left, base.before, confidence, at_stop=bool(about_clipping(record.y)))
     if decision.verdict != "unknown" and len(explanation.path) == 1:  # what was found, no simulation shows
         score = replace(score, closed=None, ci95=None, black_box=None)
-    model = running_model(explanation.data, score.after_fit)
+    model = export_model(explanation.data, score.after_fit)
     report = build_report(record, explanation, base, decision, left, score, rng, holdout)
     seen = [*clocks, *findings_from_record(whole, plateau)]
     seen += findings_from_errors(record.u, record.y, *_outputs(base, explanation), explanation.data.rows)
@@ -131,7 +131,7 @@ def diagnose(
     report["screen"] = [*notes, *report["screen"]]
     report["holdout_traces"] = None
     if holdout is not None:
-        linear = running_model(explanation.data, explanation.path[0])
+        linear = export_model(explanation.data, explanation.path[0])
         before = (
             linear.simulate(holdout.u, holdout.y) if base.simulate_record is None else base.simulate_record(holdout)
         )
@@ -203,7 +203,7 @@ def _common_sampling_time(
 
     It is that of the simulation if that has one, or of a holdout whose clock does not jitter, or else of the record.
     """
-    if isinstance(simulation, RunningModel):
+    if isinstance(simulation, ExportedModel):
         record = at_sampling_time(record, simulation.Ts)
     elif isinstance(simulation, dict):
         record = at_sampling_time(record, stated_sampling_time(simulation))

@@ -6,7 +6,7 @@ import numpy as np
 
 from labsid._arrays import FloatArray
 from labsid.gap.data import Data
-from labsid.gap.fitting import Fit, search
+from labsid.gap.fitting import Fit, minimize
 
 MAX_SAMPLES = 2000
 MIN_MARGIN = 6.0  # BIC below which the decision would be random, so that no input is proposed
@@ -57,7 +57,7 @@ def next_experiment(data: Data, first: Fit, second: Fit, rng: np.random.Generato
         if not np.isfinite(y).all() or np.abs(y).max() > 6.0:  # outside the range of the record
             continue
         played = replace(data, u=u, y=y, rows=np.ones(samples, bool))
-        point = search(played, second.hypothesis, second.theta, second.gains, iterations=10)
+        point = minimize(played, second.hypothesis, second.theta, second.gains, iterations=10)
         if point is None:
             continue
         margin = samples * float(np.log1p(point.cost / noise))

@@ -8,11 +8,11 @@ from labsid._arrays import FloatArray
 from labsid.gap.beam_search import MIN_CHANGE, Levels, Progress, best_path, differ, rms_difference, search_effects
 from labsid.gap.data import Data
 from labsid.gap.effects.base import AdditiveEffect
-from labsid.gap.fitting import Fit, power, refit, rms
+from labsid.gap.fitting import Fit, mean_square, refit, rms
 from labsid.gap.holdout import BLOCKS, held_out_samples
 from labsid.gap.hypothesis import Hypothesis
-from labsid.gap.leftover import SLOW, slow_colour
-from labsid.gap.linear_fits import LINEAR, baseline
+from labsid.gap.linear_fits import LINEAR, fit_baseline
+from labsid.gap.residual_tests import SLOW_CORRELATION, slow_autocorrelation
 from labsid.gap.sample_faults import SampleFaults, find_held, find_lattice, find_spikes
 
 CONVERTER_LIMITED = (
@@ -112,9 +112,9 @@ def explain(
     faults = SampleFaults(held, stretches, spikes, None if lattice is None else step)
     if residual_is_slow(clean, path[-1]):
         other_levels, other = search_effects(replace(clean, by_free_run=True), structure, start, min(most, 2), progress)
-        if power(clean, other[-1]) > COLOUR_RATIO**2 * other[-1].noise.sigma2:
+        if mean_square(clean, other[-1]) > COLOUR_RATIO**2 * other[-1].noise.sigma2:
             other = cross_validated(clean, other)  # an explanation with nearly white residuals needs no validation
-        if len(other) > 1 and power(clean, other[-1]) < 0.5 * power(clean, path[-1]):
+        if len(other) > 1 and mean_square(clean, other[-1]) < 0.5 * mean_square(clean, path[-1]):
             levels, path = other_levels, other
     whole, path = path, without_small_steps(clean, path)
     cut = whole[len(path) :]
@@ -136,7 +136,7 @@ def _search_without_spikes(
 
     Samples `off` the lattice of the others are always spikes.
     """
-    first = baseline(replace(data, rows=usable), structure, start)
+    first = fit_baseline(replace(data, rows=usable), structure, start)
     spikes = off | find_spikes(data.y - first.output, usable, data.lattice)
     clean = replace(data, rows=usable & ~spikes)
     levels, path = search_effects(clean, structure, start, most, progress)
@@ -163,7 +163,10 @@ def is_nuisance(data: Data, level: dict[tuple[str, ...], Fit], path: tuple[Fit, 
 def residual_is_slow(data: Data, fit: Fit) -> bool:
     """Whether most of the residual is slow, so that the innovations say little about the free run."""
     e = data.y - fit.output
-    return power(data, fit) > SLOW_RESIDUAL_RATIO**2 * fit.noise.sigma2 and slow_colour(e, data.rows) > SLOW
+    return (
+        mean_square(data, fit) > SLOW_RESIDUAL_RATIO**2 * fit.noise.sigma2
+        and slow_autocorrelation(e, data.rows) > SLOW_CORRELATION
+    )
 
 
 def cross_validated(data: Data, path: tuple[Fit, ...]) -> tuple[Fit, ...]:
@@ -225,7 +228,7 @@ def unsimulated_effects(data: Data, clean: Data, faults: SampleFaults, best: Fit
     else:
         rounding = 0.0
     wanders = {"output-drift", "parameter-drift"} & set(best.hypothesis.names)
-    coloured = np.sqrt(floor / white) > COLOUR_RATIO and slow_colour(e, clean.rows) > SLOW
+    coloured = np.sqrt(floor / white) > COLOUR_RATIO and slow_autocorrelation(e, clean.rows) > SLOW_CORRELATION
     if coloured and floor > ROUNDING_RATIO * rounding and not wanders:  # drift and rounding leave a slow residual, too
         found.append("coloured-noise")
     return tuple(found)

@@ -7,11 +7,11 @@ import numpy as np
 from labsid._arrays import FloatArray
 from labsid.gap._kernels import whiten
 from labsid.gap.data import Data
+from labsid.gap.fast_least_squares import RIDGE, scaled_gram, solve_least_squares, solve_positive_definite
 from labsid.gap.hypothesis import Design, Hypothesis
-from labsid.gap.noise import Noise, fit_noise
-from labsid.gap.normal_equations import RIDGE, scaled_gram, solve, solved
+from labsid.gap.noise_model import Noise, fit_noise
 
-NOTHING = np.zeros(0)
+UNFILTERED = np.zeros(0)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -60,7 +60,7 @@ class Fit:
         return float(self.theta[names.index("onset")]) if "onset" in names else None
 
     @property
-    def free(self) -> int:
+    def n_free(self) -> int:
         """How many numbers were fitted."""
         return self.theta.size + int(np.count_nonzero(self.gains))
 
@@ -98,11 +98,11 @@ class Problem:
         self.data, self.hypothesis, self.ar = data, hypothesis, ar
         counted = data.rows
         if ar.size:  # before the record the filter sees zeros, which is right: its first samples hold the initial state
-            counted = data.sound.copy()
+            counted = data.complete.copy()
             counted[: data.lags] = data.rows[: data.lags].all()
         self.rows = slice(None) if counted.all() else np.flatnonzero(counted)
         self.count = int(counted.sum())
-        self.bent = bool(hypothesis.outputs)
+        self.has_sensor = bool(hypothesis.outputs)
         self.y = self._seen(data.y[:, None])[:, 0]
 
     def _seen(self, columns: FloatArray) -> FloatArray:
@@ -114,16 +114,16 @@ class Problem:
         columns = design.columns
         if not np.isfinite(columns[-1]).all():  # once it diverges, it stays so to the end
             return None
-        if not self.bent:
-            gains = solve(self._seen(columns), self.y)
+        if not self.has_sensor:
+            gains = solve_least_squares(self._seen(columns), self.y)
             return self._made(theta, gains, design, columns @ gains)
         if gains is None or gains.size != columns.shape[1]:
-            gains = solve(self._seen(columns), self.y)
+            gains = solve_least_squares(self._seen(columns), self.y)
         best = self._made(theta, gains, design, self.hypothesis.sensor(theta, gains, design))
         for _ in range(3):
             bent = columns.copy(order="F")
             self._bend(bent, theta, best.gains, design)
-            step = solve(self._seen(bent), best.error)
+            step = solve_least_squares(self._seen(bent), best.error)
             better = None
             for share in (1.0, 0.3):
                 gains = best.gains + share * step
@@ -138,8 +138,8 @@ class Problem:
     def _bend(self, columns: FloatArray, theta: FloatArray, gains: FloatArray, design: Design) -> None:
         """Turn columns into the output's derivatives by their gains, in place."""
         whole, added = self.hypothesis.slopes(theta, gains, design)
-        columns[:, : design.bent] *= whole[:, None]
-        columns[:, design.bent :] *= added[:, None]
+        columns[:, : design.n_sensed] *= whole[:, None]
+        columns[:, design.n_sensed :] *= added[:, None]
 
     def _made(self, theta: FloatArray, gains: FloatArray, design: Design, output: FloatArray) -> Point:
         error = self.y - self._seen(output[:, None])[:, 0]
@@ -157,19 +157,19 @@ class Problem:
             design = self.hypothesis.design(moved, self.data.u, near=at.design)
             J[:, i] = (self.hypothesis.sensor(moved, at.gains, design) - at.output) / step
         J[:, searched:] = at.design.columns
-        if self.bent:
+        if self.has_sensor:
             self._bend(J[:, searched:], at.theta, at.gains, at.design)
         J = self._seen(J)
         return J if np.isfinite(J[-1]).all() else None
 
 
-def search(
+def minimize(
     data: Data,
     hypothesis: Hypothesis,
     theta: FloatArray,
     gains: FloatArray | None = None,
     iterations: int = 15,
-    ar: FloatArray = NOTHING,
+    ar: FloatArray = UNFILTERED,
     tolerance: float = 1e-5,
 ) -> Point | None:
     """Levenberg-Marquardt from `theta`; the gains follow. None where not even the start can be simulated."""
@@ -199,9 +199,9 @@ def search(
             diagonal += ridge
             diagonal[:searched] += damping
             lhs.flat[:: gram.shape[0] + 1] = diagonal
-            step = solved(lhs, slope) / scale
+            step = solve_positive_definite(lhs, slope) / scale
             new = np.clip(at.theta + step[:searched], lower, upper)
-            better = problem.point(new, at.gains + step[searched:] if problem.bent else None)
+            better = problem.point(new, at.gains + step[searched:] if problem.has_sensor else None)
             if better is not None and better.cost < at.cost:
                 break
             damping = min(damping * 8.0, 1e6)
@@ -216,9 +216,9 @@ def search(
     return at
 
 
-def at_start(data: Data, hypothesis: Hypothesis, theta: FloatArray) -> float:
+def start_cost(data: Data, hypothesis: Hypothesis, theta: FloatArray) -> float:
     """Cost at `theta` with the best gains; infinity where it cannot be simulated."""
-    point = Problem(data, hypothesis, NOTHING).point(np.clip(theta, *hypothesis.bounds))
+    point = Problem(data, hypothesis, UNFILTERED).point(np.clip(theta, *hypothesis.bounds))
     return float("inf") if point is None else point.cost
 
 
@@ -230,18 +230,18 @@ def finish(data: Data, hypothesis: Hypothesis, point: Point) -> Fit:
     independent samples as the colour leaves.
     """
     e = data.y - point.output
-    noise = fit_noise(e, data.sound, data.lags)
+    noise = fit_noise(e, data.complete, data.lags)
     free = point.theta.size + int(np.count_nonzero(point.gains))
     bic = noise.score + free * np.log(noise.rows)
     if data.by_free_run:
-        power = max(float(np.mean(e[data.rows] ** 2)), noise.sigma2)
-        bic += noise.rows * np.sqrt(noise.sigma2 / power) * np.log(power) + free * np.log(noise.rows)
+        mean_square = max(float(np.mean(e[data.rows] ** 2)), noise.sigma2)
+        bic += noise.rows * np.sqrt(noise.sigma2 / mean_square) * np.log(mean_square) + free * np.log(noise.rows)
     return Fit(hypothesis, point.theta, point.gains, point.output, point.cost, noise, float(bic))
 
 
 def refit(data: Data, fit: Fit) -> Fit:
     """The same hypothesis fitted to the rows of `data`."""
-    point = search(data, fit.hypothesis, fit.theta, fit.gains, iterations=20, tolerance=1e-6)
+    point = minimize(data, fit.hypothesis, fit.theta, fit.gains, iterations=20, tolerance=1e-6)
     return fit if point is None else finish(data, fit.hypothesis, point)
 
 
@@ -258,11 +258,11 @@ def covariance(data: Data, fit: Fit) -> FloatArray:
     return np.asarray(inverse / np.outer(scale, scale))
 
 
-def power(data: Data, fit: Fit) -> float:
+def mean_square(data: Data, fit: Fit) -> float:
     """Mean square of the free-run error over the rows that count."""
     return float(np.mean((data.y - fit.output)[data.rows] ** 2))
 
 
 def rms(data: Data, fit: Fit) -> float:
     """Root of `power`."""
-    return float(np.sqrt(power(data, fit)))
+    return float(np.sqrt(mean_square(data, fit)))

@@ -10,7 +10,7 @@ from labsid._files import write_file
 from labsid.gap import sentences
 from labsid.gap.effect_texts import EFFECT_TEXTS, UNSIMULATED, parameter_label, parameter_value
 from labsid.gap.location_text import location_sentences
-from labsid.gap.quantities import closure, number, probability
+from labsid.gap.quantities import closed_percent, number, probability
 
 if TYPE_CHECKING:
     import jinja2
@@ -57,7 +57,7 @@ def page_content(report: dict[str, Any]) -> dict[str, Any]:
         "simulation": _simulation(report),
         "closed": None
         if gap["closed"] is None or sentences.is_unchanged(report)
-        else closure(gap["closed"], gap["ci95"]),
+        else closed_percent(gap["closed"], gap["ci95"]),
         "bars": _bars(report),
         "gap": sentences.gap_sentence(report),
         "yardstick": sentences.black_box_sentence(report),
@@ -126,7 +126,7 @@ def _effect(effect: dict[str, Any]) -> dict[str, Any]:
         "name": effect["name"],
         "meaning": "" if words is None else words.meaning,
         "probability": probability(effect["probability"]),
-        "closed": None if closed is None or effect["name"] in UNSIMULATED else closure(closed),
+        "closed": None if closed is None or effect["name"] in UNSIMULATED else closed_percent(closed),
         "parameters": parameters,
     }
 
@@ -158,12 +158,12 @@ def _ranking(report: dict[str, Any]) -> list[dict[str, Any]]:
                     sentences.joined([sentences.noun_without_article(name) for name in names])
                 ),
                 "probability": probability(row["probability"]),
-                "closed": "–" if closed is None else closure(closed),
+                "closed": "–" if closed is None else closed_percent(closed),
                 "width": "" if closed is None else f"{100.0 * min(max(closed, 0.0), 1.0):.0f}",
                 "rmse": number(row["rmse"]),
                 "accepted": ours,
                 "tag": "holds the answer" if sentences.unnamed_effects(report) else "the answer",
-                "held": closure(gap["closed"], gap["ci95"]) if ours and gap["closed"] is not None else "",
+                "held": closed_percent(gap["closed"], gap["ci95"]) if ours and gap["closed"] is not None else "",
             }
         )
     return rows

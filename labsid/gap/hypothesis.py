@@ -12,8 +12,10 @@ from labsid.gap.plants import Plant
 
 NUISANCE_DELAY = 0.5  # samples; up to here a delay belongs to the sampling, not to the rig
 DELAY = Parameter("delay", 0.0, NUISANCE_DELAY, 0.02)
-SAMPLED = Parameter("delay", -NUISANCE_DELAY, NUISANCE_DELAY, 0.02)  # of an input that may not be held, but sampled
-STUCK = Parameter("delay", 0.0, NUISANCE_DELAY, 0.02, leap=0.1)  # the same where friction may hide it
+SAMPLED_DELAY = Parameter(
+    "delay", -NUISANCE_DELAY, NUISANCE_DELAY, 0.02
+)  # of an input that may not be held, but sampled
+FRICTION_DELAY = Parameter("delay", 0.0, NUISANCE_DELAY, 0.02, leap=0.1)  # the same where friction may hide it
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -35,20 +37,20 @@ class Design:
     """
 
     columns: FloatArray
-    bent: int
+    n_sensed: int
     theta: FloatArray
     actuator: tuple[FloatArray, float]
     parts: tuple[FloatArray, ...]
 
     @property
-    def inside(self) -> FloatArray:
+    def sensed(self) -> FloatArray:
         """Columns that pass through the sensor, shape (N, m)."""
-        return self.columns[:, : self.bent]
+        return self.columns[:, : self.n_sensed]
 
     @property
-    def outside(self) -> FloatArray:
+    def added(self) -> FloatArray:
         """Columns added in the sensor, shape (N, q): behind its curve, ahead of its limits."""
-        return self.columns[:, self.bent :]
+        return self.columns[:, self.n_sensed :]
 
 
 @dataclass(frozen=True, slots=True)
@@ -81,7 +83,7 @@ class Hypothesis:
     """
 
     effects: tuple[Effect, ...] = ()
-    known: int = 0
+    n_given: int = 0
     given: Plant | None = None
     plant: Plant = field(init=False, repr=False, compare=False)
     inputs: tuple[InputEffect, ...] = field(init=False, repr=False, compare=False)
@@ -94,11 +96,11 @@ class Hypothesis:
     def __post_init__(self) -> None:
         plant = self.given or Plant()
         for effect in self.effects:
-            plant = effect.shape(plant)
+            plant = effect.extend(plant)
         inputs = sorted((e for e in self.effects if isinstance(e, InputEffect)), key=lambda e: e.order)
-        outputs = sorted((e for e in self.effects if isinstance(e, OutputEffect)), key=lambda e: e.place)
+        outputs = sorted((e for e in self.effects if isinstance(e, OutputEffect)), key=lambda e: e.position)
         additive = [e for e in self.effects if isinstance(e, AdditiveEffect)]
-        nuisance = STUCK if plant.friction else SAMPLED if plant.sampled else DELAY
+        nuisance = FRICTION_DELAY if plant.friction else SAMPLED_DELAY if plant.sampled else DELAY
         parameters: list[Parameter] = [] if any(e.name == "input-delay" for e in inputs) else [nuisance]
         places = {}
         parts: list[tuple[str, tuple[Parameter, ...]]] = [(e.key, e.parameters) for e in inputs]
@@ -123,16 +125,16 @@ class Hypothesis:
     @property
     def names(self) -> tuple[str, ...]:
         """Names of the effects found, each once."""
-        return tuple(dict.fromkeys(effect.name for effect in self.effects[self.known :]))
+        return tuple(dict.fromkeys(effect.name for effect in self.effects[self.n_given :]))
 
     @property
     def keys(self) -> tuple[str, ...]:
         """Keys of the effects found."""
-        return tuple(effect.key for effect in self.effects[self.known :])
+        return tuple(effect.key for effect in self.effects[self.n_given :])
 
     def plus(self, effect: Effect) -> "Hypothesis":
         """This hypothesis with one effect more."""
-        return Hypothesis((*self.effects, effect), self.known, self.given)
+        return Hypothesis((*self.effects, effect), self.n_given, self.given)
 
     @property
     def delay_is_an_effect(self) -> bool:
@@ -208,11 +210,11 @@ class Hypothesis:
 
     def sensor(self, theta: FloatArray, gains: FloatArray, design: Design) -> FloatArray:
         """What the sensor makes of the columns of a design."""
-        z = self._curved(theta, design.inside @ gains[: design.bent])
-        if gains.size > design.bent:
-            z = z + design.outside @ gains[design.bent :]
+        z = self._curved(theta, design.sensed @ gains[: design.n_sensed])
+        if gains.size > design.n_sensed:
+            z = z + design.added @ gains[design.n_sensed :]
         for effect in self._limits:
-            z = effect.bend(z, theta[self.slices[effect.key]])
+            z = effect.apply(z, theta[self.slices[effect.key]])
         return z
 
     def reading(self, theta: FloatArray, gains: FloatArray, level: float) -> float:
@@ -221,33 +223,33 @@ class Hypothesis:
 
     def _curved(self, theta: FloatArray, z: FloatArray) -> FloatArray:
         for effect in self._curves:
-            z = effect.bend(z, theta[self.slices[effect.key]])
+            z = effect.apply(z, theta[self.slices[effect.key]])
         return z
 
     def slopes(self, theta: FloatArray, gains: FloatArray, design: Design) -> tuple[FloatArray, FloatArray]:
         """Derivatives of `sensor` by what passes through it, and by what is added in it."""
-        z = design.inside @ gains[: design.bent]
+        z = design.sensed @ gains[: design.n_sensed]
         whole, added = np.ones_like(z), np.ones_like(z)
         for effect in self._curves:
             own = theta[self.slices[effect.key]]
             whole = whole * effect.slope(z, own)
-            z = effect.bend(z, own)
-        if gains.size > design.bent:
-            z = z + design.outside @ gains[design.bent :]
+            z = effect.apply(z, own)
+        if gains.size > design.n_sensed:
+            z = z + design.added @ gains[design.n_sensed :]
         for effect in self._limits:
             own = theta[self.slices[effect.key]]
             slope = effect.slope(z, own)
             whole, added = whole * slope, added * slope
-            z = effect.bend(z, own)
+            z = effect.apply(z, own)
         return whole, added
 
     @property
     def _curves(self) -> tuple[OutputEffect, ...]:
-        return tuple(effect for effect in self.outputs if not effect.last)
+        return tuple(effect for effect in self.outputs if not effect.is_limit)
 
     @property
     def _limits(self) -> tuple[OutputEffect, ...]:
-        return tuple(effect for effect in self.outputs if effect.last)
+        return tuple(effect for effect in self.outputs if effect.is_limit)
 
     def output(
         self,

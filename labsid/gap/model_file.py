@@ -13,20 +13,26 @@ from labsid.gap.candidates import CANDIDATES
 from labsid.gap.data import Data, Scale
 from labsid.gap.effects.base import Effect
 from labsid.gap.fitting import Fit
-from labsid.gap.forms import GENERAL, LOAD_AHEAD, LOAD_WAVE, ORDERS, PLACES, WAVE_AHEAD
+from labsid.gap.forms import ACTUATOR_ORDERS, GENERAL_FORMS, PERIODIC_LOAD, POSITIONS, UPSTREAM_LOAD, UPSTREAM_PERIODIC
 from labsid.gap.hypothesis import Hypothesis
 
 SCHEMA = "labsid.model/1"
-REST = 5000  # samples before a run that begins at rest
-START = 50  # samples from which the initial state of another record is estimated
-AWAY = (0.0, -0.5, 0.5, -1.0, 1.0, -2.0, 2.0, -3.0, 3.0)  # scaled: initial states that are tried
+REST_SAMPLES = 5000  # samples before a run that begins at rest
+START_SAMPLES = 50  # samples from which the initial state of another record is estimated
+STATE_OFFSETS = (0.0, -0.5, 0.5, -1.0, 1.0, -2.0, 2.0, -3.0, 3.0)  # scaled: initial states that are tried
 _STATES = ("h1", "h2", "z0", "v0", "i0", "position", "before")
-_ALL = (*CANDIDATES, *PLACES, *ORDERS, *GENERAL.values(), (LOAD_WAVE, WAVE_AHEAD, LOAD_AHEAD))
+_ALL = (
+    *CANDIDATES,
+    *POSITIONS,
+    *ACTUATOR_ORDERS,
+    *GENERAL_FORMS.values(),
+    (PERIODIC_LOAD, UPSTREAM_PERIODIC, UPSTREAM_LOAD),
+)
 _BY_KEY: dict[str, Effect] = {effect.key: effect for group in _ALL for effect in group}
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class RunningModel:
+class ExportedModel:
     """A fitted hypothesis that runs: what `--export` writes and `labsid gap simulate` plays.
 
     Attributes
@@ -66,10 +72,10 @@ class RunningModel:
         data = Data(self.u_scale.of(u), np.zeros(u.size), np.ones(u.size, bool), self.Ts, self.u_scale, self.y_scale)
         theta, gains = self._at_rest()
         if y is None:
-            rest = np.full(REST, data.u[0])
-            output = self._output(theta, gains, np.concatenate([rest, data.u]))[REST:]
+            rest = np.full(REST_SAMPLES, data.u[0])
+            output = self._output(theta, gains, np.concatenate([rest, data.u]))[REST_SAMPLES:]
         else:
-            theta, gains = self._started(theta, gains, data.u[:START], self.y_scale.of(y[:START]))
+            theta, gains = self._started(theta, gains, data.u[:START_SAMPLES], self.y_scale.of(y[:START_SAMPLES]))
             output = self._output(theta, gains, data.u)
         return np.asarray(self.y_scale.back(output))
 
@@ -139,7 +145,7 @@ class RunningModel:
         lower, upper = (bound[in_theta] for bound in self.hypothesis.bounds)
         ranges = self._ranges()[in_theta]
         best, least = theta, np.inf
-        for away in product(AWAY, repeat=len(in_theta)):
+        for away in product(STATE_OFFSETS, repeat=len(in_theta)):
             tried = theta.copy()
             tried[in_theta] = np.clip(theta[in_theta] + away * ranges, lower, upper)
             error = y - self._output(tried, gains, u)
@@ -180,15 +186,15 @@ class RunningModel:
         }
 
 
-def running_model(data: Data, fit: Fit) -> RunningModel:
+def export_model(data: Data, fit: Fit) -> ExportedModel:
     """The fit as a simulation of its own."""
     reference = float(fit.hypothesis.actuator(fit.theta, data.u)[0])
-    return RunningModel(
+    return ExportedModel(
         fit.hypothesis, fit.theta, fit.gains, data.Ts, data.samples, reference, data.u_scale, data.y_scale
     )
 
 
-def from_json_dict(content: dict[str, Any]) -> RunningModel:
+def from_json_dict(content: dict[str, Any]) -> ExportedModel:
     """Read what `to_json_dict` wrote.
 
     Raises
@@ -221,14 +227,14 @@ def from_json_dict(content: dict[str, Any]) -> RunningModel:
     numbers = [*gains.ravel(), Ts, reference, *(x for scale in scales for x in (scale.centre, scale.unit))]
     if not np.isfinite(numbers).all() or min(Ts, span, *(scale.unit for scale in scales)) <= 0:
         raise ValueError(wrong.format("its numbers must be finite; Ts, span and the units above zero"))
-    design = hypothesis.design(theta, np.zeros(START), span, reference)
+    design = hypothesis.design(theta, np.zeros(START_SAMPLES), span, reference)
     expected = design.columns.shape[1]
     if gains.shape != (expected,):
         raise ValueError(wrong.format(f"gains must hold {expected} numbers; got {gains.size}"))
-    return RunningModel(hypothesis, theta, gains, Ts, span, reference, *scales)
+    return ExportedModel(hypothesis, theta, gains, Ts, span, reference, *scales)
 
 
-def exported_model(content: dict[str, Any], Ts: float) -> RunningModel:
+def read_exported_model(content: dict[str, Any], Ts: float) -> ExportedModel:
     """Read what `to_json_dict` wrote, for a record of the sampling time Ts.
 
     Raises

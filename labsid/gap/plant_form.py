@@ -9,7 +9,7 @@ import numpy as np
 from labsid._arrays import FloatArray
 
 SLOWEST, FASTEST = np.log(1e-5), np.log(100.0)
-MOST_DAMPING = 0.5  # of a mode; beyond, it is two lags
+MAX_DAMPING = 0.5  # of a mode; beyond, it is two lags
 
 
 @dataclass(frozen=True, slots=True)
@@ -34,7 +34,7 @@ class Parameter:
     leap: float = 0.0
 
 
-ACROSS = 1e-2  # scaled: a step of a derivative that reaches across the jumps of a motion that sticks
+STICKING_STEP = 1e-2  # scaled: a step of a derivative that reaches across the jumps of a motion that sticks
 FRICTION = Parameter("friction", 0.0, 20.0, 1e-3, leap=0.03)
 ONSET = Parameter("onset", 0.0, 1.0, 2e-4, leap=0.004)  # as a share of the record
 DRIFT = Parameter("drift", -3.0, 3.0)
@@ -105,15 +105,15 @@ class PlantForm:
     sampled: bool = False
     unsprung: bool = False
     lag_first: bool = True
-    lag_ahead: bool = False
+    lag_upstream: bool = False
     mode_place: str = "behind"
     course: str = "slow"
-    fading: bool = False
-    bends: int = 0
-    loaded: bool = False
-    shaken: bool = False
-    load_ahead: bool = False
-    shaken_ahead: bool = False
+    drifting: bool = False
+    extra_degrees: int = 0
+    has_load: bool = False
+    has_sinusoid: bool = False
+    load_upstream: bool = False
+    sinusoid_upstream: bool = False
     run: Callable[[FloatArray], FloatArray] | None = field(default=None, compare=False)
     takes_input: bool = False
     given_rates: tuple[float, float] = (0.5, 0.05)
@@ -144,31 +144,31 @@ class PlantForm:
                 own += [FRICTION]
             if self.cubic:
                 own += [Parameter("cubic", -0.3, 50.0)]
-            if self.cubic or self.fading or self.unsprung:
+            if self.cubic or self.drifting or self.unsprung:
                 own += [Parameter("centre", -8.0, 8.0)]
-            own += [Parameter("z0", -50.0, 50.0, ACROSS, leap=0.05), Parameter("v0", -50.0, 50.0, ACROSS)]
+            own += [Parameter("z0", -50.0, 50.0, STICKING_STEP, leap=0.05), Parameter("v0", -50.0, 50.0, STICKING_STEP)]
         elif self.kind == "speed":
             own += [FRICTION, Parameter("centre", -20.0, 20.0, 1e-3)]
-            own += [Parameter("v0", -50.0, 50.0, ACROSS), Parameter("i0", -50.0, 50.0, ACROSS)]
+            own += [Parameter("v0", -50.0, 50.0, STICKING_STEP), Parameter("i0", -50.0, 50.0, STICKING_STEP)]
         elif self.kind == "varying":
             own += [DRIFT, Parameter("share_c", -3.0, 3.0), Parameter("turn", 0.0, 1.0)]
             own += [ONSET] if self.course == "step" else self._bent()
-        if self.fading:
+        if self.drifting:
             own += [DRIFT, *self._bent()]
-        if self.loaded:
+        if self.has_load:
             own += [Parameter("load", -20.0, 20.0)]
-            own += [ONSET] if self.load_ahead else [Parameter("leak", -0.9, 20.0), ONSET]
-        if self.shaken:
+            own += [ONSET] if self.load_upstream else [Parameter("leak", -0.9, 20.0), ONSET]
+        if self.has_sinusoid:
             own += [CYCLES, Parameter("shake_cos", -20.0, 20.0), Parameter("shake_sin", -20.0, 20.0)]
         if self.lag:
             own += [Parameter("log_lag", -4.0, 8.0)]
         if self.mode:
             own += [Parameter("log_frequency", -6.0, np.log(np.pi))]
-            own += [Parameter("log_damping", -7.0, np.log(MOST_DAMPING))]
+            own += [Parameter("log_damping", -7.0, np.log(MAX_DAMPING))]
         return tuple(rates + own)
 
     def _bent(self) -> list[Parameter]:
-        return [Parameter(f"bend{n}", -3.0, 3.0) for n in range(1, self.bends + 1)]
+        return [Parameter(f"bend{n}", -3.0, 3.0) for n in range(1, self.extra_degrees + 1)]
 
     @property
     def nonlinear(self) -> bool:
@@ -176,7 +176,7 @@ class PlantForm:
         return self.kind in ("tanks", "mechanics", "speed")
 
     @property
-    def in_a_row(self) -> bool:
+    def in_series(self) -> bool:
         """Whether there are two states in a row, and a load may enter ahead of either."""
         return self.kind == "tanks" or (self.kind == "speed" and self.lag_first)
 
@@ -184,6 +184,6 @@ class PlantForm:
         """Place of a parameter in theta."""
         return [parameter.name for parameter in self.parameters].index(name)
 
-    def but(self, **changes: object) -> Self:
+    def modified(self, **changes: object) -> Self:
         """The same plant with some attributes changed."""
         return replace(self, **changes)  # type: ignore[arg-type]

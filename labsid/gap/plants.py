@@ -11,7 +11,7 @@ import numpy as np
 from labsid._arrays import FloatArray, beside
 from labsid.gap import _kernels
 from labsid.gap.plant_form import PlantForm
-from labsid.gap.responses import denominator, lagging, real_rates, response, section, through_lag, through_mode
+from labsid.gap.responses import denominator, lag_mean, lag_output, mode_mean, real_rates, response, section
 
 SHORTEST_MEMORY = 12  # of a lag's time constants in a record
 LEAST_FLOW = 0.25  # scaled: mean flow for which the rates of tanks with roots are told
@@ -52,11 +52,11 @@ class Plant(PlantForm):
             tau = float(min(np.exp(own["log_lag"]), span / SHORTEST_MEMORY))
             pole = float(np.exp(-1.0 / tau))
             if self._lag_ahead:
-                driven = through_lag(driven, tau)
+                driven = lag_mean(driven, tau)
         if self.mode:
             frequency, damping = np.exp(own["log_frequency"]), np.exp(own["log_damping"])
             if self._mode_place == "ahead":
-                driven = through_mode(driven, frequency, damping)
+                driven = mode_mean(driven, frequency, damping)
         columns = response(self, own, driven, span, start, late)
         slope = columns[:, 1] if self.kind == "mechanics" else None
         if self.kind in ("mechanics", "speed"):
@@ -67,7 +67,7 @@ class Plant(PlantForm):
             if self.kind == "linear":
                 parts.append(_kernels.first_order(moved, pole)[:, None])
             else:
-                columns[:, 0] = lagging(moved, np.gradient(moved) if slope is None else slope, tau)
+                columns[:, 0] = lag_output(moved, np.gradient(moved) if slope is None else slope, tau)
             parts.append(np.asarray(pole ** np.arange(w.size), np.float64)[:, None])
         if self.mode and self._mode_place != "ahead":
             drive = moved if self._mode_place == "behind" else _kernels.delayed(w - start, 0, late)
@@ -76,7 +76,7 @@ class Plant(PlantForm):
 
     @property
     def _lag_ahead(self) -> bool:
-        return self.lag_ahead and self.nonlinear
+        return self.lag_upstream and self.nonlinear
 
     @property
     def _mode_place(self) -> str:
@@ -108,7 +108,7 @@ class Plant(PlantForm):
         own = self._by_name(theta)
         return response(self, own, w, w.size, float(w[0]))[:, 1]
 
-    def through(self, theta: FloatArray, signal: FloatArray) -> FloatArray:
+    def load_response(self, theta: FloatArray, signal: FloatArray) -> FloatArray:
         """What an unmeasured load `signal` that enters the dynamics does to the output, linearised; shape (N, 2)."""
         c, k = self.linear_rates(theta)
         a1, a2 = denominator(c, k)

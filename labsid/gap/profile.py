@@ -7,12 +7,12 @@ import numpy as np
 
 from labsid._arrays import FloatArray
 from labsid.gap.data import Data
-from labsid.gap.fitting import Fit, Point, search
+from labsid.gap.fitting import Fit, Point, minimize
 from labsid.gap.hypothesis import Hypothesis
 
-FIRST = 0.5  # samples: the first step aside
-GROWTH = 1.5  # of the steps
-UNLIKELY = 12.0  # twice the loss of log likelihood at which nothing more is to be found
+FIRST_STEP = 0.5  # samples: the first step aside
+STEP_GROWTH = 1.5  # of the steps
+MAX_LOSS = 12.0  # twice the loss of log likelihood at which nothing more is to be found
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -31,7 +31,7 @@ class Profile:
     weights: FloatArray
 
 
-def profile(data: Data, fit: Fit, place: int) -> Profile | None:
+def profile_likelihood(data: Data, fit: Fit, place: int) -> Profile | None:
     """Hold the number at `place` of theta, an instant as a share of the record, left and right of where it was found.
 
     The error hardly changes while an instant moves within a sample, and has no slope where the input rests: a linear
@@ -53,16 +53,16 @@ def profile(data: Data, fit: Fit, place: int) -> Profile | None:
         return None
     found = [middle]
     for side in (-1.0, 1.0):
-        step, at, last = FIRST / data.samples, float(fit.theta[place]), middle
+        step, at, last = FIRST_STEP / data.samples, float(fit.theta[place]), middle
         while 0.0 < at + side * step < 1.0:
             at += side * step
             held = _held(data, fit, place, at, last)
             if held is None:
                 break
             found.append(held)
-            if _loss(fit, held, middle) > UNLIKELY:
+            if _loss(fit, held, middle) > MAX_LOSS:
                 break
-            step, last = GROWTH * step, held
+            step, last = STEP_GROWTH * step, held
     found.sort(key=lambda point: float(point.theta[place]))
     loss = np.array([_loss(fit, point, middle) for point in found])
     where = np.array([point.theta[place] for point in found])
@@ -79,7 +79,7 @@ def _held(data: Data, fit: Fit, place: int, value: float, near: Fit | Point) -> 
         side[place] = value
     hypothesis: Hypothesis = copy(fit.hypothesis)
     object.__setattr__(hypothesis, "bounds", bounds)  # a copy of its own: nobody else sees it change
-    return search(data, hypothesis, theta, near.gains, iterations=5, ar=fit.noise.ar, tolerance=1e-4)
+    return minimize(data, hypothesis, theta, near.gains, iterations=5, ar=fit.noise.ar, tolerance=1e-4)
 
 
 def _loss(fit: Fit, point: Point, best: Point) -> float:

@@ -14,8 +14,8 @@ UNITS = {
     "1/y^2": "per (unit of y)²",
     "1": "",
 }
-SHORT = {"s", "Hz"}  # units that a sentence always carries
-LEAST, MOST = 1e-4, 1e6  # sizes that are written without an exponent
+ALWAYS_WRITTEN = {"s", "Hz"}  # units that a sentence always carries
+MIN_PLAIN, MAX_PLAIN = 1e-4, 1e6  # sizes that are written without an exponent
 
 
 @dataclass(frozen=True, slots=True)
@@ -32,8 +32,8 @@ class Quantity:
     def __format__(self, how: str) -> str:
         if how == "%":
             return percent(self.value)
-        text = number(self.value, digits_of(self.value, self.stderr))
-        return f"{text} {self.unit}" if self.unit in SHORT else text
+        text = number(self.value, significant_digits(self.value, self.stderr))
+        return f"{text} {self.unit}" if self.unit in ALWAYS_WRITTEN else text
 
 
 def number(value: float, digits: int = 3) -> str:
@@ -41,12 +41,12 @@ def number(value: float, digits: int = 3) -> str:
     if value == 0.0 or not math.isfinite(value):
         return f"{value:g}"
     exponent = math.floor(math.log10(abs(float(f"{value:.{digits - 1}e}"))))
-    if not LEAST <= abs(value) < MOST:
+    if not MIN_PLAIN <= abs(value) < MAX_PLAIN:
         return f"{value:.{digits - 1}e}"
     return f"{value:.{max(digits - 1 - exponent, 0)}f}"
 
 
-def digits_of(value: float, stderr: float) -> int:
+def significant_digits(value: float, stderr: float) -> int:
     """Significant digits of `value` that its standard error leaves standing: 2 to 5, or 3 where it has none."""
     if value == 0.0 or not math.isfinite(stderr) or stderr <= 0.0:
         return 3
@@ -59,7 +59,7 @@ def with_error(value: float, stderr: float) -> str:
     if not math.isfinite(stderr) or stderr <= 0.0:
         return number(value, 4)
     size = max(abs(value), stderr)
-    power = 0 if LEAST <= size < MOST else math.floor(math.log10(size))
+    power = 0 if MIN_PLAIN <= size < MAX_PLAIN else math.floor(math.log10(size))
     value, stderr = value / 10.0**power, stderr / 10.0**power
     decimals = min(max(1 - math.floor(math.log10(stderr)), 0), 9)
     text = f"{value:.{decimals}f} ± {stderr:.{decimals}f}"
@@ -78,13 +78,13 @@ def counted(count: int, one: str, more: str) -> str:
     return f"{count} {one if count == 1 else more}"
 
 
-def closure(closed: float, ci95: list[float] | None = None) -> str:
+def closed_percent(closed: float, ci95: list[float] | None = None) -> str:
     """Write the closed share of the gap with its 95 % interval: ``97 % [94, 100]``."""
-    text = f"{_whole(closed)} %"
-    return text if ci95 is None else f"{text} [{_whole(ci95[0])}, {_whole(ci95[1])}]"
+    text = f"{_whole_percent(closed)} %"
+    return text if ci95 is None else f"{text} [{_whole_percent(ci95[0])}, {_whole_percent(ci95[1])}]"
 
 
-def _whole(share: float) -> str:
+def _whole_percent(share: float) -> str:
     return f"{100.0 * share + 0.0:.0f}".replace("-0", "0") if abs(share) < 0.005 else f"{100.0 * share:.0f}"
 
 
@@ -103,13 +103,13 @@ def p_value(p: float) -> str:
 def between(low: float, high: float) -> tuple[str, str]:
     """Write the ends of a range, no finer than a hundredth of its width."""
     width = abs(high - low)
-    if width == 0.0 or not LEAST <= max(abs(low), abs(high)) < MOST:
+    if width == 0.0 or not MIN_PLAIN <= max(abs(low), abs(high)) < MAX_PLAIN:
         return f"{low:.3g}", f"{high:.3g}"
     decimals = max(1 - math.floor(math.log10(width)), 0)
-    return _trimmed(low, decimals), _trimmed(high, decimals)
+    return _without_zeros(low, decimals), _without_zeros(high, decimals)
 
 
-def _trimmed(value: float, decimals: int) -> str:
+def _without_zeros(value: float, decimals: int) -> str:
     text = f"{value:.{decimals}f}"
     text = text.rstrip("0").rstrip(".") if "." in text else text
     return "0" if text == "-0" else text

@@ -9,17 +9,17 @@ from labsid._arrays import FloatArray
 from labsid.gap import location
 from labsid.gap._kernels import whiten
 from labsid.gap.baseline import Baseline
+from labsid.gap.closure_by_step import closed_by_step
 from labsid.gap.data import Data
 from labsid.gap.decision import MISMATCH, Decision
 from labsid.gap.effects.base import Effect
 from labsid.gap.experiment import Experiment, next_experiment
 from labsid.gap.explanation import Explanation
-from labsid.gap.fitting import Fit, power
-from labsid.gap.leftover import Leftover
-from labsid.gap.numbers import marked, parameters_of
+from labsid.gap.fitting import Fit, mean_square
+from labsid.gap.parameter_estimates import active_samples, estimate_parameters
 from labsid.gap.quantities import counted, percent
+from labsid.gap.residual_tests import ResidualMeasures
 from labsid.gap.scores import GapScore, closed_share
-from labsid.gap.steps import closed_by_step
 from labsid.gap.traces import figure_traces
 from labsid.records.record import Record
 
@@ -39,7 +39,7 @@ def build_report(
     explanation: Explanation,
     base: Baseline,
     decision: Decision,
-    left: Leftover,
+    left: ResidualMeasures,
     score: GapScore,
     rng: np.random.Generator,
     holdout: Record | None = None,
@@ -105,7 +105,7 @@ def build_report(
 def _effects(explanation: Explanation, decision: Decision, closed: list[float | None]) -> list[dict[str, Any]]:
     found = []
     by_name: dict[str, Effect] = {
-        e.name: e for e in explanation.best.hypothesis.effects[explanation.best.hypothesis.known :]
+        e.name: e for e in explanation.best.hypothesis.effects[explanation.best.hypothesis.n_given :]
     }
     for name in decision.names:
         effect = by_name.get(name)
@@ -115,7 +115,7 @@ def _effects(explanation: Explanation, decision: Decision, closed: list[float | 
                 "path": PATHS[name] if effect is None else effect.path,
                 "parameters": _sample_parameters(explanation, name)
                 if effect is None
-                else parameters_of(explanation.data, explanation.best, effect),
+                else estimate_parameters(explanation.data, explanation.best, effect),
                 "probability": float(decision.probability[name]),
                 "closed": closed[_step(explanation, name)],
             }
@@ -161,12 +161,12 @@ def _sample_parameters(explanation: Explanation, name: str) -> dict[str, dict[st
 def _ranking(explanation: Explanation, decision: Decision, before: Fit) -> list[dict[str, Any]]:
     """Every combination tried, best first; those of the accepted level have probabilities."""
     data, unit = explanation.data, explanation.data.y_scale.unit
-    start = power(data, before)
+    start = mean_square(data, before)
     floor = float(explanation.best.noise.sigma2)
     rows = []
     for level in explanation.levels[1:]:
         for names, fit in level.items():
-            mse = power(data, fit)
+            mse = mean_square(data, fit)
             rows.append(
                 {
                     "name": "+".join(names),
@@ -182,8 +182,8 @@ def _ranking(explanation: Explanation, decision: Decision, before: Fit) -> list[
 def _acting_samples(explanation: Explanation, decision: Decision) -> np.ndarray:
     """Samples on which the first effect acts that is confined to a part of the record."""
     fit = explanation.best
-    for effect in fit.hypothesis.effects[fit.hypothesis.known :]:
-        at = marked(explanation.data, fit, effect)
+    for effect in fit.hypothesis.effects[fit.hypothesis.n_given :]:
+        at = active_samples(explanation.data, fit, effect)
         if effect.name in decision.names and at.any() and not at.all():
             return at
     if "output-dropout" in decision.names:
@@ -200,7 +200,7 @@ def _stretches(record: Record, scored: np.ndarray) -> list[list[float]]:
     ]
 
 
-def _unexplained(explanation: Explanation, left: Leftover, decision: Decision) -> dict[str, Any]:
+def _unexplained(explanation: Explanation, left: ResidualMeasures, decision: Decision) -> dict[str, Any]:
     data, fit = explanation.data, explanation.best
     e = np.where(data.rows, data.y - fit.output, 0.0)
     return {
@@ -217,8 +217,8 @@ def _whiteness(e: FloatArray, data: Data) -> float:
     """P-value of the Ljung-Box test on the residual."""
     x = e - e[data.rows].mean() * data.rows
     n = int(data.rows.sum())
-    power = float(x @ x)
-    q = sum((float(x[lag:] @ x[:-lag]) / power) ** 2 / (n - lag) for lag in range(1, LAGS + 1))
+    energy = float(x @ x)
+    q = sum((float(x[lag:] @ x[:-lag]) / energy) ** 2 / (n - lag) for lag in range(1, LAGS + 1))
     return float(chi2.sf(n * (n + 2) * q, LAGS))
 
 
@@ -226,7 +226,7 @@ def _input_correlation(e: FloatArray, data: Data, fit: Fit) -> float:
     """P-value of a test that the whitened residual is uncorrelated with past values of the equally filtered input."""
     white = whiten(np.column_stack([e, data.u - data.u.mean()]), fit.noise.ar)
     x, u = white[:, 0], white[:, 1]
-    sound = data.sound
+    sound = data.complete
     past = np.column_stack([np.concatenate([np.zeros(lag), u[:-lag]]) for lag in range(1, LAGS + 1)])[sound]
     past = past - past.mean(axis=0)
     target = x[sound] - x[sound].mean()

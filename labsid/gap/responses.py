@@ -8,11 +8,11 @@ from labsid.gap import _kernels, _rates, _states
 from labsid.gap.plant_form import PlantForm
 
 NO_BRIM = np.inf
-RESTORING = 1e-11, 90.0  # bounds of k, in samples
-AT_REST = 6.0  # time constants after which a free motion is over
+STIFFNESS_BOUNDS = 1e-11, 90.0  # bounds of k, in samples
+REST_TIME_CONSTANTS = 6.0  # time constants after which a free motion is over
 NODES = np.polynomial.legendre.leggauss(8)
-QUICKEST = 2.4  # rate of a tank with a root, a sample: what is quicker follows its inflow at once
-AT_ONCE = 30.0  # rate, a sample, of a pole that is none
+MAX_ROOT_RATE = 2.4  # rate of a tank with a root, a sample: what is quicker follows its inflow at once
+ABSENT_POLE_RATE = 30.0  # rate, a sample, of a pole that is none
 
 
 def response(
@@ -42,19 +42,19 @@ def response(
     return _KINDS[plant.kind](plant, own, w, span, reference, late)
 
 
-def along(samples: int, span: int) -> FloatArray:
+def normalized_time(samples: int, span: int) -> FloatArray:
     """-1 to 1 along the `span` samples of the fit's record; behind them it stays at 1."""
     return np.minimum(2.0 * np.arange(samples) / max(span - 1, 1) - 1.0, 1.0)
 
 
-def begun(onset: float, samples: int, span: int) -> FloatArray:
+def step_signal(onset: float, samples: int, span: int) -> FloatArray:
     """A unit step from the share `onset` of the span on; the sample in which it falls counts in part."""
     return np.clip(np.arange(1, samples + 1) - onset * span, 0.0, 1.0)
 
 
-def slow_course(shape: FloatArray, samples: int, span: int) -> FloatArray:
+def chebyshev_course(shape: FloatArray, samples: int, span: int) -> FloatArray:
     """A slow change along the record: Chebyshev polynomials of degree 1, 2, ... by their coefficients."""
-    return chebval(along(samples, span), np.concatenate([[0.0], shape]))
+    return chebval(normalized_time(samples, span), np.concatenate([[0.0], shape]))
 
 
 def denominator(c: float, k: float) -> tuple[float, float]:
@@ -76,14 +76,14 @@ def real_rates(c: float, k: float) -> tuple[float, float]:
     return float(k / fast), float(min(fast, 8.0))
 
 
-def damping(c: float, k: float) -> float:
+def damping_ratio(c: float, k: float) -> float:
     """Damping ratio of s^2 + c s + k."""
     return float(0.5 * c / np.sqrt(k))
 
 
-def one_pole(rate: float) -> tuple[float, float]:
+def single_pole(rate: float) -> tuple[float, float]:
     """c and k of one pole, the other one so quick that it is none; the decay rate a sample."""
-    return rate + AT_ONCE, rate * AT_ONCE
+    return rate + ABSENT_POLE_RATE, rate * ABSENT_POLE_RATE
 
 
 def section(c: float, k: float, w: FloatArray) -> FloatArray:
@@ -91,14 +91,14 @@ def section(c: float, k: float, w: FloatArray) -> FloatArray:
     return _kernels.section(w, *denominator(c, k))
 
 
-def through_lag(w: FloatArray, tau: float) -> FloatArray:
+def lag_mean(w: FloatArray, tau: float) -> FloatArray:
     """The mean over each sample of a lag that follows `w` from rest; `tau` in samples."""
     pole = float(np.exp(-1.0 / tau))
     behind = w[0] + _kernels.first_order(w - w[0], pole) - w
     return np.asarray(w + behind * tau * (1.0 - pole))
 
 
-def lagging(y: FloatArray, slope: FloatArray, tau: float) -> FloatArray:
+def lag_output(y: FloatArray, slope: FloatArray, tau: float) -> FloatArray:
     """A lag that follows `y` from zero; between samples y is the cubic of its values and slopes; `tau` in samples."""
     pole = float(np.exp(-1.0 / tau))
     if tau > 1.0:
@@ -114,10 +114,10 @@ def lagging(y: FloatArray, slope: FloatArray, tau: float) -> FloatArray:
     return _kernels.first_order(y + rise * (following - y) + ahead * slope + behind * onward, pole)
 
 
-def through_mode(w: FloatArray, frequency: float, damping: float) -> FloatArray:
+def mode_mean(w: FloatArray, frequency: float, damping_ratio: float) -> FloatArray:
     """The mean over each sample of a lightly damped mode in the actuator's path, of gain one, that starts at rest."""
-    c, k = 2.0 * damping * frequency, frequency**2
-    motion = _states.mechanics(w - w[0], c, k, 0.0, 0.0, 0.0, 0.0, 1, 0.0)
+    c, k = 2.0 * damping_ratio * frequency, frequency**2
+    motion = _states.simulate_mass(w - w[0], c, k, 0.0, 0.0, 0.0, 0.0, 1, 0.0)
     change = np.diff(motion, axis=0, append=motion[-1:])  # the mean follows from z'' = -c z' - k z + w, integrated
     return np.asarray(w - change @ [c, 1.0])
 
@@ -126,14 +126,14 @@ def _linear(
     plant: PlantForm, own: dict[str, float], w: FloatArray, span: int, reference: float, late: float
 ) -> FloatArray:
     c, k = float(np.exp(own["log_c"])), float(np.exp(own["log_k"]))
-    away = _rising(c, k, w.size, span)
+    away = _offset_ramp(c, k, w.size, span)
     if plant.zero:
         return beside([section(c, k, w - reference), away])
-    exact = _states.mechanics(w - reference, c, k, 0.0, 0.0, 0.0, 0.0, 1, 0.0)[:, :1] * k
+    exact = _states.simulate_mass(w - reference, c, k, 0.0, 0.0, 0.0, 0.0, 1, 0.0)[:, :1] * k
     return beside([exact, section(c, k, np.zeros(w.size))[:, 2:], away])
 
 
-def _rising(c: float, k: float, samples: int, span: int) -> FloatArray:
+def _offset_ramp(c: float, k: float, samples: int, span: int) -> FloatArray:
     """What an offset of the input does to a plant that hardly comes to rest within the record; zero for any other.
 
     There the offset is no constant of the output: behind an integrator it is a ramp.
@@ -144,7 +144,7 @@ def _rising(c: float, k: float, samples: int, span: int) -> FloatArray:
 
 
 def _comes_to_rest(c: float, k: float, span: int) -> bool:
-    return real_rates(c, k)[0] * span > AT_REST
+    return real_rates(c, k)[0] * span > REST_TIME_CONSTANTS
 
 
 def _tanks(
@@ -157,18 +157,18 @@ def _tanks(
     h2 = level**2 if plant.lower_root else level
     brim = own.get("brim", NO_BRIM)
     typical = max(2.0 * float(np.mean(flow)), 0.5)  # a root's slope at the mean flow is one over this
-    a = min(a, QUICKEST * typical) if plant.upper_root else a
-    b = min(b, QUICKEST * typical) if plant.lower_root else b
+    a = min(a, MAX_ROOT_RATE * typical) if plant.upper_root else a
+    b = min(b, MAX_ROOT_RATE * typical) if plant.lower_root else b
     upper, lower = a / typical if plant.upper_root else a, b / typical if plant.lower_root else b
-    pace = _pace(plant, own, w.size, span)
+    pace = _rate_factor(plant, own, w.size, span)
     if pace is not None:
-        pace = np.minimum(pace, QUICKEST * typical / b) if plant.lower_root else pace
+        pace = np.minimum(pace, MAX_ROOT_RATE * typical / b) if plant.lower_root else pace
         lower *= float(pace.max())
     felt = [rate for rate, root in ((upper, plant.upper_root), (lower, plant.lower_root)) if root]
     fastest = max(felt, default=0.0)  # linear tanks are exact on their own, however quick
     substeps = int(max(np.ceil(fastest / 0.3), np.ceil(min(upper, lower) / 0.2), 2))
-    flow, onto = _loaded(plant, own, flow, span)
-    return _states.tanks(
+    flow, onto = _apply_load(plant, own, flow, span)
+    return _states.simulate_tanks(
         flow,
         a,
         b,
@@ -186,7 +186,9 @@ def _tanks(
     )[:, None]
 
 
-def _loaded(plant: PlantForm, own: dict[str, float], w: FloatArray, span: int) -> tuple[FloatArray, tuple[float, ...]]:
+def _apply_load(
+    plant: PlantForm, own: dict[str, float], w: FloatArray, span: int
+) -> tuple[FloatArray, tuple[float, ...]]:
     """The drive less what enters ahead of it, and for the loops the rest.
 
     Load, leak and onset in samples, and the two parts and the frequency of a wave.
@@ -194,23 +196,23 @@ def _loaded(plant: PlantForm, own: dict[str, float], w: FloatArray, span: int) -
     load, leak, onset = own.get("load", 0.0), own.get("leak", 0.0), own.get("onset", np.inf) * span
     cosine, sine = own.get("shake_cos", 0.0), own.get("shake_sin", 0.0)
     frequency = 2.0 * np.pi * own.get("cycles", 0.0) / span
-    if plant.load_ahead:
-        w, load = w - load * begun(own["onset"], w.size, span), 0.0
-    if plant.shaken_ahead:
+    if plant.load_upstream:
+        w, load = w - load * step_signal(own["onset"], w.size, span), 0.0
+    if plant.sinusoid_upstream:
         phase = frequency * (np.arange(w.size) + 0.5)
         w, cosine, sine = w - cosine * np.cos(phase) - sine * np.sin(phase), 0.0, 0.0
     return w, (load, leak, onset, cosine, sine, frequency)
 
 
-def _pace(plant: PlantForm, own: dict[str, float], samples: int, span: int) -> FloatArray | None:
+def _rate_factor(plant: PlantForm, own: dict[str, float], samples: int, span: int) -> FloatArray | None:
     """What multiplies the rate of the latter state, or the spring, where it drifts."""
-    return np.exp(_course(plant, own, samples, span)) if plant.fading else None
+    return np.exp(_course(plant, own, samples, span)) if plant.drifting else None
 
 
 def _course(plant: PlantForm, own: dict[str, float], samples: int, span: int) -> FloatArray:
     """Logarithm of a rate that drifts, without its constant."""
-    shape = np.array([own["drift"], *(own[f"bend{n}"] for n in range(1, plant.bends + 1))])
-    return np.clip(slow_course(shape, samples, span), -6.0, 6.0)
+    shape = np.array([own["drift"], *(own[f"bend{n}"] for n in range(1, plant.extra_degrees + 1))])
+    return np.clip(chebyshev_course(shape, samples, span), -6.0, 6.0)
 
 
 def _mechanics(
@@ -221,13 +223,15 @@ def _mechanics(
     drive = w - own.get("centre", reference)
     substeps = int(min(max(np.ceil(max(c, np.sqrt(k)) / (0.15 if plant.friction else 0.3)), 2), 12))
     cubic = own.get("cubic", 0.0) * unit**3
-    pace = _pace(plant, own, w.size, span)
+    pace = _rate_factor(plant, own, w.size, span)
     # Without a middle of its own, a run begins where that of the fit did: the spring may be next to none.
     rests = "centre" in own and not plant.unsprung
     rest = _equilibrium(drive[0], k if pace is None else k * pace[0], cubic) if rests else 0.0
     z0, v0 = rest + own["z0"] / unit, own["v0"] / np.sqrt(unit)
-    drive, onto = _loaded(plant, own, drive, span)
-    return _states.mechanics(drive, c, k, own.get("friction", 0.0), cubic, z0, v0, substeps, late, *onto, pace) * unit
+    drive, onto = _apply_load(plant, own, drive, span)
+    return (
+        _states.simulate_mass(drive, c, k, own.get("friction", 0.0), cubic, z0, v0, substeps, late, *onto, pace) * unit
+    )
 
 
 def _equilibrium(force: float, k: float, cubic: float) -> float:
@@ -246,45 +250,45 @@ def _speed(
     friction = own["friction"]
     v = np.sign(drive[0]) * max(abs(drive[0]) - friction, 0.0) + own["v0"]
     i = (drive[0] if plant.lag_first else v) + own["i0"]
-    drive, onto = _loaded(plant, own, drive, span)
-    pace = _pace(plant, own, w.size, span)
-    return _states.speed(drive, a, b, friction, plant.lag_first, v, i, 3, late, *onto, pace)
+    drive, onto = _apply_load(plant, own, drive, span)
+    pace = _rate_factor(plant, own, w.size, span)
+    return _states.simulate_motor(drive, a, b, friction, plant.lag_first, v, i, 3, late, *onto, pace)
 
 
 def _varying(
     plant: PlantForm, own: dict[str, float], w: FloatArray, span: int, reference: float, late: float
 ) -> FloatArray:
     if plant.course == "step":
-        return _stepping(own, w - reference, span)
+        return _varying_step(own, w - reference, span)
     course = _course(plant, own, w.size, span)
     change = np.expm1(course)  # of one lag of two, or of a spring
-    c, k = _changed(own, change)
+    c, k = _changed_rates(own, change)
     # that of the latter lag is under the derivative of its balance
-    k = np.clip(k + np.exp(own["log_c"]) * own["turn"] * np.gradient(change), *RESTORING)
+    k = np.clip(k + np.exp(own["log_c"]) * own["turn"] * np.gradient(change), *STIFFNESS_BOUNDS)
     still, constant = w - reference, np.ones(w.size)
-    out = _rates.varying(np.column_stack([still, still * course, constant, course]), c, k)
+    out = _rates.simulate_varying(np.column_stack([still, still * course, constant, course]), c, k)
     unit = np.exp(own["log_k"])
     return beside([out[:, :5] * unit, out[:, 6:7] * unit, out[:, [8, 10]]])
 
 
-def _stepping(own: dict[str, float], still: FloatArray, span: int) -> FloatArray:
+def _varying_step(own: dict[str, float], still: FloatArray, span: int) -> FloatArray:
     """A load that grows with the state begins at an instant: c and k step, the gain at the input stays."""
     change = np.array([0.0, np.expm1(own["drift"])])
-    c, k = _changed(own, change)
+    c, k = _changed_rates(own, change)
     turned = own["turn"] * own["share_c"] * np.exp(own["log_c"])  # the part of c that is under a derivative
     unit = np.exp(own["log_k"])
     ends = (float(c[0]), float(c[1])), (float(k[0]), float(k[1]))
     # Where it comes to rest, a constant force is a load and a constant, which are there anyway.
     constant = np.full(still.size, 0.0 if _comes_to_rest(c[0], k[0], span) else 1.0)
     forces = np.column_stack([still, constant])
-    out = _rates.stepped(forces, *ends, own["onset"] * span, turned * change[1], turned / unit)
+    out = _rates.simulate_stepped(forces, *ends, own["onset"] * span, turned * change[1], turned / unit)
     return beside([out[:, :3] * unit, out[:, 4:5] * unit, out[:, [6, 8]]])
 
 
-def _changed(own: dict[str, float], change: FloatArray) -> tuple[FloatArray, FloatArray]:
+def _changed_rates(own: dict[str, float], change: FloatArray) -> tuple[FloatArray, FloatArray]:
     """The rates c and k when the restoring rate has changed by a share."""
     c = np.clip(np.exp(own["log_c"]) * (1.0 + own["share_c"] * change), 1e-6, 50.0)
-    return c, np.clip(np.exp(own["log_k"]) * (1.0 + change), *RESTORING)
+    return c, np.clip(np.exp(own["log_k"]) * (1.0 + change), *STIFFNESS_BOUNDS)
 
 
 def _given(

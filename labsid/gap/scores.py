@@ -9,8 +9,8 @@ from labsid.gap.data import Data
 from labsid.gap.explanation import Explanation
 from labsid.gap.fitting import Fit, refit
 from labsid.gap.holdout import held_out_samples
-from labsid.gap.leftover import explained_share, features
-from labsid.gap.model_file import START, running_model
+from labsid.gap.model_file import START_SAMPLES, export_model
+from labsid.gap.residual_tests import explained_share, nonlinear_features
 
 DRAWS = 400
 PERCENTILES = (2.5, 97.5)
@@ -93,10 +93,10 @@ def _score_on_holdout(
     record_u, record_y = np.asarray(data.u_scale.back(u)), np.asarray(data.y_scale.back(y))
 
     def on_holdout(fit: Fit) -> Fit:
-        return replace(fit, output=data.y_scale.of(running_model(data, fit).simulate(record_u, record_y)))
+        return replace(fit, output=data.y_scale.of(export_model(data, fit).simulate(record_u, record_y)))
 
     first = on_holdout(before) if before_output is None else replace(before, output=before_output)
-    scored = np.arange(u.size) >= START
+    scored = np.arange(u.size) >= START_SAMPLES
     other = replace(data, u=u, y=y, rows=scored)
     return replace(
         score_fits(other, first, on_holdout(after), scored, rng, floor=noise_power(data, after)),
@@ -117,7 +117,7 @@ def noise_power(data: Data, fit: Fit) -> float:
     """Variance of the noise: that of the residual on the fitted rows, less the part that past inputs predict."""
     e = data.y - fit.output
     count = int(data.rows.sum())
-    power = float(e[data.rows] @ e[data.rows]) / max(count - fit.free, 1)
+    power = float(e[data.rows] @ e[data.rows]) / max(count - fit.n_free, 1)
     return power * (1.0 - min(max(explained_share(data, fit, e), 0.0), 0.9))
 
 
@@ -174,13 +174,15 @@ def _interval(
     power = np.array([_block_means(e0**2, scored), _block_means(e1**2, scored)])
     fitted = _block_means(e1**2, rows)
     correct = floor / max(float(np.mean(e1[rows] ** 2)), 1e-300)
-    inexact = floor * (floor / after.noise.sigma2) * after.free / max(int(rows.sum()), 1)  # larger with coloured noise
+    inexact = (
+        floor * (floor / after.noise.sigma2) * after.n_free / max(int(rows.sum()), 1)
+    )  # larger with coloured noise
     low, high = [], []
     for _ in range(DRAWS):
         m0, m1 = _resampled_means(power, rng)
         (noise,) = _resampled_means(fitted[None], rng) * correct
         if m0 > noise:
-            wrong = inexact * rng.chisquare(after.free) / after.free
+            wrong = inexact * rng.chisquare(after.n_free) / after.n_free
             high.append(1.0 - np.sqrt(max(m1 - noise, 0.0) / (m0 - noise)))
             low.append(1.0 - np.sqrt(max(m1 - noise, wrong) / (m0 - noise)))
     if not low:
@@ -207,7 +209,7 @@ def _block_means(power: FloatArray, rows: np.ndarray) -> FloatArray:
 
 def black_box_residual(data: Data, before: Fit, e: FloatArray) -> FloatArray:
     """Residual of a nonlinear regression of the baseline's error on past inputs."""
-    X = features(data, before)
+    X = nonlinear_features(data, before)
     X = np.column_stack([np.ones(e.size), (X - X.mean(axis=0)) / np.where(X.std(axis=0) > 0, X.std(axis=0), 1.0)])
     rows = data.rows
     gram = X[rows].T @ X[rows] + 1e-3 * rows.sum() * np.eye(X.shape[1])

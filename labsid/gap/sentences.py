@@ -4,7 +4,7 @@ import re
 from typing import Any
 
 from labsid.gap.effect_texts import STOP_EFFECTS, UNSIMULATED, clause, noun
-from labsid.gap.quantities import closure, number, p_value, percent, probability
+from labsid.gap.quantities import closed_percent, number, p_value, percent, probability
 
 PLACES = {
     "input": "on the way in, between the command and the process",
@@ -47,7 +47,7 @@ def _effect_sentence(report: dict[str, Any]) -> str:
         return f"{said}{what}; that aside, the simulation misses the record by {missed}."
     if closed is None:
         return f"{said}: {who} {explain} what was fitted, though the samples held back show no gap to close."
-    share = closure(closed, gap["ci95"])
+    share = closed_percent(closed, gap["ci95"])
     if closed <= 0.0:
         return f"{said}: {who} {explain} what was fitted, but nothing of the gap on samples held back ({share})."
     only = "only " if closed < HALF else ""
@@ -63,7 +63,7 @@ def _partial_sentence(report: dict[str, Any], said: str) -> str:
     if gap["closed"] is None or gap["closed"] <= 0.0:
         share = "nothing of the gap on samples held back"
     else:
-        share = f"{closure(gap['closed'], gap['ci95'])} of the gap"
+        share = f"{closed_percent(gap['closed'], gap['ci95'])} of the gap"
     rest = joined([noun(name) for name in unnamed_effects(report)])
     return (
         f"{said}: {causes}, {shown}. It is not all that acts: "
@@ -100,7 +100,7 @@ def _unknown_sentence(report: dict[str, Any]) -> str:
         return f"{start}: the nearest, {nearest}, does not shrink it on samples held back."
     only = "only " if gap["closed"] < HALF else ""
     return (
-        f"{start}: the nearest, {nearest}, closes {only}{closure(gap['closed'], gap['ci95'])} of it, "
+        f"{start}: the nearest, {nearest}, closes {only}{closed_percent(gap['closed'], gap['ci95'])} of it, "
         "and what it leaves is more than noise."
     )
 
@@ -206,7 +206,9 @@ def black_box_sentence(report: dict[str, Any]) -> str | None:
         return None
     if box <= 0.0:
         return "As a yardstick: a flexible black-box model of the input's past closes nothing on these samples."
-    return f"As a yardstick: a flexible black-box model of the input's past closes {closure(box)} on these samples."
+    return (
+        f"As a yardstick: a flexible black-box model of the input's past closes {closed_percent(box)} on these samples."
+    )
 
 
 def place_sentence(report: dict[str, Any]) -> str | None:

@@ -11,7 +11,7 @@ from labsid.gap.effects.context import Context, Structure
 from labsid.gap.plant_form import Parameter
 from labsid.gap.plants import Plant
 
-OVER_CHANCE = 12.0  # BIC that a richer form of an effect has to gain over a simpler one
+RICHER_FORM_BIC = 12.0  # BIC that a richer form of an effect has to gain over a simpler one
 
 
 @dataclass(frozen=True, slots=True)
@@ -30,7 +30,7 @@ class Effect:
 
     name: ClassVar[str]
     path: ClassVar[str]
-    surplus: ClassVar[dict[str, float]] = {}
+    bic_penalty: ClassVar[dict[str, float]] = {}
     variant: str = ""
 
     @property
@@ -43,7 +43,7 @@ class Effect:
         """The searched numbers that this effect brings; those inside the plant are the plant's."""
         return ()
 
-    def shape(self, plant: Plant) -> Plant:
+    def extend(self, plant: Plant) -> Plant:
         """The plant with this effect in it."""
         return plant
 
@@ -55,11 +55,11 @@ class Effect:
         """Where the search begins: values of `parameters`."""
         return [np.zeros(0)]
 
-    def holds(self, fit: "Fitted") -> bool:
+    def is_plausible(self, fit: "Fitted") -> bool:
         """Whether the fit is this effect and not, by its numbers, the work of another one."""
         return True
 
-    def acts(self, fit: "Fitted") -> np.ndarray:
+    def active_samples(self, fit: "Fitted") -> np.ndarray:
         """The samples at which it acts, shape (N,); all False where it acts everywhere."""
         return np.zeros(fit.data.samples, bool)
 
@@ -100,11 +100,11 @@ class Fitted:
     gains: FloatArray
     data: Data
 
-    def own(self, effect: Effect) -> FloatArray:
+    def theta_of(self, effect: Effect) -> FloatArray:
         """The effect's part of theta."""
         return self.theta[self.hypothesis.slices[effect.key]]
 
-    def plant(self, name: str) -> float:
+    def plant_value(self, name: str) -> float:
         """One of the plant's parameters."""
         part = self.theta[self.hypothesis.slices["plant"]]
         return float(part[self.hypothesis.plant.index(name)])
@@ -122,13 +122,13 @@ class InputEffect(Effect):
     """Bends the command before it reaches the dynamics."""
 
     path = "input"
-    place: ClassVar[int] = 0
-    elsewhere: ClassVar[dict[str, int]] = {}
+    position: ClassVar[int] = 0
+    variant_positions: ClassVar[dict[str, int]] = {}
 
     @property
     def order(self) -> int:
         """Its place in the actuator's chain; a variant may have another one."""
-        return self.elsewhere.get(self.variant, self.place)
+        return self.variant_positions.get(self.variant, self.position)
 
     def apply(self, w: FloatArray, own: FloatArray, span: int) -> FloatArray:
         """The actuator's signal, shape (N,); `span` is the length of the record by which slow changes are counted."""
@@ -140,7 +140,7 @@ class PlantEffect(Effect):
 
     path = "dynamics"
 
-    def shape(self, plant: Plant) -> Plant:
+    def extend(self, plant: Plant) -> Plant:
         """The plant with this effect in it."""
         raise NotImplementedError
 
@@ -153,10 +153,10 @@ class OutputEffect(Effect):
     """Bends the output on its way through the sensor; the `last` ones also what is added there."""
 
     path = "output"
-    place: ClassVar[int] = 0
-    last: ClassVar[bool] = False
+    position: ClassVar[int] = 0
+    is_limit: ClassVar[bool] = False
 
-    def bend(self, z: FloatArray, own: FloatArray) -> FloatArray:
+    def apply(self, z: FloatArray, own: FloatArray) -> FloatArray:
         """The sensor's reading of z, shape (N,)."""
         raise NotImplementedError
 

@@ -86,13 +86,13 @@ class Context:
     data : Data
     parent : ParentFit
         To which they are added.
-    swift : ParentFit or None
+    highpass : ParentFit or None
         The linear structure fitted to what changes from sample to sample.
     """
 
     data: Data
     parent: ParentFit
-    swift: ParentFit | None = None
+    highpass: ParentFit | None = None
 
     @property
     def residual(self) -> FloatArray:
@@ -120,7 +120,7 @@ class Context:
         return _rise(self._step)
 
     @property
-    def settling(self) -> float:
+    def response_time(self) -> float:
         """Mean time in samples in which the parent's output follows a step of the input; zero where it does not."""
         step = self._step
         gain = _rise(step)
@@ -133,9 +133,9 @@ class Context:
         return np.asarray(outputs[0] - outputs[1])[LONG_STEP - 1 :]  # without loads, drifts and waves
 
     @property
-    def swift_rates(self) -> tuple[float, float]:
-        """The same from the swift part of the record: what drifts or jumps has pulled less at them."""
-        return (self.swift or self.parent).rates
+    def highpass_rates(self) -> tuple[float, float]:
+        """The same from the highpass part of the record: what drifts or jumps has pulled less at them."""
+        return (self.highpass or self.parent).rates
 
 
 def _rise(step: FloatArray) -> float:

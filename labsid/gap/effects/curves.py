@@ -7,7 +7,7 @@ from labsid.gap import _kernels
 from labsid.gap.effects.base import Value
 from labsid.gap.plant_form import Parameter
 
-RICH = "rich"
+SPLINE_VARIANT = "rich"
 """The variant that is a spline."""
 CUBIC = (Parameter("c2", -3.0, 3.0), Parameter("c3", -2.0, 2.0))
 KNOTS = np.array([-2.8, -1.9, -1.4, -0.8, 0.0, 0.8, 1.4, 1.9, 2.8])  # scaled
@@ -17,10 +17,10 @@ _GRID = np.linspace(-2.2, 2.2, 45)  # scaled: where a spline and a cubic are hel
 
 def parameters(variant: str) -> tuple[Parameter, ...]:
     """The coefficients in scaled units."""
-    return SPLINE if variant == RICH else CUBIC
+    return SPLINE if variant == SPLINE_VARIANT else CUBIC
 
 
-def bent(x: FloatArray, own: FloatArray) -> FloatArray:
+def evaluate(x: FloatArray, own: FloatArray) -> FloatArray:
     """The curve, zero and of slope one at zero; shape of x.
 
     x + c2 x^2 + c3 x^3, or x + s1 n1(x) + ... with the natural cubic splines n on `KNOTS`.
@@ -40,15 +40,15 @@ def slope(x: FloatArray, own: FloatArray) -> FloatArray:
     return np.asarray(1.0 + _kernels.piecewise(x, KNOTS, powers))
 
 
-def richer(own: FloatArray) -> FloatArray:
+def spline_coefficients(own: FloatArray) -> FloatArray:
     """The spline next to a cubic."""
     each = [_kernels.piecewise(_GRID, KNOTS, powers) for powers in _SPLINES]
-    return np.asarray(np.linalg.lstsq(np.column_stack(each), bent(_GRID, own) - _GRID, rcond=None)[0])
+    return np.asarray(np.linalg.lstsq(np.column_stack(each), evaluate(_GRID, own) - _GRID, rcond=None)[0])
 
 
-def values(own: FloatArray, unit: float, signal: str) -> dict[str, Value]:
+def coefficients(own: FloatArray, unit: float, signal: str) -> dict[str, Value]:
     """`c2` and `c3` in a signal's own unit; of a spline those of the cubic next to it."""
-    cubic = np.linalg.lstsq(np.column_stack([_GRID**2, _GRID**3]), bent(_GRID, own) - _GRID, rcond=None)[0]
+    cubic = np.linalg.lstsq(np.column_stack([_GRID**2, _GRID**3]), evaluate(_GRID, own) - _GRID, rcond=None)[0]
     c2, c3 = (float(x) for x in cubic)
     return {"c2": Value(c2 / unit, f"1/{signal}"), "c3": Value(c3 / unit**2, f"1/{signal}^2")}
 

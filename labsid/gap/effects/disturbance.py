@@ -5,15 +5,15 @@ from typing import ClassVar
 import numpy as np
 
 from labsid._arrays import FloatArray
-from labsid.gap.effects.base import OVER_CHANCE, AdditiveEffect, Fitted, PlantEffect, Value
+from labsid.gap.effects.base import RICHER_FORM_BIC, AdditiveEffect, Fitted, PlantEffect, Value
 from labsid.gap.effects.context import Context
 from labsid.gap.effects.dynamics import peaks
 from labsid.gap.plant_form import CYCLES, ONSET, Parameter
 from labsid.gap.plants import Plant
-from labsid.gap.responses import begun, denominator
+from labsid.gap.responses import denominator, step_signal
 
 SHORTEST_LOAD = 8  # samples
-PULSE = 0.1  # of the most that a load changes: what it changes in the end, at least
+MIN_LASTING = 0.1  # of the most that a load changes: what it changes in the end, at least
 
 
 class LoadStep(AdditiveEffect):
@@ -33,28 +33,30 @@ class LoadStep(AdditiveEffect):
 
     def starts(self, context: Context) -> list[FloatArray]:
         """Where a step takes most out of the residual."""
-        return [np.array([at]) for at in onsets(context, 4)]
+        return [np.array([at]) for at in load_onsets(context, 4)]
 
     def columns(self, own: FloatArray, samples: int, span: int, plant: Plant, rates: FloatArray) -> FloatArray:
         """A unit step through the dynamics."""
-        return plant.through(rates, begun(float(own[0]), samples, span))
+        return plant.load_response(rates, step_signal(float(own[0]), samples, span))
 
-    def holds(self, fit: Fitted) -> bool:
+    def is_plausible(self, fit: Fitted) -> bool:
         """Begun with the record it is an offset, at its very end a spike, and a pulse if nothing stays."""
         plant, samples = fit.hypothesis.plant, fit.data.samples
         rates = fit.theta[fit.hypothesis.slices["plant"]]
-        brought = self.columns(fit.own(self), samples, samples, plant, rates) @ fit.hypothesis.gains_of(fit.gains, self)
-        stays = abs(self.change(fit)) > PULSE * float(np.abs(brought).max())
-        return bool(stays and _inside(float(fit.own(self)[0]), samples))
+        brought = self.columns(fit.theta_of(self), samples, samples, plant, rates) @ fit.hypothesis.gains_of(
+            fit.gains, self
+        )
+        stays = abs(self.change(fit)) > MIN_LASTING * float(np.abs(brought).max())
+        return bool(stays and _inside(float(fit.theta_of(self)[0]), samples))
 
-    def acts(self, fit: Fitted) -> np.ndarray:
+    def active_samples(self, fit: Fitted) -> np.ndarray:
         """From the onset on."""
-        return np.asarray(np.arange(fit.data.samples) >= float(fit.own(self)[0]) * fit.data.samples)
+        return np.asarray(np.arange(fit.data.samples) >= float(fit.theta_of(self)[0]) * fit.data.samples)
 
     def values(self, fit: Fitted) -> dict[str, Value]:
         """`onset` in seconds, and `size`: the change of the output that it brings in the end."""
         return {
-            "onset": _instant(fit, float(fit.own(self)[0])),
+            "onset": _instant(fit, float(fit.theta_of(self)[0])),
             "size": Value(self.change(fit) * fit.data.y_scale.unit, "y"),
         }
 
@@ -71,17 +73,17 @@ class _PlantLoad(PlantEffect):
     name = "load-step"
     path = "disturbance"
 
-    def holds(self, fit: Fitted) -> bool:
+    def is_plausible(self, fit: Fitted) -> bool:
         """As for a load that does not grow."""
-        return _inside(fit.plant("onset"), fit.data.samples)
+        return _inside(fit.plant_value("onset"), fit.data.samples)
 
-    def acts(self, fit: Fitted) -> np.ndarray:
+    def active_samples(self, fit: Fitted) -> np.ndarray:
         """From the onset on."""
-        return np.asarray(np.arange(fit.data.samples) >= fit.plant("onset") * fit.data.samples)
+        return np.asarray(np.arange(fit.data.samples) >= fit.plant_value("onset") * fit.data.samples)
 
     def values(self, fit: Fitted) -> dict[str, Value]:
         """`onset` in seconds, and `size`."""
-        return {"onset": _instant(fit, fit.plant("onset")), "size": self._size(fit)}
+        return {"onset": _instant(fit, fit.plant_value("onset")), "size": self._size(fit)}
 
     def _size(self, fit: Fitted) -> Value:
         raise NotImplementedError
@@ -90,24 +92,24 @@ class _PlantLoad(PlantEffect):
 class Leak(_PlantLoad):
     """A load that grows with the state, as a leak does, begins at some instant; far from zero it is a plain load."""
 
-    surplus: ClassVar[dict[str, float]] = {"leak": OVER_CHANCE}
+    bic_penalty: ClassVar[dict[str, float]] = {"leak": RICHER_FORM_BIC}
 
-    def shape(self, plant: Plant) -> Plant:
+    def extend(self, plant: Plant) -> Plant:
         """Dynamics whose restoring rate steps at an instant."""
-        return plant.but(kind="varying", course="step")
+        return plant.modified(kind="varying", course="step")
 
     def plant_starts(self, context: Context) -> list[dict[str, float]]:
         """Where a step takes most out of the residual, of either sign, with and without more damping."""
         return [
             {"drift": size, "share_c": part, "turn": 0.5, "onset": at}
-            for at in onsets(context, 3, context.parent.output - context.parent.output[0])
+            for at in load_onsets(context, 3, context.parent.output - context.parent.output[0])
             for size in (0.15, -0.15)
             for part in (0.0, 1.0)
         ]
 
     def _size(self, fit: Fitted) -> Value:
         """Relative change of the restoring rate."""
-        return Value(float(np.expm1(fit.plant("drift"))), "1")
+        return Value(float(np.expm1(fit.plant_value("drift"))), "1")
 
 
 class InnerPeriodic(PlantEffect):
@@ -116,9 +118,9 @@ class InnerPeriodic(PlantEffect):
     name = "periodic-disturbance"
     path = "disturbance"
 
-    def shape(self, plant: Plant) -> Plant:
+    def extend(self, plant: Plant) -> Plant:
         """The same dynamics with a load that swings."""
-        return plant.but(shaken=True, shaken_ahead=self.variant == "ahead")
+        return plant.modified(has_sinusoid=True, sinusoid_upstream=self.variant == "ahead")
 
     def applies(self, context: Context) -> bool:
         """Linear dynamics hold a wave outside."""
@@ -126,11 +128,11 @@ class InnerPeriodic(PlantEffect):
 
     def plant_starts(self, context: Context) -> list[dict[str, float]]:
         """The highest narrow peaks of the residual."""
-        return [{"cycles": at} for at in cycles_of(context)]
+        return [{"cycles": at} for at in residual_cycles(context)]
 
     def values(self, fit: Fitted) -> dict[str, Value]:
         """`frequency`, and `amplitude` as the sinusoid of this frequency in what it changes at the output."""
-        cycles = fit.plant("cycles")
+        cycles = fit.plant_value("cycles")
         change = _change(fit, "shake_cos", "shake_sin")
         swing = 2.0 * abs(np.mean(change * np.exp(-2j * np.pi * cycles / change.size * np.arange(change.size))))
         frequency = cycles / (fit.data.samples * fit.data.Ts)
@@ -146,9 +148,9 @@ class InnerLoad(_PlantLoad):
     `variant` inside, where it may grow with the state, or ahead of two states in a row.
     """
 
-    def shape(self, plant: Plant) -> Plant:
+    def extend(self, plant: Plant) -> Plant:
         """The same dynamics with a load."""
-        return plant.but(loaded=True, load_ahead=self.variant == "ahead")
+        return plant.modified(has_load=True, load_upstream=self.variant == "ahead")
 
     def applies(self, context: Context) -> bool:
         """Linear dynamics hold a load outside."""
@@ -156,7 +158,7 @@ class InnerLoad(_PlantLoad):
 
     def plant_starts(self, context: Context) -> list[dict[str, float]]:
         """Where a step takes most out of the residual, of either sign."""
-        return [{"load": size, "onset": at} for at in onsets(context, 3) for size in (0.2, -0.2)]
+        return [{"load": size, "onset": at} for at in load_onsets(context, 3) for size in (0.2, -0.2)]
 
     def _size(self, fit: Fitted) -> Value:
         """Change of the output that it has brought by the end of the record."""
@@ -173,7 +175,7 @@ def _change(fit: Fitted, *names: str) -> FloatArray:
     return np.subtract(*(fit.hypothesis.output(theta, fit.gains, fit.data.u) for theta in (fit.theta, without)))
 
 
-def cycles_of(context: Context) -> list[float]:
+def residual_cycles(context: Context) -> list[float]:
     """How often what swings in the highest narrow peaks of the residual does so in the record."""
     samples = context.data.samples
     slowest = 2.0 * np.pi * CYCLES.lower / samples
@@ -190,14 +192,14 @@ def _inside(onset: float, samples: int) -> bool:
     return edge < onset < 1.0 - edge
 
 
-def onsets(context: Context, count: int, grows_with: FloatArray | None = None) -> list[float]:
+def load_onsets(context: Context, count: int, grows_with: FloatArray | None = None) -> list[float]:
     """Where, as a share of the record, a load through the dynamics would take most out of the residual.
 
     It is constant from there on, or `grows_with` a signal of the record.
     """
     y, rows = context.data.y, context.data.rows
     samples = y.size
-    plant, rates = Plant(), np.log(context.swift_rates)
+    plant, rates = Plant(), np.log(context.highpass_rates)
     known = plant.columns(rates, context.actuator, samples)
     if context.parent.hypothesis.plant.nonlinear:
         known = context.parent.output[:, None]
@@ -209,7 +211,7 @@ def onsets(context: Context, count: int, grows_with: FloatArray | None = None) -
     gains = []
     for k in at:
         begun_at = np.where(np.arange(samples) >= k, load, 0.0)
-        step = plant.through(rates, begun_at)[rows]
+        step = plant.load_response(rates, begun_at)[rows]
         step -= still @ (still.T @ step)
         gram = step.T @ step + 1e-9 * np.eye(2)
         cross = step.T @ e
@@ -240,7 +242,7 @@ class Periodic(AdditiveEffect):
 
     def starts(self, context: Context) -> list[FloatArray]:
         """The highest narrow peaks of the residual."""
-        return [np.array([at]) for at in cycles_of(context)]
+        return [np.array([at]) for at in residual_cycles(context)]
 
     def columns(self, own: FloatArray, samples: int, span: int, plant: Plant, rates: FloatArray) -> FloatArray:
         """Cosine and sine."""
@@ -249,7 +251,7 @@ class Periodic(AdditiveEffect):
 
     def values(self, fit: Fitted) -> dict[str, Value]:
         """`frequency` and `amplitude` at the output."""
-        cycles = float(fit.own(self)[0])
+        cycles = float(fit.theta_of(self)[0])
         frequency = cycles / (fit.data.samples * fit.data.Ts)
         amplitude = float(np.hypot(*fit.hypothesis.gains_of(fit.gains, self))) * fit.data.y_scale.unit
         return {"frequency": Value(frequency, "Hz"), "amplitude": Value(amplitude, "y")}

@@ -6,17 +6,17 @@ from labsid.gap import _kernels
 from labsid.gap.effects.base import Fitted, PlantEffect, Value
 from labsid.gap.effects.context import Context
 from labsid.gap.plants import Plant
-from labsid.gap.responses import damping, one_pole, real_rates
+from labsid.gap.responses import damping_ratio, real_rates, single_pole
 
-BRIMS = {"upper": 1, "lower": 2, "both": 3}
-AT_ONCE = 1.0  # rate, a sample, of a tank that follows its inflow at once
+BRIM_CODES = {"upper": 1, "lower": 2, "both": 3}
+MAX_TANK_RATE = 1.0  # rate, a sample, of a tank that follows its inflow at once
 LEAST_DAMPING = 2e-3  # of a mode
-LIGHTLY = 0.2  # damping of a mode that has taken the poles of the rig
-SLOWER = 3.0  # times: the one pole that is then tried for the rig
-FEWEST_SWINGS = 4.0  # of a mode in the record
-HARDLY_SPRUNG = 40.0  # rate of the slow pole, in the record
-SLACK = -6.0  # of the logarithm of a spring
-BOTH_WAYS = 0.03  # of the record in motion either way
+MAX_MODE_DAMPING = 0.2  # damping of a mode that has taken the poles of the rig
+SINGLE_POLE_RATIO = 3.0  # times: the one pole that is then tried for the rig
+MIN_CYCLES = 4.0  # of a mode in the record
+MAX_UNSPRUNG_RATE = 40.0  # rate of the slow pole, in the record
+SLACK_LOG_STIFFNESS = -6.0  # of the logarithm of a spring
+MIN_EITHER_DIRECTION = 0.03  # of the record in motion either way
 
 
 class _Placed(PlantEffect):
@@ -32,9 +32,9 @@ class ExtraLag(_Placed):
 
     name = "extra-lag"
 
-    def shape(self, plant: Plant) -> Plant:
+    def extend(self, plant: Plant) -> Plant:
         """One more real pole beside, or behind, what is there."""
-        return plant.but(lag=True, lag_ahead=self.variant == "ahead")
+        return plant.modified(lag=True, lag_upstream=self.variant == "ahead")
 
     def plant_starts(self, context: Context) -> list[dict[str, float]]:
         """Swifter and slower than the poles of the parent."""
@@ -46,10 +46,10 @@ class ExtraLag(_Placed):
         slower = {"log_lag": float(np.clip(-np.log(slow), -1.0, 7.0)), "log_c+": 0.5, "log_k+": 1.0}
         return [*beside, slower] if context.parent.hypothesis.plant.kind == "linear" else beside
 
-    def holds(self, fit: Fitted) -> bool:
+    def is_plausible(self, fit: Fitted) -> bool:
         """The lag has to pass the input on: its free motion alone would be a drift that settles."""
         plant = fit.hypothesis.plant
-        if plant.nonlinear and plant.lag_ahead:
+        if plant.nonlinear and plant.lag_upstream:
             return True
         own = fit.theta[fit.hypothesis.slices["plant"]]
         columns = plant.columns(own, fit.hypothesis.actuator(fit.theta, fit.data.u), fit.data.samples)
@@ -60,7 +60,7 @@ class ExtraLag(_Placed):
 
     def values(self, fit: Fitted) -> dict[str, Value]:
         """`tau` in seconds."""
-        return {"tau": Value(float(np.exp(fit.plant("log_lag"))) * fit.data.Ts, "s")}
+        return {"tau": Value(float(np.exp(fit.plant_value("log_lag"))) * fit.data.Ts, "s")}
 
 
 class Resonance(_Placed):
@@ -68,28 +68,35 @@ class Resonance(_Placed):
 
     name = "resonance"
 
-    def shape(self, plant: Plant) -> Plant:
+    def extend(self, plant: Plant) -> Plant:
         """One more pair of poles."""
-        return plant.but(mode=True, mode_place=self.variant or "behind")
+        return plant.modified(mode=True, mode_place=self.variant or "behind")
 
     def plant_starts(self, context: Context) -> list[dict[str, float]]:
         """The highest narrow peaks of the residual, two frequencies in any case, and the mode that the parent is."""
         beside = [_mode(w, 0.08) for w in peaks(context, 3, 0.02)] + [_mode(w, 0.15) for w in (0.15, 0.5)]
-        w, damped = float(np.sqrt(context.rates[1])), damping(*context.rates)
-        if context.parent.hypothesis.plant.kind != "linear" or not LEAST_DAMPING < damped < LIGHTLY or w > np.pi:
+        w, damped = float(np.sqrt(context.rates[1])), damping_ratio(*context.rates)
+        if (
+            context.parent.hypothesis.plant.kind != "linear"
+            or not LEAST_DAMPING < damped < MAX_MODE_DAMPING
+            or w > np.pi
+        ):
             return beside
-        log_c, log_k = np.log(one_pole(w / SLOWER)).tolist()
+        log_c, log_k = np.log(single_pole(w / SINGLE_POLE_RATIO)).tolist()
         return [*beside, {"log_c": log_c, "log_k": log_k} | _mode(w, damped)]
 
-    def holds(self, fit: Fitted) -> bool:
+    def is_plausible(self, fit: Fitted) -> bool:
         """A mode that swings a few times in the whole record is a drift; one without damping, a wave from outside."""
-        swings = float(np.exp(fit.plant("log_frequency"))) * fit.data.samples / (2.0 * np.pi)
-        return swings > FEWEST_SWINGS and float(np.exp(fit.plant("log_damping"))) > LEAST_DAMPING
+        swings = float(np.exp(fit.plant_value("log_frequency"))) * fit.data.samples / (2.0 * np.pi)
+        return swings > MIN_CYCLES and float(np.exp(fit.plant_value("log_damping"))) > LEAST_DAMPING
 
     def values(self, fit: Fitted) -> dict[str, Value]:
         """`frequency` in hertz, and `damping`."""
-        frequency = float(np.exp(fit.plant("log_frequency"))) / (2.0 * np.pi * fit.data.Ts)
-        return {"frequency": Value(frequency, "Hz"), "damping": Value(float(np.exp(fit.plant("log_damping"))), "1")}
+        frequency = float(np.exp(fit.plant_value("log_frequency"))) / (2.0 * np.pi * fit.data.Ts)
+        return {
+            "frequency": Value(frequency, "Hz"),
+            "damping": Value(float(np.exp(fit.plant_value("log_damping"))), "1"),
+        }
 
 
 def _mode(frequency: float, damped: float) -> dict[str, float]:
@@ -123,10 +130,10 @@ class SqrtOutflow(PlantEffect):
 
     name = "sqrt-outflow"
 
-    def shape(self, plant: Plant) -> Plant:
+    def extend(self, plant: Plant) -> Plant:
         """Tanks with the root at the outflows that the variant names."""
         which, _, flipped = self.variant.partition("-")
-        return plant.but(
+        return plant.modified(
             kind="tanks", upper_root=which != "lower", lower_root=which != "upper", flipped=flipped == "flipped"
         )
 
@@ -160,7 +167,7 @@ class SqrtOutflow(PlantEffect):
 
     def values(self, fit: Fitted) -> dict[str, Value]:
         """`zero`, the input without flow, and `empty`, the output of the empty tank."""
-        zero = fit.plant("zero")
+        zero = fit.plant_value("zero")
         return {
             "zero": Value(fit.u(-zero if self.variant.endswith("flipped") else zero), "u"),
             "empty": Value(fit.y(float(fit.gains[1])), "y"),
@@ -172,10 +179,10 @@ class Overflow(PlantEffect):
 
     name = "overflow"
 
-    def shape(self, plant: Plant) -> Plant:
+    def extend(self, plant: Plant) -> Plant:
         """Tanks with a brim."""
         which, _, flipped = self.variant.partition("-")
-        return plant.but(kind="tanks", brim=BRIMS[which], flipped=plant.flipped or flipped == "flipped")
+        return plant.modified(kind="tanks", brim=BRIM_CODES[which], flipped=plant.flipped or flipped == "flipped")
 
     def plant_starts(self, context: Context) -> list[dict[str, float]]:
         """A little, a quarter and half inside the range of the level."""
@@ -199,12 +206,12 @@ class Overflow(PlantEffect):
             starts.append(start | {"share": 0.3} if self.variant.startswith("upper") else start)
         return starts
 
-    def holds(self, fit: Fitted) -> bool:
+    def is_plausible(self, fit: Fitted) -> bool:
         """A tank that fills within a sample is none: its brim is a limit of the actuator, or of the sensor."""
         slopes = fit.hypothesis.plant.level_slopes(fit.theta[fit.hypothesis.slices["plant"]])
-        rates = np.exp([fit.plant("log_a"), fit.plant("log_b")]) / slopes
+        rates = np.exp([fit.plant_value("log_a"), fit.plant_value("log_b")]) / slopes
         brims = {"upper": rates[:1], "lower": rates[1:], "both": rates}[self.variant.partition("-")[0]]
-        return bool(np.all(brims < AT_ONCE))
+        return bool(np.all(brims < MAX_TANK_RATE))
 
     def values(self, fit: Fitted) -> dict[str, Value]:
         """`level` of the brim as a reading; of the upper tank also `caught`, the share that the lower one catches.
@@ -213,14 +220,14 @@ class Overflow(PlantEffect):
         """
         which, plant = self.variant.partition("-")[0], fit.hypothesis.plant
         if which == "lower":
-            return {"level": self._reading(fit, fit.plant("brim"))}
-        brim = fit.plant("brim")  # as the level that the lower tank would settle to
+            return {"level": self._reading(fit, fit.plant_value("brim"))}
+        brim = fit.plant_value("brim")  # as the level that the lower tank would settle to
         flow = np.sqrt(max(brim, 0.0)) if plant.upper_root else brim
         upper = self._reading(fit, flow**2 if plant.lower_root else flow)
-        caught = Value(fit.plant("share"), "1")
+        caught = Value(fit.plant_value("share"), "1")
         if which == "upper":
             return {"level": upper, "caught": caught}
-        return {"level": self._reading(fit, fit.plant("brim2")), "upper": upper, "caught": caught}
+        return {"level": self._reading(fit, fit.plant_value("brim2")), "upper": upper, "caught": caught}
 
     def _reading(self, fit: Fitted, level: float) -> Value:
         return Value(fit.y(fit.hypothesis.reading(fit.theta, fit.gains, level)), "y")
@@ -236,39 +243,39 @@ class CoulombFriction(PlantEffect):
 
     def applies(self, context: Context) -> bool:
         """Without a spring, only where the record hardly sees one."""
-        return self.variant != "unsprung" or real_rates(*context.rates)[0] * context.data.samples < HARDLY_SPRUNG
+        return self.variant != "unsprung" or real_rates(*context.rates)[0] * context.data.samples < MAX_UNSPRUNG_RATE
 
-    def shape(self, plant: Plant) -> Plant:
+    def extend(self, plant: Plant) -> Plant:
         """A mass or a motor with friction."""
         if self.variant in ("position", "unsprung"):
-            return plant.but(kind="mechanics", friction=True, unsprung=self.variant == "unsprung")
-        return plant.but(kind="speed", friction=True, lag_first=self.variant == "speed")
+            return plant.modified(kind="mechanics", friction=True, unsprung=self.variant == "unsprung")
+        return plant.modified(kind="speed", friction=True, lag_first=self.variant == "speed")
 
     def plant_starts(self, context: Context) -> list[dict[str, float]]:
         """Weak and strong, and where the record may begin."""
         if self.variant == "position":
-            away = start_away(context)
+            away = initial_offset(context)
             return [{"friction": size, "z0": z0} for size in (0.05, 0.25, 0.8) for z0 in dict.fromkeys((0.0, away))]
         if self.variant == "unsprung":
-            return [{"friction": size, "log_k+": SLACK} for size in (0.05, 0.25, 0.8)]
+            return [{"friction": size, "log_k+": SLACK_LOG_STIFFNESS} for size in (0.05, 0.25, 0.8)]
         u = context.data.u
         inside = u.min() + np.array([0.3, 0.7]) * np.ptp(u)  # where the motor may turn round
         middles = dict.fromkeys(round(float(x), 3) for x in (np.median(u), u[0], *inside))
         return [{"friction": size, "centre": middle} for size in (0.1, 0.4) for middle in middles]
 
-    def holds(self, fit: Fitted) -> bool:
+    def is_plausible(self, fit: Fitted) -> bool:
         """Friction shows by turning round: against motion in one direction only it is a constant, or a stop."""
         speed = fit.hypothesis.plant.speed(
             fit.theta[fit.hypothesis.slices["plant"]], fit.hypothesis.actuator(fit.theta, fit.data.u)
         )
-        return bool(min(np.mean(speed > 0), np.mean(speed < 0)) > BOTH_WAYS)
+        return bool(min(np.mean(speed > 0), np.mean(speed < 0)) > MIN_EITHER_DIRECTION)
 
     def values(self, fit: Fitted) -> dict[str, Value]:
         """`friction` in units of the input."""
-        return {"friction": Value(fit.plant("friction") * fit.data.u_scale.unit, "u")}
+        return {"friction": Value(fit.plant_value("friction") * fit.data.u_scale.unit, "u")}
 
 
-def start_away(context: Context) -> float:
+def initial_offset(context: Context) -> float:
     """How far, in units of the input, the record begins from the rest that the linear model expects there."""
     fit, u = context.parent, context.data.u
     still = fit.hypothesis.output(fit.theta, fit.gains, np.array([u[0], u[0] + 1.0]).repeat(2000))
@@ -285,11 +292,11 @@ class CubicStiffness(PlantEffect):
 
     def applies(self, context: Context) -> bool:
         """Only a mass that swings tells an input that is sampled from one that is held."""
-        return self.variant != "sampled" or damping(*context.rates) < 1.0
+        return self.variant != "sampled" or damping_ratio(*context.rates) < 1.0
 
-    def shape(self, plant: Plant) -> Plant:
+    def extend(self, plant: Plant) -> Plant:
         """A mass on a spring."""
-        return plant.but(kind="mechanics", cubic=True, sampled=self.variant == "sampled")
+        return plant.modified(kind="mechanics", cubic=True, sampled=self.variant == "sampled")
 
     def plant_starts(self, context: Context) -> list[dict[str, float]]:
         """Hardening and softening, about the median and the first input."""
@@ -299,4 +306,4 @@ class CubicStiffness(PlantEffect):
     def values(self, fit: Fitted) -> dict[str, Value]:
         """`cubic`: the added share of the restoring force, per square of the output."""
         per_level = 1.0 / (float(fit.gains[0]) * fit.data.y_scale.unit or 1.0)
-        return {"cubic": Value(fit.plant("cubic") * per_level**2, "1/y^2")}
+        return {"cubic": Value(fit.plant_value("cubic") * per_level**2, "1/y^2")}

@@ -7,14 +7,14 @@ import numpy as np
 from labsid._arrays import FloatArray
 from labsid.gap import _kernels
 from labsid.gap.effects import curves
-from labsid.gap.effects.base import OVER_CHANCE, Fitted, InputEffect, Value
+from labsid.gap.effects.base import RICHER_FORM_BIC, Fitted, InputEffect, Value
 from labsid.gap.effects.context import Context
 from labsid.gap.plant_form import Parameter
 from labsid.gap.plants import Plant
 
 LONGEST_DELAY = 250.0  # samples
-BEFORE = Parameter("before", -30.0, 30.0)  # how far from the first command the actuator stood before the record
-REST = 5  # samples of one value at the beginning of a record
+INITIAL_OFFSET = Parameter("before", -30.0, 30.0)  # how far from the first command the actuator stood before the record
+REST_SAMPLES = 5  # samples of one value at the beginning of a record
 
 
 class Delay(InputEffect):
@@ -25,17 +25,17 @@ class Delay(InputEffect):
     """
 
     name = "input-delay"
-    place = 9
+    position = 9
 
-    def shape(self, plant: Plant) -> Plant:
+    def extend(self, plant: Plant) -> Plant:
         """Dynamics without a zero, where the variant says so."""
-        return plant.but(zero=False) if self.variant.startswith("no-zero") else plant
+        return plant.modified(zero=False) if self.variant.startswith("no-zero") else plant
 
     @property
     def parameters(self) -> tuple[Parameter, ...]:
         """The delay in samples, and where the command stood before the record."""
         own = (Parameter("delay", 0.0, LONGEST_DELAY, 0.02, leap=0.5),)
-        return (*own, BEFORE) if self.variant.endswith("switched") else own
+        return (*own, INITIAL_OFFSET) if self.variant.endswith("switched") else own
 
     def starts(self, context: Context) -> list[FloatArray]:
         """Short ones closer together than long ones."""
@@ -48,14 +48,14 @@ class Delay(InputEffect):
 
     def values(self, fit: Fitted) -> dict[str, Value]:
         """`delay` in seconds."""
-        return {"delay": Value(float(fit.own(self)[0]) * fit.data.Ts, "s")}
+        return {"delay": Value(float(fit.theta_of(self)[0]) * fit.data.Ts, "s")}
 
 
 class Saturation(InputEffect):
     """The actuator stops at a low and/or a high limit inside the commanded range; `variant` low, high or both."""
 
     name = "input-saturation"
-    place = 1
+    position = 1
 
     @property
     def parameters(self) -> tuple[Parameter, ...]:
@@ -85,13 +85,13 @@ class Saturation(InputEffect):
             return np.minimum(w, own[0])
         return np.clip(w, min(own), max(own))
 
-    def acts(self, fit: Fitted) -> np.ndarray:
+    def active_samples(self, fit: Fitted) -> np.ndarray:
         """Where the command is beyond a limit."""
-        return np.asarray(self.apply(fit.data.u, fit.own(self), fit.data.samples) != fit.data.u)
+        return np.asarray(self.apply(fit.data.u, fit.theta_of(self), fit.data.samples) != fit.data.u)
 
     def values(self, fit: Fitted) -> dict[str, Value]:
         """`low` and `high` as inputs."""
-        return {p.name: Value(fit.u(float(x)), "u") for p, x in zip(self.parameters, fit.own(self), strict=True)}
+        return {p.name: Value(fit.u(float(x)), "u") for p, x in zip(self.parameters, fit.theta_of(self), strict=True)}
 
 
 def _inner_limits(u: FloatArray, side: int) -> list[float]:
@@ -104,7 +104,7 @@ class DeadZone(InputEffect):
     """No effect until the command leaves a band."""
 
     name = "input-dead-zone"
-    place = 4
+    position = 4
 
     @property
     def parameters(self) -> tuple[Parameter, ...]:
@@ -132,23 +132,23 @@ class DeadZone(InputEffect):
         low, high = min(own), max(own)
         return np.maximum(w - high, 0.0) + np.minimum(w - low, 0.0)
 
-    def acts(self, fit: Fitted) -> np.ndarray:
+    def active_samples(self, fit: Fitted) -> np.ndarray:
         """Where the command is within the band."""
-        return np.asarray(self.apply(fit.data.u, fit.own(self), fit.data.samples) == 0.0)
+        return np.asarray(self.apply(fit.data.u, fit.theta_of(self), fit.data.samples) == 0.0)
 
-    def holds(self, fit: Fitted) -> bool:
+    def is_plausible(self, fit: Fitted) -> bool:
         """A band that reaches to the end of the input's range is a limit, unless the rig rests at that end."""
-        low, high = sorted(fit.own(self))
+        low, high = sorted(fit.theta_of(self))
         u = fit.data.u
         edge = 0.02 * float(np.ptp(u))
         inside = low > u.min() + edge and high < u.max() - edge
         at_end = u[0] < u.min() + edge if low <= u.min() + edge else u[0] > u.max() - edge
-        at_rest = bool(np.all(u[:REST] == u[0])) and low <= u[0] <= high and at_end
+        at_rest = bool(np.all(u[:REST_SAMPLES] == u[0])) and low <= u[0] <= high and at_end
         return bool(high - low > edge and (inside or at_rest))
 
     def values(self, fit: Fitted) -> dict[str, Value]:
         """`low` and `high` as inputs."""
-        low, high = sorted(fit.own(self))
+        low, high = sorted(fit.theta_of(self))
         return {"low": Value(fit.u(low), "u"), "high": Value(fit.u(high), "u")}
 
 
@@ -156,7 +156,7 @@ class Backlash(InputEffect):
     """Play of a given width."""
 
     name = "input-backlash"
-    place = 5
+    position = 5
 
     @property
     def parameters(self) -> tuple[Parameter, ...]:
@@ -178,7 +178,7 @@ class Backlash(InputEffect):
 
     def values(self, fit: Fitted) -> dict[str, Value]:
         """`width` in the unit of the input."""
-        return {"width": Value(float(fit.own(self)[0]) * fit.data.u_scale.unit, "u")}
+        return {"width": Value(float(fit.theta_of(self)[0]) * fit.data.u_scale.unit, "u")}
 
 
 class RateLimit(InputEffect):
@@ -190,14 +190,14 @@ class RateLimit(InputEffect):
     """
 
     name = "input-rate-limit"
-    place = 2
-    elsewhere: ClassVar[dict[str, int]] = {"behind": 6}
+    position = 2
+    variant_positions: ClassVar[dict[str, int]] = {"behind": 6}
 
     @property
     def parameters(self) -> tuple[Parameter, ...]:
         """Logarithm of the rate in the scaled input per sample, and where the actuator stands at first."""
         own = (Parameter("log_rate", -9.0, 3.0, leap=0.1),)
-        return (*own, BEFORE) if self.variant == "switched" else own
+        return (*own, INITIAL_OFFSET) if self.variant == "switched" else own
 
     def starts(self, context: Context) -> list[FloatArray]:
         """Shares of the largest step of the input."""
@@ -214,7 +214,7 @@ class RateLimit(InputEffect):
 
     def values(self, fit: Fitted) -> dict[str, Value]:
         """`rate` in units of the input per second."""
-        rate = float(np.exp(fit.own(self)[0])) * fit.data.u_scale.unit / fit.data.Ts
+        rate = float(np.exp(fit.theta_of(self)[0])) * fit.data.u_scale.unit / fit.data.Ts
         return {"rate": Value(rate, "u/s")}
 
 
@@ -226,9 +226,9 @@ class Nonlinearity(InputEffect):
     """
 
     name = "input-nonlinearity"
-    place = 7
-    surplus: ClassVar[dict[str, float]] = {curves.RICH: OVER_CHANCE}
-    elsewhere: ClassVar[dict[str, int]] = {"first": 0}
+    position = 7
+    bic_penalty: ClassVar[dict[str, float]] = {curves.SPLINE_VARIANT: RICHER_FORM_BIC}
+    variant_positions: ClassVar[dict[str, int]] = {"first": 0}
 
     @property
     def parameters(self) -> tuple[Parameter, ...]:
@@ -245,8 +245,8 @@ class Nonlinearity(InputEffect):
 
     def apply(self, w: FloatArray, own: FloatArray, span: int) -> FloatArray:
         """The curve, of slope one in the middle."""
-        return curves.bent(w, own)
+        return curves.evaluate(w, own)
 
     def values(self, fit: Fitted) -> dict[str, Value]:
         """`c2` and `c3` about `centre`, the middle of the record."""
-        return curves.values(fit.own(self), fit.data.u_scale.unit, "u") | {"centre": Value(fit.u(0.0), "u")}
+        return curves.coefficients(fit.theta_of(self), fit.data.u_scale.unit, "u") | {"centre": Value(fit.u(0.0), "u")}

@@ -7,21 +7,21 @@ from numpy.polynomial.chebyshev import chebvander
 
 from labsid._arrays import FloatArray
 from labsid.gap.effects import curves
-from labsid.gap.effects.base import OVER_CHANCE, AdditiveEffect, Fitted, OutputEffect, Value
+from labsid.gap.effects.base import RICHER_FORM_BIC, AdditiveEffect, Fitted, OutputEffect, Value
 from labsid.gap.effects.context import Context
 from labsid.gap.plant_form import Parameter
 from labsid.gap.plants import Plant
-from labsid.gap.responses import along
+from labsid.gap.responses import normalized_time
 
-NEAR = (-20.0, 20.0)  # scaled output where a curve is bent
+CURVE_RANGE = (-20.0, 20.0)  # scaled output where a curve is bent
 
 
 class Saturation(OutputEffect):
     """The sensor clips; `variant` low, high or both."""
 
     name = "output-saturation"
-    place = 2
-    last = True
+    position = 2
+    is_limit = True
 
     @property
     def parameters(self) -> tuple[Parameter, ...]:
@@ -43,7 +43,7 @@ class Saturation(OutputEffect):
         high = float(own[-1]) if self.variant != "low" else np.inf
         return low, high
 
-    def bend(self, z: FloatArray, own: FloatArray) -> FloatArray:
+    def apply(self, z: FloatArray, own: FloatArray) -> FloatArray:
         """Stop at the limits."""
         return np.clip(z, *self._limits(own))
 
@@ -52,15 +52,15 @@ class Saturation(OutputEffect):
         low, high = self._limits(own)
         return ((z > low) & (z < high)).astype(float)
 
-    def acts(self, fit: Fitted) -> np.ndarray:
+    def active_samples(self, fit: Fitted) -> np.ndarray:
         """Where the simulated reading is at a limit."""
-        low, high = self._limits(fit.own(self))
+        low, high = self._limits(fit.theta_of(self))
         output = fit.hypothesis.output(fit.theta, fit.gains, fit.data.u)
         return np.asarray((output <= low) | (output >= high))
 
     def values(self, fit: Fitted) -> dict[str, Value]:
         """`low` and `high` as outputs."""
-        return {p.name: Value(fit.y(float(x)), "y") for p, x in zip(self.parameters, fit.own(self), strict=True)}
+        return {p.name: Value(fit.y(float(x)), "y") for p, x in zip(self.parameters, fit.theta_of(self), strict=True)}
 
 
 class Nonlinearity(OutputEffect):
@@ -70,8 +70,8 @@ class Nonlinearity(OutputEffect):
     """
 
     name = "output-nonlinearity"
-    place = 1
-    surplus: ClassVar[dict[str, float]] = {curves.RICH: OVER_CHANCE}
+    position = 1
+    bic_penalty: ClassVar[dict[str, float]] = {curves.SPLINE_VARIANT: RICHER_FORM_BIC}
 
     @property
     def parameters(self) -> tuple[Parameter, ...]:
@@ -82,18 +82,18 @@ class Nonlinearity(OutputEffect):
         """Either coefficient a little up or down."""
         return [np.array(pair) for pair in ((0.05, 0.0), (-0.05, 0.0), (0.0, 0.03), (0.0, -0.03))]
 
-    def bend(self, z: FloatArray, own: FloatArray) -> FloatArray:
+    def apply(self, z: FloatArray, own: FloatArray) -> FloatArray:
         """The curve; far outside the record it goes on with slope one."""
-        near = np.clip(z, *NEAR)
-        return z - near + curves.bent(near, own)
+        near = np.clip(z, *CURVE_RANGE)
+        return z - near + curves.evaluate(near, own)
 
     def slope(self, z: FloatArray, own: FloatArray) -> FloatArray:
         """Derivative of the curve."""
-        return curves.slope(np.clip(z, *NEAR), own)
+        return curves.slope(np.clip(z, *CURVE_RANGE), own)
 
     def values(self, fit: Fitted) -> dict[str, Value]:
         """`c2` and `c3` about `centre`, the middle of the record."""
-        return curves.values(fit.own(self), fit.data.y_scale.unit, "y") | {"centre": Value(fit.y(0.0), "y")}
+        return curves.coefficients(fit.theta_of(self), fit.data.y_scale.unit, "y") | {"centre": Value(fit.y(0.0), "y")}
 
 
 class Drift(AdditiveEffect):
@@ -122,11 +122,11 @@ class Drift(AdditiveEffect):
         """Polynomials of degree 1, 2, ... along the record, or one decay."""
         if self.variant == "settle":
             return np.exp(-np.arange(samples) / (span * np.exp(own[0])))[:, None]
-        return np.asarray(chebvander(along(samples, span), int(self.variant))[:, 1:], np.float64)
+        return np.asarray(chebvander(normalized_time(samples, span), int(self.variant))[:, 1:], np.float64)
 
     def values(self, fit: Fitted) -> dict[str, Value]:
         """`amplitude`, half of the range of the wander."""
         samples = fit.data.samples
-        wander = self.columns(fit.own(self), samples, samples, fit.hypothesis.plant, fit.theta)
+        wander = self.columns(fit.theta_of(self), samples, samples, fit.hypothesis.plant, fit.theta)
         wander = wander @ fit.hypothesis.gains_of(fit.gains, self)
         return {"amplitude": Value(0.5 * float(np.ptp(wander)) * fit.data.y_scale.unit, "y")}

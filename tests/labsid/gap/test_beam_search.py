@@ -23,17 +23,17 @@ from labsid.gap.beam_search import (
     residual_is_white,
     within_rounding,
 )
-from labsid.gap.candidates import compatible
+from labsid.gap.candidates import is_compatible
 from labsid.gap.data import Data, scaled
 from labsid.gap.diagnosis import diagnose
 from labsid.gap.effects import dynamics, input, output
 from labsid.gap.effects.base import Fitted
 from labsid.gap.explanation import Explanation, explain
-from labsid.gap.fitting import Fit, finish, rms, search
+from labsid.gap.fitting import Fit, finish, minimize, rms
 from labsid.gap.forms import LEAK, LOAD
 from labsid.gap.hypothesis import Hypothesis
-from labsid.gap.linear_fits import baseline, swift_fit
-from labsid.gap.settling import polish
+from labsid.gap.linear_fits import fit_baseline, fit_highpass
+from labsid.gap.refinement import polish
 from labsid.records.record import Record
 
 Response = Callable[..., FloatArray]
@@ -175,8 +175,8 @@ def test_a_baseline_that_follows_strongly_coloured_noise_is_brought_back_by_the_
 ) -> None:
     noise = lfilter([1.0], [1.0, -pole], size * np.random.default_rng(seed).standard_normal(levels.size))
     data = data_of(levels, two_poles(levels) + noise, noise=0.0)
-    base = polish(data, baseline(data))
-    found = _whiter_baseline(data, base, swift_fit(data, base))
+    base = polish(data, fit_baseline(data))
+    found = _whiter_baseline(data, base, fit_highpass(data, base))
     assert found.bic < base.bic - 20.0
     assert rms(data, found) < 1.2 * rms(data, base)
     off = [float(np.abs(np.log(np.divide(fit.rates, (0.5, 0.05)))).max()) for fit in (found, base)]
@@ -187,9 +187,9 @@ def test_a_baseline_that_follows_strongly_coloured_noise_is_brought_back_by_the_
 def test_a_baseline_that_the_swift_part_does_not_better_stays(plain: Explanation) -> None:
     data, base = plain.data, plain.best
     assert _whiter_baseline(data, replace(base, bic=base.bic - 5.0), base).bic == base.bic - 5.0
-    other = Hypothesis((dynamics.ExtraLag(),), known=1)
-    third = baseline(data, other)
-    assert _whiter_baseline(data, third, base) is third  # the swift fit is of another structure
+    other = Hypothesis((dynamics.ExtraLag(),), n_given=1)
+    third = fit_baseline(data, other)
+    assert _whiter_baseline(data, third, base) is third  # the highpass fit is of another structure
 
 
 def coarse(y: FloatArray, steps: int) -> FloatArray:
@@ -267,7 +267,7 @@ def test_a_leak_in_a_tank_with_a_root_is_a_load_that_grows_with_the_level(
     fitted = Fitted(found.best.hypothesis, found.best.theta, found.best.gains, found.data)
     values = load.values(fitted)
     assert values["onset"].value == pytest.approx(290.0, abs=1.5)
-    np.testing.assert_array_equal(load.acts(fitted)[[280, 300]], [False, True])
+    np.testing.assert_array_equal(load.active_samples(fitted)[[280, 300]], [False, True])
     lost = leaking_tank(u, a, b, leak, 290)[-1] - leaking_tank(u, a, b, 0.0, 290)[-1]
     assert values["size"].value == pytest.approx(lost, rel=0.05)
     assert values["size"].unit == "y"
@@ -277,16 +277,16 @@ def test_beside_a_nonlinear_state_a_leak_is_a_plain_load_again(levels: FloatArra
     """Its dynamics would hold none."""
     load = two_poles((np.arange(levels.size) >= 330).astype(float))
     data = data_of(levels, two_poles(levels) - 0.4 * load)
-    hypothesis = Hypothesis((output.Drift("1"), LEAK, input.DeadZone()), known=1)
+    hypothesis = Hypothesis((output.Drift("1"), LEAK, input.DeadZone()), n_given=1)
     numbers = {"log_c": np.log(0.5), "log_k": np.log(0.05), "onset": 330 / 600, "drift": 0.01, "low": -0.1, "high": 0.1}
     theta = np.array([numbers.get(p.name, 0.0) for p in hypothesis.parameters])
-    point = search(data, hypothesis, theta, iterations=0)
+    point = minimize(data, hypothesis, theta, iterations=0)
     assert point is not None
     fit = finish(data, hypothesis, point)
-    assert not compatible(fit, dynamics.CubicStiffness())
+    assert not is_compatible(fit, dynamics.CubicStiffness())
     plain = _with_constant_load(data, fit)
-    assert plain.hypothesis == Hypothesis((output.Drift("1"), LOAD, input.DeadZone()), known=1)
-    assert compatible(plain, dynamics.CubicStiffness())
+    assert plain.hypothesis == Hypothesis((output.Drift("1"), LOAD, input.DeadZone()), n_given=1)
+    assert is_compatible(plain, dynamics.CubicStiffness())
     assert plain.theta[plain.hypothesis.slices[LOAD.key]][0] == pytest.approx(330 / 600, abs=0.01)
     assert rms(data, plain) < 0.02
     assert _with_constant_load(data, plain) is plain
@@ -299,7 +299,7 @@ def test_a_form_is_none_if_an_effect_in_it_is_not_what_it_says(
     hypothesis = Hypothesis((output.Nonlinearity(), input.DeadZone()))
     numbers = {"log_c": np.log(0.5), "log_k": np.log(0.05), "low": -0.4, "high": 0.3}
     theta = np.array([numbers.get(p.name, 0.0) for p in hypothesis.parameters])
-    point = search(data, hypothesis, theta, iterations=0)
+    point = minimize(data, hypothesis, theta, iterations=0)
     assert point is not None
     fit = finish(data, hypothesis, point)
     assert [form.hypothesis.effects[0].variant for form in _alternative_forms(data, fit)] == ["", "rich"]
@@ -308,7 +308,7 @@ def test_a_form_is_none_if_an_effect_in_it_is_not_what_it_says(
     monkeypatch.undo()
     monkeypatch.setattr(input.DeadZone, "holds", lambda effect, fit: False)
     assert _alternative_forms(data, fit) == [fit]
-    known = replace(fit, hypothesis=Hypothesis(hypothesis.effects[::-1], known=1))
+    known = replace(fit, hypothesis=Hypothesis(hypothesis.effects[::-1], n_given=1))
     assert len(_alternative_forms(data, known)) == 2  # the simulation's own effects are not asked
 
 

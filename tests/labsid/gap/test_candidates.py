@@ -11,23 +11,23 @@ from labsid._arrays import FloatArray
 from labsid.gap._kernels import delayed
 from labsid.gap.candidates import (
     CANDIDATES,
-    _raced,
-    compatible,
-    finished,
-    holds,
-    price,
-    sketches,
-    starts,
+    _reranked,
+    best_fit,
+    is_compatible,
+    is_plausible,
+    penalized_bic,
+    start_points,
+    trial_fits,
 )
 from labsid.gap.data import Data, scaled
-from labsid.gap.effects import disturbance, drifting, dynamics, input, output
+from labsid.gap.effects import disturbance, drifts, dynamics, input, output
 from labsid.gap.effects.base import Effect
 from labsid.gap.effects.context import Context
 from labsid.gap.explanation import Explanation, explain
-from labsid.gap.fitting import Fit, at_start, finish, rms, search
-from labsid.gap.forms import INNER_WAVE, LOAD_WAVE, WAVE, homes
+from labsid.gap.fitting import Fit, finish, minimize, rms, start_cost
+from labsid.gap.forms import INNER_PERIODIC, PERIODIC, PERIODIC_LOAD, extended_hypotheses
 from labsid.gap.hypothesis import Hypothesis
-from labsid.gap.linear_fits import LINEAR, baseline, swift_fit
+from labsid.gap.linear_fits import LINEAR, fit_baseline, fit_highpass
 from labsid.gap.plants import Plant
 from labsid.gap.responses import real_rates
 
@@ -45,7 +45,7 @@ def test_the_baseline_finds_the_poles_from_anywhere(
 ) -> None:
     y = two_poles(levels, c, k)
     y = y + 0.005 * y.std() * np.random.default_rng(1).standard_normal(y.size)
-    fit = baseline(data_of(levels, y))
+    fit = fit_baseline(data_of(levels, y))
     np.testing.assert_allclose(fit.rates, [c, k], rtol=0.25)
     assert rms(data_of(levels, y), fit) < 0.006
 
@@ -53,23 +53,23 @@ def test_the_baseline_finds_the_poles_from_anywhere(
 def test_the_baseline_fits_the_structure_that_it_is_given(levels: FloatArray, two_poles: Response) -> None:
     y = two_poles(two_poles(levels), 1.0, 0.3)
     data = data_of(levels, y)
-    fourth = baseline(data, Hypothesis((dynamics.Resonance(),), known=1))
-    assert rms(data, fourth) < 0.3 * rms(data, baseline(data))
+    fourth = fit_baseline(data, Hypothesis((dynamics.Resonance(),), n_given=1))
+    assert rms(data, fourth) < 0.3 * rms(data, fit_baseline(data))
 
 
 def test_swift_fit_is_hardly_pulled_by_a_drift(levels: FloatArray, two_poles: Response) -> None:
     y = two_poles(levels) + 4.0 * np.linspace(-1.0, 1.0, levels.size) ** 2
     data = data_of(levels, y + 0.01 * np.random.default_rng(1).standard_normal(y.size))
-    base = baseline(data)
-    swift = swift_fit(data, base)
+    base = fit_baseline(data)
+    highpass = fit_highpass(data, base)
     truth = np.log([0.5, 0.05])
-    assert np.abs(np.log(swift.rates) - truth).max() < 0.2
+    assert np.abs(np.log(highpass.rates) - truth).max() < 0.2
     assert np.abs(np.log(base.rates) - truth).max() > 0.5
 
 
 def linear_fit(hypothesis: Hypothesis, data: Data) -> Fit:
     """A fit with numbers of its own making, to start from."""
-    fit = baseline(data)
+    fit = fit_baseline(data)
     theta = np.zeros(len(hypothesis.parameters))
     return Fit(hypothesis, theta, np.zeros(9), fit.output, fit.cost, fit.noise, fit.bic)
 
@@ -93,16 +93,16 @@ def test_only_dynamics_of_one_kind_go_together(
     levels: FloatArray, two_poles: Response, effects: tuple[Effect, ...], effect: Effect, expected: bool
 ) -> None:
     parent = linear_fit(Hypothesis(effects), data_of(levels, two_poles(levels)))
-    assert compatible(parent, effect) is expected
+    assert is_compatible(parent, effect) is expected
 
 
 @pytest.mark.parametrize("takes_input", [True, False])
 def test_a_given_simulation_takes_no_other_dynamics(levels: FloatArray, two_poles: Response, takes_input: bool) -> None:
     given = Plant(kind="given", run=lambda w: w, takes_input=takes_input)
     parent = linear_fit(Hypothesis(given=given), data_of(levels, two_poles(levels)))
-    assert not compatible(parent, dynamics.ExtraLag())
-    assert compatible(parent, output.Drift("1"))
-    assert compatible(parent, input.DeadZone()) is takes_input
+    assert not is_compatible(parent, dynamics.ExtraLag())
+    assert is_compatible(parent, output.Drift("1"))
+    assert is_compatible(parent, input.DeadZone()) is takes_input
 
 
 def test_starts_keep_the_numbers_of_the_parent(banded: Explanation) -> None:
@@ -111,7 +111,7 @@ def test_starts_keep_the_numbers_of_the_parent(banded: Explanation) -> None:
     context = Context(data, parent, parent)
     for effect in (output.Saturation("high"), dynamics.ExtraLag()):
         hypothesis = parent.hypothesis.plus(effect)
-        thetas = list(starts(context, hypothesis, effect))
+        thetas = list(start_points(context, hypothesis, effect))
         assert len(thetas) >= 3
         assert len({tuple(theta) for theta in thetas}) == len(thetas)
         for theta in thetas:
@@ -124,14 +124,14 @@ def test_starts_keep_the_numbers_of_the_parent(banded: Explanation) -> None:
 
 def test_search_finds_the_effect_and_nothing_where_it_cannot_be_seen(banded: Explanation) -> None:
     data, base = banded.data, banded.path[0]
-    found = finished(data, sketches(data, base, (input.DeadZone(),), base))
+    found = best_fit(data, trial_fits(data, base, (input.DeadZone(),), base))
     assert found is not None
     own = found.theta[found.hypothesis.slices["input-dead-zone"]]
     np.testing.assert_allclose(np.asarray(data.u_scale.back(np.sort(own))), [-0.4, 0.3], atol=0.03)
     two = data_of(np.sign(data.u), data.y)
-    fit = baseline(two)
-    assert sketches(two, fit, (input.DeadZone(),), fit) == []
-    assert finished(two, []) is None
+    fit = fit_baseline(two)
+    assert trial_fits(two, fit, (input.DeadZone(),), fit) == []
+    assert best_fit(two, []) is None
 
 
 @pytest.mark.parametrize("seed", [7, 8, 9])
@@ -142,10 +142,10 @@ def test_the_simpler_variant_is_kept_where_it_explains_as_much(
     load = two_poles((np.arange(levels.size) >= 330).astype(float))
     y = two_poles(levels) - 0.4 * load + 0.01 * np.random.default_rng(seed).standard_normal(levels.size)
     data = data_of(levels, y)
-    base = baseline(data)
+    base = fit_baseline(data)
     group = next(group for group in CANDIDATES if group[0].name == "load-step")
     assert len(group) == 3
-    found = finished(data, sketches(data, base, group, swift_fit(data, base)))
+    found = best_fit(data, trial_fits(data, base, group, fit_highpass(data, base)))
     assert found is not None
     assert found.hypothesis.keys == ("load-step",)
 
@@ -165,8 +165,8 @@ def test_a_zero_does_not_hide_a_part_of_the_delay(seed: int) -> None:
     exact = Plant(zero=False)
     y = exact.columns(np.log([0.86, 0.19]), delayed(u, 1, 0.9), u.size)[:, 0]
     data = data_of(u, y + lfilter([0.03], [1.0, -0.85], rng.standard_normal(u.size)))
-    base = baseline(data)
-    found = finished(data, sketches(data, base, CANDIDATES[0], swift_fit(data, base)))
+    base = fit_baseline(data)
+    found = best_fit(data, trial_fits(data, base, CANDIDATES[0], fit_highpass(data, base)))
     assert found is not None
     assert found.hypothesis.keys == ("input-delay/no-zero",)
     assert found.theta[0] == pytest.approx(1.9, abs=0.15)
@@ -182,7 +182,7 @@ def test_a_plain_load_is_not_taken_for_one_that_grows(levels: FloatArray, two_po
 def parent_of(data: Data, hypothesis: Hypothesis, **numbers: float) -> Fit:
     """A fit of a hypothesis with these numbers, by name, the others zero."""
     theta = np.array([numbers.get(p.name, 0.0) for p in hypothesis.parameters])
-    point = search(data, hypothesis, theta, iterations=0)
+    point = minimize(data, hypothesis, theta, iterations=0)
     assert point is not None
     return finish(data, hypothesis, point)
 
@@ -201,7 +201,7 @@ def test_a_fast_pole_that_a_fit_has_lost_is_also_looked_for_where_it_can_be_felt
     context = Context(data_of(levels, two_poles(levels)), parent, parent)
     for effect in (output.Saturation("high"), dynamics.Resonance()):
         hypothesis = LINEAR.plus(effect)
-        rates = rates_of(hypothesis, starts(context, hypothesis, effect))
+        rates = rates_of(hypothesis, start_points(context, hypothesis, effect))
         np.testing.assert_allclose(rates, found, rtol=1e-6)
 
 
@@ -215,7 +215,7 @@ def test_a_mass_that_sticks_swings_faster_than_linear_dynamics_show(
     context = Context(data_of(levels, two_poles(levels)), parent, parent)
     for effect, found in ((dynamics.CoulombFriction("position"), swings), (dynamics.CubicStiffness(), [])):
         hypothesis = LINEAR.plus(effect)
-        rates = rates_of(hypothesis, starts(context, hypothesis, effect))
+        rates = rates_of(hypothesis, start_points(context, hypothesis, effect))
         np.testing.assert_allclose(rates, [(0.5, k), *found], rtol=1e-6)
 
 
@@ -232,7 +232,7 @@ def test_a_brim_is_carried_over_to_tanks_with_roots_as_the_level_of_the_same_flo
     hypothesis = old.plus(effect)
     rooted = variant in ("both", brim)
     found = set()
-    for theta in starts(Context(data, parent, parent), hypothesis, effect):
+    for theta in start_points(Context(data, parent, parent), hypothesis, effect):
         own = dict(zip([p.name for p in hypothesis.plant.parameters], theta[hypothesis.slices["plant"]], strict=True))
         flow = 0.7 - own["zero"]
         assert own["brim"] == pytest.approx(flow**2 if rooted else flow)
@@ -246,7 +246,7 @@ def test_brims_of_tanks_that_have_roots_already_stay_as_they_are(levels: FloatAr
     old = LINEAR.plus(dynamics.SqrtOutflow("both")).plus(dynamics.Overflow("lower"))
     parent = parent_of(data, old, log_a=1.0, log_b=1.0, zero=-3.0, brim=9.5)
     effect = dynamics.SqrtOutflow("upper")
-    (start, *_) = starts(Context(data, parent, parent), old.plus(effect), effect)
+    (start, *_) = start_points(Context(data, parent, parent), old.plus(effect), effect)
     assert start[old.plus(effect).slices["plant"]][old.plant.index("brim")] == 9.5
 
 
@@ -255,12 +255,12 @@ def test_a_motor_may_turn_round_anywhere_within_its_input(
     levels: FloatArray, two_poles: Response, variant: str
 ) -> None:
     data = data_of(levels + 3.0, two_poles(levels))
-    parent = baseline(data)
+    parent = fit_baseline(data)
     effect = dynamics.CoulombFriction(variant)
     hypothesis = LINEAR.plus(effect)
     centres = {
         float(theta[hypothesis.slices["plant"]][hypothesis.plant.index("centre")])
-        for theta in starts(Context(data, parent, parent), hypothesis, effect)
+        for theta in start_points(Context(data, parent, parent), hypothesis, effect)
     }
     share = (np.array(sorted(centres)) - data.u.min()) / np.ptp(data.u)
     assert share.size == 4
@@ -277,8 +277,8 @@ def test_friction_is_found_where_the_motor_turns_round_off_the_middle(levels: Fl
     numbers = {"log_a": np.log(0.15), "log_b": np.log(0.8), "friction": 0.2, "centre": -0.25}
     y = plant.columns(np.array([numbers.get(p.name, 0.0) for p in plant.parameters]), u, u.size)[:, 0]
     data = data_of(u, y + 0.01 * np.std(y) * np.random.default_rng(3).standard_normal(u.size))
-    base = baseline(data)
-    found = finished(data, sketches(data, base, (dynamics.CoulombFriction("speed"),), swift_fit(data, base)))
+    base = fit_baseline(data)
+    found = best_fit(data, trial_fits(data, base, (dynamics.CoulombFriction("speed"),), fit_highpass(data, base)))
     assert found is not None
     own = dict(zip([p.name for p in found.hypothesis.plant.parameters], found.plant_theta, strict=True))
     assert data.u_scale.back(own["centre"]) == pytest.approx(-0.25, abs=0.1)
@@ -289,12 +289,14 @@ def test_a_brief_look_takes_the_best_start_of_each_variant_first(levels: FloatAr
     """Every start of the upper limit is better than any of the lower one."""
     y = two_poles(levels)
     data = data_of(levels, np.minimum(y, np.quantile(y, 0.7)))
-    base = baseline(data)
+    base = fit_baseline(data)
     group = next(group for group in CANDIDATES if group[0].name == "output-saturation")
-    looked = sketches(data, base, group, base, brief=True)
-    assert {sketch.hypothesis.keys[0] for sketch in looked} == {effect.key for effect in group}
-    assert [sketch.score for sketch in looked] == sorted(sketch.score for sketch in looked)
-    assert len(sketches(data, base, group[1:2], base, brief=True)) == 3  # without another variant, the next best starts
+    looked = trial_fits(data, base, group, base, brief=True)
+    assert {trial.hypothesis.keys[0] for trial in looked} == {effect.key for effect in group}
+    assert [trial.score for trial in looked] == sorted(trial.score for trial in looked)
+    assert (
+        len(trial_fits(data, base, group[1:2], base, brief=True)) == 3
+    )  # without another variant, the next best starts
 
 
 def tank(u: FloatArray, rate: float, held: Response) -> FloatArray:
@@ -321,7 +323,7 @@ def test_a_search_of_tanks_also_begins_with_one_state_at_once(levels: FloatArray
     parent = parent_of(data, LINEAR, log_c=np.log(0.62), log_k=np.log(0.012))
     effect = dynamics.SqrtOutflow("both")
     hypothesis = LINEAR.plus(effect)
-    thetas = starts(Context(data, parent), hypothesis, effect)
+    thetas = start_points(Context(data, parent), hypothesis, effect)
     rates = [real_rates(*hypothesis.plant.linear_rates(theta[hypothesis.slices["plant"]])) for theta in thetas]
     single = sorted({round(float(min(pair)), 3) for pair in rates if max(pair) > 5.0})
     np.testing.assert_allclose(single, [0.02, 0.6], rtol=0.15)
@@ -330,21 +332,21 @@ def test_a_search_of_tanks_also_begins_with_one_state_at_once(levels: FloatArray
 
 def test_a_race_takes_the_first_few_some_steps_further_and_ranks_them_anew(banded: Explanation) -> None:
     data, base = banded.data, banded.path[0]
-    tried = sketches(data, base, (input.DeadZone(), input.Backlash()), base)
+    tried = trial_fits(data, base, (input.DeadZone(), input.Backlash()), base)
     assert len(tried) > 6
-    raced = _raced(data, tried, 6)
+    raced = _reranked(data, tried, 6)
     assert len(raced) == 6
-    assert [sketch.score for sketch in raced] == sorted(sketch.score for sketch in raced)
-    assert raced[0].score < min(sketch.score for sketch in tried)
-    assert _raced(data, tried[:3], 6) == tried[:3]
+    assert [trial.score for trial in raced] == sorted(trial.score for trial in raced)
+    assert raced[0].score < min(trial.score for trial in tried)
+    assert _reranked(data, tried[:3], 6) == tried[:3]
 
 
 def test_the_best_start_need_not_be_ahead_at_once(banded: Explanation) -> None:
     """Three starts of limits stand before the right one of a band, which is kept all the same."""
     data, base = banded.data, banded.path[0]
-    dead, *_ = sketches(data, base, (input.DeadZone(),), base)
-    wrong = [sketches(data, base, (input.Saturation(side),), base)[0] for side in ("high", "low", "both")]
-    found = finished(data, [*wrong, dead], kept=3)
+    dead, *_ = trial_fits(data, base, (input.DeadZone(),), base)
+    wrong = [trial_fits(data, base, (input.Saturation(side),), base)[0] for side in ("high", "low", "both")]
+    found = best_fit(data, [*wrong, dead], kept=3)
     assert found is not None
     assert found.hypothesis.names == ("input-dead-zone",)
 
@@ -361,23 +363,23 @@ def test_the_best_start_need_not_be_ahead_at_once(banded: Explanation) -> None:
 )
 def test_a_load_goes_inside_with_an_effect_that_makes_a_state_nonlinear(effect: Effect, moves: bool) -> None:
     plain, inner = disturbance.LoadStep(), disturbance.InnerLoad("inside")
-    old = Hypothesis((output.Drift("1"), plain), known=1)
-    (new,) = homes(old, effect)
+    old = Hypothesis((output.Drift("1"), plain), n_given=1)
+    (new,) = extended_hypotheses(old, effect)
     assert new.effects == (output.Drift("1"), inner if moves else plain, effect)
-    assert new.known == 1
-    assert homes(LINEAR, effect) == [LINEAR.plus(effect)]
+    assert new.n_given == 1
+    assert extended_hypotheses(LINEAR, effect) == [LINEAR.plus(effect)]
 
 
-@pytest.mark.parametrize("wave", [WAVE, LOAD_WAVE])
+@pytest.mark.parametrize("wave", [PERIODIC, PERIODIC_LOAD])
 def test_a_wave_may_go_inside_with_an_effect_that_makes_a_state_nonlinear(wave: Effect) -> None:
     old = Hypothesis((disturbance.LoadStep(), wave))
     spring = dynamics.CubicStiffness()
-    found = [home.effects for home in homes(old, spring)]
-    assert found == [(disturbance.InnerLoad("inside"), one, spring) for one in (wave, INNER_WAVE)]
-    assert [home.effects for home in homes(old, input.DeadZone())] == [(*old.effects, input.DeadZone())]
+    found = [home.effects for home in extended_hypotheses(old, spring)]
+    assert found == [(disturbance.InnerLoad("inside"), one, spring) for one in (wave, INNER_PERIODIC)]
+    assert [home.effects for home in extended_hypotheses(old, input.DeadZone())] == [(*old.effects, input.DeadZone())]
 
 
-@pytest.mark.parametrize("effect", [dynamics.CubicStiffness(), dynamics.SqrtOutflow("both"), INNER_WAVE], ids=str)
+@pytest.mark.parametrize("effect", [dynamics.CubicStiffness(), dynamics.SqrtOutflow("both"), INNER_PERIODIC], ids=str)
 def test_a_wave_inside_begins_with_the_size_and_the_phase_that_linear_dynamics_would_need(
     levels: FloatArray, two_poles: Response, effect: Effect
 ) -> None:
@@ -385,17 +387,19 @@ def test_a_wave_inside_begins_with_the_size_and_the_phase_that_linear_dynamics_w
     wave = 0.3 * np.cos(2.0 * np.pi * 23.0 / levels.size * np.arange(levels.size) + 1.0)
     data = data_of(levels, two_poles(levels + wave))
     numbers = {"log_c": np.log(0.5), "log_k": np.log(0.05), "cycles": 23.0}
-    parent = parent_of(data, Hypothesis((dynamics.CubicStiffness() if effect == INNER_WAVE else WAVE,)), **numbers)
+    parent = parent_of(
+        data, Hypothesis((dynamics.CubicStiffness() if effect == INNER_PERIODIC else PERIODIC,)), **numbers
+    )
     context = Context(data, parent, parent)
-    hypothesis = homes(parent.hypothesis, effect)[-1]
-    assert INNER_WAVE in hypothesis.effects
+    hypothesis = extended_hypotheses(parent.hypothesis, effect)[-1]
+    assert INNER_PERIODIC in hypothesis.effects
     place = hypothesis.slices["plant"].start
     swings = [place + hypothesis.plant.index(name) for name in ("shake_cos", "shake_sin")]
     shaken, still = [], []
-    for theta in starts(context, hypothesis, effect):
-        shaken.append(at_start(data, hypothesis, theta))
+    for theta in start_points(context, hypothesis, effect):
+        shaken.append(start_cost(data, hypothesis, theta))
         theta[swings] = 0.0
-        still.append(at_start(data, hypothesis, theta))
+        still.append(start_cost(data, hypothesis, theta))
     assert min(shaken) < 0.2 * min(still)
 
 
@@ -403,13 +407,13 @@ def test_a_wave_inside_begins_with_the_size_and_the_phase_that_linear_dynamics_w
 def test_so_does_a_drift_of_a_pole(levels: FloatArray, two_poles: Response, bends: str) -> None:
     """Where it has come on linear dynamics, its course is where the search begins."""
     data = data_of(levels, two_poles(levels))
-    drift, inner, brim = drifting.PoleDrift(bends), drifting.InnerPoleDrift(bends), dynamics.Overflow("lower")
+    drift, inner, brim = drifts.PoleDrift(bends), drifts.InnerPoleDrift(bends), dynamics.Overflow("lower")
     parent = parent_of(data, Hypothesis((drift,)), log_c=-0.7, log_k=-3.0, drift=0.3, bend1=-0.1)
-    assert compatible(parent, brim)
-    (hypothesis,) = homes(parent.hypothesis, brim)
+    assert is_compatible(parent, brim)
+    (hypothesis,) = extended_hypotheses(parent.hypothesis, brim)
     assert hypothesis.effects == (inner, brim)
     names = [p.name for p in hypothesis.plant.parameters]
-    for theta in starts(Context(data, parent, parent), hypothesis, brim):
+    for theta in start_points(Context(data, parent, parent), hypothesis, brim):
         own = dict(zip(names, theta[hypothesis.slices["plant"]], strict=True))
         assert own["drift"] == 0.3
         assert own.get("bend1", -0.1) == -0.1
@@ -453,7 +457,7 @@ def test_the_gain_of_a_parent_is_that_from_its_input(
     data = data_of(levels, two_poles(levels))
     context = Context(data, loaded(size, drift, data))
     assert context.gain == pytest.approx(2.0, rel=1e-3)
-    assert context.settling == pytest.approx(10.0, abs=0.2)
+    assert context.response_time == pytest.approx(10.0, abs=0.2)
 
 
 @pytest.mark.parametrize("size", [0.3, 0.9])
@@ -463,9 +467,9 @@ def test_a_load_goes_inside_as_the_input_that_does_the_same(
     data = data_of(levels, two_poles(levels))
     parent = loaded(size, 0.0, data)
     effect = dynamics.CubicStiffness()
-    (hypothesis,) = homes(parent.hypothesis, effect)
+    (hypothesis,) = extended_hypotheses(parent.hypothesis, effect)
     names = [p.name for p in hypothesis.plant.parameters]
-    for theta in starts(Context(data, parent), hypothesis, effect):
+    for theta in start_points(Context(data, parent), hypothesis, effect):
         own = dict(zip(names, theta[hypothesis.slices["plant"]], strict=True))
         assert own["onset"] == 0.6
         assert own["load"] == pytest.approx(size, rel=1e-3)
@@ -478,8 +482,8 @@ def test_the_last_effects_have_to_be_what_they_say_they_are(levels: FloatArray, 
     hypothesis = Hypothesis((disturbance.Leak("leak"), input.DeadZone()))
     for onset, expected in ((0.4, True), (0.0, False)):
         fit = parent_of(data, hypothesis, onset=onset, **numbers)
-        assert holds(data, fit)
-        assert holds(data, fit, 2) is expected
+        assert is_plausible(data, fit)
+        assert is_plausible(data, fit, 2) is expected
 
 
 @pytest.mark.parametrize(
@@ -493,5 +497,9 @@ def test_the_last_effects_have_to_be_what_they_say_they_are(levels: FloatArray, 
 def test_a_richer_form_has_to_gain_more_than_chance(banded: Explanation, simple: Effect, rich: Effect) -> None:
     plain = replace(banded.best, hypothesis=Hypothesis((simple,)))
     richer = replace(banded.best, hypothesis=Hypothesis((rich,)))
-    assert price(plain) == plain.bic
-    assert price(replace(richer, bic=plain.bic - 5.0)) > price(plain) > price(replace(richer, bic=plain.bic - 20.0))
+    assert penalized_bic(plain) == plain.bic
+    assert (
+        penalized_bic(replace(richer, bic=plain.bic - 5.0))
+        > penalized_bic(plain)
+        > penalized_bic(replace(richer, bic=plain.bic - 20.0))
+    )

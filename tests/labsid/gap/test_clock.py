@@ -11,7 +11,7 @@ from labsid.gap.batch import diagnose_folder
 from labsid.gap.clock import at_sampling_time, clock_findings
 from labsid.gap.diagnosis import diagnose
 from labsid.gap.html_report import page_content
-from labsid.gap.simulations import load_simulation, play
+from labsid.gap.simulation_files import load_simulation, replay
 from labsid.gap.text_report import format_report
 from labsid.records.record import Record, load_record
 
@@ -104,9 +104,9 @@ def test_a_holdout_a_model_and_a_series_of_nearly_the_same_clock_are_taken(tmp_p
     assert diagnose(jittering(plain, 0.501), found.model).report["record"]["Ts"] == 0.5
     path = tmp_path / "model.json"
     path.write_text(json.dumps(model))
-    np.testing.assert_array_equal(play(path, other).y, play(path, plain).y)
+    np.testing.assert_array_equal(replay(path, other).y, replay(path, plain).y)
     with pytest.raises(ValueError, match="dt must be the record's sampling time"):
-        play(path, jittering(plain, 0.51))
+        replay(path, jittering(plain, 0.51))
     series = tmp_path / "sim.csv"
     rows = zip((plain.t + 0.14).tolist(), plain.y.tolist(), strict=True)
     series.write_text("t,y\n" + "".join(f"{t!r},{y!r}\n" for t, y in rows))

@@ -20,16 +20,16 @@ from labsid.gap.decision import (
 )
 from labsid.gap.effects import output
 from labsid.gap.explanation import Explanation
-from labsid.gap.fitting import Fit, power
+from labsid.gap.fitting import Fit, mean_square
 from labsid.gap.hypothesis import Hypothesis
-from labsid.gap.leftover import Leftover, leftover
+from labsid.gap.residual_tests import ResidualMeasures, measure_residual
 
 STRUCTURE = {"repeats": 0.6, "repeats_z": 9.0, "explained": 0.6}
 
 
-def left_of(explained: Explanation) -> Leftover:
+def left_of(explained: Explanation) -> ResidualMeasures:
     """Of the accepted hypothesis."""
-    return leftover(explained.data, explained.best)
+    return measure_residual(explained.data, explained.best)
 
 
 def rivalled(explained: Explanation, *gaps: float) -> Explanation:
@@ -44,14 +44,14 @@ def rivalled(explained: Explanation, *gaps: float) -> Explanation:
 def crowded(explained: Explanation) -> Explanation:
     """With rivals that by themselves leave twice the error of the best first effect."""
     level, data = explained.levels[1], explained.data
-    first = min(level.values(), key=lambda fit: power(data, fit))
+    first = min(level.values(), key=lambda fit: mean_square(data, fit))
     near = data.y + 2.0 * (first.output - data.y)
     others = {names: fit if fit is first else replace(fit, output=near) for names, fit in level.items()}
     return replace(explained, levels=(explained.levels[0], others, *explained.levels[2:]))
 
 
 def decided(
-    explained: Explanation, left: Leftover, given: Fit | None, unrepeated: float = 0.0, at_stop: bool = False
+    explained: Explanation, left: ResidualMeasures, given: Fit | None, unrepeated: float = 0.0, at_stop: bool = False
 ) -> Decision:
     """With the trust that what is left deserves."""
     return decide(explained, left, given, confidence_in(explained, left, unrepeated=unrepeated), at_stop)

@@ -7,7 +7,7 @@ import pytest
 
 from labsid.gap.experiment import Experiment, next_experiment
 from labsid.gap.explanation import Explanation
-from labsid.gap.fitting import search
+from labsid.gap.fitting import minimize
 
 
 @pytest.fixture(scope="module")
@@ -40,7 +40,7 @@ def test_its_margin_is_what_the_second_explanation_misses_over_the_noise(
     data, first, second = banded.data, banded.best, banded.levels[1][(proposed.separates[1],)]
     u = data.u_scale.of(proposed.u)
     played = replace(data, u=u, y=first.hypothesis.output(first.theta, first.gains, u), rows=np.ones(u.size, bool))
-    point = search(played, second.hypothesis, second.theta, second.gains, iterations=10)
+    point = minimize(played, second.hypothesis, second.theta, second.gains, iterations=10)
     assert point is not None
     sigma2 = first.noise.sigma2
     assert proposed.margin == pytest.approx(u.size * (np.log(point.cost + sigma2) - np.log(sigma2)), rel=1e-6)

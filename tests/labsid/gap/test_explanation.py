@@ -12,7 +12,7 @@ from labsid._arrays import FloatArray
 from labsid.gap.beam_search import is_improvement, residual_is_white, search_effects
 from labsid.gap.data import scaled
 from labsid.gap.explanation import Explanation, explain, is_nuisance, unsimulated_effects, without_small_steps
-from labsid.gap.fitting import Fit, power
+from labsid.gap.fitting import Fit, mean_square
 from labsid.gap.linear_fits import LINEAR
 from labsid.gap.sample_faults import SampleFaults
 
@@ -178,8 +178,8 @@ def test_a_slow_wander_beside_a_curve_is_accepted_where_what_is_left_is_white(
     assert len(search_effects(data, LINEAR, None, 2, None)[1]) == 1
     found = explain(data, most=2)
     assert found.names == ("output-drift", "input-nonlinearity")
-    assert power(found.data, found.best) < 1.1 * found.best.noise.sigma2
-    assert power(found.data, found.best) * data.y_scale.unit**2 == pytest.approx(0.01**2, rel=0.2)
+    assert mean_square(found.data, found.best) < 1.1 * found.best.noise.sigma2
+    assert mean_square(found.data, found.best) * data.y_scale.unit**2 == pytest.approx(0.01**2, rel=0.2)
 
 
 def slow_waves(rng: np.random.Generator) -> list[tuple[float, float, float]]:
@@ -196,5 +196,5 @@ def test_slow_noise_is_no_drift_although_a_drift_would_take_most_of_it(
     data = scaled(levels, y + 0.3 * np.std(y) * e / np.std(e), np.ones(levels.size, bool), 1.0)
     other = search_effects(replace(data, by_free_run=True), LINEAR, None, 2, None)[1]
     assert "output-drift" in other[-1].hypothesis.names
-    assert power(data, other[-1]) < 0.5 * power(data, other[0])
+    assert mean_square(data, other[-1]) < 0.5 * mean_square(data, other[0])
     assert explain(data, most=2).names == ("coloured-noise",)

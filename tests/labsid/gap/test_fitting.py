@@ -11,11 +11,11 @@ from labsid._arrays import FloatArray
 from labsid.gap._kernels import delayed
 from labsid.gap.data import Data, Scale
 from labsid.gap.effects import disturbance, input, output
-from labsid.gap.fitting import Fit, at_start, covariance, finish, refit, rms, search
+from labsid.gap.fitting import Fit, covariance, finish, minimize, refit, rms, start_cost
 from labsid.gap.hypothesis import NUISANCE_DELAY, Hypothesis
-from labsid.gap.noise import whole_rows
+from labsid.gap.noise_model import complete_rows
 from labsid.gap.plants import Plant
-from labsid.gap.settling import polish, settle
+from labsid.gap.refinement import converge, polish
 
 LINEAR = Hypothesis()
 TRUTH = np.array([0.25, np.log(0.5), np.log(0.05)])
@@ -31,7 +31,7 @@ def data_of(u: FloatArray, y: FloatArray, rows: np.ndarray | None = None) -> Dat
 
 def fit_of(data: Data, hypothesis: Hypothesis, theta: FloatArray, iterations: int = 30) -> Fit:
     """The end of one search."""
-    point = search(data, hypothesis, theta, iterations=iterations, tolerance=1e-12)
+    point = minimize(data, hypothesis, theta, iterations=iterations, tolerance=1e-12)
     assert point is not None
     return finish(data, hypothesis, point)
 
@@ -54,7 +54,7 @@ def test_known_numbers_come_back_from_afar(levels: FloatArray) -> None:
     numerator = np.convolve([1.0 - fit.theta[0], fit.theta[0]], fit.gains[:2])
     np.testing.assert_allclose(numerator, np.convolve([0.75, 0.25], [0.03, 0.02]), atol=1e-5)
     assert fit.rates == (pytest.approx(0.5, rel=1e-3), pytest.approx(0.05, rel=1e-3))
-    assert fit.free == 8
+    assert fit.n_free == 8
     np.testing.assert_array_equal(fit.plant_theta, fit.theta[1:])
 
 
@@ -211,7 +211,7 @@ def test_bounds_are_kept(levels: FloatArray, two_poles: Response) -> None:
     lower, upper = LINEAR.bounds
     assert fit.theta[0] == NUISANCE_DELAY
     assert np.all((lower <= fit.theta) & (fit.theta <= upper))
-    start = search(data, LINEAR, np.array([9.0, 50.0, -50.0]), iterations=0)
+    start = minimize(data, LINEAR, np.array([9.0, 50.0, -50.0]), iterations=0)
     assert start is not None
     assert np.all((lower <= start.theta) & (start.theta <= upper))
 
@@ -219,16 +219,16 @@ def test_bounds_are_kept(levels: FloatArray, two_poles: Response) -> None:
 def test_a_simulation_that_diverges_is_no_point(levels: FloatArray) -> None:
     data = data_of(levels, levels)
     nowhere = Hypothesis(given=Plant(kind="given", run=lambda w: np.full(w.size, np.nan)))
-    assert search(data, nowhere, np.array([0.0])) is None
-    assert at_start(data, nowhere, np.array([0.0])) == np.inf
-    assert at_start(data, LINEAR, TRUTH) < 1.0
+    assert minimize(data, nowhere, np.array([0.0])) is None
+    assert start_cost(data, nowhere, np.array([0.0])) == np.inf
+    assert start_cost(data, LINEAR, TRUTH) < 1.0
 
 
 def test_at_start_is_the_cost_before_any_step(band: tuple[Hypothesis, FloatArray, Data]) -> None:
     hypothesis, theta, data = band
-    point = search(data, hypothesis, theta, iterations=0)
+    point = minimize(data, hypothesis, theta, iterations=0)
     assert point is not None
-    assert at_start(data, hypothesis, theta) == point.cost
+    assert start_cost(data, hypothesis, theta) == point.cost
     assert point.cost == pytest.approx(np.mean((data.y - point.output) ** 2))
 
 
@@ -241,7 +241,7 @@ def test_rows_that_do_not_count_do_not_pull(levels: FloatArray) -> None:
     fit = fit_of(data, LINEAR, TRUTH + 0.05, iterations=60)
     np.testing.assert_allclose(fit.plant_theta, TRUTH[1:], atol=1e-3)
     assert rms(data, fit) < 1e-4
-    assert fit.noise.rows == whole_rows(rows).sum()
+    assert fit.noise.rows == complete_rows(rows).sum()
 
 
 def test_finish_scores_the_noise_and_the_numbers(band: tuple[Hypothesis, FloatArray, Data]) -> None:
@@ -279,7 +279,7 @@ def test_settle_leaps_over_a_local_minimum(levels: FloatArray, two_poles: Respon
     hypothesis = Hypothesis((disturbance.LoadStep(),))
     theta = np.array([0.05, np.log(0.5), np.log(0.05), 226.0 / levels.size])
     fit = fit_of(data, hypothesis, theta, iterations=2)
-    settled = settle(data, fit)
+    settled = converge(data, fit)
     assert settled.bic <= fit.bic
     assert settled.theta[-1] * levels.size == pytest.approx(222.0, abs=1.5)
 

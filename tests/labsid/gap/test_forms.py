@@ -7,35 +7,35 @@ import numpy as np
 import pytest
 
 from labsid._arrays import FloatArray
-from labsid.gap.candidates import finished, sketches
+from labsid.gap.candidates import best_fit, trial_fits
 from labsid.gap.data import Data, scaled
-from labsid.gap.effects import disturbance, drifting, dynamics, input, output
+from labsid.gap.effects import disturbance, drifts, dynamics, input, output
 from labsid.gap.effects.base import Effect
 from labsid.gap.explanation import Explanation, explain
-from labsid.gap.fitting import Fit, finish, rms, search
+from labsid.gap.fitting import Fit, finish, minimize, rms
 from labsid.gap.forms import (
+    ACTUATOR_ORDERS,
+    BOTH_LIMITS,
+    HISTORY_FORMS,
     INNER_LOAD,
-    INNER_WAVE,
+    INNER_PERIODIC,
     LEAK,
     LOAD,
-    LOAD_AHEAD,
-    LOAD_WAVE,
-    ORDERS,
-    PLACES,
-    RICHER,
-    STOPS,
-    SWITCHED,
-    WAVE,
-    WAVE_AHEAD,
-    carried,
-    growing,
-    rearranged,
-    without,
+    PERIODIC,
+    PERIODIC_LOAD,
+    POSITIONS,
+    SPLINE_FORMS,
+    UPSTREAM_LOAD,
+    UPSTREAM_PERIODIC,
+    alternative_forms,
+    leak_form,
+    remove_effect,
+    transfer_theta,
 )
 from labsid.gap.hypothesis import Hypothesis
-from labsid.gap.linear_fits import LINEAR, baseline, swift_fit
+from labsid.gap.linear_fits import LINEAR, fit_baseline, fit_highpass
 from labsid.gap.plants import Plant
-from labsid.gap.settling import settle
+from labsid.gap.refinement import converge
 
 Response = Callable[..., FloatArray]
 
@@ -47,43 +47,43 @@ def data_of(u: FloatArray, y: FloatArray) -> Data:
 
 def test_a_lag_and_a_mode_are_tried_at_every_place_to_a_nonlinear_state() -> None:
     linear = Hypothesis((dynamics.ExtraLag(), dynamics.Resonance()))
-    assert rearranged(linear) == []
+    assert alternative_forms(linear) == []
     bent = linear.plus(dynamics.CubicStiffness())
-    keys = [other.keys for other in rearranged(bent)]
+    keys = [other.keys for other in alternative_forms(bent)]
     assert keys == [
         ("extra-lag/ahead", "resonance", "cubic-stiffness"),
         ("extra-lag", "resonance/ahead", "cubic-stiffness"),
         ("extra-lag", "resonance/beside", "cubic-stiffness"),
     ]
-    assert all(other.parameters == bent.parameters and other.names == bent.names for other in rearranged(bent))
-    given = Hypothesis(bent.effects, known=1)
-    assert all(other.effects[0] == dynamics.ExtraLag() for other in rearranged(given))
+    assert all(other.parameters == bent.parameters and other.names == bent.names for other in alternative_forms(bent))
+    given = Hypothesis(bent.effects, n_given=1)
+    assert all(other.effects[0] == dynamics.ExtraLag() for other in alternative_forms(given))
 
 
 def test_what_bends_the_command_is_tried_in_either_order_where_something_else_bends_it_too() -> None:
     curve, rate = input.Nonlinearity(), input.RateLimit()
-    orders = {effect for group in ORDERS for effect in group[1:]}
+    orders = {effect for group in ACTUATOR_ORDERS for effect in group[1:]}
     for alone in ((curve,), (rate,), (curve, input.Delay())):
-        assert not any(orders & set(other.effects) for other in rearranged(Hypothesis(alone)))
-    assert [other.keys for other in rearranged(Hypothesis((curve, rate))) if orders & set(other.effects)] == [
+        assert not any(orders & set(other.effects) for other in alternative_forms(Hypothesis(alone)))
+    assert [other.keys for other in alternative_forms(Hypothesis((curve, rate))) if orders & set(other.effects)] == [
         ("input-nonlinearity/first", "input-rate-limit"),
         ("input-nonlinearity", "input-rate-limit/behind"),
     ]
 
 
-GENERAL = SWITCHED | {effect: (rich,) for effect, rich in RICHER.items()}
+GENERAL = HISTORY_FORMS | {effect: (rich,) for effect, rich in SPLINE_FORMS.items()}
 
 
-@pytest.mark.parametrize("effect", [*SWITCHED, *RICHER])
+@pytest.mark.parametrize("effect", [*HISTORY_FORMS, *SPLINE_FORMS])
 def test_a_memory_is_tried_with_another_past_and_a_curve_with_more_bends(effect: Effect) -> None:
     beside = dynamics.ExtraLag()
-    others = rearranged(Hypothesis((effect, beside)))
+    others = alternative_forms(Hypothesis((effect, beside)))
     assert [other.effects for other in others] == [(form, beside) for form in GENERAL[effect]]
-    assert all(other.names == (effect.name, "extra-lag") and rearranged(other) == [] for other in others)
-    assert rearranged(Hypothesis((effect, beside), known=1)) == []
+    assert all(other.names == (effect.name, "extra-lag") and alternative_forms(other) == [] for other in others)
+    assert alternative_forms(Hypothesis((effect, beside), n_given=1)) == []
 
 
-@pytest.mark.parametrize("effect", [*SWITCHED, *RICHER])
+@pytest.mark.parametrize("effect", [*HISTORY_FORMS, *SPLINE_FORMS])
 def test_the_general_form_begins_as_the_special_one(
     levels: FloatArray, two_poles: Response, banded: Explanation, effect: Effect
 ) -> None:
@@ -91,10 +91,10 @@ def test_the_general_form_begins_as_the_special_one(
     old = Hypothesis((effect,))
     theta = np.array([numbers[p.name] for p in old.parameters])
     gains = np.linspace(0.02, 0.05, old.design(theta, levels).columns.shape[1])
-    other = rearranged(old)[0]  # a zero of the dynamics is left out in the second form of a delay
-    found = carried(replace(banded.path[0], hypothesis=old, theta=theta), other)
+    other = alternative_forms(old)[0]  # a zero of the dynamics is left out in the second form of a delay
+    found = transfer_theta(replace(banded.path[0], hypothesis=old, theta=theta), other)
     assert found.size > theta.size
-    error = 0.05 if effect in RICHER else 1e-12  # of a spline next to a cubic, and straight at the ends
+    error = 0.05 if effect in SPLINE_FORMS else 1e-12  # of a spline next to a cubic, and straight at the ends
     np.testing.assert_allclose(other.output(found, gains, levels), old.output(theta, gains, levels), atol=error)
 
 
@@ -102,11 +102,11 @@ def test_a_brim_is_tried_at_both_tanks() -> None:
     for side in ("", "-flipped"):
         for which in ("upper", "lower"):
             other = {"upper": "lower", "lower": "upper"}[which]
-            both, turned = rearranged(Hypothesis((dynamics.Overflow(which + side),)))
+            both, turned = alternative_forms(Hypothesis((dynamics.Overflow(which + side),)))
             assert both.effects == (dynamics.Overflow("both" + side),)
             assert turned.effects == (dynamics.Overflow(other + side),)
             assert both.plant.flipped == turned.plant.flipped == (side != "")
-        assert rearranged(both) == []
+        assert alternative_forms(both) == []
 
 
 def test_a_tank_with_a_brim_keeps_its_rate_before_and_behind_the_other_one(
@@ -117,26 +117,26 @@ def test_a_tank_with_a_brim_keeps_its_rate_before_and_behind_the_other_one(
     old = Hypothesis((dynamics.Overflow("lower"),))
     numbers = {"log_a": np.log(5.0), "log_b": np.log(0.1), "brim": 0.7, "h1": 0.2, "h2": -0.3}
     theta = np.array([numbers.get(p.name, 0.0) for p in old.parameters])
-    point = search(data, old, theta, iterations=0)
+    point = minimize(data, old, theta, iterations=0)
     assert point is not None
     fit = finish(data, old, point)
-    (turned,) = (other for other in rearranged(old) if other.plant.brim == 1)
-    found = carried(fit, turned)
+    (turned,) = (other for other in alternative_forms(old) if other.plant.brim == 1)
+    found = transfer_theta(fit, turned)
     own = dict(zip([p.name for p in turned.parameters], found, strict=True))
     expected = {"log_a": np.log(0.1), "log_b": np.log(5.0), "brim": 0.7, "h1": -0.3, "h2": 0.2, "share": 0.0}
     assert own == pytest.approx(expected | {"delay": 0.0})
     again = turned.output(found, fit.gains, levels)
     assert np.sqrt(np.mean((again - fit.output)[60:] ** 2)) < 0.2 * np.std(fit.output)
     rooted = Hypothesis((dynamics.SqrtOutflow("both"), dynamics.Overflow("lower")))
-    assert not any(other.plant.brim == 1 for other in rearranged(rooted))
+    assert not any(other.plant.brim == 1 for other in alternative_forms(rooted))
 
 
 @pytest.mark.parametrize("bends", ["1", "4"])
 def test_what_drifts_beside_a_nonlinear_state_may_be_a_gain_or_a_pole(bends: str) -> None:
-    gain, pole, brim = drifting.GainDrift(bends), drifting.InnerPoleDrift(bends), dynamics.Overflow("lower")
+    gain, pole, brim = drifts.GainDrift(bends), drifts.InnerPoleDrift(bends), dynamics.Overflow("lower")
     for one, other in ((gain, pole), (pole, gain)):
-        assert any(form.effects == (brim, other) for form in rearranged(Hypothesis((brim, one))))
-    assert rearranged(Hypothesis((gain,))) == []
+        assert any(form.effects == (brim, other) for form in alternative_forms(Hypothesis((brim, one))))
+    assert alternative_forms(Hypothesis((gain,))) == []
 
 
 @pytest.mark.parametrize("root", [(), (dynamics.SqrtOutflow("both"),), (dynamics.SqrtOutflow("lower"),)])
@@ -149,11 +149,13 @@ def test_the_other_brim_begins_a_little_below_the_highest_level(
     old = Hypothesis((*root, dynamics.Overflow(which)))
     numbers = {"log_a": 0.0, "log_b": -0.5, "zero": -3.0, "brim": 40.0, "share": 0.3}
     theta = np.array([numbers.get(p.name, 0.0) for p in old.parameters])
-    point = search(data, old, theta, iterations=0)
+    point = minimize(data, old, theta, iterations=0)
     assert point is not None
     fit = finish(data, old, point)
-    (both,) = (other for other in rearranged(old) if other.plant.brim == 3)
-    found = dict(zip([p.name for p in both.plant.parameters], carried(fit, both)[both.slices["plant"]], strict=True))
+    (both,) = (other for other in alternative_forms(old) if other.plant.brim == 3)
+    found = dict(
+        zip([p.name for p in both.plant.parameters], transfer_theta(fit, both)[both.slices["plant"]], strict=True)
+    )
     known, new = ("brim", "brim2") if which == "upper" else ("brim2", "brim")
     assert found[known] == numbers["brim"]
     unit, offset = fit.gains[:2]
@@ -161,10 +163,10 @@ def test_the_other_brim_begins_a_little_below_the_highest_level(
     flow = np.sqrt(np.maximum(level, 0.0)) if old.plant.lower_root else level
     expected = level if which == "upper" else flow**2 if old.plant.upper_root else flow
     assert 0.02 < np.mean(expected > found[new]) < 0.04
-    np.testing.assert_allclose(both.plant.linear_rates(carried(fit, both)[both.slices["plant"]]), fit.rates)
+    np.testing.assert_allclose(both.plant.linear_rates(transfer_theta(fit, both)[both.slices["plant"]]), fit.rates)
 
 
-@pytest.mark.parametrize("group", [*PLACES, *ORDERS])
+@pytest.mark.parametrize("group", [*POSITIONS, *ACTUATOR_ORDERS])
 def test_forms_of_one_effect_share_its_name_and_numbers(group: tuple[Effect, ...]) -> None:
     first, *others = (Hypothesis((effect, dynamics.SqrtOutflow("both"))) for effect in group)
     if group[0].name == "coulomb-friction":
@@ -183,47 +185,47 @@ def test_forms_of_one_effect_share_its_name_and_numbers(group: tuple[Effect, ...
         (dynamics.SqrtOutflow("both"), INNER_LOAD),
         (dynamics.CubicStiffness(), INNER_LOAD),
         (dynamics.CoulombFriction("speed"), INNER_LOAD),
-        (drifting.PoleDrift("1"), None),
+        (drifts.PoleDrift("1"), None),
     ],
 )
 def test_a_load_grows_with_the_state_as_its_dynamics_hold_it(effect: Effect | None, expected: Effect | None) -> None:
     hypothesis = LINEAR if effect is None else LINEAR.plus(effect)
-    assert growing(hypothesis.plant) == expected
-    found = [other.effects[-1] for other in rearranged(hypothesis.plus(LOAD)) if other.effects[-1] != LOAD]
+    assert leak_form(hypothesis.plant) == expected
+    found = [other.effects[-1] for other in alternative_forms(hypothesis.plus(LOAD)) if other.effects[-1] != LOAD]
     assert found == [effect for effect in (expected,) if effect is not None]
 
 
 def test_a_given_simulation_holds_no_load_that_grows() -> None:
-    assert growing(Plant(kind="given", run=lambda w: w)) is None
+    assert leak_form(Plant(kind="given", run=lambda w: w)) is None
 
 
 def test_a_load_that_grows_on_linear_dynamics_is_also_tried_as_one_that_does_not() -> None:
-    (plain,) = rearranged(Hypothesis((input.DeadZone(), LEAK)))
+    (plain,) = alternative_forms(Hypothesis((input.DeadZone(), LEAK)))
     assert plain.effects == (input.DeadZone(), LOAD)
-    assert rearranged(Hypothesis((input.DeadZone(), LEAK), known=2)) == []
+    assert alternative_forms(Hypothesis((input.DeadZone(), LEAK), n_given=2)) == []
 
 
 def test_numbers_are_carried_to_another_form(banded: Explanation) -> None:
     base = banded.path[0]
     leak = Hypothesis((input.DeadZone(), disturbance.Leak("leak")))
     theta = np.arange(1.0, len(leak.parameters) + 1.0)
-    (plain,) = rearranged(leak)
+    (plain,) = alternative_forms(leak)
     assert plain.keys == ("input-dead-zone", "load-step")
     fit = replace(base, hypothesis=leak, theta=theta)
     names = [p.name for p in leak.parameters]
     expected = [theta[names.index(p.name)] for p in plain.parameters]
-    np.testing.assert_array_equal(carried(fit, plain), expected)
+    np.testing.assert_array_equal(transfer_theta(fit, plain), expected)
     assert plain.parameters[-1].name == "onset"
 
 
 def test_an_inner_load_has_the_onset_of_the_plain_one(banded: Explanation) -> None:
     old = Hypothesis((dynamics.SqrtOutflow("both"), LOAD))
     fit = replace(banded.path[0], hypothesis=old, theta=np.arange(1.0, len(old.parameters) + 1.0))
-    (grown,) = (other for other in rearranged(old) if other.effects[0] == old.effects[0])
+    (grown,) = (other for other in alternative_forms(old) if other.effects[0] == old.effects[0])
     assert grown.effects[-1] == INNER_LOAD
     by_name = dict(zip([p.name for p in old.parameters], fit.theta, strict=True))
     expected = [by_name.get(p.name, 0.0) for p in grown.parameters]
-    np.testing.assert_array_equal(carried(fit, grown), expected)
+    np.testing.assert_array_equal(transfer_theta(fit, grown), expected)
     assert {"load", "leak", "onset"} <= {p.name for p in grown.parameters}
 
 
@@ -233,25 +235,25 @@ def limited(levels: FloatArray, two_poles: Response) -> tuple[Data, Fit]:
     u = levels[:400]
     y = two_poles(np.minimum(u, 0.8))
     data = data_of(u, y + 0.01 * np.std(y) * np.random.default_rng(4).standard_normal(u.size))
-    hypothesis = Hypothesis((input.Saturation("high"), drifting.GainDrift("1")))
+    hypothesis = Hypothesis((input.Saturation("high"), drifts.GainDrift("1")))
     theta = np.array([0.0, (0.8 - data.u_scale.centre) / data.u_scale.unit, 0.02, 0.0, np.log(0.5), np.log(0.05)])
-    point = search(data, hypothesis, theta, iterations=0)
+    point = minimize(data, hypothesis, theta, iterations=0)
     assert point is not None
     return data, finish(data, hypothesis, point)
 
 
 def test_without_takes_one_effect_out_and_goes_on_from_the_other_numbers(limited: tuple[Data, Fit]) -> None:
     data, fit = limited
-    fewer = without(data, fit, 1)
+    fewer = remove_effect(data, fit, 1)
     assert fewer is not None
     assert fewer.hypothesis.keys == ("input-saturation/high",)
     assert data.u_scale.back(fewer.theta[1]) == pytest.approx(0.8, abs=0.01)
     np.testing.assert_allclose(fewer.rates, [0.5, 0.05], rtol=0.1)
-    other = without(data, fit, 0)
+    other = remove_effect(data, fit, 0)
     assert other is not None
     assert other.hypothesis.keys == ("parameter-drift/gain-1",)
     for found in (fewer, other):  # no worse than the same numbers as they are
-        still = search(data, found.hypothesis, carried(fit, found.hypothesis), iterations=0)
+        still = minimize(data, found.hypothesis, transfer_theta(fit, found.hypothesis), iterations=0)
         assert still is not None
         assert found.cost <= still.cost
     assert fewer.cost < 0.01 * other.cost
@@ -263,9 +265,9 @@ def test_without_its_roots_a_tank_is_a_linear_plant_again(limited: tuple[Data, F
     theta = np.zeros(len(hypothesis.parameters))
     theta[1] = (0.8 - data.u_scale.centre) / data.u_scale.unit
     theta[hypothesis.slices["plant"]][:3] = np.log(6.0), np.log(2.0), -8.0
-    point = search(data, hypothesis, theta, iterations=0)
+    point = minimize(data, hypothesis, theta, iterations=0)
     assert point is not None
-    fewer = without(data, finish(data, hypothesis, point), 1)
+    fewer = remove_effect(data, finish(data, hypothesis, point), 1)
     assert fewer is not None
     assert fewer.hypothesis.plant == Plant()
     assert fewer.cost < 1e-3
@@ -285,13 +287,13 @@ def test_a_load_step_on_a_nonlinear_state_grows_where_that_explains_more(levels:
     u = levels[:400]
     y = leaking_mass(u, 240, held)
     data = data_of(u, y + 0.01 * np.std(y) * np.random.default_rng(2).standard_normal(u.size))
-    base = baseline(data)
-    swift = swift_fit(data, base)
-    spring = finished(data, sketches(data, base, (dynamics.CubicStiffness(),), swift))
+    base = fit_baseline(data)
+    highpass = fit_highpass(data, base)
+    spring = best_fit(data, trial_fits(data, base, (dynamics.CubicStiffness(),), highpass))
     assert spring is not None
-    found = finished(data, sketches(data, spring, (disturbance.LoadStep(),), swift))
+    found = best_fit(data, trial_fits(data, spring, (disturbance.LoadStep(),), highpass))
     assert found is not None
-    found = settle(data, found)
+    found = converge(data, found)
     assert found.hypothesis.keys == ("cubic-stiffness", "load-step/inside")
     assert rms(data, found) < 0.0105
     numbers = dict(zip([p.name for p in found.hypothesis.plant.parameters], found.plant_theta, strict=True))
@@ -303,8 +305,8 @@ def test_a_plain_load_stays_one_on_linear_dynamics(levels: FloatArray, two_poles
     load = two_poles((np.arange(levels.size) >= 330).astype(float))
     y = two_poles(levels) - 0.4 * load + 0.01 * np.random.default_rng(7).standard_normal(levels.size)
     data = data_of(levels, y)
-    base = baseline(data)
-    found = finished(data, sketches(data, base, (disturbance.LoadStep(),), swift_fit(data, base)))
+    base = fit_baseline(data)
+    found = best_fit(data, trial_fits(data, base, (disturbance.LoadStep(),), fit_highpass(data, base)))
     assert found is not None
     assert found.hypothesis.keys == ("load-step",)
 
@@ -321,12 +323,12 @@ def test_roots_are_tried_at_the_other_outflows_at_the_rates_of_before(
     numbers |= {"brim": 2.0, "brim2": 2.0, "share": 0.4}
     theta = np.array([numbers.get(p.name, 0.0) for p in hypothesis.parameters])
     fit = replace(banded.path[0], hypothesis=hypothesis, theta=theta)
-    others = [other for other in rearranged(hypothesis) if other.effects[0] != hypothesis.effects[0]]
+    others = [other for other in alternative_forms(hypothesis) if other.effects[0] != hypothesis.effects[0]]
     assert {other.effects[0].variant for other in others} == {"both" + side, "upper" + side, "lower" + side} - {
         which + side
     }
     for other in others:
-        own = carried(fit, other)[other.slices["plant"]]
+        own = transfer_theta(fit, other)[other.slices["plant"]]
         np.testing.assert_allclose(other.plant.linear_rates(own), fit.rates)
         found = dict(zip([p.name for p in other.plant.parameters], own, strict=True))
         assert (found["zero"], found["h1"], found["h2"], found.get("share", 0.4)) == (-3.0, 0.0, 0.0, 0.4)
@@ -339,15 +341,15 @@ def test_roots_are_tried_at_the_other_outflows_at_the_rates_of_before(
 def test_one_stop_of_a_sensor_is_also_tried_as_two(banded: Explanation, which: str, stop: float) -> None:
     """The other one begins where the output hardly comes."""
     hypothesis = Hypothesis((output.Saturation(which), input.Saturation("low")))
-    (both,) = rearranged(hypothesis)
-    assert both.effects == (STOPS, input.Saturation("low"))
-    assert rearranged(both) == []
+    (both,) = alternative_forms(hypothesis)
+    assert both.effects == (BOTH_LIMITS, input.Saturation("low"))
+    assert alternative_forms(both) == []
     numbers = {"log_c": -1.0, "log_k": -3.0}
     theta = np.array([numbers.get(p.name, 0.0) for p in hypothesis.parameters])
     theta[hypothesis.slices[f"output-saturation/{which}"]] = stop
     theta[hypothesis.slices["input-saturation/low"]] = -0.7
     fit = replace(banded.path[0], hypothesis=hypothesis, theta=theta)
-    found = carried(fit, both)
+    found = transfer_theta(fit, both)
     low, high = found[both.slices["output-saturation/both"]]
     assert (high if which == "high" else low) == stop
     beyond = fit.output < low if which == "high" else fit.output > high
@@ -360,21 +362,21 @@ def test_one_stop_of_a_sensor_is_also_tried_as_two(banded: Explanation, which: s
     [
         ((), ()),
         ((input.DeadZone(), output.Saturation("both")), ()),
-        ((output.Nonlinearity(),), (LOAD_WAVE,)),
-        ((dynamics.CubicStiffness(),), (INNER_WAVE,)),
-        ((dynamics.SqrtOutflow("both"), output.Nonlinearity()), (LOAD_WAVE, INNER_WAVE, WAVE_AHEAD)),
-        ((dynamics.CoulombFriction("speed"),), (INNER_WAVE, WAVE_AHEAD)),
-        ((dynamics.CoulombFriction("speed-lag"),), (INNER_WAVE,)),
+        ((output.Nonlinearity(),), (PERIODIC_LOAD,)),
+        ((dynamics.CubicStiffness(),), (INNER_PERIODIC,)),
+        ((dynamics.SqrtOutflow("both"), output.Nonlinearity()), (PERIODIC_LOAD, INNER_PERIODIC, UPSTREAM_PERIODIC)),
+        ((dynamics.CoulombFriction("speed"),), (INNER_PERIODIC, UPSTREAM_PERIODIC)),
+        ((dynamics.CoulombFriction("speed-lag"),), (INNER_PERIODIC,)),
     ],
 )
 def test_a_wave_is_tried_wherever_that_makes_a_difference(
     effects: tuple[Effect, ...], expected: tuple[Effect, ...]
 ) -> None:
-    found = [other.effects[-1] for other in rearranged(Hypothesis((*effects, WAVE)))]
-    assert [wave for wave in found if wave.name == WAVE.name and wave != WAVE] == list(expected)
+    found = [other.effects[-1] for other in alternative_forms(Hypothesis((*effects, PERIODIC)))]
+    assert [wave for wave in found if wave.name == PERIODIC.name and wave != PERIODIC] == list(expected)
     for other in expected:  # and from each of them back
-        found = [form.effects[-1] for form in rearranged(Hypothesis((*effects, other)))]
-        assert {WAVE, *expected} - {other} <= set(found)
+        found = [form.effects[-1] for form in alternative_forms(Hypothesis((*effects, other)))]
+        assert {PERIODIC, *expected} - {other} <= set(found)
 
 
 @pytest.mark.parametrize(
@@ -388,8 +390,8 @@ def test_a_wave_is_tried_wherever_that_makes_a_difference(
     ],
 )
 def test_a_load_may_enter_ahead_of_either_of_two_states_in_a_row(effect: Effect, in_a_row: bool) -> None:
-    for load, other in ((INNER_LOAD, LOAD_AHEAD), (LOAD_AHEAD, INNER_LOAD)):
-        found = [form.effects[-1] for form in rearranged(Hypothesis((effect, load)))]
+    for load, other in ((INNER_LOAD, UPSTREAM_LOAD), (UPSTREAM_LOAD, INNER_LOAD)):
+        found = [form.effects[-1] for form in alternative_forms(Hypothesis((effect, load)))]
         assert (other in found) == in_a_row
 
 
@@ -397,10 +399,10 @@ def test_a_load_may_enter_ahead_of_either_of_two_states_in_a_row(effect: Effect,
     ("inner", "outer", "name"),
     [
         (INNER_LOAD, LOAD, "onset"),
-        (INNER_WAVE, WAVE, "cycles"),
-        (WAVE_AHEAD, WAVE, "cycles"),
-        (LOAD_AHEAD, LOAD, "onset"),
-        (drifting.InnerPoleDrift("1"), drifting.PoleDrift("1"), "drift"),
+        (INNER_PERIODIC, PERIODIC, "cycles"),
+        (UPSTREAM_PERIODIC, PERIODIC, "cycles"),
+        (UPSTREAM_LOAD, LOAD, "onset"),
+        (drifts.InnerPoleDrift("1"), drifts.PoleDrift("1"), "drift"),
     ],
 )
 def test_on_linear_dynamics_loads_waves_and_drifts_are_the_plain_ones_again(
@@ -418,13 +420,13 @@ def test_on_linear_dynamics_loads_waves_and_drifts_are_the_plain_ones_again(
     }
     theta = np.array([numbers.get(p.name, 0.0) for p in hypothesis.parameters])
     data = replace(data, y=hypothesis.output(theta, np.array([2.0, -1.0]), data.u))
-    point = search(data, hypothesis, theta, iterations=0)
+    point = minimize(data, hypothesis, theta, iterations=0)
     assert point is not None
     fit = finish(data, hypothesis, point)
-    still = without(data, fit, 1)
+    still = remove_effect(data, fit, 1)
     assert still is not None
     assert still.hypothesis.effects == (dynamics.CubicStiffness(), inner)
-    linear = without(data, still, 0)
+    linear = remove_effect(data, still, 0)
     assert linear is not None
     assert linear.hypothesis.effects == (outer,)
     (at,) = (i for i, parameter in enumerate(linear.hypothesis.parameters) if parameter.name == name)

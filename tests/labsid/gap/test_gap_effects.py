@@ -13,12 +13,12 @@ from labsid._arrays import FloatArray
 from labsid.gap import report
 from labsid.gap.candidates import CANDIDATES
 from labsid.gap.data import Data, Scale, scaled
-from labsid.gap.effects import curves, disturbance, drifting, dynamics, input, output
+from labsid.gap.effects import curves, disturbance, drifts, dynamics, input, output
 from labsid.gap.effects.base import AdditiveEffect, Effect, Fitted, InputEffect, OutputEffect, PlantEffect
 from labsid.gap.effects.context import Context
-from labsid.gap.fitting import finish, search
+from labsid.gap.fitting import finish, minimize
 from labsid.gap.hypothesis import Hypothesis
-from labsid.gap.linear_fits import LINEAR, baseline
+from labsid.gap.linear_fits import LINEAR, fit_baseline
 from labsid.gap.plants import Plant
 
 TABLE = {
@@ -119,7 +119,7 @@ def test_every_effect_starts_inside_its_bounds_and_reports_the_agreed_parameters
     """On a record of two poles with a little noise: starts, columns, values and units."""
     rng = np.random.default_rng(2)
     data = scaled(levels[:300], np.convolve(levels, np.ones(6) / 6)[:300] + 0.1 * rng.standard_normal(300), ROWS, 1.0)
-    parent = baseline(data)
+    parent = fit_baseline(data)
     context = Context(data, parent, parent)
     hypothesis = LINEAR.plus(effect)
     own = hypothesis.plant.parameters
@@ -141,13 +141,13 @@ def test_every_effect_starts_inside_its_bounds_and_reports_the_agreed_parameters
     theta = np.clip(theta[: len(hypothesis.parameters)], *hypothesis.bounds)
     theta[hypothesis.slices["plant"]][:2] = hypothesis.plant.starts(*parent.rates)[0][:2]
     design = hypothesis.design(theta, data.u)
-    gains = np.linspace(0.5, 1.0, design.inside.shape[1] + design.outside.shape[1])
+    gains = np.linspace(0.5, 1.0, design.sensed.shape[1] + design.added.shape[1])
     found = effect.values(Fitted(hypothesis, theta, gains, data))
     assert found
     assert set(found) <= PARAMETERS[effect.name]
     assert {value.unit for value in found.values()} <= {"s", "u", "y", "u/s", "Hz", "1", "1/u", "1/y", "1/u^2", "1/y^2"}
     assert all(np.isfinite(value.value) for value in found.values())
-    acts = effect.acts(Fitted(hypothesis, theta, gains, data))
+    acts = effect.active_samples(Fitted(hypothesis, theta, gains, data))
     assert acts.shape == (300,)
     assert acts.dtype == bool
 
@@ -174,9 +174,9 @@ W = np.array([-2.0, -1.0, -0.2, 0.0, 0.5, 1.0, 2.0])
         (input.Nonlinearity(), [0.5, 0.25], [-2.0, -0.75, -0.182, 0.0, 0.65625, 1.75, 6.0]),
         (input.Delay(), [3.0], W),
         # w + (w - 1) c with c from -0.5 to 0.5: neutral at 1, on either way round
-        (drifting.GainDrift("1"), [2**0.5 / 2, -np.pi / 4], [-0.5, -1 / 3, 0.0, 0.0, 5 / 12, 1.0, 2.5]),
-        (drifting.GainDrift("1"), [-(2**0.5) / 2, 0.75 * np.pi], [-0.5, -1 / 3, 0.0, 0.0, 5 / 12, 1.0, 2.5]),
-        (drifting.GainDrift("1"), [0.5, 0.5 * np.pi], W + np.linspace(-0.5, 0.5, 7)),
+        (drifts.GainDrift("1"), [2**0.5 / 2, -np.pi / 4], [-0.5, -1 / 3, 0.0, 0.0, 5 / 12, 1.0, 2.5]),
+        (drifts.GainDrift("1"), [-(2**0.5) / 2, 0.75 * np.pi], [-0.5, -1 / 3, 0.0, 0.0, 5 / 12, 1.0, 2.5]),
+        (drifts.GainDrift("1"), [0.5, 0.5 * np.pi], W + np.linspace(-0.5, 0.5, 7)),
     ],
     ids=lambda value: value.key if isinstance(value, Effect) else None,
 )
@@ -195,7 +195,7 @@ def test_what_the_actuator_makes_of_a_command(effect: InputEffect, own: list[flo
     ids=lambda value: value.key if isinstance(value, Effect) else None,
 )
 def test_what_the_sensor_makes_of_the_output(effect: OutputEffect, own: list[float], expected: list[float]) -> None:
-    np.testing.assert_allclose(effect.bend(W, np.array(own)), expected, atol=1e-12)
+    np.testing.assert_allclose(effect.apply(W, np.array(own)), expected, atol=1e-12)
 
 
 @pytest.mark.parametrize(
@@ -212,7 +212,7 @@ def test_what_the_sensor_makes_of_the_output(effect: OutputEffect, own: list[flo
 def test_slope_is_the_derivative_of_bend(effect: OutputEffect, own: list[float]) -> None:
     z, h = np.linspace(-3.0, 3.0, 61), 1e-6
     numbers = np.array(own)
-    numerical = (effect.bend(z + h, numbers) - effect.bend(z - h, numbers)) / (2.0 * h)
+    numerical = (effect.apply(z + h, numbers) - effect.apply(z - h, numbers)) / (2.0 * h)
     np.testing.assert_allclose(effect.slope(z, numbers), numerical, atol=1e-6)
 
 
@@ -220,7 +220,7 @@ def test_slope_is_the_derivative_of_bend(effect: OutputEffect, own: list[float])
 def test_a_rich_curve_is_a_natural_spline_of_slope_one_at_zero(curve: InputEffect | OutputEffect) -> None:
     def bent(x: FloatArray) -> FloatArray:
         own = np.array(SPLINE)
-        return curve.apply(x, own, x.size) if isinstance(curve, InputEffect) else curve.bend(x, own)
+        return curve.apply(x, own, x.size) if isinstance(curve, InputEffect) else curve.apply(x, own)
 
     assert len(curve.parameters) == len(SPLINE) == curves.KNOTS.size - 2
     expected = CubicSpline(curves.KNOTS, bent(curves.KNOTS), bc_type="natural")
@@ -235,9 +235,9 @@ def test_a_rich_curve_is_a_natural_spline_of_slope_one_at_zero(curve: InputEffec
 
 
 def test_a_spline_next_to_a_cubic_tells_its_numbers() -> None:
-    own = curves.richer(np.array([0.3, -0.09]))
+    own = curves.spline_coefficients(np.array([0.3, -0.09]))
     x = np.linspace(-2.2, 2.2, 50)
-    np.testing.assert_allclose(curves.bent(x, own), x + 0.3 * x**2 - 0.09 * x**3, atol=0.05)
+    np.testing.assert_allclose(curves.evaluate(x, own), x + 0.3 * x**2 - 0.09 * x**3, atol=0.05)
     found = values(fitted(output.Nonlinearity("rich"), None, None, *own))
     assert found == {
         "c2": (pytest.approx(0.1, rel=0.02), "1/y"),
@@ -271,7 +271,7 @@ def test_columns_of_a_sinusoid_count_cycles_in_the_span() -> None:
 
 def test_columns_of_a_load_are_the_step_response_from_its_onset() -> None:
     step = columns(disturbance.LoadStep(), [0.25], 100, 100)
-    from_rest = Plant().through(np.log([0.5, 0.05]), np.ones(75))
+    from_rest = Plant().load_response(np.log([0.5, 0.05]), np.ones(75))
     assert np.all(step[:26] == 0.0)
     np.testing.assert_allclose(step[25:], from_rest, atol=1e-12)
 
@@ -294,7 +294,7 @@ def test_widths_are_the_numbers_of_columns() -> None:
         (input.Nonlinearity(), [0.2, 0.1], {"c2": (0.4, "1/u"), "c3": (0.4, "1/u^2"), "centre": (2.0, "u")}),
         (output.Saturation("high"), [0.5], {"high": (11.5, "y")}),
         (output.Nonlinearity(), [0.3, 0.9], {"c2": (0.1, "1/y"), "c3": (0.1, "1/y^2"), "centre": (10.0, "y")}),
-        (drifting.GainDrift("1"), [0.2, 0.0], {"drift": (0.5, "1")}),
+        (drifts.GainDrift("1"), [0.2, 0.0], {"drift": (0.5, "1")}),
     ],
     ids=lambda value: value.key if isinstance(value, Effect) else None,
 )
@@ -329,8 +329,8 @@ def test_values_are_in_the_units_of_the_record(
         ),
         # A spring whose force is x + 0.2 x^3 in scaled input; the output is 2 x of 3 units: per y that is 0.2 / 36.
         (dynamics.CubicStiffness(), {"cubic": 0.2}, {"cubic": (0.2 / 36.0, "1/y^2")}),
-        (drifting.PoleDrift("1"), {"drift": 0.2}, {"pole": (np.exp(0.4) - 1.0, "1")}),
-        (drifting.PoleDrift("4"), {"drift": 0.2, "bend1": 0.5, "bend2": -0.1}, {"pole": (np.exp(0.2) - 1.0, "1")}),
+        (drifts.PoleDrift("1"), {"drift": 0.2}, {"pole": (np.exp(0.4) - 1.0, "1")}),
+        (drifts.PoleDrift("4"), {"drift": 0.2, "bend1": 0.5, "bend2": -0.1}, {"pole": (np.exp(0.2) - 1.0, "1")}),
         (
             disturbance.Leak("leak"),
             {"onset": 0.25, "drift": 0.2},
@@ -351,7 +351,7 @@ def test_values_of_the_dynamics_are_in_the_units_of_the_record(
 
 def test_a_pole_that_drifts_beside_a_nonlinear_state_is_told_as_on_linear_dynamics() -> None:
     numbers = {"drift": 0.2, "bend1": 0.5, "bend2": -0.1}
-    effect = drifting.InnerPoleDrift("4")
+    effect = drifts.InnerPoleDrift("4")
     hypothesis = Hypothesis((dynamics.CoulombFriction("speed"), effect))
     assert hypothesis.names == ("coulomb-friction", "parameter-drift")
     theta = np.array([numbers.get(parameter.name, 0.0) for parameter in hypothesis.parameters])
@@ -401,7 +401,7 @@ def test_a_wave_at_the_load_is_bent_by_the_curve_of_the_sensor(levels: FloatArra
         hypothesis = Hypothesis((output.Nonlinearity(), wave))
         numbers = {"log_c": np.log(0.5), "log_k": np.log(0.05), "c2": 0.1, "cycles": 23.4}
         theta = np.array([numbers.get(parameter.name, 0.0) for parameter in hypothesis.parameters])
-        point = search(data, hypothesis, theta, iterations=60, tolerance=1e-12)
+        point = minimize(data, hypothesis, theta, iterations=60, tolerance=1e-12)
         assert point is not None
         missed.append(float(np.sqrt(point.cost)))
     assert missed[0] < 1e-9
@@ -416,14 +416,14 @@ def test_size_of_a_load_is_what_it_changes_in_the_end() -> None:
     assert found["onset"] == (pytest.approx(0.25 * SAMPLES * TS + 4.0), "s")
     step = columns(effect, [0.0], 400, 400) @ gains[-2:]
     assert found["size"][0] == pytest.approx(3.0 * step[-1], rel=1e-6)
-    np.testing.assert_array_equal(effect.acts(fit), np.arange(SAMPLES) >= 25)
+    np.testing.assert_array_equal(effect.active_samples(fit), np.arange(SAMPLES) >= 25)
 
 
 def test_a_load_that_brings_nothing_in_the_end_is_a_pulse() -> None:
     effect = disturbance.LoadStep()
     for second, onset, expected in ((0.01, 0.5, True), (-0.0299, 0.5, False), (-0.03, 0.5, False), (0.01, 0.0, False)):
         gains = np.array([0.0, 0.0, 0.0, 0.0, 0.0, 0.03, second])
-        assert effect.holds(fitted(effect, gains, None, onset)) is expected
+        assert effect.is_plausible(fitted(effect, gains, None, onset)) is expected
 
 
 def test_amplitudes_of_additive_effects() -> None:
@@ -437,21 +437,21 @@ def test_amplitudes_of_additive_effects() -> None:
 
 def test_where_limits_act() -> None:
     fit = fitted(input.Saturation("high"), None, None, 0.75)
-    np.testing.assert_array_equal(fit.hypothesis.effects[0].acts(fit), fit.data.u > 0.75)
+    np.testing.assert_array_equal(fit.hypothesis.effects[0].active_samples(fit), fit.data.u > 0.75)
     fit = fitted(input.DeadZone(), None, None, -0.4, 0.3)
     inside = (fit.data.u >= -0.4) & (fit.data.u <= 0.3)
-    np.testing.assert_array_equal(fit.hypothesis.effects[0].acts(fit), inside)
+    np.testing.assert_array_equal(fit.hypothesis.effects[0].active_samples(fit), inside)
     gains = np.array([0.0, 0.0, 0.0, 0.0, 0.0, 1.0])
     fit = fitted(output.Saturation("high"), gains, None, 0.5)
-    assert fit.hypothesis.effects[0].acts(fit).all()
+    assert fit.hypothesis.effects[0].active_samples(fit).all()
     fit = fitted(output.Saturation("high"), gains, None, 1.5)
-    assert not fit.hypothesis.effects[0].acts(fit).any()
+    assert not fit.hypothesis.effects[0].active_samples(fit).any()
 
 
 def context_of(u: FloatArray, y: FloatArray) -> Context:
     """About the fitted linear structure."""
     data = scaled(u, y, np.ones(u.size, bool), 1.0)
-    parent = baseline(data)
+    parent = fit_baseline(data)
     return Context(data, parent, parent)
 
 
@@ -479,7 +479,7 @@ def linear_context(c: float, k: float, gain: float, levels: FloatArray) -> Conte
     hypothesis = Hypothesis()
     theta = np.array([0.0, np.log(c), np.log(k)])
     data = data_of(levels, lfilter(numerator[0], denominator, levels - levels[0]))
-    point = search(data, hypothesis, theta, iterations=0)
+    point = minimize(data, hypothesis, theta, iterations=0)
     assert point is not None
     return Context(data, finish(data, hypothesis, point))
 
@@ -489,13 +489,13 @@ def test_gain_and_settling_of_two_poles(levels: FloatArray, c: float, k: float, 
     """The area above the step response of k / (s^2 + c s + k) is c / k, real poles or not."""
     context = linear_context(c, k, gain, levels)
     assert context.gain == pytest.approx(gain, rel=1e-3)
-    assert context.settling == pytest.approx(c / k, rel=0.02, abs=0.2)
+    assert context.response_time == pytest.approx(c / k, rel=0.02, abs=0.2)
 
 
 def test_what_does_not_follow_its_input_does_not_settle(levels: FloatArray) -> None:
     context = linear_context(0.5, 0.05, 1.0, levels)
     still = Context(context.data, replace(context.parent, gains=np.zeros(context.parent.gains.size)))
-    assert (still.gain, still.settling) == (0.0, 0.0)
+    assert (still.gain, still.response_time) == (0.0, 0.0)
 
 
 def test_two_levels_cannot_show_what_bends_the_input(levels: FloatArray) -> None:
@@ -509,12 +509,12 @@ def test_two_levels_cannot_show_what_bends_the_input(levels: FloatArray) -> None
 
 def test_a_dead_band_at_the_end_of_the_range_is_a_limit_unless_the_rig_rests_there() -> None:
     effect, fit = input.DeadZone(), fitted(input.DeadZone(), None, None, -0.3, 0.4)
-    assert effect.holds(fit)
-    assert not effect.holds(fitted(effect, None, None, -1.6, 0.4))
-    assert not effect.holds(fitted(effect, None, None, 0.1, 0.1))
+    assert effect.is_plausible(fit)
+    assert not effect.is_plausible(fitted(effect, None, None, -1.6, 0.4))
+    assert not effect.is_plausible(fitted(effect, None, None, 0.1, 0.1))
     low = Fitted(fit.hypothesis, fitted(effect, None, None, -1.6, 0.4).theta, fit.gains, data_of(np.full(100, -1.5)))
     low.data.u[50:] = 1.5
-    assert effect.holds(low)
+    assert effect.is_plausible(low)
 
 
 @pytest.mark.parametrize(
@@ -541,15 +541,15 @@ def test_a_tank_that_fills_within_a_sample_is_none(
     factors = [8.0 if root in ("both", which) else 1.0 for which in ("upper", "lower")]
     numbers = dict(zip(("log_a", "log_b"), np.log(np.multiply(rates, factors)), strict=True)) | {"zero": -4.0}
     theta = np.array([numbers.get(p.name, 0.0) for p in hypothesis.parameters])
-    assert effect.holds(Fitted(hypothesis, theta, np.zeros(9), data_of(W))) is expected
+    assert effect.is_plausible(Fitted(hypothesis, theta, np.zeros(9), data_of(W))) is expected
 
 
 def test_friction_without_a_turn_is_no_friction() -> None:
     effect = dynamics.CoulombFriction("speed")
     fit = fitted(effect, None, {"friction": 0.1, "log_a": np.log(0.4), "log_b": np.log(0.4), "centre": 0.0})
-    assert effect.holds(fit)
+    assert effect.is_plausible(fit)
     one_way = fitted(effect, None, {"friction": 0.1, "log_a": np.log(0.4), "log_b": np.log(0.4), "centre": -3.0})
-    assert not effect.holds(one_way)
+    assert not effect.is_plausible(one_way)
 
 
 def test_a_lag_has_to_pass_the_input_on(levels: FloatArray) -> None:
@@ -559,8 +559,8 @@ def test_a_lag_has_to_pass_the_input_on(levels: FloatArray) -> None:
     theta = np.array([0.0, np.log(0.5), np.log(0.05), np.log(5.0)])
     passing, free = np.zeros(8), np.zeros(8)
     passing[5], free[6] = 1.0, 1.0
-    assert effect.holds(Fitted(hypothesis, theta, passing, data_of(u)))
-    assert not effect.holds(Fitted(hypothesis, theta, free, data_of(u)))
+    assert effect.is_plausible(Fitted(hypothesis, theta, passing, data_of(u)))
+    assert not effect.is_plausible(Fitted(hypothesis, theta, free, data_of(u)))
 
 
 def test_peaks_finds_a_wave_in_the_residual(levels: FloatArray, two_poles: Response) -> None:
@@ -574,7 +574,7 @@ def test_peaks_finds_a_wave_in_the_residual(levels: FloatArray, two_poles: Respo
 def test_onsets_finds_where_a_load_begins(levels: FloatArray, two_poles: Response) -> None:
     load = two_poles((np.arange(levels.size) >= 220).astype(float))
     context = context_of(levels, two_poles(levels) + 0.5 * load)
-    found = disturbance.onsets(context, 4)
+    found = disturbance.load_onsets(context, 4)
     assert len(found) == 4
     assert found[0] == pytest.approx(220 / levels.size, abs=0.02)
 
@@ -582,8 +582,8 @@ def test_onsets_finds_where_a_load_begins(levels: FloatArray, two_poles: Respons
 def test_start_away_is_how_far_the_record_begins_from_rest(levels: FloatArray, two_poles: Response) -> None:
     y = two_poles(levels) + 0.8 * np.exp(-0.14 * np.arange(levels.size))
     context = context_of(levels, y)
-    assert dynamics.start_away(context) == pytest.approx(0.8 / context.data.u_scale.unit, abs=0.3)
-    assert abs(dynamics.start_away(context_of(levels, two_poles(levels)))) < 0.2
+    assert dynamics.initial_offset(context) == pytest.approx(0.8 / context.data.u_scale.unit, abs=0.3)
+    assert abs(dynamics.initial_offset(context_of(levels, two_poles(levels)))) < 0.2
 
 
 def test_every_effect_can_be_searched_for(levels: FloatArray, two_poles: Response) -> None:
@@ -600,8 +600,8 @@ def test_every_effect_can_be_searched_for(levels: FloatArray, two_poles: Respons
         else:
             theta[hypothesis.slices[effect.key]] = effect.starts(context)[0]
         theta[hypothesis.slices["plant"]] = own
-        before = search(context.data, hypothesis, theta, iterations=0)
-        after = search(context.data, hypothesis, theta, iterations=2)
+        before = minimize(context.data, hypothesis, theta, iterations=0)
+        after = minimize(context.data, hypothesis, theta, iterations=2)
         assert before is not None
         assert after is not None
         assert after.cost <= before.cost
@@ -628,7 +628,7 @@ def test_of_a_mirrored_record_the_search_of_friction_begins_at_the_mirrored_numb
 def test_a_pole_and_a_zero_of_the_sensor_may_wander_far(levels: FloatArray) -> None:
     """Courses of four and of sixteen degrees are among the candidates."""
     assert {"parameter-drift/pole-4", "output-drift/16"} <= {effect.key for effect in ALL}
-    slow = drifting.PoleDrift("4").shape(Plant())
+    slow = drifts.PoleDrift("4").shape(Plant())
     assert [p.name for p in slow.parameters][2:] == ["drift", "share_c", "turn", "bend1", "bend2", "bend3"]
     assert output.Drift("16").width == 16
     x = np.linspace(-1.0, 1.0, 400)

@@ -5,7 +5,7 @@ import pytest
 
 from labsid._arrays import FloatArray
 from labsid.gap._kernels import delayed
-from labsid.gap.effects import disturbance, drifting, dynamics, input, output
+from labsid.gap.effects import disturbance, drifts, dynamics, input, output
 from labsid.gap.hypothesis import NUISANCE_DELAY, Design, Hypothesis
 from labsid.gap.plants import Plant
 
@@ -77,7 +77,7 @@ def test_bounds_are_those_of_the_parameters() -> None:
 
 
 def test_effects_that_the_simulation_already_had_are_no_finding() -> None:
-    given = Hypothesis((dynamics.ExtraLag(),), known=1)
+    given = Hypothesis((dynamics.ExtraLag(),), n_given=1)
     assert given.names == given.keys == ()
     more = given.plus(input.Saturation("low"))
     assert more.names == ("input-saturation",)
@@ -165,11 +165,11 @@ GAINS = np.array([0.03, 0.04, 0.1, -0.1, 0.0, 0.2, 0.05, 0.15, 0.02, 0.01, 0.3, 
 
 def test_a_load_is_seen_through_the_whole_sensor_and_a_drift_only_through_its_limits(levels: FloatArray) -> None:
     design = FULL.design(full_theta(), levels)
-    assert design.inside.shape == (levels.size, 7 + 1 + 2)  # the plant's, the constant, the load's
-    assert design.outside.shape == (levels.size, 2 + 2)  # the sinusoid's, the drift's
-    np.testing.assert_array_equal(design.inside[:, 7], 1.0)
-    bent = (z := design.inside @ GAINS[:10]) * (1.0 + z * (0.1 + 0.02 * z))
-    expected = np.minimum(bent + design.outside @ GAINS[10:], 0.9)
+    assert design.sensed.shape == (levels.size, 7 + 1 + 2)  # the plant's, the constant, the load's
+    assert design.added.shape == (levels.size, 2 + 2)  # the sinusoid's, the drift's
+    np.testing.assert_array_equal(design.sensed[:, 7], 1.0)
+    bent = (z := design.sensed @ GAINS[:10]) * (1.0 + z * (0.1 + 0.02 * z))
+    expected = np.minimum(bent + design.added @ GAINS[10:], 0.9)
     assert 20 < (expected == 0.9).sum() < 580
     np.testing.assert_allclose(FULL.output(full_theta(), GAINS, levels), expected, atol=1e-12)
 
@@ -199,7 +199,7 @@ def test_gains_of_finds_the_gains_of_each_additive_effect() -> None:
     assert found == {"load-step": [0.02, 0.01], "periodic-disturbance": [0.3, -0.2], "output-drift/2": [0.1, 0.05]}
 
 
-@pytest.mark.parametrize("hypothesis", [FULL, Hypothesis((drifting.GainDrift("1"), dynamics.Resonance()))])
+@pytest.mark.parametrize("hypothesis", [FULL, Hypothesis((drifts.GainDrift("1"), dynamics.Resonance()))])
 def test_the_beginning_of_an_input_gives_the_beginning_of_the_output(
     hypothesis: Hypothesis, levels: FloatArray
 ) -> None:
@@ -208,7 +208,7 @@ def test_the_beginning_of_an_input_gives_the_beginning_of_the_output(
         theta, gains = full_theta(), GAINS
     else:
         theta = np.array([0.2, 0.3, 0.1, np.log(0.5), np.log(0.05), np.log(0.4), np.log(0.1)])
-        gains = GAINS[: hypothesis.design(theta, levels).inside.shape[1]]
+        gains = GAINS[: hypothesis.design(theta, levels).sensed.shape[1]]
     whole = hypothesis.output(theta, gains, levels)
     part = hypothesis.output(theta, gains, levels[:250], span=levels.size)
     np.testing.assert_allclose(part, whole[:250], atol=1e-12)

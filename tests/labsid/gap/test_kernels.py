@@ -67,7 +67,7 @@ def test_rate_limit_by_hand() -> None:
 
 @pytest.mark.parametrize("rate", [0.05, 0.13, 0.6])
 def test_timed_values_act_on_dynamics_as_the_slewing_actuator_does(w: FloatArray, rate: float) -> None:
-    """On a swift mass, sampled: far nearer than the means over each sample alone."""
+    """On a highpass mass, sampled: far nearer than the means over each sample alone."""
     fine, now, path = 400, w[0], []
     for value in w:
         for _ in range(fine):

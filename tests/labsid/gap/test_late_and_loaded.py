@@ -12,13 +12,13 @@ LINEAR_KINDS = [
     Plant(),
     Plant(zero=False, lag=True),
     Plant(mode=True),
-    Plant(kind="varying", bends=2),
+    Plant(kind="varying", extra_degrees=2),
     Plant(kind="varying", course="step"),
     Plant(kind="given", run=lambda w: np.cumsum(w)),
 ]
 AHEAD = [
-    Plant(kind="tanks", upper_root=True, lag=True, lag_ahead=True),
-    Plant(kind="mechanics", friction=True, mode=True, mode_place="ahead", lag=True, lag_ahead=True),
+    Plant(kind="tanks", upper_root=True, lag=True, lag_upstream=True),
+    Plant(kind="mechanics", friction=True, mode=True, mode_place="ahead", lag=True, lag_upstream=True),
 ]
 NUMBERS = {
     "log_c": np.log(0.5),
@@ -83,14 +83,14 @@ def test_what_stands_ahead_of_a_nonlinear_state_sees_the_mean(plant: Plant, leve
 @pytest.mark.parametrize(
     "plant",
     [
-        Plant(kind="tanks", upper_root=True, lower_root=True, loaded=True),
-        Plant(kind="mechanics", cubic=True, loaded=True),
-        Plant(kind="speed", friction=True, loaded=True),
+        Plant(kind="tanks", upper_root=True, lower_root=True, has_load=True),
+        Plant(kind="mechanics", cubic=True, has_load=True),
+        Plant(kind="speed", friction=True, has_load=True),
     ],
 )
 def test_a_load_begins_at_its_onset_and_a_leak_takes_more_where_there_is_more(plant: Plant, levels: FloatArray) -> None:
     w = np.concatenate([levels[:300], np.full(300, 2.0)])
-    bare = plant.but(loaded=False)
+    bare = plant.modified(has_load=False)
     without = bare.columns(some_theta(bare), w, w.size)[:, 0]
     for own in ({"load": 0.3}, {"leak": 0.2}):
         loaded = plant.columns(some_theta(plant, **own), w, w.size)[:, 0]
@@ -114,8 +114,11 @@ def test_what_enters_ahead_of_the_former_of_two_states_is_less_input(plant: Plan
     k, side = np.arange(levels.size), -1.0 if plant.flipped else 1.0
     bare = some_theta(plant)
     pulls = {
-        "load": (plant.but(loaded=True, load_ahead=True), np.clip(k + 1.0 - 0.4 * k.size, 0.0, 1.0)),
-        "shake_sin": (plant.but(shaken=True, shaken_ahead=True), np.sin(2.0 * np.pi * 9.0 / k.size * (k + 0.5))),
+        "load": (plant.modified(has_load=True, load_upstream=True), np.clip(k + 1.0 - 0.4 * k.size, 0.0, 1.0)),
+        "shake_sin": (
+            plant.modified(has_sinusoid=True, sinusoid_upstream=True),
+            np.sin(2.0 * np.pi * 9.0 / k.size * (k + 0.5)),
+        ),
     }
     for name, (moved, pull) in pulls.items():
         found = moved.columns(some_theta(moved, cycles=9.0, **{name: 0.3}), levels, k.size)

@@ -10,7 +10,7 @@ from labsid.gap.data import Scale
 from labsid.gap.effects.dynamics import Overflow, SqrtOutflow
 from labsid.gap.effects.input import Delay, RateLimit
 from labsid.gap.hypothesis import Hypothesis
-from labsid.gap.model_file import _BY_KEY, SCHEMA, RunningModel, from_json_dict, load_model
+from labsid.gap.model_file import _BY_KEY, SCHEMA, ExportedModel, from_json_dict, load_model
 
 C, K = 0.5, 0.05
 POLES = np.exp(np.roots([1.0, C, K]))
@@ -126,7 +126,7 @@ def test_an_export_with_any_effect_is_read_again(key, beside, levels):
     theta = np.clip([numbers.get(p.name, 0.1) for p in hypothesis.parameters], *hypothesis.bounds)
     width = hypothesis.design(theta, levels).columns.shape[1]
     gains = np.linspace(0.05, 0.1, width)
-    model = RunningModel(hypothesis, theta, gains, 0.5, 600, 0.1, Scale(2.0, 3.0), Scale(-1.0, 5.0))
+    model = ExportedModel(hypothesis, theta, gains, 0.5, 600, 0.1, Scale(2.0, 3.0), Scale(-1.0, 5.0))
     again = from_json_dict(json.loads(json.dumps(model.to_json_dict())))
     assert again.hypothesis == hypothesis
     played = model.simulate(2.0 + 3.0 * levels[:100])
@@ -142,7 +142,7 @@ def test_tanks_with_brims_start_in_any_state_that_the_measured_output_tells(leve
     numbers = {"log_a": np.log(0.5), "log_b": np.log(0.4), "zero": -3.0, "brim": 10.0, "brim2": 9.8, "share": 0.4}
     numbers |= {"h1": 5.0, "h2": 5.0}  # of the record that was fitted
     theta = np.array([numbers.get(p.name, 0.0) for p in hypothesis.parameters])
-    model = RunningModel(hypothesis, theta, np.array([0.5, -1.0]), 0.5, 600, 0.1, Scale(2.0, 3.0), Scale(-1.0, 5.0))
+    model = ExportedModel(hypothesis, theta, np.array([0.5, -1.0]), 0.5, 600, 0.1, Scale(2.0, 3.0), Scale(-1.0, 5.0))
     u = levels[200:500]
     began = theta.copy()
     for name, value in zip(("h1", "h2"), away, strict=True):
@@ -161,7 +161,7 @@ def test_where_the_command_stood_before_is_a_state_of_the_record(levels, effect,
     theta = np.array([numbers.get(p.name, 0.0) for p in hypothesis.parameters])
     theta[place] = own, 1.1
     gains = np.array([0.02, 0.03, 0.0, 0.0, 0.0, 0.4])
-    model = RunningModel(hypothesis, theta, gains, 0.5, 600, 0.1, Scale(2.0, 3.0), Scale(-1.0, 5.0))
+    model = ExportedModel(hypothesis, theta, gains, 0.5, 600, 0.1, Scale(2.0, 3.0), Scale(-1.0, 5.0))
     began = theta.copy()
     began[place] = own, before
     measured = -1.0 + 5.0 * hypothesis.output(began, gains, levels, 600, 0.1)

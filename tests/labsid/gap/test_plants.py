@@ -8,7 +8,7 @@ import pytest
 from scipy.signal import lsim
 
 from labsid._arrays import FloatArray
-from labsid.gap.normal_equations import solve
+from labsid.gap.fast_least_squares import solve_least_squares
 from labsid.gap.plants import Plant
 from labsid.gap.responses import section
 
@@ -28,11 +28,11 @@ KINDS = [
     Plant(kind="mechanics", friction=True),
     Plant(kind="mechanics", cubic=True, mode=True),
     Plant(kind="mechanics", cubic=True, mode=True, mode_place="beside"),
-    Plant(kind="mechanics", friction=True, mode=True, mode_place="ahead", lag=True, lag_ahead=True),
+    Plant(kind="mechanics", friction=True, mode=True, mode_place="ahead", lag=True, lag_upstream=True),
     Plant(kind="speed", friction=True, lag_first=False),
-    Plant(kind="varying", bends=2),
+    Plant(kind="varying", extra_degrees=2),
     Plant(kind="varying", course="step"),
-    Plant(kind="tanks", upper_root=True, loaded=True),
+    Plant(kind="tanks", upper_root=True, has_load=True),
     Plant(kind="given", run=lambda w: 2.0 * w),
 ]
 
@@ -189,7 +189,7 @@ def fine_response(system: tuple[list[float], list[float]], levels: FloatArray) -
 
 
 def test_a_lag_ahead_of_a_nonlinear_state_drives_it_with_its_mean(levels: FloatArray) -> None:
-    bare, lagged = Plant(kind="tanks"), Plant(kind="tanks", lag=True, lag_ahead=True)
+    bare, lagged = Plant(kind="tanks"), Plant(kind="tanks", lag=True, lag_upstream=True)
     numbers = {"log_a": np.log(0.3), "log_b": np.log(0.2)}
     driven = fine_response(([1.0], [4.0, 1.0]), levels)
     expected = bare.columns(theta_of(bare, **numbers), driven, levels.size)
@@ -270,7 +270,7 @@ def test_a_leak_found_on_one_record_is_that_of_another_one(
     rates = {"log_c": np.log(0.5), "log_k": np.log(0.06), "onset": 0.5, "drift": np.log1p(leak)}
     theta = theta_of(plant, **rates, share_c=share_c, turn=turn)
     columns = plant.columns(theta, levels[:400], 400, 0.0)
-    gains = solve(columns, found)
+    gains = solve_least_squares(columns, found)
     np.testing.assert_allclose(columns @ gains, found, atol=1e-6)
     np.testing.assert_allclose(plant.columns(theta, other, 400, 0.0) @ gains, fresh, atol=1e-6)
 
@@ -287,7 +287,7 @@ def test_state_columns_behind_a_nonlinear_state() -> None:
 
 def test_a_load_goes_through_the_poles() -> None:
     step = np.ones(200)
-    through = Plant().through(np.log([C, K]), step)
+    through = Plant().load_response(np.log([C, K]), step)
     assert left(through, sampled([K], [1.0, C, K], step)) < 1e-9
     np.testing.assert_array_equal(through[1:, 1], through[:-1, 0])
 
@@ -325,7 +325,7 @@ def test_parameters_are_named_once_and_bounded(plant: Plant) -> None:
 
 
 def test_but_changes_what_it_is_told_and_the_numbers_with_it() -> None:
-    plant = Plant(lag=True).but(mode=True)
+    plant = Plant(lag=True).modified(mode=True)
     assert plant == Plant(lag=True, mode=True)
     assert plant.parameters == Plant(lag=True, mode=True).parameters
     assert "log_damping" in [parameter.name for parameter in plant.parameters]
@@ -349,7 +349,7 @@ def test_an_offset_of_the_input_of_an_integrator_is_in_the_span(
     expected = sampled([1.0], den, levels + 0.7)
 
     def missed(columns: FloatArray) -> float:  # by the fits' own normal equations
-        return float(np.abs(expected - columns @ solve(columns, expected)).max())
+        return float(np.abs(expected - columns @ solve_least_squares(columns, expected)).max())
 
     assert missed(columns) < 1e-3 * np.std(expected)
     assert missed(np.delete(columns, 4, axis=1)) > 3.0 * missed(columns)

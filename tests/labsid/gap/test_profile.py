@@ -6,9 +6,9 @@ import pytest
 from labsid._arrays import FloatArray
 from labsid.gap.data import Data, Scale
 from labsid.gap.effects.disturbance import LoadStep
-from labsid.gap.fitting import Fit, finish, search
+from labsid.gap.fitting import Fit, finish, minimize
 from labsid.gap.hypothesis import Hypothesis
-from labsid.gap.profile import Profile, profile
+from labsid.gap.profile import Profile, profile_likelihood
 
 ONSET = 0.6
 
@@ -21,7 +21,7 @@ def fitted(levels: FloatArray) -> tuple[Data, Fit]:
     gains = np.array([0.03, 0.02, 0.0, 0.0, 0.0, 0.1, 0.1, 0.02])
     y = hypothesis.output(theta, gains, u) + 0.1 * np.random.default_rng(0).standard_normal(u.size)
     data = Data(u, y, np.ones(u.size, bool), 1.0, Scale(0.0, 1.0), Scale(0.0, 1.0))
-    point = search(data, hypothesis, theta, gains)
+    point = minimize(data, hypothesis, theta, gains)
     assert point is not None
     return data, finish(data, hypothesis, point)
 
@@ -29,7 +29,7 @@ def fitted(levels: FloatArray) -> tuple[Data, Fit]:
 @pytest.fixture(scope="module")
 def seen(fitted: tuple[Data, Fit]) -> Profile:
     data, fit = fitted
-    found = profile(data, fit, 3)
+    found = profile_likelihood(data, fit, 3)
     assert found is not None
     return found
 

@@ -2,7 +2,7 @@
 
 import pytest
 
-from labsid.gap.quantities import Quantity, between, closure, number, p_value, percent, probability, with_error
+from labsid.gap.quantities import Quantity, between, closed_percent, number, p_value, percent, probability, with_error
 
 
 @pytest.mark.parametrize(
@@ -44,9 +44,9 @@ def test_shares_and_probabilities_are_never_more_certain_than_they_are():
 
 
 def test_the_closed_share_with_its_interval():
-    assert closure(0.969, [0.939, 1.0]) == "97 % [94, 100]"
-    assert closure(-0.165, [-1.31, 0.406]) == "-16 % [-131, 41]"
-    assert closure(-0.001) == "0 %"
+    assert closed_percent(0.969, [0.939, 1.0]) == "97 % [94, 100]"
+    assert closed_percent(-0.165, [-1.31, 0.406]) == "-16 % [-131, 41]"
+    assert closed_percent(-0.001) == "0 %"
 
 
 def test_a_range_is_no_finer_than_a_hundredth_of_its_width():

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.signal import cont2discrete
 
-from labsid.gap.responses import along, begun, denominator, real_rates, section, slow_course
+from labsid.gap.responses import chebyshev_course, denominator, normalized_time, real_rates, section, step_signal
 
 
 @pytest.mark.parametrize(("c", "k"), [(0.5, 0.05), (0.2, 0.3), (0.4, 0.04), (3.0, 1.0)])
@@ -25,18 +25,18 @@ def test_a_complex_pair_counts_as_a_nearly_double_pole() -> None:
 
 
 def test_along_goes_from_minus_one_to_one_and_stays() -> None:
-    np.testing.assert_allclose(along(7, 5), [-1.0, -0.5, 0.0, 0.5, 1.0, 1.0, 1.0])
+    np.testing.assert_allclose(normalized_time(7, 5), [-1.0, -0.5, 0.0, 0.5, 1.0, 1.0, 1.0])
 
 
 def test_begun_counts_the_sample_of_the_onset_in_part() -> None:
-    np.testing.assert_allclose(begun(0.225, 5, 10), [0.0, 0.0, 0.75, 1.0, 1.0])
-    np.testing.assert_allclose(begun(0.0, 3, 10), 1.0)
-    np.testing.assert_allclose(begun(1.0, 10, 10), 0.0)
+    np.testing.assert_allclose(step_signal(0.225, 5, 10), [0.0, 0.0, 0.75, 1.0, 1.0])
+    np.testing.assert_allclose(step_signal(0.0, 3, 10), 1.0)
+    np.testing.assert_allclose(step_signal(1.0, 10, 10), 0.0)
 
 
 def test_slow_course_is_a_chebyshev_series_without_its_constant() -> None:
     x = np.linspace(-1.0, 1.0, 11)
-    np.testing.assert_allclose(slow_course(np.array([0.3, -0.2]), 11, 11), 0.3 * x - 0.2 * (2.0 * x**2 - 1.0))
+    np.testing.assert_allclose(chebyshev_course(np.array([0.3, -0.2]), 11, 11), 0.3 * x - 0.2 * (2.0 * x**2 - 1.0))
 
 
 def test_section_spans_every_response_of_its_poles(levels: np.ndarray) -> None:

@@ -87,7 +87,7 @@ def test_on_a_lattice_only_a_far_longer_stretch_is_a_hold() -> None:
         ([5, 5, 4, 4], True),  # the output has gone elsewhere meanwhile
         ([1, 2, 2, 3], False),  # it goes on as if nothing had been
         ([1, 1, 1, 2], False),
-        ([3, 6, 9, 12], False),  # a swift move begins
+        ([3, 6, 9, 12], False),  # a highpass move begins
         ([-6, -8, -9, -9], True),
     ],
 )

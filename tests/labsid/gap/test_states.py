@@ -22,7 +22,7 @@ def w() -> FloatArray:
 
 def run_tanks(w: FloatArray, roots: tuple[bool, bool], brims: tuple[float, float], share: float) -> FloatArray:
     """Lower level from (0.6, 0.5), by the compiled loop."""
-    return _states.tanks(w, 0.3, 0.2, *roots, *brims, share, 0.6, 0.5, 16)
+    return _states.simulate_tanks(w, 0.3, 0.2, *roots, *brims, share, 0.6, 0.5, 16)
 
 
 @pytest.mark.parametrize("roots", [(False, False), (True, False), (False, True), (True, True)])
@@ -61,14 +61,16 @@ def test_tanks_overflow_and_the_lower_one_catches_a_share(
 
 
 def test_an_empty_tank_stays_empty() -> None:
-    level = _states.tanks(np.full(200, -1.0), 0.3, 0.2, True, True, np.inf, np.inf, 0.0, 0.6, 0.5, 8)
+    level = _states.simulate_tanks(np.full(200, -1.0), 0.3, 0.2, True, True, np.inf, np.inf, 0.0, 0.6, 0.5, 8)
     assert np.all(level >= 0.0)
     assert level[-1] < 1e-3
 
 
 @pytest.mark.parametrize("root", [False, True])
 def test_tanks_that_fill_without_end_end_in_nan(root: bool) -> None:
-    level = _states.tanks(np.full(100, 2.0 * _states.FAR), 0.3, 0.2, root, False, np.inf, np.inf, 0.0, 0.6, 0.5, 2)
+    level = _states.simulate_tanks(
+        np.full(100, 2.0 * _states.DIVERGED), 0.3, 0.2, root, False, np.inf, np.inf, 0.0, 0.6, 0.5, 2
+    )
     assert np.isfinite(level[0])
     assert np.isnan(level[-1])
 
@@ -82,7 +84,7 @@ def test_linear_tanks_are_as_they_are_however_quick(w: FloatArray, rates: tuple[
     for value in flow:
         expected.append(state[1])
         state = (expm(system) @ [*state, value])[:2]
-    found = _states.tanks(flow, a, b, False, False, np.inf, np.inf, 0.0, 0.6, 0.5, substeps)
+    found = _states.simulate_tanks(flow, a, b, False, False, np.inf, np.inf, 0.0, 0.6, 0.5, substeps)
     np.testing.assert_allclose(found, expected, atol=0.025 if b > 1.0 > a else 5e-4)
 
 
@@ -109,7 +111,7 @@ def test_a_motor_sees_the_mean_of_a_lag_however_quick(w: FloatArray, held: Held,
     """Half of the change in a step, as of a slow lag, would be up to half a step too little."""
     expected = held(w, np.array([0.3, 0.1]), lambda x, value: [0.4 * (x[1] - x[0]), lag * (value - x[1])])[:, 0]
     for substeps, error in ((1, 0.012), (2, 0.004)):
-        found = _states.speed(w, 0.4, lag, 0.0, True, 0.3, 0.1, substeps)[:, 0]
+        found = _states.simulate_motor(w, 0.4, lag, 0.0, True, 0.3, 0.1, substeps)[:, 0]
         np.testing.assert_allclose(found, expected, atol=error)
 
 
@@ -121,7 +123,7 @@ def test_linear_mechanics_is_exact_over_any_step(w: FloatArray, held: Held, c: f
     """Over-damped, under-damped, on the limit, without a spring, without anything."""
     expected = held(w, np.array([0.3, -0.1]), lambda x, value: [x[1], value - c * x[1] - k * x[0]])
     for substeps in (1, 3):
-        motion = _states.mechanics(w, c, k, 0.0, 0.0, 0.3, -0.1, substeps)
+        motion = _states.simulate_mass(w, c, k, 0.0, 0.0, 0.3, -0.1, substeps)
         np.testing.assert_allclose(motion, expected, rtol=2e-5, atol=2e-5 * np.abs(expected).max(axis=0).max())
 
 
@@ -131,7 +133,7 @@ def test_mechanics_with_a_cubic_spring(w: FloatArray, held: Held, cubic: float) 
         return [x[1], 0.4 * value - 0.3 * x[1] - 0.2 * x[0] - cubic * x[0] ** 3]
 
     expected = held(w, np.array([0.3, -0.1]), spring)
-    motion = _states.mechanics(0.4 * w, 0.3, 0.2, 0.0, cubic, 0.3, -0.1, 12)
+    motion = _states.simulate_mass(0.4 * w, 0.3, 0.2, 0.0, cubic, 0.3, -0.1, 12)
     np.testing.assert_allclose(motion, expected, atol=2e-3)
 
 
@@ -143,13 +145,13 @@ def test_a_spring_that_swings_quickly_is_followed_with_few_steps(held: Held) -> 
         return [x[1], value - 0.07 * x[1] - 0.49 * x[0] - 0.02 * x[0] ** 3]
 
     expected = held(w, np.zeros(2), spring)[:, 0]
-    followed = _states.mechanics(w, 0.07, 0.49, 0.0, 0.02, 0.0, 0.0, 3)[:, 0]
+    followed = _states.simulate_mass(w, 0.07, 0.49, 0.0, 0.02, 0.0, 0.0, 3)[:, 0]
     assert 0.02 * np.mean(expected**4) > 0.02 * 0.49 * np.mean(expected**2)  # it does harden
     assert np.std(followed - expected) < 2e-3 * np.std(expected)
 
 
 def test_a_softening_spring_that_gives_way_ends_in_nan() -> None:
-    motion = _states.mechanics(np.full(400, 3.0), 0.3, 0.2, 0.0, -0.05, 0.0, 0.0, 4)
+    motion = _states.simulate_mass(np.full(400, 3.0), 0.3, 0.2, 0.0, -0.05, 0.0, 0.0, 4)
     assert np.isnan(motion[-1, 0])
 
 
@@ -190,7 +192,7 @@ def test_mechanics_with_friction_slips_turns_and_sticks(w: FloatArray) -> None:
     expected = stick_slip(w, np.array([0.4, 0.2]), friction, lambda x, value: value - c * x[1] - k * x[0], 1)
     stuck = np.all(np.diff(expected, axis=0) == 0.0, axis=1)
     assert 5 < stuck.sum() < 100
-    coarse, fine = (_states.mechanics(w, c, k, friction, 0.0, 0.4, 0.2, n)[:, 0] for n in (6, 48))
+    coarse, fine = (_states.simulate_mass(w, c, k, friction, 0.0, 0.4, 0.2, n)[:, 0] for n in (6, 48))
     scale = expected[:, 0].std()
     assert np.abs(coarse - expected[:, 0]).max() < 0.03 * scale
     assert np.abs(fine - expected[:, 0]).max() < 0.004 * scale
@@ -198,7 +200,7 @@ def test_mechanics_with_friction_slips_turns_and_sticks(w: FloatArray) -> None:
 
 
 def test_a_mass_that_sticks_does_not_creep() -> None:
-    motion = _states.mechanics(np.full(50, 0.2), 0.3, 0.2, 0.25, 0.0, 0.0, 0.0, 4)
+    motion = _states.simulate_mass(np.full(50, 0.2), 0.3, 0.2, 0.25, 0.0, 0.0, 0.0, 4)
     np.testing.assert_array_equal(motion, 0.0)
 
 
@@ -221,7 +223,7 @@ def test_speed_with_friction_and_a_lag(w: FloatArray, lag_first: bool) -> None:
 
     start = 0.1 if lag_first else 0.3
     expected = (moved(middle(lagged(steps, start))) if lag_first else lagged(middle(moved(steps)), start))[::clock]
-    motion = _states.speed(w, a, b, friction, lag_first, 0.3, start, 3)
+    motion = _states.simulate_motor(w, a, b, friction, lag_first, 0.3, start, 3)
     np.testing.assert_allclose(motion[:, 0], expected, atol=0.006)
     assert 5 < (motion[:, 1] == 0.0).sum() < 100
 
@@ -236,11 +238,11 @@ def test_varying_rates_are_exact_from_sample_to_sample(w: FloatArray) -> None:
         expected.append(x[:2].T.reshape(-1))
         x[2, :2] = values
         x = expm(np.array([[0.0, 1.0, 0.0], [-spring, -damping, 1.0], [0.0, 0.0, 0.0]])) @ x
-    np.testing.assert_allclose(_rates.varying(inputs, c, k), expected, atol=1e-9)
+    np.testing.assert_allclose(_rates.simulate_varying(inputs, c, k), expected, atol=1e-9)
 
 
 def test_varying_rates_that_diverge_end_in_nan() -> None:
-    motion = _rates.varying(np.ones((200, 1)), np.full(200, -1.0), np.full(200, 0.1))
+    motion = _rates.simulate_varying(np.ones((200, 1)), np.full(200, -1.0), np.full(200, 0.1))
     assert np.isnan(motion[-1, 0])
 
 
@@ -254,7 +256,7 @@ def faster(w: FloatArray, times: int, late: float) -> FloatArray:
 def tanks_of(w: FloatArray, clock: int, substeps: int, late: float) -> FloatArray:
     """Roots and brims, on a clock so many times as fast."""
     own = (True, True, 0.9, 0.8, 0.5, 0.6, 0.5)
-    level = _states.tanks(0.9 + 0.5 * w, 0.3 / clock, 0.2 / clock, *own, substeps, late)
+    level = _states.simulate_tanks(0.9 + 0.5 * w, 0.3 / clock, 0.2 / clock, *own, substeps, late)
     return level[::clock, None]
 
 
@@ -262,13 +264,13 @@ def mass_of(w: FloatArray, clock: int, substeps: int, late: float) -> FloatArray
     """Friction and a cubic spring: forces count with the square of the clock, the speed with the clock itself."""
     unit = clock**2
     own = (0.3 / clock, 0.2 / unit, 0.1 / unit, 0.05 / unit, 0.4, 0.2 / clock)
-    motion = _states.mechanics(w / unit, *own, substeps, late)
+    motion = _states.simulate_mass(w / unit, *own, substeps, late)
     return motion[::clock] * [1.0, clock]
 
 
 def motor_of(w: FloatArray, clock: int, substeps: int, late: float) -> FloatArray:
     """A motor whose drive lags."""
-    return _states.speed(w, 0.4 / clock, 0.7 / clock, 0.2, True, 0.3, 0.1, substeps, late)[::clock]
+    return _states.simulate_motor(w, 0.4 / clock, 0.7 / clock, 0.2, True, 0.3, 0.1, substeps, late)[::clock]
 
 
 @pytest.mark.parametrize(("late", "times"), [(0.5, 2), (0.3, 10), (1.0, 1)])
@@ -283,10 +285,10 @@ def test_an_input_that_changes_within_a_sample_is_one_on_a_faster_clock(
 
 def test_a_change_within_a_step_of_the_loop_counts_by_its_mean(w: FloatArray) -> None:
     """A quarter of a sample late is half of the first of two steps."""
-    exact = _states.mechanics(w, 0.5, 0.05, 0.0, 0.0, 0.3, -0.1, 4, 0.25)
-    np.testing.assert_allclose(_states.mechanics(w, 0.5, 0.05, 0.0, 0.0, 0.3, -0.1, 2, 0.25), exact, atol=0.04)
-    np.testing.assert_allclose(_states.mechanics(w, 0.5, 0.05, 0.0, 0.0, 0.3, -0.1, 1, 0.25), exact, atol=0.12)
-    assert np.abs(_states.mechanics(w, 0.5, 0.05, 0.0, 0.0, 0.3, -0.1, 1, 0.0) - exact).max() > 0.4
+    exact = _states.simulate_mass(w, 0.5, 0.05, 0.0, 0.0, 0.3, -0.1, 4, 0.25)
+    np.testing.assert_allclose(_states.simulate_mass(w, 0.5, 0.05, 0.0, 0.0, 0.3, -0.1, 2, 0.25), exact, atol=0.04)
+    np.testing.assert_allclose(_states.simulate_mass(w, 0.5, 0.05, 0.0, 0.0, 0.3, -0.1, 1, 0.25), exact, atol=0.12)
+    assert np.abs(_states.simulate_mass(w, 0.5, 0.05, 0.0, 0.0, 0.3, -0.1, 1, 0.0) - exact).max() > 0.4
 
 
 ONSET = 50
@@ -305,8 +307,8 @@ def test_a_load_on_the_lower_tank(w: FloatArray, held: Held, root: bool, load: f
 
     expected = held(np.arange(w.size, dtype=float), np.array([0.6, 0.5]), filling)[:, 1]
     brims = (np.inf, np.inf, 0.0)
-    found = _states.tanks(flow, 0.3, 0.2, root, root, *brims, 0.6, 0.5, 16, 0.0, load, leak, float(ONSET))
-    without = _states.tanks(flow, 0.3, 0.2, root, root, *brims, 0.6, 0.5, 16)
+    found = _states.simulate_tanks(flow, 0.3, 0.2, root, root, *brims, 0.6, 0.5, 16, 0.0, load, leak, float(ONSET))
+    without = _states.simulate_tanks(flow, 0.3, 0.2, root, root, *brims, 0.6, 0.5, 16)
     np.testing.assert_array_equal(found[: ONSET + 1], without[: ONSET + 1])
     np.testing.assert_allclose(found, expected, atol=4e-3)
     assert np.abs(found - without).max() > 0.05
@@ -321,9 +323,9 @@ def test_a_load_on_a_mass(w: FloatArray, held: Held, load: float, leak: float) -
         return [x[1], 0.4 * w[int(sample)] - c * x[1] - k * x[0] - cubic * x[0] ** 3 - lost]
 
     expected = held(np.arange(w.size, dtype=float), np.array([0.3, -0.1]), spring)
-    found = _states.mechanics(0.4 * w, c, k, 0.0, cubic, 0.3, -0.1, 16, 0.0, load, leak, float(ONSET))
+    found = _states.simulate_mass(0.4 * w, c, k, 0.0, cubic, 0.3, -0.1, 16, 0.0, load, leak, float(ONSET))
     np.testing.assert_allclose(found, expected, atol=2e-3)
-    assert np.abs(found - _states.mechanics(0.4 * w, c, k, 0.0, cubic, 0.3, -0.1, 16)).max() > 0.05
+    assert np.abs(found - _states.simulate_mass(0.4 * w, c, k, 0.0, cubic, 0.3, -0.1, 16)).max() > 0.05
 
 
 @pytest.mark.parametrize(("load", "leak"), LOADS)
@@ -337,26 +339,26 @@ def test_a_load_on_a_mass_and_on_a_motor_that_stick(w: FloatArray, load: float, 
         return float(w[int(sample)] - c * x[1] - k * x[0] - lost(sample, k * x[0]))
 
     expected = stick_slip(samples, np.array([0.4, 0.2]), friction, force, 1)[:, 0]
-    found = _states.mechanics(w, c, k, friction, 0.0, 0.4, 0.2, 48, 0.0, load, leak, float(ONSET))[:, 0]
+    found = _states.simulate_mass(w, c, k, friction, 0.0, 0.4, 0.2, 48, 0.0, load, leak, float(ONSET))[:, 0]
     assert np.abs(found - expected).max() < 0.01 * expected.std()
 
     def drive(v: FloatArray, sample: float) -> float:
         return float(0.4 * (w[int(sample)] - v[0] - lost(sample, v[0])))
 
     expected = stick_slip(samples, np.array([0.3]), 0.4 * friction, drive, 0)[:, 0]
-    found = _states.speed(w, 0.4, 0.7, friction, False, 0.3, 0.3, 24, 0.0, load, leak, float(ONSET))[:, 1]
+    found = _states.simulate_motor(w, 0.4, 0.7, friction, False, 0.3, 0.3, 24, 0.0, load, leak, float(ONSET))[:, 1]
     np.testing.assert_allclose(found, expected, atol=4e-3)
-    assert np.abs(found - _states.speed(w, 0.4, 0.7, friction, False, 0.3, 0.3, 24)[:, 1]).max() > 0.03
+    assert np.abs(found - _states.simulate_motor(w, 0.4, 0.7, friction, False, 0.3, 0.3, 24)[:, 1]).max() > 0.03
 
 
 def test_the_sample_in_which_a_load_begins_counts_in_part(w: FloatArray) -> None:
     """A load on a mass or on a motor without a lag ahead is that much less input."""
     at = 50.25
     less = w - 0.3 * np.clip(np.arange(1, w.size + 1) - at, 0.0, 1.0)
-    found = _states.mechanics(w, 0.3, 0.2, 0.1, 0.05, 0.4, 0.2, 4, 0.0, 0.3, 0.0, at)
-    np.testing.assert_allclose(found, _states.mechanics(less, 0.3, 0.2, 0.1, 0.05, 0.4, 0.2, 4), atol=1e-12)
-    found = _states.speed(w, 0.4, 0.7, 0.1, False, 0.3, 0.3, 3, 0.0, 0.3, 0.0, at)
-    np.testing.assert_allclose(found, _states.speed(less, 0.4, 0.7, 0.1, False, 0.3, 0.3, 3), atol=1e-12)
+    found = _states.simulate_mass(w, 0.3, 0.2, 0.1, 0.05, 0.4, 0.2, 4, 0.0, 0.3, 0.0, at)
+    np.testing.assert_allclose(found, _states.simulate_mass(less, 0.3, 0.2, 0.1, 0.05, 0.4, 0.2, 4), atol=1e-12)
+    found = _states.simulate_motor(w, 0.4, 0.7, 0.1, False, 0.3, 0.3, 3, 0.0, 0.3, 0.0, at)
+    np.testing.assert_allclose(found, _states.simulate_motor(less, 0.4, 0.7, 0.1, False, 0.3, 0.3, 3), atol=1e-12)
 
 
 WAVE = 0.2, -0.1, 0.37  # cosine, sine, radians a sample
@@ -379,8 +381,8 @@ def test_a_wave_at_the_lower_tank(w: FloatArray, held: Held, root: bool) -> None
 
     expected = held(np.arange(w.size, dtype=float), np.array([0.6, 0.5]), filling)[:, 1]
     own = (0.3, 0.2, root, root, np.inf, np.inf, 0.0, 0.6, 0.5, 16)
-    np.testing.assert_allclose(_states.tanks(flow, *own, *SWINGING), expected, atol=1e-4)
-    assert np.abs(_states.tanks(flow, *own) - expected).max() > 0.05
+    np.testing.assert_allclose(_states.simulate_tanks(flow, *own, *SWINGING), expected, atol=1e-4)
+    assert np.abs(_states.simulate_tanks(flow, *own) - expected).max() > 0.05
 
 
 def test_a_wave_at_a_mass(w: FloatArray, held: Held) -> None:
@@ -388,7 +390,7 @@ def test_a_wave_at_a_mass(w: FloatArray, held: Held) -> None:
         return [x[1], 0.4 * w[int(sample)] - swing(sample) - 0.3 * x[1] - 0.2 * x[0] - 0.05 * x[0] ** 3]
 
     expected = held(np.arange(w.size, dtype=float), np.array([0.3, -0.1]), spring)
-    found = _states.mechanics(0.4 * w, 0.3, 0.2, 0.0, 0.05, 0.3, -0.1, 16, *SWINGING)
+    found = _states.simulate_mass(0.4 * w, 0.3, 0.2, 0.0, 0.05, 0.3, -0.1, 16, *SWINGING)
     np.testing.assert_allclose(found, expected, atol=2e-3)
 
 
@@ -399,17 +401,17 @@ def test_a_wave_at_a_motor(w: FloatArray, held: Held, lag_first: bool) -> None:
         return [0.4 * (drive - swing(sample) - x[0]), 0.7 * (follows - x[1])]
 
     expected = held(np.arange(w.size, dtype=float), np.array([0.3, 0.1]), turning)
-    found = _states.speed(w, 0.4, 0.7, 0.0, lag_first, 0.3, 0.1, 32, *SWINGING)
+    found = _states.simulate_motor(w, 0.4, 0.7, 0.0, lag_first, 0.3, 0.1, 32, *SWINGING)
     np.testing.assert_allclose(found[:, 1], expected[:, 0], atol=1e-4)
     np.testing.assert_allclose(found[:, 0], expected[:, 0 if lag_first else 1], atol=1e-4)
 
 
 def test_a_wave_at_what_sticks_is_that_much_less_input(w: FloatArray) -> None:
     less = w - [swing(sample) for sample in range(w.size)]
-    found = _states.mechanics(w, 0.3, 0.2, 0.1, 0.05, 0.4, 0.2, 4, *SWINGING)
-    np.testing.assert_allclose(found, _states.mechanics(less, 0.3, 0.2, 0.1, 0.05, 0.4, 0.2, 4), atol=1e-12)
-    found = _states.speed(w, 0.4, 0.7, 0.1, False, 0.3, 0.3, 3, *SWINGING)
-    np.testing.assert_allclose(found, _states.speed(less, 0.4, 0.7, 0.1, False, 0.3, 0.3, 3), atol=1e-12)
+    found = _states.simulate_mass(w, 0.3, 0.2, 0.1, 0.05, 0.4, 0.2, 4, *SWINGING)
+    np.testing.assert_allclose(found, _states.simulate_mass(less, 0.3, 0.2, 0.1, 0.05, 0.4, 0.2, 4), atol=1e-12)
+    found = _states.simulate_motor(w, 0.4, 0.7, 0.1, False, 0.3, 0.3, 3, *SWINGING)
+    np.testing.assert_allclose(found, _states.simulate_motor(less, 0.4, 0.7, 0.1, False, 0.3, 0.3, 3), atol=1e-12)
 
 
 PACE = np.exp(np.linspace(-0.5, 0.7, 120))  # of a rate that drifts, one value a sample
@@ -425,8 +427,8 @@ def test_a_lower_tank_whose_outflow_drifts(w: FloatArray, held: Held, root: bool
 
     expected = held(np.arange(w.size, dtype=float), np.array([0.6, 0.5]), filling)[:, 1]
     own = (0.3, 0.2, root, root, np.inf, np.inf, 0.0, 0.6, 0.5, 16)
-    np.testing.assert_allclose(_states.tanks(flow, *own, pace=PACE), expected, atol=1e-4)
-    assert np.abs(_states.tanks(flow, *own) - expected).max() > 0.03
+    np.testing.assert_allclose(_states.simulate_tanks(flow, *own, pace=PACE), expected, atol=1e-4)
+    assert np.abs(_states.simulate_tanks(flow, *own) - expected).max() > 0.03
 
 
 def test_a_hardening_spring_that_drifts(w: FloatArray, held: Held) -> None:
@@ -434,7 +436,7 @@ def test_a_hardening_spring_that_drifts(w: FloatArray, held: Held) -> None:
         return [x[1], 0.4 * w[int(sample)] - 0.3 * x[1] - 0.2 * PACE[int(sample)] * x[0] - 0.05 * x[0] ** 3]
 
     expected = held(np.arange(w.size, dtype=float), np.array([0.3, -0.1]), spring)
-    found = _states.mechanics(0.4 * w, 0.3, 0.2, 0.0, 0.05, 0.3, -0.1, 16, pace=PACE)
+    found = _states.simulate_mass(0.4 * w, 0.3, 0.2, 0.0, 0.05, 0.3, -0.1, 16, pace=PACE)
     np.testing.assert_allclose(found, expected, atol=2e-3)
 
 
@@ -449,7 +451,7 @@ def test_a_motor_of_which_the_latter_rate_drifts(w: FloatArray, held: Held, lag_
         return [0.4 * (command - x[0]), 0.7 * pace * (x[0] - x[1])]
 
     expected = held(np.arange(w.size, dtype=float), np.array([0.3, 0.1]), turning)
-    found = _states.speed(w, 0.4, 0.7, 0.0, lag_first, 0.3, 0.1, 32, pace=PACE)
+    found = _states.simulate_motor(w, 0.4, 0.7, 0.0, lag_first, 0.3, 0.1, 32, pace=PACE)
     np.testing.assert_allclose(found[:, 1], expected[:, 0], atol=1e-4)
     np.testing.assert_allclose(found[:, 0], expected[:, 0 if lag_first else 1], atol=1e-4)
 
@@ -462,15 +464,15 @@ def test_what_drifts_and_sticks(w: FloatArray) -> None:
         return float(w[int(sample)] - 0.3 * x[1] - 0.2 * PACE[int(sample)] * x[0])
 
     expected = stick_slip(samples, np.array([0.4, 0.2]), friction, force, 1)[:, 0]
-    found = _states.mechanics(w, 0.3, 0.2, friction, 0.0, 0.4, 0.2, 48, pace=PACE)[:, 0]
+    found = _states.simulate_mass(w, 0.3, 0.2, friction, 0.0, 0.4, 0.2, 48, pace=PACE)[:, 0]
     assert np.abs(found - expected).max() < 0.01 * expected.std()
 
     at_once = 1000.0  # rate of a lag that is none
     speeds = [0.3]
     for command, pace in zip(w[:-1], PACE, strict=False):
         still = np.full(2, command)
-        onward = _states.speed(still, 0.4 * pace, at_once, friction, True, speeds[-1], command, 24)
+        onward = _states.simulate_motor(still, 0.4 * pace, at_once, friction, True, speeds[-1], command, 24)
         speeds.append(onward[1, 1])
     assert min(np.abs(speeds)) == 0.0
-    found = _states.speed(w, 0.4, at_once, friction, True, 0.3, w[0], 24, pace=PACE)[:, 1]
+    found = _states.simulate_motor(w, 0.4, at_once, friction, True, 0.3, w[0], 24, pace=PACE)[:, 1]
     np.testing.assert_allclose(found, speeds, atol=2e-3)

@@ -9,11 +9,11 @@ from scipy.integrate import solve_ivp
 from scipy.linalg import expm
 
 from labsid._arrays import FloatArray
-from labsid.gap.candidates import finished, sketches
+from labsid.gap.candidates import best_fit, trial_fits
 from labsid.gap.data import scaled
-from labsid.gap.effects.drifting import PoleDrift
+from labsid.gap.effects.drifts import PoleDrift
 from labsid.gap.fitting import rms
-from labsid.gap.linear_fits import baseline, swift_fit
+from labsid.gap.linear_fits import fit_baseline, fit_highpass
 from labsid.gap.plants import Plant
 
 C, K = 0.5, 0.05
@@ -30,7 +30,7 @@ def left(columns: FloatArray, y: FloatArray) -> float:
 
 
 def test_rates_that_do_not_vary_give_the_linear_columns(levels: FloatArray) -> None:
-    plant = Plant(kind="varying", bends=1)
+    plant = Plant(kind="varying", extra_degrees=1)
     columns = plant.columns(theta_of(plant, log_c=np.log(C), log_k=np.log(K)), levels, levels.size, 0.0)
     sampled = control.c2d(control.ss(control.tf([0.3, K], [1.0, C, K])), 1.0)
     expected = control.forced_response(sampled, np.arange(levels.size), levels, np.full(2, 0.7)).outputs
@@ -42,7 +42,7 @@ def test_varying_rates_follow_their_course(levels: FloatArray, course: str) -> N
     """Against the matrix exponential from sample to sample: k goes with r, c with a share of it."""
     w, samples = levels[:240], 240
     if course == "slow":
-        plant = Plant(kind="varying", bends=2)
+        plant = Plant(kind="varying", extra_degrees=2)
         x = np.linspace(-1.0, 1.0, samples)
         log_r = 0.4 * x + 0.3 * (2.0 * x**2 - 1.0) - 0.2 * (4.0 * x**3 - 3.0 * x)
         own = {"bend1": 0.3, "bend2": -0.2}
@@ -86,7 +86,7 @@ def test_the_rate_of_the_latter_of_two_lags_turns_the_spring_by_its_derivative(l
         return b * float(np.exp(0.5 * x - 0.4 * (2.0 * x**2 - 1.0)))
 
     y = balances(w, a, rate)
-    plant = Plant(kind="varying", bends=1)
+    plant = Plant(kind="varying", extra_degrees=1)
     own = {"log_c": np.log(a + b), "log_k": np.log(a * b), "drift": 0.5, "bend1": -0.4, "share_c": b / (a + b)}
     missed = [
         left(np.column_stack([plant.columns(theta_of(plant, turn=turn, **own), w, samples), np.ones(samples)]), y)
@@ -100,10 +100,10 @@ def test_a_latter_lag_that_doubles_its_rate_along_a_half_sine_is_a_drift_of_the_
     y = balances(levels, 0.3, lambda t: 0.1 * (1.0 + np.sin(np.pi * t / levels.size)))
     noise = 0.01 * np.std(y) * np.random.default_rng(1).standard_normal(y.size)
     data = scaled(levels, y + noise, np.ones(y.size, bool), 1.0)
-    base = baseline(data)
-    found = finished(data, sketches(data, base, (PoleDrift("4"),), swift_fit(data, base)))
+    base = fit_baseline(data)
+    found = best_fit(data, trial_fits(data, base, (PoleDrift("4"),), fit_highpass(data, base)))
     assert found is not None
     assert rms(data, base) > 0.05
     assert rms(data, found) < 0.0105
-    straight = finished(data, sketches(data, base, (PoleDrift("1"),), swift_fit(data, base)))
+    straight = best_fit(data, trial_fits(data, base, (PoleDrift("1"),), fit_highpass(data, base)))
     assert straight is None or rms(data, straight) > 3.0 * rms(data, found)

@@ -5,9 +5,9 @@ import pytest
 
 from labsid.gap.data import Data, scaled
 from labsid.gap.effects import dynamics
-from labsid.gap.fitting import NOTHING, Fit, Problem, finish, search
+from labsid.gap.fitting import UNFILTERED, Fit, Problem, finish, minimize
 from labsid.gap.hypothesis import Hypothesis
-from labsid.gap.settling import _valleys, settle
+from labsid.gap.refinement import _valleys, converge
 
 STICKING = Hypothesis((dynamics.CoulombFriction("position"), dynamics.ExtraLag()))
 NAMES = [parameter.name for parameter in STICKING.parameters]
@@ -22,7 +22,7 @@ def sticking(seed: int) -> tuple[Data, Fit]:
     y = STICKING.output(theta, np.array([1.0, 0.0, 0.0]), u) + 0.02 * rng.standard_normal(u.size)
     data = scaled(u, y, np.ones(u.size, bool), 1.0)
     began = np.array([(TRUE | {"delay": 0.45, "log_lag": 1.4}).get(name, 0.0) for name in NAMES])
-    point = search(data, STICKING, began, iterations=40)
+    point = minimize(data, STICKING, began, iterations=40)
     assert point is not None
     return data, finish(data, STICKING, point)
 
@@ -31,7 +31,7 @@ def sticking(seed: int) -> tuple[Data, Fit]:
 def test_friction_hides_a_wrong_delay_until_the_others_go_along(seed: int) -> None:
     data, fit = sticking(seed)
     assert fit.theta[0] > 0.4
-    found = settle(data, fit)
+    found = converge(data, fit)
     assert found.bic < fit.bic - 20.0
     assert found.theta[0] < 0.05
     assert found.theta[NAMES.index("log_lag")] == pytest.approx(TRUE["log_lag"], abs=0.03)
@@ -39,8 +39,8 @@ def test_friction_hides_a_wrong_delay_until_the_others_go_along(seed: int) -> No
 
 def test_along_a_valley_the_error_rises_least() -> None:
     data, fit = sticking(3)
-    problem = Problem(data, STICKING, NOTHING)
-    at = problem.point(settle(data, fit).theta)
+    problem = Problem(data, STICKING, UNFILTERED)
+    at = problem.point(converge(data, fit).theta)
     assert at is not None
     valleys = _valleys(problem, at)
     np.testing.assert_allclose(valleys.diagonal(), 1.0)

@@ -6,15 +6,15 @@ from labsid._arrays import FloatArray
 from labsid.gap import _kernels
 from labsid.gap.data import Data
 from labsid.gap.fitting import Fit
-from labsid.gap.responses import damping, denominator
+from labsid.gap.responses import damping_ratio, denominator
 
-LATER = 1.0 / 3.0  # of the record: what still goes on from there on was not brought along from before it
-MATTERS, DRIVEN = 1.0, 3.0  # of what the fit leaves, rms: what goes on alone, and what the input surely moves
-LIGHTLY = 0.09  # damping of a mode; masses on springs have more
-MORE = 2.0  # times the damping
+EVALUATED_FROM = 1.0 / 3.0  # of the record: what still goes on from there on was not brought along from before it
+MIN_FREE, MAX_DRIVEN = 1.0, 3.0  # of what the fit leaves, rms: what goes on alone, and what the input surely moves
+LIGHT_DAMPING = 0.09  # damping of a mode; masses on springs have more
+MIN_DAMPING_RATIO = 2.0  # times the damping
 
 
-def goes_on_alone(data: Data, fit: Fit) -> bool:
+def has_undriven_pole(data: Data, fit: Fit) -> bool:
     """Whether one of the two poles goes on through the record by itself, and the input hardly moves it.
 
     Such a pole is none of the rig's: it stands for a drift, or for a wave from outside. Only linear dynamics with a
@@ -26,16 +26,16 @@ def goes_on_alone(data: Data, fit: Fit) -> bool:
     w = fit.hypothesis.actuator(fit.theta, data.u) - data.u[0]
     columns = fit.hypothesis.design(fit.theta, data.u).parts[0]
     gains = fit.gains[: columns.shape[1]]
-    later = data.rows & (np.arange(data.samples) > LATER * data.samples)
+    later = data.rows & (np.arange(data.samples) > EVALUATED_FROM * data.samples)
     left = float(np.sqrt(np.mean((data.y - fit.output)[data.rows] ** 2)))
-    for moved, alone in _motions(w, columns, gains, denominator(*fit.rates)):
+    for moved, alone in _driven_and_free(w, columns, gains, denominator(*fit.rates)):
         own, driven = float(np.std(alone[later])), float(np.std(moved[later]))
-        if own > max(MATTERS * left, driven) and driven < DRIVEN * left:
+        if own > max(MIN_FREE * left, driven) and driven < MAX_DRIVEN * left:
             return True
     return False
 
 
-def has_become_a_mode(base: Fit, fit: Fit) -> bool:
+def lag_became_mode(base: Fit, fit: Fit) -> bool:
     """Whether the two poles of a fit with a further lag are a lightly damped mode, which those of the baseline are not.
 
     Three poles are the same to the data whichever of them is called new. What the baseline lacks is the mode, then, and
@@ -44,11 +44,11 @@ def has_become_a_mode(base: Fit, fit: Fit) -> bool:
     plant = fit.hypothesis.plant
     if plant.kind != "linear" or not plant.lag or plant.mode:
         return False
-    own = damping(*fit.rates)
-    return own < LIGHTLY and damping(*base.rates) > MORE * own
+    own = damping_ratio(*fit.rates)
+    return own < LIGHT_DAMPING and damping_ratio(*base.rates) > MIN_DAMPING_RATIO * own
 
 
-def _motions(
+def _driven_and_free(
     w: FloatArray, columns: FloatArray, gains: FloatArray, a: tuple[float, float]
 ) -> list[tuple[FloatArray, FloatArray]]:
     """Of a pair, or of each of two real poles: what the input makes of it, and its free motion."""

@@ -6,7 +6,7 @@ import numpy as np
 
 from labsid.gap.explanation import Explanation
 from labsid.gap.fitting import Fit, refit
-from labsid.gap.model_file import running_model
+from labsid.gap.model_file import export_model
 from labsid.gap.scores import GapScore, closed_share
 from labsid.records.record import Record
 
@@ -43,4 +43,4 @@ def _errors(explanation: Explanation, score: GapScore, fit: Fit) -> np.ndarray:
 
 
 def _errors_on(explanation: Explanation, holdout: Record, fit: Fit) -> np.ndarray:
-    return holdout.y - running_model(explanation.data, fit).simulate(holdout.u, holdout.y)
+    return holdout.y - export_model(explanation.data, fit).simulate(holdout.u, holdout.y)

@@ -8,10 +8,10 @@ from labsid._arrays import FloatArray
 from labsid.gap.data import Data
 from labsid.gap.effects.base import Effect, Fitted, Value
 from labsid.gap.fitting import Fit, covariance
-from labsid.gap.profile import profile
+from labsid.gap.profile import profile_likelihood
 
 
-def parameters_of(data: Data, fit: Fit, effect: Effect) -> dict[str, dict[str, object]]:
+def estimate_parameters(data: Data, fit: Fit, effect: Effect) -> dict[str, dict[str, object]]:
     """`{name: {value, stderr, unit}}` of one effect of a fit.
 
     The standard errors are those of linear propagation; where the effect begins at some instant, the scatter of every
@@ -27,9 +27,9 @@ def parameters_of(data: Data, fit: Fit, effect: Effect) -> dict[str, dict[str, o
     scatter = dict.fromkeys(at, 0.0)
     instant = [i for i, p in enumerate(fit.hypothesis.parameters) if p.name == "onset" and effect.name == "load-step"]
     for place in instant:
-        seen = profile(data, fit, place)
+        seen = profile_likelihood(data, fit, place)
         if seen is not None and np.isfinite(cov).all():
-            cov = _given(cov, place)
+            cov = _conditional(cov, place)
             held = [values(point.theta, point.gains) for point in seen.points]
             scatter = {
                 name: float(seen.weights @ np.array([(one[name].value - at[name].value) ** 2 for one in held]))
@@ -53,13 +53,13 @@ def parameters_of(data: Data, fit: Fit, effect: Effect) -> dict[str, dict[str, o
     }
 
 
-def _given(cov: FloatArray, place: int) -> FloatArray:
+def _conditional(cov: FloatArray, place: int) -> FloatArray:
     """The covariance of all the other numbers where that at `place` is known."""
     own = cov[place, place]
     return cov - np.outer(cov[:, place], cov[place]) / own if own > 0.0 else cov
 
 
-def marked(data: Data, fit: Fit, effect: Effect) -> np.ndarray:
+def active_samples(data: Data, fit: Fit, effect: Effect) -> np.ndarray:
     """Where in the record an effect acts; all False where it acts everywhere."""
-    act: Callable[[Fitted], np.ndarray] = effect.acts
+    act: Callable[[Fitted], np.ndarray] = effect.active_samples
     return act(Fitted(fit.hypothesis, fit.theta, fit.gains, data))

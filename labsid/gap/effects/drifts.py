@@ -10,9 +10,9 @@ from labsid.gap.effects.base import Fitted, InputEffect, PlantEffect, Value
 from labsid.gap.effects.context import Context, ParentFit
 from labsid.gap.plant_form import Parameter
 from labsid.gap.plants import Plant
-from labsid.gap.responses import denominator, slow_course
+from labsid.gap.responses import chebyshev_course, denominator
 
-NEUTRAL = 0.05  # least cosine of the angle at which the neutral input lies: within 20 units of the input
+MIN_COSINE = 0.05  # least cosine of the angle at which the neutral input lies: within 20 units of the input
 
 
 class PoleDrift(PlantEffect):
@@ -25,9 +25,9 @@ class PoleDrift(PlantEffect):
         """Apart from that of a drifting gain."""
         return f"{self.name}/pole-{self.variant}"
 
-    def shape(self, plant: Plant) -> Plant:
+    def extend(self, plant: Plant) -> Plant:
         """Dynamics whose rates go along with a slow course."""
-        return plant.but(kind="varying", bends=int(self.variant) - 1)
+        return plant.modified(kind="varying", extra_degrees=int(self.variant) - 1)
 
     def plant_starts(self, context: Context) -> list[dict[str, float]]:
         """The rates up and down, or up and back, with and without the damping."""
@@ -39,8 +39,10 @@ class PoleDrift(PlantEffect):
 
     def values(self, fit: Fitted) -> dict[str, Value]:
         """`pole`: relative change of the restoring rate over the record."""
-        shape = np.array([fit.plant("drift"), *(fit.plant(f"bend{n}") for n in range(1, int(self.variant)))])
-        course = slow_course(shape, 101, 101)
+        shape = np.array(
+            [fit.plant_value("drift"), *(fit.plant_value(f"bend{n}") for n in range(1, int(self.variant)))]
+        )
+        course = chebyshev_course(shape, 101, 101)
         return {"pole": Value(float(np.exp(course[-1] - course[0])) - 1.0, "1")}
 
 
@@ -52,9 +54,9 @@ class InnerPoleDrift(PoleDrift):
         """Apart from that of linear dynamics."""
         return f"{self.name}/pole-{self.variant}-inside"
 
-    def shape(self, plant: Plant) -> Plant:
+    def extend(self, plant: Plant) -> Plant:
         """The same dynamics, going along with a slow course."""
-        return plant.but(fading=True, bends=int(self.variant) - 1)
+        return plant.modified(drifting=True, extra_degrees=int(self.variant) - 1)
 
     def applies(self, context: Context) -> bool:
         """Linear dynamics have a form of their own."""
@@ -73,7 +75,7 @@ class GainDrift(InputEffect):
 
     name = "parameter-drift"
     path = "dynamics"
-    place: ClassVar[int] = 8
+    position: ClassVar[int] = 8
 
     @property
     def key(self) -> str:
@@ -95,41 +97,45 @@ class GainDrift(InputEffect):
     def _course(self, context: Context) -> list[FloatArray]:
         """From a regression of the residual on what small changes of the gain, and of the neutral input, would do."""
         count = int(self.variant)
-        shapes = [slow_course(shape, context.data.samples, context.data.samples) for shape in np.eye(count)]
+        shapes = [chebyshev_course(shape, context.data.samples, context.data.samples) for shape in np.eye(count)]
         fit = context.parent
         still = np.ones(context.data.samples)
         w = context.actuator
-        columns = [_answer(fit, w * shape) for shape in shapes] + [_answer(fit, shape) for shape in shapes]
+        columns = [_linear_response(fit, w * shape) for shape in shapes] + [
+            _linear_response(fit, shape) for shape in shapes
+        ]
         rows = context.data.rows
         J = np.column_stack([*columns, still])
         if not np.isfinite(J).all():
             return []
         gains = np.linalg.lstsq(J[rows], context.residual[rows], rcond=1e-6)[0]
         unit = float(
-            np.linalg.lstsq(np.column_stack([_answer(fit, w), still])[rows], fit.output[rows], rcond=None)[0][0]
+            np.linalg.lstsq(np.column_stack([_linear_response(fit, w), still])[rows], fit.output[rows], rcond=None)[0][
+                0
+            ]
         )
         if unit == 0.0:
             return []
         shape, offset = gains[:count] / unit, gains[count : 2 * count] / unit
         angle = float(np.arctan2(offset @ shape, shape @ shape))
-        return [np.array([*np.clip(shape / max(np.cos(angle), NEUTRAL), -2.0, 2.0), angle])]
+        return [np.array([*np.clip(shape / max(np.cos(angle), MIN_COSINE), -2.0, 2.0), angle])]
 
-    def holds(self, fit: Fitted) -> bool:
+    def is_plausible(self, fit: Fitted) -> bool:
         """About an input far outside, it is a drift of the input or of the output."""
-        return bool(abs(np.cos(fit.own(self)[-1])) > NEUTRAL)
+        return bool(abs(np.cos(fit.theta_of(self)[-1])) > MIN_COSINE)
 
     def apply(self, w: FloatArray, own: FloatArray, span: int) -> FloatArray:
         """More or less of the distance from the neutral input."""
         away = np.cos(own[-1]) * w + np.sin(own[-1])
-        return np.asarray(w + away * slow_course(own[:-1], w.size, span))
+        return np.asarray(w + away * chebyshev_course(own[:-1], w.size, span))
 
     def values(self, fit: Fitted) -> dict[str, Value]:
         """`drift`: relative change of the gain over the record."""
-        own = fit.own(self)
-        course = 1.0 + np.cos(own[-1]) * slow_course(own[:-1], 101, 101)
+        own = fit.theta_of(self)
+        course = 1.0 + np.cos(own[-1]) * chebyshev_course(own[:-1], 101, 101)
         return {"drift": Value(float(course[-1] / course[0]) - 1.0, "1")}
 
 
-def _answer(fit: ParentFit, w: FloatArray) -> FloatArray:
+def _linear_response(fit: ParentFit, w: FloatArray) -> FloatArray:
     """What the linear dynamics of a fit make of a signal, up to a gain."""
     return _kernels.second_order(w - w[0], *denominator(*fit.rates))

@@ -11,11 +11,11 @@ from labsid.gap.beam_search import search_effects
 from labsid.gap.data import Data, scaled
 from labsid.gap.diagnosis import Diagnosis, diagnose
 from labsid.gap.effects import dynamics, input, output
-from labsid.gap.fitting import Fit, finish, rms, search
-from labsid.gap.freeing import freed
+from labsid.gap.fitting import Fit, finish, minimize, rms
 from labsid.gap.hypothesis import Hypothesis
-from labsid.gap.linear_fits import LINEAR, baseline, driven_baseline
-from labsid.gap.own_motion import goes_on_alone, has_become_a_mode
+from labsid.gap.linear_fits import LINEAR, fit_baseline, fit_driven_pole
+from labsid.gap.pole_replacement import replace_undriven_pole
+from labsid.gap.undriven_poles import has_undriven_pole, lag_became_mode
 from labsid.records.record import Record
 
 TS, SAMPLES, RATE, NOISE = 0.2, 700, 0.07, 0.008
@@ -64,7 +64,7 @@ def fitted(own: FloatArray) -> tuple[Fit, Data]:
     u = levels()
     y = lag(u) + own + NOISE * np.random.default_rng(11).standard_normal(SAMPLES)
     data = scaled(u, y, np.ones(SAMPLES, bool), TS)
-    return baseline(data), data
+    return fit_baseline(data), data
 
 
 @pytest.mark.parametrize("kind", ["ramp", "quicker and quicker", "settling"])
@@ -95,20 +95,20 @@ def test_a_rig_with_one_pole_and_nothing_else_has_no_gap(first: float) -> None:
 
 def test_what_goes_on_alone_is_told_from_what_the_input_moves() -> None:
     drifting, data = fitted(OWN["ramp"])
-    assert goes_on_alone(data, drifting)
-    other = driven_baseline(data, LINEAR)
+    assert has_undriven_pole(data, drifting)
+    other = fit_driven_pole(data, LINEAR)
     assert other is not None
-    assert not goes_on_alone(data, other)
+    assert not has_undriven_pole(data, other)
     assert other.cost > drifting.cost
     still, data = fitted(0.9 * np.exp(-RATE * np.arange(SAMPLES)))
-    assert not goes_on_alone(data, still)
+    assert not has_undriven_pole(data, still)
 
 
 def test_an_integrator_is_driven_however_slow_it_is() -> None:
     u = levels() - 2.0
     y = np.cumsum(lag(u)) / 20.0 + NOISE * np.random.default_rng(11).standard_normal(SAMPLES)
     data = scaled(u, y, np.ones(SAMPLES, bool), TS)
-    assert not goes_on_alone(data, baseline(data))
+    assert not has_undriven_pole(data, fit_baseline(data))
 
 
 def test_other_dynamics_than_linear_ones_are_not_looked_at() -> None:
@@ -116,7 +116,7 @@ def test_other_dynamics_than_linear_ones_are_not_looked_at() -> None:
     for effect in (dynamics.SqrtOutflow("both"), dynamics.CubicStiffness()):
         hypothesis = Hypothesis((effect,))
         other = replace(fit, hypothesis=hypothesis, theta=np.zeros(len(hypothesis.parameters)))
-        assert not goes_on_alone(data, other)
+        assert not has_undriven_pole(data, other)
 
 
 @pytest.mark.parametrize("damping", [0.03, 0.06])
@@ -138,15 +138,15 @@ def test_only_a_lag_can_hide_a_mode() -> None:
     fit, data = fitted(OWN["ramp"])
     levels_tried, _ = search_effects(data, LINEAR, None, 1, None)
     lagged = next(tried for names, tried in levels_tried[1].items() if names == ("output-drift",))
-    assert not has_become_a_mode(fit, lagged)
+    assert not lag_became_mode(fit, lagged)
     light = Hypothesis((dynamics.ExtraLag(),))
     theta = np.zeros(len(light.parameters))
     theta[light.slices["plant"]][:2] = np.log(0.02), np.log(0.25)  # damping 0.02
     swinging = replace(fit, hypothesis=light, theta=theta)
-    assert has_become_a_mode(fit, swinging)
-    assert not has_become_a_mode(swinging, swinging)
+    assert lag_became_mode(fit, swinging)
+    assert not lag_became_mode(swinging, swinging)
     wandering = Hypothesis((output.Drift("1"),))
-    assert not has_become_a_mode(fit, replace(fit, hypothesis=wandering, theta=theta[: len(wandering.parameters)]))
+    assert not lag_became_mode(fit, replace(fit, hypothesis=wandering, theta=theta[: len(wandering.parameters)]))
 
 
 @pytest.mark.parametrize(("kind", "name"), [("ramp", "output-drift"), ("wave", "periodic-disturbance")])
@@ -165,16 +165,16 @@ def test_freed_gives_the_steps_without_and_with_the_drift() -> None:
     hypothesis = Hypothesis((input.DeadZone(),))
     numbers = {"low": -0.4, "high": 0.4, "log_c": np.log(RATE), "log_k": np.log(RATE) - 14.0}
     theta = np.array([numbers.get(p.name, 0.0) for p in hypothesis.parameters])
-    point = search(data, hypothesis, theta, iterations=30)
+    point = minimize(data, hypothesis, theta, iterations=30)
     assert point is not None
     fit = finish(data, hypothesis, point)
-    assert goes_on_alone(data, fit)
-    steps = freed(data, fit)
+    assert has_undriven_pole(data, fit)
+    steps = replace_undriven_pole(data, fit)
     assert steps is not None
     without, along = steps
     assert without.hypothesis == hypothesis
     assert along.hypothesis.names == ("input-dead-zone", "output-drift")
-    assert not goes_on_alone(data, along)
+    assert not has_undriven_pole(data, along)
     assert rms(data, without) > 5.0 * rms(data, along)
     assert along.bic < fit.bic + 10.0
-    assert freed(data, along) is None
+    assert replace_undriven_pole(data, along) is None

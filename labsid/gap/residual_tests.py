@@ -12,16 +12,16 @@ from labsid.gap.fitting import Fit
 
 FOLDS = 5
 NEIGHBOURS = 60
-MOST_POINTS = 3000
-MOST_LEFT = 0.3  # of the rows, off the stops of the sensor
-LAGS = 25  # samples up to which a residual is compared with itself
-ENOUGH = 100  # pairs
-FEW = 6  # samples after which noise of a sensor has forgotten itself
-SLOW = 0.3  # autocorrelation after so many: what has more is slow
+MAX_POINTS = 3000
+MIN_UNLIMITED_SHARE = 0.3  # of the rows, off the stops of the sensor
+MAX_LAG = 25  # samples up to which a residual is compared with itself
+MIN_PAIRS = 100  # pairs
+SLOW_LAG = 6  # samples after which noise of a sensor has forgotten itself
+SLOW_CORRELATION = 0.3  # autocorrelation after so many: what has more is slow
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Leftover:
+class ResidualMeasures:
     """Measures of a residual.
 
     Attributes
@@ -59,7 +59,7 @@ class Leftover:
     uneven: float
 
 
-def is_noise(left: Leftover, converted: bool) -> bool:
+def is_noise(left: ResidualMeasures, converted: bool) -> bool:
     """Whether a residual behaves as noise, however coloured: the input's past tells neither its value nor its size.
 
     Parameters
@@ -78,24 +78,24 @@ def is_noise(left: Leftover, converted: bool) -> bool:
     )
 
 
-def leftover(data: Data, fit: Fit) -> Leftover:
+def measure_residual(data: Data, fit: Fit) -> ResidualMeasures:
     """Measure what `fit` leaves on the rows of `data`, but for those on a stop of the sensor, where noise is hidden."""
     e = data.y - fit.output
-    data = _off_stops(data, fit)
+    data = _within_limits(data, fit)
     rows = data.rows
     power = float(np.mean(e[rows] ** 2))
-    white = _kernels.whiten(e[:, None], fit.noise.ar)[:, 0][data.sound]
+    white = _kernels.whiten(e[:, None], fit.noise.ar)[:, 0][data.complete]
     innovation = float(np.mean(white**2))
     white = white / np.std(white)
     blocks = np.array_split(white**2, 12)
     spread = np.std([block.mean() for block in blocks])
     chance = np.sqrt(2.0 / (white.size / 12))
-    repeats, repeats_z = repetition(data, fit, e)
-    activity, activity_z = repetition(data, fit, np.abs(e))
-    return Leftover(
+    repeats, repeats_z = repeatability(data, fit, e)
+    activity, activity_z = repeatability(data, fit, np.abs(e))
+    return ResidualMeasures(
         rms=float(np.sqrt(power)),
         colour=float(np.sqrt(power / innovation)),
-        slow=slow_colour(e, rows),
+        slow=slow_autocorrelation(e, rows),
         explained=explained_share(data, fit, e),
         repeats=repeats,
         repeats_z=repeats_z,
@@ -106,31 +106,31 @@ def leftover(data: Data, fit: Fit) -> Leftover:
     )
 
 
-def _off_stops(data: Data, fit: Fit) -> Data:
+def _within_limits(data: Data, fit: Fit) -> Data:
     """The data without the rows on which the simulated sensor stands at a limit, as long as most are left."""
-    if not any(effect.last for effect in fit.hypothesis.outputs):
+    if not any(effect.is_limit for effect in fit.hypothesis.outputs):
         return data
     design = fit.hypothesis.design(fit.theta, data.u)
     moves = fit.hypothesis.slopes(fit.theta, fit.gains, design)[1] > 0.0
     rows = data.rows & moves
-    return replace(data, rows=rows) if rows.sum() > MOST_LEFT * data.rows.sum() else data
+    return replace(data, rows=rows) if rows.sum() > MIN_UNLIMITED_SHARE * data.rows.sum() else data
 
 
-def slow_colour(e: FloatArray, rows: np.ndarray) -> float:
+def slow_autocorrelation(e: FloatArray, rows: np.ndarray) -> float:
     """Largest autocorrelation of a residual, of either sign, after a few samples and more, on the rows that count."""
     power = float(np.mean(e[rows] ** 2))
     found = 0.0
-    for lag in range(FEW, LAGS):
+    for lag in range(SLOW_LAG, MAX_LAG):
         both = rows[lag:] & rows[:-lag]
-        if both.sum() > ENOUGH:
+        if both.sum() > MIN_PAIRS:
             found = max(found, abs(float(np.mean((e[lag:] * e[:-lag])[both]))) / power)
     return found
 
 
 def explained_share(data: Data, fit: Fit, e: FloatArray) -> float:
     """Cross-validated share of `e` that features of the input's past explain; blocks are left out in turn."""
-    X = features(data, fit)
-    rows = data.sound
+    X = nonlinear_features(data, fit)
+    rows = data.complete
     at = np.flatnonzero(rows)
     X, target = X[at], e[at]
     scale = X.std(axis=0)
@@ -154,12 +154,12 @@ def explained_share(data: Data, fit: Fit, e: FloatArray) -> float:
     return 1.0 - left / total
 
 
-def repetition(data: Data, fit: Fit, e: FloatArray) -> tuple[float, float]:
+def repeatability(data: Data, fit: Fit, e: FloatArray) -> tuple[float, float]:
     """How alike the residual is at times with nearly the same past of the input: value, and distance from chance."""
     at = np.flatnonzero(data.rows)
-    if at.size > MOST_POINTS:
-        at = at[:: -(-at.size // MOST_POINTS)]
-    past = pasts(data, fit)[at]
+    if at.size > MAX_POINTS:
+        at = at[:: -(-at.size // MAX_POINTS)]
+    past = input_history(data, fit)[at]
     scale = past.std(axis=0)
     past = past / np.where(scale > 0, scale, 1.0)
     x = e[at] - e[at].mean()
@@ -185,15 +185,15 @@ def repetition(data: Data, fit: Fit, e: FloatArray) -> tuple[float, float]:
     return value, float((value - chance.mean()) / (chance.std() or 1.0))
 
 
-def pasts(data: Data, fit: Fit) -> FloatArray:
+def input_history(data: Data, fit: Fit) -> FloatArray:
     """A few numbers for the past of the input: filtered inputs at several rates, and the way it moved last."""
-    moved = np.diff(_before(data), prepend=data.u[0])
+    moved = np.diff(_previous_input(data), prepend=data.u[0])
     last = np.sign(moved)
     index = np.maximum.accumulate(np.where(last != 0.0, np.arange(last.size), 0))
-    return np.column_stack([*_filtered(data, fit), 0.5 * last[index]])
+    return np.column_stack([*_filtered_input(data, fit), 0.5 * last[index]])
 
 
-def _filtered(data: Data, fit: Fit) -> list[FloatArray]:
+def _filtered_input(data: Data, fit: Fit) -> list[FloatArray]:
     """The input through lags whose rates cover the linear dynamics, slowest first; last, the sample before."""
     c, k = fit.rates
     slow = 0.5 * c - np.sqrt(0.25 * c * c - k) if 0.25 * c * c > k else 0.5 * c
@@ -201,17 +201,17 @@ def _filtered(data: Data, fit: Fit) -> list[FloatArray]:
     fast = float(np.clip(max(c, np.sqrt(k)), 2.0 * slow, 2.0))
     still = data.u - data.u[0]
     lagged = [_kernels.first_order(still, float(np.exp(-rate))) for rate in np.geomspace(slow, fast, 4)]
-    return [*lagged, _before(data) - data.u[0]]
+    return [*lagged, _previous_input(data) - data.u[0]]
 
 
-def _before(data: Data) -> FloatArray:
+def _previous_input(data: Data) -> FloatArray:
     """The input one sample before: that of the same instant cannot act yet, and a controller makes it of the output."""
     return np.concatenate([data.u[:1], data.u[:-1]])
 
 
-def features(data: Data, fit: Fit) -> FloatArray:
+def nonlinear_features(data: Data, fit: Fit) -> FloatArray:
     """A flexible black box's regressors: filtered inputs, their products, powers of the output and its slope."""
-    states = _filtered(data, fit)
+    states = _filtered_input(data, fit)
     still = states[-1]
     z = fit.output
     slope = np.gradient(z)

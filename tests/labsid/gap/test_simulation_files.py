@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from labsid.gap.diagnosis import diagnose
-from labsid.gap.simulations import load_simulation, play, write_played
+from labsid.gap.simulation_files import load_simulation, replay, write_replay
 from labsid.records.record import Record, load_record
 
 DEN = np.poly([0.95, 0.8]).tolist()
@@ -61,7 +61,7 @@ def test_bytes_are_no_series(tmp_path, record):
 
 def test_a_model_is_played_from_the_state_that_the_record_tells(model, record):
     later = Record(record.t[60:], record.u[60:], record.y[60:], record.Ts)
-    played = play(model, later)
+    played = replay(model, later)
     assert played.start == 50
     assert played.rmse == pytest.approx(np.sqrt(np.mean((later.y - played.y)[50:] ** 2)))
     assert played.rmse < 0.02 * np.std(record.y)
@@ -69,14 +69,14 @@ def test_a_model_is_played_from_the_state_that_the_record_tells(model, record):
 
 def test_a_short_record_counts_as_a_whole(model, record):
     short = Record(record.t[:20], record.u[:20], record.y[:20], record.Ts)
-    assert play(model, short).start == 0
+    assert replay(model, short).start == 0
 
 
 def test_what_was_exported_is_played_and_given_again(tmp_path, record):
     found = diagnose(record)
     path = tmp_path / "better.json"
     path.write_text(json.dumps(found.model.to_json_dict()))
-    played = play(path, record)
+    played = replay(path, record)
     np.testing.assert_array_equal(played.y, found.model.simulate(record.u, record.y))
     assert played.rmse == pytest.approx(found.report["gap"]["after"], rel=0.3)
     again = diagnose(record, load_simulation(path, record)).report
@@ -96,12 +96,12 @@ def test_a_series_cannot_be_exported(record):
 def test_models_that_cannot_be_played(model, record, changed, words):
     model.write_text(json.dumps(json.loads(model.read_text()) | changed))
     with pytest.raises(ValueError, match=words):
-        play(model, record)
+        replay(model, record)
 
 
 def test_what_is_written_can_be_read_again(tmp_path, record):
     path = tmp_path / "played.csv"
-    write_played(path, record, record.y + 1.0)
+    write_replay(path, record, record.y + 1.0)
     again = load_record(path)
     np.testing.assert_array_equal(again.y, record.y)
     again = load_record(path, columns="t,u,y_sim")

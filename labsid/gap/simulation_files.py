@@ -10,12 +10,12 @@ from labsid._arrays import FloatArray
 from labsid._files import write_file
 from labsid.gap.baseline import Simulation, check_bounded, read_transfer_function
 from labsid.gap.clock import at_sampling_time, stated_sampling_time
-from labsid.gap.model_file import SCHEMA, START, exported_model, load_model
+from labsid.gap.model_file import SCHEMA, START_SAMPLES, load_model, read_exported_model
 from labsid.records.record import Record
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Played:
+class Replay:
     """A simulation on a record.
 
     Attributes
@@ -40,11 +40,11 @@ def load_simulation(path: Path, record: Record) -> Simulation:
         If the file is neither, or its times are not the record's.
     """
     if path.suffix.lower() == ".csv":
-        return _series(path, record)
+        return _read_output(path, record)
     return load_model(path)
 
 
-def _series(path: Path, record: Record) -> FloatArray:
+def _read_output(path: Path, record: Record) -> FloatArray:
     try:
         with path.open(newline="", encoding="utf-8-sig") as file:
             rows = list(csv.DictReader(file))
@@ -60,7 +60,7 @@ def _series(path: Path, record: Record) -> FloatArray:
     return y
 
 
-def play(path: Path, record: Record) -> Played:
+def replay(path: Path, record: Record) -> Replay:
     """Run a simulation freely on a record's input; the first samples of its output give the initial state.
 
     Raises
@@ -71,15 +71,15 @@ def play(path: Path, record: Record) -> Played:
     content = load_model(path)
     record = at_sampling_time(record, stated_sampling_time(content))
     if content.get("schema") == SCHEMA:
-        y = exported_model(content, record.Ts).simulate(record.u, record.y)
+        y = read_exported_model(content, record.Ts).simulate(record.u, record.y)
     else:
         y = read_transfer_function(content, record.Ts).simulate(record.u, record.y)
     check_bounded(y, record.y)
-    first = START if len(record) > 2 * START else 0
-    return Played(y, float(np.sqrt(np.mean((record.y - y)[first:] ** 2))), first)
+    first = START_SAMPLES if len(record) > 2 * START_SAMPLES else 0
+    return Replay(y, float(np.sqrt(np.mean((record.y - y)[first:] ** 2))), first)
 
 
-def write_played(path: Path, record: Record, y: FloatArray) -> None:
+def write_replay(path: Path, record: Record, y: FloatArray) -> None:
     """Write t, u, y and y_sim as text."""
     lines = ["t,u,y,y_sim"]
     lines += [",".join(repr(float(x)) for x in row) for row in zip(record.t, record.u, record.y, y, strict=True)]

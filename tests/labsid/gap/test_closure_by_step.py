@@ -5,9 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from labsid.gap.closure_by_step import closed_by_step
 from labsid.gap.explanation import Explanation
 from labsid.gap.scores import GapScore, score_explanation
-from labsid.gap.steps import closed_by_step
 from labsid.records.record import Record
 
 

@@ -9,10 +9,10 @@ from labsid._arrays import FloatArray
 from labsid.gap.data import Data, Scale
 from labsid.gap.effects import disturbance, input
 from labsid.gap.effects.base import Effect
-from labsid.gap.fitting import Fit, finish, search
+from labsid.gap.fitting import Fit, finish, minimize
 from labsid.gap.hypothesis import Hypothesis
-from labsid.gap.numbers import marked, parameters_of
-from labsid.gap.settling import settle
+from labsid.gap.parameter_estimates import active_samples, estimate_parameters
+from labsid.gap.refinement import converge
 
 RECORDS = 50
 GAINS = np.array([0.03, 0.02, 0.0, 0.0, 0.0, 0.1])
@@ -32,7 +32,7 @@ def maker(effect: Effect, own: list[float], extra: list[float], u: FloatArray) -
     def make(seed: int) -> tuple[Data, Fit]:
         y = clean + 0.02 * np.random.default_rng(seed).standard_normal(u.size)
         data = Data(u, y, np.ones(u.size, bool), 0.2, Scale(2.0, 0.5), Scale(10.0, 3.0), 4.0)
-        point = search(data, hypothesis, theta, gains, iterations=8)
+        point = minimize(data, hypothesis, theta, gains, iterations=8)
         assert point is not None
         return data, finish(data, hypothesis, point)
 
@@ -55,7 +55,7 @@ def test_standard_errors_are_the_scatter_over_repeated_records(levels: FloatArra
     found: dict[str, list[float]] = {name: [] for name in truth}
     errors: dict[str, list[float]] = {name: [] for name in truth}
     for seed in range(RECORDS):
-        parameters = parameters_of(*make(seed), effect)
+        parameters = estimate_parameters(*make(seed), effect)
         assert set(truth) <= set(parameters)
         for name in truth:
             found[name].append(float(parameters[name]["value"]))
@@ -68,7 +68,7 @@ def test_standard_errors_are_the_scatter_over_repeated_records(levels: FloatArra
 
 def test_every_parameter_has_a_value_a_standard_error_and_a_unit(levels: FloatArray) -> None:
     data, fit = maker(input.DeadZone(), [-0.4, 0.3], [], levels[:400])(0)
-    parameters = parameters_of(data, fit, fit.hypothesis.effects[0])
+    parameters = estimate_parameters(data, fit, fit.hypothesis.effects[0])
     assert set(parameters) == {"low", "high"}
     for parameter in parameters.values():
         assert list(parameter) == ["value", "stderr", "unit"]
@@ -79,7 +79,7 @@ def test_more_samples_make_the_numbers_surer(levels: FloatArray) -> None:
     errors = []
     for samples in (200, 600):
         data, fit = maker(input.DeadZone(), [-0.4, 0.3], [], levels[:samples])(0)
-        errors.append(parameters_of(data, fit, fit.hypothesis.effects[0])["low"]["stderr"])
+        errors.append(estimate_parameters(data, fit, fit.hypothesis.effects[0])["low"]["stderr"])
     assert errors[1] < errors[0]
 
 
@@ -107,9 +107,9 @@ def test_the_error_of_an_instant_is_no_smaller_than_it_is(case: str) -> None:
     for seed in range(count):
         y = clean + noise * np.random.default_rng(seed).standard_normal(samples)
         data = Data(u, y, np.ones(samples, bool), 1.0, Scale(0.0, 1.0), Scale(0.0, 1.0))
-        point = search(data, hypothesis, theta, gains, iterations=25)
+        point = minimize(data, hypothesis, theta, gains, iterations=25)
         assert point is not None
-        found = parameters_of(data, settle(data, finish(data, hypothesis, point)), effect)["onset"]
+        found = estimate_parameters(data, converge(data, finish(data, hypothesis, point)), effect)["onset"]
         assert 0.1 < found["stderr"] < 30.0
         off.append((found["value"] - onset * samples) / found["stderr"])
     assert np.mean(np.abs(off) < 2.0) >= 0.8
@@ -118,6 +118,6 @@ def test_the_error_of_an_instant_is_no_smaller_than_it_is(case: str) -> None:
 
 def test_marked_is_where_the_effect_acts(levels: FloatArray) -> None:
     data, fit = maker(disturbance.LoadStep(), [0.5], [0.05, 0.02], levels[:400])(0)
-    at = np.flatnonzero(marked(data, fit, fit.hypothesis.effects[0]))
+    at = np.flatnonzero(active_samples(data, fit, fit.hypothesis.effects[0]))
     assert at[-1] == 399
     assert at.size == pytest.approx(200, abs=2)

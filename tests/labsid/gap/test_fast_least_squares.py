@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from labsid.gap.normal_equations import scaled_gram, solve, solved
+from labsid.gap.fast_least_squares import scaled_gram, solve_least_squares, solve_positive_definite
 
 
 @pytest.mark.parametrize("order", ["C", "F"])
@@ -12,13 +12,13 @@ def test_it_is_least_squares_whatever_the_scales(order: str, scales: tuple[float
     rng = np.random.default_rng(0)
     Phi = np.array(rng.standard_normal((200, 3)) * scales, order=order)  # type: ignore[call-overload]
     y = rng.standard_normal(200)
-    np.testing.assert_allclose(solve(Phi, y), np.linalg.lstsq(Phi, y, rcond=None)[0], rtol=1e-8)
+    np.testing.assert_allclose(solve_least_squares(Phi, y), np.linalg.lstsq(Phi, y, rcond=None)[0], rtol=1e-8)
 
 
 def test_equal_and_empty_columns_share_the_answer() -> None:
     x = np.arange(1.0, 6.0)
     Phi = np.column_stack([x, x, np.zeros(5)])
-    gains = solve(Phi, 4.0 * x)
+    gains = solve_least_squares(Phi, 4.0 * x)
     np.testing.assert_allclose(gains, [2.0, 2.0, 0.0], atol=1e-4)
 
 
@@ -30,4 +30,4 @@ def test_gram_has_ones_on_its_diagonal() -> None:
 
 def test_what_is_not_definite_is_still_solved() -> None:
     gram = np.array([[0.0, 1.0], [1.0, 0.0]])
-    np.testing.assert_allclose(solved(gram, np.array([2.0, 3.0])), [3.0, 2.0])
+    np.testing.assert_allclose(solve_positive_definite(gram, np.array([2.0, 3.0])), [3.0, 2.0])

@@ -8,11 +8,11 @@ from labsid._arrays import FloatArray
 RIDGE = 1e-11  # of rounding's size: the problem is never singular
 
 
-def solve(Phi: FloatArray, y: FloatArray) -> FloatArray:
+def solve_least_squares(Phi: FloatArray, y: FloatArray) -> FloatArray:
     """Least squares by normal equations of scaled columns with a ridge at rounding size: fast, and never singular."""
     gram, scale = scaled_gram(Phi)
     gram.flat[:: gram.shape[0] + 1] += RIDGE
-    return solved(gram, (Phi.T @ y) / scale) / scale
+    return solve_positive_definite(gram, (Phi.T @ y) / scale) / scale
 
 
 def scaled_gram(Phi: FloatArray) -> tuple[FloatArray, FloatArray]:
@@ -25,7 +25,7 @@ def scaled_gram(Phi: FloatArray) -> tuple[FloatArray, FloatArray]:
     return gram, scale
 
 
-def solved(gram: FloatArray, right: FloatArray) -> FloatArray:
+def solve_positive_definite(gram: FloatArray, right: FloatArray) -> FloatArray:
     """Solution of a positive definite system; by elimination where rounding has spoilt the definiteness."""
     _, x, failed = dposv(gram, right)
     if failed:

@@ -11,23 +11,23 @@ from scipy.stats import kurtosis
 from labsid._arrays import FloatArray
 from labsid.gap.data import Data, scaled
 from labsid.gap.effects import output
-from labsid.gap.fitting import Fit, finish, search
+from labsid.gap.fitting import Fit, finish, minimize
 from labsid.gap.hypothesis import Hypothesis
-from labsid.gap.leftover import (
-    ENOUGH,
-    FEW,
-    LAGS,
-    MOST_LEFT,
-    SLOW,
+from labsid.gap.linear_fits import fit_baseline
+from labsid.gap.residual_tests import (
+    MAX_LAG,
+    MIN_PAIRS,
+    MIN_UNLIMITED_SHARE,
+    SLOW_CORRELATION,
+    SLOW_LAG,
     explained_share,
-    features,
+    input_history,
     is_noise,
-    leftover,
-    pasts,
-    repetition,
-    slow_colour,
+    measure_residual,
+    nonlinear_features,
+    repeatability,
+    slow_autocorrelation,
 )
-from labsid.gap.linear_fits import baseline
 
 Fitted = Callable[[FloatArray], tuple[Data, Fit]]
 
@@ -40,7 +40,7 @@ def fitted(levels: FloatArray, two_poles: Callable[..., FloatArray]) -> Fitted:
 
     def made(something: FloatArray) -> tuple[Data, Fit]:
         data = scaled(u, y + y.std() * something[: u.size], np.ones(u.size, bool), 1.0)
-        return data, baseline(data)
+        return data, fit_baseline(data)
 
     return made
 
@@ -54,7 +54,7 @@ def noise(pole: float, seed: int, size: float = 0.1) -> FloatArray:
 @pytest.mark.parametrize("pole", [0.0, 0.5, 0.8])
 @pytest.mark.parametrize("seed", [1, 2, 3])
 def test_noise_is_noise_however_coloured(fitted: Fitted, pole: float, seed: int) -> None:
-    left = leftover(*fitted(noise(pole, seed)))
+    left = measure_residual(*fitted(noise(pole, seed)))
     assert is_noise(left, converted=False)
     assert left.rms == pytest.approx(0.1, rel=0.15)
     assert left.colour == pytest.approx(1.0 / np.sqrt(1.0 - pole**2), rel=0.15)
@@ -71,10 +71,10 @@ def test_noise_that_swings_is_slow_although_it_is_nought_at_one_lag(turn: float)
         1000:
     ]
     rows = np.ones(e.size, bool)
-    lags = np.arange(FEW, LAGS)
+    lags = np.arange(SLOW_LAG, MAX_LAG)
     expected = np.abs([np.mean(e[lag:] * e[:-lag]) / np.mean(e**2) for lag in lags]).max()
-    assert slow_colour(e, rows) == pytest.approx(expected, rel=1e-3)
-    assert slow_colour(e, rows) > 2.0 * SLOW
+    assert slow_autocorrelation(e, rows) == pytest.approx(expected, rel=1e-3)
+    assert slow_autocorrelation(e, rows) > 2.0 * SLOW_CORRELATION
     assert np.abs(fade**lags * np.cos(turn * lags)).max() == pytest.approx(expected, abs=0.08)
 
 
@@ -82,26 +82,28 @@ def test_white_noise_and_noise_that_forgets_itself_are_not_slow() -> None:
     rng = np.random.default_rng(5)
     rows = np.ones(4000, bool)
     for pole in (0.0, 0.7):
-        assert slow_colour(lfilter([1.0], [1.0, -pole], rng.standard_normal(4000)), rows) < 0.5 * SLOW
-    assert slow_colour(lfilter([1.0], [1.0, -0.95], rng.standard_normal(4000)), rows) > SLOW
+        assert (
+            slow_autocorrelation(lfilter([1.0], [1.0, -pole], rng.standard_normal(4000)), rows) < 0.5 * SLOW_CORRELATION
+        )
+    assert slow_autocorrelation(lfilter([1.0], [1.0, -0.95], rng.standard_normal(4000)), rows) > SLOW_CORRELATION
 
 
 def test_rows_that_do_not_count_have_no_part_in_the_slowness() -> None:
     e = np.random.default_rng(5).standard_normal(2000)
     rows = np.ones(2000, bool)
     rows[300:900] = False
-    still = slow_colour(e, rows)
+    still = slow_autocorrelation(e, rows)
     e[300:900] += 20.0
-    assert slow_colour(e, rows) == still
-    assert slow_colour(e[:ENOUGH], np.ones(ENOUGH, bool)) == 0.0  # too few pairs
+    assert slow_autocorrelation(e, rows) == still
+    assert slow_autocorrelation(e[:MIN_PAIRS], np.ones(MIN_PAIRS, bool)) == 0.0  # too few pairs
 
 
 def test_colour_compares_power_and_innovations_on_the_same_rows(fitted: Fitted) -> None:
     """White noise that is loud where no rows count has no colour."""
     data, fit = fitted(noise(0.0, 1) * np.where(np.arange(800) < 400, 1.0, 8.0))
     quiet = replace(data, rows=np.arange(800) < 400)
-    assert leftover(quiet, fit).colour == pytest.approx(1.0, abs=0.12)
-    assert leftover(data, fit).colour == pytest.approx(1.0, abs=0.12)
+    assert measure_residual(quiet, fit).colour == pytest.approx(1.0, abs=0.12)
+    assert measure_residual(data, fit).colour == pytest.approx(1.0, abs=0.12)
 
 
 def test_a_function_of_the_past_of_the_input_is_no_noise(fitted: Fitted, levels: FloatArray) -> None:
@@ -109,7 +111,7 @@ def test_a_function_of_the_past_of_the_input_is_no_noise(fitted: Fitted, levels:
     u = np.concatenate([levels, levels[::-1]])[:800]
     state = lfilter([0.2], [1.0, -0.8], u)
     data, fit = fitted(0.3 * state**2 + noise(0.0, 1, 0.03))
-    left = leftover(data, fit)
+    left = measure_residual(data, fit)
     assert not is_noise(left, converted=False)
     assert left.explained > 0.5
     assert left.repeats > 0.3
@@ -118,7 +120,7 @@ def test_a_function_of_the_past_of_the_input_is_no_noise(fitted: Fitted, levels:
 
 def test_noise_that_grows_with_the_input_is_no_noise(fitted: Fitted, levels: FloatArray) -> None:
     u = np.concatenate([levels, levels[::-1]])[:800]
-    left = leftover(*fitted(noise(0.0, 1, 0.1) * np.where(u > 0.3, 5.0, 0.2)))
+    left = measure_residual(*fitted(noise(0.0, 1, 0.1) * np.where(u > 0.3, 5.0, 0.2)))
     assert left.activity > 0.2
     assert left.activity_z > 4.0
     assert not is_noise(left, converted=False)
@@ -127,14 +129,14 @@ def test_noise_that_grows_with_the_input_is_no_noise(fitted: Fitted, levels: Flo
 def test_tails_and_unevenness_are_those_of_the_innovations(fitted: Fitted) -> None:
     e = np.random.default_rng(4).standard_t(3, 800) * 0.1
     data, fit = fitted(e)
-    left = leftover(data, fit)
+    left = measure_residual(data, fit)
     assert left.tails > 4.5
-    white = (data.y - fit.output)[data.sound]
+    white = (data.y - fit.output)[data.complete]
     if fit.noise.ar.size == 0:
         assert left.tails == pytest.approx(kurtosis(white, fisher=False), rel=0.05)
     burst = noise(0.0, 3)
     burst[400:470] *= 6.0
-    assert leftover(*fitted(burst)).uneven > 5.0
+    assert measure_residual(*fitted(burst)).uneven > 5.0
 
 
 @pytest.mark.parametrize(
@@ -143,7 +145,7 @@ def test_tails_and_unevenness_are_those_of_the_innovations(fitted: Fitted) -> No
 )
 def test_every_sign_counts_unless_a_coarse_converter_makes_it(fitted: Fitted, worse: dict[str, float]) -> None:
     """Rounding repeats itself with the input, and jumps."""
-    left = leftover(*fitted(noise(0.0, 1)))
+    left = measure_residual(*fitted(noise(0.0, 1)))
     assert is_noise(left, converted=False)
     assert not is_noise(replace(left, **worse), converted=False)
     assert is_noise(replace(left, **worse), converted=True)
@@ -155,7 +157,7 @@ def test_the_input_of_the_same_instant_is_no_past(fitted: Fitted) -> None:
     u = data.u.copy()
     u[400] += 3.0
     other = replace(data, u=u)
-    for told in (features, pasts):
+    for told in (nonlinear_features, input_history):
         before, after = told(data, fit), told(other, fit)
         np.testing.assert_array_equal(before[:401], after[:401])
         assert np.all(np.any(before[401:403] != after[401:403], axis=1))
@@ -165,7 +167,7 @@ def test_explained_share_is_that_of_unseen_blocks(fitted: Fitted) -> None:
     data, fit = fitted(noise(0.0, 5))
     share = explained_share(data, fit, data.y - fit.output)
     assert share < 0.02
-    X = features(data, fit)
+    X = nonlinear_features(data, fit)
     e = X @ np.random.default_rng(1).standard_normal(X.shape[1])
     assert explained_share(data, fit, e) > 0.9
     half = explained_share(data, fit, e + e.std() * np.random.default_rng(2).standard_normal(e.size))
@@ -175,11 +177,11 @@ def test_explained_share_is_that_of_unseen_blocks(fitted: Fitted) -> None:
 def test_repetition_sees_any_function_of_the_pasts(fitted: Fitted) -> None:
     """Even one that no polynomial gives: the sign of the last move of the input."""
     data, fit = fitted(noise(0.0, 5))
-    moved = np.sign(pasts(data, fit)[:, -1])
-    value, z = repetition(data, fit, moved + 0.2 * np.random.default_rng(1).standard_normal(data.samples))
+    moved = np.sign(input_history(data, fit)[:, -1])
+    value, z = repeatability(data, fit, moved + 0.2 * np.random.default_rng(1).standard_normal(data.samples))
     assert value > 0.5
     assert z > 4.0
-    value, z = repetition(data, fit, np.random.default_rng(6).standard_normal(data.samples))
+    value, z = repeatability(data, fit, np.random.default_rng(6).standard_normal(data.samples))
     assert abs(value) < 0.12
     assert abs(z) < 3.5
 
@@ -197,7 +199,7 @@ def clipped(levels: FloatArray, two_poles: Callable[..., FloatArray], pole: floa
         "high": (float(high) - data.y_scale.centre) / data.y_scale.unit,
     }
     theta = np.array([numbers.get(p.name, 0.0) for p in hypothesis.parameters])
-    point = search(data, hypothesis, theta)
+    point = minimize(data, hypothesis, theta)
     assert point is not None
     return data, finish(data, hypothesis, point)
 
@@ -208,11 +210,11 @@ def test_noise_is_measured_off_the_stops_of_the_sensor(
 ) -> None:
     """On them it is hidden: quiet there, loud elsewhere, which looks like tails and like an input that has a part."""
     data, fit = clipped(levels, two_poles, pole, 0.3)
-    left = leftover(data, fit)
+    left = measure_residual(data, fit)
     assert left.tails == pytest.approx(3.0, abs=0.5)
     assert left.activity < 0.08
     assert is_noise(left, converted=False)
-    everywhere = kurtosis((data.y - fit.output)[data.sound], fisher=False)
+    everywhere = kurtosis((data.y - fit.output)[data.complete], fisher=False)
     assert everywhere > left.tails + 0.5
 
 
@@ -220,5 +222,5 @@ def test_where_a_sensor_hardly_leaves_its_stop_every_row_counts(
     levels: FloatArray, two_poles: Callable[..., FloatArray]
 ) -> None:
     data, fit = clipped(levels, two_poles, 0.0, 0.8)
-    assert np.mean(fit.output < fit.output.max()) < MOST_LEFT
-    assert leftover(data, fit).rms == pytest.approx(np.sqrt(np.mean((data.y - fit.output) ** 2)))
+    assert np.mean(fit.output < fit.output.max()) < MIN_UNLIMITED_SHARE
+    assert measure_residual(data, fit).rms == pytest.approx(np.sqrt(np.mean((data.y - fit.output) ** 2)))

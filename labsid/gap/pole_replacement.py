@@ -1,0 +1,42 @@
+"""A pole that goes on alone made what it stands for, beside other effects: a drift, or a wave."""
+
+import numpy as np
+
+from labsid.gap.data import Data
+from labsid.gap.fitting import Fit, finish, minimize
+from labsid.gap.forms import PERIODIC, SENSOR_DRIFTS, transfer_theta
+from labsid.gap.linear_fits import SINGLE_POLE_RATES
+from labsid.gap.refinement import converge, polish
+from labsid.gap.responses import real_rates, single_pole
+from labsid.gap.undriven_poles import has_undriven_pole
+
+
+def replace_undriven_pole(data: Data, fit: Fit) -> tuple[Fit, Fit] | None:
+    """The same effects on the one pole that the input moves, without and with a drift or a wave for the other pole.
+
+    None where that pole is drawn there again, or the fit has such an effect already.
+    """
+    c, k = fit.rates
+    swings = c**2 < 4.0 * k
+    cycles = float(np.sqrt(max(k - 0.25 * c**2, 0.0))) * data.samples / (2.0 * np.pi)
+    effects = (PERIODIC,) if swings else SENSOR_DRIFTS
+    best: Fit | None = None
+    for effect in effects:
+        if effect.name in fit.hypothesis.names:
+            continue
+        other = fit.hypothesis.plus(effect)
+        for rate in SINGLE_POLE_RATES if swings else real_rates(c, k)[1:]:
+            theta = transfer_theta(fit, other)
+            theta[other.slices["plant"]][:2] = np.log(single_pole(rate))
+            if swings:
+                theta[other.slices[effect.key]] = cycles
+            point = minimize(data, other, theta, iterations=25, tolerance=1e-5)
+            one = None if point is None else finish(data, other, point)
+            if one is not None and (best is None or one.bic < best.bic) and not has_undriven_pole(data, one):
+                best = one
+    if best is None:
+        return None
+    end = polish(data, converge(data, best))
+    best = best if has_undriven_pole(data, end) else end
+    alone = minimize(data, fit.hypothesis, transfer_theta(best, fit.hypothesis), iterations=0)
+    return None if alone is None else (finish(data, fit.hypothesis, alone), best)
