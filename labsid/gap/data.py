@@ -52,7 +52,7 @@ class Data:
         Converter step in the scaled output; zero where there is none.
     lags : int
         The longest autoregression that the noise may have.
-    sound : ndarray of bool, shape (N,)
+    complete : ndarray of bool, shape (N,)
         Rows that count together with so many before them.
     """
 
@@ -70,7 +70,7 @@ class Data:
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "lags", usable_lags(self.rows))
-        object.__setattr__(self, "sound", complete_rows(self.rows, self.lags))
+        object.__setattr__(self, "complete", complete_rows(self.rows, self.lags))
 
     @property
     def samples(self) -> int:

@@ -26,7 +26,7 @@ class Design:
     ----------
     columns : ndarray, shape (N, m + q)
         All columns.
-    bent : int
+    n_sensed : int
         m: how many of them, the first ones, pass through the sensor, the constant among them.
     theta : ndarray
         The numbers that it was made with.
@@ -62,7 +62,7 @@ class Hypothesis:
     Attributes
     ----------
     effects : tuple of Effect
-    known : int
+    n_given : int
         So many of them, the first ones, stand in the simulation that was given: they are no finding.
     given : Plant or None
         Dynamics to start from where they are not the linear ones.

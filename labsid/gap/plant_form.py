@@ -67,20 +67,20 @@ class PlantForm:
         Whether what rubs has next to no spring: a constant force is then no shift of its position.
     lag_first : bool
         The lag of the speed stands before the friction, not behind it.
-    lag_ahead : bool
+    lag_upstream : bool
         The further lag stands before a nonlinear state, not behind it.
     mode_place : str
         Where the mode stands beside a nonlinear state: "behind" it, "ahead" of it, or "beside" it.
     course : str
         How a varying pole goes along the record: "slow", or "step" at an instant, without a jump of the output: its
         speed jumps, by the searched `turn` none of it or all, where what changes is the rate of the latter lag.
-    fading : bool
+    drifting : bool
         Whether the rate of the latter of two nonlinear states, or a nonlinear spring, goes along a slow course.
-    bends : int
+    extra_degrees : int
         Degrees above one of a slow course.
-    loaded, shaken : bool
+    has_load, has_sinusoid : bool
         Whether a load, and one that grows with the state, begins at an instant, or one swings; of nonlinear states.
-    load_ahead, shaken_ahead : bool
+    load_upstream, sinusoid_upstream : bool
         It enters ahead of the former of two states in a row, not of the latter one, and does not grow.
     run : callable, optional
         ``run(w) -> y`` of a given simulation, in scaled units.

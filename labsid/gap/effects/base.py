@@ -22,7 +22,7 @@ class Effect:
     ----------
     name, path : str
         From the table of effects.
-    surplus : dict
+    bic_penalty : dict
         By variant, by how much its BIC has to be the better one before it takes the place of a simpler form.
     variant : str
         Which form of it, where there are several.

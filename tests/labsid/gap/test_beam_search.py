@@ -303,10 +303,10 @@ def test_a_form_is_none_if_an_effect_in_it_is_not_what_it_says(
     assert point is not None
     fit = finish(data, hypothesis, point)
     assert [form.hypothesis.effects[0].variant for form in _alternative_forms(data, fit)] == ["", "rich"]
-    monkeypatch.setattr(output.Nonlinearity, "holds", lambda effect, fit: effect.variant != "rich")
+    monkeypatch.setattr(output.Nonlinearity, "is_plausible", lambda effect, fit: effect.variant != "rich")
     assert _alternative_forms(data, fit) == [fit]  # although the last effect is
     monkeypatch.undo()
-    monkeypatch.setattr(input.DeadZone, "holds", lambda effect, fit: False)
+    monkeypatch.setattr(input.DeadZone, "is_plausible", lambda effect, fit: False)
     assert _alternative_forms(data, fit) == [fit]
     known = replace(fit, hypothesis=Hypothesis(hypothesis.effects[::-1], n_given=1))
     assert len(_alternative_forms(data, known)) == 2  # the simulation's own effects are not asked
