@@ -628,7 +628,7 @@ def test_of_a_mirrored_record_the_search_of_friction_begins_at_the_mirrored_numb
 def test_a_pole_and_a_zero_of_the_sensor_may_wander_far(levels: FloatArray) -> None:
     """Courses of four and of sixteen degrees are among the candidates."""
     assert {"parameter-drift/pole-4", "output-drift/16"} <= {effect.key for effect in ALL}
-    slow = drifts.PoleDrift("4").shape(Plant())
+    slow = drifts.PoleDrift("4").extend(Plant())
     assert [p.name for p in slow.parameters][2:] == ["drift", "share_c", "turn", "bend1", "bend2", "bend3"]
     assert output.Drift("16").width == 16
     x = np.linspace(-1.0, 1.0, 400)
