@@ -1,6 +1,6 @@
-"""The groups of the command that need Jupyter or nbgrader: ``course``, ``lab``, ``submit`` and ``demo``.
+"""The commands that need Jupyter or nbgrader: ``course``, ``lab``, ``submit`` and ``demo``.
 
-Thin: parse, call, print. Everything heavy is imported by the command that needs it.
+Each command parses its options, calls the package and prints; it imports what it needs when it runs.
 """
 
 import sys
@@ -18,12 +18,12 @@ course = typer.Typer(help="Build the course, grade a class, write feedback and e
 
 Out = Annotated[Path, typer.Option("--out", help="Folder of the graded class.")]
 SecretFile = Annotated[
-    Path | None, typer.Option("--secret", metavar="FILE", help="File with the course's secret: individual data.")
+    Path | None, typer.Option("--secret", metavar="FILE", help="File with the course's secret, for individual data.")
 ]
 
 
-@course.command()
-def build() -> None:
+@course.command("build")
+def course_build() -> None:
     """Build notebooks/*.md into autograder/source and autograder/release."""
     from autograder.course.build import build_course
     from autograder.course.layout import find_course
@@ -34,21 +34,21 @@ def build() -> None:
     print(f"Release: {here.release}")
 
 
-@course.command()
-def release(
-    out: Annotated[Path, typer.Option(metavar="FILE.zip", help="The zip for students.")],
+@course.command("release")
+def course_release(
+    out: Annotated[Path, typer.Option(metavar="FILE.zip", help="The zip file to write.")],
     secret: SecretFile = None,
     students: Annotated[
-        Path | None, typer.Option(metavar="FILE", help="Student IDs, one a line, with --secret.")
+        Path | None, typer.Option(metavar="FILE", help="Student IDs, one per line; with --secret.")
     ] = None,
 ) -> None:
-    """Zip what students get: notebooks, data, labsid and the environment; with a secret, data for each student."""
+    """Write the student release: notebooks, data, labsid and its environment; with a secret, individual data."""
     from autograder.course.layout import find_course
     from autograder.course.release import read_students, write_individual_releases, write_release
     from labsid.rig import read_secret
 
     if (secret is None) != (students is None):
-        raise ValueError("--secret and --students go together: data for each student. Give both, or neither.")
+        raise ValueError("--secret and --students go together, for individual data. Give both or neither.")
     here = find_course()
     if secret is None or students is None:
         files = write_release(here, out)
@@ -57,56 +57,54 @@ def release(
     print(f"Wrote {out}: {len(files)} files.")
 
 
-@course.command()
-def collect_submissions(
-    hand_ins: Annotated[Path, typer.Argument(metavar="MOODLE.zip", help="From 'Download all submissions'.")],
-    out: Annotated[Path, typer.Option(metavar="DIR", help="Gets <student>/<assignment>/<assignment>.ipynb.")],
+@course.command("collect")
+def course_collect(
+    hand_ins: Annotated[Path, typer.Argument(metavar="MOODLE.zip", help="Zip file of 'Download all submissions'.")],
+    out: Annotated[Path, typer.Option(metavar="DIR", help="Receives <student>/<assignment>/<assignment>.ipynb.")],
     worksheet: Annotated[
         Path | None,
-        typer.Option(metavar="FILE", help="Moodle's grading worksheet: IDs and times. Else the participant number."),
+        typer.Option(metavar="FILE", help="Moodle's grading worksheet, for IDs and times."),
     ] = None,
     timezone: Annotated[
-        str | None, typer.Option(metavar="ZONE", help="Of the worksheet's times; else this machine's.")
+        str | None, typer.Option(metavar="ZONE", help="Time zone of the worksheet; default this machine's.")
     ] = None,
 ) -> None:
-    """Take hand-ins out of Moodle's zip, a line for each student."""
+    """Extract submissions from Moodle's zip file."""
     from autograder.course.layout import find_course
-    from autograder.intake.collect import collect_submissions as collect_hand_ins
+    from autograder.intake.collect import collect_submissions
     from autograder.intake.worksheet import read_worksheet
     from autograder.results.late import time_zone
 
     zone = None if timezone is None else time_zone(timezone)
     sheet = None if worksheet is None else read_worksheet(worksheet)
-    for line in collect_hand_ins(find_course(), hand_ins, out, sheet, zone):
+    for line in collect_submissions(find_course(), hand_ins, out, sheet, zone):
         print(line)
     print(f"Next: labsid course grade --submitted {out} --out OUT")
 
 
-@course.command()
-def grade(
+@course.command("grade")
+def course_grade(
     submitted: Annotated[Path, typer.Option(help="Submissions: <student>/<assignment>/<assignment>.ipynb.")],
     out: Out,
     assignment: Annotated[str | None, typer.Option(help="Grade only this assignment.")] = None,
-    jobs: Annotated[int, typer.Option(min=1, help="Submissions at a time, on this machine.")] = 2,
+    jobs: Annotated[int, typer.Option(min=1, help="Submissions graded at a time on this machine.")] = 2,
     scheduler: Annotated[
         str | None,
-        typer.Option(
-            metavar="ADDRESS", help="Of a Dask scheduler, such as tcp://HOST:8786: its workers execute and judge."
-        ),
+        typer.Option(metavar="ADDRESS", help="Grade on the workers of a Dask scheduler, such as tcp://HOST:8786."),
     ] = None,
     isolation: Annotated[str, typer.Option(help="strict, best or none.")] = "best",
     late: Annotated[
         str | None,
         typer.Option(
             metavar="RULES",
-            help="Such as 'due=2026-11-30T23:59,tz=Australia/Sydney,grace=2h,per-day=10%,most=50%'; several with ';', "
-            "each for one assignment as 'lab-identification: due=...'. Lateness counts from due; a day is each one "
-            "that has begun; percentages are of the marks there are.",
+            help="Late rules, such as 'due=2026-11-30T23:59,tz=Australia/Sydney,grace=2h,per-day=10%,most=50%'; "
+            "several are separated by ';', each for one assignment as 'lab-identification: due=...'. Lateness counts "
+            "from due in started days; percentages are of all marks.",
         ),
     ] = None,
     secret: SecretFile = None,
 ) -> None:
-    """Grade a class. Run again to grade only what is missing or has changed.
+    """Grade a class; a second run grades only new and changed submissions.
 
     The gradebook is OUT/gradebook.db, or the database that OUT/nbgrader_config.py names in CourseDirectory.db_url.
     """
@@ -124,26 +122,28 @@ def grade(
     key = None if secret is None else read_secret(secret)
     here = find_course()
     batch = find_batch(here, submitted, assignment)
-    Thread(target=import_nbgrader_api, daemon=True).start()  # takes seconds, as does opening the launcher: at one time
+    Thread(target=import_nbgrader_api, daemon=True).start()  # slow, as is opening the launcher: do both at a time
     total = len(batch.students) * len(batch.assignments)
     try:
         with open_executor(isolation, jobs, scheduler, _warn) as executor:
             if executor.level == "none":
-                _warn("NOT ISOLATED: student code has its own process with limits, but can read files of its machine.")
+                _warn(
+                    "NOT ISOLATED: student code runs in a process with limits, but can read the files of its machine."
+                )
             graded = list(_progress(grade_batch(here, batch, out, executor, key, rules), total, "grading"))
     except KeyboardInterrupt:
-        raise ValueError("interrupted. What is graded is kept; run the same command again for the rest.") from None
+        raise ValueError("interrupted. Finished results are kept; run the same command again to continue.") from None
     fresh = sum(one.fresh for one in graded)
     print(class_table(out))
     for reason, count in Counter(one.reason for one in graded if one.fresh and one.reason != "new").items():
-        print(f"graded again because of {reason}: {count}")
+        print(f"graded again, changed {reason}: {count}")
     print(
         f"{fresh} submissions graded, {len(graded) - fresh} unchanged since the last run. Grades: {out / 'grades.csv'}"
     )
 
 
-@course.command()
-def feedback(out: Out) -> None:
+@course.command("feedback")
+def course_feedback(out: Out) -> None:
     """Write OUT/feedback/<student>/<assignment>.html."""
     from autograder.results.feedback import write_feedback
 
@@ -151,18 +151,18 @@ def feedback(out: Out) -> None:
     print(f"Wrote {len(pages)} pages below {out / 'feedback'}.")
 
 
-@course.command()
-def export(
+@course.command("export")
+def course_export(
     out: Out,
     format: Annotated[str, typer.Option("--format", help="csv or moodle.")] = "csv",
     worksheet: Annotated[
-        Path | None, typer.Option(metavar="FILE", help="For moodle: its grading worksheet, as downloaded.")
+        Path | None, typer.Option(metavar="FILE", help="Moodle's grading worksheet, as downloaded.")
     ] = None,
     assignment: Annotated[
-        str | None, typer.Option(help="For moodle: what the worksheet is of; else all that were graded, added up.")
+        str | None, typer.Option(help="Assignment of the worksheet; default all graded assignments, added up.")
     ] = None,
 ) -> None:
-    """Export the grades, with what was graded by hand since."""
+    """Export the grades, including manual grades, as CSV or to Moodle."""
     from autograder.export.grades_csv import export_csv
     from autograder.export.moodle import export_moodle
     from autograder.intake.worksheet import read_worksheet
@@ -182,24 +182,24 @@ def export(
     print(f"Filled in {done.filled} rows. Upload {done.worksheet} and {done.feedback}.")
 
 
-@course.command()
-def report(out: Out) -> None:
-    """Write OUT/report.html: how the class did, what cost most, who needs a look."""
+@course.command("report")
+def course_report(out: Out) -> None:
+    """Write OUT/report.html: distribution of marks, most costly questions and mistakes, submissions to review."""
     from autograder.results.report import write_report
 
     print(f"Wrote {write_report(out)}.")
 
 
-@course.command()
-def doctor(
-    json_file: Annotated[Path | None, typer.Option("--json", metavar="FILE", help="Write what was found here.")] = None,
+@course.command("doctor")
+def course_doctor(
+    json_file: Annotated[Path | None, typer.Option("--json", metavar="FILE", help="Also write JSON.")] = None,
 ) -> None:
-    """Try each way out of a student's process on this machine, and say what holds on each level of isolation."""
+    """Attempt escapes from a student's process at each isolation level on this machine, and report the results."""
     from autograder.sandbox.doctor import attempt_escapes, reports_json, reports_text
     from autograder.sandbox.isolation import LEVELS
     from labsid._files import write_file
 
-    found = list(_progress(attempt_escapes(), len(LEVELS), "trying"))
+    found = list(_progress(attempt_escapes(), len(LEVELS), "testing"))
     print(reports_text(found))
     if json_file is not None:
         write_file(json_file, reports_json(found).encode())
@@ -209,7 +209,7 @@ def lab(
     folder: Annotated[Path, typer.Option(help="Your work folder.")] = Path("labsid-work"),
     open_lab: Annotated[bool, typer.Option("--open/--no-open", help="Open JupyterLab in it.")] = True,
 ) -> None:
-    """Copy the student release into a work folder, never overwriting work, and open JupyterLab."""
+    """Copy the student release into a work folder without overwriting files, and open JupyterLab in it."""
     from autograder.course.layout import find_course
     from autograder.course.student_folder import copy_release, open_jupyterlab
 
@@ -221,7 +221,7 @@ def lab(
 
 def submit(
     folder: Annotated[Path, typer.Option(help="Your work folder.")] = Path("labsid-work"),
-    out: Annotated[Path, typer.Option(help="The file to hand in.")] = Path("hand-in.zip"),
+    out: Annotated[Path, typer.Option(help="The zip file to hand in.")] = Path("hand-in.zip"),
 ) -> None:
     """Check your notebooks and zip them for hand-in."""
     from autograder.course.student_folder import pack_submission
@@ -231,10 +231,10 @@ def submit(
 
 
 def demo(
-    out: Annotated[Path, typer.Option(help="Folder for what it makes.")] = Path("labsid-demo"),
+    out: Annotated[Path, typer.Option(help="Output folder.")] = Path("labsid-demo"),
 ) -> None:
-    """The main job, end to end, on embedded data."""
-    from autograder.demo import run_demo
+    """Build the course, grade sample submissions and identify the lab's record, end to end."""
+    from autograder.demonstration import run_demo
 
     run_demo(out, _progress)
 
@@ -244,7 +244,7 @@ def _warn(line: str) -> None:
 
 
 def _progress(items: Iterable[Item], total: int | None, what: str) -> Iterator[Item]:
-    """Pass items on while showing how far it is; silent where nobody watches."""
+    """Yield the items with a progress bar on stderr; without one if stderr is not a terminal."""
     from rich.console import Console
     from rich.progress import track
 

@@ -1,4 +1,4 @@
-"""Sample submissions for the demonstration, from a right one to one that crashes."""
+"""Sample submissions for the demonstration, from a correct one to one that crashes."""
 
 import json
 from collections.abc import Mapping
@@ -11,7 +11,7 @@ from autograder.course.layout import Course
 
 LAB = "lab-identification"
 
-_HALF_RIGHT = {
+_MISTAKES = {
     "lab-1c-offsets-answer": """
 y_offset = np.mean(y_act)
 u_offset = u_act[0]
@@ -27,7 +27,7 @@ y_sim_half = scipy.signal.lfilter([0, b1, b2], [1, a1, a2], u)[len(u) // 2 :]
     "lab-3b-start": "The simulation is wrong at first.",
 }
 
-_DIFFERENT = {
+_OTHER_METHODS = {
     "lab-1c-loop-answer": """
 def first_period(u):
     changed = np.flatnonzero(np.asarray(u).ravel() != np.asarray(u).ravel()[0])
@@ -75,40 +75,40 @@ y_sim = simulate_the_model(u)
 
 
 def write_samples(course: Course, folder: Path) -> dict[str, str]:
-    """Write six students' submissions of the lab, and all assignments of the one who is right.
+    """Write six students' submissions of the lab, and all assignments of the first student.
 
     Parameters
     ----------
     course : Course
         Built.
     folder : Path
-        Gets ``<student>/<assignment>/<assignment>.ipynb``.
+        Receives ``<student>/<assignment>/<assignment>.ipynb``.
 
     Returns
     -------
     dict
-        What each student stands for, by name.
+        Description of each student's submission, by name.
     """
     for name in course.assignments():
         _write(folder / "ada" / name / f"{name}.ipynb", _notebook(course, name, {}))
-    _write(folder / "ben" / LAB / f"{LAB}.ipynb", _notebook(course, LAB, _HALF_RIGHT))
-    _write(folder / "cleo" / LAB / f"{LAB}.ipynb", _notebook(course, LAB, _DIFFERENT))
-    untouched = (course.release / LAB / f"{LAB}.ipynb").read_text(encoding="utf-8")
-    _write(folder / "dan" / LAB / f"{LAB}.ipynb", untouched)
+    _write(folder / "ben" / LAB / f"{LAB}.ipynb", _notebook(course, LAB, _MISTAKES))
+    _write(folder / "cleo" / LAB / f"{LAB}.ipynb", _notebook(course, LAB, _OTHER_METHODS))
+    unanswered = (course.release / LAB / f"{LAB}.ipynb").read_text(encoding="utf-8")
+    _write(folder / "dan" / LAB / f"{LAB}.ipynb", unanswered)
     _write(folder / "eve" / LAB / f"{LAB}.ipynb", _notebook(course, LAB, _CRASHING))
-    _write(folder / "finn" / LAB / f"{LAB}.ipynb", untouched[: len(untouched) // 2])
+    _write(folder / "finn" / LAB / f"{LAB}.ipynb", unanswered[: len(unanswered) // 2])
     return {
-        "ada": "everything right",
-        "ben": "half right, with known slips",
-        "cleo": "right, but written differently",
-        "dan": "untouched",
-        "eve": "code that ends its process, and a name that does not exist",
-        "finn": "a file that was cut off",
+        "ada": "all answers right",
+        "ben": "common mistakes in half of the steps",
+        "cleo": "right, by other methods",
+        "dan": "the release, not answered",
+        "eve": "code that ends its process, and an undefined name",
+        "finn": "a truncated file",
     }
 
 
 def _notebook(course: Course, name: str, replaced: Mapping[str, str]) -> str:
-    """The released notebook with the model answers in it, some of them replaced."""
+    """The source notebook with its solutions, some of them replaced."""
     source: Any = nbformat.read(course.source / name / f"{name}.ipynb", as_version=4)
     for cell in source.cells:
         if cell.id in replaced:

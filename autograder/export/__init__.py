@@ -1,1 +1,1 @@
-"""Grades in the form that other systems take."""
+"""Export of grades and feedback to other systems."""

@@ -1,4 +1,4 @@
-"""Exports of a graded class."""
+"""Export of the marks as CSV."""
 
 from pathlib import Path
 
@@ -10,9 +10,7 @@ COLUMNS = ("student", "assignment", "score", "max_score", "waiting", "status", "
 
 
 def export_csv(out: Path) -> Path:
-    """Write ``OUT/export.csv``: one line a student and assignment, with what still waits to be graded by hand.
-
-    Also brings ``OUT/grades.csv`` up to date with the scores given by hand since.
+    """Write ``OUT/export.csv``, one row for each student and assignment, and update ``OUT/grades.csv``.
 
     Parameters
     ----------
@@ -22,14 +20,14 @@ def export_csv(out: Path) -> Path:
     Returns
     -------
     Path
-        Columns ``student, assignment, score, max_score, waiting, status, late_penalty``: `score` is what is left after
-        `late_penalty`, `waiting` are marks not yet graded by hand, `status` is ``complete``, ``waiting``,
-        ``missing`` or ``quarantined``.
+        Columns ``student, assignment, score, max_score, waiting, status, late_penalty``: `score` is after the late
+        penalty, `waiting` are marks not yet graded by hand, and `status` is ``complete``, ``waiting``, ``missing`` or
+        ``quarantined``.
     """
-    by_hand = gradebook.read_manual_grades(out).scores
+    manual = gradebook.read_manual_grades(out).scores
     rows = []
     for result in result_files.load_all(out):
-        marks = grades.totals(result, by_hand)
+        marks = grades.totals(result, manual)
         refused = {question.status for question in result.questions} & {"missing", "quarantined"}
         rows.append(
             {

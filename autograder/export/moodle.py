@@ -1,8 +1,8 @@
-"""Grades and feedback in the form in which Moodle takes them.
+"""Export of grades and feedback to Moodle.
 
-The offline grading worksheet comes back as it was downloaded, with the columns Grade and Feedback comments filled in;
-"Last modified (grade)" is left as it is, for Moodle refuses a grade that was changed since. The feedback is a zip with
-a folder ``Full Name_123456_assignsubmission_file_`` for each participant.
+The offline grading worksheet is written as it was downloaded, with the columns Grade and Feedback comments filled in.
+"Last modified (grade)" is not changed, because Moodle rejects grades that were modified after the download. The
+feedback is a zip file with a folder ``Full Name_123456_assignsubmission_file_`` for each participant.
 """
 
 import re
@@ -35,13 +35,13 @@ _CENT = Decimal("0.01")
 
 @dataclass(frozen=True, slots=True)
 class MoodleExport:
-    """What was written, and what the teacher should know of it.
+    """The files written, and remarks for the instructor.
 
     Attributes
     ----------
     worksheet, feedback : Path
     filled : int
-        Rows with a grade.
+        Number of rows with a grade.
     remarks : tuple of str
     """
 
@@ -59,9 +59,9 @@ def export_moodle(out: Path, sheet: Worksheet, assignment: str | None = None) ->
     out : Path
         A folder that ``labsid course grade`` wrote.
     sheet : Worksheet
-        As it was downloaded.
+        As downloaded.
     assignment : str, optional
-        Which assignment the worksheet is of; unless given, all that were graded, added up.
+        The assignment of the worksheet; default all graded assignments, added up.
 
     Returns
     -------
@@ -75,13 +75,13 @@ def export_moodle(out: Path, sheet: Worksheet, assignment: str | None = None) ->
     missing = [column for column in (GRADE, FEEDBACK) if column not in sheet.columns]
     if missing:
         raise ValueError(
-            f"the worksheet has no column {' and no column '.join(missing)}. In Moodle, switch on the feedback types "
+            f"the worksheet has no column {' and no column '.join(missing)}. In Moodle, enable the feedback types "
             "'Feedback comments' and 'Offline grading worksheet', and download it again."
         )
     stored = [one for one in result_files.load_all(out) if assignment in (None, one.assignment)]
     if not stored:
         raise ValueError(f"{out} holds no results of {assignment!r}.")
-    by_hand = gradebook.read_manual_grades(out).scores
+    manual = gradebook.read_manual_grades(out).scores
     by_student: dict[str, list[StoredResult]] = {}
     for one in stored:
         by_student.setdefault(one.student, []).append(one)
@@ -97,7 +97,7 @@ def export_moodle(out: Path, sheet: Worksheet, assignment: str | None = None) ->
             rows.append(row)
             continue
         found.add(student)
-        marks = _sum_totals([grades.totals(one, by_hand) for one in by_student[student]])
+        marks = _sum_totals([grades.totals(one, manual) for one in by_student[student]])
         filled, remark = _fill_in(row, marks, by_student[student])
         rows.append(filled)
         remarks += [f"{student}: {remark}"] if remark else []
@@ -121,31 +121,32 @@ def _sum_totals(totals: Sequence[Totals]) -> Totals:
 
 
 def _fill_in(row: Mapping[str, str], marks: Totals, stored: Sequence[StoredResult]) -> tuple[dict[str, str], str]:
-    """A row with its grade, in the worksheet's own scale, and what to say of it."""
+    """A row with its grade on the worksheet's scale, and a remark."""
     if row.get(CHANGEABLE, "Yes").strip().casefold() == "no":
-        return dict(row), "the grade cannot be changed in Moodle; left as it is"
-    most = _maximum_grade(row.get(MAXIMUM, ""))
+        return dict(row), "the grade is locked in Moodle and was not changed"
+    maximum = _maximum_grade(row.get(MAXIMUM, ""))
     score, remark = marks.score, ""
-    if most is not None and most != marks.max_score and marks.max_score:
-        score = (marks.score * most / marks.max_score).quantize(_CENT, ROUND_HALF_UP)
-        remark = f"{plain_decimal(marks.score)} of {plain_decimal(marks.max_score)} is {plain_decimal(score)} of {most}"
+    total = f"{plain_decimal(marks.score)} of {plain_decimal(marks.max_score)}"
+    if maximum is not None and maximum != marks.max_score and marks.max_score:
+        score = (marks.score * maximum / marks.max_score).quantize(_CENT, ROUND_HALF_UP)
+        remark = f"{total} is {plain_decimal(score)} of {maximum}"
     if marks.waiting:
-        waits = f"{plain_decimal(marks.waiting)} marks wait to be graded by hand"
-        remark = f"{remark}; {waits}" if remark else waits
+        waiting = f"{plain_decimal(marks.waiting)} marks not yet graded by hand"
+        remark = f"{remark}; {waiting}" if remark else waiting
     return {**row, GRADE: plain_decimal(score), FEEDBACK: _comment(marks, stored)}, remark
 
 
 def _comment(marks: Totals, stored: Sequence[StoredResult]) -> str:
-    said = [f"{plain_decimal(marks.score)} of {plain_decimal(marks.max_score)} marks."]
+    parts = [f"{plain_decimal(marks.score)} of {plain_decimal(marks.max_score)} marks."]
     if marks.waiting:
-        said.append(f"{plain_decimal(marks.waiting)} wait to be graded by hand.")
-    said += [one.late for one in stored if one.late]
-    said += [f"{one.assignment}: {one.questions[0].status}." for one in stored if one.is_refused]
+        parts.append(f"{plain_decimal(marks.waiting)} marks not yet graded by hand.")
+    parts += [one.late for one in stored if one.late]
+    parts += [f"{one.assignment}: {one.questions[0].status}." for one in stored if one.is_refused]
     slips = dict.fromkeys(question.slip for one in stored for question in one.questions if question.slip)
     if slips:
-        said.append(f"Known slips: {'; '.join(filter(None, slips))}.")
-    said.append("The feedback file has the details.")
-    return one_line(" ".join(said))
+        parts.append(f"Common mistakes: {'; '.join(filter(None, slips))}.")
+    parts.append("See the feedback file for details.")
+    return one_line(" ".join(parts))
 
 
 def _maximum_grade(text: str) -> Decimal | None:
@@ -157,6 +158,6 @@ def _maximum_grade(text: str) -> Decimal | None:
 
 
 def _participant_folder(row: Mapping[str, str]) -> str:
-    """The participant's folder, as Moodle itself calls it."""
+    """The participant's folder, as Moodle names it."""
     name = re.sub(r"[\x00-\x1f/\\:*?\"<>|]", "", row.get(FULL_NAME, "")).strip(". ") or "Participant"
     return f"{name}_{participant_number(row)}_assignsubmission_file_"

@@ -1,4 +1,4 @@
-"""Feedback pages: one self-contained HTML page a submission, a pure function of its stored results."""
+"""Feedback pages: one self-contained HTML file for each submission, made from its stored result."""
 
 import re
 from collections.abc import Iterator, Mapping
@@ -21,18 +21,18 @@ _MARKS = {"right": "✓", "wrong": "✗", "wait": "…"}
 def write_feedback(out: Path) -> Iterator[Path]:
     """Write ``OUT/feedback/<student>/<assignment>.html`` for every result; yields each page's path.
 
-    Scores and comments given by hand in the gradebook are in it.
+    Includes the scores and comments of manual grading.
 
     Raises
     ------
     ValueError
         If OUT holds no results.
     """
-    given = gradebook.read_manual_grades(out)
+    manual = gradebook.read_manual_grades(out)
     page_template = load_template("feedback.html.j2")
     for result in result_files.load_all(out):
         path = out / "feedback" / result.student / f"{result.assignment}.html"
-        write_text(path, page_template.render(page=feedback_page(result, given.scores, given.comments)))
+        write_text(path, page_template.render(page=feedback_page(result, manual.scores, manual.comments)))
         yield path
 
 
@@ -41,13 +41,13 @@ def feedback_page(
     scores: Mapping[tuple[str, str, str], Decimal],
     comments: Mapping[tuple[str, str, str], str],
 ) -> dict[str, Any]:
-    """Everything that a feedback page shows, as plain text.
+    """The content of a feedback page, as plain text.
 
     Parameters
     ----------
     result : StoredResult
     scores, comments : mapping
-        Given by hand, by (student, assignment, question).
+        Of manual grading, by (student, assignment, question).
 
     Returns
     -------
@@ -104,22 +104,22 @@ def _question_block(question: QuestionResult, score: Decimal | None, comment: st
 
 
 def printable(text: str) -> str:
-    """Text without terminal colours and control characters; HTML in it is escaped by the template."""
+    """Text without terminal colours and control characters; the template escapes HTML."""
     text = re.sub(r"\x1b\[[0-9;?]*[ -/]*[@-~]", "", text)
     return "".join(c for c in text if c in "\n\t" or c.isprintable())
 
 
 def with_code(text: str) -> markupsafe.Markup:
-    """Text as HTML, its backticked names as code; all else in it is escaped."""
+    """Escaped HTML of a text, with backticked names as code."""
     parts = str(text).split("`")
-    if len(parts) % 2 == 0:  # a backtick that is not closed is only a character
+    if len(parts) % 2 == 0:  # an unpaired backtick is an ordinary character
         return markupsafe.escape(text)
     marked = (f"<code>{markupsafe.escape(p)}</code>" if i % 2 else markupsafe.escape(p) for i, p in enumerate(parts))
     return markupsafe.Markup("".join(marked))
 
 
 def load_template(name: str) -> jinja2.Template:
-    """A page's template; all that is put into it is escaped."""
+    """Load a page template; it escapes all values."""
     loader = jinja2.FileSystemLoader(Path(__file__).parent / "templates")
     environment = jinja2.Environment(loader=loader, autoescape=True, undefined=jinja2.StrictUndefined, trim_blocks=True)
     environment.filters["with_code"] = with_code

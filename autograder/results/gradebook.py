@@ -1,12 +1,12 @@
-"""The gradebook is nbgrader's: formgrader, manual grading and nbgrader's own feedback go on working on it.
+"""The nbgrader gradebook: enter results, and read manual grades.
 
-Results are entered in bulk, all of them in one transaction, and a table of our own beside nbgrader's says which have
-been: a run that is killed enters nothing or all, and the next run enters the rest. A score or comment given by hand
-is never touched.
+Formgrader, manual grading and nbgrader's own feedback work on this gradebook. Results are entered in bulk in one
+transaction. The table ``labsid_entered`` beside nbgrader's tables records which results have been entered, so that the
+run after an interrupted one enters the rest. Manual scores and comments are never changed.
 
-The gradebook is where ``OUT/nbgrader_config.py`` says, in nbgrader's own setting ``CourseDirectory.db_url``: a file
-in OUT unless it is changed there, to ``postgresql+psycopg://USER:PASSWORD@HOST/NAME`` for a class that several people
-grade by hand at a time (``pip install 'labsid[postgres]'``).
+nbgrader's setting ``CourseDirectory.db_url`` in ``OUT/nbgrader_config.py`` selects the database. The default is a file
+in OUT; ``postgresql+psycopg://USER:PASSWORD@HOST/NAME`` lets several people grade by hand at the same time
+(``pip install 'labsid[postgres]'``).
 """
 
 from collections.abc import Iterable, Sequence
@@ -29,31 +29,31 @@ Key = tuple[str, str, str]
 
 @dataclass(frozen=True, slots=True)
 class ManualGrades:
-    """What was given by hand, by (student, assignment, question).
+    """Manual scores and comments, by (student, assignment, question).
 
     Attributes
     ----------
     scores : dict
-        Exact decimals, extra credit included.
+        Including extra credit.
     comments : dict
-    look_again : frozenset
-        Scored by hand, and marked since as needing another look.
+    needs_review : frozenset
+        Questions with a manual score that are marked for review.
     """
 
     scores: dict[Key, Decimal]
     comments: dict[Key, str]
-    look_again: frozenset[Key]
+    needs_review: frozenset[Key]
 
 
 def database_url(out: Path) -> str:
-    """The gradebook of an OUT folder, in nbgrader's own notation."""
+    """URL of the gradebook of an OUT folder, as nbgrader takes it."""
     config = out / "nbgrader_config.py"
     if config.is_file():
         from traitlets.config.loader import PyFileConfigLoader
 
         try:
             found = PyFileConfigLoader(config.name, str(out.resolve())).load_config().CourseDirectory.get("db_url")
-        except Exception as error:  # it is a program of the teacher's: it may fail in any way
+        except Exception as error:  # the configuration is a Python program: it can raise anything
             raise ValueError(f"{config} cannot be read: {type(error).__name__}: {error}") from None
         if isinstance(found, str):
             return found
@@ -61,18 +61,18 @@ def database_url(out: Path) -> str:
 
 
 def exists(out: Path) -> bool:
-    """Whether OUT has a gradebook: without it, nothing was given by hand."""
+    """Whether OUT has a gradebook."""
     url = database_url(out)
     return Path(url.removeprefix("sqlite:///")).is_file() if url.startswith("sqlite:///") else out.is_dir()
 
 
 def prepare(course: Course, out: Path, assignments: Sequence[str]) -> None:
-    """Enter the assignments into the gradebook, and make OUT a course folder that nbgrader's own commands can open.
+    """Enter the assignments into the gradebook, and make OUT a course folder for nbgrader's own commands.
 
     Raises
     ------
     ValueError
-        If an assignment's cells have changed since submissions of it were graded here.
+        If an assignment has changed since submissions of it were graded here.
     """
     import_nbgrader_api()
     out.mkdir(parents=True, exist_ok=True)
@@ -108,7 +108,7 @@ def _enter_assignments(course: Course, out: Path, assignments: Sequence[str]) ->
 
 
 def enter(out: Path, stored: Iterable[StoredResult]) -> int:
-    """Enter what the gradebook does not have yet, all in one transaction; what was graded by hand stays.
+    """Enter new and changed results in one transaction; manual grades are kept.
 
     Parameters
     ----------
@@ -118,7 +118,7 @@ def enter(out: Path, stored: Iterable[StoredResult]) -> int:
     Returns
     -------
     int
-        How many results were new to it.
+        Number of results entered.
     """
     from sqlalchemy import select
 
@@ -131,9 +131,9 @@ def enter(out: Path, stored: Iterable[StoredResult]) -> int:
             return 0
         entry = _BulkEntry(gradebook)
         for key, (result, digest) in new.items():
-            if not entry.knows(result.assignment):
-                continue  # until it is graded again
-            if not result.is_refused or entry.has_submission(key):  # else nothing that formgrader could open
+            if not entry.has_assignment(result.assignment):
+                continue  # an assignment that this run does not grade
+            if not result.is_refused or entry.has_submission(key):  # formgrader cannot open a missing notebook
                 entry.add(result)
             if key in entered:
                 db.execute(table.delete().where(table.c.student == key[0], table.c.assignment == key[1]))
@@ -159,7 +159,7 @@ def _entered_table(gradebook: Any) -> Any:
 
 
 class _BulkEntry:
-    """What entering takes: the gradebook's own keys, each read once, and rows that wait to be written together."""
+    """Collects the rows to write; reads the gradebook's primary keys once."""
 
     def __init__(self, gradebook: Any) -> None:
         api = import_nbgrader_api()
@@ -195,16 +195,16 @@ class _BulkEntry:
         self._new: tuple[list[dict[str, Any]], ...] = ([], [], [], [])
         self._changed: tuple[list[dict[str, Any]], ...] = ([], [], [])
 
-    def knows(self, assignment: str) -> bool:
+    def has_assignment(self, assignment: str) -> bool:
         """Whether the gradebook has the assignment."""
         return assignment in self._assignments
 
     def has_submission(self, key: tuple[str, str]) -> bool:
-        """Whether an earlier hand-in of this submission was entered: its scores must not outlive it."""
+        """Whether an earlier version of this submission was entered, so that its scores must be replaced."""
         return (key[0], self._assignments.get(key[1])) in self._submissions
 
     def add(self, result: StoredResult) -> None:
-        """Make the rows of one result."""
+        """Collect the rows of one result."""
         if result.student not in self._students:
             self._gradebook.db.add(import_nbgrader_api().Student(id=result.student))
             self._gradebook.db.flush()
@@ -235,7 +235,7 @@ class _BulkEntry:
                 if name in scores:
                     self._grade(key, cell, scores[name], name in result.review)
 
-    def _grade(self, notebook: str, cell: str, score: Decimal | None, look_again: bool) -> None:
+    def _grade(self, notebook: str, cell: str, score: Decimal | None, needs_review: bool) -> None:
         known = self._grades.get((notebook, cell))
         auto = None if score is None else float(score)
         if known is None:
@@ -243,11 +243,11 @@ class _BulkEntry:
             self._new[2].append(row | {"needs_manual_grade": score is None})
             return
         key, manual, waits = known
-        needs = score is None if manual is None else bool(waits) or look_again
+        needs = score is None if manual is None else bool(waits) or needs_review
         self._changed[2].append({"key": key, "auto_score": auto, "needs_manual_grade": needs})
 
     def flush(self) -> None:
-        """Write all that waits."""
+        """Write the collected rows."""
         from sqlalchemy import bindparam
 
         for table, rows in zip(self._tables, self._new, strict=True):
@@ -274,12 +274,12 @@ def _new_key() -> str:
 
 
 def read_manual_grades(out: Path) -> ManualGrades:
-    """What was given by hand, read in one go."""
+    """Read all manual scores and comments."""
     if not exists(out):
         return ManualGrades({}, {}, frozenset())
     api = import_nbgrader_api()
     scores: dict[Key, Decimal] = {}
-    look_again: set[Key] = set()
+    needs_review: set[Key] = set()
     with open_gradebook(database_url(out)) as gradebook:
         db = gradebook.db
         owner = (api.SubmittedAssignment.student_id, api.Assignment.name, api.BaseCell.name)
@@ -287,17 +287,17 @@ def read_manual_grades(out: Path) -> ManualGrades:
         for student, name, question, auto, manual, extra, waits in rows:
             key = student, name, question
             if manual is not None and waits:
-                look_again.add(key)
+                needs_review.add(key)
             score = _decimal(manual)
             if extra:
-                # nbgrader adds it to whichever score counts; without one the question still waits
+                # nbgrader adds it to the manual or automatic score; without either, the question is not graded yet
                 base = _decimal(auto) if score is None else score
                 score = None if base is None else base + Decimal(str(extra))
             if score is not None:
                 scores[key] = score
-        said = _cell_rows(db.query(*owner, api.Comment.manual_comment), api, api.Comment)
-        comments = {(student, name, question): text for student, name, question, text in said if text}
-    return ManualGrades(scores, comments, frozenset(look_again))
+        rows = _cell_rows(db.query(*owner, api.Comment.manual_comment), api, api.Comment)
+        comments = {(student, name, question): text for student, name, question, text in rows if text}
+    return ManualGrades(scores, comments, frozenset(needs_review))
 
 
 _GRADE = ("auto_score", "manual_score", "extra_credit", "needs_manual_grade")
@@ -327,5 +327,5 @@ c.CourseDirectory.course_id = {course_id!r}
 c.CourseDirectory.source_directory = {source!r}
 c.CourseDirectory.release_directory = {release!r}
 c.CourseDirectory.db_url = "sqlite:///" + os.path.join(c.CourseDirectory.root, "gradebook.db")
-c.HTMLExporter.sanitize_html = True  # formgrader shows what students wrote: nothing in it may run
+c.HTMLExporter.sanitize_html = True  # student text must not run as script in formgrader
 """

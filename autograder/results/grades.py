@@ -20,9 +20,17 @@ GRADE_COLUMNS = (
 
 @dataclass(frozen=True, slots=True)
 class Totals:
-    """Marks of one submission: what it has, what there is, what still waits to be graded by hand, what lateness cost.
+    """Marks of one submission.
 
-    The score is what is left after the penalty.
+    Attributes
+    ----------
+    score : Decimal
+        Marks awarded, after the late penalty.
+    max_score : Decimal
+    waiting : Decimal
+        Marks of questions not yet graded by hand.
+    penalty : Decimal
+        Late penalty.
     """
 
     score: Decimal
@@ -32,29 +40,29 @@ class Totals:
 
 
 def totals(result: StoredResult, manual: Mapping[tuple[str, str, str], Decimal]) -> Totals:
-    """Add up a submission's marks; scores given by hand, by (student, assignment, question), take precedence."""
-    score = most = waiting = Decimal(0)
+    """Add up the marks of a submission; manual scores, by (student, assignment, question), take precedence."""
+    score = max_score = waiting = Decimal(0)
     for question in result.questions:
-        given = manual.get((result.student, result.assignment, question.question), question.score)
-        most += question.max_score
-        score += given or Decimal(0)
-        waiting += question.max_score if given is None else Decimal(0)
-    return Totals(max(score - result.penalty, Decimal(0)), most, waiting, result.penalty)
+        awarded = manual.get((result.student, result.assignment, question.question), question.score)
+        max_score += question.max_score
+        score += awarded or Decimal(0)
+        waiting += question.max_score if awarded is None else Decimal(0)
+    return Totals(max(score - result.penalty, Decimal(0)), max_score, waiting, result.penalty)
 
 
 def grade_rows(results: Iterable[StoredResult], manual: Mapping[tuple[str, str, str], Decimal]) -> list[dict[str, str]]:
-    """The lines of grades.csv, in the order of students, assignments and questions.
+    """The rows of grades.csv, in the order of students, assignments and questions.
 
     Parameters
     ----------
     results : iterable of StoredResult
     manual : mapping
-        Scores given by hand, by (student, assignment, question); they take precedence.
+        Manual scores, by (student, assignment, question); they take precedence.
 
     Returns
     -------
     list of dict
-        One a question, with the columns of `GRADE_COLUMNS`.
+        One for each question, with the columns of `GRADE_COLUMNS`.
     """
     rows = []
     for result in results:
@@ -78,7 +86,7 @@ def grade_rows(results: Iterable[StoredResult], manual: Mapping[tuple[str, str, 
 
 
 def write_csv(path: Path, columns: Iterable[str], rows: Iterable[Mapping[str, str]]) -> None:
-    """Write a table, whole or not at all; text that a spreadsheet would run as a formula gets an apostrophe."""
+    """Write a table atomically; text that a spreadsheet would evaluate as a formula gets an apostrophe."""
     text = io.StringIO(newline="")
     writer = csv.DictWriter(text, list(columns), lineterminator="\n")
     writer.writeheader()

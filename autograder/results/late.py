@@ -1,18 +1,18 @@
-"""What a late hand-in costs: a small language of rules, and exact decimals.
+"""Late penalties: the rules of ``--late``, and exact decimal arithmetic.
 
 ::
 
     RULES   = RULE [";" RULE ...]
     RULE    = [ASSIGNMENT ":"] KEY "=" VALUE ["," KEY "=" VALUE ...]
 
-    due=2026-11-30T23:59     when it is due (needed); with an offset (2026-11-30T23:59+11:00), in `tz`, or in UTC
-    tz=Australia/Sydney      the time zone of `due`
-    grace=2h                 nothing is taken off until then; after it, lateness still counts from `due`
-    per-day=10%              what every started day of 24 hours costs: a share of the marks there are, or marks (0.2)
-    most=50%                 the most that is taken off; unless given, all
+    due=2026-11-30T23:59     due date (required), with an offset (2026-11-30T23:59+11:00), in `tz`, or in UTC
+    tz=Australia/Sydney      time zone of `due`
+    grace=2h                 no penalty until then; after it, lateness counts from `due`
+    per-day=10%              penalty for each started day of 24 hours (required): a share of all marks, or marks (0.2)
+    most=50%                 largest penalty; default 100%
 
-Durations are a number and one of m, h, d. A rule with the name of an assignment is for that one; the one without, for
-all that have no rule of their own. A hand-in without a known time is not late.
+Durations are a number and one of m, h, d. A rule without the name of an assignment applies to all assignments without a
+rule of their own. A submission whose time is unknown is not late.
 """
 
 import re
@@ -32,30 +32,29 @@ _UNITS = {"m": "minutes", "h": "hours", "d": "days"}
 
 @dataclass(frozen=True, slots=True)
 class Deduction:
-    """Marks, or a share of the marks there are.
+    """A deduction in marks, or as a share of all marks.
 
     Attributes
     ----------
     amount : Decimal
-        Not negative; of a share, 1 is all.
-    of_all : bool
-        Whether it is a share.
+        Not negative; a share of 1 is all marks.
+    is_share : bool
     """
 
     amount: Decimal
-    of_all: bool
+    is_share: bool
 
     def __str__(self) -> str:
-        return f"{plain_decimal(self.amount * 100)} %" if self.of_all else plain_decimal(self.amount)
+        return f"{plain_decimal(self.amount * 100)} %" if self.is_share else plain_decimal(self.amount)
 
-    def of(self, marks: Decimal) -> Decimal:
-        """In marks, where there are that many."""
-        return self.amount * marks if self.of_all else self.amount
+    def in_marks(self, marks: Decimal) -> Decimal:
+        """The deduction from an assignment with that many marks."""
+        return self.amount * marks if self.is_share else self.amount
 
 
 @dataclass(frozen=True, slots=True)
 class LateRule:
-    """The rule of one assignment.
+    """The late rule of one assignment.
 
     Attributes
     ----------
@@ -73,19 +72,19 @@ class LateRule:
 
 
 LateRules = Mapping[str, LateRule]
-"""By assignment; the rule of all others has the empty name."""
+"""By assignment; the rule for all other assignments has an empty name."""
 
 
 @dataclass(frozen=True, slots=True)
 class LatePenalty:
-    """What lateness cost one submission.
+    """The late penalty of one submission.
 
     Attributes
     ----------
     penalty : Decimal
-        Marks taken off, at most all there are.
+        In marks, at most all marks of the assignment.
     reason : str
-        In words, for the student; empty where it was not late.
+        Explanation for the student; empty if the submission was on time.
     """
 
     penalty: Decimal
@@ -96,12 +95,12 @@ ON_TIME = LatePenalty(Decimal(0), "")
 
 
 def parse_rules(text: str) -> LateRules:
-    """Read the rules of ``--late``.
+    """Parse the rules of ``--late``.
 
     Raises
     ------
     ValueError
-        Names what is wrong, and what was expected.
+        If a rule is invalid.
     """
     rules: dict[str, LateRule] = {}
     for part in filter(None, (part.strip() for part in text.split(";"))):
@@ -111,40 +110,40 @@ def parse_rules(text: str) -> LateRules:
             raise ValueError(f"--late has two rules for {name or 'all assignments'}; give one.")
         rules[name] = _parse_rule(part[named.end() :] if named else part)
     if not rules:
-        raise ValueError("--late is empty; expected such as due=2026-11-30T23:59,per-day=10%.")
+        raise ValueError("--late is empty; expected a rule such as due=2026-11-30T23:59,per-day=10%.")
     return rules
 
 
 def late_penalty(rules: LateRules, assignment: str, submitted: datetime | None, marks: Decimal) -> LatePenalty:
-    """What lateness costs a submission.
+    """Compute the late penalty of a submission.
 
     Parameters
     ----------
     rules : mapping
-        As `parse_rules` gives them.
+        As returned by `parse_rules`.
     assignment : str
     submitted : datetime or None
-        When it was handed in, in UTC; None where that is not known.
+        Submission time in UTC; None if unknown.
     marks : Decimal
-        The marks that the assignment has.
+        All marks of the assignment.
     """
     rule = rules.get(assignment, rules.get(""))
     if rule is None or submitted is None or submitted <= rule.due + rule.grace:
         return ON_TIME
-    over = submitted - rule.due
-    days = -(-over // _DAY)
-    penalty = min(days * rule.per_day.of(marks), rule.most.of(marks), marks)
+    lateness = submitted - rule.due
+    days = -(-lateness // _DAY)
+    penalty = min(days * rule.per_day.in_marks(marks), rule.most.in_marks(marks), marks)
     return LatePenalty(
         penalty,
-        f"Handed in {_duration_text(over)} late: {plain_decimal(penalty)} of {plain_decimal(marks)} marks taken off "
-        f"({rule.per_day} a started day).",
+        f"Handed in {_duration_text(lateness)} late: {plain_decimal(penalty)} of {plain_decimal(marks)} marks deducted "
+        f"({rule.per_day} per started day).",
     )
 
 
 def read_timestamp(text: str) -> datetime | None:
-    """Read nbgrader's ``timestamp.txt``, such as ``2026-11-30 15:58:23.948203 UTC``, in UTC; None where it is none.
+    """Parse nbgrader's ``timestamp.txt``, such as ``2026-11-30 15:58:23.948203 UTC``; None if it is invalid.
 
-    Without a zone it is UTC, as for nbgrader.
+    Without a time zone it is in UTC, as in nbgrader.
     """
     found = re.match(r"\s*(\d{4}-\d{2}-\d{2}[T ]\d{2}:\d{2}(?::\d{2}(?:\.\d{1,6})?)?)\s*(\S*)\s*$", text[:200])
     if found is None:
@@ -160,26 +159,26 @@ def read_timestamp(text: str) -> datetime | None:
 
 
 def _parse_rule(text: str) -> LateRule:
-    given: dict[str, str] = {}
+    values: dict[str, str] = {}
     for item in text.split(","):
         key, equals, value = (word.strip() for word in item.partition("="))
         if key not in _KEYS or not equals or not value:
             raise ValueError(f"--late: got {item.strip()!r}, expected one of {', '.join(_KEYS)} with = and a value.")
-        if key in given:
+        if key in values:
             raise ValueError(f"--late has {key} twice; give it once.")
-        given[key] = value
-    if "due" not in given:
+        values[key] = value
+    if "due" not in values:
         raise ValueError("--late needs due, such as due=2026-11-30T23:59.")
-    if "per-day" not in given:
+    if "per-day" not in values:
         raise ValueError("--late needs per-day, such as per-day=10%.")
-    due, grace = _parse_due(given["due"], given.get("tz")), _parse_duration(given.get("grace", "0m"))
+    due, grace = _parse_due(values["due"], values.get("tz")), _parse_duration(values.get("grace", "0m"))
     if datetime.max.replace(tzinfo=UTC) - due < grace:
-        raise ValueError(f"--late: due={given['due']} with grace={given['grace']} is beyond the end of time.")
+        raise ValueError(f"--late: due={values['due']} with grace={values['grace']} is beyond the year 9999.")
     return LateRule(
         due,
         grace,
-        _parse_deduction("per-day", given["per-day"]),
-        _parse_deduction("most", given.get("most", "100%")),
+        _parse_deduction("per-day", values["per-day"]),
+        _parse_deduction("most", values.get("most", "100%")),
     )
 
 
@@ -187,29 +186,29 @@ def _parse_due(text: str, zone: str | None) -> datetime:
     try:
         due = datetime.fromisoformat(text)
     except ValueError:
-        raise ValueError(f"--late: due={text} is no time; expected such as 2026-11-30T23:59.") from None
+        raise ValueError(f"--late: due={text} is not a time; expected a value such as 2026-11-30T23:59.") from None
     if due.tzinfo is not None and zone is not None:
-        raise ValueError(f"--late: due={text} has an offset and there is tz={zone}, too; give one of them.")
+        raise ValueError(f"--late: due={text} has an offset, and there is also tz={zone}; give one of them.")
     try:
         return (due if due.tzinfo is not None else due.replace(tzinfo=time_zone(zone or "UTC"))).astimezone(UTC)
     except OverflowError:
-        raise ValueError(f"--late: due={text} is no time; expected such as 2026-11-30T23:59.") from None
+        raise ValueError(f"--late: due={text} is not a time; expected a value such as 2026-11-30T23:59.") from None
 
 
 def time_zone(name: str) -> tzinfo:
-    """The time zone of that name; `ValueError` where there is none."""
+    """The time zone of that name; `ValueError` if it is unknown."""
     if name == "UTC":
-        return UTC  # not every system has the table of zones
+        return UTC  # available without a time zone database
     try:
         return ZoneInfo(name)
-    except (KeyError, ValueError, OSError):  # not there, or no name of a zone at all
-        raise ValueError(f"the time zone {name} is not known here; expected such as Australia/Sydney.") from None
+    except (KeyError, ValueError, OSError):  # not in the database, or not a valid name
+        raise ValueError(f"the time zone {name} is not known; expected a name such as Australia/Sydney.") from None
 
 
 def _parse_duration(text: str) -> timedelta:
     found = _DURATION.fullmatch(text)
     if found is None:
-        raise ValueError(f"--late: grace={text} is no duration; expected such as 30m, 2h or 1d.")
+        raise ValueError(f"--late: grace={text} is not a duration; expected a value such as 30m, 2h or 1d.")
     return timedelta(**{_UNITS[found[2]]: int(found[1])})
 
 
@@ -219,13 +218,13 @@ def _parse_deduction(key: str, text: str) -> Deduction:
     except InvalidOperation:
         amount = Decimal(-1)
     if not amount.is_finite() or amount < 0 or amount.adjusted() > 6 or len(amount.as_tuple().digits) > 12:
-        raise ValueError(f"--late: {key}={text} is no amount; expected such as 10% or 0.2.")
+        raise ValueError(f"--late: {key}={text} is not an amount; expected a value such as 10% or 0.2.")
     if text.endswith("%"):
-        return Deduction(amount / 100, of_all=True)
-    return Deduction(amount, of_all=False)
+        return Deduction(amount / 100, is_share=True)
+    return Deduction(amount, is_share=False)
 
 
-def _duration_text(over: timedelta) -> str:
-    minutes = max(over // timedelta(minutes=1), 1)
+def _duration_text(lateness: timedelta) -> str:
+    minutes = max(lateness // timedelta(minutes=1), 1)
     parts = ((minutes // 1440, "d"), (minutes // 60 % 24, "h"), (minutes % 60, "min"))
     return " ".join(f"{number} {unit}" for number, unit in parts if number)

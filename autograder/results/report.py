@@ -1,4 +1,4 @@
-"""The teacher's page: one self-contained HTML file, a pure function of the results and of what was given by hand."""
+"""The class report: one self-contained HTML file, made from the stored results and the manual grades."""
 
 from collections import Counter
 from collections.abc import Sequence
@@ -34,13 +34,13 @@ def write_report(out: Path) -> Path:
     return path
 
 
-def report_page(stored: Sequence[StoredResult], given: ManualGrades) -> dict[str, Any]:
-    """Everything that the report shows, as plain text and numbers.
+def report_page(stored: Sequence[StoredResult], manual: ManualGrades) -> dict[str, Any]:
+    """The content of the report, as plain text and numbers.
 
     Parameters
     ----------
     stored : sequence of StoredResult
-    given : ByHand
+    manual : ByHand
 
     Returns
     -------
@@ -55,13 +55,13 @@ def report_page(stored: Sequence[StoredResult], given: ManualGrades) -> dict[str
         "submissions": len(stored),
         "isolation": [{"level": printable(level), "count": count} for level, count in levels.most_common()],
         "unisolated": levels.get("none", 0),
-        "assignments": [_assignment(by_name[name], given) for name in names],
+        "assignments": [_assignment(by_name[name], manual) for name in names],
         "missing": _missing(stored),
-        "looks": sorted(
-            (look for result in stored if (look := _attention(result, given)) is not None),
-            key=lambda look: (-look["weight"], look["student"]),
+        "reviews": sorted(
+            (review for result in stored if (review := _review(result, manual)) is not None),
+            key=lambda review: (-review["weight"], review["student"]),
         ),
-        "alike": [
+        "similar": [
             {
                 "assignment": pair.assignment,
                 "first": printable(pair.first),
@@ -74,10 +74,10 @@ def report_page(stored: Sequence[StoredResult], given: ManualGrades) -> dict[str
     }
 
 
-def _assignment(stored: Sequence[StoredResult], given: ManualGrades) -> dict[str, Any]:
+def _assignment(stored: Sequence[StoredResult], manual: ManualGrades) -> dict[str, Any]:
     handed_in = [result for result in stored if not result.is_refused]
-    totals = [grades.totals(result, given.scores) for result in handed_in]
-    most = max((one.max_score for one in (grades.totals(result, {}) for result in stored)), default=Decimal(0))
+    totals = [grades.totals(result, manual.scores) for result in handed_in]
+    max_score = max((one.max_score for one in (grades.totals(result, {}) for result in stored)), default=Decimal(0))
     scores = sorted(one.score for one in totals)
     waiting = sum((one.waiting for one in totals), Decimal(0))
     return {
@@ -86,12 +86,12 @@ def _assignment(stored: Sequence[StoredResult], given: ManualGrades) -> dict[str
         "handed_in": len(handed_in),
         "refused": len(stored) - len(handed_in),
         "late": sum(one.penalty > 0 for one in totals),
-        "max_score": plain_decimal(most),
+        "max_score": plain_decimal(max_score),
         "mean": plain_decimal((sum(scores, Decimal(0)) / len(scores)).quantize(Decimal("0.01"))) if scores else "–",
         "median": plain_decimal(_median(scores)) if scores else "–",
         "waiting": plain_decimal(waiting),
-        "bars": _bars(scores, most),
-        "questions": _questions(handed_in, given),
+        "bars": _bars(scores, max_score),
+        "questions": _questions(handed_in, manual),
         "slips": _slips(handed_in),
     }
 
@@ -101,21 +101,21 @@ def _median(scores: Sequence[Decimal]) -> Decimal:
     return scores[middle] if len(scores) % 2 else (scores[middle - 1] + scores[middle]) / 2
 
 
-def _bars(scores: Sequence[Decimal], most: Decimal) -> list[dict[str, Any]]:
-    """How many students have which share of the marks; full marks stand in the last bar."""
+def _bars(scores: Sequence[Decimal], max_score: Decimal) -> list[dict[str, Any]]:
+    """Histogram of the scores; full marks count in the last bar."""
     counts = [0] * BINS
     for score in scores:
-        counts[min(int(score * BINS / most), BINS - 1) if most else 0] += 1
+        counts[min(int(score * BINS / max_score), BINS - 1) if max_score else 0] += 1
     highest = max(counts, default=0) or 1
-    edges = [plain_decimal(most * edge / BINS) for edge in range(BINS + 1)]
+    edges = [plain_decimal(max_score * edge / BINS) for edge in range(BINS + 1)]
     return [
         {"count": count, "height": round(100 * count / highest), "low": edges[i], "high": edges[i + 1]}
         for i, count in enumerate(counts)
     ]
 
 
-def _questions(stored: Sequence[StoredResult], given: ManualGrades) -> list[dict[str, Any]]:
-    """What each question cost the class, the dearest first."""
+def _questions(stored: Sequence[StoredResult], manual: ManualGrades) -> list[dict[str, Any]]:
+    """Marks lost on each question, most costly first."""
     rows: dict[str, dict[str, Any]] = {}
     for result in stored:
         for question in result.questions:
@@ -125,7 +125,7 @@ def _questions(stored: Sequence[StoredResult], given: ManualGrades) -> list[dict
                  "none": 0, "graded": 0, "lost": Decimal(0), "max_score": plain_decimal(question.max_score),
                  "worth": question.max_score, "slips": Counter()},
             )  # fmt: skip
-            score = given.scores.get((result.student, result.assignment, question.question), question.score)
+            score = manual.scores.get((result.student, result.assignment, question.question), question.score)
             if score is None:
                 continue
             row["graded"] += 1
@@ -136,13 +136,13 @@ def _questions(stored: Sequence[StoredResult], given: ManualGrades) -> list[dict
                 row["slips"][question.slip] += 1
     table = []
     for row in sorted(rows.values(), key=lambda row: -row["lost"]):
-        there = row["worth"] * row["graded"]
+        total = row["worth"] * row["graded"]
         slip = row["slips"].most_common(1)
         table.append(
             {key: row[key] for key in ("id", "heading", "full", "none", "graded", "max_score")}
             | {
                 "lost": plain_decimal(row["lost"]),
-                "share": round(100 * row["lost"] / there) if there else 0,
+                "share": round(100 * row["lost"] / total) if total else 0,
                 "slip": f"{printable(slip[0][0])} ({slip[0][1]})" if slip else "",
             }
         )
@@ -150,7 +150,7 @@ def _questions(stored: Sequence[StoredResult], given: ManualGrades) -> list[dict
 
 
 def _slips(stored: Sequence[StoredResult]) -> list[dict[str, Any]]:
-    """Which known slip cost most marks."""
+    """Marks lost by each known mistake, most costly first."""
     cost: dict[str, Decimal] = {}
     count: Counter[str] = Counter()
     for result in stored:
@@ -158,20 +158,20 @@ def _slips(stored: Sequence[StoredResult]) -> list[dict[str, Any]]:
             if question.slip and question.score is not None and question.score < question.max_score:
                 cost[question.slip] = cost.get(question.slip, Decimal(0)) + question.max_score - question.score
                 count[question.slip] += 1
-    dearest = sorted(cost, key=lambda slip: (-cost[slip], slip))[:MAX_MISTAKES]
-    return [{"slip": printable(slip), "count": count[slip], "lost": plain_decimal(cost[slip])} for slip in dearest]
+    most_costly = sorted(cost, key=lambda slip: (-cost[slip], slip))[:MAX_MISTAKES]
+    return [{"slip": printable(slip), "count": count[slip], "lost": plain_decimal(cost[slip])} for slip in most_costly]
 
 
-def _attention(result: StoredResult, given: ManualGrades) -> dict[str, Any] | None:
-    """Why a teacher should look at a submission; None where there is no reason. Sorted by how much it matters."""
+def _review(result: StoredResult, manual: ManualGrades) -> dict[str, Any] | None:
+    """Reasons for the instructor to review a submission, and their weight; None without a reason."""
     reasons: list[str] = []
     status = Counter(question.status for question in result.questions)
     weight = 0
     if result.flags:
         reasons += [printable(flag) for flag in result.flags]
         weight += 100
-    if any((result.student, result.assignment) == key[:2] for key in given.look_again):
-        reasons.append("the automatic part changed after it was graded by hand")
+    if any((result.student, result.assignment) == key[:2] for key in manual.needs_review):
+        reasons.append("changed after it was graded by hand")
         weight += 50
     for kind in _FAILURES:
         if status[kind]:
@@ -182,7 +182,7 @@ def _attention(result: StoredResult, given: ManualGrades) -> dict[str, Any] | No
         reasons.append("no automatic question is right")
         weight += 10
     if not result.is_refused and result.notes:
-        reasons.append(f"mended: {'; '.join(printable(note) for note in result.notes[:3])}")
+        reasons.append(f"repaired: {'; '.join(printable(note) for note in result.notes[:3])}")
         weight += 5
     if result.late:
         reasons.append(printable(result.late))
@@ -200,7 +200,7 @@ def _attention(result: StoredResult, given: ManualGrades) -> dict[str, Any] | No
 
 
 def _missing(stored: Sequence[StoredResult]) -> list[dict[str, Any]]:
-    """Who handed nothing in for an assignment that others handed in."""
+    """Students without a submission, by assignment."""
     found: dict[str, list[str]] = {}
     for result in stored:
         if all(question.status == "missing" for question in result.questions):

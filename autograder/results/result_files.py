@@ -1,7 +1,7 @@
-"""Results on disk: one JSON file a submission, written whole or not at all; everything else is made from these.
+"""Stored results: one JSON file for each submission, the source of all pages, tables and exports.
 
-``OUT/results/<student>/<assignment>.json`` carries fingerprints of all that went into it, so that a second run
-grades only what is missing or has changed, and can say which.
+``OUT/results/<student>/<assignment>.json`` contains fingerprints of everything the result depends on, so that a second
+run grades only new and changed submissions.
 """
 
 import hashlib
@@ -21,31 +21,31 @@ SCHEMA = "labsid.result/2"
 
 @dataclass(frozen=True, slots=True)
 class StoredResult:
-    """A submission's results as they are on disk.
+    """The stored result of one submission.
 
     Attributes
     ----------
     student, assignment, title : str
     questions : tuple of QuestionResult
     headings : mapping
-        The heading of the notebook under which each question stands.
+        The notebook heading above each question.
     notes : tuple of str
-        What the intake mended, or why it was refused.
+        What was repaired in the submission, or why it was not graded.
     isolation : str
     fingerprint : mapping
-        Of each part that went into it: ``submission, release, check, data, environment``.
+        Of each part the result depends on: ``submission, release, check, data, environment``.
     flags : tuple of str
-        What the teacher alone should know.
+        Remarks for the instructor only.
     review : tuple of str
-        Questions graded by hand whose automatic part, or that of another question, has changed since.
+        Manually graded questions to review, because the submission or its automatic scores have changed since.
     submitted : str or None
-        When it was handed in, in ISO format and UTC; None where that is not known.
+        Submission time in ISO format and UTC; None if unknown.
     penalty : Decimal
-        Marks taken off for lateness.
+        Late penalty in marks.
     late : str
-        Why, in words; empty where it was not late.
+        Explanation of the penalty; empty if the submission was on time.
     work : mapping
-        For each question the fingerprint of the student's code in a normal form, and its size.
+        Fingerprint and size of the student's normalised code, by question.
     """
 
     student: str
@@ -65,14 +65,14 @@ class StoredResult:
 
     @property
     def is_refused(self) -> bool:
-        """Whether there was nothing to grade: missing or quarantined."""
+        """Whether the submission was not graded: missing or quarantined."""
         return all(question.status in ("missing", "quarantined") for question in self.questions)
 
 
 def to_stored(
     result: SubmissionResult, title: str, headings: Mapping[str, str], fingerprint: Mapping[str, str]
 ) -> StoredResult:
-    """A submission's results as they are kept."""
+    """Convert a result into its stored form."""
     return StoredResult(
         result.student,
         result.assignment,
@@ -87,7 +87,7 @@ def to_stored(
 
 
 def store(out: Path, stored: StoredResult) -> None:
-    """Write a submission's results."""
+    """Write a result."""
     questions = []
     for question in stored.questions:
         fields = asdict(question)
@@ -115,15 +115,14 @@ def store(out: Path, stored: StoredResult) -> None:
 
 
 def entry_digest(stored: StoredResult) -> str:
-    """Fingerprint of all that the gradebook takes from a result."""
+    """Fingerprint of everything in a result that is entered into the gradebook."""
     lines = [f"{q.question} {q.score} {q.max_score} {q.status}" for q in stored.questions]
     lines += [stored.submitted or "", str(stored.penalty), *stored.review, *stored.fingerprint.values()]
-    said = "\n".join(lines)
-    return hashlib.sha256(said.encode(errors="surrogatepass")).hexdigest()
+    return hashlib.sha256("\n".join(lines).encode(errors="surrogatepass")).hexdigest()
 
 
 def load(path: Path) -> StoredResult:
-    """Read a submission's results; `ValueError` where the file is not one."""
+    """Read a result; `ValueError` if the file is not valid."""
     try:
         document = json.loads(path.read_text(encoding="utf-8"))
         if document["schema"] != SCHEMA:
@@ -151,7 +150,7 @@ def load(path: Path) -> StoredResult:
 
 
 def load_all(out: Path) -> list[StoredResult]:
-    """Every result in OUT, by student and in the order of the course; `ValueError` where there is none."""
+    """All results in OUT, by student and in course order; `ValueError` if there are none."""
     paths = sorted((out / "results").glob("*/*.json"))
     if not paths:
         raise ValueError(f"{out} holds no results. Run: labsid course grade --submitted DIR --out {out}")
@@ -159,7 +158,7 @@ def load_all(out: Path) -> list[StoredResult]:
 
 
 def load_valid(out: Path) -> Iterator[StoredResult]:
-    """Every result in OUT that can be read, in no order; the others are as good as not there."""
+    """All valid results in OUT, in any order; invalid files are ignored."""
     for path in (out / "results").glob("*/*.json"):
         try:
             result = load(path)
@@ -170,7 +169,7 @@ def load_valid(out: Path) -> Iterator[StoredResult]:
 
 
 def result_path(out: Path, student: str, assignment: str) -> Path:
-    """Where the results of one submission are."""
+    """Path of the result of one submission."""
     return out / "results" / student / f"{assignment}.json"
 
 

@@ -1,7 +1,7 @@
-"""Suspiciously equal submissions: code that is the same apart from white space, comments and names of its own.
+"""Detection of copied code: cells that are equal apart from white space, comments and the names they define.
 
-A cell's normal form is its syntax tree with every name that it makes itself numbered in the order of appearance, and
-without documentation strings. Short cells are alike by nature and tell nothing; nor does what much of the class wrote.
+The normal form of a cell is its syntax tree without docstrings, with the names that the cell defines numbered in order
+of appearance. Short cells and code that many students wrote are ignored.
 """
 
 import ast
@@ -15,10 +15,10 @@ from autograder.intake.submission import NotebookCell
 from autograder.results.result_files import StoredResult
 
 MIN_NODES = 25
-"""Nodes of the syntax tree below which a cell tells nothing."""
+"""Cells with fewer syntax tree nodes are ignored."""
 
 MAX_SHARING = 3
-"""So many students may share a cell before it counts as what the class writes; in a large class, a tenth of it."""
+"""Code shared by more students, and by more than a tenth of the class, is ignored."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -29,9 +29,9 @@ class SimilarPair:
     ----------
     assignment, first, second : str
     questions : tuple of str
-        Where the code is the same.
+        Questions whose code is equal.
     share : float
-        Of the code in either that tells something: how much is the same, 0 to 1.
+        Equal share of the code that is compared, 0 to 1.
     """
 
     assignment: str
@@ -41,49 +41,49 @@ class SimilarPair:
     share: float
 
 
-def code_fingerprints(steps: Sequence[NotebookCell], released: Mapping[str, str]) -> dict[str, tuple[str, int]]:
-    """The student's code for each question: fingerprint of its normal form, and its size.
+def code_fingerprints(cells: Sequence[NotebookCell], released: Mapping[str, str]) -> dict[str, tuple[str, int]]:
+    """Fingerprint and size of the student's normalised code for each question.
 
     Parameters
     ----------
-    steps : sequence of Step
+    cells : sequence of NotebookCell
     released : mapping
-        Source of each cell of the release, by its grade_id; an answer left as released is left out.
+        Source of each released cell, by grade_id; unchanged answers are ignored.
 
     Returns
     -------
     dict
-        By question; only code that is long enough to tell something.
+        By question; code shorter than `MIN_NODES` is omitted.
     """
     found: dict[str, tuple[str, int]] = {}
     code: list[str] = []
-    for step in steps:
-        if step.kind in ("answer", "extra") and step.code:
-            if step.source.strip() != released.get(step.id or "", "").strip():
-                code.append(step.source)
-        elif step.kind == "question":
+    for cell in cells:
+        if cell.kind in ("answer", "extra") and cell.code:
+            if cell.source.strip() != released.get(cell.id or "", "").strip():
+                code.append(cell.source)
+        elif cell.kind == "question":
             forms = [normal_form(source) for source in code]
             size = sum(size for _, size in forms)
             if size >= MIN_NODES:
                 joined = "\n".join(text for text, _ in forms)
-                found[step.id or ""] = hashlib.sha256(joined.encode(errors="surrogatepass")).hexdigest()[:32], size
+                found[cell.id or ""] = hashlib.sha256(joined.encode(errors="surrogatepass")).hexdigest()[:32], size
             code = []
     return found
 
 
 def normal_form(source: str) -> tuple[str, int]:
-    """A cell without what one changes to hide a copy, and its size in nodes of the syntax tree."""
+    """The normal form of a cell, and its number of syntax tree nodes."""
     try:
         tree = parse_python(source)
         _NameNormaliser(tree).visit(tree)
         return ast.dump(tree), sum(1 for _ in ast.walk(tree))
-    except (SyntaxError, ValueError, RecursionError, MemoryError):  # not Python: as text then
+    except (SyntaxError, ValueError, RecursionError, MemoryError):  # not Python: compare as text
         words = source.split()
         return " ".join(words), len(words)
 
 
 class _NameNormaliser(ast.NodeTransformer):
-    """Numbers the names that the code itself makes."""
+    """Numbers the names that the code defines."""
 
     def __init__(self, tree: ast.Module) -> None:
         made = [node.id for node in ast.walk(tree) if isinstance(node, ast.Name) and isinstance(node.ctx, ast.Store)]
@@ -114,14 +114,14 @@ class _NameNormaliser(ast.NodeTransformer):
         return self.generic_visit(node)
 
 
-def find_similar(results: Iterable[StoredResult], least: float = 0.6) -> list[SimilarPair]:
-    """Pairs of submissions that share most of their telling code, the most alike first.
+def find_similar(results: Iterable[StoredResult], min_share: float = 0.6) -> list[SimilarPair]:
+    """Find pairs of submissions that share most of their code, most similar first.
 
     Parameters
     ----------
     results : iterable of StoredResult
-    least : float
-        The share from which on a pair is named.
+    min_share : float
+        Smallest share of equal code that is reported.
     """
     by_assignment: dict[str, list[StoredResult]] = {}
     for result in results:
@@ -129,14 +129,14 @@ def find_similar(results: Iterable[StoredResult], least: float = 0.6) -> list[Si
             by_assignment.setdefault(result.assignment, []).append(result)
     found: list[SimilarPair] = []
     for assignment, submissions in by_assignment.items():
-        many = max(MAX_SHARING, len(submissions) // 10)
-        common = Counter((question, work[0]) for one in submissions for question, work in one.work.items())
+        max_sharing = max(MAX_SHARING, len(submissions) // 10)
+        students_with = Counter((question, work[0]) for one in submissions for question, work in one.work.items())
         holders: dict[tuple[str, str], list[int]] = {}
         sizes = []
         for index, one in enumerate(submissions):
-            telling = {q: work for q, work in one.work.items() if common[q, work[0]] <= many}
-            sizes.append(sum(size for _, size in telling.values()))
-            for question, (digest, _) in telling.items():
+            compared = {q: work for q, work in one.work.items() if students_with[q, work[0]] <= max_sharing}
+            sizes.append(sum(size for _, size in compared.values()))
+            for question, (digest, _) in compared.items():
                 holders.setdefault((question, digest), []).append(index)
         shared: dict[tuple[int, int], list[str]] = {}
         for (question, _), students in holders.items():
@@ -146,7 +146,7 @@ def find_similar(results: Iterable[StoredResult], least: float = 0.6) -> list[Si
         for (i, j), questions in shared.items():
             one, other = submissions[i], submissions[j]
             share = sum(one.work[question][1] for question in questions) / min(sizes[i], sizes[j])
-            if share >= least and len(questions) > 1:
+            if share >= min_share and len(questions) > 1:
                 order = [question for question in one.work if question in questions]
                 found.append(SimilarPair(assignment, one.student, other.student, tuple(order), share))
     return sorted(found, key=lambda pair: (-pair.share, -len(pair.questions), pair.assignment, pair.first, pair.second))

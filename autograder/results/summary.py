@@ -10,7 +10,7 @@ from autograder.results import gradebook, grades, result_files
 
 
 def class_table(out: Path) -> str:
-    """One line a student, one column an assignment: marks so far of marks in all, and what needs a look.
+    """One row for each student: marks so far in every assignment, and what to review.
 
     Parameters
     ----------
@@ -26,13 +26,13 @@ def class_table(out: Path) -> str:
     from rich.text import Text
 
     stored = result_files.load_all(out)
-    given = gradebook.read_manual_grades(out)
+    manual = gradebook.read_manual_grades(out)
     assignments = sorted({result.assignment for result in stored}, key=in_course_order)
     table = Table(box=None, pad_edge=False)
     table.add_column("student")
     for name in assignments:
         table.add_column(name, justify="right")
-    table.add_column("needs a look")
+    table.add_column("to review")
     cells = {(result.student, result.assignment): result for result in stored}
     for student in dict.fromkeys(result.student for result in stored):
         row: list[str] = []
@@ -43,13 +43,13 @@ def class_table(out: Path) -> str:
             if result is None:
                 row.append("")
                 continue
-            marks = grades.totals(result, given.scores)
+            marks = grades.totals(result, manual.scores)
             status = {question.status for question in result.questions}
             row.append(f"{plain_decimal(marks.score)} of {plain_decimal(marks.max_score)}")
-            remarks += ["another's record"] if result.flags else []
-            remarks += [f"{plain_decimal(marks.penalty)} off for lateness"] if marks.penalty else []
-            if any((student, name) == key[:2] for key in given.look_again):
-                remarks.append("grade by hand again")
+            remarks += ["another student's record"] if result.flags else []
+            remarks += [f"{plain_decimal(marks.penalty)} late penalty"] if marks.penalty else []
+            if any((student, name) == key[:2] for key in manual.needs_review):
+                remarks.append("review manual grades")
             remarks += sorted(status & {"crashed", "timeout", "limit", "missing", "quarantined"})
             waiting += marks.waiting
         if waiting:

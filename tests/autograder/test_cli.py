@@ -27,10 +27,10 @@ PRELAB, LAB = "prelab-sinusoids", "lab-identification"
 @pytest.fixture
 def here(course: Course, monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Course:
     """The commands work on the course that was built for the tests, from an empty folder."""
-    import autograder.demo
+    import autograder.demonstration
 
     monkeypatch.setattr("autograder.course.layout.find_course", lambda: course)
-    monkeypatch.setattr(autograder.demo, "find_course", lambda: course)
+    monkeypatch.setattr(autograder.demonstration, "find_course", lambda: course)
     (tmp_path / "cwd").mkdir()
     monkeypatch.chdir(tmp_path / "cwd")
     return course
@@ -214,9 +214,7 @@ def test_a_broken_notebook_is_not_handed_in(here: Course, submitted: Path, capsy
 def test_what_is_in_the_way_is_said(here: Course, capsys: pytest.CaptureFixture[str]) -> None:
     Path("labsid-work").touch()
     assert "labsid-work is a file" in complaint(capsys, ["lab", "--no-open"])
-    assert "labsid-work is there already and was not made by this command" in complaint(
-        capsys, ["demo", "--out", "labsid-work"]
-    )
+    assert "labsid-work exists and was not made by this command" in complaint(capsys, ["demo", "--out", "labsid-work"])
     Path("out").touch()
     assert "out" in complaint(capsys, ["course", "feedback", "--out", "out"])
 
@@ -288,7 +286,7 @@ def test_a_run_that_is_stopped_keeps_what_is_graded_and_goes_on(
         assert process.returncode == 2
         assert list((tmp_path / "temporary").glob("labsid-*")) == []
         assert err.splitlines()[1:] == [
-            "labsid: error: interrupted. What is graded is kept; run the same command again for the rest."
+            "labsid: error: interrupted. Finished results are kept; run the same command again to continue."
         ]
     assert out == ""
     kept = {path.parent.name: path.read_bytes() for path in Path("out", "results").glob("*/*.json")}
@@ -320,7 +318,7 @@ def test_the_demonstration(here: Course, capsys: pytest.CaptureFixture[str]) -> 
     assert len(figures) >= 8
     assert all(path.read_bytes().startswith(b"\x89PNG") for path in figures)
     assert set(json.loads(Path("demo", "identification.json").read_text(encoding="utf-8"))) >= {"theta"}
-    _, _, where = captured.out.partition("Where to look:\n")
+    _, _, where = captured.out.partition("Output:\n")
     paths = [Path(line.split("  ")[1].strip()) for line in where.splitlines()]
     assert len(paths) >= 4
     assert [path for path in paths if not path.exists()] == []

@@ -312,7 +312,7 @@ def test_stopped_by_ctrl_c_and_by_a_scheduler_that_dies_a_run_goes_on(
         (line,) = capsys.readouterr().err.splitlines()
         return line
 
-    assert "interrupted. What is graded is kept" in grade_until(2, _thread.interrupt_main)
+    assert "interrupted. Finished results are kept" in grade_until(2, _thread.interrupt_main)
     kept = graded()
     assert 2 <= len(kept) < 6
     assert f"the scheduler at {machines.address} is gone" in grade_until(len(kept) + 1, machines.scheduler.kill)

@@ -537,12 +537,12 @@ def test_a_page_says_reason_slip_and_points(pages: Mapping, graded: Class) -> No
     row = graded.grades()["ben", LAB, "lab-1c-offsets"]
     assert row["reason"].startswith("`y_offset` is the mean")
     assert "<code>y_offset</code>" + row["reason"].removeprefix("`y_offset`") in page
-    assert "Known slip: mean over the whole record" in page
+    assert "Common mistake: mean over the whole record" in page
     assert "0 / 0.15" in page
     assert "Judged on the right values of lab-1c-offsets" in page
     assert "y_offset = np.mean(y_act)" in page
     assert 'src="data:image/svg+xml;base64,' in page
-    assert "more wait to be graded by hand" in page
+    assert "not yet graded by hand" in page
     assert "broken JSON" in pages["finn", LAB]
     assert "no notebook was handed in" in pages["finn", PRELAB]
 

@@ -96,14 +96,14 @@ def test_the_worksheet_comes_back_with_grades_and_nothing_else_changed(out: Path
     for row, before in zip(rows, sheet.rows, strict=True):
         kept = [column for column in sheet.columns if column not in ("Grade", "Feedback comments")]
         assert [row[column] for column in kept] == [before[column] for column in kept]
-    assert rows[1]["Feedback comments"].startswith("1.2 of 2 marks. Handed in 1 d late. Known slips: sign of a.")
+    assert rows[1]["Feedback comments"].startswith("1.2 of 2 marks. Handed in 1 d late. Common mistakes: sign of a.")
     assert "quarantined" in rows[2]["Feedback comments"]
     assert rows[4]["Feedback comments"] == "mine"
     assert rows[5]["Feedback comments"] == ""
     assert done.filled == 5
     assert done.remarks == (
-        "1004: 0.6 marks wait to be graded by hand",
-        "eve: the grade cannot be changed in Moodle; left as it is",
+        "1004: 0.6 marks not yet graded by hand",
+        "eve: the grade is locked in Moodle and was not changed",
     )
     assert read_worksheet(done.worksheet).columns == sheet.columns  # and it can be read again
 
@@ -175,7 +175,7 @@ def test_lateness_is_taken_off_everywhere_and_can_be_changed_without_grading(
         assert book.find_submission(PRELAB, "ann").late_submission_penalty == 0
     list(write_feedback(out))
     page = (out / "feedback" / "bob" / f"{PRELAB}.html").read_text(encoding="utf-8")
-    assert "Handed in 1 d 12 h late: 0.2 of 1 marks taken off (10 % a started day)." in page
+    assert "Handed in 1 d 12 h late: 0.2 of 1 marks deducted (10 % per started day)." in page
     assert "<strong>0.75</strong>" in page
     assert "Handed in 1 d 12 h late" in write_report(out).read_text(encoding="utf-8")
     assert "0.2 off for lateness" in class_table(out)
@@ -215,7 +215,7 @@ def test_hand_grading_survives_and_is_flagged_when_the_automatic_part_changes(
     notebook["cells"].append({"cell_type": "markdown", "metadata": {}, "source": "Done."})
     path.write_text(json.dumps(notebook), encoding="utf-8")
     list(grade_batch(course, batch, out, LocalExecutor(launcher)))
-    assert gradebook.read_manual_grades(out).look_again == frozenset()  # graded again, and nothing came out otherwise
+    assert gradebook.read_manual_grades(out).needs_review == frozenset()  # graded again, and nothing came out otherwise
 
     (cell,) = (cell for cell in notebook["cells"] if cell.get("id") == "prelab-1-time-answer")
     cell["source"] = "t = 0"
@@ -223,14 +223,14 @@ def test_hand_grading_survives_and_is_flagged_when_the_automatic_part_changes(
     list(grade_batch(course, batch, out, LocalExecutor(launcher)))
     given = gradebook.read_manual_grades(out)
     assert given.scores["ann", PRELAB, open_question] == Decimal("0.03")
-    assert given.look_again == {("ann", PRELAB, open_question)}
-    assert "grade by hand again" in class_table(out)
+    assert given.needs_review == {("ann", PRELAB, open_question)}
+    assert "review manual grades" in class_table(out)
     assert "changed after it was graded by hand" in write_report(out).read_text(encoding="utf-8")
     with gradebook.open_gradebook(gradebook.database_url(out)) as book:
         book.find_grade(open_question, PRELAB, PRELAB, "ann").needs_manual_grade = False  # the teacher has looked
         book.db.commit()
     assert not any(one.fresh for one in grade_batch(course, batch, out, LocalExecutor(launcher)))
-    assert gradebook.read_manual_grades(out).look_again == frozenset()
+    assert gradebook.read_manual_grades(out).needs_review == frozenset()
 
 
 # ---- the report
@@ -242,11 +242,11 @@ def test_the_report_adds_up_exactly(out: Path) -> None:
     assert (tiny["handed_in"], tiny["refused"], tiny["late"]) == (4, 1, 1)
     assert (tiny["median"], tiny["mean"], tiny["max_score"], tiny["waiting"]) == ("1.7", "1.65", "2", "0.6")
     assert [bar["count"] for bar in tiny["bars"]] == [0, 0, 0, 0, 0, 0, 1, 1, 0, 2]
-    dearest = tiny["questions"][0]
-    assert (dearest["id"], dearest["lost"], dearest["full"], dearest["graded"]) == ("b", "0.6", 2, 3)
-    assert dearest["slip"] == "sign of a (1)"
+    costliest = tiny["questions"][0]
+    assert (costliest["id"], costliest["lost"], costliest["full"], costliest["graded"]) == ("b", "0.6", 2, 3)
+    assert costliest["slip"] == "sign of a (1)"
     assert tiny["slips"] == [{"slip": "sign of a", "count": 1, "lost": "0.6"}]
-    assert [(look["student"], look["reasons"]) for look in page["looks"]] == [
+    assert [(review["student"], review["reasons"]) for review in page["reviews"]] == [
         ("cat", ["quarantined"]),
         ("ben@x.edu", ["Handed in 1 d late."]),
     ]
@@ -261,9 +261,9 @@ def test_each_reason_to_look_is_given() -> None:
             "bob", "tiny", "Tiny", (question("a", "0.6", "0.6"),), {}, ("the cell x was put back",), "none", {}
         ),
     ]
-    looks = {look["student"]: look["reasons"] for look in report_page(many, NOTHING)["looks"]}
-    assert looks["ann"] == ["made on the record of bob: a", "crashed: a", "no automatic question is right"]
-    assert looks["bob"] == ["mended: the cell x was put back"]
+    reviews = {review["student"]: review["reasons"] for review in report_page(many, NOTHING)["reviews"]}
+    assert reviews["ann"] == ["made on the record of bob: a", "crashed: a", "no automatic question is right"]
+    assert reviews["bob"] == ["repaired: the cell x was put back"]
 
 
 def test_the_report_stands_alone_and_runs_nothing(tmp_path: Path) -> None:

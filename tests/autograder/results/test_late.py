@@ -47,7 +47,7 @@ def test_decimals_are_exact() -> None:
 def test_the_student_is_told_how_late_and_what_it_costs() -> None:
     late = late_penalty(parse_rules(RULE), "lab", DUE + DAY + 3 * HOUR + MINUTE, Decimal("2"))
     assert late == LatePenalty(
-        Decimal("0.4"), "Handed in 1 d 3 h 1 min late: 0.4 of 2 marks taken off (10 % a started day)."
+        Decimal("0.4"), "Handed in 1 d 3 h 1 min late: 0.4 of 2 marks deducted (10 % per started day)."
     )
     assert late_penalty(parse_rules(RULE), "lab", DUE, Decimal("2")).reason == ""
 
@@ -77,19 +77,19 @@ def test_due_has_a_zone(due: str) -> None:
         (" ; ", "--late is empty"),
         ("per-day=10%", "--late needs due"),
         ("due=2026-11-30", "--late needs per-day"),
-        ("due=soon,per-day=10%", "due=soon is no time"),
-        ("due=2026-11-30,per-day=much", "per-day=much is no amount"),
-        ("due=2026-11-30,per-day=-1%", "per-day=-1% is no amount"),
-        ("due=2026-11-30,per-day=nan", "per-day=nan is no amount"),
-        ("due=2026-11-30,per-day=1e99", "per-day=1e99 is no amount"),
+        ("due=soon,per-day=10%", "due=soon is not a time"),
+        ("due=2026-11-30,per-day=much", "per-day=much is not an amount"),
+        ("due=2026-11-30,per-day=-1%", "per-day=-1% is not an amount"),
+        ("due=2026-11-30,per-day=nan", "per-day=nan is not an amount"),
+        ("due=2026-11-30,per-day=1e99", "per-day=1e99 is not an amount"),
         ("due=2026-11-30,per-day=1,per-day=2", "per-day twice"),
-        ("due=2026-11-30,per-day=1,grace=2", "grace=2 is no duration"),
+        ("due=2026-11-30,per-day=1,grace=2", "grace=2 is not a duration"),
         ("due=2026-11-30,per-day=1,bonus=2", "got 'bonus=2', expected one of due, tz, grace, per-day, most"),
         ("due=2026-11-30,per-day", "got 'per-day', expected one of"),
         ("due=2026-11-30,per-day=1,tz=Mars/Base", "the time zone Mars/Base is not known"),
         ("due=2026-11-30,per-day=1,tz=../x", "the time zone ../x is not known"),
-        ("due=2026-11-30T10:00+01:00,per-day=1,tz=UTC", "has an offset and there is tz"),
-        ("due=9999-12-31T23:59,per-day=1,grace=9d", "beyond the end of time"),
+        ("due=2026-11-30T10:00+01:00,per-day=1,tz=UTC", "has an offset, and there is also tz"),
+        ("due=9999-12-31T23:59,per-day=1,grace=9d", "beyond the year 9999"),
         ("due=2026-11-30,per-day=1;due=2026-11-30,per-day=1", "two rules for all assignments"),
     ],
 )

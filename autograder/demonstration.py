@@ -1,4 +1,4 @@
-"""The main job, end to end, on embedded data: build, grade, feed back, identify, draw."""
+"""The demonstration: build the course, grade sample submissions, identify the lab's record and draw its figures."""
 
 import shutil
 from collections.abc import Callable, Iterator
@@ -20,19 +20,19 @@ _MARK = ".labsid-demo"
 
 
 def run_demo(out: Path, progress: Progress) -> None:
-    """Do the main job and say where the pages are.
+    """Run the demonstration and print where its output is.
 
     Parameters
     ----------
     out : Path
-        Gets everything; an earlier demonstration in it is replaced, any other content is refused.
+        Output folder; replaced if an earlier demonstration made it.
     progress : callable
-        ``progress(items, total, what)`` passes items on while showing how far it is.
+        ``progress(items, total, what)`` yields the items with a progress bar.
 
     Raises
     ------
     ValueError
-        If `out` holds something else, or the course cannot be found.
+        If `out` has other content, or the course is not found.
     """
     course = find_course()
     _clear(out)
@@ -43,35 +43,35 @@ def run_demo(out: Path, progress: Progress) -> None:
     lab = find_batch(course, submitted, LAB)
     rest = Batch(submitted, ("ada",), tuple(name for name in names if name != LAB))
     with open_executor("best", 2, None, print) as executor:
-        both = (one for batch in (lab, rest) for one in grade_batch(course, batch, graded, executor))
-        list(progress(both, len(students) + len(rest.assignments), "grading"))
+        done = (one for batch in (lab, rest) for one in grade_batch(course, batch, graded, executor))
+        list(progress(done, len(students) + len(rest.assignments), "grading"))
     print(f"2. Graded {len(students)} sample students (isolation: {executor.level}).\n")
     print(class_table(graded))
     print()
-    for student, what in students.items():
-        print(f"   {student}: {what}")
+    for student, description in students.items():
+        print(f"   {student}: {description}")
     pages = list(progress(write_feedback(graded), None, "feedback"))
     export_csv(graded)
     report = write_report(graded)
-    print(f"\n3. Wrote {len(pages)} feedback pages, the report on the class and the exports.")
-    print("4. Identified the shipped record:\n")
+    print(f"\n3. Wrote {len(pages)} feedback pages, the class report and the exports.")
+    print("4. Identified the lab's record:\n")
     print(_identify(course, out))
     figures = list(progress(draw_figures(course, out / "figures"), None, "drawing"))
     print(f"5. Drew {len(figures)} figures.\n")
-    print("Where to look:")
-    for path, what in (
-        (graded / "feedback" / "ben" / "lab-identification.html", "feedback on a submission with known slips"),
-        (report, "the class: what cost most, and who needs a look"),
-        (graded / "grades.csv", "every question of every student"),
-        (out / "figures" / "figure-7.png", "the identified model against the rig"),
-        (out / "identification.json", "theta, poles and errors"),
-        (course.release, "what students get; open it with: labsid lab"),
+    print("Output:")
+    for path, description in (
+        (graded / "feedback" / "ben" / "lab-identification.html", "feedback on a submission with common mistakes"),
+        (report, "class report: most costly questions and mistakes, submissions to review"),
+        (graded / "grades.csv", "marks of every question and student"),
+        (out / "figures" / "figure-7.png", "simulation of the identified model and measured output"),
+        (out / "identification.json", "parameters, poles and errors of the model"),
+        (course.release, "student release; open it with: labsid lab"),
     ):
-        print(f"   {path}  {what}")
+        print(f"   {path}  {description}")
 
 
 def draw_figures(course: Course, folder: Path) -> Iterator[Path]:
-    """Draw the lab's figures on the shipped record as PNG; yields each path."""
+    """Draw the lab's figures from its record as PNG files; yields each path."""
     import numpy as np
 
     from labsid import plots
@@ -120,10 +120,10 @@ def _identify(course: Course, out: Path) -> str:
 
 
 def _clear(out: Path) -> None:
-    """Make an empty folder, sparing anything that this command did not make."""
+    """Make an empty folder; refuse to delete anything that this command did not make."""
     if out.exists():
         if not (out / _MARK).is_file():
-            raise ValueError(f"{out} is there already and was not made by this command. Give --out another name.")
+            raise ValueError(f"{out} exists and was not made by this command. Give --out another name.")
         shutil.rmtree(out)
     out.mkdir(parents=True)
     (out / _MARK).touch()
