@@ -149,7 +149,7 @@ class _SubmissionJudge:
     def _manual(self, cell: NotebookCell, points: Decimal) -> QuestionResult:
         released = next(known.source for known in self._assets.template.cells if known.id == cell.id)
         empty = cell.source.strip() in ("", released.strip())
-        reason = "no answer" if empty else "waits to be graded by hand"
+        reason = "no answer" if empty else "not yet graded by hand"
         return QuestionResult(cell.id or "", None, points, "manual", reason, answer=cell.source)
 
     def _question(self, cell: NotebookCell, points: Decimal, answer: list[ExecutedCell]) -> QuestionResult:

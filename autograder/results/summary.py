@@ -53,7 +53,7 @@ def class_table(out: Path) -> str:
             remarks += sorted(status & {"crashed", "timeout", "limit", "missing", "quarantined"})
             waiting += marks.waiting
         if waiting:
-            remarks.append(f"{plain_decimal(waiting)} by hand")
+            remarks.append(f"{plain_decimal(waiting)} to grade by hand")
         table.add_row(Text(one_line(student)), *row, ", ".join(dict.fromkeys(remarks)))
     text = io.StringIO()
     Console(file=text, width=60 + 22 * len(assignments), color_system=None).print(table)

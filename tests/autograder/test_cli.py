@@ -158,7 +158,7 @@ def test_from_moodle_and_back(here: Course, capsys: pytest.CaptureFixture[str]) 
     assert capsys.readouterr().out.splitlines()[0] == f"gil@x.edu (Gil): {PRELAB}"
     rules = "due=2026-11-20T16:00,per-day=10%"
     assert main(["course", "grade", "--submitted", "in", "--out", "out", "--late", rules]) == 0
-    assert "0.1 off for lateness" in capsys.readouterr().out
+    assert "0.1 late penalty" in capsys.readouterr().out
     assert main(["course", "report", "--out", "out"]) == 0
     assert capsys.readouterr().out == "Wrote out/report.html.\n"
     assert main(["course", "export", "--format", "moodle", "--worksheet", "sheet.csv", "--out", "out"]) == 0

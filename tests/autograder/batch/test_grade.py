@@ -646,7 +646,7 @@ def test_the_export_has_a_line_for_every_submission(graded: Class) -> None:
 def test_the_table_of_the_class(graded: Class) -> None:
     lines = class_table(graded.out).splitlines()
     assert len(lines) == 5
-    assert re.fullmatch(r"ben\s+0 of 1\s+1.45 of 2\s+missing, 0.1 by hand", lines[2])
+    assert re.fullmatch(r"ben\s+0 of 1\s+1.45 of 2\s+missing, 0.1 to grade by hand", lines[2])
     assert "quarantined" in lines[3]
 
 

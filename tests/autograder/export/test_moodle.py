@@ -178,7 +178,7 @@ def test_lateness_is_taken_off_everywhere_and_can_be_changed_without_grading(
     assert "Handed in 1 d 12 h late: 0.2 of 1 marks deducted (10 % per started day)." in page
     assert "<strong>0.75</strong>" in page
     assert "Handed in 1 d 12 h late" in write_report(out).read_text(encoding="utf-8")
-    assert "0.2 off for lateness" in class_table(out)
+    assert "0.2 late penalty" in class_table(out)
     questions = (out / "grades.csv").read_bytes()
 
     assert not any(one.fresh for one in grade("due=2026-12-01T00:00,per-day=5%"))

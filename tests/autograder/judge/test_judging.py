@@ -110,7 +110,7 @@ def test_right_answers_earn_their_points(either: ProcessLauncher, tmp_path: Path
     assert (first.score, second.score, third.score) == (Decimal("0.1"), Decimal("0.2"), None)
     assert (first.status, second.status, third.status) == ("graded", "graded", "manual")
     assert (first.reason, first.slip, first.answer) == ("Right.", None, "a = 3")
-    assert (third.reason, third.answer) == ("waits to be graded by hand", "Because.")
+    assert (third.reason, third.answer) == ("not yet graded by hand", "Because.")
 
 
 def test_an_error_is_carried_forward_and_said(forked: ProcessLauncher, tmp_path: Path) -> None:
