@@ -1,4 +1,4 @@
-"""The loops over signals that numba compiles. Time is counted in samples; inputs are held between samples."""
+"""Compiled filters and static nonlinearities. Time is in samples; inputs are constant between samples."""
 
 import math
 
@@ -10,7 +10,7 @@ from labsid._compiled import compiled
 
 @compiled()
 def second_order(w: FloatArray, a1: float, a2: float) -> FloatArray:
-    """Response x(k) = w(k-1) - a1 x(k-1) - a2 x(k-2), from zero."""
+    """Response x(k) = w(k-1) - a1 x(k-1) - a2 x(k-2) with zero initial state."""
     x = np.empty(w.size)
     last, before = 0.0, 0.0
     x[0] = 0.0
@@ -23,7 +23,7 @@ def second_order(w: FloatArray, a1: float, a2: float) -> FloatArray:
 
 @compiled()
 def section(w: FloatArray, a1: float, a2: float) -> FloatArray:
-    """Columns of one second-order section: two numerator terms of x(k) = w(k-1) - ..., two of its initial state."""
+    """Columns of a second-order section: two for its numerator, two for its initial state; shape (N, 4)."""
     out = np.zeros((4, w.size))
     x1, x2, h1, h2 = 0.0, 0.0, 1.0, 0.0
     out[2, 0] = 1.0
@@ -37,9 +37,9 @@ def section(w: FloatArray, a1: float, a2: float) -> FloatArray:
 
 @compiled()
 def delayed(w: FloatArray, whole: int, part: float, away: float = 0.0) -> FloatArray:
-    """`w` later by `whole` samples and a part of one, between samples by interpolation.
+    """Delay `w` by `whole` samples and the fraction `part`, with linear interpolation.
 
-    Before the record it stood where it begins, or so far `away`; behind it, where it ends.
+    Before the record the signal is w[0] + `away`; after it, its last value.
     """
     out = np.empty(w.size)
     for k in range(w.size):
@@ -51,7 +51,7 @@ def delayed(w: FloatArray, whole: int, part: float, away: float = 0.0) -> FloatA
 
 @compiled()
 def first_order(w: FloatArray, pole: float) -> FloatArray:
-    """Response x(k) = pole x(k-1) + (1 - pole) w(k-1), from zero."""
+    """Response x(k) = pole x(k-1) + (1 - pole) w(k-1) with zero initial state."""
     x = np.empty(w.size)
     x[0] = 0.0
     for k in range(1, w.size):
@@ -61,7 +61,7 @@ def first_order(w: FloatArray, pole: float) -> FloatArray:
 
 @compiled()
 def backlash(w: FloatArray, width: float, position: float) -> FloatArray:
-    """Follow `w` through a play of `width`; `position` in 0..1 is where in the play the record begins."""
+    """Follow `w` through backlash of `width`; `position`, 0 to 1, is the initial position within it."""
     half = 0.5 * width
     out = np.empty(w.size)
     now = w[0] + (position - 0.5) * width
@@ -76,12 +76,12 @@ def backlash(w: FloatArray, width: float, position: float) -> FloatArray:
 
 @compiled()
 def rate_limit(w: FloatArray, rate: float, start: float) -> tuple[FloatArray, FloatArray]:
-    """Mean over each sample, and first moment about its middle, of an actuator that slews to `w`, `rate` a sample."""
+    """Mean and first moment about the middle of each sample, of an actuator slewing to `w` at `rate` per sample."""
     mean, moment = np.empty(w.size), np.empty(w.size)
     now = start
     for k in range(w.size):
         way = w[k] - now
-        used = min(abs(way) / rate, 1.0)  # of the sample
+        used = min(abs(way) / rate, 1.0)  # share of the sample spent slewing
         moved = way if abs(way) <= rate else math.copysign(rate, way)
         now += moved
         mean[k] = now - 0.5 * used * moved
@@ -91,7 +91,7 @@ def rate_limit(w: FloatArray, rate: float, start: float) -> tuple[FloatArray, Fl
 
 @compiled()
 def whiten(X: FloatArray, ar: FloatArray) -> FloatArray:
-    """Every column through 1 - ar[0] q^-1 - ar[1] q^-2 - ...; the first samples see zeros before them."""
+    """Filter every column by 1 - ar[0] q^-1 - ar[1] q^-2 - ..., with zeros before the record."""
     samples, columns = X.shape
     out = np.empty((columns, samples))
     for j in range(columns):
@@ -105,7 +105,7 @@ def whiten(X: FloatArray, ar: FloatArray) -> FloatArray:
 
 @compiled()
 def piecewise(x: FloatArray, knots: FloatArray, powers: FloatArray) -> FloatArray:
-    """Cubics of x, one for every stretch between `knots`; row j of `powers`, lowest first, behind j of them."""
+    """Piecewise cubic of x: row j of `powers`, lowest power first, applies above j of the `knots`."""
     out = np.empty(x.size)
     for k in range(x.size):
         at, j = x[k], 0

@@ -1,4 +1,4 @@
-"""Compiled simulation of linear dynamics whose rates change. Time is counted in samples."""
+"""Compiled simulation of linear dynamics with time-varying coefficients. Time is in samples."""
 
 import numpy as np
 
@@ -9,9 +9,9 @@ from labsid.gap._states import transition
 
 @compiled()
 def simulate_varying(w: FloatArray, c: FloatArray, k: FloatArray) -> FloatArray:
-    """Position and speed of z'' = -c(t) z' - k(t) z + w from zero, for each column of `w`; shape (N, 2 m + 4).
+    """Position and speed of z'' = -c(t) z' - k(t) z + w from rest, for each of the m columns of `w`.
 
-    The last four columns are those of the free motion from z = 1 and from z' = 1.
+    The last four of the 2 m + 4 columns are the free responses from z = 1 and from z' = 1.
     """
     samples, driven = w.shape
     columns = driven + 2
@@ -39,10 +39,11 @@ def simulate_varying(w: FloatArray, c: FloatArray, k: FloatArray) -> FloatArray:
 def simulate_stepped(
     w: FloatArray, c: tuple[float, float], k: tuple[float, float], onset: float, kick: float, push: float
 ) -> FloatArray:
-    """Position and speed of z'' = -c z' - k z + w from zero, whose c and k step at `onset`; shape (N, 2 m + 6).
+    """Position and speed of z'' = -c z' - k z + w from rest, with c and k stepping at `onset`.
 
-    There the speed loses `kick` times the position. Behind the columns of `w` stand those of a unit force that begins
-    then, with a `push` to the speed, and of the free motion from z = 1 and from z' = 1.
+    At the onset the speed drops by `kick` times the position. The 2 m + 6 columns are the responses to the m columns
+    of `w`, the response to a unit force that starts at the onset together with a speed step of `push`, and the free
+    responses from z = 1 and from z' = 1.
     """
     samples, driven = w.shape
     out = np.empty((samples, 2 * driven + 6))

@@ -1,6 +1,6 @@
-"""The loops of the dynamics that numba compiles. Time is counted in samples; inputs are held between samples.
+"""Compiled simulation of dynamics with nonlinear states.
 
-An input that is `late` by a part of a sample changes so far into it.
+Time is in samples. The input is constant between samples and changes at the fraction `late` of each sample.
 """
 
 import math
@@ -10,15 +10,14 @@ import numpy as np
 from labsid._arrays import FloatArray
 from labsid._compiled import compiled
 
-DIVERGED = 1e6  # a state beyond this has left every record behind: the simulation has diverged
-CUBIC_CORRECTION = (
-    0.109  # of the square of a step, times the acceleration: of a spring's force, measured against short steps
-)
+DIVERGED = 1e6  # a larger state has diverged: every record is smaller
+# Spring force at the mean position of a substep: factor of h^2 times the acceleration, tuned against short substeps.
+CUBIC_CORRECTION = 0.109
 
 
 @compiled()
 def _sinusoid(cosine: float, sine: float, frequency: float, k: int) -> float:
-    """A wave in the middle of sample k; `frequency` in radians a sample."""
+    """A sinusoid at the middle of sample k; `frequency` in radians per sample."""
     if frequency == 0.0:
         return 0.0
     phase = frequency * (k + 0.5)
@@ -47,10 +46,10 @@ def simulate_tanks(
     frequency: float = 0.0,
     pace: FloatArray | None = None,
 ) -> FloatArray:
-    """Lower level of two tanks in a row; outflow by the root of the level or by the level, brims, overflow caught.
+    """Level of the lower of two tanks in series, each with linear or square-root outflow and a brim.
 
-    From `onset` on the lower tank loses `load`, and `leak` times its level; all the time, a wave. `pace`, one value a
-    sample, multiplies its rate.
+    The lower tank receives the `share` of the upper tank's overflow. From `onset` on it loses `load` plus `leak` times
+    its level, and a sinusoidal flow at all times. `pace`, one value per sample, multiplies its rate.
     """
     out = np.empty(w.size)
     h = 1.0 / substeps
@@ -93,9 +92,9 @@ def simulate_tanks(
 def _linear_tank(
     level: float, flow: float, rate: float, keep: float, brim: float, share: float, h: float
 ) -> tuple[float, float]:
-    """Exact step of level' = rate (flow - level) up to a brim: the new level, and the mean of what leaves it below.
+    """Exact step of level' = rate (flow - level) up to a brim: the new level and the mean flow to the lower tank.
 
-    `keep` is exp(-rate h). Of what goes over the brim the `share` is caught below.
+    `keep` is exp(-rate h). The lower tank receives the `share` of the overflow.
     """
     new = flow + (level - flow) * keep
     if new <= brim:
@@ -108,7 +107,7 @@ def _linear_tank(
 
 @compiled()
 def _held_input(w: FloatArray, k: int, before: float) -> float:
-    """The input in a part of a sample, of which the share `before` (0 to 1 and beyond) still sees the last one."""
+    """Mean input over a substep, of which the share `before`, clipped to 0..1, precedes the change of the input."""
     if before <= 0.0 or k == 0:
         return w[k]
     return w[k] + min(before, 1.0) * (w[k - 1] - w[k])
@@ -159,10 +158,10 @@ def simulate_mass(
     frequency: float = 0.0,
     pace: FloatArray | None = None,
 ) -> FloatArray:
-    """Position and speed of z'' = -c z' - k z - friction sign(z') - cubic z^3 + w, sticking included.
+    """Position and speed of z'' = -c z' - k z - friction sign(z') - cubic z^3 + w, including sticking.
 
-    From `onset` on `load`, and a spring of `leak` times k, act against it; all the time, a wave. `pace`, one value a
-    sample, multiplies k.
+    From `onset` on, `load` and a spring of stiffness `leak` times k oppose the input; a sinusoid does at all times.
+    `pace`, one value per sample, multiplies k.
     """
     out = np.empty((w.size, 2))
     h = 1.0 / substeps
@@ -197,7 +196,7 @@ def simulate_mass(
                 force -= friction * sign
                 new_z = f11 * z + f12 * v + g1 * force
                 new_v = f21 * z + f22 * v + g2 * force
-                if new_v * sign < 0.0:  # the motion ends within this step: rest there, or go on the other way
+                if new_v * sign < 0.0:  # the motion ends within this step: stick or reverse
                     moving = h * v / (v - new_v)
                     z += 0.5 * moving * v
                     v = 0.0
@@ -236,12 +235,12 @@ def simulate_motor(
     frequency: float = 0.0,
     pace: FloatArray | None = None,
 ) -> FloatArray:
-    """Output and speed under dry friction with a lag of rate `b` before or behind it; gain one apart from friction.
+    """Output and speed of a motor with dry friction, and a lag of rate `b` before or after it; unit gain.
 
-    The lag before it is i' = b (w - i), the motion
-    v' = a (drive - friction sign(v) - v), where the drive is the lagged input or the input itself. From `onset` on
-    `load`, and `leak` times the speed, act against it; all the time, a wave. `pace`, one value a sample, multiplies
-    the rate of whichever comes last.
+    The motion is v' = a (drive - friction sign(v) - v). With `lag_first` the drive is the lagged input,
+    i' = b (w - i); otherwise it is the input, and the lag follows the speed. From `onset` on, `load` plus `leak` times
+    the speed oppose the drive; a sinusoid does at all times. `pace`, one value per sample, multiplies the rate of the
+    last of the two.
     """
     out = np.empty((w.size, 2))
     h = 1.0 / substeps
@@ -276,7 +275,7 @@ def simulate_motor(
             if sign != 0.0:
                 rest = drive - friction * sign
                 v = rest + (v - rest) * keep_a
-                if v * sign < 0.0:  # the motion ends within this step: rest, or go on the other way
+                if v * sign < 0.0:  # the motion ends within this step: stick or reverse
                     left = h - math.log((before - rest) / -rest) / a
                     v = 0.0
                     if abs(drive) > friction:

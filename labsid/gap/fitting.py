@@ -1,4 +1,4 @@
-"""Fit a hypothesis to a record: free-run error, gains projected out, Levenberg-Marquardt over what is left."""
+"""Fit a hypothesis to a record by output error: Levenberg-Marquardt over theta, with the gains projected out."""
 
 from dataclasses import dataclass
 
@@ -16,23 +16,23 @@ UNFILTERED = np.zeros(0)
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Fit:
-    """A hypothesis with its numbers.
+    """A hypothesis fitted to a record.
 
     Attributes
     ----------
     hypothesis : Hypothesis
     theta : ndarray
-        The searched numbers.
+        Nonlinear parameters.
     gains : ndarray
-        The projected ones.
+        Linear parameters.
     output : ndarray, shape (N,)
-        Free-run output over the whole record, held-out samples included.
+        Free-run output over the whole record, including samples that do not count.
     cost : float
         Mean square of the (whitened) error over the rows that count; infinity where the simulation diverges.
     noise : Noise
-        Model of what is left.
+        Model of the residual.
     bic : float
-        Whitened score of the hypothesis; lower is better.
+        Of the whitened residual; lower is better.
     """
 
     hypothesis: Hypothesis
@@ -50,37 +50,36 @@ class Fit:
 
     @property
     def rates(self) -> tuple[float, float]:
-        """c and k of the linear dynamics s^2 + c s + k, in samples."""
+        """Coefficients c and k of the linear dynamics s^2 + c s + k, in samples."""
         return self.hypothesis.plant.linear_rates(self.plant_theta)
 
     @property
     def onset(self) -> float | None:
-        """When a load begins, as a share of the record; None where none does."""
+        """Onset of a load as a share of the record; None without a load."""
         names = [parameter.name for parameter in self.hypothesis.parameters]
         return float(self.theta[names.index("onset")]) if "onset" in names else None
 
     @property
     def n_free(self) -> int:
-        """How many numbers were fitted."""
+        """Number of fitted parameters."""
         return self.theta.size + int(np.count_nonzero(self.gains))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Point:
-    """Where a search stands.
+    """One point of the minimization.
 
     Attributes
     ----------
     theta, gains : ndarray
-        The searched numbers, and the projected ones.
+        Nonlinear and linear parameters.
     design : Design
-        The columns that the gains combine.
     output : ndarray, shape (N,)
         Free-run output.
     error : ndarray
-        What is left of the (whitened) record on the rows that count.
+        The (whitened) error on the rows that count.
     cost : float
-        Its mean square.
+        Mean square of the error.
     """
 
     theta: FloatArray
@@ -92,12 +91,12 @@ class Point:
 
 
 class Problem:
-    """One hypothesis, one record, one whitening filter."""
+    """Least-squares problem of one hypothesis on one record with one whitening filter."""
 
     def __init__(self, data: Data, hypothesis: Hypothesis, ar: FloatArray) -> None:
         self.data, self.hypothesis, self.ar = data, hypothesis, ar
         counted = data.rows
-        if ar.size:  # before the record the filter sees zeros, which is right: its first samples hold the initial state
+        if ar.size:  # the filter sees zeros before the record: its first rows determine the initial state
             counted = data.complete.copy()
             counted[: data.lags] = data.rows[: data.lags].all()
         self.rows = slice(None) if counted.all() else np.flatnonzero(counted)
@@ -109,10 +108,10 @@ class Problem:
         return (whiten(columns, self.ar) if self.ar.size else columns)[self.rows]
 
     def point(self, theta: FloatArray, gains: FloatArray | None = None, near: Design | None = None) -> Point | None:
-        """The best gains at theta, and the error that they leave; None where the simulation diverges."""
+        """The best gains at theta and their error; None if the simulation diverges."""
         design = self.hypothesis.design(theta, self.data.u, near=near)
         columns = design.columns
-        if not np.isfinite(columns[-1]).all():  # once it diverges, it stays so to the end
+        if not np.isfinite(columns[-1]).all():  # a diverged simulation is NaN up to the end
             return None
         if not self.has_sensor:
             gains = solve_least_squares(self._seen(columns), self.y)
@@ -136,7 +135,7 @@ class Problem:
         return best
 
     def _bend(self, columns: FloatArray, theta: FloatArray, gains: FloatArray, design: Design) -> None:
-        """Turn columns into the output's derivatives by their gains, in place."""
+        """Multiply the columns by the slope of the sensor, in place: derivatives of the output by the gains."""
         whole, added = self.hypothesis.slopes(theta, gains, design)
         columns[:, : design.n_sensed] *= whole[:, None]
         columns[:, design.n_sensed :] *= added[:, None]
@@ -146,7 +145,7 @@ class Problem:
         return Point(theta, gains, design, output, error, float(error @ error) / self.count)
 
     def jacobian(self, at: Point) -> FloatArray | None:
-        """Derivative of the (whitened) output by theta and by the gains, in this order."""
+        """Derivatives of the (whitened) output by theta and the gains, in this order."""
         upper = self.hypothesis.bounds[1]
         searched = at.theta.size
         J = np.empty((self.data.samples, searched + at.gains.size), order="F")
@@ -172,7 +171,7 @@ def minimize(
     ar: FloatArray = UNFILTERED,
     tolerance: float = 1e-5,
 ) -> Point | None:
-    """Levenberg-Marquardt from `theta`; the gains follow. None where not even the start can be simulated."""
+    """Minimize the output error by Levenberg-Marquardt from `theta`; None if the start cannot be simulated."""
     problem = Problem(data, hypothesis, ar)
     lower, upper = hypothesis.bounds
     at = problem.point(np.clip(theta, lower, upper), gains)
@@ -187,7 +186,7 @@ def minimize(
         gram, scale = scaled_gram(J)
         slope = (J.T @ at.error) / scale
         better = None
-        # A parameter at its bound that wants to go further is held there.
+        # Hold a parameter that is at its bound and whose gradient points outside.
         held = np.zeros(gram.shape[0], bool)
         push = slope[:searched]
         held[:searched] = ((at.theta <= lower) & (push < 0)) | ((at.theta >= upper) & (push > 0))
@@ -217,17 +216,16 @@ def minimize(
 
 
 def start_cost(data: Data, hypothesis: Hypothesis, theta: FloatArray) -> float:
-    """Cost at `theta` with the best gains; infinity where it cannot be simulated."""
+    """Cost at `theta` with the best gains; infinity if it cannot be simulated."""
     point = Problem(data, hypothesis, UNFILTERED).point(np.clip(theta, *hypothesis.bounds))
     return float("inf") if point is None else point.cost
 
 
 def finish(data: Data, hypothesis: Hypothesis, point: Point) -> Fit:
-    """Score a point: the noise of its residual, and the BIC of the whitened error.
+    """Fit the noise model of the residual and compute the BIC.
 
-    Where a residual is so slow that its innovations are the sensor's noise alone, the whitened error sees no difference
-    between a good and a bad simulation. `Data.by_free_run` adds the power of the free-run error, with as many
-    independent samples as the colour leaves.
+    A slow residual leaves only sensor noise in its innovations, so that the whitened error cannot rank simulations.
+    `Data.by_free_run` then adds the power of the free-run error, weighted by its number of independent samples.
     """
     e = data.y - point.output
     noise = fit_noise(e, data.complete, data.lags)
@@ -240,13 +238,13 @@ def finish(data: Data, hypothesis: Hypothesis, point: Point) -> Fit:
 
 
 def refit(data: Data, fit: Fit) -> Fit:
-    """The same hypothesis fitted to the rows of `data`."""
+    """Refit the hypothesis to the rows of `data`."""
     point = minimize(data, fit.hypothesis, fit.theta, fit.gains, iterations=20, tolerance=1e-6)
     return fit if point is None else finish(data, fit.hypothesis, point)
 
 
 def covariance(data: Data, fit: Fit) -> FloatArray:
-    """Covariance of theta and the gains, in this order: that of least squares on the whitened error."""
+    """Least-squares covariance of theta and the gains, in this order, from the whitened error."""
     problem = Problem(data, fit.hypothesis, fit.noise.ar)
     at = problem.point(fit.theta, fit.gains)
     J = None if at is None else problem.jacobian(at)
@@ -264,5 +262,5 @@ def mean_square(data: Data, fit: Fit) -> float:
 
 
 def rms(data: Data, fit: Fit) -> float:
-    """Root of `power`."""
+    """Root mean square of the free-run error over the rows that count."""
     return float(np.sqrt(mean_square(data, fit)))

@@ -1,4 +1,4 @@
-"""A hypothesis: the linear structure with a few effects put in where the physics puts them."""
+"""A hypothesis: the linear structure with a set of effects."""
 
 from dataclasses import dataclass, field
 
@@ -10,30 +10,28 @@ from labsid.gap.effects.base import AdditiveEffect, Effect, InputEffect, OutputE
 from labsid.gap.plant_form import Parameter
 from labsid.gap.plants import Plant
 
-NUISANCE_DELAY = 0.5  # samples; up to here a delay belongs to the sampling, not to the rig
+NUISANCE_DELAY = 0.5  # samples: a shorter delay is attributed to sampling, not to the rig
 DELAY = Parameter("delay", 0.0, NUISANCE_DELAY, 0.02)
-SAMPLED_DELAY = Parameter(
-    "delay", -NUISANCE_DELAY, NUISANCE_DELAY, 0.02
-)  # of an input that may not be held, but sampled
-FRICTION_DELAY = Parameter("delay", 0.0, NUISANCE_DELAY, 0.02, leap=0.1)  # the same where friction may hide it
+# An input that is sampled rather than held may lead by half a sample.
+SAMPLED_DELAY = Parameter("delay", -NUISANCE_DELAY, NUISANCE_DELAY, 0.02)
+FRICTION_DELAY = Parameter("delay", 0.0, NUISANCE_DELAY, 0.02, leap=0.1)  # friction can hide a delay
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Design:
-    """What a hypothesis makes of the input at one theta.
+    """Regressor columns of a hypothesis at one theta.
 
     Attributes
     ----------
     columns : ndarray, shape (N, m + q)
-        All columns.
     n_sensed : int
-        m: how many of them, the first ones, pass through the sensor, the constant among them.
+        m: number of leading columns that pass through the sensor, including the constant.
     theta : ndarray
-        The numbers that it was made with.
+        Nonlinear parameters of the columns.
     actuator : tuple of ndarray, shape (N,), and float
-        The signal that reaches the dynamics, and how far into each sample it changes.
+        The signal that reaches the dynamics, and the fraction of each sample at which it changes.
     parts : tuple of ndarray
-        The columns of the dynamics, and of each additive effect.
+        Columns of the dynamics and of each additive effect.
     """
 
     columns: FloatArray
@@ -49,25 +47,25 @@ class Design:
 
     @property
     def added(self) -> FloatArray:
-        """Columns added in the sensor, shape (N, q): behind its curve, ahead of its limits."""
+        """Columns added between the curve and the limits of the sensor, shape (N, q)."""
         return self.columns[:, self.n_sensed :]
 
 
 @dataclass(frozen=True, slots=True)
 class Hypothesis:
-    """Which effects are at work, in the order in which they were added.
+    """Effects in the order in which they were added.
 
-    The numbers that are searched, theta, lie in the order: delay, input effects, plant, output effects, additive ones.
+    The nonlinear parameters theta are ordered: delay, input effects, plant, output effects, additive effects.
 
     Attributes
     ----------
     effects : tuple of Effect
     n_given : int
-        So many of them, the first ones, stand in the simulation that was given: they are no finding.
+        Number of leading effects that are part of the given simulation, not findings.
     given : Plant or None
-        Dynamics to start from where they are not the linear ones.
+        Dynamics of the given simulation; the linear ones if None.
     plant : Plant
-        The dynamics with everything that the effects put into them.
+        The dynamics with all plant effects.
     inputs : tuple of InputEffect
         In the order of the actuator's chain.
     outputs : tuple of OutputEffect
@@ -75,9 +73,9 @@ class Hypothesis:
     additive : tuple of AdditiveEffect
         Effects that add columns.
     parameters : tuple of Parameter
-        All searched numbers.
+        Parameters in theta.
     slices : dict
-        Where in theta each part lies: "plant", and each effect by its key.
+        Slice of theta of the "plant", and of each effect by its key.
     bounds : tuple of ndarray
         Lower and upper bounds of theta.
     """
@@ -124,7 +122,7 @@ class Hypothesis:
 
     @property
     def names(self) -> tuple[str, ...]:
-        """Names of the effects found, each once."""
+        """Unique names of the effects found."""
         return tuple(dict.fromkeys(effect.name for effect in self.effects[self.n_given :]))
 
     @property
@@ -133,24 +131,21 @@ class Hypothesis:
         return tuple(effect.key for effect in self.effects[self.n_given :])
 
     def plus(self, effect: Effect) -> "Hypothesis":
-        """This hypothesis with one effect more."""
+        """The hypothesis with one more effect."""
         return Hypothesis((*self.effects, effect), self.n_given, self.given)
 
     @property
     def delay_is_an_effect(self) -> bool:
-        """Whether a delay is an effect here, not a nuisance."""
+        """Whether the delay is an effect rather than a nuisance parameter."""
         return any(e.name == "input-delay" for e in self.inputs)
 
     def actuator(self, theta: FloatArray, u: FloatArray, span: int | None = None) -> FloatArray:
-        """The signal that reaches the dynamics: the input through the actuator's effects, delayed.
-
-        Between samples it is interpolated.
-        """
+        """The signal that reaches the dynamics: the input after all actuator effects, interpolated to its delay."""
         w, late = self._driven(theta, u, span or u.size)
         return _kernels.delayed(w, 0, late)
 
     def _driven(self, theta: FloatArray, u: FloatArray, span: int) -> tuple[FloatArray, float]:
-        """The same delayed by whole samples, and the part of a sample by which it is later still."""
+        """The actuator's signal delayed by whole samples, and the remaining fraction of a sample."""
         w = u
         delay, away = None, 0.0
         for effect in self.inputs:
@@ -173,7 +168,7 @@ class Hypothesis:
     ) -> Design:
         """Columns at `theta` for the input `u`, shape (N,); `span` and `reference` are those of the fit's record.
 
-        What stays the same of `near`, a design for the same input at other numbers, is taken from there.
+        `near`, a design for the same input at another theta, provides the columns that have not changed.
         """
         span = span or u.size
         at = self.slices["plant"]
@@ -199,7 +194,7 @@ class Hypothesis:
         return Design(beside([*bent, *added]), sum(part.shape[1] for part in bent), theta, driven, tuple(parts))
 
     def gains_of(self, gains: FloatArray, effect: AdditiveEffect) -> FloatArray:
-        """The gains of one additive effect among all: those at the load stand before those at the sensor."""
+        """Gains of one additive effect; effects at the load precede those at the sensor."""
         ordered = [e for e in self.additive if e.at_load] + [e for e in self.additive if not e.at_load]
         at = gains.size - sum(e.width for e in ordered)
         for other in ordered:
@@ -209,7 +204,7 @@ class Hypothesis:
         return gains[at : at + effect.width]
 
     def sensor(self, theta: FloatArray, gains: FloatArray, design: Design) -> FloatArray:
-        """What the sensor makes of the columns of a design."""
+        """Sensor output for the columns of a design."""
         z = self._curved(theta, design.sensed @ gains[: design.n_sensed])
         if gains.size > design.n_sensed:
             z = z + design.added @ gains[design.n_sensed :]
@@ -218,7 +213,7 @@ class Hypothesis:
         return z
 
     def reading(self, theta: FloatArray, gains: FloatArray, level: float) -> float:
-        """What the sensor shows where the dynamics stand still at `level`, without the limits of the sensor."""
+        """Sensor reading at the steady state `level`, without the limits of the sensor."""
         return float(self._curved(theta, gains[:1] * level + gains[1])[0])
 
     def _curved(self, theta: FloatArray, z: FloatArray) -> FloatArray:
@@ -227,7 +222,7 @@ class Hypothesis:
         return z
 
     def slopes(self, theta: FloatArray, gains: FloatArray, design: Design) -> tuple[FloatArray, FloatArray]:
-        """Derivatives of `sensor` by what passes through it, and by what is added in it."""
+        """Derivatives of `sensor` by the signal that passes through it and by the signal added to it."""
         z = design.sensed @ gains[: design.n_sensed]
         whole, added = np.ones_like(z), np.ones_like(z)
         for effect in self._curves:

@@ -1,4 +1,4 @@
-"""Which dynamics stand between actuator and sensor, and the numbers of them that are searched."""
+"""Form of the dynamics between actuator and sensor, and their parameters."""
 
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
@@ -9,22 +9,22 @@ import numpy as np
 from labsid._arrays import FloatArray
 
 SLOWEST, FASTEST = np.log(1e-5), np.log(100.0)
-MAX_DAMPING = 0.5  # of a mode; beyond, it is two lags
+MAX_DAMPING = 0.5  # of a mode
 
 
 @dataclass(frozen=True, slots=True)
 class Parameter:
-    """One searched number.
+    """A nonlinear parameter.
 
     Attributes
     ----------
     name : str
     lower, upper : float
-        Its bounds.
+        Bounds.
     step : float
-        Of its numerical derivative.
+        Step of the numerical derivative.
     leap : float
-        Distance over which the error may have several minima, zero where it has not.
+        Distance over which the error may have several minima; zero for a single minimum.
     """
 
     name: str
@@ -34,62 +34,62 @@ class Parameter:
     leap: float = 0.0
 
 
-STICKING_STEP = 1e-2  # scaled: a step of a derivative that reaches across the jumps of a motion that sticks
+STICKING_STEP = 1e-2  # scaled: derivative step that spans the jumps of stick-slip motion
 FRICTION = Parameter("friction", 0.0, 20.0, 1e-3, leap=0.03)
 ONSET = Parameter("onset", 0.0, 1.0, 2e-4, leap=0.004)  # as a share of the record
 DRIFT = Parameter("drift", -3.0, 3.0)
-CYCLES = Parameter("cycles", 2.2, 1e7, 1e-3)  # of a wave in the record; a slower one is a drift
+CYCLES = Parameter("cycles", 2.2, 1e7, 1e-3)  # in the record; a slower sinusoid is a drift
 
 
 @dataclass(frozen=True, slots=True)
 class PlantForm:
-    """Which dynamics: two poles, plus what the effects of a hypothesis put in.
+    """Form of the dynamics: two poles, and the additions of the effects of a hypothesis.
 
     Attributes
     ----------
     kind : str
-        "linear", "tanks", "mechanics", "speed", "varying", or "given": a simulation that is not ours.
+        "linear", "tanks", "mechanics", "speed", "varying", or "given" for an external simulation.
     zero : bool
-        Whether linear dynamics have one: two gains, not one, of the exact response to held levels.
+        Whether linear dynamics have a numerator zero. Without it they have one gain.
     lag, mode : bool
-        One more real pole; one more lightly damped pair.
+        An additional real pole; an additional lightly damped pair.
     upper_root, lower_root : bool
-        Torricelli outflow of the upper and of the lower tank.
+        Square-root outflow of the upper and of the lower tank.
     brim : int
-        0 none, 1 the upper tank's, 2 the lower tank's, 3 both.
+        0 none, 1 upper tank, 2 lower tank, 3 both.
     flipped : bool
-        The input counts outflow: more u means less flow.
+        Whether a larger input means less flow.
     friction, cubic : bool
         Dry friction, cubic restoring force.
     sampled : bool
-        Whether the input may be sampled, and not held: then it comes up to half a sample early.
+        Whether the input may lead the held input by up to half a sample.
     unsprung : bool
-        Whether what rubs has next to no spring: a constant force is then no shift of its position.
+        Whether a mass with friction has almost no spring, so that a constant force is no shift of its position.
     lag_first : bool
-        The lag of the speed stands before the friction, not behind it.
+        Whether the lag of "speed" precedes the friction.
     lag_upstream : bool
-        The further lag stands before a nonlinear state, not behind it.
+        Whether the additional lag precedes the nonlinear state.
     mode_place : str
-        Where the mode stands beside a nonlinear state: "behind" it, "ahead" of it, or "beside" it.
+        Position of the mode relative to a nonlinear state: "behind", "ahead" or "beside" (in parallel).
     course : str
-        How a varying pole goes along the record: "slow", or "step" at an instant, without a jump of the output: its
-        speed jumps, by the searched `turn` none of it or all, where what changes is the rate of the latter lag.
+        Change of a varying pole: "slow", or "step" at an instant. The output is continuous across the step; the
+        parameter `turn`, 0 to 1, is the share of the change that acts as a jump of the speed.
     drifting : bool
-        Whether the rate of the latter of two nonlinear states, or a nonlinear spring, goes along a slow course.
+        Whether the rate of the second nonlinear state, or the spring, drifts slowly.
     extra_degrees : int
-        Degrees above one of a slow course.
+        Degree of the polynomial of a slow drift, minus one.
     has_load, has_sinusoid : bool
-        Whether a load, and one that grows with the state, begins at an instant, or one swings; of nonlinear states.
+        Whether a load step or a sinusoid acts on the nonlinear state.
     load_upstream, sinusoid_upstream : bool
-        It enters ahead of the former of two states in a row, not of the latter one, and does not grow.
+        Whether it acts on the first of two states in series instead of the second. It then has no leak.
     run : callable, optional
         ``run(w) -> y`` of a given simulation, in scaled units.
     takes_input : bool
-        Whether that simulation can be run on another input.
+        Whether that simulation can be run with another input.
     given_rates : tuple of float
-        c and k of a linear model of the same record, for loads that pass through the dynamics.
+        c and k of a linear model of the same record, for the response to loads.
     parameters : tuple of Parameter
-        The searched numbers, in their order in theta.
+        In their order in theta.
     """
 
     kind: str = "linear"
@@ -172,18 +172,18 @@ class PlantForm:
 
     @property
     def nonlinear(self) -> bool:
-        """Whether a state is nonlinear, so that it matters what stands before it and what behind."""
+        """Whether a state is nonlinear, so that the order of the elements matters."""
         return self.kind in ("tanks", "mechanics", "speed")
 
     @property
     def in_series(self) -> bool:
-        """Whether there are two states in a row, and a load may enter ahead of either."""
+        """Whether there are two states in series, with a possible load on either."""
         return self.kind == "tanks" or (self.kind == "speed" and self.lag_first)
 
     def index(self, name: str) -> int:
-        """Place of a parameter in theta."""
+        """Index of a parameter in theta."""
         return [parameter.name for parameter in self.parameters].index(name)
 
     def modified(self, **changes: object) -> Self:
-        """The same plant with some attributes changed."""
+        """A copy with some attributes changed."""
         return replace(self, **changes)  # type: ignore[arg-type]

@@ -1,7 +1,7 @@
-"""The dynamics between actuator and sensor: linear, or with one of the nonlinear states of the table.
+"""The dynamics between actuator and sensor: linear, or with a nonlinear state.
 
-Time is counted in samples. A plant turns the actuator's signal w into columns, and the output is a linear combination
-of them: gains, the numerator's zeros and the linear initial state never have to be searched.
+Time is in samples. A plant maps the actuator's signal w to columns whose linear combination is the output, so that the
+gain, the numerator and the linear initial state are linear parameters.
 """
 
 from dataclasses import dataclass
@@ -13,31 +13,30 @@ from labsid.gap import _kernels
 from labsid.gap.plant_form import PlantForm
 from labsid.gap.responses import denominator, lag_mean, lag_output, mode_mean, real_rates, response, section
 
-SHORTEST_MEMORY = 12  # of a lag's time constants in a record
-LEAST_FLOW = 0.25  # scaled: mean flow for which the rates of tanks with roots are told
+MIN_TIME_CONSTANTS = 12  # of a lag in a record: a slower lag would imitate a drift
+MIN_FLOW = 0.25  # scaled: smallest mean flow at which square-root outflow is linearized
 
 
 @dataclass(frozen=True, slots=True)
 class Plant(PlantForm):
-    """Dynamics that can be simulated: columns, speeds and linear rates at given parameters."""
+    """Dynamics with their simulation and linearization."""
 
     def columns(
         self, theta: FloatArray, w: FloatArray, span: int, reference: float | None = None, late: float = 0.0
     ) -> FloatArray:
-        """Responses whose combinations are the output, one a column; NaN where the simulation diverges.
+        """Columns whose linear combination is the output; NaN where the simulation diverges.
 
         Parameters
         ----------
         theta : ndarray, shape (len(parameters),)
         w : ndarray, shape (N,)
-            The actuator's signal in its scaled unit.
+            Scaled signal of the actuator.
         span : int
-            Length of the record by which slow changes are counted: that of the fit.
+            Length of the fitted record, the time unit of slow changes.
         reference : float, optional
-            Value of w from which a linear plant counts: that with which the record of the fit began, and this one
-            unless given.
+            Operating point of w for a linear plant: the first sample of the fitted record; w[0] by default.
         late : float
-            How far into each sample w changes, 0 to 1.
+            Fraction of each sample at which w changes, 0 to 1.
 
         Returns
         -------
@@ -46,10 +45,10 @@ class Plant(PlantForm):
         own = self._by_name(theta)
         start = float(w[0]) if reference is None else reference
         if late and (not self.nonlinear or self._lag_ahead or (self.mode and self._mode_place == "ahead")):
-            w, late = _kernels.delayed(w, 0, late), 0.0  # the mean over each sample
+            w, late = _kernels.delayed(w, 0, late), 0.0  # mean over each sample
         driven = w
-        if self.lag:  # a slower one would be a drift: its free motion bends the whole record
-            tau = float(min(np.exp(own["log_lag"]), span / SHORTEST_MEMORY))
+        if self.lag:
+            tau = float(min(np.exp(own["log_lag"]), span / MIN_TIME_CONSTANTS))
             pole = float(np.exp(-1.0 / tau))
             if self._lag_ahead:
                 driven = lag_mean(driven, tau)
@@ -87,7 +86,7 @@ class Plant(PlantForm):
 
     @property
     def state_columns(self) -> tuple[int, ...]:
-        """Which columns hold the initial state; the gains of the others belong to the rig."""
+        """Indices of the columns whose gains are the initial state."""
         if self.kind == "linear":
             width = 5 if self.zero else 4
             own: tuple[int, ...] = (width - 3, width - 2)
@@ -109,14 +108,14 @@ class Plant(PlantForm):
         return response(self, own, w, w.size, float(w[0]))[:, 1]
 
     def load_response(self, theta: FloatArray, signal: FloatArray) -> FloatArray:
-        """What an unmeasured load `signal` that enters the dynamics does to the output, linearised; shape (N, 2)."""
+        """Columns of the linearized response to an unmeasured load `signal`, shape (N, 2)."""
         c, k = self.linear_rates(theta)
         a1, a2 = denominator(c, k)
         x = _kernels.second_order(signal, a1, a2)
         return np.column_stack([x, np.concatenate([[0.0], x[:-1]])])
 
     def linear_rates(self, theta: FloatArray) -> tuple[float, float]:
-        """The coefficients c and k of s^2 + c s + k, of the linear part or near the middle of the record."""
+        """Coefficients c and k of s^2 + c s + k: of the linear part, or linearized at the mean flow."""
         if self.kind == "given":
             return self.given_rates
         first, second = np.exp(theta[0]), np.exp(theta[1])
@@ -127,16 +126,16 @@ class Plant(PlantForm):
         return float(first), float(second)
 
     def root_slope(self, theta: FloatArray) -> float:
-        """By how much a level with a root at its outflow changes with the flow, near the mean flow."""
-        return 2.0 * max(-float(theta[self.index("zero")]), LEAST_FLOW)
+        """Derivative of the level by the flow at the mean flow, for square-root outflow."""
+        return 2.0 * max(-float(theta[self.index("zero")]), MIN_FLOW)
 
     def level_slopes(self, theta: FloatArray) -> tuple[float, float]:
-        """The same of the upper and of the lower tank; one where the outflow goes with the level."""
+        """Derivatives of the upper and lower levels by the flow; one for linear outflow."""
         upper, lower = (self.root_slope(theta) if root else 1.0 for root in (self.upper_root, self.lower_root))
         return upper, lower
 
     def starts(self, c: float, k: float) -> list[FloatArray]:
-        """Where the search of the rates begins, given those of a linear fit; the effects add their own numbers."""
+        """Start values of theta from the rates of a linear fit; other parameters are zero."""
         if self.kind == "given":
             return [np.zeros(0)]
         with_defaults = []

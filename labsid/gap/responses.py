@@ -1,4 +1,4 @@
-"""How each kind of dynamics answers: the columns that the simulation of one plant gives. Time is counted in samples."""
+"""Simulated responses of each kind of dynamics, as columns. Time is in samples."""
 
 import numpy as np
 from numpy.polynomial.chebyshev import chebval
@@ -8,17 +8,17 @@ from labsid.gap import _kernels, _rates, _states
 from labsid.gap.plant_form import PlantForm
 
 NO_BRIM = np.inf
-STIFFNESS_BOUNDS = 1e-11, 90.0  # bounds of k, in samples
-REST_TIME_CONSTANTS = 6.0  # time constants after which a free motion is over
+STIFFNESS_BOUNDS = 1e-11, 90.0  # of k, per sample squared
+REST_TIME_CONSTANTS = 6.0  # after which a free response has ended
 NODES = np.polynomial.legendre.leggauss(8)
-MAX_ROOT_RATE = 2.4  # rate of a tank with a root, a sample: what is quicker follows its inflow at once
-ABSENT_POLE_RATE = 30.0  # rate, a sample, of a pole that is none
+MAX_ROOT_RATE = 2.4  # per sample, of a tank with square-root outflow: a faster one follows its inflow
+ABSENT_POLE_RATE = 30.0  # per sample, of a pole without influence
 
 
 def response(
     plant: PlantForm, own: dict[str, float], w: FloatArray, span: int, reference: float, late: float = 0.0
 ) -> FloatArray:
-    """Columns of the dynamics without a further lag or mode, NaN where the simulation diverges.
+    """Columns of the dynamics without additional lag or mode; NaN where the simulation diverges.
 
     Parameters
     ----------
@@ -28,11 +28,11 @@ def response(
     w : ndarray, shape (N,)
         The actuator's signal.
     span : int
-        Length of the record by which slow changes are counted.
+        Length of the fitted record, the time unit of slow changes.
     reference : float
-        Value of w from which linear dynamics count.
+        Operating point of w for linear dynamics.
     late : float
-        How far into each sample w changes, 0 to 1, where a state is nonlinear.
+        Fraction of each sample at which w changes, 0 to 1; used with nonlinear states.
 
     Returns
     -------
@@ -43,22 +43,22 @@ def response(
 
 
 def normalized_time(samples: int, span: int) -> FloatArray:
-    """-1 to 1 along the `span` samples of the fit's record; behind them it stays at 1."""
+    """-1 to 1 over the `span` samples of the fitted record, and 1 after it."""
     return np.minimum(2.0 * np.arange(samples) / max(span - 1, 1) - 1.0, 1.0)
 
 
 def step_signal(onset: float, samples: int, span: int) -> FloatArray:
-    """A unit step from the share `onset` of the span on; the sample in which it falls counts in part."""
+    """Unit step at the share `onset` of the span; its first sample holds the mean over that sample."""
     return np.clip(np.arange(1, samples + 1) - onset * span, 0.0, 1.0)
 
 
 def chebyshev_course(shape: FloatArray, samples: int, span: int) -> FloatArray:
-    """A slow change along the record: Chebyshev polynomials of degree 1, 2, ... by their coefficients."""
+    """A slow change along the record: sum of Chebyshev polynomials of degree 1, 2, ... with coefficients `shape`."""
     return chebval(normalized_time(samples, span), np.concatenate([[0.0], shape]))
 
 
 def denominator(c: float, k: float) -> tuple[float, float]:
-    """a1, a2 of the sampled s^2 + c s + k, at one sample."""
+    """Coefficients a1, a2 of s^2 + c s + k sampled at one sample."""
     s = 0.25 * c * c - k
     if s > 0:
         root = np.sqrt(s)
@@ -68,7 +68,7 @@ def denominator(c: float, k: float) -> tuple[float, float]:
 
 
 def real_rates(c: float, k: float) -> tuple[float, float]:
-    """The two real decay rates, slow one first; a complex pair counts as a double one."""
+    """The two real decay rates, the slow one first; a complex pair gives two near its natural frequency."""
     s = np.sqrt(max(0.25 * c * c - k, 0.0))
     fast = 0.5 * c + s
     if s == 0.0:
@@ -82,24 +82,24 @@ def damping_ratio(c: float, k: float) -> float:
 
 
 def single_pole(rate: float) -> tuple[float, float]:
-    """c and k of one pole, the other one so quick that it is none; the decay rate a sample."""
+    """c and k of a single pole of `rate` per sample: the other pole is too fast to matter."""
     return rate + ABSENT_POLE_RATE, rate * ABSENT_POLE_RATE
 
 
 def section(c: float, k: float, w: FloatArray) -> FloatArray:
-    """Columns of one second-order section: two numerator terms and two of its initial state."""
+    """Columns of a second-order section: two for its numerator, two for its initial state."""
     return _kernels.section(w, *denominator(c, k))
 
 
 def lag_mean(w: FloatArray, tau: float) -> FloatArray:
-    """The mean over each sample of a lag that follows `w` from rest; `tau` in samples."""
+    """Mean over each sample of a first-order lag driven by `w` from rest; `tau` in samples."""
     pole = float(np.exp(-1.0 / tau))
     behind = w[0] + _kernels.first_order(w - w[0], pole) - w
     return np.asarray(w + behind * tau * (1.0 - pole))
 
 
 def lag_output(y: FloatArray, slope: FloatArray, tau: float) -> FloatArray:
-    """A lag that follows `y` from zero; between samples y is the cubic of its values and slopes; `tau` in samples."""
+    """First-order lag driven by `y` from zero, with cubic Hermite interpolation of y; `tau` in samples."""
     pole = float(np.exp(-1.0 / tau))
     if tau > 1.0:
         times, weights = 0.5 * (NODES[0] + 1.0), 0.5 * NODES[1] / tau
@@ -115,7 +115,7 @@ def lag_output(y: FloatArray, slope: FloatArray, tau: float) -> FloatArray:
 
 
 def mode_mean(w: FloatArray, frequency: float, damping_ratio: float) -> FloatArray:
-    """The mean over each sample of a lightly damped mode in the actuator's path, of gain one, that starts at rest."""
+    """Mean over each sample of a lightly damped mode of unit gain driven by `w` from rest."""
     c, k = 2.0 * damping_ratio * frequency, frequency**2
     motion = _states.simulate_mass(w - w[0], c, k, 0.0, 0.0, 0.0, 0.0, 1, 0.0)
     change = np.diff(motion, axis=0, append=motion[-1:])  # the mean follows from z'' = -c z' - k z + w, integrated
@@ -134,9 +134,9 @@ def _linear(
 
 
 def _offset_ramp(c: float, k: float, samples: int, span: int) -> FloatArray:
-    """What an offset of the input does to a plant that hardly comes to rest within the record; zero for any other.
+    """Response to an input offset if the plant does not settle within the record; otherwise zero.
 
-    There the offset is no constant of the output: behind an integrator it is a ramp.
+    Such an offset is not a constant of the output: after an integrator it is a ramp.
     """
     if _comes_to_rest(c, k, span):
         return np.zeros((samples, 1))
@@ -165,7 +165,7 @@ def _tanks(
         pace = np.minimum(pace, MAX_ROOT_RATE * typical / b) if plant.lower_root else pace
         lower *= float(pace.max())
     felt = [rate for rate, root in ((upper, plant.upper_root), (lower, plant.lower_root)) if root]
-    fastest = max(felt, default=0.0)  # linear tanks are exact on their own, however quick
+    fastest = max(felt, default=0.0)  # linear tanks are integrated exactly at any rate
     substeps = int(max(np.ceil(fastest / 0.3), np.ceil(min(upper, lower) / 0.2), 2))
     flow, onto = _apply_load(plant, own, flow, span)
     return _states.simulate_tanks(
@@ -189,9 +189,9 @@ def _tanks(
 def _apply_load(
     plant: PlantForm, own: dict[str, float], w: FloatArray, span: int
 ) -> tuple[FloatArray, tuple[float, ...]]:
-    """The drive less what enters ahead of it, and for the loops the rest.
+    """Subtract upstream loads from the drive; return it with the loads that act within the simulation.
 
-    Load, leak and onset in samples, and the two parts and the frequency of a wave.
+    These are load, leak, onset in samples, and cosine, sine and frequency of the sinusoid.
     """
     load, leak, onset = own.get("load", 0.0), own.get("leak", 0.0), own.get("onset", np.inf) * span
     cosine, sine = own.get("shake_cos", 0.0), own.get("shake_sin", 0.0)
@@ -205,12 +205,12 @@ def _apply_load(
 
 
 def _rate_factor(plant: PlantForm, own: dict[str, float], samples: int, span: int) -> FloatArray | None:
-    """What multiplies the rate of the latter state, or the spring, where it drifts."""
+    """Factor of the drifting rate of the second state, or of the spring; None without drift."""
     return np.exp(_course(plant, own, samples, span)) if plant.drifting else None
 
 
 def _course(plant: PlantForm, own: dict[str, float], samples: int, span: int) -> FloatArray:
-    """Logarithm of a rate that drifts, without its constant."""
+    """Logarithm of the factor of a drifting rate."""
     shape = np.array([own["drift"], *(own[f"bend{n}"] for n in range(1, plant.extra_degrees + 1))])
     return np.clip(chebyshev_course(shape, samples, span), -6.0, 6.0)
 
@@ -219,12 +219,12 @@ def _mechanics(
     plant: PlantForm, own: dict[str, float], w: FloatArray, span: int, reference: float, late: float
 ) -> FloatArray:
     c, k = np.exp(own["log_c"]), np.exp(own["log_k"])
-    unit = max(k, 0.02 * c * c)  # the force that one unit of position takes
+    unit = max(k, 0.02 * c * c)  # force per unit of position
     drive = w - own.get("centre", reference)
     substeps = int(min(max(np.ceil(max(c, np.sqrt(k)) / (0.15 if plant.friction else 0.3)), 2), 12))
     cubic = own.get("cubic", 0.0) * unit**3
     pace = _rate_factor(plant, own, w.size, span)
-    # Without a middle of its own, a run begins where that of the fit did: the spring may be next to none.
+    # Without a centre the initial position is absolute: the spring may be too weak for an equilibrium.
     rests = "centre" in own and not plant.unsprung
     rest = _equilibrium(drive[0], k if pace is None else k * pace[0], cubic) if rests else 0.0
     z0, v0 = rest + own["z0"] / unit, own["v0"] / np.sqrt(unit)
@@ -235,7 +235,7 @@ def _mechanics(
 
 
 def _equilibrium(force: float, k: float, cubic: float) -> float:
-    """Where a spring of k z + cubic z^3 rests under a constant force: the real root nearest to the linear one."""
+    """Equilibrium of k z + cubic z^3 under a constant force: the real root nearest to the linear one."""
     roots = np.roots([cubic, 0.0, k, -force]) if cubic != 0.0 else np.array([force / k])
     real = roots[np.abs(roots.imag) < 1e-9 * (1.0 + np.abs(roots.real))].real
     linear = force / k
@@ -263,7 +263,7 @@ def _varying(
     course = _course(plant, own, w.size, span)
     change = np.expm1(course)  # of one lag of two, or of a spring
     c, k = _changed_rates(own, change)
-    # that of the latter lag is under the derivative of its balance
+    # If the second lag varies, its rate is inside the derivative of the balance equation.
     k = np.clip(k + np.exp(own["log_c"]) * own["turn"] * np.gradient(change), *STIFFNESS_BOUNDS)
     still, constant = w - reference, np.ones(w.size)
     out = _rates.simulate_varying(np.column_stack([still, still * course, constant, course]), c, k)
@@ -272,13 +272,13 @@ def _varying(
 
 
 def _varying_step(own: dict[str, float], still: FloatArray, span: int) -> FloatArray:
-    """A load that grows with the state begins at an instant: c and k step, the gain at the input stays."""
+    """A leak that starts at an instant: c and k step, and the gain at the input stays."""
     change = np.array([0.0, np.expm1(own["drift"])])
     c, k = _changed_rates(own, change)
-    turned = own["turn"] * own["share_c"] * np.exp(own["log_c"])  # the part of c that is under a derivative
+    turned = own["turn"] * own["share_c"] * np.exp(own["log_c"])  # the part of c inside the derivative
     unit = np.exp(own["log_k"])
     ends = (float(c[0]), float(c[1])), (float(k[0]), float(k[1]))
-    # Where it comes to rest, a constant force is a load and a constant, which are there anyway.
+    # If the plant settles, the load and constant columns already include the response to a constant force.
     constant = np.full(still.size, 0.0 if _comes_to_rest(c[0], k[0], span) else 1.0)
     forces = np.column_stack([still, constant])
     out = _rates.simulate_stepped(forces, *ends, own["onset"] * span, turned * change[1], turned / unit)
@@ -286,7 +286,7 @@ def _varying_step(own: dict[str, float], still: FloatArray, span: int) -> FloatA
 
 
 def _changed_rates(own: dict[str, float], change: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """The rates c and k when the restoring rate has changed by a share."""
+    """The rates c and k after a relative `change` of the restoring rate."""
     c = np.clip(np.exp(own["log_c"]) * (1.0 + own["share_c"] * change), 1e-6, 50.0)
     return c, np.clip(np.exp(own["log_k"]) * (1.0 + change), *STIFFNESS_BOUNDS)
 
