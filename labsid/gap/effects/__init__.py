@@ -1,1 +1,1 @@
-"""The effects of the table: one small class each, grouped by the path on which they enter the loop."""
+"""The catalogue of effects, one class each, grouped by where they enter the loop."""

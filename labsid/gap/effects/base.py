@@ -1,4 +1,4 @@
-"""What every effect says of itself: its name, its path, its parameters, and where the search for them begins."""
+"""Base classes of effects: name, path, parameters and start values."""
 
 from dataclasses import dataclass
 from typing import ClassVar
@@ -11,21 +11,21 @@ from labsid.gap.effects.context import Context, Structure
 from labsid.gap.plant_form import Parameter
 from labsid.gap.plants import Plant
 
-RICHER_FORM_BIC = 12.0  # BIC that a richer form of an effect has to gain over a simpler one
+RICHER_FORM_BIC = 12.0  # smallest BIC gain of a richer form over a simpler one
 
 
 @dataclass(frozen=True, slots=True)
 class Effect:
-    """Something real that a linear simulation leaves out.
+    """A cause of the gap that a linear simulation lacks.
 
     Attributes
     ----------
     name, path : str
         From the table of effects.
     bic_penalty : dict
-        By variant, by how much its BIC has to be the better one before it takes the place of a simpler form.
+        Smallest BIC gain of a variant over a simpler form, by variant.
     variant : str
-        Which form of it, where there are several.
+        Form of the effect, if there are several.
     """
 
     name: ClassVar[str]
@@ -40,43 +40,43 @@ class Effect:
 
     @property
     def parameters(self) -> tuple[Parameter, ...]:
-        """The searched numbers that this effect brings; those inside the plant are the plant's."""
+        """Parameters of the effect; those of a plant effect belong to the plant."""
         return ()
 
     def extend(self, plant: Plant) -> Plant:
-        """The plant with this effect in it."""
+        """The plant with this effect."""
         return plant
 
     def applies(self, context: Context) -> bool:
-        """Whether the record could show this effect at all."""
+        """Whether the record can identify this effect."""
         return True
 
     def starts(self, context: Context) -> list[FloatArray]:
-        """Where the search begins: values of `parameters`."""
+        """Start values of `parameters`."""
         return [np.zeros(0)]
 
     def is_plausible(self, fit: "Fitted") -> bool:
-        """Whether the fit is this effect and not, by its numbers, the work of another one."""
+        """Whether the fitted parameters are plausible; otherwise the effect imitates another one."""
         return True
 
     def active_samples(self, fit: "Fitted") -> np.ndarray:
-        """The samples at which it acts, shape (N,); all False where it acts everywhere."""
+        """Mask of the samples at which the effect acts, shape (N,); all False if it acts everywhere."""
         return np.zeros(fit.data.samples, bool)
 
     def values(self, fit: "Fitted") -> "dict[str, Value]":
-        """Its parameters in the record's units, as the report prints them."""
+        """Parameters in the record's units, for the report."""
         return {}
 
 
 @dataclass(frozen=True, slots=True)
 class Value:
-    """A number of the report.
+    """A value with its unit.
 
     Attributes
     ----------
     value : float
     unit : str
-        "u" and "y" stand for the record's own.
+        "u" and "y" are the units of the record.
     """
 
     value: float
@@ -85,13 +85,13 @@ class Value:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Fitted:
-    """A fitted hypothesis as `values` sees it: theta may be moved to find how a value depends on it.
+    """A hypothesis with parameters, at which effects evaluate their values.
 
     Attributes
     ----------
     hypothesis : Structure
     theta, gains : ndarray
-        The searched numbers, and the projected ones.
+        Nonlinear and linear parameters.
     data : Data
     """
 
@@ -101,11 +101,11 @@ class Fitted:
     data: Data
 
     def theta_of(self, effect: Effect) -> FloatArray:
-        """The effect's part of theta."""
+        """Part of theta that belongs to an effect."""
         return self.theta[self.hypothesis.slices[effect.key]]
 
     def plant_value(self, name: str) -> float:
-        """One of the plant's parameters."""
+        """Value of a plant parameter."""
         part = self.theta[self.hypothesis.slices["plant"]]
         return float(part[self.hypothesis.plant.index(name)])
 
@@ -119,7 +119,7 @@ class Fitted:
 
 
 class InputEffect(Effect):
-    """Bends the command before it reaches the dynamics."""
+    """An effect that transforms the command before it reaches the dynamics."""
 
     path = "input"
     position: ClassVar[int] = 0
@@ -127,57 +127,57 @@ class InputEffect(Effect):
 
     @property
     def order(self) -> int:
-        """Its place in the actuator's chain; a variant may have another one."""
+        """Position of the variant in the actuator's chain."""
         return self.variant_positions.get(self.variant, self.position)
 
     def apply(self, w: FloatArray, own: FloatArray, span: int) -> FloatArray:
-        """The actuator's signal, shape (N,); `span` is the length of the record by which slow changes are counted."""
+        """Transform the signal `w`, shape (N,); `span` is the length of the fitted record."""
         raise NotImplementedError
 
 
 class PlantEffect(Effect):
-    """Changes the dynamics."""
+    """An effect that changes the dynamics."""
 
     path = "dynamics"
 
     def extend(self, plant: Plant) -> Plant:
-        """The plant with this effect in it."""
+        """The plant with this effect."""
         raise NotImplementedError
 
     def plant_starts(self, context: Context) -> list[dict[str, float]]:
-        """Where the search of the plant's further parameters begins, by name."""
+        """Start values of the additional plant parameters, by name."""
         return [{}]
 
 
 class OutputEffect(Effect):
-    """Bends the output on its way through the sensor; the `last` ones also what is added there."""
+    """An effect that transforms the output in the sensor; limits (`is_limit`) also clip signals added there."""
 
     path = "output"
     position: ClassVar[int] = 0
     is_limit: ClassVar[bool] = False
 
     def apply(self, z: FloatArray, own: FloatArray) -> FloatArray:
-        """The sensor's reading of z, shape (N,)."""
+        """Sensor reading of z, shape (N,)."""
         raise NotImplementedError
 
     def slope(self, z: FloatArray, own: FloatArray) -> FloatArray:
-        """Derivative of the reading with respect to z."""
+        """Derivative of the reading by z."""
         raise NotImplementedError
 
 
 class AdditiveEffect(Effect):
-    """Adds signals that no input explains; their sizes are gains, found by least squares."""
+    """An effect that adds signals independent of the input; their amplitudes are linear parameters."""
 
     path = "disturbance"
 
     @property
     def at_load(self) -> bool:
-        """Whether it enters ahead of the sensor."""
+        """Whether the signals are added before the sensor."""
         return False
 
     @property
     def width(self) -> int:
-        """How many columns it adds."""
+        """Number of columns."""
         return 2
 
     def columns(self, own: FloatArray, samples: int, span: int, plant: Plant, rates: FloatArray) -> FloatArray:

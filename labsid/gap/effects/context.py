@@ -1,7 +1,7 @@
-"""What an effect may ask of the record, of the fit it is added to, and of the hypothesis it belongs to.
+"""The record and the parent fit from which effects choose their start values.
 
-`Structure` and `ParentFit` are protocols: `labsid.gap.hypothesis.Hypothesis` and `labsid.gap.fitting.Fit` fulfil them,
-and are built from effects themselves.
+The protocols `Structure` and `ParentFit` are implemented by `labsid.gap.hypothesis.Hypothesis` and
+`labsid.gap.fitting.Fit`, which in turn import the effects.
 """
 
 from collections.abc import Mapping
@@ -14,11 +14,11 @@ from labsid._arrays import FloatArray
 from labsid.gap.data import Data
 from labsid.gap.plants import Plant
 
-LONG_STEP = 2000  # samples that a step of the input is followed for
+LONG_STEP = 2000  # samples of a simulated step response
 
 
 class Structure(Protocol):
-    """A hypothesis as its effects see it."""
+    """Interface of a hypothesis to its effects."""
 
     @property
     def effects(self) -> tuple[Any, ...]:
@@ -26,15 +26,15 @@ class Structure(Protocol):
 
     @property
     def delay_is_an_effect(self) -> bool:
-        """Whether the delay is one of them, and no nuisance."""
+        """Whether the delay is an effect rather than a nuisance parameter."""
 
     @property
     def plant(self) -> Plant:
-        """The dynamics with everything that the effects put into them."""
+        """The dynamics with all plant effects."""
 
     @property
     def slices(self) -> Mapping[str, slice]:
-        """Where in theta each part lies: "plant", and each effect by its key."""
+        """Slice of theta of the "plant", and of each effect by its key."""
 
     def actuator(self, theta: FloatArray, u: FloatArray) -> FloatArray:
         """The signal that reaches the dynamics, shape (N,)."""
@@ -43,10 +43,10 @@ class Structure(Protocol):
         """Free-run output for the input `u`, shape (N,)."""
 
     def reading(self, theta: FloatArray, gains: FloatArray, level: float) -> float:
-        """What the sensor shows where the dynamics stand still at `level`."""
+        """Sensor reading at the steady state `level`."""
 
     def gains_of(self, gains: FloatArray, effect: Any) -> FloatArray:
-        """The gains of one additive effect among all."""
+        """Gains of one additive effect."""
 
 
 class ParentFit(Protocol):
@@ -54,11 +54,11 @@ class ParentFit(Protocol):
 
     @property
     def hypothesis(self) -> Structure:
-        """The effects that it has already."""
+        """The hypothesis without the new effect."""
 
     @property
     def theta(self) -> FloatArray:
-        """The searched numbers."""
+        """Nonlinear parameters."""
 
     @property
     def plant_theta(self) -> FloatArray:
@@ -66,7 +66,7 @@ class ParentFit(Protocol):
 
     @property
     def gains(self) -> FloatArray:
-        """The projected numbers."""
+        """Linear parameters."""
 
     @property
     def output(self) -> FloatArray:
@@ -74,20 +74,20 @@ class ParentFit(Protocol):
 
     @property
     def rates(self) -> tuple[float, float]:
-        """c and k of the linear dynamics s^2 + c s + k, in samples."""
+        """Coefficients c and k of the linear dynamics s^2 + c s + k, in samples."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Context:
-    """What the effects may look at to choose where their search begins.
+    """The record and the fits from which effects choose their start values.
 
     Attributes
     ----------
     data : Data
     parent : ParentFit
-        To which they are added.
+        The fit to which an effect is added.
     highpass : ParentFit or None
-        The linear structure fitted to what changes from sample to sample.
+        A linear fit to the high-pass filtered record.
     """
 
     data: Data
@@ -96,7 +96,7 @@ class Context:
 
     @property
     def residual(self) -> FloatArray:
-        """What the parent leaves, zero on the rows that do not count."""
+        """Residual of the parent, zero on the rows that do not count."""
         return np.where(self.data.rows, self.data.y - self.parent.output, 0.0)
 
     @property
@@ -106,7 +106,7 @@ class Context:
 
     @property
     def levels(self) -> FloatArray:
-        """The different values of the input, ascending."""
+        """Distinct values of the input, ascending."""
         return np.unique(np.round(self.data.u, 9))
 
     @property
@@ -116,12 +116,12 @@ class Context:
 
     @property
     def gain(self) -> float:
-        """Change of the parent's output, long after a step of the input by one; zero where there is none."""
+        """Static gain of the parent; zero if it is not finite."""
         return _rise(self._step)
 
     @property
     def response_time(self) -> float:
-        """Mean time in samples in which the parent's output follows a step of the input; zero where it does not."""
+        """Mean delay in samples of the parent's step response; zero without static gain."""
         step = self._step
         gain = _rise(step)
         return max(float(np.sum((step[-1] - step[1:]) / gain)) - 0.5, 0.0) if gain else 0.0
@@ -130,11 +130,11 @@ class Context:
     def _step(self) -> FloatArray:
         fit, step = self.parent, np.repeat((0.0, 1.0), LONG_STEP)
         outputs = [fit.hypothesis.output(fit.theta, fit.gains, u) for u in (step, np.zeros_like(step))]
-        return np.asarray(outputs[0] - outputs[1])[LONG_STEP - 1 :]  # without loads, drifts and waves
+        return np.asarray(outputs[0] - outputs[1])[LONG_STEP - 1 :]  # the difference cancels loads and drifts
 
     @property
     def highpass_rates(self) -> tuple[float, float]:
-        """The same from the highpass part of the record: what drifts or jumps has pulled less at them."""
+        """c and k of the high-pass fit, which drifts and jumps bias less."""
         return (self.highpass or self.parent).rates
 
 

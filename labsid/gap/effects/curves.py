@@ -1,4 +1,4 @@
-"""Smooth static curves of actuators and sensors: cubic, or a spline that goes on straight at both ends."""
+"""Smooth static curves of actuators and sensors: a cubic, or a natural cubic spline."""
 
 import numpy as np
 
@@ -8,20 +8,20 @@ from labsid.gap.effects.base import Value
 from labsid.gap.plant_form import Parameter
 
 SPLINE_VARIANT = "rich"
-"""The variant that is a spline."""
+"""Variant with a spline."""
 CUBIC = (Parameter("c2", -3.0, 3.0), Parameter("c3", -2.0, 2.0))
 KNOTS = np.array([-2.8, -1.9, -1.4, -0.8, 0.0, 0.8, 1.4, 1.9, 2.8])  # scaled
 SPLINE = tuple(Parameter(f"s{k}", -10.0, 10.0) for k in range(1, KNOTS.size - 1))
-_GRID = np.linspace(-2.2, 2.2, 45)  # scaled: where a spline and a cubic are held against each other
+_GRID = np.linspace(-2.2, 2.2, 45)  # scaled: points at which a spline is fitted to a cubic and vice versa
 
 
 def parameters(variant: str) -> tuple[Parameter, ...]:
-    """The coefficients in scaled units."""
+    """Coefficients in scaled units."""
     return SPLINE if variant == SPLINE_VARIANT else CUBIC
 
 
 def evaluate(x: FloatArray, own: FloatArray) -> FloatArray:
-    """The curve, zero and of slope one at zero; shape of x.
+    """Value of the curve at x; at zero it is zero with slope one.
 
     x + c2 x^2 + c3 x^3, or x + s1 n1(x) + ... with the natural cubic splines n on `KNOTS`.
     """
@@ -31,7 +31,7 @@ def evaluate(x: FloatArray, own: FloatArray) -> FloatArray:
 
 
 def slope(x: FloatArray, own: FloatArray) -> FloatArray:
-    """Its derivative."""
+    """Derivative of the curve at x."""
     if own.size == len(CUBIC):
         return np.asarray(1.0 + x * (2.0 * own[0] + 3.0 * x * own[1]))
     powers = np.tensordot(own, _SPLINES, 1)
@@ -41,30 +41,30 @@ def slope(x: FloatArray, own: FloatArray) -> FloatArray:
 
 
 def spline_coefficients(own: FloatArray) -> FloatArray:
-    """The spline next to a cubic."""
+    """Coefficients of the spline nearest to a cubic."""
     each = [_kernels.piecewise(_GRID, KNOTS, powers) for powers in _SPLINES]
     return np.asarray(np.linalg.lstsq(np.column_stack(each), evaluate(_GRID, own) - _GRID, rcond=None)[0])
 
 
 def coefficients(own: FloatArray, unit: float, signal: str) -> dict[str, Value]:
-    """`c2` and `c3` in a signal's own unit; of a spline those of the cubic next to it."""
+    """`c2` and `c3` in the signal's unit; for a spline, those of the nearest cubic."""
     cubic = np.linalg.lstsq(np.column_stack([_GRID**2, _GRID**3]), evaluate(_GRID, own) - _GRID, rcond=None)[0]
     c2, c3 = (float(x) for x in cubic)
     return {"c2": Value(c2 / unit, f"1/{signal}"), "c3": Value(c3 / unit**2, f"1/{signal}^2")}
 
 
 def _splines() -> FloatArray:
-    """Cubics of the natural splines, less their part of first degree about zero; (splines, stretches, powers)."""
+    """Natural splines less their linear part about zero, as polynomials; shape (splines, intervals, powers)."""
     last = KNOTS.size - 1
     cubes = np.array([[-(knot**3), 3.0 * knot**2, -3.0 * knot, 1.0] for knot in KNOTS])
     share = np.zeros((last, KNOTS.size))
     for k in range(last):
         share[k, k], share[k, last] = 1.0 / (KNOTS[last] - KNOTS[k]), -1.0 / (KNOTS[last] - KNOTS[k])
     natural = share[:-1] - share[-1]
-    behind = np.tri(KNOTS.size + 1, KNOTS.size, -1)  # which knots lie behind
+    behind = np.tri(KNOTS.size + 1, KNOTS.size, -1)  # knots below each interval
     powers = np.einsum("ki,ji,ip->kjp", natural, behind, cubes)
     powers[:, :, :2] -= powers[:, np.searchsorted(KNOTS, 0.0), :2][:, None]
-    powers[:, -1, 2:] = 0.0  # straight behind the last knot, but for rounding
+    powers[:, -1, 2:] = 0.0  # linear above the last knot: remove rounding errors
     return np.asarray(powers)
 
 

@@ -1,4 +1,4 @@
-"""What acts on the rig without the input having a part in it."""
+"""Disturbances: effects that are independent of the input."""
 
 from typing import ClassVar
 
@@ -12,18 +12,18 @@ from labsid.gap.plant_form import CYCLES, ONSET, Parameter
 from labsid.gap.plants import Plant
 from labsid.gap.responses import denominator, step_signal
 
-SHORTEST_LOAD = 8  # samples
-MIN_LASTING = 0.1  # of the most that a load changes: what it changes in the end, at least
+MIN_ONSET = 8  # samples from either end of the record
+MIN_LASTING = 0.1  # final change of the output over its largest change: below, a load step is a pulse
 
 
 class LoadStep(AdditiveEffect):
-    """An unmeasured load begins at some instant."""
+    """An unmeasured load step."""
 
     name = "load-step"
 
     @property
     def at_load(self) -> bool:
-        """It does."""
+        """True: the load passes through the dynamics."""
         return True
 
     @property
@@ -32,15 +32,15 @@ class LoadStep(AdditiveEffect):
         return (ONSET,)
 
     def starts(self, context: Context) -> list[FloatArray]:
-        """Where a step takes most out of the residual."""
+        """Onsets at which a load step reduces the residual most."""
         return [np.array([at]) for at in load_onsets(context, 4)]
 
     def columns(self, own: FloatArray, samples: int, span: int, plant: Plant, rates: FloatArray) -> FloatArray:
-        """A unit step through the dynamics."""
+        """Response of the dynamics to a unit step."""
         return plant.load_response(rates, step_signal(float(own[0]), samples, span))
 
     def is_plausible(self, fit: Fitted) -> bool:
-        """Begun with the record it is an offset, at its very end a spike, and a pulse if nothing stays."""
+        """Reject onsets near either end of the record (an offset, a spike) and a load that does not last (a pulse)."""
         plant, samples = fit.hypothesis.plant, fit.data.samples
         rates = fit.theta[fit.hypothesis.slices["plant"]]
         brought = self.columns(fit.theta_of(self), samples, samples, plant, rates) @ fit.hypothesis.gains_of(
@@ -50,35 +50,35 @@ class LoadStep(AdditiveEffect):
         return bool(stays and _inside(float(fit.theta_of(self)[0]), samples))
 
     def active_samples(self, fit: Fitted) -> np.ndarray:
-        """From the onset on."""
+        """The samples after the onset."""
         return np.asarray(np.arange(fit.data.samples) >= float(fit.theta_of(self)[0]) * fit.data.samples)
 
     def values(self, fit: Fitted) -> dict[str, Value]:
-        """`onset` in seconds, and `size`: the change of the output that it brings in the end."""
+        """`onset` in seconds, and `size`: the final change of the output."""
         return {
             "onset": _instant(fit, float(fit.theta_of(self)[0])),
             "size": Value(self.change(fit) * fit.data.y_scale.unit, "y"),
         }
 
     def change(self, fit: Fitted) -> float:
-        """Change of the scaled output that the load brings in the end."""
+        """Final change of the scaled output."""
         c, k = fit.hypothesis.plant.linear_rates(fit.theta[fit.hypothesis.slices["plant"]])
         a1, a2 = denominator(c, k)
         return float(fit.hypothesis.gains_of(fit.gains, self).sum()) / (1.0 + a1 + a2)
 
 
 class _PlantLoad(PlantEffect):
-    """A load in the dynamics that begins at some instant."""
+    """A load step within the dynamics."""
 
     name = "load-step"
     path = "disturbance"
 
     def is_plausible(self, fit: Fitted) -> bool:
-        """As for a load that does not grow."""
+        """Reject onsets near either end of the record."""
         return _inside(fit.plant_value("onset"), fit.data.samples)
 
     def active_samples(self, fit: Fitted) -> np.ndarray:
-        """From the onset on."""
+        """The samples after the onset."""
         return np.asarray(np.arange(fit.data.samples) >= fit.plant_value("onset") * fit.data.samples)
 
     def values(self, fit: Fitted) -> dict[str, Value]:
@@ -90,16 +90,16 @@ class _PlantLoad(PlantEffect):
 
 
 class Leak(_PlantLoad):
-    """A load that grows with the state, as a leak does, begins at some instant; far from zero it is a plain load."""
+    """A leak: a load proportional to the state that starts at an instant."""
 
     bic_penalty: ClassVar[dict[str, float]] = {"leak": RICHER_FORM_BIC}
 
     def extend(self, plant: Plant) -> Plant:
-        """Dynamics whose restoring rate steps at an instant."""
+        """Dynamics whose restoring rate steps at the onset."""
         return plant.modified(kind="varying", course="step")
 
     def plant_starts(self, context: Context) -> list[dict[str, float]]:
-        """Where a step takes most out of the residual, of either sign, with and without more damping."""
+        """Onsets at which a leak reduces the residual most; either sign, with and without a change of damping."""
         return [
             {"drift": size, "share_c": part, "turn": 0.5, "onset": at}
             for at in load_onsets(context, 3, context.parent.output - context.parent.output[0])
@@ -113,25 +113,25 @@ class Leak(_PlantLoad):
 
 
 class InnerPeriodic(PlantEffect):
-    """A sinusoid at the load of dynamics with a nonlinear state: `variant` inside, or ahead of two states in a row."""
+    """A sinusoidal load on a nonlinear state; `variant` "inside", or "ahead" for the first of two states in series."""
 
     name = "periodic-disturbance"
     path = "disturbance"
 
     def extend(self, plant: Plant) -> Plant:
-        """The same dynamics with a load that swings."""
+        """The dynamics with a sinusoidal load."""
         return plant.modified(has_sinusoid=True, sinusoid_upstream=self.variant == "ahead")
 
     def applies(self, context: Context) -> bool:
-        """Linear dynamics hold a wave outside."""
+        """Only with a nonlinear state; `Periodic` covers linear dynamics."""
         return context.parent.hypothesis.plant.nonlinear
 
     def plant_starts(self, context: Context) -> list[dict[str, float]]:
-        """The highest narrow peaks of the residual."""
+        """The highest narrow peaks in the spectrum of the residual."""
         return [{"cycles": at} for at in residual_cycles(context)]
 
     def values(self, fit: Fitted) -> dict[str, Value]:
-        """`frequency`, and `amplitude` as the sinusoid of this frequency in what it changes at the output."""
+        """`frequency`, and `amplitude` of its component in the change of the output."""
         cycles = fit.plant_value("cycles")
         change = _change(fit, "shake_cos", "shake_sin")
         swing = 2.0 * abs(np.mean(change * np.exp(-2j * np.pi * cycles / change.size * np.arange(change.size))))
@@ -143,30 +143,30 @@ class InnerPeriodic(PlantEffect):
 
 
 class InnerLoad(_PlantLoad):
-    """A load on dynamics with a nonlinear state.
+    """A load step on a nonlinear state.
 
-    `variant` inside, where it may grow with the state, or ahead of two states in a row.
+    `variant` "inside" may include a leak; "ahead" acts on the first of two states in series.
     """
 
     def extend(self, plant: Plant) -> Plant:
-        """The same dynamics with a load."""
+        """The dynamics with a load."""
         return plant.modified(has_load=True, load_upstream=self.variant == "ahead")
 
     def applies(self, context: Context) -> bool:
-        """Linear dynamics hold a load outside."""
+        """Only with a nonlinear state; `LoadStep` and `Leak` cover linear dynamics."""
         return context.parent.hypothesis.plant.nonlinear
 
     def plant_starts(self, context: Context) -> list[dict[str, float]]:
-        """Where a step takes most out of the residual, of either sign."""
+        """Onsets at which a load step reduces the residual most, of either sign."""
         return [{"load": size, "onset": at} for at in load_onsets(context, 3) for size in (0.2, -0.2)]
 
     def _size(self, fit: Fitted) -> Value:
-        """Change of the output that it has brought by the end of the record."""
+        """Change of the output at the end of the record."""
         return Value(float(_change(fit, "load", "leak")[-1]) * fit.data.y_scale.unit, "y")
 
 
 def _change(fit: Fitted, *names: str) -> FloatArray:
-    """What these numbers of the plant change at the output, shape (N,)."""
+    """Change of the output by the named plant parameters, shape (N,)."""
     place = fit.hypothesis.slices["plant"].start
     without = fit.theta.copy()
     for i, parameter in enumerate(fit.hypothesis.plant.parameters):
@@ -176,26 +176,26 @@ def _change(fit: Fitted, *names: str) -> FloatArray:
 
 
 def residual_cycles(context: Context) -> list[float]:
-    """How often what swings in the highest narrow peaks of the residual does so in the record."""
+    """Cycles in the record of the highest narrow peaks in the spectrum of the residual."""
     samples = context.data.samples
     slowest = 2.0 * np.pi * CYCLES.lower / samples
     return [w * samples / (2.0 * np.pi) for w in peaks(context, 3, slowest)]
 
 
 def _instant(fit: Fitted, share: float) -> Value:
-    """The time at a share of the record."""
+    """Time at a share of the record."""
     return Value(share * fit.data.samples * fit.data.Ts + fit.data.start, "s")
 
 
 def _inside(onset: float, samples: int) -> bool:
-    edge = max(SHORTEST_LOAD / samples, 0.005)
+    edge = max(MIN_ONSET / samples, 0.005)
     return edge < onset < 1.0 - edge
 
 
 def load_onsets(context: Context, count: int, grows_with: FloatArray | None = None) -> list[float]:
-    """Where, as a share of the record, a load through the dynamics would take most out of the residual.
+    """Onsets, as shares of the record, at which a load through the dynamics reduces the residual most.
 
-    It is constant from there on, or `grows_with` a signal of the record.
+    The load is constant after the onset, or proportional to the signal `grows_with`.
     """
     y, rows = context.data.y, context.data.rows
     samples = y.size
@@ -226,13 +226,13 @@ def load_onsets(context: Context, count: int, grows_with: FloatArray | None = No
 
 
 class Periodic(AdditiveEffect):
-    """A sinusoid added at the sensor, or at the load where the `variant` says so: ahead of the sensor's curve."""
+    """A sinusoid added after the sensor's curve; with `variant` "load", before it."""
 
     name = "periodic-disturbance"
 
     @property
     def at_load(self) -> bool:
-        """As the variant says."""
+        """Whether the sinusoid is added before the sensor's curve."""
         return self.variant == "load"
 
     @property
@@ -241,7 +241,7 @@ class Periodic(AdditiveEffect):
         return (CYCLES,)
 
     def starts(self, context: Context) -> list[FloatArray]:
-        """The highest narrow peaks of the residual."""
+        """The highest narrow peaks in the spectrum of the residual."""
         return [np.array([at]) for at in residual_cycles(context)]
 
     def columns(self, own: FloatArray, samples: int, span: int, plant: Plant, rates: FloatArray) -> FloatArray:

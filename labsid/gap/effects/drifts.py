@@ -1,4 +1,4 @@
-"""Parameters of the rig that change slowly along the record."""
+"""Parameters of the rig that drift slowly during the record."""
 
 from typing import ClassVar
 
@@ -12,25 +12,25 @@ from labsid.gap.plant_form import Parameter
 from labsid.gap.plants import Plant
 from labsid.gap.responses import chebyshev_course, denominator
 
-MIN_COSINE = 0.05  # least cosine of the angle at which the neutral input lies: within 20 units of the input
+MIN_COSINE = 0.05  # smallest cosine of the neutral-input angle: the neutral input lies within 20 scaled units
 
 
 class PoleDrift(PlantEffect):
-    """A pole changes slowly along the record, and with it possibly the gain."""
+    """A slow drift of a pole, possibly with the gain."""
 
     name = "parameter-drift"
 
     @property
     def key(self) -> str:
-        """Apart from that of a drifting gain."""
+        """Name, "pole" and variant."""
         return f"{self.name}/pole-{self.variant}"
 
     def extend(self, plant: Plant) -> Plant:
-        """Dynamics whose rates go along with a slow course."""
+        """Dynamics with slowly varying rates."""
         return plant.modified(kind="varying", extra_degrees=int(self.variant) - 1)
 
     def plant_starts(self, context: Context) -> list[dict[str, float]]:
-        """The rates up and down, or up and back, with and without the damping."""
+        """A rising, falling or curved restoring rate, with and without a change of damping."""
         return [start | {"share_c": part} for start in self._ways() for part in (0.0, 1.0)]
 
     def _ways(self) -> list[dict[str, float]]:
@@ -47,30 +47,30 @@ class PoleDrift(PlantEffect):
 
 
 class InnerPoleDrift(PoleDrift):
-    """A pole of dynamics with a nonlinear state changes slowly: that of the latter state, or the spring."""
+    """A slow drift of the rate of the last nonlinear state, or of the spring."""
 
     @property
     def key(self) -> str:
-        """Apart from that of linear dynamics."""
+        """Name, "pole", variant and "inside"."""
         return f"{self.name}/pole-{self.variant}-inside"
 
     def extend(self, plant: Plant) -> Plant:
-        """The same dynamics, going along with a slow course."""
+        """The dynamics with a drifting rate."""
         return plant.modified(drifting=True, extra_degrees=int(self.variant) - 1)
 
     def applies(self, context: Context) -> bool:
-        """Linear dynamics have a form of their own."""
+        """Only with a nonlinear state; `PoleDrift` covers linear dynamics."""
         return context.parent.hypothesis.plant.nonlinear
 
     def plant_starts(self, context: Context) -> list[dict[str, float]]:
-        """Up and down, or up and back."""
+        """A rising, falling or curved rate."""
         return self._ways()
 
 
 class GainDrift(InputEffect):
-    """A gain changes slowly along the record: a course times the distance from the input at which it does not matter.
+    """A slow drift of the gain about a neutral input, at which the drift has no influence.
 
-    That neutral input is -tan(angle), so that the search passes through infinity from one side to the other.
+    The neutral input is -tan(angle), so that the minimization can pass through infinity.
     """
 
     name = "parameter-drift"
@@ -79,23 +79,23 @@ class GainDrift(InputEffect):
 
     @property
     def key(self) -> str:
-        """Apart from that of a drifting pole."""
+        """Name, "gain" and variant."""
         return f"{self.name}/gain-{self.variant}"
 
     @property
     def parameters(self) -> tuple[Parameter, ...]:
-        """The course, and where the neutral input lies."""
+        """Coefficients of the drift, and the angle of the neutral input."""
         shape = [Parameter(f"shape{n}", -3.0, 3.0) for n in range(1, int(self.variant) + 1)]
         return (*shape, Parameter("angle", -2.0 * np.pi, 2.0 * np.pi, 1e-3))
 
     def starts(self, context: Context) -> list[FloatArray]:
-        """Up and down, and the course that explains most of the residual to the first order."""
+        """A rising and a falling gain, and the drift that explains most of the residual to first order."""
         starts = np.zeros((2, int(self.variant) + 1))
         starts[:, 0] = 0.1, -0.1
         return [*starts, *self._course(context)]
 
     def _course(self, context: Context) -> list[FloatArray]:
-        """From a regression of the residual on what small changes of the gain, and of the neutral input, would do."""
+        """Regress the residual on the linearized effects of the drift and of the neutral input."""
         count = int(self.variant)
         shapes = [chebyshev_course(shape, context.data.samples, context.data.samples) for shape in np.eye(count)]
         fit = context.parent
@@ -121,11 +121,11 @@ class GainDrift(InputEffect):
         return [np.array([*np.clip(shape / max(np.cos(angle), MIN_COSINE), -2.0, 2.0), angle])]
 
     def is_plausible(self, fit: Fitted) -> bool:
-        """About an input far outside, it is a drift of the input or of the output."""
+        """Reject a neutral input far outside the record: the drift is then an offset."""
         return bool(abs(np.cos(fit.theta_of(self)[-1])) > MIN_COSINE)
 
     def apply(self, w: FloatArray, own: FloatArray, span: int) -> FloatArray:
-        """More or less of the distance from the neutral input."""
+        """Scale the distance from the neutral input."""
         away = np.cos(own[-1]) * w + np.sin(own[-1])
         return np.asarray(w + away * chebyshev_course(own[:-1], w.size, span))
 
@@ -137,5 +137,5 @@ class GainDrift(InputEffect):
 
 
 def _linear_response(fit: ParentFit, w: FloatArray) -> FloatArray:
-    """What the linear dynamics of a fit make of a signal, up to a gain."""
+    """Response of the linear dynamics of a fit to a signal, up to a gain."""
     return _kernels.second_order(w - w[0], *denominator(*fit.rates))

@@ -9,45 +9,45 @@ from labsid.gap.plants import Plant
 from labsid.gap.responses import damping_ratio, real_rates, single_pole
 
 BRIM_CODES = {"upper": 1, "lower": 2, "both": 3}
-MAX_TANK_RATE = 1.0  # rate, a sample, of a tank that follows its inflow at once
+MAX_TANK_RATE = 1.0  # per sample: a faster tank follows its inflow within a sample
 LEAST_DAMPING = 2e-3  # of a mode
-MAX_MODE_DAMPING = 0.2  # damping of a mode that has taken the poles of the rig
-SINGLE_POLE_RATIO = 3.0  # times: the one pole that is then tried for the rig
-MIN_CYCLES = 4.0  # of a mode in the record
-MAX_UNSPRUNG_RATE = 40.0  # rate of the slow pole, in the record
-SLACK_LOG_STIFFNESS = -6.0  # of the logarithm of a spring
-MIN_EITHER_DIRECTION = 0.03  # of the record in motion either way
+MAX_MODE_DAMPING = 0.2  # of parent dynamics that may be a mode
+SINGLE_POLE_RATIO = 3.0  # frequency of such a mode over the pole that is tried for the rig
+MIN_CYCLES = 4.0  # of a mode, in the record
+MAX_UNSPRUNG_RATE = 40.0  # slow pole times record length, below which the spring is not observable
+SLACK_LOG_STIFFNESS = -6.0  # change of the logarithm of the stiffness for a start without a spring
+MIN_EITHER_DIRECTION = 0.03  # share of the record with motion in each direction
 
 
 class _Placed(PlantEffect):
-    """Linear dynamics more, whose place `variant` tells."""
+    """Additional linear dynamics whose position `variant` states."""
 
     def applies(self, context: Context) -> bool:
-        """Beside linear dynamics every place is the same."""
+        """Variants differ only with a nonlinear state."""
         return not self.variant or context.parent.hypothesis.plant.nonlinear
 
 
 class ExtraLag(_Placed):
-    """One more real pole anywhere in the chain; `variant` "ahead" puts it before a nonlinear state."""
+    """An additional real pole; with `variant` "ahead" it precedes a nonlinear state."""
 
     name = "extra-lag"
 
     def extend(self, plant: Plant) -> Plant:
-        """One more real pole beside, or behind, what is there."""
+        """The plant with an additional real pole."""
         return plant.modified(lag=True, lag_upstream=self.variant == "ahead")
 
     def plant_starts(self, context: Context) -> list[dict[str, float]]:
-        """Swifter and slower than the poles of the parent."""
+        """Time constants shorter and longer than those of the parent."""
         c, k = context.rates
         slow, fast = real_rates(c, k)
         times = dict.fromkeys(np.clip(np.log([0.6 / fast, 2.0 / fast, 0.5 / slow]), -1.0, 7.0))
         beside = [{"log_lag": float(time)} for time in times]
-        # Two poles that had to do for three lie between the slow one and the others.
+        # Two poles fitted to a third-order plant lie between its slowest pole and the others.
         slower = {"log_lag": float(np.clip(-np.log(slow), -1.0, 7.0)), "log_c+": 0.5, "log_k+": 1.0}
         return [*beside, slower] if context.parent.hypothesis.plant.kind == "linear" else beside
 
     def is_plausible(self, fit: Fitted) -> bool:
-        """The lag has to pass the input on: its free motion alone would be a drift that settles."""
+        """Reject a lag whose free response exceeds its response to the input: it imitates a drift."""
         plant = fit.hypothesis.plant
         if plant.nonlinear and plant.lag_upstream:
             return True
@@ -64,16 +64,16 @@ class ExtraLag(_Placed):
 
 
 class Resonance(_Placed):
-    """An unmodelled, lightly damped mode; `variant` "ahead" or "beside" places it to a nonlinear state."""
+    """An unmodelled, lightly damped mode; `variant` "ahead" or "beside" states its position to a nonlinear state."""
 
     name = "resonance"
 
     def extend(self, plant: Plant) -> Plant:
-        """One more pair of poles."""
+        """The plant with an additional pair of poles."""
         return plant.modified(mode=True, mode_place=self.variant or "behind")
 
     def plant_starts(self, context: Context) -> list[dict[str, float]]:
-        """The highest narrow peaks of the residual, two frequencies in any case, and the mode that the parent is."""
+        """Peaks in the spectrum of the residual, two fixed frequencies, and the poles of a lightly damped parent."""
         beside = [_mode(w, 0.08) for w in peaks(context, 3, 0.02)] + [_mode(w, 0.15) for w in (0.15, 0.5)]
         w, damped = float(np.sqrt(context.rates[1])), damping_ratio(*context.rates)
         if (
@@ -86,7 +86,7 @@ class Resonance(_Placed):
         return [*beside, {"log_c": log_c, "log_k": log_k} | _mode(w, damped)]
 
     def is_plausible(self, fit: Fitted) -> bool:
-        """A mode that swings a few times in the whole record is a drift; one without damping, a wave from outside."""
+        """Reject a few cycles per record (a drift) and no damping (a periodic disturbance)."""
         swings = float(np.exp(fit.plant_value("log_frequency"))) * fit.data.samples / (2.0 * np.pi)
         return swings > MIN_CYCLES and float(np.exp(fit.plant_value("log_damping"))) > LEAST_DAMPING
 
@@ -100,17 +100,17 @@ class Resonance(_Placed):
 
 
 def _mode(frequency: float, damped: float) -> dict[str, float]:
-    """Where the search for a mode begins."""
+    """Start values of a mode."""
     return {"log_frequency": float(np.log(frequency)), "log_damping": float(np.log(damped))}
 
 
 def peaks(context: Context, count: int, slowest: float) -> list[float]:
-    """Frequencies (rad a sample) at which the residual has its highest narrow peaks."""
+    """Frequencies (rad per sample) of the highest narrow peaks in the spectrum of the residual."""
     e = context.residual
     padded = 1 << int(np.ceil(np.log2(4 * e.size)))
     power = np.abs(np.fft.rfft((e - e[context.data.rows].mean()) * np.hanning(e.size), padded)) ** 2
     w = 2.0 * np.pi * np.arange(power.size) / padded
-    # Compare with the neighbourhood, or a slow wander hides every peak.
+    # Relative to the neighbourhood: slow drifts dominate the absolute spectrum.
     width = max(9, 24 * padded // e.size // 2 * 2 + 1)
     log_power = np.log(power + 1e-300)
     smooth = np.convolve(log_power, np.ones(width) / width, mode="same")
@@ -126,19 +126,19 @@ def peaks(context: Context, count: int, slowest: float) -> list[float]:
 
 
 class SqrtOutflow(PlantEffect):
-    """Torricelli: the outflow goes with the root of the level; `variant` both, upper or lower, and "-flipped"."""
+    """Torricelli outflow, proportional to the root of the level; `variant` both, upper or lower, and "-flipped"."""
 
     name = "sqrt-outflow"
 
     def extend(self, plant: Plant) -> Plant:
-        """Tanks with the root at the outflows that the variant names."""
+        """Tanks with square-root outflow as the variant states."""
         which, _, flipped = self.variant.partition("-")
         return plant.modified(
             kind="tanks", upper_root=which != "lower", lower_root=which != "upper", flipped=flipped == "flipped"
         )
 
     def plant_starts(self, context: Context) -> list[dict[str, float]]:
-        """The input that just empties the tank a little, and a whole range, below the record."""
+        """Zero-flow inputs slightly, and one full range, below the record."""
         u = -context.data.u if self.variant.endswith("flipped") else context.data.u
         span = float(np.ptp(u))
         starts = []
@@ -154,7 +154,7 @@ class SqrtOutflow(PlantEffect):
         return starts
 
     def _brim(self, context: Context, zero: float) -> dict[str, float]:
-        """The brim of a parent without roots, as the level of these tanks at the same flow."""
+        """Brims of a parent with linear outflow, converted to the levels at the same flow."""
         plant = context.parent.hypothesis.plant
         if not plant.brim or plant.upper_root or plant.lower_root:
             return {}
@@ -166,7 +166,7 @@ class SqrtOutflow(PlantEffect):
         return {name: flow**2 if root else flow for name, flow, root in zip(names, flows, rooted, strict=True)}
 
     def values(self, fit: Fitted) -> dict[str, Value]:
-        """`zero`, the input without flow, and `empty`, the output of the empty tank."""
+        """`zero`, the input at zero flow, and `empty`, the output of the empty tank."""
         zero = fit.plant_value("zero")
         return {
             "zero": Value(fit.u(-zero if self.variant.endswith("flipped") else zero), "u"),
@@ -175,7 +175,7 @@ class SqrtOutflow(PlantEffect):
 
 
 class Overflow(PlantEffect):
-    """A tank stops at its brim; `variant` upper or lower, and "-flipped"."""
+    """Overflow of a tank at its brim; `variant` upper, lower or both, and "-flipped"."""
 
     name = "overflow"
 
@@ -185,7 +185,7 @@ class Overflow(PlantEffect):
         return plant.modified(kind="tanks", brim=BRIM_CODES[which], flipped=plant.flipped or flipped == "flipped")
 
     def plant_starts(self, context: Context) -> list[dict[str, float]]:
-        """A little, a quarter and half inside the range of the level."""
+        """Brims at 8, 25 and 50 % below the highest level, as shares of its range."""
         plant = context.parent.hypothesis.plant
         u = -context.actuator if self.variant.endswith("flipped") or plant.flipped else context.actuator
         slow, fast = real_rates(*context.rates)
@@ -207,21 +207,21 @@ class Overflow(PlantEffect):
         return starts
 
     def is_plausible(self, fit: Fitted) -> bool:
-        """A tank that fills within a sample is none: its brim is a limit of the actuator, or of the sensor."""
+        """Reject a tank that fills within a sample: its brim is a limit of the actuator or the sensor."""
         slopes = fit.hypothesis.plant.level_slopes(fit.theta[fit.hypothesis.slices["plant"]])
         rates = np.exp([fit.plant_value("log_a"), fit.plant_value("log_b")]) / slopes
         brims = {"upper": rates[:1], "lower": rates[1:], "both": rates}[self.variant.partition("-")[0]]
         return bool(np.all(brims < MAX_TANK_RATE))
 
     def values(self, fit: Fitted) -> dict[str, Value]:
-        """`level` of the brim as a reading; of the upper tank also `caught`, the share that the lower one catches.
+        """`level` of the brim as a reading; for the upper tank also `caught`, the share of overflow to the lower tank.
 
-        With two brims, `level` is that of the tank that is measured, and `upper` the other one.
+        With two brims, `level` is that of the lower, measured tank and `upper` that of the upper one.
         """
         which, plant = self.variant.partition("-")[0], fit.hypothesis.plant
         if which == "lower":
             return {"level": self._reading(fit, fit.plant_value("brim"))}
-        brim = fit.plant_value("brim")  # as the level that the lower tank would settle to
+        brim = fit.plant_value("brim")  # convert to the steady level of the lower tank
         flow = np.sqrt(max(brim, 0.0)) if plant.upper_root else brim
         upper = self._reading(fit, flow**2 if plant.lower_root else flow)
         caught = Value(fit.plant_value("share"), "1")
@@ -234,15 +234,15 @@ class Overflow(PlantEffect):
 
 
 class CoulombFriction(PlantEffect):
-    """Dry friction against the motion.
+    """Dry friction.
 
-    `variant` position (of a mass), unsprung (the same without a spring), speed, or speed-lag (the lag behind it).
+    `variant` position (of a mass), unsprung (a mass without a spring), speed, or speed-lag (a lag after the speed).
     """
 
     name = "coulomb-friction"
 
     def applies(self, context: Context) -> bool:
-        """Without a spring, only where the record hardly sees one."""
+        """ "unsprung" only if the record hardly shows a spring."""
         return self.variant != "unsprung" or real_rates(*context.rates)[0] * context.data.samples < MAX_UNSPRUNG_RATE
 
     def extend(self, plant: Plant) -> Plant:
@@ -252,19 +252,19 @@ class CoulombFriction(PlantEffect):
         return plant.modified(kind="speed", friction=True, lag_first=self.variant == "speed")
 
     def plant_starts(self, context: Context) -> list[dict[str, float]]:
-        """Weak and strong, and where the record may begin."""
+        """Weak to strong friction, and initial positions or neutral inputs."""
         if self.variant == "position":
             away = initial_offset(context)
             return [{"friction": size, "z0": z0} for size in (0.05, 0.25, 0.8) for z0 in dict.fromkeys((0.0, away))]
         if self.variant == "unsprung":
             return [{"friction": size, "log_k+": SLACK_LOG_STIFFNESS} for size in (0.05, 0.25, 0.8)]
         u = context.data.u
-        inside = u.min() + np.array([0.3, 0.7]) * np.ptp(u)  # where the motor may turn round
+        inside = u.min() + np.array([0.3, 0.7]) * np.ptp(u)  # inputs at which the motor may reverse
         middles = dict.fromkeys(round(float(x), 3) for x in (np.median(u), u[0], *inside))
         return [{"friction": size, "centre": middle} for size in (0.1, 0.4) for middle in middles]
 
     def is_plausible(self, fit: Fitted) -> bool:
-        """Friction shows by turning round: against motion in one direction only it is a constant, or a stop."""
+        """Require motion in both directions: in one direction friction is a constant."""
         speed = fit.hypothesis.plant.speed(
             fit.theta[fit.hypothesis.slices["plant"]], fit.hypothesis.actuator(fit.theta, fit.data.u)
         )
@@ -276,7 +276,7 @@ class CoulombFriction(PlantEffect):
 
 
 def initial_offset(context: Context) -> float:
-    """How far, in units of the input, the record begins from the rest that the linear model expects there."""
+    """Initial deviation from the steady state of the linear model, in units of the input."""
     fit, u = context.parent, context.data.u
     still = fit.hypothesis.output(fit.theta, fit.gains, np.array([u[0], u[0] + 1.0]).repeat(2000))
     gain = float(still[-1] - still[1999])
@@ -286,12 +286,12 @@ def initial_offset(context: Context) -> float:
 
 
 class CubicStiffness(PlantEffect):
-    """Hardening or softening restoring force; `variant` sampled where the input is not held between the samples."""
+    """Hardening or softening restoring force; `variant` "sampled" for an input that is not held between samples."""
 
     name = "cubic-stiffness"
 
     def applies(self, context: Context) -> bool:
-        """Only a mass that swings tells an input that is sampled from one that is held."""
+        """ "sampled" only with underdamped dynamics: otherwise it cannot be distinguished from a held input."""
         return self.variant != "sampled" or damping_ratio(*context.rates) < 1.0
 
     def extend(self, plant: Plant) -> Plant:
@@ -299,11 +299,11 @@ class CubicStiffness(PlantEffect):
         return plant.modified(kind="mechanics", cubic=True, sampled=self.variant == "sampled")
 
     def plant_starts(self, context: Context) -> list[dict[str, float]]:
-        """Hardening and softening, about the median and the first input."""
+        """Hardening and softening springs, centred at the median and at the first input."""
         middles = dict.fromkeys(round(float(x), 3) for x in (np.median(context.data.u), context.data.u[0]))
         return [{"cubic": size, "centre": middle} for size in (0.01, 0.05, 0.4, -0.02) for middle in middles]
 
     def values(self, fit: Fitted) -> dict[str, Value]:
-        """`cubic`: the added share of the restoring force, per square of the output."""
+        """`cubic`: relative increase of the restoring force, per square of the output."""
         per_level = 1.0 / (float(fit.gains[0]) * fit.data.y_scale.unit or 1.0)
         return {"cubic": Value(fit.plant_value("cubic") * per_level**2, "1/y^2")}

@@ -1,4 +1,4 @@
-"""Effects on the way from the command to the dynamics."""
+"""Effects of the actuator, between the command and the dynamics."""
 
 from typing import ClassVar
 
@@ -13,37 +13,37 @@ from labsid.gap.plant_form import Parameter
 from labsid.gap.plants import Plant
 
 LONGEST_DELAY = 250.0  # samples
-INITIAL_OFFSET = Parameter("before", -30.0, 30.0)  # how far from the first command the actuator stood before the record
-REST_SAMPLES = 5  # samples of one value at the beginning of a record
+INITIAL_OFFSET = Parameter("before", -30.0, 30.0)  # of the actuator before the record, relative to the first command
+REST_SAMPLES = 5  # leading samples with equal input of a rig at rest
 
 
 class Delay(InputEffect):
-    """Transport delay of the actuator path, beyond the one sample that a strictly proper model has.
+    """Transport delay of the actuator path, in addition to the one sample of a strictly proper model.
 
-    A zero of the dynamics does for a part of a sample, and hides it: with the `variant` "no-zero" they have none. With
-    "switched" the first command of the record is news to the rig; otherwise it has stood there for long.
+    A numerator zero can mimic a fractional delay: with the `variant` "no-zero" the dynamics have none. With "switched"
+    the input steps at sample 0; otherwise the rig was at steady state.
     """
 
     name = "input-delay"
     position = 9
 
     def extend(self, plant: Plant) -> Plant:
-        """Dynamics without a zero, where the variant says so."""
+        """Remove the numerator zero for the "no-zero" variants."""
         return plant.modified(zero=False) if self.variant.startswith("no-zero") else plant
 
     @property
     def parameters(self) -> tuple[Parameter, ...]:
-        """The delay in samples, and where the command stood before the record."""
+        """Delay in samples, and for "switched" the command before the record."""
         own = (Parameter("delay", 0.0, LONGEST_DELAY, 0.02, leap=0.5),)
         return (*own, INITIAL_OFFSET) if self.variant.endswith("switched") else own
 
     def starts(self, context: Context) -> list[FloatArray]:
-        """Short ones closer together than long ones."""
+        """Delays in roughly geometric steps."""
         longest = min(LONGEST_DELAY, context.data.samples / 8)
         return [np.array([d]) for d in (1.0, 2.2, 4.0, 7.0, 12.0, 20.0, 35.0, 60.0, 100.0, 170.0) if d <= longest]
 
     def apply(self, w: FloatArray, own: FloatArray, span: int) -> FloatArray:
-        """The signal itself: the hypothesis delays it behind all other effects, in place of the nuisance delay."""
+        """Return `w`: the hypothesis delays the signal after all other input effects."""
         return w
 
     def values(self, fit: Fitted) -> dict[str, Value]:
@@ -52,23 +52,23 @@ class Delay(InputEffect):
 
 
 class Saturation(InputEffect):
-    """The actuator stops at a low and/or a high limit inside the commanded range; `variant` low, high or both."""
+    """The actuator saturates inside the commanded range; `variant` low, high or both."""
 
     name = "input-saturation"
     position = 1
 
     @property
     def parameters(self) -> tuple[Parameter, ...]:
-        """The limits in the scaled input."""
+        """Limits in the scaled input."""
         names = {"low": ("low",), "high": ("high",), "both": ("low", "high")}[self.variant]
         return tuple(Parameter(name, -8.0, 8.0, leap=0.05) for name in names)
 
     def applies(self, context: Context) -> bool:
-        """Two levels cut down are two levels: the gain would take it up."""
+        """Require more levels than the gain and offset can absorb."""
         return context.levels.size > (3 if self.variant == "both" else 2)
 
     def starts(self, context: Context) -> list[FloatArray]:
-        """A little, a fifth and two fifths inside the range."""
+        """Limits at 8, 22 and 40 % of the range from its ends."""
         u = context.data.u
         lows, highs = _inner_limits(u, -1), _inner_limits(u, 1)
         if self.variant == "low":
@@ -78,7 +78,7 @@ class Saturation(InputEffect):
         return [np.array([low, high]) for low, high in zip(lows, highs, strict=True)]
 
     def apply(self, w: FloatArray, own: FloatArray, span: int) -> FloatArray:
-        """Stop at the limits."""
+        """Clip at the limits."""
         if self.variant == "low":
             return np.maximum(w, own[0])
         if self.variant == "high":
@@ -86,7 +86,7 @@ class Saturation(InputEffect):
         return np.clip(w, min(own), max(own))
 
     def active_samples(self, fit: Fitted) -> np.ndarray:
-        """Where the command is beyond a limit."""
+        """The samples at which the command exceeds a limit."""
         return np.asarray(self.apply(fit.data.u, fit.theta_of(self), fit.data.samples) != fit.data.u)
 
     def values(self, fit: Fitted) -> dict[str, Value]:
@@ -95,28 +95,28 @@ class Saturation(InputEffect):
 
 
 def _inner_limits(u: FloatArray, side: int) -> list[float]:
-    """Where a limit may lie: a little, a third and two thirds inside the range."""
+    """Limits at 8, 22 and 40 % of the range from its upper (`side` > 0) or lower end."""
     low, high = float(u.min()), float(u.max())
     return [(high - part * (high - low)) if side > 0 else (low + part * (high - low)) for part in (0.08, 0.22, 0.4)]
 
 
 class DeadZone(InputEffect):
-    """No effect until the command leaves a band."""
+    """A dead zone: no effect until the command leaves a band."""
 
     name = "input-dead-zone"
     position = 4
 
     @property
     def parameters(self) -> tuple[Parameter, ...]:
-        """Both ends of the band in the scaled input."""
+        """Ends of the band in the scaled input."""
         return (Parameter("low", -8.0, 8.0, leap=0.1), Parameter("high", -8.0, 8.0, leap=0.1))
 
     def applies(self, context: Context) -> bool:
-        """Two levels are two levels behind any static curve."""
+        """Require three levels: gain and offset absorb any static curve of two."""
         return context.levels.size > 2
 
     def starts(self, context: Context) -> list[FloatArray]:
-        """Narrow and wide bands about the first, the middle and the median input."""
+        """Narrow and wide bands around the first input, the mid-range and the median."""
         u = context.data.u
         low, high = float(u.min()), float(u.max())
         middles = dict.fromkeys((round(float(u[0]), 6), 0.5 * (low + high), float(np.median(u))))
@@ -128,16 +128,16 @@ class DeadZone(InputEffect):
         return starts
 
     def apply(self, w: FloatArray, own: FloatArray, span: int) -> FloatArray:
-        """Zero within the band, the distance from it outside."""
+        """Zero within the band, distance from the band outside."""
         low, high = min(own), max(own)
         return np.maximum(w - high, 0.0) + np.minimum(w - low, 0.0)
 
     def active_samples(self, fit: Fitted) -> np.ndarray:
-        """Where the command is within the band."""
+        """The samples at which the command is within the band."""
         return np.asarray(self.apply(fit.data.u, fit.theta_of(self), fit.data.samples) == 0.0)
 
     def is_plausible(self, fit: Fitted) -> bool:
-        """A band that reaches to the end of the input's range is a limit, unless the rig rests at that end."""
+        """Reject a band that reaches the end of the input's range (a limit), unless the rig is at rest at that end."""
         low, high = sorted(fit.theta_of(self))
         u = fit.data.u
         edge = 0.02 * float(np.ptp(u))
@@ -153,27 +153,27 @@ class DeadZone(InputEffect):
 
 
 class Backlash(InputEffect):
-    """Play of a given width."""
+    """Backlash of a given width."""
 
     name = "input-backlash"
     position = 5
 
     @property
     def parameters(self) -> tuple[Parameter, ...]:
-        """Width of the play, and where in it the record begins."""
+        """Width of the backlash, and initial position within it."""
         return (Parameter("width", 0.0, 8.0, leap=0.05), Parameter("position", 0.0, 1.0, 0.02))
 
     def applies(self, context: Context) -> bool:
-        """Two levels behind a play are two levels, or none."""
+        """Require three levels: after backlash, two levels remain two levels or become one."""
         return context.levels.size > 2
 
     def starts(self, context: Context) -> list[FloatArray]:
-        """Narrow to wide, the record beginning in the middle of the play."""
+        """Narrow to wide, with an initial position in the middle."""
         span = float(np.ptp(context.data.u))
         return [np.array([part * span, 0.5]) for part in (0.06, 0.15, 0.35)]
 
     def apply(self, w: FloatArray, own: FloatArray, span: int) -> FloatArray:
-        """Follow the command only once the play is taken up."""
+        """Follow the command once the backlash is taken up."""
         return _kernels.backlash(w, float(own[0]), float(own[1]))
 
     def values(self, fit: Fitted) -> dict[str, Value]:
@@ -182,11 +182,11 @@ class Backlash(InputEffect):
 
 
 class RateLimit(InputEffect):
-    """The actuator slews at a bounded rate; `variant` "behind" puts it behind a dead zone and a play.
+    """A limit of the slew rate; with `variant` "behind" it follows the dead zone and the backlash.
 
-    With "switched" the actuator stands elsewhere when the record begins. "timed" has the first moment of each sample
-    right, not its mean alone: what comes late in a sample is moved on by half, from the sample before to the one
-    behind. Dynamics that follow their input within a sample would see that too early.
+    With "switched" the actuator's initial position differs from the first command. "timed" preserves the first moment
+    of the signal within each sample in addition to its mean, by moving half of the moment to each of the neighbouring
+    samples. That is inaccurate for dynamics that follow their input within a sample.
     """
 
     name = "input-rate-limit"
@@ -195,17 +195,17 @@ class RateLimit(InputEffect):
 
     @property
     def parameters(self) -> tuple[Parameter, ...]:
-        """Logarithm of the rate in the scaled input per sample, and where the actuator stands at first."""
+        """Logarithm of the rate in scaled input per sample, and for "switched" the initial offset."""
         own = (Parameter("log_rate", -9.0, 3.0, leap=0.1),)
         return (*own, INITIAL_OFFSET) if self.variant == "switched" else own
 
     def starts(self, context: Context) -> list[FloatArray]:
-        """Shares of the largest step of the input."""
+        """Rates as shares of the largest input step."""
         largest = float(np.abs(np.diff(context.data.u)).max())
         return [np.array([np.log(part * largest)]) for part in (0.6, 0.25, 0.08, 0.03)]
 
     def apply(self, w: FloatArray, own: FloatArray, span: int) -> FloatArray:
-        """Slew to the command."""
+        """Limit the slew rate."""
         mean, moment = _kernels.rate_limit(w, float(np.exp(own[0])), float(w[0] + own[1:].sum()))
         if self.variant == "timed":
             mean[1:] += 0.5 * moment[:-1]
@@ -219,10 +219,10 @@ class RateLimit(InputEffect):
 
 
 class Nonlinearity(InputEffect):
-    """A smooth static curve: w = u + c2 u^2 + c3 u^3 about the middle of the record's input.
+    """A smooth static actuator curve: w = u + c2 u^2 + c3 u^3 about the mean input of the record.
 
-    It stands at the end of the actuator, where a valve or a pump is; the `variant` "first" stands at its beginning.
-    "rich" is a spline.
+    It is the last element of the actuator, as of a valve or pump; with `variant` "first" it is the first one. "rich" is
+    a spline.
     """
 
     name = "input-nonlinearity"
@@ -232,21 +232,21 @@ class Nonlinearity(InputEffect):
 
     @property
     def parameters(self) -> tuple[Parameter, ...]:
-        """The coefficients in the scaled input."""
+        """Coefficients in the scaled input."""
         return curves.parameters(self.variant)
 
     def applies(self, context: Context) -> bool:
-        """Two levels are two levels behind any static curve."""
+        """Require three levels: gain and offset absorb any static curve of two."""
         return context.levels.size > 2
 
     def starts(self, context: Context) -> list[FloatArray]:
-        """Either coefficient a little up or down."""
+        """Small positive and negative values of either coefficient."""
         return [np.array(pair) for pair in ((0.1, 0.0), (-0.1, 0.0), (0.0, 0.1), (0.0, -0.1))]
 
     def apply(self, w: FloatArray, own: FloatArray, span: int) -> FloatArray:
-        """The curve, of slope one in the middle."""
+        """Value of the curve."""
         return curves.evaluate(w, own)
 
     def values(self, fit: Fitted) -> dict[str, Value]:
-        """`c2` and `c3` about `centre`, the middle of the record."""
+        """`c2` and `c3` about `centre`, the mean input."""
         return curves.coefficients(fit.theta_of(self), fit.data.u_scale.unit, "u") | {"centre": Value(fit.u(0.0), "u")}

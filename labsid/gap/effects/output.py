@@ -1,4 +1,4 @@
-"""Effects on the way from the true output to the record."""
+"""Effects of the sensor, between the true output and the record."""
 
 from typing import ClassVar
 
@@ -13,11 +13,11 @@ from labsid.gap.plant_form import Parameter
 from labsid.gap.plants import Plant
 from labsid.gap.responses import normalized_time
 
-CURVE_RANGE = (-20.0, 20.0)  # scaled output where a curve is bent
+CURVE_RANGE = (-20.0, 20.0)  # scaled output; outside it the curve continues with slope one
 
 
 class Saturation(OutputEffect):
-    """The sensor clips; `variant` low, high or both."""
+    """The sensor saturates; `variant` low, high or both."""
 
     name = "output-saturation"
     position = 2
@@ -25,7 +25,7 @@ class Saturation(OutputEffect):
 
     @property
     def parameters(self) -> tuple[Parameter, ...]:
-        """The limits in the scaled output."""
+        """Limits in the scaled output."""
         names = {"low": ("low",), "high": ("high",), "both": ("low", "high")}[self.variant]
         return tuple(Parameter(name, -8.0, 8.0, leap=0.03) for name in names)
 
@@ -44,16 +44,16 @@ class Saturation(OutputEffect):
         return low, high
 
     def apply(self, z: FloatArray, own: FloatArray) -> FloatArray:
-        """Stop at the limits."""
+        """Clip at the limits."""
         return np.clip(z, *self._limits(own))
 
     def slope(self, z: FloatArray, own: FloatArray) -> FloatArray:
-        """One between the limits, zero beyond."""
+        """One between the limits, zero outside."""
         low, high = self._limits(own)
         return ((z > low) & (z < high)).astype(float)
 
     def active_samples(self, fit: Fitted) -> np.ndarray:
-        """Where the simulated reading is at a limit."""
+        """The samples at which the simulated reading is at a limit."""
         low, high = self._limits(fit.theta_of(self))
         output = fit.hypothesis.output(fit.theta, fit.gains, fit.data.u)
         return np.asarray((output <= low) | (output >= high))
@@ -64,7 +64,7 @@ class Saturation(OutputEffect):
 
 
 class Nonlinearity(OutputEffect):
-    """A smooth static sensor curve: y = z + c2 z^2 + c3 z^3 about the middle of the record's output.
+    """A smooth static sensor curve: y = z + c2 z^2 + c3 z^3 about the mean output of the record.
 
     The `variant` "rich" is a spline.
     """
@@ -75,15 +75,15 @@ class Nonlinearity(OutputEffect):
 
     @property
     def parameters(self) -> tuple[Parameter, ...]:
-        """The coefficients in the scaled output."""
+        """Coefficients in the scaled output."""
         return curves.parameters(self.variant)
 
     def starts(self, context: Context) -> list[FloatArray]:
-        """Either coefficient a little up or down."""
+        """Small positive and negative values of either coefficient."""
         return [np.array(pair) for pair in ((0.05, 0.0), (-0.05, 0.0), (0.0, 0.03), (0.0, -0.03))]
 
     def apply(self, z: FloatArray, own: FloatArray) -> FloatArray:
-        """The curve; far outside the record it goes on with slope one."""
+        """Value of the curve; far outside the record it continues with slope one."""
         near = np.clip(z, *CURVE_RANGE)
         return z - near + curves.evaluate(near, own)
 
@@ -92,40 +92,40 @@ class Nonlinearity(OutputEffect):
         return curves.slope(np.clip(z, *CURVE_RANGE), own)
 
     def values(self, fit: Fitted) -> dict[str, Value]:
-        """`c2` and `c3` about `centre`, the middle of the record."""
+        """`c2` and `c3` about `centre`, the mean output."""
         return curves.coefficients(fit.theta_of(self), fit.data.y_scale.unit, "y") | {"centre": Value(fit.y(0.0), "y")}
 
 
 class Drift(AdditiveEffect):
-    """A slow additive wander of the sensor zero: Chebyshev polynomials up to the degree in `variant`, or "settle"."""
+    """A slow drift of the sensor zero: a polynomial of the degree in `variant`, or an exponential decay, "settle"."""
 
     name = "output-drift"
     path = "output"
 
     @property
     def width(self) -> int:
-        """One column for a zero that settles, else one for each degree."""
+        """One column for "settle", else one for each degree."""
         return 1 if self.variant == "settle" else int(self.variant)
 
     @property
     def parameters(self) -> tuple[Parameter, ...]:
-        """Of a zero that settles, the logarithm of its time constant as a share of the record."""
+        """For "settle", the logarithm of the time constant as a share of the record."""
         return (Parameter("log_share", -4.0, 0.0),) if self.variant == "settle" else ()
 
     def starts(self, context: Context) -> list[FloatArray]:
-        """Fast to slow."""
+        """Short to long time constants for "settle"."""
         if self.variant == "settle":
             return [np.array([np.log(share)]) for share in (0.05, 0.2, 0.6)]
         return [np.zeros(0)]
 
     def columns(self, own: FloatArray, samples: int, span: int, plant: Plant, rates: FloatArray) -> FloatArray:
-        """Polynomials of degree 1, 2, ... along the record, or one decay."""
+        """Chebyshev polynomials of degree 1, 2, ... along the record, or an exponential decay."""
         if self.variant == "settle":
             return np.exp(-np.arange(samples) / (span * np.exp(own[0])))[:, None]
         return np.asarray(chebvander(normalized_time(samples, span), int(self.variant))[:, 1:], np.float64)
 
     def values(self, fit: Fitted) -> dict[str, Value]:
-        """`amplitude`, half of the range of the wander."""
+        """`amplitude`, half of the range of the drift."""
         samples = fit.data.samples
         wander = self.columns(fit.theta_of(self), samples, samples, fit.hypothesis.plant, fit.theta)
         wander = wander @ fit.hypothesis.gains_of(fit.gains, self)
