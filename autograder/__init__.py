@@ -1,8 +1,8 @@
-"""The nbgrader course of labsid: building, grading, feedback and hand-in."""
+"""The nbgrader course of labsid: build the course, grade submissions, write feedback and exports."""
 
 import sys
 
-# jsonschema, which reads notebooks, builds the grammar of internationalised addresses when it is imported and that
-# grammar is installed. Notebooks hold none, and building it takes longer than grading a student.
+# nbformat imports jsonschema, which imports rfc3987_syntax if it is installed. Its grammar takes longer to build than a
+# submission takes to grade, and notebooks do not need it.
 if "jsonschema" not in sys.modules:
     sys.modules.setdefault("rfc3987_syntax", None)  # type: ignore[arg-type]

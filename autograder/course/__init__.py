@@ -1,1 +1,1 @@
-"""The course as files: text notebooks built into source and release, and what students receive."""
+"""The course: its files, the build of source and release notebooks, and the student release."""

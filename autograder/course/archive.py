@@ -1,4 +1,4 @@
-"""Zip files: written so that the same content is the same bytes, and read without trusting anything in them."""
+"""Zip files: reproducible writing, and reading from untrusted sources."""
 
 import io
 import stat
@@ -15,7 +15,7 @@ _TIME = (1980, 1, 1, 0, 0, 0)
 
 
 def zip_bytes(files: Mapping[str, bytes]) -> bytes:
-    """Zip files, in the order of their names and without times."""
+    """Zip files in the order of their names, with a fixed time; the same content gives the same bytes."""
     packed = io.BytesIO()
     with zipfile.ZipFile(packed, "w", zipfile.ZIP_DEFLATED) as archive:
         for name in sorted(files):
@@ -27,36 +27,36 @@ def zip_bytes(files: Mapping[str, bytes]) -> bytes:
 
 @dataclass(frozen=True, slots=True)
 class ArchiveEntry:
-    """One file of an archive, or why it could not be had.
+    """One file of an archive.
 
     Attributes
     ----------
     name : str
-        Its path in the archive, with forward slashes; only to be read, never to be written to.
-    changed : datetime or None
-        What the archive says of its time, in nobody knows which zone.
+        Its path in the archive, with forward slashes; untrusted.
+    modified : datetime or None
+        Its time in the archive, in an unknown time zone.
     data : bytes
-        Empty where it was refused.
-    refused : str
-        Why; empty where it was read.
+        Empty if there is a problem.
+    problem : str
+        Why it was not read; otherwise empty.
     """
 
     name: str
-    changed: datetime | None
+    modified: datetime | None
     data: bytes
-    refused: str = ""
+    problem: str = ""
 
 
-def read_entries(content: IO[bytes], what: str, allowed: Callable[[str], int]) -> Iterator[ArchiveEntry]:
-    """Read every file of a zip, each as far as the limits allow.
+def read_entries(content: IO[bytes], what: str, max_bytes: Callable[[str], int]) -> Iterator[ArchiveEntry]:
+    """Read the files of an untrusted zip file, within limits.
 
     Parameters
     ----------
     content : binary file
     what : str
         Its name, for errors.
-    allowed : callable
-        ``allowed(name)`` is how many bytes a file of that name may have, unpacked; it is asked before each is read.
+    max_bytes : callable
+        ``max_bytes(name)`` is the largest unpacked size of the file; called before each file is read.
 
     Yields
     ------
@@ -65,35 +65,35 @@ def read_entries(content: IO[bytes], what: str, allowed: Callable[[str], int]) -
     Raises
     ------
     ValueError
-        If it is no zip, or has too many entries.
+        If it is not a zip file, or has too many entries.
     """
     try:
         archive = zipfile.ZipFile(content)
     except (zipfile.BadZipFile, ValueError, OSError, EOFError, NotImplementedError, OverflowError) as error:
-        raise ValueError(f"{what} is not a zip file that can be read: {error}.") from None
+        raise ValueError(f"{what} is not a readable zip file: {error}.") from None
     with archive:
         infos = archive.infolist()
         if len(infos) > MAX_ENTRIES:
-            raise ValueError(f"{what} has {len(infos)} entries; at most {MAX_ENTRIES} are read.")
+            raise ValueError(f"{what} has {len(infos)} entries; at most {MAX_ENTRIES} are allowed.")
         for info in infos:
             if not info.is_dir():
                 name = info.filename.replace("\\", "/")
-                yield _read(archive, info, name, min(MAX_FILE_BYTES, allowed(name)))
+                yield _read(archive, info, name, min(MAX_FILE_BYTES, max_bytes(name)))
 
 
-def _read(archive: zipfile.ZipFile, info: zipfile.ZipInfo, name: str, most: int) -> ArchiveEntry:
-    changed = _time(info)
+def _read(archive: zipfile.ZipFile, info: zipfile.ZipInfo, name: str, max_bytes: int) -> ArchiveEntry:
+    modified = _time(info)
     kind = stat.S_IFMT(info.external_attr >> 16)
     if kind not in (0, stat.S_IFREG):
-        return ArchiveEntry(name, changed, b"", "it is a link or a device, not a file")
+        return ArchiveEntry(name, modified, b"", "it is a link or a device, not a file")
     try:
         with archive.open(info) as file:
-            data = file.read(most + 1)  # what is declared may be a lie: a bomb is read no further than this
+            data = file.read(max_bytes + 1)  # the declared size can be wrong
     except (zipfile.BadZipFile, zlib.error, RuntimeError, NotImplementedError, OSError, EOFError, ValueError) as error:
-        return ArchiveEntry(name, changed, b"", f"it cannot be unpacked ({str(error)[:100]})")
-    if len(data) > most:
-        return ArchiveEntry(name, changed, b"", "it is too large")
-    return ArchiveEntry(name, changed, data)
+        return ArchiveEntry(name, modified, b"", f"it cannot be unpacked ({str(error)[:100]})")
+    if len(data) > max_bytes:
+        return ArchiveEntry(name, modified, b"", "it is too large")
+    return ArchiveEntry(name, modified, data)
 
 
 def _time(info: zipfile.ZipInfo) -> datetime | None:

@@ -1,7 +1,7 @@
-"""Building the course: text notebooks -> source notebooks -> release, linted on the way.
+"""Build the course: text notebooks to source notebooks to release, with checks at each stage.
 
-The text (MyST) carries short nbgrader metadata; the build fills in the rest, gives every cell its grade_id as its
-cell id, so that two builds are equal byte for byte, and lets nbgrader's own generate step make the release.
+The MyST text contains abbreviated nbgrader metadata. The build completes it, uses each grade_id as cell id, so that two
+builds are equal byte for byte, and generates the release with nbgrader.
 """
 
 import logging
@@ -32,12 +32,12 @@ TEXT_STUB = "*Your answer here*"
 
 
 def build_course(course: Course) -> Iterator[str]:
-    """Build every assignment; yields each name when it is done.
+    """Build every assignment; yields the name of each one built.
 
     Raises
     ------
     ValueError
-        If a text notebook cannot be released as it is; nothing is written for any assignment then.
+        If a text notebook cannot be released; no source notebook is written then.
     """
     names = course.assignments()
     if not names:
@@ -49,7 +49,7 @@ def build_course(course: Course) -> Iterator[str]:
 
 
 def build_source(path: Path) -> Any:
-    """Turn a text notebook into the one that nbgrader releases from; `ValueError` lists what is wrong with it."""
+    """Convert a text notebook into a source notebook for nbgrader; `ValueError` lists its problems."""
     try:
         notebook = jupytext.read(path, fmt="md:myst")
     except MystMetadataParsingError as error:
@@ -76,10 +76,10 @@ def build_source(path: Path) -> Any:
 
 
 def nbgrader_metadata(short: dict[str, Any], cell_type: str) -> dict[str, Any]:
-    """nbgrader's whole metadata from the few words in the text.
+    """Complete the abbreviated metadata of a cell.
 
-    ``solution`` makes an answer cell, ``points`` on a code cell an automatic question, ``points`` with ``manual`` one
-    graded by hand, ``locked`` a given cell.
+    ``solution`` marks an answer cell, ``points`` a question graded automatically, ``points`` with ``manual`` a question
+    graded by hand, and ``locked`` a given cell.
     """
     manual = bool(short.get("manual"))
     points = short.get("points")
@@ -98,7 +98,7 @@ def nbgrader_metadata(short: dict[str, Any], cell_type: str) -> dict[str, Any]:
 
 
 def lint_metadata(cell: Any) -> Iterator[str]:
-    """What `full_metadata` could not make sense of in a cell of the text."""
+    """Problems in the abbreviated metadata of a cell."""
     name = f"the cell {cell.source[:30]!r}"
     unknown = set(cell.metadata) - {"nbgrader", "tags"}
     if unknown:
@@ -118,7 +118,7 @@ def lint_metadata(cell: Any) -> Iterator[str]:
 
 
 def lint_checks(notebook: Any, assignment: str) -> Iterator[str]:
-    """Where the notebook's questions and the checks of its assignment do not fit together."""
+    """Differences between the questions of a notebook and the checks of its assignment."""
     known = [read_cell(cell) for cell in notebook.cells]
     asked = [cell.id for cell in known if cell is not None and cell.kind == "question"]
     checks = load_assignment(assignment).questions if assignment in assignment_names() else ()
@@ -128,13 +128,13 @@ def lint_checks(notebook: Any, assignment: str) -> Iterator[str]:
             yield f"{question}: labsid.checks.assignments has no check for it"
     for question in checked:
         if question not in asked:
-            yield f"{question}: there is a check for it, but no cell that asks it"
+            yield f"{question}: labsid.checks.assignments has a check for it, but the notebook has no such question"
     if sorted(asked) == sorted(checked) and asked != checked:
-        yield "the checks are in another order than the cells that ask them"
+        yield "the checks are in a different order than the questions"
 
 
 def lint_source(notebook: Any) -> Iterator[str]:
-    """What would go wrong if this notebook were released."""
+    """Problems that prevent the release of a notebook."""
     seen: set[str] = set()
     for cell in notebook.cells:
         known = read_cell(cell)
@@ -145,30 +145,30 @@ def lint_source(notebook: Any) -> Iterator[str]:
         if strange is not None:
             yield f"{name}: a misspelt or unknown delimiter ({strange[0]!r})"
         if len(_REGION.findall(cell.source)) != opened or opened != closed:
-            yield f"{name}: {opened} BEGIN SOLUTION and {closed} END SOLUTION that do not pair up"
+            yield f"{name}: {opened} BEGIN SOLUTION and {closed} END SOLUTION that do not match"
         if opened and (known is None or known.kind not in ("answer", "manual")):
-            yield f"{name}: holds a solution but is not an answer cell"
+            yield f"{name}: contains a solution but is not an answer cell"
         if known is None:
             continue
         if known.id in seen:
-            yield f"{known.id}: the grade_id is there twice"
+            yield f"{known.id}: the grade_id is used twice"
         seen.add(known.id)
         if known.kind == "answer" and not opened:
             yield f"{known.id}: an answer cell without a solution region"
         if known.kind == "question" and cell.source.strip() != f'check("{known.id}")':
-            yield f'{known.id}: a question holds check("{known.id}") and nothing else'
+            yield f'{known.id}: a question must contain check("{known.id}") and nothing else'
 
 
 def build_releases(course: Course, names: Sequence[str]) -> Iterator[str]:
-    """Make the releases with nbgrader's generate step, and hold each against its source; yields each name when done."""
+    """Generate the release notebooks with nbgrader and check them; yields the name of each one."""
     with tempfile.TemporaryDirectory(prefix="labsid-") as scratch:
         for name in names:
-            made = _generate(course, name, Path(scratch))
+            notebook = _generate(course, name, Path(scratch))
             source = nbformat.read(course.source / name / f"{name}.ipynb", as_version=4)
-            problems = list(lint_release(made, source))
+            problems = list(lint_release(notebook, source))
             if problems:
                 raise ValueError(f"{name} cannot be released: " + "; ".join(problems))
-            _write_notebook(made, course.release / name / f"{name}.ipynb")
+            _write_notebook(notebook, course.release / name / f"{name}.ipynb")
             data = load_assignment(name).record_file if name in assignment_names() else None
             if data is not None:
                 shutil.copyfile(course.data / data, course.release / name / data)
@@ -201,7 +201,7 @@ def _generate(course: Course, name: str, scratch: Path) -> Any:
 
 
 def lint_release(release: Any, source: Any) -> Iterator[str]:
-    """Solution text that survived into the release."""
+    """Solution text that remains in the release."""
     texts = {cell.id: cell.source for cell in release.cells}
     for cell in source.cells:
         known = read_cell(cell)
@@ -215,7 +215,7 @@ def lint_release(release: Any, source: Any) -> Iterator[str]:
             leaked = [line for line in lines if len(line) > 12 and line not in starter]
         for line in leaked:
             if line in texts.get(known.id, ""):
-                yield f"{known.id}: the solution line {line[:40]!r} survives"
+                yield f"{known.id}: the release still contains the solution line {line[:40]!r}"
 
 
 def _write_notebook(notebook: Any, path: Path) -> None:

@@ -1,4 +1,4 @@
-"""Where the course's files are, and the points of its questions."""
+"""Folders of the course, order of its assignments, and the cells of its released notebooks."""
 
 import json
 import re
@@ -19,7 +19,7 @@ class Course:
     Attributes
     ----------
     root : Path
-        The checkout: holds ``notebooks``, ``autograder`` and ``data``.
+        The checkout, with ``notebooks``, ``autograder`` and ``data``.
     """
 
     root: Path
@@ -36,27 +36,27 @@ class Course:
 
     @property
     def release(self) -> Path:
-        """Built notebooks as students get them."""
+        """Built notebooks for students."""
         return self.root / "autograder" / "release"
 
     @property
     def data(self) -> Path:
-        """The data files of those who have no individual ones."""
+        """Data files for students without individual ones."""
         return self.root / "data"
 
     @property
     def record(self) -> Path:
-        """The lab's record, of those who have no individual one."""
+        """The lab's record for students without an individual one."""
         return self.data / RECORD_FILE
 
     def assignments(self) -> list[str]:
         """Names of the assignments, in the order of the course."""
-        there = {path.parent.name for path in self.notebooks.glob("*/*.md") if path.stem == path.parent.name}
-        return sorted(there, key=in_course_order)
+        names = {path.parent.name for path in self.notebooks.glob("*/*.md") if path.stem == path.parent.name}
+        return sorted(names, key=in_course_order)
 
 
 def in_course_order(assignment: str) -> tuple[int, str]:
-    """Key that sorts assignments as they are taught."""
+    """Sort key for the order in which assignments are taught."""
     return (_ORDER.index(assignment) if assignment in _ORDER else len(_ORDER), assignment)
 
 
@@ -75,42 +75,42 @@ _ORDER = (
 
 
 def find_course() -> Course:
-    """Find the course that this program belongs to, or the one in or above the working folder.
+    """Find the course: the checkout of this package, or the one in or above the working folder.
 
     Raises
     ------
     ValueError
-        If there is none.
+        If there is no course.
     """
     own = Path(__file__).resolve().parents[2]
     for root in (own, Path.cwd(), *Path.cwd().parents):
         if (root / "notebooks").is_dir() and (root / "autograder").is_dir():
             return Course(root)
     raise ValueError(
-        f"no course here: neither {own} nor {Path.cwd()} has the folders 'notebooks' and 'autograder'. "
+        f"no course found: neither {own} nor {Path.cwd()} has the folders 'notebooks' and 'autograder'. "
         "Run this command inside a checkout of the course."
     )
 
 
 @dataclass(frozen=True, slots=True)
 class Cell:
-    """One cell of a built notebook that nbgrader knows.
+    """One cell of a built notebook with nbgrader metadata.
 
     Attributes
     ----------
     id : str
         Its grade_id.
     kind : {"given", "demonstration", "answer", "question", "manual"}
-        Locked code, locked code that only shows something and is not run while grading, a student's answer, an
-        automatic question, or a question graded by hand.
+        Locked code; locked code that is not run during grading; a student's answer; a question graded automatically; a
+        question graded by hand.
     source : str
         Its text.
     code : bool
         Whether it is a code cell.
     points : Decimal or None
-        What the question is worth, exact.
+        Points of the question.
     heading : str
-        The heading under which it stands.
+        The notebook heading above it.
     """
 
     id: str
@@ -122,7 +122,7 @@ class Cell:
 
 
 def read_cell(cell: Any, heading: str = "") -> Cell | None:
-    """Read one notebook cell's nbgrader metadata; None where it has none."""
+    """Read the nbgrader metadata of a notebook cell; None if it has none."""
     meta = cell.get("metadata", {}).get("nbgrader")
     if not isinstance(meta, dict) or "grade_id" not in meta:
         return None
@@ -139,14 +139,14 @@ def read_cell(cell: Any, heading: str = "") -> Cell | None:
 
 @dataclass(frozen=True, slots=True)
 class Template:
-    """A released assignment: what a submission is held against.
+    """A released assignment, with which submissions are compared.
 
     Attributes
     ----------
     assignment, title : str
         Its name, and the title of its notebook.
     cells : tuple of Cell
-        The cells that nbgrader knows, in order.
+        The cells with nbgrader metadata, in order.
     """
 
     assignment: str
@@ -160,10 +160,10 @@ class Template:
 
 
 def read_template(course: Course, assignment: str) -> Template:
-    """Read the released notebook of an assignment; `ValueError` says to build the course where it is not there."""
+    """Read the released notebook of an assignment; `ValueError` if the course has not been built."""
     path = course.release / assignment / f"{assignment}.ipynb"
     if not path.is_file():
-        raise ValueError(f"{assignment} has not been built ({path} is not there). Run: labsid course build")
+        raise ValueError(f"{assignment} has not been built ({path} does not exist). Run: labsid course build")
     notebook = nbformat.reads(path.read_text(encoding="utf-8"), as_version=4)
     cells: list[Cell] = []
     title = heading = ""
@@ -191,5 +191,5 @@ def _without_mathematics(heading: str) -> str:
 
 
 def to_json(value: Any) -> str:
-    """JSON as this program writes it: indented, sorted, with a final newline, so that two runs can be compared."""
+    """Format JSON reproducibly: indented, with sorted keys and a final newline."""
     return json.dumps(value, indent=1, sort_keys=True, ensure_ascii=False) + "\n"

@@ -1,7 +1,7 @@
-"""The one door to nbgrader.
+"""Access to nbgrader and its gradebook.
 
-nbgrader asks the program ``alembic`` by its bare name for the version of its tables, which takes seconds and fails
-outside an activated environment. Behind this door the same library is asked in this process.
+nbgrader runs the program ``alembic`` to find the version of its tables, which takes seconds and fails outside an
+activated environment. Here, the alembic library is called instead.
 """
 
 import contextlib
@@ -13,7 +13,7 @@ COURSE_ID = "labsid"
 
 
 def import_nbgrader_api() -> Any:
-    """Import ``nbgrader.api``."""
+    """Import ``nbgrader.api`` with the alembic program replaced by the library."""
     import nbgrader.api
 
     nbgrader.api.get_alembic_version = _alembic_version
@@ -21,12 +21,12 @@ def import_nbgrader_api() -> Any:
 
 
 def open_gradebook(url: str) -> Any:
-    """Open a gradebook, made where it is not there; a context manager.
+    """Open a gradebook as a context manager; creates it if it does not exist.
 
     Raises
     ------
     ValueError
-        If the database cannot be reached, or the package that speaks with it is not installed.
+        If the database cannot be opened, or its driver is not installed.
     """
     api = import_nbgrader_api()
     from sqlalchemy.engine import make_url
@@ -40,20 +40,20 @@ def open_gradebook(url: str) -> Any:
             f"the gradebook is a database that needs the package {error.name}. Install it: pip install '{package}'"
         ) from None
     except SQLAlchemyError as error:
-        said = " ".join(str(getattr(error, "orig", None) or error).split())
+        problem = " ".join(str(getattr(error, "orig", None) or error).split())
         try:
-            where = make_url(url).render_as_string()  # without its password
+            address = make_url(url).render_as_string()  # hides the password
         except SQLAlchemyError:
-            where, said = "that CourseDirectory.db_url names", "it is no address of a database"
+            address, problem = "of CourseDirectory.db_url", "it is not a database URL"
         raise ValueError(
-            f"the gradebook {where} cannot be opened: {said}. "
-            "Is the server running, and CourseDirectory.db_url in nbgrader_config.py right?"
+            f"the gradebook {address} cannot be opened: {problem}. "
+            "Check that the server runs and that CourseDirectory.db_url in nbgrader_config.py is right."
         ) from None
 
 
 @contextlib.contextmanager
 def without_disk_sync() -> Iterator[None]:
-    """Let every database that is opened meanwhile not wait for the disk: for one that is new, and holds no grades."""
+    """Open SQLite databases without waiting for the disk, to create a new gradebook quickly."""
     from sqlalchemy import event
     from sqlalchemy.engine import Engine
 

@@ -65,7 +65,7 @@ def write_release(course: Course, out: Path) -> list[str]:
 
 
 def write_individual_releases(course: Course, out: Path, secret: bytes, students: list[str]) -> list[str]:
-    """Write the release with individual data: one folder for each student, for the teacher to distribute.
+    """Write the release with individual data: one folder for each student, for the instructor to distribute.
 
     Parameters
     ----------
@@ -132,7 +132,7 @@ def _shared_files(course: Course) -> dict[str, bytes]:
     for name in course.assignments():
         notebook = course.release / name / f"{name}.ipynb"
         if not notebook.is_file():
-            raise ValueError(f"{name} has not been built ({notebook} is not there). Run: labsid course build")
+            raise ValueError(f"{name} has not been built ({notebook} does not exist). Run: labsid course build")
         files[f"{name}/{name}.ipynb"] = notebook.read_bytes()
         has_data = has_data or load_assignment(name).record_file is not None
     wheel, content = labsid_wheel()

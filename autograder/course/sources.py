@@ -1,4 +1,4 @@
-"""Which source files a result depends on: those that its modules import, wherever in them and however deep."""
+"""Fingerprints of source files: modules with everything they import, directly or indirectly."""
 
 import ast
 import hashlib
@@ -9,14 +9,14 @@ from pathlib import Path
 from threading import Lock
 
 PACKAGES = ("labsid", "autograder")
-"""What may change under a result while its versions stay the same."""
+"""Packages whose source can change without a new version."""
 
 _PARSING = Lock()
 
 
 @cache
 def sources_hash(*modules: str) -> str:
-    """Fingerprint of the modules named and of all that they import from labsid and the autograder.
+    """Fingerprint of modules and of everything they import from labsid and the autograder.
 
     Parameters
     ----------
@@ -26,8 +26,8 @@ def sources_hash(*modules: str) -> str:
     Returns
     -------
     str
-        The same as long as none of the files changes. Modules that are imported by a computed name do not count:
-        an assignment's checks must be named.
+        Changes if any of the files changes. Imports by a computed name are not followed, so the checks of an
+        assignment must be passed explicitly.
     """
     digest = hashlib.sha256()
     for name in sorted(imported_modules(modules)):
@@ -37,7 +37,7 @@ def sources_hash(*modules: str) -> str:
 
 
 def imported_modules(modules: tuple[str, ...]) -> set[str]:
-    """The modules named and all that they import from `PACKAGES`, directly or not."""
+    """The modules, and all modules of `PACKAGES` that they import, directly or indirectly."""
     found: set[str] = set()
     waiting = list(modules)
     while waiting:
@@ -57,7 +57,7 @@ def _imports(name: str) -> tuple[str, ...]:
 
 
 def parse_python(source: str | bytes) -> ast.Module:
-    """Parse Python; Python 3.11 counts the depth of recursion of all threads together, so only one may at a time."""
+    """Parse Python in one thread at a time, because Python 3.11 counts the recursion depth of all threads together."""
     with _PARSING:
         return ast.parse(source)
 
@@ -73,7 +73,7 @@ def _imported(tree: ast.Module) -> Iterator[str]:
 
 @cache
 def source_path(name: str) -> Path | None:
-    """The file of a module of `PACKAGES`; None for anything else, such as a name within a module."""
+    """The file of a module of `PACKAGES`; None for any other name, such as a function in a module."""
     top, _, rest = name.partition(".")
     if top not in PACKAGES:
         return None

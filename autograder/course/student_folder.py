@@ -1,4 +1,4 @@
-"""What a student does around the notebooks: get them, and hand them in."""
+"""The student's work folder: copy the release into it, and pack its notebooks for hand-in."""
 
 import io
 import json
@@ -15,20 +15,20 @@ from labsid._files import write_file
 from labsid.checks.notebook import assignment_names, load_assignment
 
 _ZIP_TIME = (1980, 1, 1, 0, 0, 0)
-_LARGEST_RECORD = 16 * 1024 * 1024
-# as it stands in the release: indented where the answer is the body of a function
+_MAX_RECORD_BYTES = 16 * 1024 * 1024
+# with the indentation of the release, if the answer is the body of a function
 _STUB = re.compile("|".join(r"\n\s*".join(map(re.escape, stub.splitlines())) for stub in (CODE_STUB, TEXT_STUB)))
 
 
 def copy_release(course: Course, folder: Path) -> Iterator[str]:
-    """Copy the release into a work folder; a file that is there already is left as it is.
+    """Copy the release into a work folder; existing files are kept.
 
     Parameters
     ----------
     course : Course
-        Built first where it has not been.
+        Built first if necessary.
     folder : Path
-        The work folder; made where it is not there.
+        The work folder; created if necessary.
 
     Yields
     ------
@@ -42,7 +42,7 @@ def copy_release(course: Course, folder: Path) -> Iterator[str]:
         yield "Building the notebooks (once) ..."
         list(build_course(course))
     for name in names:
-        kept, made = [], []
+        kept, copied = [], []
         for file in sorted((course.release / name).glob("[!.]*.*")):
             target = folder / name / file.name
             if target.exists():
@@ -50,14 +50,14 @@ def copy_release(course: Course, folder: Path) -> Iterator[str]:
                 continue
             target.parent.mkdir(parents=True, exist_ok=True)
             write_file(target, file.read_bytes())
-            made.append(file.name)
-        said = [f"new: {', '.join(made)}"] if made else []
-        said += [f"yours, kept as it is: {', '.join(kept)}"] if kept else []
-        yield f"{name}: {'; '.join(said)}"
+            copied.append(file.name)
+        parts = [f"new: {', '.join(copied)}"] if copied else []
+        parts += [f"kept: {', '.join(kept)}"] if kept else []
+        yield f"{name}: {'; '.join(parts)}"
 
 
 def open_jupyterlab(folder: Path) -> None:
-    """Open JupyterLab in the work folder and stay until it is closed; `ValueError` where it is not installed."""
+    """Open JupyterLab in the work folder and wait until it is closed; `ValueError` if it is not installed."""
     from importlib.util import find_spec
 
     if find_spec("jupyterlab") is None:
@@ -76,22 +76,22 @@ def pack_submission(folder: Path, out: Path) -> Iterator[str]:
     folder : Path
         The work folder.
     out : Path
-        The zip; replaced where it is there, only when the new one is whole.
+        The zip file, written atomically.
 
     Yields
     ------
     str
-        A line for each notebook, with what is still open in it.
+        A line for each notebook, with its unanswered questions.
 
     Raises
     ------
     ValueError
-        If a notebook cannot be read, or there is none; nothing is written then.
+        If a notebook cannot be read, or there is none; the zip file is not written then.
     """
     found = sorted(path for path in folder.glob("[!.]*/[!.]*.ipynb") if path.is_file())
     notebooks = [path for path in found if path.stem == path.parent.name]
     if not notebooks:
-        raise ValueError(f"{folder} holds no notebooks. Expected <assignment>/<assignment>.ipynb below it.")
+        raise ValueError(f"{folder} contains no notebooks. Expected <assignment>/<assignment>.ipynb below it.")
     packed = io.BytesIO()
     with zipfile.ZipFile(packed, "w", zipfile.ZIP_DEFLATED) as archive:
         for path in notebooks:
@@ -105,32 +105,32 @@ def pack_submission(folder: Path, out: Path) -> Iterator[str]:
     for path in found:
         if path not in notebooks:
             expected = f"{path.parent.name}.ipynb"
-            yield f"{path.parent.name}/{path.name} is left out: what is handed in from this folder is {expected}"
+            yield f"{path.parent.name}/{path.name} is not included: the notebook of this folder is {expected}"
     write_file(out, packed.getvalue())
     yield f"Hand in this file: {out}"
 
 
 def _record_beside(notebook: Path) -> Path | None:
-    """The data file that the notebook was worked on: it goes with it, and shows on whose record that was."""
+    """The data file beside a notebook; it is handed in to show on which record the notebook was made."""
     name = load_assignment(notebook.stem).record_file if notebook.stem in assignment_names() else None
     path = notebook.parent / (name or "")
-    return path if name is not None and path.is_file() and path.stat().st_size <= _LARGEST_RECORD else None
+    return path if name is not None and path.is_file() and path.stat().st_size <= _MAX_RECORD_BYTES else None
 
 
 def _describe(path: Path, data: bytes) -> str:
-    """What is still open in a notebook; `ValueError` where it is none."""
+    """Describe which answers a notebook contains; `ValueError` if it is not a notebook."""
     try:
         cells = json.loads(data)["cells"]
         known = [read_cell({**cell, "source": "".join(cell["source"])}) for cell in cells]
     except (ValueError, KeyError, TypeError, AttributeError, ArithmeticError, RecursionError) as error:
         raise ValueError(
             f"{path} is not a readable notebook ({type(error).__name__}). Open it in JupyterLab and save it again; "
-            "if that fails, take your last good copy."
+            "if that fails, use your last good copy."
         ) from None
     answers = [cell for cell in known if cell is not None and cell.kind in ("answer", "manual")]
     if not answers:
-        raise ValueError(f"{path} has none of the assignment's cells. Hand in the notebook that you were given.")
-    still = [cell.id for cell in answers if _STUB.search(cell.source) or not cell.source.strip()]
-    if not still:
-        return f"all {len(answers)} answers are there"
-    return f"{len(answers) - len(still)} of {len(answers)} answers; not answered yet: {', '.join(still)}"
+        raise ValueError(f"{path} contains no cell of the assignment. Hand in the notebook from the release.")
+    missing = [cell.id for cell in answers if _STUB.search(cell.source) or not cell.source.strip()]
+    if not missing:
+        return f"all {len(answers)} questions answered"
+    return f"{len(answers) - len(missing)} of {len(answers)} questions answered; not answered: {', '.join(missing)}"

@@ -1,1 +1,1 @@
-"""Submissions as they arrive: archives, Moodle's worksheet, notebooks that are damaged."""
+"""Reading of submissions: Moodle's zip file and worksheet, and notebooks of any quality."""

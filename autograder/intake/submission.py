@@ -1,4 +1,4 @@
-"""Taking in a submission: mend what can be mended, quarantine what cannot, and say which."""
+"""Read a submission: repair what can be repaired, quarantine what cannot, and report both."""
 
 import json
 from dataclasses import dataclass
@@ -15,15 +15,15 @@ MAX_NOTEBOOK_BYTES = 50 * 1024 * 1024
 
 @dataclass(frozen=True, slots=True)
 class NotebookCell:
-    """One cell to go through while grading.
+    """One cell to execute or judge.
 
     Attributes
     ----------
     id : str or None
-        The grade_id; None for a cell that the student added.
+        The grade_id; None for a cell added by the student.
     kind : {"given", "demonstration", "answer", "question", "manual", "extra"}
     source : str
-        The course's text for given cells and questions, the student's for the rest.
+        The released text of given cells and questions, the student's text of all others.
     code : bool
         Whether it is a code cell.
     """
@@ -36,16 +36,16 @@ class NotebookCell:
 
 @dataclass(frozen=True, slots=True)
 class Submission:
-    """A submission as it goes to the judge.
+    """A submission as it is judged.
 
     Attributes
     ----------
     student, assignment : str
     status : {"ready", "missing", "quarantined"}
     cells : tuple of NotebookCell
-        Empty unless ready.
+        Empty unless the status is ready.
     notes : tuple of str
-        What was mended, or why it is quarantined.
+        What was repaired, or why it is quarantined.
     """
 
     student: str
@@ -56,12 +56,12 @@ class Submission:
 
 
 def read_submission(folder: Path, student: str, template: Template) -> Submission:
-    """Read a student's hand-in folder for one assignment.
+    """Read a student's submission of one assignment.
 
     Parameters
     ----------
     folder : Path
-        ``<submitted>/<student>/<assignment>``; need not exist.
+        ``<submitted>/<student>/<assignment>``; may be missing.
     student : str
     template : Template
         The released assignment.
@@ -69,26 +69,23 @@ def read_submission(folder: Path, student: str, template: Template) -> Submissio
     Returns
     -------
     Submission
-        Never raises for anything that a student can hand in.
+        Invalid submissions are quarantined; they do not raise an error.
     """
-
     name = f"{template.assignment}.ipynb"
     try:
         found = _find_notebook(folder, template.assignment)
         if found is None:
-            return Submission(student, template.assignment, "missing", (), ("no notebook was handed in",))
+            return Submission(student, template.assignment, "missing", (), ("no notebook was submitted",))
         name, notes = found[0].name, found[1]
         if any(path.is_symlink() for path in (folder.parent, folder, found[0])):
-            raise ValueError("it is a link, or lies below one: hand in the file itself")
+            raise ValueError("it is a symbolic link, or is below one: submit the file itself")
         cells = _read_cells(found[0])
     except (ValueError, OSError, RecursionError, MemoryError) as error:
         return quarantined_submission(student, template.assignment, f"{name} cannot be read: {error}")
     if not {cell["id"] for cell in cells} & {cell.id for cell in template.cells}:
-        return quarantined_submission(
-            student, template.assignment, f"{name} has none of the cells of {template.assignment}"
-        )
-    steps, mended = _align_cells(cells, template)
-    return Submission(student, template.assignment, "ready", steps, tuple(notes + mended))
+        return quarantined_submission(student, template.assignment, f"{name} contains no cell of {template.assignment}")
+    aligned, repairs = _align_cells(cells, template)
+    return Submission(student, template.assignment, "ready", aligned, tuple(notes + repairs))
 
 
 def quarantined_submission(student: str, assignment: str, why: str) -> Submission:
@@ -104,7 +101,7 @@ def _find_notebook(folder: Path, assignment: str) -> tuple[Path, list[str]] | No
     if not others:
         return None
     closest = min(others, key=lambda path: (assignment not in path.name, path.name))
-    return closest, [f"{closest.name} was taken for {expected.name}"]
+    return closest, [f"{closest.name} was graded as {expected.name}"]
 
 
 def _read_cells(path: Path) -> list[dict[str, Any]]:
@@ -117,12 +114,12 @@ def _read_cells(path: Path) -> list[dict[str, Any]]:
     except UnicodeDecodeError:
         raise ValueError("it is not text in UTF-8") from None
     if not isinstance(raw, dict) or type(raw.get("nbformat")) is not int:
-        raise ValueError("it is JSON, but not a notebook")
+        raise ValueError("it is JSON but not a notebook")
     if raw["nbformat"] < 4:
         try:
             raw = nbformat.convert(nbformat.from_dict(raw), 4)
-        except Exception:  # what the converter raises for a broken notebook is not documented, and is of many kinds
-            raise ValueError(f"it is a broken notebook of the old format {raw['nbformat']}") from None
+        except Exception:  # the errors of the converter are not documented
+            raise ValueError(f"it is an invalid notebook of the old format {raw['nbformat']}") from None
     cells = raw.get("cells")
     if not isinstance(cells, list):
         raise ValueError("it has no cells")
@@ -130,7 +127,7 @@ def _read_cells(path: Path) -> list[dict[str, Any]]:
 
 
 def _plain_cell(cell: dict[str, Any]) -> dict[str, Any]:
-    """Keep what grading needs of a cell, each part of the kind that it should be."""
+    """The parts of a cell that grading needs, with values of the right type."""
     source = cell.get("source", "")
     if isinstance(source, list):
         source = "".join(part for part in source if isinstance(part, str))
@@ -145,7 +142,7 @@ def _plain_cell(cell: dict[str, Any]) -> dict[str, Any]:
 
 
 def _align_cells(cells: list[dict[str, Any]], template: Template) -> tuple[tuple[NotebookCell, ...], list[str]]:
-    """The template's cells in its order, filled with the student's answers, and the cells that the student added."""
+    """Put the student's answers and added cells into the order of the template; also returns notes on repairs."""
     released = {cell.id: cell.source.strip() for cell in template.cells}
     answers: dict[str, str] = {}
     extras: dict[str | None, list[NotebookCell]] = {}
@@ -159,23 +156,23 @@ def _align_cells(cells: list[dict[str, Any]], template: Template) -> tuple[tuple
             anchor = grade_id
             continue
         if grade_id in released:
-            # of two cells with one id, the one that was worked in counts; a second one with work in it is an extra
+            # of two cells with the same id, the edited one counts; a second edited one is kept as an added cell
             if source.strip() in (released[grade_id], answers[grade_id].strip()):
-                notes.append(f"the cell {grade_id} is there twice")
+                notes.append(f"the cell {grade_id} is duplicated")
                 continue
             if grade_id in own and answers[grade_id].strip() == released[grade_id]:
-                notes.append(f"the cell {grade_id} is there twice: the one with work in it was graded")
+                notes.append(f"the cell {grade_id} is duplicated: the edited one was graded")
                 answers[grade_id] = source
                 continue
-            notes.append(f"the cell {grade_id} is there twice: both were kept")
+            notes.append(f"the cell {grade_id} is duplicated: both were kept")
         extras.setdefault(anchor, []).append(NotebookCell(None, "extra", source, cell["code"]))
-    steps = list(extras.get(None, []))
+    aligned = list(extras.get(None, []))
     for wanted in template.cells:
         if wanted.id not in answers and wanted.id in own:
-            notes.append(f"the cell {wanted.id} was missing: it counts as not answered")
+            notes.append(f"the cell {wanted.id} is missing: it counts as not answered")
         elif wanted.id not in answers or (wanted.id not in own and answers[wanted.id].strip() != released[wanted.id]):
-            notes.append(f"the cell {wanted.id} was put back as released")
+            notes.append(f"the cell {wanted.id} was restored to the released version")
         source = answers.get(wanted.id, "") if wanted.id in own else wanted.source
-        steps.append(NotebookCell(wanted.id, wanted.kind, source, wanted.code))
-        steps.extend(extras.get(wanted.id, []))
-    return tuple(steps), notes
+        aligned.append(NotebookCell(wanted.id, wanted.kind, source, wanted.code))
+        aligned.extend(extras.get(wanted.id, []))
+    return tuple(aligned), notes

@@ -1,4 +1,4 @@
-"""Moodle's offline grading worksheet: read, matched to students, and written back with the grades in it."""
+"""Moodle's offline grading worksheet: read it, match its rows to students, and format it."""
 
 import csv
 import io
@@ -13,27 +13,27 @@ IDENTIFIER, FULL_NAME, EMAIL = "Identifier", "Full name", "Email address"
 GRADE, MAXIMUM, CHANGEABLE = "Grade", "Maximum Grade", "Grade can be changed"
 FEEDBACK, SUBMITTED = "Feedback comments", "Last modified (submission)"
 ID_COLUMNS = ("ID number", "Username", EMAIL)
-"""Where a student's ID is taken from: the first of these that is there and filled in, else the number."""
+"""Columns with the student ID, in order of preference; the participant number is used if all are empty."""
 
 _TIMES = ("%A, %d %B %Y, %I:%M %p", "%A, %d %B %Y, %H:%M", "%d %B %Y, %I:%M %p", "%d %B %Y, %H:%M", "%Y-%m-%d %H:%M:%S")
 
 
 @dataclass(frozen=True, slots=True)
 class Worksheet:
-    """A worksheet as it came.
+    """A worksheet as downloaded.
 
     Attributes
     ----------
     columns : tuple of str
     rows : tuple of dict
-        By column.
-    start : str
-        A byte order mark, where there was one.
+        Values by column.
+    bom : str
+        The byte order mark, if any.
     """
 
     columns: tuple[str, ...]
     rows: tuple[dict[str, str], ...]
-    start: str
+    bom: str
 
 
 def read_worksheet(path: Path) -> Worksheet:
@@ -42,11 +42,11 @@ def read_worksheet(path: Path) -> Worksheet:
     Raises
     ------
     ValueError
-        If it is none: the column Identifier, with such as ``Participant 123456``, must be there.
+        If it is not a worksheet, which has a column Identifier with values such as ``Participant 123456``.
     """
     try:
         text = path.read_text(encoding="utf-8")
-        start = "\ufeff" if text.startswith("\ufeff") else ""
+        bom = "\ufeff" if text.startswith("\ufeff") else ""
         rows = list(csv.reader(io.StringIO(text.removeprefix("\ufeff"), newline=""), strict=True))
     except UnicodeDecodeError:
         raise ValueError(f"{path} is not text in UTF-8. Download the worksheet again, as CSV.") from None
@@ -54,35 +54,35 @@ def read_worksheet(path: Path) -> Worksheet:
         raise ValueError(f"{path} is not CSV ({error}). Download the worksheet again.") from None
     if not rows or IDENTIFIER not in rows[0]:
         raise ValueError(
-            f"{path} is not a grading worksheet: it has no column {IDENTIFIER}. In Moodle, switch on "
-            "'Offline grading worksheet' and download it, in English."
+            f"{path} is not a grading worksheet: it has no column {IDENTIFIER}. In Moodle, enable "
+            "'Offline grading worksheet' and download it in English."
         )
     columns = rows[0]
     if len(set(columns)) != len(columns):
-        raise ValueError(f"{path} has two columns of one name. Download the worksheet again.")
+        raise ValueError(f"{path} has two columns with the same name. Download the worksheet again.")
     for number, row in enumerate(rows[1:], start=2):
         if row and len(row) != len(columns):
-            raise ValueError(f"{path} has {len(row)} fields in row {number}, and {len(columns)} columns.")
-    return Worksheet(tuple(columns), tuple(dict(zip(columns, row, strict=True)) for row in rows[1:] if row), start)
+            raise ValueError(f"{path} has {len(row)} fields in row {number}, but {len(columns)} columns.")
+    return Worksheet(tuple(columns), tuple(dict(zip(columns, row, strict=True)) for row in rows[1:] if row), bom)
 
 
 def worksheet_text(sheet: Worksheet, rows: Sequence[dict[str, str]]) -> str:
-    """The worksheet with other rows, in its own columns and order."""
+    """Text of the worksheet with other rows, in its own format."""
     text = io.StringIO(newline="")
     writer = csv.DictWriter(text, sheet.columns, lineterminator="\r\n")
     writer.writeheader()
     writer.writerows(rows)
-    return sheet.start + text.getvalue()
+    return sheet.bom + text.getvalue()
 
 
 def participant_number(row: Mapping[str, str]) -> str | None:
-    """The participant number of a row, from such as ``Participant 123456``; None where there is none."""
+    """The participant number of a row, from a value such as ``Participant 123456``; None if there is none."""
     found = re.search(r"(\d{1,18})\s*$", row.get(IDENTIFIER, ""), re.ASCII)
     return (found[1].lstrip("0") or "0") if found else None
 
 
 def possible_ids(row: Mapping[str, str]) -> Iterator[str]:
-    """What a row's student may be called in the course, the first choice first."""
+    """Possible IDs of a row's student in the course, in order of preference."""
     for column in ID_COLUMNS:
         name = folder_name(row.get(column, ""))
         if name is not None:
@@ -93,7 +93,7 @@ def possible_ids(row: Mapping[str, str]) -> Iterator[str]:
 
 
 def folder_name(student: str) -> str | None:
-    """A student's ID as the name of a folder anywhere; None where it cannot be one."""
+    """A student ID as a folder name that is valid on every system; None if it cannot be one."""
     name = unicodedata.normalize("NFC", student.strip())
     if not re.fullmatch(r"[\w@+-][\w.@+ -]{0,99}", name) or name.endswith((".", " ")):
         return None
@@ -101,7 +101,7 @@ def folder_name(student: str) -> str | None:
 
 
 def submission_time(row: Mapping[str, str]) -> datetime | None:
-    """When a row's student handed in, in Moodle's own zone and without its name; None where it cannot be read."""
+    """Submission time of a row, in Moodle's time zone but without tzinfo; None if it cannot be parsed."""
     text = " ".join(row.get(SUBMITTED, "").split())
     for form in _TIMES:
         try:
@@ -112,5 +112,5 @@ def submission_time(row: Mapping[str, str]) -> datetime | None:
 
 
 def utc_timestamp(when: datetime) -> str:
-    """As nbgrader writes it into ``timestamp.txt``."""
+    """Format a time as in nbgrader's ``timestamp.txt``."""
     return when.astimezone(UTC).strftime("%Y-%m-%d %H:%M:%S UTC")

@@ -222,7 +222,7 @@ def test_a_database_that_is_not_there_is_said(
             (f"postgresql+psycopg://labsid:hush@/nosuch?host={server.folder}", 'database "nosuch" does not exist'),
             (f"postgresql+psycopg://labsid:hush@/x?host={tmp_path}", "No such file or directory"),
             ("postgresql+nosuch://labsid:hush@/x", "Can't load plugin"),
-            ("labsid", "no address of a database"),
+            ("labsid", "is not a database URL"),
         )
     ):
         out = out_folder(tmp_path / str(number), url)

@@ -138,7 +138,9 @@ def test_a_solution_that_survives_stops_the_build(write: Callable, monkeypatch: 
         return nbformat.read(course.source / name / f"{name}.ipynb", as_version=4)
 
     monkeypatch.setattr(build, "_generate", forgetful)
-    with pytest.raises(ValueError, match=r"the solution line 'a = 3 .*survives.*'Because it starts.*survives"):
+    with pytest.raises(
+        ValueError, match=r"contains the solution line 'a = 3 .*contains the solution line 'Because it starts"
+    ):
         list(build_course(course))
     assert not course.release.exists()
 
@@ -170,34 +172,34 @@ def question(points: str, source: str = 'check("t")') -> str:
         pytest.param(ANSWER.replace(BEGIN, "## BEGIN SOLUTION"), "misspelt or unknown delimiter", id="two hashes"),
         pytest.param(ANSWER.replace(BEGIN, "###BEGIN SOLUTION"), "misspelt or unknown delimiter", id="no space"),
         pytest.param(ANSWER.replace(BEGIN, "### BEGIN_SOLUTION"), "misspelt or unknown delimiter", id="underscore"),
-        pytest.param(ANSWER.replace(BEGIN, "### BEGIN ANSWER"), "do not pair up", id="one of another name"),
+        pytest.param(ANSWER.replace(BEGIN, "### BEGIN ANSWER"), "do not match", id="one of another name"),
         pytest.param(
             ANSWER.replace(BEGIN, "### BEGN").replace(END, "### ED"), "an answer cell without", id="both garbled"
         ),
         pytest.param(ANSWER.replace(END + "\n", ""), "1 BEGIN SOLUTION and 0 END SOLUTION", id="no end"),
         pytest.param(ANSWER.replace(BEGIN + "\n", ""), "0 BEGIN SOLUTION and 1 END SOLUTION", id="no beginning"),
         pytest.param(
-            ANSWER.replace(BEGIN, "x").replace(END, BEGIN).replace("x\n", END + "\n"), "do not pair up", id="inverted"
+            ANSWER.replace(BEGIN, "x").replace(END, BEGIN).replace("x\n", END + "\n"), "do not match", id="inverted"
         ),
         pytest.param(ANSWER.replace(BEGIN, BEGIN + "\n" + BEGIN), "2 BEGIN SOLUTION and 1 END", id="nested"),
-        pytest.param(ANSWER + ANSWER, "tiny-answer: the grade_id is there twice", id="duplicate"),
+        pytest.param(ANSWER + ANSWER, "tiny-answer: the grade_id is used twice", id="duplicate"),
         pytest.param(
             cell("{grade_id: t-answer, solution: true}", "a = 3"), "t-answer: an answer cell without a solution region",
             id="no region",
         ),
         pytest.param(
             cell("{grade_id: t-given, locked: true}", f"{BEGIN}\na = 3\n{END}"),
-            "t-given: holds a solution but is not an answer", id="a solution in a given cell",
+            "t-given: contains a solution but is not an answer", id="a solution in a given cell",
         ),
         pytest.param(
-            f"\n```{{code-cell}}\n{BEGIN}\na = 3\n{END}\n```\n", "holds a solution but is not an answer",
+            f"\n```{{code-cell}}\n{BEGIN}\na = 3\n{END}\n```\n", "contains a solution but is not an answer",
             id="a solution in a plain cell",
         ),
         pytest.param(
             question("points: 1", 'check("t")\n### BEGIN HIDDEN TEST\nassert a == 3\n### END HIDDEN TEST'),
             "misspelt or unknown delimiter .*BEGIN HIDDEN", id="a hidden test",
         ),
-        pytest.param(question("points: 1", 'check("u")'), r't: a question holds check\("t"\) and nothing else',
+        pytest.param(question("points: 1", 'check("u")'), r't: a question must contain check\("t"\) and nothing else',
                      id="a check of another question"),
         pytest.param(question("points: 1", 'check("t")\na = 3'), "and nothing else", id="more than a check"),
         pytest.param(question("points: 1"), "t: labsid.checks.assignments has no check for it",
@@ -247,14 +249,16 @@ def test_notebook_and_checks_fit_together(name: str, course: Course) -> None:
 
     renamed = source.copy()
     renamed.cells = [cell for cell in source.cells if cell is not asks[0]]
-    assert list(lint_checks(renamed, name)) == [f"{asks[0].id}: there is a check for it, but no cell that asks it"]
+    assert list(lint_checks(renamed, name)) == [
+        f"{asks[0].id}: labsid.checks.assignments has a check for it, but the notebook has no such question"
+    ]
     asks[0].metadata.nbgrader.grade_id = "else"
     assert list(lint_checks(source, name)) == [
         "else: labsid.checks.assignments has no check for it",
-        f"{asks[0].id}: there is a check for it, but no cell that asks it",
+        f"{asks[0].id}: labsid.checks.assignments has a check for it, but the notebook has no such question",
     ]
     asks[0].metadata.nbgrader.grade_id, asks[1].metadata.nbgrader.grade_id = asks[1].id, asks[0].id
-    assert list(lint_checks(source, name)) == ["the checks are in another order than the cells that ask them"]
+    assert list(lint_checks(source, name)) == ["the checks are in a different order than the questions"]
 
 
 @pytest.mark.parametrize("name", ASSIGNMENTS)

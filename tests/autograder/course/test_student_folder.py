@@ -50,8 +50,8 @@ def test_work_is_never_overwritten(course: Course, work: Path) -> None:
     (work / LAB / f"{LAB}.ipynb").unlink()
     lines = {line.split(":")[0]: line for line in copy_release(course, work)}
     assert mine.read_text(encoding="utf-8") == "my work"
-    assert lines[PRELAB] == f"{PRELAB}: yours, kept as it is: {PRELAB}.ipynb"
-    assert lines[LAB] == f"{LAB}: new: {LAB}.ipynb; yours, kept as it is: {RECORD_FILE}"
+    assert lines[PRELAB] == f"{PRELAB}: kept: {PRELAB}.ipynb"
+    assert lines[LAB] == f"{LAB}: new: {LAB}.ipynb; kept: {RECORD_FILE}"
     again = list(copy_release(course, work))
     assert not any("new" in line for line in again)
 
@@ -85,12 +85,12 @@ def test_what_is_still_open_is_said(course: Course, work: Path, tmp_path: Path) 
     lines = list(pack_submission(work, tmp_path / "hand-in.zip"))
     assert [line.split(":")[0] for line in lines] == [LAB, PRELAB, "Hand in this file"]
     open_ones = ", ".join(one for one in ids if one != "prelab-1-time-answer")
-    assert lines[1] == f"{PRELAB}: 1 of {len(ids)} answers; not answered yet: {open_ones}"
+    assert lines[1] == f"{PRELAB}: 1 of {len(ids)} questions answered; not answered: {open_ones}"
 
     answer(work / PRELAB / f"{PRELAB}.ipynb", **{one.replace("-", "_"): "done" for one in ids})
-    assert list(pack_submission(work, tmp_path / "hand-in.zip"))[1] == f"{PRELAB}: all {len(ids)} answers are there"
+    assert list(pack_submission(work, tmp_path / "hand-in.zip"))[1] == f"{PRELAB}: all {len(ids)} questions answered"
     answer(work / PRELAB / f"{PRELAB}.ipynb", **{ids[0].replace("-", "_"): " \n"})
-    assert list(pack_submission(work, tmp_path / "hand-in.zip"))[1].endswith(f"not answered yet: {ids[0]}")
+    assert list(pack_submission(work, tmp_path / "hand-in.zip"))[1].endswith(f"not answered: {ids[0]}")
 
 
 def test_the_hand_in_holds_the_notebooks_their_record_and_nothing_else(work: Path, tmp_path: Path) -> None:
@@ -112,7 +112,7 @@ def test_the_hand_in_holds_the_notebooks_their_record_and_nothing_else(work: Pat
 def test_a_notebook_of_another_name_is_said_to_be_left_out(work: Path, tmp_path: Path) -> None:
     (work / LAB / f"{LAB}.ipynb").rename(work / LAB / "final version.ipynb")
     lines = list(pack_submission(work, tmp_path / "hand-in.zip"))
-    left = f"{LAB}/final version.ipynb is left out: what is handed in from this folder is {LAB}.ipynb"
+    left = f"{LAB}/final version.ipynb is not included: the notebook of this folder is {LAB}.ipynb"
     assert lines[1:] == [left, f"Hand in this file: {tmp_path / 'hand-in.zip'}"]
 
 
@@ -158,13 +158,13 @@ def test_a_notebook_that_cannot_be_read_is_not_handed_in(work: Path, tmp_path: P
 def test_a_notebook_of_somebody_else_is_not_handed_in(work: Path, tmp_path: Path) -> None:
     content = '{"cells": [{"cell_type": "code", "source": "a = 3", "metadata": {}}], "nbformat": 4}'
     (work / LAB / f"{LAB}.ipynb").write_text(content, encoding="utf-8")
-    with pytest.raises(ValueError, match="has none of the assignment's cells"):
+    with pytest.raises(ValueError, match="contains no cell of the assignment"):
         list(pack_submission(work, tmp_path / "hand-in.zip"))
     assert not (tmp_path / "hand-in.zip").exists()
 
 
 def test_an_empty_folder_is_said(tmp_path: Path) -> None:
     for folder in (tmp_path, tmp_path / "nosuch"):
-        with pytest.raises(ValueError, match="holds no notebooks"):
+        with pytest.raises(ValueError, match="contains no notebooks"):
             list(pack_submission(folder, tmp_path / "hand-in.zip"))
     assert list(tmp_path.iterdir()) == []

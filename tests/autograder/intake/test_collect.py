@@ -73,10 +73,10 @@ def test_folders_and_flat_names_and_nested_zips(course: Course, notebooks: Mappi
     )
     lines = list(collect_submissions(course, path, tmp_path / "out"))
     assert lines == [
-        f"1001 (Ada Lovelace): {LAB}; left out: essay.pdf",
+        f"1001 (Ada Lovelace): {LAB}; skipped: essay.pdf",
         f"1002 (Ben O'Neil): {LAB}, {PRELAB}",
-        "3 (C): no notebook of this course; left out: onlinetext.html",
-        "belongs to nobody: readme.txt",
+        "3 (C): no notebook of this course; skipped: onlinetext.html",
+        "files of no participant: readme.txt",
     ]
     assert there(tmp_path / "out") == [
         f"1001/{LAB}/{LAB}.ipynb", f"1002/{LAB}/{LAB}.ipynb", f"1002/{PRELAB}/{PRELAB}.ipynb",
@@ -121,7 +121,7 @@ def test_a_broken_notebook_is_taken_for_what_it_is_called(course: Course, tmp_pa
     path = moodle(tmp_path / "m.zip", [(entry(f"{ADA}/My {LAB} final.ipynb"), b"{"), (entry(f"{BEN}/x.ipynb"), b"[]")])
     assert list(collect_submissions(course, path, tmp_path / "out")) == [
         f"1001 (Ada Lovelace): {LAB}",
-        "1002 (Ben O'Neil): no notebook of this course; left out: x.ipynb: a notebook of no assignment of this course",
+        "1002 (Ben O'Neil): no notebook of this course; skipped: x.ipynb: not a notebook of this course",
     ]
     assert (tmp_path / "out" / "1001" / LAB / f"{LAB}.ipynb").read_bytes() == b"{"
 
@@ -154,7 +154,7 @@ def test_links_bombs_and_paths_that_lead_out_are_left_alone(
         ],
     )
     ada, ben = collect_submissions(course, path, tmp_path / "deep" / "out")
-    assert ada.startswith(f"1001 (Ada Lovelace): {PRELAB}; left out: link.ipynb: it is a link or a device")
+    assert ada.startswith(f"1001 (Ada Lovelace): {PRELAB}; skipped: link.ipynb: it is a link or a device")
     assert f"{LAB}.ipynb: it is too large" in ada
     assert "bomb.zip/bomb.ipynb: it is too large" in ben
     assert "none.zip is not a zip file that can be read" in ben
@@ -179,7 +179,7 @@ def test_a_link_in_the_folder_is_not_followed(course: Course, notebooks: Mapping
     (tmp_path / "elsewhere").mkdir()
     (tmp_path / "out").mkdir()
     (tmp_path / "out" / "1001").symlink_to(tmp_path / "elsewhere", target_is_directory=True)
-    with pytest.raises(ValueError, match="is a link, or lies below one"):
+    with pytest.raises(ValueError, match="is a symbolic link, or is below one"):
         list(collect_submissions(course, path, tmp_path / "out"))
     assert there(tmp_path / "elsewhere") == []
 
@@ -197,7 +197,7 @@ def test_an_encrypted_file_is_left_out(course: Course, tmp_path: Path) -> None:
 @pytest.mark.parametrize("content", [b"", b"not a zip", b"PK\x05\x06" + bytes(18)])
 def test_what_is_not_moodles_is_said(course: Course, tmp_path: Path, content: bytes) -> None:
     (tmp_path / "m.zip").write_bytes(content)
-    with pytest.raises(ValueError, match=r"is not a zip file|holds no submission"):
+    with pytest.raises(ValueError, match=r"is not a zip file|contains no submission"):
         list(collect_submissions(course, tmp_path / "m.zip", tmp_path / "out"))
     (tmp_path / "out").touch()
     with pytest.raises(ValueError, match="is a file"):

@@ -84,13 +84,13 @@ def test_nothing_handed_in(tmp_path: Path) -> None:
     for folder in (tmp_path, tmp_path / "nosuch", tmp_path / "file"):
         submission = read_submission(folder, "s", TEMPLATE)
         assert (submission.status, submission.cells) == ("missing", ())
-        assert submission.notes == ("no notebook was handed in",)
+        assert submission.notes == ("no notebook was submitted",)
 
 
 def test_a_renamed_notebook_is_taken(tmp_path: Path) -> None:
     submission = hand_in(tmp_path, cells(), "my work (1).ipynb")
     assert sources(submission) == WHOLE
-    assert submission.notes == ("my work (1).ipynb was taken for tiny.ipynb",)
+    assert submission.notes == ("my work (1).ipynb was graded as tiny.ipynb",)
 
 
 def test_of_several_notebooks_the_one_of_the_right_name_is_taken(tmp_path: Path) -> None:
@@ -104,7 +104,7 @@ def test_of_several_other_notebooks_the_closest_name_is_taken(tmp_path: Path) ->
     hand_in(tmp_path, "not this one", "a.ipynb")
     submission = hand_in(tmp_path, cells(), "my-tiny.ipynb")
     assert submission.status == "ready"
-    assert submission.notes == ("my-tiny.ipynb was taken for tiny.ipynb",)
+    assert submission.notes == ("my-tiny.ipynb was graded as tiny.ipynb",)
 
 
 def test_a_folder_of_the_notebooks_name_is_no_notebook(tmp_path: Path) -> None:
@@ -136,10 +136,10 @@ def test_a_pipe_is_no_notebook(tmp_path: Path) -> None:
         pytest.param('{"nbformat": true, "cells": []}', "JSON, but not a notebook", id="a version that is true"),
         pytest.param('{"nbformat": 4}', "it has no cells", id="no cells"),
         pytest.param('{"nbformat": 4, "cells": {"a": 1}}', "it has no cells", id="cells that are an object"),
-        pytest.param(notebook([]), "none of the cells of tiny", id="an empty list of cells"),
-        pytest.param(notebook([1, None, "x", []]), "none of the cells of tiny", id="cells that are none"),
-        pytest.param(notebook([cell(None, "a = 3")]), "none of the cells of tiny", id="a notebook of one's own"),
-        pytest.param(notebook([cell("lab-1a", "a = 3")]), "none of the cells of tiny", id="another assignment"),
+        pytest.param(notebook([]), "contains no cell of tiny", id="an empty list of cells"),
+        pytest.param(notebook([1, None, "x", []]), "contains no cell of tiny", id="cells that are none"),
+        pytest.param(notebook([cell(None, "a = 3")]), "contains no cell of tiny", id="a notebook of one's own"),
+        pytest.param(notebook([cell("lab-1a", "a = 3")]), "contains no cell of tiny", id="another assignment"),
         pytest.param('{"nbformat": 3}', "broken notebook of the old format 3", id="format 3 without worksheets"),
         pytest.param('{"nbformat": 2, "worksheets": 7}', "broken notebook of the old format 2", id="broken format 2"),
         pytest.param('{"nbformat": -1, "cells": []}', "broken notebook of the old format -1", id="format -1"),
@@ -191,7 +191,7 @@ def test_of_a_duplicated_cell_the_one_that_was_worked_in_counts(tmp_path: Path, 
     assert sources(submission) == WHOLE
     assert [cell.id for cell in submission.cells] == IDS
     assert len(submission.notes) == 1
-    assert submission.notes[0].startswith("the cell q-answer is there twice")
+    assert submission.notes[0].startswith("the cell q-answer is duplicated")
 
 
 def test_of_two_cells_that_were_worked_in_both_run_where_they_stand(tmp_path: Path) -> None:
@@ -203,8 +203,8 @@ def test_of_two_cells_that_were_worked_in_both_run_where_they_stand(tmp_path: Pa
     ran = [(cell.id, cell.source) for cell in submission.cells]
     assert ran[1:5] == [("q-answer", "a = 3"), (None, "a = a + 1"), ("q", 'check("q")'), (None, "a = a + 2")]
     assert submission.notes == (
-        "the cell q-answer is there twice: both were kept",
-        "the cell q is there twice: both were kept",
+        "the cell q-answer is duplicated: both were kept",
+        "the cell q is duplicated: both were kept",
     )
 
 
@@ -220,10 +220,10 @@ def test_deleted_cells_are_put_back(tmp_path: Path) -> None:
     assert [cell.id for cell in submission.cells] == IDS
     assert sources(submission) == as_released(q_answer="", open="Because.", p_answer="")
     assert submission.notes == (
-        "the cell setup was put back as released",
-        "the cell q-answer was missing: it counts as not answered",
-        "the cell q was put back as released",
-        "the cell p-answer was missing: it counts as not answered",
+        "the cell setup was restored to the released version",
+        "the cell q-answer is missing: it counts as not answered",
+        "the cell q was restored to the released version",
+        "the cell p-answer is missing: it counts as not answered",
     )
 
 
@@ -234,8 +234,8 @@ def test_edited_given_cells_and_checks_are_put_back(tmp_path: Path) -> None:
     submission = hand_in(tmp_path, handed_in)
     assert sources(submission) == WHOLE
     assert submission.notes == (
-        "the cell setup was put back as released",
-        "the cell q was put back as released",
+        "the cell setup was restored to the released version",
+        "the cell q was restored to the released version",
     )
 
 
