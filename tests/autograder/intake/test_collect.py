@@ -157,7 +157,7 @@ def test_links_bombs_and_paths_that_lead_out_are_left_alone(
     assert ada.startswith(f"1001 (Ada Lovelace): {PRELAB}; skipped: link.ipynb: it is a link or a device")
     assert f"{LAB}.ipynb: it is too large" in ada
     assert "bomb.zip/bomb.ipynb: it is too large" in ben
-    assert "none.zip is not a zip file that can be read" in ben
+    assert "none.zip is not a readable zip file" in ben
     assert there(tmp_path) == [
         f"deep/out/1001/{PRELAB}/{PRELAB}.ipynb", f"deep/out/1002/{LAB}/{LAB}.ipynb", "m.zip",
     ]  # fmt: skip
@@ -245,8 +245,8 @@ def test_the_worksheet_gives_ids_and_times(course: Course, notebooks: Mapping[st
     [
         (b"", "is not a grading worksheet"),
         (b"Name,Grade\nx,1\n", "is not a grading worksheet: it has no column Identifier"),
-        (b"Identifier,Grade\nParticipant 1\n", "has 1 fields in row 2, and 2 columns"),
-        (b"Identifier,Grade,Grade\n", "has two columns of one name"),
+        (b"Identifier,Grade\nParticipant 1\n", "has 1 fields in row 2, but 2 columns"),
+        (b"Identifier,Grade,Grade\n", "has two columns with the same name"),
         (b'Identifier,"Gra', "is not CSV"),
         (b"\xff\xfe", "is not text in UTF-8"),
     ],
