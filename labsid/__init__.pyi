@@ -23,7 +23,6 @@ from labsid.lab.offset import find_offsets as find_offsets
 from labsid.lab.offset import remove_offsets as remove_offsets
 from labsid.lab.record_check import check_record as check_record
 from labsid.lab.record_verification import verify_on_record as verify_on_record
-from labsid.lab.regressor import Regression as Regression
 from labsid.lab.regressor import build_phi as build_phi
 from labsid.lab.simulation import estimate_initial_state as estimate_initial_state
 from labsid.lab.simulation import predict_one_step as predict_one_step
@@ -40,6 +39,7 @@ from labsid.model_structures.prediction import one_step_prediction as one_step_p
 from labsid.model_structures.residuals import input_residual_test as input_residual_test
 from labsid.model_structures.residuals import whiteness_test as whiteness_test
 from labsid.model_structures.structures import PolynomialModel as PolynomialModel
+from labsid.model_structures.structures import Regression as Regression
 from labsid.model_structures.structures import Structure as Structure
 from labsid.model_structures.structures import fit_structure as fit_structure
 from labsid.nonlinear.exponential import fit_exponential as fit_exponential

@@ -154,7 +154,7 @@ def fit_instrumental(
             f"{structure} and {iterations}."
         )
     first = fit_structure(structure, u, y, Ts)
-    model, Phi, Y = first.model, first.equations.Phi, first.equations.Y
+    model, Phi, Y = first.model, first.regression.Phi, first.regression.Y
     path: list[FloatArray] = [model.theta]
     y_model, solution = np.zeros(np.size(y)), InstrumentalSolution(model.theta, first.fit.residual, np.inf, "singular")
     status: Literal["converged", "not converged", "unstable", "singular"] = "not converged"

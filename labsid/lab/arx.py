@@ -15,8 +15,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from labsid._arrays import FloatArray, as_signal, freeze
-from labsid.lab.regressor import Regression, build_phi
+from labsid.lab.regressor import build_phi
 from labsid.least_squares.solve import LeastSquares, least_squares
+from labsid.model_structures.realisation import controllable_form, input_ss, input_tf, transfer_function
+from labsid.model_structures.structures import PolynomialModel, Regression
 
 if TYPE_CHECKING:
     import control
@@ -64,6 +66,11 @@ class ArxModel:
     def theta(self) -> FloatArray:
         """``[-a1, ..., -an, b1, ..., bn]``, eq. (4)."""
         return np.concatenate([-self.a[1:], self.b])
+
+    @property
+    def polynomials(self) -> PolynomialModel:
+        """The same model, without its operating point, in the notation of the lectures."""
+        return PolynomialModel(self.a, self.b, np.ones(1), delay=1, Ts=self.Ts)
 
     @property
     def poles(self) -> NDArray[np.complex128]:
@@ -166,9 +173,6 @@ def fit_arx(
     return ArxFit(arx_from_theta(fit.theta, Ts), regression, fit)
 
 
-# python-control draws in matplotlib as soon as it is imported, so it is imported only where it is used.
-
-
 def to_tf(model: ArxModel) -> "control.TransferFunction":
     """Write the model as python-control's transfer function, eq. (1).
 
@@ -185,9 +189,7 @@ def to_tf(model: ArxModel) -> "control.TransferFunction":
     -----
     UNSW lab, eq. (1), exercise 2c.
     """
-    import control
-
-    return control.tf(model.b, model.a, model.Ts, name="G", inputs="u", outputs="y")
+    return input_tf(model.polynomials)
 
 
 def canonical_form(model: ArxModel) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
@@ -208,15 +210,7 @@ def canonical_form(model: ArxModel) -> tuple[FloatArray, FloatArray, FloatArray,
     -----
     UNSW lab, eq. (2), for order n instead of 2.
     """
-    n = model.order
-    # G = [  0    1  ...   0  ]   H = [0]   C = [bn ... b1]   D = 0
-    #     [  .         .   .  ]       [.]
-    #     [  0    0  ...   1  ]       [0]
-    #     [-an  ...  -a2  -a1 ]       [1]
-    G = np.eye(n, k=1)
-    G[-1] = -model.a[:0:-1]
-    H = np.eye(n)[:, -1:]
-    return G, H, model.b[np.newaxis, ::-1].copy(), np.zeros((1, 1))
+    return controllable_form(*transfer_function(model.polynomials))
 
 
 def to_ss(model: ArxModel) -> "control.StateSpace":
@@ -234,9 +228,7 @@ def to_ss(model: ArxModel) -> "control.StateSpace":
     -----
     UNSW lab, eq. (2), exercise 2c. ``control.tf2ss`` orders the states the other way round.
     """
-    import control
-
-    return control.ss(*canonical_form(model), model.Ts, name="G", inputs="u", outputs="y")
+    return input_ss(model.polynomials)
 
 
 def to_gap_model(model: ArxModel) -> dict[str, Any]:

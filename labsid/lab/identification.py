@@ -9,9 +9,9 @@ from labsid._arrays import FloatArray, freeze
 from labsid.lab.arx import ArxModel, arx_from_theta, fit_arx
 from labsid.lab.excitation import Excitation, persistent_excitation
 from labsid.lab.offset import Offsets, find_offsets, remove_offsets
-from labsid.lab.regressor import Regression
 from labsid.lab.verification import Verification, verify
 from labsid.least_squares.solve import LeastSquares
+from labsid.model_structures.structures import Regression
 from labsid.records.record import Record
 
 

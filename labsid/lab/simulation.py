@@ -2,12 +2,10 @@
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.signal import lfilter
 
-from labsid._arrays import FloatArray, as_signal, as_signals
-from labsid.lab.arx import ArxModel, canonical_form
-
-LARGEST = 1e150  # beyond this the square of a sample, and with it the mean squared error, overflows
+from labsid._arrays import FloatArray, as_signals
+from labsid.lab.arx import ArxModel
+from labsid.model_structures.prediction import free_run, one_step_prediction
 
 
 def simulate(model: ArxModel, u: ArrayLike, x0: ArrayLike | None = None) -> FloatArray:
@@ -35,20 +33,7 @@ def simulate(model: ArxModel, u: ArrayLike, x0: ArrayLike | None = None) -> Floa
     -----
     UNSW lab, exercise 3a (MATLAB's ``filter`` or ``lsim``).
     """
-    u = as_signal("u", u)
-    state = np.zeros(model.order) if x0 is None else as_signal("x0", x0)
-    if state.size != model.order:
-        raise ValueError(f"x0 must have one entry a state ({model.order}); got {state.size}.")
-    numerator = np.concatenate([[0.0], model.b])
-    y: FloatArray = lfilter(numerator, model.a, u, zi=_filter_state(model) @ state)[0]
-    bounded = np.abs(y) < LARGEST
-    if not np.all(bounded):
-        raise ValueError(
-            f"the model must stay within the range of numbers; its simulated output passes {LARGEST:g} at "
-            f"sample {np.argmin(bounded)}. Its largest pole has magnitude {abs(model.poles[0]):.4g}: it is "
-            "unstable. Check the data, or try another order."
-        )
-    return y
+    return free_run(model.polynomials, u, x0=x0)
 
 
 def predict_one_step(model: ArxModel, u: ArrayLike, y: ArrayLike) -> FloatArray:
@@ -75,9 +60,7 @@ def predict_one_step(model: ArxModel, u: ArrayLike, y: ArrayLike) -> FloatArray:
     UNSW lab, eq. (4). This is *not* simulation: it leans on the measured output at every step and so looks
     good even with a poor model. Verification asks for `simulate`.
     """
-    u, y = as_signals(u=u, y=y)
-    y_hat: FloatArray = lfilter(np.concatenate([[0.0], -model.a[1:]]), 1.0, y)
-    return y_hat + lfilter(np.concatenate([[0.0], model.b]), 1.0, u)
+    return one_step_prediction(model.polynomials, u, y)
 
 
 def free_response(model: ArxModel, samples: int) -> FloatArray:
@@ -133,16 +116,3 @@ def estimate_initial_state(model: ArxModel, u: ArrayLike, y: ArrayLike, samples:
         )
     unexplained = y[:samples] - simulate(model, u[:samples])
     return np.linalg.lstsq(free_response(model, samples), unexplained, rcond=None)[0].astype(np.float64)
-
-
-def _filter_state(model: ArxModel) -> FloatArray:
-    """Matrix that turns the state of eq. (2) into that of ``lfilter`` (transposed direct form II).
-
-    The undriven output f(k) = C G^k x0 runs off the filter's state z as f(0) = z0, f(1) = z1 - a1 f(0), ...:
-    z_j = a_0 f(j) + a_1 f(j-1) + ... + a_j f(0).
-    """
-    n = model.order
-    G, _, C, _ = canonical_form(model)
-    observability = np.vstack([C @ np.linalg.matrix_power(G, k) for k in range(n)])
-    lower = sum((np.diag(np.full(n - k, model.a[k]), -k) for k in range(n)), np.zeros((n, n)))
-    return lower @ observability

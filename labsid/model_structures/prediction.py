@@ -8,12 +8,16 @@ from numpy.typing import ArrayLike
 from scipy.signal import lfilter
 
 from labsid._arrays import FloatArray, as_signal, as_signals
-from labsid.lab.simulation import LARGEST
+from labsid.model_structures.realisation import controllable_form, transfer_function
 from labsid.model_structures.structures import PolynomialModel
 
+LARGEST = 1e150  # beyond this the square of a sample, and with it the mean squared error, overflows
 
-def free_run(model: PolynomialModel, u: ArrayLike | None, e: ArrayLike | None = None) -> FloatArray:
-    """Let the model run from rest on its inputs alone: ``y = (q^-d B u + C e) / A``.
+
+def free_run(
+    model: PolynomialModel, u: ArrayLike | None, e: ArrayLike | None = None, x0: ArrayLike | None = None
+) -> FloatArray:
+    """Simulate the model from its inputs alone: ``y = (q^-d B u + C e) / A``.
 
     Parameters
     ----------
@@ -22,6 +26,8 @@ def free_run(model: PolynomialModel, u: ArrayLike | None, e: ArrayLike | None = 
         Input; None without one.
     e : array_like, shape (N,), optional
         White noise, to make data; none unless given, and then y is the simulated output.
+    x0 : array_like, shape (n,), optional
+        State of `controllable_form` at the first sample; at rest (zero) unless given.
 
     Returns
     -------
@@ -30,8 +36,8 @@ def free_run(model: PolynomialModel, u: ArrayLike | None, e: ArrayLike | None = 
     Raises
     ------
     ValueError
-        If neither signal or not the input is given, the lengths differ, or an unstable model leaves the range of
-        numbers.
+        If neither signal or not the input is given, the lengths differ, `x0` does not have one entry for each state,
+        or an unstable model leaves the range of numbers.
 
     Notes
     -----
@@ -44,7 +50,11 @@ def free_run(model: PolynomialModel, u: ArrayLike | None, e: ArrayLike | None = 
         raise ValueError("e must be given: a model without input runs on its noise alone.")
     driving = dict(zip(signals, as_signals(1, **signals), strict=True))
     forced = sum(lfilter({"u": model.delayed_b, "e": model.c}[name], 1.0, x) for name, x in driving.items())
-    return _within_range(lfilter([1.0], model.a, forced), "simulated output", model.a)
+    if x0 is None:
+        return _within_range(lfilter([1.0], model.a, forced), "simulated output", model.a)
+    undriven = _filter_state(model, as_signal("x0", x0))
+    a = np.pad(model.a, (0, undriven.size + 1 - model.a.size))
+    return _within_range(lfilter([1.0], a, forced, zi=undriven)[0], "simulated output", model.a)
 
 
 def prediction_errors(model: PolynomialModel, u: ArrayLike | None, y: ArrayLike) -> FloatArray:
@@ -111,12 +121,29 @@ def one_step_prediction(model: PolynomialModel, u: ArrayLike | None, y: ArrayLik
     return as_signal("y", y) - errors
 
 
+def _filter_state(model: PolynomialModel, x0: FloatArray) -> FloatArray:
+    """The state of ``lfilter`` (transposed direct form II) that gives the same undriven output as `x0`.
+
+    The undriven output f(k) = C G^k x0 follows from the state z of the filter as f(0) = z0, f(1) = z1 - a1 f(0), ...:
+    z_j = a_0 f(j) + a_1 f(j-1) + ... + a_j f(0).
+    """
+    num, a = transfer_function(model)
+    G, _, C, _ = controllable_form(num, a)
+    n = a.size - 1
+    if x0.size != n:
+        raise ValueError(f"x0 must have one entry for each state ({n}); got {x0.size}.")
+    observability = np.vstack([C @ np.linalg.matrix_power(G, k) for k in range(n)])
+    lower = sum((np.diag(np.full(n - k, a[k]), -k) for k in range(n)), np.zeros((n, n)))
+    return np.asarray(lower @ observability @ x0)
+
+
 def _within_range(x: FloatArray, what: str, denominator: FloatArray) -> FloatArray:
     bounded = np.abs(x) < LARGEST
     if not np.all(bounded):
         root = np.max(np.abs(np.roots(denominator)))
         raise ValueError(
-            f"the {what} must stay within the range of numbers; got past {LARGEST:g} at sample {np.argmin(bounded)}. "
-            f"The polynomial divided by has a root of magnitude {root:.4g}, outside the unit circle."
+            f"the {what} must stay within the range of numbers; got more than {LARGEST:g} at sample "
+            f"{np.argmin(bounded)}. The polynomial in the denominator has a root of magnitude {root:.4g}, "
+            "outside the unit circle: it is unstable. Check the data, or try another order."
         )
     return x

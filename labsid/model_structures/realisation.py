@@ -67,8 +67,8 @@ def controllable_form(num: ArrayLike, den: ArrayLike) -> tuple[FloatArray, Float
 
     Notes
     -----
-    SUSTech lecture, first slides: the transfer function first, then the state space. The form of UNSW's eq. (2)
-    (`labsid.lab.arx.canonical_form`), with a direct path D: num = D den + a remainder of lower degree.
+    SUSTech lecture, first slides: the transfer function first, then the state space. The form of UNSW's eq. (2), with
+    a direct path D: num = D den + a remainder of lower degree.
     """
     num, den = _proper(num, den)
     n = den.size - 1

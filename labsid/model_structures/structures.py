@@ -3,9 +3,8 @@
     A(q^-1) y(k) = q^-d B(q^-1) u(k) + C(q^-1) e(k)
     A = 1 + a1 q^-1 + ... + a_na q^-na,   C = 1 + c1 q^-1 + ... + c_nc q^-nc,   B has nb coefficients
 
-A is that of arx.py. What differs is where the minus sign goes: the lectures put it into the regressor,
-``phi(k) = [-y(k-1), ..., u(k-d), ..., e(k-1), ...]`` with ``theta = [a1, ..., b.., c1, ...]``; the lab puts it into
-theta.
+The lectures write the minus sign of a1 .. a_na in the regressor, ``phi(k) = [-y(k-1), ..., u(k-d), ..., e(k-1), ...]``
+with ``theta = [a1, ..., b.., c1, ...]``. The lab writes it in theta: see `labsid.lab.arx`.
 """
 
 from dataclasses import dataclass
@@ -114,7 +113,7 @@ class PolynomialModel:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Equations:
+class Regression:
     """The linear regression ``Y = Phi theta`` of a structure.
 
     Attributes
@@ -125,6 +124,7 @@ class Equations:
         ``y(k)``, k = start .. stop - 1.
     structure : Structure
     start, stop : int
+        The rows are the samples k = start .. stop - 1 (zero-based).
     """
 
     Phi: FloatArray
@@ -136,6 +136,11 @@ class Equations:
     def __post_init__(self) -> None:
         freeze(self, Phi=self.Phi, Y=self.Y)
 
+    @property
+    def order(self) -> int:
+        """Order na of the difference equation."""
+        return self.structure.na
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class StructureFit:
@@ -144,12 +149,12 @@ class StructureFit:
     Attributes
     ----------
     model : PolynomialModel
-    equations : Equations
+    regression : Regression
     fit : LeastSquares
     """
 
     model: PolynomialModel
-    equations: Equations
+    regression: Regression
     fit: LeastSquares
 
 
@@ -210,7 +215,7 @@ def build_equations(
     e: ArrayLike | None = None,
     start: int | None = None,
     stop: int | None = None,
-) -> Equations:
+) -> Regression:
     """Stack ``phi'(k) = [-y(k-1) .., u(k-d) .., e(k-1) ..]`` into Phi.
 
     Parameters
@@ -228,7 +233,7 @@ def build_equations(
 
     Returns
     -------
-    Equations
+    Regression
 
     Raises
     ------
@@ -254,12 +259,17 @@ def build_equations(
         columns += [_lagged(signal, lag) for lag in lags]
     start = structure.longest_lag if start is None else start
     stop = y.size if stop is None else stop
-    if not 0 <= start < stop <= y.size or stop - start < structure.parameters:
+    if not 0 <= start < stop <= y.size:
         raise ValueError(
-            f"start and stop must lie within the {y.size} samples and leave at least {structure.parameters} rows, one "
-            f"an unknown; got start {start} and stop {stop}. Give a longer record or a smaller structure."
+            f"start and stop must satisfy 0 <= start < stop <= {y.size} (the number of samples); got start {start} and "
+            f"stop {stop}. Give a longer record or a smaller model."
         )
-    return Equations(np.column_stack(columns)[start:stop], y[start:stop], structure, start, stop)
+    if stop - start < structure.parameters:
+        raise ValueError(
+            f"the model has {structure.parameters} unknowns and needs at least as many rows; got {stop - start} "
+            f"(samples {start} to {stop - 1}). Give more samples or a smaller model."
+        )
+    return Regression(np.column_stack(columns)[start:stop], y[start:stop], structure, start, stop)
 
 
 def fit_structure(
@@ -299,9 +309,9 @@ def fit_structure(
             f"nc must be 0 for linear least squares; got {structure.nc}. The noise is not measured: use pseudo-linear "
             "regression or maximum likelihood."
         )
-    equations = build_equations(structure, u, y, start=start)
-    fit = least_squares(equations.Phi, equations.Y)
-    return StructureFit(model_from_theta(structure, fit.theta, Ts), equations, fit)
+    regression = build_equations(structure, u, y, start=start)
+    fit = least_squares(regression.Phi, regression.Y)
+    return StructureFit(model_from_theta(structure, fit.theta, Ts), regression, fit)
 
 
 def _lagged(x: FloatArray, lag: int) -> FloatArray:

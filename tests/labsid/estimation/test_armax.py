@@ -105,7 +105,7 @@ def test_what_does_not_work_out_is_a_status():
         (lambda: fit_armax(ARMAX, np.ones(50), np.ones(49)), "equal length"),
         (lambda: fit_armax(ARMAX, np.ones(50), np.full(50, np.nan)), "y must be finite"),
         (lambda: fit_armax(ARMAX, None, np.ones(50)), "u must be given"),
-        (lambda: fit_armax(Structure(4, 4, 4), np.ones(9), np.ones(9)), "leave at least"),
+        (lambda: fit_armax(Structure(4, 4, 4), np.ones(9), np.ones(9)), "needs at least as many rows"),
     ],
 )
 def test_bad_input_says_what_is_wrong(call, message):

@@ -129,7 +129,7 @@ def test_what_does_not_work_out_is_a_status():
         (lambda: fit_instrumental(Structure(0, 2), np.ones(9), np.ones(9)), "structure must be ARX"),
         (lambda: fit_instrumental(ARX, np.ones(9), np.ones(9), iterations=0), "iterations at least 1"),
         (lambda: fit_instrumental(ARX, np.ones(9), np.ones(8)), "equal length"),
-        (lambda: fit_instrumental(ARX, np.ones(2), np.ones(2)), "leave at least 2 rows"),
+        (lambda: fit_instrumental(ARX, np.ones(2), np.ones(2)), "the model has 2 unknowns"),
     ],
 )
 def test_bad_input_says_what_is_wrong(call, message):

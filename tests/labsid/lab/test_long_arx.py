@@ -103,7 +103,7 @@ def test_the_inputs_may_be_read_only_and_are_left_alone():
     ("u", "y", "order", "message"),
     [
         (np.ones(10), np.ones(9), 2, "equal length; got 10 and 9"),
-        (np.ones(5), np.ones(5), 2, "order 2 has 4 unknowns"),
+        (np.ones(5), np.ones(5), 2, "the model has 4 unknowns"),
         (np.ones(10), np.ones(10), 0, "order must be at least 1"),
         (np.append(np.ones(99), np.nan), np.ones(100), 2, "u must be finite; got nan at sample 99"),
         (np.ones(100), np.where(np.arange(100) == 50, np.inf, 1), 2, "y must be finite; got inf at sample 50"),

@@ -84,8 +84,8 @@ def test_a_shift_in_time_changes_nothing(order, shift):
     ("settings", "message"),
     [
         ({"order": 0}, r"order must be at least 1; got 0\."),
-        ({"order": 4}, r"order 4 has 8 unknowns and needs at least as many rows; got 3 \(samples 4 to 6\)"),
-        ({"order": 9}, r"0 <= start < stop <= 7 .*; got start 9 and stop 7\. For order 9, give a longer record"),
+        ({"order": 4}, r"the model has 8 unknowns and needs at least as many rows; got 3 \(samples 4 to 6\)"),
+        ({"order": 9}, r"0 <= start < stop <= 7 .*; got start 9 and stop 7\. Give a longer record"),
         ({"start": -1}, r"got start -1 and stop 7"),
         ({"stop": 8}, r"got start 2 and stop 8"),
         ({"start": 5, "stop": 5}, r"got start 5 and stop 5"),

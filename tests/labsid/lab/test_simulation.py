@@ -111,16 +111,14 @@ def test_the_initial_state_averages_noise_out():
 def test_an_unstable_model_is_run_as_far_as_numbers_go():
     grows = ArxModel([1, -2], [1], 1.0)
     np.testing.assert_allclose(simulate(grows, [1, 0, 0, 0]), [0, 1, 2, 4])
-    with pytest.raises(
-        ValueError, match=r"passes 1e\+150 at sample 500\. Its largest pole has magnitude 2: it is unstable"
-    ):
+    with pytest.raises(ValueError, match=r"more than 1e\+150 at sample 500\. .* a root of magnitude 2, .* unstable"):
         simulate(grows, np.eye(1, 600)[0])
 
 
 @pytest.mark.parametrize(
     ("call", "message"),
     [
-        (lambda: simulate(MODEL, [1, 2], x0=[1]), r"x0 must have one entry a state \(2\); got 1"),
+        (lambda: simulate(MODEL, [1, 2], x0=[1]), r"x0 must have one entry for each state \(2\); got 1"),
         (lambda: simulate(MODEL, []), "u must have at least 1 samples; got 0"),
         (lambda: predict_one_step(MODEL, [1, 2], [1]), "u and y must have equal length; got 2 and 1"),
         (lambda: estimate_initial_state(MODEL, [1, 2], [1]), "u and y must have equal length; got 2 and 1"),

@@ -152,7 +152,7 @@ U, Y = record()
         (lambda: build_equations(Structure(1, 1), U[:-1], Y), "u and y must have equal length; got 59 and 60"),
         (
             lambda: build_equations(Structure(30, 30), U, Y),
-            "leave at least 60 rows, one an unknown; got start 30 and stop",
+            "the model has 60 unknowns and needs at least as many rows; got 30",
         ),
         (lambda: build_equations(Structure(1, 1), U, Y, start=5, stop=3), "got start 5 and stop 3"),
         (lambda: fit_structure(Structure(1, 1, 1), U, Y), "nc must be 0 for linear least squares; got 1"),
