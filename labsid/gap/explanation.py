@@ -13,7 +13,8 @@ from labsid.gap.holdout import BLOCKS, held_out_samples
 from labsid.gap.hypothesis import Hypothesis
 from labsid.gap.linear_fits import LINEAR, fit_baseline
 from labsid.gap.residual_tests import SLOW_CORRELATION, slow_autocorrelation
-from labsid.gap.sample_faults import SampleFaults, find_held, find_lattice, find_spikes
+from labsid.gap.sample_faults import SampleFaults, find_lattice, find_spikes
+from labsid.records.signal_quality import find_held
 
 CONVERTER_LIMITED = (
     1.3**2

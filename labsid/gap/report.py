@@ -21,6 +21,7 @@ from labsid.gap.quantities import counted, percent
 from labsid.gap.residual_tests import ResidualMeasures
 from labsid.gap.scores import GapScore, closed_share
 from labsid.gap.traces import figure_traces
+from labsid.model_structures.residuals import ljung_box
 from labsid.records.record import Record
 
 SCHEMA = "labsid.gap/1"
@@ -216,10 +217,9 @@ def _unexplained(explanation: Explanation, left: ResidualMeasures, decision: Dec
 def _whiteness(e: FloatArray, data: Data) -> float:
     """P-value of the Ljung-Box test on the residual."""
     x = e - e[data.rows].mean() * data.rows
-    n = int(data.rows.sum())
     energy = float(x @ x)
-    q = sum((float(x[lag:] @ x[:-lag]) / energy) ** 2 / (n - lag) for lag in range(1, LAGS + 1))
-    return float(chi2.sf(n * (n + 2) * q, LAGS))
+    r = [float(x[lag:] @ x[:-lag]) / energy for lag in range(1, LAGS + 1)]
+    return ljung_box(r, int(data.rows.sum())).p_value
 
 
 def _input_correlation(e: FloatArray, data: Data, fit: Fit) -> float:

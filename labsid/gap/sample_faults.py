@@ -10,10 +10,6 @@ from labsid.records.signal_quality import lattice_step, runs
 SPIKE_THRESHOLD = 6.0  # robust standard deviations from which an isolated sample is a spike
 LONGEST_SPIKE = 2  # samples
 MAX_SPIKE_RUN = 3  # adjacent spikes of different values
-MIN_HOLD = 3  # equal samples in a row
-FINE_STEP = 1e-4  # of the range: below this converter step, equal samples are rare by chance
-LARGE_MOVE = 4.0  # times the median change between samples: a jump away from the sensor's limit
-SEVERAL_HOLDS = 3  # held stretches
 OFF_LATTICE = 0.05  # converter steps from the lattice, above rounding errors
 MIN_REPEATED = 0.9  # share of the samples whose value recurs
 
@@ -67,44 +63,6 @@ def find_lattice(y: FloatArray) -> tuple[float | None, np.ndarray]:
         return None, nowhere
     steps = (y - y[again][0]) / lattice
     return lattice, np.abs(steps - np.round(steps)) > OFF_LATTICE
-
-
-def find_held(y: FloatArray, lattice: float | None) -> tuple[tuple[int, int], ...]:
-    """Find the stretches over which the logger holds its last value, without their first sample, a true reading.
-
-    On a fine scale a few equal readings are a hold, unless the output returns to that value: then it is the sensor's
-    limit, or rest. On a coarse lattice, rest and slow motion give equal readings, too; there a hold ends with a jump.
-    """
-    starts, lengths = runs(y)
-    step = 0.0 if lattice is None else lattice
-    fine = step <= FINE_STEP * np.ptp(y)
-    long = lengths >= MIN_HOLD
-    moves = np.abs(np.diff(y, append=[y[-1]] * 2))
-    jump, onward = moves[starts + lengths - 1], moves[starts + lengths]
-    usual = max(1.5 * step, LARGE_MOVE * float(np.median(moves[moves > 0.0])))
-    jumps = (jump > (usual if fine else 1.5 * step)) & (jump > 2.0 * onward)
-    if not fine:
-        long &= jumps & (lengths >= 2.0 * np.median(np.repeat(lengths, lengths)) + 3.0)
-    # Equal readings at the start are rest, unless they end with a jump and the logger holds values elsewhere.
-    long &= (starts > 0) | (jumps & (np.count_nonzero(long & jumps & (starts > 0)) >= SEVERAL_HOLDS))
-    starts, lengths, jumps, jump = starts[long], lengths[long], jumps[long], jump[long]
-    values, which, count = np.unique(y[starts], return_inverse=True, return_counts=True)
-    again = count > 1
-    extreme = (values == y.max()) | (values == y.min())
-    if not fine:
-        stop = extreme
-        jumps &= ~(again & extreme)[which] | (
-            jump > LARGE_MOVE * np.median(moves)
-        )  # noise causes small jumps off a limit
-    elif (~again & ~extreme).sum() >= SEVERAL_HOLDS:  # a logger with several holds may hold at the extreme, too
-        stop = again
-    else:
-        stop = again | extreme
-    return tuple(
-        (int(start) + 1, int(start + length))
-        for start, length, jumped, stopped in zip(starts, lengths, jumps, stop[which], strict=True)
-        if jumped or not stopped
-    )
 
 
 def find_spikes(

@@ -157,10 +157,29 @@ def whiteness_test(e: ArrayLike, lags: int = 20, parameters: int = 0) -> Portman
     """
     if not 0 <= parameters < lags:
         raise ValueError(f"parameters must lie between 0 and lags - 1 = {lags - 1}; got {parameters}. Use more lags.")
-    r = autocorrelation(e, lags).values[1:]
-    N = np.size(e)
-    statistic = N * (N + 2) * float(np.sum(r**2 / (N - np.arange(1, lags + 1))))
-    return PortmanteauTest(statistic, lags - parameters, float(chdtrc(lags - parameters, statistic)))
+    return ljung_box(autocorrelation(e, lags).values[1:], np.size(e), parameters)
+
+
+def ljung_box(r: ArrayLike, samples: int, parameters: int = 0) -> PortmanteauTest:
+    """Test autocorrelation coefficients that are already estimated, for example from a record with gaps.
+
+    Parameters
+    ----------
+    r : array_like, shape (m,)
+        Coefficients at the lags 1 .. m.
+    samples : int
+        Number of samples N behind them.
+    parameters : int
+        As in `whiteness_test`.
+
+    Returns
+    -------
+    PortmanteauTest
+    """
+    r = np.asarray(r)
+    statistic = samples * (samples + 2) * float(np.sum(r**2 / (samples - np.arange(1, r.size + 1))))
+    free = r.size - parameters
+    return PortmanteauTest(statistic, free, float(chdtrc(free, statistic)))
 
 
 def input_residual_test(u: ArrayLike, e: ArrayLike, first: int, lags: int = 20) -> PortmanteauTest:

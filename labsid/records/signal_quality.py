@@ -4,6 +4,12 @@ import numpy as np
 
 from labsid._arrays import FloatArray
 
+MIN_HOLD = 3  # equal samples in a row
+RARE_REPEATS = 0.01  # share of the values that occur twice in a row, from which noise repeats values
+FINE_STEP = 1e-4  # of the range: below this converter step, equal samples are rare by chance
+LARGE_MOVE = 4.0  # times the median change between samples: a jump away from the sensor's limit
+SEVERAL_HOLDS = 3  # held stretches
+
 
 def runs(x: FloatArray) -> tuple[np.ndarray, np.ndarray]:
     """Starts and lengths of the stretches over which `x` keeps exactly the same value.
@@ -96,23 +102,63 @@ def _hits_a_stop(x: FloatArray, starts: np.ndarray, run: int) -> bool:
     return bool(last > 0.8 * before_last)
 
 
-def holds(x: FloatArray) -> list[tuple[int, int]]:
-    """Stretches that repeat one value for longer than the noise on the lattice of `x` ever would.
+def find_held(y: FloatArray, lattice: float | None) -> tuple[tuple[int, int], ...]:
+    """Find the stretches over which the logger holds its last value.
 
     Parameters
     ----------
-    x : ndarray, shape (N,)
+    y : ndarray, shape (N,)
+    lattice : float or None
+        Converter step of y; None if there is none.
 
     Returns
     -------
-    list of (start, stop)
-        Half-open, in order; a logger that kept its last value leaves them.
+    tuple of (start, stop)
+        Half-open, in order, without the first sample of each stretch, which is a true reading.
+
+    Notes
+    -----
+    On a fine scale a few equal readings are a hold, unless the output returns to that value: then it is the sensor's
+    limit, or rest. On a coarse lattice, rest and slow motion give equal readings, too; there a hold ends with a jump.
     """
-    starts, lengths = runs(x)
-    repeats = float(np.mean(lengths > 1))  # in a geometric law of lengths, the chance of one more repeat
-    # Fewer than one such stretch in a thousand records by chance, and never fewer than four equal samples.
-    longest = 4 if repeats == 0 else max(4, int(np.log(1e-3 / lengths.size) / np.log(min(repeats, 0.99))) + 2)
-    return [(int(k), int(k + n)) for k, n in zip(starts, lengths, strict=True) if n >= longest]
+    starts, lengths = runs(y)
+    step = 0.0 if lattice is None else lattice
+    fine = step <= FINE_STEP * np.ptp(y)
+    long = lengths >= (_shortest_hold(lengths) if fine else MIN_HOLD)
+    moves = np.abs(np.diff(y, append=[y[-1]] * 2))
+    jump, onward = moves[starts + lengths - 1], moves[starts + lengths]
+    usual = max(1.5 * step, LARGE_MOVE * float(np.median(moves[moves > 0.0])))
+    jumps = (jump > (usual if fine else 1.5 * step)) & (jump > 2.0 * onward)
+    if not fine:
+        long &= jumps & (lengths >= 2.0 * np.median(np.repeat(lengths, lengths)) + 3.0)
+    # Equal readings at the start are rest, unless they end with a jump and the logger holds values elsewhere.
+    long &= (starts > 0) | (jumps & (np.count_nonzero(long & jumps & (starts > 0)) >= SEVERAL_HOLDS))
+    starts, lengths, jumps, jump = starts[long], lengths[long], jumps[long], jump[long]
+    values, which, count = np.unique(y[starts], return_inverse=True, return_counts=True)
+    again = count > 1
+    extreme = (values == y.max()) | (values == y.min())
+    if not fine:
+        stop = extreme
+        jumps &= ~(again & extreme)[which] | (
+            jump > LARGE_MOVE * np.median(moves)
+        )  # noise causes small jumps off a limit
+    elif (~again & ~extreme).sum() >= SEVERAL_HOLDS:  # a logger with several holds may hold at the extreme, too
+        stop = again
+    else:
+        stop = again | extreme
+    return tuple(
+        (int(start) + 1, int(start + length))
+        for start, length, jumped, stopped in zip(starts, lengths, jumps, stop[which], strict=True)
+        if jumped or not stopped
+    )
+
+
+def _shortest_hold(lengths: np.ndarray) -> int:
+    """Length from which a run is a hold; where noise repeats values, one that occurs once in a thousand records."""
+    repeats = float(np.mean(lengths == 2))  # nearly the chance that noise repeats a value once more
+    if repeats < RARE_REPEATS:
+        return MIN_HOLD
+    return max(MIN_HOLD, int(np.log(1e-3 / lengths.size) / np.log(repeats)) + 2)
 
 
 def moving_mean_length(x: FloatArray, y: FloatArray, longest: int = 20) -> int | None:

@@ -7,8 +7,8 @@ import pytest
 
 from labsid.gap.explanation import Explanation
 from labsid.gap.report import _screen_sentences
-from labsid.gap.sample_faults import SampleFaults, find_held, find_lattice, find_spikes
-from labsid.records.signal_quality import lattice_step
+from labsid.gap.sample_faults import SampleFaults, find_lattice, find_spikes
+from labsid.records.signal_quality import find_held, lattice_step
 
 
 @pytest.fixture
@@ -201,8 +201,8 @@ def test_a_spike_may_stand_at_the_end_of_the_record_but_not_at_its_start(noise: 
     ("bad", "said"),
     [
         ((), []),
-        ((4,), ["1 isolated sample stands far from its neighbours; the fits leave it out."]),
-        ((4, 9), ["2 isolated samples stand far from their neighbours; the fits leave them out."]),
+        ((4,), ["1 sample is an isolated spike; the fits exclude it."]),
+        ((4, 9), ["2 samples are isolated spikes; the fits exclude them."]),
     ],
 )
 def test_what_the_samples_say_is_counted_in_words(plain: Explanation, bad: tuple[int, ...], said: list[str]) -> None:

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from labsid.records.signal_quality import holds, lattice_step, moving_mean_length, runs, scatter, stuck_at_extreme
+from labsid.records.signal_quality import find_held, lattice_step, moving_mean_length, runs, scatter, stuck_at_extreme
 
 WAVE = np.sin(np.arange(600) / 15)
 
@@ -64,15 +64,15 @@ def test_no_stop_in_other_samples(x):
 def test_held_stretches_are_found_to_the_sample():
     x = noisy()
     x[100:112], x[400:404] = x[99], x[399]
-    assert holds(x) == [(99, 112), (399, 404)]
+    assert find_held(x, lattice_step(x)) == ((100, 112), (400, 404))
 
 
 def test_a_lattice_repeats_values_by_itself():
     x = np.round(noisy(sd=0.005) / 0.01) * 0.01
     assert runs(x)[1].max() >= 3
-    assert holds(x) == []
+    assert find_held(x, lattice_step(x)) == ()
     x[200:230] = x[199]
-    assert len(holds(x)) == 1
+    assert len(find_held(x, lattice_step(x))) == 1
 
 
 @pytest.mark.parametrize("m", [1, 2, 5, 20])
