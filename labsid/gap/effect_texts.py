@@ -1,4 +1,4 @@
-"""The effects in the words of a control engineer: what each is called, what it does, and how to look for it."""
+"""Texts on the effects: name, what the rig does, and where to look for the cause."""
 
 from dataclasses import dataclass
 from string import Formatter
@@ -9,17 +9,18 @@ from labsid.gap.quantities import UNITS, Quantity, percent, with_error
 
 @dataclass(frozen=True, slots=True)
 class EffectText:
-    """One effect.
+    """Texts on one effect.
 
     Attributes
     ----------
     noun : str
-        With its article, as the subject of "explains".
+        Name with its article.
     clauses : tuple of str
-        What the rig does, as whole clauses with parameters in braces. The first one whose parameters are all known
-        holds; ``{size_y}`` is `size` in the unit y, ``{cubic+}`` and ``{cubic-}`` are its size, by its sign.
+        What the rig does, with parameters in braces. The first clause whose parameters are all known is used.
+        ``{size_y}`` is `size` in the unit y; ``{cubic+}`` and ``{cubic-}`` are the magnitude of a positive or negative
+        `cubic`.
     meaning : str
-        What that is, for a reader who has never heard of it, and what on the rig to look at.
+        Explanation for a reader who does not know the effect, and parts of the rig to check.
     """
 
     noun: str
@@ -30,19 +31,19 @@ class EffectText:
 EFFECT_TEXTS: dict[str, EffectText] = {
     "input-delay": EffectText(
         "a transport delay",
-        ("The rig answers each command {delay} late", "The rig answers each command late"),
-        "The command takes that long to reach the process, on top of the one sample of every sampled system. "
+        ("The rig responds to each command {delay} late", "The rig responds to each command late"),
+        "The command reaches the process after this delay, in addition to the one sample of every sampled system. "
         "Look for pipes, belts, buses and buffers.",
     ),
     "input-saturation": EffectText(
         "a limit of the actuator",
         (
-            "The actuator stops at {low} and at {high}",
+            "The actuator saturates at {low} and at {high}",
             "The actuator goes no lower than {low}",
             "The actuator goes no higher than {high}",
-            "The actuator stops inside the range of the command",
+            "The actuator saturates within the range of the command",
         ),
-        "Commands beyond the limit have no more effect than the limit itself. Look at end stops, supply voltage and "
+        "Commands beyond the limit have the same effect as the limit. Check end stops, supply voltage and "
         "limits in the amplifier or its software.",
     ),
     "input-dead-zone": EffectText(
@@ -51,16 +52,16 @@ EFFECT_TEXTS: dict[str, EffectText] = {
             "The actuator does not move between {low} and {high}",
             "The actuator does not move until the command leaves a band",
         ),
-        "Commands inside the band do nothing. Look for overlap of a valve, friction in the drive, or a threshold in "
+        "Commands inside the band have no effect. Look for valve overlap, friction in the drive, or a threshold in "
         "the amplifier.",
     ),
     "input-backlash": EffectText(
         "backlash",
         (
-            "The actuator has to cross a play of {width} each time it turns round",
-            "The actuator has to cross a play each time it turns round",
+            "The actuator crosses a play of {width} at each change of direction",
+            "The actuator crosses a play at each change of direction",
         ),
-        "After every change of direction the command moves for a while before anything follows. Look at gears, "
+        "After each change of direction the command must cross the play before the actuator follows. Check gears, "
         "couplings and valve stems.",
     ),
     "input-rate-limit": EffectText(
@@ -69,103 +70,106 @@ EFFECT_TEXTS: dict[str, EffectText] = {
             "The actuator moves no faster than {rate} units a second",
             "The actuator moves more slowly than the command",
         ),
-        "Fast changes of the command are followed at a fixed speed. Look at motor-driven valves and at ramps in the "
-        "drive's software.",
+        "The actuator follows fast changes of the command at a limited rate. Check motor-driven valves and ramps in "
+        "the drive's software.",
     ),
     "input-nonlinearity": EffectText(
         "a curved characteristic of the actuator",
         ("The gain of the actuator changes with the size of the command",),
-        "The same step of the command does more in one part of its range than in another. Look at the characteristic "
-        "of the pump, the valve or the amplifier. In the table, d being the command less the middle: the actuator "
-        "gives d + (quadratic coefficient) d² + (cubic coefficient) d³.",
+        "The same step of the command has more effect in one part of its range than in another. Check the "
+        "characteristic of the pump, the valve or the amplifier. With d the command minus the centre of the curve, the "
+        "actuator gives d + (quadratic coefficient) d² + (cubic coefficient) d³.",
     ),
     "extra-lag": EffectText(
         "an extra lag",
         (
-            "Between command and record there is one more lag, of {tau}",
-            "Between command and record there is one more lag",
+            "There is an additional lag of {tau} between command and record",
+            "There is an additional lag between command and record",
         ),
-        "Something smooths the signal with that time constant: actuator, process, sensor or filter, which the record "
-        "cannot tell apart.",
+        "Actuator, process, sensor or a filter smooths the signal with this time constant; the record does not show "
+        "which.",
     ),
     "resonance": EffectText(
         "a lightly damped mode",
-        ("The rig rings at {frequency}, with a damping ratio of {damping}", "The rig rings"),
-        "A part swings by itself after each disturbance. Look for flexible shafts, belts, supports, or sloshing.",
+        ("The rig oscillates at {frequency} with a damping ratio of {damping}", "The rig oscillates after each change"),
+        "Each change of the input or load excites a decaying oscillation. Look for flexible shafts, belts, supports, "
+        "or sloshing.",
     ),
     "sqrt-outflow": EffectText(
         "a square-root outflow",
-        ("The outflow goes with the square root of the level, not with the level",),
-        "Torricelli's law: a full tank loses less for each unit of level than a nearly empty one, so gain and time "
-        "constant change with the level. In the table: the command at which nothing flows in, so that the tank runs "
-        "empty, and what the sensor would read then. Both may lie far outside the record.",
+        ("The outflow is proportional to the square root of the level, not to the level",),
+        "Torricelli's law: per unit of level, the outflow of a full tank changes less than that of a nearly empty "
+        "one, so gain and time constant increase with the level. The parameters are the command without inflow and "
+        "the sensor reading of the empty tank. Both may lie far outside the record.",
     ),
     "overflow": EffectText(
         "an overflow",
-        ("A tank is full at {level} and takes no more", "A tank reaches its brim and takes no more"),
-        "Beyond the brim the inflow is lost, or runs into the next tank. The brim is given as the reading that the "
-        "sensor would settle at if the tank stayed just full. Of what spills, the next tank catches all (100 %), none "
+        ("A tank overflows at {level}", "A tank overflows"),
+        "Inflow beyond the brim is lost or runs into the next tank. The brim is given as the reading at which the "
+        "sensor would settle if the tank stayed just full. The next tank receives all of the overflow (100 %), none "
         "(0 %) or a part.",
     ),
     "coulomb-friction": EffectText(
         "dry friction",
-        ("Dry friction takes {friction} of the command before anything moves", "Dry friction holds against the motion"),
-        "A force of constant size against every motion: small commands stick, and the motion stops short. Look at "
-        "bearings, seals and guides.",
+        (
+            "Motion starts only when the command overcomes dry friction of {friction}",
+            "Dry friction opposes the motion",
+        ),
+        "A force of constant magnitude opposes every motion: small commands have no effect, and the motion stops "
+        "early. Check bearings, seals and guides.",
     ),
     "cubic-stiffness": EffectText(
         "a nonlinear spring",
         (
-            "The rig grows stiffer away from rest, by {cubic+} times the square of the displacement",
-            "The rig grows softer away from rest, by {cubic-} times the square of the displacement",
-            "The restoring force is not in proportion to the displacement",
+            "The stiffness increases by {cubic+} times the square of the displacement",
+            "The stiffness decreases by {cubic-} times the square of the displacement",
+            "The restoring force is not proportional to the displacement",
         ),
-        "Far from rest the rig pushes back harder, or less hard, than near it. Look at springs near their end and at "
+        "Far from rest the rig is stiffer, or softer, than near rest. Check springs near the end of their travel and "
         "flexible parts.",
     ),
     "parameter-drift": EffectText(
         "a drift of the parameters",
         (
-            "The gain of the rig changes by {drift:%} along the record",
-            "The speed of the rig changes by {pole:%} along the record",
-            "The rig changes slowly along the record",
+            "The gain of the rig changes by {drift:%} over the record",
+            "The speed of response changes by {pole:%} over the record",
+            "The parameters of the rig change slowly over the record",
         ),
-        "The same command does not do the same at the end as at the beginning. Look at temperature, supply, wear and "
-        "filling.",
+        "The same command has a different effect at the end of the record than at the beginning. Check temperature, "
+        "supply, wear and filling.",
     ),
     "output-drift": EffectText(
         "a drift of the sensor",
-        ("The zero of the sensor wanders by ±{amplitude}", "The zero of the sensor wanders"),
-        "A slow change of the reading that no command brings about. Look at warm-up, temperature and "
-        "the sensor's supply.",
+        ("The zero of the sensor drifts by ±{amplitude}", "The zero of the sensor drifts"),
+        "The reading changes slowly, independent of the command. Check warm-up, temperature and the sensor's supply.",
     ),
     "output-saturation": EffectText(
         "a clipping sensor",
         (
-            "The sensor reads nothing below {low} and nothing above {high}",
-            "The sensor reads nothing below {low}",
-            "The sensor reads nothing above {high}",
-            "The sensor stops at the end of its range",
+            "The sensor clips below {low} and above {high}",
+            "The sensor clips below {low}",
+            "The sensor clips above {high}",
+            "The sensor clips at the end of its range",
         ),
-        "The process goes on where the reading has stopped. Look at the range of the sensor and of the converter.",
+        "The process continues beyond the limit of the reading. Check the ranges of the sensor and of the converter.",
     ),
     "output-nonlinearity": EffectText(
         "a curved characteristic of the sensor",
-        ("The gain of the sensor changes along its range",),
-        "The same change of the process reads as more in one part of the range than in another. Look at the "
-        "calibration. In the table, d being the true output less the middle: the sensor reads "
+        ("The gain of the sensor changes over its range",),
+        "The same change of the process gives a larger reading in one part of the range than in another. Check the "
+        "calibration. With d the true output minus the centre of the curve, the sensor reads "
         "d + (quadratic coefficient) d² + (cubic coefficient) d³.",
     ),
     "output-quantization": EffectText(
         "a coarse converter",
-        ("The output is read in steps of {step}", "The output is read in coarse steps"),
-        "The record can only take these values: whatever is smaller than a step is lost. Look at the resolution of the "
-        "converter and at rounding in the logger.",
+        ("The output is quantised in steps of {step}", "The output is quantised in coarse steps"),
+        "The record contains only multiples of the step, so smaller changes are lost. Check the resolution of the "
+        "converter and rounding in the logger.",
     ),
     "output-outliers": EffectText(
         "a spiking sensor",
-        ("Single readings, {share:%} of them, are spikes", "Single readings are spikes"),
-        "Isolated samples that the process cannot have produced. The fits leave them out. Look at loose contacts and "
+        ("Of the readings, {share:%} are isolated spikes", "Some readings are isolated spikes"),
+        "Isolated samples that the process cannot have produced. The fits exclude them. Check for loose contacts and "
         "electrical interference.",
     ),
     "output-dropout": EffectText(
@@ -174,114 +178,114 @@ EFFECT_TEXTS: dict[str, EffectText] = {
             "The logger repeats its last value over {share:%} of the record",
             "The logger repeats its last value over stretches of the record",
         ),
-        "New readings were missing, and the old one was written again. The fits leave these samples out. Look at the "
-        "connection and at the load of the logging computer.",
+        "Where a new reading was missing, the logger wrote the last one again. The fits exclude these samples. Check "
+        "the connection and the load of the logging computer.",
     ),
     "load-step": EffectText(
         "a load step",
         (
-            "An unmeasured load sets in at {onset} and moves the output by {size_y}",
-            "An unmeasured load sets in at {onset} and adds {size_1:%} to the pull towards rest, as a leak does",
-            "An unmeasured load sets in at {onset}",
-            "An unmeasured load sets in during the record",
+            "An unmeasured load starts at {onset} and changes the output by {size_y}",
+            "An unmeasured load starts at {onset} and raises the rate of return to rest by {size_1:%}, as a leak does",
+            "An unmeasured load starts at {onset}",
+            "An unmeasured load starts during the record",
         ),
-        "From that instant on something else acts on the process: an opened valve, a leak, a weight put on.",
+        "From this time on a further input acts on the process, such as an opened valve, a leak or an added weight.",
     ),
     "periodic-disturbance": EffectText(
         "a periodic disturbance",
         (
-            "The output swings at {frequency} with amplitude {amplitude}, whatever the command does",
-            "The output swings, whatever the command does",
+            "The output oscillates at {frequency} with amplitude {amplitude}, independent of the command",
+            "The output oscillates, independent of the command",
         ),
-        "A steady swing that no command brings about. Look at pumps, fans, mains hum and neighbouring machines.",
+        "A steady oscillation that the command does not cause. Check pumps, fans, mains hum and nearby machines.",
     ),
     "coloured-noise": EffectText(
         "coloured noise",
         (
-            "Noise of {amplitude} rms that forgets itself slowly lies on the output",
-            "Noise that forgets itself slowly lies on the output",
+            "The output contains noise of {amplitude} rms that is correlated over many samples",
+            "The output contains noise that is correlated over many samples",
         ),
-        "A random disturbance that stays on one side for many samples. No input explains it, so no simulation can "
-        "follow it; it sets how close any of them can come.",
+        "A random disturbance that keeps its sign for many samples. It does not depend on the input, so no simulation "
+        "can reproduce it; it limits the accuracy of every simulation.",
     ),
     "parameter-mismatch": EffectText(
         "a parameter mismatch",
-        ("The structure of the simulation is right, its numbers are wrong",),
-        "The simulation follows the record once its coefficients are fitted again; nothing has to be added to it.",
+        ("The structure of the simulation is right, but its parameters are wrong",),
+        "With refitted coefficients the simulation reproduces the record; no effect has to be added.",
     ),
 }
 
 UNSIMULATED = ("output-dropout", "output-outliers", "output-quantization", "coloured-noise")
-"""Effects that are seen in the samples, not by simulating them."""
+"""Effects that are detected in the samples, not by simulation."""
 
 STOP_EFFECTS = ("output-saturation", "overflow")
-"""Effects that the record itself may show, by an output that stands at its extreme."""
+"""Effects that the record itself may show: the output rests at its extreme."""
 
 _LABELS = {
     "low": "lower limit",
     "high": "upper limit",
-    "width": "width of the play",
-    "rate": "fastest change",
+    "width": "play",
+    "rate": "largest rate",
     "delay": "delay",
     "tau": "time constant",
     "frequency": "frequency",
     "damping": "damping ratio",
-    "zero": "command of no inflow",
+    "zero": "command without inflow",
     "empty": "reading of the empty tank",
     "level": "reading at the brim",
-    "upper": "the same at that of the upper tank",
-    "caught": "share that the next tank catches",
-    "friction": "friction, as a command",
+    "upper": "reading at the brim of the upper tank",
+    "caught": "share received by the next tank",
+    "friction": "friction, in units of the command",
     "cubic": "cubic coefficient",
     "c2": "quadratic coefficient",
     "c3": "cubic coefficient",
-    "centre": "the middle",
+    "centre": "centre of the curve",
     "drift": "change of the gain over the record",
-    "pole": "change of the rate over the record",
+    "pole": "change of the speed of response over the record",
     "amplitude": "amplitude",
     "step": "converter step",
     "share": "share of the samples",
-    "onset": "begins at",
-    "size": "change of the output in the end",
+    "onset": "start",
+    "size": "final change of the output",
 }
 _SPECIFIC_LABELS: dict[tuple[str, ...], str] = {
     ("input-dead-zone", "low"): "lower edge of the band",
     ("input-dead-zone", "high"): "upper edge of the band",
-    ("coloured-noise", "pole"): "pole (0: white, 1: endless memory)",
+    ("coloured-noise", "pole"): "pole (0: white; near 1: slow)",
     ("coloured-noise", "amplitude"): "rms",
-    ("load-step", "size", "1"): "growth of the pull towards rest",
+    ("load-step", "size", "1"): "increase of the rate of return to rest",
 }
 _POSITIONS = {"low", "high", "level", "upper", "onset", "zero", "empty", "centre"}
-"""Parameters that say where, not how much: they may well be near zero."""
+"""Positions, which may be near zero; the other parameters are magnitudes."""
 
-_SHARES = {"drift", "share", "caught", "size", "pole"}  # without a unit: to be read in per cent
+_SHARES = {"drift", "share", "caught", "size", "pole"}  # dimensionless parameters that are written in per cent
 
 
 def noun(name: str) -> str:
-    """What an effect is called, with its article; a name that the table does not hold as it is."""
-    words = EFFECT_TEXTS.get(name)
-    return name if words is None else words.noun
+    """Name of an effect with its article; an unknown name is returned unchanged."""
+    text = EFFECT_TEXTS.get(name)
+    return name if text is None else text.noun
 
 
 def clause(effect: dict[str, Any]) -> str:
-    """What the rig does, as a clause without its full stop."""
+    """What the rig does, without the full stop."""
     known: dict[str, Quantity] = {}
     for name, entry in effect["parameters"].items():
         quantity = Quantity(entry["value"], entry["stderr"], entry["unit"])
         if name not in _POSITIONS and quantity.stderr > abs(quantity.value):
-            continue  # the number says nothing
+            continue  # not significantly different from zero
         size = Quantity(abs(quantity.value), quantity.stderr, quantity.unit)
         sign = "+" if quantity.value >= 0.0 else "-"
         known |= {name: quantity, f"{name}_{quantity.unit}": quantity, f"{name}{sign}": size}
-    words = EFFECT_TEXTS.get(effect["name"])
-    for form in () if words is None else words.clauses:
+    text = EFFECT_TEXTS.get(effect["name"])
+    for form in () if text is None else text.clauses:
         if all(field in known for _, field, _, _ in Formatter().parse(form) if field is not None):
             return form.format(**known)
     return f"The record shows {noun(effect['name'])}"
 
 
 def parameter_label(effect: str, parameter: str, unit: str) -> str:
-    """What a parameter of an effect is called."""
+    """Label of a parameter of an effect."""
     for key in ((effect, parameter, unit), (effect, parameter)):
         if key in _SPECIFIC_LABELS:
             return _SPECIFIC_LABELS[key]

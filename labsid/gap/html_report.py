@@ -1,4 +1,4 @@
-"""The report page: one self-contained HTML file, a pure function of the JSON report."""
+"""The HTML report: one self-contained file, made from the JSON report alone."""
 
 import base64
 import re
@@ -15,24 +15,24 @@ from labsid.gap.quantities import closed_percent, number, probability
 if TYPE_CHECKING:
     import jinja2
 
-VISIBLE_ROWS = 8  # rows of the ranking that are not folded away
+VISIBLE_ROWS = 8  # rows of the ranking outside the collapsed part
 _UNBREAKABLE = r" %( \[-?\d+, -?\d+\])?|(?<=\d) (s|Hz)\b|\bp [=<>] (?=\d)"
 LOOP = (
-    ("input", "Actuator", "the way in"),
-    ("dynamics", "Process", "the rig itself"),
-    ("output", "Sensor", "the way out"),
-    ("disturbance", "Surroundings", "loads and noise"),
-    ("parameters", "Simulation", "its numbers"),
+    ("input", "Actuator", "command to process"),
+    ("dynamics", "Process", "dynamics of the rig"),
+    ("output", "Sensor", "process to record"),
+    ("disturbance", "Environment", "loads and noise"),
+    ("parameters", "Simulation", "its parameters"),
 )
 
 
 def write_html_report(path: Path, report: dict[str, Any]) -> None:
-    """Write the report as one HTML page that needs nothing else: no network, no script.
+    """Write the report as one HTML file without scripts or external resources.
 
     Parameters
     ----------
     path : Path
-        A file of that name is replaced.
+        An existing file is replaced.
     report : dict
         In the layout ``labsid.gap/1``.
 
@@ -45,7 +45,7 @@ def write_html_report(path: Path, report: dict[str, Any]) -> None:
 
 
 def page_content(report: dict[str, Any]) -> dict[str, Any]:
-    """Everything that the page says, as plain text."""
+    """The content of the page as plain text, by the names that the template uses."""
     gap, record = report["gap"], report["record"]
     return {
         "verdict": report["verdict"],
@@ -60,22 +60,22 @@ def page_content(report: dict[str, Any]) -> dict[str, Any]:
         else closed_percent(gap["closed"], gap["ci95"]),
         "bars": _bars(report),
         "gap": sentences.gap_sentence(report),
-        "yardstick": sentences.black_box_sentence(report),
+        "black_box": sentences.black_box_sentence(report),
         "effects": [_effect(effect) for effect in report["effects"]],
-        "unsure": sentences.ambiguity_sentence(report),
+        "alternatives": sentences.ambiguity_sentence(report),
         "record": sentences.record_sentences(report),
         "screen": report["screen"],
-        "other": report["holdout_traces"] is not None,
+        "holdout": report["holdout_traces"] is not None,
         "plateaus": sentences.plateaus_matter(report),
-        "beyond": sentences.other_causes_sentence(report),
+        "other_causes": sentences.other_causes_sentence(report),
         "loop": _loop(report),
         "place": sentences.place_sentence(report),
         "where": location_sentences(report),
-        "sides": sentences.fitted_baseline_sentence(report),
+        "fitted_baseline": sentences.fitted_baseline_sentence(report),
         "ranking": _ranking(report),
         "shown": VISIBLE_ROWS,
         "tried": [sentences.noun_without_article(name) for name in sentences.effects_tried(report)],
-        "left": sentences.residual_sentences(report),
+        "residual": sentences.residual_sentences(report),
         "experiment": _experiment(report),
         "command": command(report),
         "exact": "command" in report,
@@ -83,39 +83,31 @@ def page_content(report: dict[str, Any]) -> dict[str, Any]:
 
 
 def _simulation(report: dict[str, Any]) -> str:
-    """What was compared with the record."""
+    """The simulation that was compared with the record."""
     if not report["simulation"]["given"]:
-        return "No simulation was given: a linear model, fitted to the record itself, stands for it."
+        return "No simulation was given, so a linear model fitted to the record takes its place."
     if report["simulation"]["output_only"]:
-        return "Only the output of your simulation was given, so only causes behind the process could be tried on it."
-    return "The record is compared with the simulation that you gave, as it is."
+        return "Only the output of your simulation was given, so only effects at the output could be tried."
+    return "The record is compared with the simulation that you gave, unchanged."
 
 
 def _bars(report: dict[str, Any]) -> list[dict[str, Any]]:
-    """Errors as lengths, in per cent of the longest."""
+    """Rms errors as bars, with lengths in per cent of the longest."""
     gap = report["gap"]
     if sentences.is_unchanged(report):
         rows = [("Simulation", gap["before"], "after")]
     else:
-        rows = [("Before", gap["before"], "before"), (f"After: {_added(report)}", gap["after"], "after")]
+        rows = [("Before", gap["before"], "before"), (f"After {sentences.correction(report)}", gap["after"], "after")]
     rows.append(("Noise alone", gap["noise_floor"], "floor"))
     longest = max(value for _, value, _ in rows) or 1.0
     return [
-        {"label": text, "value": number(value), "width": f"{100.0 * value / longest:.1f}", "look": look}
-        for text, value, look in rows
+        {"label": text, "value": number(value), "width": f"{100.0 * value / longest:.1f}", "colour": colour}
+        for text, value, colour in rows
     ]
 
 
-def _added(report: dict[str, Any]) -> str:
-    """What makes the simulation after another one than that before."""
-    if sentences.is_incomplete(report):
-        return "nearest explanation added"
-    names = [effect["name"] for effect in report["effects"]]
-    return "numbers fitted again" if names == ["parameter-mismatch"] else "cause added"
-
-
 def _effect(effect: dict[str, Any]) -> dict[str, Any]:
-    words = EFFECT_TEXTS.get(effect["name"])
+    text = EFFECT_TEXTS.get(effect["name"])
     closed = effect["closed"]
     parameters = []
     for name, entry in effect["parameters"].items():
@@ -124,7 +116,7 @@ def _effect(effect: dict[str, Any]) -> dict[str, Any]:
     return {
         "title": sentences.capitalised(sentences.noun_without_article(effect["name"])),
         "name": effect["name"],
-        "meaning": "" if words is None else words.meaning,
+        "meaning": "" if text is None else text.meaning,
         "probability": probability(effect["probability"]),
         "closed": None if closed is None or effect["name"] in UNSIMULATED else closed_percent(closed),
         "parameters": parameters,
@@ -132,17 +124,17 @@ def _effect(effect: dict[str, Any]) -> dict[str, Any]:
 
 
 def _loop(report: dict[str, Any]) -> list[dict[str, Any]]:
-    """The stations of the loop, those marked where a cause sits; the simulation's only where it was given."""
-    hit = {effect["path"] for effect in report["effects"]}
+    """The blocks of the control loop, with those of the causes marked; the simulation only if it was given."""
+    causes = {effect["path"] for effect in report["effects"]}
     return [
-        {"path": path, "title": title, "what": what, "hit": path in hit}
+        {"path": path, "title": title, "what": what, "cause": path in causes}
         for path, title, what in LOOP
         if path != "parameters" or report["simulation"]["given"]
     ]
 
 
 def _ranking(report: dict[str, Any]) -> list[dict[str, Any]]:
-    """Explanations, best first; the accepted one carries what it closes on samples held back, with its interval."""
+    """Rows of the ranking; that of the accepted explanation includes its closed share on held-out samples."""
     gap = report["gap"]
     accepted = {*(effect["name"] for effect in report["effects"]), *sentences.unnamed_effects(report)} - {
         *UNSIMULATED,
@@ -162,27 +154,27 @@ def _ranking(report: dict[str, Any]) -> list[dict[str, Any]]:
                 "width": "" if closed is None else f"{100.0 * min(max(closed, 0.0), 1.0):.0f}",
                 "rmse": number(row["rmse"]),
                 "accepted": ours,
-                "tag": "holds the answer" if sentences.unnamed_effects(report) else "the answer",
-                "held": closed_percent(gap["closed"], gap["ci95"]) if ours and gap["closed"] is not None else "",
+                "tag": "partly accepted" if sentences.unnamed_effects(report) else "accepted",
+                "held_out": closed_percent(gap["closed"], gap["ci95"]) if ours and gap["closed"] is not None else "",
             }
         )
     return rows
 
 
 def _experiment(report: dict[str, Any]) -> dict[str, Any] | None:
-    """What the proposed input would settle, and the input as a file to save."""
+    """The sentence on the proposed input, and the input as CSV in base64."""
     planned = report["next_experiment"]
     if planned is None:
         return None
     rows = "".join(f"{t!r},{u!r}\n" for t, u in zip(planned["t"], planned["u"], strict=True))
     return {
-        "said": sentences.experiment_sentence(report),
+        "text": sentences.experiment_sentence(report),
         "csv": base64.b64encode(f"t,u\n{rows}".encode()).decode("ascii"),
     }
 
 
 def command(report: dict[str, Any]) -> str:
-    """The command that makes this page again, for a POSIX shell."""
+    """The command that reproduces this page, for a POSIX shell."""
     given = report.get("command")
     if given:
         return str(given)
@@ -195,7 +187,7 @@ def command(report: dict[str, Any]) -> str:
 
 
 def encoded_figures(report: dict[str, Any]) -> dict[str, dict[str, str]]:
-    """The figures, each for a wide and for a narrow screen, as PNG in base64."""
+    """The figures as PNG in base64, each for a wide and for a narrow screen."""
     from labsid.plots.gap import figures_as_png
 
     return {
@@ -215,7 +207,7 @@ def _template() -> "jinja2.Template":
 
 
 def _no_break(value: Any) -> Any:
-    """Text in which no unit or interval is parted from its number at the end of a line."""
-    if not isinstance(value, str) or hasattr(value, "__html__"):  # markup, of which every part has been here before
+    """Keep numbers with their units and intervals on one line."""
+    if not isinstance(value, str) or hasattr(value, "__html__"):  # markup: its parts have been processed already
         return value
     return re.sub(_UNBREAKABLE, lambda found: found[0].replace(" ", "\u00a0"), value)

@@ -8,29 +8,29 @@ from labsid.gap.effect_texts import EFFECT_TEXTS, clause, noun, parameter_label,
 from labsid.gap.quantities import UNITS
 
 CLAUSES = {
-    "input-delay": "The rig answers each command 0.4339 s late",
-    "input-saturation": "The actuator stops at -0.5115 and at 0.0897",
+    "input-delay": "The rig responds to each command 0.4339 s late",
+    "input-saturation": "The actuator saturates at -0.5115 and at 0.0897",
     "input-dead-zone": "The actuator does not move between 0.458 and 0.875",
-    "input-backlash": "The actuator has to cross a play of 0.32 each time it turns round",
+    "input-backlash": "The actuator crosses a play of 0.32 at each change of direction",
     "input-rate-limit": "The actuator moves no faster than 1.71 units a second",
     "input-nonlinearity": "The gain of the actuator changes with the size of the command",
-    "extra-lag": "Between command and record there is one more lag, of 2.51 s",
-    "resonance": "The rig rings at 8.579 Hz, with a damping ratio of 0.0591",
-    "sqrt-outflow": "The outflow goes with the square root of the level, not with the level",
-    "overflow": "A tank is full at 10.10 and takes no more",
-    "coulomb-friction": "Dry friction takes 1.702 of the command before anything moves",
-    "cubic-stiffness": "The rig grows softer away from rest, by 0.938 times the square of the displacement",
-    "parameter-drift": "The gain of the rig changes by -60 % along the record",
-    "output-drift": "The zero of the sensor wanders by ±0.0760",
-    "output-saturation": "The sensor reads nothing above 243.71",
-    "output-nonlinearity": "The gain of the sensor changes along its range",
-    "output-quantization": "The output is read in steps of 0.0129",
-    "output-outliers": "Single readings, 0.72 % of them, are spikes",
+    "extra-lag": "There is an additional lag of 2.51 s between command and record",
+    "resonance": "The rig oscillates at 8.579 Hz with a damping ratio of 0.0591",
+    "sqrt-outflow": "The outflow is proportional to the square root of the level, not to the level",
+    "overflow": "A tank overflows at 10.10",
+    "coulomb-friction": "Motion starts only when the command overcomes dry friction of 1.702",
+    "cubic-stiffness": "The stiffness decreases by 0.938 times the square of the displacement",
+    "parameter-drift": "The gain of the rig changes by -60 % over the record",
+    "output-drift": "The zero of the sensor drifts by ±0.0760",
+    "output-saturation": "The sensor clips above 243.71",
+    "output-nonlinearity": "The gain of the sensor changes over its range",
+    "output-quantization": "The output is quantised in steps of 0.0129",
+    "output-outliers": "Of the readings, 0.72 % are isolated spikes",
     "output-dropout": "The logger repeats its last value over 12 % of the record",
-    "load-step": "An unmeasured load sets in at 374.2 s and moves the output by -0.210",
-    "periodic-disturbance": "The output swings at 0.0861 Hz with amplitude 0.00467, whatever the command does",
-    "coloured-noise": "Noise of 0.045 rms that forgets itself slowly lies on the output",
-    "parameter-mismatch": "The structure of the simulation is right, its numbers are wrong",
+    "load-step": "An unmeasured load starts at 374.2 s and changes the output by -0.210",
+    "periodic-disturbance": "The output oscillates at 0.0861 Hz with amplitude 0.00467, independent of the command",
+    "coloured-noise": "The output contains noise of 0.045 rms that is correlated over many samples",
+    "parameter-mismatch": "The structure of the simulation is right, but its parameters are wrong",
 }
 
 
@@ -76,25 +76,25 @@ def test_a_load_that_grows_with_the_output_is_a_leak():
     leak = effect("load-step")
     leak["parameters"]["size"] = {"value": 0.21, "stderr": 0.01, "unit": "1"}
     assert clause(leak) == (
-        "An unmeasured load sets in at 374.2 s and adds 21 % to the pull towards rest, as a leak does"
+        "An unmeasured load starts at 374.2 s and raises the rate of return to rest by 21 %, as a leak does"
     )
-    assert parameter_label("load-step", "size", "1") == "growth of the pull towards rest"
+    assert parameter_label("load-step", "size", "1") == "increase of the rate of return to rest"
     assert parameter_value("load-step", "size", leak["parameters"]["size"]) == ("21.0 ± 1.0", "%")
 
 
 def test_a_stiffening_spring_is_not_a_softening_one():
     hard = effect("cubic-stiffness")
     hard["parameters"]["cubic"]["value"] = 0.05
-    assert clause(hard).startswith("The rig grows stiffer away from rest, by 0.050 times")
+    assert clause(hard).startswith("The stiffness increases by 0.050 times")
 
 
 def test_a_size_that_its_error_swallows_is_not_said():
     loose = effect("output-drift")
     loose["parameters"]["amplitude"]["stderr"] = 7.5
-    assert clause(loose) == "The zero of the sensor wanders"
+    assert clause(loose) == "The zero of the sensor drifts"
     near_zero = effect("output-saturation")
     near_zero["parameters"] = {"low": {"value": 0.001, "stderr": 0.01, "unit": "y"}}
-    assert clause(near_zero) == "The sensor reads nothing below 0.0010"
+    assert clause(near_zero) == "The sensor clips below 0.0010"
 
 
 def test_a_name_outside_the_table_is_said_as_it_is():

@@ -94,12 +94,12 @@ def test_the_verdict_stands_first_and_the_order_is_that_of_the_contract(kind, pa
     words = parsed.words
     titles = (
         sentences.verdict_sentence(KINDS[kind]),
-        "Measured against simulated",
-        "Where what little is missed lies" if kind == "none" else "Where the gap lies",
-        "What was tried",
-        "What is left unexplained",
-        "What to do next",
-        "How to reproduce this",
+        "Measured and simulated output",
+        "Location of the remaining error" if kind == "none" else "Location of the gap",
+        "Effects tried",
+        "Residual",
+        "Next step",
+        "Reproduce this report",
     )
     places = [words.index(title) for title in titles]
     assert places == sorted(places)
@@ -158,20 +158,20 @@ def test_the_accepted_row_carries_its_interval_and_the_rest_is_folded(tmp_path):
     base["ranking"] += [{"name": f"extra-lag+{k}", "probability": 0.0, "rmse": 1.0, "closed": 0.1} for k in range(7)]
     shown = page_content(base)
     assert [row["accepted"] for row in shown["ranking"]] == [True, *[False] * 10]
-    assert shown["ranking"][0]["held"] == "97 % [94, 100]"
+    assert shown["ranking"][0]["held_out"] == "97 % [94, 100]"
     _, parsed = _read(tmp_path / "page.html", base)
     assert "3 more" in parsed.words
-    assert parsed.words.count("the answer") == 1
+    assert parsed.words.count(" accepted ") == 1
     base["beside"] = ["output-outliers"]
     _, parsed = _read(tmp_path / "page.html", base)
-    assert parsed.words.count("holds the answer") == 1
-    assert "nearest explanation added" in parsed.words
+    assert parsed.words.count("partly accepted") == 1
+    assert "After adding the best candidate" in parsed.words
 
 
 def test_no_row_is_the_answer_where_there_is_none(pages):
     _, parsed = pages["unknown"]
-    assert "the answer" not in parsed.words
-    assert "Here none of them holds" in parsed.words
+    assert not any(row["accepted"] for row in page_content(KINDS["unknown"])["ranking"])
+    assert "On this record none is accepted" in parsed.words
 
 
 def test_the_proposed_input_can_be_saved(pages):
@@ -185,9 +185,9 @@ def test_the_proposed_input_can_be_saved(pages):
 
 def test_the_loop_marks_where_the_causes_sit():
     stations = page_content(KINDS["pair"])["loop"]
-    assert [part["title"] for part in stations if part["hit"]] == ["Sensor", "Surroundings"]
+    assert [part["title"] for part in stations if part["cause"]] == ["Sensor", "Environment"]
     assert "Simulation" not in [part["title"] for part in stations]
-    assert [part["title"] for part in page_content(KINDS["mismatch"])["loop"] if part["hit"]] == ["Simulation"]
+    assert [part["title"] for part in page_content(KINDS["mismatch"])["loop"] if part["cause"]] == ["Simulation"]
 
 
 def test_no_line_ends_between_a_number_and_its_per_cent(pages):
@@ -214,18 +214,18 @@ def test_what_the_record_itself_shows_is_a_list_under_the_verdict(tmp_path):
     _, parsed = _read(tmp_path / "page.html", with_plateaus(report("output-drift", verdict="unknown"), left=0.6))
     places = [
         parsed.words.index(text)
-        for text in ("does not come back to the same level. 0", "The record itself shows:", "Measured against")
+        for text in ("does not come back to the same level. 0", "The record itself shows:", "Measured and simulated")
         if text in parsed.words
     ]
     assert places == sorted(places)
-    assert "Play the same input once more" in parsed.words
+    assert "Apply the same input again" in parsed.words
 
 
 def test_a_change_within_the_record_is_said_to_show_on_both_sides():
-    assert "on both sides" in page_content(report("load-step"))["sides"]
-    assert page_content(report("input-delay"))["sides"] == ""
+    assert "on both sides" in page_content(report("load-step"))["fitted_baseline"]
+    assert page_content(report("input-delay"))["fitted_baseline"] == ""
     given = report("load-step") | {"simulation": {"given": True, "output_only": False}}
-    assert page_content(given)["sides"] == ""
+    assert page_content(given)["fitted_baseline"] == ""
 
 
 def test_bars_compare_before_after_and_noise_or_what_there_is():
@@ -233,9 +233,9 @@ def test_bars_compare_before_after_and_noise_or_what_there_is():
     assert [bar["label"] for bar in page_content(KINDS["none"])["bars"]] == ["Simulation", "Noise alone"]
     after = {kind: page_content(KINDS[kind])["bars"][1]["label"] for kind in ("effect", "unknown", "mismatch")}
     assert after == {
-        "effect": "After: cause added",
-        "unknown": "After: nearest explanation added",
-        "mismatch": "After: numbers fitted again",
+        "effect": "After adding the cause",
+        "unknown": "After adding the best candidate",
+        "mismatch": "After refitting the parameters",
     }
 
 
@@ -244,7 +244,7 @@ def test_a_simulation_of_which_only_the_output_is_known_is_said_so():
     base["simulation"] = {"given": True, "output_only": True}
     assert "Only the output" in page_content(base)["simulation"]
     base["simulation"]["output_only"] = False
-    assert "as it is" in page_content(base)["simulation"]
+    assert "unchanged" in page_content(base)["simulation"]
 
 
 def test_the_page_is_a_pure_function_of_the_report(tmp_path):

@@ -13,8 +13,8 @@ from labsid.gap.sample_faults import SampleFaults
 @pytest.mark.parametrize(
     ("spikes", "said"),
     [
-        (1, "1 isolated sample stands far from its neighbours; the fits leave it out."),
-        (2, "2 isolated samples stand far from their neighbours; the fits leave them out."),
+        (1, "1 sample is an isolated spike; the fits exclude it."),
+        (2, "2 samples are isolated spikes; the fits exclude them."),
     ],
 )
 def test_what_is_left_out_is_counted_in_words(plain: Explanation, spikes: int, said: str) -> None:
@@ -24,5 +24,5 @@ def test_what_is_left_out_is_counted_in_words(plain: Explanation, spikes: int, s
     held = SampleFaults(np.arange(none.size) < 48, ((0, 24), (24, 48))[:spikes], none, 0.5)
     stretches = "1 stretch" if spikes == 1 else "2 stretches"
     lattice, repeats = _screen_sentences(replace(plain, faults=held))
-    assert lattice.startswith("The output lies on a lattice of ")
-    assert repeats == f"The output repeats its last value over {stretches}, 10 % of the record."
+    assert lattice.startswith("All output values are multiples of ")
+    assert repeats == f"The output repeats its last value in {stretches}, 10 % of the record."

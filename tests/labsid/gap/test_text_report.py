@@ -29,10 +29,10 @@ def test_what_only_the_samples_show_closes_no_gap(name):
     base = report(name)
     base["gap"] |= {"before": 0.0102, "after": 0.0102, "closed": None, "ci95": None, "black_box": None}
     said = sentences.verdict_sentence(base)
-    assert said == (f"{clause(effect(name))}: {noun(name)}; that aside, the simulation leaves no gap beyond noise.")
+    assert said == f"{clause(effect(name))}: {noun(name)}; apart from this, there is no gap beyond noise."
     base["gap"] |= {"before": 0.02, "after": 0.02}
     assert sentences.verdict_sentence(base).endswith(
-        "misses the record by 0.0200 rms, where the noise alone is 0.0100."
+        "the rms simulation error is 0.0200, and the noise alone is 0.0100."
     )
 
 
@@ -42,31 +42,31 @@ def test_the_dead_zone_as_the_contract_says_it():
         "The actuator does not move between 0.458 and 0.875: a dead zone explains 97 %"
     )
     assert "lower edge of the band  0.4580 ± 0.0013  units of u" in text
-    assert "misses the record by 0.0644 rms before and 0.0102 after, and the noise alone is 0.0100" in _one_line(text)
-    assert "On the way in, between the command and the process." in _one_line(text)
-    assert "80 % of it lies between 30 and 45 s, 12 % of the record" in _one_line(text)
+    assert "is 0.0644 before and 0.0102 after adding the cause; the noise alone is 0.0100" in _one_line(text)
+    assert "The cause is between the command and the process." in _one_line(text)
+    assert "80 % of the gap lies between 30 and 45 s, 12 % of the record" in _one_line(text)
     assert "70 % of it lies between 0.250 and 0.500 Hz" in _one_line(text)
-    assert "90 % of it lies where u is between 2 and 3; the record spends 50 % of its time there" in _one_line(text)
-    assert "noise and nothing else" in _one_line(text)
+    assert "90 % of it lies where u is between 2 and 3, in which the record spends 50 % of its time" in _one_line(text)
+    assert "Only white noise remains." in _one_line(text)
 
 
 def test_a_pair_is_said_together_and_the_unsure_half_of_it_hedged():
     base = report("input-dead-zone", "load-step")
     said = sentences.verdict_sentence(base)
     assert said == (
-        "The actuator does not move between 0.458 and 0.875 (a dead zone), and an unmeasured load sets in at 374.2 s "
-        "and moves the output by -0.210 (a load step): together they explain 97 % [94, 100] of the gap."
+        "The actuator does not move between 0.458 and 0.875 (a dead zone), and an unmeasured load starts at 374.2 s "
+        "and changes the output by -0.210 (a load step): together they explain 97 % [94, 100] of the gap."
     )
     base["effects"][1]["probability"] = 0.43
-    assert "(a dead zone), and possibly an unmeasured load sets in" in sentences.verdict_sentence(base)
+    assert "(a dead zone), and possibly an unmeasured load starts" in sentences.verdict_sentence(base)
     base["effects"][0]["probability"] = 0.7
     assert sentences.verdict_sentence(base).startswith("Probably the actuator does not move")
-    assert "A dead zone: on the way in" in _one_line(format_report(base))
+    assert "A dead zone: between the command and the process;" in _one_line(format_report(base))
 
 
 def test_three_effects_are_listed():
     said = sentences.verdict_sentence(report("input-delay", "extra-lag", "output-drift"))
-    assert "late (a transport delay), between command" in said
+    assert "late (a transport delay), there is an additional lag" in said
     assert "(an extra lag), and the zero of the sensor" in said
 
 
@@ -74,9 +74,9 @@ def test_three_effects_are_listed():
     ("closed", "ci95", "end"),
     [
         (0.3, [0.1, 0.5], "a transport delay explains only 30 % [10, 50] of the gap."),
-        (0.3, [-0.2, 0.8], "a transport delay explains only 30 % [-20, 80] of the gap, and possibly nothing of it."),
-        (-0.2, [-1.3, 0.4], "but nothing of the gap on samples held back (-20 % [-130, 40])."),
-        (None, None, "though the samples held back show no gap to close."),
+        (0.3, [-0.2, 0.8], "a transport delay explains only 30 % [-20, 80] of the gap, possibly none of it."),
+        (-0.2, [-1.3, 0.4], "but closes none of the gap on held-out samples (-20 % [-130, 40])."),
+        (None, None, "but held-out samples show no gap."),
     ],
 )
 def test_what_does_not_hold_on_fresh_samples_is_not_praised(closed, ci95, end):
@@ -89,13 +89,13 @@ def test_none_says_which_simulation_was_good_enough():
     base = report(verdict="none")
     text = format_report(base)
     assert _one_line(text).startswith(
-        "There is no gap beyond noise: a linear model fitted to the record misses the record by 0.0102 rms, and the "
+        "There is no gap beyond noise: the rms error of a linear model fitted to the record is 0.0102, and the "
         "noise alone is 0.0100."
     )
     assert "where " not in text
     base["simulation"]["given"] = True
     base["gap"]["after"] = 0.0099  # refitted, which changes nothing that counts
-    assert "your simulation misses the record by 0.0102 rms" in _one_line(format_report(base))
+    assert "the rms error of your simulation is 0.0102" in _one_line(format_report(base))
     assert "0.0099" not in format_report(base)
 
 
@@ -105,34 +105,36 @@ def test_unknown_says_what_was_looked_at_and_what_is_left():
     base["unexplained"] |= {"share": 0.24, "whiteness_p": 0.0, "input_correlation_p": 1e-9, "repeats": 0.3}
     text = _one_line(format_report(base))
     assert text.startswith(
-        "There is a gap that none of the 9 causes tried explains: the nearest, a transport delay, closes only "
-        "43 % [8, 58] of it, and what it leaves is more than noise."
+        "None of the 9 effects tried explains the gap: the best candidate, a transport delay, closes only "
+        "43 % [8, 58] of it, and the remaining error exceeds the noise."
     )
     assert "tried Extra lag, backlash, transport delay, drift of the sensor, lightly damped mode, logger" in text
-    assert "24 % of the gap is left, 0.0101 rms with the noise" in text
-    assert "It still follows the input (p < 0.001)" in text
-    assert "comes back when the same input comes back (correlation 0.30)" in text
-    assert "nothing else" not in text
+    assert "24 % of the gap remains; with the noise, 0.0101 rms" in text
+    assert "It depends on past inputs (p < 0.001)" in text
+    assert "repeats when the input repeats (correlation 0.30)" in text
+    assert "Only white noise" not in text
 
 
 def test_unknown_where_nothing_shrinks_the_gap_names_no_nearest():
     base = report("input-delay", verdict="unknown")
     base["gap"] |= {"closed": 0.0, "ci95": [0.0, 0.0], "after": base["gap"]["before"]}
-    assert sentences.verdict_sentence(base).endswith("none of them shrinks it by more than chance would.")
+    assert sentences.verdict_sentence(base).endswith("none reduces it by more than chance.")
     base["gap"] |= {"closed": -0.1, "ci95": [-0.9, 0.2], "after": 0.08}
-    assert sentences.verdict_sentence(base).endswith("a transport delay, does not shrink it on samples held back.")
+    assert sentences.verdict_sentence(base).endswith("a transport delay, does not reduce it on held-out samples.")
 
 
 def test_a_set_is_named_as_one_and_not_twice():
     base = report("input-delay", probability=0.58) | {"ambiguous": ["input-rate-limit", "extra-lag"]}
     assert sentences.ambiguity_sentence(base) == (
-        "It could also be a rate limit of the actuator or an extra lag: this record cannot tell. Probability: "
+        "The record does not rule out a rate limit of the actuator or an extra lag instead. Probability: "
         "a transport delay 58 %."
     )
     unknown = report("input-delay", verdict="unknown") | {"ambiguous": ["input-delay"]}
     assert sentences.ambiguity_sentence(unknown) is None  # the verdict has named it
     unknown["ambiguous"] = ["resonance"]
-    assert sentences.ambiguity_sentence(unknown).startswith("A lightly damped mode: these come nearest")
+    assert sentences.ambiguity_sentence(unknown).startswith(
+        "The best fits include a lightly damped mode, but none is accepted"
+    )
     none = report(verdict="none") | {"ambiguous": ["extra-lag"]}
     assert sentences.ambiguity_sentence(none) == "The record does not rule out an extra lag."
 
@@ -143,26 +145,26 @@ def test_a_stop_that_is_seen_is_said_apart_from_what_is_only_nearest():
         "ambiguous": ["output-nonlinearity"],
     }
     said = sentences.verdict_sentence(base)
-    assert said.startswith(f"Probably {sentences.uncapitalised(clause(effect('overflow')))}: an overflow, at which")
+    assert said.startswith(f"Probably {sentences.uncapitalised(clause(effect('overflow')))}: an overflow; the output")
     assert said.endswith(
-        "It is not all that acts: with a curved characteristic of the sensor beside it, the nearest that was tried, "
-        "the simulation closes 97 % [94, 100] of the gap."
+        "It is not the only cause: the best candidate, which adds a curved characteristic of the sensor, "
+        "closes 97 % [94, 100] of the gap."
     )
-    assert sentences.ambiguity_sentence(base).startswith("What else acts is not certain: a curved characteristic")
-    assert sentences.other_causes_sentence(base).startswith("Of the first one only the part that is named")
+    assert sentences.ambiguity_sentence(base).startswith("The additional cause is uncertain: a curved characteristic")
+    assert sentences.other_causes_sentence(base).startswith("Of the first row, only the effect named above")
     assert sentences.is_incomplete(base)
     assert not sentences.is_incomplete(report("overflow"))
     base["gap"] |= {"closed": -0.1, "ci95": [-0.4, 0.2]}
-    assert "closes nothing of the gap on samples held back." in sentences.verdict_sentence(base)
+    assert "closes none of the gap on held-out samples." in sentences.verdict_sentence(base)
 
 
-@pytest.mark.parametrize(("margin", "how"), [(41.0, "safe"), (9.0, "likely right")])
+@pytest.mark.parametrize(("margin", "how"), [(41.0, "reliable"), (9.0, "probably correct")])
 def test_the_experiment_says_what_it_tells_apart_and_how_surely(margin, how):
     base = with_experiment(report("input-delay"))
     base["next_experiment"]["margin"] = margin
     said = sentences.experiment_sentence(base)
     assert said.startswith(
-        "It would tell a transport delay from a drift of the sensor. On ramps, a drift of the sensor "
+        "It distinguishes a transport delay from a drift of the sensor. On ramps, a drift of the sensor "
     )
     assert said.endswith(f"the decision would be {how}.")
     assert "input-delay" not in said
@@ -172,23 +174,25 @@ def test_the_experiment_says_what_it_tells_apart_and_how_surely(margin, how):
 def test_the_gap_in_time_is_spread_or_in_stretches():
     base = report("output-dropout")
     base["where"]["time"] = [[0.0, 60.0, 0.55], [60.0, 120.0, 0.45]]
-    assert "In time it is spread over the whole record." in location_sentences(base)
+    assert "The gap is spread over the whole record." in location_sentences(base)
     base["where"]["time"] = [[0, 50, 0.1], [50, 52, 0.3], [52, 54, 0.2], [54, 90, 0.1], [90, 92, 0.3], [92, 120, 0.0]]
     assert location_sentences(base)[0] == (
-        "In time, 80 % of it lies in 2 stretches that make up 5 % of the record, most between 50 and 54 s."
+        "80 % of the gap lies in 2 stretches that make up 5 % of the record; the largest is 50 to 54 s."
     )
 
 
 def test_an_operating_range_that_only_follows_the_time_is_said_so():
     base = report("input-delay")
     base["where"]["operating"][2]["share"], base["where"]["operating"][1]["share"] = 0.55, 0.4
-    assert "it follows the time that the record spends at each value of u" in location_sentences(base)[2]
+    assert (
+        location_sentences(base)[2] == "Over the range of u, the gap is in proportion to the time spent at each value."
+    )
 
 
 def test_a_given_holdout_is_named_as_the_ground_of_the_score():
     base = report("input-delay")
-    assert "on samples that no fit has seen" in sentences.gap_sentence(base)
-    assert "on the record held back" in sentences.gap_sentence(with_holdout(base))
+    assert "held-out samples" in sentences.gap_sentence(base)
+    assert "holdout record" in sentences.gap_sentence(with_holdout(base))
 
 
 def test_lines_are_short_and_numbers_stay_with_their_per_cent():
@@ -217,17 +221,16 @@ def test_levels_that_do_not_repeat_are_said_with_what_the_simulations_miss_of_th
     base = with_plateaus(report("output-drift"), left=0.1)
     (said,) = sentences.record_sentences(base)
     assert said == (
-        "The output does not come back to the same level. It should. The simulation misses these levels by 0.0400 rms; "
-        "its whole error is 0.0500 rms. With the cause added, 0.00400 rms is left of it."
+        "The output does not come back to the same level. It should. Between these levels the simulation error "
+        "varies by 0.0400 rms; over the whole record it is 0.0500 rms. With the cause added, this variation is "
+        "0.00400 rms."
     )
     assert said in _one_line(format_report(base))
     base = with_plateaus(report("output-drift"), left=0.0)
-    assert sentences.record_sentences(base)[0].endswith(
-        "With the cause added, no more than noise may do is left of it."
-    )
+    assert sentences.record_sentences(base)[0].endswith("With the cause added, this variation is no larger than noise.")
     base = with_plateaus(report("output-drift", verdict="unknown"), left=0.6)
-    assert "Nothing that was tried accounts for that" in sentences.record_sentences(base)[0]
-    assert sentences.verdict_sentence(base).endswith("the output does not come back to the same level.")
+    assert "No effect tried explains this." in sentences.record_sentences(base)[0]
+    assert sentences.verdict_sentence(base).endswith("the output settles at different levels.")
 
 
 def test_a_record_that_shows_nothing_of_its_own_has_no_such_row():
@@ -237,8 +240,8 @@ def test_a_record_that_shows_nothing_of_its_own_has_no_such_row():
 
 def test_what_the_ranking_leaves_for_other_causes_is_said():
     base = report("input-delay", verdict="unknown")
-    assert sentences.other_causes_sentence(base).endswith("the nearest and not the right one.")
+    assert sentences.other_causes_sentence(base).endswith("the first row is only the best candidate.")
     for row in base["ranking"]:
         row["probability"] *= 0.3
-    assert sentences.other_causes_sentence(base).endswith("That leaves 70 % for a cause that is not in the table.")
+    assert sentences.other_causes_sentence(base).endswith("The remaining 70 % is for causes that are not in the table.")
     assert sentences.other_causes_sentence(report("input-delay")) == ""
