@@ -1,4 +1,4 @@
-"""The check's own output-error fit: how much of a record the best linear model of a given order cannot follow."""
+"""Output-error fit of the sealed check, independent of `labsid.gap`: the error of the best linear model."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -13,20 +13,20 @@ from labsid._compiled import compiled
 
 @dataclass(frozen=True, slots=True, eq=False)
 class LinearFit:
-    """A second-order model that runs freely beside a record.
+    """A second-order output-error model.
 
     Attributes
     ----------
     a : ndarray, shape (3,)
         ``1, a1, a2``.
     b : ndarray, shape (taps,)
-        ``b1, b2, ...``: of ``u(k-1), u(k-2), ...``.
+        ``b1, b2, ...``, coefficients of ``u(k-1), u(k-2), ...``.
     offset : float
         Constant added to the output.
     y : ndarray, shape (N,)
-        Its free run from the initial state that fits best.
+        Free-run output from the estimated initial state.
     rmse : float
-        Over the samples that count.
+        Root mean square error over the samples that count.
     """
 
     a: FloatArray
@@ -53,13 +53,13 @@ def fit_linear(
     ----------
     u, y : ndarray, shape (N,)
     poles : sequence of complex, length 2
-        Discrete poles to start from.
+        Discrete-time start values.
     counts : ndarray of bool, shape (N,), optional
-        Samples that count in the fit; the model runs through all of them.
+        Samples that count in the fit; the model is simulated over all of them.
     taps : int
-        Coefficients of the numerator: 2, or 3 to leave room for a delay of part of a sample.
+        Number of numerator coefficients: 2, or 3 for a fractional delay.
     thorough : bool
-        Whether to start from faster and from slower poles too.
+        Whether to start from faster and slower poles as well.
 
     Returns
     -------
@@ -67,8 +67,8 @@ def fit_linear(
 
     Notes
     -----
-    Given the denominator the rest is linear least squares; scipy searches the denominator alone, in reflection
-    coefficients, in which every finite point is stable.
+    For a given denominator the problem is linear least squares. scipy minimizes over the denominator alone, in
+    transformed reflection coefficients, for which every finite point is stable.
     """
     u = np.ascontiguousarray(u, dtype=np.float64)
     y = np.ascontiguousarray(y, dtype=np.float64)
@@ -104,7 +104,7 @@ def fit_linear(
 
 
 def discrete_poles(poles: FloatArray) -> list[complex]:
-    """Poles after sampling, from poles of continuous time whose unit is the sample.
+    """Discrete-time poles from continuous-time poles in samples.
 
     Parameters
     ----------
@@ -131,7 +131,7 @@ def _denominator(theta: FloatArray) -> tuple[float, float]:
 
 @compiled()
 def _basis(u: FloatArray, a1: float, a2: float, taps: int) -> FloatArray:
-    """Filtered inputs, a constant, and both free responses: everything that is linear once A is given."""
+    """Regressors for a given denominator: filtered inputs, a constant and two free responses."""
     n = u.size
     basis = np.zeros((n, taps + 3))
     free0, free1 = 1.0, -a1
@@ -154,7 +154,7 @@ def _basis(u: FloatArray, a1: float, a2: float, taps: int) -> FloatArray:
 
 @compiled()
 def _projected(basis: FloatArray, y: FloatArray, weight: FloatArray) -> FloatArray:
-    """The part of weighted y that no combination of the columns reaches: Gram-Schmidt, twice for accuracy."""
+    """Least-squares residual of the weighted y, by repeated Gram-Schmidt."""
     n, m = basis.shape
     q = np.empty((m, n))
     for j in range(m):

@@ -1,4 +1,4 @@
-"""Candidates: every effect refitted jointly with the linear part, alone or on top of others."""
+"""Fit a parent hypothesis with one more effect, jointly with its linear part."""
 
 from collections.abc import Iterable
 from dataclasses import dataclass
@@ -29,16 +29,15 @@ from labsid.gap.plants import Plant
 from labsid.gap.responses import real_rates, single_pole
 from labsid.gap.undriven_poles import has_undriven_pole
 
-STARTS_PER_VARIANT = 8  # starts of one variant that are followed
-MAX_OBSERVED_RATE, RESTART_RATE = 2.0, 0.5  # rates, a sample
-MASS_FREQUENCIES = 0.1, 0.4  # frequencies of a mass, a sample
-MIN_STIFFNESS_RATIO = 4.0  # times k, from which another search begins
-MAX_SINGLE_RATE = 1.0  # rate, a sample, of a state that could hardly be seen to be nonlinear
-SINUSOID_STEP, MAX_SINUSOID = (
-    0.1,
-    3.0,
-)  # size of a wave inside: with which what it does is tried, and where a search begins
-QUICK_STARTS = 4  # of all variants of a second or third effect
+STARTS_PER_VARIANT = 8  # best start points of a variant that are minimized
+MAX_OBSERVED_RATE = 2.0  # per sample: the record has no information on a faster pole
+RESTART_RATE = 0.5  # per sample: start value for such a pole
+MASS_FREQUENCIES = 0.1, 0.4  # radians per sample: start values of a mass with friction
+MIN_STIFFNESS_RATIO = 4.0  # stiffness of such a start over that of the parent
+MAX_SINGLE_RATE = 1.0  # per sample: nonlinearity of a faster state is hardly observable
+SINUSOID_STEP = 0.1  # amplitude for the numerical derivative by a sinusoid within the dynamics
+MAX_SINUSOID = 3.0  # largest start value of its amplitude
+QUICK_STARTS = 4  # start points of all variants of a second or third effect
 
 CANDIDATES: tuple[tuple[Effect, ...], ...] = (
     (input.Delay(), input.Delay("no-zero")),
@@ -66,14 +65,14 @@ CANDIDATES: tuple[tuple[Effect, ...], ...] = (
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Trial:
-    """One effect on top of a parent after a few steps of the search.
+    """A parent with one more effect after a few iterations.
 
     Attributes
     ----------
     hypothesis : Hypothesis
     point : Point
     score : float
-        BIC of its error taken as white; lower is better.
+        BIC under white noise; lower is better.
     """
 
     hypothesis: Hypothesis
@@ -82,9 +81,9 @@ class Trial:
 
 
 def trial_fits(data: Data, parent: Fit, group: tuple[Effect, ...], highpass: Fit, brief: bool = False) -> list[Trial]:
-    """The parent with one effect more: a few steps from the promising starts of every variant, best first.
+    """Add one effect of a group to the parent: a few iterations from the best starts of every variant, best first.
 
-    Empty where the record cannot show the effect; `brief` takes fewer starts and steps.
+    The list is empty if the record cannot identify the effect. `brief` uses fewer starts and iterations.
     """
     context = Context(data, parent, highpass)
     looked = []
@@ -107,7 +106,7 @@ def trial_fits(data: Data, parent: Fit, group: tuple[Effect, ...], highpass: Fit
 
 
 def _quick_selection(looked: list[tuple[float, Hypothesis, FloatArray]]) -> list[tuple[float, Hypothesis, FloatArray]]:
-    """A few starts: the best one of each of the best variants, then the next best."""
+    """A few starts: first the best one of each variant, then the others."""
     ranked = sorted(looked, key=_first)
     seen: set[Hypothesis] = set()
     first = [not (item[1] in seen or seen.add(item[1])) for item in ranked]  # type: ignore[func-returns-value]
@@ -116,7 +115,7 @@ def _quick_selection(looked: list[tuple[float, Hypothesis, FloatArray]]) -> list
 
 
 def refine_first(data: Data, tried: list[Trial]) -> list[Trial]:
-    """The same trials, the best of them a few steps further."""
+    """Continue the first trial for a few iterations."""
     return [_continued(data, tried[0], 4), *tried[1:]]
 
 
@@ -131,7 +130,7 @@ def _first(item: tuple[float, Hypothesis, FloatArray]) -> float:
 
 
 def best_fit(data: Data, tried: list[Trial], kept: int = 3) -> Fit | None:
-    """The best of a few trials, taken to the end; None where none of them is the effect it says it is."""
+    """The best plausible fit after minimizing a few trials to convergence; None if none is plausible."""
     best: Fit | None = None
     for trial in _two_variants(_reranked(data, tried, 2 * kept), kept):
         end = minimize(data, trial.hypothesis, trial.point.theta, trial.point.gains, iterations=25, tolerance=1e-5)
@@ -149,7 +148,7 @@ def best_fit(data: Data, tried: list[Trial], kept: int = 3) -> Fit | None:
 
 
 def _reranked(data: Data, tried: list[Trial], count: int) -> list[Trial]:
-    """The first few trials some steps further, in their new order: the best start is not always ahead at once."""
+    """Continue the first trials for some iterations and sort them again: the best one need not lead from the start."""
     if len(tried) <= count // 2:
         return tried
     return sorted((_continued(data, trial, 6) for trial in tried[:count]), key=lambda trial: trial.score)
@@ -162,16 +161,16 @@ def _continued(data: Data, trial: Trial, iterations: int) -> Trial:
 
 
 def is_plausible(data: Data, fit: Fit, last: int = 1) -> bool:
-    """Whether the `last` effects are, by their numbers, the ones that they say they are."""
+    """Whether the fitted parameters of the `last` effects are plausible."""
     fitted = Fitted(fit.hypothesis, fit.theta, fit.gains, data)
     effects = fit.hypothesis.effects[-last:]
     if any(effect in (*LAGS, *MODES) for effect in effects) and has_undriven_pole(data, fit):
-        return False  # the rig has taken the new pole, and the old ones are a drift or a wave
+        return False  # the new pole models the rig, and one of the others a drift or a sinusoid
     return all(effect.is_plausible(fitted) for effect in effects)
 
 
 def _as_leak(data: Data, fit: Fit) -> Fit | None:
-    """A load step as one that grows, from where it has brought the dynamics; None where they cannot hold one."""
+    """Refit a final load step as a leak; None if the last effect is no load step or the dynamics allow no leak."""
     old = fit.hypothesis
     grown = leak_form(old.plant)
     if old.effects[-1] != LOAD or grown is None:
@@ -182,12 +181,12 @@ def _as_leak(data: Data, fit: Fit) -> Fit | None:
 
 
 def penalized_bic(fit: Fit) -> float:
-    """BIC, and what a form of an effect has to gain over a simpler one."""
+    """BIC plus the penalties of richer forms of effects."""
     return fit.bic + sum(effect.bic_penalty.get(effect.variant, 0.0) for effect in fit.hypothesis.effects)
 
 
 def _two_variants(tried: list[Trial], kept: int) -> list[Trial]:
-    """The first few trials; the last of them is of another variant than the first one."""
+    """The first `kept` trials, at least one of them of another variant than the first, if there is one."""
     chosen = tried[:kept]
     if chosen and all(trial.hypothesis == chosen[0].hypothesis for trial in chosen):
         other = next((trial for trial in tried if trial.hypothesis != chosen[0].hypothesis), None)
@@ -197,7 +196,7 @@ def _two_variants(tried: list[Trial], kept: int) -> list[Trial]:
 
 
 def is_compatible(parent: Fit, effect: Effect) -> bool:
-    """Whether the effect's kind of dynamics can hold what the parent's already has."""
+    """Whether the effect can be added to the dynamics of the parent."""
     old = parent.hypothesis.plant
     if old.kind == "given":
         return old.takes_input if isinstance(effect, InputEffect) else not isinstance(effect, PlantEffect)
@@ -210,7 +209,7 @@ def is_compatible(parent: Fit, effect: Effect) -> bool:
 
 
 def start_points(context: Context, hypothesis: Hypothesis, effect: Effect) -> Iterable[FloatArray]:
-    """Full thetas: the parent's numbers where it has them, the effect's starts where it brings new ones."""
+    """Start values of theta: those of the parent, combined with every start of the new effect."""
     parent = context.parent
     common = np.zeros(len(hypothesis.parameters))
     if not hypothesis.delay_is_an_effect and not parent.hypothesis.delay_is_an_effect:
@@ -220,8 +219,8 @@ def start_points(context: Context, hypothesis: Hypothesis, effect: Effect) -> It
             common[hypothesis.slices[key]] = parent.theta[place]
     place = hypothesis.slices["plant"]
     load = _inner_load_start(context) if INNER_LOAD in hypothesis.effects and LOAD in parent.hypothesis.effects else {}
-    shaken = INNER_PERIODIC in hypothesis.effects and INNER_PERIODIC not in parent.hypothesis.effects
-    load |= _inner_cycles(context) if shaken and effect != INNER_PERIODIC else {}
+    new_sinusoid = INNER_PERIODIC in hypothesis.effects and INNER_PERIODIC not in parent.hypothesis.effects
+    load |= _inner_cycles(context) if new_sinusoid and effect != INNER_PERIODIC else {}
     in_plant = isinstance(effect, PlantEffect)
     named_starts = effect.plant_starts(context) if isinstance(effect, PlantEffect) else [{}]
     own_starts = [np.zeros(0)] if in_plant else effect.starts(context)
@@ -232,11 +231,11 @@ def start_points(context: Context, hypothesis: Hypothesis, effect: Effect) -> It
                 full[place] = _updated(hypothesis.plant, base, load | named)
                 if not in_plant:
                     full[hypothesis.slices[effect.key]] = own
-                yield _with_linear_sinusoid(context.data, hypothesis, full) if shaken else full
+                yield _with_linear_sinusoid(context.data, hypothesis, full) if new_sinusoid else full
 
 
 def _inner_load_start(context: Context) -> dict[str, float]:
-    """A load step of the parent as the change of the input that would do the same to the output."""
+    """Onset of the parent's load step, and its size as an equivalent change of the input."""
     fit = context.parent
     size = LOAD.change(Fitted(fit.hypothesis, fit.theta, fit.gains, context.data))
     gain = context.gain
@@ -245,14 +244,14 @@ def _inner_load_start(context: Context) -> dict[str, float]:
 
 
 def _inner_cycles(context: Context) -> dict[str, float]:
-    """How often the wave of the parent swings in the record."""
+    """Cycles in the record of the parent's periodic disturbance."""
     fit = context.parent
-    wave = next(effect for effect in fit.hypothesis.effects if effect.name == INNER_PERIODIC.name)
-    return {"cycles": float(fit.theta[fit.hypothesis.slices[wave.key]][0])}
+    periodic = next(effect for effect in fit.hypothesis.effects if effect.name == INNER_PERIODIC.name)
+    return {"cycles": float(fit.theta[fit.hypothesis.slices[periodic.key]][0])}
 
 
 def _with_linear_sinusoid(data: Data, hypothesis: Hypothesis, theta: FloatArray) -> FloatArray:
-    """The same numbers with size and phase of a wave inside, as they should be if the dynamics were linear."""
+    """Set amplitude and phase of a sinusoid within the dynamics by linear least squares."""
     at = [hypothesis.slices["plant"].start + hypothesis.plant.index(name) for name in ("shake_cos", "shake_sin")]
     still = hypothesis.design(theta, data.u).columns
     moved = []
@@ -270,7 +269,7 @@ def _with_linear_sinusoid(data: Data, hypothesis: Hypothesis, theta: FloatArray)
 
 
 def _plant_starts(context: Context, new: Plant) -> list[FloatArray]:
-    """The parent's plant carried over to the new kind of plant, at its own rates and at those of the highpass part."""
+    """Start values of the new plant: parameters of the parent's plant, with its rates and those of other estimates."""
     parent = context.parent
     old = parent.hypothesis.plant
     kept = {p.name: value for p, value in zip(old.parameters, parent.plant_theta, strict=True)}
@@ -278,11 +277,11 @@ def _plant_starts(context: Context, new: Plant) -> list[FloatArray]:
     if np.abs(np.log(np.divide(context.highpass_rates, context.rates))).max() > 0.2:
         rates.append(context.highpass_rates)
     slow, fast = real_rates(*context.rates)
-    if fast > MAX_OBSERVED_RATE:  # a pole that a fit has lost: nothing would draw it back
+    if fast > MAX_OBSERVED_RATE:  # the cost has no gradient that would return such a pole
         rates.append((slow + RESTART_RATE, slow * RESTART_RATE))
-    if new.kind in ("tanks", "speed") and old.kind == "linear":  # one tank, one inertia
+    if new.kind in ("tanks", "speed") and old.kind == "linear":  # a rig with a single tank or inertia
         rates += [single_pole(rate) for rate in _single_pole_rates(context, slow, fast)]
-    if new.friction and new.kind == "mechanics" and old.kind == "linear":  # to which linear dynamics are sluggish
+    if new.friction and new.kind == "mechanics" and old.kind == "linear":  # friction makes a linear fit too slow
         rates += [(w, w**2) for w in MASS_FREQUENCIES if w**2 > MIN_STIFFNESS_RATIO * context.rates[1]]
     bases = []
     for n, (c, k) in enumerate(rates):
@@ -293,7 +292,7 @@ def _plant_starts(context: Context, new: Plant) -> list[FloatArray]:
             bases.append(base)
             if old.kind == new.kind:
                 if new.kind == "tanks" and not (old.upper_root or old.lower_root):
-                    swapped = base.copy()  # without roots the order of the two tanks hardly matters
+                    swapped = base.copy()  # linear tanks may be in either order
                     swapped[:2] = base[1::-1]
                     bases.append(swapped)
                 break
@@ -301,7 +300,7 @@ def _plant_starts(context: Context, new: Plant) -> list[FloatArray]:
 
 
 def _single_pole_rates(context: Context, slow: float, fast: float) -> list[float]:
-    """Rates of one state that may have to do for both: that of the whole, and either pole, without near equals."""
+    """Rates of a single-state rig: inverse response time and either pole, without near duplicates."""
     found: list[float] = []
     for rate in (1.0 / max(context.response_time, 1e-9), fast, slow):
         if 1.0 / context.data.samples < rate < MAX_SINGLE_RATE and all(
@@ -312,7 +311,7 @@ def _single_pole_rates(context: Context, slow: float, fast: float) -> list[float
 
 
 def _updated(plant: Plant, base: FloatArray, named: dict[str, float]) -> FloatArray:
-    """`base` with the named parameters set; a name that ends in "+" is added to."""
+    """A copy of `base` with the named parameters set, or increased if the name ends in "+"."""
     theta = base.copy()
     names = [p.name for p in plant.parameters]
     for name, value in named.items():

@@ -1,4 +1,4 @@
-"""How far the gap is closed after each effect of an explanation, on the samples that score the whole of it."""
+"""Share of the gap that is closed after each effect of an explanation."""
 
 from dataclasses import replace
 
@@ -12,7 +12,7 @@ from labsid.records.record import Record
 
 
 def closed_by_step(explanation: Explanation, score: GapScore, holdout: Record | None) -> list[float | None]:
-    """The share of the gap that is closed by every fit on the way to the accepted one, which no fit has seen.
+    """Share of the gap that each fit on the path to the accepted one closes, on samples not used in its fit.
 
     Parameters
     ----------
@@ -20,12 +20,12 @@ def closed_by_step(explanation: Explanation, score: GapScore, holdout: Record | 
     score : GapScore
         Score of the accepted explanation.
     holdout : Record, optional
-        The record that it was scored on, where that is another one.
+        The separate record of the score.
 
     Returns
     -------
     list of float or None
-        One for each fit of the path; None for all where there is no gap to close.
+        One for each fit of the path; all None without a gap.
     """
     if score.closed is None:
         return [None] * len(explanation.path)

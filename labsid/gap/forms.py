@@ -1,4 +1,4 @@
-"""The same effects in other forms: at another place of the chain, as a special or the general case, or one fewer."""
+"""Alternative forms of effects: another position in the chain, a more general case, or one effect fewer."""
 
 import numpy as np
 
@@ -11,10 +11,10 @@ from labsid.gap.hypothesis import Hypothesis
 from labsid.gap.plants import Plant
 from labsid.gap.responses import real_rates
 
-LIMIT_SHARE = 0.03  # of the samples, where a stop is tried
-RESTART_POLE = 10.0  # rate of a pole that a fit has lost, in the record
-FAST_POLE_RATIO = 10.0  # rate of the pole that is left over, where the fit has spent one on an integrator
-REMOVAL_ITERATIONS = 6  # iterations after an effect was taken out
+LIMIT_SHARE = 0.03  # of the samples beyond the start value of an added limit
+RESTART_POLE = 10.0  # per record: start value of a pole that was fitted as an integrator
+FAST_POLE_RATIO = 10.0  # start value of the second pole over the first, if one was fitted as an integrator
+REMOVAL_ITERATIONS = 6  # after an effect was removed
 
 LAGS: tuple[Effect, ...] = (dynamics.ExtraLag(), dynamics.ExtraLag("ahead"))
 MODES: tuple[Effect, ...] = (dynamics.Resonance(), dynamics.Resonance("ahead"), dynamics.Resonance("beside"))
@@ -24,59 +24,57 @@ POSITIONS: tuple[tuple[Effect, ...], ...] = (
     MODES,
     (dynamics.CoulombFriction("speed"), dynamics.CoulombFriction("speed-lag")),
 )
-"""What may stand at several places of the chain, which are the same to linear dynamics."""
+"""Effects with several positions in the chain, which are equivalent for linear dynamics."""
 ACTUATOR_ORDERS: tuple[tuple[Effect, ...], ...] = (
     (input.RateLimit(), input.RateLimit("behind")),
     (input.Nonlinearity(), input.Nonlinearity("first")),
 )
-"""What may stand at several places of the actuator, which are the same where nothing else bends the command."""
+"""Effects with several positions in the actuator, which are equivalent without other input effects."""
 HISTORY_FORMS: dict[Effect, tuple[Effect, ...]] = {
     input.Delay(): (input.Delay("switched"), input.Delay("no-zero switched")),
     input.Delay("no-zero"): (input.Delay("no-zero switched"),),
     input.RateLimit(): (input.RateLimit("switched"), input.RateLimit("timed")),
 }
-"""What remembers the command: where the record begins with a new one, and told to the first moment of each sample."""
+"""Effects with memory of the command: with an input step at sample 0, or exact to the first moment of each sample."""
 SPLINE_FORMS: dict[Effect, Effect] = {
     input.Nonlinearity(): input.Nonlinearity("rich"),
     output.Nonlinearity(): output.Nonlinearity("rich"),
 }
-"""Cubic curves, and splines."""
+"""Splines that generalize cubic curves."""
 LOAD, LEAK = disturbance.LoadStep(), disturbance.Leak("leak")
 INNER_LOAD, UPSTREAM_LOAD = disturbance.InnerLoad("inside"), disturbance.InnerLoad("ahead")
-"""A load on linear dynamics; the general case, whose search begins at what the former finds; on a nonlinear state."""
-
-
+"""Loads on linear dynamics (`LEAK` generalizes `LOAD`), and on nonlinear states."""
 OTHER_OUTFLOWS: dict[str, tuple[Effect, ...]] = {
     which + side: tuple(dynamics.SqrtOutflow(other + side) for other in ("both", "upper", "lower") if other != which)
     for which in ("both", "upper", "lower")
     for side in ("", "-flipped")
 }
-"""By variant, the other outflows that may go with the root."""
+"""By variant, the other choices of outflows with a square root."""
 BOTH_BRIMS: dict[Effect, Effect] = {
     dynamics.Overflow(which + side): dynamics.Overflow("both" + side)
     for which in ("upper", "lower")
     for side in ("", "-flipped")
 }
-"""The brim of one tank, and those of both."""
+"""Overflow of both tanks, by the overflow of one."""
 OTHER_TANK: dict[Effect, Effect] = {
     dynamics.Overflow(one + side): dynamics.Overflow(other + side)
     for one, other in (("upper", "lower"), ("lower", "upper"))
     for side in ("", "-flipped")
 }
-"""The brim of the same tank where the other one stands before it, not behind it."""
+"""Overflow with the order of the tanks reversed."""
 LOW_LIMIT, HIGH_LIMIT, BOTH_LIMITS = output.Saturation("low"), output.Saturation("high"), output.Saturation("both")
 GENERAL_FORMS: dict[Effect, tuple[Effect, ...]] = HISTORY_FORMS | {
     special: (general,)
     for special, general in (SPLINE_FORMS | BOTH_BRIMS | {LOW_LIMIT: BOTH_LIMITS, HIGH_LIMIT: BOTH_LIMITS}).items()
 }
-"""Special cases, and the general ones on the same dynamics."""
+"""More general forms with the same dynamics."""
 PERIODIC, PERIODIC_LOAD = disturbance.Periodic(), disturbance.Periodic("load")
 INNER_PERIODIC, UPSTREAM_PERIODIC = disturbance.InnerPeriodic("inside"), disturbance.InnerPeriodic("ahead")
-"""A wave behind the sensor's curve, ahead of it, and on dynamics with a nonlinear state."""
+"""Periodic disturbances after the sensor's curve, before it, and on a nonlinear state."""
 INNER_FORMS: dict[Effect, Effect] = {LOAD: INNER_LOAD} | {
     drifts.PoleDrift(bends): drifts.InnerPoleDrift(bends) for bends in ("1", "4")
 }
-"""What changes linear dynamics, and the same in dynamics with a nonlinear state."""
+"""By effect on linear dynamics, the same effect within dynamics that have a nonlinear state."""
 OTHER_DRIFTS: dict[Effect, Effect] = {
     one(bends): other(bends)
     for one, other in (
@@ -85,11 +83,11 @@ OTHER_DRIFTS: dict[Effect, Effect] = {
     )
     for bends in ("1", "4")
 }
-"""What may drift of dynamics with a nonlinear state."""
+"""By drift of nonlinear dynamics, the alternative drift."""
 
 
 def alternative_forms(hypothesis: Hypothesis) -> list[Hypothesis]:
-    """The same effects in another form: a lag or a mode at another place to a nonlinear state, or a special case."""
+    """Hypotheses with one of the found effects in another form."""
     found = []
     for i, effect in enumerate(hypothesis.effects[hypothesis.n_given :], hypothesis.n_given):
         forms: list[Effect] = [LOAD] if effect == LEAK else []
@@ -111,23 +109,23 @@ def alternative_forms(hypothesis: Hypothesis) -> list[Hypothesis]:
 
 
 def _periodic_forms(hypothesis: Hypothesis) -> list[Effect]:
-    """Where a wave may enter, as far as that makes a difference."""
-    waves: list[Effect] = [PERIODIC]
-    waves += [PERIODIC_LOAD] if any(not effect.is_limit for effect in hypothesis.outputs) else []
-    waves += [INNER_PERIODIC] if hypothesis.plant.nonlinear else []
-    waves += [UPSTREAM_PERIODIC] if hypothesis.plant.in_series else []
-    return waves
+    """Periodic disturbances at all positions that differ for this hypothesis."""
+    forms: list[Effect] = [PERIODIC]
+    forms += [PERIODIC_LOAD] if any(not effect.is_limit for effect in hypothesis.outputs) else []
+    forms += [INNER_PERIODIC] if hypothesis.plant.nonlinear else []
+    forms += [UPSTREAM_PERIODIC] if hypothesis.plant.in_series else []
+    return forms
 
 
 def leak_form(plant: Plant) -> Effect | None:
-    """A load that grows with the state, as these dynamics hold it."""
+    """The form of a leak for these dynamics; None if there is none."""
     if plant.nonlinear:
         return INNER_LOAD
     return LEAK if plant.kind == "linear" else None
 
 
 def transfer_theta(fit: Fit, other: Hypothesis) -> FloatArray:
-    """Numbers of a fit for a hypothesis of other forms: of the same part, or, by name, of a part that it has not."""
+    """Transfer theta of a fit to another hypothesis: by effect, or by parameter name for effects without one."""
     old = fit.hypothesis
     theta = np.zeros(len(other.parameters))
     spare: dict[str, float] = {}
@@ -156,14 +154,14 @@ def transfer_theta(fit: Fit, other: Hypothesis) -> FloatArray:
 
 
 def leak_starts(fit: Fit, other: Hypothesis) -> list[FloatArray]:
-    """Where the search for a load that grows begins, given the fit of a load that does not."""
+    """Start values for a leak from the fit of a load step."""
     starts = [transfer_theta(fit, other)]
     if other.effects[-1] != LEAK:
         return starts
     own, samples = other.slices["plant"], fit.output.size
     starts[0][own][other.plant.index("turn")] = 0.5
     slow, fast = real_rates(*fit.rates)
-    if slow * samples < 1.0:  # an integrator to the load alone
+    if slow * samples < 1.0:  # the fit has used a pole to integrate the load
         for slow, quick in ((RESTART_POLE / samples, fast), (fast, FAST_POLE_RATIO * fast)):
             starts.append(starts[0].copy())
             starts[-1][own][:2] = np.log((slow + quick, slow * quick))
@@ -171,7 +169,7 @@ def leak_starts(fit: Fit, other: Hypothesis) -> list[FloatArray]:
 
 
 def _set_second_brim(fit: Fit, new: Plant, theta: FloatArray) -> None:
-    """Give the other tank a brim a little below its highest level; in place."""
+    """Set the brim of the other tank slightly below its highest level, in place."""
     old, own = fit.hypothesis.plant, fit.plant_theta
     if new.brim != 3 or old.brim not in (1, 2):
         return
@@ -186,7 +184,7 @@ def _set_second_brim(fit: Fit, new: Plant, theta: FloatArray) -> None:
 
 
 def _swap_tanks(old: Plant, new: Plant, theta: FloatArray) -> None:
-    """Let the tank with the brim keep its rate where it has changed places with the other one; in place."""
+    """Swap rates and levels if the order of the tanks is reversed, in place."""
     if {old.brim, new.brim} == {1, 2}:
         theta[:2] = theta[1::-1].copy()
         theta[new.index("h1")], theta[new.index("h2")] = theta[new.index("h2")], theta[new.index("h1")]
@@ -197,7 +195,7 @@ def _has_root(plant: Plant) -> bool:
 
 
 def _move_roots(old: Plant, new: Plant, theta: FloatArray) -> None:
-    """Let tanks run at the rates of before, their roots at other outflows; in place."""
+    """Preserve the linearized rates and brims of tanks whose square-root outflows change, in place."""
     if not (_has_root(old) and _has_root(new)):
         return
     slope = new.root_slope(theta)
@@ -214,9 +212,10 @@ def _move_roots(old: Plant, new: Plant, theta: FloatArray) -> None:
 
 
 def extended_hypotheses(old: Hypothesis, effect: Effect) -> list[Hypothesis]:
-    """One effect more; what acts on the dynamics of the parent moves inside, if it makes a state nonlinear.
+    """Hypotheses with one more effect.
 
-    A load or a drift does, a wave may.
+    If the effect makes a state nonlinear, loads and drifts of the parent move inside the dynamics. A periodic
+    disturbance may: there is one hypothesis for each case.
     """
     new = old.plus(effect)
     if not new.plant.nonlinear:
@@ -229,7 +228,7 @@ def extended_hypotheses(old: Hypothesis, effect: Effect) -> list[Hypothesis]:
 
 
 def _in_outer_form(hypothesis: Hypothesis) -> Hypothesis:
-    """The same with what acts on the dynamics as these hold it."""
+    """Replace inner effects by their forms for linear dynamics, if no state is nonlinear."""
     if hypothesis.plant.nonlinear:
         return hypothesis
     outer: dict[Effect, Effect] = {INNER_PERIODIC: PERIODIC, UPSTREAM_PERIODIC: PERIODIC, UPSTREAM_LOAD: LOAD}
@@ -238,7 +237,7 @@ def _in_outer_form(hypothesis: Hypothesis) -> Hypothesis:
 
 
 def remove_effect(data: Data, fit: Fit, which: int) -> Fit | None:
-    """A fit as it is but for one of its effects; None where that cannot be simulated."""
+    """Refit without the effect of index `which`; None if the result cannot be simulated."""
     old = fit.hypothesis
     other = _in_outer_form(Hypothesis((*old.effects[:which], *old.effects[which + 1 :]), old.n_given, old.given))
     starts = [transfer_theta(fit, other)]

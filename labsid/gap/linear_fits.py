@@ -1,4 +1,4 @@
-"""Linear dynamics fitted to the record: what every effect is tried on top of."""
+"""Linear fits of a record: the baseline for all effects."""
 
 import numpy as np
 
@@ -11,21 +11,19 @@ from labsid.gap.responses import single_pole
 from labsid.gap.undriven_poles import has_undriven_pole
 
 LINEAR = Hypothesis()
-SINGLE_POLE_RATES = 0.005, 0.02, 0.1, 0.4, 1.5  # rates, a sample, of a rig that has one pole
+SINGLE_POLE_RATES = 0.005, 0.02, 0.1, 0.4, 1.5  # per sample: start values for a rig with a single pole
 
 
-def fit_baseline(data: Data, hypothesis: Hypothesis = LINEAR, known: FloatArray | None = None) -> Fit:
-    """Fit a structure, unless given the lab's (second order, strictly proper), by output error.
+def fit_baseline(data: Data, hypothesis: Hypothesis = LINEAR, start: FloatArray | None = None) -> Fit:
+    """Fit a structure by output error; the default is second order and strictly proper.
 
-    A structure with its effects' numbers `known` begins from there.
+    `start` is an additional start value of theta.
     """
-    best = None if known is None else minimize(data, hypothesis, known, iterations=12)
-    for slow, fast in ((0.02, 0.3), (0.1, 0.5), (0.005, 0.05), (0.3, 1.5)):
-        start = _start_theta(hypothesis, slow + fast, slow * fast)
-        best = _better(best, minimize(data, hypothesis, start, iterations=12))
-    for frequency in (0.05, 0.2, 0.8):
-        start = _start_theta(hypothesis, 0.4 * frequency, frequency**2)
-        best = _better(best, minimize(data, hypothesis, start, iterations=12))
+    best = None if start is None else minimize(data, hypothesis, start, iterations=12)
+    poles = ((0.02, 0.3), (0.1, 0.5), (0.005, 0.05), (0.3, 1.5))
+    rates = [(slow + fast, slow * fast) for slow, fast in poles] + [(0.4 * w, w**2) for w in (0.05, 0.2, 0.8)]
+    for c, k in rates:
+        best = _better(best, minimize(data, hypothesis, _start_theta(hypothesis, c, k), iterations=12))
     if best is None:
         raise ValueError("no second-order model can be simulated on this record.")
     best = minimize(data, hypothesis, best.theta, iterations=30, tolerance=1e-8) or best
@@ -33,9 +31,9 @@ def fit_baseline(data: Data, hypothesis: Hypothesis = LINEAR, known: FloatArray 
 
 
 def fit_driven_pole(data: Data, hypothesis: Hypothesis) -> Fit | None:
-    """The structure with one pole left to the rig, for a record that has drawn the other one into what goes on alone.
+    """Fit the structure with a single pole that the input excites.
 
-    None where that pole is drawn there too.
+    None if the input does not excite the pole of any fit.
     """
     points = []
     for rate in SINGLE_POLE_RATES:
@@ -47,7 +45,7 @@ def fit_driven_pole(data: Data, hypothesis: Hypothesis) -> Fit | None:
 
 
 def _start_theta(hypothesis: Hypothesis, c: float, k: float) -> FloatArray:
-    """A start at given rates; a further pole or mode of the structure a little faster."""
+    """Start values at given rates; an additional pole or mode is slightly faster."""
     theta = np.zeros(len(hypothesis.parameters))
     names = [parameter.name for parameter in hypothesis.parameters]
     guess = {
@@ -64,12 +62,12 @@ def _start_theta(hypothesis: Hypothesis, c: float, k: float) -> FloatArray:
 
 
 def fit_highpass(data: Data, base: Fit) -> Fit:
-    """The same structure fitted to what changes from sample to sample: drifts and load steps hardly reach it."""
+    """Fit the structure to the high-pass filtered record, in which drifts and load steps are small."""
     hypothesis = Hypothesis((output.Drift("10"),))
     ar = np.array([0.9])
     best: Point | None = None
-    known = base.theta if base.theta.size == len(hypothesis.parameters) else _start_theta(hypothesis, *base.rates)
-    for theta in (known, _start_theta(hypothesis, 0.3, 0.01), _start_theta(hypothesis, 1.0, 0.1)):
+    start = base.theta if base.theta.size == len(hypothesis.parameters) else _start_theta(hypothesis, *base.rates)
+    for theta in (start, _start_theta(hypothesis, 0.3, 0.01), _start_theta(hypothesis, 1.0, 0.1)):
         best = _better(best, minimize(data, hypothesis, theta, iterations=12, ar=ar))
     return base if best is None else finish(data, hypothesis, best)
 

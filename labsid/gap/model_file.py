@@ -1,4 +1,4 @@
-"""Simulations as files and as callables: the contract's MODEL.json, an exported hypothesis, an output series."""
+"""Exported simulations: a fitted hypothesis as JSON and as a callable."""
 
 import json
 from dataclasses import dataclass
@@ -17,9 +17,9 @@ from labsid.gap.forms import ACTUATOR_ORDERS, GENERAL_FORMS, PERIODIC_LOAD, POSI
 from labsid.gap.hypothesis import Hypothesis
 
 SCHEMA = "labsid.model/1"
-REST_SAMPLES = 5000  # samples before a run that begins at rest
-START_SAMPLES = 50  # samples from which the initial state of another record is estimated
-STATE_OFFSETS = (0.0, -0.5, 0.5, -1.0, 1.0, -2.0, 2.0, -3.0, 3.0)  # scaled: initial states that are tried
+REST_SAMPLES = 5000  # at constant input before a simulation from rest
+START_SAMPLES = 50  # for the estimate of the initial state
+STATE_OFFSETS = (0.0, -0.5, 0.5, -1.0, 1.0, -2.0, 2.0, -3.0, 3.0)  # scaled start values of initial states
 _STATES = ("h1", "h2", "z0", "v0", "i0", "position", "before")
 _ALL = (
     *CANDIDATES,
@@ -33,7 +33,7 @@ _BY_KEY: dict[str, Effect] = {effect.key: effect for group in _ALL for effect in
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ExportedModel:
-    """A fitted hypothesis that runs: what `--export` writes and `labsid gap simulate` plays.
+    """A fitted hypothesis that can be simulated: written by `--export`, run by `labsid gap simulate`.
 
     Attributes
     ----------
@@ -41,9 +41,9 @@ class ExportedModel:
     theta, gains : ndarray
     Ts : float
     span : int
-        Samples of the record it was fitted to: slow changes are counted by it.
+        Length of the fitted record, the time unit of slow changes.
     reference : float
-        Actuator signal with which that record began: linear dynamics count from it.
+        Actuator's signal at the start of that record, the operating point of linear dynamics.
     u_scale, y_scale : Scale
     """
 
@@ -63,7 +63,7 @@ class ExportedModel:
         ----------
         u : ndarray, shape (N,)
         y : ndarray, shape (N,), optional
-            Where it is given, its first samples say in which state the run begins; otherwise the rig is at rest.
+            Its first samples determine the initial state; without it the simulation starts from rest.
 
         Returns
         -------
@@ -83,7 +83,7 @@ class ExportedModel:
         return self.hypothesis.output(theta, gains, u, self.span, self.reference)
 
     def _states(self) -> tuple[list[int], list[int]]:
-        """Where in theta and in the gains the initial state lies."""
+        """Indices of the initial state in theta and in the gains."""
         names = [parameter.name for parameter in self.hypothesis.parameters]
         in_theta = [i for i, name in enumerate(names) if name in _STATES]
         return in_theta, list(self.hypothesis.plant.state_columns)
@@ -99,7 +99,10 @@ class ExportedModel:
     def _started(
         self, theta: FloatArray, gains: FloatArray, u: FloatArray, y: FloatArray
     ) -> tuple[FloatArray, FloatArray]:
-        """The initial state by least squares on the first samples: Gauss-Newton, exact where the state is linear."""
+        """Estimate the initial state by least squares on the first samples.
+
+        Unlike `fitting.minimize` this Levenberg-Marquardt iteration varies the initial state alone, with fixed gains.
+        """
         in_theta, in_gains = self._states()
         lower, upper = self.hypothesis.bounds
         if not in_theta and not in_gains:
@@ -138,7 +141,7 @@ class ExportedModel:
         return theta, gains
 
     def _nearest(self, theta: FloatArray, gains: FloatArray, u: FloatArray, y: FloatArray) -> FloatArray:
-        """The best of a few initial states: at a brim, a stop or a standstill the error has several minima."""
+        """The best initial state of a grid: at a brim, a limit or in friction the error has several minima."""
         in_theta, _ = self._states()
         if not in_theta:
             return theta
@@ -154,7 +157,7 @@ class ExportedModel:
         return best
 
     def _ranges(self) -> FloatArray:
-        """How far each number of theta may be from its value at rest, if it belongs to the state."""
+        """Grid unit of each parameter in theta that is part of the initial state."""
         plant = self.hypothesis.plant
         ranges = np.array([0.25 if p.name == "position" else 1.0 for p in self.hypothesis.parameters])
         if plant.kind == "tanks":
@@ -163,15 +166,15 @@ class ExportedModel:
         return ranges
 
     def to_json_dict(self) -> dict[str, Any]:
-        """What `--export` writes.
+        """Return the JSON object that `--export` writes.
 
         Raises
         ------
         ValueError
-            If part of it is a simulation that cannot be written: a function, or an output that somebody else computed.
+            If it contains a given simulation that is a function or an output series.
         """
         if self.hypothesis.plant.kind == "given":
-            raise ValueError("only the output of the given simulation is known: there is nothing to export that runs.")
+            raise ValueError("the given simulation is an output only and cannot be exported. Give a model instead.")
         return {
             "schema": SCHEMA,
             "effects": [effect.key for effect in self.hypothesis.effects],
@@ -187,7 +190,7 @@ class ExportedModel:
 
 
 def export_model(data: Data, fit: Fit) -> ExportedModel:
-    """The fit as a simulation of its own."""
+    """Convert a fit to a simulation."""
     reference = float(fit.hypothesis.actuator(fit.theta, data.u)[0])
     return ExportedModel(
         fit.hypothesis, fit.theta, fit.gains, data.Ts, data.samples, reference, data.u_scale, data.y_scale
@@ -195,12 +198,12 @@ def export_model(data: Data, fit: Fit) -> ExportedModel:
 
 
 def from_json_dict(content: dict[str, Any]) -> ExportedModel:
-    """Read what `to_json_dict` wrote.
+    """Read a JSON object written by `to_json_dict`.
 
     Raises
     ------
     ValueError
-        If it is not such a model.
+        If it is not an exported simulation.
     """
     wrong = "not an exported simulation: {}. Export it again."
     try:
@@ -213,10 +216,10 @@ def from_json_dict(content: dict[str, Any]) -> ExportedModel:
     except KeyError as error:
         raise ValueError(wrong.format(f"{error} is missing")) from None
     except (TypeError, ValueError, OverflowError):
-        raise ValueError(wrong.format("a value in it is of another kind")) from None
+        raise ValueError(wrong.format("a value has the wrong type")) from None
     unknown = [key for key in keys if key not in _BY_KEY]
     if unknown:
-        raise ValueError(f"the simulation holds {', '.join(map(repr, unknown))}, which this version does not know.")
+        raise ValueError(f"the simulation contains unknown effects: {', '.join(map(repr, unknown))}. Update labsid.")
     hypothesis = Hypothesis(tuple(_BY_KEY[key] for key in keys))
     lower, upper = hypothesis.bounds
     names = [parameter.name for parameter in hypothesis.parameters]
@@ -226,7 +229,7 @@ def from_json_dict(content: dict[str, Any]) -> ExportedModel:
         raise ValueError(wrong.format(f"theta must hold {lower.size} numbers within their bounds"))
     numbers = [*gains.ravel(), Ts, reference, *(x for scale in scales for x in (scale.centre, scale.unit))]
     if not np.isfinite(numbers).all() or min(Ts, span, *(scale.unit for scale in scales)) <= 0:
-        raise ValueError(wrong.format("its numbers must be finite; Ts, span and the units above zero"))
+        raise ValueError(wrong.format("its numbers must be finite; Ts, span and the units must be positive"))
     design = hypothesis.design(theta, np.zeros(START_SAMPLES), span, reference)
     expected = design.columns.shape[1]
     if gains.shape != (expected,):
@@ -235,12 +238,12 @@ def from_json_dict(content: dict[str, Any]) -> ExportedModel:
 
 
 def read_exported_model(content: dict[str, Any], Ts: float) -> ExportedModel:
-    """Read what `to_json_dict` wrote, for a record of the sampling time Ts.
+    """Read an exported simulation for a record with the sampling time Ts.
 
     Raises
     ------
     ValueError
-        If it is not such a model, or one of another sampling time.
+        If it is not an exported simulation, or has another sampling time.
     """
     model = from_json_dict(content)
     if abs(model.Ts - Ts) > 1e-6 * Ts:
@@ -249,17 +252,17 @@ def read_exported_model(content: dict[str, Any], Ts: float) -> ExportedModel:
 
 
 def load_model(path: Path) -> dict[str, Any]:
-    """The JSON object in a file.
+    """Read a JSON object from a file.
 
     Raises
     ------
     ValueError
-        If the file holds no JSON object.
+        If the file contains no JSON object.
     """
     try:
         content = json.loads(path.read_text(encoding="utf-8"))
     except (ValueError, RecursionError) as error:
-        raise ValueError(f"{path}: not JSON ({error}). Give a MODEL.json or a file that --export wrote.") from None
+        raise ValueError(f"{path}: not JSON ({error}). Give a MODEL.json or a file written by --export.") from None
     if not isinstance(content, dict):
         raise ValueError(f"{path}: must hold a JSON object; got {type(content).__name__}.")
     return content

@@ -1,4 +1,4 @@
-"""Coloured residuals: an autoregressive model of them, and the whitened score by which hypotheses are compared."""
+"""Autoregressive model of coloured residuals, and its contribution to the BIC."""
 
 from dataclasses import dataclass
 
@@ -7,15 +7,15 @@ import numpy as np
 from labsid._arrays import FloatArray
 
 MAX_LAGS = 8
-MIN_COMPLETE_SHARE = 0.1  # of the rows that count
-MIN_SAMPLES = 20  # rows from which noise can be told
-MIN_VARIANCE = 1e-26  # variance, the record's being one: what is below is rounding
+MIN_COMPLETE_SHARE = 0.1  # of the rows that count, with all lags
+MIN_SAMPLES = 20  # rows for a noise model
+MIN_VARIANCE = 1e-26  # relative to that of the record: below is rounding
 ORDERS = (0, 1, 2, 3, 4, 6, 8)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Noise:
-    """An autoregression of a residual: e(k) = ar[0] e(k-1) + ... + white noise of variance `sigma2`.
+    """Autoregressive model of a residual: e(k) = ar[0] e(k-1) + ... + white noise of variance `sigma2`.
 
     Attributes
     ----------
@@ -23,9 +23,9 @@ class Noise:
     sigma2 : float
         Variance of the innovations.
     score : float
-        n log(sigma2) + p log(n): the noise model's part of the BIC.
+        n log(sigma2) + p log(n), the contribution to the BIC.
     rows : int
-        n, the samples that it was fitted on.
+        n, the number of samples of the fit.
     """
 
     ar: FloatArray
@@ -35,7 +35,7 @@ class Noise:
 
 
 def usable_lags(rows: np.ndarray) -> int:
-    """How many lags noise may have: the usual number, fewer where hardly a sample has so many good ones before it."""
+    """Largest order of the noise model: `MAX_LAGS`, or less if too few rows have as many counted rows before them."""
     lags = MAX_LAGS
     while lags > 1 and complete_rows(rows, lags).sum() < MIN_COMPLETE_SHARE * rows.sum():
         lags //= 2
@@ -43,36 +43,36 @@ def usable_lags(rows: np.ndarray) -> int:
 
 
 def complete_rows(rows: np.ndarray, lags: int = MAX_LAGS) -> np.ndarray:
-    """Samples that count together with the `lags` samples before them; `rows` says which count at all."""
-    sound = rows.copy()
-    sound[:lags] = False
+    """Rows that count together with the `lags` rows before them."""
+    complete = rows.copy()
+    complete[:lags] = False
     for lag in range(1, lags + 1):
-        sound[lag:] &= rows[:-lag]
-    return sound
+        complete[lag:] &= rows[:-lag]
+    return complete
 
 
-def fit_noise(e: FloatArray, sound: np.ndarray, lags: int = MAX_LAGS) -> Noise:
-    """Fit autoregressions of several orders on the rows `sound` and keep the one of the best BIC.
+def fit_noise(e: FloatArray, complete: np.ndarray, lags: int = MAX_LAGS) -> Noise:
+    """Fit autoregressive models of several orders on the rows `complete` and select one by BIC.
 
     Parameters
     ----------
     e : ndarray, shape (N,)
-        The residual, the held-out samples included (their neighbours need them).
-    sound : ndarray of bool, shape (N,)
+        The residual on all rows.
+    complete : ndarray of bool, shape (N,)
         From `whole_rows`.
     lags : int
-        The longest autoregression.
+        The largest order.
 
     Raises
     ------
     ValueError
-        If hardly any sample counts together with those before it.
+        If too few rows are complete.
     """
-    at = np.flatnonzero(sound)
+    at = np.flatnonzero(complete)
     if at.size < MIN_SAMPLES:
         raise ValueError(
-            f"only {at.size} samples have {lags} good ones before them; at least {MIN_SAMPLES} must. Exclude less; if "
-            "the output is read more seldom than it is logged, keep only the fresh readings."
+            f"only {at.size} samples follow {lags} used samples; at least {MIN_SAMPLES} must. Exclude fewer samples; "
+            "if the log repeats readings of the output, keep only the new ones."
         )
     target = e[at]
     lagged = np.column_stack([e[at - lag] for lag in range(1, lags + 1)])

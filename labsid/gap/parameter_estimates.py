@@ -1,4 +1,4 @@
-"""The found effects with their parameters in the record's units, each with its standard error."""
+"""Parameters of the effects found, in the record's units, with standard errors."""
 
 from collections.abc import Callable
 
@@ -12,10 +12,10 @@ from labsid.gap.profile import profile_likelihood
 
 
 def estimate_parameters(data: Data, fit: Fit, effect: Effect) -> dict[str, dict[str, object]]:
-    """`{name: {value, stderr, unit}}` of one effect of a fit.
+    """Return `{name: {value, stderr, unit}}` of one effect of a fit.
 
-    The standard errors are those of linear propagation; where the effect begins at some instant, the scatter of every
-    value over the instants that are possible comes on top.
+    The standard errors come from linear propagation. For a load step, the scatter of each value over the profile
+    likelihood of the onset is added.
     """
     cov = covariance(data, fit)
     searched = fit.theta.size
@@ -54,12 +54,12 @@ def estimate_parameters(data: Data, fit: Fit, effect: Effect) -> dict[str, dict[
 
 
 def _conditional(cov: FloatArray, place: int) -> FloatArray:
-    """The covariance of all the other numbers where that at `place` is known."""
+    """Conditional covariance of the other parameters, given the one at `place`."""
     own = cov[place, place]
     return cov - np.outer(cov[:, place], cov[place]) / own if own > 0.0 else cov
 
 
 def active_samples(data: Data, fit: Fit, effect: Effect) -> np.ndarray:
-    """Where in the record an effect acts; all False where it acts everywhere."""
+    """Mask of the samples at which an effect acts; all False if it acts everywhere."""
     act: Callable[[Fitted], np.ndarray] = effect.active_samples
     return act(Fitted(fit.hypothesis, fit.theta, fit.gains, data))

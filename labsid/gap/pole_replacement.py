@@ -1,4 +1,4 @@
-"""A pole that goes on alone made what it stands for, beside other effects: a drift, or a wave."""
+"""Replace a pole that the input does not excite by the drift or sinusoid it imitates."""
 
 import numpy as np
 
@@ -12,9 +12,9 @@ from labsid.gap.undriven_poles import has_undriven_pole
 
 
 def replace_undriven_pole(data: Data, fit: Fit) -> tuple[Fit, Fit] | None:
-    """The same effects on the one pole that the input moves, without and with a drift or a wave for the other pole.
+    """Refit with the excited pole only, without and with a drift or a sinusoid in place of the other pole.
 
-    None where that pole is drawn there again, or the fit has such an effect already.
+    None if the minimization returns to an unexcited pole, or the fit already has such an effect.
     """
     c, k = fit.rates
     swings = c**2 < 4.0 * k

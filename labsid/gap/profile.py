@@ -1,4 +1,4 @@
-"""How sure an instant is: the cost with that instant held elsewhere and everything else fitted again."""
+"""Profile likelihood of an instant."""
 
 from copy import copy
 from dataclasses import dataclass
@@ -10,21 +10,21 @@ from labsid.gap.data import Data
 from labsid.gap.fitting import Fit, Point, minimize
 from labsid.gap.hypothesis import Hypothesis
 
-FIRST_STEP = 0.5  # samples: the first step aside
-STEP_GROWTH = 1.5  # of the steps
-MAX_LOSS = 12.0  # twice the loss of log likelihood at which nothing more is to be found
+FIRST_STEP = 0.5  # samples
+STEP_GROWTH = 1.5  # of successive steps
+MAX_LOSS = 12.0  # twice the loss of log likelihood at which the profile ends
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Profile:
-    """Fits with one number held at a row of values.
+    """Fits at fixed values of one parameter.
 
     Attributes
     ----------
     points : tuple of Point
-        In the order of the held number.
+        In ascending order of the parameter.
     weights : ndarray
-        Their probabilities, which add up to 1.
+        Their probabilities, with sum 1.
     """
 
     points: tuple[Point, ...]
@@ -32,10 +32,10 @@ class Profile:
 
 
 def profile_likelihood(data: Data, fit: Fit, place: int) -> Profile | None:
-    """Hold the number at `place` of theta, an instant as a share of the record, left and right of where it was found.
+    """Profile the likelihood of the instant `theta[place]`, a share of the record, on both sides of its estimate.
 
-    The error hardly changes while an instant moves within a sample, and has no slope where the input rests: a linear
-    propagation knows nothing of it.
+    The error hardly depends on an instant within a sample, and not at all where the input is constant: linear
+    propagation of errors does not apply.
 
     Parameters
     ----------
@@ -46,7 +46,7 @@ def profile_likelihood(data: Data, fit: Fit, place: int) -> Profile | None:
     Returns
     -------
     Profile or None
-        None where the fit cannot be repeated.
+        None if the fit cannot be reproduced.
     """
     middle = _held(data, fit, place, float(fit.theta[place]), fit)
     if middle is None:
@@ -71,14 +71,14 @@ def profile_likelihood(data: Data, fit: Fit, place: int) -> Profile | None:
 
 
 def _held(data: Data, fit: Fit, place: int, value: float, near: Fit | Point) -> Point | None:
-    """The fit with one number held, from the numbers of a neighbour."""
+    """Refit with one parameter fixed, starting from a neighbouring point."""
     theta = near.theta.copy()
     theta[place] = value
     bounds = tuple(side.copy() for side in fit.hypothesis.bounds)
     for side in bounds:
         side[place] = value
     hypothesis: Hypothesis = copy(fit.hypothesis)
-    object.__setattr__(hypothesis, "bounds", bounds)  # a copy of its own: nobody else sees it change
+    object.__setattr__(hypothesis, "bounds", bounds)  # of the copy
     return minimize(data, hypothesis, theta, near.gains, iterations=5, ar=fit.noise.ar, tolerance=1e-4)
 
 

@@ -1,4 +1,4 @@
-"""How numbers of the report are written: with their error, as shares, with the record's own units in words."""
+"""Format numbers for the report: standard errors, percentages, units."""
 
 import math
 from dataclasses import dataclass
@@ -14,15 +14,15 @@ UNITS = {
     "1/y^2": "per (unit of y)²",
     "1": "",
 }
-ALWAYS_WRITTEN = {"s", "Hz"}  # units that a sentence always carries
-MIN_PLAIN, MAX_PLAIN = 1e-4, 1e6  # sizes that are written without an exponent
+ALWAYS_WRITTEN = {"s", "Hz"}  # units that a sentence always includes
+MIN_PLAIN, MAX_PLAIN = 1e-4, 1e6  # range of magnitudes without an exponent
 
 
 @dataclass(frozen=True, slots=True)
 class Quantity:
-    """A number of the report with its standard error, as sentences write it.
+    """A number with its standard error, formatted for sentences.
 
-    The format ``%`` writes it as a share; without one it carries its unit where that is not the record's own.
+    The format ``%`` gives a percentage. The default adds units of time and frequency, but not those of the record.
     """
 
     value: float
@@ -37,7 +37,7 @@ class Quantity:
 
 
 def number(value: float, digits: int = 3) -> str:
-    """Write `value` with so many significant digits, whole numbers in full."""
+    """Format `value` with the given number of significant digits."""
     if value == 0.0 or not math.isfinite(value):
         return f"{value:g}"
     exponent = math.floor(math.log10(abs(float(f"{value:.{digits - 1}e}"))))
@@ -47,7 +47,7 @@ def number(value: float, digits: int = 3) -> str:
 
 
 def significant_digits(value: float, stderr: float) -> int:
-    """Significant digits of `value` that its standard error leaves standing: 2 to 5, or 3 where it has none."""
+    """Number of significant digits of `value` given its standard error: 2 to 5, or 3 without one."""
     if value == 0.0 or not math.isfinite(stderr) or stderr <= 0.0:
         return 3
     kept = math.floor(math.log10(abs(value))) - math.floor(math.log10(stderr)) + 1
@@ -55,7 +55,7 @@ def significant_digits(value: float, stderr: float) -> int:
 
 
 def with_error(value: float, stderr: float) -> str:
-    """Write ``value ± stderr``, the error to two significant digits; the value alone where it is exact."""
+    """Format ``value ± stderr`` with two significant digits of the error; an exact value stands alone."""
     if not math.isfinite(stderr) or stderr <= 0.0:
         return number(value, 4)
     size = max(abs(value), stderr)
@@ -67,19 +67,19 @@ def with_error(value: float, stderr: float) -> str:
 
 
 def percent(share: float) -> str:
-    """Write a share in per cent, small ones to two significant digits."""
+    """Format a share in per cent, small ones with two significant digits."""
     size = 100.0 * share
     text = f"{size:.0f}" if abs(size) >= 9.95 else f"{size:.2g}" if abs(size) >= 0.005 else "0"
     return f"{text} %"
 
 
 def counted(count: int, one: str, more: str) -> str:
-    """Write how many of something there are."""
+    """Format a count with its noun."""
     return f"{count} {one if count == 1 else more}"
 
 
 def closed_percent(closed: float, ci95: list[float] | None = None) -> str:
-    """Write the closed share of the gap with its 95 % interval: ``97 % [94, 100]``."""
+    """Format the closed share of the gap with its 95 % interval: ``97 % [94, 100]``."""
     text = f"{_whole_percent(closed)} %"
     return text if ci95 is None else f"{text} [{_whole_percent(ci95[0])}, {_whole_percent(ci95[1])}]"
 
@@ -89,19 +89,19 @@ def _whole_percent(share: float) -> str:
 
 
 def probability(p: float) -> str:
-    """Write a probability in per cent, never as certain."""
+    """Format a probability in per cent, between "under 1 %" and "over 99 %"."""
     if p >= 0.995:
         return "over 99 %"
     return "under 1 %" if p < 0.005 else f"{100.0 * p:.0f} %"
 
 
 def p_value(p: float) -> str:
-    """Write the p-value of a test."""
+    """Format the p-value of a test."""
     return "p < 0.001" if p < 0.001 else "p > 0.99" if p > 0.99 else f"p = {p:.2g}"
 
 
 def between(low: float, high: float) -> tuple[str, str]:
-    """Write the ends of a range, no finer than a hundredth of its width."""
+    """Format the ends of a range to about a hundredth of its width."""
     width = abs(high - low)
     if width == 0.0 or not MIN_PLAIN <= max(abs(low), abs(high)) < MAX_PLAIN:
         return f"{low:.3g}", f"{high:.3g}"

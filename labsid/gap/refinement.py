@@ -1,4 +1,4 @@
-"""Take a fit to its end: over local minima, and to the most likely one."""
+"""Refine a fit: escape local minima, and maximize the likelihood under coloured noise."""
 
 import numpy as np
 
@@ -7,13 +7,13 @@ from labsid.gap.data import Data
 from labsid.gap.fast_least_squares import scaled_gram
 from labsid.gap.fitting import UNFILTERED, Fit, Point, Problem, finish, minimize, rms
 
-LEAP_FACTORS = 1.0, -1.0, 3.0, -3.0, 8.0, -8.0  # times the distance over which a parameter may have several minima
-MAX_START_COST = 1.3  # times the error, from where a leap is followed
-VALLEY_RIDGE = 1e-9  # of its scaled square: what keeps a parameter that does nothing in its place
+LEAP_FACTORS = 1.0, -1.0, 3.0, -3.0, 8.0, -8.0  # of `Parameter.leap`
+MAX_START_COST = 1.3  # largest cost after a leap that is minimized, over the present cost
+VALLEY_RIDGE = 1e-9  # relative ridge for parameters without influence
 
 
 def converge(data: Data, fit: Fit) -> Fit:
-    """Go on with the search until it stands still, leaping over what may be only a local minimum."""
+    """Minimize to convergence, with leaps out of local minima."""
     hypothesis = fit.hypothesis
     lower, upper = hypothesis.bounds
     at = minimize(data, hypothesis, fit.theta, fit.gains, iterations=25, tolerance=1e-5)
@@ -51,7 +51,7 @@ def _cost(point: Point) -> float:
 
 
 def _valleys(problem: Problem, at: Point) -> FloatArray:
-    """By parameter, how theta goes on when that one is moved by one and all others follow it; shape (p, p)."""
+    """By parameter, the change of theta along the valley of the cost per unit of that parameter; shape (p, p)."""
     J = problem.jacobian(at)
     if J is None:
         return np.eye(at.theta.size)
@@ -62,14 +62,14 @@ def _valleys(problem: Problem, at: Point) -> FloatArray:
 
 
 def polish(data: Data, fit: Fit, rounds: int = 2, iterations: int = 6) -> Fit:
-    """Refit with the residual whitened by its own noise model, as maximum likelihood asks, as long as it helps."""
+    """Refit the residual whitened by its noise model, an approximate maximum-likelihood fit, while the BIC improves."""
     best = fit
     for _ in range(rounds):
         point = minimize(data, best.hypothesis, best.theta, best.gains, iterations, best.noise.ar)
         if point is None:
             break
         new = finish(data, best.hypothesis, point)
-        # Whitening by a slow pole forgets the level: a fit that no longer runs freely is not taken.
+        # Whitening with a slow pole discards the level: reject a fit with a larger free-run error.
         if new.bic >= best.bic - 0.1 or rms(data, new) > 1.05 * rms(data, best):
             break
         best = new

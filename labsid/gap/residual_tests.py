@@ -1,4 +1,4 @@
-"""What the best explanation leaves: is it noise, or does the input still have a part in it?"""
+"""Tests of the residual of an explanation: whether it is noise or still depends on the input."""
 
 from dataclasses import dataclass, replace
 
@@ -13,11 +13,11 @@ from labsid.gap.fitting import Fit
 FOLDS = 5
 NEIGHBOURS = 60
 MAX_POINTS = 3000
-MIN_UNLIMITED_SHARE = 0.3  # of the rows, off the stops of the sensor
-MAX_LAG = 25  # samples up to which a residual is compared with itself
-MIN_PAIRS = 100  # pairs
-SLOW_LAG = 6  # samples after which noise of a sensor has forgotten itself
-SLOW_CORRELATION = 0.3  # autocorrelation after so many: what has more is slow
+MIN_UNLIMITED_SHARE = 0.3  # smallest share of rows within the sensor's limits
+MAX_LAG = 25  # samples: largest lag of the autocorrelation
+MIN_PAIRS = 100  # samples per lag
+SLOW_LAG = 6  # samples after which sensor noise is uncorrelated
+SLOW_CORRELATION = 0.3  # autocorrelation after `SLOW_LAG` samples of a slow residual
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -27,24 +27,23 @@ class ResidualMeasures:
     Attributes
     ----------
     rms : float
-        Scaled unit.
+        In scaled units.
     colour : float
-        rms over the standard deviation of the innovations: one for white noise.
+        rms over the standard deviation of the innovations; one for white noise.
     slow : float
-        Largest autocorrelation after a few samples and more.
+        Largest absolute autocorrelation at lags of `SLOW_LAG` samples or more.
     explained : float
-        Share of the residual's power that a flexible function of the input's past predicts on data that it was not
-        fitted to; at most zero where the input has no part in it.
+        Cross-validated share of the power that nonlinear features of the input explain; zero or less if none.
     repeats : float
-        Correlation of the residual with itself at other times with the same past of the input; zero for noise.
+        Correlation of the residual at different times with similar input history; zero for noise.
     repeats_z : float
-        The same in standard deviations of what chance gives, found by shifting the residual in time.
+        `repeats` as a z-score; the null distribution comes from time shifts of the residual.
     activity, activity_z : float
-        The same two of its magnitude: noise is as loud at one input as at another.
+        The same two of the absolute residual: the size of noise does not depend on the input.
     tails : float
-        Kurtosis of the innovations, 3 for a normal distribution.
+        Kurtosis of the innovations; 3 for a normal distribution.
     uneven : float
-        Spread of the innovations' power between blocks of the record, over what chance gives.
+        Variation of the innovations' power between blocks of the record, over that of white noise.
     """
 
     rms: float
@@ -60,16 +59,16 @@ class ResidualMeasures:
 
 
 def is_noise(left: ResidualMeasures, converted: bool) -> bool:
-    """Whether a residual behaves as noise, however coloured: the input's past tells neither its value nor its size.
+    """Whether a residual is noise, white or coloured: neither its value nor its size depends on past inputs.
 
     Parameters
     ----------
-    left : Leftover
+    left : ResidualMeasures
     converted : bool
-        Whether a coarse converter makes it.
+        Whether it is the rounding error of a coarse converter.
     """
     if converted:
-        return True  # rounding repeats itself with the input, and jumps: its size is judged elsewhere
+        return True  # rounding errors do depend on the input; their size is checked elsewhere
     return not (
         (left.repeats > 0.1 and left.repeats_z > 2.5)
         or (left.activity > 0.08 and left.activity_z > 4.0)
@@ -79,7 +78,7 @@ def is_noise(left: ResidualMeasures, converted: bool) -> bool:
 
 
 def measure_residual(data: Data, fit: Fit) -> ResidualMeasures:
-    """Measure what `fit` leaves on the rows of `data`, but for those on a stop of the sensor, where noise is hidden."""
+    """Measure the residual of `fit` on the rows of `data` at which the sensor is not at a limit."""
     e = data.y - fit.output
     data = _within_limits(data, fit)
     rows = data.rows
@@ -107,7 +106,7 @@ def measure_residual(data: Data, fit: Fit) -> ResidualMeasures:
 
 
 def _within_limits(data: Data, fit: Fit) -> Data:
-    """The data without the rows on which the simulated sensor stands at a limit, as long as most are left."""
+    """Exclude the rows with the simulated sensor at a limit, if enough others remain."""
     if not any(effect.is_limit for effect in fit.hypothesis.outputs):
         return data
     design = fit.hypothesis.design(fit.theta, data.u)
@@ -117,7 +116,7 @@ def _within_limits(data: Data, fit: Fit) -> Data:
 
 
 def slow_autocorrelation(e: FloatArray, rows: np.ndarray) -> float:
-    """Largest autocorrelation of a residual, of either sign, after a few samples and more, on the rows that count."""
+    """Largest absolute autocorrelation at lags of `SLOW_LAG` samples or more, on the rows that count."""
     power = float(np.mean(e[rows] ** 2))
     found = 0.0
     for lag in range(SLOW_LAG, MAX_LAG):
@@ -128,7 +127,7 @@ def slow_autocorrelation(e: FloatArray, rows: np.ndarray) -> float:
 
 
 def explained_share(data: Data, fit: Fit, e: FloatArray) -> float:
-    """Cross-validated share of `e` that features of the input's past explain; blocks are left out in turn."""
+    """Share of the power of `e` that nonlinear features of the input explain, by cross-validation over blocks."""
     X = nonlinear_features(data, fit)
     rows = data.complete
     at = np.flatnonzero(rows)
@@ -155,7 +154,7 @@ def explained_share(data: Data, fit: Fit, e: FloatArray) -> float:
 
 
 def repeatability(data: Data, fit: Fit, e: FloatArray) -> tuple[float, float]:
-    """How alike the residual is at times with nearly the same past of the input: value, and distance from chance."""
+    """Correlation of the residual at times with similar input history, and its z-score."""
     at = np.flatnonzero(data.rows)
     if at.size > MAX_POINTS:
         at = at[:: -(-at.size // MAX_POINTS)]
@@ -166,7 +165,7 @@ def repeatability(data: Data, fit: Fit, e: FloatArray) -> tuple[float, float]:
     apart = max(at.size // 20, 10)
     _, near = cKDTree(past).query(past, k=min(NEIGHBOURS, at.size // 3))
     far = np.abs(near - np.arange(at.size)[:, None]) > apart
-    # The nearest three that are not merely a moment earlier or later.
+    # The three nearest neighbours that are not close in time.
     order = np.cumsum(far, axis=1)
     chosen = far & (order <= 3)
     some = chosen.any(axis=1)
@@ -181,12 +180,12 @@ def repeatability(data: Data, fit: Fit, e: FloatArray) -> tuple[float, float]:
     value = alike(x)
     shifts = np.linspace(0.15, 0.85, 24) * x.size
     chance = np.array([alike(np.roll(x, int(shift))) for shift in shifts])
-    # A rolled residual is compared with itself under other pasts of the input: only chance makes it alike.
+    # A shifted residual is paired with unrelated input histories: the null distribution.
     return value, float((value - chance.mean()) / (chance.std() or 1.0))
 
 
 def input_history(data: Data, fit: Fit) -> FloatArray:
-    """A few numbers for the past of the input: filtered inputs at several rates, and the way it moved last."""
+    """Features of past inputs: filtered inputs at several rates, and the direction of the last change."""
     moved = np.diff(_previous_input(data), prepend=data.u[0])
     last = np.sign(moved)
     index = np.maximum.accumulate(np.where(last != 0.0, np.arange(last.size), 0))
@@ -194,7 +193,7 @@ def input_history(data: Data, fit: Fit) -> FloatArray:
 
 
 def _filtered_input(data: Data, fit: Fit) -> list[FloatArray]:
-    """The input through lags whose rates cover the linear dynamics, slowest first; last, the sample before."""
+    """The input after lags whose rates cover the linear dynamics, slowest first, and the previous input."""
     c, k = fit.rates
     slow = 0.5 * c - np.sqrt(0.25 * c * c - k) if 0.25 * c * c > k else 0.5 * c
     slow = float(np.clip(slow, 1e-3, 1.0))
@@ -205,12 +204,12 @@ def _filtered_input(data: Data, fit: Fit) -> list[FloatArray]:
 
 
 def _previous_input(data: Data) -> FloatArray:
-    """The input one sample before: that of the same instant cannot act yet, and a controller makes it of the output."""
+    """The previous input: the present one cannot act yet, and under feedback it depends on the output."""
     return np.concatenate([data.u[:1], data.u[:-1]])
 
 
 def nonlinear_features(data: Data, fit: Fit) -> FloatArray:
-    """A flexible black box's regressors: filtered inputs, their products, powers of the output and its slope."""
+    """Regressors of a black box: filtered inputs and their products, powers of the output and of its slope."""
     states = _filtered_input(data, fit)
     still = states[-1]
     z = fit.output

@@ -1,4 +1,4 @@
-"""Simulations from files: read one for `--sim`, or play one on a record."""
+"""Simulations from files: read one for `--sim`, or run one with the input of a record."""
 
 import csv
 from dataclasses import dataclass
@@ -16,14 +16,16 @@ from labsid.records.record import Record
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Replay:
-    """A simulation on a record.
+    """A simulation run with the input of a record.
 
     Attributes
     ----------
     y : ndarray, shape (N,)
+        Simulated output.
     rmse : float
-        Of the free run, the first `start` samples left out: they gave the initial state.
+        Root mean square error after the first `start` samples.
     start : int
+        Number of samples that determine the initial state.
     """
 
     y: FloatArray
@@ -32,12 +34,12 @@ class Replay:
 
 
 def load_simulation(path: Path, record: Record) -> Simulation:
-    """What `--sim` takes: MODEL.json, an exported simulation, or a .csv with the header t,y.
+    """Read the argument of `--sim`: MODEL.json, an exported simulation, or a .csv with the header t,y.
 
     Raises
     ------
     ValueError
-        If the file is neither, or its times are not the record's.
+        If the file is none of these, or its times differ from those of the record.
     """
     if path.suffix.lower() == ".csv":
         return _read_output(path, record)
@@ -52,7 +54,7 @@ def _read_output(path: Path, record: Record) -> FloatArray:
         y = np.array([float(row["y"]) for row in rows])
     except (KeyError, TypeError, ValueError):
         raise ValueError(f"{path}: a simulated output must be a .csv with the header t,y and numbers below.") from None
-    near = 0.5 if record.jitter else 0.01  # the stamps of the file are as good as the even times
+    near = 0.5 if record.jitter else 0.01  # with jitter, accept both time stamps and even times
     if t.size != len(record) or not np.all(np.abs(t - record.t) <= near * record.Ts) or not np.isfinite(y).all():
         raise ValueError(
             f"{path}: must hold the output at the record's {len(record)} times; got {t.size} rows that differ."
@@ -61,12 +63,12 @@ def _read_output(path: Path, record: Record) -> FloatArray:
 
 
 def replay(path: Path, record: Record) -> Replay:
-    """Run a simulation freely on a record's input; the first samples of its output give the initial state.
+    """Run a simulation with the input of a record; the first output samples determine the initial state.
 
     Raises
     ------
     ValueError
-        If the file holds no simulation, or one of another sampling time.
+        If the file contains no simulation, or one with another sampling time.
     """
     content = load_model(path)
     record = at_sampling_time(record, stated_sampling_time(content))
@@ -80,7 +82,7 @@ def replay(path: Path, record: Record) -> Replay:
 
 
 def write_replay(path: Path, record: Record, y: FloatArray) -> None:
-    """Write t, u, y and y_sim as text."""
+    """Write t, u, y and y_sim as .csv."""
     lines = ["t,u,y,y_sim"]
     lines += [",".join(repr(float(x)) for x in row) for row in zip(record.t, record.u, record.y, y, strict=True)]
     write_file(path, ("\n".join(lines) + "\n").encode())

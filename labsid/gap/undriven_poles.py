@@ -1,4 +1,4 @@
-"""What linear dynamics do by themselves, from their initial state, beside what the input makes them do."""
+"""Find poles that the input does not excite: they imitate a drift or a sinusoid."""
 
 import numpy as np
 
@@ -8,17 +8,16 @@ from labsid.gap.data import Data
 from labsid.gap.fitting import Fit
 from labsid.gap.responses import damping_ratio, denominator
 
-EVALUATED_FROM = 1.0 / 3.0  # of the record: what still goes on from there on was not brought along from before it
-MIN_FREE, MAX_DRIVEN = 1.0, 3.0  # of what the fit leaves, rms: what goes on alone, and what the input surely moves
-LIGHT_DAMPING = 0.09  # damping of a mode; masses on springs have more
-MIN_DAMPING_RATIO = 2.0  # times the damping
+EVALUATED_FROM = 1.0 / 3.0  # of the record: an actual free response has decayed by then
+MIN_FREE, MAX_DRIVEN = 1.0, 3.0  # rms of the free and of the forced response, over that of the residual
+LIGHT_DAMPING = 0.09  # largest damping of a mode; a mass on a spring has more
+MIN_DAMPING_RATIO = 2.0  # damping of the baseline over that of the mode
 
 
 def has_undriven_pole(data: Data, fit: Fit) -> bool:
-    """Whether one of the two poles goes on through the record by itself, and the input hardly moves it.
+    """Whether the free response of a pole exceeds its response to the input throughout the record.
 
-    Such a pole is none of the rig's: it stands for a drift, or for a wave from outside. Only linear dynamics with a
-    zero are looked at, in which it could be either.
+    Such a pole imitates a drift or a sinusoid. Only linear dynamics with a numerator zero are tested.
     """
     plant = fit.hypothesis.plant
     if plant.kind != "linear" or not plant.zero:
@@ -36,10 +35,9 @@ def has_undriven_pole(data: Data, fit: Fit) -> bool:
 
 
 def lag_became_mode(base: Fit, fit: Fit) -> bool:
-    """Whether the two poles of a fit with a further lag are a lightly damped mode, which those of the baseline are not.
+    """Whether the poles of a fit with an additional lag are a lightly damped mode, unlike those of the baseline.
 
-    Three poles are the same to the data whichever of them is called new. What the baseline lacks is the mode, then, and
-    not the lag.
+    The order of the three poles is arbitrary: what the baseline lacks is then the mode, not the lag.
     """
     plant = fit.hypothesis.plant
     if plant.kind != "linear" or not plant.lag or plant.mode:
@@ -51,7 +49,7 @@ def lag_became_mode(base: Fit, fit: Fit) -> bool:
 def _driven_and_free(
     w: FloatArray, columns: FloatArray, gains: FloatArray, a: tuple[float, float]
 ) -> list[tuple[FloatArray, FloatArray]]:
-    """Of a pair, or of each of two real poles: what the input makes of it, and its free motion."""
+    """Forced and free response of a complex pair, or of each of two real poles."""
     moved, alone = columns[:, :2] @ gains[:2], columns[:, 2:4] @ gains[2:4]
     ramp = columns[:, 4] * gains[4]
     root = a[0] ** 2 - 4.0 * a[1]

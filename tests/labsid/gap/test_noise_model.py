@@ -88,7 +88,7 @@ def test_a_few_good_samples_in_a_row_are_enough_if_they_are_a_tenth() -> None:
 def test_noise_between_many_gaps_is_fitted_with_fewer_lags(period: int) -> None:
     rows = gapped(period)
     e, lags = np.where(rows, coloured(0.8), 50.0), usable_lags(rows)
-    with pytest.raises(ValueError, match="only 0 samples have 8 good ones before them"):
+    with pytest.raises(ValueError, match="only 0 samples follow 8 used samples"):
         fit_noise(e, complete_rows(rows))
     found = fit_noise(e, complete_rows(rows, lags), lags)
     assert found.sigma2 == pytest.approx(0.09, rel=0.2)

@@ -85,7 +85,7 @@ def test_what_was_exported_is_played_and_given_again(tmp_path, record):
 
 def test_a_series_cannot_be_exported(record):
     found = diagnose(record, np.zeros(len(record)) + record.u)
-    with pytest.raises(ValueError, match="there is nothing to export that runs"):
+    with pytest.raises(ValueError, match="cannot be exported"):
         found.model.to_json_dict()
 
 
