@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from labsid._arrays import FloatArray, freeze
-from labsid.least_squares.solve import LeastSquares, least_squares
+from labsid.least_squares.solve import LeastSquares, solve_least_squares
 from labsid.model_structures.prediction import prediction_errors
 from labsid.model_structures.structures import PolynomialModel, Structure, build_equations, model_from_theta
 
@@ -88,7 +88,7 @@ def fit_armax(
     status: Status = "not converged"
     for _ in range(iterations):
         equations = build_equations(structure, u, y, e)
-        fit = least_squares(equations.Phi, equations.Y)
+        fit = solve_least_squares(equations.Phi, equations.Y)
         step = fit.theta - theta
         size = float(np.max(np.abs(step)))
         # The whole step may overshoot for ever, as on System 2; a smaller share of it settles (see Notes).
@@ -121,5 +121,5 @@ def _first_noise(structure: Structure, u: ArrayLike | None, y: ArrayLike) -> Flo
     longer = Structure(outputs, inputs, delay=structure.delay)
     equations = build_equations(longer, u, y)
     e = np.zeros(samples)
-    e[equations.start :] = least_squares(equations.Phi, equations.Y).residual
+    e[equations.start :] = solve_least_squares(equations.Phi, equations.Y).residual
     return e

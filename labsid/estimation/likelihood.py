@@ -9,7 +9,7 @@ from scipy.signal import lfilter
 
 from labsid._arrays import FloatArray, as_signal, freeze
 from labsid.estimation.armax import fit_armax
-from labsid.least_squares.solve import least_squares
+from labsid.least_squares.solve import solve_least_squares
 from labsid.model_structures.prediction import prediction_errors
 from labsid.model_structures.structures import PolynomialModel, Structure, build_equations, model_from_theta
 from labsid.nonlinear.solve import levenberg_marquardt
@@ -123,7 +123,7 @@ def maximise_likelihood(Phi: ArrayLike, Y: ArrayLike) -> Likelihood:
     Reading lectures, L8: numerically, what the lecture proves. The climb (BFGS) is over theta and ``log sigma`` at
     once, with the columns of Phi and Y scaled to mean square one.
     """
-    exact = least_squares(Phi, Y)
+    exact = solve_least_squares(Phi, Y)
     Phi, Y = np.asarray(Phi, dtype=np.float64), as_signal("Y", Y)
     n, p = Phi.shape
     if exact.status != "unique" or 2 * exact.loss <= (n * np.finfo(float).eps) ** 2 * (Y @ Y):
@@ -209,5 +209,5 @@ def _first_guess(structure: Structure, u: ArrayLike | None, y: FloatArray) -> Fl
     linear = Structure(structure.na, structure.nb, delay=structure.delay) if structure.na + structure.nb else None
     if linear is not None:
         equations = build_equations(linear, u, y)
-        theta[: linear.parameters] = least_squares(equations.Phi, equations.Y).theta
+        theta[: linear.parameters] = solve_least_squares(equations.Phi, equations.Y).theta
     return theta

@@ -56,7 +56,7 @@ class MonteCarlo:
         return np.sqrt(np.mean((self.estimates - self.truth) ** 2, axis=0))
 
 
-def monte_carlo(
+def run_monte_carlo(
     estimate: Callable[[np.random.Generator], ArrayLike], truth: ArrayLike, runs: int, seed: int
 ) -> MonteCarlo:
     """Repeat an experiment with independent noise.

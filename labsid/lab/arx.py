@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from labsid._arrays import FloatArray, as_signal, freeze
 from labsid.lab.regressor import build_phi
-from labsid.least_squares.solve import LeastSquares, least_squares
+from labsid.least_squares.solve import LeastSquares, solve_least_squares
 from labsid.model_structures.realisation import controllable_form, input_ss, input_tf, transfer_function
 from labsid.model_structures.structures import PolynomialModel, Regression
 
@@ -169,7 +169,7 @@ def fit_arx(
     UNSW lab, exercise 2a and 2b (order 2) and the post-lab exercise, eq. (9) (order 1).
     """
     regression = build_phi(u, y, order, start, stop)
-    fit = least_squares(regression.Phi, regression.Y)
+    fit = solve_least_squares(regression.Phi, regression.Y)
     return ArxFit(arx_from_theta(fit.theta, Ts), regression, fit)
 
 

@@ -10,7 +10,7 @@ from scipy.optimize import lsq_linear
 
 from labsid._arrays import FloatArray, as_matrix, as_signal, freeze
 from labsid.least_squares.linear_algebra import singular_values
-from labsid.least_squares.solve import LeastSquares, as_equations, least_squares
+from labsid.least_squares.solve import LeastSquares, as_equations, solve_least_squares
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -108,7 +108,7 @@ def fit_with_known(Phi: ArrayLike, Y: ArrayLike, known: Mapping[int, float]) -> 
         if not np.isfinite(value):
             raise ValueError(f"known values must be finite; got {value} for place {place}.")
         theta[place] = value
-    fit = least_squares(Phi[:, free], Y - Phi @ theta)
+    fit = solve_least_squares(Phi[:, free], Y - Phi @ theta)
     theta[list(free)] = fit.theta
     return KnownParametersFit(theta, free, fit)
 
@@ -158,7 +158,7 @@ def least_squares_with_equations(Phi: ArrayLike, Y: ArrayLike, A: ArrayLike, b: 
     status: Literal["unique", "not unique"] = "unique"
     Z = np.linalg.svd(A)[2][A.shape[0] :].T
     if Z.shape[1]:
-        fit = least_squares(Phi @ Z, Y - Phi @ theta)
+        fit = solve_least_squares(Phi @ Z, Y - Phi @ theta)
         theta = theta + Z @ fit.theta
         status = "unique" if fit.status == "unique" else "not unique"
     residual = Y - Phi @ theta
@@ -207,7 +207,7 @@ def least_squares_in_box(Phi: ArrayLike, Y: ArrayLike, lower: ArrayLike, upper: 
             f"lower must be below upper; got {lower[where]} and {upper[where]} for parameter {where}. "
             "For a known parameter use fit_with_known."
         )
-    unconstrained = least_squares(Phi, Y).theta
+    unconstrained = solve_least_squares(Phi, Y).theta
     if np.all((lower <= unconstrained) & (unconstrained <= upper)):
         theta = unconstrained
     else:

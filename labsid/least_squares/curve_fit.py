@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from labsid._arrays import FloatArray, as_signal, as_signals, freeze
-from labsid.least_squares.solve import LeastSquares, least_squares
+from labsid.least_squares.solve import LeastSquares, solve_least_squares
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -94,4 +94,4 @@ def fit_powers(x: ArrayLike, y: ArrayLike, powers: Sequence[int]) -> LeastSquare
     line and quadratic fit.
     """
     x, y = as_signals(x=x, y=y)
-    return least_squares(power_regressors(x, powers), y)
+    return solve_least_squares(power_regressors(x, powers), y)

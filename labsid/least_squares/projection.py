@@ -7,7 +7,7 @@ from numpy.typing import ArrayLike
 
 from labsid._arrays import FloatArray, as_matrix, as_signal, freeze
 from labsid.least_squares.linear_algebra import singular_values
-from labsid.least_squares.solve import as_equations, least_squares
+from labsid.least_squares.solve import as_equations, solve_least_squares
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -143,7 +143,7 @@ def project(Phi: ArrayLike, Y: ArrayLike) -> Projection:
     SUSTech lecture, "Geometric interpretation": ``Phi theta`` is the projection, ``(Y - Phi theta)'Phi = 0``.
     """
     Phi, Y = as_equations(Phi, Y)
-    fit = least_squares(Phi, Y)
+    fit = solve_least_squares(Phi, Y)
     Y_hat = Phi @ fit.theta
     angle = np.arctan2(np.linalg.norm(fit.residual), np.linalg.norm(Y_hat))
     return Projection(Y_hat, fit.residual, float(angle))
@@ -171,7 +171,7 @@ def solution_set(Phi: ArrayLike, Y: ArrayLike) -> SolutionSet:
     SUSTech lecture, "Solution", case 2: ``[[1, 2], [2, 4]] theta = [4, 8]`` has ``[4, 0] + alpha [-2, 1]``.
     """
     Phi, Y = as_equations(Phi, Y)
-    fit = least_squares(Phi, Y)
+    fit = solve_least_squares(Phi, Y)
     return SolutionSet(fit.theta, singular_values(Phi).V[:, fit.rank :], fit.rank)
 
 
@@ -205,6 +205,6 @@ def completed_square(Phi: ArrayLike, Y: ArrayLike, theta: ArrayLike) -> tuple[fl
     theta = as_signal("theta", theta)
     if theta.size != Phi.shape[1]:
         raise ValueError(f"theta must have one entry a column of Phi ({Phi.shape[1]}); got {theta.size}.")
-    fit = least_squares(Phi, Y)
+    fit = solve_least_squares(Phi, Y)
     away = Phi @ (theta - fit.theta)
     return 2 * fit.loss, float(away @ away)

@@ -58,7 +58,7 @@ class Surface:
         freeze(self, x1=self.x1, x2=self.x2, f=self.f)
 
 
-def quadratic_form(M: ArrayLike, x: ArrayLike) -> FloatArray:
+def evaluate_quadratic_form(M: ArrayLike, x: ArrayLike) -> FloatArray:
     """Evaluate ``x'Mx``, at one point or at many.
 
     Parameters
@@ -159,7 +159,7 @@ def surface(M: ArrayLike, radius: float = 1.0, rings: int = 20) -> Surface:
     r = radius * np.arange(rings + 1)[:, np.newaxis] / rings
     angle = np.pi * np.arange(-rings, rings + 1) / rings
     x1, x2 = r * np.cos(angle), r * np.sin(angle)
-    return Surface(x1, x2, quadratic_form(M, np.stack([x1, x2], axis=-1)), definiteness(M))
+    return Surface(x1, x2, evaluate_quadratic_form(M, np.stack([x1, x2], axis=-1)), definiteness(M))
 
 
 def random_positive_definite(rng: np.random.Generator, n: int = 2) -> FloatArray:

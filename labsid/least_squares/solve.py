@@ -73,7 +73,7 @@ def normal_equations(Phi: ArrayLike, Y: ArrayLike) -> FloatArray:
     Notes
     -----
     UNSW lab, eq. (8). This is the lesson: forming Phi'Phi squares the condition number and so loses twice the
-    digits. `least_squares` gives the same answer without it.
+    digits. `solve_least_squares` gives the same answer without it.
     """
     Phi, Y = as_equations(Phi, Y)
     try:
@@ -90,7 +90,7 @@ def normal_equations(Phi: ArrayLike, Y: ArrayLike) -> FloatArray:
     return theta
 
 
-def least_squares(Phi: ArrayLike, Y: ArrayLike) -> LeastSquares:
+def solve_least_squares(Phi: ArrayLike, Y: ArrayLike) -> LeastSquares:
     """Minimise ``1/2 |Y - Phi theta|^2`` by the singular value decomposition of Phi.
 
     Parameters

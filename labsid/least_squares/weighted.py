@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from labsid._arrays import FloatArray, as_signal
-from labsid.least_squares.solve import LeastSquares, as_equations, least_squares
+from labsid.least_squares.solve import LeastSquares, as_equations, solve_least_squares
 
 
 def weighted_least_squares(Phi: ArrayLike, Y: ArrayLike, weights: ArrayLike) -> LeastSquares:
@@ -49,7 +49,7 @@ def weighted_least_squares(Phi: ArrayLike, Y: ArrayLike, weights: ArrayLike) -> 
             "To leave an equation out, drop its row."
         )
     root = np.sqrt(weights)
-    fit = least_squares(root[:, np.newaxis] * Phi, root * Y)
+    fit = solve_least_squares(root[:, np.newaxis] * Phi, root * Y)
     return replace(fit, residual=Y - Phi @ fit.theta)
 
 

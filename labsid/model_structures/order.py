@@ -139,7 +139,7 @@ def loss_against_order(structures: Sequence[Structure], u: ArrayLike | None, y: 
     )
 
 
-def compare(smaller: LeastSquares, larger: LeastSquares) -> FTest:
+def compare_models(smaller: LeastSquares, larger: LeastSquares) -> FTest:
     """Test whether the larger of two nested fits improves on the smaller by more than chance would.
 
     Parameters

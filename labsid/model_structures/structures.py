@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from labsid._arrays import FloatArray, as_signal, as_signals, freeze
-from labsid.least_squares.solve import LeastSquares, least_squares
+from labsid.least_squares.solve import LeastSquares, solve_least_squares
 
 
 @dataclass(frozen=True, slots=True)
@@ -310,7 +310,7 @@ def fit_structure(
             "regression or maximum likelihood."
         )
     regression = build_equations(structure, u, y, start=start)
-    fit = least_squares(regression.Phi, regression.Y)
+    fit = solve_least_squares(regression.Phi, regression.Y)
     return StructureFit(model_from_theta(structure, fit.theta, Ts), regression, fit)
 
 

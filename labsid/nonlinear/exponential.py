@@ -33,7 +33,7 @@ class LogarithmFit:
         freeze(self, log_residual=self.log_residual)
 
 
-def exponential(x: ArrayLike, a: float, b: float) -> FloatArray:
+def evaluate_exponential(x: ArrayLike, a: float, b: float) -> FloatArray:
     """Evaluate ``b e^(a x)``.
 
     Parameters
@@ -86,7 +86,7 @@ def fit_exponential_by_logarithm(x: ArrayLike, y: ArrayLike) -> LogarithmFit:
     _check_spread(x)
     line = fit_powers(x, np.log(y), LINE)
     a, b = float(line.theta[0]), float(np.exp(line.theta[1]))
-    errors = y - exponential(x, a, b)
+    errors = y - evaluate_exponential(x, a, b)
     return LogarithmFit(a, b, line.residual, float(errors @ errors))
 
 
@@ -125,10 +125,10 @@ def fit_exponential(x: ArrayLike, y: ArrayLike) -> NonlinearFit:
     best = int(np.argmin(sse))
 
     def g(theta: FloatArray) -> FloatArray:
-        return exponential(x - middle, theta[0], theta[1])
+        return evaluate_exponential(x - middle, theta[0], theta[1])
 
     def jacobian(theta: FloatArray) -> FloatArray:
-        growth = exponential(x - middle, theta[0], 1.0)
+        growth = evaluate_exponential(x - middle, theta[0], 1.0)
         return np.column_stack([theta[1] * (x - middle) * growth, growth])
 
     return _shifted(levenberg_marquardt(g, jacobian, y, [rates[best], scales[best]]), middle)

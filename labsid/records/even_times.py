@@ -31,7 +31,7 @@ class EvenTimes:
         freeze(self, t=self.t)
 
 
-def even_times(stamps: FloatArray) -> EvenTimes | None:
+def fit_even_times(stamps: FloatArray) -> EvenTimes | None:
     """Find even times t0 + k Ts to which all stamps are near: by least squares, then rounded as far as these allow.
 
     Rounded, because two records of one rig, or a record and a simulation, are to have the same sampling time.

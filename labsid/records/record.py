@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 
 from labsid._arrays import FloatArray, as_signal, as_signals, freeze, frozen_array
 from labsid.records.direction import look_swapped
-from labsid.records.even_times import even_times
+from labsid.records.even_times import fit_even_times
 from labsid.records.formats import RawRecord, read_raw
 
 # An interval may differ from the usual one by this share of it; more is a gap or a jittering clock.
@@ -254,7 +254,7 @@ def _evened(raw: RawRecord) -> tuple[RawRecord, float]:
     """The same with even times where its stamps jitter, and by how much they do; stamps that are good stay."""
     if raw.t is None or raw.t.size < 2 or not is_sound(raw.t):
         return raw, 0.0
-    even = even_times(raw.t)
+    even = fit_even_times(raw.t)
     if even is None or (even.jitter <= REGULAR_WITHIN and not _time_faults(raw.t)):
         return raw, 0.0
     return replace(raw, t=even.t), even.jitter

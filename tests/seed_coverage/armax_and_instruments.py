@@ -20,7 +20,7 @@ ROWS = (
     Row(
         "Reading",
         "L6: Example 6-2, Tables 2 and 3 by Monte Carlo",
-        ("labsid.estimation.monte_carlo:monte_carlo", "labsid.model_structures.structures:fit_structure"),
+        ("labsid.estimation.monte_carlo:run_monte_carlo", "labsid.model_structures.structures:fit_structure"),
         ("armax-and-instruments/ai-1-tables", "armax-and-instruments/ai-1-figure-tables"),
         (
             f"{_MONTE_CARLO}::test_tables_1_and_2_least_squares_on_system_1",

@@ -28,7 +28,7 @@ ROWS = (
     Row(
         "SUSTech",
         "the problem min |y - g(theta)|^2, its Jacobian and the gradient of the cost",
-        ("labsid.least_squares.gradients:numerical_jacobian", "labsid.nonlinear.exponential:exponential"),
+        ("labsid.least_squares.gradients:numerical_jacobian", "labsid.nonlinear.exponential:evaluate_exponential"),
         ("nonlinear-least-squares/nl-2-jacobian", "nonlinear-least-squares/nl-2-differences"),
         (
             "tests/labsid/least_squares/test_gradients.py::test_numerical_jacobian_is_scipys",

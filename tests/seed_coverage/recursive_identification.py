@@ -47,7 +47,7 @@ ROWS = (
     Row(
         "Reading",
         "L5: RLS with lambda 1 and a diffuse start is batch least squares",
-        ("labsid.estimation.recursive:recursive_least_squares", "labsid.least_squares.solve:least_squares"),
+        ("labsid.estimation.recursive:recursive_least_squares", "labsid.least_squares.solve:solve_least_squares"),
         ("recursive-identification/ri-5-batch",),
         (
             _TESTS + "test_a_million_samples_give_the_batch_estimate_to_1e_8",

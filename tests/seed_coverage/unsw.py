@@ -131,7 +131,7 @@ ROWS = (
     Row(
         "UNSW",
         "2b: eq. (8), beside the sound solution",
-        ("labsid.least_squares.solve:normal_equations", "labsid.least_squares.solve:least_squares"),
+        ("labsid.least_squares.solve:normal_equations", "labsid.least_squares.solve:solve_least_squares"),
         ("lab-identification/lab-2b-theta",),
         (LS + "test_the_lesson_and_the_sound_solution_agree_on_a_well_conditioned_problem", VARIANT),
     ),
@@ -145,7 +145,7 @@ ROWS = (
     Row(
         "UNSW",
         "covariance and standard errors",
-        ("labsid.least_squares.solve:least_squares",),
+        ("labsid.least_squares.solve:solve_least_squares",),
         ("lab-identification/lab-2b-excitation",),
         (LS + "test_covariance_and_standard_errors_agree_with_an_independent_regression",),
     ),
@@ -344,7 +344,7 @@ ROWS = (
     Row(
         "UNSW",
         "(A3), (A4): more equations than unknowns, the error vector",
-        ("labsid.least_squares.solve:least_squares",),
+        ("labsid.least_squares.solve:solve_least_squares",),
         ("step-response/step-8-error",),
         (LS + "test_three_equations_by_hand", VARIANT),
     ),
@@ -365,7 +365,7 @@ ROWS = (
     Row(
         "UNSW",
         "appendix, erratum: unique exactly when Phi has full column rank",
-        ("labsid.least_squares.solve:least_squares",),
+        ("labsid.least_squares.solve:solve_least_squares",),
         ("step-response/step-9-unique",),
         (LS + "test_rank_deficiency_is_a_status_with_the_shortest_solution", VARIANT),
     ),

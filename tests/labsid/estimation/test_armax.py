@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 from labsid.estimation.armax import fit_armax
-from labsid.estimation.monte_carlo import monte_carlo
+from labsid.estimation.monte_carlo import run_monte_carlo
 from labsid.estimation.recursive import recursive_armax
-from labsid.least_squares.solve import least_squares
+from labsid.least_squares.solve import solve_least_squares
 from labsid.model_structures.lecture_systems import example_7_1, example_7_2, system_2
 from labsid.model_structures.prediction import prediction_errors
 from labsid.model_structures.structures import Structure, build_equations, fit_structure
@@ -21,7 +21,7 @@ def test_the_solution_regresses_on_its_own_prediction_errors():
     assert (found.status, found.model.Ts) == ("converged", 0.5)
     np.testing.assert_array_equal(found.e, prediction_errors(found.model, r.u, r.y))
     again = build_equations(ARMAX, r.u, r.y, found.e)
-    np.testing.assert_allclose(least_squares(again.Phi, again.Y).theta, found.model.theta, atol=1e-8)
+    np.testing.assert_allclose(solve_least_squares(again.Phi, again.Y).theta, found.model.theta, atol=1e-8)
 
 
 @pytest.mark.parametrize(
@@ -34,7 +34,7 @@ def test_it_finds_the_noise_model_over_many_records(system, truth):
         assert found.status == "converged"
         return found.model.theta
 
-    result = monte_carlo(estimate, truth, 25, seed=3)
+    result = run_monte_carlo(estimate, truth, 25, seed=3)
     assert np.all(np.abs(result.bias) < 4 * result.bias_stderr + 0.003)
     assert np.all(result.spread < 0.05)
 
@@ -51,9 +51,9 @@ def test_example_7_2_with_the_true_noise_the_columns_are_exactly_dependent():
     too_large = build_equations(Structure(2, 0, 2), None, r.y, r.e)
     s = np.linalg.svd(too_large.Phi, compute_uv=False)
     assert s[-1] < 1e-12 * s[0]
-    assert least_squares(too_large.Phi, too_large.Y).status == "rank-deficient"
+    assert solve_least_squares(too_large.Phi, too_large.Y).status == "rank-deficient"
     right = build_equations(Structure(1, 0, 1), None, r.y, r.e)
-    assert least_squares(right.Phi, right.Y).status == "unique"
+    assert solve_least_squares(right.Phi, right.Y).status == "unique"
 
 
 def test_example_7_2_with_the_estimated_noise_they_are_only_nearly_so():
@@ -65,7 +65,7 @@ def test_example_7_2_with_the_estimated_noise_they_are_only_nearly_so():
 
     def condition(e):
         larger = build_equations(Structure(2, 0, 2), None, r.y, e)
-        return least_squares(larger.Phi, larger.Y).condition_number
+        return solve_least_squares(larger.Phi, larger.Y).condition_number
 
     long_ar = fit_structure(Structure(10, 0), None, r.y)
     estimated = condition(np.concatenate([np.zeros(10), long_ar.fit.residual]))

@@ -6,8 +6,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from labsid.estimation.instrumental import fit_instrumental, instrumental_variables
-from labsid.estimation.monte_carlo import monte_carlo
-from labsid.least_squares.solve import least_squares
+from labsid.estimation.monte_carlo import run_monte_carlo
+from labsid.least_squares.solve import solve_least_squares
 from labsid.model_structures.lecture_systems import example_7_1, example_8_1, system_2
 from labsid.model_structures.prediction import free_run
 from labsid.model_structures.structures import Structure, build_equations, fit_structure
@@ -32,7 +32,7 @@ def test_the_residual_is_orthogonal_to_the_instruments(p, seed):
     found = instrumental_variables(Z, Phi, Y)
     if found.condition_number < 1e4:
         assert np.max(np.abs(Z.T @ found.residual)) < 1e-8
-    np.testing.assert_allclose(instrumental_variables(Phi, Phi, Y).theta, least_squares(Phi, Y).theta, atol=1e-9)
+    np.testing.assert_allclose(instrumental_variables(Phi, Phi, Y).theta, solve_least_squares(Phi, Y).theta, atol=1e-9)
     scaled = instrumental_variables(Z * np.arange(1.0, p + 1), Phi, Y)
     np.testing.assert_allclose(scaled.theta, found.theta, rtol=1e-6, atol=1e-8)
 
@@ -61,10 +61,10 @@ def test_iv_is_consistent_on_system_2_where_least_squares_is_not():
         r = system_2(rng, 2000)
         return fit_structure(ARX, r.u, r.y).model.theta
 
-    short, long = (monte_carlo(iv(samples), [-0.8, 1.0], 100, seed=5) for samples in (500, 2000))
+    short, long = (run_monte_carlo(iv(samples), [-0.8, 1.0], 100, seed=5) for samples in (500, 2000))
     assert np.all(np.abs(long.bias) < 4 * long.bias_stderr)
     assert np.all(long.spread < 0.65 * short.spread)
-    biased = monte_carlo(ls, [-0.8, 1.0], 100, seed=5)
+    biased = run_monte_carlo(ls, [-0.8, 1.0], 100, seed=5)
     assert biased.bias[0] == pytest.approx(0.17, abs=0.01)  # -0.63 = -0.8 * 3.704 / 4.704, with var(x) = 4/3 / 0.36
 
 
@@ -73,7 +73,7 @@ def test_example_7_1_bias_of_least_squares_and_iv():
         r = example_7_1(rng, 4000)
         return np.concatenate([fit_structure(ARX, r.u, r.y).model.theta, fit_instrumental(ARX, r.u, r.y).model.theta])
 
-    result = monte_carlo(estimate, [-0.9, 1.0, -0.9, 1.0], 60, seed=6)
+    result = run_monte_carlo(estimate, [-0.9, 1.0, -0.9, 1.0], 60, seed=6)
     t = np.abs(result.bias) / result.bias_stderr
     assert np.all(t[:2] > 5)
     assert np.all(t[2:] < 4)

@@ -6,8 +6,8 @@ from scipy.optimize import minimize
 from scipy.stats import norm
 
 from labsid.estimation.likelihood import fit_likelihood, log_likelihood, maximise_likelihood
-from labsid.estimation.monte_carlo import monte_carlo
-from labsid.least_squares.solve import least_squares
+from labsid.estimation.monte_carlo import run_monte_carlo
+from labsid.least_squares.solve import solve_least_squares
 from labsid.model_structures.lecture_systems import example_7_1, example_7_2, system_1, system_2
 from labsid.model_structures.prediction import prediction_errors
 from labsid.model_structures.structures import Structure, build_equations, model_from_theta
@@ -26,7 +26,7 @@ def test_the_log_likelihood_is_the_sum_of_log_densities():
 def test_the_top_of_the_likelihood_is_least_squares(scale):
     r = system_1(np.random.default_rng(0))
     equations = build_equations(Structure(2, 2), scale * r.u, r.y)
-    top, exact = maximise_likelihood(equations.Phi, equations.Y), least_squares(equations.Phi, equations.Y)
+    top, exact = maximise_likelihood(equations.Phi, equations.Y), solve_least_squares(equations.Phi, equations.Y)
     assert top.status == "converged"
     np.testing.assert_allclose(top.theta, exact.theta, rtol=1e-5, atol=1e-6 / scale)
     n, p = equations.Phi.shape
@@ -39,7 +39,7 @@ def test_arx_by_likelihood_is_arx_by_least_squares():
     found = fit_likelihood(Structure(1, 1), r.u, r.y)
     equations = build_equations(Structure(1, 1), r.u, r.y, start=0)
     assert found.status == "converged"
-    np.testing.assert_allclose(found.model.theta, least_squares(equations.Phi, equations.Y).theta, atol=1e-9)
+    np.testing.assert_allclose(found.model.theta, solve_least_squares(equations.Phi, equations.Y).theta, atol=1e-9)
 
 
 @pytest.mark.parametrize("system", [example_7_1, system_2])
@@ -79,7 +79,7 @@ def test_its_standard_errors_are_the_spread_over_many_records():
         errors.append(found.stderr)
         return found.model.theta
 
-    result = monte_carlo(estimate, [-0.9, 1.0, 0.3], 80, seed=4)
+    result = run_monte_carlo(estimate, [-0.9, 1.0, 0.3], 80, seed=4)
     assert np.all(np.abs(result.bias) < 4 * result.bias_stderr)
     np.testing.assert_allclose(np.mean(errors, axis=0), result.spread, rtol=0.3)
 

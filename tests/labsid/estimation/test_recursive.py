@@ -14,7 +14,7 @@ from scipy.signal import lfilter
 
 from labsid import _compiled
 from labsid.estimation import _loops
-from labsid.estimation.monte_carlo import monte_carlo
+from labsid.estimation.monte_carlo import run_monte_carlo
 from labsid.estimation.recursion import RecursiveState, diffuse_start
 from labsid.estimation.recursive import (
     recursive_armax,
@@ -22,7 +22,7 @@ from labsid.estimation.recursive import (
     recursive_least_squares,
     unsymmetrised_rls,
 )
-from labsid.least_squares.solve import least_squares
+from labsid.least_squares.solve import solve_least_squares
 from labsid.model_structures.lecture_systems import (
     example_3_2,
     example_6_1,
@@ -121,7 +121,7 @@ def test_the_last_row_is_the_weighted_batch_estimate():
     Phi, Y = regression()
     w = np.sqrt(0.97 ** np.arange(299, -1, -1))
     run = recursive_least_squares(Phi, Y, 0.97)
-    np.testing.assert_allclose(run.theta[-1], least_squares(Phi * w[:, None], Y * w).theta, rtol=1e-8)
+    np.testing.assert_allclose(run.theta[-1], solve_least_squares(Phi * w[:, None], Y * w).theta, rtol=1e-8)
 
 
 # The batch estimate, also over a million samples
@@ -146,7 +146,7 @@ def test_a_million_samples_give_the_batch_estimate_to_1e_8():
 def test_the_batch_estimate_and_scaling(p, seed, factor):
     Phi, Y = regression(60, p, seed)
     run = recursive_least_squares(Phi, Y, start=diffuse_start(p, 1e9))
-    np.testing.assert_allclose(run.theta[-1], least_squares(Phi, Y).theta, rtol=1e-6, atol=1e-6)
+    np.testing.assert_allclose(run.theta[-1], solve_least_squares(Phi, Y).theta, rtol=1e-6, atol=1e-6)
     scaled = recursive_least_squares(Phi, factor * Y, start=diffuse_start(p, 1e9))
     np.testing.assert_allclose(scaled.theta, factor * run.theta, rtol=1e-6, atol=1e-6 * factor)
 
@@ -360,7 +360,7 @@ def test_example_7_1_rels_is_consistent_where_rls_is_biased():
             r = example_7_1(rng, samples)
             return recursive_armax(structure, r.u, r.y).theta[-1]
 
-        return monte_carlo(estimate, truth, 100, seed=7)
+        return run_monte_carlo(estimate, truth, 100, seed=7)
 
     short, long = (repeat(ARMAX, [-0.9, 1.0, 0.3], samples) for samples in (1000, 16_000))
     assert np.all(np.abs(long.bias[:2]) < 4 * long.bias_stderr[:2])
@@ -389,7 +389,7 @@ def test_example_8_1_recursive_iv_beats_rls_on_strong_inputs_and_says_when_it_he
         r = example_7_1(rng, 3000)
         return recursive_instrumental(ARX, r.u, r.y).theta[-1]
 
-    iv = monte_carlo(strong, [-0.9, 1.0], 150, seed=8)
+    iv = run_monte_carlo(strong, [-0.9, 1.0], 150, seed=8)
     assert iv.failed == 0
     assert np.all(np.abs(iv.bias) < 4 * iv.bias_stderr + 1e-3)
     ends, held = [], []
@@ -409,7 +409,7 @@ def test_recursive_iv_is_consistent_on_system_2():
         r = system_2(rng, 4000)
         return recursive_instrumental(ARX, r.u, r.y).theta[-1]
 
-    iv = monte_carlo(estimate, [-0.8, 1.0], 150, seed=9)
+    iv = run_monte_carlo(estimate, [-0.8, 1.0], 150, seed=9)
     # The least-squares start of 100 samples is forgotten as 1 / n; least squares itself stays at -0.63.
     assert np.all(np.abs(iv.bias) < [0.01, 0.01])
 

@@ -9,7 +9,7 @@ from labsid.lab.arx import ArxModel
 from labsid.lab.excitation import excitation_order, persistent_excitation, prbs, square_wave, sum_of_sinusoids
 from labsid.lab.regressor import build_phi
 from labsid.lab.simulation import simulate
-from labsid.least_squares.solve import least_squares
+from labsid.least_squares.solve import solve_least_squares
 
 
 def test_eigenvalues_by_hand():
@@ -26,7 +26,7 @@ def test_eigenvalues_are_those_of_the_normal_matrix_and_the_rank_that_of_least_s
     Phi = rng.standard_normal((40, 3)) * [1, 10, 0.1]
     result = persistent_excitation(Phi)
     np.testing.assert_allclose(result.eigenvalues, np.linalg.eigvalsh(Phi.T @ Phi / 40)[::-1], rtol=1e-9)
-    fit = least_squares(Phi, Phi[:, 0])
+    fit = solve_least_squares(Phi, Phi[:, 0])
     assert result.rank == fit.rank
     assert result.condition_number == pytest.approx(fit.condition_number, rel=1e-12)
 

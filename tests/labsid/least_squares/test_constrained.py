@@ -7,7 +7,7 @@ import pytest
 from scipy.optimize import minimize, nnls
 
 from labsid.least_squares.constrained import fit_with_known, least_squares_in_box, least_squares_with_equations
-from labsid.least_squares.solve import least_squares, loss
+from labsid.least_squares.solve import loss, solve_least_squares
 from labsid.model_structures.prediction import free_run
 from labsid.model_structures.realisation import model_from_transfer_function
 from labsid.model_structures.structures import arx_pq, build_equations
@@ -32,7 +32,7 @@ def test_sustech_example_1_rows_and_recovery():
     H = np.array([[-y[k - 3], u[k - 4]] for k in range(4, 21)])
     target = np.array([y[k - 1] - u[k - 2] for k in range(4, 21)])
     np.testing.assert_array_equal(equations.Phi[:, [1, 5]], H)
-    np.testing.assert_allclose(least_squares(H, target).theta, result.fit.theta, rtol=1e-12)
+    np.testing.assert_allclose(solve_least_squares(H, target).theta, result.fit.theta, rtol=1e-12)
 
 
 def test_sustech_example_2():
@@ -46,7 +46,7 @@ def test_sustech_example_2():
 @pytest.mark.parametrize("seed", range(5))
 def test_nothing_known_is_least_squares_and_a_known_estimate_changes_nothing(seed):
     Phi, Y = case(seed)
-    theta = least_squares(Phi, Y).theta
+    theta = solve_least_squares(Phi, Y).theta
     np.testing.assert_allclose(fit_with_known(Phi, Y, {}).theta, theta, rtol=1e-12)
     np.testing.assert_allclose(fit_with_known(Phi, Y, {1: theta[1]}).theta, theta, rtol=1e-9)
 
@@ -64,7 +64,7 @@ def test_equations_hold_and_nothing_within_them_is_better(seed):
     np.testing.assert_allclose(fit.theta, both[:3], rtol=1e-8)
     np.testing.assert_allclose(fit.multipliers, both[3:], rtol=1e-7, atol=1e-10)
     assert fit.status == "unique"
-    assert fit.loss >= least_squares(Phi, Y).loss
+    assert fit.loss >= solve_least_squares(Phi, Y).loss
 
 
 def test_the_multiplier_is_the_price_of_the_constraint():
@@ -128,7 +128,7 @@ def test_box_is_scipys_and_clipping_is_not_it(seed):
     Y = Phi @ [1.0, -1.0] + 0.1 * rng.standard_normal(15)
     fit = least_squares_in_box(Phi, Y, [0, 0], [np.inf, np.inf])
     np.testing.assert_allclose(fit.theta, nnls(Phi, Y)[0], atol=1e-10)
-    clipped = np.maximum(least_squares(Phi, Y).theta, 0)
+    clipped = np.maximum(solve_least_squares(Phi, Y).theta, 0)
     assert loss(Phi, Y, clipped) > 1.05 * fit.loss
     bounded = minimize(lambda th: loss(Phi, Y, th), [1, 1], bounds=[(0, None)] * 2, tol=1e-12)
     assert fit.loss == pytest.approx(bounded.fun, rel=1e-6)
@@ -137,7 +137,7 @@ def test_box_is_scipys_and_clipping_is_not_it(seed):
 def test_a_wide_box_does_not_matter_and_a_flat_loss_is_said():
     Phi, Y = case(6)
     fit = least_squares_in_box(Phi, Y, [-100] * 3, [100] * 3)
-    np.testing.assert_allclose(fit.theta, least_squares(Phi, Y).theta)
+    np.testing.assert_allclose(fit.theta, solve_least_squares(Phi, Y).theta)
     assert (fit.active, fit.status) == ((), "unique")
     assert least_squares_in_box([[1, 1], [2, 2]], [1, 2], [-9, -9], [9, 9]).status == "not unique"
 

@@ -12,7 +12,7 @@ from labsid.least_squares.gradients import (
     jacobian_linear,
     numerical_jacobian,
 )
-from labsid.least_squares.solve import least_squares, loss_gradient
+from labsid.least_squares.solve import loss_gradient, solve_least_squares
 
 SEEDS = range(10)
 
@@ -71,7 +71,7 @@ def test_directional_derivative_is_the_gradient_along_the_direction_length_inclu
 def test_gradient_of_sse_is_zero_at_the_solution_and_twice_the_labs():
     rng = np.random.default_rng(3)
     H, y, theta = rng.standard_normal((8, 2)), rng.standard_normal(8), rng.standard_normal(2)
-    np.testing.assert_allclose(gradient_of_sse(H, y, least_squares(H, y).theta), 0, atol=1e-13)
+    np.testing.assert_allclose(gradient_of_sse(H, y, solve_least_squares(H, y).theta), 0, atol=1e-13)
     np.testing.assert_allclose(gradient_of_sse(H, y, theta), 2 * loss_gradient(H, y, theta), rtol=1e-13)
 
 

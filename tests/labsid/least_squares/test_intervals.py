@@ -5,14 +5,14 @@ import pytest
 import statsmodels.api as sm
 
 from labsid.least_squares.intervals import confidence_intervals, parameter_covariance
-from labsid.least_squares.solve import least_squares
+from labsid.least_squares.solve import solve_least_squares
 
 
 @pytest.mark.parametrize("confidence", [0.5, 0.95, 0.999])
 def test_intervals_are_those_of_statsmodels(confidence):
     rng = np.random.default_rng(0)
     Phi, Y = rng.standard_normal((9, 3)), rng.standard_normal(9)
-    intervals = confidence_intervals(least_squares(Phi, Y), confidence)
+    intervals = confidence_intervals(solve_least_squares(Phi, Y), confidence)
     oracle = sm.OLS(Y, Phi).fit().conf_int(1 - confidence)
     np.testing.assert_allclose(np.column_stack([intervals.lower, intervals.upper]), oracle, rtol=1e-9)
     assert intervals.degrees_of_freedom == 6
@@ -23,7 +23,7 @@ def test_nineteen_intervals_in_twenty_hold_the_truth_where_the_normal_quantile_w
     Phi, truth = rng.standard_normal((5, 2)), np.array([1.0, -2.0])
     held, narrow = [], []
     for _ in range(4000):
-        fit = least_squares(Phi, Phi @ truth + rng.standard_normal(5))
+        fit = solve_least_squares(Phi, Phi @ truth + rng.standard_normal(5))
         intervals = confidence_intervals(fit)
         held.append((intervals.lower <= truth) & (truth <= intervals.upper))
         narrow.append(np.abs(fit.theta - truth) <= 1.96 * fit.stderr)
@@ -43,14 +43,20 @@ def test_known_variance_gives_lemma_1():
 
 
 def test_no_standard_error_no_interval():
-    for fit in (least_squares([[1, 0], [0, 1]], [1, 2]), least_squares([[1, 1], [2, 2], [3, 3]], [1, 2, 3])):
+    for fit in (
+        solve_least_squares([[1, 0], [0, 1]], [1, 2]),
+        solve_least_squares([[1, 1], [2, 2], [3, 3]], [1, 2, 3]),
+    ):
         assert np.all(np.isnan(confidence_intervals(fit).lower))
 
 
 @pytest.mark.parametrize(
     ("call", "message"),
     [
-        (lambda: confidence_intervals(least_squares([[1], [1]], [1, 2]), 95), "between 0 and 1; got 95. For 95 % give"),
+        (
+            lambda: confidence_intervals(solve_least_squares([[1], [1]], [1, 2]), 95),
+            "between 0 and 1; got 95. For 95 % give",
+        ),
         (lambda: parameter_covariance([[1]], -1), "sigma2 must be a variance, zero or more; got -1"),
         (lambda: parameter_covariance([[1, 1], [1, 1]], 1), "Phi must have full column rank; got rank 1 of 2"),
     ],

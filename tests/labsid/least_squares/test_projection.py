@@ -8,7 +8,7 @@ from hypothesis.extra.numpy import arrays
 
 from labsid.least_squares.curve_fit import EXAMPLE_2_1, LINE, power_regressors
 from labsid.least_squares.projection import completed_square, project, projection_matrix, qr_solution, solution_set
-from labsid.least_squares.solve import least_squares, loss, normal_equations
+from labsid.least_squares.solve import loss, normal_equations, solve_least_squares
 
 cases = st.integers(1, 4).flatmap(
     lambda p: st.tuples(
@@ -20,7 +20,7 @@ PHI = power_regressors(EXAMPLE_2_1.x, LINE)
 
 
 def test_three_ways_to_example_2_4():
-    for solve in (normal_equations, qr_solution, lambda Phi, Y: least_squares(Phi, Y).theta):
+    for solve in (normal_equations, qr_solution, lambda Phi, Y: solve_least_squares(Phi, Y).theta):
         np.testing.assert_allclose(solve(PHI, EXAMPLE_2_1.y), [1.1754386, 0.3333333], atol=5e-8)
 
 
@@ -72,7 +72,7 @@ def test_y_within_the_columns_leaves_nothing():
 def test_qr_is_least_squares(seed):
     rng = np.random.default_rng(seed)
     Phi, Y = rng.standard_normal((20, 4)), rng.standard_normal(20)
-    np.testing.assert_allclose(qr_solution(Phi, Y), least_squares(Phi, Y).theta, rtol=1e-10)
+    np.testing.assert_allclose(qr_solution(Phi, Y), solve_least_squares(Phi, Y).theta, rtol=1e-10)
 
 
 @given(cases, arrays(np.float64, (4,), elements=st.floats(-3, 3)))

@@ -10,7 +10,7 @@ from labsid.least_squares.quadratic_form import (
     BOWL,
     SADDLE,
     definiteness,
-    quadratic_form,
+    evaluate_quadratic_form,
     random_positive_definite,
     surface,
 )
@@ -43,8 +43,8 @@ def test_phi_phi_is_definite_exactly_with_full_column_rank(phi):
 
 def test_form_by_hand_at_one_point_and_at_many():
     M = [[1, 2], [0, 3]]  # x1^2 + 2 x1 x2 + 3 x2^2
-    assert quadratic_form(M, [1, -1]) == 2
-    np.testing.assert_allclose(quadratic_form(M, [[[1, 0], [0, 1]], [[1, 1], [2, 1]]]), [[1, 3], [6, 11]])
+    assert evaluate_quadratic_form(M, [1, -1]) == 2
+    np.testing.assert_allclose(evaluate_quadratic_form(M, [[[1, 0], [0, 1]], [[1, 1], [2, 1]]]), [[1, 3], [6, 11]])
 
 
 @pytest.mark.parametrize("M", [BOWL, SADDLE, -BOWL])
@@ -74,7 +74,7 @@ def test_random_positive_definite_is(seed):
     [
         (lambda: definiteness([[1, 2]]), r"M must be square; got shape \(1, 2\)"),
         (
-            lambda: quadratic_form(np.eye(2), [1, 2, 3]),
+            lambda: evaluate_quadratic_form(np.eye(2), [1, 2, 3]),
             r"x must have 2 entries a point, as M has rows; got shape \(3,\)",
         ),
         (lambda: surface(np.eye(3)), r"M must have shape \(2, 2\) for a surface over the plane; got \(3, 3\)"),

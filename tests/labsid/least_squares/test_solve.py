@@ -8,7 +8,7 @@ from hypothesis.extra.numpy import arrays
 from scipy.optimize import approx_fprime
 from scipy.stats import linregress
 
-from labsid.least_squares.solve import least_squares, loss, loss_gradient, normal_equations, two_equations
+from labsid.least_squares.solve import loss, loss_gradient, normal_equations, solve_least_squares, two_equations
 
 # Three equations, two unknowns, as in (A3). By hand: Phi'Phi = [[2, 1], [1, 2]], Phi'Y = [5, 6],
 # theta = [[2, -1], [-1, 2]] / 3 @ [5, 6] = [4/3, 7/3], E = [-1/3, -1/3, 1/3], V = 1/6.
@@ -19,7 +19,7 @@ THETA = np.array([4 / 3, 7 / 3])
 
 def test_three_equations_by_hand():
     np.testing.assert_allclose(normal_equations(PHI, Y), THETA, rtol=1e-14)
-    fit = least_squares(PHI, Y)
+    fit = solve_least_squares(PHI, Y)
     np.testing.assert_allclose(fit.theta, THETA, rtol=1e-14)
     np.testing.assert_allclose(fit.residual, [-1 / 3, -1 / 3, 1 / 3], rtol=1e-13)
     assert fit.loss == pytest.approx(1 / 6)
@@ -32,9 +32,9 @@ def test_three_equations_by_hand():
 
 def test_line_and_quadratic_of_the_sustech_lecture_give_the_worked_values():
     x, y = np.array([1, 0.5, -2, 3, 2.5]), np.array([1.4, 1.2, -3.6, 6.8, 4.5])
-    line = least_squares(np.column_stack([x, np.ones(5)]), y)
+    line = solve_least_squares(np.column_stack([x, np.ones(5)]), y)
     np.testing.assert_allclose(line.theta, [1.97096774, 0.08903226], atol=5e-9)
-    quadratic = least_squares(np.column_stack([np.ones(5), x, x**2]), y)
+    quadratic = solve_least_squares(np.column_stack([np.ones(5), x, x**2]), y)
     np.testing.assert_allclose(quadratic.theta, [-0.26601423, 1.85886714, 0.11393832], atol=5e-9)
 
 
@@ -42,7 +42,7 @@ def test_covariance_and_standard_errors_agree_with_an_independent_regression():
     rng = np.random.default_rng(3)
     x = rng.uniform(-2, 5, 80)
     y = 1.5 * x - 0.7 + 0.3 * rng.standard_normal(80)
-    fit = least_squares(np.column_stack([x, np.ones(80)]), y)
+    fit = solve_least_squares(np.column_stack([x, np.ones(80)]), y)
     oracle = linregress(x, y)
     np.testing.assert_allclose(fit.theta, [oracle.slope, oracle.intercept], rtol=1e-12)
     np.testing.assert_allclose(fit.stderr, [oracle.stderr, oracle.intercept_stderr], rtol=1e-12)
@@ -51,7 +51,7 @@ def test_covariance_and_standard_errors_agree_with_an_independent_regression():
 def test_the_covariance_is_the_scatter_of_the_estimates():
     rng = np.random.default_rng(11)
     Phi = rng.standard_normal((50, 2)) @ [[1.0, 0.5], [0.0, 2.0]]
-    fits = [least_squares(Phi, Phi @ [1, -1] + 0.2 * rng.standard_normal(50)) for _ in range(3000)]
+    fits = [solve_least_squares(Phi, Phi @ [1, -1] + 0.2 * rng.standard_normal(50)) for _ in range(3000)]
     scatter = np.cov(np.array([fit.theta for fit in fits]).T)
     np.testing.assert_allclose(scatter, 0.04 * np.linalg.inv(Phi.T @ Phi), rtol=0.15, atol=1e-5)
     assert np.mean([fit.sigma2 for fit in fits]) == pytest.approx(0.04, rel=0.01)
@@ -71,7 +71,7 @@ matrices = st.integers(1, 4).flatmap(
 @settings(max_examples=300, deadline=None)
 def test_the_residual_is_orthogonal_to_phi_and_the_gradient_zero(case):
     Phi, y = case
-    fit = least_squares(Phi, y)
+    fit = solve_least_squares(Phi, y)
     assert np.max(np.abs(Phi.T @ fit.residual)) < 1e-9
     assert np.max(np.abs(loss_gradient(Phi, y, fit.theta))) < 1e-9
     assert fit.loss == pytest.approx(loss(Phi, y, fit.theta), abs=1e-12)
@@ -81,7 +81,7 @@ def test_the_residual_is_orthogonal_to_phi_and_the_gradient_zero(case):
 @settings(max_examples=300, deadline=None)
 def test_the_solution_is_that_of_numpy_of_minimum_norm_too(case):
     Phi, y = case
-    fit = least_squares(Phi, y)
+    fit = solve_least_squares(Phi, y)
     theta, _, rank, _ = np.linalg.lstsq(Phi, y, rcond=None)
     assert fit.rank == rank
     np.testing.assert_allclose(fit.theta, theta, atol=1e-8)
@@ -94,7 +94,7 @@ def test_the_solution_is_that_of_numpy_of_minimum_norm_too(case):
 @settings(max_examples=200, deadline=None)
 def test_no_other_theta_has_a_smaller_loss(case, step, which):
     Phi, y = case
-    theta = least_squares(Phi, y).theta.copy()
+    theta = solve_least_squares(Phi, y).theta.copy()
     best = loss(Phi, y, theta)
     theta[which % theta.size] += step
     assert loss(Phi, y, theta) >= best - 1e-9 * (1 + best)
@@ -104,14 +104,14 @@ def test_no_other_theta_has_a_smaller_loss(case, step, which):
 def test_the_lesson_and_the_sound_solution_agree_on_a_well_conditioned_problem(seed):
     rng = np.random.default_rng(seed)
     Phi, y = rng.standard_normal((30, 4)), rng.standard_normal(30)
-    np.testing.assert_allclose(normal_equations(Phi, y), least_squares(Phi, y).theta, rtol=1e-10)
+    np.testing.assert_allclose(normal_equations(Phi, y), solve_least_squares(Phi, y).theta, rtol=1e-10)
 
 
 def test_the_sound_solution_keeps_the_digits_that_the_normal_equations_lose():
     x = np.linspace(0, 1, 50)
     Phi = np.vander(x, 9)
     theta = np.arange(1.0, 10)
-    sound = np.max(np.abs(least_squares(Phi, Phi @ theta).theta - theta))
+    sound = np.max(np.abs(solve_least_squares(Phi, Phi @ theta).theta - theta))
     lesson = np.max(np.abs(normal_equations(Phi, Phi @ theta) - theta))
     assert np.linalg.cond(Phi) > 1e5
     assert sound < 1e-7
@@ -119,7 +119,7 @@ def test_the_sound_solution_keeps_the_digits_that_the_normal_equations_lose():
 
 
 def test_rank_deficiency_is_a_status_with_the_shortest_solution():
-    fit = least_squares([[1, 1], [2, 2], [3, 3]], [2, 4, 6])
+    fit = solve_least_squares([[1, 1], [2, 2], [3, 3]], [2, 4, 6])
     assert (fit.rank, fit.status) == (1, "rank-deficient")
     np.testing.assert_allclose(fit.theta, [1, 1], rtol=1e-13)
     assert fit.condition_number > 1e15
@@ -127,13 +127,13 @@ def test_rank_deficiency_is_a_status_with_the_shortest_solution():
 
 
 def test_all_zero_regressors_have_rank_0_and_an_infinite_condition_number():
-    fit = least_squares(np.zeros((3, 2)), [1, 2, 3])
+    fit = solve_least_squares(np.zeros((3, 2)), [1, 2, 3])
     assert (fit.rank, fit.condition_number, fit.loss) == (0, np.inf, 7.0)
     np.testing.assert_array_equal(fit.theta, [0, 0])
 
 
 def test_as_many_equations_as_unknowns_leave_no_error_to_estimate():
-    fit = least_squares([[2, 0], [0, 4]], [2, 4])
+    fit = solve_least_squares([[2, 0], [0, 4]], [2, 4])
     np.testing.assert_allclose(fit.theta, [1, 1])
     assert np.isnan(fit.sigma2)
     assert np.all(np.isnan(fit.stderr))
@@ -148,7 +148,7 @@ def test_normal_equations_need_full_column_rank():
 def test_normal_equations_say_when_squaring_lost_the_last_digit():
     # Full rank, yet Phi'Phi rounds to [[3, 3], [3, 3]].
     Phi = np.array([[1, 1], [1, 1 + 2**-30], [1, 1 - 2**-30]])
-    assert least_squares(Phi, [1, 2, 3]).status == "unique"
+    assert solve_least_squares(Phi, [1, 2, 3]).status == "unique"
     with pytest.raises(ValueError, match=r"condition number .*, squared in Phi'Phi"):
         normal_equations(Phi, [1, 2, 3])
 
@@ -189,7 +189,7 @@ def test_the_gradient_is_the_slope_of_the_loss(seed):
     np.testing.assert_allclose(loss_gradient(Phi, y, theta), slope, atol=1e-4)
 
 
-@pytest.mark.parametrize("solve", [normal_equations, least_squares])
+@pytest.mark.parametrize("solve", [normal_equations, solve_least_squares])
 @pytest.mark.parametrize(
     ("Phi", "y", "message"),
     [

@@ -5,7 +5,7 @@ import pytest
 import statsmodels.api as sm
 from scipy.optimize import minimize
 
-from labsid.least_squares.solve import least_squares
+from labsid.least_squares.solve import solve_least_squares
 from labsid.least_squares.weighted import forgetting_weights, weighted_least_squares
 
 
@@ -28,9 +28,11 @@ def test_statsmodels_agrees(seed):
 
 def test_equal_weights_change_nothing_and_a_whole_weight_is_a_repeated_row():
     Phi, Y, _ = case(9)
-    np.testing.assert_allclose(weighted_least_squares(Phi, Y, np.full(20, 7.0)).theta, least_squares(Phi, Y).theta)
+    np.testing.assert_allclose(
+        weighted_least_squares(Phi, Y, np.full(20, 7.0)).theta, solve_least_squares(Phi, Y).theta
+    )
     times = np.arange(20) % 3 + 1
-    repeated = least_squares(np.repeat(Phi, times, axis=0), np.repeat(Y, times))
+    repeated = solve_least_squares(np.repeat(Phi, times, axis=0), np.repeat(Y, times))
     np.testing.assert_allclose(weighted_least_squares(Phi, Y, times).theta, repeated.theta, rtol=1e-9)
 
 
@@ -41,7 +43,7 @@ def test_weights_of_one_over_the_variance_scatter_least():
     plain, weighted = [], []
     for _ in range(500):
         Y = Phi @ [1, 2] + sigma * rng.standard_normal(40)
-        plain.append(least_squares(Phi, Y).theta)
+        plain.append(solve_least_squares(Phi, Y).theta)
         weighted.append(weighted_least_squares(Phi, Y, 1 / sigma**2).theta)
     assert np.all(np.std(weighted, axis=0) < 0.5 * np.std(plain, axis=0))
 

@@ -5,8 +5,8 @@ import pytest
 import statsmodels.api as sm
 
 from labsid.lab.excitation import persistent_excitation
-from labsid.least_squares.solve import least_squares
-from labsid.model_structures.order import compare, loss_against_order, pair_roots
+from labsid.least_squares.solve import solve_least_squares
+from labsid.model_structures.order import compare_models, loss_against_order, pair_roots
 from labsid.model_structures.polynomials import multiply
 from labsid.model_structures.prediction import free_run
 from labsid.model_structures.structures import PolynomialModel, Structure, build_equations, fit_structure
@@ -84,7 +84,7 @@ def test_without_noise_the_true_order_fits_exactly_and_a_larger_one_is_singular(
 def test_f_test_is_that_of_statsmodels():
     u, y, _ = record(4, 100)
     small, large = (build_equations(s, u, y, start=3) for s in (Structure(1, 1), Structure(3, 3)))
-    result = compare(least_squares(small.Phi, small.Y), least_squares(large.Phi, large.Y))
+    result = compare_models(solve_least_squares(small.Phi, small.Y), solve_least_squares(large.Phi, large.Y))
     statistic, p_value, added = sm.OLS(large.Y, large.Phi).fit().compare_f_test(sm.OLS(small.Y, small.Phi).fit())
     assert result.statistic == pytest.approx(statistic, rel=1e-9)
     assert result.p_value == pytest.approx(p_value, rel=1e-6)
@@ -97,7 +97,7 @@ def test_f_test_rejects_one_true_model_in_twenty():
     for seed in range(400):
         u, y, _ = record(seed, 200)
         fits = [fit_structure(s, u, y, start=3).fit for s in (Structure(2, 2), Structure(3, 3))]
-        p_values.append(compare(*fits).p_value)
+        p_values.append(compare_models(*fits).p_value)
     assert np.mean(np.array(p_values) < 0.05) == pytest.approx(0.05, abs=0.033)  # three standard errors
 
 
@@ -148,7 +148,7 @@ def test_pairs_of_an_overfitted_model_nearly_cancel_and_those_of_the_truth_do_no
     assert pair_roots([1], [1, 0.5]).distance.size == 0
 
 
-FIT = least_squares(np.eye(4)[:, :2], [1, 2, 3, 4])
+FIT = solve_least_squares(np.eye(4)[:, :2], [1, 2, 3, 4])
 
 
 @pytest.mark.parametrize(
@@ -156,8 +156,11 @@ FIT = least_squares(np.eye(4)[:, :2], [1, 2, 3, 4])
     [
         (lambda: loss_against_order([], [1, 2], [1, 2]), "structures must hold at least one structure"),
         (lambda: loss_against_order([Structure(1, 0, 1)], None, [1, 2, 3]), "nc must be 0 for linear least squares"),
-        (lambda: compare(FIT, FIT), r"more parameters than smaller and fewer than equations \(4\); got 2 and 2"),
-        (lambda: compare(least_squares([[1], [2]], [1, 2]), FIT), "must solve the same equations; got 2 and 4 of them"),
+        (lambda: compare_models(FIT, FIT), r"more parameters than smaller and fewer than equations \(4\); got 2 and 2"),
+        (
+            lambda: compare_models(solve_least_squares([[1], [2]], [1, 2]), FIT),
+            "must solve the same equations; got 2 and 4 of them",
+        ),
         (lambda: pair_roots([0, 0], [1, 2]), "numerator must not be zero everywhere"),
     ],
 )

@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 from scipy.optimize import curve_fit
 
 from labsid.least_squares.curve_fit import SUSTECH_POINTS
-from labsid.nonlinear.exponential import exponential, fit_exponential, fit_exponential_by_logarithm
+from labsid.nonlinear.exponential import evaluate_exponential, fit_exponential, fit_exponential_by_logarithm
 
 
 def test_worked_value_on_the_printed_data():
@@ -15,7 +15,9 @@ def test_worked_value_on_the_printed_data():
     np.testing.assert_allclose(fit.theta, [0.88402534, 0.48571061], atol=5e-9)
     assert fit.sse == pytest.approx(13.8246, abs=5e-5)
     assert fit.status == "converged"
-    np.testing.assert_allclose(fit.residual, SUSTECH_POINTS.y - exponential(SUSTECH_POINTS.x, *fit.theta), atol=1e-12)
+    np.testing.assert_allclose(
+        fit.residual, SUSTECH_POINTS.y - evaluate_exponential(SUSTECH_POINTS.x, *fit.theta), atol=1e-12
+    )
 
 
 def test_the_printed_data_have_no_logarithm():
@@ -30,7 +32,9 @@ def test_without_the_third_point_the_logarithm_works_and_is_not_the_least_square
     line, curve = fit_exponential_by_logarithm(x, y), fit_exponential(x, y)
     np.testing.assert_allclose([line.a, np.log(line.b)], np.polyfit(x, np.log(y), 1), rtol=1e-10)
     assert line.sse > curve.sse
-    assert line.log_residual @ line.log_residual < np.sum((np.log(y) - np.log(exponential(x, *curve.theta))) ** 2)
+    assert line.log_residual @ line.log_residual < np.sum(
+        (np.log(y) - np.log(evaluate_exponential(x, *curve.theta))) ** 2
+    )
 
 
 @given(
@@ -41,7 +45,7 @@ def test_without_the_third_point_the_logarithm_works_and_is_not_the_least_square
 @settings(max_examples=60, deadline=None)
 def test_exact_data_give_the_truth(a, b, shift):
     x = np.linspace(0, 2, 9) + shift
-    y = exponential(x, a, b)
+    y = evaluate_exponential(x, a, b)
     fit = fit_exponential(x, y)
     assert fit.status == "converged"
     np.testing.assert_allclose(fit.theta, [a, b], rtol=1e-6)
@@ -53,9 +57,9 @@ def test_exact_data_give_the_truth(a, b, shift):
 @pytest.mark.parametrize("seed", range(5))
 def test_scipy_finds_the_same_with_the_same_covariance(seed):
     x = np.linspace(4, 7, 30)
-    y = exponential(x, -0.7, 30.0) + 0.05 * np.random.default_rng(seed).standard_normal(30)
+    y = evaluate_exponential(x, -0.7, 30.0) + 0.05 * np.random.default_rng(seed).standard_normal(30)
     fit = fit_exponential(x, y)
-    theta, covariance = curve_fit(exponential, x, y, p0=fit.theta * 1.02, xtol=1e-14, ftol=1e-14)
+    theta, covariance = curve_fit(evaluate_exponential, x, y, p0=fit.theta * 1.02, xtol=1e-14, ftol=1e-14)
     np.testing.assert_allclose(fit.theta, theta, rtol=1e-5)
     np.testing.assert_allclose(fit.covariance, covariance, rtol=1e-3)
     np.testing.assert_allclose(fit.path[-1], fit.theta)
@@ -65,7 +69,7 @@ def test_the_logarithm_is_biased_by_noise_that_is_the_same_on_all_points():
     x, rng = np.linspace(0, 3, 40), np.random.default_rng(3)
     lines, curves = [], []
     for _ in range(100):
-        y = np.maximum(exponential(x, -1.0, 2.0) + 0.05 * rng.standard_normal(40), 1e-3)
+        y = np.maximum(evaluate_exponential(x, -1.0, 2.0) + 0.05 * rng.standard_normal(40), 1e-3)
         lines.append(fit_exponential_by_logarithm(x, y).a)
         curves.append(fit_exponential(x, y).theta[0])
     assert abs(np.mean(curves) + 1) < 0.01

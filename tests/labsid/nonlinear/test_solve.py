@@ -5,7 +5,7 @@ import pytest
 from scipy.optimize import least_squares as scipy_least_squares
 
 from labsid.least_squares.gradients import numerical_jacobian
-from labsid.least_squares.solve import least_squares
+from labsid.least_squares.solve import solve_least_squares
 from labsid.nonlinear.solve import gauss_newton, levenberg_marquardt
 
 SOLVERS = [gauss_newton, levenberg_marquardt]
@@ -28,7 +28,7 @@ def linear(seed):
 @pytest.mark.parametrize("solve", SOLVERS)
 def test_a_linear_function_is_linear_least_squares_standard_errors_included(solve):
     H, y = linear(0)
-    fit, oracle = solve(lambda th: H @ th, lambda th: H, y, np.zeros(3)), least_squares(H, y)
+    fit, oracle = solve(lambda th: H @ th, lambda th: H, y, np.zeros(3)), solve_least_squares(H, y)
     assert fit.status == "converged"
     np.testing.assert_allclose(fit.theta, oracle.theta, rtol=1e-8)
     np.testing.assert_allclose(fit.stderr, oracle.stderr, rtol=1e-8)

@@ -12,7 +12,7 @@ from labsid.checks.trials import ARX, STARTS, first_order, trial_record
 from labsid.checks.verdict import Slip, Verdict, judge
 from labsid.estimation.instrumental import instrumental_variables
 from labsid.estimation.recursive import recursive_instrumental
-from labsid.least_squares.solve import least_squares
+from labsid.least_squares.solve import solve_least_squares
 from labsid.model_structures.prediction import free_run, one_step_prediction
 from labsid.model_structures.structures import build_equations
 
@@ -47,14 +47,14 @@ def iterated(ask: Ask) -> Verdict:
 def _rounds(u: FloatArray, y: FloatArray, rounds: int, way: _Way = _RIGHT) -> FloatArray:
     equations = build_equations(ARX, u, y, start=way.start)
     Phi, Y = equations.Phi, equations.Y
-    first = theta = least_squares(Phi, Y).theta
+    first = theta = solve_least_squares(Phi, Y).theta
     for _ in range(rounds):
         a, b = theta if way.renewed else first
         model = first_order(float(a), float(b))
         y_model = one_step_prediction(model, u, y) if way.predicted else free_run(model, u)
         Z = build_equations(ARX, u, y_model, start=way.start).Phi
         if way.regressed_on_z:
-            theta = least_squares(Z, Y).theta
+            theta = solve_least_squares(Z, Y).theta
         elif way.transposed:
             theta = np.asarray(np.linalg.solve(Phi.T @ Z, Z.T @ Y), float)
         else:

@@ -10,8 +10,8 @@ from labsid.checks.question import Ask, returned, returned_parts
 from labsid.checks.trials import ARX, STARTS, trial_record
 from labsid.checks.values import Value
 from labsid.checks.verdict import Slip, Verdict, judge
-from labsid.estimation.monte_carlo import MonteCarlo, monte_carlo
-from labsid.least_squares.solve import least_squares
+from labsid.estimation.monte_carlo import MonteCarlo, run_monte_carlo
+from labsid.least_squares.solve import solve_least_squares
 from labsid.model_structures.lecture_systems import system_1, system_2
 from labsid.model_structures.structures import build_equations, fit_structure
 
@@ -45,7 +45,7 @@ def _reference(system: object) -> MonteCarlo:
         r = system(rng)  # type: ignore[operator]
         return fit_structure(ARX, r.u, r.y).model.theta
 
-    return monte_carlo(estimate, TRUTH, 200, seed=62)
+    return run_monte_carlo(estimate, TRUTH, 200, seed=62)
 
 
 def _judge_fit(ask: Ask, u: FloatArray, y: FloatArray) -> Verdict:
@@ -57,7 +57,7 @@ def _judge_fit(ask: Ask, u: FloatArray, y: FloatArray) -> Verdict:
     rights = [fit(start) for start in STARTS]
     right = next((right for right in rights if SAME(got, right)), rights[0])
     k = np.arange(1, u.size)
-    same_time = least_squares(np.column_stack([-y[k - 1], u[k]]), y[k]).theta
+    same_time = solve_least_squares(np.column_stack([-y[k - 1], u[k]]), y[k]).theta
     lag = "`fit_arx` takes u(t) where the equation has u(t-1)."
     sign = (
         "`fit_arx` has the other sign of a. The regressor holds -y(t-1), so that a itself is in theta (-0.8, not 0.8)."

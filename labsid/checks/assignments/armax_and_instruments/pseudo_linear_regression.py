@@ -9,7 +9,7 @@ from labsid.checks.compare import SAME, as_array, as_theta, as_vector
 from labsid.checks.question import Ask, returned
 from labsid.checks.trials import ARMAX, ARX, STARTS, first_order, trial_record
 from labsid.checks.verdict import Slip, Verdict, judge
-from labsid.least_squares.solve import least_squares
+from labsid.least_squares.solve import solve_least_squares
 from labsid.model_structures.prediction import free_run, prediction_errors
 from labsid.model_structures.structures import build_equations, fit_structure, model_from_theta
 
@@ -99,7 +99,7 @@ def rounds_of(
     for _ in range(rounds):
         e = prediction_errors(model_from_theta(ARMAX, theta if renew else first), u, y)
         equations = build_equations(ARMAX, u, y, e, start=start)
-        theta = theta + share * (least_squares(equations.Phi, equations.Y).theta - theta)
+        theta = theta + share * (solve_least_squares(equations.Phi, equations.Y).theta - theta)
     return theta
 
 
@@ -163,5 +163,5 @@ def _same_time(u: FloatArray, y: FloatArray, share: float, rounds: int, renew: b
     for _ in range(rounds):
         e = prediction_errors(model_from_theta(ARMAX, theta if renew else first), u, y)
         Phi = np.column_stack([-y[:-1], u[:-1], e[1:]])
-        theta = theta + share * (least_squares(Phi, y[1:]).theta - theta)
+        theta = theta + share * (solve_least_squares(Phi, y[1:]).theta - theta)
     return theta

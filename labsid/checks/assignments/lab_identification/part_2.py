@@ -10,7 +10,7 @@ from labsid.checks.question import Ask
 from labsid.checks.values import StateSpaceValue, TransferFunctionValue, Value
 from labsid.checks.verdict import NoAnswer, Slip, Verdict, judge
 from labsid.lab.arx import ArxModel, arx_from_theta, canonical_form
-from labsid.least_squares.solve import least_squares
+from labsid.least_squares.solve import solve_least_squares
 
 NAMES = ("Phi", "Y")
 
@@ -33,7 +33,7 @@ def theta(ask: Ask) -> Verdict:
 
 def right_theta(ask: Ask) -> dict[str, Value]:
     """Step 2b."""
-    return {"theta_hat": least_squares(*_known_equations(ask)).theta}
+    return {"theta_hat": solve_least_squares(*_known_equations(ask)).theta}
 
 
 def parameters(ask: Ask) -> Verdict:

@@ -12,7 +12,7 @@ from labsid.checks.values import Value
 from labsid.checks.verdict import NoAnswer, Slip, Verdict, judge
 from labsid.lab.arx import fit_arx
 from labsid.lab.regressor import build_phi
-from labsid.least_squares.solve import least_squares
+from labsid.least_squares.solve import solve_least_squares
 
 SAME = 1e-8
 LATEST_START = 0.5
@@ -75,7 +75,7 @@ def judge_theta(ask: Ask, name: str, Phi: FloatArray, Y: FloatArray, data: LabDa
             "all that lstsq returns",
         )
     got = as_vector(name, value)
-    right = least_squares(Phi, Y).theta
+    right = solve_least_squares(Phi, Y).theta
     if got.size != right.size:
         raise NoAnswer(f"`{name}` should have {right.size} elements, one for each column of Phi; it has {got.size}.")
     sign = np.repeat([-1.0, 1.0], order)

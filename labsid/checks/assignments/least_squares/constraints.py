@@ -12,7 +12,7 @@ from labsid.checks.trials import trial_equations
 from labsid.checks.verdict import Slip, Verdict, judge
 from labsid.least_squares.constrained import fit_with_known, least_squares_with_equations
 from labsid.least_squares.linear_algebra import pseudo_inverse
-from labsid.least_squares.solve import least_squares
+from labsid.least_squares.solve import solve_least_squares
 from labsid.least_squares.weighted import weighted_least_squares
 from labsid.model_structures.prediction import free_run
 from labsid.model_structures.structures import PolynomialModel
@@ -49,7 +49,7 @@ def _judge_known(ask: Ask, u: FloatArray, y: FloatArray) -> Verdict:
     Phi, Y = np.column_stack([-y[k - 2], u[k - 1], u[k - 3]]), y[k]
 
     def fit(columns: FloatArray, target: FloatArray) -> FloatArray:
-        return least_squares(columns, target).theta
+        return solve_least_squares(columns, target).theta
 
     two = Phi[:, [0, 2]]
     right = fit_with_known(Phi, Y, {1: 1.0}).fit.theta
@@ -109,7 +109,7 @@ def _lagged_fit(u: FloatArray, y: FloatArray, lags: tuple[int, int, int], first:
     """[a, b] with these lags of y, of the known u and of the other u; rows from `first`, or from where all exist."""
     of_y, of_known, of_u = lags
     k = np.arange(max(first, *lags), u.size)
-    return least_squares(np.column_stack([-y[k - of_y], u[k - of_u]]), y[k] - u[k - of_known]).theta
+    return solve_least_squares(np.column_stack([-y[k - of_y], u[k - of_u]]), y[k] - u[k - of_known]).theta
 
 
 def weighted(ask: Ask) -> Verdict:
@@ -136,7 +136,7 @@ def _judge_weighted(ask: Ask, Phi: FloatArray, Y: FloatArray, sigma: FloatArray)
         "a measurement counts by one over its variance.",
         "`weighted_fit` does not minimise the sum of (Y - Phi theta)^2 / sigma^2.",
         [
-            Slip("weights not used", "`weighted_fit` does not use sigma.", lambda: least_squares(Phi, Y).theta),
+            Slip("weights not used", "`weighted_fit` does not use sigma.", lambda: solve_least_squares(Phi, Y).theta),
             Slip(
                 "standard deviation for variance",
                 "`weighted_fit` weighs the squared errors by 1/sigma; it takes 1/sigma^2. (Rows are divided by sigma, "
@@ -153,12 +153,12 @@ def _judge_weighted(ask: Ask, Phi: FloatArray, Y: FloatArray, sigma: FloatArray)
             Slip(
                 "only one side weighted",
                 "`weighted_fit` divides Phi by sigma but not Y: the equation changes unless both sides are.",
-                lambda: least_squares(Phi / sigma[:, np.newaxis], Y).theta,
+                lambda: solve_least_squares(Phi / sigma[:, np.newaxis], Y).theta,
             ),
             Slip(
                 "only one side weighted",
                 "`weighted_fit` divides Y by sigma but not Phi: the equation changes unless both sides are.",
-                lambda: least_squares(Phi, Y / sigma).theta,
+                lambda: solve_least_squares(Phi, Y / sigma).theta,
             ),
             Slip(
                 "only one side weighted",
@@ -195,7 +195,7 @@ def _judge_constrained(ask: Ask, Phi: FloatArray, Y: FloatArray, A: FloatArray, 
             "`constrained_fit` hands the multipliers back together with theta: return the first p entries only.",
             "multipliers returned too",
         )
-    free = least_squares(Phi, Y).theta
+    free = solve_least_squares(Phi, Y).theta
     return judge(
         as_theta("constrained_fit(Phi, Y, A, b)", value, p),
         least_squares_with_equations(Phi, Y, A, b).theta,
@@ -208,7 +208,7 @@ def _judge_constrained(ask: Ask, Phi: FloatArray, Y: FloatArray, A: FloatArray, 
                 "constraint as more data",
                 "`constrained_fit` adds the constraint as further rows, which are then met as well as the others. "
                 "It must be met exactly.",
-                lambda: least_squares(np.vstack([Phi, A]), np.concatenate([Y, b])).theta,
+                lambda: solve_least_squares(np.vstack([Phi, A]), np.concatenate([Y, b])).theta,
             ),
             Slip(
                 "free solution moved onto the set",

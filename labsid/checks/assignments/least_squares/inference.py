@@ -10,7 +10,7 @@ from labsid.checks.trials import trial_equations
 from labsid.checks.verdict import Slip, Verdict, judge
 from labsid.least_squares.intervals import confidence_intervals
 from labsid.least_squares.matrix_inverse import characteristic_polynomial
-from labsid.least_squares.solve import LeastSquares, least_squares
+from labsid.least_squares.solve import LeastSquares, solve_least_squares
 
 
 def confidence(ask: Ask) -> Verdict:
@@ -26,7 +26,7 @@ def confidence(ask: Ask) -> Verdict:
 
 def _judge_confidence(ask: Ask, Phi: FloatArray, Y: FloatArray, level: float) -> Verdict:
     n, p = Phi.shape
-    fit = least_squares(Phi, Y)
+    fit = solve_least_squares(Phi, Y)
     parts = returned_parts(ask, "confidence", "theta, lower and upper", 3, Phi, Y, level)
     theta, lower, upper = (
         as_theta(f"{name} of confidence(Phi, Y, level)", part, p)

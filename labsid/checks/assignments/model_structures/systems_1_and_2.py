@@ -10,7 +10,7 @@ from labsid.checks.figures import legend_text, plain_text, require_label, requir
 from labsid.checks.question import Ask, returned
 from labsid.checks.values import Value
 from labsid.checks.verdict import NoAnswer, Slip, Verdict, judge
-from labsid.least_squares.solve import least_squares
+from labsid.least_squares.solve import solve_least_squares
 from labsid.model_structures.prediction import free_run, one_step_prediction
 from labsid.model_structures.structures import PolynomialModel, Structure, fit_structure
 from labsid.plots.figure_values import AxesValue, CurveValue
@@ -82,7 +82,7 @@ def _judge_table(ask: Ask, u: FloatArray, y: FloatArray) -> Verdict:
             Slip("order of theta", "`example_3_1` returns b before a, and -a at that.", lambda: right[::-1] * [1, -1]),
             Slip("u and y swapped", "`example_3_1` has u and y swapped: the input comes first.", lambda: _fit(y, u)),
             *(
-                Slip("lag off by one", lag, lambda columns=columns, Y=Y: least_squares(columns, Y).theta)  # type: ignore[misc]
+                Slip("lag off by one", lag, lambda columns=columns, Y=Y: solve_least_squares(columns, Y).theta)  # type: ignore[misc]
                 for columns, Y in (
                     (np.column_stack([-y[:-1], u[1:]]), y[1:]),
                     (np.column_stack([-y[:-2], u[:-2]]), y[2:]),
@@ -93,7 +93,7 @@ def _judge_table(ask: Ask, u: FloatArray, y: FloatArray) -> Verdict:
             Slip(
                 "a constant fitted along",
                 "`example_3_1` fits a constant besides a and b; the model has none.",
-                lambda: least_squares(constant, y[1:]).theta[:2],
+                lambda: solve_least_squares(constant, y[1:]).theta[:2],
             ),
             Slip(
                 "arguments not used",

@@ -9,7 +9,7 @@ from labsid.checks.figures import legend_text, require_label, require_legend
 from labsid.checks.question import Ask, returned, returned_parts
 from labsid.checks.verdict import NoAnswer, Slip, Verdict, judge
 from labsid.least_squares.curve_fit import LINE, SUSTECH_POINTS, fit_powers
-from labsid.nonlinear.exponential import exponential, fit_exponential, fit_exponential_by_logarithm
+from labsid.nonlinear.exponential import evaluate_exponential, fit_exponential, fit_exponential_by_logarithm
 from labsid.nonlinear.solve import NonlinearFit
 from labsid.plots.figure_values import AxesValue, CurveValue
 
@@ -19,7 +19,7 @@ def logarithm(ask: Ask) -> Verdict:
     verdict = Verdict(False, "")
     for a, b in ((0.7, 0.4), (-0.5, 3.0)):
         x = np.sort(ask.rng.uniform(-2, 3, 7))
-        verdict = _judge_logarithm(ask, x, exponential(x, a, b) * ask.rng.uniform(0.6, 1.6, 7))
+        verdict = _judge_logarithm(ask, x, evaluate_exponential(x, a, b) * ask.rng.uniform(0.6, 1.6, 7))
         if not verdict.passed:
             break
     return verdict
@@ -90,7 +90,7 @@ def jacobian(ask: Ask) -> Verdict:
     """`exp_jacobian(x, theta)` and `sse_gradient(x, y, theta)`."""
     for n in (5, 8):
         x, theta = ask.rng.uniform(0.3, 2, n), np.array([ask.rng.uniform(0.4, 0.9), ask.rng.uniform(1.5, 3)])
-        y = exponential(x, *theta) + ask.rng.uniform(-2, 2, n)
+        y = evaluate_exponential(x, *theta) + ask.rng.uniform(-2, 2, n)
         for verdict in (_jacobian(ask, x, theta), _gradient(ask, x, y, theta)):
             if not verdict.passed:
                 return verdict
@@ -99,13 +99,13 @@ def jacobian(ask: Ask) -> Verdict:
 
 def jacobian_exponential(x: FloatArray, theta: FloatArray) -> FloatArray:
     """Differentiate ``b e^(a x)`` with respect to a and b."""
-    growth = exponential(x, theta[0], 1.0)
+    growth = evaluate_exponential(x, theta[0], 1.0)
     return np.column_stack([theta[1] * x * growth, growth])
 
 
 def _jacobian(ask: Ask, x: FloatArray, theta: FloatArray) -> Verdict:
     J = jacobian_exponential(x, theta)
-    curve = exponential(x, theta[0], theta[1])
+    curve = evaluate_exponential(x, theta[0], theta[1])
     product = "the first column of `exp_jacobian` lacks the factor x: the derivative of e^(a x) for a brings x down."
     return judge(
         as_matrix("exp_jacobian(x, theta)", returned(ask, "exp_jacobian", x, theta), (x.size, 2)),
@@ -143,7 +143,7 @@ def _jacobian(ask: Ask, x: FloatArray, theta: FloatArray) -> Verdict:
 
 def _gradient(ask: Ask, x: FloatArray, y: FloatArray, theta: FloatArray) -> Verdict:
     J = jacobian_exponential(x, theta)
-    e = y - exponential(x, theta[0], theta[1])
+    e = y - evaluate_exponential(x, theta[0], theta[1])
     return judge(
         as_vector("sse_gradient(x, y, theta)", returned(ask, "sse_gradient", x, y, theta), 2),
         -2 * J.T @ e,
@@ -180,8 +180,8 @@ def exponential_fit(ask: Ask) -> Verdict:
     """`fit_exponential(x, y)`, `theta_exp` on the printed data, and the picture of both methods."""
     for a, b in ((0.8, 0.6), (-0.6, 0.8), (0.6, 1.2)):
         x = np.linspace(-2, 3, 9) + ask.rng.uniform(-0.2, 0.2, 9)
-        y = exponential(x, a, b) + 0.5 * ask.rng.standard_normal(9)
-        y[np.argmin(exponential(x, a, b))] = -ask.rng.uniform(0.5, 1.0)
+        y = evaluate_exponential(x, a, b) + 0.5 * ask.rng.standard_normal(9)
+        y[np.argmin(evaluate_exponential(x, a, b))] = -ask.rng.uniform(0.5, 1.0)
         verdict = _judge_exponential(as_estimate("fit_exponential(x, y)", _fitted(ask, x, y), 2), x, y)
         if not verdict.passed:
             return verdict
@@ -237,7 +237,7 @@ def _judge_exponential(got: FloatArray, x: FloatArray, y: FloatArray) -> Verdict
     if verdict.passed or verdict.slip or abs(got[0]) > 100:
         return verdict
     with np.errstate(over="ignore"):
-        e = y - exponential(x, got[0], got[1])
+        e = y - evaluate_exponential(x, got[0], got[1])
         if e @ e < 1.5 * fit.sse:
             return verdict
     return Verdict(
@@ -286,7 +286,7 @@ def _picture(axes: AxesValue) -> Verdict:
 def _find(axes: AxesValue, theta: FloatArray, least: int) -> CurveValue | None:
     for curve in axes.curves:
         if curve.x.size >= least and curve.x.size == curve.y.size and np.all(np.abs(curve.x) < 50):
-            right = as_array("curve", exponential(curve.x, theta[0], theta[1]))
+            right = as_array("curve", evaluate_exponential(curve.x, theta[0], theta[1]))
             if np.allclose(curve.y, right, rtol=1e-2, atol=1e-2):
                 return curve
     return None

@@ -7,7 +7,7 @@ from labsid.checks.assignments.nonlinear_least_squares.estimates import as_estim
 from labsid.checks.compare import as_number, kind_of
 from labsid.checks.question import Ask, returned
 from labsid.checks.verdict import NoAnswer, Slip, Verdict, judge
-from labsid.least_squares.solve import least_squares
+from labsid.least_squares.solve import solve_least_squares
 from labsid.nonlinear.ranges import locate as right_locate
 from labsid.nonlinear.ranges import ranges_from, ranges_jacobian
 from labsid.nonlinear.solve import NonlinearFit, levenberg_marquardt
@@ -49,7 +49,7 @@ def _wave_jacobian(t: FloatArray, theta: FloatArray) -> FloatArray:
 
 def _profile(t: FloatArray, y: FloatArray, w: float) -> float:
     """The smallest SSE at this frequency, twice the loss."""
-    return 2 * least_squares(np.column_stack([np.sin(w * t), np.cos(w * t)]), y).loss
+    return 2 * solve_least_squares(np.column_stack([np.sin(w * t), np.cos(w * t)]), y).loss
 
 
 def _judge_frequency(w: float, fit: NonlinearFit, t: FloatArray, y: FloatArray) -> Verdict:
@@ -95,7 +95,7 @@ def _judge_frequency(w: float, fit: NonlinearFit, t: FloatArray, y: FloatArray) 
 def _alone(t: FloatArray, y: FloatArray, column: np.ufunc, right: float, valley: float) -> float:
     """The frequency that fits best without the other of sine and cosine."""
     grid = np.linspace(right - valley, right + valley, 801)
-    return float(grid[np.argmin([least_squares(column(w * t)[:, np.newaxis], y).loss for w in grid])])
+    return float(grid[np.argmin([solve_least_squares(column(w * t)[:, np.newaxis], y).loss for w in grid])])
 
 
 def locate(ask: Ask) -> Verdict:
@@ -127,7 +127,7 @@ def _judge_place(ask: Ask, beacons: FloatArray, ranges: FloatArray) -> Verdict:
     ).theta
     got = as_estimate("locate(beacons, ranges)", returned(ask, "locate", beacons, ranges), 2)
     # |theta|^2 - 2 b'theta + |b|^2 = y^2 is linear in theta and in |theta|^2
-    squares = least_squares(
+    squares = solve_least_squares(
         np.column_stack([-2 * beacons, np.ones(ranges.size)]), ranges**2 - np.sum(beacons**2, axis=1)
     ).theta[:2]
     differences = _less_their_mean(beacons - centre, ranges) + centre
@@ -164,7 +164,7 @@ def _judge_place(ask: Ask, beacons: FloatArray, ranges: FloatArray) -> Verdict:
 def _less_their_mean(centred: FloatArray, ranges: FloatArray) -> FloatArray:
     """The linear equations that remain of the squared ranges when their mean is subtracted."""
     squares = ranges**2 - np.sum(centred**2, axis=1)
-    return least_squares(-2 * centred, squares - squares.mean()).theta
+    return solve_least_squares(-2 * centred, squares - squares.mean()).theta
 
 
 def _fourth_power(beacons: FloatArray, ranges: FloatArray, start: FloatArray) -> FloatArray:

@@ -20,7 +20,7 @@ from labsid.lab.arx import ArxModel, arx_from_theta, fit_arx
 from labsid.lab.offset import find_offsets
 from labsid.lab.simulation import simulate
 from labsid.lab.verification import mse
-from labsid.least_squares.solve import least_squares
+from labsid.least_squares.solve import solve_least_squares
 
 _PHI, _THETA, _FIT = "postlab-1-phi", "postlab-1-theta", "postlab-2-fit-order"
 _RUNS, _MSE = "postlab-2-simulation", "postlab-3-mse"
@@ -73,7 +73,7 @@ def theta(ask: Ask) -> Verdict:
 
 def right_theta(ask: Ask) -> dict[str, Value]:
     """Step 1."""
-    return {"theta_1": least_squares(*_equations(ask)).theta}
+    return {"theta_1": solve_least_squares(*_equations(ask)).theta}
 
 
 def transfer_function(ask: Ask) -> Verdict:

@@ -13,7 +13,7 @@ from labsid.checks.verdict import NoAnswer, Slip, Verdict, judge
 from labsid.lab.arx import arx_from_theta, fit_arx
 from labsid.lab.regressor import build_phi
 from labsid.lab.simulation import simulate
-from labsid.least_squares.solve import least_squares
+from labsid.least_squares.solve import solve_least_squares
 
 ORDERS = (1, 2, 3)
 TRIAL_SAMPLES = 200
@@ -111,7 +111,7 @@ def _slips_from(u: FloatArray, y: FloatArray, n: int, k: int, data: LabData) -> 
         return Slip("order of theta", hint, lambda: wrong)
 
     def lag(hint: str, past_y: FloatArray, past_u: FloatArray) -> Slip[FloatArray]:
-        return Slip("lag off by one", hint, lambda: least_squares(np.hstack([past_y, past_u]), y[k:]).theta)
+        return Slip("lag off by one", hint, lambda: solve_least_squares(np.hstack([past_y, past_u]), y[k:]).theta)
 
     def own(stop: int) -> Slip[FloatArray]:
         hint = "It fits the record whatever is handed in: use the arguments u and y, not the variables outside."

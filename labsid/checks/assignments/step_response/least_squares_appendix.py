@@ -15,7 +15,7 @@ from labsid.checks.assignments.step_response.slips import (
 from labsid.checks.compare import as_number, as_vector, close, kind_of
 from labsid.checks.question import Ask, returned
 from labsid.checks.verdict import NoAnswer, Verdict, judge
-from labsid.least_squares.solve import least_squares, loss, loss_gradient, two_equations
+from labsid.least_squares.solve import loss, loss_gradient, solve_least_squares, two_equations
 
 _same = close(1e-8)
 
@@ -107,7 +107,7 @@ def minimum(ask: Ask) -> Verdict:
     def one(Phi: FloatArray, Y: FloatArray, _: FloatArray) -> Verdict:
         return judge(
             as_vector("best_theta(Phi, Y)", returned(ask, "best_theta", Phi, Y)),
-            least_squares(Phi, Y).theta,
+            solve_least_squares(Phi, Y).theta,
             close(1e-6),
             "no other theta has a smaller loss.",
             "`best_theta` does not give the theta with the smallest loss: see eq. (8).",

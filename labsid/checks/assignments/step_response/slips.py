@@ -4,7 +4,7 @@ import numpy as np
 
 from labsid._arrays import FloatArray
 from labsid.checks.verdict import Slip
-from labsid.least_squares.solve import least_squares, loss, loss_gradient, two_equations
+from labsid.least_squares.solve import loss, loss_gradient, solve_least_squares, two_equations
 
 Slips = list[Slip[FloatArray]]
 
@@ -146,13 +146,13 @@ def minimum_slips(Phi: FloatArray, Y: FloatArray) -> Slips:
             lambda: Phi.T @ Phi @ Phi.T @ Y,
         ),
         Slip("only Phi'Y", "`best_theta` returns Phi'Y: multiply it by (Phi'Phi)^-1.", lambda: Phi.T @ Y),
-        Slip("sign of theta", "`best_theta` has the other sign.", lambda: -least_squares(Phi, Y).theta),
-        Slip("transposed Phi", f"`best_theta` {_TRANSPOSED}", lambda: least_squares(Phi.T, Y).theta),
+        Slip("sign of theta", "`best_theta` has the other sign.", lambda: -solve_least_squares(Phi, Y).theta),
+        Slip("transposed Phi", f"`best_theta` {_TRANSPOSED}", lambda: solve_least_squares(Phi.T, Y).theta),
         Slip("transposed Phi", f"`best_theta` {_TRANSPOSED}", lambda: np.linalg.inv(Phi @ Phi.T) @ Phi @ Y),
         Slip(
             "only as many equations as unknowns",
             "`best_theta` solves the first equations and leaves the others out; eq. (8) takes them all.",
-            lambda: least_squares(Phi[:p], Y[:p]).theta,
+            lambda: solve_least_squares(Phi[:p], Y[:p]).theta,
         ),
         Slip(
             "powers element by element",
