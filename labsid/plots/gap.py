@@ -1,4 +1,4 @@
-"""The figures of the gap report: pure functions of the report in the layout ``labsid.gap/1``."""
+"""Figures of the gap report, made from the JSON report alone (layout ``labsid.gap/1``)."""
 
 from __future__ import annotations
 
@@ -28,65 +28,65 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-WIDE, NARROW = 9.5, 4.4  # inches: for a desktop's page and for a telephone's
-ZOOM = 0.1  # of the record
+WIDE, NARROW = 9.5, 4.4  # inches: for a desktop and for a telephone
+ZOOM = 0.1  # of the record, shown in the zoom
 MIN_ZOOM_SAMPLES = 40  # samples in the zoom
 OUTPUT = "Output $y$ (units of y)"
-ERROR = "Error (units of y)"
-SIGNALS = {"u": "Input $u$ (units of u)", "y": OUTPUT, "dy": "Change of $y$ (units of y a second)"}
+ERROR = "Simulation error (units of y)"
+SIGNALS = {"u": "Input $u$ (units of u)", "y": OUTPUT, "dy": "Rate of $y$ (units of y a second)"}
 
 
 def figure_simulations(report: dict[str, Any], narrow: bool = False) -> Figure:
-    """Draw the measured output against the simulation before and after, a close look, and both errors.
+    """Draw the measured and simulated outputs, a zoom, and the errors before and after.
 
     Parameters
     ----------
     report : dict
     narrow : bool
-        For the width of a telephone.
+        Whether to fit the width of a telephone.
 
     Returns
     -------
     matplotlib.figure.Figure
-        (a) The whole record; (b) where the simulation is furthest off, unless nothing is the matter with it; (c) the
-        errors, with the samples on which the gap is scored shaded; (d) where that is another record, the errors there.
+        (a) The whole record; (b) a zoom on the largest error, if there is a gap; (c) the errors, with the scored
+        samples shaded; (d) the errors on the holdout record, if there is one.
     """
     trace = {name: np.asarray(values, float) for name, values in report["traces"].items()}
     curves = _curves(report)
-    close = report["verdict"] != "none"
+    zoom = report["verdict"] != "none"
     other = report["holdout_traces"]
-    rows = 2 + close + (other is not None)
+    rows = 2 + zoom + (other is not None)
     figure = _new_figure(narrow, 3.1 * rows, 2.75 * rows)
     panels = list(figure.subplots(rows, 1))
     _overlay(panels[0], trace, curves, slice(None))
     finish(panels[0], "The whole record", TIME, OUTPUT, legend_columns=2 if narrow else len(curves) + 1)
     make_headroom(panels[0], 0.27 if narrow else 0.18)
-    if close:
-        part = furthest_off(trace)
+    if zoom:
+        part = largest_error(trace)
         panels[0].axvspan(trace["t"][part][0], trace["t"][part][-1], color=GREY, alpha=0.35, linewidth=0, zorder=0)
         _overlay(panels[1], trace, curves, part)
-        finish(panels[1], "A close look at the shaded part", TIME, OUTPUT, legend_columns=0)
-    own = panels[1 + close]
+        finish(panels[1], "Zoom on the shaded part", TIME, OUTPUT, legend_columns=0)
+    own = panels[1 + zoom]
     _errors(own, report, trace, curves)
     if other is not None:
-        finish(own, "What the simulation misses", TIME, ERROR, legend_columns=0)
+        finish(own, "Simulation error", TIME, ERROR, legend_columns=0)
         _errors(panels[-1], report, {name: np.asarray(values, float) for name, values in other.items()}, curves)
     _shade_scored(panels[-1], report["gap"]["holdout"])
-    title = "What the simulation misses" if other is None else "The same on the record held back"
+    title = "Simulation error" if other is None else "Simulation error on the holdout record"
     finish(panels[-1], title, TIME, ERROR, legend_columns=2 if narrow else 4)
     make_headroom(panels[-1], 0.27 if narrow else 0.18)
     return figure
 
 
 def _curves(report: dict[str, Any]) -> list[tuple[str, str, str, str]]:
-    """Trace, name, colour and line style of each simulation to be shown."""
+    """Trace, label, colour and line style of each simulation to draw."""
     if report["verdict"] == "none" or report["traces"]["before"] == report["traces"]["after"]:
         return [("before", "Simulated", BLUE, "-")]
     return [("before", "Before", VERMILION, "--"), ("after", "After", BLUE, "-")]
 
 
-def furthest_off(trace: dict[str, FloatArray]) -> slice:
-    """The tenth of the record in which the simulation before is furthest from the measured output."""
+def largest_error(trace: dict[str, FloatArray]) -> slice:
+    """The tenth of the record in which the simulation before has the largest error."""
     power = (trace["y"] - trace["before"]) ** 2
     length = min(max(int(ZOOM * power.size), MIN_ZOOM_SAMPLES), power.size)
     total = np.concatenate([[0.0], np.cumsum(power)])
@@ -104,7 +104,7 @@ def _overlay(ax: Axes, trace: dict[str, FloatArray], curves: list[tuple[str, str
 def _errors(
     ax: Axes, report: dict[str, Any], trace: dict[str, FloatArray], curves: list[tuple[str, str, str, str]]
 ) -> None:
-    """Errors of the simulations, and the band of the noise."""
+    """Draw the errors of the simulations and the noise band."""
     for name, text, colour, _ in curves:
         ax.plot(trace["t"], trace["y"] - trace[name], color=colour, linewidth=1.0, label=text)
     noise = 2.0 * report["gap"]["noise_floor"]
@@ -119,14 +119,14 @@ def _shade_scored(ax: Axes, stretches: list[list[float]]) -> None:
         ax.axvspan(start, stop, color=GREY, alpha=0.18, linewidth=0, zorder=0, label=text)
 
 
-def figure_where(report: dict[str, Any], narrow: bool = False) -> Figure:
-    """Draw where the gap lies: a strip over time, bands of frequency, cells of the operating range, and a map of it.
+def figure_location(report: dict[str, Any], narrow: bool = False) -> Figure:
+    """Draw the gap over time, over frequency, over the range of each signal, and as an operating map.
 
     Parameters
     ----------
     report : dict
     narrow : bool
-        For the width of a telephone.
+        Whether to fit the width of a telephone.
 
     Returns
     -------
@@ -151,27 +151,27 @@ def figure_where(report: dict[str, Any], narrow: bool = False) -> Figure:
 
 
 def _time_strip(ax: Axes, segments: list[list[float]]) -> None:
-    """How dense the gap is along the record."""
+    """Draw the error power over time, relative to its average."""
     start, stop, share = np.array(segments, float).reshape(-1, 3).T
     density = share * (stop[-1] - start[0]) / np.maximum(stop - start, 1e-300)
     ax.bar(start, density, stop - start, align="edge", color=VERMILION, edgecolor=VERMILION, linewidth=0.8)
     ax.axhline(1.0, color=BLACK, linestyle=":", linewidth=1.4)
     ax.margins(x=0)
-    finish(ax, "When: 1 is the average over the record", TIME, "Gap, times\nthe average", legend_columns=0)
+    finish(ax, "Over time", TIME, "Error power /\nits average", legend_columns=0)
 
 
 def _bands(ax: Axes, bands: list[list[float]]) -> None:
-    """Shares by frequency; the lowest band, which begins at zero, is drawn as wide as the next."""
+    """Draw shares over frequency; the lowest band, which starts at zero, is drawn one octave wide."""
     low, high, share = np.array(bands, float).reshape(-1, 3).T
     left = np.where(low > 0.0, low, high / 2.0)
     ax.bar(left, 100.0 * share, high - left, align="edge", color=BLUE, edgecolor="white", linewidth=0.8)
     ax.set_xscale("log")
     ax.xaxis.set_major_formatter("{x:g}")
-    finish(ax, "How fast", "Frequency (Hz)", "Share of the gap (%)", legend_columns=0)
+    finish(ax, "Over frequency", "Frequency (Hz)", "Share of the gap (%)", legend_columns=0)
 
 
 def _cells(ax: Axes, cells: list[dict[str, Any]], beside: bool) -> None:
-    """Shares over the range of a signal, of the gap and of the time; entries of the legend beside each other or not."""
+    """Draw the shares of gap and time over the range of a signal; `beside` puts the legend in one row."""
     low = np.array([cell["low"] for cell in cells])
     high = np.array([cell["high"] for cell in cells])
     share = 100.0 * np.array([cell["share"] for cell in cells])
@@ -181,12 +181,12 @@ def _cells(ax: Axes, cells: list[dict[str, Any]], beside: bool) -> None:
     ax.stairs(time, np.append(low, high[-1]), color=BLACK, linewidth=1.6, label="Time")
     top = float(max(share.max(), time.max()))
     ax.set_ylim(0.0, max(top, 1e-9) * (1.3 if beside else 1.45))
-    finish(ax, "At which values", SIGNALS.get(signal, signal), "Share (%)", legend_columns=2 if beside else 1)
+    finish(ax, "Over the range", SIGNALS.get(signal, signal), "Share (%)", legend_columns=2 if beside else 1)
 
 
 def _operating_map(ax: Axes, seen: dict[str, list[Any]], bar_place: Literal["bottom", "right"]) -> None:
-    """Rms error of the simulation before in cells of input and output that the record visits."""
-    rms = np.array(seen["rms"], float)  # None becomes NaN: nothing is drawn there
+    """Draw the rms error of the simulation before in each cell of input and output that the record visits."""
+    rms = np.array(seen["rms"], float)  # None becomes NaN, which is not drawn
     mesh = ax.pcolormesh(seen["u"], seen["y"], rms.T, cmap="cividis", vmin=0.0)
     finish(ax, "Operating map", SIGNALS["u"], OUTPUT, legend_columns=0)
     bar = ax.figure.colorbar(mesh, ax=ax, location=bar_place)
@@ -195,14 +195,14 @@ def _operating_map(ax: Axes, seen: dict[str, list[Any]], bar_place: Literal["bot
 
 
 def figure_experiment(report: dict[str, Any], narrow: bool = False) -> Figure:
-    """Draw the input that is proposed next.
+    """Draw the proposed input.
 
     Parameters
     ----------
     report : dict
         Its ``next_experiment`` must not be None.
     narrow : bool
-        For the width of a telephone.
+        Whether to fit the width of a telephone.
 
     Returns
     -------
@@ -213,23 +213,23 @@ def figure_experiment(report: dict[str, Any], narrow: bool = False) -> Figure:
     ax = figure.subplots()
     ax.step(planned["t"], planned["u"], where="post", color=BLUE, linewidth=1.2)
     ax.margins(x=0)
-    finish(ax, "The input to play next", TIME, SIGNALS["u"], legend_columns=0)
+    finish(ax, "Proposed input", TIME, SIGNALS["u"], legend_columns=0)
     return figure
 
 
 def figures_as_png(report: dict[str, Any]) -> dict[str, dict[str, bytes]]:
-    """All figures of a report as PNG, each for a wide and for a narrow screen."""
+    """All figures of a report as PNG, for a wide and for a narrow screen."""
     figures: dict[str, Callable[[dict[str, Any], bool], Figure]]
-    figures = {"simulations": figure_simulations, "where": figure_where}
+    figures = {"simulations": figure_simulations, "where": figure_location}
     if report["next_experiment"] is not None:
         figures["experiment"] = figure_experiment
     return {name: {"wide": _png(f(report, False)), "narrow": _png(f(report, True))} for name, f in figures.items()}
 
 
 def _png(figure: Figure) -> bytes:
-    picture = BytesIO()
-    save_png(figure, picture, dpi=144)
-    return picture.getvalue()
+    file = BytesIO()
+    save_png(figure, file, dpi=144)
+    return file.getvalue()
 
 
 def _new_figure(narrow: bool, wide_height: float, narrow_height: float) -> Figure:

@@ -234,7 +234,7 @@ def test_an_interrupted_run_keeps_what_is_finished(tmp_path, rig_record, write_r
         printed, said = process.communicate(timeout=60)
     assert (process.returncode, printed) == (2, "")
     *progress, last = said.splitlines()
-    assert last == f"labsid: error: interrupted; the finished answers are in {out}. Run it again to go on."
+    assert last == f"labsid: error: interrupted; the finished reports are in {out}. Run the command again to continue."
     assert progress[0] == "0 of 6 records"
     assert all(line.endswith("of 6 records") for line in progress)
     kept = sorted(out.iterdir())

@@ -81,7 +81,7 @@ def test_diagnose_writes_what_simulate_plays(labsid, record, tmp_path):
     table = np.genfromtxt(tmp_path / "played.csv", delimiter=",", names=True)
     assert table.dtype.names == ("t", "u", "y", "y_sim")
     rmse = float(np.sqrt(np.mean((table["y"] - table["y_sim"])[50:] ** 2)))
-    assert out == f"200 samples, free run: rmse {rmse:.6g} behind the first 50 samples\n"
+    assert out == f"200 samples, free run: rmse {rmse:.6g} after the first 50 samples\n"
     assert rmse == pytest.approx(answer["gap"]["after"], rel=0.3)
 
 

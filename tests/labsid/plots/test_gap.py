@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from gap_reports import report, with_experiment, with_holdout
 
-from labsid.plots.gap import NARROW, WIDE, figure_experiment, figure_simulations, figure_where, furthest_off
+from labsid.plots.gap import NARROW, WIDE, figure_experiment, figure_location, figure_simulations, largest_error
 
 WIDTHS = pytest.mark.parametrize("narrow", [False, True])
 
@@ -36,7 +36,9 @@ def test_measured_and_both_simulations_over_the_record_and_close_up(narrow, cove
         (-0.02, -0.02),
     }
     assert [ax.get_xlabel() for ax in figure.axes] == ["Time (s)"] * 3
-    assert [ax.get_ylabel() for ax in figure.axes] == ["Output $y$ (units of y)"] * 2 + ["Error (units of y)"]
+    assert [ax.get_ylabel() for ax in figure.axes] == ["Output $y$ (units of y)"] * 2 + [
+        "Simulation error (units of y)"
+    ]
     assert figure.get_size_inches()[0] == (NARROW if narrow else WIDE)
     assert covered(figure) == []
 
@@ -56,7 +58,7 @@ def test_another_record_has_a_panel_of_its_own_and_the_shades_are_there(narrow, 
     trace = base["holdout_traces"]
     np.testing.assert_allclose(_curve(other, "After").get_ydata(), np.subtract(trace["y"], trace["after"]))
     assert _curve(other, "After").get_xdata()[0] == 500.0
-    assert other.get_title() == "The same on the record held back"
+    assert other.get_title() == "Simulation error on the holdout record"
     assert covered(other.figure) == []
     for ax in other.figure.axes:
         inside = ax.title.get_window_extent().x1 <= other.figure.bbox.x1
@@ -72,18 +74,18 @@ def test_without_a_gap_there_is_one_simulation_and_no_close_look(narrow, covered
     assert covered(figure) == []
 
 
-def test_the_close_look_is_where_the_simulation_is_furthest_off():
+def test_the_close_look_is_where_the_simulation_is_largest_error():
     trace = {name: np.asarray(values) for name, values in report("input-delay")["traces"].items()}
-    part = furthest_off(trace)
+    part = largest_error(trace)
     assert (part.start, part.stop) == (min(max(part.start, 50), 60), part.start + 40)
     short = {name: values[:25] for name, values in trace.items()}
-    assert furthest_off(short) == slice(0, 25)
+    assert largest_error(short) == slice(0, 25)
 
 
 @WIDTHS
 def test_where_has_time_frequency_range_and_map_with_their_units(narrow, covered):
     base = report("input-delay")
-    figure = figure_where(base, narrow)
+    figure = figure_location(base, narrow)
     time, frequency, cells, chart, bar = figure.axes
     np.testing.assert_allclose([patch.get_height() for patch in time.patches], [0.4, 6.4, 0.16], atol=1e-12)
     np.testing.assert_allclose([patch.get_width() for patch in time.patches], [30.0, 15.0, 75.0])
@@ -106,7 +108,7 @@ def test_where_has_time_frequency_range_and_map_with_their_units(narrow, covered
 
 
 def test_the_map_shows_the_rms_error_of_each_pair_that_the_record_visits():
-    chart = figure_where(report("input-delay")).axes[3]
+    chart = figure_location(report("input-delay")).axes[3]
     (mesh,) = chart.collections
     shown = np.ma.masked_invalid(mesh.get_array())
     np.testing.assert_array_equal(shown.reshape(2, 3).filled(-1.0), [[0.1, 0.2, 0.4], [-1.0, 0.3, 0.2]])
@@ -119,8 +121,8 @@ def test_the_rate_of_the_output_has_its_own_axis():
         {"signal": "dy", "low": -1.0, "high": 0.0, "share": 0.2, "time": 0.7},
         {"signal": "dy", "low": 0.0, "high": 1.0, "share": 0.8, "time": 0.3},
     ]
-    cells = figure_where(base).axes[2]
-    assert cells.get_xlabel() == "Change of $y$ (units of y a second)"
+    cells = figure_location(base).axes[2]
+    assert cells.get_xlabel() == "Rate of $y$ (units of y a second)"
     assert _legend(cells) == ["Time", "Gap"]
 
 
