@@ -1,4 +1,4 @@
-"""Every record of a folder: diagnosed on all cores, one file an answer, going on where an earlier run stopped."""
+"""Diagnose the records of a folder on all cores; a later run continues an interrupted one."""
 
 import csv
 import hashlib
@@ -17,37 +17,37 @@ from labsid import __version__
 from labsid._files import write_file, write_json
 from labsid.gap.workers import ATTEMPTS, run_tasks, serve
 
-if TYPE_CHECKING:  # it comes with the whole search, which only the workers need
+if TYPE_CHECKING:  # only the worker processes import the search
     from labsid.gap.beam_search import Progress
 
 SCHEMA = "labsid.gap/1"
 RECORDS = (".csv", ".mat")
-SIMULATIONS = (".sim.json", ".sim.csv")  # beside `<stem>.csv`, as what follows: no records
+SIMULATIONS = (".sim.json", ".sim.csv")  # after the stem of the record
 HOLDOUTS = (".holdout.csv", ".holdout.mat")
-KEY = "made_from"
+KEY = "made_from"  # entry of a report that identifies its input files, version and seed
 SUMMARY = "summary.csv"
 COLUMNS = ("stem", "verdict", "effects", "probability", "closed", "error")
-MOST_ERRORS = 5  # that the printed summary shows
+MAX_ERRORS = 5  # in the printed summary
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Job:
-    """One record with what belongs to it.
+    """A record to diagnose.
 
     Attributes
     ----------
     record : Path
     sim, holdout : Path or None
-    answer : Path
-        Where its answer goes.
+    report : Path
+        File for the report.
     key : str
-        A number of everything that the answer depends on.
+        Hash of everything that the report depends on.
     """
 
     record: Path
     sim: Path | None
     holdout: Path | None
-    answer: Path
+    report: Path
     key: str
 
     @property
@@ -59,66 +59,66 @@ class Job:
 def diagnose_folder(
     folder: Path, out: Path, jobs: int | None = None, seed: int = 0, progress: "Progress | None" = None
 ) -> str:
-    """Diagnose every record of a folder, each in a process of its own from a few that stay.
+    """Diagnose every record of a folder.
 
     Parameters
     ----------
     folder : Path
-        Its files ``.csv`` and ``.mat`` are the records; ``<stem>.sim.json`` (or ``.sim.csv``) and
-        ``<stem>.holdout.csv`` beside one are its simulation and its holdout.
+        Files ``.csv`` and ``.mat`` are records; ``<stem>.sim.json`` (or ``.sim.csv``) and ``<stem>.holdout.csv`` are
+        the simulation and the holdout of a record.
     out : Path
-        Folder for ``<stem>.json`` and ``summary.csv``; made where there is none. An answer that is there from an
-        earlier run with the same files, version and seed is kept.
+        Folder for ``<stem>.json`` and ``summary.csv``, created if missing. The reports of an earlier run with the same
+        files, version and seed are kept.
     jobs : int, optional
-        Records at a time; as many as there are cores unless given.
+        Number of processes; by default the number of cores.
     seed : int
-        Of the resampling behind the intervals.
+        Random seed of the confidence intervals.
     progress : callable, optional
-        Called with what is being done and the share of it that is done.
+        Called with a description of the current step and the completed share.
 
     Returns
     -------
     str
-        What was found, in a few lines. A record that cannot be diagnosed has an answer with the verdict "error".
+        Summary of the verdicts. The report of a record that cannot be diagnosed has the verdict "error".
 
     Raises
     ------
     OSError
-        If there is no such folder, or `out` cannot be written.
+        If the folder does not exist, or `out` cannot be written.
     ValueError
-        If the folder holds no record, or two of one name.
+        If the folder contains no records, or two with the same stem.
     """
     records = find_records(folder, out)
     out.mkdir(parents=True, exist_ok=True)
     all_jobs = [_job(record, out, seed) for record in records]
-    answers = {job.stem: kept for job in all_jobs if (kept := _kept(job)) is not None}
-    before = len(answers)
-    todo = [job for job in all_jobs if job.stem not in answers]
+    reports = {job.stem: report for job in all_jobs if (report := _earlier_report(job)) is not None}
+    before = len(reports)
+    todo = [job for job in all_jobs if job.stem not in reports]
     if progress is not None:
         progress(f"{before} of {len(records)} records", before / len(records))
     tasks = [
         {"record": str(job.record), "sim": _text(job.sim), "holdout": _text(job.holdout), "seed": seed} for job in todo
     ]
     with closing(run_tasks(__name__, tasks, jobs or _cores())) as results:
-        for number, answer in results:
+        for number, result in results:
             job = todo[number]
-            answers[job.stem] = _finished(job, answer)
-            write_json(job.answer, answers[job.stem])
+            reports[job.stem] = _report(job, result)
+            write_json(job.report, reports[job.stem])
             if progress is not None:
-                progress(f"{len(answers)} of {len(records)} records", len(answers) / len(records))
-    write_file(out / SUMMARY, _table(answers).encode())
-    return _summary(answers, before, out / SUMMARY)
+                progress(f"{len(reports)} of {len(records)} records", len(reports) / len(records))
+    write_file(out / SUMMARY, _table(reports).encode())
+    return _summary(reports, before, out / SUMMARY)
 
 
 def find_records(folder: Path, out: Path) -> list[Path]:
-    """The records of a folder by name; what `out` holds by itself is none.
+    """Find the records of a folder, in order of their stems; the summary in `out` is not a record.
 
     Raises
     ------
     OSError
-        If there is no such folder.
+        If the folder does not exist.
     ValueError
-        If it holds no record, or two of one name.
+        If it contains no records, or two with the same stem.
     """
     found: dict[str, Path] = {}
     for path in sorted(folder.iterdir()):
@@ -129,7 +129,7 @@ def find_records(folder: Path, out: Path) -> list[Path]:
             continue
         if path.stem in found:
             raise ValueError(
-                f"{found[path.stem].name} and {path.name} would share the answer {path.stem}.json. Rename one of them."
+                f"{found[path.stem].name} and {path.name} would share the report {path.stem}.json. Rename one of them."
             )
         found[path.stem] = path
     if not found:
@@ -137,13 +137,13 @@ def find_records(folder: Path, out: Path) -> list[Path]:
     return [found[stem] for stem in sorted(found)]
 
 
-def work() -> None:
-    """Answer for `run_tasks`: the life of one process."""
-    serve(_answer)
+def run_worker() -> None:
+    """Main function of a worker process of `run_tasks`."""
+    serve(_diagnose)
 
 
-def _answer(task: dict[str, Any]) -> dict[str, Any]:
-    """Diagnose one record; whatever goes wrong with it is an answer, too."""
+def _diagnose(task: dict[str, Any]) -> dict[str, Any]:
+    """Diagnose one record; an error becomes a report with the verdict "error"."""
     from labsid.gap.diagnosis import diagnose
     from labsid.gap.simulation_files import load_simulation
     from labsid.records.record import load_record
@@ -157,23 +157,23 @@ def _answer(task: dict[str, Any]) -> dict[str, Any]:
     except ValueError as error:
         return _error(str(error))
     except OSError as error:
-        return _error(f"{error.filename or task['record']}: {error.strerror or error}", lasting=False)
+        return _error(f"{error.filename or task['record']}: {error.strerror or error}", keep=False)
     except Exception as error:
-        return _error(f"a fault of the program: {error!r}", lasting=False)
-    return {"report": report, "lasting": True}
+        return _error(f"internal error: {error!r}", keep=False)
+    return {"report": report, "keep": True}
 
 
-def _error(message: str, lasting: bool = True) -> dict[str, Any]:
+def _error(message: str, keep: bool = True) -> dict[str, Any]:
     report = {"schema": SCHEMA, "verdict": "error", "message": " ".join(message.split())}
-    return {"report": report, "lasting": lasting}
+    return {"report": report, "keep": keep}
 
 
-def _finished(job: Job, answer: dict[str, Any] | None) -> dict[str, Any]:
-    """The report as it is written: with the key by which a later run knows it, unless another try may end better."""
-    if answer is None:
-        answer = _error(f"its process was killed {ATTEMPTS} times; out of memory perhaps.", lasting=False)
-    report: dict[str, Any] = answer["report"]
-    return report | {KEY: job.key} if answer["lasting"] else report
+def _report(job: Job, result: dict[str, Any] | None) -> dict[str, Any]:
+    """The report to write, with the key that lets a later run keep it unless the error may be temporary."""
+    if result is None:
+        result = _error(f"the process was killed {ATTEMPTS} times, possibly for lack of memory.", keep=False)
+    report: dict[str, Any] = result["report"]
+    return report | {KEY: job.key} if result["keep"] else report
 
 
 def _job(record: Path, out: Path, seed: int) -> Job:
@@ -190,7 +190,7 @@ def _companion(record: Path, endings: tuple[str, ...]) -> Path | None:
 
 
 def _hash(path: Path) -> str:
-    """Hash of a file; of one that cannot be read, the reason."""
+    """Hash of a file, or the reason why it cannot be read."""
     try:
         with path.open("rb") as file:
             return hashlib.file_digest(file, "sha256").hexdigest()
@@ -200,27 +200,27 @@ def _hash(path: Path) -> str:
 
 @cache
 def _version() -> str:
-    """Version and sources of the diagnosis: while it is being worked on, the version alone does not change."""
+    """Version and hash of the sources, which change during development although the version does not."""
     digest = hashlib.sha256()
     for path in sorted(Path(__file__).parent.rglob("*.py")):
         digest.update(path.read_bytes())
     return f"{__version__} {digest.hexdigest()}"
 
 
-def _kept(job: Job) -> dict[str, Any] | None:
-    """The answer of an earlier run, if it was made from the same files by the same version."""
+def _earlier_report(job: Job) -> dict[str, Any] | None:
+    """The report of an earlier run on the same files with the same version and seed."""
     try:
-        content = json.loads(job.answer.read_text(encoding="utf-8"))
+        content = json.loads(job.report.read_text(encoding="utf-8"))
     except (OSError, ValueError):
         return None
     return content if isinstance(content, dict) and content.get(KEY) == job.key else None
 
 
-def _table(answers: dict[str, dict[str, Any]]) -> str:
+def _table(reports: dict[str, dict[str, Any]]) -> str:
     text = io.StringIO()
     writer = csv.writer(text, lineterminator="\n")
     writer.writerow(COLUMNS)
-    writer.writerows(_row(stem, answers[stem]) for stem in sorted(answers))
+    writer.writerows(_row(stem, reports[stem]) for stem in sorted(reports))
     return text.getvalue()
 
 
@@ -233,23 +233,23 @@ def _row(stem: str, report: dict[str, Any]) -> Iterator[str]:
     yield report.get("message", "")
 
 
-def _summary(answers: dict[str, dict[str, Any]], kept: int, table: Path) -> str:
-    verdicts = Counter(report["verdict"] for report in answers.values())
+def _summary(reports: dict[str, dict[str, Any]], kept: int, table: Path) -> str:
+    verdicts = Counter(report["verdict"] for report in reports.values())
     counts = ", ".join(f"{verdict} {verdicts[verdict]}" for verdict in sorted(verdicts))
     earlier = f" ({kept} from an earlier run)" if kept else ""
-    lines = [f"{len(answers)} records: {counts}{earlier}"]
-    found = [report["effects"] for report in answers.values() if report.get("effects")]
+    lines = [f"{len(reports)} records: {counts}{earlier}"]
+    found = [report["effects"] for report in reports.values() if report.get("effects")]
     names = Counter("+".join(effect["name"] for effect in effects) for effects in found)
     lines += [f"  {count:4d}  {name}" for name, count in names.most_common()]
-    errors = [f"  {stem}: {answers[stem]['message']}" for stem in sorted(answers) if "message" in answers[stem]]
-    lines += errors[:MOST_ERRORS]
-    if len(errors) > MOST_ERRORS:
-        lines.append(f"  and {len(errors) - MOST_ERRORS} more errors")
-    return "\n".join([*lines, f"All of them: {table}"])
+    errors = [f"  {stem}: {reports[stem]['message']}" for stem in sorted(reports) if "message" in reports[stem]]
+    lines += errors[:MAX_ERRORS]
+    if len(errors) > MAX_ERRORS:
+        lines.append(f"  and {len(errors) - MAX_ERRORS} more errors")
+    return "\n".join([*lines, f"Summary: {table}"])
 
 
 def _cores() -> int:
-    """Cores that this process may use."""
+    """Number of cores available to this process."""
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 

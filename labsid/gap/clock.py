@@ -1,4 +1,4 @@
-"""Clocks that jitter: what is said of them, and when their sampling time is that of another record or a simulation."""
+"""Records with clock jitter: findings, and agreement on one sampling time."""
 
 from dataclasses import replace
 from typing import Any
@@ -8,11 +8,11 @@ import numpy as np
 from labsid.lab.findings import Finding
 from labsid.records.record import REGULAR_WITHIN, Record
 
-MAX_CLOCK_ERROR = 1.0  # samples: two sampling times of one rig may differ by this over a record whose clock jitters
+MAX_CLOCK_ERROR = 1.0  # samples over the record, by which two sampling times of one rig may differ
 
 
 def clock_findings(record: Record, holdout: Record | None = None) -> list[Finding]:
-    """Say that a clock jitters.
+    """Report clock jitter.
 
     Parameters
     ----------
@@ -22,7 +22,7 @@ def clock_findings(record: Record, holdout: Record | None = None) -> list[Findin
     Returns
     -------
     list of Finding
-        Empty where the stamps are off the even times by no more than a hundredth of the sampling time.
+        Empty if the time stamps deviate from even times by no more than 1 % of the sampling time.
     """
     found = []
     for whose, what, one in (("", "record", record), (" of the holdout", "holdout", holdout)):
@@ -36,23 +36,23 @@ def clock_findings(record: Record, holdout: Record | None = None) -> list[Findin
 
 
 def stated_sampling_time(simulation: dict[str, Any]) -> object:
-    """The sampling time that a MODEL.json or an exported simulation states; it may be anything."""
+    """The sampling time in the content of a model file, not validated."""
     return simulation.get("dt", simulation.get("Ts"))
 
 
 def at_sampling_time(record: Record, Ts: object) -> Record:
-    """The record at the sampling time of another one or of a simulation, where its own is not known better.
+    """Replace the sampling time of a record with clock jitter by that of another record or simulation.
 
     Parameters
     ----------
     record : Record
     Ts : object
-        Sampling time in seconds as a file states it: it may be anything.
+        Sampling time in seconds as read from a file, not validated.
 
     Returns
     -------
     Record
-        The same where its clock does not jitter, or where that is not its sampling time.
+        Unchanged if its clock does not jitter, or if its own sampling time differs from `Ts`.
     """
     if not record.jitter or not isinstance(Ts, float | int) or Ts == record.Ts:
         return record

@@ -1,4 +1,4 @@
-"""Very long records: the search runs the simulation thousands of times, so it works on a part, and says on which."""
+"""Shorten very long records, because the search runs thousands of simulations."""
 
 from dataclasses import dataclass
 
@@ -9,7 +9,7 @@ from labsid.records.record import Record
 from labsid.records.signal_quality import runs
 
 MAX_SAMPLES = 20_000  # samples: one to three minutes of search on one core
-MIN_SAMPLES_PER_STEP = 40  # samples that stay between two changes of the input when a record is thinned out
+MIN_SAMPLES_PER_STEP = 40  # samples that downsampling leaves between two changes of the input
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -20,11 +20,11 @@ class ShortenedRecord:
     ----------
     record : Record
     simulation : dict, ndarray, callable or None
-        The given one; of an output series, the same part.
+        The given simulation; of a simulated output, the same part.
     every : int
-        Every so many samples one was kept.
+        Downsampling factor.
     notes : tuple of str
-        Sentences that say what was left out; none where nothing was.
+        Sentences on what was left out; empty if nothing was.
     """
 
     record: Record
@@ -36,9 +36,9 @@ class ShortenedRecord:
 def shorten_record(record: Record, simulation: Simulation | None, longest: int = MAX_SAMPLES) -> ShortenedRecord:
     """Shorten a long record to `longest` samples.
 
-    It is thinned out as far as its input allows, which changes little from one sample to the next where it rests for
-    long; if that is not enough, the stretch counts in which the input moves most. A given simulation keeps its
-    sampling time: then nothing is thinned out; and one that is a function begins where the record begins.
+    The record is downsampled as far as the steps of its input allow. If it is still too long, the part with the
+    largest variance of the input is selected. With a given simulation, which has its own sampling time, the record is
+    not downsampled; with a callable simulation, the selected part is the beginning.
 
     Parameters
     ----------
@@ -48,56 +48,59 @@ def shorten_record(record: Record, simulation: Simulation | None, longest: int =
 
     Returns
     -------
-    Part
+    ShortenedRecord
     """
     if len(record) <= longest:
         return ShortenedRecord(record, simulation, 1, ())
     every = 1
     if simulation is None:
-        usual = int(np.median(runs(record.u)[1]))
-        every = max(1, min(-(-len(record) // longest), usual // MIN_SAMPLES_PER_STEP))
-    thin = downsample(record, every)
-    start = 0 if callable(simulation) else _most_excited(thin.u, longest)
+        step = int(np.median(runs(record.u)[1]))
+        every = max(1, min(-(-len(record) // longest), step // MIN_SAMPLES_PER_STEP))
+    slow = downsample(record, every)
+    start = 0 if callable(simulation) else _most_excited(slow.u, longest)
     rows = slice(start, start + longest)
-    part = _cut(thin, rows)
+    part = _cut(slow, rows)
     if isinstance(simulation, np.ndarray) and simulation.shape == record.u.shape:
         simulation = simulation[rows]
-    which = "" if every == 1 else f", one in {every} (the input averaged in between),"
-    said = f"The record has {len(record)} samples: from t = {part.t[0]:g} s to {part.t[-1]:g} s"
-    return ShortenedRecord(
-        part, simulation, every, (f"{said} {len(part)} of them{which} are diagnosed, the rest is not looked at.",)
+    which = "" if every == 1 else f", one in {every} (the input averaged over each interval)"
+    note = (
+        f"The diagnosis uses {len(part)} of the {len(record)} samples of the record, from t = {part.t[0]:g} s to "
+        f"{part.t[-1]:g} s{which}."
     )
+    return ShortenedRecord(part, simulation, every, (note,))
 
 
 def shorten_holdout(holdout: Record, every: int, longest: int = MAX_SAMPLES) -> tuple[Record, tuple[str, ...]]:
-    """Another record as the diagnosed one was shortened: equally thinned out, and its beginning.
+    """Shorten the holdout like the diagnosed record: the same downsampling, and then its beginning.
 
     Parameters
     ----------
     holdout : Record
     every : int
-        From `Part`.
+        Downsampling factor of the `ShortenedRecord`.
     longest : int
 
     Returns
     -------
     tuple of Record and tuple of str
-        And what was left out.
+        The shortened holdout, and sentences on what was left out.
     """
     part = _cut(downsample(holdout, every), slice(0, longest))
     if len(part) == len(holdout):
         return holdout, ()
-    return part, (f"Of the {len(holdout)} samples of the holdout {len(part)} count, up to t = {part.t[-1]:g} s.",)
+    return part, (
+        f"The diagnosis uses {len(part)} of the {len(holdout)} samples of the holdout, up to t = {part.t[-1]:g} s.",
+    )
 
 
 def downsample(record: Record, every: int) -> Record:
-    """Every so many samples one: the output as it was then, the input averaged until the next.
+    """Keep every `every`-th sample of the output, and the mean of the input until the next one.
 
     Parameters
     ----------
     record : Record
     every : int
-        1 leaves the record as it is.
+        1 returns the record unchanged.
 
     Returns
     -------
@@ -117,6 +120,6 @@ def _cut(record: Record, rows: slice) -> Record:
 
 
 def _most_excited(u: np.ndarray, length: int) -> int:
-    """Where the stretch of `length` samples begins over which the input spreads most; steps of half a stretch."""
+    """Start of the `length` samples with the largest variance of the input, in steps of half that length."""
     last = max(u.size - length, 0)
     return max([*range(0, last, length // 2), last], key=lambda start: float(np.std(u[start : start + length])))

@@ -1,7 +1,7 @@
-"""Tasks for several processes: each imports and compiles once, and one that dies takes no other with it.
+"""Worker processes that import and compile once each; a killed process affects no task but its own.
 
-A pool of `concurrent.futures` breaks as a whole when one of its processes is killed, without saying on which task.
-Here each process has a thread that hands it one task at a time over its standard input, as a line of JSON.
+When a process of a `concurrent.futures` pool is killed, the whole pool breaks and the task is unknown. Here a thread
+for each process sends it one task at a time, as a line of JSON on its standard input.
 """
 
 import json
@@ -15,14 +15,14 @@ from threading import Event, Lock, Thread
 from typing import Any
 
 ATTEMPTS = 2
-POLL = 0.2  # s, after which Ctrl-C is seen on Windows
+POLL = 0.2  # s: delay until Ctrl-C is handled on Windows
 
-# The path by which this process found everything goes along; the current folder does not.
+# Workers get the import path of this process, without the current folder.
 _PROGRAM = """
 import sys
 sys.path[:] = sys.argv[2:]
 from importlib import import_module
-import_module(sys.argv[1]).work()
+import_module(sys.argv[1]).run_worker()
 """
 _ONE_THREAD = {f"{name}_NUM_THREADS": "1" for name in ("OMP", "OPENBLAS", "MKL", "BLIS", "NUMBA")}
 _ONE_THREAD["VECLIB_MAXIMUM_THREADS"] = "1"
@@ -31,50 +31,50 @@ Task = dict[str, Any]
 
 
 def run_tasks(module: str, tasks: Sequence[Task], jobs: int) -> Generator[tuple[int, Task | None], None, None]:
-    """Have tasks done by several processes.
+    """Run tasks in several processes.
 
     Parameters
     ----------
     module : str
-        Module whose `work` calls `serve`.
+        Module whose function `run_worker` calls `serve`.
     tasks : sequence of dict
-        JSON-ready.
+        Serialisable as JSON.
     jobs : int
-        Processes at a time.
+        Number of processes.
 
     Yields
     ------
     tuple of int and dict or None
-        Number of a task and its answer, in the order in which they come; None where the process died over the task
-        in every attempt. Closing the iterator ends all processes.
+        Number and result of a task, in the order of completion; None if the process died in every attempt. Closing
+        the iterator ends all processes.
     """
     todo: SimpleQueue[int] = SimpleQueue()
     done: SimpleQueue[tuple[int, Task | None] | Exception] = SimpleQueue()
     for number in range(len(tasks)):
         todo.put(number)
-    crew = _ProcessGroup(module)
+    processes = _ProcessGroup(module)
 
     def feed() -> None:
         worker = None
         try:
             while True:
                 number = todo.get_nowait()
-                answer = None
+                result = None
                 for _ in range(ATTEMPTS):
-                    worker = worker or crew.start()
-                    answer = _ask(worker, tasks[number])
-                    if answer is not None or crew.stopped.is_set():
+                    worker = worker or processes.start()
+                    result = _run(worker, tasks[number])
+                    if result is not None or processes.stopped.is_set():
                         break
                     dead, worker = worker, None
-                    crew.end(dead)
-                done.put((number, answer))
+                    processes.end(dead)
+                done.put((number, result))
         except Empty:
             pass
-        except Exception as error:  # no process can be started any more: whoever waits must hear of it
+        except Exception as error:  # no process can be started: reported to the main thread
             done.put(error)
         finally:
             if worker is not None:
-                crew.end(worker)
+                processes.end(worker)
 
     threads = [Thread(target=feed, daemon=True) for _ in range(min(jobs, len(tasks)))]
     try:
@@ -86,44 +86,44 @@ def run_tasks(module: str, tasks: Sequence[Task], jobs: int) -> Generator[tuple[
                 raise result
             yield result
     finally:
-        crew.stop()
+        processes.stop()
         for thread in threads:
             if thread.ident is not None:
                 thread.join()
 
 
-def serve(answer: Callable[[Task], Task]) -> None:
-    """Answer tasks from standard input until it ends; the other side of `run_tasks`.
+def serve(run: Callable[[Task], Task]) -> None:
+    """Run tasks from standard input until it is closed; called in the worker process of `run_tasks`.
 
     Parameters
     ----------
-    answer : callable
-        From a task to a JSON-ready answer.
+    run : callable
+        ``run(task)`` returns a result that is serialisable as JSON.
     """
     tasks: SimpleQueue[Task] = SimpleQueue()
 
     def listen() -> None:
         for line in sys.stdin.buffer:
             tasks.put(json.loads(line))
-        os._exit(0)  # whoever asked is gone, perhaps killed: what is under way is of no use to anyone
+        os._exit(0)  # the parent has ended, so nobody reads the current result
 
-    # What libraries print must neither come between the answers nor fill a pipe that nobody reads.
-    with os.fdopen(os.dup(sys.stdout.fileno()), "w", encoding="utf-8") as answers, open(os.devnull, "w") as nowhere:
+    # Output of libraries must not mix with the results or fill a pipe that is not read.
+    with os.fdopen(os.dup(sys.stdout.fileno()), "w", encoding="utf-8") as results, open(os.devnull, "w") as nowhere:
         for stream in (sys.stdout, sys.stderr):
             os.dup2(nowhere.fileno(), stream.fileno())
         Thread(target=listen, daemon=True).start()
         while True:
-            text = json.dumps(answer(tasks.get()), allow_nan=False)
-            answers.write(text + "\n")
-            answers.flush()
+            text = json.dumps(run(tasks.get()), allow_nan=False)
+            results.write(text + "\n")
+            results.flush()
 
 
 class _Stopped(Exception):
-    """No further process is wanted."""
+    """No more processes may be started."""
 
 
 class _ProcessGroup:
-    """The processes that run now. They are in sessions of their own: Ctrl-C reaches only the process that asks."""
+    """The running worker processes, each in its own session: Ctrl-C reaches only the parent."""
 
     def __init__(self, module: str) -> None:
         self.command = [sys.executable, "-P", "-c", _PROGRAM, module, *sys.path]
@@ -132,7 +132,7 @@ class _ProcessGroup:
         self._lock = Lock()
 
     def start(self) -> "subprocess.Popen[str]":
-        """A new process."""
+        """Start a process."""
         with self._lock:
             if self.stopped.is_set():
                 raise _Stopped
@@ -151,48 +151,48 @@ class _ProcessGroup:
             return worker
 
     def end(self, worker: "subprocess.Popen[str]") -> None:
-        """End one process and forget it.
+        """End a process.
 
         Raises
         ------
         OSError
-            If it could not even start to serve: only then does it say anything on standard error.
+            If it could not start: it writes to standard error only in that case.
         """
         worker.kill()
-        said = ""
+        message = ""
         for pipe in (worker.stdin, worker.stdout, worker.stderr):
             assert pipe is not None
-            with suppress(OSError), pipe:  # of the task that it did not read any more
-                said = pipe.read() if pipe is worker.stderr else said
+            with suppress(OSError), pipe:  # closing flushes a task that the process has not read
+                message = pipe.read() if pipe is worker.stderr else message
         worker.wait()
         with self._lock:
             self._running.discard(worker)
-        if said.strip() and not self.stopped.is_set():
-            raise OSError(f"a process for the records could not start: {said.strip().splitlines()[-1]}")
+        if message.strip() and not self.stopped.is_set():
+            raise OSError(f"a worker process could not start: {message.strip().splitlines()[-1]}")
 
     def stop(self) -> None:
-        """Kill all processes: the threads that wait for them see their end, and clear them away."""
+        """Kill all processes; the threads that wait for them then clean up."""
         with self._lock:
             self.stopped.set()
             for worker in self._running:
                 worker.kill()
 
 
-def _ask(worker: "subprocess.Popen[str]", task: Task) -> Task | None:
-    """The worker's answer; None where it died."""
+def _run(worker: "subprocess.Popen[str]", task: Task) -> Task | None:
+    """Run a task in a worker; None if the worker died."""
     assert worker.stdin is not None
     assert worker.stdout is not None
     try:
         worker.stdin.write(json.dumps(task) + "\n")
         worker.stdin.flush()
-        answer: Task = json.loads(worker.stdout.readline())
-    except (OSError, ValueError):  # it ended before or within its answer
+        result: Task = json.loads(worker.stdout.readline())
+    except (OSError, ValueError):  # it ended before the result was complete
         return None
-    return answer
+    return result
 
 
 def _next(done: "SimpleQueue[Any]") -> Any:
-    """The next entry of a queue, Ctrl-C being seen on every system."""
+    """The next entry of a queue; Ctrl-C interrupts the wait on every system."""
     while True:
         with suppress(Empty):
             return done.get(timeout=POLL)

@@ -54,7 +54,7 @@ def counted(monkeypatch):
             name = os.path.basename(task["record"])
             asked.append(name)
             report = {"verdict": "none", "effects": [], "gap": {"closed": None}, "seed": task["seed"]}
-            yield number, None if name.startswith("killed") else {"report": report, "lasting": True}
+            yield number, None if name.startswith("killed") else {"report": report, "keep": True}
 
     monkeypatch.setattr(batch, "run_tasks", run_tasks)
     return asked
@@ -100,7 +100,7 @@ def test_the_table_and_what_is_printed(finished):
     assert rows[2]["error"] == json.loads((out / "empty.json").read_text())["message"]
     assert printed.startswith("4 records: error 2, none 2\n")
     assert f"  empty: {rows[2]['error']}\n" in printed
-    assert printed.endswith(f"All of them: {out / 'summary.csv'}")
+    assert printed.endswith(f"Summary: {out / 'summary.csv'}")
     assert told[0] == ("0 of 4 records", 0.0)
     assert told[-1] == ("4 of 4 records", 1.0)
 
@@ -172,7 +172,7 @@ def test_a_killed_record_is_an_error_that_the_next_run_tries_again(tmp_path, cou
     assert answer == {
         "schema": "labsid.gap/1",
         "verdict": "error",
-        "message": "its process was killed 2 times; out of memory perhaps.",
+        "message": "the process was killed 2 times, possibly for lack of memory.",
     }
     diagnose_folder(tmp_path, out)
     assert counted == ["killed.csv", "other.csv", "killed.csv"]
@@ -182,7 +182,7 @@ def test_effects_and_figures_in_the_table(tmp_path, monkeypatch):
     (tmp_path / "pair.csv").touch()
     effects = [{"name": "input-delay", "probability": 0.98765432}, {"name": "load-step", "probability": 0.5}]
     report = {"verdict": "effect", "effects": effects, "gap": {"closed": 0.75}}
-    monkeypatch.setattr(batch, "run_tasks", lambda *_: (x for x in [(0, {"report": report, "lasting": True})]))
+    monkeypatch.setattr(batch, "run_tasks", lambda *_: (x for x in [(0, {"report": report, "keep": True})]))
     printed = diagnose_folder(tmp_path, tmp_path / "out")
     assert (tmp_path / "out" / "summary.csv").read_text().splitlines()[1] == (
         "pair,effect,input-delay+load-step,0.987654,0.75,"
@@ -212,7 +212,7 @@ def test_two_records_of_one_name_and_none_at_all(tmp_path):
         find_records(tmp_path, tmp_path)
     (tmp_path / "a.csv").touch()
     (tmp_path / "a.mat").touch()
-    with pytest.raises(ValueError, match=r"a\.csv and a\.mat would share the answer a\.json\. Rename"):
+    with pytest.raises(ValueError, match=r"a\.csv and a\.mat would share the report a\.json\. Rename"):
         find_records(tmp_path, tmp_path)
 
 

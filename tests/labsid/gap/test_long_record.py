@@ -32,8 +32,8 @@ def test_thinned_out_where_the_input_rests():
     np.testing.assert_array_equal(part.record.y, 3.0 * np.arange(333))
     assert part.record.u[66] == pytest.approx((1.0 + 1.0 + 2.0) / 3.0)  # the change lies within
     assert part.notes == (
-        "The record has 1000 samples: from t = 0 s to 498 s 333 of them, one in 3 (the input averaged in between), are "
-        "diagnosed, the rest is not looked at.",
+        "The diagnosis uses 333 of the 1000 samples of the record, from t = 0 s to 498 s, one in 3 (the input averaged "
+        "over each interval).",
     )
 
 
@@ -45,7 +45,7 @@ def test_cut_where_the_input_never_rests():
     k = round(part.record.t[0] / 0.5)
     assert 500 <= k <= 820
     np.testing.assert_array_equal(part.record.u, u[k : k + 100])
-    assert "100 of them are diagnosed" in part.notes[0]
+    assert "uses 100 of the 1000 samples" in part.notes[0]
 
 
 def test_the_last_samples_are_not_forgotten():
@@ -70,7 +70,7 @@ def test_a_given_simulation_keeps_its_sampling_time_and_its_beginning():
 def test_the_holdout_goes_along():
     part, notes = shorten_holdout(record_of(np.arange(1000)), 3, longest=100)
     assert (len(part), part.Ts) == (100, 1.5)
-    assert notes == ("Of the 1000 samples of the holdout 100 count, up to t = 148.5 s.",)
+    assert notes == ("The diagnosis uses 100 of the 1000 samples of the holdout, up to t = 148.5 s.",)
 
 
 def test_thinned_by_one_is_the_same():
@@ -81,13 +81,13 @@ def test_thinned_by_one_is_the_same():
 def test_the_report_says_what_was_left_out(rig_record, monkeypatch):
     record = rig_record("none", 900)
     monkeypatch.setattr(
-        diagnosis, "part_of", lambda record, simulation: shorten_record(record, simulation, longest=200)
+        diagnosis, "shorten_record", lambda record, simulation: shorten_record(record, simulation, longest=200)
     )
     monkeypatch.setattr(
         diagnosis, "shorten_holdout", lambda holdout, every: shorten_holdout(holdout, every, longest=200)
     )
     report = diagnose(record, holdout=rig_record("none", 700, seed=6)).report
     assert report["record"]["samples"] == 900
-    assert report["screen"][0].startswith("The record has 900 samples: from t = ")
-    assert report["screen"][1] == "Of the 700 samples of the holdout 200 count, up to t = 99.5 s."
+    assert report["screen"][0].startswith("The diagnosis uses 200 of the 900 samples of the record, from t = ")
+    assert report["screen"][1] == "The diagnosis uses 200 of the 700 samples of the holdout, up to t = 99.5 s."
     assert report["verdict"] == "none"

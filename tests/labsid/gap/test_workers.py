@@ -25,14 +25,14 @@ def answer(task):
     time.sleep(task.get("seconds", 0))
     return {"twice": 2 * task.get("number", 0), "pid": os.getpid(), "threads": os.environ["OMP_NUM_THREADS"]}
 
-def work():
+def run_worker():
     serve(answer)
 """
 
 
 @pytest.fixture
 def work(tmp_path, monkeypatch):
-    """Name of a module whose `work` serves; the processes find it by our own path."""
+    """Name of a module whose `run_worker` serves; the processes find it by our own path."""
     (tmp_path / "work_of_the_tests.py").write_text(WORK)
     monkeypatch.syspath_prepend(tmp_path)
     return "work_of_the_tests"
