@@ -5,8 +5,9 @@ import re
 import subprocess
 import sys
 import tomllib
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
+from graphlib import CycleError, TopologicalSorter
 from importlib.metadata import packages_distributions
 from inspect import cleandoc
 from pathlib import Path
@@ -307,6 +308,93 @@ def test_data_classes_are_frozen(labsid: list[Module]) -> None:
     assert len(decorators) > 10
     loose = [name for name, text in decorators if "frozen=True" not in text or "slots=True" not in text]
     assert loose == []
+
+
+def import_graph(modules: list[Module], fold: Callable[[str], str] = str) -> dict[str, set[str]]:
+    """Imports among `modules`, also those for types and inside functions, under the names that `fold` gives them."""
+    own = {module.name for module in modules}
+    graph: dict[str, set[str]] = {fold(module.name): set() for module in modules}
+    for module in modules:
+        for name in imports_of(module):
+            longest = name if name in own else name.rpartition(".")[0]
+            if longest in own and fold(longest) != fold(module.name):
+                graph[fold(module.name)].add(fold(longest))
+    return graph
+
+
+def circle(graph: Mapping[str, set[str]]) -> list[str]:
+    """One circle of the graph, or nothing."""
+    try:
+        TopologicalSorter(graph).prepare()
+    except CycleError as error:
+        return list(error.args[1])
+    return []
+
+
+def room_of(module: str) -> str:
+    """The room of ``labsid.gap.effects.base`` is ``labsid.gap``."""
+    return ".".join(module.split(".")[:2])
+
+
+def test_a_circle_of_imports_is_found(tmp_path: Path) -> None:
+    folder = tmp_path / "pack"
+    folder.mkdir()
+    (folder / "__init__.py").write_text("", encoding="utf-8")
+    (folder / "a.py").write_text("from pack.b import x", encoding="utf-8")
+    (folder / "b.py").write_text("def f():\n    import pack.c", encoding="utf-8")
+    (folder / "c.py").write_text("if TYPE_CHECKING:\n    from pack import a", encoding="utf-8")
+    assert set(circle(import_graph(modules_of(folder)))) == {"pack.a", "pack.b", "pack.c"}
+    (folder / "c.py").write_text("", encoding="utf-8")
+    assert circle(import_graph(modules_of(folder))) == []
+
+
+@pytest.mark.parametrize("package", ["labsid", "autograder"])
+def test_neither_files_nor_rooms_import_in_a_circle(package: str) -> None:
+    modules = [module for module in modules_of(ROOT / package) if module.name != package]
+    assert circle(import_graph(modules)) == []
+    assert circle(import_graph(modules, room_of)) == []
+
+
+def test_rooms_import_in_the_order_of_the_readme() -> None:
+    table = re.findall(r"^\| (`.*?) \|", (ROOT / "labsid" / "README.md").read_text(encoding="utf-8"), flags=re.M)
+    order = [{f"labsid.{name}" for name in re.findall(r"`(\w+)/`", cell)} for cell in table]
+    modules = [module for module in modules_of(ROOT / "labsid") if module.name != "labsid"]
+    graph = import_graph(modules, room_of)
+    rooms = {room for room in graph if not room.startswith("labsid._")}
+    assert set().union(*order) == rooms
+    below: set[str] = set()
+    for row in order:
+        below |= row
+        for room in row:
+            assert graph[room] & rooms <= below, room
+
+
+@pytest.mark.parametrize("package", ["labsid", "autograder"])
+def test_no_function_or_class_has_the_name_of_a_module(package: str) -> None:
+    modules = modules_of(ROOT / package)
+    names = {module.name.rpartition(".")[2] for module in modules}
+    defined = {
+        name
+        for module in modules
+        for name, _ in public_definitions(module)
+        if name.count(".") == module.name.count(".") + 1
+    }
+    assert sorted(name for name in defined if name.rpartition(".")[2] in names) == []
+
+
+def test_names_of_the_package_are_lazy_and_the_stub_lists_them() -> None:
+    stub = ast.parse((ROOT / "labsid" / "__init__.pyi").read_text(encoding="utf-8"))
+    listed = {alias.name: node.module for node in stub.body if isinstance(node, ast.ImportFrom) for alias in node.names}
+    program = (
+        "import sys, labsid\n"
+        "assert not {'numpy', 'labsid.lab', 'labsid.gap'} & set(sys.modules)\n"
+        "for name in labsid.__all__:\n"
+        "    print(name, getattr(getattr(labsid, name), '__module__', ''))\n"
+    )
+    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True)
+    found = dict(line.split(" ") for line in done.stdout.splitlines())
+    assert found.pop("__version__") == ""
+    assert found == listed
 
 
 @pytest.fixture(scope="module")
