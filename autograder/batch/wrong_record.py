@@ -64,7 +64,7 @@ def reference_values(
 def flag_wrong_record(
     result: SubmissionResult, inputs: GradingInputs, data_store: DataStore, folder: Path, members: Iterable[str]
 ) -> SubmissionResult:
-    """Add flags for the teacher and notes for the student to a result made on another student's record.
+    """Add flags for the instructor and notes for the student to a result made on another student's record.
 
     Parameters
     ----------
@@ -101,7 +101,7 @@ def flag_wrong_record(
     flags = [f"handed in with the data file of {owner}" for owner in sorted(files)]
     flags += [f"made on the record of {owner}: {', '.join(questions)}" for owner, questions in sorted(answers.items())]
     if handed_in and not files:
-        flags.append("handed in with a data file that is nobody's record")
+        flags.append("handed in with an unknown data file")
     flagged = {question for questions in answers.values() for question in questions}
     notes: tuple[str, ...] = (f"some answers are made on another record than yours ({name})",) if flagged else ()
     if files:

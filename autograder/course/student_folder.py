@@ -1,20 +1,18 @@
 """The student's work folder: copy the release into it, and pack its notebooks for hand-in."""
 
-import io
 import json
 import re
 import subprocess
 import sys
-import zipfile
 from collections.abc import Iterator
 from pathlib import Path
 
+from autograder.course.archive import zip_bytes
 from autograder.course.build import CODE_STUB, TEXT_STUB, build_course
 from autograder.course.layout import Course, read_cell
 from labsid._files import write_file
 from labsid.checks.notebook import assignment_names, load_assignment
 
-_ZIP_TIME = (1980, 1, 1, 0, 0, 0)
 _MAX_RECORD_BYTES = 16 * 1024 * 1024
 # with the indentation of the release, if the answer is the body of a function
 _STUB = re.compile("|".join(r"\n\s*".join(map(re.escape, stub.splitlines())) for stub in (CODE_STUB, TEXT_STUB)))
@@ -92,21 +90,18 @@ def pack_submission(folder: Path, out: Path) -> Iterator[str]:
     notebooks = [path for path in found if path.stem == path.parent.name]
     if not notebooks:
         raise ValueError(f"{folder} contains no notebooks. Expected <assignment>/<assignment>.ipynb below it.")
-    packed = io.BytesIO()
-    with zipfile.ZipFile(packed, "w", zipfile.ZIP_DEFLATED) as archive:
-        for path in notebooks:
-            data = path.read_bytes()
-            yield f"{path.stem}: {_describe(path, data)}"
-            archive.writestr(zipfile.ZipInfo(f"{path.stem}/{path.name}", _ZIP_TIME), data, zipfile.ZIP_DEFLATED)
-            record = _record_beside(path)
-            if record is not None:
-                info = zipfile.ZipInfo(f"{path.stem}/{record.name}", _ZIP_TIME)
-                archive.writestr(info, record.read_bytes(), zipfile.ZIP_DEFLATED)
+    files: dict[str, bytes] = {}
+    for path in notebooks:
+        files[f"{path.stem}/{path.name}"] = data = path.read_bytes()
+        yield f"{path.stem}: {_describe(path, data)}"
+        record = _record_beside(path)
+        if record is not None:
+            files[f"{path.stem}/{record.name}"] = record.read_bytes()
     for path in found:
         if path not in notebooks:
             expected = f"{path.parent.name}.ipynb"
             yield f"{path.parent.name}/{path.name} is not included: the notebook of this folder is {expected}"
-    write_file(out, packed.getvalue())
+    write_file(out, zip_bytes(files))
     yield f"Hand in this file: {out}"
 
 

@@ -1,1 +1,1 @@
-"""Judging one submission: ask its process for values, compare them with labsid."""
+"""Judging of one submission: run its cells, and compare its values with the reference."""

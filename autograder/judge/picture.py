@@ -1,8 +1,7 @@
-"""Pictures of students' figures, drawn here from the plain data that the judge was handed, as SVG.
+"""SVG images of students' figures, drawn from the plain data that the judge receives.
 
-Drawing in the student's process takes a tenth of a second a figure and more than all of the judging; this takes
-milliseconds, and shows what the judge saw: curves, limits, labels, legend. Nothing of a student gets into the
-picture but numbers and escaped text.
+Matplotlib would take 0.1 s per figure in the student's process, longer than the judging. These images take milliseconds
+and show what is judged: curves, limits, labels and legend. They contain only numbers and escaped text of the student.
 """
 
 import base64
@@ -35,7 +34,7 @@ def figure_svg(figure: FigureValue) -> str:
     Returns
     -------
     str
-        An SVG image in base64, its axes one below the other.
+        An SVG image in base64, with the axes one below the other.
     """
     axes = figure.axes[:MAX_AXES]
     height = max(len(axes), 1) * _HEIGHT
@@ -52,14 +51,14 @@ def figure_svg(figure: FigureValue) -> str:
 
 @dataclass(frozen=True, slots=True)
 class _Scale:
-    """From values to places along one side."""
+    """Maps values to positions along one axis."""
 
     low: float
     high: float
     start: float
     end: float
 
-    def place(self, values: NDArray[np.float64]) -> NDArray[np.float64]:
+    def position(self, values: NDArray[np.float64]) -> NDArray[np.float64]:
         with np.errstate(over="ignore", invalid="ignore"):
             at = self.start + (values - self.low) / (self.high - self.low) * (self.end - self.start)
         return np.where(np.isfinite(values), np.clip(at, -2 * _WIDTH, 3 * _WIDTH), np.nan)
@@ -88,11 +87,11 @@ def _panel(axes: AxesValue, index: int) -> Iterator[str]:
     yield f'<clipPath id="c{index}"><rect {frame}/></clipPath>'
     line = "#d9e0e7" if axes.grid else "none"
     for value in x.ticks():
-        at = float(x.place(np.array([value]))[0])
+        at = float(x.position(np.array([value]))[0])
         yield f'<path d="M{at:.1f} {_TOP}v{high}" stroke="{line}"/>'
         yield _text(f"{value:.6g}", at, _HEIGHT - _BOTTOM + 15, "middle")
     for value in y.ticks():
-        at = float(y.place(np.array([value]))[0])
+        at = float(y.position(np.array([value]))[0])
         yield f'<path d="M{_LEFT} {at:.1f}h{wide}" stroke="{line}"/>'
         yield _text(f"{value:.6g}", _LEFT - 5, at + 4, "end")
     yield f'<rect {frame} fill="none" stroke="#5a6b7d"/>'
@@ -127,8 +126,8 @@ def _legend(axes: AxesValue) -> Iterator[str]:
 def _path(curve: CurveValue, x: _Scale, y: _Scale) -> str:
     n = min(curve.x.size, curve.y.size)
     rows = _decimated_rows(curve.y[:n])
-    at_x, at_y = np.round(x.place(curve.x[rows]), 1), np.round(y.place(curve.y[rows]), 1)
-    made: list[str] = []
+    at_x, at_y = np.round(x.position(curve.x[rows]), 1), np.round(y.position(curve.y[rows]), 1)
+    commands: list[str] = []
     pen = "M"
     last: tuple[float, float] | None = None
     for px, py in zip(at_x.tolist(), at_y.tolist(), strict=True):
@@ -138,20 +137,20 @@ def _path(curve: CurveValue, x: _Scale, y: _Scale) -> str:
         if (px, py) == last:
             continue
         if curve.steps and last is not None:
-            made.append(f"H{px:g}V{py:g}")
+            commands.append(f"H{px:g}V{py:g}")
         else:
-            made.append(f"{pen}{px:g} {py:g}")
+            commands.append(f"{pen}{px:g} {py:g}")
         pen, last = "L", (px, py)
-    return "".join(made)
+    return "".join(commands)
 
 
 def _decimated_rows(y: NDArray[np.float64]) -> NDArray[np.intp]:
-    """All samples, or of a long curve the lowest and the highest of each short stretch."""
+    """Indices of all samples, or of the minimum and maximum of each short segment of a long curve."""
     if y.size <= MAX_POINTS:
         return np.arange(y.size)
     finite = np.where(np.isfinite(y), y, 0.0)
-    stretches = np.array_split(np.arange(y.size), MAX_POINTS // 2)
-    ends = [(rows[np.argmin(finite[rows])], rows[np.argmax(finite[rows])]) for rows in stretches]
+    segments = np.array_split(np.arange(y.size), MAX_POINTS // 2)
+    ends = [(rows[np.argmin(finite[rows])], rows[np.argmax(finite[rows])]) for rows in segments]
     return np.unique(np.array(ends).reshape(-1))
 
 
@@ -161,13 +160,13 @@ def _colour(color: Sequence[float]) -> str:
 
 
 def _text(text: str, x: float, y: float, anchor: str, longest: int = 20, turned: bool = False) -> str:
-    said = html.escape(_label_text(text, longest))
+    label = html.escape(_label_text(text, longest))
     turn = f' transform="rotate(-90 {x:.0f} {y:.0f})"' if turned else ""
-    return f'<text x="{x:.1f}" y="{y:.1f}" text-anchor="{anchor}"{turn}>{said}</text>' if said else ""
+    return f'<text x="{x:.1f}" y="{y:.1f}" text-anchor="{anchor}"{turn}>{label}</text>' if label else ""
 
 
 def _label_text(text: str, longest: int) -> str:
-    """Text as a picture shows it: without mathematics mark-up, control characters, and more than it has room for."""
+    """Text without TeX markup and control characters, shortened to `longest` characters."""
     text = re.sub(r"\\([A-Za-z]+)", lambda found: _GREEK.get(found[1], ""), text.replace("$", ""))
     text = "".join(c for c in re.sub(r"[{}]", "", text) if c.isprintable())
     return text if len(text) <= longest else text[: longest - 1] + "…"

@@ -1,1 +1,1 @@
-"""Stored results, the gradebook, feedback pages and the instructor's report."""
+"""Stored results, the gradebook, feedback pages and the class report."""

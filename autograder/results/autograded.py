@@ -54,15 +54,15 @@ def _as_cell(executed: ExecutedCell, released: Mapping[str, dict[str, Any]], ext
 
 
 def _outputs(executed: ExecutedCell) -> list[dict[str, Any]]:
-    made: list[dict[str, Any]] = []
+    outputs: list[dict[str, Any]] = []
     if executed.reply.stdout:
-        made.append({"output_type": "stream", "name": "stdout", "text": executed.reply.stdout})
+        outputs.append({"output_type": "stream", "name": "stdout", "text": executed.reply.stdout})
     if executed.reply.error is not None:
         kind, text = str(executed.reply.error.get("kind")), str(executed.reply.error.get("text"))
-        made.append({"output_type": "error", "ename": kind, "evalue": text, "traceback": [f"{kind}: {text}"]})
+        outputs.append({"output_type": "error", "ename": kind, "evalue": text, "traceback": [f"{kind}: {text}"]})
     if executed.failure is not None:
-        made.append({"output_type": "stream", "name": "stderr", "text": f"{executed.failure}\n"})
-    return made
+        outputs.append({"output_type": "stream", "name": "stderr", "text": f"{executed.failure}\n"})
+    return outputs
 
 
 def _picture(picture: str) -> dict[str, Any]:

@@ -1,4 +1,4 @@
-"""The commands of the course, as a teacher and a student type them."""
+"""The commands of the course, as an instructor and a student type them."""
 
 import json
 import os

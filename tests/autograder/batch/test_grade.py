@@ -385,7 +385,7 @@ def test_what_was_given_by_hand_outlives_a_new_grading(
 
 def test_export_brings_the_grades_up_to_date(again: Class, by_hand: Callable) -> None:
     by_hand("ada", OPEN, manual_score=0.05)
-    by_hand("ada", "prelab-1-time", manual_score=0.05)  # the teacher's word is the last
+    by_hand("ada", "prelab-1-time", manual_score=0.05)  # manual scores take precedence
     export_csv(again.out)
     rows = again.grades()
     assert rows["ada", PRELAB, OPEN]["score"] == "0.05"

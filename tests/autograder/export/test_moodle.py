@@ -227,7 +227,7 @@ def test_hand_grading_survives_and_is_flagged_when_the_automatic_part_changes(
     assert "review manual grades" in class_table(out)
     assert "changed after it was graded by hand" in write_report(out).read_text(encoding="utf-8")
     with gradebook.open_gradebook(gradebook.database_url(out)) as book:
-        book.find_grade(open_question, PRELAB, PRELAB, "ann").needs_manual_grade = False  # the teacher has looked
+        book.find_grade(open_question, PRELAB, PRELAB, "ann").needs_manual_grade = False  # reviewed
         book.db.commit()
     assert not any(one.fresh for one in grade_batch(course, batch, out, LocalExecutor(launcher)))
     assert gradebook.read_manual_grades(out).needs_review == frozenset()
