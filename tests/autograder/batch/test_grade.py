@@ -157,7 +157,7 @@ def test_each_student_gets_what_is_due(graded: Class) -> None:
         assert (row["score"], row["status"], row["seconds"]) == ("0", "quarantined", "0.000")
         assert "lab-identification.ipynb cannot be read" in row["reason"]
     for row in by_student["finn", PRELAB] + by_student["ada", LAB]:
-        assert (row["score"], row["status"], row["reason"]) == ("0", "missing", "no notebook was handed in")
+        assert (row["score"], row["status"], row["reason"]) == ("0", "missing", "no notebook was submitted")
     for row in by_student["gil", PRELAB]:
         assert (row["score"], row["status"]) in (("0", "graded"), ("", "manual"))
 
@@ -544,7 +544,7 @@ def test_a_page_says_reason_slip_and_points(pages: Mapping, graded: Class) -> No
     assert 'src="data:image/svg+xml;base64,' in page
     assert "not yet graded by hand" in page
     assert "broken JSON" in pages["finn", LAB]
-    assert "no notebook was handed in" in pages["finn", PRELAB]
+    assert "no notebook was submitted" in pages["finn", PRELAB]
 
 
 def test_pages_are_the_same_when_written_again(graded: Class, pages: Mapping) -> None:
@@ -795,5 +795,5 @@ def test_the_samples_are_answers_of_the_notebooks(course: Course) -> None:
     from autograder import samples
 
     ids = {cell.id for cell in read_template(course, LAB).cells if cell.kind in ("answer", "manual")}
-    for replaced in (samples._HALF_RIGHT, samples._DIFFERENT, samples._CRASHING):
+    for replaced in (samples._MISTAKES, samples._OTHER_METHODS, samples._CRASHING):
         assert set(replaced) <= ids
