@@ -1,4 +1,4 @@
-"""The simulation that is under test: one that was given, as it is, and its structure with free numbers."""
+"""The simulation under test: its output on the record, and the structure from which the search starts."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -18,7 +18,7 @@ from labsid.gap.noise_model import fit_noise
 from labsid.gap.plants import Plant
 from labsid.records.record import Record
 
-UNSTABLE_RATIO = 1e6  # ranges of the record's output
+UNSTABLE_RATIO = 1e6  # distance from the mean, in ranges of the measured output
 NO_STATES = np.zeros((0, 0))
 
 Simulation = dict[str, Any] | ExportedModel | FloatArray | Callable[[FloatArray, FloatArray], FloatArray]
@@ -26,24 +26,23 @@ Simulation = dict[str, Any] | ExportedModel | FloatArray | Callable[[FloatArray,
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Baseline:
-    """What the gap is measured from.
+    """The simulation whose error is the gap.
 
     Attributes
     ----------
-    before : Fit
-        The simulation as it is: its output over the record, offset and initial state estimated. Without a given
-        simulation, the fitted linear structure.
+    before : Fit or None
+        The given simulation on the record, with only its offset and initial state estimated; None without one.
     structure : Hypothesis
-        Its structure, for the search.
+        The structure from which the search starts.
     given : bool
         Whether a simulation was given.
     output_only : bool
-        Whether only its output is known, so that nothing ahead of the output can be refitted.
+        Whether only its output is known, so that only effects at the output can be added.
     simulate_record : callable, optional
-        ``simulate_record(record) -> y``: the output of a given simulation on another record, shape (N,), its initial
-        state estimated from the first samples there.
+        ``simulate_record(record) -> y``: the output of a given simulation on another record, shape (N,), with its
+        initial state estimated from the first samples.
     start : ndarray, optional
-        Numbers of the structure from which the search begins, where the given simulation tells them.
+        Initial parameters for the search, if the given simulation defines them.
     """
 
     before: Fit | None
@@ -70,7 +69,7 @@ class TransferFunction:
         return np.asarray(lfilter(padded / self.den[0], self.den / self.den[0], u - self.u0)) + self.y0
 
     def simulate(self, u: FloatArray, y: FloatArray) -> FloatArray:
-        """Free-run output, shape (N,), from the state that the first samples of the measured output `y` tell."""
+        """Free-run output, shape (N,), with the initial state estimated from the first samples of `y`."""
         first = slice(0, min(START_SAMPLES, u.size))
         forced, states = self.response(u), self.free_response(u.size)
         if not np.isfinite(forced[first]).all() or not np.isfinite(states[first]).all():
@@ -79,7 +78,7 @@ class TransferFunction:
         return np.asarray(forced + states @ state)
 
     def free_response(self, samples: int) -> FloatArray:
-        """Columns of the initial state, shape (samples, n)."""
+        """Free responses to the unit initial states, shape (samples, n)."""
         n = self.den.size - 1
         if n == 0:
             return np.zeros((samples, 0))
@@ -94,7 +93,7 @@ def read_transfer_function(content: dict[str, Any], Ts: float) -> TransferFuncti
     Raises
     ------
     ValueError
-        If it is not a proper transfer function at the record's sampling time.
+        If it is not a proper transfer function with the record's sampling time.
     """
     try:
         num, den = np.atleast_1d(np.array(content["num"], float)), np.atleast_1d(np.array(content["den"], float))
@@ -105,7 +104,7 @@ def read_transfer_function(content: dict[str, Any], Ts: float) -> TransferFuncti
         ) from None
     except (TypeError, ValueError):
         raise ValueError(
-            "num and den must be lists of numbers in descending powers of z, dt, u0, y0 numbers."
+            "num and den must be lists of numbers in descending powers of z; dt, u0 and y0 must be numbers."
         ) from None
     if (
         num.ndim != 1
@@ -116,7 +115,7 @@ def read_transfer_function(content: dict[str, Any], Ts: float) -> TransferFuncti
     ):
         raise ValueError("num and den must be lists of finite numbers in descending powers of z.")
     if den[0] == 0.0:
-        raise ValueError("den must begin with the highest power of z, not with 0. Leave leading zeros out.")
+        raise ValueError("den must begin with the highest power of z, not with 0. Remove leading zeros.")
     num = np.trim_zeros(num, "f") if np.any(num) else np.zeros(1)
     if num.size > den.size:
         raise ValueError(f"num has degree {num.size - 1}, den {den.size - 1}: the model must be proper.")
@@ -126,9 +125,10 @@ def read_transfer_function(content: dict[str, Any], Ts: float) -> TransferFuncti
 
 
 def linear_structure(order: int) -> Hypothesis:
-    """A linear structure of some order: two poles hold one, a third is a further lag, a fourth and third are a mode.
+    """Linear structure of a given order.
 
-    A given model of a higher order is refitted with four poles.
+    Orders 1 and 2 use the two poles of the plant, order 3 adds a lag, and orders from 4 add a second-order mode, so a
+    given model of higher order is refitted with four poles.
 
     Raises
     ------
@@ -142,23 +142,23 @@ def linear_structure(order: int) -> Hypothesis:
 
 
 def make_baseline(data: Data, t: FloatArray, simulation: Simulation | None, order: int = 2) -> Baseline:
-    """What the gap on this record is measured from.
+    """Make the baseline of a record.
 
     Parameters
     ----------
     data : Data
     t : ndarray, shape (N,)
-        Times of the record, for a callable simulation.
+        Times, for a callable simulation.
     simulation : dict, ndarray, callable or None
-        MODEL.json or an exported simulation, read or not; the output of any simulator on the record;
+        MODEL.json or an exported simulation, as content or as a model; the output of any simulator on the record; or
         ``simulate(t, u) -> y``.
     order : int
-        Of the fitted structure where no simulation is given: 1 to 4.
+        Order of the fitted model if no simulation is given, 1 to 4.
 
     Raises
     ------
     ValueError
-        If the simulation does not fit the record, or the order is none of these.
+        If the simulation does not match the record, or the order is out of range.
     """
     if simulation is None:
         if order > 4:
@@ -171,16 +171,16 @@ def make_baseline(data: Data, t: FloatArray, simulation: Simulation | None, orde
         return _transfer_function(data, read_transfer_function(simulation, data.Ts))
     if callable(simulation):
         return _callable(data, t, simulation)
-    return _series(data, np.asarray(simulation, float))
+    return _output_series(data, np.asarray(simulation, float))
 
 
 def read_exported(simulation: Simulation | None, Ts: float) -> Simulation | None:
-    """The simulation, an exported one read.
+    """Convert the content of an exported simulation to a model; return any other simulation unchanged.
 
     Raises
     ------
     ValueError
-        If it is none, or one of another sampling time.
+        If the content is invalid, or its sampling time is not `Ts`.
     """
     if isinstance(simulation, dict) and simulation.get("schema") == SCHEMA:
         return read_exported_model(simulation, Ts)
@@ -188,15 +188,15 @@ def read_exported(simulation: Simulation | None, Ts: float) -> Simulation | None
 
 
 def check_bounded(y: FloatArray, measured: FloatArray) -> FloatArray:
-    """A simulated output, refused where it runs away from the measured one.
+    """Return a simulated output unless it diverges from the measured one.
 
     Raises
     ------
     ValueError
-        If it does.
+        If it diverges or is not finite.
     """
-    if not np.all(np.abs(y - np.mean(measured)) <= UNSTABLE_RATIO * np.ptp(measured)):  # nor where it is not a number
-        raise ValueError("the simulation is unstable on this record: its output leaves every bound. Check its poles.")
+    if not np.all(np.abs(y - np.mean(measured)) <= UNSTABLE_RATIO * np.ptp(measured)):  # NaN is rejected, too
+        raise ValueError("the simulation is unstable on this record: its output diverges. Check its poles.")
     return y
 
 
@@ -238,7 +238,7 @@ def _callable(data: Data, t: FloatArray, simulate: Callable[[FloatArray, FloatAr
     return Baseline(before, structure, given=True, simulate_record=lambda record: run(record.t, record.u))
 
 
-def _series(data: Data, series: FloatArray) -> Baseline:
+def _output_series(data: Data, series: FloatArray) -> Baseline:
     if series.shape != data.u.shape:
         raise ValueError(f"the simulated output must have the record's {data.samples} samples; got {series.size}.")
     scaled_series = data.y_scale.of(check_bounded(series, _unscaled(data)[1]))
@@ -253,9 +253,9 @@ def _unscaled(data: Data) -> tuple[FloatArray, FloatArray]:
 
 
 def _given_fit(data: Data, output: FloatArray, states: FloatArray, rates: tuple[float, float]) -> Fit:
-    """The given simulation as a fit without searched numbers: offset and initial state are nuisance.
+    """The given simulation as a fit in which only the offset and the initial state are estimated.
 
-    `rates` are those of a linear model of the rig, for whoever wants to know how fast it is.
+    `rates` are those of a linear model of the rig.
     """
     states = states if states.size else np.zeros((data.samples, 0))
     columns = np.column_stack([np.ones(data.samples), states])
@@ -263,9 +263,9 @@ def _given_fit(data: Data, output: FloatArray, states: FloatArray, rates: tuple[
     scale = np.sqrt((columns[data.rows] ** 2).sum(axis=0))
     scale[scale == 0.0] = 1.0
     gains = np.linalg.lstsq(columns[data.rows] / scale, y[data.rows], rcond=None)[0] / scale
-    after = data.y_scale.of(output) + columns @ gains
-    noise = fit_noise(data.y - after, data.complete, data.lags)
-    cost = float(np.mean((data.y - after)[data.rows] ** 2))
+    fitted = data.y_scale.of(output) + columns @ gains
+    noise = fit_noise(data.y - fitted, data.complete, data.lags)
+    cost = float(np.mean((data.y - fitted)[data.rows] ** 2))
     bic = noise.score + gains.size * np.log(noise.rows)
-    itself = Hypothesis((), 0, Plant(kind="given", given_rates=rates))
-    return Fit(itself, np.zeros(0), gains, after, cost, noise, float(bic))
+    hypothesis = Hypothesis((), 0, Plant(kind="given", given_rates=rates))
+    return Fit(hypothesis, np.zeros(0), gains, fitted, cost, noise, float(bic))

@@ -1,4 +1,4 @@
-"""The main path of the diagnosis: a record and a simulation in, the answer out."""
+"""Diagnose the gap between a record and a simulation."""
 
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass, replace
@@ -35,14 +35,14 @@ MIN_SAMPLES = 100  # samples
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Diagnosis:
-    """The answer.
+    """Result of `diagnose`.
 
     Attributes
     ----------
     report : dict
-        What ``--json`` writes, in the contract's layout.
-    model : RunningModel
-        The simulation with the effects in it: what ``--export`` writes.
+        In the layout ``labsid.gap/1``; ``--json`` writes it.
+    model : ExportedModel
+        The simulation with the effects added; ``--export`` writes it.
     """
 
     report: dict[str, Any]
@@ -59,25 +59,25 @@ def diagnose(
     seed: int = 0,
     progress: Progress | None = None,
 ) -> Diagnosis:
-    """Say where a simulation and a rig disagree, which effect causes it, and how far adding it closes the gap.
+    """Find where a simulation and a rig disagree, which effects cause it, and the share of the gap that they close.
 
     Parameters
     ----------
     record : Record
     simulation : dict, ndarray or callable, optional
         MODEL.json or an exported simulation; the output of any simulator on the record's input, shape (N,); or
-        ``simulate(t, u) -> y``. Unless given, the lab's second-order structure fitted by output error.
+        ``simulate(t, u) -> y``. By default a linear model of the given order, fitted by output error.
     holdout : Record, optional
-        Another record of the same rig to score on. Unless given, blocks spread over `record` are left out of the
-        fits that are scored.
+        Another record of the same rig for scoring. By default, blocks of `record` are held out of the fits that are
+        scored.
     order : int
-        Of the fitted simulation: 1 to 4.
+        Order of the fitted model, 1 to 4.
     exclude : sequence of (float, float)
-        Stretches of time, in seconds, that count nowhere.
+        Time ranges, in seconds, that are neither fitted nor scored.
     seed : int
-        Of the resampling behind the intervals, and of the proposed inputs.
+        Random seed of the confidence intervals and the proposed input.
     progress : callable, optional
-        Called with what is being done and the share of it that is done.
+        Called with a description of the current step and the completed share.
 
     Returns
     -------
@@ -86,47 +86,45 @@ def diagnose(
     Raises
     ------
     ValueError
-        If the record is too short or its input or output is constant, or the simulation does not fit it.
+        If the record is too short, its input or output is constant, or the simulation does not match the record.
     """
     record, holdout = _common_sampling_time(record, holdout, simulation)
     _check_records(record, holdout)
     clocks = clock_findings(record, holdout)
-    whole, part = record, shorten_record(record, simulation)
-    record, simulation, notes = part.record, part.simulation, part.notes
+    whole, shortened = record, shorten_record(record, simulation)
+    record, simulation, notes = shortened.record, shortened.simulation, shortened.notes
     if holdout is not None:
-        holdout, more = shorten_holdout(holdout, part.every)
+        holdout, more = shorten_holdout(holdout, shortened.every)
         notes += more
     _check_records(record, holdout)
     if holdout is not None:
         holdout = Record(holdout.t, filtered_input(holdout), holdout.y, holdout.Ts, name=holdout.name)
     simulation = read_exported(simulation, record.Ts)
     scales = (simulation.u_scale, simulation.y_scale) if isinstance(simulation, ExportedModel) else None
-    rows = _counted(record, exclude)
+    rows = _included(record, exclude)
     data = scaled(filtered_input(record), record.y, rows, record.Ts, float(record.t[0]), scales)
     base = make_baseline(data, record.t, simulation, order)
     if base.output_only and holdout is not None:
         raise ValueError(
-            "a simulated output is known on its own record only. Give a simulation that runs, or no holdout."
+            "a simulated output is known on its own record only. Give a model or a function, or omit the holdout."
         )
     rng = np.random.default_rng(seed)
     explanation, score = _score(explain(data, base.structure, base.start, progress=progress), base, holdout, rng)
     left, plateau = measure_residual(explanation.data, explanation.best), _plateaus(record, base, explanation)
     unrepeated = plateau.left if plateau is not None and plateau.matters else 0.0
     confidence = confidence_in(explanation, left, score.closed, unrepeated)
-    if (
-        confidence < MIN_CONFIDENCE and explanation.trimmed
-    ):  # small steps are left out for their names, and these are not given
+    if confidence < MIN_CONFIDENCE and explanation.trimmed:  # no effect is named, so keep the small ones
         explanation, score = _score(explanation.untrimmed(), base, holdout, rng)
         left, plateau = measure_residual(explanation.data, explanation.best), _plateaus(record, base, explanation)
     decision = decide(explanation, left, base.before, confidence, at_stop=bool(about_clipping(record.y)))
-    if decision.verdict != "unknown" and len(explanation.path) == 1:  # what was found, no simulation shows
+    if decision.verdict != "unknown" and len(explanation.path) == 1:  # no simulated effect was added
         score = replace(score, closed=None, ci95=None, black_box=None)
     model = export_model(explanation.data, score.after_fit)
     report = build_report(record, explanation, base, decision, left, score, rng, holdout)
-    seen = [*clocks, *findings_from_record(whole, plateau)]
-    seen += findings_from_errors(record.u, record.y, *_outputs(base, explanation), explanation.data.rows)
+    findings = [*clocks, *findings_from_record(whole, plateau)]
+    findings += findings_from_errors(record.u, record.y, *_outputs(base, explanation), explanation.data.rows)
     report["record"]["samples"] = len(whole)
-    report["record_findings"] = [asdict(finding) for finding in seen]
+    report["record_findings"] = [asdict(finding) for finding in findings]
     report["plateaus"] = None if plateau is None else asdict(plateau)
     report["screen"] = [*notes, *report["screen"]]
     report["holdout_traces"] = None
@@ -140,42 +138,42 @@ def diagnose(
     return Diagnosis(report, model)
 
 
-def _counted(record: Record, exclude: Sequence[tuple[float, float]]) -> np.ndarray:
-    """The samples that `exclude` leaves."""
+def _included(record: Record, exclude: Sequence[tuple[float, float]]) -> np.ndarray:
+    """Mask of the samples outside the excluded time ranges."""
     rows = np.ones(len(record), bool)
     for start, stop in exclude:
         inside = (record.t >= start) & (record.t < stop)
         if not inside.any():
             span = f"{record.t[0]:g} to {record.t[-1]:g} s"
-            raise ValueError(f"--exclude {start:g}:{stop:g} holds no sample: the record runs from {span}.")
+            raise ValueError(f"--exclude {start:g}:{stop:g} contains no sample: the record runs from {span}.")
         rows &= ~inside
     if rows.sum() < MIN_SAMPLES:
-        raise ValueError(f"--exclude leaves {rows.sum()} samples; at least {MIN_SAMPLES} must stay.")
+        raise ValueError(f"--exclude leaves {rows.sum()} samples; at least {MIN_SAMPLES} are needed.")
     return rows
 
 
 def _score(
     explanation: Explanation, base: Baseline, holdout: Record | None, rng: np.random.Generator
 ) -> tuple[Explanation, GapScore]:
-    """How far an explanation closes the gap; where it helps a given simulation not at all, it is none.
+    """Score an explanation; reject it if it does not improve a given simulation on held-out samples.
 
-    A slow disturbance cannot be foretold on samples that no fit has seen, and stands nevertheless.
+    A disturbance cannot be predicted on held-out samples, so an explanation with one is not rejected.
     """
     data = explanation.data
     other = None if holdout is None else (data.u_scale.of(holdout.u), data.y_scale.of(holdout.y))
-    played = None
+    predicted = None
     if holdout is not None and base.simulate_record is not None:
-        played = data.y_scale.of(check_bounded(base.simulate_record(holdout), holdout.y))
-    score = score_explanation(explanation, base.before, other, rng, played)
-    foretold = not any(isinstance(effect, AdditiveEffect) for effect in explanation.best.hypothesis.effects)
-    if base.given and len(explanation.path) > 1 and foretold and (score.closed or 0.0) <= 0.0:
+        predicted = data.y_scale.of(check_bounded(base.simulate_record(holdout), holdout.y))
+    score = score_explanation(explanation, base.before, other, rng, predicted)
+    predictable = not any(isinstance(effect, AdditiveEffect) for effect in explanation.best.hypothesis.effects)
+    if base.given and len(explanation.path) > 1 and predictable and (score.closed or 0.0) <= 0.0:
         explanation = explanation.up_to(0)
-        score = score_explanation(explanation, base.before, other, rng, played)
+        score = score_explanation(explanation, base.before, other, rng, predicted)
     return explanation, score
 
 
 def _outputs(base: Baseline, explanation: Explanation) -> tuple[FloatArray, FloatArray]:
-    """Output of the simulation before and after, in the record's unit."""
+    """Outputs of the simulation before and after, in the unit of the record."""
     before = base.before or explanation.path[0]
     back = explanation.data.y_scale.back
     return np.asarray(back(before.output)), np.asarray(back(explanation.best.output))
@@ -186,10 +184,9 @@ def _plateaus(record: Record, base: Baseline, explanation: Explanation) -> Plate
 
 
 def filtered_input(record: Record) -> FloatArray:
-    """The input, averaged as the logger averages its output where the record shows that it does.
+    """The input, filtered by the same moving mean as the logged output, if the record has one.
 
-    The mean of the last m samples commutes with linear dynamics: with it in front, the simulation has the logger's
-    filter in it, and the filter is no gap.
+    A moving mean commutes with linear dynamics, so filtering the input includes the logger's filter in the simulation.
     """
     length = filter_length(record)
     padded = np.concatenate([np.full(length - 1, record.u[0]), record.u])
@@ -199,9 +196,9 @@ def filtered_input(record: Record) -> FloatArray:
 def _common_sampling_time(
     record: Record, holdout: Record | None, simulation: Simulation | None
 ) -> tuple[Record, Record | None]:
-    """Both records at one sampling time, as far as clocks that jitter leave it open.
+    """Bring records with clock jitter to one sampling time.
 
-    It is that of the simulation if that has one, or of a holdout whose clock does not jitter, or else of the record.
+    It is that of the simulation if it has one, else that of a holdout without jitter, else that of the record.
     """
     if isinstance(simulation, ExportedModel):
         record = at_sampling_time(record, simulation.Ts)
@@ -215,12 +212,14 @@ def _common_sampling_time(
 
 
 def _check_records(record: Record, holdout: Record | None) -> None:
-    """Refuse what no method could answer on."""
+    """Reject records that are too short, have a constant signal, or differ in their sampling time."""
     for name, one in (("the record", record), ("the holdout", holdout)):
         if one is None:
             continue
         if len(one) < MIN_SAMPLES:
-            raise ValueError(f"{name} has {len(one)} samples; a diagnosis needs at least {MIN_SAMPLES}. Record longer.")
+            raise ValueError(
+                f"{name} has {len(one)} samples; a diagnosis needs at least {MIN_SAMPLES}. Use a longer record."
+            )
         for signal, values in (("u", one.u), ("y", one.y)):
             if np.ptp(values) == 0.0:
                 raise ValueError(f"{signal} of {name} is constant ({values[0]:g}); nothing can be identified from it.")

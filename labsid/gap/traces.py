@@ -1,14 +1,14 @@
-"""Signals for the figures of a report: all samples of a short record, local extremes of a long one."""
+"""Signals for the figures of a report, reduced to local extremes if the record is long."""
 
 import numpy as np
 
 from labsid._arrays import FloatArray
 
-MAX_POINTS = 2400
+MAX_POINTS = 2400  # samples of a figure
 
 
 def extreme_samples(signals: list[FloatArray], most: int = MAX_POINTS) -> np.ndarray:
-    """Select the samples at which any of the signals has its minimum or maximum within a stretch.
+    """Select the samples at which a signal has its minimum or maximum within each part of the record.
 
     Parameters
     ----------
@@ -19,26 +19,26 @@ def extreme_samples(signals: list[FloatArray], most: int = MAX_POINTS) -> np.nda
     Returns
     -------
     ndarray of int
-        In order; all samples if there are at most `most`. Spikes are kept, however long the record.
+        Increasing; all samples if there are at most `most`.
     """
     samples = signals[0].size
     if samples <= most:
         return np.arange(samples)
-    stretches = np.array_split(np.arange(samples), max(most // (2 * len(signals)), 1))
-    picked = [own[[x[own].argmin(), x[own].argmax()]] for own in stretches for x in signals]
+    parts = np.array_split(np.arange(samples), max(most // (2 * len(signals)), 1))
+    picked = [own[[x[own].argmin(), x[own].argmax()]] for own in parts for x in signals]
     return np.unique(np.concatenate(picked))
 
 
 def figure_traces(
     t: FloatArray, u: FloatArray, y: FloatArray, before: FloatArray, after: FloatArray
 ) -> dict[str, list[float]]:
-    """Signals for the figures, thinned so that the output and the errors of both simulations keep their shape.
+    """Reduce the signals to the samples that preserve the output and both errors in a figure.
 
     Parameters
     ----------
     t, u, y : ndarray, shape (N,)
     before, after : ndarray, shape (N,)
-        Simulated outputs.
+        Outputs of the simulations.
 
     Returns
     -------

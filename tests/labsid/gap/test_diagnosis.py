@@ -261,5 +261,5 @@ def test_what_no_method_could_answer_on_is_refused(u: FloatArray, two_poles: Res
     slower = Record(np.arange(SAMPLES) * 2.0, u, y, 2.0)
     with pytest.raises(ValueError, match=r"the holdout runs at 2 s, the record at 0.5 s\. Resample one of them"):
         diagnose(record_of(u, y, ""), holdout=slower)
-    with pytest.raises(ValueError, match=rf"--exclude leaves 20 samples; at least {MIN_SAMPLES} must stay"):
+    with pytest.raises(ValueError, match=rf"--exclude leaves 20 samples; at least {MIN_SAMPLES} are needed"):
         diagnose(record_of(u, y, ""), exclude=[(20.0, 1e9)])

@@ -146,7 +146,7 @@ def with_one(values, k, value):
         ("y of the record is constant (1)", lambda r: {"y": np.ones(200)}),
         ("has 10 samples; a diagnosis needs at least 100", lambda r: {name: getattr(r, name)[:10] for name in "tuy"}),
         ("sampling is irregular", lambda r: {"t": r.t + np.where(np.arange(200) < 100, 0.0, 0.5)}),
-        ("keep only the fresh readings", lambda r: {"y": r.y[np.arange(200) // 5 * 5]}),
+        ("keep only the new ones", lambda r: {"y": r.y[np.arange(200) // 5 * 5]}),
     ],
 )
 def test_records_that_cannot_be_diagnosed(refused, written, plain, words, changed):
@@ -180,7 +180,7 @@ def test_options_that_leave_nothing_or_make_no_sense(refused, record):
     refused("--exclude leaves 0 samples", "diagnose", record, "--exclude", "0:1000")
     refused("--exclude leaves 50 samples", "diagnose", record, "--exclude", "25:100")
     refused(
-        "--exclude 1000:2000 holds no sample: the record runs from 0 to 99.5 s",
+        "--exclude 1000:2000 contains no sample: the record runs from 0 to 99.5 s",
         "diagnose",
         record,
         "--exclude",
