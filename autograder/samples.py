@@ -99,7 +99,7 @@ def write_samples(course: Course, folder: Path) -> dict[str, str]:
     _write(folder / "finn" / LAB / f"{LAB}.ipynb", unanswered[: len(unanswered) // 2])
     return {
         "ada": "all answers right",
-        "ben": "common mistakes in half of the steps",
+        "ben": "three common mistakes",
         "cleo": "right, by other methods",
         "dan": "the release, not answered",
         "eve": "code that ends its process, and an undefined name",
