@@ -36,15 +36,15 @@ def section(w: FloatArray, a1: float, a2: float) -> FloatArray:
 
 
 @compiled()
-def delayed(w: FloatArray, whole: int, part: float, away: float = 0.0) -> FloatArray:
+def delayed(w: FloatArray, whole: int, part: float, offset: float = 0.0) -> FloatArray:
     """Delay `w` by `whole` samples and the fraction `part`, with linear interpolation.
 
-    Before the record the signal is w[0] + `away`; after it, its last value.
+    Before the record the signal is w[0] + `offset`; after it, its last value.
     """
     out = np.empty(w.size)
     for k in range(w.size):
-        now = w[min(k - whole, w.size - 1)] if k >= whole else w[0] + away
-        before = w[min(k - whole - 1, w.size - 1)] if k > whole else w[0] + away
+        now = w[min(k - whole, w.size - 1)] if k >= whole else w[0] + offset
+        before = w[min(k - whole - 1, w.size - 1)] if k > whole else w[0] + offset
         out[k] = (1.0 - part) * now + part * before
     return out
 
@@ -80,12 +80,12 @@ def rate_limit(w: FloatArray, rate: float, start: float) -> tuple[FloatArray, Fl
     mean, moment = np.empty(w.size), np.empty(w.size)
     now = start
     for k in range(w.size):
-        way = w[k] - now
-        used = min(abs(way) / rate, 1.0)  # share of the sample spent slewing
-        moved = way if abs(way) <= rate else math.copysign(rate, way)
+        distance = w[k] - now
+        share = min(abs(distance) / rate, 1.0)  # share of the sample spent slewing
+        moved = distance if abs(distance) <= rate else math.copysign(rate, distance)
         now += moved
-        mean[k] = now - 0.5 * used * moved
-        moment[k] = moved * used * (3.0 - 2.0 * used) / 12.0
+        mean[k] = now - 0.5 * share * moved
+        moment[k] = moved * share * (3.0 - 2.0 * share) / 12.0
     return mean, moment
 
 

@@ -55,15 +55,15 @@ def simulate_stepped(
         out[n, ::2], out[n, 1::2] = z, v
         force[:driven] = w[n]
         if onset > n:
-            left = min(onset - n, 1.0)
-            z, v = _advance(z, v, force, before if left == 1.0 else transition(c[0], k[0], left))
+            remaining = min(onset - n, 1.0)
+            z, v = _advance(z, v, force, before if remaining == 1.0 else transition(c[0], k[0], remaining))
         if n <= onset < n + 1:
             v = v - kick * z
             v[driven] = push
             force[driven] = 1.0
         if onset < n + 1:
-            left = min(n + 1 - onset, 1.0)
-            z, v = _advance(z, v, force, after if left == 1.0 else transition(c[1], k[1], left))
+            remaining = min(n + 1 - onset, 1.0)
+            z, v = _advance(z, v, force, after if remaining == 1.0 else transition(c[1], k[1], remaining))
         if not abs(z[0]) < 1e12:
             out[n + 1 :] = np.nan
             break

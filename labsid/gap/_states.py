@@ -56,30 +56,30 @@ def simulate_tanks(
     keep1 = math.exp(-a1 * h)
     for k in range(w.size):
         out[k] = h2
-        on = min(max(k + 1.0 - onset, 0.0), 1.0)
-        pull = on * load + _sinusoid(cosine, sine, frequency, k)
-        restoring = 1.0 + on * leak
+        active = min(max(k + 1.0 - onset, 0.0), 1.0)
+        opposing = active * load + _sinusoid(cosine, sine, frequency, k)
+        restoring = 1.0 + active * leak
         rate2 = a2 if pace is None else a2 * pace[k]
         keep2 = math.exp(-rate2 * restoring * h)
         for j in range(substeps):
             flow = _held_input(w, k, late * substeps - j)
             if root1:
                 half1 = min(h1 + 0.5 * h * a1 * (flow - math.sqrt(max(h1, 0.0))), brim1)
-                into = math.sqrt(max(half1, 0.0))
-                h1 += h * a1 * (flow - into)
+                inflow = math.sqrt(max(half1, 0.0))
+                h1 += h * a1 * (flow - inflow)
                 if h1 > brim1:
-                    into += share * (h1 - brim1) / (a1 * h)
+                    inflow += share * (h1 - brim1) / (a1 * h)
                     h1 = brim1
                 h1 = max(h1, 0.0)
             else:
-                h1, into = _linear_tank(h1, flow, a1, keep1, brim1, share, h)
+                h1, inflow = _linear_tank(h1, flow, a1, keep1, brim1, share, h)
             if root2:
-                half2 = min(h2 + 0.5 * h * rate2 * (into - math.sqrt(max(h2, 0.0)) - pull - on * leak * h2), brim2)
-                half2 = max(half2, 0.0)
-                h2 += h * rate2 * (into - math.sqrt(half2) - pull - on * leak * half2)
+                net = inflow - math.sqrt(max(h2, 0.0)) - opposing - active * leak * h2
+                half2 = max(min(h2 + 0.5 * h * rate2 * net, brim2), 0.0)
+                h2 += h * rate2 * (inflow - math.sqrt(half2) - opposing - active * leak * half2)
                 h2 = max(h2, 0.0)
             else:
-                end = (into - pull) / restoring
+                end = (inflow - opposing) / restoring
                 h2 = end + (h2 - end) * keep2
             h2 = min(h2, brim2)
         if not (abs(h2) < DIVERGED and abs(h1) < DIVERGED):
@@ -167,22 +167,22 @@ def simulate_mass(
     h = 1.0 / substeps
     f11, f12, f21, f22, g1, g2 = transition(c, k, h)
     far = DIVERGED / max(k, 1e-6)
-    unpaced = k
+    constant = k
     for n in range(w.size):
         if pace is not None:
-            k = unpaced * pace[n]
+            k = constant * pace[n]
             f11, f12, f21, f22, g1, g2 = transition(c, k, h)
         out[n, 0] = z
         out[n, 1] = v
-        on = min(max(n + 1.0 - onset, 0.0), 1.0)
-        pull = on * load + _sinusoid(cosine, sine, frequency, n)
-        spring = on * leak * k
+        active = min(max(n + 1.0 - onset, 0.0), 1.0)
+        opposing = active * load + _sinusoid(cosine, sine, frequency, n)
+        spring = active * leak * k
         for j in range(substeps):
-            pushed = _held_input(w, n, late * substeps - j) - pull
+            net_drive = _held_input(w, n, late * substeps - j) - opposing
             middle = z + 0.5 * h * v
             if cubic != 0.0 and friction == 0.0:
-                middle += CUBIC_CORRECTION * h * h * (pushed - c * v - (k + cubic * z * z) * z)
-            force = pushed - cubic * middle * middle * middle - spring * middle
+                middle += CUBIC_CORRECTION * h * h * (net_drive - c * v - (k + cubic * z * z) * z)
+            force = net_drive - cubic * middle * middle * middle - spring * middle
             if friction > 0.0:
                 if v > 0.0:
                     sign = 1.0
@@ -200,12 +200,12 @@ def simulate_mass(
                     moving = h * v / (v - new_v)
                     z += 0.5 * moving * v
                     v = 0.0
-                    net = pushed - cubic * z * z * z - (k + spring) * z
+                    net = net_drive - cubic * z * z * z - (k + spring) * z
                     if abs(net) > friction:
-                        left = h - moving
+                        remaining = h - moving
                         net -= friction * (1.0 if net > 0.0 else -1.0)
-                        v = net * left
-                        z += 0.5 * v * left
+                        v = net * remaining
+                        z += 0.5 * v * remaining
                 else:
                     z, v = new_z, new_v
             else:
@@ -245,24 +245,24 @@ def simulate_motor(
     out = np.empty((w.size, 2))
     h = 1.0 / substeps
     keep_a, keep_b = math.exp(-a * h), math.exp(-b * h)
-    unpaced = a
+    constant = a
     for n in range(w.size):
         if pace is not None and lag_first:
-            a = unpaced * pace[n]
+            a = constant * pace[n]
             keep_a = math.exp(-a * h)
         elif pace is not None:
             keep_b = math.exp(-b * pace[n] * h)
         out[n, 0] = v if lag_first else i
         out[n, 1] = v
-        on = min(max(n + 1.0 - onset, 0.0), 1.0)
-        pull = on * load + _sinusoid(cosine, sine, frequency, n)
+        active = min(max(n + 1.0 - onset, 0.0), 1.0)
+        opposing = active * load + _sinusoid(cosine, sine, frequency, n)
         for j in range(substeps):
             drive = _held_input(w, n, late * substeps - j)
             if lag_first:
                 new_i = drive + (i - drive) * keep_b
                 drive -= (new_i - i) / (b * h)  # its mean over the step
                 i = new_i
-            drive -= pull + on * leak * v
+            drive -= opposing + active * leak * v
             before = v
             if v > 0.0:
                 sign = 1.0
@@ -276,11 +276,11 @@ def simulate_motor(
                 rest = drive - friction * sign
                 v = rest + (v - rest) * keep_a
                 if v * sign < 0.0:  # the motion ends within this step: stick or reverse
-                    left = h - math.log((before - rest) / -rest) / a
+                    remaining = h - math.log((before - rest) / -rest) / a
                     v = 0.0
                     if abs(drive) > friction:
                         onward = drive - friction * (1.0 if drive > 0.0 else -1.0)
-                        v = onward * (1.0 - math.exp(-a * left))
+                        v = onward * (1.0 - math.exp(-a * remaining))
             if not lag_first:
                 middle = 0.5 * (before + v)
                 i = middle + (i - middle) * keep_b

@@ -2,6 +2,7 @@
 
 from collections.abc import Iterable
 from dataclasses import dataclass
+from operator import itemgetter
 
 import numpy as np
 
@@ -62,6 +63,8 @@ CANDIDATES: tuple[tuple[Effect, ...], ...] = (
     (PERIODIC, INNER_PERIODIC),
 )
 
+_Start = tuple[float, Hypothesis, FloatArray]
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Trial:
@@ -86,37 +89,35 @@ def trial_fits(data: Data, parent: Fit, group: tuple[Effect, ...], highpass: Fit
     The list is empty if the record cannot identify the effect. `brief` uses fewer starts and iterations.
     """
     context = Context(data, parent, highpass)
-    looked = []
+    selected = []
     for effect in group:
         if effect.applies(context) and is_compatible(parent, effect):
             for hypothesis in extended_hypotheses(parent.hypothesis, effect):
-                tried = [
-                    (start_cost(data, hypothesis, theta), hypothesis, theta)
-                    for theta in start_points(context, hypothesis, effect)
-                ]
-                looked += sorted(tried, key=_first)[:STARTS_PER_VARIANT]
+                thetas = start_points(context, hypothesis, effect)
+                starts = [(start_cost(data, hypothesis, theta), hypothesis, theta) for theta in thetas]
+                selected += sorted(starts, key=itemgetter(0))[:STARTS_PER_VARIANT]
     if brief:
-        looked = _quick_selection(looked)
+        selected = _quick_selection(selected)
     found = []
-    for _, hypothesis, theta in looked:
+    for _, hypothesis, theta in selected:
         point = minimize(data, hypothesis, theta, iterations=2 if brief else 3, tolerance=1e-2)
         if point is not None:
             found.append(_trial(data, hypothesis, point))
     return sorted(found, key=lambda trial: trial.score)
 
 
-def _quick_selection(looked: list[tuple[float, Hypothesis, FloatArray]]) -> list[tuple[float, Hypothesis, FloatArray]]:
+def _quick_selection(starts: list[_Start]) -> list[_Start]:
     """A few starts: first the best one of each variant, then the others."""
-    ranked = sorted(looked, key=_first)
+    ranked = sorted(starts, key=itemgetter(0))
     seen: set[Hypothesis] = set()
     first = [not (item[1] in seen or seen.add(item[1])) for item in ranked]  # type: ignore[func-returns-value]
     order = sorted(range(len(ranked)), key=lambda i: not first[i])
     return [ranked[i] for i in order[:QUICK_STARTS]]
 
 
-def refine_first(data: Data, tried: list[Trial]) -> list[Trial]:
+def refine_first(data: Data, trials: list[Trial]) -> list[Trial]:
     """Continue the first trial for a few iterations."""
-    return [_continued(data, tried[0], 4), *tried[1:]]
+    return [_continued(data, trials[0], 4), *trials[1:]]
 
 
 def _trial(data: Data, hypothesis: Hypothesis, point: Point) -> Trial:
@@ -125,33 +126,27 @@ def _trial(data: Data, hypothesis: Hypothesis, point: Point) -> Trial:
     return Trial(hypothesis, point, count * np.log(point.cost) + free * np.log(count))
 
 
-def _first(item: tuple[float, Hypothesis, FloatArray]) -> float:
-    return item[0]
-
-
-def best_fit(data: Data, tried: list[Trial], kept: int = 3) -> Fit | None:
+def best_fit(data: Data, trials: list[Trial], kept: int = 3) -> Fit | None:
     """The best plausible fit after minimizing a few trials to convergence; None if none is plausible."""
     best: Fit | None = None
-    for trial in _two_variants(_reranked(data, tried, 2 * kept), kept):
+    for trial in _two_variants(_reranked(data, trials, 2 * kept), kept):
         end = minimize(data, trial.hypothesis, trial.point.theta, trial.point.gains, iterations=25, tolerance=1e-5)
         if end is None:
             continue
         fit = finish(data, trial.hypothesis, end)
         for one in (fit, _as_leak(data, fit)):
-            if (
-                one is not None
-                and is_plausible(data, one)
-                and (best is None or penalized_bic(one) < penalized_bic(best))
-            ):
+            if one is None or not is_plausible(data, one):
+                continue
+            if best is None or penalized_bic(one) < penalized_bic(best):
                 best = one
     return best
 
 
-def _reranked(data: Data, tried: list[Trial], count: int) -> list[Trial]:
+def _reranked(data: Data, trials: list[Trial], count: int) -> list[Trial]:
     """Continue the first trials for some iterations and sort them again: the best one need not lead from the start."""
-    if len(tried) <= count // 2:
-        return tried
-    return sorted((_continued(data, trial, 6) for trial in tried[:count]), key=lambda trial: trial.score)
+    if len(trials) <= count // 2:
+        return trials
+    return sorted((_continued(data, trial, 6) for trial in trials[:count]), key=lambda trial: trial.score)
 
 
 def _continued(data: Data, trial: Trial, iterations: int) -> Trial:
@@ -185,11 +180,11 @@ def penalized_bic(fit: Fit) -> float:
     return fit.bic + sum(effect.bic_penalty.get(effect.variant, 0.0) for effect in fit.hypothesis.effects)
 
 
-def _two_variants(tried: list[Trial], kept: int) -> list[Trial]:
+def _two_variants(trials: list[Trial], kept: int) -> list[Trial]:
     """The first `kept` trials, at least one of them of another variant than the first, if there is one."""
-    chosen = tried[:kept]
+    chosen = trials[:kept]
     if chosen and all(trial.hypothesis == chosen[0].hypothesis for trial in chosen):
-        other = next((trial for trial in tried if trial.hypothesis != chosen[0].hypothesis), None)
+        other = next((trial for trial in trials if trial.hypothesis != chosen[0].hypothesis), None)
         if other is not None:
             chosen = [*chosen[: max(kept - 1, 1)], other]
     return chosen
@@ -253,13 +248,13 @@ def _inner_cycles(context: Context) -> dict[str, float]:
 def _with_linear_sinusoid(data: Data, hypothesis: Hypothesis, theta: FloatArray) -> FloatArray:
     """Set amplitude and phase of a sinusoid within the dynamics by linear least squares."""
     at = [hypothesis.slices["plant"].start + hypothesis.plant.index(name) for name in ("shake_cos", "shake_sin")]
-    still = hypothesis.design(theta, data.u).columns
-    moved = []
+    base_columns = hypothesis.design(theta, data.u).columns
+    derivatives = []
     for i in at:
         one = theta.copy()
         one[i] = SINUSOID_STEP
-        moved.append((hypothesis.design(one, data.u).columns[:, 0] - still[:, 0]) / SINUSOID_STEP)
-    columns = np.column_stack([still, *moved])[data.rows]
+        derivatives.append((hypothesis.design(one, data.u).columns[:, 0] - base_columns[:, 0]) / SINUSOID_STEP)
+    columns = np.column_stack([base_columns, *derivatives])[data.rows]
     if not np.isfinite(columns).all():
         return theta
     gains = np.linalg.lstsq(columns, data.y[data.rows])[0]
@@ -301,13 +296,12 @@ def _plant_starts(context: Context, new: Plant) -> list[FloatArray]:
 
 def _single_pole_rates(context: Context, slow: float, fast: float) -> list[float]:
     """Rates of a single-state rig: inverse response time and either pole, without near duplicates."""
-    found: list[float] = []
+    rates: list[float] = []
     for rate in (1.0 / max(context.response_time, 1e-9), fast, slow):
-        if 1.0 / context.data.samples < rate < MAX_SINGLE_RATE and all(
-            abs(np.log(rate / other)) > 0.5 for other in found
-        ):
-            found.append(rate)
-    return found
+        in_range = 1.0 / context.data.samples < rate < MAX_SINGLE_RATE
+        if in_range and all(abs(np.log(rate / other)) > 0.5 for other in rates):
+            rates.append(rate)
+    return rates
 
 
 def _updated(plant: Plant, base: FloatArray, named: dict[str, float]) -> FloatArray:

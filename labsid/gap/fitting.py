@@ -120,9 +120,9 @@ class Problem:
             gains = solve_least_squares(self._seen(columns), self.y)
         best = self._made(theta, gains, design, self.hypothesis.sensor(theta, gains, design))
         for _ in range(3):
-            bent = columns.copy(order="F")
-            self._bend(bent, theta, best.gains, design)
-            step = solve_least_squares(self._seen(bent), best.error)
+            scaled = columns.copy(order="F")
+            self._bend(scaled, theta, best.gains, design)
+            step = solve_least_squares(self._seen(scaled), best.error)
             better = None
             for share in (1.0, 0.3):
                 gains = best.gains + share * step
@@ -151,10 +151,10 @@ class Problem:
         J = np.empty((self.data.samples, searched + at.gains.size), order="F")
         for i, parameter in enumerate(self.hypothesis.parameters):
             step = parameter.step if at.theta[i] + parameter.step <= upper[i] else -parameter.step
-            moved = at.theta.copy()
-            moved[i] += step
-            design = self.hypothesis.design(moved, self.data.u, near=at.design)
-            J[:, i] = (self.hypothesis.sensor(moved, at.gains, design) - at.output) / step
+            perturbed = at.theta.copy()
+            perturbed[i] += step
+            design = self.hypothesis.design(perturbed, self.data.u, near=at.design)
+            J[:, i] = (self.hypothesis.sensor(perturbed, at.gains, design) - at.output) / step
         J[:, searched:] = at.design.columns
         if self.has_sensor:
             self._bend(J[:, searched:], at.theta, at.gains, at.design)

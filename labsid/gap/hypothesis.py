@@ -141,22 +141,22 @@ class Hypothesis:
 
     def actuator(self, theta: FloatArray, u: FloatArray, span: int | None = None) -> FloatArray:
         """The signal that reaches the dynamics: the input after all actuator effects, interpolated to its delay."""
-        w, late = self._driven(theta, u, span or u.size)
+        w, late = self._delayed_input(theta, u, span or u.size)
         return _kernels.delayed(w, 0, late)
 
-    def _driven(self, theta: FloatArray, u: FloatArray, span: int) -> tuple[FloatArray, float]:
+    def _delayed_input(self, theta: FloatArray, u: FloatArray, span: int) -> tuple[FloatArray, float]:
         """The actuator's signal delayed by whole samples, and the remaining fraction of a sample."""
         w = u
-        delay, away = None, 0.0
+        delay, offset = None, 0.0
         for effect in self.inputs:
             own = theta[self.slices[effect.key]]
             if effect.name == "input-delay":
-                delay, away = float(own[0]), float(own[1:].sum())
+                delay, offset = float(own[0]), float(own[1:].sum())
             else:
                 w = effect.apply(w, own, span)
         delay = float(theta[0]) if delay is None else delay
         whole = int(np.floor(delay))
-        return _kernels.delayed(w, whole, 0.0, away), delay - whole
+        return _kernels.delayed(w, whole, 0.0, offset), delay - whole
 
     def design(
         self,
@@ -173,25 +173,25 @@ class Hypothesis:
         span = span or u.size
         at = self.slices["plant"]
         same = np.zeros(theta.size, bool) if near is None else theta == near.theta
-        known = near is not None and bool(same[: at.start].all())
-        driven = near.actuator if near is not None and known else self._driven(theta, u, span)
+        same_input = near is not None and bool(same[: at.start].all())
+        actuator = near.actuator if near is not None and same_input else self._delayed_input(theta, u, span)
         plant, own = self.plant, theta[at]
-        still = bool(same[at].all())
-        if near is not None and known and still:
+        same_plant = bool(same[at].all())
+        if near is not None and same_input and same_plant:
             parts = [near.parts[0]]
         else:
-            w, late = driven
+            w, late = actuator
             parts = [plant.columns(own, w, span, reference, late)]
         for i, effect in enumerate(self.additive, 1):
             part = self.slices[effect.key]
-            if near is not None and same[part].all() and (still or not effect.at_load):
+            if near is not None and same[part].all() and (same_plant or not effect.at_load):
                 parts.append(near.parts[i])
             else:
                 parts.append(effect.columns(theta[part], u.size, span, plant, own))
-        bent = [parts[0], np.ones((u.size, 1))]
-        bent += [part for part, effect in zip(parts[1:], self.additive, strict=True) if effect.at_load]
+        sensed = [parts[0], np.ones((u.size, 1))]
+        sensed += [part for part, effect in zip(parts[1:], self.additive, strict=True) if effect.at_load]
         added = [part for part, effect in zip(parts[1:], self.additive, strict=True) if not effect.at_load]
-        return Design(beside([*bent, *added]), sum(part.shape[1] for part in bent), theta, driven, tuple(parts))
+        return Design(beside([*sensed, *added]), sum(part.shape[1] for part in sensed), theta, actuator, tuple(parts))
 
     def gains_of(self, gains: FloatArray, effect: AdditiveEffect) -> FloatArray:
         """Gains of one additive effect; effects at the load precede those at the sensor."""

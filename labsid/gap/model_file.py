@@ -116,13 +116,13 @@ class ExportedModel:
             base = y - best
             columns = []
             for i in in_theta:
-                moved = theta.copy()
-                moved[i] += 1e-3 if moved[i] + 1e-3 <= upper[i] else -1e-3
-                columns.append((self._output(moved, gains, u) - base) / (moved[i] - theta[i]))
+                perturbed = theta.copy()
+                perturbed[i] += 1e-3 if perturbed[i] + 1e-3 <= upper[i] else -1e-3
+                columns.append((self._output(perturbed, gains, u) - base) / (perturbed[i] - theta[i]))
             for i in in_gains:
-                moved = gains.copy()
-                moved[i] += 1e-3
-                columns.append((self._output(theta, moved, u) - base) / 1e-3)
+                perturbed = gains.copy()
+                perturbed[i] += 1e-3
+                columns.append((self._output(theta, perturbed, u) - base) / 1e-3)
             J = np.column_stack(columns)
             gram = J.T @ J
             gram[np.diag_indices_from(gram)] += damping * (1e-9 + np.diag(gram))
@@ -148,12 +148,12 @@ class ExportedModel:
         lower, upper = (bound[in_theta] for bound in self.hypothesis.bounds)
         ranges = self._ranges()[in_theta]
         best, least = theta, np.inf
-        for away in product(STATE_OFFSETS, repeat=len(in_theta)):
-            tried = theta.copy()
-            tried[in_theta] = np.clip(theta[in_theta] + away * ranges, lower, upper)
-            error = y - self._output(tried, gains, u)
+        for offset in product(STATE_OFFSETS, repeat=len(in_theta)):
+            candidate = theta.copy()
+            candidate[in_theta] = np.clip(theta[in_theta] + offset * ranges, lower, upper)
+            error = y - self._output(candidate, gains, u)
             if np.isfinite(error).all() and (power := float(error @ error)) < least:
-                best, least = tried, power
+                best, least = candidate, power
         return best
 
     def _ranges(self) -> FloatArray:

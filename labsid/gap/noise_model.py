@@ -83,12 +83,12 @@ def fit_noise(e: FloatArray, complete: np.ndarray, lags: int = MAX_LAGS) -> Nois
     best: Noise | None = None
     for order in (order for order in ORDERS if order <= lags):
         ar = np.zeros(0)
-        left = power
+        remaining = power
         if order:
             ridge = 1e-9 * np.trace(gram) / lags * np.eye(order)
             ar = np.linalg.solve(gram[:order, :order] + ridge, cross[:order])
-            left = power - float(2.0 * ar @ cross[:order] - ar @ gram[:order, :order] @ ar)
-        sigma2 = max(left / n, MIN_VARIANCE)
+            remaining = power - float(2.0 * ar @ cross[:order] - ar @ gram[:order, :order] @ ar)
+        sigma2 = max(remaining / n, MIN_VARIANCE)
         score = n * np.log(sigma2) + order * np.log(n)
         if best is None or score < best.score:
             best = Noise(ar, sigma2, float(score), n)

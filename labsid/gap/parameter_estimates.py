@@ -27,22 +27,20 @@ def estimate_parameters(data: Data, fit: Fit, effect: Effect) -> dict[str, dict[
     scatter = dict.fromkeys(at, 0.0)
     instant = [i for i, p in enumerate(fit.hypothesis.parameters) if p.name == "onset" and effect.name == "load-step"]
     for place in instant:
-        seen = profile_likelihood(data, fit, place)
-        if seen is not None and np.isfinite(cov).all():
+        likelihood = profile_likelihood(data, fit, place)
+        if likelihood is not None and np.isfinite(cov).all():
             cov = _conditional(cov, place)
-            held = [values(point.theta, point.gains) for point in seen.points]
-            scatter = {
-                name: float(seen.weights @ np.array([(one[name].value - at[name].value) ** 2 for one in held]))
-                for name in at
-            }
+            estimates = [values(point.theta, point.gains) for point in likelihood.points]
+            for name, best in at.items():
+                scatter[name] = float(likelihood.weights @ [(one[name].value - best.value) ** 2 for one in estimates])
     slopes = {name: np.zeros(searched + fit.gains.size) for name in at}
     for i in range(searched + fit.gains.size):
         theta, gains = fit.theta.copy(), fit.gains.copy()
         part, j = (theta, i) if i < searched else (gains, i - searched)
         step = 1e-5 * max(abs(part[j]), 1e-2)
         part[j] += step
-        for name, moved in values(theta, gains).items():
-            slopes[name][i] = (moved.value - at[name].value) / step
+        for name, perturbed in values(theta, gains).items():
+            slopes[name][i] = (perturbed.value - at[name].value) / step
     return {
         name: {
             "value": value.value,

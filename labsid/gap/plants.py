@@ -61,15 +61,15 @@ class Plant(PlantForm):
         if self.kind in ("mechanics", "speed"):
             columns = columns[:, :1].copy()
         parts: list[FloatArray] = [columns]
-        moved = w - start if self.kind == "linear" else columns[:, 0].copy()
+        deviation = w - start if self.kind == "linear" else columns[:, 0].copy()
         if self.lag and not self._lag_ahead:
             if self.kind == "linear":
-                parts.append(_kernels.first_order(moved, pole)[:, None])
+                parts.append(_kernels.first_order(deviation, pole)[:, None])
             else:
-                columns[:, 0] = lag_output(moved, np.gradient(moved) if slope is None else slope, tau)
+                columns[:, 0] = lag_output(deviation, np.gradient(deviation) if slope is None else slope, tau)
             parts.append(np.asarray(pole ** np.arange(w.size), np.float64)[:, None])
         if self.mode and self._mode_place != "ahead":
-            drive = moved if self._mode_place == "behind" else _kernels.delayed(w - start, 0, late)
+            drive = deviation if self._mode_place == "behind" else _kernels.delayed(w - start, 0, late)
             parts.append(section(2.0 * damping * frequency, frequency**2, drive))
         return beside(parts) if len(parts) > 1 else columns
 

@@ -17,18 +17,18 @@ def replace_undriven_pole(data: Data, fit: Fit) -> tuple[Fit, Fit] | None:
     None if the minimization returns to an unexcited pole, or the fit already has such an effect.
     """
     c, k = fit.rates
-    swings = c**2 < 4.0 * k
+    complex_pair = c**2 < 4.0 * k
     cycles = float(np.sqrt(max(k - 0.25 * c**2, 0.0))) * data.samples / (2.0 * np.pi)
-    effects = (PERIODIC,) if swings else SENSOR_DRIFTS
+    effects = (PERIODIC,) if complex_pair else SENSOR_DRIFTS
     best: Fit | None = None
     for effect in effects:
         if effect.name in fit.hypothesis.names:
             continue
         other = fit.hypothesis.plus(effect)
-        for rate in SINGLE_POLE_RATES if swings else real_rates(c, k)[1:]:
+        for rate in SINGLE_POLE_RATES if complex_pair else real_rates(c, k)[1:]:
             theta = transfer_theta(fit, other)
             theta[other.slices["plant"]][:2] = np.log(single_pole(rate))
-            if swings:
+            if complex_pair:
                 theta[other.slices[effect.key]] = cycles
             point = minimize(data, other, theta, iterations=25, tolerance=1e-5)
             one = None if point is None else finish(data, other, point)
@@ -38,5 +38,5 @@ def replace_undriven_pole(data: Data, fit: Fit) -> tuple[Fit, Fit] | None:
         return None
     end = polish(data, converge(data, best))
     best = best if has_undriven_pole(data, end) else end
-    alone = minimize(data, fit.hypothesis, transfer_theta(best, fit.hypothesis), iterations=0)
-    return None if alone is None else (finish(data, fit.hypothesis, alone), best)
+    without = minimize(data, fit.hypothesis, transfer_theta(best, fit.hypothesis), iterations=0)
+    return None if without is None else (finish(data, fit.hypothesis, without), best)

@@ -48,26 +48,26 @@ def profile_likelihood(data: Data, fit: Fit, place: int) -> Profile | None:
     Profile or None
         None if the fit cannot be reproduced.
     """
-    middle = _held(data, fit, place, float(fit.theta[place]), fit)
-    if middle is None:
+    best = _held(data, fit, place, float(fit.theta[place]), fit)
+    if best is None:
         return None
-    found = [middle]
+    points = [best]
     for side in (-1.0, 1.0):
-        step, at, last = FIRST_STEP / data.samples, float(fit.theta[place]), middle
+        step, at, last = FIRST_STEP / data.samples, float(fit.theta[place]), best
         while 0.0 < at + side * step < 1.0:
             at += side * step
             held = _held(data, fit, place, at, last)
             if held is None:
                 break
-            found.append(held)
-            if _loss(fit, held, middle) > MAX_LOSS:
+            points.append(held)
+            if _loss(fit, held, best) > MAX_LOSS:
                 break
             step, last = STEP_GROWTH * step, held
-    found.sort(key=lambda point: float(point.theta[place]))
-    loss = np.array([_loss(fit, point, middle) for point in found])
-    where = np.array([point.theta[place] for point in found])
-    weights = np.exp(-0.5 * (loss - loss.min())) * np.gradient(where)
-    return Profile(tuple(found), weights / weights.sum())
+    points.sort(key=lambda point: float(point.theta[place]))
+    loss = np.array([_loss(fit, point, best) for point in points])
+    instants = np.array([point.theta[place] for point in points])
+    weights = np.exp(-0.5 * (loss - loss.min())) * np.gradient(instants)
+    return Profile(tuple(points), weights / weights.sum())
 
 
 def _held(data: Data, fit: Fit, place: int, value: float, near: Fit | Point) -> Point | None:

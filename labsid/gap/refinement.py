@@ -25,11 +25,11 @@ def converge(data: Data, fit: Fit) -> Fit:
         before = at.cost
         valleys = _valleys(problem, at)
         for i, distance in leaping:
-            alone = np.eye(lower.size)[i]
+            direction = np.eye(lower.size)[i]
             for leap in LEAP_FACTORS:
                 far = np.clip(at.theta[i] + leap * distance, lower[i], upper[i]) - at.theta[i]
-                tried = [_leap(problem, at, far * along) for along in (valleys[i], alone)] if far else []
-                start = min((one for one in tried if one is not None), key=_cost, default=at)
+                leaps = [_leap(problem, at, far * along) for along in (valleys[i], direction)] if far else []
+                start = min((one for one in leaps if one is not None), key=_cost, default=at)
                 if start is not at and start.cost < MAX_START_COST * at.cost:
                     other = minimize(data, hypothesis, start.theta, start.gains, iterations=4, tolerance=1e-3)
                     if other is not None and other.cost < (1.0 - 1e-4) * at.cost:

@@ -58,22 +58,22 @@ class ResidualMeasures:
     uneven: float
 
 
-def is_noise(left: ResidualMeasures, converted: bool) -> bool:
+def is_noise(measures: ResidualMeasures, converted: bool) -> bool:
     """Whether a residual is noise, white or coloured: neither its value nor its size depends on past inputs.
 
     Parameters
     ----------
-    left : ResidualMeasures
+    measures : ResidualMeasures
     converted : bool
         Whether it is the rounding error of a coarse converter.
     """
     if converted:
         return True  # rounding errors do depend on the input; their size is checked elsewhere
     return not (
-        (left.repeats > 0.1 and left.repeats_z > 2.5)
-        or (left.activity > 0.08 and left.activity_z > 4.0)
-        or left.explained > 0.25
-        or left.tails > 4.5
+        (measures.repeats > 0.1 and measures.repeats_z > 2.5)
+        or (measures.activity > 0.08 and measures.activity_z > 4.0)
+        or measures.explained > 0.25
+        or measures.tails > 4.5
     )
 
 
@@ -135,7 +135,7 @@ def explained_share(data: Data, fit: Fit, e: FloatArray) -> float:
     scale = X.std(axis=0)
     X = (X - X.mean(axis=0)) / np.where(scale > 0, scale, 1.0)
     target = target - target.mean()
-    left = 0.0
+    remaining = 0.0
     total = float(target @ target)
     grams, crosses, parts = [], [], np.array_split(np.arange(at.size), FOLDS * 2)
     for part in parts:
@@ -149,8 +149,8 @@ def explained_share(data: Data, fit: Fit, e: FloatArray) -> float:
         gains = np.linalg.solve(gram, cross)
         for i in out:
             rest = target[parts[i]] - X[parts[i]] @ gains
-            left += float(rest @ rest)
-    return 1.0 - left / total
+            remaining += float(rest @ rest)
+    return 1.0 - remaining / total
 
 
 def repeatability(data: Data, fit: Fit, e: FloatArray) -> tuple[float, float]:
@@ -173,21 +173,21 @@ def repeatability(data: Data, fit: Fit, e: FloatArray) -> tuple[float, float]:
         return 0.0, 0.0
     count = chosen.sum(axis=1)[some]
 
-    def alike(x: FloatArray) -> float:
+    def similarity(x: FloatArray) -> float:
         mean = np.where(chosen, x[near], 0.0).sum(axis=1)[some] / count
         return float(np.mean(x[some] * mean) / np.mean(x**2))
 
-    value = alike(x)
+    value = similarity(x)
     shifts = np.linspace(0.15, 0.85, 24) * x.size
-    chance = np.array([alike(np.roll(x, int(shift))) for shift in shifts])
+    chance = np.array([similarity(np.roll(x, int(shift))) for shift in shifts])
     # A shifted residual is paired with unrelated input histories: the null distribution.
     return value, float((value - chance.mean()) / (chance.std() or 1.0))
 
 
 def input_history(data: Data, fit: Fit) -> FloatArray:
     """Features of past inputs: filtered inputs at several rates, and the direction of the last change."""
-    moved = np.diff(_previous_input(data), prepend=data.u[0])
-    last = np.sign(moved)
+    change = np.diff(_previous_input(data), prepend=data.u[0])
+    last = np.sign(change)
     index = np.maximum.accumulate(np.where(last != 0.0, np.arange(last.size), 0))
     return np.column_stack([*_filtered_input(data, fit), 0.5 * last[index]])
 
@@ -198,8 +198,8 @@ def _filtered_input(data: Data, fit: Fit) -> list[FloatArray]:
     slow = 0.5 * c - np.sqrt(0.25 * c * c - k) if 0.25 * c * c > k else 0.5 * c
     slow = float(np.clip(slow, 1e-3, 1.0))
     fast = float(np.clip(max(c, np.sqrt(k)), 2.0 * slow, 2.0))
-    still = data.u - data.u[0]
-    lagged = [_kernels.first_order(still, float(np.exp(-rate))) for rate in np.geomspace(slow, fast, 4)]
+    deviation = data.u - data.u[0]
+    lagged = [_kernels.first_order(deviation, float(np.exp(-rate))) for rate in np.geomspace(slow, fast, 4)]
     return [*lagged, _previous_input(data) - data.u[0]]
 
 
@@ -211,12 +211,12 @@ def _previous_input(data: Data) -> FloatArray:
 def nonlinear_features(data: Data, fit: Fit) -> FloatArray:
     """Regressors of a black box: filtered inputs and their products, powers of the output and of its slope."""
     states = _filtered_input(data, fit)
-    still = states[-1]
+    deviation = states[-1]
     z = fit.output
     slope = np.gradient(z)
     slope = slope / (np.std(slope) or 1.0)
     columns = [*states, *(a * b for i, a in enumerate(states) for b in states[i:])]
     columns += [z, z**2, np.clip(z, -4, 4) ** 3]
     columns += [slope, np.abs(slope), np.tanh(3.0 * slope), slope * z, np.abs(slope) * z]
-    columns += [np.abs(states[1] - states[0]), np.abs(still - states[0]), states[0] ** 3]
+    columns += [np.abs(states[1] - states[0]), np.abs(deviation - states[0]), states[0] ** 3]
     return np.column_stack([np.clip(column, -1e3, 1e3) for column in columns])

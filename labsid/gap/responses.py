@@ -126,11 +126,11 @@ def _linear(
     plant: PlantForm, own: dict[str, float], w: FloatArray, span: int, reference: float, late: float
 ) -> FloatArray:
     c, k = float(np.exp(own["log_c"])), float(np.exp(own["log_k"]))
-    away = _offset_ramp(c, k, w.size, span)
+    ramp = _offset_ramp(c, k, w.size, span)
     if plant.zero:
-        return beside([section(c, k, w - reference), away])
+        return beside([section(c, k, w - reference), ramp])
     exact = _states.simulate_mass(w - reference, c, k, 0.0, 0.0, 0.0, 0.0, 1, 0.0)[:, :1] * k
-    return beside([exact, section(c, k, np.zeros(w.size))[:, 2:], away])
+    return beside([exact, section(c, k, np.zeros(w.size))[:, 2:], ramp])
 
 
 def _offset_ramp(c: float, k: float, samples: int, span: int) -> FloatArray:
@@ -156,18 +156,18 @@ def _tanks(
     h1 = level**2 if plant.upper_root else level
     h2 = level**2 if plant.lower_root else level
     brim = own.get("brim", NO_BRIM)
-    typical = max(2.0 * float(np.mean(flow)), 0.5)  # a root's slope at the mean flow is one over this
-    a = min(a, MAX_ROOT_RATE * typical) if plant.upper_root else a
-    b = min(b, MAX_ROOT_RATE * typical) if plant.lower_root else b
-    upper, lower = a / typical if plant.upper_root else a, b / typical if plant.lower_root else b
+    level_slope = max(2.0 * float(np.mean(flow)), 0.5)  # derivative of a level by the flow, at the mean flow
+    a = min(a, MAX_ROOT_RATE * level_slope) if plant.upper_root else a
+    b = min(b, MAX_ROOT_RATE * level_slope) if plant.lower_root else b
+    upper, lower = a / level_slope if plant.upper_root else a, b / level_slope if plant.lower_root else b
     pace = _rate_factor(plant, own, w.size, span)
     if pace is not None:
-        pace = np.minimum(pace, MAX_ROOT_RATE * typical / b) if plant.lower_root else pace
+        pace = np.minimum(pace, MAX_ROOT_RATE * level_slope / b) if plant.lower_root else pace
         lower *= float(pace.max())
-    felt = [rate for rate, root in ((upper, plant.upper_root), (lower, plant.lower_root)) if root]
-    fastest = max(felt, default=0.0)  # linear tanks are integrated exactly at any rate
+    root_rates = [rate for rate, root in ((upper, plant.upper_root), (lower, plant.lower_root)) if root]
+    fastest = max(root_rates, default=0.0)  # linear tanks are integrated exactly at any rate
     substeps = int(max(np.ceil(fastest / 0.3), np.ceil(min(upper, lower) / 0.2), 2))
-    flow, onto = _apply_load(plant, own, flow, span)
+    flow, loads = _apply_load(plant, own, flow, span)
     return _states.simulate_tanks(
         flow,
         a,
@@ -181,7 +181,7 @@ def _tanks(
         h2 + own["h2"],
         substeps,
         late,
-        *onto,
+        *loads,
         pace,
     )[:, None]
 
@@ -228,9 +228,9 @@ def _mechanics(
     rests = "centre" in own and not plant.unsprung
     rest = _equilibrium(drive[0], k if pace is None else k * pace[0], cubic) if rests else 0.0
     z0, v0 = rest + own["z0"] / unit, own["v0"] / np.sqrt(unit)
-    drive, onto = _apply_load(plant, own, drive, span)
+    drive, loads = _apply_load(plant, own, drive, span)
     return (
-        _states.simulate_mass(drive, c, k, own.get("friction", 0.0), cubic, z0, v0, substeps, late, *onto, pace) * unit
+        _states.simulate_mass(drive, c, k, own.get("friction", 0.0), cubic, z0, v0, substeps, late, *loads, pace) * unit
     )
 
 
@@ -250,9 +250,9 @@ def _speed(
     friction = own["friction"]
     v = np.sign(drive[0]) * max(abs(drive[0]) - friction, 0.0) + own["v0"]
     i = (drive[0] if plant.lag_first else v) + own["i0"]
-    drive, onto = _apply_load(plant, own, drive, span)
+    drive, loads = _apply_load(plant, own, drive, span)
     pace = _rate_factor(plant, own, w.size, span)
-    return _states.simulate_motor(drive, a, b, friction, plant.lag_first, v, i, 3, late, *onto, pace)
+    return _states.simulate_motor(drive, a, b, friction, plant.lag_first, v, i, 3, late, *loads, pace)
 
 
 def _varying(
@@ -265,13 +265,13 @@ def _varying(
     c, k = _changed_rates(own, change)
     # If the second lag varies, its rate is inside the derivative of the balance equation.
     k = np.clip(k + np.exp(own["log_c"]) * own["turn"] * np.gradient(change), *STIFFNESS_BOUNDS)
-    still, constant = w - reference, np.ones(w.size)
-    out = _rates.simulate_varying(np.column_stack([still, still * course, constant, course]), c, k)
+    deviation, constant = w - reference, np.ones(w.size)
+    out = _rates.simulate_varying(np.column_stack([deviation, deviation * course, constant, course]), c, k)
     unit = np.exp(own["log_k"])
     return beside([out[:, :5] * unit, out[:, 6:7] * unit, out[:, [8, 10]]])
 
 
-def _varying_step(own: dict[str, float], still: FloatArray, span: int) -> FloatArray:
+def _varying_step(own: dict[str, float], deviation: FloatArray, span: int) -> FloatArray:
     """A leak that starts at an instant: c and k step, and the gain at the input stays."""
     change = np.array([0.0, np.expm1(own["drift"])])
     c, k = _changed_rates(own, change)
@@ -279,8 +279,8 @@ def _varying_step(own: dict[str, float], still: FloatArray, span: int) -> FloatA
     unit = np.exp(own["log_k"])
     ends = (float(c[0]), float(c[1])), (float(k[0]), float(k[1]))
     # If the plant settles, the load and constant columns already include the response to a constant force.
-    constant = np.full(still.size, 0.0 if _comes_to_rest(c[0], k[0], span) else 1.0)
-    forces = np.column_stack([still, constant])
+    constant = np.full(deviation.size, 0.0 if _comes_to_rest(c[0], k[0], span) else 1.0)
+    forces = np.column_stack([deviation, constant])
     out = _rates.simulate_stepped(forces, *ends, own["onset"] * span, turned * change[1], turned / unit)
     return beside([out[:, :3] * unit, out[:, 4:5] * unit, out[:, [6, 8]]])
 

@@ -26,10 +26,10 @@ def has_undriven_pole(data: Data, fit: Fit) -> bool:
     columns = fit.hypothesis.design(fit.theta, data.u).parts[0]
     gains = fit.gains[: columns.shape[1]]
     later = data.rows & (np.arange(data.samples) > EVALUATED_FROM * data.samples)
-    left = float(np.sqrt(np.mean((data.y - fit.output)[data.rows] ** 2)))
-    for moved, alone in _driven_and_free(w, columns, gains, denominator(*fit.rates)):
-        own, driven = float(np.std(alone[later])), float(np.std(moved[later]))
-        if own > max(MIN_FREE * left, driven) and driven < MAX_DRIVEN * left:
+    residual = float(np.sqrt(np.mean((data.y - fit.output)[data.rows] ** 2)))
+    for forced, unforced in _driven_and_free(w, columns, gains, denominator(*fit.rates)):
+        free_rms, forced_rms = float(np.std(unforced[later])), float(np.std(forced[later]))
+        if free_rms > max(MIN_FREE * residual, forced_rms) and forced_rms < MAX_DRIVEN * residual:
             return True
     return False
 
@@ -50,13 +50,13 @@ def _driven_and_free(
     w: FloatArray, columns: FloatArray, gains: FloatArray, a: tuple[float, float]
 ) -> list[tuple[FloatArray, FloatArray]]:
     """Forced and free response of a complex pair, or of each of two real poles."""
-    moved, alone = columns[:, :2] @ gains[:2], columns[:, 2:4] @ gains[2:4]
+    forced, unforced = columns[:, :2] @ gains[:2], columns[:, 2:4] @ gains[2:4]
     ramp = columns[:, 4] * gains[4]
     root = a[0] ** 2 - 4.0 * a[1]
     if root <= 0.0:
-        return [(moved, alone + ramp)]
+        return [(forced, unforced + ramp)]
     slow, fast = 0.5 * (-a[0] + np.sqrt(root)), 0.5 * (-a[0] - np.sqrt(root))
     share = (gains[0] * slow + gains[1]) / (slow - fast)  # of the slow pole in the partial fractions
-    free = (alone[1] - fast * alone[0]) / (slow - fast) * slow ** np.arange(w.size)
-    by_slow = share / max(1.0 - slow, 1e-12) * _kernels.first_order(w, float(slow))
-    return [(by_slow, free + ramp), (moved - by_slow, alone - free)]
+    unforced_slow = (unforced[1] - fast * unforced[0]) / (slow - fast) * slow ** np.arange(w.size)
+    forced_slow = share / max(1.0 - slow, 1e-12) * _kernels.first_order(w, float(slow))
+    return [(forced_slow, unforced_slow + ramp), (forced - forced_slow, unforced - unforced_slow)]

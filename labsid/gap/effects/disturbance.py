@@ -43,11 +43,11 @@ class LoadStep(AdditiveEffect):
         """Reject onsets near either end of the record (an offset, a spike) and a load that does not last (a pulse)."""
         plant, samples = fit.hypothesis.plant, fit.data.samples
         rates = fit.theta[fit.hypothesis.slices["plant"]]
-        brought = self.columns(fit.theta_of(self), samples, samples, plant, rates) @ fit.hypothesis.gains_of(
+        response = self.columns(fit.theta_of(self), samples, samples, plant, rates) @ fit.hypothesis.gains_of(
             fit.gains, self
         )
-        stays = abs(self.change(fit)) > MIN_LASTING * float(np.abs(brought).max())
-        return bool(stays and _inside(float(fit.theta_of(self)[0]), samples))
+        lasts = abs(self.change(fit)) > MIN_LASTING * float(np.abs(response).max())
+        return bool(lasts and _inside(float(fit.theta_of(self)[0]), samples))
 
     def active_samples(self, fit: Fitted) -> np.ndarray:
         """The samples after the onset."""
@@ -134,11 +134,11 @@ class InnerPeriodic(PlantEffect):
         """`frequency`, and `amplitude` of its component in the change of the output."""
         cycles = fit.plant_value("cycles")
         change = _change(fit, "shake_cos", "shake_sin")
-        swing = 2.0 * abs(np.mean(change * np.exp(-2j * np.pi * cycles / change.size * np.arange(change.size))))
+        amplitude = 2.0 * abs(np.mean(change * np.exp(-2j * np.pi * cycles / change.size * np.arange(change.size))))
         frequency = cycles / (fit.data.samples * fit.data.Ts)
         return {
             "frequency": Value(frequency, "Hz"),
-            "amplitude": Value(float(swing) * fit.data.y_scale.unit, "y"),
+            "amplitude": Value(float(amplitude) * fit.data.y_scale.unit, "y"),
         }
 
 
@@ -200,19 +200,19 @@ def load_onsets(context: Context, count: int, grows_with: FloatArray | None = No
     y, rows = context.data.y, context.data.rows
     samples = y.size
     plant, rates = Plant(), np.log(context.highpass_rates)
-    known = plant.columns(rates, context.actuator, samples)
+    base_columns = plant.columns(rates, context.actuator, samples)
     if context.parent.hypothesis.plant.nonlinear:
-        known = context.parent.output[:, None]
-    still = np.hstack([known, np.ones((samples, 1))])[rows]
-    still = np.linalg.qr(still)[0]
-    e = y[rows] - still @ (still.T @ y[rows])
+        base_columns = context.parent.output[:, None]
+    basis = np.hstack([base_columns, np.ones((samples, 1))])[rows]
+    basis = np.linalg.qr(basis)[0]
+    e = y[rows] - basis @ (basis.T @ y[rows])
     load = np.ones(samples) if grows_with is None else grows_with
     at = np.unique(np.linspace(0.02, 0.97, 64) * samples).astype(int)
     gains = []
     for k in at:
-        begun_at = np.where(np.arange(samples) >= k, load, 0.0)
-        step = plant.load_response(rates, begun_at)[rows]
-        step -= still @ (still.T @ step)
+        load_signal = np.where(np.arange(samples) >= k, load, 0.0)
+        step = plant.load_response(rates, load_signal)[rows]
+        step -= basis @ (basis.T @ step)
         gram = step.T @ step + 1e-9 * np.eye(2)
         cross = step.T @ e
         gains.append(float(cross @ np.linalg.solve(gram, cross)))

@@ -99,21 +99,16 @@ class GainDrift(InputEffect):
         count = int(self.variant)
         shapes = [chebyshev_course(shape, context.data.samples, context.data.samples) for shape in np.eye(count)]
         fit = context.parent
-        still = np.ones(context.data.samples)
+        constant = np.ones(context.data.samples)
         w = context.actuator
-        columns = [_linear_response(fit, w * shape) for shape in shapes] + [
-            _linear_response(fit, shape) for shape in shapes
-        ]
+        columns = [_linear_response(fit, signal) for signal in (*(w * shape for shape in shapes), *shapes)]
         rows = context.data.rows
-        J = np.column_stack([*columns, still])
+        J = np.column_stack([*columns, constant])
         if not np.isfinite(J).all():
             return []
         gains = np.linalg.lstsq(J[rows], context.residual[rows], rcond=1e-6)[0]
-        unit = float(
-            np.linalg.lstsq(np.column_stack([_linear_response(fit, w), still])[rows], fit.output[rows], rcond=None)[0][
-                0
-            ]
-        )
+        static = np.column_stack([_linear_response(fit, w), constant])[rows]
+        unit = float(np.linalg.lstsq(static, fit.output[rows], rcond=None)[0][0])
         if unit == 0.0:
             return []
         shape, offset = gains[:count] / unit, gains[count : 2 * count] / unit
@@ -126,8 +121,8 @@ class GainDrift(InputEffect):
 
     def apply(self, w: FloatArray, own: FloatArray, span: int) -> FloatArray:
         """Scale the distance from the neutral input."""
-        away = np.cos(own[-1]) * w + np.sin(own[-1])
-        return np.asarray(w + away * chebyshev_course(own[:-1], w.size, span))
+        distance = np.cos(own[-1]) * w + np.sin(own[-1])
+        return np.asarray(w + distance * chebyshev_course(own[:-1], w.size, span))
 
     def values(self, fit: Fitted) -> dict[str, Value]:
         """`drift`: relative change of the gain over the record."""

@@ -242,7 +242,7 @@ class CoulombFriction(PlantEffect):
     name = "coulomb-friction"
 
     def applies(self, context: Context) -> bool:
-        """ "unsprung" only if the record hardly shows a spring."""
+        """Allow "unsprung" only if the record hardly shows a spring."""
         return self.variant != "unsprung" or real_rates(*context.rates)[0] * context.data.samples < MAX_UNSPRUNG_RATE
 
     def extend(self, plant: Plant) -> Plant:
@@ -254,8 +254,8 @@ class CoulombFriction(PlantEffect):
     def plant_starts(self, context: Context) -> list[dict[str, float]]:
         """Weak to strong friction, and initial positions or neutral inputs."""
         if self.variant == "position":
-            away = initial_offset(context)
-            return [{"friction": size, "z0": z0} for size in (0.05, 0.25, 0.8) for z0 in dict.fromkeys((0.0, away))]
+            offset = initial_offset(context)
+            return [{"friction": size, "z0": z0} for size in (0.05, 0.25, 0.8) for z0 in dict.fromkeys((0.0, offset))]
         if self.variant == "unsprung":
             return [{"friction": size, "log_k+": SLACK_LOG_STIFFNESS} for size in (0.05, 0.25, 0.8)]
         u = context.data.u
@@ -278,11 +278,11 @@ class CoulombFriction(PlantEffect):
 def initial_offset(context: Context) -> float:
     """Initial deviation from the steady state of the linear model, in units of the input."""
     fit, u = context.parent, context.data.u
-    still = fit.hypothesis.output(fit.theta, fit.gains, np.array([u[0], u[0] + 1.0]).repeat(2000))
-    gain = float(still[-1] - still[1999])
+    output = fit.hypothesis.output(fit.theta, fit.gains, np.array([u[0], u[0] + 1.0]).repeat(2000))
+    gain = float(output[-1] - output[1999])
     if not np.isfinite(gain) or abs(gain) < 1e-3:
         return 0.0
-    return float(np.clip((context.data.y[:3].mean() - still[1999]) / gain, -5.0, 5.0))
+    return float(np.clip((context.data.y[:3].mean() - output[1999]) / gain, -5.0, 5.0))
 
 
 class CubicStiffness(PlantEffect):
@@ -291,7 +291,7 @@ class CubicStiffness(PlantEffect):
     name = "cubic-stiffness"
 
     def applies(self, context: Context) -> bool:
-        """ "sampled" only with underdamped dynamics: otherwise it cannot be distinguished from a held input."""
+        """Allow "sampled" only with underdamped dynamics: others do not distinguish it from a held input."""
         return self.variant != "sampled" or damping_ratio(*context.rates) < 1.0
 
     def extend(self, plant: Plant) -> Plant:
