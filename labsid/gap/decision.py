@@ -102,7 +102,7 @@ def decide(
     Parameters
     ----------
     explanation : Explanation
-    left : Leftover
+    left : ResidualMeasures
         Of the accepted fit.
     given : Fit or None
         The given simulation, not refitted.
@@ -182,7 +182,7 @@ def confidence_in(
     Parameters
     ----------
     explanation : Explanation
-    left : Leftover
+    left : ResidualMeasures
         Of the accepted fit.
     closed : float, optional
         Share of the gap closed on held-out samples.

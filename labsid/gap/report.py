@@ -53,7 +53,7 @@ def build_report(
     explanation : Explanation
     base : Baseline
     decision : Decision
-    left : Leftover
+    left : ResidualMeasures
     score : GapScore
     rng : Generator
         For the proposed input.
