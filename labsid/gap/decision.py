@@ -16,7 +16,7 @@ TEMPERATURE = 4.0  # divides BIC differences: models are never exact
 MIN_RIVAL_PROBABILITY = 0.03  # of an alternative to be reported as ambiguous
 MAX_RIVALS = 3
 MAX_UNREPEATED = (
-    0.15  # unexplained share of the scatter of repeated levels; a true drift or load leaves a few hundredths
+    0.15  # share of the scatter between plateaus left unexplained; a true drift or load leaves a few hundredths
 )
 UNREPEATED_FACTOR = 0.4  # factor on the confidence if more is left
 MIN_CONFIDENCE = 0.5  # below which the verdict is `unknown`
@@ -136,9 +136,9 @@ def decide(
     named = names
     if confidence < MIN_CONFIDENCE:
         lead = leading_effect(explanation) if closed_on_fit(explanation, left, added) > LEADING_CLOSED else None
-        seen = (*(STOP_EFFECTS if at_stop else ()), lead)
-        probability |= {name: DIRECT_EVIDENCE * shares[name] for name in simulated if name in seen}
-        named = tuple(name for name in names if name in seen and probability[name] > MIN_CONFIDENCE)
+        direct = (*(STOP_EFFECTS if at_stop else ()), lead)
+        probability |= {name: DIRECT_EVIDENCE * shares[name] for name in simulated if name in direct}
+        named = tuple(name for name in names if name in direct and probability[name] > MIN_CONFIDENCE)
     rest = tuple(name for name in names if name not in named)
     ambiguous = [*rest, *ambiguous]
     verdict = "effect" if named else "unknown" if confidence < MIN_CONFIDENCE else "none"
@@ -193,7 +193,7 @@ def confidence_in(
     path = explanation.path
     steps = len(path) - 1
     converted = "output-quantization" in explanation.unsimulated
-    wandering = False  # noise slow enough to keep levels from repeating
+    slow_noise = False  # noise slow enough to keep levels from repeating
     if converted:
         evidence = Evidence()  # rounding repeats with the input, and jumps
     else:
@@ -202,11 +202,11 @@ def confidence_in(
             colour *= 0.5 * max(left.slow, 0.0)
         quiet = steps > 0 and is_noise(left, converted=False) and left.activity_z < 3.0
         colour *= 0.4 if quiet else 1.0  # noise that is independent of the input
-        wandering = quiet and "coloured-noise" in explanation.unsimulated
-        foretold = left.explained if not quiet or left.explained > CHANCE_PREDICTION else 0.0
+        slow_noise = quiet and "coloured-noise" in explanation.unsimulated
+        predicted = left.explained if not quiet or left.explained > CHANCE_PREDICTION else 0.0
         evidence = Evidence(
             colour=colour,
-            repeats=float(np.sqrt(max(left.repeats if left.repeats_z > 2.0 else 0.0, foretold, 0.0))),
+            repeats=float(np.sqrt(max(left.repeats if left.repeats_z > 2.0 else 0.0, predicted, 0.0))),
             activity=float(np.sqrt(max(left.activity, 0.0))) if left.activity_z > 3.0 else 0.0,
             tails=float(np.log(max(left.tails, 3.0) / 3.0)),
             short=_shortfall(explanation, closed),
@@ -215,10 +215,10 @@ def confidence_in(
         np.log(mean_square(explanation.data, path[0]) / max(mean_square(explanation.data, path[-1]), 1e-300))
     )
     score = PRIOR + SEVERAL_EFFECTS * (steps >= 2) + ERROR_REDUCTION * min(max(shrunk, 0.0), 4.0)
-    score += sum(weight * seen for weight, seen in zip(EVIDENCE_WEIGHTS, evidence, strict=True))
+    score += sum(weight * value for weight, value in zip(EVIDENCE_WEIGHTS, evidence, strict=True))
     confidence = float(1.0 / (1.0 + np.exp(-score)))
     return (
-        confidence * UNREPEATED_FACTOR if unrepeated > MAX_UNREPEATED and not (converted or wandering) else confidence
+        confidence * UNREPEATED_FACTOR if unrepeated > MAX_UNREPEATED and not (converted or slow_noise) else confidence
     )
 
 

@@ -161,14 +161,14 @@ def _score(
     """
     data = explanation.data
     other = None if holdout is None else (data.u_scale.of(holdout.u), data.y_scale.of(holdout.y))
-    predicted = None
+    given_output = None
     if holdout is not None and base.simulate_record is not None:
-        predicted = data.y_scale.of(check_bounded(base.simulate_record(holdout), holdout.y))
-    score = score_explanation(explanation, base.before, other, rng, predicted)
+        given_output = data.y_scale.of(check_bounded(base.simulate_record(holdout), holdout.y))
+    score = score_explanation(explanation, base.before, other, rng, given_output)
     predictable = not any(isinstance(effect, AdditiveEffect) for effect in explanation.best.hypothesis.effects)
     if base.given and len(explanation.path) > 1 and predictable and (score.closed or 0.0) <= 0.0:
         explanation = explanation.up_to(0)
-        score = score_explanation(explanation, base.before, other, rng, predicted)
+        score = score_explanation(explanation, base.before, other, rng, given_output)
     return explanation, score
 
 

@@ -14,7 +14,7 @@ MIN_MARGIN = 6.0  # BIC below which the decision would be random, so that no inp
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Experiment:
-    """An input to play on the rig.
+    """An input to apply to the rig.
 
     Attributes
     ----------
@@ -56,8 +56,8 @@ def next_experiment(data: Data, first: Fit, second: Fit, rng: np.random.Generato
         y = first.hypothesis.output(first.theta, first.gains, u)
         if not np.isfinite(y).all() or np.abs(y).max() > 6.0:  # outside the range of the record
             continue
-        played = replace(data, u=u, y=y, rows=np.ones(samples, bool))
-        point = minimize(played, second.hypothesis, second.theta, second.gains, iterations=10)
+        applied = replace(data, u=u, y=y, rows=np.ones(samples, bool))
+        point = minimize(applied, second.hypothesis, second.theta, second.gains, iterations=10)
         if point is None:
             continue
         margin = samples * float(np.log1p(point.cost / noise))

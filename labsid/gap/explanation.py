@@ -16,15 +16,11 @@ from labsid.gap.residual_tests import SLOW_CORRELATION, slow_autocorrelation
 from labsid.gap.sample_faults import SampleFaults, find_lattice, find_spikes
 from labsid.records.signal_quality import find_held
 
-CONVERTER_LIMITED = (
-    1.3**2
-)  # rounding variance over the other noise variance, from which the converter limits the record
+CONVERTER_LIMITED = 1.3**2  # rounding variance over other noise variance, from which the converter limits the record
 CONVERTER_LIMITED_HELD = 0.7  # the same if the logger holds values: on a coarse lattice not every hold is detected
 MAX_FALSE_SPIKES = 0.03  # share of the samples: spikes due to the baseline's error, above which the search is repeated
 MIN_NAMED_CHANGE = (MIN_CHANGE, 1.0, 2.0)  # for a first, second and third effect to be named
-MIN_SHARE_OF_GAP = (
-    0.07  # change of the output over the baseline's error, for a second and third effect; true ones reach 0.14
-)
+MIN_SHARE_OF_GAP = 0.07  # change of the output over the baseline's error, for further effects; true ones reach 0.14
 MIN_UNRIVALLED_CHANGE = 0.6  # for a first effect that has rivals of nearly the same BIC
 UNDECIDED_BIC = 6.0  # BIC difference below which two fits are not distinguished
 BAD_SAMPLE_RATIO = 1.3  # mean square error with the bad samples over that without them

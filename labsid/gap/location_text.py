@@ -13,8 +13,8 @@ MIN_EXCESS = 0.1  # share of the gap less share of the time, to report a range
 def location_sentences(report: dict[str, Any]) -> list[str]:
     """Sentences on where the gap lies in time, frequency and operating range."""
     where = report["where"]
-    said = [_in_time(where["time"]), _in_frequency(where["band_hz"]), *_in_range(report)]
-    return [text for text in said if text]
+    texts = [_in_time(where["time"]), _in_frequency(where["band_hz"]), *_in_range(report)]
+    return [text for text in texts if text]
 
 
 def _in_time(segments: list[list[float]]) -> str:
@@ -53,7 +53,7 @@ def _in_frequency(bands: list[list[float]]) -> str:
 
 
 def _in_range(report: dict[str, Any]) -> list[str]:
-    said = []
+    texts = []
     cells: dict[str, list[dict[str, Any]]] = {}
     for cell in report["where"]["operating"]:
         cells.setdefault(cell["signal"], []).append(cell)
@@ -65,14 +65,14 @@ def _in_range(report: dict[str, Any]) -> list[str]:
         share, time = (sum(cell[name] for cell in inside) for name in ("share", "time"))
         what = "the rate of y" if signal == "dy" else signal
         if share < time + MIN_EXCESS:
-            said.append(f"Over the range of {what}, the gap is in proportion to the time spent at each value.")
+            texts.append(f"Over the range of {what}, the gap is in proportion to the time spent at each value.")
             continue
         low, high = between(inside[0]["low"], inside[-1]["high"])
-        said.append(
+        texts.append(
             f"{percent(share)} of it lies where {what} is between {low} and {high}, "
             f"in which the record spends {percent(time)} of its time."
         )
-    return said
+    return texts
 
 
 def _narrowest_half(shares: list[float]) -> tuple[int, int] | None:

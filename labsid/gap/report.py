@@ -263,17 +263,17 @@ def _experiment(
 def _screen_sentences(explanation: Explanation) -> list[str]:
     """Faults found in the samples, in sentences."""
     faults = explanation.faults
-    said = []
+    texts = []
     if faults.lattice is not None:
-        said.append(
+        texts.append(
             f"All output values are multiples of one step of {faults.lattice * explanation.data.y_scale.unit:.4g}."
         )
     if faults.stretches:
         share, places = percent(float(faults.held.mean())), counted(len(faults.stretches), "stretch", "stretches")
-        said.append(f"The output repeats its last value in {places}, {share} of the record.")
+        texts.append(f"The output repeats its last value in {places}, {share} of the record.")
     spikes = int(faults.spikes.sum())
     if spikes == 1:
-        said.append("1 sample is an isolated spike; the fits exclude it.")
+        texts.append("1 sample is an isolated spike; the fits exclude it.")
     elif spikes:
-        said.append(f"{spikes} samples are isolated spikes; the fits exclude them.")
-    return said
+        texts.append(f"{spikes} samples are isolated spikes; the fits exclude them.")
+    return texts

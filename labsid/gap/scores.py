@@ -55,7 +55,7 @@ def score_explanation(
     given: Fit | None,
     holdout: tuple[FloatArray, FloatArray] | None,
     rng: np.random.Generator,
-    played: FloatArray | None = None,
+    given_output: FloatArray | None = None,
 ) -> GapScore:
     """Refit the baseline and the explanation without the held-out samples, and score them there.
 
@@ -67,12 +67,12 @@ def score_explanation(
     holdout : tuple of ndarray or None
         Input and output of another record, in scaled units; then the whole of this record is fitted.
     rng : Generator
-    played : ndarray, optional
+    given_output : ndarray, optional
         Output of the given simulation on the other record, in scaled units.
     """
     data = explanation.data
     if holdout is not None:
-        return _score_on_holdout(explanation, given, holdout, rng, played)
+        return _score_on_holdout(explanation, given, holdout, rng, given_output)
     blocks = held_out_samples(data.samples, explanation.best.onset)
     fitted = replace(data, rows=data.rows & ~blocks)
     before = refit(fitted, explanation.path[0]) if given is None else given

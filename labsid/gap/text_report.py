@@ -33,7 +33,7 @@ def format_report(report: dict[str, Any]) -> str:
     for number, finding in enumerate(sentences.record_sentences(report)):
         lines += _row("" if number else "record", _printable(finding))
     rows = [
-        ("unsure", [sentences.ambiguity_sentence(report)]),
+        ("ambiguous", [sentences.ambiguity_sentence(report)]),
         ("gap", [sentences.gap_sentence(report), sentences.black_box_sentence(report)]),
         ("where", [sentences.place_sentence(report), *location_sentences(report)]),
         ("residual", sentences.residual_sentences(report)),

@@ -157,7 +157,7 @@ def _time_strip(ax: Axes, segments: list[list[float]]) -> None:
     ax.bar(start, density, stop - start, align="edge", color=VERMILION, edgecolor=VERMILION, linewidth=0.8)
     ax.axhline(1.0, color=BLACK, linestyle=":", linewidth=1.4)
     ax.margins(x=0)
-    finish(ax, "Over time", TIME, "Error power /\nits average", legend_columns=0)
+    finish(ax, "Gap over time", TIME, "Error power /\nits average", legend_columns=0)
 
 
 def _bands(ax: Axes, bands: list[list[float]]) -> None:
@@ -167,7 +167,7 @@ def _bands(ax: Axes, bands: list[list[float]]) -> None:
     ax.bar(left, 100.0 * share, high - left, align="edge", color=BLUE, edgecolor="white", linewidth=0.8)
     ax.set_xscale("log")
     ax.xaxis.set_major_formatter("{x:g}")
-    finish(ax, "Over frequency", "Frequency (Hz)", "Share of the gap (%)", legend_columns=0)
+    finish(ax, "Gap over frequency", "Frequency (Hz)", "Share of the gap (%)", legend_columns=0)
 
 
 def _cells(ax: Axes, cells: list[dict[str, Any]], beside: bool) -> None:
@@ -181,7 +181,7 @@ def _cells(ax: Axes, cells: list[dict[str, Any]], beside: bool) -> None:
     ax.stairs(time, np.append(low, high[-1]), color=BLACK, linewidth=1.6, label="Time")
     top = float(max(share.max(), time.max()))
     ax.set_ylim(0.0, max(top, 1e-9) * (1.3 if beside else 1.45))
-    finish(ax, "Over the range", SIGNALS.get(signal, signal), "Share (%)", legend_columns=2 if beside else 1)
+    finish(ax, "Gap over the range", SIGNALS.get(signal, signal), "Share (%)", legend_columns=2 if beside else 1)
 
 
 def _operating_map(ax: Axes, seen: dict[str, list[Any]], bar_place: Literal["bottom", "right"]) -> None:
