@@ -7,6 +7,7 @@ import sys
 import tomllib
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
+from functools import cache
 from graphlib import CycleError, TopologicalSorter
 from importlib.metadata import packages_distributions
 from inspect import cleandoc
@@ -49,7 +50,12 @@ class Module:
         return not any(part.startswith("_") for part in self.name.split("."))
 
     def tree(self) -> ast.Module:
-        return ast.parse(self.path.read_text(encoding="utf-8"), filename=str(self.path))
+        return parsed(self.path.read_text(encoding="utf-8"))
+
+
+@cache
+def parsed(source: str) -> ast.Module:
+    return ast.parse(source)
 
 
 def modules_of(folder: Path) -> list[Module]:
@@ -62,13 +68,22 @@ def modules_of(folder: Path) -> list[Module]:
     ]
 
 
-def imports_of(module: Module) -> Iterator[str]:
+def imports_of(module: Module) -> list[str]:
     """The absolute dotted name of everything that `module` imports, wherever in it and however."""
-    for node in ast.walk(module.tree()):
+    return imports_in(module.tree(), module.package)
+
+
+@cache
+def imports_in(tree: ast.Module, package: str) -> list[str]:
+    return list(_imported(tree, package))
+
+
+def _imported(tree: ast.Module, package: str) -> Iterator[str]:
+    for node in ast.walk(tree):
         if isinstance(node, ast.Import):
             yield from (alias.name for alias in node.names)
         elif isinstance(node, ast.ImportFrom):
-            outer = module.package.split(".")
+            outer = package.split(".")
             base = ".".join(outer[: len(outer) - node.level + 1]) if node.level else ""
             source = ".".join(filter(None, (base, node.module)))
             yield source

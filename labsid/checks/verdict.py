@@ -1,10 +1,12 @@
 """What a check says: passed or not, why, and the name of the slip where the answer matches a known one."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
-from typing import Generic, TypeVar
+from functools import wraps
+from typing import Generic, ParamSpec, TypeVar
 
 Answer = TypeVar("Answer")
+P = ParamSpec("P")
 
 
 @dataclass(frozen=True, slots=True)
@@ -24,6 +26,22 @@ class Verdict:
     passed: bool
     reason: str
     slip: str | None = None
+
+
+def first_failure(check: Callable[P, Iterator[Verdict]]) -> Callable[P, Verdict]:
+    """Make a check out of a generator of verdicts: the first that fails, or the last if all pass.
+
+    Nothing after the first failure is run, so a check needs no ``return`` after yielding one.
+    """
+
+    @wraps(check)
+    def run(*args: P.args, **kwargs: P.kwargs) -> Verdict:
+        for verdict in check(*args, **kwargs):
+            if not verdict.passed:
+                break
+        return verdict
+
+    return run
 
 
 class NoAnswer(Exception):

@@ -1,5 +1,7 @@
 """Checks of recursive extended least squares, and of Fig. 14."""
 
+from collections.abc import Iterator
+
 import numpy as np
 
 from labsid._arrays import FloatArray
@@ -8,7 +10,7 @@ from labsid.checks.figures import find_curve, legend_text, plain_text, require_l
 from labsid.checks.question import Ask, returned
 from labsid.checks.trials import ARMAX, ARX, trial_record
 from labsid.checks.values import Value
-from labsid.checks.verdict import NoAnswer, Slip, Verdict, judge
+from labsid.checks.verdict import NoAnswer, Slip, Verdict, first_failure, judge
 from labsid.estimation.recursion import RecursiveState
 from labsid.estimation.recursive import recursive_armax, recursive_least_squares
 from labsid.model_structures.lecture_systems import example_7_1
@@ -19,16 +21,15 @@ SEED = 71
 """Of the record of Example 7-1 in the notebook."""
 
 
-def rels(ask: Ask) -> Verdict:
+@first_failure
+def rels(ask: Ask) -> Iterator[Verdict]:
     """`rels(u, y, forgetting, LN)`, then the history of Example 7-1."""
     for forgetting, LN in ((1.0, 20.0), (0.93, 5.0)):
-        verdict = _judge_history(ask, *trial_record(ask.rng, 40, ask.rng.uniform(0.3, 0.6)), forgetting, LN)
-        if not verdict.passed:
-            return verdict
+        yield _judge_history(ask, *trial_record(ask.rng, 40, ask.rng.uniform(0.3, 0.6)), forgetting, LN)
     right = as_array("theta_rels", right_history(ask)["theta_rels"])
     if not _OF_A_LONG_RECORD(as_history("theta_rels", ask.value("theta_rels"), *right.shape), right):
-        return Verdict(False, "`rels` is right, `theta_rels` is not: leave the last line as it was given.")
-    return Verdict(True, "the whole history, with the errors before the update in the regressor.")
+        yield Verdict(False, "`rels` is right, `theta_rels` is not: leave the last line as it was given.")
+    yield Verdict(True, "the whole history, with the errors before the update in the regressor.")
 
 
 def right_history(_: Ask) -> dict[str, Value]:

@@ -1,5 +1,6 @@
 """Checks of instrumental variables: iterated over a whole record, and recursively."""
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import partial
 
@@ -9,7 +10,7 @@ from labsid._arrays import FloatArray
 from labsid.checks.compare import SAME, as_history, as_theta, close
 from labsid.checks.question import Ask, returned
 from labsid.checks.trials import ARX, STARTS, first_order, trial_record
-from labsid.checks.verdict import Slip, Verdict, judge
+from labsid.checks.verdict import Slip, Verdict, first_failure, judge
 from labsid.estimation.instrumental import instrumental_variables
 from labsid.estimation.recursive import recursive_instrumental
 from labsid.least_squares.solve import solve_least_squares
@@ -34,14 +35,11 @@ class _Way:
 _RIGHT = _Way()
 
 
-def iterated(ask: Ask) -> Verdict:
+@first_failure
+def iterated(ask: Ask) -> Iterator[Verdict]:
     """`iterated_iv(u, y, rounds)`."""
-    verdict = Verdict(False, "")
     for rounds, c in ((0, -0.7), (1, 0.7), (3, -0.7)):
-        verdict = _judge_iterated(ask, *trial_record(ask.rng, 150, c, noise=0.8), rounds)
-        if not verdict.passed:
-            break
-    return verdict
+        yield _judge_iterated(ask, *trial_record(ask.rng, 150, c, noise=0.8), rounds)
 
 
 def _rounds(u: FloatArray, y: FloatArray, rounds: int, way: _Way = _RIGHT) -> FloatArray:

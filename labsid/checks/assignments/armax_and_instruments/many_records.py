@@ -1,5 +1,6 @@
 """Checks of the lecture's start: Tables 2 and 3 by many records, and bias with its standard error."""
 
+from collections.abc import Iterator
 from functools import partial
 
 import numpy as np
@@ -9,7 +10,7 @@ from labsid.checks.compare import SAME, as_array, as_matrix, as_theta, as_vector
 from labsid.checks.question import Ask, returned, returned_parts
 from labsid.checks.trials import ARX, STARTS, trial_record
 from labsid.checks.values import Value
-from labsid.checks.verdict import Slip, Verdict, judge
+from labsid.checks.verdict import Slip, Verdict, first_failure, judge
 from labsid.estimation.monte_carlo import MonteCarlo, run_monte_carlo
 from labsid.least_squares.solve import solve_least_squares
 from labsid.model_structures.lecture_systems import system_1, system_2
@@ -21,18 +22,15 @@ WRONG_SIGN_OF_C = np.array([-0.868, 1.0])
 """Where least squares goes on System 2 with c = +0.8."""
 
 
-def tables(ask: Ask) -> Verdict:
+@first_failure
+def tables(ask: Ask) -> Iterator[Verdict]:
     """`fit_arx(u, y)`, then the estimates over many records of both systems."""
     for samples in (30, 60):
-        verdict = _judge_fit(ask, *trial_record(ask.rng, samples, ask.rng.uniform(-0.6, 0.6)))
-        if not verdict.passed:
-            return verdict
+        yield _judge_fit(ask, *trial_record(ask.rng, samples, ask.rng.uniform(-0.6, 0.6)))
     first, second = (_reference(system) for system in (system_1, system_2))
     for name, reference, other in (("estimates_1", first, second), ("estimates_2", second, first)):
-        verdict = _judge_estimates(name, as_matrix(name, ask.value(name), (None, 2)), reference, other)
-        if not verdict.passed:
-            return verdict
-    return Verdict(True, "both clouds are where they should be, and as wide.")
+        yield _judge_estimates(name, as_matrix(name, ask.value(name), (None, 2)), reference, other)
+    yield Verdict(True, "both clouds are where they should be, and as wide.")
 
 
 def right_tables(_: Ask) -> dict[str, Value]:
@@ -131,36 +129,34 @@ def _slack(reference: MonteCarlo, runs: int) -> FloatArray:
     return 0.01 + 5 * np.sqrt(reference.spread**2 / runs + reference.bias_stderr**2)
 
 
-def bias(ask: Ask) -> Verdict:
+@first_failure
+def bias(ask: Ask) -> Iterator[Verdict]:
     """`bias_of(estimates, truth)`."""
-    verdict = Verdict(False, "")
     for runs, p in ((9, 3), (14, 2)):
         truth = ask.rng.uniform(-2, 2, p)
         estimates = truth + ask.rng.uniform(0.3, 1, p) + ask.rng.uniform(0.2, 2, p) * ask.rng.standard_normal((runs, p))
-        verdict = _judge_bias(ask, estimates, truth)
-        if not verdict.passed:
-            break
-    return verdict
+        yield _judge_bias(ask, estimates, truth)
 
 
-def _judge_bias(ask: Ask, estimates: FloatArray, truth: FloatArray) -> Verdict:
+@first_failure
+def _judge_bias(ask: Ask, estimates: FloatArray, truth: FloatArray) -> Iterator[Verdict]:
     runs, p = estimates.shape
     parts = returned_parts(ask, "bias_of", "three vectors: bias, spread and standard error", 3, estimates, truth)
     names = ("the bias", "the spread", "the standard error")
     sizes = [as_array(f"{name} of bias_of", part).size for name, part in zip(names, parts, strict=True)]
     if runs in sizes:
-        return Verdict(
+        yield Verdict(
             False, "`bias_of` works along the rows: means go over the records, `axis=0`.", "mean over the wrong axis"
         )
     if 1 in sizes:
-        return Verdict(
+        yield Verdict(
             False,
             "`bias_of` throws all parameters together into one number: give `np.mean` and `np.std` the `axis=0`.",
             "mean over everything",
         )
     got = [as_vector(f"{name} of bias_of", part, p) for name, part in zip(names, parts, strict=True)]
     off = estimates.mean(axis=0) - truth
-    verdict = judge(
+    yield judge(
         got[0],
         off,
         SAME,
@@ -181,11 +177,9 @@ def _judge_bias(ask: Ask, estimates: FloatArray, truth: FloatArray) -> Verdict:
             Slip("spread before bias", "`bias_of` returns the spread first.", lambda: estimates.std(axis=0, ddof=1)),
         ],
     )
-    if not verdict.passed:
-        return verdict
     spreads = [estimates.std(axis=0, ddof=ddof) for ddof in (1, 0)]
     right = next((spread for spread in spreads if SAME(got[1], spread)), spreads[0])
-    verdict = judge(
+    yield judge(
         got[1],
         right,
         SAME,
@@ -215,10 +209,8 @@ def _judge_bias(ask: Ask, estimates: FloatArray, truth: FloatArray) -> Verdict:
             ),
         ],
     )
-    if not verdict.passed:
-        return verdict
     errors = [spread / np.sqrt(runs) for spread in spreads]
-    return judge(
+    yield judge(
         got[2],
         next((error for error in errors if SAME(got[2], error)), errors[0]),
         SAME,

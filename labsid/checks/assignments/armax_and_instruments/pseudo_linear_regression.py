@@ -1,5 +1,6 @@
 """Checks of pseudo-linear regression: the prediction errors of ARMAX, and the rounds of regression."""
 
+from collections.abc import Iterator
 from functools import partial
 
 import numpy as np
@@ -8,24 +9,21 @@ from labsid._arrays import FloatArray
 from labsid.checks.compare import SAME, as_array, as_theta, as_vector
 from labsid.checks.question import Ask, returned
 from labsid.checks.trials import ARMAX, ARX, STARTS, first_order, trial_record
-from labsid.checks.verdict import Slip, Verdict, judge
+from labsid.checks.verdict import Slip, Verdict, first_failure, judge
 from labsid.least_squares.solve import solve_least_squares
 from labsid.model_structures.prediction import free_run, prediction_errors
 from labsid.model_structures.structures import build_equations, fit_structure, model_from_theta
 
 
-def armax(ask: Ask) -> Verdict:
+@first_failure
+def armax(ask: Ask) -> Iterator[Verdict]:
     """`prediction_errors(theta, u, y)` and `pseudo_linear(u, y, share, rounds)`."""
     for c in (0.5, -0.6):
         theta = np.array([-ask.rng.uniform(0.3, 0.9), ask.rng.uniform(0.5, 2), c * ask.rng.uniform(0.8, 1.2)])
-        verdict = _judge_errors(ask, theta, *trial_record(ask.rng, 25, 0.3))
-        if not verdict.passed:
-            return verdict
+        yield _judge_errors(ask, theta, *trial_record(ask.rng, 25, 0.3))
     for c, share, rounds in ((0.4, 1.0, 0), (0.4, 1.0, 3), (-0.6, 0.5, 6)):
-        verdict = _judge_rounds(ask, *trial_record(ask.rng, 200, c), share, rounds)
-        if not verdict.passed:
-            return verdict
-    return Verdict(True, "the errors are filtered, the rounds go the share that they are told.")
+        yield _judge_rounds(ask, *trial_record(ask.rng, 200, c), share, rounds)
+    yield Verdict(True, "the errors are filtered, the rounds go the share that they are told.")
 
 
 def _judge_errors(ask: Ask, theta: FloatArray, u: FloatArray, y: FloatArray) -> Verdict:

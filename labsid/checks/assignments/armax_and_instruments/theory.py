@@ -1,28 +1,27 @@
 """Checks of what is computed on paper: the limit of least squares, covariance in coloured noise, likelihood."""
 
+from collections.abc import Iterator
+
 import numpy as np
 
 from labsid._arrays import FloatArray
 from labsid.checks.compare import SAME, as_array, as_matrix, as_number, as_theta, close
 from labsid.checks.question import Ask, returned
 from labsid.checks.trials import first_order, trial_equations
-from labsid.checks.verdict import Slip, Verdict, judge
+from labsid.checks.verdict import Slip, Verdict, first_failure, judge
 from labsid.estimation.likelihood import log_likelihood
 from labsid.least_squares.intervals import parameter_covariance
 from labsid.least_squares.linear_algebra import pseudo_inverse
 from labsid.model_structures.prediction import free_run
 
 
-def limit(ask: Ask) -> Verdict:
+@first_failure
+def limit(ask: Ask) -> Iterator[Verdict]:
     """`limit_of_least_squares(a, b, c, var_u, var_e)`."""
-    verdict = Verdict(False, "")
     for sign_a, sign_c in ((-1, -1), (-1, 1), (1, -1)):
         a, c = sign_a * ask.rng.uniform(0.3, 0.85), sign_c * ask.rng.uniform(0.3, 0.9)
         b, var_u, var_e = ask.rng.uniform(0.5, 3, 3)
-        verdict = _judge_limit(ask, float(a), float(b), float(c), float(var_u), float(var_e))
-        if not verdict.passed:
-            break
-    return verdict
+        yield _judge_limit(ask, float(a), float(b), float(c), float(var_u), float(var_e))
 
 
 def _judge_limit(ask: Ask, a: float, b: float, c: float, var_u: float, var_e: float) -> Verdict:
@@ -85,15 +84,12 @@ def _judge_limit(ask: Ask, a: float, b: float, c: float, var_u: float, var_e: fl
     )
 
 
-def covariance(ask: Ask) -> Verdict:
+@first_failure
+def covariance(ask: Ask) -> Iterator[Verdict]:
     """`covariance(Phi, c, var_e)`."""
-    verdict = Verdict(False, "")
     for n, p, sign in ((7, 2, 1), (9, 3, -1), (6, 1, 1)):
         Phi = trial_equations(ask.rng, n, p)[0]
-        verdict = _judge_covariance(ask, Phi, float(sign * ask.rng.uniform(0.4, 0.9)), float(ask.rng.uniform(1.5, 3)))
-        if not verdict.passed:
-            break
-    return verdict
+        yield _judge_covariance(ask, Phi, float(sign * ask.rng.uniform(0.4, 0.9)), float(ask.rng.uniform(1.5, 3)))
 
 
 def _judge_covariance(ask: Ask, Phi: FloatArray, c: float, var_e: float) -> Verdict:
@@ -167,15 +163,12 @@ def _judge_covariance(ask: Ask, Phi: FloatArray, c: float, var_e: float) -> Verd
     )
 
 
-def likelihood(ask: Ask) -> Verdict:
+@first_failure
+def likelihood(ask: Ask) -> Iterator[Verdict]:
     """`log_likelihood(theta, var_e, Phi, Y)`."""
-    verdict = Verdict(False, "")
     for n, p in ((6, 2), (11, 3)):
         Phi, Y = trial_equations(ask.rng, n, p)
-        verdict = _judge_likelihood(ask, ask.rng.uniform(-1, 1, p), float(ask.rng.uniform(1.6, 4)), Phi, Y)
-        if not verdict.passed:
-            break
-    return verdict
+        yield _judge_likelihood(ask, ask.rng.uniform(-1, 1, p), float(ask.rng.uniform(1.6, 4)), Phi, Y)
 
 
 def _judge_likelihood(ask: Ask, theta: FloatArray, var_e: float, Phi: FloatArray, Y: FloatArray) -> Verdict:

@@ -1,6 +1,6 @@
 """Part 1 of the lab: the record extracted, looked at, and freed of its offsets."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from functools import partial
 
 import numpy as np
@@ -11,7 +11,7 @@ from labsid.checks.assignments.lab_identification.signal_panels import Panel, re
 from labsid.checks.compare import as_number, as_vector, close
 from labsid.checks.question import Ask
 from labsid.checks.values import Value
-from labsid.checks.verdict import NoAnswer, Slip, Verdict, judge
+from labsid.checks.verdict import NoAnswer, Slip, Verdict, first_failure, judge
 from labsid.lab.offset import first_period_length
 
 EXACT = close(1e-9, 1e-9)
@@ -28,7 +28,8 @@ def right_signals(ask: Ask) -> dict[str, Value]:
     }
 
 
-def extract(ask: Ask) -> Verdict:
+@first_failure
+def extract(ask: Ask) -> Iterator[Verdict]:
     """Step 1a: the four signals."""
     right = {name: np.asarray(value, float) for name, value in right_signals(ask).items()}
     for name, values in right.items():
@@ -47,7 +48,7 @@ def extract(ask: Ask) -> Verdict:
             f"`{name}` counts the samples; the record holds the time in seconds.",
             lambda: np.arange(values.size, dtype=float),  # noqa: B023
         )
-        verdict = judge(
+        yield judge(
             got,
             values,
             EXACT,
@@ -55,9 +56,7 @@ def extract(ask: Ask) -> Verdict:
             f"`{name}` is not that signal of the record. Compare your lines with the lab's.",
             [*taken, counted],
         )
-        if not verdict.passed:
-            return verdict
-    return Verdict(True, f"Four signals of {right['t'].size} samples each.")
+    yield Verdict(True, f"Four signals of {right['t'].size} samples each.")
 
 
 def _extracted(name: str, value: Value) -> FloatArray:

@@ -1,5 +1,7 @@
 """Part 3 of the lab: the model simulated and held against the record."""
 
+from collections.abc import Iterator
+
 import numpy as np
 
 from labsid._arrays import FloatArray
@@ -15,7 +17,7 @@ from labsid.checks.assignments.lab_identification.simulated_output import (
 from labsid.checks.compare import as_number
 from labsid.checks.question import Ask
 from labsid.checks.values import Value
-from labsid.checks.verdict import NoAnswer, Slip, Verdict, judge
+from labsid.checks.verdict import NoAnswer, Slip, Verdict, first_failure, judge
 from labsid.lab.arx import ArxModel
 from labsid.lab.simulation import free_response, predict_one_step, simulate
 from labsid.lab.verification import mse
@@ -88,7 +90,8 @@ def _measured_and_simulated(ask: Ask) -> tuple[FloatArray, FloatArray, FloatArra
     return y, y[-y_sim_half.size :], y_sim, y_sim_half
 
 
-def initial_state(ask: Ask) -> Verdict:
+@first_failure
+def initial_state(ask: Ask) -> Iterator[Verdict]:
     """Step 3b: a function that simulates from the estimated state, tried on stretches that it has not seen.
 
     Without noise every honest estimate finds the state, so the output is the true one whatever the coordinates of the
@@ -116,10 +119,8 @@ def initial_state(ask: Ask) -> Verdict:
             raise NoAnswer(
                 f"`{name}` should return one number for each of its {u.size} samples; it returned {got.size}."
             )
-        verdict = _judge_start(got, u, y, y_true, model) if not noise else _judge_free_run(got, u, y, model)
-        if not verdict.passed:
-            return verdict
-    return Verdict(
+        yield _judge_start(got, u, y, y_true, model) if not noise else _judge_free_run(got, u, y, model)
+    yield Verdict(
         True, "It starts where the measured output does, on stretches that you have not seen, and it is a simulation."
     )
 

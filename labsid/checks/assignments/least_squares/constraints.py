@@ -1,5 +1,6 @@
 """Checks of the lecture's end: known parameters, weights, constraints, confidence, and Cayley-Hamilton."""
 
+from collections.abc import Iterator
 from functools import partial
 from itertools import product
 
@@ -9,7 +10,7 @@ from labsid._arrays import FloatArray
 from labsid.checks.compare import SAME, as_theta
 from labsid.checks.question import Ask, returned
 from labsid.checks.trials import trial_equations
-from labsid.checks.verdict import Slip, Verdict, judge
+from labsid.checks.verdict import Slip, Verdict, first_failure, judge
 from labsid.least_squares.constrained import fit_with_known, least_squares_with_equations
 from labsid.least_squares.linear_algebra import pseudo_inverse
 from labsid.least_squares.solve import solve_least_squares
@@ -21,19 +22,16 @@ _WRONG_LAGS = ((2, 1, 2), (1, 1, 3), (2, 0, 2), (2, 2, 3), (2, 0, 3), (1, 0, 2),
 """Of y, of the known u and of the other u in example 1, which are 2, 1 and 3."""
 
 
-def known_parameter(ask: Ask) -> Verdict:
+@first_failure
+def known_parameter(ask: Ask) -> Iterator[Verdict]:
     """`example_1(u, y)`: SUSTech's example 1, with the known coefficient on the left side."""
-    verdict = Verdict(False, "")
     for samples in (20, 35):
         a, b = ask.rng.uniform(-0.8, 0.8), ask.rng.uniform(0.5, 2)
         u = ask.rng.uniform(-2, 2, samples)
         model = PolynomialModel(np.array([1, 0, a]), np.array([1, 0, b]), np.array([1.0]), 1, 1.0)
         y = free_run(model, u) + 0.3 * ask.rng.standard_normal(samples)
         y[:3] += ask.rng.uniform(1, 2, 3)  # not at rest before the record: rows before k0 are wrong here
-        verdict = _judge_known(ask, u, y)
-        if not verdict.passed:
-            break
-    return verdict
+        yield _judge_known(ask, u, y)
 
 
 def _judge_known(ask: Ask, u: FloatArray, y: FloatArray) -> Verdict:
@@ -112,16 +110,13 @@ def _lagged_fit(u: FloatArray, y: FloatArray, lags: tuple[int, int, int], first:
     return solve_least_squares(np.column_stack([-y[k - of_y], u[k - of_u]]), y[k] - u[k - of_known]).theta
 
 
-def weighted(ask: Ask) -> Verdict:
+@first_failure
+def weighted(ask: Ask) -> Iterator[Verdict]:
     """`weighted_fit(Phi, Y, sigma)`."""
-    verdict = Verdict(False, "")
     for n, p in ((9, 2), (12, 3)):
         Phi, Y = trial_equations(ask.rng, n, p)
         sigma = ask.rng.uniform(0.2, 3, n)
-        verdict = _judge_weighted(ask, Phi, Y, sigma)
-        if not verdict.passed:
-            break
-    return verdict
+        yield _judge_weighted(ask, Phi, Y, sigma)
 
 
 def _judge_weighted(ask: Ask, Phi: FloatArray, Y: FloatArray, sigma: FloatArray) -> Verdict:
@@ -174,16 +169,13 @@ def _judge_weighted(ask: Ask, Phi: FloatArray, Y: FloatArray, sigma: FloatArray)
     )
 
 
-def constrained(ask: Ask) -> Verdict:
+@first_failure
+def constrained(ask: Ask) -> Iterator[Verdict]:
     """`constrained_fit(Phi, Y, A, b)`."""
-    verdict = Verdict(False, "")
     for n, p, r in ((8, 3, 1), (9, 4, 2), (6, 2, 1)):
         Phi, Y = trial_equations(ask.rng, n, p)
         A, b = ask.rng.uniform(0.5, 2, (r, p)) + np.eye(r, p), ask.rng.uniform(2, 4, r)
-        verdict = _judge_constrained(ask, Phi, Y, A, b)
-        if not verdict.passed:
-            break
-    return verdict
+        yield _judge_constrained(ask, Phi, Y, A, b)
 
 
 def _judge_constrained(ask: Ask, Phi: FloatArray, Y: FloatArray, A: FloatArray, b: FloatArray) -> Verdict:

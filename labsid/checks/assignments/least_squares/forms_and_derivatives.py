@@ -1,6 +1,6 @@
 """Checks of the lecture's first half: definiteness, the rows of Example 2-3, derivatives with respect to a vector."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -8,7 +8,7 @@ from numpy.typing import ArrayLike
 from labsid._arrays import FloatArray
 from labsid.checks.compare import as_array, as_matrix, as_vector, close, kind_of
 from labsid.checks.question import Ask, returned
-from labsid.checks.verdict import NoAnswer, Slip, Verdict, judge
+from labsid.checks.verdict import NoAnswer, Slip, Verdict, first_failure, judge
 from labsid.least_squares.gradients import gradient_quadratic, jacobian_cubic
 from labsid.least_squares.quadratic_form import definiteness
 from labsid.model_structures.structures import Structure, build_equations
@@ -144,14 +144,11 @@ def _kind(ask: Ask, M: FloatArray) -> str:
     return text
 
 
-def delays(ask: Ask) -> Verdict:
+@first_failure
+def delays(ask: Ask) -> Iterator[Verdict]:
     """`delayed_inputs(u, n)`, Example 2-3."""
-    verdict = Verdict(False, "")
     for n, samples in ((3, 9), (2, 6), (5, 11)):
-        verdict = _judge_delays(ask, ask.rng.uniform(1, 4, samples), n)
-        if not verdict.passed:
-            break
-    return verdict
+        yield _judge_delays(ask, ask.rng.uniform(1, 4, samples), n)
 
 
 def _judge_delays(ask: Ask, u: FloatArray, n: int) -> Verdict:
@@ -210,14 +207,13 @@ def _rows(u: FloatArray, n: int) -> FloatArray:
     return build_equations(Structure(0, n, delay=0), u, np.zeros(u.size), start=0).Phi
 
 
-def derivatives(ask: Ask) -> Verdict:
+@first_failure
+def derivatives(ask: Ask) -> Iterator[Verdict]:
     """`gradient_form(A, x)` and `jacobian_cubic(x)`."""
     for n in (3, 2, 4):
         A, x = ask.rng.uniform(-2, 2, (n, n)), ask.rng.uniform(0.5, 2, n)
-        for verdict in (_gradient(ask, A, x), _jacobian(ask, x)):
-            if not verdict.passed:
-                return verdict
-    return Verdict(True, "both derivatives are right, for vectors of any length.")
+        yield from (_gradient(ask, A, x), _jacobian(ask, x))
+    yield Verdict(True, "both derivatives are right, for vectors of any length.")
 
 
 def _gradient(ask: Ask, A: FloatArray, x: FloatArray) -> Verdict:

@@ -1,24 +1,23 @@
 """Checks of the geometry: the projection onto the columns of Phi, and all solutions where Phi lacks rank."""
 
+from collections.abc import Iterator
+
 import numpy as np
 
 from labsid._arrays import FloatArray
 from labsid.checks.compare import SAME, as_array, as_matrix, as_theta
 from labsid.checks.question import Ask, returned, returned_parts
 from labsid.checks.trials import trial_equations
-from labsid.checks.verdict import Slip, Verdict, judge
+from labsid.checks.verdict import Slip, Verdict, first_failure, judge
 from labsid.least_squares.linear_algebra import singular_values
 from labsid.least_squares.projection import projection_matrix, solution_set
 
 
-def projector(ask: Ask) -> Verdict:
+@first_failure
+def projector(ask: Ask) -> Iterator[Verdict]:
     """`projector(Phi)`."""
-    verdict = Verdict(False, "")
     for n, p in ((5, 2), (6, 3), (4, 1)):
-        verdict = _judge_projector(ask, trial_equations(ask.rng, n, p)[0])
-        if not verdict.passed:
-            break
-    return verdict
+        yield _judge_projector(ask, trial_equations(ask.rng, n, p)[0])
 
 
 def _judge_projector(ask: Ask, Phi: FloatArray) -> Verdict:
@@ -65,17 +64,16 @@ def _judge_projector(ask: Ask, Phi: FloatArray) -> Verdict:
     )
 
 
-def all_solutions(ask: Ask) -> Verdict:
+@first_failure
+def all_solutions(ask: Ask) -> Iterator[Verdict]:
     """`all_solutions(Phi, Y)`: the shortest theta and the directions that cost nothing."""
     for n, p, rank in ((6, 3, 2), (8, 4, 2), (7, 4, 3)):
         Phi = np.zeros((n, p))
         while singular_values(Phi).rank < rank:
             # small integers: dependent columns without rounding
             Phi = ask.rng.integers(-3, 4, (n, rank)) @ ask.rng.integers(-2, 3, (rank, p)).astype(float)
-        verdict = _solutions(ask, Phi, ask.rng.uniform(-5, 5, n))
-        if not verdict.passed:
-            return verdict
-    return Verdict(True, "the shortest theta, and every direction in which it may move.")
+        yield _solutions(ask, Phi, ask.rng.uniform(-5, 5, n))
+    yield Verdict(True, "the shortest theta, and every direction in which it may move.")
 
 
 def _solutions(ask: Ask, Phi: FloatArray, Y: FloatArray) -> Verdict:

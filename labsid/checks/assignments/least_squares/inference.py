@@ -1,5 +1,7 @@
 """Checks of the lecture's last two steps: confidence intervals, and the theorem of Cayley and Hamilton."""
 
+from collections.abc import Iterator
+
 import numpy as np
 from scipy.special import ndtri, stdtrit
 
@@ -7,21 +9,18 @@ from labsid._arrays import FloatArray
 from labsid.checks.compare import SAME, as_array, as_theta, as_vector
 from labsid.checks.question import Ask, returned, returned_parts
 from labsid.checks.trials import trial_equations
-from labsid.checks.verdict import Slip, Verdict, judge
+from labsid.checks.verdict import Slip, Verdict, first_failure, judge
 from labsid.least_squares.intervals import confidence_intervals
 from labsid.least_squares.matrix_inverse import characteristic_polynomial
 from labsid.least_squares.solve import LeastSquares, solve_least_squares
 
 
-def confidence(ask: Ask) -> Verdict:
+@first_failure
+def confidence(ask: Ask) -> Iterator[Verdict]:
     """`confidence(Phi, Y, level)`."""
-    verdict = Verdict(False, "")
     for n, p, level in ((8, 3, 0.9), (11, 2, 0.99)):
         Phi, Y = trial_equations(ask.rng, n, p)
-        verdict = _judge_confidence(ask, Phi, Y, level)
-        if not verdict.passed:
-            break
-    return verdict
+        yield _judge_confidence(ask, Phi, Y, level)
 
 
 def _judge_confidence(ask: Ask, Phi: FloatArray, Y: FloatArray, level: float) -> Verdict:
@@ -114,15 +113,12 @@ def _width_slips(fit: LeastSquares, n: int, p: int, level: float) -> list[Slip[F
     ]
 
 
-def cayley_hamilton(ask: Ask) -> Verdict:
+@first_failure
+def cayley_hamilton(ask: Ask) -> Iterator[Verdict]:
     """`inverse_weights(A)`: the inverse as a sum of powers of A."""
-    verdict = Verdict(False, "")
     for n in (2, 3, 4):
         A = ask.rng.uniform(-1, 1, (n, n)) + np.diag(ask.rng.uniform(1.5, 3, n))
-        verdict = _judge_weights(ask, A)
-        if not verdict.passed:
-            break
-    return verdict
+        yield _judge_weights(ask, A)
 
 
 def _judge_weights(ask: Ask, A: FloatArray) -> Verdict:

@@ -1,6 +1,6 @@
 """Checks of the lecture's middle: sums of powers (Examples 2-1, 2-2, 2-4), Fig. 5, projection, all solutions."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 
 import numpy as np
 
@@ -9,39 +9,39 @@ from labsid.checks.compare import SAME, as_array, as_figure, as_number, as_theta
 from labsid.checks.figures import legend_text, require_label, require_legend
 from labsid.checks.question import Ask, returned_parts
 from labsid.checks.values import Value
-from labsid.checks.verdict import NoAnswer, Slip, Verdict, judge
+from labsid.checks.verdict import NoAnswer, Slip, Verdict, first_failure, judge
 from labsid.least_squares.curve_fit import EXAMPLE_2_1, LINE, PARABOLA, fit_powers, power_regressors
 from labsid.plots.figure_values import AxesValue, CurveValue
 
 
-def fits(ask: Ask) -> Verdict:
+@first_failure
+def fits(ask: Ask) -> Iterator[Verdict]:
     """`fit_powers(x, y, powers)`, then what it gives for Example 2-1."""
     for powers in ((3, 2, 1), (1, 0), (2, 1, 0), (0, 1, 2)):
-        verdict = _one_fit(ask, powers)
-        if not verdict.passed:
-            return verdict
+        yield _one_fit(ask, powers)
     for name, right in right_fits(ask).items():
         if not SAME(np.ravel(as_array(name, ask.value(name))), np.ravel(as_array(name, right))):
-            return Verdict(False, f"the function is right, `{name}` is not: leave the last lines as they were given.")
-    return Verdict(True, "it fits any sum of powers, and its line is the one of Example 2-4.")
+            yield Verdict(False, f"the function is right, `{name}` is not: leave the last lines as they were given.")
+    yield Verdict(True, "it fits any sum of powers, and its line is the one of Example 2-4.")
 
 
-def _one_fit(ask: Ask, powers: tuple[int, ...]) -> Verdict:
+@first_failure
+def _one_fit(ask: Ask, powers: tuple[int, ...]) -> Iterator[Verdict]:
     n = 9
     x = ask.rng.permutation(np.linspace(-1.5, 2.5, n) + ask.rng.uniform(-0.15, 0.15, n))
     y = ask.rng.uniform(-4, 4, n)
     call = f"fit_powers(x, y, {list(powers)})"
     parts = returned_parts(ask, "fit_powers", "theta and the SSE", 2, x, y, np.array(powers))
     if _size(parts[0]) == 1 and _size(parts[1]) == len(powers) > 1:
-        return Verdict(False, "`fit_powers` returns the SSE before theta.", "theta and SSE swapped")
+        yield Verdict(False, "`fit_powers` returns the SSE before theta.", "theta and SSE swapped")
     fit = fit_powers(x, y, powers)
     if isinstance(parts[0], np.ndarray) and parts[0].size != len(powers):
-        return Verdict(
+        yield Verdict(
             False,
             f"`{call}` returns {parts[0].size} parameters; there is one for each power: let it use `powers`.",
             "powers not used",
         )
-    verdict = judge(
+    yield judge(
         as_theta(f"theta of {call}", parts[0], len(powers)),
         fit.theta,
         SAME,
@@ -66,11 +66,9 @@ def _one_fit(ask: Ask, powers: tuple[int, ...]) -> Verdict:
             ),
         ],
     )
-    if not verdict.passed:
-        return verdict
     sse = 2 * fit.loss
     if _size(parts[1]) == 0:
-        return Verdict(False, "the SSE of `fit_powers` is empty: compute it from y - Phi theta.")
+        yield Verdict(False, "the SSE of `fit_powers` is empty: compute it from y - Phi theta.")
     mean = "the second value of `fit_powers` is a mean of the squared errors; asked for is their sum."
     slips: list[Slip[float]] = [
         Slip("half the sum", "the second value of `fit_powers` is half the SSE, which has no half.", lambda: fit.loss),
@@ -93,7 +91,7 @@ def _one_fit(ask: Ask, powers: tuple[int, ...]) -> Verdict:
             lambda: float(np.sum(np.abs(fit.residual))),
         ),
     ]
-    return judge(
+    yield judge(
         as_number(f"the SSE of {call}", parts[1]),
         sse,
         SAME,

@@ -1,6 +1,6 @@
 """Checks of what speaks for or against a model: excitation, cancelling roots, whiteness."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -9,7 +9,7 @@ from labsid._arrays import FloatArray
 from labsid.checks.compare import SAME, as_array, as_number, as_vector, close
 from labsid.checks.question import Ask, returned, returned_parts
 from labsid.checks.values import Value
-from labsid.checks.verdict import NoAnswer, Slip, Verdict, judge
+from labsid.checks.verdict import NoAnswer, Slip, Verdict, first_failure, judge
 from labsid.lab.excitation import excitation_order, square_wave
 from labsid.model_structures.input_signals import sinusoids
 from labsid.model_structures.residuals import autocorrelation as reference_autocorrelation
@@ -209,14 +209,11 @@ def _real(value: Value) -> FloatArray:
     return np.atleast_1d(as_array("what cancel(P, Q, within) returns", array).squeeze())
 
 
-def autocorrelation(ask: Ask) -> Verdict:
+@first_failure
+def autocorrelation(ask: Ask) -> Iterator[Verdict]:
     """`autocorrelation(e, lags)`, of a sequence whose mean is not zero."""
-    verdict = Verdict(False, "")
     for N, lags in ((30, 6), (50, 10)):
-        verdict = _judge_autocorrelation(ask, ask.rng.uniform(0.5, 1, 1) + ask.rng.standard_normal(N), lags)
-        if not verdict.passed:
-            break
-    return verdict
+        yield _judge_autocorrelation(ask, ask.rng.uniform(0.5, 1, 1) + ask.rng.standard_normal(N), lags)
 
 
 def _judge_autocorrelation(ask: Ask, e: FloatArray, lags: int) -> Verdict:

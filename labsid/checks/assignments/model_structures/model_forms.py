@@ -1,5 +1,6 @@
 """Checks of the forms of a model: state space from a transfer function, and the equations of an ARX model."""
 
+from collections.abc import Iterator
 from functools import partial
 
 import numpy as np
@@ -8,7 +9,7 @@ from labsid._arrays import FloatArray
 from labsid.checks.compare import as_array, as_matrix, as_vector, close, same_response
 from labsid.checks.question import Ask, returned, returned_parts
 from labsid.checks.values import StateSpaceValue, Value
-from labsid.checks.verdict import NoAnswer, Slip, Verdict, judge
+from labsid.checks.verdict import NoAnswer, Slip, Verdict, first_failure, judge
 from labsid.model_structures.realisation import controllable_form
 from labsid.model_structures.structures import Structure, build_equations
 
@@ -16,17 +17,14 @@ _SAME_SYSTEM = same_response(1e-6)
 _EXACT = close(1e-9)
 
 
-def state_space(ask: Ask) -> Verdict:
+@first_failure
+def state_space(ask: Ask) -> Iterator[Verdict]:
     """`state_space(num, den)`: without and with a direct path, num shorter than den, den[0] not 1."""
-    verdict = Verdict(False, "")
     for n, degree, lead in ((2, 1, 1.0), (3, 2, 1.0), (3, 1, 1.0), (2, 2, 1.0), (3, 2, 2.5), (1, 1, 1.0)):
         # the sum of |a| stays below one: stable, also with the other sign
         den = lead * np.r_[1, ask.rng.choice([-1.0, 1.0], n) * ask.rng.uniform(0.1, 0.3, n)]
         num = ask.rng.uniform(0.5, 2, degree + 1) * np.r_[ask.rng.choice([-1.0, 1.0], degree), 1]
-        verdict = _judge_state_space(ask, num, den)
-        if not verdict.passed:
-            break
-    return verdict
+        yield _judge_state_space(ask, num, den)
 
 
 def _judge_state_space(ask: Ask, num: FloatArray, den: FloatArray) -> Verdict:

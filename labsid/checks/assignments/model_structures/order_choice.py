@@ -1,6 +1,6 @@
 """Checks of the choice of an order: losses on the same rows, and what a parameter costs."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from functools import partial
 
 import numpy as np
@@ -8,26 +8,23 @@ import numpy as np
 from labsid._arrays import FloatArray
 from labsid.checks.compare import SAME, as_vector
 from labsid.checks.question import Ask, returned, returned_parts
-from labsid.checks.verdict import Slip, Verdict, judge
+from labsid.checks.verdict import Slip, Verdict, first_failure, judge
 from labsid.model_structures.prediction import free_run
 from labsid.model_structures.structures import PolynomialModel, Structure, fit_structure
 
 
-def order(ask: Ask) -> Verdict:
+@first_failure
+def order(ask: Ask) -> Iterator[Verdict]:
     """`losses(u, y, orders)` and `criteria(V, N, p)`."""
     a, b = np.array([1, -1.2, 0.5]), np.array([1, 0.5])
     model = PolynomialModel(a * [1, *ask.rng.uniform(0.9, 1.1, 2)], b * ask.rng.uniform(0.8, 1.2, 2), np.ones(1))
     for orders in ((1, 2, 3, 4), (2, 5)):
         u, e = ask.rng.uniform(-2, 2, 60), ask.rng.standard_normal(60)
-        verdict = _judge_losses(ask, u, free_run(model, u, e), orders)
-        if not verdict.passed:
-            return verdict
+        yield _judge_losses(ask, u, free_run(model, u, e), orders)
     for N in (40, 300):
         p = np.array([2.0, 4, 6, 8])
-        verdict = _judge_criteria(ask, np.sort(ask.rng.uniform(0.3, 2.5, 4))[::-1], N, p)
-        if not verdict.passed:
-            return verdict
-    return Verdict(True, "the same rows for all, and a price on every parameter.")
+        yield _judge_criteria(ask, np.sort(ask.rng.uniform(0.3, 2.5, 4))[::-1], N, p)
+    yield Verdict(True, "the same rows for all, and a price on every parameter.")
 
 
 def _losses(u: FloatArray, y: FloatArray, orders: Sequence[int], starts: Sequence[int]) -> FloatArray:
@@ -94,13 +91,14 @@ def _judge_losses(ask: Ask, u: FloatArray, y: FloatArray, orders: tuple[int, ...
     )
 
 
-def _judge_criteria(ask: Ask, V: FloatArray, N: int, p: FloatArray) -> Verdict:
+@first_failure
+def _judge_criteria(ask: Ask, V: FloatArray, N: int, p: FloatArray) -> Iterator[Verdict]:
     parts = returned_parts(ask, "criteria", "three things, AIC, BIC and FPE", 3, V, N, p)
     log_loss, fpe = N * np.log(V), V * (1 + p / N) / (1 - p / N)
     right = {"AIC": log_loss + 2 * p, "BIC": log_loss + p * np.log(N), "FPE": fpe}
     got = {name: as_vector(f"{name} of criteria(V, N, p)", part, 4) for name, part in zip(right, parts, strict=True)}
     if SAME(got["AIC"], right["BIC"]) and SAME(got["BIC"], right["AIC"]):
-        return Verdict(False, "`criteria` returns BIC before AIC.", "AIC and BIC swapped")
+        yield Verdict(False, "`criteria` returns BIC before AIC.", "AIC and BIC swapped")
     ten = "`criteria` takes the logarithm to base 10: ln is `np.log`."
     prices = {"AIC": 2 * p, "BIC": p * np.log(N)}
     for name, price in prices.items():
@@ -121,12 +119,8 @@ def _judge_criteria(ask: Ask, V: FloatArray, N: int, p: FloatArray) -> Verdict:
             Slip("price of a parameter", f"{name} has no price on parameters.", partial(np.copy, log_loss)),
             Slip("price of a parameter", f"the price in {name} is ln p for p ln N.", lambda: log_loss + N * np.log(p)),
         ]
-        verdict = judge(
-            got[name], right[name], SAME, "", f"{name} of `criteria` is not right: work the example.", slips
-        )
-        if not verdict.passed:
-            return verdict
-    return judge(
+        yield judge(got[name], right[name], SAME, "", f"{name} of `criteria` is not right: work the example.", slips)
+    yield judge(
         got["FPE"],
         fpe,
         SAME,

@@ -1,11 +1,13 @@
 """Checks of what works on signals: a polynomial in q^-1, and the simulation of the whole family of structures."""
 
+from collections.abc import Iterator
+
 import numpy as np
 
 from labsid._arrays import FloatArray
 from labsid.checks.compare import as_array, as_vector, close
 from labsid.checks.question import Ask, returned
-from labsid.checks.verdict import Slip, Verdict, judge
+from labsid.checks.verdict import Slip, Verdict, first_failure, judge
 from labsid.model_structures.polynomials import apply
 from labsid.model_structures.prediction import free_run
 from labsid.model_structures.structures import PolynomialModel
@@ -13,16 +15,13 @@ from labsid.model_structures.structures import PolynomialModel
 EXACT = close(1e-8)
 
 
-def shift(ask: Ask) -> Verdict:
+@first_failure
+def shift(ask: Ask) -> Iterator[Verdict]:
     """`apply(P, x)`: a polynomial in q^-1 works on a signal."""
-    verdict = Verdict(False, "")
     for n in (3, 2, 5, 1):
         P, x = ask.rng.uniform(0.5, 2, n), ask.rng.uniform(-3, 3, 12)
         x[0] += 5
-        verdict = _judge_shift(ask, P, x)
-        if not verdict.passed:
-            break
-    return verdict
+        yield _judge_shift(ask, P, x)
 
 
 def _judge_shift(ask: Ask, P: FloatArray, x: FloatArray) -> Verdict:

@@ -1,5 +1,6 @@
 """Checks around Systems 1 and 2: Example 3-1, one-step prediction beside simulation, Fig. 8."""
 
+from collections.abc import Iterator
 from functools import lru_cache
 
 import numpy as np
@@ -9,7 +10,7 @@ from labsid.checks.compare import SAME, as_figure, as_theta, as_vector, close
 from labsid.checks.figures import legend_text, plain_text, require_label, require_legend
 from labsid.checks.question import Ask, returned
 from labsid.checks.values import Value
-from labsid.checks.verdict import NoAnswer, Slip, Verdict, judge
+from labsid.checks.verdict import NoAnswer, Slip, Verdict, first_failure, judge
 from labsid.least_squares.solve import solve_least_squares
 from labsid.model_structures.prediction import free_run, one_step_prediction
 from labsid.model_structures.structures import PolynomialModel, Structure, fit_structure
@@ -39,23 +40,22 @@ def _fit(u: FloatArray, y: FloatArray, start: int = 1) -> FloatArray:
     return fit_structure(_FIRST_ORDER, u, y, start=start).fit.theta
 
 
-def example_3_1(ask: Ask) -> Verdict:
+@first_failure
+def example_3_1(ask: Ask) -> Iterator[Verdict]:
     """`example_3_1(u, y)` on systems of the same form, then what it gives for Systems 1 and 2."""
     for _ in range(2):
         a, b = ask.rng.uniform(-0.9, -0.5), ask.rng.uniform(1.5, 2.5)
         u, e = ask.rng.uniform(-2, 2, 60), ask.rng.standard_normal(60)
         u[0] = e[0] = 0
-        verdict = _judge_table(ask, u, free_run(_model([1, a], [0, b]), u, e))
-        if not verdict.passed:
-            return verdict
+        yield _judge_table(ask, u, free_run(_model([1, a], [0, b]), u, e))
     for system, record in zip((1, 2), _records(), strict=True):
         name = f"theta_{system}"
         got = as_theta(name, ask.value(name), 2)
         if not any(SAME(got, _fit(*record, start)) for start in (1, 0, 2, 3)):
-            return Verdict(
+            yield Verdict(
                 False, f"the function is right, `{name}` is not: it is `example_3_1(u_{system}, y_{system})`."
             )
-    return Verdict(True, "System 1 is found; System 2 is not of this structure, and a goes astray.")
+    yield Verdict(True, "System 1 is found; System 2 is not of this structure, and a goes astray.")
 
 
 def _judge_table(ask: Ask, u: FloatArray, y: FloatArray) -> Verdict:
@@ -115,7 +115,8 @@ def right_tables(_: Ask) -> dict[str, Value]:
     return {"theta_1": _fit(u_1, y_1), "theta_2": _fit(u_2, y_2)}
 
 
-def predict(ask: Ask) -> Verdict:
+@first_failure
+def predict(ask: Ask) -> Iterator[Verdict]:
     """`predict(A, B, u, y)` and `free_run(A, B, u)`, then `y_hat` and `y_sim`."""
     rng = ask.rng
     for na, nb, delay in ((1, 1, 1), (2, 2, 1), (2, 2, 0), (1, 1, 3)):
@@ -123,21 +124,19 @@ def predict(ask: Ask) -> Verdict:
         A = np.r_[1, rng.choice([-1.0, 1.0], na) * rng.uniform(0.2, 0.45, na)]
         B = np.r_[np.zeros(delay), rng.uniform(0.5, 2, nb)]
         u, y = rng.uniform(1, 2, 20), rng.uniform(2, 5, 20)
-        for verdict in (_judge_prediction(ask, A, B, u, y), _judge_run(ask, A, B, u)):
-            if not verdict.passed:
-                return verdict
+        yield from (_judge_prediction(ask, A, B, u, y), _judge_run(ask, A, B, u))
     right = _outputs(as_vector("theta_1", ask.known("theta_1"), 2))
     got = {name: as_vector(name, ask.value(name), 1000) for name in right}
     if _EXACT(got["y_hat"], right["y_sim"]) or _EXACT(got["y_sim"], right["y_hat"]):
-        return Verdict(
+        yield Verdict(
             False,
             "the functions are right, but `y_hat` and `y_sim` are not: y_hat is the prediction, y_sim the free run.",
             "prediction passed off as simulation",
         )
     for name in right:
         if not _EXACT(got[name], right[name]):
-            return Verdict(False, f"the functions are right, `{name}` is not: leave the last lines as they were given.")
-    return Verdict(True, "one is told the truth after every sample, the other never.")
+            yield Verdict(False, f"the functions are right, `{name}` is not: leave the last lines as they were given.")
+    yield Verdict(True, "one is told the truth after every sample, the other never.")
 
 
 def _judge_prediction(ask: Ask, A: FloatArray, B: FloatArray, u: FloatArray, y: FloatArray) -> Verdict:

@@ -1,5 +1,7 @@
 """Checks of the exponential: through the logarithm, its Jacobian, and the fit itself with its picture."""
 
+from collections.abc import Iterator
+
 import numpy as np
 
 from labsid._arrays import FloatArray
@@ -7,22 +9,19 @@ from labsid.checks.assignments.nonlinear_least_squares.estimates import as_estim
 from labsid.checks.compare import SAME, as_array, as_figure, as_matrix, as_number, as_vector
 from labsid.checks.figures import legend_text, require_label, require_legend
 from labsid.checks.question import Ask, returned, returned_parts
-from labsid.checks.verdict import NoAnswer, Slip, Verdict, judge
+from labsid.checks.verdict import NoAnswer, Slip, Verdict, first_failure, judge
 from labsid.least_squares.curve_fit import LINE, SUSTECH_POINTS, fit_powers
 from labsid.nonlinear.exponential import evaluate_exponential, fit_exponential, fit_exponential_by_logarithm
 from labsid.nonlinear.solve import NonlinearFit
 from labsid.plots.figure_values import AxesValue, CurveValue
 
 
-def logarithm(ask: Ask) -> Verdict:
+@first_failure
+def logarithm(ask: Ask) -> Iterator[Verdict]:
     """`fit_logarithm(x, y)`, which returns a and b."""
-    verdict = Verdict(False, "")
     for a, b in ((0.7, 0.4), (-0.5, 3.0)):
         x = np.sort(ask.rng.uniform(-2, 3, 7))
-        verdict = _judge_logarithm(ask, x, evaluate_exponential(x, a, b) * ask.rng.uniform(0.6, 1.6, 7))
-        if not verdict.passed:
-            break
-    return verdict
+        yield _judge_logarithm(ask, x, evaluate_exponential(x, a, b) * ask.rng.uniform(0.6, 1.6, 7))
 
 
 def _judge_logarithm(ask: Ask, x: FloatArray, y: FloatArray) -> Verdict:
@@ -86,15 +85,14 @@ def _judge_logarithm(ask: Ask, x: FloatArray, y: FloatArray) -> Verdict:
     )
 
 
-def jacobian(ask: Ask) -> Verdict:
+@first_failure
+def jacobian(ask: Ask) -> Iterator[Verdict]:
     """`exp_jacobian(x, theta)` and `sse_gradient(x, y, theta)`."""
     for n in (5, 8):
         x, theta = ask.rng.uniform(0.3, 2, n), np.array([ask.rng.uniform(0.4, 0.9), ask.rng.uniform(1.5, 3)])
         y = evaluate_exponential(x, *theta) + ask.rng.uniform(-2, 2, n)
-        for verdict in (_jacobian(ask, x, theta), _gradient(ask, x, y, theta)):
-            if not verdict.passed:
-                return verdict
-    return Verdict(True, "both derivatives are right.")
+        yield from (_jacobian(ask, x, theta), _gradient(ask, x, y, theta))
+    yield Verdict(True, "both derivatives are right.")
 
 
 def jacobian_exponential(x: FloatArray, theta: FloatArray) -> FloatArray:
@@ -176,21 +174,20 @@ def _gradient(ask: Ask, x: FloatArray, y: FloatArray, theta: FloatArray) -> Verd
     )
 
 
-def exponential_fit(ask: Ask) -> Verdict:
+@first_failure
+def exponential_fit(ask: Ask) -> Iterator[Verdict]:
     """`fit_exponential(x, y)`, `theta_exp` on the printed data, and the picture of both methods."""
     for a, b in ((0.8, 0.6), (-0.6, 0.8), (0.6, 1.2)):
         x = np.linspace(-2, 3, 9) + ask.rng.uniform(-0.2, 0.2, 9)
         y = evaluate_exponential(x, a, b) + 0.5 * ask.rng.standard_normal(9)
         y[np.argmin(evaluate_exponential(x, a, b))] = -ask.rng.uniform(0.5, 1.0)
-        verdict = _judge_exponential(as_estimate("fit_exponential(x, y)", _fitted(ask, x, y), 2), x, y)
-        if not verdict.passed:
-            return verdict
+        yield _judge_exponential(as_estimate("fit_exponential(x, y)", _fitted(ask, x, y), 2), x, y)
     points = SUSTECH_POINTS
     got = as_estimate("theta_exp", ask.value("theta_exp"), 2)
     printed = _judge_exponential(got, points.x, points.y)
     if not printed.passed:
-        return Verdict(False, "the function is right, `theta_exp` is not: leave that line as it was given.")
-    return _picture(as_figure("fig_exp", ask.value("fig_exp"), axes=1).axes[0])
+        yield Verdict(False, "the function is right, `theta_exp` is not: leave that line as it was given.")
+    yield _picture(as_figure("fig_exp", ask.value("fig_exp"), axes=1).axes[0])
 
 
 def _fitted(ask: Ask, x: FloatArray, y: FloatArray) -> FloatArray:

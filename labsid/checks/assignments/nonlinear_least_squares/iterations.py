@@ -4,7 +4,7 @@ Both are tried on a linear regression seen through a compressing sensor, ``y = a
 notebook's own `try_gauss_newton` and `try_levenberg_marquardt`: a check cannot hand functions over.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 
 import numpy as np
 
@@ -13,7 +13,7 @@ from labsid.checks.assignments.nonlinear_least_squares.estimates import as_estim
 from labsid.checks.compare import SAME, as_array, as_matrix, as_vector
 from labsid.checks.question import Ask, returned
 from labsid.checks.values import Value
-from labsid.checks.verdict import NoAnswer, Slip, Verdict, judge
+from labsid.checks.verdict import NoAnswer, Slip, Verdict, first_failure, judge
 from labsid.nonlinear.solve import NonlinearFit, levenberg_marquardt
 from labsid.nonlinear.solve import gauss_newton as right_gauss_newton
 
@@ -33,17 +33,14 @@ def sensor(Phi: FloatArray) -> tuple[Map, Map]:
     return seen, slope
 
 
-def gauss_newton(ask: Ask) -> Verdict:
+@first_failure
+def gauss_newton(ask: Ask) -> Iterator[Verdict]:
     """`gauss_newton(g, jacobian, y, theta0, steps)`, which returns its path."""
-    verdict = Verdict(False, "")
     for n, p, steps in ((7, 2, 3), (9, 3, 4)):
         Phi = ask.rng.uniform(-1, 1, (n, p)) + np.vstack([np.eye(p), np.zeros((n - p, p))])
         truth = ask.rng.uniform(0.4, 1.2, p)
         y = np.arcsinh(Phi @ truth) + 0.1 * ask.rng.standard_normal(n)
-        verdict = _judge_path(ask, Phi, y, truth + ask.rng.uniform(-0.4, 0.4, p), steps)
-        if not verdict.passed:
-            break
-    return verdict
+        yield _judge_path(ask, Phi, y, truth + ask.rng.uniform(-0.4, 0.4, p), steps)
 
 
 def _judge_path(ask: Ask, Phi: FloatArray, y: FloatArray, start: FloatArray, steps: int) -> Verdict:
@@ -155,23 +152,20 @@ def _walk_on_y(start: FloatArray, steps: int, y: FloatArray, jacobian: Map) -> F
     return np.array(rows)
 
 
-def damping(ask: Ask) -> Verdict:
+@first_failure
+def damping(ask: Ask) -> Iterator[Verdict]:
     """`damped_step(J, e, mu)`, then `levenberg_marquardt(g, jacobian, y, theta0)`."""
     for n, p, mu in ((6, 2, 0.5), (8, 3, 4.0)):
         J = (ask.rng.uniform(-1, 1, (n, p)) + np.vstack([np.eye(p), np.zeros((n - p, p))])) * 2.0 ** np.arange(p)
-        verdict = _judge_step(ask, J, ask.rng.uniform(-2, 2, n), mu)
-        if not verdict.passed:
-            return verdict
+        yield _judge_step(ask, J, ask.rng.uniform(-2, 2, n), mu)
     for n, p in ((8, 2), (10, 3)):
         Phi = np.vstack([np.eye(p), ask.rng.uniform(-1, 1, (n - p, p))])
         truth = ask.rng.uniform(0.3, 1, p)
         y = np.arcsinh(Phi @ truth) + 0.02 * ask.rng.standard_normal(n)
         for away in (0.2, 30.0):
             start = truth + away * ask.rng.choice([-1.0, 1.0], p)
-            verdict = _judge_arrival(ask, Phi, y, start)
-            if not verdict.passed:
-                return verdict
-    return Verdict(True, "near or far, it goes downhill until it arrives.")
+            yield _judge_arrival(ask, Phi, y, start)
+    yield Verdict(True, "near or far, it goes downhill until it arrives.")
 
 
 def _judge_step(ask: Ask, J: FloatArray, e: FloatArray, mu: float) -> Verdict:

@@ -1,5 +1,7 @@
 """Checks of the last two fits: a recorded step response with its standard errors, and output error."""
 
+from collections.abc import Iterator
+
 import numpy as np
 from numpy.typing import ArrayLike
 
@@ -8,26 +10,23 @@ from labsid.checks.assignments.nonlinear_least_squares.estimates import as_estim
 from labsid.checks.compare import as_vector, close
 from labsid.checks.question import Ask, returned, returned_parts
 from labsid.checks.trials import first_order
-from labsid.checks.verdict import Slip, Verdict, judge
+from labsid.checks.verdict import Slip, Verdict, first_failure, judge
 from labsid.lab.step_response import FirstOrderDelay, first_order_response
 from labsid.model_structures.prediction import free_run
 from labsid.model_structures.structures import PolynomialModel, Structure, fit_structure
 from labsid.nonlinear.solve import NonlinearFit, levenberg_marquardt
 
 
-def step(ask: Ask) -> Verdict:
+@first_failure
+def step(ask: Ask) -> Iterator[Verdict]:
     """`fit_step(t, y, amplitude)`, which returns theta = [y0, K, tau] and its standard errors."""
-    verdict = Verdict(False, "")
     for amplitude, gain in ((-0.4, 2.5), (2.0, 0.8)):
         tau = ask.rng.uniform(6, 10)
         t: FloatArray = 0.5 * np.arange(90, dtype=np.float64)
         truth = np.array([ask.rng.uniform(1, 3), gain * ask.rng.uniform(0.8, 1.2), tau])
         y: FloatArray = _step(t, truth, amplitude) + 0.05 * ask.rng.standard_normal(t.size)
         fit = _fit_of_step(t, y, amplitude, truth)
-        verdict = _judge_step(ask, t, y, amplitude, fit)
-        if not verdict.passed:
-            break
-    return verdict
+        yield _judge_step(ask, t, y, amplitude, fit)
 
 
 def _fit_of_step(t: FloatArray, y: FloatArray, amplitude: float, start: FloatArray) -> NonlinearFit:
@@ -47,11 +46,12 @@ def _step_jacobian(t: FloatArray, theta: FloatArray, amplitude: float) -> FloatA
     return np.column_stack([np.ones(t.size), amplitude * (1 - left), -amplitude * K * t / tau**2 * left])
 
 
-def _judge_step(ask: Ask, t: FloatArray, y: FloatArray, amplitude: float, fit: NonlinearFit) -> Verdict:
+@first_failure
+def _judge_step(ask: Ask, t: FloatArray, y: FloatArray, amplitude: float, fit: NonlinearFit) -> Iterator[Verdict]:
     parts = returned_parts(ask, "fit_step", "theta and its standard errors", 2, t, y, amplitude)
     right, n, p = fit.theta, y.size, 3
     gain = "`fit_step` leaves the amplitude out: K is the change of y over the size of the step."
-    verdict = judge(
+    yield judge(
         as_estimate("theta of fit_step(t, y, amplitude)", parts[0], 3),
         right,
         within(fit.stderr),
@@ -78,11 +78,9 @@ def _judge_step(ask: Ask, t: FloatArray, y: FloatArray, amplitude: float, fit: N
             ),
         ],
     )
-    if not verdict.passed:
-        return verdict
     spread = fit.stderr
     J = _step_jacobian(t, right, amplitude)
-    return judge(
+    yield judge(
         as_vector("standard errors of fit_step(t, y, amplitude)", parts[1], 3),
         spread,
         close(3e-3),
@@ -134,19 +132,16 @@ def _judge_step(ask: Ask, t: FloatArray, y: FloatArray, amplitude: float, fit: N
     )
 
 
-def output_error(ask: Ask) -> Verdict:
+@first_failure
+def output_error(ask: Ask) -> Iterator[Verdict]:
     """`fit_output_error(u, y)`, which returns [a, b] of ``x(t) + a x(t-1) = b u(t-1)``, ``y = x + e``."""
-    verdict = Verdict(False, "")
     for _ in range(2):
         truth = np.array([-ask.rng.uniform(0.6, 0.9), ask.rng.uniform(0.7, 1.5)])
         u = ask.rng.uniform(-2, 2, 150)
         y = _run(truth, u) + 0.7 * ask.rng.standard_normal(150)
         y[0] = ask.rng.uniform(1, 2)  # so that a run that begins from the measured y(0) is told from one from rest
         fit = _fit_of_run(u, y, truth)
-        verdict = _judge_output_error(ask, u, y, fit)
-        if not verdict.passed:
-            break
-    return verdict
+        yield _judge_output_error(ask, u, y, fit)
 
 
 def _fit_of_run(u: FloatArray, y: FloatArray, start: ArrayLike, delay: int = 1) -> NonlinearFit:

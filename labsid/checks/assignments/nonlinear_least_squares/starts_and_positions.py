@@ -1,12 +1,14 @@
 """Checks of starting values and of position from ranges: several minima, and layouts that cannot tell."""
 
+from collections.abc import Iterator
+
 import numpy as np
 
 from labsid._arrays import FloatArray
 from labsid.checks.assignments.nonlinear_least_squares.estimates import as_estimate, within
 from labsid.checks.compare import as_number, kind_of
 from labsid.checks.question import Ask, returned
-from labsid.checks.verdict import NoAnswer, Slip, Verdict, judge
+from labsid.checks.verdict import NoAnswer, Slip, Verdict, first_failure, judge
 from labsid.least_squares.solve import solve_least_squares
 from labsid.nonlinear.ranges import locate as right_locate
 from labsid.nonlinear.ranges import ranges_from, ranges_jacobian
@@ -15,7 +17,8 @@ from labsid.nonlinear.solve import NonlinearFit, levenberg_marquardt
 LAYOUTS = ("unique", "mirror", "undetermined")
 
 
-def frequency(ask: Ask) -> Verdict:
+@first_failure
+def frequency(ask: Ask) -> Iterator[Verdict]:
     """`fit_frequency(t, y, low, high)`."""
     t: FloatArray = 0.2 * np.arange(60, dtype=np.float64)
     for w in ask.rng.permutation([1.4, 3.1, 4.8]):
@@ -23,10 +26,8 @@ def frequency(ask: Ask) -> Verdict:
         truth[1:] *= ask.rng.choice([-1.0, 1.0], 2)
         y = _wave(t, truth) + 0.4 * ask.rng.standard_normal(t.size)
         fit = levenberg_marquardt(lambda th: _wave(t, th), lambda th: _wave_jacobian(t, th), y, truth)
-        verdict = _judge_frequency(as_number(*_frequency_of(ask, t, y)), fit, t, y)
-        if not verdict.passed:
-            return verdict
-    return Verdict(True, "the lowest of many valleys, wherever it lies.")
+        yield _judge_frequency(as_number(*_frequency_of(ask, t, y)), fit, t, y)
+    yield Verdict(True, "the lowest of many valleys, wherever it lies.")
 
 
 def _frequency_of(ask: Ask, t: FloatArray, y: FloatArray) -> tuple[str, FloatArray]:
@@ -98,7 +99,8 @@ def _alone(t: FloatArray, y: FloatArray, column: np.ufunc, right: float, valley:
     return float(grid[np.argmin([solve_least_squares(column(w * t)[:, np.newaxis], y).loss for w in grid])])
 
 
-def locate(ask: Ask) -> Verdict:
+@first_failure
+def locate(ask: Ask) -> Iterator[Verdict]:
     """`locate(beacons, ranges)`, in rooms and along a road, where the wrong side of it is a local minimum."""
     across = np.array([-0.7, 0.6, -0.3, 0.5, -0.6]) * ask.rng.uniform(0.8, 1.2)
     road = np.column_stack([np.array([0.0, 2.3, 5.1, 7.4, 10.0]) + ask.rng.uniform(-0.4, 0.4, 5), across])
@@ -110,10 +112,8 @@ def locate(ask: Ask) -> Verdict:
         (road, np.array([ask.rng.uniform(3, 7), -side])),
     ):
         ranges = ranges_from(beacons, place) + 0.03 * ask.rng.standard_normal(5)
-        verdict = _judge_place(ask, beacons, ranges)
-        if not verdict.passed:
-            return verdict
-    return Verdict(True, "on both sides of a row of beacons, too.")
+        yield _judge_place(ask, beacons, ranges)
+    yield Verdict(True, "on both sides of a row of beacons, too.")
 
 
 def _judge_place(ask: Ask, beacons: FloatArray, ranges: FloatArray) -> Verdict:

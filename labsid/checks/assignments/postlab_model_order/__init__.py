@@ -1,6 +1,7 @@
 """The post-lab: a first-order model beside the second-order one, and which to take."""
 
 import re
+from collections.abc import Iterator
 
 import numpy as np
 
@@ -15,7 +16,7 @@ from labsid.checks.assignments.postlab_model_order.order_fits import judge_fit_o
 from labsid.checks.compare import as_number, as_vector
 from labsid.checks.question import Ask, Assignment, Question
 from labsid.checks.values import TransferFunctionValue, Value
-from labsid.checks.verdict import NoAnswer, Verdict
+from labsid.checks.verdict import NoAnswer, Verdict, first_failure
 from labsid.lab.arx import ArxModel, arx_from_theta, fit_arx
 from labsid.lab.offset import find_offsets
 from labsid.lab.simulation import simulate
@@ -127,18 +128,16 @@ def right_simulations(ask: Ask) -> dict[str, Value]:
     return {f"y_sim_{n}": simulate(_model(ask, f"theta_{n}"), u) for n in (1, 2)}
 
 
-def errors(ask: Ask) -> Verdict:
+@first_failure
+def errors(ask: Ask) -> Iterator[Verdict]:
     """Step 3: both mean squared errors."""
     got = [as_number(name, ask.value(name)) for name in ("mse_1", "mse_2")]
     right = [float(np.asarray(value)) for value in right_errors(ask).values()]
     if np.allclose(got, right[::-1], rtol=1e-6, atol=0) and not np.allclose(got, right, rtol=1e-6, atol=0):
-        return Verdict(False, "`mse_1` and `mse_2` have changed places.", "errors swapped")
+        yield Verdict(False, "`mse_1` and `mse_2` have changed places.", "errors swapped")
     y = _data(ask).y
     for n in (1, 2):
-        verdict = judge_mse(f"mse_{n}", got[n - 1], y, known_vector(ask, f"y_sim_{n}"))
-        if not verdict.passed:
-            break
-    return verdict
+        yield judge_mse(f"mse_{n}", got[n - 1], y, known_vector(ask, f"y_sim_{n}"))
 
 
 def right_errors(ask: Ask) -> dict[str, Value]:

@@ -1,5 +1,7 @@
 """Checks of the pre-lab: a column of time, two noisy sinusoids, the cut, the matrix, Fig. 1."""
 
+from collections.abc import Iterator
+
 import numpy as np
 
 from labsid._arrays import FloatArray
@@ -20,7 +22,7 @@ from labsid.checks.assignments.prelab_sinusoids.slips import (
 from labsid.checks.compare import as_array, as_column, as_matrix, as_vector, close
 from labsid.checks.question import Ask, Assignment, Question
 from labsid.checks.values import Value
-from labsid.checks.verdict import NoAnswer, Verdict, judge
+from labsid.checks.verdict import NoAnswer, Verdict, first_failure, judge
 from labsid.lab.sinusoid import Sinusoids, cut_off, make_sinusoids
 
 _same = close(0, absolute=1e-9)
@@ -99,16 +101,13 @@ def matrix(ask: Ask) -> Verdict:
     return verdict
 
 
-def function(ask: Ask) -> Verdict:
+@first_failure
+def function(ask: Ask) -> Iterator[Verdict]:
     """Step 4, as a function: cut_off(data, n) on data that the student has not seen."""
-    verdict = Verdict(False, "")
     for rows in (320, 60, 90):
         Ts, start = float(ask.rng.choice([0.05, 0.25, 0.75])), float(ask.rng.integers(3, 40))
         data = np.column_stack([start + Ts * np.arange(rows), ask.rng.normal(size=(rows, 2))])
-        verdict = _try_cut_off(ask, data, n=int(ask.rng.integers(5, 50)))
-        if not verdict.passed:
-            break
-    return verdict
+        yield _try_cut_off(ask, data, n=int(ask.rng.integers(5, 50)))
 
 
 def _try_cut_off(ask: Ask, data: FloatArray, n: int) -> Verdict:

@@ -1,5 +1,7 @@
 """Checks of the lecture's first part: the recursive mean, the growing sums, and one step of RLS."""
 
+from collections.abc import Iterator
+
 import numpy as np
 
 from labsid._arrays import FloatArray
@@ -8,18 +10,15 @@ from labsid.checks.compare import SAME, as_array, as_matrix, as_number, as_vecto
 from labsid.checks.question import Ask, returned, returned_parts
 from labsid.checks.trials import trial_definite
 from labsid.checks.values import Value
-from labsid.checks.verdict import NoAnswer, Slip, Verdict, judge
+from labsid.checks.verdict import NoAnswer, Slip, Verdict, first_failure, judge
 
 
-def mean(ask: Ask) -> Verdict:
+@first_failure
+def mean(ask: Ask) -> Iterator[Verdict]:
     """`update_mean(theta, n, y)`: Example 3-2."""
-    verdict = Verdict(False, "")
     for n in (5, 2, 12, 1):
         theta, y = ask.rng.uniform(1, 3), ask.rng.uniform(4, 8)
-        verdict = _one_mean(ask, theta, n, y)
-        if not verdict.passed:
-            break
-    return verdict
+        yield _one_mean(ask, theta, n, y)
 
 
 def _one_mean(ask: Ask, theta: float, n: int, y: float) -> Verdict:
@@ -63,23 +62,21 @@ def _one_mean(ask: Ask, theta: float, n: int, y: float) -> Verdict:
     )
 
 
-def information(ask: Ask) -> Verdict:
+@first_failure
+def information(ask: Ask) -> Iterator[Verdict]:
     """`add_sample(M, v, phi, y)`: eq. (7) and (8)."""
-    verdict = Verdict(False, "")
     for p in (3, 2):
         M, v, phi = trial_definite(ask.rng, p), ask.rng.uniform(-3, 3, p), ask.rng.uniform(0.5, 2, p)
-        verdict = _one_sum(ask, M, v, phi, ask.rng.uniform(2, 4))
-        if not verdict.passed:
-            break
-    return verdict
+        yield _one_sum(ask, M, v, phi, ask.rng.uniform(2, 4))
 
 
-def _one_sum(ask: Ask, M: FloatArray, v: FloatArray, phi: FloatArray, y: float) -> Verdict:
+@first_failure
+def _one_sum(ask: Ask, M: FloatArray, v: FloatArray, phi: FloatArray, y: float) -> Iterator[Verdict]:
     p = phi.size
     got_M, got_v = returned_parts(ask, "add_sample", "M and v", 2, M, v, phi, y)
     if _size(got_M) == p < _size(got_v) == p * p:
-        return Verdict(False, "`add_sample` returns v before M.", "M and v swapped")
-    verdict = judge(
+        yield Verdict(False, "`add_sample` returns v before M.", "M and v swapped")
+    yield judge(
         as_matrix("M of add_sample(M, v, phi, y)", got_M, (p, p)),
         M + np.outer(phi, phi),
         SAME,
@@ -111,9 +108,7 @@ def _one_sum(ask: Ask, M: FloatArray, v: FloatArray, phi: FloatArray, y: float) 
             ),
         ],
     )
-    if not verdict.passed:
-        return verdict
-    return judge(
+    yield judge(
         as_vector("v of add_sample(M, v, phi, y)", got_v, p),
         v + phi * y,
         SAME,

@@ -1,5 +1,6 @@
 """Checks of the lecture's middle: Example 6-1, its regressors, RLS with a forgetting factor, Fig. 9 and 10."""
 
+from collections.abc import Iterator
 from functools import cache, partial
 
 import numpy as np
@@ -10,7 +11,7 @@ from labsid.checks.compare import SAME, as_figure, as_history, as_matrix, as_vec
 from labsid.checks.figures import find_curve, legend_text, plain_text, require_label, require_legend
 from labsid.checks.question import Ask, returned, returned_parts
 from labsid.checks.values import Value
-from labsid.checks.verdict import NoAnswer, Slip, Verdict, judge
+from labsid.checks.verdict import NoAnswer, Slip, Verdict, first_failure, judge
 from labsid.model_structures.lecture_systems import ChangingRecord, example_6_1
 from labsid.model_structures.structures import Structure, build_equations
 from labsid.plots.figure_values import CurveValue
@@ -30,12 +31,11 @@ def lecture_record() -> ChangingRecord:
     return example_6_1(np.random.default_rng(SEED_OF_THE_RECORD))
 
 
-def regressors(ask: Ask) -> Verdict:
+@first_failure
+def regressors(ask: Ask) -> Iterator[Verdict]:
     """`regressors(u, y)`, then what it gives for the record of Example 6-1."""
     for n in (12, 17):
-        verdict = _rows(ask.rng.uniform(1, 3, n) * ask.rng.choice([-1, 1], n), ask.rng.uniform(1, 4, n), ask)
-        if not verdict.passed:
-            return verdict
+        yield _rows(ask.rng.uniform(1, 3, n) * ask.rng.choice([-1, 1], n), ask.rng.uniform(1, 4, n), ask)
     record = lecture_record()
     Phi, Y = as_matrix("Phi_61", ask.value("Phi_61"), (None, 3)), as_vector("Y_61", ask.value("Y_61"))
     start = record.y.size - Y.size
@@ -43,8 +43,8 @@ def regressors(ask: Ask) -> Verdict:
     if not 0 <= start <= _LATEST_START or not (
         same(Phi, build_equations(_STRUCTURE, record.u, record.y, start=start).Phi) and same(Y, record.y[start:])
     ):
-        return Verdict(False, "the function is right, `Phi_61` or `Y_61` is not: leave the last line as it was given.")
-    return Verdict(True, "a row for each sample, with the past in the order of theta = [a1, a2, b1].")
+        yield Verdict(False, "the function is right, `Phi_61` or `Y_61` is not: leave the last line as it was given.")
+    yield Verdict(True, "a row for each sample, with the past in the order of theta = [a1, a2, b1].")
 
 
 def right_regressors(_: Ask) -> dict[str, Value]:
@@ -53,28 +53,29 @@ def right_regressors(_: Ask) -> dict[str, Value]:
     return {"Phi_61": equations.Phi, "Y_61": equations.Y}
 
 
-def _rows(u: FloatArray, y: FloatArray, ask: Ask) -> Verdict:
+@first_failure
+def _rows(u: FloatArray, y: FloatArray, ask: Ask) -> Iterator[Verdict]:
     n = y.size
     got_Phi, got_Y = returned_parts(ask, "regressors", "Phi and Y", 2, u, y)
     if isinstance(got_Phi, np.ndarray) and got_Phi.ndim == 1 and isinstance(got_Y, np.ndarray) and got_Y.ndim == 2:
-        return Verdict(False, "`regressors` returns Y before Phi.", "Phi and Y swapped")
+        yield Verdict(False, "`regressors` returns Y before Phi.", "Phi and Y swapped")
     Phi, Y = as_matrix("Phi of regressors(u, y)", got_Phi, (None, 3)), as_vector("Y of regressors(u, y)", got_Y)
     start = n - Phi.shape[0]
     if Y.size != Phi.shape[0]:
-        return Verdict(
+        yield Verdict(
             False,
             f"`regressors` returns {Phi.shape[0]} rows of Phi and {Y.size} of Y: each row of Phi goes with one y(t).",
             "Phi and Y of unequal length",
         )
     if not 0 <= start <= _LATEST_START:
-        return Verdict(False, f"`regressors` makes {Phi.shape[0]} rows of {n} samples: begin at the third sample.")
+        yield Verdict(False, f"`regressors` makes {Phi.shape[0]} rows of {n} samples: begin at the third sample.")
     right = build_equations(_STRUCTURE, u, y, start=start).Phi
     early = [build_equations(_STRUCTURE, u, y, start=s).Phi[: n - start] for s in range(start)]
     lag = (
         "a lag of `regressors` is off by one: the row of y(t) holds y(t-1), y(t-2) and u(t-1), nothing newer or older."
     )
     future = np.append(u, 0.0)
-    verdict = judge(
+    yield judge(
         Phi,
         right,
         SAME,
@@ -118,9 +119,7 @@ def _rows(u: FloatArray, y: FloatArray, ask: Ask) -> Verdict:
             ),
         ],
     )
-    if not verdict.passed:
-        return verdict
-    return judge(
+    yield judge(
         Y,
         y[start:],
         SAME,
@@ -140,18 +139,17 @@ def _rows(u: FloatArray, y: FloatArray, ask: Ask) -> Verdict:
     )
 
 
-def forgetting(ask: Ask) -> Verdict:
+@first_failure
+def forgetting(ask: Ask) -> Iterator[Verdict]:
     """`rls(Phi, Y, lam, LN)`, then its two runs over Example 6-1."""
     for n, p, lam, large in ((12, 2, 1.0, 50.0), (15, 3, 0.9, 200.0), (14, 2, 0.75, 5.0)):
-        verdict = _one_run(ask, n, p, lam, large)
-        if not verdict.passed:
-            return verdict
+        yield _one_run(ask, n, p, lam, large)
     Phi, Y = as_matrix("Phi_61", ask.known("Phi_61"), (None, 3)), as_vector("Y_61", ask.known("Y_61"))
     for name, lam in (("theta_1", 1.0), ("theta_099", 0.99)):
         got = as_history(name, ask.value(name), *Phi.shape)
         if not close(0.0, 1e-3)(got[SETTLED:], reference_run(Phi, Y, lam, LN).theta[SETTLED:]):
-            return Verdict(False, f"the function is right, `{name}` is not: leave the last lines as they were given.")
-    return Verdict(True, "every sample updates the estimate, and with lambda below 1 the old ones fade.")
+            yield Verdict(False, f"the function is right, `{name}` is not: leave the last lines as they were given.")
+    yield Verdict(True, "every sample updates the estimate, and with lambda below 1 the old ones fade.")
 
 
 def right_histories(ask: Ask) -> dict[str, Value]:

@@ -1,5 +1,6 @@
 """Checks of the lecture's end: covariance wind-up and how to stop it, and a form of RLS that loses its symmetry."""
 
+from collections.abc import Iterator
 from functools import partial
 
 import numpy as np
@@ -8,7 +9,7 @@ from labsid._arrays import FloatArray
 from labsid.checks.assignments.recursive_identification.reference_runs import is_one_array, reference_run
 from labsid.checks.compare import SAME, as_history, as_vector
 from labsid.checks.question import Ask, returned_parts
-from labsid.checks.verdict import Slip, Verdict, judge
+from labsid.checks.verdict import Slip, Verdict, first_failure, judge
 from labsid.estimation.recursion import RecursiveState
 from labsid.estimation.recursive import recursive_least_squares
 from labsid.model_structures.structures import Structure, build_equations
@@ -21,14 +22,11 @@ _LEAST_ROUNDING = 1e-20
 """Relative to P, rounding is about 1e-16; relative to 1, in the trials, another 1e-9 smaller."""
 
 
-def windup(ask: Ask) -> Verdict:
+@first_failure
+def windup(ask: Ask) -> Iterator[Verdict]:
     """`rls_bounded(Phi, Y, lam, LN, bound)`: forgetting pauses at a bound on the trace of P."""
-    verdict = Verdict(False, "")
     for lam, LN, bound in ((0.8, 5.0, 30.0), (0.9, 10.0, 4.0), (0.95, 10.0, 0.5)):
-        verdict = _one_bounded(ask, lam, LN, bound)
-        if not verdict.passed:
-            break
-    return verdict
+        yield _one_bounded(ask, lam, LN, bound)
 
 
 def _one_bounded(ask: Ask, lam: float, LN: float, bound: float) -> Verdict:
@@ -151,14 +149,11 @@ def _both_same(a: Run, b: Run) -> bool:
     return SAME(a[0], b[0]) and SAME(a[1], b[1])
 
 
-def careless(ask: Ask) -> Verdict:
+@first_failure
+def careless(ask: Ask) -> Iterator[Verdict]:
     """`rls_careless(Phi, Y, lam, LN)`: on paper the same RLS; its P loses its symmetry as lambda^-n."""
-    verdict = Verdict(False, "")
     for p in (3, 4):  # with two parameters P has one pair of entries, which may stay equal for long by chance
-        verdict = _one_careless(ask, p)
-        if not verdict.passed:
-            break
-    return verdict
+        yield _one_careless(ask, p)
 
 
 def _one_careless(ask: Ask, p: int) -> Verdict:

@@ -1,5 +1,6 @@
 """Checks of online use, and of choosing lambda for a parameter that drifts."""
 
+from collections.abc import Iterator
 from functools import partial
 
 import numpy as np
@@ -9,35 +10,33 @@ from labsid.checks.assignments.recursive_identification.reference_runs import re
 from labsid.checks.compare import SAME, as_matrix, as_number, as_vector
 from labsid.checks.question import Ask, returned, returned_parts
 from labsid.checks.trials import trial_definite
-from labsid.checks.verdict import Slip, Verdict, judge
+from labsid.checks.verdict import Slip, Verdict, first_failure, judge
 
 _NEAR_THE_LEAST = 1.02
 """A lambda whose mean squared error is within 2 % of the least was searched finely enough."""
 
 
-def online(ask: Ask) -> Verdict:
+@first_failure
+def online(ask: Ask) -> Iterator[Verdict]:
     """`arx_step(theta, P, past, u, y, lam)`: what a controller runs once a sample."""
-    verdict = Verdict(False, "")
     for lam in (1.0, 0.9, 0.8):
-        verdict = _one_sample(ask, trial_definite(ask.rng, 3), lam)
-        if not verdict.passed:
-            break
-    return verdict
+        yield _one_sample(ask, trial_definite(ask.rng, 3), lam)
 
 
-def _one_sample(ask: Ask, P: FloatArray, lam: float) -> Verdict:
+@first_failure
+def _one_sample(ask: Ask, P: FloatArray, lam: float) -> Iterator[Verdict]:
     theta, past = ask.rng.uniform(-2, 2, 3), ask.rng.uniform(0.5, 2, 3)
     u, y = ask.rng.uniform(3, 4), ask.rng.uniform(5, 7)
     parts = returned_parts(ask, "arx_step", "theta, P and past", 3, theta, P, past, u, y, lam)
     sizes = [part.size if isinstance(part, np.ndarray) else 1 for part in parts]
     if sorted(sizes) == [3, 3, 9] and sizes[1] != 9:
-        return Verdict(False, "`arx_step` returns theta, P and past in another order.", "order of what is returned")
+        yield Verdict(False, "`arx_step` returns theta, P and past in another order.", "order of what is returned")
     got_theta = as_vector("theta of arx_step", parts[0], 3)
     got_P = as_matrix("P of arx_step", parts[1], (3, 3))
     got_past = as_vector("past of arx_step", parts[2], 3)
 
     after = np.array([-y, past[0], u])
-    verdict = judge(
+    yield judge(
         got_past,
         after,
         SAME,
@@ -72,15 +71,13 @@ def _one_sample(ask: Ask, P: FloatArray, lam: float) -> Verdict:
             Slip("u not remembered", "`arx_step` forgets to remember u.", lambda: np.array([-y, past[0], past[2]])),
         ],
     )
-    if not verdict.passed:
-        return verdict
     right_theta, right_P = reference_step(theta, P, past, y, lam)
 
     def both(theta: FloatArray, P: FloatArray) -> FloatArray:
         return np.vstack([theta, P])
 
     last = np.array([past[0], past[1], u])
-    return judge(
+    yield judge(
         both(got_theta, got_P),
         both(right_theta, right_P),
         lambda a, b: SAME(a[0], b[0]) and SAME(a[1:], b[1:]),
@@ -127,20 +124,17 @@ def tracking_mse(lam: float, slope: float, sigma: float) -> float:
     return float((slope * lam / (1 - lam)) ** 2 + sigma**2 * (1 - lam) / (1 + lam))
 
 
-def drift(ask: Ask) -> Verdict:
+@first_failure
+def drift(ask: Ask) -> Iterator[Verdict]:
     """`tracking_mse(lam, slope, sigma)` and `best_forgetting(slope, sigma)`."""
     for _ in range(2):
-        verdict = _one_error(ask)
-        if not verdict.passed:
-            return verdict
+        yield _one_error(ask)
     grid = 1 - np.logspace(-4, -0.3, 4000)
     for relative in (0.006, 0.02, 0.05):
         sigma = ask.rng.uniform(1.5, 3)
         slope = relative * sigma * ask.rng.uniform(0.8, 1.2)
-        verdict = _one_choice(ask, slope, sigma, np.array([tracking_mse(lam, slope, sigma) for lam in grid]), grid)
-        if not verdict.passed:
-            return verdict
-    return Verdict(True, "fast enough to follow, slow enough to average: the best lambda lies between.")
+        yield _one_choice(ask, slope, sigma, np.array([tracking_mse(lam, slope, sigma) for lam in grid]), grid)
+    yield Verdict(True, "fast enough to follow, slow enough to average: the best lambda lies between.")
 
 
 def _one_error(ask: Ask) -> Verdict:

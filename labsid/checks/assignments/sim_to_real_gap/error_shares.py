@@ -1,5 +1,7 @@
 """Steps 3 to 5 of the gap: shares of the squared error in time, in frequency and in the operating range."""
 
+from collections.abc import Iterator
+
 import numpy as np
 
 from labsid._arrays import FloatArray
@@ -7,7 +9,7 @@ from labsid.checks.assignments.lab_identification.lab_data import known_vector
 from labsid.checks.assignments.sim_to_real_gap.linear_model import known_error
 from labsid.checks.compare import SAME, as_vector, close
 from labsid.checks.question import Ask, returned
-from labsid.checks.verdict import NoAnswer, Slip, Verdict, judge
+from labsid.checks.verdict import NoAnswer, Slip, Verdict, first_failure, judge
 
 PARTS, CELLS = 16, 8
 
@@ -91,7 +93,8 @@ def _worst(ask: Ask, energy: FloatArray, length: float) -> Verdict:
     )
 
 
-def frequency(ask: Ask) -> Verdict:
+@first_failure
+def frequency(ask: Ask) -> Iterator[Verdict]:
     """Step 4: `band_shares(e, Ts, edges)`."""
     for n, Ts in ((400, 0.75), (512, float(ask.rng.choice([0.1, 0.2])))):
         e = _smoothed(ask.rng.standard_normal(n + 40))[40:]
@@ -101,10 +104,8 @@ def frequency(ask: Ask) -> Verdict:
         edges *= f[1]
         power: FloatArray = np.abs(np.fft.rfft(e)) ** 2
         got = _shares("band_shares(e, Ts, edges)", returned(ask, "band_shares", e, Ts, edges), edges.size - 1)
-        verdict = _judge_shares("band_shares", got, _sorted(f, edges, power), _band_slips(f, edges, power, Ts), 0.003)
-        if not verdict.passed:
-            return verdict
-    return Verdict(True, "the shares of all bands add up to one.")
+        yield _judge_shares("band_shares", got, _sorted(f, edges, power), _band_slips(f, edges, power, Ts), 0.003)
+    yield Verdict(True, "the shares of all bands add up to one.")
 
 
 def _band_slips(f: FloatArray, edges: FloatArray, power: FloatArray, Ts: float) -> list[Slip[FloatArray]]:

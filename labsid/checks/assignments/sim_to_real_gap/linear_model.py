@@ -11,7 +11,7 @@ from labsid.checks.assignments.lab_identification.lab_data import known_vector
 from labsid.checks.compare import SAME, as_number, as_vector, close
 from labsid.checks.question import Ask
 from labsid.checks.values import Value
-from labsid.checks.verdict import NoAnswer, Slip, Verdict, judge
+from labsid.checks.verdict import NoAnswer, Slip, Verdict, first_failure, judge
 from labsid.lab.arx import arx_from_theta, fit_arx
 from labsid.lab.simulation import predict_one_step, simulate
 
@@ -42,13 +42,12 @@ def _free_run(theta: FloatArray, u: FloatArray) -> FloatArray:
         return np.asarray(lfilter([0.0, theta[2], theta[3]], [1.0, -theta[0], -theta[1]], u))
 
 
-def linear(ask: Ask) -> Verdict:
+@first_failure
+def linear(ask: Ask) -> Iterator[Verdict]:
     """Step 2: theta_arx, theta_hat and the free run of the latter."""
     u, y, half = _signals(ask)
     Ts = ask.record.Ts
-    verdict = _lab_estimate(ask, u, y, half)
-    if not verdict.passed:
-        return verdict
+    yield _lab_estimate(ask, u, y, half)
     theta = as_vector("theta_hat", ask.value("theta_hat"), 4)
 
     def sse(one: FloatArray) -> float:
@@ -56,17 +55,17 @@ def linear(ask: Ask) -> Verdict:
             return float(np.sum((_free_run(one, u[:half]) - y[:half]) ** 2))
 
     if not sse(theta) <= NEAREST * sse(nearest_free_run(u[:half], y[:half], Ts)):
-        return _not_nearest(theta, u, y, half, Ts)
+        yield _not_nearest(theta, u, y, half, Ts)
     model = arx_from_theta(theta, Ts)
     run = simulate(model, u)
     got = _output("y_lin", ask.value("y_lin"), u.size)
     if SAME(got[model.order :], predict_one_step(model, u, y)[model.order :]):  # how it begins is nobody's concern
-        return Verdict(
+        yield Verdict(
             False,
             "`y_lin` uses measured outputs: it is the one-step prediction. A free run uses u alone.",
             "one-step prediction passed off as simulation",
         )
-    return judge(
+    yield judge(
         got,
         run,
         SAME,

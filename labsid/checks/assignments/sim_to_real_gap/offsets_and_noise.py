@@ -1,12 +1,14 @@
 """Step 1 of the gap: the offsets at rest, and the noise."""
 
+from collections.abc import Iterator
+
 import numpy as np
 
 from labsid._arrays import FloatArray
 from labsid.checks.compare import SAME, as_number, as_vector, close
 from labsid.checks.question import Ask
 from labsid.checks.values import Value
-from labsid.checks.verdict import Slip, Verdict, judge
+from labsid.checks.verdict import Slip, Verdict, first_failure, judge
 from labsid.lab.offset import first_period_length, mid_range
 from labsid.records.record import Record
 
@@ -37,10 +39,11 @@ def rest(ask: Ask) -> Verdict:
     return verdict
 
 
-def _offsets(ask: Ask, record: Record) -> Verdict:
+@first_failure
+def _offsets(ask: Ask, record: Record) -> Iterator[Verdict]:
     right = right_rest(ask)
     u_offset, y_offset = (as_number(name, ask.value(name)) for name in ("u_offset", "y_offset"))
-    verdict = judge(
+    yield judge(
         u_offset,
         record.u[0],
         close(0, 1e-9),
@@ -55,13 +58,11 @@ def _offsets(ask: Ask, record: Record) -> Verdict:
             Slip("mean over the whole record", "`u_offset` is a mean over the record.", lambda: np.mean(record.u)),
         ],
     )
-    if not verdict.passed:
-        return verdict
     single = "`y_offset` is the value of one sample, with the noise on it. Take the mean over the rest."
     if abs(y_offset - record.y[0]) < 1e-9:
-        return Verdict(False, single, "a single sample")
+        yield Verdict(False, single, "a single sample")
     n = first_period_length(record.u)
-    return judge(
+    yield judge(
         y_offset,
         float(np.mean(record.y[:n])),
         close(0, 0.25 * as_number("noise_sd", right["noise_sd"])),

@@ -1,5 +1,7 @@
 """Checks of the appendix: step-response modelling (Fig. A1, A2), a step of the real tanks, linear least squares."""
 
+from collections.abc import Iterator
+
 import numpy as np
 
 from labsid._arrays import FloatArray
@@ -19,7 +21,7 @@ from labsid.checks.compare import as_figure, as_number, as_vector, close
 from labsid.checks.figures import require_curve, require_labels, require_legend
 from labsid.checks.question import Ask, Assignment, Question
 from labsid.checks.values import Value
-from labsid.checks.verdict import Slip, Verdict, judge
+from labsid.checks.verdict import Slip, Verdict, first_failure, judge
 from labsid.lab.step_comparison import second_order_example, second_order_response
 from labsid.lab.step_response import (
     FirstOrderDelay,
@@ -114,16 +116,13 @@ def comparison(ask: Ask) -> Verdict:
     return Verdict(True, "both responses in one figure.")
 
 
-def function(ask: Ask) -> Verdict:
+@first_failure
+def function(ask: Ask) -> Iterator[Verdict]:
     """Step 5: read_step on other processes, levels and amplitudes, with noise."""
-    verdict = Verdict(False, "")
     for step in _trial_steps(ask.rng):
         value = returned(ask, "read_step", step.t, step.y, step.amplitude)
         got = as_vector("read_step(...)", value, 3)
-        verdict = judge_reading(got, step, "`read_step`: ", "it reads other processes as well, up, down and in noise.")
-        if not verdict.passed:
-            break
-    return verdict
+        yield judge_reading(got, step, "`read_step`: ", "it reads other processes as well, up, down and in noise.")
 
 
 def _trial_steps(rng: np.random.Generator) -> list[Step]:

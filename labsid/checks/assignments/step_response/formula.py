@@ -1,17 +1,19 @@
 """Check of step 2 of the appendix: the student's formula for the response of a first-order model with delay."""
 
+from collections.abc import Iterator
+
 import numpy as np
 
 from labsid._arrays import FloatArray
 from labsid.checks.compare import as_vector, close
 from labsid.checks.question import Ask, returned
-from labsid.checks.verdict import Slip, Verdict, judge
+from labsid.checks.verdict import Slip, Verdict, first_failure, judge
 from labsid.lab.step_response import FirstOrderDelay, first_order_response
 
 
-def response(ask: Ask) -> Verdict:
+@first_failure
+def response(ask: Ask) -> Iterator[Verdict]:
     """Step 2: first_order_response on other models."""
-    verdict = Verdict(False, "")
     for sign in (1, -1):
         Ts = float(ask.rng.choice([0.1, 0.25, 0.5]))
         t: FloatArray = Ts * np.arange(160, dtype=np.float64)
@@ -21,7 +23,7 @@ def response(ask: Ask) -> Verdict:
         value = returned(ask, "first_order_response", t, K, tau, td, amplitude)
         got = as_vector("first_order_response(...)", value, t.size)
         model = FirstOrderDelay(K, tau, td)
-        verdict = judge(
+        yield judge(
             got,
             first_order_response(model, t, amplitude),
             close(1e-6),
@@ -29,9 +31,6 @@ def response(ask: Ask) -> Verdict:
             "`first_order_response` does not follow the formula of step 1.",
             _response_slips(t, model, amplitude),
         )
-        if not verdict.passed:
-            break
-    return verdict
 
 
 def _response_slips(t: FloatArray, model: FirstOrderDelay, amplitude: float) -> list[Slip[FloatArray]]:

@@ -1,6 +1,6 @@
 """Checks of the least-squares appendix: two equations, error, loss, gradient, minimum, and when it is unique."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 
 import numpy as np
 
@@ -14,7 +14,7 @@ from labsid.checks.assignments.step_response.slips import (
 )
 from labsid.checks.compare import as_number, as_vector, close, kind_of
 from labsid.checks.question import Ask, returned
-from labsid.checks.verdict import NoAnswer, Verdict, judge
+from labsid.checks.verdict import NoAnswer, Verdict, first_failure, judge
 from labsid.least_squares.solve import loss, loss_gradient, solve_least_squares, two_equations
 
 _same = close(1e-8)
@@ -168,11 +168,8 @@ def _truth(ask: Ask, Phi: FloatArray) -> bool:
     raise NoAnswer(f"`is_unique` should return True or False; it returns {kind_of(value)}.")
 
 
-def _on_all(ask: Ask, one: Callable[[FloatArray, FloatArray, FloatArray], Verdict]) -> Verdict:
-    verdict = Verdict(False, "")
+@first_failure
+def _on_all(ask: Ask, one: Callable[[FloatArray, FloatArray, FloatArray], Verdict]) -> Iterator[Verdict]:
     for n, p in _SHAPES:
         Phi = ask.rng.uniform(-1, 1, (n, p)) + 3 * np.eye(n, p)
-        verdict = one(Phi, ask.rng.uniform(-3, 3, n), ask.rng.uniform(0.5, 2, p))
-        if not verdict.passed:
-            break
-    return verdict
+        yield one(Phi, ask.rng.uniform(-3, 3, n), ask.rng.uniform(0.5, 2, p))
