@@ -23,7 +23,7 @@ from autograder.course.build import build_course
 from autograder.course.layout import Course
 from autograder.intake.collect import collect_submissions
 from autograder.sandbox.isolation import IsolationLevel, open_launcher, probe_levels
-from labsid.checks.assignments.prelab_sinusoids import function
+from labsid.checks.assignments.prelab_sinusoids import check_function
 from labsid.lab.sinusoid import make_sinusoids
 
 pytestmark = pytest.mark.skipif(not hasattr(os, "fork"), reason="this system cannot fork")
@@ -150,7 +150,7 @@ def hidden_inputs(student: str) -> list[np.ndarray]:
             right[:, 0] -= right[0, 0]
             return right
 
-    assert function(Asked()).passed  # type: ignore[arg-type]
+    assert check_function(Asked()).passed  # type: ignore[arg-type]
     return tried
 
 

@@ -22,7 +22,7 @@ SEED = 71
 
 
 @first_failure
-def rels(ask: Ask) -> Iterator[Verdict]:
+def check_rels(ask: Ask) -> Iterator[Verdict]:
     """`rels(u, y, forgetting, LN)`, then the history of Example 7-1."""
     for forgetting, LN in ((1.0, 20.0), (0.93, 5.0)):
         yield _judge_history(ask, *trial_record(ask.rng, 40, ask.rng.uniform(0.3, 0.6)), forgetting, LN)
@@ -121,7 +121,7 @@ def _judge_history(ask: Ask, u: FloatArray, y: FloatArray, forgetting: float, LN
     )
 
 
-def figure_14(ask: Ask) -> Verdict:
+def check_figure_14(ask: Ask) -> Verdict:
     """Fig. 14: the three parameters over the samples."""
     axes = as_figure("fig_14", ask.value("fig_14"), axes=1).axes[0]
     history = as_array("theta_rels", ask.known("theta_rels"))

@@ -36,7 +36,7 @@ _RIGHT = _Way()
 
 
 @first_failure
-def iterated(ask: Ask) -> Iterator[Verdict]:
+def check_iterated(ask: Ask) -> Iterator[Verdict]:
     """`iterated_iv(u, y, rounds)`."""
     for rounds, c in ((0, -0.7), (1, 0.7), (3, -0.7)):
         yield _judge_iterated(ask, *trial_record(ask.rng, 150, c, noise=0.8), rounds)
@@ -107,7 +107,7 @@ def _judge_iterated(ask: Ask, u: FloatArray, y: FloatArray, rounds: int) -> Verd
     )
 
 
-def recursive(ask: Ask) -> Verdict:
+def check_recursive(ask: Ask) -> Verdict:
     """`recursive_iv(u, y, warm_up)`."""
     u, y = trial_record(ask.rng, 60, -0.7)
     call = f"recursive_iv(u, y, {WARM_UP})"

@@ -23,7 +23,7 @@ WRONG_SIGN_OF_C = np.array([-0.868, 1.0])
 
 
 @first_failure
-def tables(ask: Ask) -> Iterator[Verdict]:
+def check_tables(ask: Ask) -> Iterator[Verdict]:
     """`fit_arx(u, y)`, then the estimates over many records of both systems."""
     for samples in (30, 60):
         yield _judge_fit(ask, *trial_record(ask.rng, samples, ask.rng.uniform(-0.6, 0.6)))
@@ -130,7 +130,7 @@ def _slack(reference: MonteCarlo, runs: int) -> FloatArray:
 
 
 @first_failure
-def bias(ask: Ask) -> Iterator[Verdict]:
+def check_bias(ask: Ask) -> Iterator[Verdict]:
     """`bias_of(estimates, truth)`."""
     for runs, p in ((9, 3), (14, 2)):
         truth = ask.rng.uniform(-2, 2, p)

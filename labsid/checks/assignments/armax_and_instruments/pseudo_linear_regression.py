@@ -16,7 +16,7 @@ from labsid.model_structures.structures import build_equations, fit_structure, m
 
 
 @first_failure
-def armax(ask: Ask) -> Iterator[Verdict]:
+def check_armax(ask: Ask) -> Iterator[Verdict]:
     """`prediction_errors(theta, u, y)` and `pseudo_linear(u, y, share, rounds)`."""
     for c in (0.5, -0.6):
         theta = np.array([-ask.rng.uniform(0.3, 0.9), ask.rng.uniform(0.5, 2), c * ask.rng.uniform(0.8, 1.2)])

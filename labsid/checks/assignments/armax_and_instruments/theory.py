@@ -16,7 +16,7 @@ from labsid.model_structures.prediction import free_run
 
 
 @first_failure
-def limit(ask: Ask) -> Iterator[Verdict]:
+def check_limit(ask: Ask) -> Iterator[Verdict]:
     """`limit_of_least_squares(a, b, c, var_u, var_e)`."""
     for sign_a, sign_c in ((-1, -1), (-1, 1), (1, -1)):
         a, c = sign_a * ask.rng.uniform(0.3, 0.85), sign_c * ask.rng.uniform(0.3, 0.9)
@@ -85,7 +85,7 @@ def _judge_limit(ask: Ask, a: float, b: float, c: float, var_u: float, var_e: fl
 
 
 @first_failure
-def covariance(ask: Ask) -> Iterator[Verdict]:
+def check_covariance(ask: Ask) -> Iterator[Verdict]:
     """`covariance(Phi, c, var_e)`."""
     for n, p, sign in ((7, 2, 1), (9, 3, -1), (6, 1, 1)):
         Phi = trial_equations(ask.rng, n, p)[0]
@@ -164,7 +164,7 @@ def _judge_covariance(ask: Ask, Phi: FloatArray, c: float, var_e: float) -> Verd
 
 
 @first_failure
-def likelihood(ask: Ask) -> Iterator[Verdict]:
+def check_likelihood(ask: Ask) -> Iterator[Verdict]:
     """`log_likelihood(theta, var_e, Phi, Y)`."""
     for n, p in ((6, 2), (11, 3)):
         Phi, Y = trial_equations(ask.rng, n, p)

@@ -26,7 +26,7 @@ def right_offsets(ask: Ask) -> dict[str, Value]:
     }
 
 
-def offsets(ask: Ask) -> Verdict:
+def check_offsets(ask: Ask) -> Verdict:
     """Step 1c: both offsets, and both signals without them."""
     u_act, y_act, y_actm = (known_vector(ask, name) for name in ("u_act", "y_act", "y_actm"))
     u_offset, y_offset = (as_number(name, ask.value(name)) for name in ("u_offset", "y_offset"))

@@ -29,7 +29,7 @@ def right_signals(ask: Ask) -> dict[str, Value]:
 
 
 @first_failure
-def extract(ask: Ask) -> Iterator[Verdict]:
+def check_extract(ask: Ask) -> Iterator[Verdict]:
     """Step 1a: the four signals."""
     right = {name: np.asarray(value, float) for name, value in right_signals(ask).items()}
     for name, values in right.items():
@@ -75,7 +75,7 @@ def right_sampling_time(ask: Ask) -> dict[str, Value]:
     return {"Ts": ask.record.Ts}
 
 
-def sampling_time(ask: Ask) -> Verdict:
+def check_sampling_time(ask: Ask) -> Verdict:
     """Step 1a: Ts."""
     t = known_vector(ask, "t")
     value = ask.value("Ts")
@@ -100,7 +100,7 @@ def sampling_time(ask: Ask) -> Verdict:
     )
 
 
-def figure_5(ask: Ask) -> Verdict:
+def check_figure_5(ask: Ask) -> Verdict:
     """Step 1b: Fig. 5."""
     t, y_act, y_actm, u_act = (known_vector(ask, name) for name in ("t", "y_act", "y_actm", "u_act"))
     calls = ("measured|original|y_actm", "noise|reduced|filter|smooth")
@@ -110,7 +110,7 @@ def figure_5(ask: Ask) -> Verdict:
     return Verdict(True, "Fig. 5 shows both outputs and the input. Compare it with the description below.")
 
 
-def first_period(ask: Ask) -> Verdict:
+def check_first_period(ask: Ask) -> Verdict:
     """Step 1c: the loop, tried on inputs that it has not seen."""
     trials = [ask.record.u, *_staircases(ask.rng)]
     is_column = np.ndim(ask.known("u_act")) == 2  # type: ignore[arg-type]
@@ -197,7 +197,7 @@ def _staircases(rng: np.random.Generator) -> list[FloatArray]:
     return made
 
 
-def figure_6(ask: Ask) -> Verdict:
+def check_figure_6(ask: Ask) -> Verdict:
     """Step 1c: Fig. 6."""
     t, y, u = (known_vector(ask, name) for name in ("t", "y", "u"))
     upper = Panel("the upper panel of Fig. 6", {"y": y}, (t,))

@@ -15,7 +15,7 @@ from labsid.least_squares.solve import solve_least_squares
 NAMES = ("Phi", "Y")
 
 
-def phi(ask: Ask) -> Verdict:
+def check_phi(ask: Ask) -> Verdict:
     """Step 2a: Phi and Y."""
     return judge_equations(ask, NAMES, known_data(ask), 2)
 
@@ -26,7 +26,7 @@ def right_phi(ask: Ask) -> dict[str, Value]:
     return right_equations(NAMES, data, 2) | {"half": data.half}
 
 
-def theta(ask: Ask) -> Verdict:
+def check_theta(ask: Ask) -> Verdict:
     """Step 2b: theta."""
     return judge_theta(ask, "theta_hat", *_known_equations(ask), known_data(ask), 2)
 
@@ -36,7 +36,7 @@ def right_theta(ask: Ask) -> dict[str, Value]:
     return {"theta_hat": solve_least_squares(*_known_equations(ask)).theta}
 
 
-def parameters(ask: Ask) -> Verdict:
+def check_parameters(ask: Ask) -> Verdict:
     """Step 2b: a1, a2, b1, b2 read off theta."""
     right = _read_off(known_vector(ask, "theta_hat"))
     got = np.array([as_number(name, ask.value(name)) for name in right])
@@ -86,7 +86,7 @@ def right_parameters(ask: Ask) -> dict[str, Value]:
     return dict(_read_off(known_vector(ask, "theta_hat")))
 
 
-def transfer_function(ask: Ask) -> Verdict:
+def check_transfer_function(ask: Ask) -> Verdict:
     """Step 2c: G."""
     return judge_transfer_function("G", ask.value("G"), known_model(ask))
 
@@ -149,7 +149,7 @@ def right_transfer_function(ask: Ask) -> dict[str, Value]:
     return {"G": TransferFunctionValue(model.b, model.a, model.Ts)}
 
 
-def state_space(ask: Ask) -> Verdict:
+def check_state_space(ask: Ask) -> Verdict:
     """Step 2c: G_ss, in any coordinates."""
     model = known_model(ask)
     got = as_system("G_ss", ask.value("G_ss"))

@@ -27,7 +27,7 @@ TRIAL_NOISE = 0.01
 CALLS = ("actual|measured|record", "simul|model|ident")
 
 
-def second_half(ask: Ask) -> Verdict:
+def check_second_half(ask: Ask) -> Verdict:
     """Step 3a: the second half."""
     return judge_second_half(ask, "y_sim_half", known_data(ask), known_model(ask))
 
@@ -38,7 +38,7 @@ def right_second_half(ask: Ask) -> dict[str, Value]:
     return {"y_sim_half": simulate(known_model(ask), data.u[data.half :])}
 
 
-def entire(ask: Ask) -> Verdict:
+def check_entire(ask: Ask) -> Verdict:
     """Step 3a: the entire record."""
     return judge_entire_run(ask, "y_sim", known_data(ask), known_model(ask))
 
@@ -48,7 +48,7 @@ def right_entire(ask: Ask) -> dict[str, Value]:
     return {"y_sim": simulate(known_model(ask), known_data(ask).u)}
 
 
-def errors(ask: Ask) -> Verdict:
+def check_errors(ask: Ask) -> Verdict:
     """Step 3a: both mean squared errors."""
     y, y_half, y_sim, y_sim_half = _measured_and_simulated(ask)
     got = {name: as_number(name, ask.value(name)) for name in ("mse_half", "mse_all")}
@@ -72,7 +72,7 @@ def right_errors(ask: Ask) -> dict[str, Value]:
     return {"mse_half": mse(y_half, y_sim_half), "mse_all": mse(y, y_sim)}
 
 
-def figure_7(ask: Ask) -> Verdict:
+def check_figure_7(ask: Ask) -> Verdict:
     """Step 3a: Fig. 7."""
     y, y_half, y_sim, y_sim_half = _measured_and_simulated(ask)
     t = known_vector(ask, "t")
@@ -91,7 +91,7 @@ def _measured_and_simulated(ask: Ask) -> tuple[FloatArray, FloatArray, FloatArra
 
 
 @first_failure
-def initial_state(ask: Ask) -> Iterator[Verdict]:
+def check_initial_state(ask: Ask) -> Iterator[Verdict]:
     """Step 3b: a function that simulates from the estimated state, tried on stretches that it has not seen.
 
     Without noise every honest estimate finds the state, so the output is the true one whatever the coordinates of the

@@ -1,10 +1,10 @@
 """The least-squares lecture: quadratic forms, derivations, examples, geometry, all solutions, weights, confidence."""
 
-from labsid.checks.assignments.least_squares.constraints import constrained, known_parameter, weighted
-from labsid.checks.assignments.least_squares.forms_and_derivatives import delays, derivatives, kind
-from labsid.checks.assignments.least_squares.geometry import all_solutions, projector
-from labsid.checks.assignments.least_squares.inference import cayley_hamilton, confidence
-from labsid.checks.assignments.least_squares.sums_of_powers import figure_5, fits, right_fits
+from labsid.checks.assignments.least_squares.constraints import check_constrained, check_known_parameter, check_weighted
+from labsid.checks.assignments.least_squares.forms_and_derivatives import check_delays, check_derivatives, check_kind
+from labsid.checks.assignments.least_squares.geometry import check_all_solutions, check_projector
+from labsid.checks.assignments.least_squares.inference import check_cayley_hamilton, check_confidence
+from labsid.checks.assignments.least_squares.sums_of_powers import check_figure_5, check_fits, right_fits
 from labsid.checks.question import Assignment, Question
 
 _FITS = "ls-4-fits"
@@ -12,17 +12,17 @@ _FITS = "ls-4-fits"
 ASSIGNMENT = Assignment(
     "least-squares",
     (
-        Question("ls-1-kind", kind),
-        Question("ls-2-delays", delays),
-        Question("ls-3-derivatives", derivatives),
-        Question(_FITS, fits, right_fits),
-        Question("ls-4-figure-5", figure_5, uses=(_FITS,)),
-        Question("ls-5-projector", projector),
-        Question("ls-6-all-solutions", all_solutions),
-        Question("ls-7-known", known_parameter),
-        Question("ls-8-weighted", weighted),
-        Question("ls-9-constrained", constrained),
-        Question("ls-10-confidence", confidence),
-        Question("ls-11-cayley-hamilton", cayley_hamilton),
+        Question("ls-1-kind", check_kind),
+        Question("ls-2-delays", check_delays),
+        Question("ls-3-derivatives", check_derivatives),
+        Question(_FITS, check_fits, right_fits),
+        Question("ls-4-figure-5", check_figure_5, uses=(_FITS,)),
+        Question("ls-5-projector", check_projector),
+        Question("ls-6-all-solutions", check_all_solutions),
+        Question("ls-7-known", check_known_parameter),
+        Question("ls-8-weighted", check_weighted),
+        Question("ls-9-constrained", check_constrained),
+        Question("ls-10-confidence", check_confidence),
+        Question("ls-11-cayley-hamilton", check_cayley_hamilton),
     ),
 )

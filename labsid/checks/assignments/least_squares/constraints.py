@@ -23,7 +23,7 @@ _WRONG_LAGS = ((2, 1, 2), (1, 1, 3), (2, 0, 2), (2, 2, 3), (2, 0, 3), (1, 0, 2),
 
 
 @first_failure
-def known_parameter(ask: Ask) -> Iterator[Verdict]:
+def check_known_parameter(ask: Ask) -> Iterator[Verdict]:
     """`example_1(u, y)`: SUSTech's example 1, with the known coefficient on the left side."""
     for samples in (20, 35):
         a, b = ask.rng.uniform(-0.8, 0.8), ask.rng.uniform(0.5, 2)
@@ -111,7 +111,7 @@ def _lagged_fit(u: FloatArray, y: FloatArray, lags: tuple[int, int, int], first:
 
 
 @first_failure
-def weighted(ask: Ask) -> Iterator[Verdict]:
+def check_weighted(ask: Ask) -> Iterator[Verdict]:
     """`weighted_fit(Phi, Y, sigma)`."""
     for n, p in ((9, 2), (12, 3)):
         Phi, Y = trial_equations(ask.rng, n, p)
@@ -170,7 +170,7 @@ def _judge_weighted(ask: Ask, Phi: FloatArray, Y: FloatArray, sigma: FloatArray)
 
 
 @first_failure
-def constrained(ask: Ask) -> Iterator[Verdict]:
+def check_constrained(ask: Ask) -> Iterator[Verdict]:
     """`constrained_fit(Phi, Y, A, b)`."""
     for n, p, r in ((8, 3, 1), (9, 4, 2), (6, 2, 1)):
         Phi, Y = trial_equations(ask.rng, n, p)

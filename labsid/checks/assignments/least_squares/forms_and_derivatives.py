@@ -17,7 +17,7 @@ _EXACT = close(1e-9)
 KINDS = ("positive definite", "positive semidefinite", "negative definite", "negative semidefinite", "indefinite")
 
 
-def kind(ask: Ask) -> Verdict:
+def check_kind(ask: Ask) -> Verdict:
     """`kind(M)`, on matrices of every kind, symmetric and not."""
     trials = trial_forms(ask.rng)
     answers, truth = [_kind(ask, M) for M, _ in trials], [kind for _, kind in trials]
@@ -145,7 +145,7 @@ def _kind(ask: Ask, M: FloatArray) -> str:
 
 
 @first_failure
-def delays(ask: Ask) -> Iterator[Verdict]:
+def check_delays(ask: Ask) -> Iterator[Verdict]:
     """`delayed_inputs(u, n)`, Example 2-3."""
     for n, samples in ((3, 9), (2, 6), (5, 11)):
         yield _judge_delays(ask, ask.rng.uniform(1, 4, samples), n)
@@ -208,7 +208,7 @@ def _rows(u: FloatArray, n: int) -> FloatArray:
 
 
 @first_failure
-def derivatives(ask: Ask) -> Iterator[Verdict]:
+def check_derivatives(ask: Ask) -> Iterator[Verdict]:
     """`gradient_form(A, x)` and `jacobian_cubic(x)`."""
     for n in (3, 2, 4):
         A, x = ask.rng.uniform(-2, 2, (n, n)), ask.rng.uniform(0.5, 2, n)

@@ -14,7 +14,7 @@ from labsid.least_squares.projection import projection_matrix, solution_set
 
 
 @first_failure
-def projector(ask: Ask) -> Iterator[Verdict]:
+def check_projector(ask: Ask) -> Iterator[Verdict]:
     """`projector(Phi)`."""
     for n, p in ((5, 2), (6, 3), (4, 1)):
         yield _judge_projector(ask, trial_equations(ask.rng, n, p)[0])
@@ -65,7 +65,7 @@ def _judge_projector(ask: Ask, Phi: FloatArray) -> Verdict:
 
 
 @first_failure
-def all_solutions(ask: Ask) -> Iterator[Verdict]:
+def check_all_solutions(ask: Ask) -> Iterator[Verdict]:
     """`all_solutions(Phi, Y)`: the shortest theta and the directions that cost nothing."""
     for n, p, rank in ((6, 3, 2), (8, 4, 2), (7, 4, 3)):
         Phi = np.zeros((n, p))

@@ -16,7 +16,7 @@ from labsid.least_squares.solve import LeastSquares, solve_least_squares
 
 
 @first_failure
-def confidence(ask: Ask) -> Iterator[Verdict]:
+def check_confidence(ask: Ask) -> Iterator[Verdict]:
     """`confidence(Phi, Y, level)`."""
     for n, p, level in ((8, 3, 0.9), (11, 2, 0.99)):
         Phi, Y = trial_equations(ask.rng, n, p)
@@ -114,7 +114,7 @@ def _width_slips(fit: LeastSquares, n: int, p: int, level: float) -> list[Slip[F
 
 
 @first_failure
-def cayley_hamilton(ask: Ask) -> Iterator[Verdict]:
+def check_cayley_hamilton(ask: Ask) -> Iterator[Verdict]:
     """`inverse_weights(A)`: the inverse as a sum of powers of A."""
     for n in (2, 3, 4):
         A = ask.rng.uniform(-1, 1, (n, n)) + np.diag(ask.rng.uniform(1.5, 3, n))

@@ -15,7 +15,7 @@ from labsid.plots.figure_values import AxesValue, CurveValue
 
 
 @first_failure
-def fits(ask: Ask) -> Iterator[Verdict]:
+def check_fits(ask: Ask) -> Iterator[Verdict]:
     """`fit_powers(x, y, powers)`, then what it gives for Example 2-1."""
     for powers in ((3, 2, 1), (1, 0), (2, 1, 0), (0, 1, 2)):
         yield _one_fit(ask, powers)
@@ -116,7 +116,7 @@ def right_fits(_: Ask) -> dict[str, Value]:
     }
 
 
-def figure_5(ask: Ask) -> Verdict:
+def check_figure_5(ask: Ask) -> Verdict:
     """Fig. 5: the points, the line and the parabola."""
     axes = as_figure("fig_5", ask.value("fig_5"), axes=1).axes[0]
     if not axes.curves:

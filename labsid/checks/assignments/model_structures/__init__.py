@@ -1,13 +1,17 @@
 """The lecture on model structures: shift operator, forms of a model, prediction, excitation, order, residuals."""
 
-from labsid.checks.assignments.model_structures.model_choice import autocorrelation, cancel, excitation
-from labsid.checks.assignments.model_structures.model_forms import equations, state_space
-from labsid.checks.assignments.model_structures.order_choice import order
-from labsid.checks.assignments.model_structures.signals import shift, simulate
+from labsid.checks.assignments.model_structures.model_choice import (
+    check_autocorrelation,
+    check_cancel,
+    check_excitation,
+)
+from labsid.checks.assignments.model_structures.model_forms import check_equations, check_state_space
+from labsid.checks.assignments.model_structures.order_choice import check_order
+from labsid.checks.assignments.model_structures.signals import check_shift, check_simulate
 from labsid.checks.assignments.model_structures.systems_1_and_2 import (
-    example_3_1,
-    figure_8,
-    predict,
+    check_example_3_1,
+    check_figure_8,
+    check_predict,
     right_outputs,
     right_tables,
 )
@@ -18,16 +22,16 @@ _TABLE, _PREDICT = "ms-5-example-3-1", "ms-6-predict"
 ASSIGNMENT = Assignment(
     "model-structures",
     (
-        Question("ms-2-shift", shift),
-        Question("ms-3-state-space", state_space),
-        Question("ms-4-equations", equations),
-        Question("ms-5-simulate", simulate),
-        Question(_TABLE, example_3_1, right_tables),
-        Question(_PREDICT, predict, right_outputs, uses=(_TABLE,)),
-        Question("ms-6-figure-8", figure_8, uses=(_PREDICT,)),
-        Question("ms-7-excitation", excitation),
-        Question("ms-8-order", order),
-        Question("ms-9-cancel", cancel),
-        Question("ms-10-autocorrelation", autocorrelation),
+        Question("ms-2-shift", check_shift),
+        Question("ms-3-state-space", check_state_space),
+        Question("ms-4-equations", check_equations),
+        Question("ms-5-simulate", check_simulate),
+        Question(_TABLE, check_example_3_1, right_tables),
+        Question(_PREDICT, check_predict, right_outputs, uses=(_TABLE,)),
+        Question("ms-6-figure-8", check_figure_8, uses=(_PREDICT,)),
+        Question("ms-7-excitation", check_excitation),
+        Question("ms-8-order", check_order),
+        Question("ms-9-cancel", check_cancel),
+        Question("ms-10-autocorrelation", check_autocorrelation),
     ),
 )

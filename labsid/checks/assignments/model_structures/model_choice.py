@@ -19,7 +19,7 @@ _LARGEST = 8
 _SAMPLES = 80
 
 
-def excitation(ask: Ask) -> Verdict:
+def check_excitation(ask: Ask) -> Verdict:
     """`excitation(u, largest)` on inputs of every order from 0 to `largest`."""
     trials = _inputs(ask.rng)
     truth = [excitation_order(u, _LARGEST) for u in trials]
@@ -117,7 +117,7 @@ _WRONG_ORDERS: tuple[tuple[str, str, Callable[[FloatArray], int]], ...] = (
 )
 
 
-def cancel(ask: Ask) -> Verdict:
+def check_cancel(ask: Ask) -> Verdict:
     """`cancel(P, Q, within)`: nothing, one root, a pair of complex roots, one of a double root."""
     verdict = Verdict(False, "")
     rng = ask.rng
@@ -210,7 +210,7 @@ def _real(value: Value) -> FloatArray:
 
 
 @first_failure
-def autocorrelation(ask: Ask) -> Iterator[Verdict]:
+def check_autocorrelation(ask: Ask) -> Iterator[Verdict]:
     """`autocorrelation(e, lags)`, of a sequence whose mean is not zero."""
     for N, lags in ((30, 6), (50, 10)):
         yield _judge_autocorrelation(ask, ask.rng.uniform(0.5, 1, 1) + ask.rng.standard_normal(N), lags)

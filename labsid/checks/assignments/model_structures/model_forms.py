@@ -18,7 +18,7 @@ _EXACT = close(1e-9)
 
 
 @first_failure
-def state_space(ask: Ask) -> Iterator[Verdict]:
+def check_state_space(ask: Ask) -> Iterator[Verdict]:
     """`state_space(num, den)`: without and with a direct path, num shorter than den, den[0] not 1."""
     for n, degree, lead in ((2, 1, 1.0), (3, 2, 1.0), (3, 1, 1.0), (2, 2, 1.0), (3, 2, 2.5), (1, 1, 1.0)):
         # the sum of |a| stays below one: stable, also with the other sign
@@ -134,7 +134,7 @@ def _square(value: Value) -> Value:
     return np.reshape(value, (1, 1)) if isinstance(value, (int, float)) or np.size(value) == 1 else value  # type: ignore[arg-type]
 
 
-def equations(ask: Ask) -> Verdict:
+def check_equations(ask: Ask) -> Verdict:
     """`equations(u, y, na, nb, d)`, for ARX of several delays, AR and FIR."""
     verdict = Verdict(False, "")
     sizes = ((1, 1, 1), (2, 2, 1), (2, 1, 3), (1, 3, 0), (3, 2, 2), (0, 3, 0), (2, 0, 1))

@@ -14,7 +14,7 @@ from labsid.model_structures.structures import PolynomialModel, Structure, fit_s
 
 
 @first_failure
-def order(ask: Ask) -> Iterator[Verdict]:
+def check_order(ask: Ask) -> Iterator[Verdict]:
     """`losses(u, y, orders)` and `criteria(V, N, p)`."""
     a, b = np.array([1, -1.2, 0.5]), np.array([1, 0.5])
     model = PolynomialModel(a * [1, *ask.rng.uniform(0.9, 1.1, 2)], b * ask.rng.uniform(0.8, 1.2, 2), np.ones(1))

@@ -16,7 +16,7 @@ EXACT = close(1e-8)
 
 
 @first_failure
-def shift(ask: Ask) -> Iterator[Verdict]:
+def check_shift(ask: Ask) -> Iterator[Verdict]:
     """`apply(P, x)`: a polynomial in q^-1 works on a signal."""
     for n in (3, 2, 5, 1):
         P, x = ask.rng.uniform(0.5, 2, n), ask.rng.uniform(-3, 3, 12)
@@ -95,7 +95,7 @@ def _judge_shift(ask: Ask, P: FloatArray, x: FloatArray) -> Verdict:
     )
 
 
-def simulate(ask: Ask) -> Verdict:
+def check_simulate(ask: Ask) -> Verdict:
     """`simulate(A, B, C, u, e)`, for ARMAX, ARX with a direct path, FIR and ARMA."""
     verdict = Verdict(False, "")
     rng = ask.rng

@@ -41,7 +41,7 @@ def _fit(u: FloatArray, y: FloatArray, start: int = 1) -> FloatArray:
 
 
 @first_failure
-def example_3_1(ask: Ask) -> Iterator[Verdict]:
+def check_example_3_1(ask: Ask) -> Iterator[Verdict]:
     """`example_3_1(u, y)` on systems of the same form, then what it gives for Systems 1 and 2."""
     for _ in range(2):
         a, b = ask.rng.uniform(-0.9, -0.5), ask.rng.uniform(1.5, 2.5)
@@ -116,7 +116,7 @@ def right_tables(_: Ask) -> dict[str, Value]:
 
 
 @first_failure
-def predict(ask: Ask) -> Iterator[Verdict]:
+def check_predict(ask: Ask) -> Iterator[Verdict]:
     """`predict(A, B, u, y)` and `free_run(A, B, u)`, then `y_hat` and `y_sim`."""
     rng = ask.rng
     for na, nb, delay in ((1, 1, 1), (2, 2, 1), (2, 2, 0), (1, 1, 3)):
@@ -254,7 +254,7 @@ def right_outputs(ask: Ask) -> dict[str, Value]:
     return {**_outputs(as_vector("theta_1", ask.known("theta_1"), 2))}
 
 
-def figure_8(ask: Ask) -> Verdict:
+def check_figure_8(ask: Ask) -> Verdict:
     """Fig. 8: measurement, one-step prediction and simulation."""
     axes = as_figure("fig_8", ask.value("fig_8"), axes=1).axes[0]
     if not axes.curves:

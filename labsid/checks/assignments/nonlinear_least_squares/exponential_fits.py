@@ -17,7 +17,7 @@ from labsid.plots.figure_values import AxesValue, CurveValue
 
 
 @first_failure
-def logarithm(ask: Ask) -> Iterator[Verdict]:
+def check_logarithm(ask: Ask) -> Iterator[Verdict]:
     """`fit_logarithm(x, y)`, which returns a and b."""
     for a, b in ((0.7, 0.4), (-0.5, 3.0)):
         x = np.sort(ask.rng.uniform(-2, 3, 7))
@@ -86,7 +86,7 @@ def _judge_logarithm(ask: Ask, x: FloatArray, y: FloatArray) -> Verdict:
 
 
 @first_failure
-def jacobian(ask: Ask) -> Iterator[Verdict]:
+def check_jacobian(ask: Ask) -> Iterator[Verdict]:
     """`exp_jacobian(x, theta)` and `sse_gradient(x, y, theta)`."""
     for n in (5, 8):
         x, theta = ask.rng.uniform(0.3, 2, n), np.array([ask.rng.uniform(0.4, 0.9), ask.rng.uniform(1.5, 3)])
@@ -175,7 +175,7 @@ def _gradient(ask: Ask, x: FloatArray, y: FloatArray, theta: FloatArray) -> Verd
 
 
 @first_failure
-def exponential_fit(ask: Ask) -> Iterator[Verdict]:
+def check_exponential_fit(ask: Ask) -> Iterator[Verdict]:
     """`fit_exponential(x, y)`, `theta_exp` on the printed data, and the picture of both methods."""
     for a, b in ((0.8, 0.6), (-0.6, 0.8), (0.6, 1.2)):
         x = np.linspace(-2, 3, 9) + ask.rng.uniform(-0.2, 0.2, 9)

@@ -34,7 +34,7 @@ def sensor(Phi: FloatArray) -> tuple[Map, Map]:
 
 
 @first_failure
-def gauss_newton(ask: Ask) -> Iterator[Verdict]:
+def check_gauss_newton(ask: Ask) -> Iterator[Verdict]:
     """`gauss_newton(g, jacobian, y, theta0, steps)`, which returns its path."""
     for n, p, steps in ((7, 2, 3), (9, 3, 4)):
         Phi = ask.rng.uniform(-1, 1, (n, p)) + np.vstack([np.eye(p), np.zeros((n - p, p))])
@@ -153,7 +153,7 @@ def _walk_on_y(start: FloatArray, steps: int, y: FloatArray, jacobian: Map) -> F
 
 
 @first_failure
-def damping(ask: Ask) -> Iterator[Verdict]:
+def check_damping(ask: Ask) -> Iterator[Verdict]:
     """`damped_step(J, e, mu)`, then `levenberg_marquardt(g, jacobian, y, theta0)`."""
     for n, p, mu in ((6, 2, 0.5), (8, 3, 4.0)):
         J = (ask.rng.uniform(-1, 1, (n, p)) + np.vstack([np.eye(p), np.zeros((n - p, p))])) * 2.0 ** np.arange(p)

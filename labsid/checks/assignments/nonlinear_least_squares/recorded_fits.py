@@ -18,7 +18,7 @@ from labsid.nonlinear.solve import NonlinearFit, levenberg_marquardt
 
 
 @first_failure
-def step(ask: Ask) -> Iterator[Verdict]:
+def check_step(ask: Ask) -> Iterator[Verdict]:
     """`fit_step(t, y, amplitude)`, which returns theta = [y0, K, tau] and its standard errors."""
     for amplitude, gain in ((-0.4, 2.5), (2.0, 0.8)):
         tau = ask.rng.uniform(6, 10)
@@ -133,7 +133,7 @@ def _judge_step(ask: Ask, t: FloatArray, y: FloatArray, amplitude: float, fit: N
 
 
 @first_failure
-def output_error(ask: Ask) -> Iterator[Verdict]:
+def check_output_error(ask: Ask) -> Iterator[Verdict]:
     """`fit_output_error(u, y)`, which returns [a, b] of ``x(t) + a x(t-1) = b u(t-1)``, ``y = x + e``."""
     for _ in range(2):
         truth = np.array([-ask.rng.uniform(0.6, 0.9), ask.rng.uniform(0.7, 1.5)])

@@ -18,7 +18,7 @@ LAYOUTS = ("unique", "mirror", "undetermined")
 
 
 @first_failure
-def frequency(ask: Ask) -> Iterator[Verdict]:
+def check_frequency(ask: Ask) -> Iterator[Verdict]:
     """`fit_frequency(t, y, low, high)`."""
     t: FloatArray = 0.2 * np.arange(60, dtype=np.float64)
     for w in ask.rng.permutation([1.4, 3.1, 4.8]):
@@ -100,7 +100,7 @@ def _alone(t: FloatArray, y: FloatArray, column: np.ufunc, right: float, valley:
 
 
 @first_failure
-def locate(ask: Ask) -> Iterator[Verdict]:
+def check_locate(ask: Ask) -> Iterator[Verdict]:
     """`locate(beacons, ranges)`, in rooms and along a road, where the wrong side of it is a local minimum."""
     across = np.array([-0.7, 0.6, -0.3, 0.5, -0.6]) * ask.rng.uniform(0.8, 1.2)
     road = np.column_stack([np.array([0.0, 2.3, 5.1, 7.4, 10.0]) + ask.rng.uniform(-0.4, 0.4, 5), across])
@@ -173,7 +173,7 @@ def _fourth_power(beacons: FloatArray, ranges: FloatArray, start: FloatArray) ->
     ).theta
 
 
-def layout(ask: Ask) -> Verdict:
+def check_layout(ask: Ask) -> Verdict:
     """`layout(beacons)`: what the beacons can tell at all."""
     trials = trial_layouts(ask.rng)
     answers = [_layout(ask, beacons) for beacons, _ in trials]

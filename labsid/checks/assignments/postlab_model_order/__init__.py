@@ -53,7 +53,7 @@ def _data(ask: Ask) -> LabData:
     return LabData(record.u, record.y, measured_output(record), offsets.u_offset, y_offset, record.Ts)
 
 
-def phi(ask: Ask) -> Verdict:
+def check_phi(ask: Ask) -> Verdict:
     """Step 1: Phi_1 and Y_1."""
     return judge_equations(ask, NAMES, _data(ask), 1)
 
@@ -67,7 +67,7 @@ def _equations(ask: Ask) -> tuple[FloatArray, FloatArray]:
     return np.asarray(ask.known("Phi_1"), float).reshape(-1, 2), known_vector(ask, "Y_1")
 
 
-def theta(ask: Ask) -> Verdict:
+def check_theta(ask: Ask) -> Verdict:
     """Step 1: theta_1."""
     return judge_theta(ask, "theta_1", *_equations(ask), _data(ask), 1)
 
@@ -77,7 +77,7 @@ def right_theta(ask: Ask) -> dict[str, Value]:
     return {"theta_1": solve_least_squares(*_equations(ask)).theta}
 
 
-def transfer_function(ask: Ask) -> Verdict:
+def check_transfer_function(ask: Ask) -> Verdict:
     """Step 1: G_1."""
     return judge_transfer_function("G_1", ask.value("G_1"), _model(ask, "theta_1"))
 
@@ -88,7 +88,7 @@ def right_transfer_function(ask: Ask) -> dict[str, Value]:
     return {"G_1": TransferFunctionValue(model.b, model.a, model.Ts)}
 
 
-def fit_order(ask: Ask) -> Verdict:
+def check_fit_order(ask: Ask) -> Verdict:
     """Step 2: the function, on data that it has not seen, and the second-order fit that it made."""
     data = _data(ask)
     verdict = judge_fit_order(ask, data)
@@ -108,7 +108,7 @@ def _model(ask: Ask, name: str) -> ArxModel:
     return arx_from_theta(known_vector(ask, name), ask.record.Ts)
 
 
-def simulations(ask: Ask) -> Verdict:
+def check_simulations(ask: Ask) -> Verdict:
     """Step 2: both free runs over the entire input."""
     data = _data(ask)
     first, second = (_model(ask, name) for name in ("theta_1", "theta_2"))
@@ -129,7 +129,7 @@ def right_simulations(ask: Ask) -> dict[str, Value]:
 
 
 @first_failure
-def errors(ask: Ask) -> Iterator[Verdict]:
+def check_errors(ask: Ask) -> Iterator[Verdict]:
     """Step 3: both mean squared errors."""
     got = [as_number(name, ask.value(name)) for name in ("mse_1", "mse_2")]
     right = [float(np.asarray(value)) for value in right_errors(ask).values()]
@@ -146,7 +146,7 @@ def right_errors(ask: Ask) -> dict[str, Value]:
     return {f"mse_{n}": mse(y, known_vector(ask, f"y_sim_{n}")) for n in (1, 2)}
 
 
-def figure_8(ask: Ask) -> Verdict:
+def check_figure_8(ask: Ask) -> Verdict:
     """Step 3: Fig. 8, with both errors written into it."""
     signals = {"y": _data(ask).y} | {name: known_vector(ask, name) for name in ("y_sim_1", "y_sim_2")}
     panel = Panel("Fig. 8", signals, (ask.record.t,), CALLS)
@@ -202,13 +202,13 @@ def _is_near(number: float, wanted: float) -> bool:
 ASSIGNMENT = Assignment(
     "postlab-model-order",
     (
-        Question(_PHI, phi, right_phi),
-        Question(_THETA, theta, right_theta, (_PHI,)),
-        Question("postlab-1-transfer-function", transfer_function, right_transfer_function, (_THETA,)),
-        Question(_FIT, fit_order, right_second_order),
-        Question(_RUNS, simulations, right_simulations, (_THETA, _FIT)),
-        Question(_MSE, errors, right_errors, (_RUNS,)),
-        Question("postlab-3-figure-8", figure_8, uses=(_RUNS, _MSE)),
+        Question(_PHI, check_phi, right_phi),
+        Question(_THETA, check_theta, right_theta, (_PHI,)),
+        Question("postlab-1-transfer-function", check_transfer_function, right_transfer_function, (_THETA,)),
+        Question(_FIT, check_fit_order, right_second_order),
+        Question(_RUNS, check_simulations, right_simulations, (_THETA, _FIT)),
+        Question(_MSE, check_errors, right_errors, (_RUNS,)),
+        Question("postlab-3-figure-8", check_figure_8, uses=(_RUNS, _MSE)),
     ),
     record_file="SysIdenData_StudentVersion.mat",
 )

@@ -28,7 +28,7 @@ from labsid.lab.sinusoid import Sinusoids, cut_off, make_sinusoids
 _same = close(0, absolute=1e-9)
 
 
-def time(ask: Ask) -> Verdict:
+def check_time(ask: Ask) -> Verdict:
     """Step 1: the column vector t."""
     value = ask.value("t")
     verdict = judge(
@@ -44,7 +44,7 @@ def time(ask: Ask) -> Verdict:
     return verdict
 
 
-def noise(ask: Ask) -> Verdict:
+def check_noise(ask: Ask) -> Verdict:
     """Step 2: the sinusoids y1 and y2, by their statistics."""
     t = _vector(ask.known("t"))
     noises: dict[str, FloatArray] = {}
@@ -58,7 +58,7 @@ def noise(ask: Ask) -> Verdict:
     return Verdict(True, "a sine and a cosine of period 100 s, each with its own uniform noise within ±0.2.")
 
 
-def cut(ask: Ask) -> Verdict:
+def check_cut(ask: Ask) -> Verdict:
     """Step 3: t_new, y1_new, y2_new."""
     t, y1, y2 = (_vector(ask.known(name)) for name in ("t", "y1", "y2"))
     verdict = judge(
@@ -82,7 +82,7 @@ def cut(ask: Ask) -> Verdict:
     return verdict
 
 
-def matrix(ask: Ask) -> Verdict:
+def check_matrix(ask: Ask) -> Verdict:
     """Step 4: data_new, n by 3."""
     parts = [_vector(ask.known(name)) for name in ("t_new", "y1_new", "y2_new")]
     uncut = [_vector(ask.known(name)) for name in ("t", "y1", "y2")]
@@ -102,7 +102,7 @@ def matrix(ask: Ask) -> Verdict:
 
 
 @first_failure
-def function(ask: Ask) -> Iterator[Verdict]:
+def check_function(ask: Ask) -> Iterator[Verdict]:
     """Step 4, as a function: cut_off(data, n) on data that the student has not seen."""
     for rows in (320, 60, 90):
         Ts, start = float(ask.rng.choice([0.05, 0.25, 0.75])), float(ask.rng.integers(3, 40))
@@ -127,14 +127,14 @@ def _try_cut_off(ask: Ask, data: FloatArray, n: int) -> Verdict:
     )
 
 
-def original(ask: Ask) -> Verdict:
+def check_original(ask: Ask) -> Verdict:
     """Step 5: Fig. 1(a)."""
     t, y1, y2 = (_vector(ask.known(name)) for name in ("t", "y1", "y2"))
     require_panel(panels(ask.value("fig_1"))[0], "Fig. 1(a)", "t", t, {"y1": y1, "y2": y2}, r"original|\(a\)")
     return Verdict(True, "Fig. 1(a) shows the original data as the lab asks for it.")
 
 
-def cut_off_data(ask: Ask) -> Verdict:
+def check_cut_off_data(ask: Ask) -> Verdict:
     """Step 6: Fig. 1(b)."""
     t, y1, y2 = (_vector(ask.known(name)) for name in ("t", "y1", "y2"))
     t_new, y1_new, y2_new = (_vector(ask.known(name)) for name in ("t_new", "y1_new", "y2_new"))
@@ -185,12 +185,12 @@ def _give_cut(ask: Ask) -> dict[str, Value]:
 ASSIGNMENT = Assignment(
     "prelab-sinusoids",
     (
-        Question("prelab-1-time", time, gives=_give_time),
-        Question("prelab-2-noise", noise, gives=_give_sinusoids, uses=("prelab-1-time",)),
-        Question("prelab-3-cut", cut, gives=_give_cut, uses=("prelab-1-time", "prelab-2-noise")),
-        Question("prelab-4-matrix", matrix, uses=("prelab-3-cut",)),
-        Question("prelab-4-function", function),
-        Question("prelab-5-original", original, uses=("prelab-1-time", "prelab-2-noise")),
-        Question("prelab-6-cut-off", cut_off_data, uses=("prelab-3-cut",)),
+        Question("prelab-1-time", check_time, gives=_give_time),
+        Question("prelab-2-noise", check_noise, gives=_give_sinusoids, uses=("prelab-1-time",)),
+        Question("prelab-3-cut", check_cut, gives=_give_cut, uses=("prelab-1-time", "prelab-2-noise")),
+        Question("prelab-4-matrix", check_matrix, uses=("prelab-3-cut",)),
+        Question("prelab-4-function", check_function),
+        Question("prelab-5-original", check_original, uses=("prelab-1-time", "prelab-2-noise")),
+        Question("prelab-6-cut-off", check_cut_off_data, uses=("prelab-3-cut",)),
     ),
 )

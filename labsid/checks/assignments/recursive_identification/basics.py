@@ -14,7 +14,7 @@ from labsid.checks.verdict import NoAnswer, Slip, Verdict, first_failure, judge
 
 
 @first_failure
-def mean(ask: Ask) -> Iterator[Verdict]:
+def check_mean(ask: Ask) -> Iterator[Verdict]:
     """`update_mean(theta, n, y)`: Example 3-2."""
     for n in (5, 2, 12, 1):
         theta, y = ask.rng.uniform(1, 3), ask.rng.uniform(4, 8)
@@ -63,7 +63,7 @@ def _one_mean(ask: Ask, theta: float, n: int, y: float) -> Verdict:
 
 
 @first_failure
-def information(ask: Ask) -> Iterator[Verdict]:
+def check_information(ask: Ask) -> Iterator[Verdict]:
     """`add_sample(M, v, phi, y)`: eq. (7) and (8)."""
     for p in (3, 2):
         M, v, phi = trial_definite(ask.rng, p), ask.rng.uniform(-3, 3, p), ask.rng.uniform(0.5, 2, p)
@@ -123,7 +123,7 @@ def _one_sum(ask: Ask, M: FloatArray, v: FloatArray, phi: FloatArray, y: float) 
     )
 
 
-def step(ask: Ask) -> Verdict:
+def check_step(ask: Ask) -> Verdict:
     """`rls_step(theta, P, phi, y)`: one sample of RLS, also where P has no inverse."""
     verdict = Verdict(False, "")
     for p in (3, 2):

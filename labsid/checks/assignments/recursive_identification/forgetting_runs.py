@@ -32,7 +32,7 @@ def lecture_record() -> ChangingRecord:
 
 
 @first_failure
-def regressors(ask: Ask) -> Iterator[Verdict]:
+def check_regressors(ask: Ask) -> Iterator[Verdict]:
     """`regressors(u, y)`, then what it gives for the record of Example 6-1."""
     for n in (12, 17):
         yield _rows(ask.rng.uniform(1, 3, n) * ask.rng.choice([-1, 1], n), ask.rng.uniform(1, 4, n), ask)
@@ -140,7 +140,7 @@ def _rows(u: FloatArray, y: FloatArray, ask: Ask) -> Iterator[Verdict]:
 
 
 @first_failure
-def forgetting(ask: Ask) -> Iterator[Verdict]:
+def check_forgetting(ask: Ask) -> Iterator[Verdict]:
     """`rls(Phi, Y, lam, LN)`, then its two runs over Example 6-1."""
     for n, p, lam, large in ((12, 2, 1.0, 50.0), (15, 3, 0.9, 200.0), (14, 2, 0.75, 5.0)):
         yield _one_run(ask, n, p, lam, large)
@@ -224,7 +224,7 @@ def _one_run(ask: Ask, n: int, p: int, lam: float, large: float) -> Verdict:
     )
 
 
-def figures(ask: Ask) -> Verdict:
+def check_figures(ask: Ask) -> Verdict:
     """Fig. 9 and 10: the three estimates over time, and the truth."""
     rows = as_vector("Y_61", ask.known("Y_61")).size
     histories = {name: as_history(name, ask.known(name), rows, 3) for name in ("theta_1", "theta_099")}

@@ -23,7 +23,7 @@ _LEAST_ROUNDING = 1e-20
 
 
 @first_failure
-def windup(ask: Ask) -> Iterator[Verdict]:
+def check_windup(ask: Ask) -> Iterator[Verdict]:
     """`rls_bounded(Phi, Y, lam, LN, bound)`: forgetting pauses at a bound on the trace of P."""
     for lam, LN, bound in ((0.8, 5.0, 30.0), (0.9, 10.0, 4.0), (0.95, 10.0, 0.5)):
         yield _one_bounded(ask, lam, LN, bound)
@@ -150,7 +150,7 @@ def _both_same(a: Run, b: Run) -> bool:
 
 
 @first_failure
-def careless(ask: Ask) -> Iterator[Verdict]:
+def check_careless(ask: Ask) -> Iterator[Verdict]:
     """`rls_careless(Phi, Y, lam, LN)`: on paper the same RLS; its P loses its symmetry as lambda^-n."""
     for p in (3, 4):  # with two parameters P has one pair of entries, which may stay equal for long by chance
         yield _one_careless(ask, p)

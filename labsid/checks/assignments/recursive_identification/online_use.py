@@ -17,7 +17,7 @@ _NEAR_THE_LEAST = 1.02
 
 
 @first_failure
-def online(ask: Ask) -> Iterator[Verdict]:
+def check_online(ask: Ask) -> Iterator[Verdict]:
     """`arx_step(theta, P, past, u, y, lam)`: what a controller runs once a sample."""
     for lam in (1.0, 0.9, 0.8):
         yield _one_sample(ask, trial_definite(ask.rng, 3), lam)
@@ -125,7 +125,7 @@ def tracking_mse(lam: float, slope: float, sigma: float) -> float:
 
 
 @first_failure
-def drift(ask: Ask) -> Iterator[Verdict]:
+def check_drift(ask: Ask) -> Iterator[Verdict]:
     """`tracking_mse(lam, slope, sigma)` and `best_forgetting(slope, sigma)`."""
     for _ in range(2):
         yield _one_error(ask)

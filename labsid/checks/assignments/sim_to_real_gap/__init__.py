@@ -1,10 +1,10 @@
 """The sim-to-real gap: where it lies, which effect makes it, how far it shrinks. The judge alone knows the effect."""
 
-from labsid.checks.assignments.sim_to_real_gap.error_shares import frequency, operating, time
-from labsid.checks.assignments.sim_to_real_gap.linear_model import linear, right_linear, right_size, size
-from labsid.checks.assignments.sim_to_real_gap.named_effect import effect, parameters, path
-from labsid.checks.assignments.sim_to_real_gap.offsets_and_noise import rest, right_rest
-from labsid.checks.assignments.sim_to_real_gap.simulation_with_effect import closed, simulation
+from labsid.checks.assignments.sim_to_real_gap.error_shares import check_frequency, check_operating, check_time
+from labsid.checks.assignments.sim_to_real_gap.linear_model import check_linear, check_size, right_linear, right_size
+from labsid.checks.assignments.sim_to_real_gap.named_effect import check_effect, check_parameters, check_path
+from labsid.checks.assignments.sim_to_real_gap.offsets_and_noise import check_rest, right_rest
+from labsid.checks.assignments.sim_to_real_gap.simulation_with_effect import check_closed, check_simulation
 from labsid.checks.question import Assignment, Question
 from labsid.rig.switchable.withheld_effects import RECORD_FILE
 
@@ -13,17 +13,17 @@ _REST, _LINEAR, _SIZE = "gap-1-rest", "gap-2-linear", "gap-3-size"
 ASSIGNMENT = Assignment(
     "sim-to-real-gap",
     (
-        Question(_REST, rest, right_rest),
-        Question(_LINEAR, linear, right_linear, (_REST,)),
-        Question(_SIZE, size, right_size, (_LINEAR,)),
-        Question("gap-3-time", time, uses=(_LINEAR,)),
-        Question("gap-4-frequency", frequency),
-        Question("gap-5-operating", operating, uses=(_LINEAR,)),
-        Question("gap-7-simulation", simulation, uses=(_REST, _LINEAR)),
-        Question("gap-8-effect", effect),
-        Question("gap-8-path", path),
-        Question("gap-8-parameters", parameters),
-        Question("gap-9-closed", closed, uses=(_REST, _SIZE)),
+        Question(_REST, check_rest, right_rest),
+        Question(_LINEAR, check_linear, right_linear, (_REST,)),
+        Question(_SIZE, check_size, right_size, (_LINEAR,)),
+        Question("gap-3-time", check_time, uses=(_LINEAR,)),
+        Question("gap-4-frequency", check_frequency),
+        Question("gap-5-operating", check_operating, uses=(_LINEAR,)),
+        Question("gap-7-simulation", check_simulation, uses=(_REST, _LINEAR)),
+        Question("gap-8-effect", check_effect),
+        Question("gap-8-path", check_path),
+        Question("gap-8-parameters", check_parameters),
+        Question("gap-9-closed", check_closed, uses=(_REST, _SIZE)),
     ),
     RECORD_FILE,
 )

@@ -14,7 +14,7 @@ from labsid.checks.verdict import NoAnswer, Slip, Verdict, first_failure, judge
 PARTS, CELLS = 16, 8
 
 
-def time(ask: Ask) -> Verdict:
+def check_time(ask: Ask) -> Verdict:
     """Step 3: `time_shares(e, parts)` on other errors, `share_t` and `worst` on this one."""
     for parts, length in ((4, 30), (5, 24)):
         e = ask.rng.standard_normal(parts * length) * np.repeat(ask.rng.uniform(0.3, 3, parts), length)
@@ -94,7 +94,7 @@ def _worst(ask: Ask, energy: FloatArray, length: float) -> Verdict:
 
 
 @first_failure
-def frequency(ask: Ask) -> Iterator[Verdict]:
+def check_frequency(ask: Ask) -> Iterator[Verdict]:
     """Step 4: `band_shares(e, Ts, edges)`."""
     for n, Ts in ((400, 0.75), (512, float(ask.rng.choice([0.1, 0.2])))):
         e = _smoothed(ask.rng.standard_normal(n + 40))[40:]
@@ -129,7 +129,7 @@ def _band_slips(f: FloatArray, edges: FloatArray, power: FloatArray, Ts: float) 
     ]
 
 
-def operating(ask: Ask) -> Verdict:
+def check_operating(ask: Ask) -> Verdict:
     """Step 5: `cell_shares(x, e, edges)` on other data, `share_u` and `share_y` on this record."""
     x, e = ask.rng.uniform(-1, 1, 300), ask.rng.standard_normal(300)
     e = e * (0.3 + np.abs(x - ask.rng.uniform(-0.5, 0.5))) + 0.3

@@ -43,7 +43,7 @@ def _free_run(theta: FloatArray, u: FloatArray) -> FloatArray:
 
 
 @first_failure
-def linear(ask: Ask) -> Iterator[Verdict]:
+def check_linear(ask: Ask) -> Iterator[Verdict]:
     """Step 2: theta_arx, theta_hat and the free run of the latter."""
     u, y, half = _signals(ask)
     Ts = ask.record.Ts
@@ -178,7 +178,7 @@ def right_size(ask: Ask) -> dict[str, Value]:
     return {"gap_before": float(np.sqrt(np.mean(e[half:] ** 2)))}
 
 
-def size(ask: Ask) -> Verdict:
+def check_size(ask: Ask) -> Verdict:
     """Step 3: the root-mean-square error of the linear model on the held-out half."""
     e, half = known_error(ask)
     held_out = e[half:]

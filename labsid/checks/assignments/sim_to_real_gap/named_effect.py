@@ -26,7 +26,7 @@ _CURVES = {"input-nonlinearity", "sqrt-outflow", "output-nonlinearity"}
 _NOTED = "is noted. Whether your rig has it, the judge alone knows; step 7 is your evidence."
 
 
-def effect(ask: Ask) -> Verdict:
+def check_effect(ask: Ask) -> Verdict:
     """Step 8: the name of the effect."""
     got = _named_effect(ask)
     rig = _rig(ask)
@@ -52,7 +52,7 @@ def effect(ask: Ask) -> Verdict:
     )
 
 
-def path(ask: Ask) -> Verdict:
+def check_path(ask: Ask) -> Verdict:
     """Step 8: where in the loop the effect acts."""
     got = _text("path", ask)
     places = sorted(set(EFFECT_PATHS.values()))
@@ -79,7 +79,7 @@ def path(ask: Ask) -> Verdict:
     return Verdict(False, "The effect acts in another place in the loop.", "another path")
 
 
-def parameters(ask: Ask) -> Verdict:
+def check_parameters(ask: Ask) -> Verdict:
     """Step 8: the parameters of the effect, in volts and seconds."""
     value = ask.value("parameters")
     if not isinstance(value, Mapping):

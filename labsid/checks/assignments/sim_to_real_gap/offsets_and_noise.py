@@ -27,7 +27,7 @@ def right_rest(ask: Ask) -> dict[str, Value]:
     }
 
 
-def rest(ask: Ask) -> Verdict:
+def check_rest(ask: Ask) -> Verdict:
     """Step 1: offsets, noise, and the signals without their offsets."""
     record = ask.record
     verdict = _offsets(ask, record)

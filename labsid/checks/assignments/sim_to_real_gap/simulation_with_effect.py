@@ -48,7 +48,7 @@ def closed_share(mse_after: float, mse_before: float, noise: float) -> float:
     return float(1 - np.sqrt(left))
 
 
-def simulation(ask: Ask) -> Verdict:
+def check_simulation(ask: Ask) -> Verdict:
     """Step 7: `simulate_better(u_act)` on a run of the rig."""
     run = _run(ask)
     y_sim = _played(ask, run.u)
@@ -95,7 +95,7 @@ def _slip(ask: Ask, run: _Run, y_sim: FloatArray) -> tuple[str, str] | None:
     return None
 
 
-def closed(ask: Ask) -> Verdict:
+def check_closed(ask: Ask) -> Verdict:
     """Step 9: the share closed on the held-out half, which must also hold on the run that the judge holds back."""
     got = as_number("closed", ask.value("closed"))
     noise, before = (as_number(name, ask.known(name)) for name in ("noise_sd", "gap_before"))

@@ -5,18 +5,23 @@ from collections.abc import Iterator
 import numpy as np
 
 from labsid._arrays import FloatArray
-from labsid.checks.assignments.step_response.formula import response
+from labsid.checks.assignments.step_response.formula import check_response
 from labsid.checks.assignments.step_response.least_squares_appendix import (
-    error_vector,
-    gradient,
-    loss_function,
-    minimum,
+    check_error_vector,
+    check_gradient,
+    check_loss_function,
+    check_minimum,
+    check_solve_two,
+    check_unique,
     returned,
-    solve_two,
-    unique,
 )
 from labsid.checks.assignments.step_response.readings import Step, judge_reading, own_answer
-from labsid.checks.assignments.step_response.recorded_step import give_held_step, give_tank_model, held_step, tank_model
+from labsid.checks.assignments.step_response.recorded_step import (
+    check_held_step,
+    check_tank_model,
+    give_held_step,
+    give_tank_model,
+)
 from labsid.checks.compare import as_figure, as_number, as_vector, close
 from labsid.checks.figures import require_curve, require_labels, require_legend
 from labsid.checks.question import Ask, Assignment, Question
@@ -42,14 +47,14 @@ def _recorded() -> tuple[FloatArray, FloatArray]:
     return t, second_order_response(second_order_example(), t, AMPLITUDE)
 
 
-def read(ask: Ask) -> Verdict:
+def check_read(ask: Ask) -> Verdict:
     """Step 1: K, tau and td of the recorded response."""
     got = np.array([as_number(name, ask.value(name)) for name in PARAMETERS])
     t, y = _recorded()
     return judge_reading(got, Step(t, y, AMPLITUDE, 0.02), "", "gain, time constant and delay fit the response.")
 
 
-def approximation(ask: Ask) -> Verdict:
+def check_approximation(ask: Ask) -> Verdict:
     """Step 3: y_approx and its mean squared error."""
     t, y = _recorded()
     K, tau, td = (as_number(name, ask.known(name)) for name in PARAMETERS)
@@ -105,7 +110,7 @@ def approximation(ask: Ask) -> Verdict:
     )
 
 
-def comparison(ask: Ask) -> Verdict:
+def check_comparison(ask: Ask) -> Verdict:
     """Step 3: the figure with both responses."""
     t, y = _recorded()
     axes = as_figure("fig_a2", ask.value("fig_a2"), 1).axes[0]
@@ -117,7 +122,7 @@ def comparison(ask: Ask) -> Verdict:
 
 
 @first_failure
-def function(ask: Ask) -> Iterator[Verdict]:
+def check_function(ask: Ask) -> Iterator[Verdict]:
     """Step 5: read_step on other processes, levels and amplitudes, with noise."""
     for step in _trial_steps(ask.rng):
         value = returned(ask, "read_step", step.t, step.y, step.amplitude)
@@ -156,19 +161,19 @@ def _give_approximation(ask: Ask) -> dict[str, Value]:
 ASSIGNMENT = Assignment(
     "step-response",
     (
-        Question("step-1-read", read, gives=_give_reading),
-        Question("step-2-response", response),
-        Question("step-3-mse", approximation, gives=_give_approximation, uses=("step-1-read",)),
-        Question("step-3-figure", comparison, uses=("step-3-mse",)),
-        Question("step-5-function", function),
-        Question("step-6-cut", held_step, gives=give_held_step),
-        Question("step-6-model", tank_model, gives=give_tank_model, uses=("step-6-cut",)),
-        Question("step-7-two", solve_two),
-        Question("step-8-error", error_vector),
-        Question("step-8-loss", loss_function),
-        Question("step-8-gradient", gradient),
-        Question("step-9-minimum", minimum),
-        Question("step-9-unique", unique),
+        Question("step-1-read", check_read, gives=_give_reading),
+        Question("step-2-response", check_response),
+        Question("step-3-mse", check_approximation, gives=_give_approximation, uses=("step-1-read",)),
+        Question("step-3-figure", check_comparison, uses=("step-3-mse",)),
+        Question("step-5-function", check_function),
+        Question("step-6-cut", check_held_step, gives=give_held_step),
+        Question("step-6-model", check_tank_model, gives=give_tank_model, uses=("step-6-cut",)),
+        Question("step-7-two", check_solve_two),
+        Question("step-8-error", check_error_vector),
+        Question("step-8-loss", check_loss_function),
+        Question("step-8-gradient", check_gradient),
+        Question("step-9-minimum", check_minimum),
+        Question("step-9-unique", check_unique),
     ),
     record_file="SysIdenData_StudentVersion.mat",
 )

@@ -12,7 +12,7 @@ from labsid.lab.step_response import FirstOrderDelay, first_order_response
 
 
 @first_failure
-def response(ask: Ask) -> Iterator[Verdict]:
+def check_response(ask: Ask) -> Iterator[Verdict]:
     """Step 2: first_order_response on other models."""
     for sign in (1, -1):
         Ts = float(ask.rng.choice([0.1, 0.25, 0.5]))

@@ -23,7 +23,7 @@ _same = close(1e-8)
 _SHAPES = ((3, 3), (5, 2), (8, 3))
 
 
-def solve_two(ask: Ask) -> Verdict:
+def check_solve_two(ask: Ask) -> Verdict:
     """(A2), and its determinant condition."""
     for turned in (False, True):
         U, Y = ask.rng.uniform(0.5, 1.5, (2, 2)) + 2 * np.eye(2), ask.rng.uniform(1, 3, 2)
@@ -53,7 +53,7 @@ def solve_two(ask: Ask) -> Verdict:
     return verdict
 
 
-def error_vector(ask: Ask) -> Verdict:
+def check_error_vector(ask: Ask) -> Verdict:
     """(A4)."""
 
     def one(Phi: FloatArray, Y: FloatArray, theta: FloatArray) -> Verdict:
@@ -69,7 +69,7 @@ def error_vector(ask: Ask) -> Verdict:
     return _on_all(ask, one)
 
 
-def loss_function(ask: Ask) -> Verdict:
+def check_loss_function(ask: Ask) -> Verdict:
     """(A5)."""
 
     def one(Phi: FloatArray, Y: FloatArray, theta: FloatArray) -> Verdict:
@@ -85,7 +85,7 @@ def loss_function(ask: Ask) -> Verdict:
     return _on_all(ask, one)
 
 
-def gradient(ask: Ask) -> Verdict:
+def check_gradient(ask: Ask) -> Verdict:
     """The derivative of (A5), by (A6)."""
 
     def one(Phi: FloatArray, Y: FloatArray, theta: FloatArray) -> Verdict:
@@ -101,7 +101,7 @@ def gradient(ask: Ask) -> Verdict:
     return _on_all(ask, one)
 
 
-def minimum(ask: Ask) -> Verdict:
+def check_minimum(ask: Ask) -> Verdict:
     """Eq. (8)."""
 
     def one(Phi: FloatArray, Y: FloatArray, _: FloatArray) -> Verdict:
@@ -117,7 +117,7 @@ def minimum(ask: Ask) -> Verdict:
     return _on_all(ask, one)
 
 
-def unique(ask: Ask) -> Verdict:
+def check_unique(ask: Ask) -> Verdict:
     """Unique exactly when Phi has full column rank."""
     tall = ask.rng.uniform(-2, 2, (7, 3))
     dependent = tall.copy()

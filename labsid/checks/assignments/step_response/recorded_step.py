@@ -18,7 +18,7 @@ LEVEL_WITHIN = 0.02
 """Of the change: how far fair means of the level before the step may lie apart."""
 
 
-def held_step(ask: Ask) -> Verdict:
+def check_held_step(ask: Ask) -> Verdict:
     """Step 6: the first step of the record, cut out."""
     t_act, u, y = ask.record.t, ask.record.u, ask.record.y
     first, second = (np.flatnonzero(np.diff(u)) + 1)[:2]
@@ -128,7 +128,7 @@ def held_step(ask: Ask) -> Verdict:
     return verdict
 
 
-def tank_model(ask: Ask) -> Verdict:
+def check_tank_model(ask: Ask) -> Verdict:
     """Step 6: the model of the tanks."""
     got = np.array([as_number(name, ask.value(name)) for name in TANK_PARAMETERS])
     settled = find_offsets(ask.record.u, ask.record.y)
