@@ -23,7 +23,7 @@ from autograder.course.build import build_course
 from autograder.course.layout import Course
 from autograder.intake.collect import collect_submissions
 from autograder.sandbox.isolation import IsolationLevel, open_launcher, probe_levels
-from labsid.checks.assignments.prelab_sinusoids import check_function
+from labsid.checks.assignments.prelab_sinusoids.waveforms import check_function
 from labsid.lab.sinusoid import make_sinusoids
 
 pytestmark = pytest.mark.skipif(not hasattr(os, "fork"), reason="this system cannot fork")

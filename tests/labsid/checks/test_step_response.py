@@ -10,7 +10,8 @@ import pytest
 from scipy.optimize import curve_fit
 
 from labsid._arrays import FloatArray
-from labsid.checks.assignments.step_response import ASSIGNMENT, _recorded, _trial_steps
+from labsid.checks.assignments.step_response import ASSIGNMENT
+from labsid.checks.assignments.step_response.example_step import _recorded, _trial_steps
 from labsid.checks.assignments.step_response.readings import Step, judge_reading
 from labsid.rig import make_empty_start_record, write_lab_record
 

@@ -1,9 +1,7 @@
 """The lab: a second-order model identified from a record, in three parts."""
 
 from labsid.checks.assignments.lab_identification import offset_step as step_1c
-from labsid.checks.assignments.lab_identification import part_1 as part_1
-from labsid.checks.assignments.lab_identification import part_2 as part_2
-from labsid.checks.assignments.lab_identification import part_3 as part_3
+from labsid.checks.assignments.lab_identification import part_1, part_2, part_3
 from labsid.checks.question import Assignment, Question
 
 _EXTRACT, _TIME, _OFFSETS = "lab-1a-extract", "lab-1a-sampling-time", "lab-1c-offsets"

@@ -1,193 +1,25 @@
-"""Checks of the pre-lab: a column of time, two noisy sinusoids, the cut, the matrix, Fig. 1."""
+"""The pre-lab: time, two noisy sinusoids, the cut, the matrix and Fig. 1."""
 
-from collections.abc import Iterator
-
-import numpy as np
-
-from labsid._arrays import FloatArray
-from labsid.checks.assignments.prelab_sinusoids.figure_panels import panels, require_panel, shows
-from labsid.checks.assignments.prelab_sinusoids.noise_statistics import (
-    require_independent,
-    require_uniform,
-    require_wave,
+from labsid.checks.assignments.prelab_sinusoids.waveforms import (
+    check_cut,
+    check_cut_off_data,
+    check_function,
+    check_matrix,
+    check_noise,
+    check_original,
+    check_time,
+    right_cut,
+    right_sinusoids,
+    right_time,
 )
-from labsid.checks.assignments.prelab_sinusoids.slips import (
-    CUT,
-    cut_off_slips,
-    matrix_slips,
-    new_signal_slips,
-    new_time_slips,
-    time_slips,
-)
-from labsid.checks.compare import as_array, as_column, as_matrix, as_vector, close
-from labsid.checks.question import Ask, Assignment, Question
-from labsid.checks.values import Value
-from labsid.checks.verdict import NoAnswer, Verdict, first_failure, judge
-from labsid.lab.sinusoid import Sinusoids, cut_off, make_sinusoids
-
-_same = close(0, absolute=1e-9)
-
-
-def check_time(ask: Ask) -> Verdict:
-    """Step 1: the column vector t."""
-    value = ask.value("t")
-    verdict = judge(
-        as_vector("t", value),
-        make_sinusoids(ask.rng).t.ravel(),
-        _same,
-        "a column of 1001 instants from 0 to 100 s.",
-        "`t` does not run from 0 to 100 s in steps of 0.1 s: see step 1.",
-        time_slips(),
-    )
-    if verdict.passed:
-        as_column("t", value)
-    return verdict
-
-
-def check_noise(ask: Ask) -> Verdict:
-    """Step 2: the sinusoids y1 and y2, by their statistics."""
-    t = _vector(ask.known("t"))
-    noises: dict[str, FloatArray] = {}
-    for name, wave, other in (("y1", np.sin, np.cos), ("y2", np.cos, np.sin)):
-        y = _signal(name, ask.value(name), t.size)
-        require_wave(name, t, y, wave, other)
-        noises[name] = y - wave(0.02 * np.pi * t)
-    for name, found in noises.items():
-        require_uniform(name, found)
-    require_independent(noises)
-    return Verdict(True, "a sine and a cosine of period 100 s, each with its own uniform noise within ±0.2.")
-
-
-def check_cut(ask: Ask) -> Verdict:
-    """Step 3: t_new, y1_new, y2_new."""
-    t, y1, y2 = (_vector(ask.known(name)) for name in ("t", "y1", "y2"))
-    verdict = judge(
-        as_vector("t_new", ask.value("t_new")),
-        _vector(_give_cut(ask)["t_new"]),
-        _same,
-        "the first 200 samples are off, and time starts from zero again.",
-        "`t_new` is not what is left of `t` after 200 samples, starting from zero: see step 3.",
-        new_time_slips(t),
-    )
-    for name, y, other in (("y1_new", y1, y2), ("y2_new", y2, y1)):
-        if verdict.passed:
-            verdict = judge(
-                as_vector(name, ask.value(name)),
-                y[CUT:],
-                _same,
-                verdict.reason,
-                f"`{name}` is not what is left of `{name[:2]}` after its first 200 samples: see step 3.",
-                new_signal_slips(name, y, other),
-            )
-    return verdict
-
-
-def check_matrix(ask: Ask) -> Verdict:
-    """Step 4: data_new, n by 3."""
-    parts = [_vector(ask.known(name)) for name in ("t_new", "y1_new", "y2_new")]
-    uncut = [_vector(ask.known(name)) for name in ("t", "y1", "y2")]
-    value = ask.value("data_new")
-    got = as_array("data_new", value)
-    verdict = judge(
-        got,
-        np.column_stack(parts),
-        _same,
-        f"three columns of {parts[0].size} rows.",
-        "`data_new` has the right shape, but not the columns t_new, y1_new, y2_new.",
-        matrix_slips(parts, uncut, got.shape),
-    )
-    if not verdict.passed and verdict.slip is None:
-        as_matrix("data_new", value, (parts[0].size, 3))
-    return verdict
-
-
-@first_failure
-def check_function(ask: Ask) -> Iterator[Verdict]:
-    """Step 4, as a function: cut_off(data, n) on data that the student has not seen."""
-    for rows in (320, 60, 90):
-        Ts, start = float(ask.rng.choice([0.05, 0.25, 0.75])), float(ask.rng.integers(3, 40))
-        data = np.column_stack([start + Ts * np.arange(rows), ask.rng.normal(size=(rows, 2))])
-        yield _try_cut_off(ask, data, n=int(ask.rng.integers(5, 50)))
-
-
-def _try_cut_off(ask: Ask, data: FloatArray, n: int) -> Verdict:
-    value = ask.call("cut_off", data, n)
-    if value is None:
-        raise NoAnswer("`cut_off` hands nothing back: end it with `return` and the matrix.", "no return")
-    got = as_matrix("cut_off(data, n)", value, (None, 3))
-    right = data[n:].copy()
-    right[:, 0] -= right[0, 0]
-    return judge(
-        got,
-        right,
-        _same,
-        "it cuts other data as well, and leaves their time starting from zero.",
-        "`cut_off` does not give what is left of `data` after its first `n` rows: see step 4.",
-        cut_off_slips(data, n),
-    )
-
-
-def check_original(ask: Ask) -> Verdict:
-    """Step 5: Fig. 1(a)."""
-    t, y1, y2 = (_vector(ask.known(name)) for name in ("t", "y1", "y2"))
-    require_panel(panels(ask.value("fig_1"))[0], "Fig. 1(a)", "t", t, {"y1": y1, "y2": y2}, r"original|\(a\)")
-    return Verdict(True, "Fig. 1(a) shows the original data as the lab asks for it.")
-
-
-def check_cut_off_data(ask: Ask) -> Verdict:
-    """Step 6: Fig. 1(b)."""
-    t, y1, y2 = (_vector(ask.known(name)) for name in ("t", "y1", "y2"))
-    t_new, y1_new, y2_new = (_vector(ask.known(name)) for name in ("t_new", "y1_new", "y2_new"))
-    axes = panels(ask.value("fig_1"))
-    if len(axes) != 2:
-        raise NoAnswer(f"`fig_1` should have two panels, one above the other; it has {len(axes)}.", "not two panels")
-    lower = axes[1]
-    if shows(lower, y1) or shows(lower, y2):
-        raise NoAnswer("Fig. 1(b) shows the original data once more; plot the cut-off data.", "original data in (b)")
-    if shows(lower, y1_new, t[CUT:]) or shows(lower, y2_new, t[CUT:]):
-        raise NoAnswer(
-            "In Fig. 1(b) the cut-off data stand at their old time. Plot them against `t_new`.",
-            "old time in (b)",
-        )
-    require_panel(lower, "Fig. 1(b)", "t_new", t_new, {"y1_new": y1_new, "y2_new": y2_new}, r"cut|\(b\)")
-    return Verdict(True, "Fig. 1(b) shows the cut-off data from time zero on.")
-
-
-def _vector(value: Value) -> FloatArray:
-    return np.asarray(value, np.float64).reshape(-1)
-
-
-def _signal(name: str, value: Value, size: int) -> FloatArray:
-    if isinstance(value, np.ndarray) and value.shape == (size, size):
-        raise NoAnswer(
-            f"`{name}` has become a table of shape {value.shape}: flat noise was added to a column. Ask for "
-            "noise of the shape `t.shape`.",
-            "flat noise added to a column",
-        )
-    return as_column(name, value, size)
-
-
-def _give_time(ask: Ask) -> dict[str, Value]:
-    return {"t": make_sinusoids(ask.rng).t}
-
-
-def _give_sinusoids(ask: Ask) -> dict[str, Value]:
-    made = make_sinusoids(ask.rng)
-    return {"y1": made.y1, "y2": made.y2}
-
-
-def _give_cut(ask: Ask) -> dict[str, Value]:
-    t, y1, y2 = (_vector(ask.known(name)).reshape(-1, 1) for name in ("t", "y1", "y2"))
-    right = cut_off(Sinusoids(t, y1, y2), CUT)
-    return {"t_new": right.t_new, "y1_new": right.y1_new, "y2_new": right.y2_new}
-
+from labsid.checks.question import Assignment, Question
 
 ASSIGNMENT = Assignment(
     "prelab-sinusoids",
     (
-        Question("prelab-1-time", check_time, gives=_give_time),
-        Question("prelab-2-noise", check_noise, gives=_give_sinusoids, uses=("prelab-1-time",)),
-        Question("prelab-3-cut", check_cut, gives=_give_cut, uses=("prelab-1-time", "prelab-2-noise")),
+        Question("prelab-1-time", check_time, gives=right_time),
+        Question("prelab-2-noise", check_noise, gives=right_sinusoids, uses=("prelab-1-time",)),
+        Question("prelab-3-cut", check_cut, gives=right_cut, uses=("prelab-1-time", "prelab-2-noise")),
         Question("prelab-4-matrix", check_matrix, uses=("prelab-3-cut",)),
         Question("prelab-4-function", check_function),
         Question("prelab-5-original", check_original, uses=("prelab-1-time", "prelab-2-noise")),

@@ -1,10 +1,13 @@
-"""Checks of the appendix: step-response modelling (Fig. A1, A2), a step of the real tanks, linear least squares."""
+"""The appendix: step-response modelling (Fig. A1, A2), a step of the real tanks, linear least squares."""
 
-from collections.abc import Iterator
-
-import numpy as np
-
-from labsid._arrays import FloatArray
+from labsid.checks.assignments.step_response.example_step import (
+    check_approximation,
+    check_comparison,
+    check_function,
+    check_read,
+    right_approximation,
+    right_reading,
+)
 from labsid.checks.assignments.step_response.formula import check_response
 from labsid.checks.assignments.step_response.least_squares_appendix import (
     check_error_vector,
@@ -13,157 +16,21 @@ from labsid.checks.assignments.step_response.least_squares_appendix import (
     check_minimum,
     check_solve_two,
     check_unique,
-    returned,
 )
-from labsid.checks.assignments.step_response.readings import Step, judge_reading, own_answer
 from labsid.checks.assignments.step_response.recorded_step import (
     check_held_step,
     check_tank_model,
     give_held_step,
     give_tank_model,
 )
-from labsid.checks.compare import as_figure, as_number, as_vector, close
-from labsid.checks.figures import require_curve, require_labels, require_legend
-from labsid.checks.question import Ask, Assignment, Question
-from labsid.checks.values import Value
-from labsid.checks.verdict import Slip, Verdict, first_failure, judge
-from labsid.lab.step_comparison import second_order_example, second_order_response
-from labsid.lab.step_response import (
-    FirstOrderDelay,
-    first_order_response,
-    fit_step_response,
-)
-from labsid.lab.verification import mse
-
-AMPLITUDE = 2.0
-PARAMETERS = ("K", "tau", "td")
-
-_same = close(1e-6)
-
-
-def _recorded() -> tuple[FloatArray, FloatArray]:
-    """`t_step` and `y_step` of the notebook."""
-    t = np.linspace(0, 40, 801)
-    return t, second_order_response(second_order_example(), t, AMPLITUDE)
-
-
-def check_read(ask: Ask) -> Verdict:
-    """Step 1: K, tau and td of the recorded response."""
-    got = np.array([as_number(name, ask.value(name)) for name in PARAMETERS])
-    t, y = _recorded()
-    return judge_reading(got, Step(t, y, AMPLITUDE, 0.02), "", "gain, time constant and delay fit the response.")
-
-
-def check_approximation(ask: Ask) -> Verdict:
-    """Step 3: y_approx and its mean squared error."""
-    t, y = _recorded()
-    K, tau, td = (as_number(name, ask.known(name)) for name in PARAMETERS)
-    got = as_vector("y_approx", ask.value("y_approx"), t.size)
-    right = first_order_response(FirstOrderDelay(K, tau, td), t, AMPLITUDE)
-    if not _same(got, right):
-        carried = own_answer(ask, "first_order_response", t, K, tau, td, AMPLITUDE)
-        if carried is None or not _same(got, carried) or np.ptp(carried) == 0:
-            return Verdict(
-                False,
-                "`y_approx` is not the response of your model to the step of amplitude 2 at the times `t_step`.",
-            )
-        right = carried
-    error = y - right
-    return judge(
-        as_number("mse_approx", ask.value("mse_approx")),
-        mse(y, right),
-        _same,
-        "the mean squared error says how close the approximation is.",
-        "`mse_approx` is not the mean of the squared differences of `y_step` and `y_approx`.",
-        [
-            Slip(
-                "root mean square",
-                "`mse_approx` has a root in it.",
-                lambda: float(np.sqrt(np.mean(error**2))),
-            ),
-            Slip(
-                "sum in place of the mean",
-                "`mse_approx` is the sum: divide by N.",
-                lambda: float(np.sum(error**2)),
-            ),
-            Slip(
-                "not squared",
-                "`mse_approx` is the mean of the errors, not squared.",
-                lambda: float(np.mean(error)),
-            ),
-            Slip(
-                "absolute error",
-                "`mse_approx` is the mean of |error|: square it.",
-                lambda: float(np.mean(abs(error))),
-            ),
-            Slip(
-                "mean squared",
-                "`mse_approx` squares the mean error: square first.",
-                lambda: float(np.mean(error)) ** 2,
-            ),
-            Slip(
-                "half of it",
-                "`mse_approx` has a half in it; the MSE has none.",
-                lambda: float(np.mean(error**2)) / 2,
-            ),
-        ],
-    )
-
-
-def check_comparison(ask: Ask) -> Verdict:
-    """Step 3: the figure with both responses."""
-    t, y = _recorded()
-    axes = as_figure("fig_a2", ask.value("fig_a2"), 1).axes[0]
-    require_curve(axes, "`fig_a2`", "the response `y_step` of the original system", y, t)
-    require_curve(axes, "`fig_a2`", "the response `y_approx` of your model", np.asarray(ask.known("y_approx")), t)
-    require_labels(axes, "`fig_a2`", ("s", "V"))
-    require_legend(axes, "`fig_a2`", 2)
-    return Verdict(True, "both responses in one figure.")
-
-
-@first_failure
-def check_function(ask: Ask) -> Iterator[Verdict]:
-    """Step 5: read_step on other processes, levels and amplitudes, with noise."""
-    for step in _trial_steps(ask.rng):
-        value = returned(ask, "read_step", step.t, step.y, step.amplitude)
-        got = as_vector("read_step(...)", value, 3)
-        yield judge_reading(got, step, "`read_step`: ", "it reads other processes as well, up, down and in noise.")
-
-
-def _trial_steps(rng: np.random.Generator) -> list[Step]:
-    """A plain response, one from another level, one down, one in noise."""
-    steps = []
-    for level, sign, noise in ((0.0, 1, 0.0), (1.0, 1, 0.0), (1.0, -1, 0.0), (1.0, -1, 0.003)):
-        # gains well above 1 and many samples a second: slips then give values that no other slip gives
-        tau = float(rng.uniform(2, 7))
-        model = FirstOrderDelay(float(rng.uniform(1.6, 4)), tau, tau * float(rng.uniform(0.25, 0.6)))
-        amplitude = sign * float(rng.uniform(1.3, 5))
-        change = model.K * amplitude
-        t: FloatArray = tau / 40 * np.arange(360, dtype=np.float64)
-        y = level * abs(change) * float(rng.uniform(2.3, 3.5)) + first_order_response(model, t, amplitude)
-        y += noise * abs(change) * rng.standard_normal(t.size)
-        steps.append(Step(t, y, amplitude, 0.025))
-    return steps
-
-
-def _give_reading(ask: Ask) -> dict[str, Value]:
-    model = fit_step_response(*_recorded(), AMPLITUDE).reading
-    return {"K": model.K, "tau": model.tau, "td": model.td}
-
-
-def _give_approximation(ask: Ask) -> dict[str, Value]:
-    model = FirstOrderDelay(*(as_number(name, ask.known(name)) for name in PARAMETERS))
-    t, y = _recorded()
-    approximate = first_order_response(model, t, AMPLITUDE)
-    return {"y_approx": approximate, "mse_approx": mse(y, approximate)}
-
+from labsid.checks.question import Assignment, Question
 
 ASSIGNMENT = Assignment(
     "step-response",
     (
-        Question("step-1-read", check_read, gives=_give_reading),
+        Question("step-1-read", check_read, gives=right_reading),
         Question("step-2-response", check_response),
-        Question("step-3-mse", check_approximation, gives=_give_approximation, uses=("step-1-read",)),
+        Question("step-3-mse", check_approximation, gives=right_approximation, uses=("step-1-read",)),
         Question("step-3-figure", check_comparison, uses=("step-3-mse",)),
         Question("step-5-function", check_function),
         Question("step-6-cut", check_held_step, gives=give_held_step),

@@ -1,0 +1,197 @@
+"""The post-lab: a first-order model beside the second-order one, and which to take."""
+
+import re
+from collections.abc import Iterator
+
+import numpy as np
+
+from labsid._arrays import FloatArray
+from labsid.checks.assignments.lab_identification.lab_data import LabData, known_vector, measured_output
+from labsid.checks.assignments.lab_identification.offset_step import OFFSET_TOLERANCE
+from labsid.checks.assignments.lab_identification.part_2 import judge_transfer_function
+from labsid.checks.assignments.lab_identification.phi_and_theta import judge_equations, judge_theta, right_equations
+from labsid.checks.assignments.lab_identification.signal_panels import Panel, require_panels
+from labsid.checks.assignments.lab_identification.simulated_output import SAME, judge_entire_run, judge_mse, read_output
+from labsid.checks.assignments.postlab_model_order.order_fits import judge_fit_order, judge_second_order
+from labsid.checks.compare import as_number, as_vector
+from labsid.checks.question import Ask
+from labsid.checks.values import TransferFunctionValue, Value
+from labsid.checks.verdict import NoAnswer, Verdict, first_failure
+from labsid.lab.arx import ArxModel, arx_from_theta, fit_arx
+from labsid.lab.offset import find_offsets
+from labsid.lab.simulation import simulate
+from labsid.lab.verification import mse
+from labsid.least_squares.solve import solve_least_squares
+
+NAMES = ("Phi_1", "Y_1")
+CALLS = ("actual|measured|record", "first|1st|order[ =]*1", "second|2nd|order[ =]*2")
+
+THREE_DIGITS = 0.0055
+"""Largest share by which a number that is rounded to three significant digits differs."""
+_NUMBER = re.compile(r"\d+\.?\d*(?:e[-+]?\d+)?", re.IGNORECASE)
+_POWER = re.compile(r"(?:×|x|\*|·|\\times|\\cdot)10(?:\^|\*\*)?\{?([-−]?\d+)\}?")
+_SUPERSCRIPTS = str.maketrans("⁰¹²³⁴⁵⁶⁷⁸⁹⁻", "0123456789-")
+
+
+def _data(ask: Ask) -> LabData:
+    """The record without its offsets, with the output offset of the notebook where that is a possible one.
+
+    The notebook's given cell removes the offsets. It need not settle on the very samples that the reference does, and a
+    student may bring the offset of the lab along; both are constants near the reference's.
+    """
+    record = ask.record
+    offsets = find_offsets(record.u, record.y)
+    y_offset = offsets.y_offset
+    try:
+        removed = record.y - as_vector("y", ask.value("y"), record.y.size)
+    except NoAnswer:
+        removed = np.full(record.y.size, y_offset)
+    if np.ptp(removed) < 1e-9 and abs(removed[0] - y_offset) <= OFFSET_TOLERANCE * np.ptp(record.y):
+        y_offset = float(removed[0])
+    return LabData(record.u, record.y, measured_output(record), offsets.u_offset, y_offset, record.Ts)
+
+
+def check_phi(ask: Ask) -> Verdict:
+    """Step 1: Phi_1 and Y_1."""
+    return judge_equations(ask, NAMES, _data(ask), 1)
+
+
+def right_phi(ask: Ask) -> dict[str, Value]:
+    """Step 1."""
+    return right_equations(NAMES, _data(ask), 1)
+
+
+def _equations(ask: Ask) -> tuple[FloatArray, FloatArray]:
+    return np.asarray(ask.known("Phi_1"), float).reshape(-1, 2), known_vector(ask, "Y_1")
+
+
+def check_theta(ask: Ask) -> Verdict:
+    """Step 1: theta_1."""
+    return judge_theta(ask, "theta_1", *_equations(ask), _data(ask), 1)
+
+
+def right_theta(ask: Ask) -> dict[str, Value]:
+    """Step 1."""
+    return {"theta_1": solve_least_squares(*_equations(ask)).theta}
+
+
+def check_transfer_function(ask: Ask) -> Verdict:
+    """Step 1: G_1."""
+    return judge_transfer_function("G_1", ask.value("G_1"), _model(ask, "theta_1"))
+
+
+def right_transfer_function(ask: Ask) -> dict[str, Value]:
+    """Step 1."""
+    model = _model(ask, "theta_1")
+    return {"G_1": TransferFunctionValue(model.b, model.a, model.Ts)}
+
+
+def check_fit_order(ask: Ask) -> Verdict:
+    """Step 2: the function, on data that it has not seen, and the second-order fit that it made."""
+    data = _data(ask)
+    verdict = judge_fit_order(ask, data)
+    if not verdict.passed:
+        return verdict
+    second = judge_second_order(ask.value("theta_2"), data)
+    return verdict if second.passed else second
+
+
+def right_second_order(ask: Ask) -> dict[str, Value]:
+    """Step 2."""
+    data = _data(ask)
+    return {"theta_2": fit_arx(data.u, data.y, data.Ts, 2, stop=data.half).model.theta}
+
+
+def _model(ask: Ask, name: str) -> ArxModel:
+    return arx_from_theta(known_vector(ask, name), ask.record.Ts)
+
+
+def check_simulations(ask: Ask) -> Verdict:
+    """Step 2: both free runs over the entire input."""
+    data = _data(ask)
+    first, second = (_model(ask, name) for name in ("theta_1", "theta_2"))
+    got = [read_output(name, ask.value(name)) for name in ("y_sim_1", "y_sim_2")]
+    if SAME(got[0], simulate(second, data.u)) and SAME(got[1], simulate(first, data.u)):
+        return Verdict(False, "`y_sim_1` and `y_sim_2` have changed places.", "models swapped")
+    verdict = judge_entire_run(ask, "y_sim_1", data, first)
+    if not verdict.passed:
+        return verdict
+    verdict = judge_entire_run(ask, "y_sim_2", data, second)
+    return Verdict(True, "Two free runs over the entire input.") if verdict.passed else verdict
+
+
+def right_simulations(ask: Ask) -> dict[str, Value]:
+    """Step 2."""
+    u = _data(ask).u
+    return {f"y_sim_{n}": simulate(_model(ask, f"theta_{n}"), u) for n in (1, 2)}
+
+
+@first_failure
+def check_errors(ask: Ask) -> Iterator[Verdict]:
+    """Step 3: both mean squared errors."""
+    got = [as_number(name, ask.value(name)) for name in ("mse_1", "mse_2")]
+    right = [float(np.asarray(value)) for value in right_errors(ask).values()]
+    if np.allclose(got, right[::-1], rtol=1e-6, atol=0) and not np.allclose(got, right, rtol=1e-6, atol=0):
+        yield Verdict(False, "`mse_1` and `mse_2` have changed places.", "errors swapped")
+    y = _data(ask).y
+    for n in (1, 2):
+        yield judge_mse(f"mse_{n}", got[n - 1], y, known_vector(ask, f"y_sim_{n}"))
+
+
+def right_errors(ask: Ask) -> dict[str, Value]:
+    """Step 3."""
+    y = _data(ask).y
+    return {f"mse_{n}": mse(y, known_vector(ask, f"y_sim_{n}")) for n in (1, 2)}
+
+
+def check_figure_8(ask: Ask) -> Verdict:
+    """Step 3: Fig. 8, with both errors written into it."""
+    signals = {"y": _data(ask).y} | {name: known_vector(ask, name) for name in ("y_sim_1", "y_sim_2")}
+    panel = Panel("Fig. 8", signals, (ask.record.t,), CALLS)
+    (axes,) = require_panels("fig_8", ask.value("fig_8"), (panel,))
+    first, second = (as_number(name, ask.known(name)) for name in ("mse_1", "mse_2"))
+    texts = [*axes.texts, *axes.legend, axes.title]
+    lines = [line for text in texts for line in text.splitlines()]
+    numbers = [_numbers(line) for line in lines]
+    found_numbers = [number for found in numbers for number in found]
+    for name, wanted, other in (("first", first, second), ("second", second, first)):
+        if not any(_is_near(number, wanted) for number in found_numbers):
+            unexplained = [number for number in found_numbers if not _is_near(number, other)]
+            return Verdict(False, *_missing(name, wanted, unexplained, bool(axes.texts)))
+    for line, found in zip(lines, numbers, strict=True):
+        named = [bool(re.search(call, line, re.IGNORECASE)) for call in CALLS[1:]]
+        for own, other, is_named in ((first, second, named == [True, False]), (second, first, named == [False, True])):
+            if is_named and any(_is_near(x, other) for x in found) and not any(_is_near(x, own) for x in found):
+                return Verdict(False, "The mean squared errors in Fig. 8 have changed places.", "errors swapped")
+    return Verdict(True, "Fig. 8 shows both models and their errors.")
+
+
+def _missing(name: str, wanted: float, numbers: list[float], has_text: bool) -> tuple[str, str]:
+    if not numbers and not has_text:
+        return (
+            "Fig. 8 has no text yet: write both mean squared errors into its top-left corner.",
+            "no errors in the figure",
+        )
+    roots = [number for number in numbers if _is_near(number, float(np.sqrt(wanted)))]
+    if roots:
+        return (
+            f"In Fig. 8 stands the root of the {name}-order model's mean squared error.",
+            "root of the mean squared error",
+        )
+    if any(abs(number - wanted) <= 0.5 * wanted for number in numbers):
+        return (
+            f"The {name}-order model's error in Fig. 8 is not exact enough: give three significant digits.",
+            "too few digits",
+        )
+    return f"The mean squared error of the {name}-order model is not in Fig. 8.", "no errors in the figure"
+
+
+def _numbers(line: str) -> list[float]:
+    """The numbers in a text, with powers of ten however they are written."""
+    plain = re.sub(r"[\s$]", "", line.translate(_SUPERSCRIPTS))
+    plain = _POWER.sub(r"e\1", plain).replace("−", "-")
+    return [float(number) for number in _NUMBER.findall(plain)]
+
+
+def _is_near(number: float, wanted: float) -> bool:
+    return abs(number - wanted) <= THREE_DIGITS * wanted
