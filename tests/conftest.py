@@ -12,9 +12,39 @@ ROOT = Path(__file__).resolve().parent.parent
 for _threads in ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS", "VECLIB_MAXIMUM_THREADS"):
     os.environ.setdefault(_threads, "1")
 
+# `make check` leaves out the tests in these files, and those that ask for these fixtures.
+SLOW_FILES = {
+    "attacks": "*",
+    "autograder": "test_*.py",
+    "autograder/batch": "*",
+    "autograder/course": "test_build.py",
+    "autograder/export": "*",
+    "autograder/judge": "test_[ej]*.py",
+    "autograder/sandbox": "*",
+    "labsid/blind": "*",
+    "labsid/checks": "test_*_checks.py test_s*.py test_lab_identification.py",
+    "labsid/estimation": "test_likelihood.py test_monte_carlo.py test_recursive.py",
+    "labsid/gap": (
+        "test_b*.py test_c[al]*.py test_diagnosis.py test_explanation.py test_forms.py test_gap_cli.py test_html*.py "
+        "test_invariance.py test_l[ao][tn]*.py test_re[af]*.py test_s[it]*.py test_undriven*.py test_varying.py"
+    ),
+    "labsid/nonlinear": "test_ranges.py",
+    "labsid/rig/lab": "*",
+    "labsid/rig/switchable": "*",
+}
+SLOW_FIXTURES = {"banded", "course", "plain"}
+
 # A run in the background starts with interrupts ignored, and hands that down to the commands that tests interrupt.
 if signal.getsignal(signal.SIGINT) == signal.SIG_IGN:
     signal.signal(signal.SIGINT, signal.default_int_handler)
+
+
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    for item in items:
+        folder = item.path.parent.relative_to(ROOT / "tests").as_posix()
+        in_slow_file = any(item.path.match(pattern) for pattern in SLOW_FILES.get(folder, "").split())
+        if in_slow_file or SLOW_FIXTURES & set(getattr(item, "fixturenames", ())):
+            item.add_marker(pytest.mark.slow)
 
 
 @pytest.fixture(scope="session")

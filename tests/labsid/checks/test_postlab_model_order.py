@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from labsid.checks.assignments.postlab_model_order import ASSIGNMENT
-from labsid.checks.assignments.postlab_model_order.first_order import _numbers
+from labsid.checks.assignments.postlab_model_order.first_order_model import _numbers
 from labsid.lab.offset import find_offsets
 from labsid.records.record import load_record
 

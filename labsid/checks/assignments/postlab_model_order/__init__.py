@@ -1,6 +1,6 @@
 """The post-lab: a first-order model beside the second-order one, and which to take."""
 
-from labsid.checks.assignments.postlab_model_order.first_order import (
+from labsid.checks.assignments.postlab_model_order.first_order_model import (
     check_errors,
     check_figure_8,
     check_fit_order,

@@ -168,15 +168,18 @@ def _signal(name: str, value: Value, size: int) -> FloatArray:
 
 
 def right_time(ask: Ask) -> dict[str, Value]:
+    """The column of time."""
     return {"t": make_sinusoids(ask.rng).t}
 
 
 def right_sinusoids(ask: Ask) -> dict[str, Value]:
+    """The two sinusoids, without and with noise."""
     made = make_sinusoids(ask.rng)
     return {"y1": made.y1, "y2": made.y2}
 
 
 def right_cut(ask: Ask) -> dict[str, Value]:
+    """The cut signals."""
     t, y1, y2 = (_vector(ask.known(name)).reshape(-1, 1) for name in ("t", "y1", "y2"))
     right = cut_off(Sinusoids(t, y1, y2), CUT)
     return {"t_new": right.t_new, "y1_new": right.y1_new, "y2_new": right.y2_new}

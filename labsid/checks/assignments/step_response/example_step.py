@@ -134,11 +134,13 @@ def _trial_steps(rng: np.random.Generator) -> list[Step]:
 
 
 def right_reading(ask: Ask) -> dict[str, Value]:
+    """Gain, time constant and delay, read from the example step."""
     model = fit_step_response(*_recorded(), AMPLITUDE).reading
     return {"K": model.K, "tau": model.tau, "td": model.td}
 
 
 def right_approximation(ask: Ask) -> dict[str, Value]:
+    """The first-order approximation and its error."""
     model = FirstOrderDelay(*(as_number(name, ask.known(name)) for name in PARAMETERS))
     t, y = _recorded()
     approximate = first_order_response(model, t, AMPLITUDE)
