@@ -25,7 +25,6 @@ from labsid.gap.beam_search import (
 )
 from labsid.gap.candidates import is_compatible
 from labsid.gap.data import Data, scaled
-from labsid.gap.diagnosis import diagnose
 from labsid.gap.effects import dynamics, input, output
 from labsid.gap.effects.base import Fitted
 from labsid.gap.explanation import Explanation, explain
@@ -34,7 +33,6 @@ from labsid.gap.forms import LEAK, LOAD
 from labsid.gap.hypothesis import Hypothesis
 from labsid.gap.linear_fits import fit_baseline, fit_highpass
 from labsid.gap.refinement import polish
-from labsid.records.record import Record
 
 Response = Callable[..., FloatArray]
 RATE = 0.15  # of the input, a sample
@@ -64,8 +62,9 @@ def slewing(w: FloatArray) -> FloatArray:
 def test_a_pair_is_found_whatever_its_order_in_the_actuator(
     levels: FloatArray, two_poles: Response, first: str
 ) -> None:
-    w = slewing(curve(levels)) if first == "curve" else curve(slewing(levels))
-    found = explain(data_of(levels, two_poles(w)))
+    u = levels[:320]
+    w = slewing(curve(u)) if first == "curve" else curve(slewing(u))
+    found = explain(data_of(u, two_poles(w)), most=2)
     assert set(found.names) == {"input-rate-limit", "input-nonlinearity"}
     assert rms(found.data, found.best) < 0.012
 
@@ -127,27 +126,6 @@ def _steered(goal: FloatArray) -> FloatArray:
         command[i] = 0.5 * (wanted - place) - 2.5 * speed
         place, speed = place + speed, speed + 0.05 * command[i]
     return command
-
-
-@pytest.mark.parametrize("effect", ["input-saturation", "input-delay", "load-step", "output-saturation"])
-def test_a_simulation_that_already_has_the_effect_in_it_leaves_none(
-    rig_record: Callable[..., Record], effect: str
-) -> None:
-    record = rig_record(effect)
-    first = diagnose(record)
-    assert [one["name"] for one in first.report["effects"]] == [effect]
-    again = diagnose(record, first.model.to_json_dict())
-    assert again.report["verdict"] == "none"
-    assert again.report["effects"] == []
-
-
-def test_an_export_counts_in_its_own_units_on_another_record(rig_record: Callable[..., Record]) -> None:
-    """Another input has another mean and spread; the exported numbers stay what they are."""
-    model = diagnose(rig_record("input-saturation")).model
-    other = rig_record("input-saturation", samples=800, seed=9)
-    report = diagnose(other, model.to_json_dict()).report
-    assert report["verdict"] == "none"
-    assert report["gap"]["before"] < 1.2 * report["gap"]["noise_floor"]
 
 
 def noisy(fit: Fit, data: Data, bic: float, error: float) -> Fit:
@@ -215,8 +193,7 @@ def test_what_may_be_rounding_is_told_from_what_is_not(plain: Explanation, monke
     assert not within_rounding(lattice, replace(fit, output=fit.output + 0.5 * step))
 
 
-@pytest.mark.parametrize("steps", [8, 32])
-@pytest.mark.parametrize("shape", ["square", "levels"])
+@pytest.mark.parametrize(("shape", "steps"), [("square", 8), ("levels", 32)])
 def test_rounding_is_explained_by_nothing_but_the_converter(
     levels: FloatArray, two_poles: Response, steps: int, shape: str
 ) -> None:
@@ -228,13 +205,11 @@ def test_rounding_is_explained_by_nothing_but_the_converter(
     assert found.data.lattice * found.data.y_scale.unit == pytest.approx(np.ptp(two_poles(u)) / steps)
 
 
-@pytest.mark.parametrize("steps", [16, 64])
-def test_a_second_effect_well_beyond_the_rounding_is_still_found(
-    levels: FloatArray, two_poles: Response, steps: int
-) -> None:
-    load = two_poles((np.arange(levels.size) >= 350).astype(float))
-    y = two_poles(np.minimum(levels, 0.7)) - 0.4 * load
-    found = explain(data_of(levels, coarse(y, steps), noise=0.0))
+def test_a_second_effect_well_beyond_the_rounding_is_still_found(levels: FloatArray, two_poles: Response) -> None:
+    u = levels[:480]
+    load = two_poles((np.arange(u.size) >= 290).astype(float))
+    y = two_poles(np.minimum(u, 0.7)) - 0.4 * load
+    found = explain(data_of(u, coarse(y, 16), noise=0.0), most=2)
     assert set(found.names) == {"input-saturation", "load-step", "output-quantization"}
     assert rms(found.data, found.best) < 0.35 * found.data.lattice  # 0.29 is that of rounding itself
 
@@ -254,21 +229,18 @@ def leaking_tank(u: FloatArray, a: float, b: float, leak: float, onset: int) -> 
     return np.array(out)
 
 
-@pytest.mark.parametrize(("a", "b", "leak"), [(0.6, 0.6, 0.01), (0.8, 1.0, 0.01)])
-def test_a_leak_in_a_tank_with_a_root_is_a_load_that_grows_with_the_level(
-    levels: FloatArray, a: float, b: float, leak: float
-) -> None:
-    u = levels[:480]
-    found = explain(data_of(u, leaking_tank(u, a, b, leak, 290)))
+def test_a_leak_in_a_tank_with_a_root_is_a_load_that_grows_with_the_level(levels: FloatArray) -> None:
+    u, a, b, leak = levels[:360], 0.8, 1.0, 0.01
+    found = explain(data_of(u, leaking_tank(u, a, b, leak, 220)), most=2)
     assert set(found.names) == {"sqrt-outflow", "load-step"}
     assert "load-step/inside" in found.best.hypothesis.keys
     assert rms(found.data, found.best) < 0.0105
     (load,) = (effect for effect in found.best.hypothesis.effects if effect.name == "load-step")
     fitted = Fitted(found.best.hypothesis, found.best.theta, found.best.gains, found.data)
     values = load.values(fitted)
-    assert values["onset"].value == pytest.approx(290.0, abs=1.5)
-    np.testing.assert_array_equal(load.active_samples(fitted)[[280, 300]], [False, True])
-    lost = leaking_tank(u, a, b, leak, 290)[-1] - leaking_tank(u, a, b, 0.0, 290)[-1]
+    assert values["onset"].value == pytest.approx(220.0, abs=1.5)
+    np.testing.assert_array_equal(load.active_samples(fitted)[[210, 230]], [False, True])
+    lost = leaking_tank(u, a, b, leak, 220)[-1] - leaking_tank(u, a, b, 0.0, 220)[-1]
     assert values["size"].value == pytest.approx(lost, rel=0.05)
     assert values["size"].unit == "y"
 
@@ -343,29 +315,35 @@ def loaded_motor(u: FloatArray, load: float, onset: int) -> FloatArray:
     return np.array(out)
 
 
-@pytest.mark.parametrize("load", [0.3, 0.8, 1.2])
-@pytest.mark.parametrize(("rig", "name"), [(loaded_spring, "cubic-stiffness"), (loaded_motor, "coulomb-friction")])
+@pytest.mark.parametrize(
+    ("rig", "name", "load"),
+    [
+        (loaded_spring, "cubic-stiffness", 0.3),
+        (loaded_spring, "cubic-stiffness", 1.2),
+        (loaded_motor, "coulomb-friction", 1.2),
+    ],
+)
 def test_a_load_on_a_nonlinear_state_is_found_however_large(
     levels: FloatArray, rig: Response, name: str, load: float
 ) -> None:
     """A large one is the first effect that is found, and a leak on linear dynamics; it goes inside with the second."""
-    u = levels[:400]
-    found = explain(data_of(u, rig(u, load, 240)), most=2)
+    u = levels[:320]
+    found = explain(data_of(u, rig(u, load, 190)), most=2)
     assert set(found.names) == {name, "load-step"}
     assert "load-step/inside" in found.best.hypothesis.keys
     assert rms(found.data, found.best) < 0.0115
     (step,) = (effect for effect in found.best.hypothesis.effects if effect.name == "load-step")
     values = step.values(Fitted(found.best.hypothesis, found.best.theta, found.best.gains, found.data))
-    assert values["onset"].value == pytest.approx(240.0, abs=1.0)
-    assert values["size"].value == pytest.approx((rig(u, load, 240) - rig(u, 0.0, 240))[-1], rel=0.1)
+    assert values["onset"].value == pytest.approx(190.0, abs=1.0)
+    assert values["size"].value == pytest.approx((rig(u, load, 190) - rig(u, 0.0, 190))[-1], rel=0.1)
 
 
 @pytest.mark.parametrize("kind", ["wave", "load"])
 def test_what_acts_on_the_inflow_of_two_tanks_is_found_beside_a_brim(kind: str) -> None:
     """Ahead of the upper tank, the brim being the lower one's."""
-    u = np.repeat(np.random.default_rng(8).uniform(-1.0, 1.0, 80), 15)
+    u = np.repeat(np.random.default_rng(8).uniform(-1.0, 1.0, 54), 15)
     k, fine, first, level, out = np.arange(u.size), 40, u[0], u[0], []
-    flow = u - (0.35 * np.sin(2.0 * np.pi * 21.3 / u.size * k) if kind == "wave" else 0.5 * (k >= 700))
+    flow = u - (0.35 * np.sin(2.0 * np.pi * 14.3 / u.size * k) if kind == "wave" else 0.5 * (k >= 470))
     for value in flow.tolist():
         out.append(level)
         for _ in range(fine):
@@ -414,7 +392,7 @@ def tank_with_a_brim(w: FloatArray, rate: FloatArray, brim: float) -> FloatArray
 @pytest.mark.parametrize("drifting", ["pole", "gain"])
 def test_a_drift_is_found_beside_a_brim(drifting: str) -> None:
     """Of the outflow, or of a pump that delivers nothing at an input far below the record."""
-    u = np.repeat(np.random.default_rng(8).uniform(-1.0, 1.0, 80), 15)
+    u = np.repeat(np.random.default_rng(8).uniform(-1.0, 1.0, 54), 15)
     course = np.sin(np.linspace(0.0, np.pi, u.size))
     rate = 0.06 * (1.0 - 0.5 * course) if drifting == "pole" else np.full(u.size, 0.06)
     w = u if drifting == "pole" else u + 0.2 * course * (u + 2.0)

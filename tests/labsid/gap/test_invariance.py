@@ -57,10 +57,8 @@ def test_the_effect_is_named_with_its_numbers(answers, effect):
     ("effect", "change", "expected"),
     [
         ("input-saturation", {"u": (1e3, -7e3), "y": (0.02, 4.0), "seconds": 60.0}, {"high": lambda x: 1e3 * x - 7e3}),
-        ("input-saturation", {"u": (-1.0, 0.0)}, {"low": lambda x: -x}),
         ("input-delay", {"u": (1e-3, 0.5), "y": (-40.0, 0.0), "seconds": 60.0}, {"delay": lambda x: x / 60.0}),
         ("load-step", {"u": (-1.0, 0.0), "y": (-1.0, 0.0)}, {"onset": lambda x: x, "size": lambda x: -x}),
-        ("load-step", {"y": (1e3, 12.0), "seconds": 60.0}, {"onset": lambda x: x / 60.0, "size": lambda x: 1e3 * x}),
         ("output-saturation", {"u": (5.0, 1.0), "y": (-2.0, 30.0)}, {"low": lambda x: 30.0 - 2.0 * x}),
     ],
 )
@@ -86,13 +84,13 @@ def test_a_second_run_gives_the_same_bytes(answers, rig_record):
 
 
 def test_another_seed_moves_the_interval_only(rig_record):
-    one, two = (diagnose(rig_record("none"), seed=seed).report for seed in (0, 1))
+    one, two = (diagnose(rig_record("none", samples=300), seed=seed).report for seed in (0, 1))
     for report in (one, two):
         report["gap"].pop("ci95")
     assert one == two
 
 
-@pytest.mark.parametrize("effect", ["input-saturation", "output-saturation"])
+@pytest.mark.parametrize("effect", KINDS)
 def test_a_simulation_that_has_the_effect_already_leaves_no_gap(answers, rig_record, effect):
     exported = json.loads(json.dumps(answers(effect).model.to_json_dict()))
     report = diagnose(rig_record(effect), exported).report
@@ -101,8 +99,12 @@ def test_a_simulation_that_has_the_effect_already_leaves_no_gap(answers, rig_rec
 
 
 def test_the_exported_simulation_holds_on_another_record_of_the_same_rig(answers, rig_record):
-    other = rig_record("input-saturation", seed=8)
+    """The input of the other record has another mean and spread; the exported numbers keep their meaning."""
+    other = rig_record("input-saturation", samples=400, seed=8)
     model = answers("input-saturation").model
+    report = diagnose(other, model.to_json_dict()).report
+    assert report["verdict"] == "none"
+    assert report["gap"]["before"] < 1.2 * report["gap"]["noise_floor"]
     error = (other.y - model.simulate(other.u, other.y))[50:]
     noise = 0.01 * np.std(other.y)
     assert np.sqrt(np.mean(error**2)) < 1.2 * noise
