@@ -29,7 +29,9 @@ def held() -> Callable[[FloatArray, FloatArray, Flow], FloatArray]:
     def states(w: FloatArray, state: FloatArray, flow: Flow) -> FloatArray:
         found = [np.asarray(state, float)]
         for value in w[:-1]:
-            solved = solve_ivp(lambda t, x, value=value: flow(x, value), (0, 1), found[-1], rtol=1e-10, atol=1e-12)
+            solved = solve_ivp(
+                lambda t, x, value=value: flow(x, value), (0, 1), found[-1], method="DOP853", rtol=1e-8, atol=1e-10
+            )
             found.append(solved.y[:, -1])
         return np.array(found)
 

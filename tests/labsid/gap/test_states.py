@@ -44,8 +44,8 @@ def test_tanks_without_a_brim(w: FloatArray, held: Held, roots: tuple[bool, bool
 def test_tanks_overflow_and_the_lower_one_catches_a_share(
     w: FloatArray, brims: tuple[float, float], share: float, root: bool
 ) -> None:
-    """Against Euler's method with 1,000 steps a sample, what flows over counted by the balance of the upper tank."""
-    flow, fine = 0.9 + 0.5 * w, 1000
+    """Against Euler's method with 400 steps a sample, what flows over counted by the balance of the upper tank."""
+    flow, fine = 0.9 + 0.5 * w, 400
     h1, h2, expected, over = 0.6, 0.5, [], 0
     for value in flow:
         expected.append(h2)
@@ -68,9 +68,7 @@ def test_an_empty_tank_stays_empty() -> None:
 
 @pytest.mark.parametrize("root", [False, True])
 def test_tanks_that_fill_without_end_end_in_nan(root: bool) -> None:
-    level = _states.simulate_tanks(
-        np.full(100, 2.0 * _states.DIVERGED), 0.3, 0.2, root, False, np.inf, np.inf, 0.0, 0.6, 0.5, 2
-    )
+    level = _states.simulate_tanks(np.full(100, 2e6), 0.3, 0.2, root, False, np.inf, np.inf, 0.0, 0.6, 0.5, 2)
     assert np.isfinite(level[0])
     assert np.isnan(level[-1])
 
@@ -92,7 +90,7 @@ def test_linear_tanks_are_as_they_are_however_quick(w: FloatArray, rates: tuple[
 @pytest.mark.parametrize(("level", "brim"), [(0.2, 0.7), (0.7, 0.7), (0.2, 2.0)])
 def test_a_linear_tank_at_its_brim_loses_nothing(rate: float, level: float, brim: float) -> None:
     """What has come in is in the tank, below it or, caught in part, over the brim."""
-    flow, share, h, fine = 1.5, 0.4, 0.5, 100_000
+    flow, share, h, fine = 1.5, 0.4, 0.5, 20_000
     now, below, over = level, 0.0, 0.0
     for _ in range(fine):  # Euler's method
         out = now
