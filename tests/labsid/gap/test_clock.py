@@ -20,7 +20,7 @@ DEN = np.poly([0.95, 0.8]).tolist()
 
 @pytest.fixture(scope="module")
 def clipped(rig_record):
-    return rig_record("input-saturation")
+    return rig_record("input-saturation", 400)
 
 
 @pytest.fixture(scope="module")
@@ -50,8 +50,8 @@ def even_report(clipped):
     return diagnose(clipped).report
 
 
-@pytest.mark.parametrize("seconds", [1.0, 60.0])
-def test_a_clock_that_jitters_changes_no_name_and_no_number(tmp_path, clipped, even_report, seconds):
+def test_a_clock_that_jitters_changes_no_name_and_no_number(tmp_path, clipped, even_report):
+    seconds = 60.0
     path = write(tmp_path / "record.csv", clipped, shaken(clipped, seconds=seconds))
     report = diagnose(load_record(path, allow_jitter=True)).report
     assert report["record"]["Ts"] == pytest.approx(0.5 / seconds, rel=1e-9)

@@ -9,7 +9,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from labsid._arrays import FloatArray
-from labsid.gap.diagnosis import MIN_SAMPLES, Diagnosis, diagnose
+from labsid.gap.diagnosis import Diagnosis, diagnose
 from labsid.records.record import Record
 
 TS, SAMPLES, NOISE = 0.5, 480, 0.01
@@ -225,13 +225,6 @@ def test_the_report_keeps_to_the_contract(diagnosed: Callable[[str], tuple[Diagn
     check_layout(report, SAMPLES)
 
 
-def test_the_same_seed_gives_the_same_report(diagnosed: Callable[[str], tuple[Diagnosis, Record]]) -> None:
-    first, record = diagnosed("input-delay")
-    again = diagnose(record, seed=0)
-    assert json.dumps(again.report) == json.dumps(first.report)
-    np.testing.assert_array_equal(again.model.theta, first.model.theta)
-
-
 def test_the_model_runs_the_record_as_the_report_says(diagnosed: Callable[[str], tuple[Diagnosis, Record]]) -> None:
     found, record = diagnosed("input-saturation")
     error = record.y - found.model.simulate(record.u, record.y)
@@ -250,7 +243,7 @@ def test_excluded_stretches_count_nowhere(u: FloatArray, two_poles: Response) ->
 
 def test_what_no_method_could_answer_on_is_refused(u: FloatArray, two_poles: Response) -> None:
     y = 10.0 + two_poles(u)
-    with pytest.raises(ValueError, match=rf"the record has 40 samples; a diagnosis needs at least {MIN_SAMPLES}"):
+    with pytest.raises(ValueError, match="the record has 40 samples; a diagnosis needs at least 100"):
         diagnose(record_of(u[:40], y[:40], ""))
     with pytest.raises(ValueError, match=r"u of the record is constant \(3\)"):
         diagnose(record_of(np.full(SAMPLES, 3.0), y, ""))
@@ -261,5 +254,5 @@ def test_what_no_method_could_answer_on_is_refused(u: FloatArray, two_poles: Res
     slower = Record(np.arange(SAMPLES) * 2.0, u, y, 2.0)
     with pytest.raises(ValueError, match=r"the holdout runs at 2 s, the record at 0.5 s\. Resample one of them"):
         diagnose(record_of(u, y, ""), holdout=slower)
-    with pytest.raises(ValueError, match=rf"--exclude leaves 20 samples; at least {MIN_SAMPLES} are needed"):
+    with pytest.raises(ValueError, match="--exclude leaves 20 samples; at least 100 are needed"):
         diagnose(record_of(u, y, ""), exclude=[(20.0, 1e9)])
