@@ -22,11 +22,12 @@ SLOW_FILES = {
     "autograder/judge": "test_[ej]*.py",
     "autograder/sandbox": "*",
     "labsid/blind": "*",
+    "labsid/cli": "test_commands.py",
     "labsid/checks": "test_*_checks.py test_s*.py test_lab_identification.py",
     "labsid/estimation": "test_likelihood.py test_monte_carlo.py test_recursive.py",
     "labsid/gap": (
         "test_b*.py test_c[al]*.py test_diagnosis.py test_explanation.py test_forms.py test_gap_cli.py test_html*.py "
-        "test_invariance.py test_l[ao][tn]*.py test_re[af]*.py test_s[it]*.py test_undriven*.py test_varying.py"
+        "test_invariance.py test_l[ao][tn]*.py test_re[acf]*.py test_s[it]*.py test_undriven*.py test_varying.py"
     ),
     "labsid/nonlinear": "test_ranges.py",
     "labsid/rig/lab": "*",
@@ -39,11 +40,20 @@ if signal.getsignal(signal.SIGINT) == signal.SIG_IGN:
     signal.signal(signal.SIGINT, signal.default_int_handler)
 
 
+def in_slow_file(path: Path) -> bool:
+    folder = path.parent.relative_to(ROOT / "tests").as_posix()
+    return any(path.match(pattern) for pattern in SLOW_FILES.get(folder, "").split())
+
+
+def pytest_ignore_collect(collection_path: Path, config: pytest.Config) -> bool | None:
+    """Do not even import the slow files where slow tests are left out."""
+    quick = config.getoption("markexpr") == "not slow"
+    return True if quick and collection_path.suffix == ".py" and in_slow_file(collection_path) else None
+
+
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     for item in items:
-        folder = item.path.parent.relative_to(ROOT / "tests").as_posix()
-        in_slow_file = any(item.path.match(pattern) for pattern in SLOW_FILES.get(folder, "").split())
-        if in_slow_file or SLOW_FIXTURES & set(getattr(item, "fixturenames", ())):
+        if in_slow_file(item.path) or SLOW_FIXTURES & set(getattr(item, "fixturenames", ())):
             item.add_marker(pytest.mark.slow)
 
 
