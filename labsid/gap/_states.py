@@ -72,7 +72,7 @@ def simulate_tanks(
                     h1 = brim1
                 h1 = max(h1, 0.0)
             else:
-                h1, inflow = _linear_tank(h1, flow, a1, keep1, brim1, share, h)
+                h1, inflow = step_linear_tank(h1, flow, a1, keep1, brim1, share, h)
             if root2:
                 net = inflow - math.sqrt(max(h2, 0.0)) - opposing - active * leak * h2
                 half2 = max(min(h2 + 0.5 * h * rate2 * net, brim2), 0.0)
@@ -89,7 +89,7 @@ def simulate_tanks(
 
 
 @compiled()
-def _linear_tank(
+def step_linear_tank(
     level: float, flow: float, rate: float, keep: float, brim: float, share: float, h: float
 ) -> tuple[float, float]:
     """Exact step of level' = rate (flow - level) up to a brim: the new level and the mean flow to the lower tank.

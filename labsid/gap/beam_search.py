@@ -72,7 +72,7 @@ def search_effects(
     """
     base = fit_baseline(data, structure, start)
     highpass = fit_highpass(data, base)
-    base = _whiter_baseline(data, polish(data, base), highpass)
+    base = whiter_baseline(data, polish(data, base), highpass)
     levels, path = _search_from(data, base, highpass, most, progress)
     if not has_undriven_pole(data, path[-1]):
         return levels, path
@@ -122,11 +122,11 @@ def _search_from(
         path.append(best)
         if residual_is_white(data, best):
             break
-        beam = _parents(data, level) if step == 0 else [min(level.values(), key=_bic)]
+        beam = select_parents(data, level) if step == 0 else [min(level.values(), key=_bic)]
     return tuple(levels), _pruned(data, levels, path)
 
 
-def _whiter_baseline(data: Data, base: Fit, highpass: Fit) -> Fit:
+def whiter_baseline(data: Data, base: Fit, highpass: Fit) -> Fit:
     """The baseline, or its refit from the differenced record if that leaves whiter residuals.
 
     Strongly coloured noise biases the rates of a free-run fit.
@@ -138,7 +138,7 @@ def _whiter_baseline(data: Data, base: Fit, highpass: Fit) -> Fit:
     return other if other.bic < base.bic and rms(data, other) < FREE_RUN_TOLERANCE * rms(data, base) else base
 
 
-def _parents(data: Data, level: Level) -> list[Fit]:
+def select_parents(data: Data, level: Level) -> list[Fit]:
     """One-effect fits to which a second effect is added: those of lowest BIC, and those of lowest free-run error.
 
     Free-run error counts if the residual is slow: the innovations then say little about one effect of a pair.
@@ -163,7 +163,7 @@ def _extensions(
 ) -> list[list[Trial]]:
     """Sketches of the fits with one more effect, grouped by effect; from the second effect on, only the best groups."""
     tried = []
-    plain = _with_constant_load(data, parent)
+    plain = with_constant_load(data, parent)
     for number, group in enumerate(CANDIDATES):
         if progress is not None:
             done = (place[0] + number / len(CANDIDATES)) / place[1]
@@ -174,7 +174,7 @@ def _extensions(
     return tried if step == 0 else _refined_groups(data, tried, FITTED_EFFECTS)
 
 
-def _with_constant_load(data: Data, parent: Fit) -> Fit:
+def with_constant_load(data: Data, parent: Fit) -> Fit:
     """The parent with a constant load in place of a state-dependent one.
 
     The dynamics of a state-dependent load cannot be combined with a nonlinear state.
@@ -238,10 +238,10 @@ def _polish_best(data: Data, level: Level, done: Collection[int] = ()) -> None:
 
 def _in_best_form(data: Data, fit: Fit) -> Fit:
     """The polished fit, in the best of its equivalent forms."""
-    return polish(data, min((converge(data, one) for one in _alternative_forms(data, fit)), key=penalized_bic))
+    return polish(data, min((converge(data, one) for one in plausible_forms(data, fit)), key=penalized_bic))
 
 
-def _alternative_forms(data: Data, fit: Fit) -> list[Fit]:
+def plausible_forms(data: Data, fit: Fit) -> list[Fit]:
     """The fit, and fits of the same effects in other forms."""
     points = [
         (other, minimize(data, other, transfer_theta(fit, other), iterations=8))

@@ -129,7 +129,7 @@ def _trial(data: Data, hypothesis: Hypothesis, point: Point) -> Trial:
 def best_fit(data: Data, trials: list[Trial], kept: int = 3) -> Fit | None:
     """The best plausible fit after minimizing a few trials to convergence; None if none is plausible."""
     best: Fit | None = None
-    for trial in _two_variants(_reranked(data, trials, 2 * kept), kept):
+    for trial in _two_variants(reranked(data, trials, 2 * kept), kept):
         end = minimize(data, trial.hypothesis, trial.point.theta, trial.point.gains, iterations=25, tolerance=1e-5)
         if end is None:
             continue
@@ -142,7 +142,7 @@ def best_fit(data: Data, trials: list[Trial], kept: int = 3) -> Fit | None:
     return best
 
 
-def _reranked(data: Data, trials: list[Trial], count: int) -> list[Trial]:
+def reranked(data: Data, trials: list[Trial], count: int) -> list[Trial]:
     """Continue the first trials for some iterations and sort them again: the best one need not lead from the start."""
     if len(trials) <= count // 2:
         return trials

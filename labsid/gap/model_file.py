@@ -28,7 +28,8 @@ _ALL = (
     *GENERAL_FORMS.values(),
     (PERIODIC_LOAD, UPSTREAM_PERIODIC, UPSTREAM_LOAD),
 )
-_BY_KEY: dict[str, Effect] = {effect.key: effect for group in _ALL for effect in group}
+EFFECTS_BY_KEY: dict[str, Effect] = {effect.key: effect for group in _ALL for effect in group}
+"""Every effect that an exported simulation may contain."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -217,10 +218,10 @@ def from_json_dict(content: dict[str, Any]) -> ExportedModel:
         raise ValueError(wrong.format(f"{error} is missing")) from None
     except (TypeError, ValueError, OverflowError):
         raise ValueError(wrong.format("a value has the wrong type")) from None
-    unknown = [key for key in keys if key not in _BY_KEY]
+    unknown = [key for key in keys if key not in EFFECTS_BY_KEY]
     if unknown:
         raise ValueError(f"the simulation contains unknown effects: {', '.join(map(repr, unknown))}. Update labsid.")
-    hypothesis = Hypothesis(tuple(_BY_KEY[key] for key in keys))
+    hypothesis = Hypothesis(tuple(EFFECTS_BY_KEY[key] for key in keys))
     lower, upper = hypothesis.bounds
     names = [parameter.name for parameter in hypothesis.parameters]
     if written != names:

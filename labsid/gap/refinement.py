@@ -23,7 +23,7 @@ def converge(data: Data, fit: Fit) -> Fit:
     leaping = [(i, parameter.leap) for i, parameter in enumerate(hypothesis.parameters) if parameter.leap]
     for _ in range(3 if leaping else 0):
         before = at.cost
-        valleys = _valleys(problem, at)
+        valleys = valley_directions(problem, at)
         for i, distance in leaping:
             direction = np.eye(lower.size)[i]
             for leap in LEAP_FACTORS:
@@ -50,7 +50,7 @@ def _cost(point: Point) -> float:
     return point.cost
 
 
-def _valleys(problem: Problem, at: Point) -> FloatArray:
+def valley_directions(problem: Problem, at: Point) -> FloatArray:
     """By parameter, the change of theta along the valley of the cost per unit of that parameter; shape (p, p)."""
     J = problem.jacobian(at)
     if J is None:

@@ -98,7 +98,7 @@ def build_report(
         "next_experiment": _experiment(record, explanation, decision, rng),
         "record": {"name": record.name, "samples": len(record), "Ts": record.Ts},
         "simulation": {"given": base.given, "output_only": base.output_only},
-        "screen": _screen_sentences(explanation),
+        "screen": screen_sentences(explanation),
         "traces": figure_traces(record.t, record.u, record.y, *(np.asarray(data.y_scale.back(x)) for x in runs)),
     }
 
@@ -260,7 +260,7 @@ def _experiment(
     }
 
 
-def _screen_sentences(explanation: Explanation) -> list[str]:
+def screen_sentences(explanation: Explanation) -> list[str]:
     """Faults found in the samples, in sentences."""
     faults = explanation.faults
     texts = []

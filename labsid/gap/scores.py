@@ -150,7 +150,7 @@ def score_fits(
         after=float(np.sqrt(m1)),
         floor=float(np.sqrt(floor)),
         closed=closed,
-        ci95=None if closed is None else _interval(e0, e1, data.rows, scored, floor, after, rng),
+        ci95=None if closed is None else closure_interval(e0, e1, data.rows, scored, floor, after, rng),
         black_box=None if closed is None else closed_share(m0, float(np.mean(box[scored] ** 2)), floor),
         scored=scored,
         before_fit=before,
@@ -158,7 +158,7 @@ def score_fits(
     )
 
 
-def _interval(
+def closure_interval(
     e0: FloatArray,
     e1: FloatArray,
     rows: np.ndarray,

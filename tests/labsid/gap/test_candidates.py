@@ -11,11 +11,11 @@ from labsid._arrays import FloatArray
 from labsid.gap._kernels import delayed
 from labsid.gap.candidates import (
     CANDIDATES,
-    _reranked,
     best_fit,
     is_compatible,
     is_plausible,
     penalized_bic,
+    reranked,
     start_points,
     trial_fits,
 )
@@ -332,11 +332,11 @@ def test_a_race_takes_the_first_few_some_steps_further_and_ranks_them_anew(bande
     data, base = banded.data, banded.path[0]
     tried = trial_fits(data, base, (input.DeadZone(), input.Backlash()), base)
     assert len(tried) > 6
-    raced = _reranked(data, tried, 6)
+    raced = reranked(data, tried, 6)
     assert len(raced) == 6
     assert [trial.score for trial in raced] == sorted(trial.score for trial in raced)
     assert raced[0].score < min(trial.score for trial in tried)
-    assert _reranked(data, tried[:3], 6) == tried[:3]
+    assert reranked(data, tried[:3], 6) == tried[:3]
 
 
 def test_the_best_start_need_not_be_ahead_at_once(banded: Explanation) -> None:

@@ -12,7 +12,7 @@ from labsid.gap._kernels import delayed
 from labsid.gap.data import Data, Scale
 from labsid.gap.effects import disturbance, input, output
 from labsid.gap.fitting import Fit, covariance, finish, minimize, refit, rms, start_cost
-from labsid.gap.hypothesis import NUISANCE_DELAY, Hypothesis
+from labsid.gap.hypothesis import Hypothesis
 from labsid.gap.noise_model import complete_rows
 from labsid.gap.plants import Plant
 from labsid.gap.refinement import converge, polish
@@ -209,7 +209,7 @@ def test_bounds_are_kept(levels: FloatArray, two_poles: Response) -> None:
     data = data_of(levels, two_poles(delayed(levels, 3, 0.0)))
     fit = fit_of(data, LINEAR, TRUTH)
     lower, upper = LINEAR.bounds
-    assert fit.theta[0] == NUISANCE_DELAY
+    assert fit.theta[0] == 0.5
     assert np.all((lower <= fit.theta) & (fit.theta <= upper))
     start = minimize(data, LINEAR, np.array([9.0, 50.0, -50.0]), iterations=0)
     assert start is not None

@@ -14,17 +14,12 @@ from labsid.gap.effects.base import Effect
 from labsid.gap.explanation import Explanation, explain
 from labsid.gap.fitting import Fit, finish, minimize, rms
 from labsid.gap.forms import (
-    ACTUATOR_ORDERS,
-    BOTH_LIMITS,
-    HISTORY_FORMS,
     INNER_LOAD,
     INNER_PERIODIC,
     LEAK,
     LOAD,
     PERIODIC,
     PERIODIC_LOAD,
-    POSITIONS,
-    SPLINE_FORMS,
     UPSTREAM_LOAD,
     UPSTREAM_PERIODIC,
     alternative_forms,
@@ -62,7 +57,7 @@ def test_a_lag_and_a_mode_are_tried_at_every_place_to_a_nonlinear_state() -> Non
 
 def test_what_bends_the_command_is_tried_in_either_order_where_something_else_bends_it_too() -> None:
     curve, rate = input.Nonlinearity(), input.RateLimit()
-    orders = {effect for group in ACTUATOR_ORDERS for effect in group[1:]}
+    orders = {input.Nonlinearity("first"), input.RateLimit("behind")}
     for alone in ((curve,), (rate,), (curve, input.Delay())):
         assert not any(orders & set(other.effects) for other in alternative_forms(Hypothesis(alone)))
     assert [other.keys for other in alternative_forms(Hypothesis((curve, rate))) if orders & set(other.effects)] == [
@@ -71,10 +66,16 @@ def test_what_bends_the_command_is_tried_in_either_order_where_something_else_be
     ]
 
 
-GENERAL = HISTORY_FORMS | {effect: (rich,) for effect, rich in SPLINE_FORMS.items()}
+GENERAL: dict[Effect, tuple[Effect, ...]] = {
+    input.Delay(): (input.Delay("switched"), input.Delay("no-zero switched")),
+    input.Delay("no-zero"): (input.Delay("no-zero switched"),),
+    input.RateLimit(): (input.RateLimit("switched"), input.RateLimit("timed")),
+    input.Nonlinearity(): (input.Nonlinearity("rich"),),
+    output.Nonlinearity(): (output.Nonlinearity("rich"),),
+}
 
 
-@pytest.mark.parametrize("effect", [*HISTORY_FORMS, *SPLINE_FORMS])
+@pytest.mark.parametrize("effect", list(GENERAL))
 def test_a_memory_is_tried_with_another_past_and_a_curve_with_more_bends(effect: Effect) -> None:
     beside = dynamics.ExtraLag()
     others = alternative_forms(Hypothesis((effect, beside)))
@@ -83,7 +84,7 @@ def test_a_memory_is_tried_with_another_past_and_a_curve_with_more_bends(effect:
     assert alternative_forms(Hypothesis((effect, beside), n_given=1)) == []
 
 
-@pytest.mark.parametrize("effect", [*HISTORY_FORMS, *SPLINE_FORMS])
+@pytest.mark.parametrize("effect", list(GENERAL))
 def test_the_general_form_begins_as_the_special_one(
     levels: FloatArray, two_poles: Response, banded: Explanation, effect: Effect
 ) -> None:
@@ -94,7 +95,7 @@ def test_the_general_form_begins_as_the_special_one(
     other = alternative_forms(old)[0]  # a zero of the dynamics is left out in the second form of a delay
     found = transfer_theta(replace(banded.path[0], hypothesis=old, theta=theta), other)
     assert found.size > theta.size
-    error = 0.05 if effect in SPLINE_FORMS else 1e-12  # of a spline next to a cubic, and straight at the ends
+    error = 0.05 if "nonlinearity" in effect.name else 1e-12  # of a spline next to a cubic, and straight at the ends
     np.testing.assert_allclose(other.output(found, gains, levels), old.output(theta, gains, levels), atol=error)
 
 
@@ -166,7 +167,16 @@ def test_the_other_brim_begins_a_little_below_the_highest_level(
     np.testing.assert_allclose(both.plant.linear_rates(transfer_theta(fit, both)[both.slices["plant"]]), fit.rates)
 
 
-@pytest.mark.parametrize("group", [*POSITIONS, *ACTUATOR_ORDERS])
+@pytest.mark.parametrize(
+    "group",
+    [
+        (dynamics.ExtraLag(), dynamics.ExtraLag("ahead")),
+        (dynamics.Resonance(), dynamics.Resonance("ahead"), dynamics.Resonance("beside")),
+        (dynamics.CoulombFriction("speed"), dynamics.CoulombFriction("speed-lag")),
+        (input.RateLimit(), input.RateLimit("behind")),
+        (input.Nonlinearity(), input.Nonlinearity("first")),
+    ],
+)
 def test_forms_of_one_effect_share_its_name_and_numbers(group: tuple[Effect, ...]) -> None:
     first, *others = (Hypothesis((effect, dynamics.SqrtOutflow("both"))) for effect in group)
     if group[0].name == "coulomb-friction":
@@ -342,7 +352,7 @@ def test_one_stop_of_a_sensor_is_also_tried_as_two(banded: Explanation, which: s
     """The other one begins where the output hardly comes."""
     hypothesis = Hypothesis((output.Saturation(which), input.Saturation("low")))
     (both,) = alternative_forms(hypothesis)
-    assert both.effects == (BOTH_LIMITS, input.Saturation("low"))
+    assert both.effects == (output.Saturation("both"), input.Saturation("low"))
     assert alternative_forms(both) == []
     numbers = {"log_c": -1.0, "log_k": -3.0}
     theta = np.array([numbers.get(p.name, 0.0) for p in hypothesis.parameters])

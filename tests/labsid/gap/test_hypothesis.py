@@ -6,7 +6,7 @@ import pytest
 from labsid._arrays import FloatArray
 from labsid.gap._kernels import delayed
 from labsid.gap.effects import disturbance, drifts, dynamics, input, output
-from labsid.gap.hypothesis import NUISANCE_DELAY, Design, Hypothesis
+from labsid.gap.hypothesis import Design, Hypothesis
 from labsid.gap.plants import Plant
 
 FULL = Hypothesis(
@@ -31,7 +31,7 @@ def names_at(hypothesis: Hypothesis, key: str) -> list[str]:
 def test_theta_holds_delay_inputs_plant_outputs_and_additive_effects_in_this_order() -> None:
     names = [parameter.name for parameter in FULL.parameters]
     assert names == ["delay", "low", "low", "high", "log_c", "log_k", "log_lag", "c2", "c3", "high", "cycles", "onset"]
-    assert FULL.parameters[0].upper == NUISANCE_DELAY
+    assert FULL.parameters[0].upper == 0.5
     assert names_at(FULL, "input-saturation/low") == ["low"]
     assert names_at(FULL, "input-dead-zone") == ["low", "high"]
     assert names_at(FULL, "plant") == ["log_c", "log_k", "log_lag"]
@@ -67,7 +67,7 @@ def test_the_input_of_a_spring_may_be_sampled_and_not_held() -> None:
             ("tanks", dynamics.SqrtOutflow("both")),
         )
     }
-    assert least == {"spring": -NUISANCE_DELAY, "held": 0.0, "friction": 0.0, "tanks": 0.0}
+    assert least == {"spring": -0.5, "held": 0.0, "friction": 0.0, "tanks": 0.0}
 
 
 def test_bounds_are_those_of_the_parameters() -> None:

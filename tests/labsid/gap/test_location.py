@@ -9,10 +9,6 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
 from labsid.gap.location import (
-    CELLS,
-    MAP_CELLS,
-    MAX_STRETCHES,
-    SEGMENTS,
     most_uneven_signal,
     operating_map,
     share_by_frequency,
@@ -51,7 +47,7 @@ def test_bands_reach_to_the_nyquist_frequency_and_their_shares_add_up_to_one(e: 
 def test_cells_cover_the_range_and_their_shares_add_up_to_one(e: np.ndarray, seed: int) -> None:
     x = np.random.default_rng(seed).standard_normal(e.size)
     cells = share_by_value("y", x, e)
-    assert [cell["signal"] for cell in cells] == ["y"] * CELLS
+    assert [cell["signal"] for cell in cells] == ["y"] * 6
     assert cells[0]["low"] == x.min()
     assert cells[-1]["high"] == pytest.approx(x.max())
     assert all(a["high"] == b["low"] for a, b in pairwise(cells))
@@ -72,9 +68,8 @@ def test_marked_stretches_are_segments_of_their_own() -> None:
 @pytest.mark.parametrize("marked", [np.zeros(240, bool), np.ones(240, bool), np.arange(240) % 2 == 0])
 def test_where_nothing_stands_out_the_segments_are_of_equal_length(marked: np.ndarray) -> None:
     assert np.count_nonzero(np.diff(marked.astype(int))) in (0, 239)
-    assert 2 * MAX_STRETCHES < 239
     segments = share_by_time(np.arange(240.0), np.ones(240), 1.0, marked)
-    assert [stop - start for start, stop, _ in segments] == [20.0] * SEGMENTS
+    assert [stop - start for start, stop, _ in segments] == [20.0] * 12
 
 
 def test_a_sinusoid_lies_in_its_band() -> None:
@@ -119,6 +114,6 @@ def test_the_map_holds_the_whole_error_and_nothing_where_the_record_never_was() 
     seen = operating_map(u, y, e)
     count = np.histogram2d(u, y, (seen["u"], seen["y"]))[0]
     rms = np.array(seen["rms"], float)
-    assert rms.shape == (MAP_CELLS, MAP_CELLS)
+    assert rms.shape == (14, 14)
     np.testing.assert_array_equal(np.isnan(rms), count == 0)
     assert float(np.nansum(rms**2 * count)) == pytest.approx(float(e @ e))

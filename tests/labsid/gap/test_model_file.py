@@ -10,7 +10,7 @@ from labsid.gap.data import Scale
 from labsid.gap.effects.dynamics import Overflow, SqrtOutflow
 from labsid.gap.effects.input import Delay, RateLimit
 from labsid.gap.hypothesis import Hypothesis
-from labsid.gap.model_file import _BY_KEY, SCHEMA, ExportedModel, from_json_dict, load_model
+from labsid.gap.model_file import EFFECTS_BY_KEY, ExportedModel, from_json_dict, load_model
 
 C, K = 0.5, 0.05
 POLES = np.exp(np.roots([1.0, C, K]))
@@ -22,7 +22,7 @@ LIMIT = 0.8  # scaled
 def content(**changed):
     """Two poles with an actuator that stops at LIMIT; the record's units are 2 + 3 u and -1 + 5 y."""
     return {
-        "schema": SCHEMA,
+        "schema": "labsid.model/1",
         "effects": ["input-saturation/high"],
         "parameters": ["delay", "high", "log_c", "log_k"],
         "theta": [0.0, LIMIT, np.log(C), np.log(K)],
@@ -113,14 +113,15 @@ def test_forms_of_every_effect_have_a_key():
     orders = {"input-rate-limit/behind", "input-nonlinearity/first"}
     general = {"overflow/both", "overflow/both-flipped", "input-nonlinearity/rich", "output-nonlinearity/rich"}
     switched = {"input-delay/switched", "input-delay/no-zero switched", "input-rate-limit/switched"}
-    assert forms | orders | general | switched <= set(_BY_KEY)
-    assert all(effect.key == key for key, effect in _BY_KEY.items())
+    assert forms | orders | general | switched <= set(EFFECTS_BY_KEY)
+    assert all(effect.key == key for key, effect in EFFECTS_BY_KEY.items())
 
 
-@pytest.mark.parametrize("key", _BY_KEY)
+@pytest.mark.parametrize("key", EFFECTS_BY_KEY)
 @pytest.mark.parametrize("beside", [(), (SqrtOutflow("both"),)], ids=["alone", "in tanks"])
 def test_an_export_with_any_effect_is_read_again(key, beside, levels):
-    hypothesis = Hypothesis((*(effect for effect in beside if effect.name != _BY_KEY[key].name), _BY_KEY[key]))
+    tested = EFFECTS_BY_KEY[key]
+    hypothesis = Hypothesis((*(effect for effect in beside if effect.name != tested.name), tested))
     numbers = {"log_c": np.log(C), "log_k": np.log(K), "log_a": -1.0, "log_b": -1.5, "zero": -3.0, "brim": 9.0}
     numbers |= {"onset": 0.4, "load": 0.2, "leak": 0.1, "cycles": 7.0, "log_share": -1.0, "high": 0.8, "friction": 0.1}
     theta = np.clip([numbers.get(p.name, 0.1) for p in hypothesis.parameters], *hypothesis.bounds)

@@ -7,7 +7,7 @@ from labsid.gap.data import Data, scaled
 from labsid.gap.effects import dynamics
 from labsid.gap.fitting import UNFILTERED, Fit, Problem, finish, minimize
 from labsid.gap.hypothesis import Hypothesis
-from labsid.gap.refinement import _valleys, converge
+from labsid.gap.refinement import converge, valley_directions
 
 STICKING = Hypothesis((dynamics.CoulombFriction("position"), dynamics.ExtraLag()))
 NAMES = [parameter.name for parameter in STICKING.parameters]
@@ -42,7 +42,7 @@ def test_along_a_valley_the_error_rises_least() -> None:
     problem = Problem(data, STICKING, UNFILTERED)
     at = problem.point(converge(data, fit).theta)
     assert at is not None
-    valleys = _valleys(problem, at)
+    valleys = valley_directions(problem, at)
     np.testing.assert_allclose(valleys.diagonal(), 1.0)
     for name in ("log_c", "log_k", "log_lag", "z0"):
         i = NAMES.index(name)

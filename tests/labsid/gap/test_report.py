@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from labsid.gap.explanation import Explanation
-from labsid.gap.report import _screen_sentences
+from labsid.gap.report import screen_sentences
 from labsid.gap.sample_faults import SampleFaults
 
 
@@ -18,11 +18,12 @@ from labsid.gap.sample_faults import SampleFaults
     ],
 )
 def test_what_is_left_out_is_counted_in_words(plain: Explanation, spikes: int, said: str) -> None:
+    assert screen_sentences(plain) == []
     none = np.zeros(plain.data.samples, bool)
     faults = SampleFaults(none, (), np.arange(none.size) < spikes, None)
-    assert _screen_sentences(replace(plain, faults=faults)) == [said]
+    assert screen_sentences(replace(plain, faults=faults)) == [said]
     held = SampleFaults(np.arange(none.size) < 48, ((0, 24), (24, 48))[:spikes], none, 0.5)
     stretches = "1 stretch" if spikes == 1 else "2 stretches"
-    lattice, repeats = _screen_sentences(replace(plain, faults=held))
+    lattice, repeats = screen_sentences(replace(plain, faults=held))
     assert lattice.startswith("All output values are multiples of ")
     assert repeats == f"The output repeats its last value in {stretches}, 10 % of the record."

@@ -15,11 +15,6 @@ from labsid.gap.fitting import Fit, finish, minimize
 from labsid.gap.hypothesis import Hypothesis
 from labsid.gap.linear_fits import fit_baseline
 from labsid.gap.residual_tests import (
-    MAX_LAG,
-    MIN_PAIRS,
-    MIN_UNLIMITED_SHARE,
-    SLOW_CORRELATION,
-    SLOW_LAG,
     explained_share,
     input_history,
     is_noise,
@@ -71,10 +66,10 @@ def test_noise_that_swings_is_slow_although_it_is_nought_at_one_lag(turn: float)
         1000:
     ]
     rows = np.ones(e.size, bool)
-    lags = np.arange(SLOW_LAG, MAX_LAG)
+    lags = np.arange(6, 25)
     expected = np.abs([np.mean(e[lag:] * e[:-lag]) / np.mean(e**2) for lag in lags]).max()
     assert slow_autocorrelation(e, rows) == pytest.approx(expected, rel=1e-3)
-    assert slow_autocorrelation(e, rows) > 2.0 * SLOW_CORRELATION
+    assert slow_autocorrelation(e, rows) > 0.6
     assert np.abs(fade**lags * np.cos(turn * lags)).max() == pytest.approx(expected, abs=0.08)
 
 
@@ -82,10 +77,8 @@ def test_white_noise_and_noise_that_forgets_itself_are_not_slow() -> None:
     rng = np.random.default_rng(5)
     rows = np.ones(4000, bool)
     for pole in (0.0, 0.7):
-        assert (
-            slow_autocorrelation(lfilter([1.0], [1.0, -pole], rng.standard_normal(4000)), rows) < 0.5 * SLOW_CORRELATION
-        )
-    assert slow_autocorrelation(lfilter([1.0], [1.0, -0.95], rng.standard_normal(4000)), rows) > SLOW_CORRELATION
+        assert slow_autocorrelation(lfilter([1.0], [1.0, -pole], rng.standard_normal(4000)), rows) < 0.15
+    assert slow_autocorrelation(lfilter([1.0], [1.0, -0.95], rng.standard_normal(4000)), rows) > 0.3
 
 
 def test_rows_that_do_not_count_have_no_part_in_the_slowness() -> None:
@@ -95,7 +88,7 @@ def test_rows_that_do_not_count_have_no_part_in_the_slowness() -> None:
     still = slow_autocorrelation(e, rows)
     e[300:900] += 20.0
     assert slow_autocorrelation(e, rows) == still
-    assert slow_autocorrelation(e[:MIN_PAIRS], np.ones(MIN_PAIRS, bool)) == 0.0  # too few pairs
+    assert slow_autocorrelation(e[:100], np.ones(100, bool)) == 0.0  # too few pairs
 
 
 def test_colour_compares_power_and_innovations_on_the_same_rows(fitted: Fitted) -> None:
@@ -222,5 +215,5 @@ def test_where_a_sensor_hardly_leaves_its_stop_every_row_counts(
     levels: FloatArray, two_poles: Callable[..., FloatArray]
 ) -> None:
     data, fit = clipped(levels, two_poles, 0.0, 0.8)
-    assert np.mean(fit.output < fit.output.max()) < MIN_UNLIMITED_SHARE
+    assert np.mean(fit.output < fit.output.max()) < 0.3
     assert measure_residual(data, fit).rms == pytest.approx(np.sqrt(np.mean((data.y - fit.output) ** 2)))

@@ -1,12 +1,8 @@
 """Single samples: held stretches, spikes and lattices, and what only looks like them."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 
-from labsid.gap.explanation import Explanation
-from labsid.gap.report import _screen_sentences
 from labsid.gap.sample_faults import SampleFaults, find_lattice, find_spikes
 from labsid.records.signal_quality import find_held, lattice_step
 
@@ -195,21 +191,6 @@ def test_a_spike_may_stand_at_the_end_of_the_record_but_not_at_its_start(noise: 
     e[[0, -1]] = 12.0 * np.std(noise)
     spikes = find_spikes(e, np.ones(e.size, bool))
     assert np.flatnonzero(spikes).tolist() == [e.size - 1]
-
-
-@pytest.mark.parametrize(
-    ("bad", "said"),
-    [
-        ((), []),
-        ((4,), ["1 sample is an isolated spike; the fits exclude it."]),
-        ((4, 9), ["2 samples are isolated spikes; the fits exclude them."]),
-    ],
-)
-def test_what_the_samples_say_is_counted_in_words(plain: Explanation, bad: tuple[int, ...], said: list[str]) -> None:
-    none = np.zeros(plain.data.samples, bool)
-    spikes = none.copy()
-    spikes[list(bad)] = True
-    assert _screen_sentences(replace(plain, faults=SampleFaults(none, (), spikes, None))) == said
 
 
 def test_a_lattice_is_found_although_a_few_samples_lie_off_it() -> None:

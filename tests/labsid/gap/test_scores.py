@@ -13,11 +13,10 @@ from labsid.gap.explanation import Explanation
 from labsid.gap.fitting import Fit
 from labsid.gap.holdout import held_out_samples
 from labsid.gap.scores import (
-    MIN_HALF_WIDTH,
     GapScore,
-    _interval,
     black_box_residual,
     closed_share,
+    closure_interval,
     noise_power,
     score_explanation,
     score_fits,
@@ -173,7 +172,7 @@ def even(before: float, after: float, floor: float, explanation: Fit, seed: int 
     """The interval for errors of the same size everywhere, 300 samples fitted and 100 scored: no block tells more."""
     rows = np.arange(400) % 4 != 0
     e0, e1 = np.full(400, before), np.full(400, after)
-    return _interval(e0, e1, rows, ~rows, floor, explanation, np.random.default_rng(seed))
+    return closure_interval(e0, e1, rows, ~rows, floor, explanation, np.random.default_rng(seed))
 
 
 def with_numbers(fit: Fit, count: int, sigma2: float) -> Fit:
@@ -188,8 +187,8 @@ def test_an_interval_is_never_narrower_than_the_least_doubt(
     closed = closed_share(before**2, after**2, floor)
     assert closed is not None
     low, high = even(before, after, floor, with_numbers(plain.best, 2, floor))
-    assert low == pytest.approx(closed - MIN_HALF_WIDTH)
-    assert high == pytest.approx(closed + MIN_HALF_WIDTH)
+    assert low == pytest.approx(closed - 0.005)
+    assert high == pytest.approx(closed + 0.005)
 
 
 @pytest.mark.parametrize(("count", "colour"), [(3, 1.0), (30, 1.0), (30, 2.0)])
@@ -200,7 +199,7 @@ def test_many_numbers_for_few_rows_are_inexact_which_an_interval_counts(
     low, high = even(2.0, 1.0, 1.0, with_numbers(plain.best, count, 1.0 / colour))
     inexact = colour * chi2.ppf(0.975, count) / 300
     assert high == 1.0
-    assert low + MIN_HALF_WIDTH == pytest.approx(1.0 - np.sqrt(inexact / 3.0), rel=0.03)
+    assert low + 0.005 == pytest.approx(1.0 - np.sqrt(inexact / 3.0), rel=0.03)
 
 
 def test_an_interval_repeats_with_its_seed(plain: Explanation) -> None:

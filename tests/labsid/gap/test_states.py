@@ -99,7 +99,7 @@ def test_a_linear_tank_at_its_brim_loses_nothing(rate: float, level: float, brim
         now -= spilt
         below += out / fine
         over += spilt / (rate * h)
-    found, leaving = _states._linear_tank(level, flow, rate, np.exp(-rate * h), brim, share, h)
+    found, leaving = _states.step_linear_tank(level, flow, rate, np.exp(-rate * h), brim, share, h)
     assert found == pytest.approx(now, abs=1e-3)
     assert leaving == pytest.approx(below + share * over, abs=1e-3)
 
