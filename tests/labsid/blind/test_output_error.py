@@ -17,7 +17,7 @@ def second_order(samples: int = 800, seed: int = 0, x0: float = 0.0) -> tuple[np
 
 
 @pytest.mark.parametrize("x0", [0.0, 4.0])
-def test_a_noiseless_model_is_found_whatever_its_initial_state(x0: float) -> None:
+def test_a_noiseless_model_is_recovered_from_any_initial_state(x0: float) -> None:
     u, y = second_order(x0=x0)
     fit = fit_linear(u, y, [0.95, 0.3])
     np.testing.assert_allclose(fit.a, [1, -1.5, 0.58], atol=1e-6)
@@ -64,7 +64,7 @@ def test_a_third_tap_forgives_part_of_a_sample() -> None:
     assert three < 1e-9 < 1e-5 < two
 
 
-def test_a_fit_plays_on_another_record_from_its_own_state() -> None:
+def test_a_fit_simulates_another_record_from_the_initial_state_of_that_record() -> None:
     u, y = second_order()
     fit = fit_linear(u, y, [0.9, 0.6])
     other_u, other_y = second_order(seed=5, x0=-3.0)

@@ -49,7 +49,7 @@ def some() -> list[Case]:
     return list(make_cases("dev", 3, ["single-clear", "with-sim", "none"]))
 
 
-def test_the_batch_sees_records_and_nothing_else(some: list[Case], monkeypatch) -> None:
+def test_the_batch_process_has_access_to_the_records_only(some: list[Case], monkeypatch) -> None:
     monkeypatch.setattr(runner, "_MAIN", BATCH)
     sensor_output: list[int] = []
     results, seconds = run_batch(some, jobs=1, on_progress=sensor_output.append)

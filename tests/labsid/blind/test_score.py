@@ -36,14 +36,14 @@ def test_wilson_agrees_with_statsmodels(k: int, n: int) -> None:
     np.testing.assert_allclose(wilson(k, n), proportion_confint(k, n, method="wilson"), atol=1e-12)
 
 
-def test_nothing_counted_is_no_figure() -> None:
+def test_an_empty_row_has_no_score() -> None:
     assert wilson(0, 0) == (0.0, 1.0)
     empty = metric([], "right effect named, one effect, clear")
     assert empty.value is None
     assert metric_status(empty) == ""
 
 
-def test_one_effect_must_be_named_and_nothing_else() -> None:
+def test_a_single_effect_scores_only_if_named_alone() -> None:
     cases = [
         CaseOutcome(label("single-clear", "overflow"), said("overflow")),
         CaseOutcome(label("single-clear", "overflow"), said("overflow", "extra-lag")),
@@ -92,7 +92,7 @@ def test_none_and_unknown() -> None:
     assert metric(cases, "outside the table: never").value == 0.5
 
 
-def test_a_mismatch_is_told_from_none_and_from_structure() -> None:
+def test_a_parameter_mismatch_is_scored_apart_from_none_and_from_an_effect() -> None:
     mismatch = label("with-sim", "parameter-mismatch")
     assert kind_recognised(CaseOutcome(mismatch, said("parameter-mismatch")))
     assert not kind_recognised(CaseOutcome(mismatch, said("extra-lag")))

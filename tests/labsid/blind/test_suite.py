@@ -41,7 +41,7 @@ def left_by_linear(case: Case) -> float:
     return fit_linear(clean.u, clean.y, start).rmse / case.sigma
 
 
-def test_every_effect_has_its_turn(some: list[Case]) -> None:
+def test_rows_cycle_through_all_effects(some: list[Case]) -> None:
     for row in ("single-clear", "single-hard", "short"):
         assert [case.labels for case in of_row(some, row)] == [(effect,) for effect in EFFECTS][: COUNTS[row]]
     assert [case.labels[0] for case in of_row(some, "pair")] == list(EFFECTS[:5])
@@ -49,7 +49,9 @@ def test_every_effect_has_its_turn(some: list[Case]) -> None:
 
 
 @pytest.mark.parametrize(("row", "between"), [("single-clear", CLEAR_RATIOS), ("single-hard", HARD_RATIOS)])
-def test_clear_and_hard_leave_what_they_should(some: list[Case], row: str, between: tuple[float, float]) -> None:
+def test_the_residual_of_a_linear_model_is_in_the_range_of_the_row(
+    some: list[Case], row: str, between: tuple[float, float]
+) -> None:
     for case in of_row(some, row):
         assert between[0] * 0.95 < left_by_linear(case) < between[1] * 1.05, case.labels
         assert left_by_linear(case) == pytest.approx(case.ratio, rel=0.05)
@@ -74,7 +76,7 @@ def test_short_records_are_short_noisy_and_of_few_levels(some: list[Case]) -> No
         assert case.experiment.plain.motion.actuator_lag > 0
 
 
-def test_nothing_can_be_seen_where_the_label_is_none(some: list[Case]) -> None:
+def test_cases_labelled_none_have_no_visible_gap(some: list[Case]) -> None:
     for case in of_row(some, "none"):
         assert case.labels == ()
         assert case.level == "none"
@@ -100,14 +102,14 @@ def test_the_sensors_own_noise_is_only_mildly_coloured(some: list[Case]) -> None
             assert np.sqrt(1 - noise.colour**2) >= 0.7
 
 
-def test_both_effects_of_a_pair_leave_their_mark(some: list[Case]) -> None:
+def test_both_effects_of_a_pair_change_the_output(some: list[Case]) -> None:
     for case in of_row(some, "pair"):
         assert len(set(case.labels)) == 2
         assert set(case.truth) == set(case.labels)
         assert case.ratio >= CLEAR_RATIOS[0]
 
 
-def test_a_simulation_that_comes_along_is_what_it_is_said_to_be(some: list[Case]) -> None:
+def test_the_simulation_of_a_case_matches_its_label(some: list[Case]) -> None:
     kinds = set()
     for case in of_row(some, "with-sim"):
         assert case.sim is not None
@@ -137,7 +139,7 @@ def test_cases_repeat_in_other_processes_and_a_shorter_suite_is_the_start_of_a_l
         assert label_dict(one) == label_dict(two)
 
 
-def test_names_say_nothing(some: list[Case]) -> None:
+def test_record_names_do_not_reveal_the_label(some: list[Case]) -> None:
     assert len({case.name for case in some}) == len(some)
     assert all(len(case.name) == 11 and case.record.name == case.name for case in some)
 

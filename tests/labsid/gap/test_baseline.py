@@ -42,7 +42,7 @@ def test_powers_of_z_descend_as_in_python_control(num, levels):
     np.testing.assert_allclose(model.response(levels), expected, atol=1e-10)
 
 
-def test_it_starts_in_the_state_that_the_measured_output_tells(levels):
+def test_the_initial_state_is_estimated_from_the_measured_output(levels):
     model = read_transfer_function(TRUE, 0.5)
     measured = model.response(levels) + 2.0 * 0.95 ** np.arange(levels.size) - 0.8 ** np.arange(levels.size)
     np.testing.assert_allclose(model.simulate(levels, measured), measured, atol=1e-9)

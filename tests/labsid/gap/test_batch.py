@@ -68,7 +68,7 @@ def summary_of(out):
 # One real run ---------------------------------------------------------------------------------------------
 
 
-def test_every_record_gets_an_answer(finished):
+def test_every_record_gets_a_report(finished):
     out, _, _ = finished
     assert sorted(path.name for path in out.iterdir()) == [
         "a.json",
@@ -105,7 +105,7 @@ def test_the_table_and_what_is_printed(finished):
     assert told[-1] == ("4 of 4 records", 1.0)
 
 
-def test_an_answer_is_that_of_diagnose(finished, folder, tmp_path):
+def test_a_report_equals_that_of_diagnose(finished, folder, tmp_path):
     from labsid.cli.commands import main
 
     assert main(["gap", "diagnose", str(folder / "b.csv"), "--json", str(tmp_path / "b.json")]) == 0
@@ -127,7 +127,7 @@ def copied(finished, folder, tmp_path):
     return tmp_path / "records", tmp_path / "out"
 
 
-def test_a_second_run_keeps_every_answer(copied, counted):
+def test_a_second_run_keeps_every_report(copied, counted):
     records, out = copied
     before = {path.name: path.stat().st_mtime_ns for path in out.glob("*.json")}
     assert "4 records: error 2, none 2 (4 from an earlier run)" in diagnose_folder(records, out)
@@ -147,7 +147,7 @@ def test_a_second_run_keeps_every_answer(copied, counted):
     ],
 )
 @pytest.mark.filterwarnings("ignore::ResourceWarning")
-def test_what_changed_is_diagnosed_again(copied, counted, change, again):
+def test_records_with_changed_files_are_diagnosed_again(copied, counted, change, again):
     change(*copied)
     diagnose_folder(*copied)
     assert counted == again
@@ -220,7 +220,7 @@ def test_two_records_of_one_name_and_none_at_all(tmp_path):
 
 
 @pytest.mark.skipif(os.name == "nt", reason="Ctrl-C cannot be sent to one process there")
-def test_an_interrupted_run_keeps_what_is_finished(tmp_path, rig_record, write_rig_record):
+def test_an_interrupted_run_keeps_finished_reports(tmp_path, rig_record, write_rig_record):
     for number in range(6):
         write_rig_record(tmp_path / f"r{number}.csv", rig_record("none", SAMPLES, seed=number))
     out = tmp_path / "out"

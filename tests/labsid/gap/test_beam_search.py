@@ -57,7 +57,7 @@ def slewing(w: FloatArray) -> FloatArray:
 
 
 @pytest.mark.parametrize("first", ["curve", "rate"])
-def test_a_pair_is_found_whatever_its_order_in_the_actuator(
+def test_a_pair_of_actuator_effects_is_found_in_either_order(
     levels: FloatArray, two_poles: Response, first: str
 ) -> None:
     u = levels[:320]
@@ -67,7 +67,7 @@ def test_a_pair_is_found_whatever_its_order_in_the_actuator(
     assert rms(found.data, found.best) < 0.012
 
 
-def test_the_curve_stands_at_the_end_of_the_actuator_unless_told() -> None:
+def test_the_input_curve_is_last_in_the_actuator_by_default() -> None:
     assert [e.name for e in Hypothesis((input.Nonlinearity(), input.RateLimit())).inputs] == [
         "input-rate-limit",
         "input-nonlinearity",
@@ -90,7 +90,7 @@ def test_a_level_keeps_the_better_of_two_fits_of_the_same_names(banded: Explanat
     assert level == {("input-dead-zone",): better}
 
 
-def test_the_best_path_goes_as_far_as_effects_are_worth_it(banded: Explanation) -> None:
+def test_the_best_path_ends_where_no_effect_is_a_significant_improvement(banded: Explanation) -> None:
     assert best_path(banded.data, banded.levels)[:2] == banded.path[:2]
     (base,) = banded.levels[0].values()
     assert best_path(banded.data, (banded.levels[0], {("nothing",): replace(base, bic=base.bic - 1.0)})) == (base,)
@@ -101,7 +101,7 @@ def bent_gain(samples: int) -> FloatArray:
     return 1.0 + 0.5 * (1.0 - np.linspace(-1.0, 1.0, samples) ** 2)
 
 
-def test_a_gain_that_comes_back_is_a_drift_of_the_gain(levels: FloatArray, two_poles: Response) -> None:
+def test_a_gain_that_rises_and_falls_is_a_parameter_drift(levels: FloatArray, two_poles: Response) -> None:
     found = explain(data_of(levels, two_poles(levels * bent_gain(levels.size))))
     assert found.names == ("parameter-drift",)
     assert found.best.hypothesis.keys == ("parameter-drift/gain-4",)
@@ -133,7 +133,7 @@ def noisy(fit: Fit, data: Data, bic: float, error: float) -> Fit:
 
 
 @pytest.mark.parametrize("slow", [True, False])
-def test_parents_are_the_best_and_where_the_residual_is_slow_those_that_run_free_best(
+def test_parents_are_the_fits_of_lowest_bic_and_for_slow_residuals_of_lowest_free_run_error(
     plain: Explanation, slow: bool
 ) -> None:
     errors = [0.5, 0.6, 0.4, 0.3, 0.45, 0.2, 0.9]
@@ -145,7 +145,7 @@ def test_parents_are_the_best_and_where_the_residual_is_slow_those_that_run_free
 
 
 @pytest.mark.parametrize(("pole", "size", "seed"), [(0.99, 0.03, 1), (0.99, 0.03, 3), (0.98, 0.05, 2), (0.95, 0.1, 1)])
-def test_a_baseline_that_follows_strongly_coloured_noise_is_brought_back_by_the_swift_part(
+def test_the_highpass_fit_corrects_a_baseline_biased_by_coloured_noise(
     levels: FloatArray, two_poles: Response, pole: float, size: float, seed: int
 ) -> None:
     noise = lfilter([1.0], [1.0, -pole], size * np.random.default_rng(seed).standard_normal(levels.size))
@@ -159,7 +159,7 @@ def test_a_baseline_that_follows_strongly_coloured_noise_is_brought_back_by_the_
     assert off[1] > 2.0
 
 
-def test_a_baseline_that_the_swift_part_does_not_better_stays(plain: Explanation) -> None:
+def test_the_baseline_is_kept_if_the_highpass_fit_is_no_better(plain: Explanation) -> None:
     data, base = plain.data, plain.best
     assert whiter_baseline(data, replace(base, bic=base.bic - 5.0), base).bic == base.bic - 5.0
     other = Hypothesis((dynamics.ExtraLag(),), n_given=1)
@@ -187,7 +187,7 @@ def test_quantization_residuals_are_distinguished_from_model_errors(plain: Expla
 
 
 @pytest.mark.parametrize(("shape", "steps"), [("square", 8), ("levels", 32)])
-def test_rounding_is_explained_by_nothing_but_the_converter(
+def test_rounding_is_explained_by_quantization_alone(
     levels: FloatArray, two_poles: Response, steps: int, shape: str
 ) -> None:
     """Without noise the error of rounding follows the input: another mode would always better it."""
@@ -198,7 +198,7 @@ def test_rounding_is_explained_by_nothing_but_the_converter(
     assert found.data.lattice * found.data.y_scale.unit == pytest.approx(np.ptp(two_poles(u)) / steps)
 
 
-def test_a_second_effect_well_beyond_the_rounding_is_still_found(levels: FloatArray, two_poles: Response) -> None:
+def test_effects_larger_than_the_quantization_step_are_found(levels: FloatArray, two_poles: Response) -> None:
     u = levels[:480]
     load = two_poles((np.arange(u.size) >= 290).astype(float))
     y = two_poles(np.minimum(u, 0.7)) - 0.4 * load
@@ -222,7 +222,7 @@ def leaking_tank(u: FloatArray, a: float, b: float, leak: float, onset: int) -> 
     return np.array(out)
 
 
-def test_a_leak_in_a_tank_with_a_root_is_a_load_that_grows_with_the_level(levels: FloatArray) -> None:
+def test_a_leak_in_a_torricelli_tank_is_a_load_proportional_to_the_level(levels: FloatArray) -> None:
     u, a, b, leak = levels[:360], 0.8, 1.0, 0.01
     found = explain(data_of(u, leaking_tank(u, a, b, leak, 220)), most=2)
     assert set(found.names) == {"sqrt-outflow", "load-step"}
@@ -238,7 +238,9 @@ def test_a_leak_in_a_tank_with_a_root_is_a_load_that_grows_with_the_level(levels
     assert values["size"].unit == "y"
 
 
-def test_beside_a_nonlinear_state_a_leak_is_a_plain_load_again(levels: FloatArray, two_poles: Response) -> None:
+def test_a_leak_becomes_a_constant_load_before_a_nonlinear_state_is_added(
+    levels: FloatArray, two_poles: Response
+) -> None:
     """Its dynamics would hold none."""
     load = two_poles((np.arange(levels.size) >= 330).astype(float))
     data = data_of(levels, two_poles(levels) - 0.4 * load)
@@ -257,9 +259,7 @@ def test_beside_a_nonlinear_state_a_leak_is_a_plain_load_again(levels: FloatArra
     assert with_constant_load(data, plain) is plain
 
 
-def test_a_form_is_none_if_an_effect_in_it_is_not_what_it_says(
-    banded: Explanation, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_forms_with_an_implausible_effect_are_dropped(banded: Explanation, monkeypatch: pytest.MonkeyPatch) -> None:
     data = banded.data
     hypothesis = Hypothesis((output.Nonlinearity(), input.DeadZone()))
     numbers = {"log_c": np.log(0.5), "log_k": np.log(0.05), "low": -0.4, "high": 0.3}
@@ -316,7 +316,7 @@ def loaded_motor(u: FloatArray, load: float, onset: int) -> FloatArray:
         (loaded_motor, "coulomb-friction", 1.2),
     ],
 )
-def test_a_load_on_a_nonlinear_state_is_found_however_large(
+def test_small_and_large_loads_on_a_nonlinear_state_are_found(
     levels: FloatArray, rig: Response, name: str, load: float
 ) -> None:
     """A large one is the first effect that is found, and a leak on linear dynamics; it goes inside with the second."""
@@ -332,7 +332,7 @@ def test_a_load_on_a_nonlinear_state_is_found_however_large(
 
 
 @pytest.mark.parametrize("kind", ["wave", "load"])
-def test_what_acts_on_the_inflow_of_two_tanks_is_found_beside_a_brim(kind: str) -> None:
+def test_a_disturbance_of_the_inflow_is_found_beside_an_overflow(kind: str) -> None:
     """Ahead of the upper tank, the brim being the lower one's."""
     u = np.repeat(np.random.default_rng(8).uniform(-1.0, 1.0, 54), 15)
     k, fine, first, level, out = np.arange(u.size), 40, u[0], u[0], []
@@ -363,7 +363,7 @@ def axis(gain: float, friction: float, pull: float, samples: int) -> tuple[Float
     return force, position
 
 
-def test_friction_of_an_axis_without_a_spring_is_found_beside_a_constant_pull() -> None:
+def test_friction_of_an_axis_without_spring_is_found_beside_a_constant_force() -> None:
     u, y = axis(gain=1.0, friction=1.0, pull=0.6, samples=900)
     found = explain(data_of(u, y), most=1)
     assert found.best.hypothesis.keys == ("coulomb-friction/unsprung",)
@@ -383,7 +383,7 @@ def tank_with_a_brim(w: FloatArray, rate: FloatArray, brim: float) -> FloatArray
 
 
 @pytest.mark.parametrize("drifting", ["pole", "gain"])
-def test_a_drift_is_found_beside_a_brim(drifting: str) -> None:
+def test_a_parameter_drift_is_found_beside_an_overflow(drifting: str) -> None:
     """Of the outflow, or of a pump that delivers nothing at an input far below the record."""
     u = np.repeat(np.random.default_rng(8).uniform(-1.0, 1.0, 54), 15)
     course = np.sin(np.linspace(0.0, np.pi, u.size))

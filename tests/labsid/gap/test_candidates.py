@@ -57,7 +57,7 @@ def test_the_baseline_fits_the_structure_that_it_is_given(levels: FloatArray, tw
     assert rms(data, fourth) < 0.3 * rms(data, fit_baseline(data))
 
 
-def test_swift_fit_is_hardly_pulled_by_a_drift(levels: FloatArray, two_poles: Response) -> None:
+def test_a_drift_hardly_biases_the_highpass_fit(levels: FloatArray, two_poles: Response) -> None:
     y = two_poles(levels) + 4.0 * np.linspace(-1.0, 1.0, levels.size) ** 2
     data = data_of(levels, y + 0.01 * np.random.default_rng(1).standard_normal(y.size))
     base = fit_baseline(data)
@@ -89,7 +89,7 @@ def linear_fit(hypothesis: Hypothesis, data: Data) -> Fit:
         ((dynamics.CubicStiffness(),), output.Saturation("low"), True),
     ],
 )
-def test_only_dynamics_of_one_kind_go_together(
+def test_only_dynamics_of_one_kind_are_compatible(
     levels: FloatArray, two_poles: Response, effects: tuple[Effect, ...], effect: Effect, expected: bool
 ) -> None:
     parent = linear_fit(Hypothesis(effects), data_of(levels, two_poles(levels)))
@@ -122,7 +122,7 @@ def test_starts_keep_the_numbers_of_the_parent(banded: Explanation) -> None:
         np.testing.assert_allclose(rates[0], parent.rates)
 
 
-def test_search_finds_the_effect_and_nothing_where_it_cannot_be_seen(banded: Explanation) -> None:
+def test_trial_fits_find_the_effect_and_nothing_in_a_two_level_input(banded: Explanation) -> None:
     data, base = banded.data, banded.path[0]
     found = best_fit(data, trial_fits(data, base, (input.DeadZone(),), base))
     assert found is not None
@@ -135,9 +135,7 @@ def test_search_finds_the_effect_and_nothing_where_it_cannot_be_seen(banded: Exp
 
 
 @pytest.mark.parametrize("seed", [7, 8, 9])
-def test_the_simpler_variant_is_kept_where_it_explains_as_much(
-    levels: FloatArray, two_poles: Response, seed: int
-) -> None:
+def test_the_simpler_variant_is_preferred_at_equal_error(levels: FloatArray, two_poles: Response, seed: int) -> None:
     """A load that grows with the state has more numbers, hence always a little less error, than one that does not."""
     load = two_poles((np.arange(levels.size) >= 330).astype(float))
     y = two_poles(levels) - 0.4 * load + 0.01 * np.random.default_rng(seed).standard_normal(levels.size)
@@ -158,7 +156,7 @@ def test_candidates_of_a_group_share_their_name() -> None:
 
 
 @pytest.mark.parametrize("seed", [1, 2, 3])
-def test_a_zero_does_not_hide_a_part_of_the_delay(seed: int) -> None:
+def test_a_numerator_zero_does_not_mimic_a_fractional_delay(seed: int) -> None:
     """Two levels and coloured noise: with a free zero a second minimum lies most of a sample away."""
     rng = np.random.default_rng(seed)
     u = np.repeat(rng.choice([-1.0, 1.0], 120), 5)[:500]
@@ -172,7 +170,7 @@ def test_a_zero_does_not_hide_a_part_of_the_delay(seed: int) -> None:
     assert found.theta[0] == pytest.approx(1.9, abs=0.15)
 
 
-def test_a_plain_load_is_not_taken_for_one_that_grows(levels: FloatArray, two_poles: Response) -> None:
+def test_a_constant_load_is_not_identified_as_a_leak(levels: FloatArray, two_poles: Response) -> None:
     load = two_poles((np.arange(levels.size) >= 200).astype(float))
     y = two_poles(levels) - 0.8 * load + 0.01 * np.random.default_rng(4).standard_normal(levels.size)
     assert explain(data_of(levels, y), most=1).best.hypothesis.keys == ("load-step",)
@@ -193,7 +191,7 @@ def rates_of(hypothesis: Hypothesis, thetas: Iterable[FloatArray]) -> list[tuple
 
 
 @pytest.mark.parametrize(("fast", "found"), [(5.0, [(5.1, 0.5), (0.6, 0.05)]), (1.5, [(1.6, 0.15)])])
-def test_a_fast_pole_that_a_fit_has_lost_is_also_looked_for_where_it_can_be_felt(
+def test_a_lost_fast_pole_is_also_started_at_a_slower_rate(
     levels: FloatArray, two_poles: Response, fast: float, found: list[tuple[float, float]]
 ) -> None:
     parent = parent_of(data_of(levels, two_poles(levels)), LINEAR, log_c=np.log(0.1 + fast), log_k=np.log(0.1 * fast))
@@ -207,7 +205,7 @@ def test_a_fast_pole_that_a_fit_has_lost_is_also_looked_for_where_it_can_be_felt
 @pytest.mark.parametrize(
     ("k", "swings"), [(1e-4, [(0.1, 0.01), (0.4, 0.16)]), (0.03, [(0.4, 0.16)]), (0.06, [])], ids=str
 )
-def test_a_mass_that_sticks_swings_faster_than_linear_dynamics_show(
+def test_friction_starts_also_at_higher_frequencies(
     levels: FloatArray, two_poles: Response, k: float, swings: list[tuple[float, float]]
 ) -> None:
     parent = parent_of(data_of(levels, two_poles(levels)), LINEAR, log_c=np.log(0.5), log_k=np.log(k))
@@ -220,7 +218,7 @@ def test_a_mass_that_sticks_swings_faster_than_linear_dynamics_show(
 
 @pytest.mark.parametrize("variant", ["both", "upper", "lower"])
 @pytest.mark.parametrize("brim", ["lower", "upper"])
-def test_a_brim_is_carried_over_to_tanks_with_roots_as_the_level_of_the_same_flow(
+def test_the_overflow_level_is_converted_for_torricelli_tanks(
     levels: FloatArray, two_poles: Response, brim: str, variant: str
 ) -> None:
     """A tank without a root stands as high as its inflow is large, one with a root at the square of it."""
@@ -240,7 +238,7 @@ def test_a_brim_is_carried_over_to_tanks_with_roots_as_the_level_of_the_same_flo
     assert len(found) == 2
 
 
-def test_brims_of_tanks_that_have_roots_already_stay_as_they_are(levels: FloatArray, two_poles: Response) -> None:
+def test_overflow_levels_of_torricelli_tanks_are_kept(levels: FloatArray, two_poles: Response) -> None:
     data = data_of(levels, two_poles(levels))
     old = LINEAR.plus(dynamics.SqrtOutflow("both")).plus(dynamics.Overflow("lower"))
     parent = parent_of(data, old, log_a=1.0, log_b=1.0, zero=-3.0, brim=9.5)
@@ -250,7 +248,7 @@ def test_brims_of_tanks_that_have_roots_already_stay_as_they_are(levels: FloatAr
 
 
 @pytest.mark.parametrize("variant", ["speed", "speed-lag"])
-def test_a_motor_may_turn_round_anywhere_within_its_input(
+def test_motor_friction_starts_at_several_centres_within_the_input_range(
     levels: FloatArray, two_poles: Response, variant: str
 ) -> None:
     data = data_of(levels + 3.0, two_poles(levels))
@@ -268,7 +266,7 @@ def test_a_motor_may_turn_round_anywhere_within_its_input(
     assert np.isclose(share, float((data.u[0] - data.u.min()) / np.ptp(data.u)), atol=1e-3).any()
 
 
-def test_friction_is_found_where_the_motor_turns_round_off_the_middle(levels: FloatArray) -> None:
+def test_friction_with_an_off_centre_reversal_is_found(levels: FloatArray) -> None:
     """A servo that is mostly driven one way: neither the median of the input nor its first value is its rest."""
     plant = Plant(kind="speed", friction=True)
     u = np.concatenate([np.full(8, 1.4), levels[8:400]])
@@ -284,7 +282,7 @@ def test_friction_is_found_where_the_motor_turns_round_off_the_middle(levels: Fl
     assert data.u_scale.unit * own["friction"] == pytest.approx(0.2, abs=0.04)
 
 
-def test_a_brief_look_takes_the_best_start_of_each_variant_first(levels: FloatArray, two_poles: Response) -> None:
+def test_brief_trials_start_with_the_best_start_of_each_variant(levels: FloatArray, two_poles: Response) -> None:
     """Every start of the upper limit is better than any of the lower one."""
     y = two_poles(levels)
     data = data_of(levels, np.minimum(y, np.quantile(y, 0.7)))
@@ -303,7 +301,7 @@ def tank(u: FloatArray, rate: float, held: Response) -> FloatArray:
     return held(u, np.array([u[0] ** 2]), lambda h, flow: [rate * (flow - np.sqrt(max(h[0], 0.0)))])[:, 0]
 
 
-def test_a_single_tank_is_a_tank(levels: FloatArray, held: Response) -> None:
+def test_a_single_torricelli_tank_is_identified(levels: FloatArray, held: Response) -> None:
     """Two tanks of which one follows at once, not a spring and a mass."""
     u = 1.7 + levels[:320]
     y = tank(u, 0.1, held)
@@ -315,7 +313,7 @@ def test_a_single_tank_is_a_tank(levels: FloatArray, held: Response) -> None:
     assert found.best.bic < min(others) - 50.0
 
 
-def test_a_search_of_tanks_also_begins_with_one_state_at_once(levels: FloatArray, two_poles: Response) -> None:
+def test_tank_starts_include_a_single_dominant_state(levels: FloatArray, two_poles: Response) -> None:
     """That of the whole: the area above the step response of two poles is c / k; and either pole, if it is another."""
     data = data_of(levels, two_poles(levels))
     parent = parent_of(data, LINEAR, log_c=np.log(0.62), log_k=np.log(0.012))
@@ -328,7 +326,7 @@ def test_a_search_of_tanks_also_begins_with_one_state_at_once(levels: FloatArray
     assert any(max(pair) < 1.0 for pair in rates)
 
 
-def test_a_race_takes_the_first_few_some_steps_further_and_ranks_them_anew(banded: Explanation) -> None:
+def test_reranking_continues_the_first_trials_and_sorts_them_again(banded: Explanation) -> None:
     data, base = banded.data, banded.path[0]
     tried = trial_fits(data, base, (input.DeadZone(), input.Backlash()), base)
     assert len(tried) > 6
@@ -339,7 +337,7 @@ def test_a_race_takes_the_first_few_some_steps_further_and_ranks_them_anew(bande
     assert reranked(data, tried[:3], 6) == tried[:3]
 
 
-def test_the_best_start_need_not_be_ahead_at_once(banded: Explanation) -> None:
+def test_the_right_effect_is_found_although_its_start_ranks_fourth(banded: Explanation) -> None:
     """Three starts of limits stand before the right one of a band, which is kept all the same."""
     data, base = banded.data, banded.path[0]
     dead, *_ = trial_fits(data, base, (input.DeadZone(),), base)
@@ -359,7 +357,7 @@ def test_the_best_start_need_not_be_ahead_at_once(banded: Explanation) -> None:
         (input.DeadZone(), False),
     ],
 )
-def test_a_load_goes_inside_with_an_effect_that_makes_a_state_nonlinear(effect: Effect, moves: bool) -> None:
+def test_a_load_moves_to_the_state_with_a_nonlinear_effect(effect: Effect, moves: bool) -> None:
     plain, inner = disturbance.LoadStep(), disturbance.InnerLoad("inside")
     old = Hypothesis((output.Drift("1"), plain), n_given=1)
     (new,) = extended_hypotheses(old, effect)
@@ -369,7 +367,7 @@ def test_a_load_goes_inside_with_an_effect_that_makes_a_state_nonlinear(effect: 
 
 
 @pytest.mark.parametrize("wave", [PERIODIC, PERIODIC_LOAD])
-def test_a_wave_may_go_inside_with_an_effect_that_makes_a_state_nonlinear(wave: Effect) -> None:
+def test_a_periodic_disturbance_may_move_to_the_state_with_a_nonlinear_effect(wave: Effect) -> None:
     old = Hypothesis((disturbance.LoadStep(), wave))
     spring = dynamics.CubicStiffness()
     found = [home.effects for home in extended_hypotheses(old, spring)]
@@ -378,7 +376,7 @@ def test_a_wave_may_go_inside_with_an_effect_that_makes_a_state_nonlinear(wave: 
 
 
 @pytest.mark.parametrize("effect", [dynamics.CubicStiffness(), dynamics.SqrtOutflow("both"), INNER_PERIODIC], ids=str)
-def test_a_wave_inside_begins_with_the_size_and_the_phase_that_linear_dynamics_would_need(
+def test_a_periodic_disturbance_on_a_state_starts_at_the_linear_amplitude_and_phase(
     levels: FloatArray, two_poles: Response, effect: Effect
 ) -> None:
     """Of a parent that swings, or of a residual that does, at a seventh of the input's range."""
@@ -402,7 +400,7 @@ def test_a_wave_inside_begins_with_the_size_and_the_phase_that_linear_dynamics_w
 
 
 @pytest.mark.parametrize("bends", ["1", "4"])
-def test_so_does_a_drift_of_a_pole(levels: FloatArray, two_poles: Response, bends: str) -> None:
+def test_a_pole_drift_moves_to_the_state_with_its_course(levels: FloatArray, two_poles: Response, bends: str) -> None:
     """Where it has come on linear dynamics, its course is where the search begins."""
     data = data_of(levels, two_poles(levels))
     drift, inner, brim = drifts.PoleDrift(bends), drifts.InnerPoleDrift(bends), dynamics.Overflow("lower")
@@ -419,7 +417,7 @@ def test_so_does_a_drift_of_a_pole(levels: FloatArray, two_poles: Response, bend
     assert inner.applies(Context(data, parent_of(data, Hypothesis((brim,)), log_a=-2.0, log_b=-1.0)))
 
 
-def test_only_a_nonlinear_state_takes_a_load_inside(levels: FloatArray, two_poles: Response) -> None:
+def test_a_load_on_the_state_requires_a_nonlinear_state(levels: FloatArray, two_poles: Response) -> None:
     data = data_of(levels, two_poles(levels))
     inner = disturbance.InnerLoad("inside")
     for effects, expected in (((), False), ((input.DeadZone(),), False), ((dynamics.CubicStiffness(),), True)):
@@ -459,7 +457,7 @@ def test_the_gain_of_a_parent_is_that_from_its_input(
 
 
 @pytest.mark.parametrize("size", [0.3, 0.9])
-def test_a_load_goes_inside_as_the_input_that_does_the_same(
+def test_a_load_moved_to_the_state_keeps_its_equivalent_input(
     levels: FloatArray, two_poles: Response, size: float
 ) -> None:
     data = data_of(levels, two_poles(levels))
@@ -473,7 +471,7 @@ def test_a_load_goes_inside_as_the_input_that_does_the_same(
         assert own["load"] == pytest.approx(size, rel=1e-3)
 
 
-def test_the_last_effects_have_to_be_what_they_say_they_are(levels: FloatArray, two_poles: Response) -> None:
+def test_plausibility_is_required_of_the_given_number_of_last_effects(levels: FloatArray, two_poles: Response) -> None:
     """A load that begins with the record is none, whatever stands behind it; of the simulation nothing is asked."""
     data = data_of(levels, two_poles(levels))
     numbers = {"log_c": -0.7, "log_k": -3.0, "low": -0.4, "high": 0.3}
@@ -492,7 +490,7 @@ def test_the_last_effects_have_to_be_what_they_say_they_are(levels: FloatArray, 
         (disturbance.LoadStep(), disturbance.Leak("leak")),
     ],
 )
-def test_a_richer_form_has_to_gain_more_than_chance(banded: Explanation, simple: Effect, rich: Effect) -> None:
+def test_a_form_with_more_parameters_pays_a_bic_penalty(banded: Explanation, simple: Effect, rich: Effect) -> None:
     plain = replace(banded.best, hypothesis=Hypothesis((simple,)))
     richer = replace(banded.best, hypothesis=Hypothesis((rich,)))
     assert penalized_bic(plain) == plain.bic

@@ -50,7 +50,7 @@ def even_report(clipped):
     return diagnose(clipped).report
 
 
-def test_a_clock_that_jitters_changes_no_name_and_no_number(tmp_path, clipped, even_report):
+def test_clock_jitter_changes_neither_effects_nor_parameters(tmp_path, clipped, even_report):
     seconds = 60.0
     path = write(tmp_path / "record.csv", clipped, shaken(clipped, seconds=seconds))
     report = diagnose(load_record(path, allow_jitter=True)).report
@@ -62,7 +62,7 @@ def test_a_clock_that_jitters_changes_no_name_and_no_number(tmp_path, clipped, e
     assert report["record_findings"][0]["topic"] == "sampling"
 
 
-def test_text_and_page_say_that_the_clock_jitters(even_report, clipped):
+def test_text_and_page_report_clock_jitter(even_report, clipped):
     (finding,) = clock_findings(jittering(clipped, 1 / 30))
     assert "sampling" not in [one["topic"] for one in even_report["record_findings"]]
     report = even_report | {"record_findings": [{"topic": finding.topic, "text": finding.text}]}
@@ -74,14 +74,14 @@ def test_text_and_page_say_that_the_clock_jitters(even_report, clipped):
     assert page_content(report)["record"] == [said]
 
 
-def test_little_jitter_is_not_worth_a_word_and_the_holdout_has_a_clock_of_its_own(plain):
+def test_small_jitter_is_not_reported_and_the_holdout_is_checked_separately(plain):
     assert clock_findings(jittering(plain, jitter=0.009), plain) == []
     (finding,) = clock_findings(plain, jittering(plain, jitter=0.052))
     assert finding.text.startswith("the clock of the holdout jitters by 5.2% of the sampling time")
     assert "the holdout is read as if it were sampled every 0.5 s" in finding.text
 
 
-def test_an_unknown_sampling_time_gives_way_to_a_known_one_by_a_sample_at_most(plain):
+def test_a_jittering_clock_takes_a_sampling_time_within_one_sample_over_the_record(plain):
     record = jittering(plain, 0.501)
     near = at_sampling_time(record, 0.5)
     assert (near.Ts, near.jitter) == (0.5, 0.03)
@@ -92,7 +92,7 @@ def test_an_unknown_sampling_time_gives_way_to_a_known_one_by_a_sample_at_most(p
     assert at_sampling_time(regular, 0.5) is regular
 
 
-def test_a_holdout_a_model_and_a_series_of_nearly_the_same_clock_are_taken(tmp_path, plain):
+def test_a_holdout_model_and_series_of_nearly_the_same_sampling_time_are_accepted(tmp_path, plain):
     start = float(plain.u[0])
     model = {"num": [0.01, 0.0], "den": DEN, "dt": 0.5, "u0": start, "y0": start}
     other = jittering(plain, 0.4995)
@@ -115,7 +115,7 @@ def test_a_holdout_a_model_and_a_series_of_nearly_the_same_clock_are_taken(tmp_p
         load_simulation(series, plain)
 
 
-def test_a_jittering_holdout_is_scored_on_from_the_command_line(tmp_path, capsys, plain, monkeypatch):
+def test_the_command_line_accepts_a_jittering_holdout(tmp_path, capsys, plain, monkeypatch):
     monkeypatch.chdir(tmp_path)
     write(tmp_path / "record.csv", plain, shaken(plain))
     write(tmp_path / "other.csv", plain, shaken(plain, 0.06))
@@ -131,7 +131,7 @@ def test_a_jittering_holdout_is_scored_on_from_the_command_line(tmp_path, capsys
         assert "sampling is irregular: 0.5 s as a rule, but 1 s from sample 99" in capsys.readouterr().err
 
 
-def test_a_folder_takes_records_that_jitter(tmp_path, plain):
+def test_a_batch_accepts_jittering_records(tmp_path, plain):
     write(tmp_path / "a.csv", plain, shaken(plain))
     write(tmp_path / "a.holdout.csv", plain, shaken(plain, 0.06))
     write(tmp_path / "b.csv", plain, shaken(plain, 0.5))

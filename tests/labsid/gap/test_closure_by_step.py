@@ -40,7 +40,7 @@ def test_a_step_that_is_the_last_one_already_closes_as_much(
 
 
 @pytest.mark.parametrize("elsewhere", [False, True])
-def test_a_step_that_adds_nothing_closes_nothing(banded: Explanation, other: Record, elsewhere: bool) -> None:
+def test_a_step_without_effect_has_zero_closure(banded: Explanation, other: Record, elsewhere: bool) -> None:
     holdout = other if elsewhere else None
     longer = replace(banded, path=(banded.path[0], *banded.path))
     _, middle, _ = closed_by_step(longer, _amount(longer, holdout), holdout)

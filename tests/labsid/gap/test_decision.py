@@ -75,7 +75,7 @@ def test_an_effect_far_ahead_is_named_alone(banded: Explanation) -> None:
     assert decision.closed > 0.9
 
 
-def test_a_rival_at_the_same_score_halves_the_probability_and_is_named_beside(banded: Explanation) -> None:
+def test_a_rival_of_equal_bic_halves_the_probability_and_is_ambiguous(banded: Explanation) -> None:
     explained = rivalled(banded, 0.0)
     rival = sorted(names for names in explained.levels[1] if names != ("input-dead-zone",))[0][0]
     decision = decided(explained, left_of(banded), None)
@@ -85,7 +85,7 @@ def test_a_rival_at_the_same_score_halves_the_probability_and_is_named_beside(ba
     assert decision.probability["input-dead-zone"] == pytest.approx(0.5 * confidence_in(explained, left_of(banded)))
 
 
-def test_the_nearer_the_rival_the_less_sure(banded: Explanation) -> None:
+def test_probability_falls_with_the_bic_of_the_nearest_rival(banded: Explanation) -> None:
     sure = []
     for gap in (0.0, 5.0, 15.0, 60.0):
         decision = decided(rivalled(banded, gap), left_of(banded), None)
@@ -95,7 +95,7 @@ def test_the_nearer_the_rival_the_less_sure(banded: Explanation) -> None:
     assert sure[-1] > 0.9
 
 
-def test_no_more_rivals_than_the_contract_allows(banded: Explanation) -> None:
+def test_at_most_three_rivals_are_reported(banded: Explanation) -> None:
     decision = decided(rivalled(banded, 0.0, 0.5, 1.0, 1.5, 2.0, 2.5), left_of(banded), None)
     check(decision)
     assert len(decision.ambiguous) == 3
@@ -109,7 +109,7 @@ def test_noise_alone_is_no_effect(plain: Explanation) -> None:
     assert decision.closed == pytest.approx(1.0)
 
 
-def test_a_gap_that_nothing_explains_is_unknown(banded: Explanation) -> None:
+def test_an_unexplained_gap_is_unknown(banded: Explanation) -> None:
     """The baseline accepted, although the input tells most of what it leaves."""
     stuck = replace(banded, path=banded.path[:1], levels=banded.levels[:1])
     left = left_of(stuck)
@@ -121,7 +121,7 @@ def test_a_gap_that_nothing_explains_is_unknown(banded: Explanation) -> None:
     assert closed_on_fit(stuck, left, ()) == decision.closed < 0.5
 
 
-def test_an_explanation_that_leaves_most_of_the_gap_is_unknown_and_its_name_a_guess(banded: Explanation) -> None:
+def test_an_explanation_that_leaves_most_of_the_gap_is_unknown(banded: Explanation) -> None:
     slow = {"colour": 4.0, "slow": 0.8}
     large = replace(
         left_of(banded), rms=0.9 * float(np.std(banded.data.y - banded.path[0].output)), **STRUCTURE, **slow
@@ -133,14 +133,14 @@ def test_an_explanation_that_leaves_most_of_the_gap_is_unknown_and_its_name_a_gu
     assert decision.probability["input-dead-zone"] < 0.5
 
 
-def test_effects_of_single_samples_are_named_behind(banded: Explanation) -> None:
+def test_sample_faults_are_named_last(banded: Explanation) -> None:
     decision = decided(replace(rivalled(banded), unsimulated=("output-outliers",)), left_of(banded), None)
     check(decision)
     assert decision.names == ("input-dead-zone", "output-outliers")
     assert decision.probability["output-outliers"] > 0.9
 
 
-def test_wrong_numbers_are_a_mismatch_only_where_a_simulation_was_given(plain: Explanation) -> None:
+def test_a_parameter_mismatch_requires_a_given_simulation(plain: Explanation) -> None:
     base = plain.path[0]
     off = replace(base, bic=base.bic + 300.0, output=1.3 * base.output)
     decision = decided(plain, left_of(plain), off)
@@ -168,14 +168,14 @@ def test_mismatch_weight_grows_with_the_gain(plain: Explanation) -> None:
         {"explained": 0.4},
     ],
 )
-def test_whatever_is_left_that_is_no_noise_makes_it_less_sure(banded: Explanation, worse: dict[str, float]) -> None:
+def test_structure_in_the_residual_reduces_confidence(banded: Explanation, worse: dict[str, float]) -> None:
     left = left_of(banded)
     assert 1.0 - confidence_in(banded, replace(left, **worse)) > 1.3 * (1.0 - confidence_in(banded, left))
     converted = replace(banded, unsimulated=("output-quantization",))
     assert confidence_in(converted, replace(left, **worse)) == confidence_in(converted, left)
 
 
-def test_slow_noise_that_comes_back_with_the_input_is_not_named_noise(banded: Explanation) -> None:
+def test_a_slow_residual_that_repeats_with_the_input_is_not_coloured_noise(banded: Explanation) -> None:
     coloured = replace(rivalled(banded), unsimulated=("coloured-noise",))
     left = left_of(banded)
     assert decided(coloured, left, None).names == ("input-dead-zone", "coloured-noise")
@@ -183,13 +183,13 @@ def test_slow_noise_that_comes_back_with_the_input_is_not_named_noise(banded: Ex
     assert decided(coloured, again, None).names == ("input-dead-zone",)
 
 
-def test_fast_noise_of_a_sensor_is_no_reason_to_doubt_that_nothing_is_wrong(plain: Explanation) -> None:
+def test_fast_coloured_noise_does_not_reduce_confidence(plain: Explanation) -> None:
     left = replace(left_of(plain), colour=1.4, slow=0.02)
     assert confidence_in(plain, left) == pytest.approx(confidence_in(plain, replace(left, colour=1.0)), abs=0.01)
     assert confidence_in(plain, replace(left, colour=5.0, slow=0.9)) < 0.5
 
 
-def test_what_coloured_noise_seems_to_foretell_by_chance_is_no_reason_to_doubt(banded: Explanation) -> None:
+def test_chance_correlation_of_coloured_noise_does_not_reduce_confidence(banded: Explanation) -> None:
     """An effect beside strongly coloured noise: the share of it that the input's past predicts is never quite zero."""
     left = replace(left_of(banded), colour=3.0, slow=0.8, explained=0.0)
     assert confidence_in(banded, replace(left, explained=0.05)) == confidence_in(banded, left) > 0.5
@@ -198,7 +198,7 @@ def test_what_coloured_noise_seems_to_foretell_by_chance_is_no_reason_to_doubt(b
     assert confidence_in(banded, replace(again, explained=0.05)) < 0.5
 
 
-def test_levels_that_do_not_come_back_are_no_drift_that_leaves_them(banded: Explanation) -> None:
+def test_unrepeated_levels_make_a_drift_unknown(banded: Explanation) -> None:
     left = left_of(banded)
     assert decided(rivalled(banded), left, None, unrepeated=0.05).verdict == "effect"
     decision = decided(crowded(rivalled(banded)), left, None, unrepeated=0.6)
@@ -211,7 +211,9 @@ def test_levels_that_do_not_come_back_are_no_drift_that_leaves_them(banded: Expl
 @pytest.mark.parametrize(
     ("name", "named"), [("overflow", True), ("output-saturation", True), ("input-saturation", False)]
 )
-def test_a_stop_that_the_record_shows_is_named_whatever_else_acts(banded: Explanation, name: str, named: bool) -> None:
+def test_a_limit_visible_in_the_record_is_named_despite_other_effects(
+    banded: Explanation, name: str, named: bool
+) -> None:
     fit = banded.best
     effect = next(e for group in CANDIDATES for e in group if e.name == name)
     hypothesis = replace(fit.hypothesis, effects=(*fit.hypothesis.effects, effect))
@@ -233,7 +235,7 @@ def test_a_stop_that_the_record_shows_is_named_whatever_else_acts(banded: Explan
     assert sure.beside == ()
 
 
-def test_a_stop_that_may_as_well_be_another_effect_is_not_named(banded: Explanation) -> None:
+def test_a_limit_with_a_rival_is_not_named(banded: Explanation) -> None:
     explained = rivalled(banded, 0.0)
     fit = replace(explained.best, hypothesis=Hypothesis((output.Saturation("high"),)))
     rival = next(iter(explained.levels[1].values()))
@@ -245,7 +247,7 @@ def test_a_stop_that_may_as_well_be_another_effect_is_not_named(banded: Explanat
 
 
 @pytest.mark.parametrize(("shrinks", "ahead", "named"), [(20.0, 10.0, True), (20.0, 2.0, False), (4.0, 10.0, False)])
-def test_what_leads_all_others_by_far_is_named_whatever_else_acts(
+def test_a_leading_effect_is_named_despite_other_effects(
     banded: Explanation, shrinks: float, ahead: float, named: bool
 ) -> None:
     data, best = banded.data, banded.best
@@ -270,7 +272,7 @@ def test_what_leads_all_others_by_far_is_named_whatever_else_acts(
         assert 0.5 < decision.probability["input-dead-zone"] <= 0.8
 
 
-def test_nothing_leads_where_nothing_else_was_tried(banded: Explanation) -> None:
+def test_no_effect_leads_without_rivals(banded: Explanation) -> None:
     alone = {("input-dead-zone",): banded.best}
     assert leading_effect(replace(banded, levels=(banded.levels[0], alone))) is None
     assert leading_effect(replace(banded, levels=banded.levels[:1])) is None

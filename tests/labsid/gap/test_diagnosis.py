@@ -101,9 +101,7 @@ SLACK = {"delay": 0.5 * TS, "onset": TS, "zero": 0.2, "amplitude": 0.03, "step":
 
 
 @pytest.mark.parametrize("name", EXPECTED)
-def test_the_effect_is_named_and_its_numbers_come_back(
-    diagnosed: Callable[[str], tuple[Diagnosis, Record]], name: str
-) -> None:
+def test_effects_and_parameters_are_recovered(diagnosed: Callable[[str], tuple[Diagnosis, Record]], name: str) -> None:
     report = diagnosed(name)[0].report
     assert report["verdict"] == "effect"
     assert [effect["name"] for effect in report["effects"]] == [name]
@@ -124,7 +122,7 @@ def test_a_record_without_an_effect_gets_none(diagnosed: Callable[[str], tuple[D
 
 
 @pytest.mark.parametrize("name", [name for name in EXPECTED if name != "output-quantization"])
-def test_the_gap_closes_down_to_the_noise(diagnosed: Callable[[str], tuple[Diagnosis, Record]], name: str) -> None:
+def test_the_gap_closes_to_the_noise_floor(diagnosed: Callable[[str], tuple[Diagnosis, Record]], name: str) -> None:
     gap = diagnosed(name)[0].report["gap"]
     assert gap["before"] > 1.5 * gap["after"]
     assert gap["noise_floor"] == pytest.approx(NOISE, rel=0.3)
@@ -134,7 +132,7 @@ def test_the_gap_closes_down_to_the_noise(diagnosed: Callable[[str], tuple[Diagn
 
 
 @pytest.mark.parametrize("name", ["none", "output-quantization"])
-def test_where_a_simulation_can_add_nothing_no_gap_is_closed(
+def test_no_closure_is_reported_for_none_and_quantization(
     diagnosed: Callable[[str], tuple[Diagnosis, Record]], name: str
 ) -> None:
     report = diagnosed(name)[0].report
@@ -144,7 +142,7 @@ def test_where_a_simulation_can_add_nothing_no_gap_is_closed(
     assert [effect["closed"] for effect in report["effects"]] == [None] * len(report["effects"])
 
 
-def test_where_a_load_begins_a_segment_begins(diagnosed: Callable[[str], tuple[Diagnosis, Record]]) -> None:
+def test_a_time_segment_starts_at_the_onset_of_a_load(diagnosed: Callable[[str], tuple[Diagnosis, Record]]) -> None:
     report, record = diagnosed("load-step")[0].report, diagnosed("load-step")[1]
     onset = numbers(report)["onset"]["value"]
     starts = [start for start, _, _ in report["where"]["time"]]
@@ -219,19 +217,19 @@ def check_layout(report: dict[str, Any], samples: int) -> None:
 
 
 @pytest.mark.parametrize("name", [*EXPECTED, "none"])
-def test_the_report_keeps_to_the_contract(diagnosed: Callable[[str], tuple[Diagnosis, Record]], name: str) -> None:
+def test_the_report_has_the_documented_layout(diagnosed: Callable[[str], tuple[Diagnosis, Record]], name: str) -> None:
     report = diagnosed(name)[0].report
     check_layout(json.loads(json.dumps(report, allow_nan=False)), SAMPLES)
     check_layout(report, SAMPLES)
 
 
-def test_the_model_runs_the_record_as_the_report_says(diagnosed: Callable[[str], tuple[Diagnosis, Record]]) -> None:
+def test_the_exported_model_reproduces_the_reported_error(diagnosed: Callable[[str], tuple[Diagnosis, Record]]) -> None:
     found, record = diagnosed("input-saturation")
     error = record.y - found.model.simulate(record.u, record.y)
     assert np.sqrt(np.mean(error[50:] ** 2)) == pytest.approx(NOISE, rel=0.25)
 
 
-def test_excluded_stretches_count_nowhere(u: FloatArray, two_poles: Response) -> None:
+def test_excluded_stretches_are_neither_fitted_nor_scored(u: FloatArray, two_poles: Response) -> None:
     """Spoilt for 40 samples, and said so: no effect; the stretch holds no part of the score."""
     y = 10.0 + two_poles(u) + NOISE * np.random.default_rng(7).standard_normal(SAMPLES)
     y[200:240] += 3.0
@@ -241,7 +239,7 @@ def test_excluded_stretches_count_nowhere(u: FloatArray, two_poles: Response) ->
     assert all(b <= start or a >= stop for a, b in report["gap"]["holdout"])
 
 
-def test_what_no_method_could_answer_on_is_refused(u: FloatArray, two_poles: Response) -> None:
+def test_records_that_cannot_be_diagnosed_are_rejected(u: FloatArray, two_poles: Response) -> None:
     y = 10.0 + two_poles(u)
     with pytest.raises(ValueError, match="the record has 40 samples; a diagnosis needs at least 100"):
         diagnose(record_of(u[:40], y[:40], ""))

@@ -42,12 +42,12 @@ def test_a_linear_record_has_no_effect(plain: Explanation) -> None:
     assert plain.data.lattice == 0.0
 
 
-def test_something_is_left_where_an_effect_is_missing(banded: Explanation) -> None:
+def test_the_residual_is_white_only_with_the_effect(banded: Explanation) -> None:
     assert not residual_is_white(banded.data, banded.path[0])
     assert residual_is_white(banded.data, banded.best)
 
 
-def test_worth_asks_for_significance_and_for_size(banded: Explanation) -> None:
+def test_an_improvement_requires_a_bic_gain_and_a_visible_change(banded: Explanation) -> None:
     data, base, best = banded.data, banded.path[0], banded.best
     assert is_improvement(data, base, best)
     assert not is_improvement(data, best, base)
@@ -55,7 +55,7 @@ def test_worth_asks_for_significance_and_for_size(banded: Explanation) -> None:
     assert not is_improvement(data, base, replace(best, output=base.output + 1e-4))
 
 
-def test_progress_is_told_and_no_more_effects_than_asked_for_are_added(banded: Explanation) -> None:
+def test_progress_is_reported_and_the_number_of_effects_is_limited(banded: Explanation) -> None:
     told: list[float] = []
     again = explain(banded.data, most=1, progress=lambda what, share: told.append(share))
     assert len(again.levels) == 2
@@ -71,7 +71,7 @@ def spoilt(fit: Fit, explained: Explanation, faults: SampleFaults, y: np.ndarray
     return unsimulated_effects(data, replace(data, rows=data.rows & ~faults.bad), faults, fit)
 
 
-def test_bad_samples_are_an_effect_where_they_make_the_gap(plain: Explanation) -> None:
+def test_sample_faults_are_effects_if_they_cause_the_gap(plain: Explanation) -> None:
     fit, nothing = plain.best, np.zeros(plain.data.samples, bool)
     assert spoilt(fit, plain, SampleFaults(nothing, (), nothing, None), plain.data.y) == ()
     y, spikes = plain.data.y.copy(), nothing.copy()
@@ -84,7 +84,7 @@ def test_bad_samples_are_an_effect_where_they_make_the_gap(plain: Explanation) -
     assert spoilt(fit, plain, SampleFaults(held, ((100, 140),), nothing, None), y) == ("output-dropout",)
 
 
-def test_a_step_that_makes_the_noise_is_quantization(plain: Explanation) -> None:
+def test_a_converter_step_as_large_as_the_noise_is_quantization(plain: Explanation) -> None:
     nothing = np.zeros(plain.data.samples, bool)
     sd = np.sqrt(plain.best.noise.sigma2)
     coarse = SampleFaults(nothing, (), nothing, float(sd * np.sqrt(12.0)))
@@ -103,7 +103,7 @@ def test_only_slow_noise_is_an_effect(plain: Explanation, pole: float, names: tu
     assert unsimulated_effects(data, data, SampleFaults(nothing, (), nothing, None), fit) == names
 
 
-def test_a_small_last_effect_is_not_named_and_a_small_one_before_a_large_one_is(banded: Explanation) -> None:
+def test_small_steps_are_dropped_only_at_the_end_of_the_path(banded: Explanation) -> None:
     data, base, best = banded.data, banded.path[0], banded.best
     noise = np.sqrt(np.mean((data.y - best.output) ** 2))
     wave = np.sin(0.1 * np.arange(data.samples)) * np.sqrt(2.0) * noise
@@ -115,7 +115,7 @@ def test_a_small_last_effect_is_not_named_and_a_small_one_before_a_large_one_is(
     assert without_small_steps(data, (base,)) == (base,)
 
 
-def test_a_second_effect_that_is_next_to_nothing_of_the_gap_is_a_patch(banded: Explanation) -> None:
+def test_a_second_effect_below_the_minimum_share_of_the_gap_is_dropped(banded: Explanation) -> None:
     """However far it stands out of noise that is hardly there."""
     data, base, best = banded.data, banded.path[0], banded.best
     gap = float(np.sqrt(np.mean((data.y - base.output)[data.rows] ** 2)))
@@ -129,7 +129,7 @@ def test_a_second_effect_that_is_next_to_nothing_of_the_gap_is_a_patch(banded: E
         )
 
 
-def test_what_is_cut_for_its_name_can_be_had_back(banded: Explanation) -> None:
+def test_dropped_steps_can_be_restored(banded: Explanation) -> None:
     whole = replace(banded, path=banded.path[:1], trimmed=banded.path[1:])
     assert whole.best is banded.path[0]
     assert whole.untrimmed().path == banded.path
@@ -137,7 +137,7 @@ def test_what_is_cut_for_its_name_can_be_had_back(banded: Explanation) -> None:
     assert whole.up_to(0).untrimmed().path == banded.path[:1]  # an explanation that is given up leaves nothing behind
 
 
-def test_what_a_lattice_holds_still_is_no_dropout() -> None:
+def test_slow_motion_within_a_converter_step_is_no_dropout() -> None:
     """A slow motion on a coarse converter stands still for long; a logger that holds stays behind the motion."""
     k = np.arange(1500)
     u = np.repeat(np.random.default_rng(3).uniform(-1.0, 1.0, 10), 150)
@@ -156,7 +156,7 @@ def test_what_a_lattice_holds_still_is_no_dropout() -> None:
     assert found.data.lattice * found.data.y_scale.unit == pytest.approx(0.06)
 
 
-def test_a_small_effect_that_another_does_as_well_is_none(banded: Explanation) -> None:
+def test_a_small_effect_with_a_rival_is_a_nuisance(banded: Explanation) -> None:
     data, base, best = banded.data, banded.path[0], banded.best
     noise = np.sqrt(np.mean((data.y - best.output) ** 2))
     wave = np.sin(0.1 * np.arange(data.samples)) * np.sqrt(2.0) * noise
@@ -181,7 +181,7 @@ def searches(monkeypatch: pytest.MonkeyPatch) -> list[tuple[Fit, ...]]:
     return paths
 
 
-def test_a_slow_wander_beside_a_curve_is_accepted_where_what_is_left_is_white(
+def test_a_drift_beside_an_input_curve_is_accepted_if_the_residual_is_white(
     levels: FloatArray, two_poles: Callable[..., FloatArray], searches: list[tuple[Fit, ...]]
 ) -> None:
     """The innovations see neither: next to the sensor's noise alone, a wander is predicted from its last values."""
@@ -201,7 +201,7 @@ def slow_waves(rng: np.random.Generator) -> list[tuple[float, float, float]]:
     return list(zip(rng.uniform(0.5, 1.0, 6), rng.uniform(1.0, 6.0, 6), rng.uniform(0.0, 6.0, 6), strict=True))
 
 
-def test_slow_noise_is_no_drift_although_a_drift_would_take_most_of_it(
+def test_slow_noise_is_not_identified_as_a_drift(
     levels: FloatArray, two_poles: Callable[..., FloatArray], searches: list[tuple[Fit, ...]]
 ) -> None:
     y = two_poles(levels)

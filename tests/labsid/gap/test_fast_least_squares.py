@@ -8,7 +8,7 @@ from labsid.gap.fast_least_squares import scaled_gram, solve_least_squares, solv
 
 @pytest.mark.parametrize("order", ["C", "F"])
 @pytest.mark.parametrize("scales", [(1.0, 1.0, 1.0), (1e-6, 1.0, 1e5)])
-def test_it_is_least_squares_whatever_the_scales(order: str, scales: tuple[float, ...]) -> None:
+def test_the_solution_equals_least_squares_at_any_scaling(order: str, scales: tuple[float, ...]) -> None:
     rng = np.random.default_rng(0)
     Phi = np.array(rng.standard_normal((200, 3)) * scales, order=order)  # type: ignore[call-overload]
     y = rng.standard_normal(200)
@@ -28,6 +28,6 @@ def test_gram_has_ones_on_its_diagonal() -> None:
     np.testing.assert_allclose(gram, [[1.0, 0.6], [0.6, 1.0]])
 
 
-def test_what_is_not_definite_is_still_solved() -> None:
+def test_singular_normal_equations_are_solved() -> None:
     gram = np.array([[0.0, 1.0], [1.0, 0.0]])
     np.testing.assert_allclose(solve_positive_definite(gram, np.array([2.0, 3.0])), [3.0, 2.0])

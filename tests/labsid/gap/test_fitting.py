@@ -45,7 +45,7 @@ def band(levels: FloatArray) -> tuple[Hypothesis, FloatArray, Data]:
     return hypothesis, theta, data_of(levels, y)
 
 
-def test_known_numbers_come_back_from_afar(levels: FloatArray) -> None:
+def test_known_parameters_are_recovered_from_distant_starts(levels: FloatArray) -> None:
     data = data_of(levels, LINEAR.output(TRUTH, GAINS, levels))
     fit = fit_of(data, LINEAR, np.array([0.2, np.log(1.2), np.log(0.2)]), iterations=60)
     np.testing.assert_allclose(fit.theta[1:], TRUTH[1:], atol=1e-4)
@@ -173,7 +173,7 @@ def test_covariance_is_that_of_nonlinear_least_squares(band: tuple[Hypothesis, F
     np.testing.assert_allclose(*stated_and_numerical(data, fit_of(data, hypothesis, theta)), rtol=0.05)
 
 
-def test_what_lies_at_a_limit_says_nothing_about_a_drift_added_ahead_of_it(levels: FloatArray) -> None:
+def test_samples_at_an_output_limit_do_not_influence_a_drift_ahead_of_it(levels: FloatArray) -> None:
     hypothesis = Hypothesis((output.Saturation("high"), output.Drift("2")))
     theta = np.array([0.25, np.log(0.5), np.log(0.05), 1.5])
     clean = hypothesis.output(theta, np.concatenate([GAINS, [0.3, -0.2]]), levels)

@@ -55,7 +55,7 @@ def test_a_lag_and_a_mode_are_tried_at_every_place_to_a_nonlinear_state() -> Non
     assert all(other.effects[0] == dynamics.ExtraLag() for other in alternative_forms(given))
 
 
-def test_what_bends_the_command_is_tried_in_either_order_where_something_else_bends_it_too() -> None:
+def test_actuator_effects_are_tried_in_either_order_beside_another_one() -> None:
     curve, rate = input.Nonlinearity(), input.RateLimit()
     orders = {input.Nonlinearity("first"), input.RateLimit("behind")}
     for alone in ((curve,), (rate,), (curve, input.Delay())):
@@ -76,7 +76,7 @@ GENERAL: dict[Effect, tuple[Effect, ...]] = {
 
 
 @pytest.mark.parametrize("effect", list(GENERAL))
-def test_a_memory_is_tried_with_another_past_and_a_curve_with_more_bends(effect: Effect) -> None:
+def test_effects_have_more_general_forms(effect: Effect) -> None:
     beside = dynamics.ExtraLag()
     others = alternative_forms(Hypothesis((effect, beside)))
     assert [other.effects for other in others] == [(form, beside) for form in GENERAL[effect]]
@@ -85,7 +85,7 @@ def test_a_memory_is_tried_with_another_past_and_a_curve_with_more_bends(effect:
 
 
 @pytest.mark.parametrize("effect", list(GENERAL))
-def test_the_general_form_begins_as_the_special_one(
+def test_a_general_form_starts_equal_to_the_special_one(
     levels: FloatArray, two_poles: Response, banded: Explanation, effect: Effect
 ) -> None:
     numbers = {"delay": 3.4, "log_rate": -1.0, "c2": 0.1, "c3": -0.05, "log_c": np.log(0.5), "log_k": np.log(0.05)}
@@ -99,7 +99,7 @@ def test_the_general_form_begins_as_the_special_one(
     np.testing.assert_allclose(other.output(found, gains, levels), old.output(theta, gains, levels), atol=error)
 
 
-def test_a_brim_is_tried_at_both_tanks() -> None:
+def test_an_overflow_is_tried_at_both_tanks() -> None:
     for side in ("", "-flipped"):
         for which in ("upper", "lower"):
             other = {"upper": "lower", "lower": "upper"}[which]
@@ -133,7 +133,7 @@ def test_a_tank_with_a_brim_keeps_its_rate_before_and_behind_the_other_one(
 
 
 @pytest.mark.parametrize("bends", ["1", "4"])
-def test_what_drifts_beside_a_nonlinear_state_may_be_a_gain_or_a_pole(bends: str) -> None:
+def test_a_drift_beside_a_nonlinear_state_may_be_of_a_gain_or_a_pole(bends: str) -> None:
     gain, pole, brim = drifts.GainDrift(bends), drifts.InnerPoleDrift(bends), dynamics.Overflow("lower")
     for one, other in ((gain, pole), (pole, gain)):
         assert any(form.effects == (brim, other) for form in alternative_forms(Hypothesis((brim, one))))
@@ -205,7 +205,7 @@ def test_a_load_grows_with_the_state_as_its_dynamics_hold_it(effect: Effect | No
     assert found == [effect for effect in (expected,) if effect is not None]
 
 
-def test_a_given_simulation_holds_no_load_that_grows() -> None:
+def test_a_given_simulation_has_no_leak_form() -> None:
     assert leak_form(Plant(kind="given", run=lambda w: w)) is None
 
 
@@ -252,7 +252,7 @@ def limited(levels: FloatArray, two_poles: Response) -> tuple[Data, Fit]:
     return data, finish(data, hypothesis, point)
 
 
-def test_without_takes_one_effect_out_and_goes_on_from_the_other_numbers(limited: tuple[Data, Fit]) -> None:
+def test_removing_an_effect_keeps_the_other_parameters(limited: tuple[Data, Fit]) -> None:
     data, fit = limited
     fewer = remove_effect(data, fit, 1)
     assert fewer is not None
@@ -293,7 +293,9 @@ def leaking_mass(w: FloatArray, onset: int, held: Response) -> FloatArray:
     return held(np.arange(w.size, dtype=float), np.array([-0.8, 0.0]), spring)[:, 0]
 
 
-def test_a_load_step_on_a_nonlinear_state_grows_where_that_explains_more(levels: FloatArray, held: Response) -> None:
+def test_a_load_step_on_a_nonlinear_state_becomes_a_leak_if_that_fits_better(
+    levels: FloatArray, held: Response
+) -> None:
     u = levels[:400]
     y = leaking_mass(u, 240, held)
     data = data_of(u, y + 0.01 * np.std(y) * np.random.default_rng(2).standard_normal(u.size))
@@ -311,7 +313,7 @@ def test_a_load_step_on_a_nonlinear_state_grows_where_that_explains_more(levels:
     assert numbers["leak"] == pytest.approx(0.15, abs=0.03)
 
 
-def test_a_plain_load_stays_one_on_linear_dynamics(levels: FloatArray, two_poles: Response) -> None:
+def test_a_constant_load_on_linear_dynamics_stays_constant(levels: FloatArray, two_poles: Response) -> None:
     load = two_poles((np.arange(levels.size) >= 330).astype(float))
     y = two_poles(levels) - 0.4 * load + 0.01 * np.random.default_rng(7).standard_normal(levels.size)
     data = data_of(levels, y)
@@ -379,7 +381,7 @@ def test_one_stop_of_a_sensor_is_also_tried_as_two(banded: Explanation, which: s
         ((dynamics.CoulombFriction("speed-lag"),), (INNER_PERIODIC,)),
     ],
 )
-def test_a_wave_is_tried_wherever_that_makes_a_difference(
+def test_a_periodic_disturbance_is_tried_at_every_distinct_position(
     effects: tuple[Effect, ...], expected: tuple[Effect, ...]
 ) -> None:
     found = [other.effects[-1] for other in alternative_forms(Hypothesis((*effects, PERIODIC)))]
@@ -415,7 +417,7 @@ def test_a_load_may_enter_ahead_of_either_of_two_states_in_a_row(effect: Effect,
         (drifts.InnerPoleDrift("1"), drifts.PoleDrift("1"), "drift"),
     ],
 )
-def test_on_linear_dynamics_loads_waves_and_drifts_are_the_plain_ones_again(
+def test_disturbances_on_states_become_linear_forms_on_linear_dynamics(
     limited: tuple[Data, Fit], inner: Effect, outer: Effect, name: str
 ) -> None:
     data, _ = limited
@@ -449,7 +451,7 @@ def noisy(y: FloatArray, seed: int = 1) -> FloatArray:
 
 
 @pytest.mark.parametrize("late", [3, 6])
-def test_a_record_that_begins_with_a_new_command_has_the_delay_of_its_commands(
+def test_an_input_step_at_sample_0_is_delayed_like_later_steps(
     levels: FloatArray, two_poles: Response, late: int
 ) -> None:
     """Until the first one arrives the rig stands elsewhere; a zero may hide half a sample."""
@@ -464,7 +466,7 @@ def test_a_record_that_begins_with_a_new_command_has_the_delay_of_its_commands(
     assert away * found.data.u_scale.unit == pytest.approx(2.0, abs=0.1)
 
 
-def test_a_record_that_goes_on_as_before_begins_with_no_new_command(levels: FloatArray, two_poles: Response) -> None:
+def test_a_record_at_steady_state_has_no_input_step_at_sample_0(levels: FloatArray, two_poles: Response) -> None:
     u = levels[:400]
     y = two_poles(np.concatenate([np.full(6, u[0]), u[:-6]]))
     found = explain(data_of(u, noisy(y)), most=1)
@@ -472,16 +474,14 @@ def test_a_record_that_goes_on_as_before_begins_with_no_new_command(levels: Floa
     assert not found.best.hypothesis.keys[0].endswith("switched")
 
 
-def test_a_sensor_that_bends_like_a_hyperbolic_tangent_is_a_curve_of_the_sensor(
-    levels: FloatArray, two_poles: Response
-) -> None:
+def test_a_tanh_sensor_is_an_output_nonlinearity(levels: FloatArray, two_poles: Response) -> None:
     z = two_poles(levels[:400])
     found = explain(data_of(levels[:400], noisy(np.tanh(1.2 * z / z.std()))), most=1)
     assert found.best.hypothesis.keys == ("output-nonlinearity/rich",)
     assert rms(found.data, found.best) < 0.02
 
 
-def test_a_curve_of_third_order_takes_no_more_bends(levels: FloatArray, two_poles: Response) -> None:
+def test_a_cubic_curve_is_not_replaced_by_a_spline(levels: FloatArray, two_poles: Response) -> None:
     z = two_poles(levels[:400])
     z = z / z.std()
     found = explain(data_of(levels[:400], noisy(z + 0.15 * z**2 - 0.03 * z**3)), most=1)

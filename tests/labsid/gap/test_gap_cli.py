@@ -69,7 +69,7 @@ def written(tmp_path, write_rig_record, plain):
 # What is written ------------------------------------------------------------------------------------------
 
 
-def test_diagnose_writes_what_simulate_plays(labsid, record, tmp_path):
+def test_simulate_runs_the_exported_model(labsid, record, tmp_path):
     status, out, err = labsid("diagnose", record, "--json", "a.json", "--export", "better.json", "--html", "a.html")
     assert (status, err) == (0, "")
     assert out.strip()
@@ -85,7 +85,7 @@ def test_diagnose_writes_what_simulate_plays(labsid, record, tmp_path):
     assert rmse == pytest.approx(answer["gap"]["after"], rel=0.3)
 
 
-def test_the_answer_says_how_to_ask_for_it_again(labsid, record, tmp_path):
+def test_the_report_contains_the_command_that_reproduces_it(labsid, record, tmp_path):
     """Files by their names, what is written left out: the answer does not depend on where it was asked for."""
     arguments = ("--exclude", "5:6", "--exclude", "7:8.5", "--seed", "3", "--order", "1", "--Ts", "0.5")
     assert labsid("diagnose", record, *arguments, "--json", "a.json")[0] == 0
@@ -107,7 +107,7 @@ def test_two_processes_give_the_same_answer(tmp_path, rig_record, write_rig_reco
         assert (tmp_path / name.format(1)).read_bytes() == (tmp_path / name.format(2)).read_bytes()
 
 
-def test_excluded_stretches_count_nowhere(labsid, plain, written, tmp_path):
+def test_excluded_stretches_are_neither_fitted_nor_scored(labsid, plain, written, tmp_path):
     y = plain.y.copy()
     y[80:110] += 3.0
     path = written(y=y)
@@ -118,7 +118,7 @@ def test_excluded_stretches_count_nowhere(labsid, plain, written, tmp_path):
 # Records that cannot be diagnosed -------------------------------------------------------------------------
 
 
-def test_files_that_are_no_record(refused, tmp_path):
+def test_invalid_record_files(refused, tmp_path):
     (tmp_path / "empty.csv").touch()
     (tmp_path / "noise.csv").write_bytes(bytes(range(256)) * 8)
     (tmp_path / "head.csv").write_text("t,u,y\n")
@@ -170,13 +170,13 @@ def test_holdouts_that_do_not_fit(refused, record, written, plain, words, change
 
 
 @pytest.mark.parametrize("stretch", ["nonsense", "5", "5:", ":", "5:3", "nan:3"])
-def test_stretches_that_are_none(refused, record, stretch):
+def test_invalid_stretches(refused, record, stretch):
     refused(
         f"--exclude must be T0:T1 in seconds with T0 < T1; got '{stretch}'", "diagnose", record, "--exclude", stretch
     )
 
 
-def test_options_that_leave_nothing_or_make_no_sense(refused, record):
+def test_invalid_options(refused, record):
     refused("--exclude leaves 0 samples", "diagnose", record, "--exclude", "0:1000")
     refused("--exclude leaves 50 samples", "diagnose", record, "--exclude", "25:100")
     refused(
@@ -203,7 +203,7 @@ def test_outputs_that_cannot_be_written(refused, record, tmp_path):
     refused("File exists", "batch", ".", "--out", record)
 
 
-def test_folders_that_hold_nothing(refused, record, tmp_path):
+def test_folders_without_records(refused, record, tmp_path):
     refused("No such file or directory", "batch", "nowhere", "--out", "out")
     refused("Not a directory", "batch", record, "--out", "out")
     (tmp_path / "bare").mkdir()
@@ -228,7 +228,7 @@ def test_folders_that_hold_nothing(refused, record, tmp_path):
         ("the simulation is unstable on this record", {"den": [1.0, -2.5, 1.0]}),
     ],
 )
-def test_models_that_do_not_run(refused, record, tmp_path, command, words, content):
+def test_invalid_models(refused, record, tmp_path, command, words, content):
     if isinstance(content, dict):
         content = json.dumps({"num": [0.01], "den": DEN, "dt": 0.5} | content)
     (tmp_path / "model.json").write_text(content)

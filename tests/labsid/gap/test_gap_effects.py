@@ -180,7 +180,7 @@ W = np.array([-2.0, -1.0, -0.2, 0.0, 0.5, 1.0, 2.0])
     ],
     ids=lambda value: value.key if isinstance(value, Effect) else None,
 )
-def test_what_the_actuator_makes_of_a_command(effect: InputEffect, own: list[float], expected: list[float]) -> None:
+def test_actuator_effects_by_hand(effect: InputEffect, own: list[float], expected: list[float]) -> None:
     np.testing.assert_allclose(effect.apply(W, np.array(own, float), W.size), expected, atol=1e-12)
 
 
@@ -194,7 +194,7 @@ def test_what_the_actuator_makes_of_a_command(effect: InputEffect, own: list[flo
     ],
     ids=lambda value: value.key if isinstance(value, Effect) else None,
 )
-def test_what_the_sensor_makes_of_the_output(effect: OutputEffect, own: list[float], expected: list[float]) -> None:
+def test_sensor_effects_by_hand(effect: OutputEffect, own: list[float], expected: list[float]) -> None:
     np.testing.assert_allclose(effect.apply(W, np.array(own)), expected, atol=1e-12)
 
 
@@ -234,7 +234,7 @@ def test_a_rich_curve_is_a_natural_spline_of_slope_one_at_zero(curve: InputEffec
         )
 
 
-def test_a_spline_next_to_a_cubic_tells_its_numbers() -> None:
+def test_spline_coefficients_approximate_a_cubic() -> None:
     own = curves.spline_coefficients(np.array([0.3, -0.09]))
     x = np.linspace(-2.2, 2.2, 50)
     np.testing.assert_allclose(curves.evaluate(x, own), x + 0.3 * x**2 - 0.09 * x**3, atol=0.05)
@@ -349,7 +349,7 @@ def test_values_of_the_dynamics_are_in_the_units_of_the_record(
         assert found[name][1] == unit
 
 
-def test_a_pole_that_drifts_beside_a_nonlinear_state_is_told_as_on_linear_dynamics() -> None:
+def test_a_pole_drift_on_a_nonlinear_state_is_reported_as_on_linear_dynamics() -> None:
     numbers = {"drift": 0.2, "bend1": 0.5, "bend2": -0.1}
     effect = drifts.InnerPoleDrift("4")
     hypothesis = Hypothesis((dynamics.CoulombFriction("speed"), effect))
@@ -377,7 +377,7 @@ def test_a_pole_that_drifts_beside_a_nonlinear_state_is_told_as_on_linear_dynami
         ),
     ],
 )
-def test_a_wave_at_the_load_is_told_by_what_it_does_at_the_output(
+def test_a_periodic_load_is_reported_by_its_amplitude_at_the_output(
     effect: Effect, plant: dict[str, float], answer: Callable[[complex], complex]
 ) -> None:
     wave = disturbance.InnerPeriodic("inside")
@@ -408,7 +408,7 @@ def test_a_wave_at_the_load_is_bent_by_the_curve_of_the_sensor(levels: FloatArra
     assert missed[1] > 0.01
 
 
-def test_size_of_a_load_is_what_it_changes_in_the_end() -> None:
+def test_the_size_of_a_load_is_its_final_change_of_the_output() -> None:
     effect = disturbance.LoadStep()
     gains = np.array([0.0, 0.0, 0.0, 0.0, 0.0, 0.03, 0.01])
     fit = fitted(effect, gains, None, 0.25)
@@ -419,7 +419,7 @@ def test_size_of_a_load_is_what_it_changes_in_the_end() -> None:
     np.testing.assert_array_equal(effect.active_samples(fit), np.arange(SAMPLES) >= 25)
 
 
-def test_a_load_that_brings_nothing_in_the_end_is_a_pulse() -> None:
+def test_a_load_without_final_change_is_reported_as_a_pulse() -> None:
     effect = disturbance.LoadStep()
     for second, onset, expected in ((0.01, 0.5, True), (-0.0299, 0.5, False), (-0.03, 0.5, False), (0.01, 0.0, False)):
         gains = np.array([0.0, 0.0, 0.0, 0.0, 0.0, 0.03, second])
@@ -492,13 +492,13 @@ def test_gain_and_settling_of_two_poles(levels: FloatArray, c: float, k: float, 
     assert context.response_time == pytest.approx(c / k, rel=0.02, abs=0.2)
 
 
-def test_what_does_not_follow_its_input_does_not_settle(levels: FloatArray) -> None:
+def test_dynamics_without_static_gain_do_not_settle(levels: FloatArray) -> None:
     context = linear_context(0.5, 0.05, 1.0, levels)
     still = Context(context.data, replace(context.parent, gains=np.zeros(context.parent.gains.size)))
     assert (still.gain, still.response_time) == (0.0, 0.0)
 
 
-def test_two_levels_cannot_show_what_bends_the_input(levels: FloatArray) -> None:
+def test_a_two_level_input_shows_no_input_nonlinearity(levels: FloatArray) -> None:
     two = np.sign(levels[:300])
     context = context_of(two, np.convolve(two, np.ones(6) / 6)[:300])
     blind = [effect.key for effect in ALL if not effect.applies(context)]
@@ -531,7 +531,7 @@ def test_a_dead_band_at_the_end_of_the_range_is_a_limit_unless_the_rig_rests_the
     ],
 )
 @pytest.mark.parametrize("root", [None, "both", "upper", "lower"])
-def test_a_tank_that_fills_within_a_sample_is_none(
+def test_a_tank_faster_than_the_sampling_is_implausible(
     variant: str, rates: tuple[float, float], expected: bool, root: str | None
 ) -> None:
     """About the mean flow, here four: there the root of the level runs off an eighth as fast as the level."""
@@ -625,7 +625,7 @@ def test_of_a_mirrored_record_the_search_of_friction_begins_at_the_mirrored_numb
     assert starts_of(effect, -u) == mirrored
 
 
-def test_a_pole_and_a_zero_of_the_sensor_may_wander_far(levels: FloatArray) -> None:
+def test_pole_drift_and_sensor_zero_drift_may_be_large(levels: FloatArray) -> None:
     """Courses of four and of sixteen degrees are among the candidates."""
     assert {"parameter-drift/pole-4", "output-drift/16"} <= {effect.key for effect in ALL}
     slow = drifts.PoleDrift("4").extend(Plant())

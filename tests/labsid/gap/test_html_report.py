@@ -89,7 +89,7 @@ def pages(tmp_path_factory):
 
 
 @pytest.mark.parametrize("kind", KINDS)
-def test_every_kind_of_answer_makes_a_page_that_needs_nothing_else(kind, pages):
+def test_every_page_is_self_contained(kind, pages):
     html, parsed = pages[kind]
     assert html.lstrip().startswith("<!doctype html>")
     assert not {"script", "link", "iframe", "object", "form"} & set(parsed.tags)
@@ -103,7 +103,7 @@ def test_every_kind_of_answer_makes_a_page_that_needs_nothing_else(kind, pages):
 
 
 @pytest.mark.parametrize("kind", KINDS)
-def test_the_verdict_stands_first_and_the_order_is_that_of_the_contract(kind, pages):
+def test_the_verdict_is_first_and_the_sections_are_in_order(kind, pages):
     _, parsed = pages[kind]
     words = parsed.words
     titles = (
@@ -129,7 +129,7 @@ def test_every_effect_is_explained_with_its_parameters(name):
     assert all(row["label"] and row["value"] for row in shown["parameters"])
 
 
-def test_pictures_are_png_for_both_widths_and_have_words_for_who_cannot_see_them(pages):
+def test_figures_are_png_for_both_widths_with_alternative_text(pages):
     html, parsed = pages["ambiguous"]
     pictures = [value for _, name, value in parsed.attributes if name in ("src", "srcset")]
     assert len(pictures) == 6
@@ -142,7 +142,7 @@ def test_pictures_are_png_for_both_widths_and_have_words_for_who_cannot_see_them
     assert all(alts)
 
 
-def test_names_from_a_file_are_text_and_nothing_more(tmp_path, undrawn):
+def test_names_from_a_file_are_escaped(tmp_path, undrawn):
     base = with_experiment(report("input-delay"))
     base["record"]["name"] = HOSTILE
     base["effects"][0]["name"] = HOSTILE
@@ -167,7 +167,7 @@ def test_the_command_is_safe_to_paste():
     assert command(base) == base["command"]
 
 
-def test_the_accepted_row_carries_its_interval_and_the_rest_is_folded(tmp_path, undrawn):
+def test_the_accepted_row_has_its_interval_and_further_rows_are_collapsed(tmp_path, undrawn):
     base = report("input-delay", "output-outliers")
     base["ranking"] += [{"name": f"extra-lag+{k}", "probability": 0.0, "rmse": 1.0, "closed": 0.1} for k in range(7)]
     shown = page_content(base)
@@ -182,7 +182,7 @@ def test_the_accepted_row_carries_its_interval_and_the_rest_is_folded(tmp_path, 
     assert "After adding the best candidate" in parsed.words
 
 
-def test_no_row_is_the_answer_where_there_is_none(pages):
+def test_no_row_is_accepted_if_the_verdict_is_unknown(pages):
     _, parsed = pages["unknown"]
     assert not any(row["accepted"] for row in page_content(KINDS["unknown"])["ranking"])
     assert "On this record none is accepted" in parsed.words
@@ -197,7 +197,7 @@ def test_the_proposed_input_can_be_saved(pages):
     assert [float(row["u"]) for row in rows] == planned["u"]
 
 
-def test_the_loop_marks_where_the_causes_sit():
+def test_the_loop_marks_the_blocks_of_the_causes():
     stations = page_content(KINDS["pair"])["loop"]
     assert [part["title"] for part in stations if part["cause"]] == ["Sensor", "Environment"]
     assert "Simulation" not in [part["title"] for part in stations]
@@ -226,7 +226,7 @@ def test_no_line_ends_inside_an_interval_or_between_a_number_and_its_unit(tmp_pa
     ]
 
 
-def test_what_the_record_itself_shows_is_a_list_under_the_verdict(tmp_path, undrawn):
+def test_record_findings_are_listed_under_the_verdict(tmp_path, undrawn):
     _, parsed = _read(tmp_path / "page.html", with_plateaus(report("output-drift", verdict="unknown"), left=0.6))
     places = [
         parsed.words.index(text)
@@ -237,14 +237,14 @@ def test_what_the_record_itself_shows_is_a_list_under_the_verdict(tmp_path, undr
     assert "Apply the same input again" in parsed.words
 
 
-def test_a_change_within_the_record_is_said_to_show_on_both_sides():
+def test_the_page_explains_that_the_baseline_is_fitted_to_both_sides_of_a_load_step():
     assert "on both sides" in page_content(report("load-step"))["fitted_baseline"]
     assert page_content(report("input-delay"))["fitted_baseline"] == ""
     given = report("load-step") | {"simulation": {"given": True, "output_only": False}}
     assert page_content(given)["fitted_baseline"] == ""
 
 
-def test_bars_compare_before_after_and_noise_or_what_there_is():
+def test_bars_compare_errors_before_and_after_with_the_noise():
     assert [bar["width"] for bar in page_content(KINDS["effect"])["bars"]] == ["100.0", "15.8", "15.5"]
     assert [bar["label"] for bar in page_content(KINDS["none"])["bars"]] == ["Simulation", "Noise alone"]
     after = {kind: page_content(KINDS[kind])["bars"][1]["label"] for kind in ("effect", "unknown", "mismatch")}
@@ -255,7 +255,7 @@ def test_bars_compare_before_after_and_noise_or_what_there_is():
     }
 
 
-def test_a_simulation_of_which_only_the_output_is_known_is_said_so():
+def test_the_page_states_that_only_the_output_was_given():
     base = report("output-drift")
     base["simulation"] = {"given": True, "output_only": True}
     assert "Only the output" in page_content(base)["simulation"]

@@ -88,7 +88,7 @@ def test_effects_that_the_simulation_already_had_are_no_finding() -> None:
     assert twice.keys == ("load-step", "load-step/leak")
 
 
-def test_a_given_plant_is_what_the_effects_build_on() -> None:
+def test_effects_are_added_to_a_given_plant() -> None:
     hypothesis = Hypothesis((dynamics.Resonance(),), given=Plant(lag=True))
     assert hypothesis.plant == Plant(lag=True, mode=True)
     assert hypothesis.plus(output.Saturation("low")).plant == hypothesis.plant
@@ -136,7 +136,7 @@ def test_the_sensor_bends_then_adds_then_clips_and_its_slopes_are_the_derivative
     np.testing.assert_allclose(part, (read(z, added + h) - read(z, added - h)) / (2.0 * h), atol=1e-6)
 
 
-def test_without_anything_added_the_sensor_bends_and_clips() -> None:
+def test_without_additive_effects_the_sensor_nonlinearity_and_limits_apply() -> None:
     hypothesis = Hypothesis((output.Saturation("high"), output.Nonlinearity()))
     theta = np.zeros(len(hypothesis.parameters))
     theta[hypothesis.slices["output-nonlinearity"]] = 0.2, 0.05
@@ -163,7 +163,7 @@ def full_theta() -> FloatArray:
 GAINS = np.array([0.03, 0.04, 0.1, -0.1, 0.0, 0.2, 0.05, 0.15, 0.02, 0.01, 0.3, -0.2, 0.1, 0.05])
 
 
-def test_a_load_is_seen_through_the_whole_sensor_and_a_drift_only_through_its_limits(levels: FloatArray) -> None:
+def test_a_load_passes_the_whole_sensor_and_a_drift_only_its_limits(levels: FloatArray) -> None:
     design = FULL.design(full_theta(), levels)
     assert design.sensed.shape == (levels.size, 7 + 1 + 2)  # the plant's, the constant, the load's
     assert design.added.shape == (levels.size, 2 + 2)  # the sinusoid's, the drift's
@@ -175,9 +175,7 @@ def test_a_load_is_seen_through_the_whole_sensor_and_a_drift_only_through_its_li
 
 
 @pytest.mark.parametrize("hypothesis", [FULL, FULL.plus(input.Delay()), FULL.plus(dynamics.SqrtOutflow("both"))])
-def test_what_a_design_takes_over_from_a_near_one_is_what_it_would_make_anew(
-    hypothesis: Hypothesis, levels: FloatArray
-) -> None:
+def test_a_reused_design_equals_a_new_one(hypothesis: Hypothesis, levels: FloatArray) -> None:
     theta = np.full(len(hypothesis.parameters), 0.3)
     own = dict(zip([p.name for p in Plant(lag=True).parameters], full_theta()[FULL.slices["plant"]], strict=True))
     own |= {"log_a": np.log(0.3), "log_b": np.log(0.2), "zero": -3.0}

@@ -39,7 +39,7 @@ def values(report):
 
 
 @pytest.mark.parametrize("effect", KINDS)
-def test_the_effect_is_named_with_its_numbers(answers, effect):
+def test_effects_are_named_with_their_parameters(answers, effect):
     report = answers(effect).report
     assert [found["name"] for found in report["effects"]] == [effect]
     truth = {
@@ -62,7 +62,7 @@ def test_the_effect_is_named_with_its_numbers(answers, effect):
         ("output-saturation", {"u": (5.0, 1.0), "y": (-2.0, 30.0)}, {"low": lambda x: 30.0 - 2.0 * x}),
     ],
 )
-def test_other_units_and_signs_change_the_numbers_and_nothing_else(answers, rig_record, effect, change, expected):
+def test_other_units_and_signs_change_only_the_numbers(answers, rig_record, effect, change, expected):
     before, after = answers(effect).report, diagnose(changed(rig_record(effect), **change)).report
     assert [found["name"] for found in after["effects"]] == [effect]
     assert after["ambiguous"] == before["ambiguous"]
@@ -83,7 +83,7 @@ def test_a_second_run_gives_the_same_bytes(answers, rig_record):
     assert json.dumps(again.model.to_json_dict()) == json.dumps(first.model.to_json_dict())
 
 
-def test_another_seed_moves_the_interval_only(rig_record):
+def test_another_seed_changes_only_the_interval(rig_record):
     one, two = (diagnose(rig_record("none", samples=300), seed=seed).report for seed in (0, 1))
     for report in (one, two):
         report["gap"].pop("ci95")
@@ -98,7 +98,7 @@ def test_a_simulation_that_has_the_effect_already_leaves_no_gap(answers, rig_rec
     assert report["simulation"] == {"given": True, "output_only": False}
 
 
-def test_the_exported_simulation_holds_on_another_record_of_the_same_rig(answers, rig_record):
+def test_the_exported_simulation_is_valid_on_another_record_of_the_same_rig(answers, rig_record):
     """The input of the other record has another mean and spread; the exported numbers keep their meaning."""
     other = rig_record("input-saturation", samples=400, seed=8)
     model = answers("input-saturation").model
@@ -110,7 +110,7 @@ def test_the_exported_simulation_holds_on_another_record_of_the_same_rig(answers
     assert np.sqrt(np.mean(error**2)) < 1.2 * noise
 
 
-def test_the_simulation_of_the_rig_without_its_effect_gets_the_effect(rig_record):
+def test_the_effect_missing_in_a_given_simulation_is_found(rig_record):
     record = rig_record("input-saturation")
     den = np.poly([0.95, 0.8]).tolist()
     model = {"num": [0.01, 0.0], "den": den, "dt": 0.5, "u0": float(record.u[0]), "y0": float(record.u[0])}

@@ -20,7 +20,7 @@ def test_second_order_is_the_filter_with_a_sample_of_delay(w: FloatArray) -> Non
     np.testing.assert_allclose(_kernels.second_order(w, -1.5, 0.6), expected, atol=1e-12)
 
 
-def test_section_holds_both_numerator_terms_and_both_initial_states(w: FloatArray) -> None:
+def test_section_columns_are_two_numerator_terms_and_two_initial_states(w: FloatArray) -> None:
     columns = _kernels.section(w, -1.5, 0.6)
     once = lfilter([0.0, 1.0], [1.0, -1.5, 0.6], w)
     free = lfilter([1.0], [1.0, -1.5, 0.6], np.eye(1, w.size)[0])
@@ -97,7 +97,7 @@ def test_delayed_by_hand() -> None:
     np.testing.assert_allclose(_kernels.delayed(w, 9, 0.5), 1.0)
 
 
-def test_what_comes_earlier_stands_behind_the_record_where_it_ends() -> None:
+def test_a_negative_delay_holds_the_last_sample() -> None:
     w = np.array([1.0, 2.0, 4.0, 8.0])
     np.testing.assert_allclose(_kernels.delayed(w, -1, 0.0), [2.0, 4.0, 8.0, 8.0])
     np.testing.assert_allclose(_kernels.delayed(w, -1, 0.75), [1.25, 2.5, 5.0, 8.0])

@@ -74,7 +74,7 @@ def test_a_nonlinear_state_sees_the_change_within_a_sample(plant: Plant, levels:
 
 
 @pytest.mark.parametrize("plant", AHEAD)
-def test_what_stands_ahead_of_a_nonlinear_state_sees_the_mean(plant: Plant, levels: FloatArray) -> None:
+def test_a_lag_ahead_of_a_nonlinear_state_receives_the_sample_mean(plant: Plant, levels: FloatArray) -> None:
     theta = some_theta(plant)
     columns = plant.columns(theta, levels, levels.size, 0.1, LATE)
     np.testing.assert_array_equal(columns, plant.columns(theta, delayed(levels, 0, LATE), levels.size, 0.1))
@@ -109,7 +109,7 @@ def test_a_load_begins_at_its_onset_and_a_leak_takes_more_where_there_is_more(pl
         Plant(kind="speed", friction=True),
     ],
 )
-def test_what_enters_ahead_of_the_former_of_two_states_is_less_input(plant: Plant, levels: FloatArray) -> None:
+def test_a_load_ahead_of_the_first_state_equals_less_input(plant: Plant, levels: FloatArray) -> None:
     """A load from its onset on, and a wave that begins at zero."""
     k, side = np.arange(levels.size), -1.0 if plant.flipped else 1.0
     bare = some_theta(plant)

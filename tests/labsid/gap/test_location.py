@@ -66,7 +66,7 @@ def test_marked_stretches_are_segments_of_their_own() -> None:
 
 
 @pytest.mark.parametrize("marked", [np.zeros(240, bool), np.ones(240, bool), np.arange(240) % 2 == 0])
-def test_where_nothing_stands_out_the_segments_are_of_equal_length(marked: np.ndarray) -> None:
+def test_segments_are_of_equal_length_without_distinct_stretches(marked: np.ndarray) -> None:
     assert np.count_nonzero(np.diff(marked.astype(int))) in (0, 239)
     segments = share_by_time(np.arange(240.0), np.ones(240), 1.0, marked)
     assert [stop - start for start, stop, _ in segments] == [20.0] * 12
@@ -90,7 +90,7 @@ def test_a_constant_error_lies_in_the_lowest_band() -> None:
     assert share_by_frequency(np.ones(101), 1.0)[0][2] == pytest.approx(1.0)
 
 
-def test_the_most_telling_signal_is_the_one_over_which_the_error_gathers() -> None:
+def test_the_most_uneven_signal_is_the_one_at_which_the_error_concentrates() -> None:
     rng = np.random.default_rng(2)
     u = np.repeat(rng.uniform(-1.0, 1.0, 60), 10)
     y = np.cumsum(rng.standard_normal(600)) / 10.0
@@ -107,7 +107,7 @@ def test_an_even_error_is_concentrated_nowhere() -> None:
     assert unevenness(share_by_value("u", x, (x > 5 / 6).astype(float))) == pytest.approx(5 / 6, abs=0.01)
 
 
-def test_the_map_holds_the_whole_error_and_nothing_where_the_record_never_was() -> None:
+def test_the_map_covers_the_whole_error_and_unvisited_cells_are_empty() -> None:
     rng = np.random.default_rng(0)
     u, e = np.repeat([0.0, 1.0, 2.0], 50), rng.standard_normal(150)
     y = u + 0.1 * rng.standard_normal(150)

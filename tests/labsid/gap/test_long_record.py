@@ -78,7 +78,7 @@ def test_thinned_by_one_is_the_same():
     assert downsample(record, 1) is record
 
 
-def test_the_report_says_what_was_left_out(rig_record, monkeypatch):
+def test_the_report_states_the_samples_left_out(rig_record, monkeypatch):
     record = rig_record("none", 900)
     monkeypatch.setattr(
         diagnosis, "shorten_record", lambda record, simulation: shorten_record(record, simulation, longest=200)

@@ -43,19 +43,19 @@ def by_hand(scaled_u, from_rest):
     return -1.0 + 5.0 * y
 
 
-def test_it_runs_from_rest_as_its_numbers_say(levels):
+def test_simulation_from_rest_by_hand(levels):
     model = from_json_dict(content())
     np.testing.assert_allclose(model.simulate(2.0 + 3.0 * levels), by_hand(levels, from_rest=True), atol=1e-9)
 
 
-def test_it_starts_in_the_state_that_the_measured_output_tells(levels):
+def test_the_initial_state_is_estimated_from_the_measured_output(levels):
     model = from_json_dict(content())
     decay = 4.0 * POLES[0].real ** np.arange(levels.size)
     measured = by_hand(levels, from_rest=False) + decay
     np.testing.assert_allclose(model.simulate(2.0 + 3.0 * levels, measured), measured, atol=1e-6)
 
 
-def test_a_file_and_back(levels, tmp_path):
+def test_round_trip_through_a_file(levels, tmp_path):
     path = tmp_path / "model.json"
     model = from_json_dict(content())
     path.write_text(json.dumps(model.to_json_dict()))
@@ -85,13 +85,13 @@ def test_a_file_and_back(levels, tmp_path):
         ({"u_scale": [1.0, 2.0]}, "a value has the wrong type"),
     ],
 )
-def test_what_is_no_exported_simulation(changed, words):
+def test_invalid_exported_simulations(changed, words):
     with pytest.raises(ValueError, match=words) as caught:
         from_json_dict(content(**changed))
     assert "\n" not in str(caught.value)
 
 
-def test_every_key_is_asked_for():
+def test_every_key_is_required():
     for key in content():
         if key != "schema":
             rest = {name: value for name, value in content().items() if name != key}
@@ -100,7 +100,7 @@ def test_every_key_is_asked_for():
 
 
 @pytest.mark.parametrize("text", ["", "{", "[" * 100_000, "\x00", '"a"', "3"])
-def test_files_that_hold_no_object(tmp_path, text):
+def test_files_without_a_json_object(tmp_path, text):
     path = tmp_path / "model.json"
     path.write_text(text)
     with pytest.raises(ValueError, match=r"model\.json: (not JSON|must hold a JSON object)"):
@@ -137,7 +137,7 @@ def test_an_export_with_any_effect_is_read_again(key, beside, levels):
 
 @pytest.mark.parametrize("away", [(-3.0, 1.5), (2.5, -2.0), (4.0, 6.0), (-5.0, -4.0)])
 @pytest.mark.parametrize("brim", ["upper", "lower", "both"])
-def test_tanks_with_brims_start_in_any_state_that_the_measured_output_tells(levels, brim, away):
+def test_the_initial_state_of_overflowing_tanks_is_estimated_from_the_measured_output(levels, brim, away):
     """Above a brim the start makes no difference at all: from there no slope leads anywhere."""
     hypothesis = Hypothesis((SqrtOutflow("both"), Overflow(brim)))
     numbers = {"log_a": np.log(0.5), "log_b": np.log(0.4), "zero": -3.0, "brim": 10.0, "brim2": 9.8, "share": 0.4}
@@ -155,7 +155,7 @@ def test_tanks_with_brims_start_in_any_state_that_the_measured_output_tells(leve
 
 @pytest.mark.parametrize("before", [-2.4, 0.7, 3.0])
 @pytest.mark.parametrize(("effect", "own"), [(Delay("switched"), 6.3), (RateLimit("switched"), np.log(0.2))])
-def test_where_the_command_stood_before_is_a_state_of_the_record(levels, effect, own, before):
+def test_the_input_before_sample_0_is_a_state_of_the_record(levels, effect, own, before):
     hypothesis = Hypothesis((effect,))
     place = hypothesis.slices[effect.key]
     numbers = {"log_c": np.log(C), "log_k": np.log(K)}

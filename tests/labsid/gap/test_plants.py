@@ -74,7 +74,7 @@ def test_a_further_lag_and_a_further_mode_are_in_the_span(levels: FloatArray, st
     assert left(columns, sampled([K], list(np.polymul([1.0, C, K], mode)), levels, state)) < 1e-9
 
 
-def test_linear_columns_count_from_the_first_input_unless_told(levels: FloatArray) -> None:
+def test_linear_columns_are_relative_to_the_first_input_by_default(levels: FloatArray) -> None:
     theta = np.log([C, K])
     own = Plant().columns(theta, levels, levels.size)
     np.testing.assert_array_equal(own, Plant().columns(theta, levels, levels.size, float(levels[0])))
@@ -83,7 +83,7 @@ def test_linear_columns_count_from_the_first_input_unless_told(levels: FloatArra
 
 @pytest.mark.parametrize("roots", [(True, True), (True, False), (False, True)])
 @pytest.mark.parametrize("flipped", [False, True])
-def test_tanks_begin_at_the_level_that_their_first_flow_holds(
+def test_tanks_start_at_the_equilibrium_of_their_first_flow(
     levels: FloatArray, held: Held, roots: tuple[bool, bool], flipped: bool
 ) -> None:
     plant = Plant(kind="tanks", upper_root=roots[0], lower_root=roots[1], flipped=flipped)
@@ -114,7 +114,7 @@ def test_the_brim_of_the_lower_tank_is_the_highest_level(levels: FloatArray) -> 
     assert level.max() == 0.5
 
 
-def test_what_the_upper_tank_spills_is_lost_unless_the_lower_one_catches_it(levels: FloatArray) -> None:
+def test_overflow_of_the_upper_tank_is_lost_or_enters_the_lower_one(levels: FloatArray) -> None:
     """Caught in full, the lower tank gets the whole flow; its level lies between."""
     plant = Plant(kind="tanks", brim=1)
     heights = []
@@ -147,7 +147,7 @@ def test_a_cubic_spring_in_units_of_its_linear_deflection(levels: FloatArray, he
     np.testing.assert_allclose(expected[:8], start, atol=1e-6)
 
 
-def test_friction_holds_a_mass_within_its_band() -> None:
+def test_a_mass_sticks_within_the_friction_band() -> None:
     plant = Plant(kind="mechanics", friction=True)
     theta = theta_of(plant, log_c=np.log(0.3), log_k=np.log(0.2), friction=0.4)
     w = np.concatenate([np.zeros(20), np.full(40, 0.35), np.full(120, 1.4), np.full(60, 1.1)])
@@ -324,7 +324,7 @@ def test_parameters_are_named_once_and_bounded(plant: Plant) -> None:
     assert all(plant.index(name) == place for place, name in enumerate(names))
 
 
-def test_but_changes_what_it_is_told_and_the_numbers_with_it() -> None:
+def test_changing_a_plant_updates_its_parameters() -> None:
     plant = Plant(lag=True).modified(mode=True)
     assert plant == Plant(lag=True, mode=True)
     assert plant.parameters == Plant(lag=True, mode=True).parameters
@@ -368,7 +368,7 @@ def test_a_lag_behind_a_mass_follows_its_position_between_the_samples(tau: float
     np.testing.assert_allclose(found, expected, atol=5e-4)
 
 
-def test_a_mass_on_hardly_a_spring_begins_where_it_did_whatever_its_command() -> None:
+def test_a_mass_on_a_weak_spring_starts_at_its_own_position() -> None:
     """Where such a spring would balance another command is nowhere that it could have come to."""
     plant = Plant(kind="mechanics", friction=True)
     theta = theta_of(plant, log_c=np.log(0.3), log_k=np.log(1e-9), friction=0.1, z0=0.2)

@@ -48,7 +48,7 @@ def test_the_tanks_do_not_repeat_their_levels_and_average_five_samples(shared_da
     assert ("rest" in found) == (name != "SysIdenData_StudentVersion")  # the others start from an empty tank
 
 
-def test_the_share_of_the_gap_and_of_what_is_left() -> None:
+def test_the_shares_of_the_gap_and_of_the_residual() -> None:
     u, y = steps([1.0, 3.0, 1.2, 3.0, 1.4, 3.2])
     counted = np.ones(u.size, bool)
     linear = 1.2 + 1.8 * u
@@ -63,7 +63,7 @@ def test_the_share_of_the_gap_and_of_what_is_left() -> None:
     assert found.matters
 
 
-def test_levels_that_the_simulation_follows_are_not_worth_a_word() -> None:
+def test_levels_that_the_simulation_follows_are_not_reported() -> None:
     u, y = steps([1.0, 3.0, 1.4, 3.0])
     followed = plateau_gap(u, y, y + 0.01 * np.sin(np.arange(u.size)), y, np.ones(u.size, bool))
     assert followed is not None
@@ -136,7 +136,7 @@ def test_an_input_that_answers_to_the_noise_is_a_closed_loop() -> None:
 
 
 @pytest.mark.parametrize("slip", [-4.0, 0.0, 0.5, 4.0])
-def test_two_clocks_are_told_by_a_delay_that_grows_steadily(rig_record: Callable[..., Record], slip: float) -> None:
+def test_a_steadily_growing_delay_indicates_two_clocks(rig_record: Callable[..., Record], slip: float) -> None:
     record = rig_record("none", 2000)
     k, counted = np.arange(2000.0), np.ones(2000, bool)
     late = np.interp(k * (1.0 - slip / 2000.0), k, record.y)

@@ -28,7 +28,7 @@ def sticking(seed: int) -> tuple[Data, Fit]:
 
 
 @pytest.mark.parametrize("seed", [0, 3])
-def test_friction_hides_a_wrong_delay_until_the_others_go_along(seed: int) -> None:
+def test_refinement_corrects_a_delay_hidden_by_friction(seed: int) -> None:
     data, fit = sticking(seed)
     assert fit.theta[0] > 0.4
     found = converge(data, fit)
@@ -37,7 +37,7 @@ def test_friction_hides_a_wrong_delay_until_the_others_go_along(seed: int) -> No
     assert found.theta[NAMES.index("log_lag")] == pytest.approx(TRUE["log_lag"], abs=0.03)
 
 
-def test_along_a_valley_the_error_rises_least() -> None:
+def test_the_cost_rises_least_along_a_valley() -> None:
     data, fit = sticking(3)
     problem = Problem(data, STICKING, UNFILTERED)
     at = problem.point(converge(data, fit).theta)

@@ -17,7 +17,7 @@ from labsid.gap.sample_faults import SampleFaults
         (2, "2 samples are isolated spikes; the fits exclude them."),
     ],
 )
-def test_what_is_left_out_is_counted_in_words(plain: Explanation, spikes: int, said: str) -> None:
+def test_excluded_samples_are_counted(plain: Explanation, spikes: int, said: str) -> None:
     assert screen_sentences(plain) == []
     none = np.zeros(plain.data.samples, bool)
     faults = SampleFaults(none, (), np.arange(none.size) < spikes, None)

@@ -48,7 +48,7 @@ def noise(pole: float, seed: int, size: float = 0.1) -> FloatArray:
 
 @pytest.mark.parametrize("pole", [0.0, 0.5, 0.8])
 @pytest.mark.parametrize("seed", [1, 2, 3])
-def test_noise_is_noise_however_coloured(fitted: Fitted, pole: float, seed: int) -> None:
+def test_coloured_noise_is_accepted_as_noise(fitted: Fitted, pole: float, seed: int) -> None:
     left = measure_residual(*fitted(noise(pole, seed)))
     assert is_noise(left, converted=False)
     assert left.rms == pytest.approx(0.1, rel=0.15)
@@ -136,7 +136,7 @@ def test_tails_and_unevenness_are_those_of_the_innovations(fitted: Fitted) -> No
     "worse",
     [{"repeats": 0.5, "repeats_z": 9.0}, {"explained": 0.6}, {"activity": 0.5, "activity_z": 9.0}, {"tails": 9.0}],
 )
-def test_every_sign_counts_unless_a_coarse_converter_makes_it(fitted: Fitted, worse: dict[str, float]) -> None:
+def test_every_measure_counts_unless_quantization_explains_it(fitted: Fitted, worse: dict[str, float]) -> None:
     """Rounding repeats itself with the input, and jumps."""
     left = measure_residual(*fitted(noise(0.0, 1)))
     assert is_noise(left, converted=False)
@@ -144,7 +144,7 @@ def test_every_sign_counts_unless_a_coarse_converter_makes_it(fitted: Fitted, wo
     assert is_noise(replace(left, **worse), converted=True)
 
 
-def test_the_input_of_the_same_instant_is_no_past(fitted: Fitted) -> None:
+def test_features_exclude_the_input_of_the_same_sample(fitted: Fitted) -> None:
     """It cannot act yet; a controller that sees the noise would make it of the noise."""
     data, fit = fitted(noise(0.0, 5))
     u = data.u.copy()
@@ -211,7 +211,7 @@ def test_noise_is_measured_off_the_stops_of_the_sensor(
     assert everywhere > left.tails + 0.5
 
 
-def test_where_a_sensor_hardly_leaves_its_stop_every_row_counts(
+def test_every_row_counts_if_the_sensor_is_mostly_at_its_limit(
     levels: FloatArray, two_poles: Callable[..., FloatArray]
 ) -> None:
     data, fit = clipped(levels, two_poles, 0.0, 0.8)

@@ -57,7 +57,7 @@ def test_a_logger_that_sleeps_often_may_do_so_from_the_first_sample_on() -> None
     assert find_held(swing, None) == ((101, 109), (201, 209), (301, 309))
 
 
-def test_a_fine_lattice_is_none(noise: np.ndarray) -> None:
+def test_a_fine_lattice_is_ignored(noise: np.ndarray) -> None:
     """Below a ten-thousandth of the range, equal readings are no work of the converter."""
     noise[100:104] = noise[100]
     step = np.ptp(noise)
@@ -100,7 +100,7 @@ def test_on_a_lattice_the_end_of_the_record_is_no_jump() -> None:
     assert find_held(steps, 1.0) == ()
 
 
-def test_within_a_step_of_the_converter_nothing_is_a_spike(noise: np.ndarray) -> None:
+def test_deviations_within_a_converter_step_are_no_spikes(noise: np.ndarray) -> None:
     """A quiet output on a coarse lattice: most readings agree, some are the neighbouring value."""
     e = 0.01 * noise
     e[[50, 120, 300]] += 1.0
@@ -112,7 +112,7 @@ def test_within_a_step_of_the_converter_nothing_is_a_spike(noise: np.ndarray) ->
 
 
 @pytest.mark.parametrize("on_stop", [0.0, 0.4, 0.8])
-def test_noise_has_no_spikes_however_long_the_sensor_stands_on_its_stop(noise: np.ndarray, on_stop: float) -> None:
+def test_noise_has_no_spikes_at_a_sensor_limit(noise: np.ndarray, on_stop: float) -> None:
     """There the residual is nought: its median would say that there is no noise at all."""
     e = noise.copy()
     for block in np.array_split(np.arange(400), 5):
@@ -178,7 +178,7 @@ def test_bad_samples_are_the_held_and_the_spikes() -> None:
     assert SampleFaults(held, ((1, 2),), spikes, None).bad.tolist() == [False, True, False, True, False]
 
 
-def test_a_record_that_begins_at_rest_holds_nothing(noise: np.ndarray) -> None:
+def test_an_initial_rest_is_no_held_stretch(noise: np.ndarray) -> None:
     y = noise.copy()
     y[:40] = y[0]
     assert find_held(y, None) == ()

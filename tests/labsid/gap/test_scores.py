@@ -111,14 +111,14 @@ def told_by_the_input(explained: Explanation, noise: float) -> FloatArray:
     return (state - state.mean()) / state.std() + noise * np.random.default_rng(4).standard_normal(state.size)
 
 
-def test_what_the_input_explains_is_no_noise(plain: Explanation) -> None:
+def test_the_input_dependent_part_is_excluded_from_the_noise_floor(plain: Explanation) -> None:
     """It is taken out of the floor."""
     e = told_by_the_input(plain, 0.5)
     power = noise_power(replace(plain.data, y=plain.best.output + e), plain.best)
     assert 0.5**2 * 0.8 < power < 0.6 * np.mean(e**2)
 
 
-def test_where_there_is_no_gap_there_is_nothing_to_close(plain: Explanation) -> None:
+def test_closure_is_undefined_without_a_gap(plain: Explanation) -> None:
     amount = amount_of(plain)
     assert amount.closed is None or abs(amount.closed) < 1e-9
     assert (amount.closed is None) == (amount.ci95 is None) == (amount.black_box is None)
@@ -132,9 +132,7 @@ def test_a_given_simulation_is_scored_as_it_is(banded: Explanation) -> None:
     assert amount.before > amount_of(banded).before
 
 
-def test_another_record_is_scored_behind_its_first_samples(
-    banded: Explanation, two_poles: Callable[..., FloatArray]
-) -> None:
+def test_a_holdout_is_scored_after_its_first_samples(banded: Explanation, two_poles: Callable[..., FloatArray]) -> None:
     """No fit is made again, its beginning gives the initial state; spoilt there, it is not scored."""
     u = np.repeat(np.random.default_rng(9).uniform(-1.5, 1.5, 40), 8)
     y = two_poles(np.maximum(u - 0.3, 0.0) + np.minimum(u + 0.4, 0.0))
@@ -161,7 +159,7 @@ def test_how_much_scores_two_fits_on_the_rows_that_it_is_given(banded: Explanati
     assert score_fits(banded.data, base, base, scored, np.random.default_rng(0), floor=0.0).closed == 0.0
 
 
-def test_the_black_box_explains_what_the_input_tells_and_no_noise(plain: Explanation) -> None:
+def test_the_black_box_explains_the_input_dependent_part_only(plain: Explanation) -> None:
     e = told_by_the_input(plain, 0.1)
     assert np.mean(black_box_residual(plain.data, plain.best, e) ** 2) < 0.1 * np.mean(e**2)
     noise = plain.data.y - plain.best.output
@@ -181,9 +179,7 @@ def with_numbers(fit: Fit, count: int, sigma2: float) -> Fit:
 
 
 @pytest.mark.parametrize(("before", "after", "floor"), [(2.0, 1.0, 0.5), (3.0, 2.0, 1.0), (1.0, 2.0, 0.5)])
-def test_an_interval_is_never_narrower_than_the_least_doubt(
-    plain: Explanation, before: float, after: float, floor: float
-) -> None:
+def test_the_interval_has_a_minimum_width(plain: Explanation, before: float, after: float, floor: float) -> None:
     closed = closed_share(before**2, after**2, floor)
     assert closed is not None
     low, high = even(before, after, floor, with_numbers(plain.best, 2, floor))
@@ -192,9 +188,7 @@ def test_an_interval_is_never_narrower_than_the_least_doubt(
 
 
 @pytest.mark.parametrize(("count", "colour"), [(3, 1.0), (30, 1.0), (30, 2.0)])
-def test_many_numbers_for_few_rows_are_inexact_which_an_interval_counts(
-    plain: Explanation, count: int, colour: float
-) -> None:
+def test_the_interval_includes_the_uncertainty_of_the_parameters(plain: Explanation, count: int, colour: float) -> None:
     """All is closed; below it, the expected error of so many numbers, more of coloured noise."""
     low, high = even(2.0, 1.0, 1.0, with_numbers(plain.best, count, 1.0 / colour))
     inexact = colour * chi2.ppf(0.975, count) / 300

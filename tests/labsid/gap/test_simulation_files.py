@@ -59,7 +59,7 @@ def test_bytes_are_no_series(tmp_path, record):
         load_simulation(path, record)
 
 
-def test_a_model_is_played_from_the_state_that_the_record_tells(model, record):
+def test_a_model_is_simulated_from_the_state_estimated_from_the_record(model, record):
     later = Record(record.t[60:], record.u[60:], record.y[60:], record.Ts)
     played = replay(model, later)
     assert played.start == 50
@@ -72,7 +72,7 @@ def test_a_short_record_counts_as_a_whole(model, record):
     assert replay(model, short).start == 0
 
 
-def test_what_was_exported_is_played_and_given_again(tmp_path, record):
+def test_an_exported_model_can_be_simulated_and_diagnosed_again(tmp_path, record):
     found = diagnose(record)
     path = tmp_path / "better.json"
     path.write_text(json.dumps(found.model.to_json_dict()))
@@ -99,7 +99,7 @@ def test_models_that_cannot_be_played(model, record, changed, words):
         replay(model, record)
 
 
-def test_what_is_written_can_be_read_again(tmp_path, record):
+def test_written_files_can_be_read_again(tmp_path, record):
     path = tmp_path / "played.csv"
     write_replay(path, record, record.y + 1.0)
     again = load_record(path)

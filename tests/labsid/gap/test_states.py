@@ -67,14 +67,14 @@ def test_an_empty_tank_stays_empty() -> None:
 
 
 @pytest.mark.parametrize("root", [False, True])
-def test_tanks_that_fill_without_end_end_in_nan(root: bool) -> None:
+def test_diverging_tanks_return_nan(root: bool) -> None:
     level = _states.simulate_tanks(np.full(100, 2e6), 0.3, 0.2, root, False, np.inf, np.inf, 0.0, 0.6, 0.5, 2)
     assert np.isfinite(level[0])
     assert np.isnan(level[-1])
 
 
 @pytest.mark.parametrize("rates", [(40.0, 0.2), (3.0, 0.2), (0.2, 40.0), (90.0, 90.0)])
-def test_linear_tanks_are_as_they_are_however_quick(w: FloatArray, rates: tuple[float, float]) -> None:
+def test_fast_linear_tanks_are_accurate(w: FloatArray, rates: tuple[float, float]) -> None:
     """With as few steps as `responses` takes: the slower tank moves by a tenth of the way in half of one."""
     flow, substeps = 0.9 + 0.5 * w, int(max(np.ceil(min(rates) / 0.2), 2))
     (a, b), state, expected = rates, np.array([0.6, 0.5]), []
@@ -88,7 +88,7 @@ def test_linear_tanks_are_as_they_are_however_quick(w: FloatArray, rates: tuple[
 
 @pytest.mark.parametrize("rate", [0.3, 4.0, 60.0])
 @pytest.mark.parametrize(("level", "brim"), [(0.2, 0.7), (0.7, 0.7), (0.2, 2.0)])
-def test_a_linear_tank_at_its_brim_loses_nothing(rate: float, level: float, brim: float) -> None:
+def test_a_linear_tank_at_its_overflow_conserves_mass(rate: float, level: float, brim: float) -> None:
     """What has come in is in the tank, below it or, caught in part, over the brim."""
     flow, share, h, fine = 1.5, 0.4, 0.5, 20_000
     now, below, over = level, 0.0, 0.0
@@ -105,7 +105,7 @@ def test_a_linear_tank_at_its_brim_loses_nothing(rate: float, level: float, brim
 
 
 @pytest.mark.parametrize("lag", [0.7, 5.0, 20.0])
-def test_a_motor_sees_the_mean_of_a_lag_however_quick(w: FloatArray, held: Held, lag: float) -> None:
+def test_a_motor_receives_the_mean_of_a_fast_lag(w: FloatArray, held: Held, lag: float) -> None:
     """Half of the change in a step, as of a slow lag, would be up to half a step too little."""
     expected = held(w, np.array([0.3, 0.1]), lambda x, value: [0.4 * (x[1] - x[0]), lag * (value - x[1])])[:, 0]
     for substeps, error in ((1, 0.012), (2, 0.004)):
@@ -148,7 +148,7 @@ def test_a_spring_that_swings_quickly_is_followed_with_few_steps(held: Held) -> 
     assert np.std(followed - expected) < 2e-3 * np.std(expected)
 
 
-def test_a_softening_spring_that_gives_way_ends_in_nan() -> None:
+def test_a_diverging_softening_spring_returns_nan() -> None:
     motion = _states.simulate_mass(np.full(400, 3.0), 0.3, 0.2, 0.0, -0.05, 0.0, 0.0, 4)
     assert np.isnan(motion[-1, 0])
 
@@ -239,7 +239,7 @@ def test_varying_rates_are_exact_from_sample_to_sample(w: FloatArray) -> None:
     np.testing.assert_allclose(_rates.simulate_varying(inputs, c, k), expected, atol=1e-9)
 
 
-def test_varying_rates_that_diverge_end_in_nan() -> None:
+def test_diverging_varying_rates_return_nan() -> None:
     motion = _rates.simulate_varying(np.ones((200, 1)), np.full(200, -1.0), np.full(200, 0.1))
     assert np.isnan(motion[-1, 0])
 
@@ -404,7 +404,7 @@ def test_a_wave_at_a_motor(w: FloatArray, held: Held, lag_first: bool) -> None:
     np.testing.assert_allclose(found[:, 0], expected[:, 0 if lag_first else 1], atol=1e-4)
 
 
-def test_a_wave_at_what_sticks_is_that_much_less_input(w: FloatArray) -> None:
+def test_a_sinusoid_on_a_sticking_state_equals_less_input(w: FloatArray) -> None:
     less = w - [swing(sample) for sample in range(w.size)]
     found = _states.simulate_mass(w, 0.3, 0.2, 0.1, 0.05, 0.4, 0.2, 4, *SWINGING)
     np.testing.assert_allclose(found, _states.simulate_mass(less, 0.3, 0.2, 0.1, 0.05, 0.4, 0.2, 4), atol=1e-12)
@@ -454,7 +454,7 @@ def test_a_motor_of_which_the_latter_rate_drifts(w: FloatArray, held: Held, lag_
     np.testing.assert_allclose(found[:, 0], expected[:, 0 if lag_first else 1], atol=1e-4)
 
 
-def test_what_drifts_and_sticks(w: FloatArray) -> None:
+def test_drifting_rates_with_friction(w: FloatArray) -> None:
     """A mass on a spring, and a motor: within a sample it is the motor of another rate."""
     friction, samples = 0.25, np.arange(w.size, dtype=float)
 

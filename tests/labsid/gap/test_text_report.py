@@ -28,7 +28,7 @@ def test_every_effect_is_one_sentence_with_its_share_of_the_gap(name):
 
 
 @pytest.mark.parametrize("name", UNSIMULATED)
-def test_what_only_the_samples_show_closes_no_gap(name):
+def test_sample_faults_close_no_gap(name):
     base = report(name)
     base["gap"] |= {"before": 0.0102, "after": 0.0102, "closed": None, "ci95": None, "black_box": None}
     said = sentences.verdict_sentence(base)
@@ -82,7 +82,7 @@ def test_three_effects_are_listed():
         (None, None, "but held-out samples show no gap."),
     ],
 )
-def test_what_does_not_hold_on_fresh_samples_is_not_praised(closed, ci95, end):
+def test_an_effect_that_fails_on_held_out_samples_is_reported_so(closed, ci95, end):
     base = report("input-delay")
     base["gap"] |= {"closed": closed, "ci95": ci95}
     assert sentences.verdict_sentence(base).endswith(end)
@@ -102,7 +102,7 @@ def test_none_says_which_simulation_was_good_enough():
     assert "0.0099" not in format_report(base)
 
 
-def test_unknown_says_what_was_looked_at_and_what_is_left():
+def test_unknown_lists_the_effects_tried_and_the_residual():
     base = report("input-delay", verdict="unknown")
     base["gap"] |= {"closed": 0.43, "ci95": [0.08, 0.58], "after": 0.04}
     base["unexplained"] |= {"share": 0.24, "whiteness_p": 0.0, "input_correlation_p": 1e-9, "repeats": 0.3}
@@ -118,7 +118,7 @@ def test_unknown_says_what_was_looked_at_and_what_is_left():
     assert "Only white noise" not in text
 
 
-def test_unknown_where_nothing_shrinks_the_gap_names_no_nearest():
+def test_unknown_without_improvement_names_no_nearest_effect():
     base = report("input-delay", verdict="unknown")
     base["gap"] |= {"closed": 0.0, "ci95": [0.0, 0.0], "after": base["gap"]["before"]}
     assert sentences.verdict_sentence(base).endswith("none reduces it by more than chance.")
@@ -142,7 +142,7 @@ def test_a_set_is_named_as_one_and_not_twice():
     assert sentences.ambiguity_sentence(none) == "The record does not rule out an extra lag."
 
 
-def test_a_stop_that_is_seen_is_said_apart_from_what_is_only_nearest():
+def test_a_visible_limit_is_reported_apart_from_the_nearest_effect():
     base = report("overflow", probability=0.8) | {
         "beside": ["output-nonlinearity"],
         "ambiguous": ["output-nonlinearity"],
@@ -162,7 +162,7 @@ def test_a_stop_that_is_seen_is_said_apart_from_what_is_only_nearest():
 
 
 @pytest.mark.parametrize(("margin", "how"), [(41.0, "reliable"), (9.0, "probably correct")])
-def test_the_experiment_says_what_it_tells_apart_and_how_surely(margin, how):
+def test_the_experiment_names_the_effects_it_separates_and_its_margin(margin, how):
     base = with_experiment(report("input-delay"))
     base["next_experiment"]["margin"] = margin
     said = sentences.experiment_sentence(base)
@@ -192,13 +192,13 @@ def test_an_operating_range_that_only_follows_the_time_is_said_so():
     )
 
 
-def test_a_given_holdout_is_named_as_the_ground_of_the_score():
+def test_a_given_holdout_is_named_as_the_basis_of_the_score():
     base = report("input-delay")
     assert "held-out samples" in sentences.gap_sentence(base)
     assert "holdout record" in sentences.gap_sentence(with_holdout(base))
 
 
-def test_lines_are_short_and_numbers_stay_with_their_per_cent():
+def test_lines_are_short_and_keep_numbers_with_their_percent_sign():
     for base in (report("input-dead-zone", "load-step"), report("input-delay", verdict="unknown")):
         for line in format_report(with_experiment(base)).splitlines():
             assert len(line) <= 96
@@ -213,14 +213,14 @@ def test_control_characters_of_a_file_do_not_reach_the_terminal():
     assert "odd [2Jname" in text
 
 
-def test_the_report_is_only_read():
+def test_formatting_does_not_change_the_report():
     base = with_experiment(report("input-delay", "load-step"))
     before = copy.deepcopy(base)
     assert format_report(base) == format_report(base)
     assert base == before
 
 
-def test_levels_that_do_not_repeat_are_said_with_what_the_simulations_miss_of_them():
+def test_unrepeated_levels_are_reported_with_the_simulation_error():
     base = with_plateaus(report("output-drift"), left=0.1)
     (said,) = sentences.record_sentences(base)
     assert said == (
@@ -236,12 +236,12 @@ def test_levels_that_do_not_repeat_are_said_with_what_the_simulations_miss_of_th
     assert sentences.verdict_sentence(base).endswith("the output settles at different levels.")
 
 
-def test_a_record_that_shows_nothing_of_its_own_has_no_such_row():
+def test_without_record_findings_the_row_is_absent():
     assert sentences.record_sentences(report("output-drift")) == []
     assert "\nrecord" not in format_report(report("output-drift"))
 
 
-def test_what_the_ranking_leaves_for_other_causes_is_said():
+def test_the_remaining_probability_of_other_causes_is_reported():
     base = report("input-delay", verdict="unknown")
     assert sentences.other_causes_sentence(base).endswith("the first row is only the best candidate.")
     for row in base["ranking"]:

@@ -6,13 +6,13 @@ import pytest
 from labsid.gap.traces import extreme_samples, figure_traces
 
 
-def test_a_short_record_is_shown_as_it_is() -> None:
+def test_a_short_record_is_shown_completely() -> None:
     x = np.random.default_rng(0).standard_normal(2400)
     np.testing.assert_array_equal(extreme_samples([x]), np.arange(2400))
 
 
 @pytest.mark.parametrize("samples", [2401, 20_000, 54_321])
-def test_no_spike_is_lost_however_long_the_record(samples: int) -> None:
+def test_spikes_of_long_records_are_shown(samples: int) -> None:
     rng = np.random.default_rng(samples)
     y, after = rng.standard_normal(samples), 0.1 * rng.standard_normal(samples)
     before = np.zeros(samples)
@@ -29,7 +29,7 @@ def test_no_spike_is_lost_however_long_the_record(samples: int) -> None:
     np.testing.assert_array_equal(shown["before"], before[kept])
 
 
-def test_every_stretch_shows_its_lowest_and_highest_value() -> None:
+def test_every_stretch_shows_its_minimum_and_maximum() -> None:
     x = np.sin(np.arange(10_000) / 3.0)
     pick = extreme_samples([x], 400)
     assert pick.size <= 400

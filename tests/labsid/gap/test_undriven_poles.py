@@ -68,7 +68,7 @@ def fitted(own: FloatArray) -> tuple[Fit, Data]:
 
 
 @pytest.mark.parametrize("kind", ["quicker and quicker", "settling"])
-def test_the_drift_of_a_rig_with_one_pole_is_not_taken_for_its_second_pole(kind: str) -> None:
+def test_the_drift_of_a_first_order_rig_is_not_fitted_as_a_second_pole(kind: str) -> None:
     u = levels()
     diagnosis = diagnose(record_of(lag(u) + OWN[kind], u))
     assert names(diagnosis) == ["output-drift"]
@@ -76,7 +76,7 @@ def test_the_drift_of_a_rig_with_one_pole_is_not_taken_for_its_second_pole(kind:
 
 
 @pytest.mark.parametrize("kind", ["wave", "fast wave"])
-def test_a_wave_beside_a_rig_with_one_pole_is_no_pair_of_poles(kind: str) -> None:
+def test_a_sinusoid_on_a_first_order_rig_is_not_fitted_as_a_pole_pair(kind: str) -> None:
     u = levels()
     diagnosis = diagnose(record_of(lag(u) + OWN[kind], u))
     assert names(diagnosis) == ["periodic-disturbance"]
@@ -86,14 +86,14 @@ def test_a_wave_beside_a_rig_with_one_pole_is_no_pair_of_poles(kind: str) -> Non
 
 
 @pytest.mark.parametrize("first", [0.0, 0.8])
-def test_a_rig_with_one_pole_and_nothing_else_has_no_gap(first: float) -> None:
+def test_a_first_order_rig_has_no_gap(first: float) -> None:
     """Wherever it begins: what it brings along is over soon."""
     u = levels()
     y = lag(u) + first * np.exp(-RATE * np.arange(SAMPLES))
     assert diagnose(record_of(y, u)).report["verdict"] == "none"
 
 
-def test_what_goes_on_alone_is_told_from_what_the_input_moves() -> None:
+def test_poles_without_excitation_are_detected() -> None:
     drifting, data = fitted(OWN["ramp"])
     assert has_undriven_pole(data, drifting)
     other = fit_driven_pole(data, LINEAR)
@@ -104,14 +104,14 @@ def test_what_goes_on_alone_is_told_from_what_the_input_moves() -> None:
     assert not has_undriven_pole(data, still)
 
 
-def test_an_integrator_is_driven_however_slow_it_is() -> None:
+def test_an_integrator_is_excited_by_the_input() -> None:
     u = levels() - 2.0
     y = np.cumsum(lag(u)) / 20.0 + NOISE * np.random.default_rng(11).standard_normal(SAMPLES)
     data = scaled(u, y, np.ones(SAMPLES, bool), TS)
     assert not has_undriven_pole(data, fit_baseline(data))
 
 
-def test_other_dynamics_than_linear_ones_are_not_looked_at() -> None:
+def test_nonlinear_dynamics_are_not_tested_for_undriven_poles() -> None:
     fit, data = fitted(OWN["ramp"])
     for effect in (dynamics.SqrtOutflow("both"), dynamics.CubicStiffness()):
         hypothesis = Hypothesis((effect,))
@@ -119,7 +119,7 @@ def test_other_dynamics_than_linear_ones_are_not_looked_at() -> None:
         assert not has_undriven_pole(data, other)
 
 
-def test_the_mode_that_the_baseline_lacks_is_what_is_new() -> None:
+def test_an_additional_mode_is_named_resonance_and_not_extra_lag() -> None:
     """One pole and a mode: the three poles could as well be a swinging rig and a lag more."""
     u, damping = levels(9), 0.06
     diagnosis = diagnose(record_of(mode(u, damping, 0.6), u))
@@ -127,13 +127,13 @@ def test_the_mode_that_the_baseline_lacks_is_what_is_new() -> None:
     assert diagnosis.report["effects"][0]["parameters"]["damping"]["value"] == pytest.approx(damping, rel=0.2)
 
 
-def test_a_swinging_rig_with_a_further_lag_keeps_its_poles() -> None:
+def test_an_additional_lag_on_an_oscillatory_rig_is_named_extra_lag() -> None:
     u = levels(9)
     diagnosis = diagnose(record_of(mode(u, 0.3, 0.15), u))
     assert names(diagnosis) == ["extra-lag"]
 
 
-def test_only_a_lag_can_hide_a_mode() -> None:
+def test_only_a_fit_with_an_extra_lag_can_hide_a_mode() -> None:
     fit, data = fitted(OWN["ramp"])
     levels_tried, _ = search_effects(data, LINEAR, None, 1, None)
     lagged = next(tried for names, tried in levels_tried[1].items() if names == ("output-drift",))
@@ -149,7 +149,9 @@ def test_only_a_lag_can_hide_a_mode() -> None:
 
 
 @pytest.mark.parametrize(("kind", "name"), [("ramp", "output-drift"), ("wave", "periodic-disturbance")])
-def test_a_pole_that_goes_on_alone_beside_another_effect_is_made_what_it_stands_for(kind: str, name: str) -> None:
+def test_an_undriven_pole_beside_another_effect_is_replaced_by_the_disturbance_it_imitates(
+    kind: str, name: str
+) -> None:
     """A dead zone ahead of one pole; a pair of poles may swing with the wave only where nothing damps it."""
     u = levels()
     y = lag(np.sign(u - 2.0) * np.maximum(np.abs(u - 2.0) - 0.25, 0.0)) + 1.5 * OWN[kind]
@@ -157,7 +159,7 @@ def test_a_pole_that_goes_on_alone_beside_another_effect_is_made_what_it_stands_
     assert set(names(diagnosis)) == {"input-dead-zone", name}
 
 
-def test_freed_gives_the_steps_without_and_with_the_drift() -> None:
+def test_replacing_an_undriven_pole_returns_the_steps_without_and_with_the_drift() -> None:
     u = levels()
     y = lag(np.sign(u - 2.0) * np.maximum(np.abs(u - 2.0) - 0.25, 0.0)) + 0.5 * ALONG
     data = scaled(u, y + NOISE * np.random.default_rng(11).standard_normal(SAMPLES), np.ones(SAMPLES, bool), TS)

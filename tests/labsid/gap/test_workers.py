@@ -55,7 +55,7 @@ def pids_in(log, count):
     raise AssertionError(f"{log} never held {count} lines")
 
 
-def test_every_task_gets_its_own_answer(work):
+def test_every_task_gets_its_own_result(work):
     answers = dict(run_tasks(work, [{"number": n} for n in range(12)], jobs=2))
     assert {number: answer["twice"] for number, answer in answers.items()} == {n: 2 * n for n in range(12)}
     assert len({answer["pid"] for answer in answers.values()}) <= 2
@@ -67,7 +67,7 @@ def test_no_tasks(work):
     assert list(run_tasks(work, [], jobs=2)) == []
 
 
-def test_a_process_that_dies_is_replaced_and_its_task_tried_again(work, tmp_path):
+def test_a_killed_process_is_replaced_and_its_task_repeated(work, tmp_path):
     log = tmp_path / "tries"
     deadly = {"dies": "always", "mark": str(tmp_path / "mark"), "log": str(log)}
     unlucky = {"dies": "once", "mark": str(tmp_path / "once"), "number": 5}
@@ -96,7 +96,7 @@ def test_closing_ends_the_processes_in_the_middle_of_a_task(work, tmp_path):
 
 
 @pytest.mark.skipif(not hasattr(os, "killpg"), reason="Windows ends processes in its own way")
-def test_processes_end_when_whoever_asked_is_killed(work, tmp_path):
+def test_worker_processes_end_when_the_parent_is_killed(work, tmp_path):
     log = tmp_path / "pids"
     program = (
         f"import sys; sys.path[:] = {sys.path!r}\n"

@@ -105,7 +105,7 @@ def test_the_work_grows_linearly_with_the_record():
     assert calls(101) == 10 * calls(11)
 
 
-def test_the_derivative_is_told_the_time():
+def test_the_derivative_receives_the_time():
     drive = zero_order_hold(np.zeros(5), Ts=0.5)
     states = integrate(lambda t, x, v: (3 * t**2,), (0.0,), drive, drive.times, max_step=0.5, lowest=(0.0,))
     assert states[:, 0] == pytest.approx(drive.times**3)

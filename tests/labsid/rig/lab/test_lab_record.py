@@ -96,7 +96,7 @@ def test_the_stand_in_gives_a_model_like_the_lab_s(stand_in):
 
 @pytest.mark.parametrize("make", MAKERS)
 @pytest.mark.parametrize("student", [None, "z5000001"])
-def test_column_one_lies_on_the_lattice_and_column_two_is_its_mean(make, student):
+def test_column_one_is_quantized_and_column_two_is_its_moving_mean(make, student):
     log = make(student, SECRET if student else None)
     codes = log.y_measured / STEP
     assert (codes == np.round(codes)).all()
@@ -105,7 +105,7 @@ def test_column_one_lies_on_the_lattice_and_column_two_is_its_mean(make, student
 
 
 @pytest.mark.parametrize("make", [make_lab_record, make_verification_record])
-def test_a_settled_rig_ran_before_its_log_began(make):
+def test_the_moving_mean_of_a_settled_rig_includes_samples_before_the_log(make):
     log = make()
     assert log.y_noise_reduced[:4] == pytest.approx(log.y_measured[:4], abs=0.04)
     inside = np.cumsum(log.y_measured[:4]) / np.arange(1, 5)
@@ -174,7 +174,7 @@ def test_students_rigs_behave_differently(identified):
 
 
 @pytest.mark.parametrize("student", [None, *IDS[:8]])
-def test_a_model_of_the_lab_s_record_holds_on_the_verification_record(student):
+def test_a_model_of_the_lab_record_is_valid_on_the_verification_record(student):
     secret = SECRET if student else None
     lab, other = make_lab_record(student, secret), make_verification_record(student, secret)
     assert other.u[0] == lab.u[0]
@@ -187,7 +187,7 @@ def test_a_model_of_the_lab_s_record_holds_on_the_verification_record(student):
 
 
 @pytest.mark.parametrize("student", [None, *IDS[:8]])
-def test_an_empty_start_is_found_to_settle(student):
+def test_an_empty_start_settles(student):
     log = make_empty_start_record(student, SECRET if student else None)
     lab = make_lab_record(student, SECRET if student else None)
     np.testing.assert_array_equal(log.u[300:], lab.u)

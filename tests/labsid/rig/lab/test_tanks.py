@@ -79,7 +79,7 @@ def test_scipy_agrees_from_empty_tanks():
     assert (states >= 0).all()
 
 
-def test_halving_the_step_moves_nothing_that_the_converter_could_show():
+def test_halving_the_step_changes_less_than_a_converter_step():
     p = TankParameters()
     start = steady_levels(p, 2.0)
     coarse, fine = (simulate_rig(tank_rig(p), LAB_INPUT, TS, start, max_step=step).y for step in (0.1, 0.05))

@@ -31,7 +31,7 @@ def test_limits_dead_band_and_curve() -> None:
     np.testing.assert_allclose(ends(Actuator(c2=0.2, c3=-0.1)), V + 0.2 * V**2 - 0.1 * V**3)
 
 
-def test_rounded_corners_cut_the_corner_and_nothing_else() -> None:
+def test_rounded_corners_change_only_the_corners() -> None:
     v = np.linspace(-2, 2, 401)
     soft, sharp = limited(v, -1, 1, 0.05), limited(v, -1, 1, 0.0)
     assert np.max(np.abs(soft - sharp)) == pytest.approx(0.025, rel=0.02)
@@ -67,7 +67,7 @@ def test_an_unmeasured_valve_turns_the_gain_up_and_down() -> None:
     assert 15 < np.count_nonzero(np.diff(factor)) < 90
 
 
-def test_a_failing_actuator_keeps_what_it_did() -> None:
+def test_a_failing_actuator_holds_its_last_output() -> None:
     expected = V.copy()
     expected[15:25] = V[14]
     np.testing.assert_array_equal(ends(Actuator(failures=((15, 25),))), expected)
@@ -92,7 +92,7 @@ def test_a_swinging_delay_stays_between_its_ends() -> None:
 
 
 @pytest.mark.parametrize("kind", ["ramp", "settle", "half-sine", "wander"])
-def test_slow_changes_start_at_nothing_and_are_of_order_one(kind: str) -> None:
+def test_slow_profiles_start_at_zero_and_are_of_order_one(kind: str) -> None:
     values = profile_values(Profile(kind, 0.3, 5), np.linspace(0, 1, 500))
     assert values[0] == 0.0
     assert np.max(np.abs(values)) == pytest.approx(1.0, abs=0.01)

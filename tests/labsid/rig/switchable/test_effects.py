@@ -34,7 +34,7 @@ def test_the_table_is_complete() -> None:
 
 
 @pytest.mark.parametrize("effect", EFFECTS)
-def test_an_effect_is_absent_at_nothing_and_grows_with_its_strength(effect: str) -> None:
+def test_an_effect_vanishes_at_strength_zero_and_grows_with_strength(effect: str) -> None:
     for seed in range(3):
         # beside the zero of a near sensor a lag may cancel: there a longer one need not show more
         rng, setup, at = on_some_rig(seed, lambda s: supports_effect(s, effect) and s.rig != "heater, near sensor")

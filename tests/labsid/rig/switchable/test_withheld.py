@@ -50,7 +50,7 @@ def test_the_effect_hangs_on_the_secret_and_not_on_the_id_alone(rigs):
     assert (again.effect, again.parameters, again.setup) == (rigs[0].effect, rigs[0].parameters, rigs[0].setup)
 
 
-def test_the_rig_of_the_lab_says_nothing_of_it():
+def test_the_public_rig_does_not_reveal_the_withheld_effect():
     assert student_entropy("z1", SECRET, "sim-to-real-gap") != student_entropy("z1", SECRET)
     assert student_entropy("z1", SECRET) == student_plan("z1", SECRET).entropy
     with pytest.raises(ValueError, match="secret must have at least 16 bytes"):
@@ -103,7 +103,7 @@ def test_levels_are_where_the_label_says(rigs):
         assert rig.parameters["empty"] < y.min()
 
 
-def test_the_file_holds_the_record_and_nothing_else(tmp_path, rigs):
+def test_the_file_contains_only_the_record(tmp_path, rigs):
     path = tmp_path / "WithheldRig.csv"
     path.write_bytes(withheld_record_bytes(IDS[0], SECRET))
     read, made = load_record(path), withheld_record(rigs[0])
