@@ -419,7 +419,7 @@ def test_the_size_of_a_load_is_its_final_change_of_the_output() -> None:
     np.testing.assert_array_equal(effect.active_samples(fit), np.arange(SAMPLES) >= 25)
 
 
-def test_a_load_without_final_change_is_reported_as_a_pulse() -> None:
+def test_a_load_step_without_final_change_is_implausible() -> None:
     effect = disturbance.LoadStep()
     for second, onset, expected in ((0.01, 0.5, True), (-0.0299, 0.5, False), (-0.03, 0.5, False), (0.01, 0.0, False)):
         gains = np.array([0.0, 0.0, 0.0, 0.0, 0.0, 0.03, second])
@@ -625,7 +625,7 @@ def test_of_a_mirrored_record_the_search_of_friction_begins_at_the_mirrored_numb
     assert starts_of(effect, -u) == mirrored
 
 
-def test_pole_drift_and_sensor_zero_drift_may_be_large(levels: FloatArray) -> None:
+def test_pole_and_output_drifts_include_high_degrees(levels: FloatArray) -> None:
     """Courses of four and of sixteen degrees are among the candidates."""
     assert {"parameter-drift/pole-4", "output-drift/16"} <= {effect.key for effect in ALL}
     slow = drifts.PoleDrift("4").extend(Plant())
