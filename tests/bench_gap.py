@@ -1,4 +1,4 @@
-"""The gap diagnosis beside the same search as one would write it with scipy, in one run on one core.
+"""The gap diagnosis compared with a plain search in scipy, on one core.
 
 `make bench` runs it. The record has 1,500 samples: a rig of two lags under levels, with a dead zone and a load that
 sets in late, 1 % noise. labsid tries its whole table, then a second effect on top of the best three, and a third while
@@ -47,7 +47,7 @@ def record(samples: int = SAMPLES) -> Record:
 
 @dataclass(frozen=True)
 class Candidate:
-    """An effect of the peer: what it makes of the input and of the output, and where its search begins and ends."""
+    """An effect of the plain search: its input and output maps, start values and bounds."""
 
     name: str
     start: Callable[[Record], list[float]]
@@ -109,7 +109,7 @@ def simulate(w: Array, c: float, k: float) -> Array:
 
 
 def scipy_search(r: Record) -> tuple[int, str, float]:
-    """Every candidate of the peer fitted to the record: how many, the name of the best by BIC, and its rms error."""
+    """Fit every candidate: their number, the name of the best by BIC, and its rms error."""
     scores = []
     for one in CANDIDATES:
 

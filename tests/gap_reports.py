@@ -1,4 +1,4 @@
-"""Reports of the gap diagnosis, made by hand: one for every verdict and every effect of the table."""
+"""Hand-made reports of the gap diagnosis for every verdict and effect."""
 
 import math
 from typing import Any
@@ -56,7 +56,7 @@ DYNAMICS = (
 
 
 def path_of(name: str) -> str:
-    """The path on which an effect enters, from the table of the contract."""
+    """The path on which an effect acts."""
     if name == "parameter-mismatch":
         return "parameters"
     return "dynamics" if name in DYNAMICS else PATHS.get(name, name.split("-")[0])
@@ -142,14 +142,14 @@ def with_holdout(base: dict[str, Any]) -> dict[str, Any]:
 
 
 def with_plateaus(base: dict[str, Any], left: float) -> dict[str, Any]:
-    """The same report of a record whose levels do not repeat, of which the explanation leaves a part."""
+    """The same report for a record whose levels do not repeat; `left` is the part not explained."""
     finding = {"level": "note", "topic": "plateaus", "text": "y does not come back to the same level. It should."}
     seen = {"repeat": False, "largest": 0.09, "scatter": 0.05, "missed": 0.04, "of_gap": 0.8, "left": left}
     return base | {"record_findings": [finding], "plateaus": seen}
 
 
 def with_experiment(base: dict[str, Any]) -> dict[str, Any]:
-    """The same report with a rival that only a further experiment would rule out."""
+    """The same report with a rival and the experiment that separates it."""
     ours = "+".join(entry["name"] for entry in base["effects"]) or "input-delay"
     rival = f"{ours}+output-drift"
     experiment = {

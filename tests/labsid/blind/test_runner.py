@@ -1,4 +1,4 @@
-"""The diagnosis runs as a separate process, replaced here by a program of a few lines."""
+"""The diagnosis runs in a separate process, replaced here by a short program."""
 
 import json
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""The cases obey the rules by which they are labelled."""
+"""The cases follow the rules of their rows."""
 
 import json
 from dataclasses import replace
@@ -35,7 +35,7 @@ def of_row(some: list[Case], row: str) -> list[Case]:
 
 
 def left_by_linear(case: Case) -> float:
-    """What the best linear model leaves of the noise-free record, over the noise: from the record, not the recipe."""
+    """Residual of the best linear model on the noise-free record, over the noise."""
     clean = to_record(run_experiment(case.experiment), case.experiment.scales, "", clean=True)
     start = discrete_poles(poles(case.experiment.plain.motion))
     return fit_linear(clean.u, clean.y, start).rmse / case.sigma

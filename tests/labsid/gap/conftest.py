@@ -1,4 +1,4 @@
-"""What the tests of the diagnosis share: an input, an integrator that is not ours, and small records."""
+"""Shared by the tests of the diagnosis: an input, an independent integrator, and small records."""
 
 from collections.abc import Callable
 from pathlib import Path

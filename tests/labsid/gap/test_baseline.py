@@ -1,4 +1,4 @@
-"""The simulation under test: a transfer function as python-control means it, and every other kind that may be given."""
+"""The simulation under test: transfer functions with python-control's conventions, and the other kinds accepted."""
 
 import control
 import numpy as np
@@ -23,7 +23,7 @@ def data(record):
 
 @pytest.fixture(scope="module")
 def true(record):
-    """The rig's own transfer function, about where the record begins."""
+    """The rig's transfer function about the first sample of the record."""
     return TRUE | {"u0": float(record.u[0]), "y0": float(record.u[0])}
 
 

@@ -1,4 +1,4 @@
-"""A folder of records: what is a record, what becomes of a broken one, what a second run keeps, and Ctrl-C."""
+"""Batches: which files are records, invalid records, second runs, and interrupts."""
 
 import csv
 import json
@@ -21,7 +21,7 @@ SAMPLES = 150
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory, rig_record, write_rig_record):
-    """Two records, one of them with a simulation and a holdout, and two files that are none."""
+    """Two records, one with a simulation and a holdout, and two invalid files."""
     folder = tmp_path_factory.mktemp("records")
     write_rig_record(folder / "b.csv", rig_record("none", SAMPLES))
     write_rig_record(folder / "a.csv", rig_record("none", SAMPLES, seed=4))
@@ -36,7 +36,7 @@ def folder(tmp_path_factory, rig_record, write_rig_record):
 
 @pytest.fixture(scope="module")
 def finished(folder, tmp_path_factory):
-    """The folder of answers after one run, and what was printed and told."""
+    """The folder of reports after one run, the summary printed, and the progress messages."""
     out = tmp_path_factory.mktemp("out") / "new" / "answers"
     told = []
     printed = diagnose_folder(folder, out, jobs=2, progress=lambda what, share: told.append((what, share)))
@@ -45,7 +45,7 @@ def finished(folder, tmp_path_factory):
 
 @pytest.fixture
 def counted(monkeypatch):
-    """Answers that tell how often a record was really diagnosed, without the time that it takes."""
+    """Names of the records diagnosed; the diagnosis itself is replaced by a constant report."""
     asked = []
 
     def run_tasks(module, tasks, jobs):
@@ -121,7 +121,7 @@ def test_a_report_equals_that_of_diagnose(finished, folder, tmp_path):
 
 @pytest.fixture
 def copied(finished, folder, tmp_path):
-    """Records and answers that a test may change."""
+    """Copies of the records and reports that a test may change."""
     shutil.copytree(folder, tmp_path / "records")
     shutil.copytree(finished[0], tmp_path / "out")
     return tmp_path / "records", tmp_path / "out"

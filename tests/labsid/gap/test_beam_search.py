@@ -1,4 +1,4 @@
-"""The search among combinations: order in the chain, exchange, leaving out, integrators, a start from an export."""
+"""The beam search: order of effects, replacement, pruning, integrators, quantization."""
 
 import math
 from collections.abc import Callable
@@ -46,7 +46,7 @@ def curve(w: FloatArray) -> FloatArray:
 
 
 def slewing(w: FloatArray) -> FloatArray:
-    """What a limited rate makes of levels: sample by sample, the mean of each."""
+    """Rate-limited levels: the mean over each sample."""
     now, out = w[0], np.empty_like(w)
     for i, goal in enumerate(w):
         step = np.clip(goal - now, -RATE, RATE)
@@ -97,7 +97,7 @@ def test_the_best_path_ends_where_no_effect_is_a_significant_improvement(banded:
 
 
 def bent_gain(samples: int) -> FloatArray:
-    """A gain that rises to the middle of the record and falls back: what a straight line cannot follow."""
+    """A gain that rises until the middle of the record and falls back."""
     return 1.0 + 0.5 * (1.0 - np.linspace(-1.0, 1.0, samples) ** 2)
 
 
@@ -109,7 +109,7 @@ def test_a_gain_that_rises_and_falls_is_a_parameter_drift(levels: FloatArray, tw
 
 @pytest.mark.parametrize("poles", [[1.0, 0.7], [1.0, 1.0]], ids=["integrator", "double integrator"])
 def test_an_integrating_rig_with_an_offset_has_no_effect(levels: FloatArray, poles: list[float]) -> None:
-    """Behind an integrator an offset of the input is a ramp, and a parabola behind two; neither is a load."""
+    """An input offset gives a ramp after one integrator and a parabola after two; neither is a load."""
     swing = np.repeat(np.random.default_rng(5).choice([-1.0, 1.0], 150), 4) + 0.05
     if poles == [1.0, 1.0]:  # held in place by its own feedback
         swing = _steered(swing)
@@ -118,7 +118,7 @@ def test_an_integrating_rig_with_an_offset_has_no_effect(levels: FloatArray, pol
 
 
 def _steered(goal: FloatArray) -> FloatArray:
-    """The command with which a lead controller leads a double integrator of gain 0.05 after a goal."""
+    """The input by which a lead controller makes a double integrator of gain 0.05 follow a reference."""
     place, speed, command = 0.0, 0.0, np.empty(goal.size)
     for i, wanted in enumerate(goal):
         command[i] = 0.5 * (wanted - place) - 2.5 * speed
@@ -127,7 +127,7 @@ def _steered(goal: FloatArray) -> FloatArray:
 
 
 def noisy(fit: Fit, data: Data, bic: float, error: float) -> Fit:
-    """The fit with another score, and a free run that is so far from the record."""
+    """The fit with another BIC and a given free-run error."""
     wave = np.sqrt(2.0) * error * np.sin(0.05 * np.arange(data.samples))
     return replace(fit, bic=bic, output=data.y - wave)
 
@@ -168,7 +168,7 @@ def test_the_baseline_is_kept_if_the_highpass_fit_is_no_better(plain: Explanatio
 
 
 def coarse(y: FloatArray, steps: int) -> FloatArray:
-    """Read by a converter of so many steps over the range."""
+    """Quantized to the given number of steps over the range."""
     step = np.ptp(y) / steps
     return np.round(y / step) * step
 
@@ -190,7 +190,7 @@ def test_quantization_residuals_are_distinguished_from_model_errors(plain: Expla
 def test_rounding_is_explained_by_quantization_alone(
     levels: FloatArray, two_poles: Response, steps: int, shape: str
 ) -> None:
-    """Without noise the error of rounding follows the input: another mode would always better it."""
+    """Without noise the quantization error depends on the input, and any additional mode reduces it."""
     u = levels if shape == "levels" else np.where(np.arange(levels.size) // 40 % 2, -1.0, 1.0)
     y = coarse(two_poles(u), steps)
     found = explain(data_of(u, y, noise=0.0))
@@ -241,7 +241,7 @@ def test_a_leak_in_a_torricelli_tank_is_a_load_proportional_to_the_level(levels:
 def test_a_leak_becomes_a_constant_load_before_a_nonlinear_state_is_added(
     levels: FloatArray, two_poles: Response
 ) -> None:
-    """Its dynamics would hold none."""
+    """The nonlinear dynamics have no leak."""
     load = two_poles((np.arange(levels.size) >= 330).astype(float))
     data = data_of(levels, two_poles(levels) - 0.4 * load)
     hypothesis = Hypothesis((output.Drift("1"), LEAK, input.DeadZone()), n_given=1)
@@ -319,7 +319,7 @@ def loaded_motor(u: FloatArray, load: float, onset: int) -> FloatArray:
 def test_small_and_large_loads_on_a_nonlinear_state_are_found(
     levels: FloatArray, rig: Response, name: str, load: float
 ) -> None:
-    """A large one is the first effect that is found, and a leak on linear dynamics; it goes inside with the second."""
+    """A large load is found first, as a leak on linear dynamics, and moves to the state with the second effect."""
     u = levels[:320]
     found = explain(data_of(u, rig(u, load, 190)), most=2)
     assert set(found.names) == {name, "load-step"}
@@ -333,7 +333,7 @@ def test_small_and_large_loads_on_a_nonlinear_state_are_found(
 
 @pytest.mark.parametrize("kind", ["wave", "load"])
 def test_a_disturbance_of_the_inflow_is_found_beside_an_overflow(kind: str) -> None:
-    """Ahead of the upper tank, the brim being the lower one's."""
+    """The disturbance acts ahead of the upper tank; the lower tank overflows."""
     u = np.repeat(np.random.default_rng(8).uniform(-1.0, 1.0, 54), 15)
     k, fine, first, level, out = np.arange(u.size), 40, u[0], u[0], []
     flow = u - (0.35 * np.sin(2.0 * np.pi * 14.3 / u.size * k) if kind == "wave" else 0.5 * (k >= 470))
@@ -347,7 +347,7 @@ def test_a_disturbance_of_the_inflow_is_found_beside_an_overflow(kind: str) -> N
 
 
 def axis(gain: float, friction: float, pull: float, samples: int) -> tuple[FloatArray, FloatArray]:
-    """Force and position of an axis without a spring that follows a course in a loop, 50 steps of Euler's method."""
+    """Force and position of an axis without spring in a position loop, by Euler's method with 50 steps a sample."""
     fine, x, v = 50, 0.0, 0.0
     course = 8.0 * np.sin(2.0 * np.pi * np.arange(samples) / 130.0) ** 3 + 6.0 * np.sin(np.arange(samples) / 41.0)
     force, position = np.empty(samples), np.empty(samples)
@@ -373,7 +373,7 @@ def test_friction_of_an_axis_without_spring_is_found_beside_a_constant_force() -
 
 
 def tank_with_a_brim(w: FloatArray, rate: FloatArray, brim: float) -> FloatArray:
-    """Level of a tank behind a quick lag, 40 steps of Euler's method a sample."""
+    """Level of an overflowing tank behind a fast lag, by Euler's method with 40 steps a sample."""
     fine, lagged, level, out = 40, w[0], w[0], []
     for flow, own in zip(w, rate, strict=True):
         out.append(level)
@@ -384,7 +384,7 @@ def tank_with_a_brim(w: FloatArray, rate: FloatArray, brim: float) -> FloatArray
 
 @pytest.mark.parametrize("drifting", ["pole", "gain"])
 def test_a_parameter_drift_is_found_beside_an_overflow(drifting: str) -> None:
-    """Of the outflow, or of a pump that delivers nothing at an input far below the record."""
+    """Drift of the outflow, or of the gain of a pump whose zero lies far below the record."""
     u = np.repeat(np.random.default_rng(8).uniform(-1.0, 1.0, 54), 15)
     course = np.sin(np.linspace(0.0, np.pi, u.size))
     rate = 0.06 * (1.0 - 0.5 * course) if drifting == "pole" else np.full(u.size, 0.06)

@@ -1,4 +1,4 @@
-"""The linear fits, and how one effect more is put on top of a fit."""
+"""The linear fits, and fits with one more effect."""
 
 from collections.abc import Callable, Iterable
 from dataclasses import replace
@@ -68,7 +68,7 @@ def test_a_drift_hardly_biases_the_highpass_fit(levels: FloatArray, two_poles: R
 
 
 def linear_fit(hypothesis: Hypothesis, data: Data) -> Fit:
-    """A fit with numbers of its own making, to start from."""
+    """A fit with zero parameters as a starting point."""
     fit = fit_baseline(data)
     theta = np.zeros(len(hypothesis.parameters))
     return Fit(hypothesis, theta, np.zeros(9), fit.output, fit.cost, fit.noise, fit.bic)
@@ -136,7 +136,7 @@ def test_trial_fits_find_the_effect_and_nothing_in_a_two_level_input(banded: Exp
 
 @pytest.mark.parametrize("seed", [7, 8, 9])
 def test_the_simpler_variant_is_preferred_at_equal_error(levels: FloatArray, two_poles: Response, seed: int) -> None:
-    """A load that grows with the state has more numbers, hence always a little less error, than one that does not."""
+    """A leak has more parameters than a constant load and hence always a slightly smaller error."""
     load = two_poles((np.arange(levels.size) >= 330).astype(float))
     y = two_poles(levels) - 0.4 * load + 0.01 * np.random.default_rng(seed).standard_normal(levels.size)
     data = data_of(levels, y)
@@ -157,7 +157,7 @@ def test_candidates_of_a_group_share_their_name() -> None:
 
 @pytest.mark.parametrize("seed", [1, 2, 3])
 def test_a_numerator_zero_does_not_mimic_a_fractional_delay(seed: int) -> None:
-    """Two levels and coloured noise: with a free zero a second minimum lies most of a sample away."""
+    """Two levels and coloured noise: with a free zero, a second minimum lies almost one sample away."""
     rng = np.random.default_rng(seed)
     u = np.repeat(rng.choice([-1.0, 1.0], 120), 5)[:500]
     exact = Plant(zero=False)
@@ -177,7 +177,7 @@ def test_a_constant_load_is_not_identified_as_a_leak(levels: FloatArray, two_pol
 
 
 def parent_of(data: Data, hypothesis: Hypothesis, **numbers: float) -> Fit:
-    """A fit of a hypothesis with these numbers, by name, the others zero."""
+    """A fit of a hypothesis with the named parameters; the others are zero."""
     theta = np.array([numbers.get(p.name, 0.0) for p in hypothesis.parameters])
     point = minimize(data, hypothesis, theta, iterations=0)
     assert point is not None
@@ -185,7 +185,7 @@ def parent_of(data: Data, hypothesis: Hypothesis, **numbers: float) -> Fit:
 
 
 def rates_of(hypothesis: Hypothesis, thetas: Iterable[FloatArray]) -> list[tuple[float, float]]:
-    """The different rates at which a search begins."""
+    """The distinct start values of the rates."""
     pairs = [np.exp(theta[hypothesis.slices["plant"]][:2]) for theta in thetas]
     return list(dict.fromkeys((round(float(c), 9), round(float(k), 9)) for c, k in pairs))
 
@@ -221,7 +221,7 @@ def test_friction_starts_also_at_higher_frequencies(
 def test_the_overflow_level_is_converted_for_torricelli_tanks(
     levels: FloatArray, two_poles: Response, brim: str, variant: str
 ) -> None:
-    """A tank without a root stands as high as its inflow is large, one with a root at the square of it."""
+    """At equilibrium the level of a linear tank equals its inflow, that of a Torricelli tank its square."""
     data = data_of(levels, two_poles(levels))
     old = LINEAR.plus(dynamics.Overflow(brim))
     parent = parent_of(data, old, log_a=np.log(0.3), log_b=np.log(0.2), brim=0.7, share=0.25)
@@ -267,7 +267,7 @@ def test_motor_friction_starts_at_several_centres_within_the_input_range(
 
 
 def test_friction_with_an_off_centre_reversal_is_found(levels: FloatArray) -> None:
-    """A servo that is mostly driven one way: neither the median of the input nor its first value is its rest."""
+    """A servo driven mostly one way: neither the median of the input nor its first value is its rest position."""
     plant = Plant(kind="speed", friction=True)
     u = np.concatenate([np.full(8, 1.4), levels[8:400]])
     u = np.where(u < 0.0, 0.4 * u, u)
@@ -302,7 +302,7 @@ def tank(u: FloatArray, rate: float, held: Response) -> FloatArray:
 
 
 def test_a_single_torricelli_tank_is_identified(levels: FloatArray, held: Response) -> None:
-    """Two tanks of which one follows at once, not a spring and a mass."""
+    """Two tanks, one of them fast; not a spring and a mass."""
     u = 1.7 + levels[:320]
     y = tank(u, 0.1, held)
     data = data_of(u, y + 0.01 * y.std() * np.random.default_rng(1).standard_normal(u.size))
@@ -314,7 +314,7 @@ def test_a_single_torricelli_tank_is_identified(levels: FloatArray, held: Respon
 
 
 def test_tank_starts_include_a_single_dominant_state(levels: FloatArray, two_poles: Response) -> None:
-    """That of the whole: the area above the step response of two poles is c / k; and either pole, if it is another."""
+    """One state with time constant c / k (area above the step response), and each single pole unlike it."""
     data = data_of(levels, two_poles(levels))
     parent = parent_of(data, LINEAR, log_c=np.log(0.62), log_k=np.log(0.012))
     effect = dynamics.SqrtOutflow("both")
@@ -338,7 +338,7 @@ def test_reranking_continues_the_first_trials_and_sorts_them_again(banded: Expla
 
 
 def test_the_right_effect_is_found_although_its_start_ranks_fourth(banded: Explanation) -> None:
-    """Three starts of limits stand before the right one of a band, which is kept all the same."""
+    """The start of the dead zone ranks after three starts of limits and is kept."""
     data, base = banded.data, banded.path[0]
     dead, *_ = trial_fits(data, base, (input.DeadZone(),), base)
     wrong = [trial_fits(data, base, (input.Saturation(side),), base)[0] for side in ("high", "low", "both")]
@@ -379,7 +379,7 @@ def test_a_periodic_disturbance_may_move_to_the_state_with_a_nonlinear_effect(wa
 def test_a_periodic_disturbance_on_a_state_starts_at_the_linear_amplitude_and_phase(
     levels: FloatArray, two_poles: Response, effect: Effect
 ) -> None:
-    """Of a parent that swings, or of a residual that does, at a seventh of the input's range."""
+    """From a parent with a periodic disturbance or from a periodic residual, at a seventh of the input's range."""
     wave = 0.3 * np.cos(2.0 * np.pi * 23.0 / levels.size * np.arange(levels.size) + 1.0)
     data = data_of(levels, two_poles(levels + wave))
     numbers = {"log_c": np.log(0.5), "log_k": np.log(0.05), "cycles": 23.0}
@@ -401,7 +401,7 @@ def test_a_periodic_disturbance_on_a_state_starts_at_the_linear_amplitude_and_ph
 
 @pytest.mark.parametrize("bends", ["1", "4"])
 def test_a_pole_drift_moves_to_the_state_with_its_course(levels: FloatArray, two_poles: Response, bends: str) -> None:
-    """Where it has come on linear dynamics, its course is where the search begins."""
+    """The course found on linear dynamics is the start value."""
     data = data_of(levels, two_poles(levels))
     drift, inner, brim = drifts.PoleDrift(bends), drifts.InnerPoleDrift(bends), dynamics.Overflow("lower")
     parent = parent_of(data, Hypothesis((drift,)), log_c=-0.7, log_k=-3.0, drift=0.3, bend1=-0.1)
@@ -449,7 +449,7 @@ def section_gains(gain: float) -> FloatArray:
 def test_the_gain_of_a_parent_is_that_from_its_input(
     levels: FloatArray, two_poles: Response, size: float, drift: float
 ) -> None:
-    """Loads and drifts that it also has change its output without the input."""
+    """Loads and drifts of the parent do not count: they change its output without the input."""
     data = data_of(levels, two_poles(levels))
     context = Context(data, loaded(size, drift, data))
     assert context.gain == pytest.approx(2.0, rel=1e-3)
@@ -472,7 +472,7 @@ def test_a_load_moved_to_the_state_keeps_its_equivalent_input(
 
 
 def test_plausibility_is_required_of_the_given_number_of_last_effects(levels: FloatArray, two_poles: Response) -> None:
-    """A load that begins with the record is none, whatever stands behind it; of the simulation nothing is asked."""
+    """A load from the first sample on is implausible; effects of the given simulation are not checked."""
     data = data_of(levels, two_poles(levels))
     numbers = {"log_c": -0.7, "log_k": -3.0, "low": -0.4, "high": 0.3}
     hypothesis = Hypothesis((disturbance.Leak("leak"), input.DeadZone()))

@@ -1,4 +1,4 @@
-"""Records whose stamps jitter: read, said to be so, and of one sampling time with a simulation or another record."""
+"""Records with clock jitter: reading, reporting, and matching the sampling time of a simulation or holdout."""
 
 import json
 import re
@@ -35,7 +35,7 @@ def write(path, record, stamps):
 
 
 def shaken(record, share=0.03, seconds=1.0):
-    """Its times off by a normal share of the sampling time, in units of so many seconds."""
+    """Sampling instants with normal jitter, in units of `seconds`."""
     off = share * record.Ts * np.random.default_rng(0).standard_normal(len(record))
     return (record.t + off) / seconds
 

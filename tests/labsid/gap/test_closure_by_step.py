@@ -1,4 +1,4 @@
-"""What is closed after each effect is scored as the whole explanation is."""
+"""The closure after each effect is scored like that of the whole explanation."""
 
 from dataclasses import replace
 

@@ -1,4 +1,4 @@
-"""The verdict: probabilities, rivals, and `unknown` where something is left that is no noise."""
+"""The verdict: probabilities, rivals, and `unknown` if the residual is no noise."""
 
 from dataclasses import replace
 
@@ -24,12 +24,12 @@ STRUCTURE = {"repeats": 0.6, "repeats_z": 9.0, "explained": 0.6}
 
 
 def left_of(explained: Explanation) -> ResidualMeasures:
-    """Of the accepted hypothesis."""
+    """Measures of the residual of the accepted hypothesis."""
     return measure_residual(explained.data, explained.best)
 
 
 def rivalled(explained: Explanation, *gaps: float) -> Explanation:
-    """With the rivals of the first level so much worse in BIC than the accepted hypothesis, the rest far behind."""
+    """The BIC of the first rivals exceeds that of the accepted hypothesis by `gaps`; the others are far behind."""
     level, best = {}, explained.best
     others = iter(gaps)
     for names, fit in sorted(explained.levels[1].items()):
@@ -38,7 +38,7 @@ def rivalled(explained: Explanation, *gaps: float) -> Explanation:
 
 
 def crowded(explained: Explanation) -> Explanation:
-    """With rivals that by themselves leave twice the error of the best first effect."""
+    """Every rival leaves twice the error of the best first effect."""
     level, data = explained.levels[1], explained.data
     first = min(level.values(), key=lambda fit: mean_square(data, fit))
     near = data.y + 2.0 * (first.output - data.y)
@@ -49,12 +49,12 @@ def crowded(explained: Explanation) -> Explanation:
 def decided(
     explained: Explanation, left: ResidualMeasures, given: Fit | None, unrepeated: float = 0.0, at_stop: bool = False
 ) -> Decision:
-    """With the trust that what is left deserves."""
+    """The decision at the confidence that the residual gives."""
     return decide(explained, left, given, confidence_in(explained, left, unrepeated=unrepeated), at_stop)
 
 
 def check(decision: Decision) -> None:
-    """What holds for every decision."""
+    """Properties of every decision."""
     assert sum(decision.weights.values()) <= 1.0
     assert all(0.0 <= p <= 1.0 for p in decision.probability.values())
     assert set(decision.names) <= set(decision.probability)
@@ -110,7 +110,7 @@ def test_noise_alone_is_no_effect(plain: Explanation) -> None:
 
 
 def test_an_unexplained_gap_is_unknown(banded: Explanation) -> None:
-    """The baseline accepted, although the input tells most of what it leaves."""
+    """The baseline is accepted although its residual depends on the input."""
     stuck = replace(banded, path=banded.path[:1], levels=banded.levels[:1])
     left = left_of(stuck)
     decision = decided(stuck, left, None)
@@ -190,7 +190,7 @@ def test_fast_coloured_noise_does_not_reduce_confidence(plain: Explanation) -> N
 
 
 def test_chance_correlation_of_coloured_noise_does_not_reduce_confidence(banded: Explanation) -> None:
-    """An effect beside strongly coloured noise: the share of it that the input's past predicts is never quite zero."""
+    """The share of strongly coloured noise that the past input predicts is never exactly zero."""
     left = replace(left_of(banded), colour=3.0, slow=0.8, explained=0.0)
     assert confidence_in(banded, replace(left, explained=0.05)) == confidence_in(banded, left) > 0.5
     assert confidence_in(banded, replace(left, explained=0.2)) < 0.5

@@ -1,4 +1,4 @@
-"""From a record to the answer: small rigs simulated here whose effect and numbers are known; the report's layout."""
+"""From a record to the report: simulated rigs with known effect and parameters; the layout of the report."""
 
 import json
 from collections.abc import Callable
@@ -155,7 +155,7 @@ def number(value: object) -> bool:
 
 
 def check_layout(report: dict[str, Any], samples: int) -> None:
-    """The contract, key by key."""
+    """Check the layout of a report, key by key."""
     assert report["schema"] == "labsid.gap/1"
     assert report["verdict"] in ("none", "effect", "unknown")
     assert bool(report["effects"]) == (report["verdict"] == "effect")
@@ -230,7 +230,7 @@ def test_the_exported_model_reproduces_the_reported_error(diagnosed: Callable[[s
 
 
 def test_excluded_stretches_are_neither_fitted_nor_scored(u: FloatArray, two_poles: Response) -> None:
-    """Spoilt for 40 samples, and said so: no effect; the stretch holds no part of the score."""
+    """40 faulty samples are excluded: no effect is found, and no held-out block overlaps them."""
     y = 10.0 + two_poles(u) + NOISE * np.random.default_rng(7).standard_normal(SAMPLES)
     y[200:240] += 3.0
     start, stop = 10.0 + 200 * TS, 10.0 + 240 * TS

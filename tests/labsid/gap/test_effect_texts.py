@@ -1,4 +1,4 @@
-"""Every effect of the table has its words, and every parameter its label."""
+"""Every effect has its texts, and every parameter its label."""
 
 import re
 
@@ -47,7 +47,7 @@ def test_what_the_rig_does_with_its_numbers(name):
 
 @pytest.mark.parametrize("name", CLAUSES)
 def test_what_the_rig_does_without_numbers(name):
-    """No brace is left over, and nothing is made up, where the parameters are not known."""
+    """Without parameters no placeholder remains and no number is invented."""
     said = clause(effect(name) | {"parameters": {}})
     assert "{" not in said
     assert not any(c.isdigit() for c in said)

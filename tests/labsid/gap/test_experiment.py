@@ -1,4 +1,4 @@
-"""The next input: inside the range used so far, and one that tells two explanations apart."""
+"""The proposed experiment: within the range of the record, and separating two explanations."""
 
 from dataclasses import replace
 
@@ -12,7 +12,7 @@ from labsid.gap.fitting import minimize
 
 @pytest.fixture(scope="module")
 def proposed(banded: Explanation) -> Experiment:
-    """What would tell the dead zone from its best rival."""
+    """The experiment that separates the dead zone from its best rival."""
     rivals = [fit for names, fit in banded.levels[1].items() if names != ("input-dead-zone",)]
     rival = min(rivals, key=lambda fit: fit.bic)
     found = next_experiment(banded.data, banded.best, rival, np.random.default_rng(0))

@@ -1,4 +1,4 @@
-"""The search over effects: levels, path, and what counts as an effect at all."""
+"""The explanation: levels, path, and the size from which an effect is named."""
 
 from collections.abc import Callable
 from dataclasses import replace
@@ -66,7 +66,7 @@ def test_progress_is_reported_and_the_number_of_effects_is_limited(banded: Expla
 
 
 def spoilt(fit: Fit, explained: Explanation, faults: SampleFaults, y: np.ndarray) -> tuple[str, ...]:
-    """What `unsimulated` says of other samples."""
+    """`unsimulated_effects` with other samples."""
     data = replace(explained.data, y=y)
     return unsimulated_effects(data, replace(data, rows=data.rows & ~faults.bad), faults, fit)
 
@@ -95,7 +95,7 @@ def test_a_converter_step_as_large_as_the_noise_is_quantization(plain: Explanati
 
 @pytest.mark.parametrize(("pole", "names"), [(0.5, ()), (0.97, ("coloured-noise",))])
 def test_only_slow_noise_is_an_effect(plain: Explanation, pole: float, names: tuple[str, ...]) -> None:
-    """A sensor's noise forgets itself within a few samples."""
+    """Sensor noise is uncorrelated after a few samples."""
     e = lfilter([1.0], [1.0, -pole], 0.05 * np.random.default_rng(3).standard_normal(plain.data.samples))
     data = replace(plain.data, y=plain.best.output + e)
     fit = replace(plain.best, noise=replace(plain.best.noise, sigma2=0.05**2))
@@ -116,7 +116,7 @@ def test_small_steps_are_dropped_only_at_the_end_of_the_path(banded: Explanation
 
 
 def test_a_second_effect_below_the_minimum_share_of_the_gap_is_dropped(banded: Explanation) -> None:
-    """However far it stands out of noise that is hardly there."""
+    """Also if the noise is much smaller."""
     data, base, best = banded.data, banded.path[0], banded.best
     gap = float(np.sqrt(np.mean((data.y - base.output)[data.rows] ** 2)))
     quiet = replace(data, y=best.output + 1e-4 * np.random.default_rng(5).standard_normal(data.samples))
@@ -138,7 +138,7 @@ def test_dropped_steps_can_be_restored(banded: Explanation) -> None:
 
 
 def test_slow_motion_within_a_converter_step_is_no_dropout() -> None:
-    """A slow motion on a coarse converter stands still for long; a logger that holds stays behind the motion."""
+    """Slow motion on a coarse converter repeats values; a logger that holds values lags behind the motion."""
     k = np.arange(1500)
     u = np.repeat(np.random.default_rng(3).uniform(-1.0, 1.0, 10), 150)
     y = lfilter([0.0, 0.02], [1.0, -0.98], u) + 0.002 * np.random.default_rng(4).standard_normal(k.size)
@@ -184,7 +184,7 @@ def searches(monkeypatch: pytest.MonkeyPatch) -> list[tuple[Fit, ...]]:
 def test_a_drift_beside_an_input_curve_is_accepted_if_the_residual_is_white(
     levels: FloatArray, two_poles: Callable[..., FloatArray], searches: list[tuple[Fit, ...]]
 ) -> None:
-    """The innovations see neither: next to the sensor's noise alone, a wander is predicted from its last values."""
+    """A search by innovations finds neither effect: the drift is predictable from its last values."""
     k, rng = np.arange(levels.size), np.random.default_rng(2)
     waves = [size * np.sin(2.0 * np.pi * cycles * k / k.size + at) for size, cycles, at in slow_waves(rng)]
     y = two_poles(levels + 0.25 * levels**2) + 0.25 * np.sum(waves, axis=0) + 0.01 * rng.standard_normal(k.size)

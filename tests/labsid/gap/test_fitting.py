@@ -1,4 +1,4 @@
-"""Fitting: known numbers come back, the projected gains are the joint optimum, standard errors are right."""
+"""Fitting: recovery of known parameters, optimality of the projected gains, and standard errors."""
 
 from collections.abc import Callable
 

@@ -1,4 +1,4 @@
-"""The same effects in other forms: at other places, special and general ones, and one fewer."""
+"""Alternative forms of effects: other positions, more general ones, and removal of an effect."""
 
 from collections.abc import Callable
 from dataclasses import replace
@@ -351,7 +351,7 @@ def test_roots_are_tried_at_the_other_outflows_at_the_rates_of_before(
 
 @pytest.mark.parametrize(("which", "stop"), [("high", 0.4), ("low", -0.3)])
 def test_one_stop_of_a_sensor_is_also_tried_as_two(banded: Explanation, which: str, stop: float) -> None:
-    """The other one begins where the output hardly comes."""
+    """The other limit starts where the output seldom is."""
     hypothesis = Hypothesis((output.Saturation(which), input.Saturation("low")))
     (both,) = alternative_forms(hypothesis)
     assert both.effects == (output.Saturation("both"), input.Saturation("low"))
@@ -454,7 +454,7 @@ def noisy(y: FloatArray, seed: int = 1) -> FloatArray:
 def test_an_input_step_at_sample_0_is_delayed_like_later_steps(
     levels: FloatArray, two_poles: Response, late: int
 ) -> None:
-    """Until the first one arrives the rig stands elsewhere; a zero may hide half a sample."""
+    """Until the first step arrives the rig is at another level; a numerator zero can mimic half a sample of delay."""
     u = levels[:400]
     y = two_poles(np.concatenate([np.full(late, u[0] + 2.0), u[:-late]]))
     found = explain(data_of(u, noisy(y)), most=1)

@@ -1,4 +1,4 @@
-"""`labsid gap` as a user meets it: what is written, and one clear line with status 2 for everything that cannot be."""
+"""The command line of `labsid gap`: the files written, and one-line errors with exit status 2."""
 
 import json
 import os
@@ -30,7 +30,7 @@ def labsid(capsys, tmp_path, monkeypatch):
 
 @pytest.fixture
 def refused(labsid):
-    """Run what must end with status 2 and one line that holds some words."""
+    """Run the command and expect exit status 2 with one line that contains `words`."""
 
     def run(words, *arguments):
         status, out, err = labsid(*arguments)
@@ -54,7 +54,7 @@ def record(plain, tmp_path, write_rig_record):
 
 @pytest.fixture
 def written(tmp_path, write_rig_record, plain):
-    """A file with a changed record; raw columns, for what no `Record` may hold."""
+    """Write a record with changed columns, also ones that `Record` would reject."""
 
     def write(**changed):
         columns = {name: changed.get(name, getattr(plain, name)) for name in ("t", "u", "y")}
@@ -86,7 +86,7 @@ def test_simulate_runs_the_exported_model(labsid, record, tmp_path):
 
 
 def test_the_report_contains_the_command_that_reproduces_it(labsid, record, tmp_path):
-    """Files by their names, what is written left out: the answer does not depend on where it was asked for."""
+    """Files appear by name and output options are omitted, so the report does not depend on the folder."""
     arguments = ("--exclude", "5:6", "--exclude", "7:8.5", "--seed", "3", "--order", "1", "--Ts", "0.5")
     assert labsid("diagnose", record, *arguments, "--json", "a.json")[0] == 0
     said = json.loads((tmp_path / "a.json").read_text())["command"]
@@ -95,7 +95,7 @@ def test_the_report_contains_the_command_that_reproduces_it(labsid, record, tmp_
 
 
 def test_two_processes_give_the_same_answer(tmp_path, rig_record, write_rig_record):
-    """Whatever the order in which they keep what has none."""
+    """The hash seed does not change the report."""
     write_rig_record(tmp_path / "record.csv", rig_record("input-saturation", 200))
     for seed in ("1", "2"):
         command = [sys.executable, "-c", "import sys; from labsid.cli.commands import main; sys.exit(main())"]

@@ -1,4 +1,4 @@
-"""An exported simulation: it runs as its numbers say, survives a file, and a file that is none is refused."""
+"""Exported simulations: simulation by hand, round trip through a file, and invalid files."""
 
 import json
 
@@ -108,7 +108,7 @@ def test_files_without_a_json_object(tmp_path, text):
 
 
 def test_forms_of_every_effect_have_a_key():
-    """What the search may put in the place of a candidate is exported, too."""
+    """Alternative forms can be exported, too."""
     forms = {"extra-lag/ahead", "resonance/beside", "load-step/inside", "load-step/leak"}
     orders = {"input-rate-limit/behind", "input-nonlinearity/first"}
     general = {"overflow/both", "overflow/both-flipped", "input-nonlinearity/rich", "output-nonlinearity/rich"}
@@ -138,7 +138,7 @@ def test_an_export_with_any_effect_is_read_again(key, beside, levels):
 @pytest.mark.parametrize("away", [(-3.0, 1.5), (2.5, -2.0), (4.0, 6.0), (-5.0, -4.0)])
 @pytest.mark.parametrize("brim", ["upper", "lower", "both"])
 def test_the_initial_state_of_overflowing_tanks_is_estimated_from_the_measured_output(levels, brim, away):
-    """Above a brim the start makes no difference at all: from there no slope leads anywhere."""
+    """Above the overflow level the cost does not depend on the initial state: its gradient is zero there."""
     hypothesis = Hypothesis((SqrtOutflow("both"), Overflow(brim)))
     numbers = {"log_a": np.log(0.5), "log_b": np.log(0.4), "zero": -3.0, "brim": 10.0, "brim2": 9.8, "share": 0.4}
     numbers |= {"h1": 5.0, "h2": 5.0}  # of the record that was fitted

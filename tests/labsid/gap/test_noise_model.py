@@ -62,7 +62,7 @@ def test_whole_rows_by_hand() -> None:
 
 
 def gapped(period: int) -> np.ndarray:
-    """2000 rows of which every so many-th does not count."""
+    """2000 rows; every `period`-th is excluded."""
     rows = np.ones(2000, bool)
     rows[::period] = False
     return rows
@@ -74,7 +74,7 @@ def test_lags_are_as_many_as_there_are_good_samples_in_a_row(period: int, lags: 
 
 
 def test_a_few_good_samples_in_a_row_are_enough_if_they_are_a_tenth() -> None:
-    """Of 300 in a row, 292 have eight before them; of the others, alternately good, none has even one."""
+    """Of 300 consecutive rows, 292 have eight predecessors; of the alternating rest, none has one."""
     rows = gapped(2)
     rows[:300] = True
     assert complete_rows(rows).sum() > 0.1 * rows.sum()
@@ -116,7 +116,7 @@ def test_a_record_with_many_gaps_is_fitted(levels: np.ndarray, two_poles: Callab
 def test_a_fit_looks_no_further_back_than_its_record_allows(
     levels: np.ndarray, two_poles: Callable[..., np.ndarray]
 ) -> None:
-    """What stands at rows that do not count must not be read, however well it would tell the noise."""
+    """Excluded rows must not be read."""
     noise = 0.1 * coloured(1.5, -0.9, 0.3, samples=levels.size)
     orders = []
     for rows in (np.ones(levels.size, bool), gapped(4)[: levels.size]):

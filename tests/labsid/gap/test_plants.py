@@ -38,7 +38,7 @@ KINDS = [
 
 
 def theta_of(plant: Plant, **values: float) -> FloatArray:
-    """The plant's numbers by name, the others zero."""
+    """The named parameters of the plant; the others are zero."""
     return np.array([values.pop(parameter.name, 0.0) for parameter in plant.parameters])
 
 
@@ -357,7 +357,7 @@ def test_an_offset_of_the_input_of_an_integrator_is_in_the_span(
 
 @pytest.mark.parametrize("tau", [0.3, 1.1, 4.6, 40.0])
 def test_a_lag_behind_a_mass_follows_its_position_between_the_samples(tau: float) -> None:
-    """Though that bends within a sample."""
+    """The position is curved within a sample."""
     w = np.repeat(np.random.default_rng(1).normal(size=20), 6)
     plant = Plant(kind="mechanics", cubic=True, lag=True)
     numbers = {"log_c": np.log(0.3), "log_k": np.log(0.2), "log_lag": np.log(tau)}
@@ -369,7 +369,7 @@ def test_a_lag_behind_a_mass_follows_its_position_between_the_samples(tau: float
 
 
 def test_a_mass_on_a_weak_spring_starts_at_its_own_position() -> None:
-    """Where such a spring would balance another command is nowhere that it could have come to."""
+    """The equilibrium of such a weak spring at another input is out of reach."""
     plant = Plant(kind="mechanics", friction=True)
     theta = theta_of(plant, log_c=np.log(0.3), log_k=np.log(1e-9), friction=0.1, z0=0.2)
     w = np.full(50, 0.5)

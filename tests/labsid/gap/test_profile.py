@@ -1,4 +1,4 @@
-"""The cost with one number held: held where it should be, best where the fit found it, less likely the further away."""
+"""Profile of the cost over one parameter: its value is kept, and the cost is lowest at the fit."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""The recordings of real rigs that come with the contract: what must be named on them, and how far the gap closes."""
+"""Recordings of real rigs: the effects to be named and the closure to be reached."""
 
 from pathlib import Path
 

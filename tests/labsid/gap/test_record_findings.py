@@ -1,4 +1,4 @@
-"""What the record itself shows: the lab's own logs, and what a simulation makes of levels that do not repeat."""
+"""Findings from the record alone: the lab's logs, and levels that do not repeat."""
 
 from collections.abc import Callable
 from dataclasses import replace

@@ -1,4 +1,4 @@
-"""The end of a search: over what is only a local minimum."""
+"""Refinement of a fit out of a local minimum."""
 
 import numpy as np
 import pytest
@@ -15,7 +15,7 @@ TRUE = {"log_c": np.log(0.0536), "log_k": np.log(0.0307), "friction": 0.8, "log_
 
 
 def sticking(seed: int) -> tuple[Data, Fit]:
-    """A mass that sticks, seen by a slow sensor, and a fit of it that begins with a delay that it has not."""
+    """A sticking mass with a slow sensor, and a fit started with a wrong delay."""
     rng = np.random.default_rng(seed)
     u = np.repeat(rng.choice([-1.0, 1.0], 60), rng.integers(15, 60, 60))
     theta = np.array([TRUE.get(name, 0.0) for name in NAMES])

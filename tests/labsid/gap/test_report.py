@@ -1,4 +1,4 @@
-"""What the answer says of the raw samples: counted in words."""
+"""Sentences of the report about faulty samples."""
 
 from dataclasses import replace
 

@@ -1,4 +1,4 @@
-"""What is left: noise, white or coloured, is noise; what the input's past tells is none."""
+"""Residual measures: white or coloured noise is accepted, dependence on the past input is not."""
 
 from collections.abc import Callable
 from dataclasses import replace
@@ -137,7 +137,7 @@ def test_tails_and_unevenness_are_those_of_the_innovations(fitted: Fitted) -> No
     [{"repeats": 0.5, "repeats_z": 9.0}, {"explained": 0.6}, {"activity": 0.5, "activity_z": 9.0}, {"tails": 9.0}],
 )
 def test_every_measure_counts_unless_quantization_explains_it(fitted: Fitted, worse: dict[str, float]) -> None:
-    """Rounding repeats itself with the input, and jumps."""
+    """The quantization error repeats with the input."""
     left = measure_residual(*fitted(noise(0.0, 1)))
     assert is_noise(left, converted=False)
     assert not is_noise(replace(left, **worse), converted=False)
@@ -145,7 +145,7 @@ def test_every_measure_counts_unless_quantization_explains_it(fitted: Fitted, wo
 
 
 def test_features_exclude_the_input_of_the_same_sample(fitted: Fitted) -> None:
-    """It cannot act yet; a controller that sees the noise would make it of the noise."""
+    """The present input cannot act yet, and in a loop it depends on the noise."""
     data, fit = fitted(noise(0.0, 5))
     u = data.u.copy()
     u[400] += 3.0
@@ -168,7 +168,7 @@ def test_explained_share_is_that_of_unseen_blocks(fitted: Fitted) -> None:
 
 
 def test_repetition_sees_any_function_of_the_pasts(fitted: Fitted) -> None:
-    """Even one that no polynomial gives: the sign of the last move of the input."""
+    """Also of a discontinuous function: the sign of the last change of the input."""
     data, fit = fitted(noise(0.0, 5))
     moved = np.sign(input_history(data, fit)[:, -1])
     value, z = repeatability(data, fit, moved + 0.2 * np.random.default_rng(1).standard_normal(data.samples))
@@ -201,7 +201,7 @@ def clipped(levels: FloatArray, two_poles: Callable[..., FloatArray], pole: floa
 def test_noise_is_measured_off_the_stops_of_the_sensor(
     levels: FloatArray, two_poles: Callable[..., FloatArray], pole: float
 ) -> None:
-    """On them it is hidden: quiet there, loud elsewhere, which looks like tails and like an input that has a part."""
+    """At the limits the noise is hidden, which would look like heavy tails and dependence on the input."""
     data, fit = clipped(levels, two_poles, pole, 0.3)
     left = measure_residual(data, fit)
     assert left.tails == pytest.approx(3.0, abs=0.5)

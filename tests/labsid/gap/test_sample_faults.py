@@ -1,4 +1,4 @@
-"""Single samples: held stretches, spikes and lattices, and what only looks like them."""
+"""Sample faults: held stretches, spikes and lattices, and what resembles them."""
 
 import numpy as np
 import pytest
@@ -58,7 +58,7 @@ def test_a_logger_that_sleeps_often_may_do_so_from_the_first_sample_on() -> None
 
 
 def test_a_fine_lattice_is_ignored(noise: np.ndarray) -> None:
-    """Below a ten-thousandth of the range, equal readings are no work of the converter."""
+    """Below a ten-thousandth of the range, equal readings are not due to the converter."""
     noise[100:104] = noise[100]
     step = np.ptp(noise)
     assert find_held(noise, 0.5e-4 * step) == ((101, 104),)
@@ -113,7 +113,7 @@ def test_deviations_within_a_converter_step_are_no_spikes(noise: np.ndarray) -> 
 
 @pytest.mark.parametrize("on_stop", [0.0, 0.4, 0.8])
 def test_noise_has_no_spikes_at_a_sensor_limit(noise: np.ndarray, on_stop: float) -> None:
-    """There the residual is nought: its median would say that there is no noise at all."""
+    """At the limit the residual is zero; its median would indicate no noise."""
     e = noise.copy()
     for block in np.array_split(np.arange(400), 5):
         e[block[: round(on_stop * block.size)]] = 0.0
@@ -132,7 +132,7 @@ def test_isolated_samples_far_off_are_spikes(noise: np.ndarray, length: int) -> 
 
 
 def test_three_in_a_row_are_spikes_if_they_are_unlike_each_other(noise: np.ndarray) -> None:
-    """Alike, they are something that lasted."""
+    """Three similar values are a real event."""
     noise[50:53] += [-40.0, 30.0, 60.0]
     noise[300:303] += 30.0
     assert np.flatnonzero(find_spikes(noise, np.ones(400, bool))).tolist() == [50, 51, 52]
@@ -144,7 +144,7 @@ def test_noise_has_no_spikes(noise: np.ndarray) -> None:
 
 @pytest.mark.parametrize("first", [0.0, 15.0, 45.0])
 def test_a_jump_that_stays_is_no_spike(noise: np.ndarray, first: float) -> None:
-    """Nor is a first reading half way up, or a little beyond."""
+    """Nor is a reading on the edge of the jump."""
     noise[199] += first
     noise[200:] += 30.0
     assert not find_spikes(noise, np.ones(400, bool)).any()
@@ -194,7 +194,7 @@ def test_a_spike_may_stand_at_the_end_of_the_record_but_not_at_its_start(noise: 
 
 
 def test_a_lattice_is_found_although_a_few_samples_lie_off_it() -> None:
-    """Spikes that came into the log behind the converter."""
+    """Spikes added after the converter are off the lattice."""
     y = np.round(8.0 * np.sin(0.05 * np.arange(400))) / 8.0
     lattice, off = find_lattice(y)
     assert lattice == pytest.approx(0.125)

@@ -1,4 +1,4 @@
-"""The closure: by hand, on samples that no fit has seen, with an interval."""
+"""The closed share: by hand, on held-out samples, and its interval."""
 
 from collections.abc import Callable
 from dataclasses import replace
@@ -112,7 +112,6 @@ def told_by_the_input(explained: Explanation, noise: float) -> FloatArray:
 
 
 def test_the_input_dependent_part_is_excluded_from_the_noise_floor(plain: Explanation) -> None:
-    """It is taken out of the floor."""
     e = told_by_the_input(plain, 0.5)
     power = noise_power(replace(plain.data, y=plain.best.output + e), plain.best)
     assert 0.5**2 * 0.8 < power < 0.6 * np.mean(e**2)
@@ -133,7 +132,7 @@ def test_a_given_simulation_is_scored_as_it_is(banded: Explanation) -> None:
 
 
 def test_a_holdout_is_scored_after_its_first_samples(banded: Explanation, two_poles: Callable[..., FloatArray]) -> None:
-    """No fit is made again, its beginning gives the initial state; spoilt there, it is not scored."""
+    """Nothing is refitted; the first samples give the initial state and are not scored."""
     u = np.repeat(np.random.default_rng(9).uniform(-1.5, 1.5, 40), 8)
     y = two_poles(np.maximum(u - 0.3, 0.0) + np.minimum(u + 0.4, 0.0))
     data = banded.data
@@ -167,14 +166,14 @@ def test_the_black_box_explains_the_input_dependent_part_only(plain: Explanation
 
 
 def even(before: float, after: float, floor: float, explanation: Fit, seed: int = 0) -> tuple[float, float]:
-    """The interval for errors of the same size everywhere, 300 samples fitted and 100 scored: no block tells more."""
+    """The interval for errors of constant size, 300 samples fitted and 100 scored."""
     rows = np.arange(400) % 4 != 0
     e0, e1 = np.full(400, before), np.full(400, after)
     return closure_interval(e0, e1, rows, ~rows, floor, explanation, np.random.default_rng(seed))
 
 
 def with_numbers(fit: Fit, count: int, sigma2: float) -> Fit:
-    """So many numbers, and innovations of this variance."""
+    """The fit with `count` parameters and innovations of variance `sigma2`."""
     return replace(fit, theta=np.zeros(count), gains=np.zeros(3), noise=replace(fit.noise, sigma2=sigma2))
 
 
@@ -189,7 +188,7 @@ def test_the_interval_has_a_minimum_width(plain: Explanation, before: float, aft
 
 @pytest.mark.parametrize(("count", "colour"), [(3, 1.0), (30, 1.0), (30, 2.0)])
 def test_the_interval_includes_the_uncertainty_of_the_parameters(plain: Explanation, count: int, colour: float) -> None:
-    """All is closed; below it, the expected error of so many numbers, more of coloured noise."""
+    """The lower end is the expected error of the parameters, which coloured noise increases."""
     low, high = even(2.0, 1.0, 1.0, with_numbers(plain.best, count, 1.0 / colour))
     inexact = colour * chi2.ppf(0.975, count) / 300
     assert high == 1.0

@@ -1,4 +1,4 @@
-"""Simulations from files: what --sim reads, and what simulate plays and writes."""
+"""Simulation files: read by --sim, simulated and written by `simulate`."""
 
 import json
 

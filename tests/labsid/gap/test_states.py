@@ -89,7 +89,7 @@ def test_fast_linear_tanks_are_accurate(w: FloatArray, rates: tuple[float, float
 @pytest.mark.parametrize("rate", [0.3, 4.0, 60.0])
 @pytest.mark.parametrize(("level", "brim"), [(0.2, 0.7), (0.7, 0.7), (0.2, 2.0)])
 def test_a_linear_tank_at_its_overflow_conserves_mass(rate: float, level: float, brim: float) -> None:
-    """What has come in is in the tank, below it or, caught in part, over the brim."""
+    """The inflow equals the change of level plus the outflow plus the overflow."""
     flow, share, h, fine = 1.5, 0.4, 0.5, 20_000
     now, below, over = level, 0.0, 0.0
     for _ in range(fine):  # Euler's method
@@ -136,7 +136,7 @@ def test_mechanics_with_a_cubic_spring(w: FloatArray, held: Held, cubic: float) 
 
 
 def test_a_spring_that_swings_quickly_is_followed_with_few_steps(held: Held) -> None:
-    """A ninth of the sampling rate, hardening: within two thousandths with three steps a sample."""
+    """At a ninth of the sampling rate: error within two thousandths with three steps a sample."""
     w = 0.3 * np.random.default_rng(4).standard_normal(300)
 
     def spring(x: FloatArray, value: float) -> list[float]:

@@ -1,4 +1,4 @@
-"""The verdict in the terminal: one sentence first, for every effect and every kind of answer."""
+"""The text report, for every effect and verdict."""
 
 import copy
 

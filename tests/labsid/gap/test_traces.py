@@ -1,4 +1,4 @@
-"""What the figures of a long record show: every spike, in order, and not more points than a figure can."""
+"""Points of a figure of a long record: limited in number, ordered, with every spike."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""Rigs with one pole: what goes on without the input is a drift or a wave, and what the baseline lacks is the cause."""
+"""First-order rigs: poles without excitation imitate drifts and sinusoids; an additional mode or lag is named."""
 
 from dataclasses import replace
 
@@ -49,18 +49,18 @@ def mode(u: FloatArray, damping: float, frequency: float = 0.4) -> FloatArray:
 
 
 def record_of(y: FloatArray, u: FloatArray) -> Record:
-    """With white noise."""
+    """The record with white noise."""
     noise = NOISE * np.random.default_rng(11).standard_normal(SAMPLES)
     return Record(TS * np.arange(SAMPLES), u, np.asarray(y + noise, np.float64), TS)
 
 
 def names(diagnosis: Diagnosis) -> list[str]:
-    """Of the effects named."""
+    """Names of the effects found."""
     return [effect["name"] for effect in diagnosis.report["effects"]]
 
 
 def fitted(own: FloatArray) -> tuple[Fit, Data]:
-    """The baseline on a lag with something of its own at the output."""
+    """The baseline fitted to a lag with a disturbance at the output."""
     u = levels()
     y = lag(u) + own + NOISE * np.random.default_rng(11).standard_normal(SAMPLES)
     data = scaled(u, y, np.ones(SAMPLES, bool), TS)
@@ -87,7 +87,7 @@ def test_a_sinusoid_on_a_first_order_rig_is_not_fitted_as_a_pole_pair(kind: str)
 
 @pytest.mark.parametrize("first", [0.0, 0.8])
 def test_a_first_order_rig_has_no_gap(first: float) -> None:
-    """Wherever it begins: what it brings along is over soon."""
+    """From any initial state: its free response decays soon."""
     u = levels()
     y = lag(u) + first * np.exp(-RATE * np.arange(SAMPLES))
     assert diagnose(record_of(y, u)).report["verdict"] == "none"
@@ -120,7 +120,7 @@ def test_nonlinear_dynamics_are_not_tested_for_undriven_poles() -> None:
 
 
 def test_an_additional_mode_is_named_resonance_and_not_extra_lag() -> None:
-    """One pole and a mode: the three poles could as well be a swinging rig and a lag more."""
+    """One pole and a mode: the three poles could also be an oscillatory rig and a lag."""
     u, damping = levels(9), 0.06
     diagnosis = diagnose(record_of(mode(u, damping, 0.6), u))
     assert names(diagnosis) == ["resonance"]
@@ -152,7 +152,7 @@ def test_only_a_fit_with_an_extra_lag_can_hide_a_mode() -> None:
 def test_an_undriven_pole_beside_another_effect_is_replaced_by_the_disturbance_it_imitates(
     kind: str, name: str
 ) -> None:
-    """A dead zone ahead of one pole; a pair of poles may swing with the wave only where nothing damps it."""
+    """A dead zone ahead of one pole, with a ramp or a sinusoid at the output."""
     u = levels()
     y = lag(np.sign(u - 2.0) * np.maximum(np.abs(u - 2.0) - 0.25, 0.0)) + 1.5 * OWN[kind]
     diagnosis = diagnose(record_of(y, u))

@@ -20,7 +20,7 @@ C, K = 0.5, 0.05
 
 
 def theta_of(plant: Plant, **values: float) -> FloatArray:
-    """The plant's numbers by name, the others zero."""
+    """The named parameters of the plant; the others are zero."""
     return np.array([values.pop(parameter.name, 0.0) for parameter in plant.parameters])
 
 

@@ -1,4 +1,4 @@
-"""Processes that answer tasks: one that dies takes no other with it, and none outlives whoever asked."""
+"""Worker processes: a killed one does not affect the others, and none outlives the parent."""
 
 import os
 import subprocess
@@ -32,7 +32,7 @@ def run_worker():
 
 @pytest.fixture
 def work(tmp_path, monkeypatch):
-    """Name of a module whose `run_worker` serves; the processes find it by our own path."""
+    """Name of a module with `run_worker`, on the path that the worker processes inherit."""
     (tmp_path / "work_of_the_tests.py").write_text(WORK)
     monkeypatch.syspath_prepend(tmp_path)
     return "work_of_the_tests"
@@ -47,7 +47,7 @@ def alive(pid):
 
 
 def pids_in(log, count):
-    """The process ids in a file, once there are so many."""
+    """The process ids in a file, once it has `count` of them."""
     for _ in range(600):
         if log.exists() and len(pids := log.read_text().split()) >= count:
             return [int(pid) for pid in pids]

@@ -1,4 +1,4 @@
-"""The rig stands alone: it makes records and knows nothing of how they are identified or diagnosed."""
+"""The rig imports neither the identification nor the diagnosis."""
 
 import ast
 from pathlib import Path

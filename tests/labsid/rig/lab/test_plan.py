@@ -1,4 +1,4 @@
-"""The individual rigs of the lab: what differs from student to student, and within which limits."""
+"""The individual rigs of the lab: which parameters differ between students, and within which limits."""
 
 import hashlib
 import hmac

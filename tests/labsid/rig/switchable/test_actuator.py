@@ -12,7 +12,7 @@ V = np.repeat([0.0, 1.0, -0.5, 0.2, 0.9, -1.0], 10)
 
 
 def ends(actuator: Actuator, v: np.ndarray = V) -> np.ndarray:
-    """What the actuator does at the end of each sample."""
+    """Output of the actuator at the end of each sample."""
     begin, end = actuator_output(actuator, v)
     assert begin.shape == end.shape == (v.size * STEPS_PER_SAMPLE,)
     return end[STEPS_PER_SAMPLE - 1 :: STEPS_PER_SAMPLE]

@@ -128,7 +128,6 @@ def test_a_motor_with_dry_friction_does_not_start_below_it() -> None:
 
 @pytest.mark.parametrize("rate", [0.6, 1.0, 1.7])
 def test_a_motor_breaks_away_at_its_friction(rate: float) -> None:
-    """Between standing still and moving the force decides, and no lag waits for it."""
     motion = plain_motion(MOTOR_SPEED, 1.5, 20.0)._replace(dry_friction=0.3)
     per_sample = 20
     w = np.repeat([0.0, 0.25, 0.35, 0.25, -0.8], 200 * per_sample)

@@ -1,4 +1,4 @@
-"""Rigs with a withheld effect: made from secret and ID, strong enough to be found, and what is said of them is true."""
+"""Rigs with a withheld effect: drawn from secret and ID, detectable, and described correctly."""
 
 from collections import Counter
 
