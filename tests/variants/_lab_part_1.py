@@ -1,7 +1,7 @@
 """Part 1 of the lab: the signals, the loop, the offsets."""
 
 from variants import Right, Wrong, right, wrong
-from variants._lab_code import extracted, offsets, panels
+from variants._lab_cells import extracted, offsets, panels
 
 EXTRACT, TIME, FIGURE_5 = "lab-1a-extract", "lab-1a-sampling-time", "lab-1b-figure-5"
 LOOP, OFFSETS, FIGURE_6 = "lab-1c-loop", "lab-1c-offsets", "lab-1c-figure-6"

@@ -1,7 +1,7 @@
 """Part 2 of the lab: Phi, theta, the models."""
 
 from variants import Right, Wrong, right, wrong
-from variants._lab_code import extracted
+from variants._lab_cells import extracted
 
 PHI, THETA, PARAMETERS = "lab-2a-phi", "lab-2b-theta", "lab-2b-parameters"
 TF, SS = "lab-2c-transfer-function", "lab-2c-state-space"

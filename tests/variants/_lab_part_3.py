@@ -1,7 +1,7 @@
 """Part 3 of the lab: the simulations, their errors, the initial state."""
 
 from variants import Right, Wrong, right, wrong
-from variants._lab_code import panels
+from variants._lab_cells import panels
 
 HALF, ALL, MSE = "lab-3a-second-half", "lab-3a-all", "lab-3a-mse"
 FIGURE_7, STATE = "lab-3a-figure-7", "lab-3b-initial-state"

@@ -1,7 +1,7 @@
 """Answers to the lecture on model structures that differ from the model solution, right ones and wrong ones."""
 
 from variants import Right, Wrong, right, wrong
-from variants._ms_code import (
+from variants._model_structures_cells import (
     BACK,
     CENTRED,
     CRITERIA,
