@@ -1,0 +1,34 @@
+"""A check from a generator of verdicts, and slips that match an answer."""
+
+from collections.abc import Iterator
+
+from labsid.checks.verdict import Slip, Verdict, first_failure, judge
+
+
+def test_the_first_failure_is_the_verdict_and_nothing_after_it_is_run() -> None:
+    run = []
+
+    @first_failure
+    def check(*passed: bool) -> Iterator[Verdict]:
+        for number, one in enumerate(passed):
+            run.append(number)
+            yield Verdict(one, f"part {number}")
+
+    assert check(True, False, True, False) == Verdict(False, "part 1")
+    assert run == [0, 1]
+    assert check(True, True) == Verdict(True, "part 1")
+
+
+def test_a_slip_is_named_unless_it_gives_the_right_value_or_none() -> None:
+    slips = [
+        Slip("not computable", "never", lambda: int("x")),
+        Slip("same as right", "never", lambda: 2),
+        Slip("sign", "the sign", lambda: -2),
+    ]
+
+    def verdict(got: int) -> Verdict:
+        return judge(got, 2, lambda a, b: a == b, "right", "wrong", slips)
+
+    assert verdict(2) == Verdict(True, "right")
+    assert verdict(-2) == Verdict(False, "the sign", "sign")
+    assert verdict(5) == Verdict(False, "wrong")
