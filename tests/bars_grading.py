@@ -13,7 +13,7 @@ from pathlib import Path
 sys.path.insert(0, str(Path(__file__).resolve().parent))
 sys.path.insert(0, str(Path(__file__).resolve().parent.parent))  # the packages first: the tests mirror them
 
-from bars_grading_figures import Figure, markdown, show
+from bars_grading_figures import Metric, markdown, show
 from bars_grading_parts import PARTS, Size
 
 
@@ -35,17 +35,17 @@ def main() -> None:
     busy = os.getloadavg()[0] if hasattr(os, "getloadavg") else 0.0
     if busy > 0.5 * (os.cpu_count() or 1):
         say(f"this machine has other work (load {busy:.1f} on {os.cpu_count()} processors): times will be too long")
-    figures: list[Figure] = []
+    metrics: list[Metric] = []
     for name in options.only or PARTS:
         say(f"{name}: {PARTS[name].__doc__}")
         with tempfile.TemporaryDirectory(prefix="labsid-bars-") as folder:
-            for figure in PARTS[name](Path(folder), size, say):
-                say(f"  {figure.name}: {figure.measured} {figure.reached}")
-                figures.append(figure)
-    show(figures)
+            for metric in PARTS[name](Path(folder), size, say):
+                say(f"  {metric.name}: {metric.measured} {metric.status}")
+                metrics.append(metric)
+    show(metrics)
     if options.markdown is not None:
-        options.markdown.write_text(markdown(figures), encoding="utf-8")
-    raise SystemExit(int(any(figure.reached == "missed" for figure in figures)))
+        options.markdown.write_text(markdown(metrics), encoding="utf-8")
+    raise SystemExit(int(any(metric.status == "missed" for metric in metrics)))
 
 
 if __name__ == "__main__":

@@ -1,4 +1,4 @@
-"""A figure of the grading beside its bars, and the table of all of them."""
+"""A metric of the grading beside its bars, and the table of all of them."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -7,58 +7,58 @@ from decimal import Decimal
 from rich.console import Console
 from rich.table import Table
 
-HEADINGS = ("figure", "measured", "must", "aim", "reached")
+HEADINGS = ("metric", "measured", "required", "target", "status")
 
 
 @dataclass(frozen=True, slots=True)
-class Figure:
-    """One line of the table; `reached` is ``aim``, ``must`` or ``missed``, or says why there is no bar."""
+class Metric:
+    """One line of the table; `status` is ``target``, ``required`` or ``missed``, or says why there is no bar."""
 
     name: str
     measured: str
-    must: str = ""
-    aim: str = ""
-    reached: str = ""
+    required: str = ""
+    target: str = ""
+    status: str = ""
 
     def cells(self) -> tuple[str, ...]:
-        return self.name, self.measured, self.must, self.aim, self.reached
+        return self.name, self.measured, self.required, self.target, self.status
 
 
-def at_most(name: str, value: float, must: float, aim: float, unit: str) -> Figure:
+def at_most(name: str, value: float, required: float, target: float, unit: str) -> Metric:
     """The less the better."""
-    reached = "aim" if value <= aim else "must" if value <= must else "missed"
-    return Figure(name, f"{value:.3g} {unit}", f"{must:g} {unit}", f"{aim:g} {unit}", reached)
+    status = "target" if value <= target else "required" if value <= required else "missed"
+    return Metric(name, f"{value:.3g} {unit}", f"{required:g} {unit}", f"{target:g} {unit}", status)
 
 
-def at_least(name: str, value: float, must: float, aim: float, unit: str) -> Figure:
+def at_least(name: str, value: float, required: float, target: float, unit: str) -> Metric:
     """The more the better."""
-    reached = "aim" if value >= aim else "must" if value >= must else "missed"
-    return Figure(name, f"{value:.1f} {unit}", f"{must:g} {unit}", f"{aim:g} {unit}", reached)
+    status = "target" if value >= target else "required" if value >= required else "missed"
+    return Metric(name, f"{value:.1f} {unit}", f"{required:g} {unit}", f"{target:g} {unit}", status)
 
 
-def every(name: str, count: int, of: int) -> Figure:
+def every(name: str, count: int, of: int) -> Metric:
     """All of them, and nothing less."""
-    return Figure(name, f"{count} of {of}", "all", "all", "aim" if 0 < of == count else "missed")
+    return Metric(name, f"{count} of {of}", "all", "all", "target" if 0 < of == count else "missed")
 
 
-def none(name: str, *counts: int | Decimal) -> Figure:
+def none(name: str, *counts: int | Decimal) -> Metric:
     """None of any kind."""
     zeros = " / ".join("0" for _ in counts)
-    return Figure(
-        name, " / ".join(f"{float(count):g}" for count in counts), zeros, zeros, "missed" if any(counts) else "aim"
+    return Metric(
+        name, " / ".join(f"{float(count):g}" for count in counts), zeros, zeros, "missed" if any(counts) else "target"
     )
 
 
-def markdown(figures: Sequence[Figure]) -> str:
+def markdown(metrics: Sequence[Metric]) -> str:
     """The table in Markdown."""
-    lines = [HEADINGS, ("---",) * len(HEADINGS), *(figure.cells() for figure in figures)]
+    lines = [HEADINGS, ("---",) * len(HEADINGS), *(metric.cells() for metric in metrics)]
     return "".join(f"| {' | '.join(line)} |\n" for line in lines)
 
 
-def show(figures: Sequence[Figure]) -> None:
+def show(metrics: Sequence[Metric]) -> None:
     """Print the table."""
     table = Table(*HEADINGS, title="The bars of the grading")
-    colours = {"aim": "green", "must": "green", "missed": "red"}
-    for figure in figures:
-        table.add_row(*figure.cells(), style=colours.get(figure.reached))
+    colours = {"target": "green", "required": "green", "missed": "red"}
+    for metric in metrics:
+        table.add_row(*metric.cells(), style=colours.get(metric.status))
     Console().print(table)

@@ -1,4 +1,4 @@
-"""What is measured for each bar of the grading. Every part says how far it is, and yields its figures."""
+"""What is measured for each bar of the grading. Every part says how far it is, and yields its metrics."""
 
 import statistics
 import subprocess
@@ -15,7 +15,7 @@ from typing import Any
 import nbformat
 from attacks import Attack
 from attacks.arena import ATTACKS, NAME, Outcome, due_to, fight, scores_of, student_of
-from bars_grading_figures import Figure, at_least, at_most, every, none
+from bars_grading_figures import Metric, at_least, at_most, every, none
 from bench_grading import OURS, compare, disturb
 from course_work import GradeCode, copy_course, execute_solution
 from variants import Right, Wrong, questions_lost, variants_of
@@ -36,11 +36,11 @@ class Size:
 
 
 Say = Callable[[str], None]
-Part = Callable[[Path, Size, Say], Iterator[Figure]]
+Part = Callable[[Path, Size, Say], Iterator[Metric]]
 """Measures in an empty folder."""
 
 
-def answers(folder: Path, size: Size, say: Say) -> Iterator[Figure]:
+def answers(folder: Path, size: Size, say: Say) -> Iterator[Metric]:
     """Right answers that differ from the model solution, and wrong ones, to every question of every assignment."""
     course = copy_course(folder / "course")
     list(build_course(course))
@@ -66,13 +66,13 @@ def answers(folder: Path, size: Size, say: Say) -> Iterator[Figure]:
                     spoiled += bool(set(lost) - {variant.question})
                 if bool(lost) == isinstance(variant, Right) or set(lost) - {variant.question}:
                     say(f"  {variant.question}: {variant.name}: {lost or 'full marks'}")
-    yield every("right but different answers that get full marks", full, right)
-    name = f"{wrong} wrong answers: full marks for it / another question spoiled"
+    yield every("correct but different answers with full marks", full, right)
+    name = f"{wrong} wrong answers: with full marks / affecting another question"
     yield none(name, rewarded, spoiled)
-    yield at_least("wrong answers named in the feedback as the slip that they are", 100 * named / wrong, 80, 95, "%")
+    yield at_least("wrong answers whose mistake the feedback names", 100 * named / wrong, 80, 95, "%")
 
 
-def attacks(folder: Path, size: Size, say: Say) -> Iterator[Figure]:
+def attacks(folder: Path, size: Size, say: Say) -> Iterator[Metric]:
     """The attack suite on both ends of the ladder."""
     course = copy_course(folder / "course", NAME)
     list(build_course(course))
@@ -84,17 +84,17 @@ def attacks(folder: Path, size: Size, say: Say) -> Iterator[Figure]:
             outcome = fight(course, folder / isolation, isolation)
         except Exception as error:  # whatever an attack can bring about
             say(f"  {type(error).__name__}: {error}")
-            yield Figure(f"attacks with --isolation {isolation}: {what}", "- / 1 / -", "0 / 0 / 0", "", "missed")
+            yield Metric(f"attacks with --isolation {isolation}: {what}", "- / 1 / -", "0 / 0 / 0", "", "missed")
             continue
         known = [attack for attack in ATTACKS if outcome.level == "none" and attack.open_on_none]
         gains = [gain(outcome, course, attack) for attack in ATTACKS if attack not in known]
         touched = len(outcome.touched()) + len(outcome.harmed())
         yield none(f"{len(gains)} attacks, isolation {outcome.level}: {what}", sum(gains), 0, touched)
         if known:
-            name = f"{len(known)} attacks on files there, which only a sandbox stops: the same"
+            name = f"{len(known)} attacks on files without isolation, which only a sandbox stops: the same"
             points = sum(gain(outcome, course, attack) for attack in known)
             files = sum(not outcome.untouched[place] for place in {attack.spares for attack in known} - {""})
-            yield Figure(name, f"{float(points):g} / 0 / {files}", reached="said when grading")
+            yield Metric(name, f"{float(points):g} / 0 / {files}", status="warned when grading")
 
 
 def gain(outcome: Outcome, course: Course, attack: Attack) -> Decimal:
@@ -103,17 +103,17 @@ def gain(outcome: Outcome, course: Course, attack: Attack) -> Decimal:
     return sum((max((got[key] or Decimal(0)) - (due[key] or Decimal(0)), Decimal(0)) for key in got), Decimal(0))
 
 
-def speed(folder: Path, size: Size, say: Say) -> Iterator[Figure]:
+def speed(folder: Path, size: Size, say: Say) -> Iterator[Metric]:
     """The same honest hand-ins, graded by labsid and by nbgrader."""
     say(f"{size.submissions} hand-ins; nbgrader takes some seconds for each")
     found = compare(folder, size.submissions, size.jobs)
-    assert found.data_store is not None
-    what = f"{found.submissions} hand-ins graded, beside nbgrader autograde"
-    yield at_least(f"{what}: time", found.data_store.seconds / found.ours.seconds, 10, 25, "times")
-    yield at_least(f"{what}: processor time", found.data_store.cpu / found.ours.cpu, 10, 25, "times")
+    assert found.stock is not None
+    what = f"{found.submissions} hand-ins, speed relative to nbgrader autograde"
+    yield at_least(f"{what}: time", found.stock.seconds / found.ours.seconds, 10, 25, "times")
+    yield at_least(f"{what}: processor time", found.stock.cpu / found.ours.cpu, 10, 25, "times")
 
 
-def kills(folder: Path, size: Size, say: Say) -> Iterator[Figure]:
+def kills(folder: Path, size: Size, say: Say) -> Iterator[Metric]:
     """Grading killed at random moments and restarted."""
     say(f"{size.submissions} hand-ins, undisturbed")
     found = compare(folder, size.submissions, size.jobs, ours_only=True)
@@ -124,7 +124,7 @@ def kills(folder: Path, size: Size, say: Say) -> Iterator[Figure]:
     yield none(name, came.lost, came.doubled)
 
 
-def course(folder: Path, size: Size, say: Say) -> Iterator[Figure]:
+def course(folder: Path, size: Size, say: Say) -> Iterator[Metric]:
     """The whole course built by its command, every solution executed in a kernel, each check twice, and timed."""
     made = copy_course(folder / "course")
     say("building the course")
@@ -145,11 +145,13 @@ def course(folder: Path, size: Size, say: Say) -> Iterator[Figure]:
         slowest = sorted(times, key=lambda question: times[question])[-3:]
         said = ", ".join(f"{question} {times[question]:.3f} s" for question in slowest)
         say(f"  slowest checks: {said}; median {statistics.median(times.values()):.3f} s")
-    what = "one check in the notebook, the slowest of"
-    yield at_most(f"{what} {len(again)}, everything imported", max(again.values()), 0.5, 0.2, "s")
-    yield at_most(f"{what} {len(first)} the first time, with what it imports", max(first.values()), 0.5, 0.2, "s")
+    what = "slowest of"
+    yield at_most(f"{what} {len(again)} checks in the notebook, after imports", max(again.values()), 0.5, 0.2, "s")
+    yield at_most(
+        f"{what} {len(first)} first checks in the notebook, with their imports", max(first.values()), 0.5, 0.2, "s"
+    )
     opened = max(map(first_answer, notebooks))
-    yield Figure("a fresh kernel to its first check, all imports included", f"{opened:.3g} s", reached="no bar")
+    yield Metric("a fresh kernel up to its first check, with all imports", f"{opened:.3g} s", status="no bar")
     yield at_most("whole course rebuilt and every solution notebook executed", seconds, 180, 60, "s")
 
 
