@@ -142,7 +142,7 @@ def nbgrader(what: str) -> list[str]:
 
 @dataclass(frozen=True, slots=True)
 class Comparison:
-    """The same hand-ins graded by both; ``stock`` is None where nbgrader was left out."""
+    """The same hand-ins graded by both; ``stock`` is None if nbgrader was left out."""
 
     submissions: int
     jobs: int

@@ -95,7 +95,7 @@ def as_column(name: str, value: Value, size: int | None = None) -> FloatArray:
 def as_theta(call: str, value: Value, size: int) -> FloatArray:
     """Read a parameter vector; what `lstsq` returns as a whole is named as such."""
     if isinstance(value, tuple) and len(value) == 4:
-        raise NoAnswer(f"`{call}` hands back all that `lstsq` returns: take the first of it, `[0]`.", "all of lstsq")
+        raise NoAnswer(f"`{call}` returns all that `lstsq` returns: take the first of it, `[0]`.", "all of lstsq")
     return as_vector(call, value, size)
 
 
@@ -106,7 +106,7 @@ def as_history(call: str, value: Value, rows: int, p: int) -> FloatArray:
             value = value[:, :, 0]
         if value.size == p and rows > 1:
             raise NoAnswer(
-                f"`{call}` hands back one estimate; asked for is the whole history, a row for every sample.",
+                f"`{call}` returns one estimate; asked for is the whole history, a row for every sample.",
                 "only the last estimate",
             )
         if value.shape == (rows + 1, p):

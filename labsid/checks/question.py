@@ -94,7 +94,7 @@ class Assignment:
     questions : tuple of Question
         In the order in which the notebook asks them.
     record_file : str or None
-        Name of the data file that stands beside the notebook, None where there is none.
+        Name of the data file beside the notebook, None without one.
     """
 
     name: str
@@ -114,7 +114,7 @@ def returned(ask: Ask, name: str, *arguments: Value) -> Value:
     """What a student's function returns; a function without `return` is told so."""
     value = ask.call(name, *arguments)
     if value is None:
-        raise NoAnswer(f"`{name}` hands nothing back: end it with `return` and the result.", "no return")
+        raise NoAnswer(f"`{name}` returns nothing: end it with `return` and the result.", "no return")
     return value
 
 

@@ -1,4 +1,4 @@
-"""What a check says: passed or not, why, and the name of the slip where the answer matches a known one."""
+"""Verdicts of checks, and the known slips that an answer may match."""
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass

@@ -92,7 +92,7 @@ def repeated_plateaus(u: FloatArray, y: FloatArray) -> Plateaus | None:
     Returns
     -------
     Plateaus or None
-        None where there are no two such places.
+        None if there are no two such places.
     """
     starts, lengths = runs(u)
     if starts.size > MOST_PERIODS:

@@ -9,7 +9,7 @@ from labsid.model_structures.prediction import free_run, one_step_prediction
 
 
 def simulate(model: ArxModel, u: ArrayLike, x0: ArrayLike | None = None) -> FloatArray:
-    """Let the model run freely on an input: it sees its own past outputs, never the measured ones.
+    """Simulate the model from its input: past outputs are simulated, never measured.
 
     Parameters
     ----------
@@ -57,8 +57,8 @@ def predict_one_step(model: ArxModel, u: ArrayLike, y: ArrayLike) -> FloatArray:
 
     Notes
     -----
-    UNSW lab, eq. (4). This is *not* simulation: it leans on the measured output at every step and so looks
-    good even with a poor model. Verification asks for `simulate`.
+    UNSW lab, eq. (4). This is *not* simulation: it uses the measured output at every step and so looks good
+    even with a poor model. Verification asks for `simulate`.
     """
     return one_step_prediction(model.polynomials, u, y)
 

@@ -58,7 +58,7 @@ def free_run(
 
 
 def prediction_errors(model: PolynomialModel, u: ArrayLike | None, y: ArrayLike) -> FloatArray:
-    """Compute what the model could not foresee: ``epsilon = (A y - q^-d B u) / C``.
+    """Compute the prediction errors: ``epsilon = (A y - q^-d B u) / C``.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Is the model good enough? What is left over must be white, and know nothing of the input."""
+"""Is the model good enough? The residual must be white and uncorrelated with the input."""
 
 from dataclasses import dataclass
 

@@ -44,7 +44,7 @@ def fit_even_times(stamps: FloatArray) -> EvenTimes | None:
     Returns
     -------
     EvenTimes or None
-        None where a stamp is off by more than `NEAR`: samples are missing, or doubled, or out of order.
+        None if a stamp is off by more than `NEAR`: samples are missing, or doubled, or out of order.
     """
     k = np.arange(stamps.size) - 0.5 * (stamps.size - 1)
     since = stamps - stamps[0]

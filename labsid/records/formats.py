@@ -21,7 +21,7 @@ class RawRecord:
     Attributes
     ----------
     t : ndarray, shape (Nt,), or None
-        Times in seconds; None where the file has none.
+        Times in seconds; None if the file has none.
     u, y : ndarray, shapes (Nu,) and (Ny,)
         Input and the output asked for.
     Ts : float or None

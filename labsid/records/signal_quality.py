@@ -174,7 +174,7 @@ def moving_mean_length(x: FloatArray, y: FloatArray, longest: int = 20) -> int |
     Returns
     -------
     int or None
-        1 where both are the same, None where no m fits (up to the first m - 1 samples, which need a past).
+        1 where both are the same, None if no m fits (up to the first m - 1 samples, which need a past).
     """
     tolerance = 1e-9 * float(np.ptp(x)) + 1e-12 * float(np.abs(x).max())
     total = np.concatenate([[0.0], np.cumsum(x)])

@@ -553,7 +553,7 @@ VARIANTS: list[Right | Wrong] = [
         "a1 and a2 swapped",
         "a2 before a1",
     ),
-    wrong(TWO, "always None", define("solve_two(U, Y)", "return None"), "no return", "hands nothing back"),
+    wrong(TWO, "always None", define("solve_two(U, Y)", "return None"), "no return", "returns nothing"),
     wrong(TWO, "always ones", define("solve_two(U, Y)", "return np.ones(2)"), None, "put it into the two equations"),
     # 8. error, loss, gradient
     right(

@@ -189,7 +189,7 @@ def test_what_is_no_such_matrix_is_said(value: Any, shape: tuple, said: str, sli
 
 def test_a_parameter_vector_is_told_from_all_that_lstsq_returns() -> None:
     assert as_theta("fit(u, y)", np.array([[1.0], [2.0]]), 2).tolist() == [1, 2]
-    with refused("`fit(u, y)` hands back all that `lstsq` returns: take the first of it, `[0]`.", "all of lstsq"):
+    with refused("`fit(u, y)` returns all that `lstsq` returns: take the first of it, `[0]`.", "all of lstsq"):
         as_theta("fit(u, y)", plain(np.linalg.lstsq(np.eye(2), np.ones(2), rcond=None)), 2)
     with refused("`fit(u, y)` should have 2 elements; it has 3."):
         as_theta("fit(u, y)", np.ones(3), 2)
@@ -205,7 +205,7 @@ def test_a_history_may_be_one_of_columns() -> None:
     [
         (
             np.ones(2),
-            "`rls(Phi, Y)` hands back one estimate; asked for is the whole history, a row for every sample.",
+            "`rls(Phi, Y)` returns one estimate; asked for is the whole history, a row for every sample.",
             "only the last estimate",
         ),
         (

@@ -15,7 +15,7 @@ def test_what_comes_back_is_handed_on(answers: Callable) -> None:
 
 
 def test_a_function_without_return_is_told_so(answers: Callable) -> None:
-    with pytest.raises(NoAnswer, match="`fit` hands nothing back: end it with `return`") as told:
+    with pytest.raises(NoAnswer, match="`fit` returns nothing: end it with `return`") as told:
         returned(answers({"fit": lambda: None}, 0), "fit")
     assert told.value.slip == "no return"
 

@@ -91,7 +91,7 @@ def _judge_iterated(ask: Ask, u: FloatArray, y: FloatArray, rounds: int) -> Verd
             ),
             Slip(
                 "regressed on the instrument",
-                f"`{call}` puts Z in the place of Phi altogether, (Z'Z)^-1 Z'Y: it is (Z'Phi)^-1 Z'Y.",
+                f"`{call}` uses Z instead of Phi throughout, (Z'Z)^-1 Z'Y: it is (Z'Phi)^-1 Z'Y.",
                 partial(_rounds, u, y, rounds, _Way(regressed_on_z=True)),
             ),
             Slip(

@@ -84,7 +84,7 @@ def _output_offset(got: float, u_act: FloatArray, y_act: FloatArray) -> Verdict:
     otherwise = "`y_offset` is not the level at which the output rests before the input first changes."
     if abs(got - found.y_offset) <= OFFSET_TOLERANCE * float(np.ptp(y_act)):
         return Verdict(True, "")
-    # the slips are told apart more closely than right answers are: on one record, two of them may lie near each other
+    # a closer tolerance for slips than for right answers: on one record, two slips may give similar values
     return judge(got, found.y_offset, close(1e-5), "", otherwise, slips)
 
 

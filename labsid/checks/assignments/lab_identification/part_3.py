@@ -1,4 +1,4 @@
-"""Part 3 of the lab: the model simulated and held against the record."""
+"""Part 3 of the lab: the model simulated and compared with the record."""
 
 from collections.abc import Iterator
 

@@ -29,11 +29,11 @@ def as_estimate(call: str, value: Value, size: int) -> FloatArray:
     """An estimate; what `scipy.optimize.least_squares` or `curve_fit` returns as a whole is named as such."""
     if isinstance(value, dict) and "x" in value:
         raise NoAnswer(
-            f"`{call}` hands back all that `least_squares` returns: take the solution out of it, `.x`.",
+            f"`{call}` returns all that `least_squares` returns: take the solution out of it, `.x`.",
             "all of the result",
         )
     if isinstance(value, tuple) and len(value) in (2, 4) and isinstance(value[0], np.ndarray):
         raise NoAnswer(
-            f"`{call}` hands back more than the estimate: return its first part only, `[0]`.", "all of the result"
+            f"`{call}` returns more than the estimate: return its first part only, `[0]`.", "all of the result"
         )
     return as_vector(call, value, size)

@@ -137,7 +137,7 @@ def _judge_path(ask: Ask, Phi: FloatArray, y: FloatArray, start: FloatArray, ste
 def _handed_back(value: Value, name: str) -> Value:
     """`returned` would name the notebook's own function, in which the student's is called."""
     if value is None:
-        raise NoAnswer(f"`{name}` hands nothing back: end it with `return` and the result.", "no return")
+        raise NoAnswer(f"`{name}` returns nothing: end it with `return` and the result.", "no return")
     return value
 
 

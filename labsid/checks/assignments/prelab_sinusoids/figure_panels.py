@@ -72,7 +72,7 @@ def _require_colours(where: str, sine: CurveValue, cosine: CurveValue) -> None:
             "colour",
         )
     if _distance(sine.color, cosine.color) < STANDS_OUT:
-        raise NoAnswer(f"In {where} the two curves can hardly be told apart: give the sine another colour.", "colour")
+        raise NoAnswer(f"In {where} the two curves are hard to distinguish: give the sine another colour.", "colour")
 
 
 def _require_names(axes: AxesValue, where: str, sine: CurveValue, cosine: CurveValue) -> None:

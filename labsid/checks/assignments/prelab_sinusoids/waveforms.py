@@ -113,7 +113,7 @@ def check_function(ask: Ask) -> Iterator[Verdict]:
 def _try_cut_off(ask: Ask, data: FloatArray, n: int) -> Verdict:
     value = ask.call("cut_off", data, n)
     if value is None:
-        raise NoAnswer("`cut_off` hands nothing back: end it with `return` and the matrix.", "no return")
+        raise NoAnswer("`cut_off` returns nothing: end it with `return` and the matrix.", "no return")
     got = as_matrix("cut_off(data, n)", value, (None, 3))
     right = data[n:].copy()
     right[:, 0] -= right[0, 0]
@@ -146,7 +146,7 @@ def check_cut_off_data(ask: Ask) -> Verdict:
         raise NoAnswer("Fig. 1(b) shows the original data once more; plot the cut-off data.", "original data in (b)")
     if shows(lower, y1_new, t[CUT:]) or shows(lower, y2_new, t[CUT:]):
         raise NoAnswer(
-            "In Fig. 1(b) the cut-off data stand at their old time. Plot them against `t_new`.",
+            "In Fig. 1(b) the cut-off data are plotted at their old time. Plot them against `t_new`.",
             "old time in (b)",
         )
     require_panel(lower, "Fig. 1(b)", "t_new", t_new, {"y1_new": y1_new, "y2_new": y2_new}, r"cut|\(b\)")

@@ -204,7 +204,7 @@ def _judge_covariance(got: Value, P: FloatArray, phi: FloatArray) -> Verdict:
             ),
             Slip(
                 "inverse of P handed back",
-                "`rls_step` hands back the inverse of P, which is the sum of step 2.",
+                "`rls_step` returns the inverse of P, which is the sum of step 2.",
                 lambda: np.asarray(np.linalg.inv(P) + np.outer(phi, phi), float),
             ),
         ],
@@ -246,7 +246,7 @@ def _judge_theta(got: Value, theta: FloatArray, P: FloatArray, phi: FloatArray, 
                 "`rls_step` corrects by K y; it is the error y - phi'theta that corrects.",
                 lambda: theta + new_P @ phi * y,
             ),
-            Slip("old estimate forgotten", "`rls_step` hands back the correction alone.", lambda: after - theta),
+            Slip("old estimate forgotten", "`rls_step` returns the correction alone.", lambda: after - theta),
             Slip("theta not updated", "`rls_step` hands theta back as it was.", lambda: theta),
         ],
     )

@@ -41,7 +41,7 @@ def _response_slips(t: FloatArray, model: FirstOrderDelay, amplitude: float) -> 
         return Slip(name, f"`first_order_response` {hint}", lambda: wrong)
 
     since = np.maximum(t - td, 0)
-    no_delay = "starts at once: put t - td in the place of t, and zero before td."
+    no_delay = "starts at once: use t - td instead of t, and zero before td."
     return [
         slip(
             "not zero before the delay",

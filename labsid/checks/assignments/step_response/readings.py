@@ -15,7 +15,7 @@ from labsid.lab.step_response import FirstOrderDelay, StepResponseFit, first_ord
 GAIN_WITHIN = 0.04
 """Relative; a fair reading of the end level is within 1 %."""
 COARSE = 0.5
-"""Sampling time in seconds; above it, seconds and samples are too near to each other to be told apart by a delay."""
+"""Sampling time in seconds; above it, seconds and samples are too near to each other to be distinguished by a delay."""
 SAME_VALUE = 0.04
 """Relative; a value this near to what a slip gives is that slip (times may also be a sample and a half off)."""
 
