@@ -14,7 +14,15 @@ from labsid.lab.regressor import build_phi
 from labsid.records.direction import gain_from_past
 from labsid.records.formats import RawRecord
 from labsid.records.record import is_sound
-from labsid.records.signal_quality import find_held, lattice_step, moving_mean_length, runs, scatter, stuck_at_extreme
+from labsid.records.signal_quality import (
+    find_held,
+    lattice_step,
+    moving_mean_length,
+    runs,
+    scatter,
+    shortest_hold,
+    stuck_at_extreme,
+)
 
 Level = Literal["ok", "note", "warning", "refused"]
 
@@ -185,7 +193,8 @@ def _about_output(raw: RawRecord, offsets: Offsets | None) -> list[Finding]:
         findings.append(Finding("note" if step > 2 * noise else "ok", "converter", text))
     findings += about_clipping(y)
     stuck = [extreme for extreme in (y.min(), y.max()) if stuck_at_extreme(y, extreme)[0]]
-    held = [(k - 1, stop) for k, stop in find_held(sensor, step) if sensor[k] not in stuck] if noise > 0 else []
+    found = find_held(sensor, step, shortest_hold(sensor)) if noise > 0 else ()
+    held = [(k - 1, stop) for k, stop in found if sensor[k] not in stuck]
     if held:
         total = sum(stop - k for k, stop in held)
         text = (

@@ -102,7 +102,7 @@ def _hits_a_stop(x: FloatArray, starts: np.ndarray, run: int) -> bool:
     return bool(last > 0.8 * before_last)
 
 
-def find_held(y: FloatArray, lattice: float | None) -> tuple[tuple[int, int], ...]:
+def find_held(y: FloatArray, lattice: float | None, shortest: int = MIN_HOLD) -> tuple[tuple[int, int], ...]:
     """Find the stretches over which the logger holds its last value.
 
     Parameters
@@ -110,6 +110,8 @@ def find_held(y: FloatArray, lattice: float | None) -> tuple[tuple[int, int], ..
     y : ndarray, shape (N,)
     lattice : float or None
         Converter step of y; None if there is none.
+    shortest : int
+        Length from which a run of equal values may be a hold; see `shortest_hold`.
 
     Returns
     -------
@@ -124,7 +126,7 @@ def find_held(y: FloatArray, lattice: float | None) -> tuple[tuple[int, int], ..
     starts, lengths = runs(y)
     step = 0.0 if lattice is None else lattice
     fine = step <= FINE_STEP * np.ptp(y)
-    long = lengths >= (_shortest_hold(lengths) if fine else MIN_HOLD)
+    long = lengths >= shortest
     moves = np.abs(np.diff(y, append=[y[-1]] * 2))
     jump, onward = moves[starts + lengths - 1], moves[starts + lengths]
     usual = max(1.5 * step, LARGE_MOVE * float(np.median(moves[moves > 0.0])))
@@ -153,8 +155,18 @@ def find_held(y: FloatArray, lattice: float | None) -> tuple[tuple[int, int], ..
     )
 
 
-def _shortest_hold(lengths: np.ndarray) -> int:
-    """Length from which a run is a hold; where noise repeats values, one that occurs once in a thousand records."""
+def shortest_hold(x: FloatArray) -> int:
+    """Length from which a run is no chance: where noise repeats values, one that occurs once in a thousand records.
+
+    Parameters
+    ----------
+    x : ndarray, shape (N,)
+
+    Returns
+    -------
+    int
+    """
+    lengths = runs(x)[1]
     repeats = float(np.mean(lengths == 2))  # nearly the chance that noise repeats a value once more
     if repeats < RARE_REPEATS:
         return MIN_HOLD
