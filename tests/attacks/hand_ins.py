@@ -128,14 +128,14 @@ ATTACKS = (
         "quarantined: a link is nobody's work",
         hand_in=_link_to_another,
         loses=QUESTIONS,
-        said="is a link",
+        said="a symbolic link",
     ),
     Attack(
         "a link to another's folder",
         "quarantined: a link is nobody's work",
         hand_in=_link_of_the_folder,
         loses=QUESTIONS,
-        said="is a link",
+        said="a symbolic link",
     ),
     Attack("a link to a device", "no notebook", hand_in=_link_to_a_device, loses=QUESTIONS, said="no notebook"),
     Attack(
@@ -143,7 +143,7 @@ ATTACKS = (
         "quarantined, and nothing of the file is told",
         hand_in=_link_to_the_machine,
         loses=QUESTIONS,
-        said="is a link",
+        said="a symbolic link",
     ),
     Attack("pipes beside the notebook", "they are not opened", hand_in=_pipes),
     Attack(
