@@ -459,7 +459,7 @@ VARIANTS: list[Right | Wrong] = [
         "regressed on Z",
         iterated(theta="np.linalg.lstsq(Z, y[1:])[0]"),
         "regressed on the instrument",
-        "in the place of Phi",
+        "instead of Phi",
     ),
     wrong(
         ITERATED,
