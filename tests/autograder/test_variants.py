@@ -3,7 +3,8 @@
 import random
 import re
 from collections import Counter
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from functools import cache
 
 import pytest
 from variants import Right, Wrong, questions_lost, variants_of
@@ -15,27 +16,45 @@ from labsid.checks.notebook import assignment_names, load_assignment
 ASSIGNMENTS = assignment_names()
 
 
+@cache
 def hand_ins(name: str) -> list[list[Right | Wrong]]:
-    """All variants of an assignment, spread over few hand-ins.
+    """All variants of an assignment, in as few hand-ins as let every wrong question meet every other one.
 
     A hand-in holds at most one variant of a question, and wrong ones for at most half of the questions, so that a wrong
-    answer that spoils another question shows; a few hand-ins more than must be let every pair of questions meet.
+    answer that spoils another question is found; right variants fill the rest.
     """
     variants = variants_of(name)
     random.Random(name).shuffle(variants)
-    packed: list[list[Right | Wrong]] = []
-    for kind, most in ((Wrong, (len(load_assignment(name).questions) + 1) // 2), (Right, len(variants))):
-        chosen = [variant for variant in variants if isinstance(variant, kind)]
-        fewest = max(Counter(variant.question for variant in chosen).values()) + (8 if kind is Wrong else 0)
-        opened: list[list[Right | Wrong]] = [[] for _ in range(fewest)]
-        for variant in chosen:
-            free = (one for one in opened if len(one) < most and all(apart(variant, other) for other in one))
-            least = min(free, key=len, default=None)
-            if least is None:
-                opened.append(least := [])
-            least.append(variant)
-        packed += opened
-    return packed
+    wrong = [variant for variant in variants if isinstance(variant, Wrong)]
+    questions = {variant.question for variant in wrong}
+    fewest = max(Counter(variant.question for variant in wrong).values())
+    packed = next(
+        hand_ins
+        for count in range(fewest, len(wrong))
+        if not unmet_pairs(hand_ins := distribute(wrong, count, (len(questions) + 1) // 2), questions)
+    )
+    return distribute([variant for variant in variants if isinstance(variant, Right)], 0, len(questions), packed)
+
+
+def distribute(
+    variants: list[Right | Wrong], count: int, most: int, hand_ins: Sequence[list[Right | Wrong]] = ()
+) -> list[list[Right | Wrong]]:
+    """Give each variant to the shortest hand-in that can hold it, of at least `count`; add one where none can."""
+    opened = [*map(list, hand_ins), *([] for _ in range(count))]
+    for variant in variants:
+        free = (one for one in opened if len(one) < most and all(apart(variant, other) for other in one))
+        least = min(free, key=len, default=None)
+        if least is None:
+            opened.append(least := [])
+        least.append(variant)
+    return opened
+
+
+def unmet_pairs(hand_ins: list[list[Right | Wrong]], questions: set[str]) -> set[tuple[str, str]]:
+    """Pairs of questions of which no hand-in answers the first one wrong and the second one right."""
+    wrong = [{variant.question for variant in variants if isinstance(variant, Wrong)} for variants in hand_ins]
+    met = {(lost, kept) for few in wrong for lost in few for kept in questions - few}
+    return {(a, b) for a in questions for b in questions if a != b} - met
 
 
 def apart(one: Right | Wrong, other: Right | Wrong) -> bool:
@@ -74,10 +93,7 @@ def test_every_question_has_enough_variants(name: str) -> None:
 
 @pytest.mark.parametrize("name", ASSIGNMENTS)
 def test_every_question_stands_right_beside_a_wrong_answer_to_every_other_one(name: str) -> None:
-    questions = {question.id for question in load_assignment(name).questions}
-    wrong = [{v.question for v in variants if isinstance(v, Wrong)} for variants in hand_ins(name)]
-    seen = {(lost, kept) for few in wrong for lost in few for kept in questions - few}
-    assert {(a, b) for a in questions for b in questions if a != b} - seen == set()
+    assert unmet_pairs(hand_ins(name), {question.id for question in load_assignment(name).questions}) == set()
 
 
 @pytest.mark.parametrize("name", ASSIGNMENTS)
