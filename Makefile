@@ -2,6 +2,9 @@
 # Another Python: make demo PYTHON=python3.12.  More for pytest: make test PYTEST_ARGS="-k offset"
 # A part of the bars, as Markdown: make bars BARS_ARGS="--only attacks --markdown bars.md"
 
+# Where this is set, each of the hundreds of processes that the tests start would compile all modules anew.
+unexport PYTHONDONTWRITEBYTECODE
+
 PYTHON ?=
 PYTEST_ARGS ?=
 BARS_ARGS ?=

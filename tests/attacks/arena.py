@@ -36,9 +36,9 @@ signals and processes: in these it differs from both others. What comes over the
 HONEST = ("honest-ada", "honest-ben")
 SECRET = b"the secret of this course"
 LIMITS = Limits(
-    cell_seconds=3,
-    call_seconds=3,
-    submission_seconds=9,
+    cell_seconds=2,
+    call_seconds=2,
+    submission_seconds=6,
     memory_bytes=1 << 30,
     file_bytes=4 << 20,
     disk_bytes=8 << 20,

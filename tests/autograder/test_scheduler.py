@@ -36,7 +36,7 @@ from labsid.cli.commands import main
 
 PRELAB = "prelab-sinusoids"
 SECRET = b"sixteen bytes, and a secret of the course"
-LIMITS = Limits(cell_seconds=5)
+LIMITS = Limits(cell_seconds=2)
 CHANGED = {
     "loops": {"prelab-4-matrix-answer": "while True:\n    pass"},
     "exits": {"prelab-2-noise-answer": "import os\nos._exit(3)"},

@@ -20,7 +20,7 @@ LECTURES = (
 QUESTIONS = [
     pytest.param(name, question, id=question.id) for name in LECTURES for question in load_assignment(name).questions
 ]
-SEEDS = 40
+SEEDS = 15
 ODD = (None, 3.0, "text", (1, 2), np.zeros((2, 2, 2)), ((1.0,), "a"), [], {"a": 1}, np.full(3, np.nan), 1j, True)
 
 RunNotebook = Callable[..., dict[str, str]]

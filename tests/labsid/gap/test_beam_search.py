@@ -334,9 +334,9 @@ def test_small_and_large_loads_on_a_nonlinear_state_are_found(
 @pytest.mark.parametrize("kind", ["wave", "load"])
 def test_a_disturbance_of_the_inflow_is_found_beside_an_overflow(kind: str) -> None:
     """The disturbance acts ahead of the upper tank; the lower tank overflows."""
-    u = np.repeat(np.random.default_rng(8).uniform(-1.0, 1.0, 54), 15)
+    u = np.repeat(np.random.default_rng(8).uniform(-1.0, 1.0, 36), 15)
     k, fine, first, level, out = np.arange(u.size), 40, u[0], u[0], []
-    flow = u - (0.35 * np.sin(2.0 * np.pi * 14.3 / u.size * k) if kind == "wave" else 0.5 * (k >= 470))
+    flow = u - (0.35 * np.sin(2.0 * np.pi * 9.3 / u.size * k) if kind == "wave" else 0.5 * (k >= 310))
     for value in flow.tolist():
         out.append(level)
         for _ in range(fine):
@@ -364,7 +364,7 @@ def axis(gain: float, friction: float, pull: float, samples: int) -> tuple[Float
 
 
 def test_friction_of_an_axis_without_spring_is_found_beside_a_constant_force() -> None:
-    u, y = axis(gain=1.0, friction=1.0, pull=0.6, samples=900)
+    u, y = axis(gain=1.0, friction=1.0, pull=0.6, samples=600)
     found = explain(data_of(u, y), most=1)
     assert found.best.hypothesis.keys == ("coulomb-friction/unsprung",)
     (effect,) = found.best.hypothesis.effects
@@ -385,7 +385,7 @@ def tank_with_a_brim(w: FloatArray, rate: FloatArray, brim: float) -> FloatArray
 @pytest.mark.parametrize("drifting", ["pole", "gain"])
 def test_a_parameter_drift_is_found_beside_an_overflow(drifting: str) -> None:
     """Drift of the outflow, or of the gain of a pump whose zero lies far below the record."""
-    u = np.repeat(np.random.default_rng(8).uniform(-1.0, 1.0, 54), 15)
+    u = np.repeat(np.random.default_rng(8).uniform(-1.0, 1.0, 36), 15)
     course = np.sin(np.linspace(0.0, np.pi, u.size))
     rate = 0.06 * (1.0 - 0.5 * course) if drifting == "pole" else np.full(u.size, 0.06)
     w = u if drifting == "pole" else u + 0.2 * course * (u + 2.0)
