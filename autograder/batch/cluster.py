@@ -154,6 +154,8 @@ class ClusterExecutor:
             if chosen is not None and usable and usable.isdisjoint(chosen):
                 call.cancel()
                 return None
+        if call.status == "cancelled":  # the client is closing; its event loop may stop before it fetches a result
+            raise CancelledError
         try:
             answer: SubmissionResult | Failure = call.result(timeout=_REPLY_SECONDS)
             return answer
