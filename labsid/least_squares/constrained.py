@@ -122,7 +122,7 @@ def least_squares_with_equations(Phi: ArrayLike, Y: ArrayLike, A: ArrayLike, b: 
         At least p - r rows.
     Y : array_like, shape (n,)
     A : array_like, shape (r, p)
-        Constraints, one row an equation; its rows independent of each other, r at most p.
+        Constraints, one row per equation; its rows independent of each other, r at most p.
     b : array_like, shape (r,)
 
     Returns
@@ -199,7 +199,7 @@ def least_squares_in_box(Phi: ArrayLike, Y: ArrayLike, lower: ArrayLike, upper: 
     lower, upper = np.asarray(lower, dtype=np.float64), np.asarray(upper, dtype=np.float64)
     if lower.shape != (p,) or upper.shape != (p,):
         raise ValueError(
-            f"lower and upper must have one entry a parameter ({p}); got shapes {lower.shape} and {upper.shape}."
+            f"lower and upper must have one entry per parameter ({p}); got shapes {lower.shape} and {upper.shape}."
         )
     if not np.all(lower < upper):
         where = int(np.flatnonzero(~(lower < upper))[0])

@@ -204,7 +204,7 @@ def completed_square(Phi: ArrayLike, Y: ArrayLike, theta: ArrayLike) -> tuple[fl
     Phi, Y = as_equations(Phi, Y)
     theta = as_signal("theta", theta)
     if theta.size != Phi.shape[1]:
-        raise ValueError(f"theta must have one entry a column of Phi ({Phi.shape[1]}); got {theta.size}.")
+        raise ValueError(f"theta must have one entry per column of Phi ({Phi.shape[1]}); got {theta.size}.")
     fit = solve_least_squares(Phi, Y)
     away = Phi @ (theta - fit.theta)
     return 2 * fit.loss, float(away @ away)

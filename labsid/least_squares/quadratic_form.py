@@ -82,7 +82,7 @@ def evaluate_quadratic_form(M: ArrayLike, x: ArrayLike) -> FloatArray:
     M = as_square("M", M)
     x = np.asarray(x, dtype=np.float64)
     if x.ndim == 0 or x.shape[-1] != M.shape[0]:
-        raise ValueError(f"x must have {M.shape[0]} entries a point, as M has rows; got shape {x.shape}.")
+        raise ValueError(f"x must have {M.shape[0]} entries per point, as M has rows; got shape {x.shape}.")
     form: FloatArray = np.einsum("...i,ij,...j->...", x, M, x)
     return form
 

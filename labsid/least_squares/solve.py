@@ -55,7 +55,7 @@ def normal_equations(Phi: ArrayLike, Y: ArrayLike) -> FloatArray:
     Parameters
     ----------
     Phi : array_like, shape (n, p)
-        Regressors, one row an equation.
+        Regressors, one row per equation.
     Y : array_like, shape (n,)
         Right-hand sides.
 
@@ -96,7 +96,7 @@ def solve_least_squares(Phi: ArrayLike, Y: ArrayLike) -> LeastSquares:
     Parameters
     ----------
     Phi : array_like, shape (n, p)
-        Regressors, one row an equation.
+        Regressors, one row per equation.
     Y : array_like, shape (n,)
         Right-hand sides.
 
@@ -241,7 +241,7 @@ def as_equations(Phi: ArrayLike, Y: ArrayLike, name: str = "Phi") -> tuple[Float
     Parameters
     ----------
     Phi : array_like, shape (n, p)
-        Regressors, one row an equation; at least as many rows as columns.
+        Regressors, one row per equation; at least as many rows as columns.
     Y : array_like, shape (n,)
         Right-hand sides.
     name : str
@@ -260,7 +260,7 @@ def as_equations(Phi: ArrayLike, Y: ArrayLike, name: str = "Phi") -> tuple[Float
     Y = as_signal("Y", Y)
     Phi = np.asarray(Phi, dtype=np.float64)
     if Phi.ndim != 2 or 0 in Phi.shape:
-        raise ValueError(f"{name} must be a matrix with one row an equation; got shape {Phi.shape}.")
+        raise ValueError(f"{name} must be a matrix with one row per equation; got shape {Phi.shape}.")
     if not np.all(np.isfinite(Phi)):
         raise ValueError(f"{name} must be finite; got NaN or infinity. Repair or cut the record there.")
     if Phi.shape[0] != Y.size:
@@ -280,5 +280,5 @@ def _with_theta(Phi: ArrayLike, Y: ArrayLike, theta: ArrayLike) -> tuple[FloatAr
     Phi, Y = as_equations(Phi, Y)
     theta = as_signal("theta", theta)
     if theta.size != Phi.shape[1]:
-        raise ValueError(f"theta must have one entry a column of Phi ({Phi.shape[1]}); got {theta.size}.")
+        raise ValueError(f"theta must have one entry per column of Phi ({Phi.shape[1]}); got {theta.size}.")
     return Phi, Y, theta

@@ -15,7 +15,7 @@ def weighted_least_squares(Phi: ArrayLike, Y: ArrayLike, weights: ArrayLike) -> 
     Parameters
     ----------
     Phi : array_like, shape (n, p)
-        Regressors, one row an equation.
+        Regressors, one row per equation.
     Y : array_like, shape (n,)
         Right-hand sides.
     weights : array_like, shape (n,)
@@ -42,7 +42,7 @@ def weighted_least_squares(Phi: ArrayLike, Y: ArrayLike, weights: ArrayLike) -> 
     Phi, Y = as_equations(Phi, Y)
     weights = as_signal("weights", weights)
     if weights.size != Y.size:
-        raise ValueError(f"weights must have one entry an equation ({Y.size}); got {weights.size}.")
+        raise ValueError(f"weights must have one entry per equation ({Y.size}); got {weights.size}.")
     if np.any(weights <= 0):
         raise ValueError(
             f"weights must be positive; got {weights.min():g} at equation {np.argmin(weights)}. "

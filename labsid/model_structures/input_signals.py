@@ -146,7 +146,7 @@ def sinusoids(samples: int, amplitudes: ArrayLike, omegas: ArrayLike, phases: Ar
         Length N.
     amplitudes : array_like, shape (m,)
     omegas : array_like, shape (m,)
-        Angular frequencies in radians a sample, increasing, from 0 to pi.
+        Angular frequencies in radians per sample, increasing, from 0 to pi.
     phases : array_like, shape (m,)
         In radians.
 
@@ -168,7 +168,7 @@ def sinusoids(samples: int, amplitudes: ArrayLike, omegas: ArrayLike, phases: Ar
     _check_samples(samples)
     amplitudes, omegas, phases = as_signals(amplitudes=amplitudes, omegas=omegas, phases=phases)
     if omegas[0] < 0 or omegas[-1] > np.pi or np.any(np.diff(omegas) <= 0):
-        raise ValueError(f"omegas must increase, from 0 to pi radians a sample; got {omegas.tolist()}.")
+        raise ValueError(f"omegas must increase, from 0 to pi radians per sample; got {omegas.tolist()}.")
     angles = omegas * np.arange(samples)[:, np.newaxis] + phases
     signal: FloatArray = np.sin(angles) @ amplitudes
     return signal

@@ -196,12 +196,12 @@ def model_from_theta(structure: Structure, theta: ArrayLike, Ts: float = 1.0) ->
     Raises
     ------
     ValueError
-        If theta does not have one entry a coefficient.
+        If theta does not have one entry per coefficient.
     """
     theta = as_signal("theta", theta)
     if theta.size != structure.parameters:
         raise ValueError(
-            f"theta must have one entry a coefficient of the {structure.kind} model ({structure.parameters}); "
+            f"theta must have one entry per coefficient of the {structure.kind} model ({structure.parameters}); "
             f"got {theta.size}."
         )
     a, b, c = np.split(theta, [structure.na, structure.na + structure.nb])
