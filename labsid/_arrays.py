@@ -1,4 +1,4 @@
-"""Arrays at the public boundary: checked once, copied, and read-only inside frozen results."""
+"""Validation of array arguments, and read-only arrays for frozen results."""
 
 from collections.abc import Sequence
 from typing import Any
@@ -17,14 +17,14 @@ def frozen_array(values: ArrayLike) -> FloatArray:
 
 
 def read_only(array: FloatArray) -> FloatArray:
-    """View `array`, gapless in memory, as one that cannot be written to: what the compiled loops take."""
+    """Return a contiguous read-only view of `array`, as the compiled loops require."""
     view = np.ascontiguousarray(array).view()
     view.setflags(write=False)
     return view
 
 
 def freeze(instance: object, **arrays: Any) -> None:
-    """Set fields of a frozen dataclass from its ``__post_init__``: copied, read-only float arrays."""
+    """Set fields of a frozen dataclass to read-only float copies; for use in ``__post_init__``."""
     for name, values in arrays.items():
         object.__setattr__(instance, name, frozen_array(values))
 
@@ -35,11 +35,11 @@ def as_signal(name: str, values: ArrayLike, at_least: int = 1) -> FloatArray:
     Parameters
     ----------
     name : str
-        What the caller calls it; the error says it.
+        Name of the argument, for the error message.
     values : array_like, shape (N,), (N, 1) or (1, N)
-        The samples, numbers only.
+        The samples.
     at_least : int
-        The fewest samples that the caller can work with.
+        Smallest number of samples.
 
     Returns
     -------
@@ -87,7 +87,7 @@ def as_matrix(name: str, values: ArrayLike) -> FloatArray:
     Parameters
     ----------
     name : str
-        What the caller calls it; the error says it.
+        Name of the argument, for the error message.
     values : array_like, shape (m, n)
 
     Returns
@@ -116,7 +116,7 @@ def as_square(name: str, values: ArrayLike) -> FloatArray:
     Parameters
     ----------
     name : str
-        What the caller calls it; the error says it.
+        Name of the argument, for the error message.
     values : array_like, shape (n, n)
 
     Returns
@@ -135,7 +135,7 @@ def as_square(name: str, values: ArrayLike) -> FloatArray:
 
 
 def beside(parts: Sequence[FloatArray]) -> FloatArray:
-    """Matrices of equal height side by side, each column in one piece of memory."""
+    """Matrices of equal height side by side, in column-major order."""
     out = np.empty((parts[0].shape[0], sum(part.shape[1] for part in parts)), order="F")
     at = 0
     for part in parts:

@@ -1,4 +1,4 @@
-"""Writing files: whole or not at all."""
+"""Atomic writing of files."""
 
 import errno
 import json
@@ -13,12 +13,12 @@ def write_json(path: Path, content: dict[str, Any]) -> None:
 
 
 def write_file(path: Path, content: bytes) -> None:
-    """Write a file so that it is there whole or, if anything fails, as it was before.
+    """Write a file atomically: if writing fails, an existing file remains unchanged.
 
     Parameters
     ----------
     path : Path
-        A file of that name is replaced; its folder must exist. A device or a pipe is simply written to.
+        An existing file is replaced; the folder must exist. Devices and pipes are written to directly.
     content : bytes
 
     Raises
@@ -40,7 +40,7 @@ def write_file(path: Path, content: bytes) -> None:
 
 
 def check_writable(path: Path) -> None:
-    """Refuse a path to which `write_file` could not write, ahead of the work whose result shall go there.
+    """Check that `write_file` can write to a path, before a long computation.
 
     Parameters
     ----------
@@ -49,7 +49,7 @@ def check_writable(path: Path) -> None:
     Raises
     ------
     OSError
-        If it is a folder, or its folder does not exist or takes no files.
+        If the path is a folder, or its folder does not exist or is not writable.
     """
     if path.is_dir():
         raise IsADirectoryError(errno.EISDIR, "it is a folder; name a file to write to", str(path))
@@ -61,9 +61,9 @@ def check_writable(path: Path) -> None:
 
 
 def write_text(path: Path, text: str) -> None:
-    """Write a text file with `write_file`, in a folder that is made where it is not there.
+    """Write a text file with `write_file`, creating its folder if necessary.
 
-    Lone surrogates, which text from students can hold and no file can, are written as their escapes.
+    Lone surrogates, which cannot be encoded, are written as escapes.
     """
     path.parent.mkdir(parents=True, exist_ok=True)
     write_file(path, text.encode(errors="backslashreplace"))

@@ -20,7 +20,7 @@ def recursive_least_squares(
     Parameters
     ----------
     Phi : array_like, shape (n, p)
-        Regressors, one row a sample.
+        Regressors, one row per sample.
     Y : array_like, shape (n,)
         Outputs.
     forgetting : float
@@ -49,7 +49,7 @@ def recursive_least_squares(
     Y = np.ascontiguousarray(Y, dtype=np.float64)
     if Phi.ndim != 2 or 0 in Phi.shape or Y.shape != Phi.shape[:1]:
         raise ValueError(
-            f"Phi must have one row a sample of Y; got shapes {Phi.shape} and {Y.shape}. Build both from the same "
+            f"Phi must have one row per sample of Y; got shapes {Phi.shape} and {Y.shape}. Build both from the same "
             "samples."
         )
     p = Phi.shape[1]

@@ -1,1 +1,1 @@
-"""The UNSW lab in its order: offsets, Phi, theta, transfer function and state space, simulation, verification."""
+"""The steps of the UNSW lab: offsets, Phi, theta, transfer function and state space, simulation, verification."""

@@ -1,14 +1,14 @@
-"""Sums of lagged products as a compiled loop. Import it where it is used: numba takes most of a second to load."""
+"""Compiled sums of lagged products. Import it inside functions: numba takes most of a second to load."""
 
 from labsid._arrays import FloatArray
 from labsid._compiled import compiled
 
-BLOCK = 1024  # samples of u and y that stay in the fastest cache while every lagged sum reads them
+BLOCK = 1024  # samples of u and y that fit into the level-1 cache
 
 
 @compiled("contract", "reassoc", "nsz")
 def dot(x: FloatArray, z: FloatArray) -> float:
-    """Inner product, in whatever order of summation suits the processor's vectors."""
+    """Inner product; the compiler may reorder the summation."""
     total = 0.0
     for k in range(x.size):
         total += x[k] * z[k]
@@ -19,10 +19,10 @@ def dot(x: FloatArray, z: FloatArray) -> float:
 def lagged_sums(
     u: FloatArray, y: FloatArray, order: int, start: int, stop: int, yy: FloatArray, uu: FloatArray, yu: FloatArray
 ) -> None:
-    """Add up ``x(k) z(k - d)`` over k = start .. stop - 1: d = 0 .. order for yy, 0 .. order - 1 for uu, and from
-    1 - order to order for yu (y now, u then), the first entry of yu being that of the most negative lag.
+    """Add the sums of ``x(k) z(k - d)`` over k = start .. stop - 1 to yy, uu and yu.
 
-    Block by block, so that u and y are read from memory once; the sums of short blocks also round less.
+    The lags are d = 0 .. order for yy, 0 .. order - 1 for uu, and 1 - order .. order for yu (x = y, z = u). Summation
+    by blocks reads u and y from memory once and reduces rounding errors.
     """
     for first in range(start, stop, BLOCK):
         last = min(first + BLOCK, stop)

@@ -1,6 +1,6 @@
 """The discrete-time model of the lab, eq. (1) to (3), and its identification.
 
-The sign of ``a`` is stated here, once, for the whole package:
+The sign convention of ``a`` for the whole package:
 
     A(q) y(k) = B(q) u(k),   A(q) = 1 + a1 q^-1 + ... + an q^-n,   B(q) = b1 q^-1 + ... + bn q^-n
     y(k) = -a1 y(k-1) - ... - an y(k-n) + b1 u(k-1) + ... + bn u(k-n)
@@ -80,7 +80,7 @@ class ArxModel:
 
     @property
     def static_gain(self) -> float:
-        """``G(1)``, unit of y over unit of u; infinite (or NaN, if G(1) is 0 / 0) with a pole at 1."""
+        """``G(1)``, unit of y over unit of u; with a pole at 1 infinite, or NaN if G(1) is 0 / 0."""
         with np.errstate(divide="ignore", invalid="ignore"):
             return float(np.sum(self.b) / np.sum(self.a))
 
@@ -92,7 +92,7 @@ class ArxModel:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ArxFit:
-    """An identified model with the equations that it solves.
+    """An identified model with its regression and least-squares result.
 
     Attributes
     ----------
@@ -107,7 +107,7 @@ class ArxFit:
 
 
 def arx_from_theta(theta: ArrayLike, Ts: float, u_offset: float = 0.0, y_offset: float = 0.0) -> ArxModel:
-    """Turn ``theta = [-a1, ..., -an, b1, ..., bn]`` into a model, minding the sign of a.
+    """Convert ``theta = [-a1, ..., -an, b1, ..., bn]`` to a model.
 
     Parameters
     ----------
@@ -157,12 +157,12 @@ def fit_arx(
     Returns
     -------
     ArxFit
-        Its ``fit.status`` says whether the parameters are unique.
+        ``fit.status`` tells whether the parameters are unique.
 
     Raises
     ------
     ValueError
-        If the data or the settings do not allow it; see `build_phi`.
+        As `build_phi`.
 
     Notes
     -----
@@ -174,7 +174,7 @@ def fit_arx(
 
 
 def to_tf(model: ArxModel) -> "control.TransferFunction":
-    """Write the model as python-control's transfer function, eq. (1).
+    """Convert the model to a transfer function of python-control, eq. (1).
 
     Parameters
     ----------
@@ -193,7 +193,7 @@ def to_tf(model: ArxModel) -> "control.TransferFunction":
 
 
 def canonical_form(model: ArxModel) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
-    """Write the matrices G, H, C, D of the controllable canonical form, eq. (2).
+    """Return the matrices G, H, C, D of the controllable canonical form, eq. (2).
 
     Parameters
     ----------
@@ -214,7 +214,7 @@ def canonical_form(model: ArxModel) -> tuple[FloatArray, FloatArray, FloatArray,
 
 
 def to_ss(model: ArxModel) -> "control.StateSpace":
-    """Write the model as python-control's state space in the canonical form of eq. (2).
+    """Convert the model to a state-space system of python-control in the canonical form of eq. (2).
 
     Parameters
     ----------
@@ -226,13 +226,13 @@ def to_ss(model: ArxModel) -> "control.StateSpace":
 
     Notes
     -----
-    UNSW lab, eq. (2), exercise 2c. ``control.tf2ss`` orders the states the other way round.
+    UNSW lab, eq. (2), exercise 2c. ``control.tf2ss`` orders the states in reverse.
     """
     return input_ss(model.polynomials)
 
 
 def to_gap_model(model: ArxModel) -> dict[str, Any]:
-    """Write the model as the JSON object that ``labsid gap --sim`` reads.
+    """Convert the model to the JSON object that ``labsid gap --sim`` reads.
 
     Parameters
     ----------

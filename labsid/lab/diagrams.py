@@ -1,4 +1,4 @@
-"""Diagrams that run: offset compensation in operation (Fig. 3), the Simulink run, verification (Fig. 4)."""
+"""Block diagrams in python-control: offset compensation (Fig. 3) and the optional Simulink run."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -13,14 +13,14 @@ from labsid.lab.arx import ArxModel, canonical_form, to_ss
 if TYPE_CHECKING:
     import control
 
-# python-control draws in matplotlib as soon as it is imported, so it is imported only where it is used.
+# python-control imports matplotlib, so it is imported inside functions only.
 
 Process = Callable[[float], float]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class PIController:
-    """A discrete controller, ``u(k) = Kp e(k) + I(k)`` with ``I(k+1) = I(k) + Ki Ts e(k)``.
+    """A discrete-time PI controller, ``u(k) = Kp e(k) + I(k)`` with ``I(k+1) = I(k) + Ki Ts e(k)``.
 
     Attributes
     ----------
@@ -39,7 +39,7 @@ class PIController:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class LoopRun:
-    """The signals of Fig. 3, under the names that it gives them.
+    """The signals of Fig. 3.
 
     Attributes
     ----------
@@ -74,9 +74,9 @@ def pi_by_cancellation(model: ArxModel, closed_loop_tau: float) -> PIController:
     Parameters
     ----------
     model : ArxModel
-        Its slowest pole must be real, between 0 and 1, and its gain not zero.
+        Its slowest pole must be real and between 0 and 1, and its gain nonzero.
     closed_loop_tau : float
-        Wanted time constant of the closed loop in seconds.
+        Desired time constant of the closed loop in seconds.
 
     Returns
     -------
@@ -85,12 +85,12 @@ def pi_by_cancellation(model: ArxModel, closed_loop_tau: float) -> PIController:
     Raises
     ------
     ValueError
-        If the model or the time constant does not allow it.
+        If the model does not meet these conditions or the time constant is not positive.
 
     Notes
     -----
     With the pole's time constant tau and the gain G(1), ``Kp = tau / (G(1) closed_loop_tau)`` and
-    ``Ki = Kp / tau``. The lab leaves the controller of Fig. 3 open; this one is chosen.
+    ``Ki = Kp / tau``. The lab does not specify the controller of Fig. 3.
     """
     if not (np.isfinite(closed_loop_tau) and closed_loop_tau > 0):
         raise ValueError(f"closed_loop_tau must be a positive number of seconds; got {closed_loop_tau}.")
@@ -106,7 +106,7 @@ def pi_by_cancellation(model: ArxModel, closed_loop_tau: float) -> PIController:
 
 
 def offset_compensated_diagram(model: ArxModel, controller: PIController) -> "control.InputOutputSystem":
-    """Wire up Fig. 3 in python-control: controller, offsets, and a process that behaves like the model.
+    """Build Fig. 3 in python-control: controller, offsets, and the model as process.
 
     Parameters
     ----------
@@ -125,8 +125,8 @@ def offset_compensated_diagram(model: ArxModel, controller: PIController) -> "co
 
     Notes
     -----
-    UNSW lab, Fig. 3. The process carries the operating point of the model inside it (``process_u0``,
-    ``process_y0``), as the real one does; the other two sums are the compensation.
+    UNSW lab, Fig. 3. ``process_u0`` and ``process_y0`` are the operating point of the process; ``u_offset`` and
+    ``y_offset`` compensate it.
     """
     import control
 
@@ -154,7 +154,7 @@ def offset_compensated_diagram(model: ArxModel, controller: PIController) -> "co
 
 
 def offset_compensated_loop(model: ArxModel, controller: PIController, reference: ArrayLike) -> LoopRun:
-    """Run Fig. 3 on the identified model, from its operating point.
+    """Simulate Fig. 3 with the identified model as process, from its operating point.
 
     Parameters
     ----------
@@ -174,7 +174,7 @@ def offset_compensated_loop(model: ArxModel, controller: PIController, reference
 
     Notes
     -----
-    UNSW lab, "DC Offset Compensation" and Fig. 3, simulated by python-control.
+    UNSW lab, "DC Offset Compensation" and Fig. 3.
     """
     reference = as_signal("reference", reference, at_least=2)
     diagram = offset_compensated_diagram(model, controller)
@@ -192,7 +192,7 @@ def run_on_process(
     u_offset: float,
     y_offset: float,
 ) -> LoopRun:
-    """Run Fig. 3 sample by sample on any process: a simulator of the rig, or the rig.
+    """Run Fig. 3 sample by sample on a process: the rig or a simulator of it.
 
     Parameters
     ----------
@@ -204,7 +204,7 @@ def run_on_process(
     reference : array_like, shape (N,)
         Offset-free set point.
     u_offset, y_offset : float
-        Offsets to compensate, those of the identified model.
+        Offsets of the identified model.
 
     Returns
     -------
@@ -229,7 +229,7 @@ def run_on_process(
 
 
 def model_as_process(model: ArxModel) -> Process:
-    """Let the identified model stand in for the process, at rest at its operating point.
+    """Return a process that behaves like the identified model, initially at rest at its operating point.
 
     Parameters
     ----------
@@ -238,7 +238,7 @@ def model_as_process(model: ArxModel) -> Process:
     Returns
     -------
     callable
-        For `run_on_process`; it remembers its state from call to call.
+        For `run_on_process`; it keeps its state between calls.
     """
     G, H, C, _ = canonical_form(model)
     x = np.zeros((model.order, 1))
@@ -252,7 +252,7 @@ def model_as_process(model: ArxModel) -> Process:
 
 
 def simulation_diagram(model: ArxModel) -> "control.InputOutputSystem":
-    """Wire up the simulation of the model as one would in Simulink: source, sum, G(z), sum, scope.
+    """Build the simulation of the model as in Simulink: source, sum, G(z), sum, scope.
 
     Parameters
     ----------
@@ -278,7 +278,7 @@ def simulation_diagram(model: ArxModel) -> "control.InputOutputSystem":
 
 
 def simulate_diagram(model: ArxModel, u_act: ArrayLike) -> FloatArray:
-    """Run the block diagram on an input as recorded, offset and all.
+    """Simulate the block diagram for a recorded input, offset included.
 
     Parameters
     ----------
@@ -307,7 +307,7 @@ def simulate_diagram(model: ArxModel, u_act: ArrayLike) -> FloatArray:
 
 
 def _process_blocks(model: ArxModel) -> list["control.InputOutputSystem"]:
-    """The process behind its operating point: input u_in, output y_m."""
+    """The process about its operating point: input u_in, output y_m."""
     import control
 
     dynamics = control.ss(to_ss(model), inputs="process_u", outputs="process_y", name="G")

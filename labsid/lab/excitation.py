@@ -1,4 +1,4 @@
-"""Does the input excite the system? Persistent excitation, and the three inputs that the lab recommends."""
+"""Persistent excitation, and the three input signals that the lab recommends."""
 
 from bisect import bisect_left
 from dataclasses import dataclass
@@ -12,7 +12,7 @@ from labsid._arrays import FloatArray, as_signal, freeze
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Excitation:
-    """What the regressors say about the excitation.
+    """Measures of the excitation by the regressors.
 
     Attributes
     ----------
@@ -21,9 +21,9 @@ class Excitation:
     rank : int
         Numerical rank of Phi.
     positive_definite : bool
-        Whether ``Phi'Phi`` is: exactly then eq. (8) has one solution.
+        Whether ``Phi'Phi`` is positive definite, so that eq. (8) has a unique solution.
     condition_number : float
-        Of Phi; that of ``Phi'Phi`` is its square. Infinite where the smallest eigenvalue is zero.
+        Of Phi; that of ``Phi'Phi`` is its square. Infinite if the smallest eigenvalue is zero.
     """
 
     eigenvalues: FloatArray
@@ -55,12 +55,12 @@ def persistent_excitation(Phi: ArrayLike) -> Excitation:
     Notes
     -----
     UNSW lab, after eq. (8). Computed from the singular values s of Phi (the eigenvalues are s^2 / n); those
-    below ``max(n, p) * eps`` times the largest count as zero. Measurement noise alone makes Phi'Phi definite,
-    so look at the condition number too.
+    below ``max(n, p) * eps`` times the largest count as zero. Measurement noise alone makes Phi'Phi positive
+    definite, so check the condition number as well.
     """
     Phi = np.asarray(Phi, dtype=np.float64)
     if Phi.ndim != 2 or 0 in Phi.shape or not np.all(np.isfinite(Phi)):
-        raise ValueError(f"Phi must be a finite matrix with one row an equation; got shape {Phi.shape}.")
+        raise ValueError(f"Phi must be a finite matrix with one row per equation; got shape {Phi.shape}.")
     n, p = Phi.shape
     s = np.zeros(p)
     s[: min(n, p)] = np.linalg.svd(Phi, compute_uv=False)
@@ -79,16 +79,16 @@ def excitation_order(u: ArrayLike, largest: int = 50) -> int:
     Parameters
     ----------
     u : array_like, shape (N,)
-        The input. Remove its offset first: a constant alone already has order 1.
+        The input, without its offset: a constant has order 1.
     largest : int
-        Where to stop looking.
+        Largest order to test.
 
     Returns
     -------
     int
         The largest n <= `largest` for which the matrix with the rows ``[u(k) .. u(k+n-1)]`` has full column
-        rank, and so at most (N + 1) / 2. A model of order n has 2 n unknowns and takes order 2 n; order n will
-        do where noise excites the past outputs.
+        rank; at most (N + 1) / 2. A model of order n has 2 n unknowns and requires order 2 n; order n suffices
+        if noise excites the past outputs.
 
     Raises
     ------
@@ -98,8 +98,8 @@ def excitation_order(u: ArrayLike, largest: int = 50) -> int:
     Notes
     -----
     UNSW lab, "Selection of a Suitable Input". Zero has order 0, a constant 1, a sum of m sinusoids 2 m, a
-    PRBS its period. This counts what the samples span, to rounding (singular values below ``N * eps`` times
-    the largest are zero); noise and one-off transients span everything, if only just.
+    PRBS its period. Singular values below ``N * eps`` times the largest count as zero; noise and transients
+    therefore raise the order, however small they are.
     """
     u = as_signal("u", u)
     if largest < 1:
@@ -126,9 +126,9 @@ def prbs(
     register : int
         Bits of the register, 2 to 32; the period is ``2**register - 1`` times `hold`.
     hold : int
-        Samples for which each bit is held, so that slow systems get to answer.
+        Samples for which each bit is held, so that slow systems have time to respond.
     rng : numpy.random.Generator, optional
-        Draws the initial state of the register, which shifts the signal in time; all ones unless given.
+        Draws the initial state of the register, which shifts the signal in time. The default state is all ones.
 
     Returns
     -------
@@ -143,7 +143,7 @@ def prbs(
     -----
     UNSW lab, "Selection of a Suitable Input".
     """
-    from scipy.signal import max_len_seq  # slow to import, and only this function needs it
+    from scipy.signal import max_len_seq  # slow to import
 
     _check_count("samples", samples)
     _check_count("hold", hold)
@@ -158,7 +158,7 @@ def prbs(
 
 
 def square_wave(samples: int, period: int, levels: tuple[float, float] = (-1.0, 1.0)) -> FloatArray:
-    """Make a square wave that starts on its second level and spends half of each period on either.
+    """Make a square wave that starts at its second level and spends half of each period at each level.
 
     Parameters
     ----------
@@ -188,7 +188,7 @@ def square_wave(samples: int, period: int, levels: tuple[float, float] = (-1.0, 
 
 
 def sum_of_sinusoids(samples: int, periods: ArrayLike, amplitude: float = 1.0) -> FloatArray:
-    """Add up sinusoids of equal size.
+    """Make a sum of sinusoids of equal amplitude.
 
     Parameters
     ----------
@@ -202,17 +202,16 @@ def sum_of_sinusoids(samples: int, periods: ArrayLike, amplitude: float = 1.0) -
     Returns
     -------
     ndarray, shape (N,)
-        Persistently exciting of order 2 m where the periods differ.
+        Persistently exciting of order 2 m if the periods differ.
 
     Raises
     ------
     ValueError
-        If `samples` is below 1 or a period not above 2.
+        If `samples` is below 1 or a period is not above 2.
 
     Notes
     -----
-    UNSW lab, "Selection of a Suitable Input". Schroeder's phases ``-pi i (i - 1) / m`` keep the peaks from
-    adding up.
+    UNSW lab, "Selection of a Suitable Input". Schroeder's phases ``-pi i (i - 1) / m`` reduce the crest factor.
     """
     _check_count("samples", samples)
     periods = as_signal("periods", periods)

@@ -1,4 +1,4 @@
-"""What the signals of a record show, in words: rest, levels, noise, converter, clipping, feedback, excitation."""
+"""Findings about the signals of a record: rest, levels, noise, converter, clipping, feedback, excitation."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -26,23 +26,23 @@ from labsid.records.signal_quality import (
 
 Level = Literal["ok", "note", "warning", "refused"]
 
-_MOST_LEVELS = 20  # an input of more levels is no staircase
+_MAX_LEVELS = 20  # of a staircase input
 _TESTED_ORDER = 10
 
 
 @dataclass(frozen=True, slots=True)
 class Finding:
-    """One thing found in a record.
+    """A property or fault of a record.
 
     Attributes
     ----------
     level : {"ok", "note", "warning", "refused"}
-        "note" is worth knowing; "warning" spoils a step of the lab unless one minds it; with "refused" the lab's
-        procedure cannot be carried out.
+        "note": for information. "warning": a step of the lab goes wrong unless it is taken into account. "refused":
+        the lab's procedure cannot be carried out.
     topic : str
-        What it is about, one or two words.
+        One or two words.
     text : str
-        One or a few sentences; the first stands by itself.
+        One or more sentences; the first can be quoted alone.
     """
 
     level: Level
@@ -56,9 +56,9 @@ def about_signals(raw: RawRecord, Ts: float | None) -> list[Finding]:
     Parameters
     ----------
     raw : RawRecord
-        Its u and y must be sound and of equal length, at least 5 samples.
+        Its u and y must be finite and of equal length, at least 5 samples.
     Ts : float or None
-        Sampling time in seconds, if known, for durations.
+        Sampling time in seconds, if known; for durations in the texts.
 
     Returns
     -------
@@ -84,7 +84,7 @@ def about_signals(raw: RawRecord, Ts: float | None) -> list[Finding]:
 
 
 def name_places(stretches: Sequence[tuple[int, int]]) -> str:
-    """Name the first few of some stretches (start, stop) of samples."""
+    """List the first few of some stretches (start, stop) of samples."""
     named = [f"{k}" if stop == k + 1 else f"{k} to {stop - 1}" for k, stop in stretches[:4]]
     return ", ".join(named) + (", and so on" if len(stretches) > 4 else "")
 
@@ -93,7 +93,7 @@ def _about_input(u: FloatArray) -> Finding:
     starts, lengths = runs(u)
     levels = np.unique(u)
     changes = starts.size - 1
-    if levels.size <= _MOST_LEVELS:
+    if levels.size <= _MAX_LEVELS:
         text = f"{levels.size} levels ({', '.join(f'{level:g}' for level in levels)}), {changes} changes"
         if changes > 10:
             return Finding("ok", "input", f"{text}, held {lengths.min()} to {lengths.max()} samples.")
@@ -108,33 +108,33 @@ def _about_input(u: FloatArray) -> Finding:
 
 
 def _about_feedback(raw: RawRecord) -> Finding:
-    """Whether the input answers to the output; `raw` as for `about_signals`."""
+    """Whether the input depends on the output; `raw` as for `about_signals`."""
     if raw.reference is not None:
         text = (
-            "it is a closed-loop record (it has a reference). The input answers to the output, so noise "
+            "it is a closed-loop record (it has a reference). The input depends on the output, so noise "
             "reaches both and a least-squares fit is biased; use it to verify a loop or a model."
         )
         return Finding("refused", "feedback", text)
-    # One sample ahead: a controller's input answers to the output of the same sample.
+    # y is advanced by one sample, because a controller computes u from the y of the same sample.
     gain = gain_from_past(raw.y[1:], raw.u[:-1])
     if gain <= 10:
         return Finding("ok", "feedback", "none seen: the output does not help to predict the input.")
     text = f"the output up to the same sample helps to predict the input (F = {gain:.3g})."
-    if np.unique(raw.u).size <= _MOST_LEVELS:
-        return Finding("note", "feedback", f"{text} A periodic input does that, and so does a relay in closed loop.")
+    if np.unique(raw.u).size <= _MAX_LEVELS:
+        return Finding("note", "feedback", f"{text} A periodic input has this effect, as has a relay in closed loop.")
     text += (
-        " Either the record was taken in closed loop, and a least-squares fit is biased, or the output answers "
-        "within one sample, which a strictly proper model cannot."
+        " Either the record was taken in closed loop, and a least-squares fit is biased, or the output responds "
+        "within one sample, which a strictly proper model cannot reproduce."
     )
     return Finding("warning", "feedback", text)
 
 
 def about_rest(u: FloatArray, y: FloatArray, offsets: Offsets, Ts: float | None) -> Finding:
-    """Whether the record begins at rest, and from where on it is settled."""
+    """Whether the record begins at rest, and at which sample the output has settled."""
     k0, n = offsets.settled
     length = f"{n} samples" + (f" ({n * Ts:g} s)" if Ts else "")
     if n == 1:
-        text = "the input moves at once: there is no first period at rest to take the offsets from."
+        text = "the input changes at sample 1: there is no first period at rest from which to take the offsets."
         return Finding("refused", "rest", text)
     if offsets.status == "too short":
         text = f"the first input period has only {length}, too few to see whether the output is settled."
@@ -142,7 +142,7 @@ def about_rest(u: FloatArray, y: FloatArray, offsets: Offsets, Ts: float | None)
     if offsets.status == "not settled":
         text = (
             f"the output does not settle in the first input period of {length}. The mean of its last quarter, "
-            f"{offsets.y_offset:.5g}, is the best offset there is, and a biased one."
+            f"{offsets.y_offset:.5g}, is the best available offset, but biased."
         )
         return Finding("warning", "rest", text)
     noise = float(np.std(y[k0:n]))
@@ -151,7 +151,7 @@ def about_rest(u: FloatArray, y: FloatArray, offsets: Offsets, Ts: float | None)
         return Finding("ok", "rest", f"{text}y = {offsets.y_offset:.5g}, sd {noise:.2g}.")
     text = (
         f"not settled at the start: y comes from {y[0]:.3g} and is at rest only in samples {k0} to {n - 1} of the "
-        f"first period of {length}. Average those: y offset {offsets.y_offset:.5g}, sd {noise:.2g}. The mean of "
+        f"first period of {length}. Average these: y offset {offsets.y_offset:.5g}, sd {noise:.2g}. The mean of "
         f"the whole period would be {mean_of_first_period(u, y):.5g}."
     )
     return Finding("warning", "rest", text)
@@ -173,7 +173,7 @@ def about_plateaus(plateaus: Plateaus) -> Finding:
 
 
 def _about_output(raw: RawRecord, offsets: Offsets | None) -> list[Finding]:
-    """Range, noise, and what the converter and the logger did; these two to the raw sensor, if it was logged."""
+    """Range, noise, converter step and held values; of the measured output, if it was logged."""
     y, sensor = raw.y, raw.y_measured
     if sensor is None or sensor.size != y.size or not is_sound(sensor):
         sensor = y
@@ -206,21 +206,21 @@ def _about_output(raw: RawRecord, offsets: Offsets | None) -> list[Finding]:
 
 
 def about_clipping(y: FloatArray) -> list[Finding]:
-    """Extremes at which y stands as if against a stop."""
+    """Extremes at which y is clipped."""
     findings = []
     for extreme, word in ((float(y.min()), "lowest"), (float(y.max()), "highest")):
         samples, longest = stuck_at_extreme(y, extreme)
         if samples:
             text = (
                 f"y is stuck at its {word} value {extreme:g} for {samples} samples ({longest} in a row), so it "
-                "looks clipped. No linear model follows that."
+                "looks clipped. A linear model cannot reproduce this."
             )
             findings.append(Finding("warning", "clipping", text))
     return findings
 
 
 def _converter(step: float) -> str:
-    """The usual converters of that step."""
+    """The common converters with this step."""
     named = [
         f"{bits} bits over {span:g}"
         for span in (5.0, 10.0, 20.0, 3.3)
@@ -231,7 +231,7 @@ def _converter(step: float) -> str:
 
 
 def about_filter(raw: RawRecord, Ts: float | None) -> list[Finding]:
-    """What the logger did between the measured output and the noise-reduced one; nothing where it logged but one."""
+    """The filter between the measured output and the noise-reduced one; empty unless both were logged."""
     before, after = raw.y_measured, raw.y_noise_reduced
     if before is None or after is None or before.size != after.size:
         return []
@@ -239,7 +239,7 @@ def about_filter(raw: RawRecord, Ts: float | None) -> list[Finding]:
         return []
     m = moving_mean_length(before, after)
     if m is None:
-        text = "the noise-reduced output is no moving mean of the measured one."
+        text = "the noise-reduced output is not a moving mean of the measured one."
     elif m == 1:
         text = "the noise-reduced output is the measured one, unchanged."
     else:
@@ -265,7 +265,7 @@ def _about_excitation(u: FloatArray, y: FloatArray, offsets: Offsets) -> Finding
         if not result.positive_definite:
             text = (
                 f"the first half does not excite order {n}. Phi has rank {result.rank} of {2 * n}, so theta is not "
-                "unique: the input must move, and more than once, before the middle of the record."
+                "unique: the input must change more than once before the middle of the record."
             )
             return Finding("refused", "excitation", text)
         conditions.append(f"{result.condition_number:.4g} for order {n}")

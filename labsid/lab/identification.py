@@ -1,4 +1,4 @@
-"""The lab's whole procedure on a record: offsets, Phi, theta, model, free runs, mean squared errors."""
+"""The complete procedure of the lab: offsets, Phi, theta, model, free runs, mean squared errors."""
 
 from dataclasses import dataclass
 from typing import Any
@@ -17,7 +17,7 @@ from labsid.records.record import Record
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Identification:
-    """Everything that the lab finds in a record.
+    """Results of the lab's procedure on a record.
 
     Attributes
     ----------
@@ -32,13 +32,13 @@ class Identification:
     fit : LeastSquares
         Exercise 2b.
     excitation : Excitation
-        Whether, and how well, Phi'Phi is positive definite.
+        Test of Phi'Phi for positive definiteness.
     model : ArxModel
         The identified model about its operating point, exercise 2c.
     verification : Verification
         The free runs, exercise 3.
     warnings : tuple of str
-        What a reader of the results should know; empty for the lab's own file.
+        Empty for the lab's own file.
     """
 
     record: Record
@@ -65,7 +65,7 @@ def identify(record: Record, order: int = 2, start: int = 2) -> Identification:
     order : int
         Order of the model.
     start : int
-        First sample k that gets a row of Phi; below `order`, the lags before sample 0 are taken as zero.
+        First sample k with a row in Phi; below `order`, the lags before sample 0 are taken as zero.
 
     Returns
     -------
@@ -74,8 +74,8 @@ def identify(record: Record, order: int = 2, start: int = 2) -> Identification:
     Raises
     ------
     ValueError
-        If the input never changes, the first half leaves too few rows, the input does not excite every
-        parameter, or the identified model is so unstable that its free run overflows.
+        If the input never changes, the first half has too few rows, the input does not excite every parameter,
+        or the free run of an unstable model overflows.
 
     Notes
     -----
@@ -111,7 +111,7 @@ def identify(record: Record, order: int = 2, start: int = 2) -> Identification:
 
 
 def to_json_dict(identification: Identification) -> dict[str, Any]:
-    """Write the results as the JSON object of ``labsid identify --json``.
+    """Convert the results to the JSON object of ``labsid identify --json``.
 
     Parameters
     ----------
@@ -120,7 +120,7 @@ def to_json_dict(identification: Identification) -> dict[str, Any]:
     Returns
     -------
     dict
-        Plain numbers and lists: ``Ts, samples, u_offset, y_offset, settled, order, theta, a, b, poles, mse,
+        Numbers and lists: ``Ts, samples, u_offset, y_offset, settled, order, theta, a, b, poles, mse,
         condition_number``; indices zero-based and half-open, poles as [real, imaginary].
     """
     model, verification = identification.model, identification.verification
@@ -168,17 +168,17 @@ def _warnings(offsets: Offsets, model: ArxModel, start: int) -> tuple[str, ...]:
     elif offsets.status == "not settled":
         found.append(
             f"the output does not settle before the first change of the input; its mean over samples {k0} to "
-            f"{k1 - 1} stands in for the output offset"
+            f"{k1 - 1} is used as the output offset"
         )
     if k0 > 0:
         found.append(
             f"the record does not start at rest: samples 0 to {k0 - 1} are a start-up, which a simulation "
-            "from rest cannot follow, so that the MSE over the whole record includes it"
+            "from rest cannot reproduce; the MSE over the whole record includes it"
         )
         if start < model.order:
             found.append(
-                f"rows from sample {start} take the lags before sample 0 as zero, which they were not; "
-                f"start at {model.order} or later"
+                f"rows from sample {start} take the lags before sample 0 as zero, but the record does not start at "
+                f"rest; start at {model.order} or later"
             )
     if not model.is_stable:
         found.append(f"the identified model is unstable: its largest pole has magnitude {abs(model.poles[0]):.4g}")

@@ -1,4 +1,4 @@
-"""Least squares for long records: Phi'Phi straight from u and y, without ever building Phi."""
+"""Least squares for long records: Phi'Phi is computed from u and y without building Phi."""
 
 from dataclasses import dataclass
 from typing import Literal
@@ -9,13 +9,13 @@ from numpy.typing import ArrayLike
 from labsid._arrays import FloatArray, as_signals, freeze, read_only
 from labsid.lab.arx import ArxModel, arx_from_theta, fit_arx
 
-LARGEST_CONDITION = 1e5  # of Phi: its square, times the rounding of 1e-16, leaves six digits
-SMALLEST_LOSS = 1e-8  # of E'E to Y'Y: below that, subtracting the one from the other loses the digits of sigma2
+MAX_CONDITION = 1e5  # of Phi: its square times the machine epsilon of 1e-16 leaves six digits
+MIN_LOSS = 1e-8  # of E'E over Y'Y: below it, cancellation spoils sigma2
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class LongArxFit:
-    """A model from a long record: `LeastSquares` without anything as long as the record.
+    """A model of a long record; as `LeastSquares`, but without arrays of the length of the record.
 
     Attributes
     ----------
@@ -27,15 +27,15 @@ class LongArxFit:
     condition_number : float
         Of Phi.
     sigma2 : float
-        Estimated variance of the equation error, ``E'E / (rows - 2 order)``; NaN where nothing is left.
+        Estimated variance of the equation error, ``E'E / (rows - 2 order)``; NaN without degrees of freedom.
     covariance : ndarray, shape (2 * order, 2 * order)
-        ``sigma2 (Phi'Phi)^-1``; NaN where theta is not unique.
+        ``sigma2 (Phi'Phi)^-1``; NaN if theta is not unique.
     stderr : ndarray, shape (2 * order,)
         Standard errors of theta.
     status : {"unique", "rank-deficient"}
         As in `LeastSquares`.
     solved_by : {"gram", "svd"}
-        Whether the sums were good enough or Phi had to be built.
+        Whether theta was computed from Phi'Phi or, for a badly conditioned problem, from Phi.
     """
 
     model: ArxModel
@@ -53,7 +53,7 @@ class LongArxFit:
 
 
 def fit_long_arx(u: ArrayLike, y: ArrayLike, Ts: float, order: int = 2) -> LongArxFit:
-    """Identify the model that `fit_arx` identifies, in one reading of the record.
+    """Identify the same model as `fit_arx` in one pass over the record.
 
     Parameters
     ----------
@@ -71,13 +71,13 @@ def fit_long_arx(u: ArrayLike, y: ArrayLike, Ts: float, order: int = 2) -> LongA
     Raises
     ------
     ValueError
-        As `fit_arx` does.
+        As `fit_arx`.
 
     Notes
     -----
-    UNSW lab, eq. (8). An entry of Phi'Phi is a sum of ``y(k-i) u(k-j)``, which depends on i and j only through the
-    lag and, at the two ends of the record, on where it starts: 4 order + 1 sums give them all. Phi'Phi squares the
-    condition number, so that above 1e5 (of Phi), and where the residual is next to nothing, Phi is built after all.
+    UNSW lab, eq. (8). An entry of Phi'Phi is a sum of ``y(k-i) u(k-j)``. Apart from the two ends of the record it
+    depends on the lag j - i only, so that 4 order + 1 sums give all entries. Phi'Phi has the squared condition number
+    of Phi; above cond(Phi) = 1e5, or if the residual is almost zero, Phi is built and decomposed.
     """
     u, y = (np.ascontiguousarray(x, dtype=np.float64) for x in (u, y))
     enough = u.ndim == y.ndim == 1 and u.size == y.size and order >= 1 and y.size >= 3 * order
@@ -87,13 +87,13 @@ def fit_long_arx(u: ArrayLike, y: ArrayLike, Ts: float, order: int = 2) -> LongA
     if not (np.isfinite(yy) and np.all(np.isfinite(G)) and np.isfinite(u[-1])):
         as_signals(u=u, y=y)
     eigenvalues = np.linalg.eigvalsh(G) if np.all(np.isfinite(G)) else np.zeros(2 * order)
-    if not eigenvalues[0] * LARGEST_CONDITION**2 > eigenvalues[-1]:
+    if not eigenvalues[0] * MAX_CONDITION**2 > eigenvalues[-1]:
         return _by_svd(u, y, Ts, order)
     scale = 1 / np.sqrt(np.diag(G))
     inverse = scale[:, np.newaxis] * np.linalg.inv(scale[:, np.newaxis] * G * scale) * scale
     theta = inverse @ g
     squares = yy - float(theta @ g)
-    if squares < SMALLEST_LOSS * yy:
+    if squares < MIN_LOSS * yy:
         return _by_svd(u, y, Ts, order)
     rows, p = y.size - order, 2 * order
     sigma2 = squares / (rows - p) if rows > p else np.nan
@@ -115,7 +115,7 @@ def _gram(u: FloatArray, y: FloatArray, n: int) -> tuple[FloatArray, FloatArray,
     from labsid.lab._lagged_sums import lagged_sums
 
     # With m = k - i, the entry for lags i and j sums x(m) z(m - (j - i)) over m = n - i .. N - 1 - i. The samples
-    # m = n .. N - 1 - n are in every entry; the few before and after are added entry by entry.
+    # m = n .. N - 1 - n are common to all entries; the others are added to each entry separately.
     N = y.size
     yy, uu, yu = np.zeros(n + 1), np.zeros(n), np.zeros(2 * n)
     lagged_sums(read_only(u), read_only(y), n, n, N - n, yy, uu, yu)

@@ -1,4 +1,4 @@
-"""DC offsets of a record: the lab's loop over the first input period, and the settled part of that period."""
+"""DC offsets of a record: mean of the first input period, or of its settled part."""
 
 from dataclasses import dataclass
 from typing import Literal
@@ -8,9 +8,9 @@ from numpy.typing import ArrayLike
 
 from labsid._arrays import FloatArray, as_signal, as_signals
 
-SETTLING_BAND = 0.02  # of the range of y: the 2 % band by which control engineers define the settling time
-STEADY_TAIL = 0.01  # of the range of y: what the tail after a start-up may still rise
-SHORTEST_TAIL = 8  # samples; fewer cannot tell a trend from noise
+SETTLING_BAND = 0.02  # share of the range of y: the usual 2 % band of the settling time
+STEADY_TAIL = 0.01  # share of the range of y: largest rise of the tail after a start-up
+SHORTEST_TAIL = 8  # samples; fewer do not distinguish a trend from noise
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -26,9 +26,8 @@ class Offsets:
     first_period : int
         Samples before the first change of the input; equals k1.
     status : {"settled", "not settled", "too short"}
-        "settled": those samples show no trend worth mentioning. "not settled": even the last quarter of the
-        period still moves, and its mean stands in. "too short": the period has fewer than 8 samples, which
-        cannot show it; all of them are averaged, as the lab does.
+        "settled": those samples show no significant trend. "not settled": even the last quarter of the period
+        shows a trend; its mean is used. "too short": the period has fewer than 8 samples; all are averaged.
     """
 
     u_offset: float
@@ -39,12 +38,12 @@ class Offsets:
 
 
 def first_period_length(u: ArrayLike) -> int:
-    """Count the samples before the first change of the input, with the loop that the lab asks for.
+    """Count the samples before the first change of the input, with the loop required by the lab.
 
     Parameters
     ----------
     u : array_like, shape (N,)
-        The input as it was commanded (exact levels, no measurement noise).
+        The commanded input (exact levels, no measurement noise).
 
     Returns
     -------
@@ -92,14 +91,14 @@ def mean_of_first_period(u: ArrayLike, y: ArrayLike) -> float:
 
     Notes
     -----
-    UNSW lab, exercise 1c. Right only where the rig is settled before the first change: see `find_offsets`.
+    UNSW lab, exercise 1c. Valid only if the rig is settled before the first change; see `find_offsets`.
     """
     u, y = as_signals(at_least=2, u=u, y=y)
     return float(np.mean(y[: first_period_length(u)]))
 
 
 def mid_range(u: ArrayLike) -> float:
-    """Return the middle of the input range, the lab's *definition* of the input offset.
+    """Return the middle of the input range, which the lab defines as the input offset.
 
     Parameters
     ----------
@@ -113,9 +112,9 @@ def mid_range(u: ArrayLike) -> float:
 
     Notes
     -----
-    UNSW lab, "DC Offset Compensation". The exercise then uses the first value of u instead, and so does
-    `find_offsets`: y has been seen to settle at the first value, while nobody may ever have held the middle
-    of the range. The two agree only for symmetric ranges (2.0 V and 1.9 V on the lab's own file).
+    UNSW lab, "DC Offset Compensation". The exercise uses the first value of u instead, as does `find_offsets`:
+    the record shows where y settles at the first value, but the input may never have rested at the middle of the
+    range. The two agree only for symmetric ranges (2.0 V and 1.9 V on the lab's own file).
     """
     u = as_signal("u", u)
     return float((u.max() + u.min()) / 2)
@@ -140,17 +139,16 @@ def find_offsets(u: ArrayLike, y: ArrayLike) -> Offsets:
 
     Notes
     -----
-    UNSW lab, exercise 1c, made safe for records that start from an empty tank (see the errata).
+    UNSW lab, exercise 1c, extended to records that start from an empty tank (see the errata).
 
-    The whole first period counts as settled, and is averaged as the lab does, when it keeps within 2 % of
-    the range of y about its mean and a straight line through it rises by no more than that 2 %. Otherwise the
-    record holds a start-up, and the longest tail is averaged that keeps within the same band and rises by at
-    most 1 %; on an exponential approach a rise of r biases the mean by about r / 6. The tail is at least a
-    quarter of the period and 8 samples long.
+    The whole first period is averaged, as in the lab, if it stays within 2 % of the range of y about its mean and
+    a straight line through it rises by at most the same 2 %. Otherwise the record contains a start-up: the longest
+    tail is averaged that stays within the same band and rises by at most 1 %. On an exponential approach, a rise of
+    r biases the mean by about r / 6. The tail has at least 8 samples and a quarter of the period.
 
-    Noise widens these limits: the band to four standard deviations, the rise to two standard errors. For a
-    tail, two standard errors must not exceed 2 % of the range: where noise could hide a trend, there is no
-    proof of rest. The noise is the scatter about a straight line through the last quarter.
+    Noise widens these limits: the band to four standard deviations, the rise to two standard errors. For a tail,
+    two standard errors must not exceed 2 % of the range, because larger noise could hide a trend. The noise is the
+    standard deviation about a straight line through the last quarter.
     """
     u, y = as_signals(at_least=2, u=u, y=y)
     n = first_period_length(u)
@@ -170,7 +168,6 @@ def remove_offsets(u: ArrayLike, y: ArrayLike, offsets: Offsets) -> tuple[FloatA
     u, y : array_like, shape (N,)
         Input and output as recorded.
     offsets : Offsets
-        What to subtract.
 
     Returns
     -------

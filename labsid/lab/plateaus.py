@@ -1,4 +1,4 @@
-"""Levels at which the output rests under a staircase input, and whether they repeat where the input does."""
+"""Levels at which the output settles under a staircase input, and whether they repeat at equal inputs."""
 
 from dataclasses import dataclass
 
@@ -7,15 +7,15 @@ import numpy as np
 from labsid._arrays import FloatArray
 from labsid.records.signal_quality import runs
 
-MOST_PERIODS = 50  # an input of more is no staircase on which anything comes to rest
-STILL = 0.03  # of the range of y: what a settled tail moves at most from its first half to its second
-MEMORY = 0.9  # autocorrelation of the noise that is believed at most
-SMALLEST = 0.015  # of the range of y: a difference of levels that counts
+MAX_PERIODS = 50  # of a staircase input; with more, y hardly settles
+MAX_DRIFT = 0.03  # share of the range of y: largest difference between the means of a tail's halves
+MAX_AUTOCORRELATION = 0.9  # upper limit for the estimate at lag one
+MIN_DIFFERENCE = 0.015  # share of the range of y: smallest relevant difference of levels
 
 
 @dataclass(frozen=True, slots=True)
 class Plateaus:
-    """Settled ends of input periods at levels that come back.
+    """Settled tails of the input periods at levels that occur more than once.
 
     Attributes
     ----------
@@ -24,7 +24,7 @@ class Plateaus:
     ends : dict
         Level of u -> the mean of y over each of these tails.
     largest : float
-        Largest difference of two ends at one level, in the unit of y.
+        Largest difference of two means at one level, in the unit of y.
     span : float
         Range of y.
     noise : float
@@ -39,11 +39,11 @@ class Plateaus:
 
     @property
     def repeat(self) -> bool:
-        """Whether y comes back to the same levels at the same input."""
-        return self.largest <= max(SMALLEST * self.span, 2 * self.noise)
+        """Whether y returns to the same level at the same input."""
+        return self.largest <= max(MIN_DIFFERENCE * self.span, 2 * self.noise)
 
     def by_chance(self, x: FloatArray, counted: np.ndarray) -> float:
-        """How large `scatter` may well be by nothing but the noise that is seen within the tails.
+        """Upper limit of `scatter` for repeating plateaus, from the noise within the tails.
 
         Parameters
         ----------
@@ -56,21 +56,22 @@ class Plateaus:
         square = sum(float(tail @ tail) for tail in tails)
         if not square:
             return 0.0
-        memory = float(np.clip(sum(float(tail[1:] @ tail[:-1]) for tail in tails) / square, 0.0, MEMORY))
+        lag_products = sum(float(tail[1:] @ tail[:-1]) for tail in tails)
+        rho = float(np.clip(lag_products / square, 0.0, MAX_AUTOCORRELATION))
         length = float(np.median([tail.size for tail in tails]))
-        of_means = square / freedom / length * (1.0 + memory) / (1.0 - memory)
+        of_means = square / freedom / length * (1.0 + rho) / (1.0 - rho)
         ends = max(len(tails) - len(self.stretches), 1)
         return float(np.sqrt(of_means * (1.0 + 2.0 * np.sqrt(2.0 / ends))))
 
     def scatter(self, x: FloatArray, counted: np.ndarray) -> float:
-        """Standard deviation of the ends of a signal about the mean of their level; 0 where too few of them count.
+        """Standard deviation of the tail means of a signal about the mean of their level; 0 if there are too few.
 
         Parameters
         ----------
         x : ndarray, shape (N,)
-            y itself, or what a simulation leaves of it.
+            y, or the residual of a simulation.
         counted : ndarray of bool, shape (N,)
-            Its readings that are to be trusted.
+            The valid samples.
         """
         means = [
             np.array([x[a:b][counted[a:b]].mean() for a, b in own if counted[a:b].any()])
@@ -82,7 +83,7 @@ class Plateaus:
 
 
 def repeated_plateaus(u: FloatArray, y: FloatArray) -> Plateaus | None:
-    """Find where y has come to rest at the same level of the input more than once.
+    """Find the settled tails of y at input levels that occur more than once.
 
     Parameters
     ----------
@@ -92,10 +93,10 @@ def repeated_plateaus(u: FloatArray, y: FloatArray) -> Plateaus | None:
     Returns
     -------
     Plateaus or None
-        None if there are no two such places.
+        None if no level has two settled tails.
     """
     starts, lengths = runs(u)
-    if starts.size > MOST_PERIODS:
+    if starts.size > MAX_PERIODS:
         return None
     span, noise = float(np.ptp(y)), []
     tails: dict[float, list[tuple[int, int]]] = {}
@@ -104,7 +105,7 @@ def repeated_plateaus(u: FloatArray, y: FloatArray) -> Plateaus | None:
         tail = y[stop - length // 4 : stop]
         half = tail.size // 2
         cut_short = start > 0 and length < np.median(lengths) / 2
-        if cut_short or half < 5 or abs(tail[half:].mean() - tail[:half].mean()) > STILL * span:
+        if cut_short or half < 5 or abs(tail[half:].mean() - tail[:half].mean()) > MAX_DRIFT * span:
             continue
         tails.setdefault(float(u[start]), []).append((stop - length // 4, stop))
         noise.append(float(tail.std()))

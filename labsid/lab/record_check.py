@@ -1,4 +1,4 @@
-"""What is in a record and what is wrong with it, also where `load_record` refuses it."""
+"""Description of a record and its faults, for records that `load_record` refuses, too."""
 
 from dataclasses import dataclass
 from typing import Any
@@ -14,18 +14,18 @@ from labsid.records.signal_quality import runs
 
 @dataclass(frozen=True, slots=True)
 class RecordCheck:
-    """Everything found in a record.
+    """Findings about a record.
 
     Attributes
     ----------
     name : str
-        Of the record.
+        Name of the record.
     samples : int
         Samples of the input.
     Ts : float or None
-        Usual sampling interval in seconds, where there is one.
+        Median sampling interval in seconds, if known.
     faults : tuple of Fault
-        Why `load_record` refuses it; empty where it does not.
+        Reasons for which `load_record` refuses it.
     findings : tuple of Finding
     """
 
@@ -37,7 +37,7 @@ class RecordCheck:
 
     @property
     def usable(self) -> bool:
-        """Whether the lab's procedure can be carried out on it."""
+        """Whether the lab's procedure can be carried out on the record."""
         return not any(finding.level == "refused" for finding in self.findings)
 
     @property
@@ -49,19 +49,19 @@ class RecordCheck:
         warnings = [finding for finding in self.findings if finding.level == "warning"]
         if warnings:
             count = "1 warning" if len(warnings) == 1 else f"{len(warnings)} warnings"
-            return f"usable for the lab: yes, minding {count}: {_first_sentence(warnings[0].text)}"
+            return f"usable for the lab: yes, with {count}: {_first_sentence(warnings[0].text)}"
         return (
             "usable for the lab: yes, because it starts at rest, is sampled regularly and excites a second-order model"
         )
 
 
 def check_record(raw: RawRecord) -> RecordCheck:
-    """Describe a record and what is wrong with it.
+    """Describe a record and its faults.
 
     Parameters
     ----------
     raw : RawRecord
-        As `labsid.records.formats.read_raw` returns it; nothing about it is taken for granted.
+        From `labsid.records.formats.read_raw`.
 
     Returns
     -------
@@ -70,9 +70,9 @@ def check_record(raw: RawRecord) -> RecordCheck:
     faults = find_faults(raw)
     Ts = _usual_interval(raw)
     findings = [*_about_sampling(raw, Ts), *_about_missing(raw)]
-    # Those descriptions name every place, the fault only the first.
-    told = {finding.topic for finding in findings if finding.level == "refused"}
-    findings += [Finding("refused", fault.topic, fault.text) for fault in faults if fault.topic not in told]
+    # These findings list several places, a fault only the first.
+    covered = {finding.topic for finding in findings if finding.level == "refused"}
+    findings += [Finding("refused", fault.topic, fault.text) for fault in faults if fault.topic not in covered]
     if raw.u.size == raw.y.size >= 5 and is_sound(raw.u) and is_sound(raw.y):
         findings += about_signals(raw, Ts)
     notes = [Finding("note", "file", f"{note}.") for note in raw.notes]
@@ -80,7 +80,7 @@ def check_record(raw: RawRecord) -> RecordCheck:
 
 
 def to_json_dict(check: RecordCheck) -> dict[str, Any]:
-    """Write a check as the JSON object of ``labsid check --json``.
+    """Convert a check to the JSON object of ``labsid check --json``.
 
     Parameters
     ----------
@@ -116,7 +116,7 @@ def _about_sampling(raw: RawRecord, Ts: float | None) -> list[Finding]:
     if Ts is None:
         return []
     if raw.t is None or raw.t.size < 2 or not is_sound(raw.t):
-        text = f"{size}, one every {Ts:g} s as given; there are no times to check that by."
+        text = f"{size}, one every {Ts:g} s as given; there are no times to verify this."
         return [Finding("note", "sampling", text)]
     steps = np.diff(raw.t)
     back = np.flatnonzero(steps <= 0)
@@ -139,7 +139,7 @@ def _about_sampling(raw: RawRecord, Ts: float | None) -> list[Finding]:
 
 
 def _about_missing(raw: RawRecord) -> list[Finding]:
-    """Where values are NaN or infinite, by stretches."""
+    """Stretches in which values are NaN or infinite."""
     findings = []
     for name, column in raw.columns.items():
         bad = ~np.isfinite(column)

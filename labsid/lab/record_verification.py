@@ -14,16 +14,16 @@ from labsid.records.record import Record
 
 @dataclass(frozen=True, slots=True, eq=False)
 class RecordVerification:
-    """A model beside the process on another record (Fig. 4).
+    """Comparison of a model with another record of the process (Fig. 4).
 
     Attributes
     ----------
     offsets : Offsets
         Of that record.
     start : int
-        First sample compared: where the record has settled.
+        First sample compared: the first at which the record is settled.
     u, y : ndarray, shape (N - start,)
-        Offset-free input and output of the record from there on.
+        Offset-free input and output of the record from sample `start`.
     y_sim : ndarray, shape (N - start,)
         Offset-free output of the model, from rest.
     error : ndarray, shape (N - start,)
@@ -31,8 +31,8 @@ class RecordVerification:
     mse : float
         Mean squared error.
     level_shift : float
-        How far the record rests above where the model expects it for that input, in the unit of y; not finite
-        for a model with a pole at 1 and another input, where it expects none.
+        Output offset of the record minus the static output of the model at the same input, in the unit of y; not
+        finite for a model with a pole at 1 if the input offsets differ.
     """
 
     offsets: Offsets
@@ -69,10 +69,10 @@ def verify_on_record(model: ArxModel, record: Record) -> RecordVerification:
 
     Notes
     -----
-    UNSW lab, "Model Verification" and Fig. 4: on data that identified nothing. The record's own offsets are
-    removed, because on this rig the level at one and the same input does not repeat from run to run; what is
-    verified is the dynamics and the gain, and `level_shift` says how far the level has moved. The comparison
-    starts where the record has settled: there the process is at rest, and so is the model.
+    UNSW lab, "Model Verification" and Fig. 4, on data that were not used for identification. The record's own
+    offsets are removed, because on this rig the level at the same input differs between runs. The comparison thus
+    verifies the dynamics and the gain; `level_shift` is the change of level. The comparison starts at a sample at
+    which the process is at rest, like the model.
     """
     if not np.isclose(record.Ts, model.Ts, rtol=1e-6, atol=0):
         raise ValueError(

@@ -19,10 +19,10 @@ def build_phi(
     order : int
         Order of the model; a row has 2 * order entries.
     start : int, optional
-        First sample k that gets a row; `order` unless given, the first for which every lag was recorded.
-        Below that, the lags before sample 0 are taken as zero: the rig at rest at its operating point.
+        First sample k with a row; default: `order`, the first for which every lag was recorded. Below that, the
+        lags before sample 0 are taken as zero: the rig at rest at its operating point.
     stop : int, optional
-        One past the last sample that gets a row; all samples unless given.
+        One past the last sample with a row; default: N.
 
     Returns
     -------
@@ -37,8 +37,8 @@ def build_phi(
 
     Notes
     -----
-    UNSW lab, eq. (4) to (7), exercise 2a. With ``start=1`` and ``order=2`` the first row is the printed one,
-    with y(-1) = u(-1) = 0.
+    UNSW lab, eq. (4) to (7), exercise 2a. With ``start=1`` and ``order=2`` the first row is the one printed in
+    the lab, with y(-1) = u(-1) = 0.
     """
     if order < 1:
         raise ValueError(f"order must be at least 1; got {order}.")

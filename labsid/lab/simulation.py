@@ -1,4 +1,4 @@
-"""What the model answers to an input: free run, one-step prediction, and the initial state."""
+"""Simulation of the model: free run, one-step prediction, and the initial state."""
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -9,7 +9,7 @@ from labsid.model_structures.prediction import free_run, one_step_prediction
 
 
 def simulate(model: ArxModel, u: ArrayLike, x0: ArrayLike | None = None) -> FloatArray:
-    """Simulate the model from its input: past outputs are simulated, never measured.
+    """Simulate the model from its input (free run): past outputs are simulated, not measured.
 
     Parameters
     ----------
@@ -17,7 +17,7 @@ def simulate(model: ArxModel, u: ArrayLike, x0: ArrayLike | None = None) -> Floa
     u : array_like, shape (N,)
         Offset-free input.
     x0 : array_like, shape (n,), optional
-        State of eq. (2) at the first sample; at rest (zero) unless given.
+        State of eq. (2) at the first sample; default: zero (at rest).
 
     Returns
     -------
@@ -27,7 +27,7 @@ def simulate(model: ArxModel, u: ArrayLike, x0: ArrayLike | None = None) -> Floa
     Raises
     ------
     ValueError
-        If `x0` does not have one entry a state, or an unstable model leaves the range of numbers.
+        If `x0` does not have n entries, or the output of an unstable model overflows.
 
     Notes
     -----
@@ -57,8 +57,8 @@ def predict_one_step(model: ArxModel, u: ArrayLike, y: ArrayLike) -> FloatArray:
 
     Notes
     -----
-    UNSW lab, eq. (4). This is *not* simulation: it uses the measured output at every step and so looks good
-    even with a poor model. Verification asks for `simulate`.
+    UNSW lab, eq. (4). This is *not* simulation: it uses the measured output at every step, and its error is small
+    even for a poor model. Verification requires `simulate`.
     """
     return one_step_prediction(model.polynomials, u, y)
 
@@ -70,33 +70,32 @@ def free_response(model: ArxModel, samples: int) -> FloatArray:
     ----------
     model : ArxModel
     samples : int
-        How many samples k = 0 .. samples - 1.
+        Number of samples, k = 0 .. samples - 1.
 
     Returns
     -------
     ndarray, shape (samples, n)
-        Times a state of eq. (2), the output that this state alone would cause.
+        Its product with a state of eq. (2) is the free response from that state.
     """
     quiet = np.zeros(samples)
     return np.column_stack([simulate(model, quiet, state) for state in np.eye(model.order)])
 
 
 def estimate_initial_state(model: ArxModel, u: ArrayLike, y: ArrayLike, samples: int | None = None) -> FloatArray:
-    """Estimate the state at the first sample from what the model at rest leaves unexplained.
+    """Estimate the state at the first sample by least squares on the simulated output.
 
     Parameters
     ----------
     model : ArxModel
     u, y : array_like, shape (N,)
-        Offset-free input and output of the stretch that starts with the sought state.
+        Offset-free input and output, from the sample of the unknown state.
     samples : int, optional
-        How many samples, from the first, to fit; all unless given.
+        Number of samples to fit, from the first; default: all.
 
     Returns
     -------
     x0 : ndarray, shape (n,)
-        State of eq. (2), by least squares on the simulated output; of minimum norm where the output does not
-        determine it.
+        State of eq. (2); of minimum norm if the output does not determine it.
 
     Raises
     ------
@@ -105,8 +104,7 @@ def estimate_initial_state(model: ArxModel, u: ArrayLike, y: ArrayLike, samples:
 
     Notes
     -----
-    The remedy to the question of UNSW exercise 3b. The output is linear in the state: it is the output from
-    rest plus ``C G^k x0``.
+    UNSW lab, exercise 3b. The output is linear in the initial state: it is the output from rest plus ``C G^k x0``.
     """
     u, y = as_signals(u=u, y=y)
     samples = y.size if samples is None else samples

@@ -1,4 +1,4 @@
-"""The pre-lab refresher: two noisy sinusoids as column vectors, cut off and stored side by side."""
+"""The pre-lab exercise: two noisy sinusoids as column vectors, cut off and stored in one matrix."""
 
 from dataclasses import dataclass
 
@@ -38,7 +38,7 @@ class CutOff:
     t_new : ndarray, shape (m, 1)
         Time in seconds, starting from zero again.
     y1_new, y2_new : ndarray, shape (m, 1)
-        What is left of the sinusoids.
+        The remaining samples of the sinusoids.
     data_new : ndarray, shape (m, 3)
         ``[t_new y1_new y2_new]``.
     """
@@ -75,7 +75,7 @@ def make_sinusoids(rng: np.random.Generator) -> Sinusoids:
 
 
 def cut_off(sinusoids: Sinusoids, n: int = 200) -> CutOff:
-    """Drop the first samples, let time start from zero again, and store the three columns in one matrix.
+    """Drop the first samples, restart time at zero, and store the three columns in one matrix.
 
     Parameters
     ----------
@@ -90,7 +90,7 @@ def cut_off(sinusoids: Sinusoids, n: int = 200) -> CutOff:
     Raises
     ------
     ValueError
-        If `n` is negative or leaves nothing.
+        If `n` is negative or no sample remains.
 
     Notes
     -----

@@ -1,4 +1,4 @@
-"""UNSW lab, appendix, Fig. A2: a second-order system beside its first-order approximation."""
+"""UNSW lab, appendix, Fig. A2: comparison of a second-order system with its first-order approximation."""
 
 from dataclasses import dataclass
 
@@ -38,7 +38,7 @@ class SecondOrderPlant:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class StepComparison:
-    """The original system beside its first-order approximation (Fig. A2).
+    """Comparison of a system with its first-order approximation (Fig. A2).
 
     Attributes
     ----------
@@ -51,7 +51,7 @@ class StepComparison:
     mse : float
         Mean squared difference.
     largest_error : float
-        Largest difference, as a share of the final level.
+        Largest absolute difference, as a share of the final level.
     """
 
     plant: SecondOrderPlant
@@ -67,7 +67,7 @@ class StepComparison:
 
 
 def second_order_example() -> SecondOrderPlant:
-    """Return the plant of Fig. A2(a), whose coefficients are *chosen*: the printed lab does not give them.
+    """Return the plant of Fig. A2(a). Its coefficients are an assumption; the lab does not print them.
 
     Returns
     -------
@@ -76,8 +76,8 @@ def second_order_example() -> SecondOrderPlant:
 
     Notes
     -----
-    UNSW lab, appendix. One time constant is five times the other, so that the faster lag looks like a delay
-    and the first-order approximation is as close as the lab says.
+    UNSW lab, appendix. One time constant is five times the other, so that the faster lag resembles a delay
+    and the first-order approximation is as close as the lab states.
     """
     return SecondOrderPlant(K=3.0, tau1=5.0, tau2=1.0)
 
@@ -109,7 +109,7 @@ def second_order_response(plant: SecondOrderPlant, t: ArrayLike, amplitude: floa
 
 
 def compare_with_approximation(plant: SecondOrderPlant, t: ArrayLike, amplitude: float) -> StepComparison:
-    """Approximate the plant from its own step response and set the two responses side by side.
+    """Approximate the plant from its step response and compare the two responses.
 
     Parameters
     ----------

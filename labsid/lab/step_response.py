@@ -1,4 +1,4 @@
-"""Step-response modelling of the appendix: gain, time constant and delay read off a recorded step."""
+"""Step-response modelling of the appendix: gain, time constant and delay from a recorded step."""
 
 from dataclasses import dataclass
 from typing import Literal
@@ -33,7 +33,7 @@ class FirstOrderDelay:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class StepResponseFit:
-    """A first-order model with delay, read off a step response and refined on all its samples.
+    """A first-order model with delay, read off a step response and refined by least squares.
 
     Attributes
     ----------
@@ -44,17 +44,17 @@ class StepResponseFit:
     amplitude : float
         Size of the step.
     y_initial, y_final : float
-        Levels before the step and after it, as read.
+        Levels before and after the step, as read.
     t_283, t_632 : float
-        When the response has made 28.3 % and 63.2 % of the way, as read.
+        Times at which the response reaches 28.3 % and 63.2 % of its change, as read.
     y_fit : ndarray, shape (N,)
-        What `model` answers at the recorded times, on top of `y_initial`.
+        Output of `model` at the recorded times, `y_initial` included.
     mse_reading, mse : float
         Mean squared error of the reading and of the refined model.
     status : {"settled", "not settled", "overshoot"}
-        "not settled": the record ends before the response does, so that the reading takes too low a final
-        level; the refinement extrapolates. "overshoot": the response exceeds its final level by over 5 % of
-        the way and wants a model of second or higher order.
+        "not settled": the record ends before the response settles, so that the final level as read is too low;
+        the refinement extrapolates. "overshoot": the response exceeds its final level by over 5 % of the change
+        and requires a model of second or higher order.
     """
 
     reading: FirstOrderDelay
@@ -103,8 +103,8 @@ def fit_step_response(t: ArrayLike, y: ArrayLike, amplitude: float) -> StepRespo
     Parameters
     ----------
     t : array_like, shape (N,)
-        Time in seconds, increasing, zero at the instant of the step. The samples at t <= 0 give the level
-        before it; the more of them, the less their noise matters.
+        Time in seconds, increasing, zero at the instant of the step. The samples at t <= 0 are averaged to the
+        initial level.
     y : array_like, shape (N,)
         Recorded output.
     amplitude : float
@@ -118,18 +118,18 @@ def fit_step_response(t: ArrayLike, y: ArrayLike, amplitude: float) -> StepRespo
     ------
     ValueError
         If the amplitude is zero, t does not increase through zero, fewer than 10 samples follow the step, or
-        y does not answer it.
+        y does not respond to it.
 
     Notes
     -----
-    UNSW lab, appendix, Fig. A1. The figure does not say how its numbers were read; chosen here is the classic
-    two-point method. With y at its initial level before the step and at its final level in the last tenth,
+    UNSW lab, appendix, Fig. A1. The lab does not state how the values were read; this is the classic two-point
+    method. With y at its initial level before the step and at its final level in the last tenth,
 
         K = (y_final - y_initial) / amplitude,   tau = 3/2 (t_632 - t_283),   td = t_632 - tau,
 
-    because a first-order response has made 28.3 % of the way at td + tau / 3 and 63.2 % at td + tau. A delay
-    that would come out negative is none: then td = 0 and tau = t_632. On a noisy response, a level counts as
-    crossed midway between the first sample beyond it and the last sample short of it.
+    because a first-order response reaches 28.3 % of its change at td + tau / 3 and 63.2 % at td + tau. If the
+    delay comes out negative, td = 0 and tau = t_632. On a noisy response, the crossing of a level is midway
+    between the first sample above it and the last sample below it.
     """
     t, y = as_signals(t=t, y=y)
     if not (np.isfinite(amplitude) and amplitude != 0):
@@ -150,7 +150,7 @@ def fit_step_response(t: ArrayLike, y: ArrayLike, amplitude: float) -> StepRespo
     noise = float(np.std(np.diff(tail)) / np.sqrt(2))
     if abs(change) <= 3 * noise or change == 0:
         raise ValueError(
-            f"y must answer the step; got a change of {change:.4g} in noise of {noise:.2g}. "
+            f"y must respond to the step; got a change of {change:.4g} in noise of {noise:.2g}. "
             "Use a larger step, or record for longer."
         )
     t_after, way = np.append(0.0, t[after]), np.append(0.0, (y[after] - y_initial) / change)
@@ -194,9 +194,9 @@ def cut_held_step(
     Ts : float
         Sampling time in seconds.
     change : int
-        Which change of the input, counted from 0.
+        Index of the change of the input, from 0.
     before : int
-        Samples to keep from before the step, as far as the input was held there.
+        Samples to keep before the step, at most those since the previous change.
 
     Returns
     -------
@@ -210,7 +210,7 @@ def cut_held_step(
     Raises
     ------
     ValueError
-        If the lengths differ, `Ts` is not positive, or the input changes less often.
+        If the lengths differ, `Ts` is not positive, or there is no such change.
     """
     u, y = as_signals(u=u, y=y)
     if not (np.isfinite(Ts) and Ts > 0):
@@ -231,14 +231,14 @@ def _unit_response(t: FloatArray, tau: float, td: float) -> FloatArray:
 
 
 def _crossings(t: FloatArray, way: FloatArray) -> tuple[float, float]:
-    """Times at which `way`, zero at first, makes 28.3 % and 63.2 %; the former is never the later one."""
+    """Times at which `way`, zero at first, reaches 28.3 % and 63.2 %; the former is never the later one."""
     low, high = 1 - np.exp(-1 / 3), 1 - np.exp(-1)
     stop = int(np.flatnonzero(way >= high)[-1]) + 1
     return _crossing(t[:stop], way[:stop], low), _crossing(t[:stop], way[:stop], high)
 
 
 def _crossing(t: FloatArray, way: FloatArray, level: float) -> float:
-    """Time at which `way`, which ends beyond `level`, crosses it; interpolated where it does so once."""
+    """Time at which `way`, which ends above `level`, crosses it; interpolated if it does so once."""
     first, last = int(np.argmax(way >= level)), int(np.flatnonzero(way < level)[-1])
     if last < first:
         share = (level - way[last]) / (way[first] - way[last])
@@ -247,7 +247,7 @@ def _crossing(t: FloatArray, way: FloatArray, level: float) -> float:
 
 
 def _refine(t: FloatArray, y: FloatArray, amplitude: float, reading: FirstOrderDelay) -> FirstOrderDelay:
-    """Least squares over all samples: tau and td are searched, the gain follows linearly."""
+    """Least squares over all samples: nonlinear in tau and td, linear in the gain."""
 
     def gain(tau: float, td: float) -> float:
         unit = amplitude * _unit_response(t, tau, td)

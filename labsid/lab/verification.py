@@ -1,4 +1,4 @@
-"""Model verification: the model and the rig on the same input, and their mean squared difference."""
+"""Model verification: free runs on the recorded input, and their mean squared errors."""
 
 from dataclasses import dataclass
 
@@ -12,7 +12,7 @@ from labsid.lab.simulation import estimate_initial_state, simulate
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Verification:
-    """Free runs of a model beside a record, in four ways.
+    """Free runs of a model on a record, from four initial states.
 
     Attributes
     ----------
@@ -21,9 +21,9 @@ class Verification:
     y_second_half : ndarray, shape (N - half,)
         The second half from rest at its first sample (Fig. 7a).
     y_second_half_carried : ndarray, shape (N - half,)
-        The second half of `y_all`: the state carried over from the first half.
+        The second half of `y_all`: the state is carried over from the first half.
     y_second_half_estimated : ndarray, shape (N - half,)
-        The second half from the state `x0`, which makes it start where the measured output is.
+        The second half from the estimated state `x0`.
     half : int
         First sample of the second half, N // 2.
     mse_all, mse_second_half, mse_second_half_carried, mse_second_half_estimated : float
@@ -55,7 +55,7 @@ class Verification:
 
 
 def mse(y: ArrayLike, y_sim: ArrayLike) -> float:
-    """Average the squared difference of measured and simulated output.
+    """Mean squared error between measured and simulated output.
 
     Parameters
     ----------
@@ -81,7 +81,7 @@ def mse(y: ArrayLike, y_sim: ArrayLike) -> float:
 
 
 def verify(model: ArxModel, u: ArrayLike, y: ArrayLike) -> Verification:
-    """Simulate the second half and the whole of a record and compare.
+    """Simulate the second half and the whole of a record and compare with the measured output.
 
     Parameters
     ----------
@@ -100,9 +100,9 @@ def verify(model: ArxModel, u: ArrayLike, y: ArrayLike) -> Verification:
 
     Notes
     -----
-    UNSW lab, exercise 3. In 3a the second half is simulated from rest, while the rig was not at rest at that
-    instant: hence the different starting point asked for in 3b. It vanishes once the state is carried over
-    from the first half, or estimated.
+    UNSW lab, exercise 3. In 3a the second half is simulated from rest although the rig was not at rest at that
+    instant; this explains the different starting point asked for in 3b. The difference vanishes if the state is
+    carried over from the first half or estimated.
     """
     u, y = as_signals(at_least=2 * model.order, u=u, y=y)
     half = y.size // 2

@@ -1,1 +1,1 @@
-"""Linear least squares as the lectures teach it, with the matrix appendix."""
+"""Linear least squares, and the matrix appendix of the lectures."""

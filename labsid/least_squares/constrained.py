@@ -1,4 +1,4 @@
-"""Least squares over a constraint set: known parameters, linear equations, bounds."""
+"""Constrained least squares: known parameters, linear equations, bounds."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -15,16 +15,16 @@ from labsid.least_squares.solve import LeastSquares, as_equations, solve_least_s
 
 @dataclass(frozen=True, slots=True, eq=False)
 class KnownParametersFit:
-    """A regression in which some parameters were known beforehand.
+    """A regression with some known parameters.
 
     Attributes
     ----------
     theta : ndarray, shape (p,)
-        All parameters, the known ones as given.
+        All parameters, known and estimated.
     free : tuple of int
-        Places in theta that were estimated.
+        Indices of the estimated parameters.
     fit : LeastSquares
-        The regression that is left: of ``Y`` less the known part on the columns of `free`.
+        The regression of ``Y`` minus the known part on the columns `free`.
     """
 
     theta: FloatArray
@@ -37,21 +37,21 @@ class KnownParametersFit:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ConstrainedFit:
-    """The best parameters within a constraint set.
+    """A constrained least-squares solution.
 
     Attributes
     ----------
     theta : ndarray, shape (p,)
-        The estimate; of the best, the one of minimum norm within `A theta = b` where it is not unique.
+        The estimate; with equations that leave it not unique, the one of minimum norm.
     residual : ndarray, shape (n,)
-        ``Y - Phi theta``. Not orthogonal to Phi where a constraint holds theta back.
+        ``Y - Phi theta``. Not orthogonal to Phi if a constraint is active.
     loss : float
-        ``V = 1/2 E'E``, never below that without the constraints.
+        ``V = 1/2 E'E``, never below the unconstrained minimum.
     multipliers : ndarray, shape (r,) or (p,)
-        What each constraint costs. For equations: ``dV/db``, one an equation. For bounds: ``dV/dtheta``, one a
-        parameter; zero where it is free, positive at a lower bound, negative at an upper one.
+        Lagrange multipliers. For equations ``dV/db``, one per equation. For bounds ``dV/dtheta``, one per
+        parameter: zero off the bounds, positive at a lower bound, negative at an upper one.
     active : tuple of int
-        Which constraints hold theta: all equations, or the parameters that lie on a bound.
+        Indices of the active constraints: all equations, or the parameters that lie on a bound.
     status : {"unique", "not unique"}
         Whether the data and the constraints determine theta.
     """
@@ -68,16 +68,16 @@ class ConstrainedFit:
 
 
 def fit_with_known(Phi: ArrayLike, Y: ArrayLike, known: Mapping[int, float]) -> KnownParametersFit:
-    """Move what is known to the left side and estimate the rest.
+    """Estimate the unknown parameters of a regression when the others are known.
 
     Parameters
     ----------
     Phi : array_like, shape (n, p)
-        Regressors of all parameters, known and unknown; at least as many rows as there are unknown ones.
+        Regressors of all parameters; at least as many rows as unknown parameters.
     Y : array_like, shape (n,)
         Right-hand sides.
     known : mapping of int to float
-        Place in theta (zero-based) and value of each known parameter; may be empty, not all of theta.
+        Index in theta (zero-based) and value of each known parameter. At least one must remain unknown.
 
     Returns
     -------
@@ -86,14 +86,13 @@ def fit_with_known(Phi: ArrayLike, Y: ArrayLike, known: Mapping[int, float]) -> 
     Raises
     ------
     ValueError
-        If the shapes do not fit, a place lies outside theta, a value is not finite, or nothing is left to
-        estimate.
+        If the shapes do not match, an index is out of range, a value is not finite, or no parameter is unknown.
 
     Notes
     -----
     SUSTech lecture, system id example 1: ``y(k) + a y(k-2) = u(k-1) + b u(k-3)`` has the known coefficient 1
-    at u(k-1), so that ``y(k) - u(k-1)`` is regressed on ``[-y(k-2), u(k-3)]``. Errata: printed with a middle
-    column left in, and the last row as ``y(20) - u(17)``.
+    at u(k-1), so that ``y(k) - u(k-1)`` is regressed on ``[-y(k-2), u(k-3)]``. Errata: printed with an
+    additional middle column, and the last row as ``y(20) - u(17)``.
     """
     Phi, Y = _rows(Phi, Y)
     p = Phi.shape[1]
@@ -122,7 +121,7 @@ def least_squares_with_equations(Phi: ArrayLike, Y: ArrayLike, A: ArrayLike, b: 
         At least p - r rows.
     Y : array_like, shape (n,)
     A : array_like, shape (r, p)
-        Constraints, one row an equation; its rows independent of each other, r at most p.
+        Constraints, one row per equation; full row rank, r at most p.
     b : array_like, shape (r,)
 
     Returns
@@ -132,7 +131,7 @@ def least_squares_with_equations(Phi: ArrayLike, Y: ArrayLike, A: ArrayLike, b: 
     Raises
     ------
     ValueError
-        If the shapes do not fit or the rows of A depend on each other.
+        If the shapes do not match or the rows of A are linearly dependent.
 
     Notes
     -----
@@ -152,7 +151,7 @@ def least_squares_with_equations(Phi: ArrayLike, Y: ArrayLike, A: ArrayLike, b: 
     if parts.rank < A.shape[0]:
         raise ValueError(
             f"the rows of A must be independent; got rank {parts.rank} of {A.shape[0]} rows. Drop the constraints "
-            "that follow from the others, or contradict them."
+            "that follow from the others or contradict them."
         )
     theta = parts.V @ ((parts.U.T @ b) / parts.s)
     status: Literal["unique", "not unique"] = "unique"
@@ -176,7 +175,7 @@ def least_squares_in_box(Phi: ArrayLike, Y: ArrayLike, lower: ArrayLike, upper: 
     Phi : array_like, shape (n, p)
     Y : array_like, shape (n,)
     lower, upper : array_like, shape (p,)
-        Bounds; infinite where there is none.
+        Bounds; infinite for none.
 
     Returns
     -------
@@ -185,21 +184,20 @@ def least_squares_in_box(Phi: ArrayLike, Y: ArrayLike, lower: ArrayLike, upper: 
     Raises
     ------
     ValueError
-        If the shapes do not fit or a lower bound is not below its upper one.
+        If the shapes do not match or a lower bound is not below its upper bound.
 
     Notes
     -----
     SUSTech lecture, "Problem Statement", for a set of feasible parameters such as positive ones. Clipping the
-    unconstrained solution is *not* this: the free parameters move too. Found by scipy's bounded-variable least
-    squares, which tries which bounds are active; a lower and an upper bound must differ (for a parameter that
-    is known use `fit_with_known`).
+    unconstrained solution is *not* equivalent: the other parameters change, too. Solved by scipy's bounded-variable
+    least squares, an active-set method. For a known parameter use `fit_with_known`.
     """
     Phi, Y = as_equations(Phi, Y)
     p = Phi.shape[1]
     lower, upper = np.asarray(lower, dtype=np.float64), np.asarray(upper, dtype=np.float64)
     if lower.shape != (p,) or upper.shape != (p,):
         raise ValueError(
-            f"lower and upper must have one entry a parameter ({p}); got shapes {lower.shape} and {upper.shape}."
+            f"lower and upper must have one entry per parameter ({p}); got shapes {lower.shape} and {upper.shape}."
         )
     if not np.all(lower < upper):
         where = int(np.flatnonzero(~(lower < upper))[0])
@@ -228,7 +226,7 @@ def least_squares_in_box(Phi: ArrayLike, Y: ArrayLike, lower: ArrayLike, upper: 
 
 
 def _rows(Phi: ArrayLike, Y: ArrayLike) -> tuple[FloatArray, FloatArray]:
-    """Check Phi and Y as `as_equations` does, but for the number of rows that all unknowns would need."""
+    """Check Phi and Y as `as_equations` does, except for the number of rows."""
     Phi, Y = as_matrix("Phi", Phi), as_signal("Y", Y)
     if Phi.shape[0] != Y.size:
         raise ValueError(

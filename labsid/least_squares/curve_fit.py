@@ -1,4 +1,4 @@
-"""Straight lines, parabolas and other sums of powers through points: the first examples of both lectures."""
+"""Straight lines, parabolas and other sums of powers fitted to points: the first examples of both lectures."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -19,7 +19,7 @@ class Points:
     x, y : ndarray, shape (n,)
         First row (u in the Reading notes) and second row of the table.
     source : str
-        Where it is printed.
+        Where the table is printed.
     """
 
     x: FloatArray
@@ -40,13 +40,13 @@ PARABOLA = (2, 1, 0)  # [x^2, x, 1], as in the Reading notes; SUSTech's is (0, 1
 
 
 def power_regressors(x: ArrayLike, powers: Sequence[int]) -> FloatArray:
-    """Set up a row ``[x^p1, x^p2, ...]`` for each point.
+    """Build the regressors ``[x^p1, x^p2, ...]``, one row per point.
 
     Parameters
     ----------
     x : array_like, shape (n,)
     powers : sequence of int
-        Exponents in the order of the parameters, none twice, none negative.
+        Exponents in the order of the parameters; different and not negative.
 
     Returns
     -------
@@ -55,12 +55,12 @@ def power_regressors(x: ArrayLike, powers: Sequence[int]) -> FloatArray:
     Raises
     ------
     ValueError
-        If `powers` is empty, repeats an exponent or holds a negative one.
+        If `powers` is empty, repeats an exponent or contains a negative one.
 
     Notes
     -----
     Reading notes, Examples 2-1 and 2-2; SUSTech lecture, line and quadratic fit. The model is linear in its
-    *parameters*: that x enters squared does not matter.
+    *parameters*, though not in x.
     """
     x = as_signal("x", x)
     if not powers or len(set(powers)) < len(powers) or min(powers) < 0:
@@ -74,19 +74,19 @@ def fit_powers(x: ArrayLike, y: ArrayLike, powers: Sequence[int]) -> LeastSquare
     Parameters
     ----------
     x, y : array_like, shape (n,)
-        Points; at least as many as there are powers.
+        Points; at least as many as powers.
     powers : sequence of int
         Exponents in the order of the parameters; `LINE` is ``[a, b]`` of ``a x + b``.
 
     Returns
     -------
     LeastSquares
-        Its ``status`` says whether the points determine the curve: as many different x as powers do.
+        ``status`` tells whether the points determine the curve.
 
     Raises
     ------
     ValueError
-        If the lengths differ, there are fewer points than powers, or `powers` is not usable.
+        If the lengths differ, there are fewer points than powers, or `powers` is invalid.
 
     Notes
     -----

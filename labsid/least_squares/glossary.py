@@ -1,4 +1,4 @@
-"""The function table and the acronym table of the Reading notes, MATLAB beside numpy."""
+"""The function table of the Reading notes, in MATLAB and numpy, and their acronyms."""
 
 from dataclasses import dataclass
 
@@ -10,9 +10,9 @@ class Function:
     Attributes
     ----------
     matlab : str
-        As MATLAB writes it.
+        The expression in MATLAB.
     python : str
-        The same with ``import numpy as np``, for arrays A, B and the order n.
+        The equivalent with ``import numpy as np``, for arrays A, B and the order n.
     meaning : str
     """
 
@@ -32,7 +32,7 @@ FUNCTIONS = (
     Function("svd(A)", "np.linalg.svd(A)", "singular value decomposition; numpy returns V' and not V"),
     Function("eig(A)", "np.linalg.eig(A)", "eigenvalues and eigenvectors"),
     Function("rank(A)", "np.linalg.matrix_rank(A)", "number of independent rows or columns"),
-    Function("cond(A)", "np.linalg.cond(A)", "condition number: how much a solution may magnify errors"),
+    Function("cond(A)", "np.linalg.cond(A)", "condition number: largest amplification of relative errors"),
     Function("det(A)", "np.linalg.det(A)", "determinant"),
     Function("inv(A)", "np.linalg.inv(A)", "inverse"),
     Function("pinv(A)", "np.linalg.pinv(A)", "pseudo-inverse, (A'A)^-1 A' for full column rank"),
@@ -47,7 +47,7 @@ ACRONYMS = {
     "ARMA": "AutoRegressive Moving Average",
     "ARMAX": "AutoRegressive Moving Average with eXogenous input",
     "ARX": "AutoRegressive with eXogenous input",
-    "CARMA": "Controlled AutoRegressive Moving Average (another name of ARMAX)",
+    "CARMA": "Controlled AutoRegressive Moving Average (another name for ARMAX)",
     "FIR": "Finite Impulse Response",
     "IIR": "Infinite Impulse Response",
     "IV": "Instrumental Variable",

@@ -7,14 +7,14 @@ from numpy.typing import ArrayLike
 
 from labsid._arrays import FloatArray, as_matrix, as_signal, as_square
 
-# Central differences err by h^2 f'''/6 + eps f/h, which is least near the cube root of the rounding unit.
+# The error of central differences, h^2 f'''/6 + eps f/h, is smallest near the cube root of the rounding unit.
 STEP = float(np.finfo(float).eps ** (1 / 3))
 
 VectorFunction = Callable[[FloatArray], ArrayLike]
 
 
 def jacobian_linear(A: ArrayLike) -> FloatArray:
-    """Differentiate ``f(x) = A x``: the Jacobian is A, wherever x is.
+    """Differentiate ``f(x) = A x``: the Jacobian is A for every x.
 
     Parameters
     ----------
@@ -47,7 +47,7 @@ def gradient_quadratic(A: ArrayLike, x: ArrayLike) -> FloatArray:
     Raises
     ------
     ValueError
-        If A is not square or x does not fit it.
+        If A is not square or the size of x differs.
 
     Notes
     -----
@@ -93,17 +93,17 @@ def gradient_of_sse(H: ArrayLike, y: ArrayLike, theta: ArrayLike) -> FloatArray:
     Returns
     -------
     ndarray, shape (n,)
-        Zero exactly where the normal equations hold.
+        Zero if and only if the normal equations hold.
 
     Raises
     ------
     ValueError
-        If the shapes do not fit.
+        If the shapes do not match.
 
     Notes
     -----
     SUSTech lecture, "Derivation of linear least square solutions"; Reading notes, "An alternative proof". Twice
-    `labsid.least_squares.solve.loss_gradient`, since the lab's loss is half the sum of squares.
+    `labsid.least_squares.solve.loss_gradient`, because the lab's loss is half the sum of squares.
     """
     H, y, theta = as_matrix("H", H), as_signal("y", y), as_signal("theta", theta)
     if H.shape != (y.size, theta.size):
@@ -124,12 +124,12 @@ def directional_derivative(f: VectorFunction, x: ArrayLike, d: ArrayLike) -> Flo
         Takes x, returns a number or a vector of m numbers.
     x : array_like, shape (n,)
     d : array_like, shape (n,)
-        The direction; its length counts.
+        The direction; it is not normalized.
 
     Returns
     -------
     ndarray, shape () or (m,)
-        ``Df(x; d)``; for a scalar f it equals the gradient times d.
+        ``Df(x; d)``; for a scalar f, the gradient times d.
 
     Raises
     ------
@@ -149,7 +149,7 @@ def directional_derivative(f: VectorFunction, x: ArrayLike, d: ArrayLike) -> Flo
 
 
 def numerical_jacobian(f: VectorFunction, x: ArrayLike) -> FloatArray:
-    """Differentiate f at x numerically along every axis: the check of a derivative found by hand.
+    """Compute the Jacobian of f at x numerically, to check a derivative found by hand.
 
     Parameters
     ----------
@@ -165,7 +165,7 @@ def numerical_jacobian(f: VectorFunction, x: ArrayLike) -> FloatArray:
     Notes
     -----
     SUSTech lecture: the partial derivative is the directional derivative along an axis. Central differences,
-    right to about 1e-10 where f and x are of size one.
+    accurate to about 1e-10 for f and x of order one.
     """
     x = as_signal("x", x)
     return np.stack([directional_derivative(f, x, axis) for axis in np.eye(x.size)], axis=-1)

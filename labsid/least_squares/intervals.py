@@ -1,4 +1,4 @@
-"""How sure the estimate is: its covariance, and confidence intervals by Student's t."""
+"""Covariance of the estimate, and confidence intervals by Student's t."""
 
 from dataclasses import dataclass
 
@@ -13,16 +13,16 @@ from labsid.least_squares.solve import LeastSquares
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ConfidenceIntervals:
-    """An interval for each parameter.
+    """Confidence intervals of the parameters.
 
     Attributes
     ----------
     lower, upper : ndarray, shape (p,)
-        ``theta -+ t * stderr``; NaN where the fit has no standard errors (rank-deficient, or no equation left over).
+        ``theta -+ t * stderr``; NaN if the fit has no standard errors (rank-deficient, or n = p).
     confidence : float
-        The share of records whose interval holds the true value of that one parameter.
+        Probability that the interval of one parameter contains its true value.
     degrees_of_freedom : int
-        Equations less unknowns, n - p.
+        Equations minus unknowns, n - p.
     """
 
     lower: FloatArray
@@ -55,8 +55,8 @@ def parameter_covariance(Phi: ArrayLike, sigma2: float) -> FloatArray:
 
     Notes
     -----
-    Reading notes, lecture 6, Lemma 1 (ii). With N samples of the same kind it falls as 1/N. Exact for known
-    regressors; with lagged outputs among them it holds as N grows (Errata). `LeastSquares.covariance` is the
+    Reading notes, lecture 6, Lemma 1 (ii). For N samples of a stationary signal it decreases as 1/N. Exact for
+    deterministic regressors; asymptotic if they include lagged outputs (Errata). `LeastSquares.covariance` is the
     same with sigma^2 estimated from the residual.
     """
     Phi = as_matrix("Phi", Phi)
@@ -73,7 +73,7 @@ def parameter_covariance(Phi: ArrayLike, sigma2: float) -> FloatArray:
 
 
 def confidence_intervals(fit: LeastSquares, confidence: float = 0.95) -> ConfidenceIntervals:
-    """Put an interval around each parameter of a fit.
+    """Compute a confidence interval for each parameter of a fit.
 
     Parameters
     ----------
@@ -92,8 +92,8 @@ def confidence_intervals(fit: LeastSquares, confidence: float = 0.95) -> Confide
 
     Notes
     -----
-    From the covariance of Lemma 1 (Reading notes, lecture 6). Student's t with n - p degrees of freedom in place
-    of the normal quantile accounts for sigma^2 being estimated. Exact for Gaussian noise and known regressors.
+    From the covariance of Lemma 1 (Reading notes, lecture 6). Student's t with n - p degrees of freedom accounts for
+    the estimation of sigma^2. Exact for Gaussian noise and deterministic regressors.
     """
     if not 0 < confidence < 1:
         raise ValueError(f"confidence must lie between 0 and 1; got {confidence}. For 95 % give 0.95.")

@@ -1,4 +1,4 @@
-"""The matrix appendix: rank, condition, eigenvalues, singular values, pseudo-inverse, kinds of matrices."""
+"""The matrix appendix: rank, condition, eigenvalues, singular values, pseudo-inverse, matrix types."""
 
 from dataclasses import dataclass
 
@@ -10,7 +10,7 @@ from labsid._arrays import FloatArray, as_matrix, as_signal, as_square, freeze
 
 @dataclass(frozen=True, slots=True, eq=False)
 class SingularValues:
-    """The decomposition ``A = U diag(s) V'`` and what it says about A.
+    """The decomposition ``A = U diag(s) V'``, with the rank and condition number of A.
 
     Attributes
     ----------
@@ -21,9 +21,9 @@ class SingularValues:
     V : ndarray, shape (n, k)
         Orthonormal columns.
     rank : int
-        How many singular values exceed ``max(m, n) * eps`` times the largest.
+        Number of singular values above ``max(m, n) * eps`` times the largest.
     condition_number : float
-        Largest over smallest singular value; infinite where the smallest is zero.
+        Largest over smallest singular value; infinite if the smallest is zero.
     """
 
     U: FloatArray
@@ -37,7 +37,7 @@ class SingularValues:
 
 
 def singular_values(A: ArrayLike) -> SingularValues:
-    """Decompose A, and read its rank and condition number off the singular values.
+    """Compute the singular value decomposition, rank and condition number of A.
 
     Parameters
     ----------
@@ -55,7 +55,7 @@ def singular_values(A: ArrayLike) -> SingularValues:
     Notes
     -----
     Reading notes, appendix, "Singular value decomposition" and "Note on numerical computation". The condition
-    number is the factor by which a relative error of the right-hand side may grow in the solution.
+    number is the largest factor by which a relative error of the right-hand side is amplified in the solution.
     """
     A = as_matrix("A", A)
     U, s, Vt = np.linalg.svd(A, full_matrices=False)
@@ -65,7 +65,7 @@ def singular_values(A: ArrayLike) -> SingularValues:
 
 
 def singular_values_by_eigenvalues(A: ArrayLike) -> FloatArray:
-    """Compute the singular values as the notes define them: ``s_i = sqrt(lambda_i(A'A))``.
+    """Compute the singular values by their definition in the notes, ``s_i = sqrt(lambda_i(A'A))``.
 
     Parameters
     ----------
@@ -83,16 +83,16 @@ def singular_values_by_eigenvalues(A: ArrayLike) -> FloatArray:
 
     Notes
     -----
-    Reading notes, appendix, "Singular value decomposition". This is the lesson: forming A'A loses the singular
-    values below about 1e-8 of the largest, which `singular_values` keeps.
+    Reading notes, appendix, "Singular value decomposition". For teaching: forming A'A loses the singular values
+    below about 1e-8 of the largest, which `singular_values` preserves.
     """
     A = as_matrix("A", A)
     eigenvalues = np.linalg.eigvalsh(A.T @ A)[::-1]
-    return np.sqrt(np.maximum(eigenvalues, 0))  # rounding can leave a zero slightly negative
+    return np.sqrt(np.maximum(eigenvalues, 0))  # rounding can make a zero slightly negative
 
 
 def pseudo_inverse(A: ArrayLike) -> FloatArray:
-    """Invert what can be inverted: ``A+ = V diag(1/s) U'`` over the singular values that are not zero.
+    """Compute the Moore-Penrose inverse ``A+ = V diag(1/s) U'`` from the nonzero singular values.
 
     Parameters
     ----------
@@ -101,7 +101,7 @@ def pseudo_inverse(A: ArrayLike) -> FloatArray:
     Returns
     -------
     ndarray, shape (n, m)
-        ``A+ y`` is the least-squares solution of ``A x = y``, the one of minimum norm where there are many.
+        ``A+ y`` is the least-squares solution of ``A x = y`` of minimum norm.
 
     Raises
     ------
@@ -110,7 +110,7 @@ def pseudo_inverse(A: ArrayLike) -> FloatArray:
 
     Notes
     -----
-    Reading notes, function table. Errata: printed as ``(A A')^-1 A'``; right is ``(A'A)^-1 A'`` for full column
+    Reading notes, function table. Errata: printed as ``(A A')^-1 A'``; correct is ``(A'A)^-1 A'`` for full column
     rank (and ``A' (A A')^-1`` for full row rank).
     """
     parts = singular_values(A)
@@ -120,7 +120,7 @@ def pseudo_inverse(A: ArrayLike) -> FloatArray:
 
 
 def eigenvalues_2x2(A: ArrayLike) -> NDArray[np.complex128]:
-    """Solve the characteristic equation of a 2 by 2 matrix by the formula for its roots.
+    """Compute the eigenvalues of a 2 by 2 matrix in closed form.
 
     Parameters
     ----------
@@ -140,7 +140,7 @@ def eigenvalues_2x2(A: ArrayLike) -> NDArray[np.complex128]:
     Notes
     -----
     Reading notes, appendix, "Things to do with 2x2 matrices". Errata: the printed root ends after ``2 a d``;
-    it covers all four terms. The roots are real exactly when ``(a - d)^2 + 4 b c >= 0``.
+    it covers all four terms. The eigenvalues are real if and only if ``(a - d)^2 + 4 b c >= 0``.
     """
     A = as_square("A", A)
     if A.shape != (2, 2):
@@ -169,7 +169,7 @@ def partitioned_product(D: ArrayLike, f: ArrayLike, G: ArrayLike, h: ArrayLike) 
     Raises
     ------
     ValueError
-        If the blocks do not fit together.
+        If the shapes do not match.
 
     Notes
     -----
@@ -231,13 +231,13 @@ def is_skew_symmetric(A: ArrayLike, tolerance: float = 1e-12) -> bool:
 
 
 def is_orthogonal(A: ArrayLike, tolerance: float = 1e-12) -> bool:
-    """Test whether ``A'A = I``: exactly then A keeps every length.
+    """Test whether ``A'A = I``; then ``|A x| = |x|`` for every x.
 
     Parameters
     ----------
     A : array_like, shape (n, n)
     tolerance : float
-        Largest difference allowed in an entry of ``A'A - I``.
+        Largest entry allowed in ``|A'A - I|``.
 
     Returns
     -------
@@ -265,7 +265,7 @@ def symmetric_and_skew(A: ArrayLike) -> tuple[FloatArray, FloatArray]:
 
     Notes
     -----
-    Reading notes, appendix, "Matrix types". A quadratic form sees the symmetric part alone.
+    Reading notes, appendix, "Matrix types". A quadratic form depends on the symmetric part only.
     """
     A = as_square("A", A)
     return (A + A.T) / 2, (A - A.T) / 2

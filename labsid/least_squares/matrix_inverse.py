@@ -1,4 +1,4 @@
-"""Inverses by hand: adjoint, Cayley-Hamilton, eigenvectors, the matrix inversion lemma, A (I + A)^-1."""
+"""Matrix inverses: adjoint, Cayley-Hamilton, eigenvectors, the matrix inversion lemma, A (I + A)^-1."""
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -8,7 +8,7 @@ from labsid.least_squares.linear_algebra import is_symmetric, singular_values
 
 
 def cofactors(A: ArrayLike) -> FloatArray:
-    """Compute the cofactors: ``(-1)^(i+j)`` times the determinant that row i and column j leave.
+    """Compute the cofactors: ``(-1)^(i+j)`` times the determinant of A without row i and column j.
 
     Parameters
     ----------
@@ -25,7 +25,7 @@ def cofactors(A: ArrayLike) -> FloatArray:
 
     Notes
     -----
-    Reading notes, appendix, "Matrix inverse". A single number has the cofactor 1.
+    Reading notes, appendix, "Matrix inverse". For n = 1 the cofactor is 1.
     """
     A = as_square("A", A)
     n = A.shape[0]
@@ -36,7 +36,7 @@ def cofactors(A: ArrayLike) -> FloatArray:
 
 
 def adjoint(A: ArrayLike) -> FloatArray:
-    """Transpose the cofactors: the adjoint (adjugate) X, for which ``X A = A X = |A| I``.
+    """Compute the adjoint (adjugate) X, the transposed cofactors: ``X A = A X = |A| I``.
 
     Parameters
     ----------
@@ -53,13 +53,13 @@ def adjoint(A: ArrayLike) -> FloatArray:
 
     Notes
     -----
-    Reading notes, appendix, "Matrix inverse". It exists for singular matrices too.
+    Reading notes, appendix, "Matrix inverse". It exists for singular matrices, too.
     """
     return cofactors(A).T
 
 
 def inverse_by_adjoint(A: ArrayLike) -> FloatArray:
-    """Invert A as adjoint over determinant; for 2 by 2 ``[[d, -b], [-c, a]] / (a d - b c)``.
+    """Invert A as adjoint over determinant; ``[[d, -b], [-c, a]] / (a d - b c)`` for 2 by 2.
 
     Parameters
     ----------
@@ -76,17 +76,17 @@ def inverse_by_adjoint(A: ArrayLike) -> FloatArray:
 
     Notes
     -----
-    Reading notes, appendix, "Matrix inverse". For pencil and paper: its n^2 determinants cost far more than
+    Reading notes, appendix, "Matrix inverse". For hand calculation; the n^2 determinants cost far more than
     ``numpy.linalg.inv``.
     """
     A = _nonsingular("A", A)
     X = adjoint(A)
-    # A X = |A| I: the first row of A against the first column of X is the determinant, expanded along that row.
+    # A X = |A| I: the first row of A times the first column of X is the determinant.
     return X / (A[0] @ X[:, 0])
 
 
 def characteristic_polynomial(A: ArrayLike) -> FloatArray:
-    """Expand ``|sI - A|`` into its coefficients.
+    """Compute the coefficients of the characteristic polynomial ``|sI - A|``.
 
     Parameters
     ----------
@@ -105,7 +105,7 @@ def characteristic_polynomial(A: ArrayLike) -> FloatArray:
     Notes
     -----
     Reading notes, appendix, "Note on Cayley-Hamilton Theorem". Leverrier's recursion: M1 = I,
-    c_k = -trace(A M_k) / k, M_(k+1) = A M_k + c_k I; by the theorem it ends in M_(n+1) = 0.
+    c_k = -trace(A M_k) / k, M_(k+1) = A M_k + c_k I; by the theorem, M_(n+1) = 0.
     """
     A = as_square("A", A)
     coefficients = [1.0]
@@ -117,7 +117,7 @@ def characteristic_polynomial(A: ArrayLike) -> FloatArray:
 
 
 def inverse_by_cayley_hamilton(A: ArrayLike) -> FloatArray:
-    """Invert A out of its own powers: ``A^-1 = -(A^(n-1) + c1 A^(n-2) + ... + c(n-1) I) / cn``.
+    """Invert A as a polynomial in A: ``A^-1 = -(A^(n-1) + c1 A^(n-2) + ... + c(n-1) I) / cn``.
 
     Parameters
     ----------
@@ -164,12 +164,12 @@ def inverse_by_eigenvectors(A: ArrayLike) -> FloatArray:
 
     Notes
     -----
-    Reading notes, appendix, "Eigenvalues and eigenvectors". Errata: printed as ``V' D^-1 V``; from A V = V D and
-    V^-1 = V' follows A = V D V'.
+    Reading notes, appendix, "Eigenvalues and eigenvectors". Errata: printed as ``V' D^-1 V``; A V = V D and
+    V^-1 = V' give A = V D V'.
     """
     A = _nonsingular("A", A)
     if not is_symmetric(A):
-        raise ValueError(f"A must be symmetric; got entries that differ by {np.max(np.abs(A - A.T)):.3g} across.")
+        raise ValueError(f"A must be symmetric; got entries of A - A' up to {np.max(np.abs(A - A.T)):.3g}.")
     eigenvalues, V = np.linalg.eigh(A)
     inverse: FloatArray = (V / eigenvalues) @ V.T
     return inverse
@@ -193,13 +193,12 @@ def inversion_lemma(A: ArrayLike, B: ArrayLike, C: ArrayLike, D: ArrayLike) -> F
     Raises
     ------
     ValueError
-        If the shapes do not fit, or A, C or ``A + B C D`` is singular.
+        If the shapes do not match, or A, C or ``A + B C D`` is singular.
 
     Notes
     -----
-    Reading notes, lecture 5. Errata: printed for nonsingular A, C and BCD; needed are A, C and A + BCD (in RLS
-    ``B C D = phi phi'`` has rank one). Where ``A^-1`` is known, only a k by k matrix is left to invert: a number
-    in RLS.
+    Reading notes, lecture 5. Errata: printed for nonsingular A, C and BCD; required are A, C and A + BCD (in RLS
+    ``B C D = phi phi'`` has rank one). If ``A^-1`` is known, only a k by k matrix must be inverted: a scalar in RLS.
     """
     A, C = _nonsingular("A", A), _nonsingular("C", C)
     B, D = as_matrix("B", B), as_matrix("D", D)
@@ -215,7 +214,7 @@ def inversion_lemma(A: ArrayLike, B: ArrayLike, C: ArrayLike, D: ArrayLike) -> F
 
 
 def closed_loop_gain(A: ArrayLike) -> FloatArray:
-    """Compute ``A (I + A)^-1``, which equals ``(I + A)^-1 A``: the closed loop around the gain A.
+    """Compute ``A (I + A)^-1 = (I + A)^-1 A``, the gain of the closed loop.
 
     Parameters
     ----------
@@ -233,8 +232,8 @@ def closed_loop_gain(A: ArrayLike) -> FloatArray:
 
     Notes
     -----
-    Reading notes, appendix, "Interesting identity": both sides times ``I + A`` from the left and the right are
-    ``A + A^2``.
+    Reading notes, appendix, "Interesting identity": multiplied by ``I + A`` from the left and from the right, both
+    sides equal ``A + A^2``.
     """
     A = as_square("A", A)
     loop = _nonsingular("I + A", np.eye(A.shape[0]) + A)

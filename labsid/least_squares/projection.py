@@ -12,7 +12,7 @@ from labsid.least_squares.solve import as_equations, solve_least_squares
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Projection:
-    """A right angle: Y is the sum of a part within the columns of Phi and a part across them.
+    """Orthogonal decomposition of Y into a part in the column space of Phi and a residual.
 
     Attributes
     ----------
@@ -34,15 +34,14 @@ class Projection:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class SolutionSet:
-    """Every theta that solves the normal equations: ``theta + directions @ alpha`` for any alpha.
+    """All solutions of the normal equations: ``theta + directions @ alpha`` for any alpha.
 
     Attributes
     ----------
     theta : ndarray, shape (p,)
-        The shortest one.
+        The solution of minimum norm.
     directions : ndarray, shape (p, p - rank)
-        Orthonormal directions in which theta may move without any change of the loss; no column where the
-        solution is unique.
+        Orthonormal basis of the null space of Phi; no columns if the solution is unique.
     rank : int
         Numerical rank of Phi.
     """
@@ -56,7 +55,7 @@ class SolutionSet:
 
 
 def qr_solution(Phi: ArrayLike, Y: ArrayLike) -> FloatArray:
-    """Solve least squares by ``Phi = Q R``: ``R theta = Q'Y``, from the last unknown back to the first.
+    """Solve least squares by ``Phi = Q R`` and back substitution in ``R theta = Q'Y``.
 
     Parameters
     ----------
@@ -72,19 +71,18 @@ def qr_solution(Phi: ArrayLike, Y: ArrayLike) -> FloatArray:
     Raises
     ------
     ValueError
-        If the shapes do not fit or Phi lacks full column rank.
+        If the shapes do not match or Phi lacks full column rank.
 
     Notes
     -----
-    The normal equations become ``R'R theta = R'Q'Y``; cancelling R' is what spares the squared condition number
-    of eq. (8).
+    The normal equations become ``R'R theta = R'Q'Y``; cancelling R' avoids the squared condition number of eq. (8).
     """
     Phi, Y = as_equations(Phi, Y)
     rank, p = singular_values(Phi).rank, Phi.shape[1]
     if rank < p:
         raise ValueError(
-            f"Phi must have full column rank for one solution; got rank {rank} of {p} columns. "
-            "Use least_squares (the shortest solution) or solution_set (all of them)."
+            f"Phi must have full column rank for a unique solution; got rank {rank} of {p} columns. "
+            "Use least_squares (minimum norm) or solution_set (all solutions)."
         )
     Q, R = np.linalg.qr(Phi)
     theta = Q.T @ Y
@@ -103,7 +101,7 @@ def projection_matrix(Phi: ArrayLike) -> FloatArray:
     Returns
     -------
     P : ndarray, shape (n, n)
-        Symmetric, ``P P = P``, trace equal to the rank of Phi; ``I - P`` projects onto what is left.
+        Symmetric, ``P P = P``, trace equal to the rank of Phi; ``I - P`` gives the residual.
 
     Raises
     ------
@@ -113,7 +111,7 @@ def projection_matrix(Phi: ArrayLike) -> FloatArray:
     Notes
     -----
     SUSTech lecture, "Geometric interpretation". Computed as ``U U'`` from the singular value decomposition, which
-    is the same and needs no full column rank. It takes n^2 numbers: `project` gives ``P Y`` without it.
+    does not require full column rank. `project` computes ``P Y`` without the n by n matrix.
     """
     parts = singular_values(as_matrix("Phi", Phi))
     U = parts.U[:, : parts.rank]
@@ -150,7 +148,7 @@ def project(Phi: ArrayLike, Y: ArrayLike) -> Projection:
 
 
 def solution_set(Phi: ArrayLike, Y: ArrayLike) -> SolutionSet:
-    """Find all least-squares solutions: one, or infinitely many where the columns of Phi depend on each other.
+    """Find all least-squares solutions: one, or infinitely many if the columns of Phi are linearly dependent.
 
     Parameters
     ----------
@@ -164,7 +162,7 @@ def solution_set(Phi: ArrayLike, Y: ArrayLike) -> SolutionSet:
     Raises
     ------
     ValueError
-        If the shapes do not fit or there are fewer rows than columns.
+        If the shapes do not match or there are fewer rows than columns.
 
     Notes
     -----
@@ -176,14 +174,14 @@ def solution_set(Phi: ArrayLike, Y: ArrayLike) -> SolutionSet:
 
 
 def completed_square(Phi: ArrayLike, Y: ArrayLike, theta: ArrayLike) -> tuple[float, float]:
-    """Split the sum of squared errors at theta into the least possible one and what theta adds to it.
+    """Split the sum of squared errors at theta into its minimum and the excess over it.
 
     Parameters
     ----------
     Phi : array_like, shape (n, p)
     Y : array_like, shape (n,)
     theta : array_like, shape (p,)
-        Parameters to try.
+        Parameters.
 
     Returns
     -------
@@ -204,7 +202,7 @@ def completed_square(Phi: ArrayLike, Y: ArrayLike, theta: ArrayLike) -> tuple[fl
     Phi, Y = as_equations(Phi, Y)
     theta = as_signal("theta", theta)
     if theta.size != Phi.shape[1]:
-        raise ValueError(f"theta must have one entry a column of Phi ({Phi.shape[1]}); got {theta.size}.")
+        raise ValueError(f"theta must have one entry per column of Phi ({Phi.shape[1]}); got {theta.size}.")
     fit = solve_least_squares(Phi, Y)
     away = Phi @ (theta - fit.theta)
     return 2 * fit.loss, float(away @ away)

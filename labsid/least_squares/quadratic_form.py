@@ -1,4 +1,4 @@
-"""Quadratic forms x'Mx: definiteness, and the surfaces of Fig. 3 and 4."""
+"""Quadratic forms x'Mx: definiteness, and the surfaces of Figs. 3 and 4."""
 
 from dataclasses import dataclass
 from typing import Literal
@@ -13,14 +13,14 @@ Kind = Literal[
     "positive definite", "positive semidefinite", "negative definite", "negative semidefinite", "indefinite", "zero"
 ]
 
-# The matrices that the second MATLAB program prints; their surfaces are a bowl and a saddle.
+# The matrices of the second MATLAB program.
 BOWL = frozen_array([[0.32, -0.11], [-0.11, 0.52]])
 SADDLE = frozen_array([[-0.072, 1.373], [0.28, 0.18]])
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Definiteness:
-    """What the eigenvalues of the symmetric part say about ``x'Mx``.
+    """Definiteness of ``x'Mx``, from the eigenvalues of the symmetric part of M.
 
     Attributes
     ----------
@@ -28,7 +28,7 @@ class Definiteness:
         "positive definite" (bowl), "negative definite" (hill), "positive semidefinite" or "negative semidefinite"
         (a trough: zero along some x), "indefinite" (saddle), or "zero".
     eigenvalues : ndarray, shape (n,)
-        Of ``(M + M')/2``, smallest first: the least and the greatest value of the form on the unit circle.
+        Of ``(M + M')/2``, in ascending order; the first and last are the extremes of the form on the unit sphere.
     """
 
     kind: Kind
@@ -40,12 +40,12 @@ class Definiteness:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Surface:
-    """The surface ``f = x'Mx`` over a disc, ready to be drawn.
+    """The surface ``f = x'Mx`` over a disc.
 
     Attributes
     ----------
     x1, x2, f : ndarray, shape (rings + 1, 2 * rings + 1)
-        Points of a polar grid, and the form there.
+        Points of a polar grid, and the values of the form.
     definiteness : Definiteness
     """
 
@@ -59,7 +59,7 @@ class Surface:
 
 
 def evaluate_quadratic_form(M: ArrayLike, x: ArrayLike) -> FloatArray:
-    """Evaluate ``x'Mx``, at one point or at many.
+    """Evaluate ``x'Mx`` at one or more points.
 
     Parameters
     ----------
@@ -73,7 +73,7 @@ def evaluate_quadratic_form(M: ArrayLike, x: ArrayLike) -> FloatArray:
     Raises
     ------
     ValueError
-        If M is not square or x does not fit it.
+        If M is not square or the size of x differs.
 
     Notes
     -----
@@ -82,18 +82,18 @@ def evaluate_quadratic_form(M: ArrayLike, x: ArrayLike) -> FloatArray:
     M = as_square("M", M)
     x = np.asarray(x, dtype=np.float64)
     if x.ndim == 0 or x.shape[-1] != M.shape[0]:
-        raise ValueError(f"x must have {M.shape[0]} entries a point, as M has rows; got shape {x.shape}.")
+        raise ValueError(f"x must have {M.shape[0]} entries per point, as M has rows; got shape {x.shape}.")
     form: FloatArray = np.einsum("...i,ij,...j->...", x, M, x)
     return form
 
 
 def definiteness(M: ArrayLike) -> Definiteness:
-    """Classify a matrix by the signs of its quadratic form.
+    """Classify a matrix by the definiteness of its quadratic form.
 
     Parameters
     ----------
     M : array_like, shape (n, n)
-        Need not be symmetric: the skew part adds nothing to ``x'Mx``.
+        Need not be symmetric; the skew-symmetric part does not contribute to ``x'Mx``.
 
     Returns
     -------
@@ -108,7 +108,7 @@ def definiteness(M: ArrayLike) -> Definiteness:
     Notes
     -----
     Reading notes, lecture 2. Errata: ``phi'phi`` is printed as positive definite; it is positive semidefinite,
-    and definite exactly when phi has full column rank (``phi x = 0`` for no other x than zero).
+    and definite if and only if phi has full column rank (``phi x = 0`` only for x = 0).
     """
     symmetric, _ = symmetric_and_skew(as_square("M", M))
     eigenvalues = np.linalg.eigvalsh(symmetric).astype(np.float64)
@@ -145,11 +145,11 @@ def surface(M: ArrayLike, radius: float = 1.0, rings: int = 20) -> Surface:
     Raises
     ------
     ValueError
-        If M is not 2 by 2, or `radius` or `rings` not positive.
+        If M is not 2 by 2, or `radius` or `rings` is not positive.
 
     Notes
     -----
-    Reading notes, Fig. 3 and 4, and the program "Positive definite example" (``cplxgrid(20)`` and ``surfc``).
+    Reading notes, Figs. 3 and 4, and the program "Positive definite example" (``cplxgrid(20)`` and ``surfc``).
     """
     M = as_square("M", M)
     if M.shape != (2, 2):

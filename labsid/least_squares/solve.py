@@ -1,4 +1,4 @@
-"""Linear least squares: eq. (8) as the lesson prints it, the sound solution, and the appendix (A1)-(A6)."""
+"""Linear least squares: normal equations (8), solution by singular values, and the appendix (A1)-(A6)."""
 
 from dataclasses import dataclass
 from typing import Literal
@@ -11,12 +11,12 @@ from labsid._arrays import FloatArray, as_signal, freeze
 
 @dataclass(frozen=True, slots=True, eq=False)
 class LeastSquares:
-    """A least-squares solution and how far it can be trusted.
+    """A least-squares solution and its accuracy.
 
     Attributes
     ----------
     theta : ndarray, shape (p,)
-        The estimate; of minimum norm where it is not unique.
+        The estimate; of minimum norm if it is not unique.
     residual : ndarray, shape (n,)
         ``E = Y - Phi theta``.
     loss : float
@@ -24,15 +24,15 @@ class LeastSquares:
     rank : int
         Numerical rank of Phi.
     condition_number : float
-        Largest over smallest singular value of Phi; infinite where the smallest is zero.
+        Largest over smallest singular value of Phi; infinite if the smallest is zero.
     sigma2 : float
-        Estimated variance of the equation error, ``E'E / (n - p)``; NaN for n = p, where nothing is left.
+        Estimated variance of the equation error, ``E'E / (n - p)``; NaN for n = p.
     covariance : ndarray, shape (p, p)
-        ``sigma2 (Phi'Phi)^-1``; NaN where theta is not unique.
+        ``sigma2 (Phi'Phi)^-1``; NaN if theta is not unique.
     stderr : ndarray, shape (p,)
-        Standard errors of theta: the roots of the diagonal of `covariance`.
+        Standard errors of theta: the square roots of the diagonal of `covariance`.
     status : {"unique", "rank-deficient"}
-        Whether Phi has full column rank, exactly then theta is unique.
+        Whether Phi has full column rank, so that theta is unique.
     """
 
     theta: FloatArray
@@ -50,12 +50,12 @@ class LeastSquares:
 
 
 def normal_equations(Phi: ArrayLike, Y: ArrayLike) -> FloatArray:
-    """Solve the normal equations exactly as eq. (8) prints them.
+    """Solve the normal equations, eq. (8), with the inverse of Phi'Phi.
 
     Parameters
     ----------
     Phi : array_like, shape (n, p)
-        Regressors, one row an equation.
+        Regressors, one row per equation.
     Y : array_like, shape (n,)
         Right-hand sides.
 
@@ -67,13 +67,12 @@ def normal_equations(Phi: ArrayLike, Y: ArrayLike) -> FloatArray:
     Raises
     ------
     ValueError
-        If the shapes do not fit, or Phi'Phi has no inverse: exactly when Phi lacks full column rank, and in
-        floating point already when it nearly does.
+        If the shapes do not match, or Phi'Phi is numerically singular.
 
     Notes
     -----
-    UNSW lab, eq. (8). This is the lesson: forming Phi'Phi squares the condition number and so loses twice the
-    digits. `solve_least_squares` gives the same answer without it.
+    UNSW lab, eq. (8). For teaching: forming Phi'Phi squares the condition number and loses twice as many digits.
+    `solve_least_squares` computes the same solution without it.
     """
     Phi, Y = as_equations(Phi, Y)
     try:
@@ -84,7 +83,7 @@ def normal_equations(Phi: ArrayLike, Y: ArrayLike) -> FloatArray:
         raise ValueError(
             f"Phi'Phi must have an inverse; got a Phi of {Phi.shape[1]} columns with condition number "
             f"{np.linalg.cond(Phi):.2g}, squared in Phi'Phi. Excite the system more, lower the order, or use "
-            "least_squares, which says so in its status."
+            "least_squares, whose status reports it."
         ) from None
     theta: FloatArray = inverse @ Phi.T @ Y
     return theta
@@ -96,7 +95,7 @@ def solve_least_squares(Phi: ArrayLike, Y: ArrayLike) -> LeastSquares:
     Parameters
     ----------
     Phi : array_like, shape (n, p)
-        Regressors, one row an equation.
+        Regressors, one row per equation.
     Y : array_like, shape (n,)
         Right-hand sides.
 
@@ -107,7 +106,7 @@ def solve_least_squares(Phi: ArrayLike, Y: ArrayLike) -> LeastSquares:
     Raises
     ------
     ValueError
-        If the shapes do not fit or there are fewer rows than columns.
+        If the shapes do not match or there are fewer rows than columns.
 
     Notes
     -----
@@ -155,7 +154,7 @@ def two_equations(U: ArrayLike, Y: ArrayLike) -> FloatArray:
     Raises
     ------
     ValueError
-        If the shapes do not fit or the determinant is zero.
+        If the shapes do not match or the determinant is zero.
 
     Notes
     -----
@@ -169,8 +168,7 @@ def two_equations(U: ArrayLike, Y: ArrayLike) -> FloatArray:
     det = u11 * u22 - u12 * u21
     if abs(det) <= 4 * np.finfo(float).eps * (abs(u11 * u22) + abs(u12 * u21)):
         raise ValueError(
-            "the two equations must be independent; got determinant zero. One unknown is then free, "
-            "and no single solution exists."
+            "the two equations must be independent; got determinant zero. The solution is not unique or does not exist."
         )
     return np.array([(u22 * y1 - u12 * y2) / det, (u11 * y2 - u21 * y1) / det])
 
@@ -185,7 +183,7 @@ def loss(Phi: ArrayLike, Y: ArrayLike, theta: ArrayLike) -> float:
     Y : array_like, shape (n,)
         Right-hand sides.
     theta : array_like, shape (p,)
-        Parameters to try.
+        Parameters.
 
     Returns
     -------
@@ -215,7 +213,7 @@ def loss_gradient(Phi: ArrayLike, Y: ArrayLike, theta: ArrayLike) -> FloatArray:
     Y : array_like, shape (n,)
         Right-hand sides.
     theta : array_like, shape (p,)
-        Where to differentiate.
+        Parameters.
 
     Returns
     -------
@@ -228,7 +226,7 @@ def loss_gradient(Phi: ArrayLike, Y: ArrayLike, theta: ArrayLike) -> FloatArray:
 
     Notes
     -----
-    UNSW lab, eq. (A6). Computed as ``-Phi'E``, the same thing with less cancellation.
+    UNSW lab, eq. (A6). Computed as ``-Phi'E``, which is equal and has smaller rounding errors.
     """
     Phi, Y, theta = _with_theta(Phi, Y, theta)
     gradient: FloatArray = -Phi.T @ (Y - Phi @ theta)
@@ -236,16 +234,16 @@ def loss_gradient(Phi: ArrayLike, Y: ArrayLike, theta: ArrayLike) -> FloatArray:
 
 
 def as_equations(Phi: ArrayLike, Y: ArrayLike, name: str = "Phi") -> tuple[FloatArray, FloatArray]:
-    """Check that Phi and Y are equations to be solved by least squares.
+    """Check the matrices of a least-squares problem.
 
     Parameters
     ----------
     Phi : array_like, shape (n, p)
-        Regressors, one row an equation; at least as many rows as columns.
+        Regressors, one row per equation; at least as many rows as columns.
     Y : array_like, shape (n,)
         Right-hand sides.
     name : str
-        What the caller calls Phi; the error says it.
+        Name of Phi, for the error message.
 
     Returns
     -------
@@ -255,12 +253,12 @@ def as_equations(Phi: ArrayLike, Y: ArrayLike, name: str = "Phi") -> tuple[Float
     Raises
     ------
     ValueError
-        If the shapes do not fit, there are fewer rows than columns, or something is not finite.
+        If the shapes do not match, there are fewer rows than columns, or a value is not finite.
     """
     Y = as_signal("Y", Y)
     Phi = np.asarray(Phi, dtype=np.float64)
     if Phi.ndim != 2 or 0 in Phi.shape:
-        raise ValueError(f"{name} must be a matrix with one row an equation; got shape {Phi.shape}.")
+        raise ValueError(f"{name} must be a matrix with one row per equation; got shape {Phi.shape}.")
     if not np.all(np.isfinite(Phi)):
         raise ValueError(f"{name} must be finite; got NaN or infinity. Repair or cut the record there.")
     if Phi.shape[0] != Y.size:
@@ -280,5 +278,5 @@ def _with_theta(Phi: ArrayLike, Y: ArrayLike, theta: ArrayLike) -> tuple[FloatAr
     Phi, Y = as_equations(Phi, Y)
     theta = as_signal("theta", theta)
     if theta.size != Phi.shape[1]:
-        raise ValueError(f"theta must have one entry a column of Phi ({Phi.shape[1]}); got {theta.size}.")
+        raise ValueError(f"theta must have one entry per column of Phi ({Phi.shape[1]}); got {theta.size}.")
     return Phi, Y, theta

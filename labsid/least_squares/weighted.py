@@ -1,4 +1,4 @@
-"""Weighted least squares: equations that count more, and old samples that count less."""
+"""Weighted least squares, and the weights of a forgetting factor."""
 
 from dataclasses import replace
 
@@ -15,34 +15,34 @@ def weighted_least_squares(Phi: ArrayLike, Y: ArrayLike, weights: ArrayLike) -> 
     Parameters
     ----------
     Phi : array_like, shape (n, p)
-        Regressors, one row an equation.
+        Regressors, one row per equation.
     Y : array_like, shape (n,)
         Right-hand sides.
     weights : array_like, shape (n,)
-        Positive. The best linear unbiased estimate takes one over the variance of each equation's noise.
+        Positive. The reciprocal noise variances give the best linear unbiased estimate.
 
     Returns
     -------
     LeastSquares
-        ``theta = (Phi'W Phi)^-1 Phi'W Y``. Its `residual` is ``Y - Phi theta``, unweighted; `loss`, `rank` and
-        `condition_number` are those of the weighted equations; `sigma2` is the variance of an equation of weight
-        one, `covariance` is ``sigma2 (Phi'W Phi)^-1``.
+        ``theta = (Phi'W Phi)^-1 Phi'W Y``. `residual` is ``Y - Phi theta``, unweighted; `loss`, `rank` and
+        `condition_number` belong to the weighted equations; `sigma2` is the noise variance at weight one, and
+        `covariance` is ``sigma2 (Phi'W Phi)^-1``.
 
     Raises
     ------
     ValueError
-        If the shapes do not fit or a weight is not positive.
+        If the shapes do not match or a weight is not positive.
 
     Notes
     -----
-    Multiplying each equation by the root of its weight makes it ordinary least squares. The criterion of the
-    forgetting factor (Reading notes, lecture 5) is this one, with `forgetting_weights`; its weights express age,
-    not variance, so that there `covariance` is nominal.
+    Solved as ordinary least squares after multiplying each equation by the square root of its weight. With
+    `forgetting_weights`, this is the criterion of RLS with a forgetting factor (Reading notes, lecture 5). Those
+    weights express age, not variance, so that `covariance` is then only nominal.
     """
     Phi, Y = as_equations(Phi, Y)
     weights = as_signal("weights", weights)
     if weights.size != Y.size:
-        raise ValueError(f"weights must have one entry an equation ({Y.size}); got {weights.size}.")
+        raise ValueError(f"weights must have one entry per equation ({Y.size}); got {weights.size}.")
     if np.any(weights <= 0):
         raise ValueError(
             f"weights must be positive; got {weights.min():g} at equation {np.argmin(weights)}. "
@@ -54,14 +54,14 @@ def weighted_least_squares(Phi: ArrayLike, Y: ArrayLike, weights: ArrayLike) -> 
 
 
 def forgetting_weights(n: int, forgetting: float) -> FloatArray:
-    """Weigh samples by their age: ``lambda^(n - t)`` for t = 1 .. n.
+    """Compute exponential weights by age, ``lambda^(n - t)`` for t = 1 .. n.
 
     Parameters
     ----------
     n : int
         Number of samples; the last has weight one.
     forgetting : float
-        The forgetting factor lambda, above 0 and at most 1. About ``1 / (1 - lambda)`` samples are remembered.
+        The forgetting factor lambda, above 0 and at most 1. The memory is about ``1 / (1 - lambda)`` samples.
 
     Returns
     -------
@@ -70,7 +70,7 @@ def forgetting_weights(n: int, forgetting: float) -> FloatArray:
     Raises
     ------
     ValueError
-        If `n` is below 1, `forgetting` is out of range, or the oldest weight is too small for a number.
+        If `n` is below 1, `forgetting` is out of range, or the oldest weight underflows.
 
     Notes
     -----

@@ -1,4 +1,4 @@
-"""The five inputs that the Reading notes list: step, uniform noise, ARMA process, sum of sinusoids, feedback."""
+"""The five input signals of the Reading notes: step, uniform noise, ARMA process, sum of sinusoids, feedback."""
 
 from dataclasses import dataclass
 
@@ -18,9 +18,9 @@ class ClosedLoop:
     Attributes
     ----------
     r : ndarray, shape (N,)
-        Set-point signal that is added to the feedback.
+        Set-point signal.
     u, y : ndarray, shape (N,)
-        What the process saw and answered.
+        Input and output of the process.
     """
 
     r: FloatArray
@@ -51,12 +51,11 @@ def step(samples: int, amplitude: float = 1.0, at: int = 0) -> FloatArray:
     Raises
     ------
     ValueError
-        If `samples` is below 1 or `at` lies outside.
+        If `samples` is below 1 or `at` is out of range.
 
     Notes
     -----
-    Reading notes, lecture 6, input signal 1. Rise time, overshoot and static gain can be read off the answer; what
-    the samples span beyond order 1 comes from the one edge.
+    Reading notes, lecture 6, input signal 1. Rise time, overshoot and static gain can be read off the response.
     """
     _check_samples(samples)
     if not 0 <= at < samples:
@@ -73,7 +72,7 @@ def uniform_noise(rng: np.random.Generator, samples: int, levels: tuple[float, f
     samples : int
         Length N.
     levels : tuple of float
-        Least and greatest value; the notes' ``2-4*rand`` is (-2, 2).
+        Lower and upper limit; the notes' ``2-4*rand`` is (-2, 2).
 
     Returns
     -------
@@ -87,8 +86,8 @@ def uniform_noise(rng: np.random.Generator, samples: int, levels: tuple[float, f
 
     Notes
     -----
-    Reading notes, lecture 6, input signal 2, and Examples 3-1, 6-1, 6-2. Mean zero only where the levels are
-    opposite: MATLAB's ``rand`` by itself has mean 1/2.
+    Reading notes, lecture 6, input signal 2, and Examples 3-1, 6-1, 6-2. The mean is zero only for symmetric levels;
+    MATLAB's ``rand`` alone has mean 1/2.
     """
     _check_samples(samples)
     if not levels[0] < levels[1]:
@@ -105,20 +104,20 @@ def arma_process(rng: np.random.Generator, samples: int, c: ArrayLike, d: ArrayL
     samples : int
         Length N.
     c, d : array_like
-        ``[1, c1, ...]`` and ``[1, d1, ...]``; the roots of C within the unit circle. Note the letters: here C is
-        divided by, as the notes write it.
+        ``[1, c1, ...]`` and ``[1, d1, ...]``; C has its roots inside the unit circle. Here C is the denominator, as
+        in the notes.
     sigma : float
         Standard deviation of e.
 
     Returns
     -------
     ndarray, shape (N,)
-        Persistently exciting of any order; its power lies where ``|D/C|`` is large. It starts from rest.
+        Persistently exciting of any order, with the spectrum ``sigma^2 |D/C|^2``. The filter starts from rest.
 
     Raises
     ------
     ValueError
-        If `samples` is below 1, `sigma` not positive, a polynomial does not start with 1, or C is not stable.
+        If `samples` is below 1, `sigma` is not positive, a polynomial does not start with 1, or C is not stable.
 
     Notes
     -----
@@ -138,7 +137,7 @@ def arma_process(rng: np.random.Generator, samples: int, c: ArrayLike, d: ArrayL
 
 
 def sinusoids(samples: int, amplitudes: ArrayLike, omegas: ArrayLike, phases: ArrayLike) -> FloatArray:
-    """Add up sinusoids: ``u(t) = sum a_j sin(omega_j t + phi_j)``, t = 0 .. N-1.
+    """Make a sum of sinusoids, ``u(t) = sum a_j sin(omega_j t + phi_j)``, t = 0 .. N-1.
 
     Parameters
     ----------
@@ -146,14 +145,14 @@ def sinusoids(samples: int, amplitudes: ArrayLike, omegas: ArrayLike, phases: Ar
         Length N.
     amplitudes : array_like, shape (m,)
     omegas : array_like, shape (m,)
-        Angular frequencies in radians a sample, increasing, from 0 to pi.
+        Angular frequencies in radians per sample, increasing, from 0 to pi.
     phases : array_like, shape (m,)
         In radians.
 
     Returns
     -------
     ndarray, shape (N,)
-        Persistently exciting of order 2 m; a frequency of 0 or pi, one value repeated or alternating, adds 1 for 2.
+        Persistently exciting of order 2 m; a frequency of 0 or pi contributes 1 instead of 2.
 
     Raises
     ------
@@ -162,31 +161,31 @@ def sinusoids(samples: int, amplitudes: ArrayLike, omegas: ArrayLike, phases: Ar
 
     Notes
     -----
-    Reading notes, lecture 6, input signal 4; Examples 7-1 and 8-1. For equal amplitudes by period, with low peaks, see
+    Reading notes, lecture 6, input signal 4; Examples 7-1 and 8-1. For equal amplitudes and a low crest factor see
     `labsid.lab.excitation.sum_of_sinusoids`.
     """
     _check_samples(samples)
     amplitudes, omegas, phases = as_signals(amplitudes=amplitudes, omegas=omegas, phases=phases)
     if omegas[0] < 0 or omegas[-1] > np.pi or np.any(np.diff(omegas) <= 0):
-        raise ValueError(f"omegas must increase, from 0 to pi radians a sample; got {omegas.tolist()}.")
+        raise ValueError(f"omegas must increase, from 0 to pi radians per sample; got {omegas.tolist()}.")
     angles = omegas * np.arange(samples)[:, np.newaxis] + phases
     signal: FloatArray = np.sin(angles) @ amplitudes
     return signal
 
 
 def feedback(model: PolynomialModel, r: ArrayLike, f: ArrayLike, e: ArrayLike | None = None) -> ClosedLoop:
-    """Run a process under the known feedback ``u(k) = r(k) - F(q^-1) y(k)``, from rest.
+    """Simulate a process under the known feedback ``u(k) = r(k) - F(q^-1) y(k)``, from rest.
 
     Parameters
     ----------
     model : PolynomialModel
-        The process; with an input, and a delay of at least one sample.
+        The process, with an input and a delay of at least one sample.
     r : array_like, shape (N,)
         Set-point signal.
     f : array_like
         Feedback polynomial, lowest delay first; ``[K]`` is a gain.
     e : array_like, shape (N,), optional
-        Noise; none unless given.
+        Noise; default: none.
 
     Returns
     -------
@@ -199,14 +198,14 @@ def feedback(model: PolynomialModel, r: ArrayLike, f: ArrayLike, e: ArrayLike | 
 
     Notes
     -----
-    Reading notes, lecture 6, input signal 5. The loop is ``(A + q^-d B F) y = q^-d B r + C e``. With r = 0 and a mere
-    gain, u is a multiple of y: Phi then has dependent columns, and however long the record, nothing can be
-    identified. An r that excites, or an F of higher order than the model, repairs that.
+    Reading notes, lecture 6, input signal 5. The loop is ``(A + q^-d B F) y = q^-d B r + C e``. With r = 0 and a
+    constant gain, u is a multiple of y: Phi has dependent columns, and the model is not identifiable. It is
+    identifiable with an exciting r or an F of higher order than the model.
     """
     f = as_signal("f", f)
     if not model.b.size or model.delay < 1:
         raise ValueError(
-            "model must have an input with a delay of at least 1; or u(k) and y(k) would each wait for the other."
+            "model must have an input with a delay of at least 1; otherwise u(k) and y(k) depend on each other."
         )
     loop = np.zeros(max(model.a.size, model.delay + model.b.size + f.size - 1))
     loop[: model.a.size] = model.a

@@ -1,4 +1,4 @@
-"""The simulated examples of the Reading lectures: records with their noise and the model that made them."""
+"""The simulated examples of the Reading lectures: records with their true model and noise."""
 
 from dataclasses import dataclass
 
@@ -12,7 +12,7 @@ from labsid.model_structures.structures import PolynomialModel
 
 @dataclass(frozen=True, slots=True, eq=False)
 class LectureRecord:
-    """A simulated record and the truth behind it.
+    """A simulated record with its true model and noise.
 
     Attributes
     ----------
@@ -21,9 +21,9 @@ class LectureRecord:
     y : ndarray, shape (N,)
         Output.
     e : ndarray, shape (N,)
-        The white noise that went in. e(0) is zero, so that y(0) is, as in the printed programs.
+        White noise. e(0) and therefore y(0) are zero, as in the printed programs.
     noise_free : ndarray, shape (N,)
-        What the output would be without noise.
+        Output without noise.
     model : PolynomialModel
         The system.
     sigma : float
@@ -66,7 +66,7 @@ class ChangingRecord:
 
 
 def system_1(rng: np.random.Generator, samples: int = 1000) -> LectureRecord:
-    """Simulate System 1, ``y(t) - 0.8 y(t-1) = u(t-1) + e(t)``, on uniform noise in [-2, 2].
+    """Simulate System 1, ``y(t) - 0.8 y(t-1) = u(t-1) + e(t)``, with an input uniform in [-2, 2].
 
     Parameters
     ----------
@@ -85,7 +85,7 @@ def system_1(rng: np.random.Generator, samples: int = 1000) -> LectureRecord:
 
 
 def system_2(rng: np.random.Generator, samples: int = 1000) -> LectureRecord:
-    """Simulate System 2, ``x(t) - 0.8 x(t-1) = u(t-1)``, ``y = x + e``, on uniform noise in [-2, 2].
+    """Simulate System 2, ``x(t) - 0.8 x(t-1) = u(t-1)``, ``y = x + e``, with an input uniform in [-2, 2].
 
     Parameters
     ----------
@@ -95,12 +95,12 @@ def system_2(rng: np.random.Generator, samples: int = 1000) -> LectureRecord:
     Returns
     -------
     LectureRecord
-        Its model is the ARMAX form, ``c1 = a1 = -0.8``: the noise is white on the output, coloured in the equation.
+        Its model is the ARMAX form, ``c1 = a1 = -0.8``: the output noise is white, the equation error coloured.
 
     Notes
     -----
     Reading lectures, L3 and Example 6-2 (Table 3, Fig. 11). Errata: the listing of Example 6-2 titled "system 1"
-    generates this one.
+    generates System 2.
     """
     return _simulate(rng, _model([1, -0.8], [1.0], [1, -0.8]), uniform_noise(rng, samples))
 
@@ -113,12 +113,12 @@ def example_3_2(rng: np.random.Generator, samples: int = 50, level: float = 2.0)
     rng : numpy.random.Generator
     samples : int
     level : float
-        The constant b; the lectures give no number.
+        The constant b; the lectures give no value.
 
     Returns
     -------
     LectureRecord
-        Its input is 1 throughout, without delay; here y(0) is noisy, too.
+        The input is 1, without delay; unlike in the other examples, y(0) is noisy.
 
     Notes
     -----
@@ -130,7 +130,7 @@ def example_3_2(rng: np.random.Generator, samples: int = 50, level: float = 2.0)
 
 
 def example_6_1(rng: np.random.Generator, samples: int = 1000) -> ChangingRecord:
-    """Simulate a second-order system that changes half-way.
+    """Simulate a second-order system whose parameters change halfway.
 
     Parameters
     ----------
@@ -144,7 +144,7 @@ def example_6_1(rng: np.random.Generator, samples: int = 1000) -> ChangingRecord
 
     Notes
     -----
-    Reading lectures, Example 6-1 (Fig. 9 and 10): 500 samples of either, input uniform in [-2, 2], unit noise.
+    Reading lectures, Example 6-1 (Fig. 9 and 10): 500 samples of each system, input uniform in [-2, 2], unit noise.
     """
     u = uniform_noise(rng, samples)
     e = _noise(rng, samples)
@@ -158,7 +158,7 @@ def example_6_1(rng: np.random.Generator, samples: int = 1000) -> ChangingRecord
 
 
 def example_7_1(rng: np.random.Generator, samples: int = 1000) -> LectureRecord:
-    """Simulate ``y(t) - 0.9 y(t-1) = u(t-1) + 0.3 e(t-1) + e(t)`` on two strong sinusoids.
+    """Simulate ``y(t) - 0.9 y(t-1) = u(t-1) + 0.3 e(t-1) + e(t)`` with two strong sinusoids as input.
 
     Parameters
     ----------
@@ -185,12 +185,12 @@ def example_7_2(rng: np.random.Generator, samples: int = 1000, a: float = -0.9, 
     rng : numpy.random.Generator
     samples : int
     a, c : float
-        The lectures give no numbers; those of Example 7-1 are chosen.
+        The lectures give no values; the defaults are those of Example 7-1.
 
     Returns
     -------
     LectureRecord
-        With its e: the columns ``y, y, e, e`` of a model one order too high are exactly dependent.
+        With the true e, the columns ``y, y, e, e`` of a model one order too high are exactly dependent.
 
     Notes
     -----
@@ -200,7 +200,7 @@ def example_7_2(rng: np.random.Generator, samples: int = 1000, a: float = -0.9, 
 
 
 def example_8_1(rng: np.random.Generator, samples: int = 1000) -> LectureRecord:
-    """Simulate the system of Example 7-1 on two sinusoids that the noise drowns.
+    """Simulate the system of Example 7-1 with two sinusoids weaker than the noise as input.
 
     Parameters
     ----------

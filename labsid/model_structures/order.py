@@ -1,4 +1,4 @@
-"""How large a model: the loss against the order, what it costs to add parameters, and over-parameterisation."""
+"""Model order: loss against order, information criteria, F test, and pole-zero cancellation."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -14,23 +14,23 @@ from labsid.model_structures.structures import Structure, fit_structure
 
 @dataclass(frozen=True, slots=True, eq=False)
 class OrderScan:
-    """A row of structures, all fitted to the same equations.
+    """Structures fitted to the same equations.
 
     Attributes
     ----------
     structures : tuple of Structure
     rows : int
-        Number of equations N, the same for all.
+        Number of equations N.
     parameters : ndarray, shape (m,)
-        Number of parameters p of each.
+        Number of parameters p.
     loss : ndarray, shape (m,)
         ``V = 1/N sum epsilon^2``, in the square of the unit of y (Fig. 15).
     aic, bic : ndarray, shape (m,)
-        ``N ln V + 2 p`` and ``N ln V + p ln N``; minus infinity where the model fits without error.
+        ``N ln V + 2 p`` and ``N ln V + p ln N``; minus infinity for a perfect fit.
     fpe : ndarray, shape (m,)
-        ``V (1 + p/N) / (1 - p/N)``, the final prediction error: the loss to expect on new data.
+        ``V (1 + p/N) / (1 - p/N)``, the final prediction error: the expected loss on new data.
     condition_number : ndarray, shape (m,)
-        Of Phi; a leap upwards is a sign of over-parameterisation.
+        Of Phi; a large increase is a sign of over-parameterisation.
     """
 
     structures: tuple[Structure, ...]
@@ -49,18 +49,18 @@ class OrderScan:
 
 @dataclass(frozen=True, slots=True)
 class FTest:
-    """Is the larger model significantly better than the smaller one inside it?
+    """F test of a model against a smaller one nested in it.
 
     Attributes
     ----------
     statistic : float
-        Fall of the loss for each added parameter, over the loss left for each degree of freedom.
+        Reduction of the loss per added parameter, over the remaining loss per degree of freedom.
     added : int
-        Parameters added.
+        Number of added parameters.
     degrees_of_freedom : int
-        Equations less parameters of the larger model.
+        Equations minus parameters of the larger model.
     p_value : float
-        How likely so large a fall would be if the added parameters were zero.
+        Probability of an equal or larger statistic if the added parameters are zero.
     """
 
     statistic: float
@@ -71,14 +71,14 @@ class FTest:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class RootPairs:
-    """Zeros and poles matched to each other.
+    """Pairs of zeros and poles.
 
     Attributes
     ----------
     zeros, poles : ndarray of complex, shape (m,)
-        Roots in z; the i-th zero goes with the i-th pole, closest pair first.
+        Roots in z; the i-th zero is paired with the i-th pole, closest pair first.
     distance : ndarray, shape (m,)
-        ``|zero - pole|``; zero where the two cancel.
+        ``|zero - pole|``; zero if the two cancel.
     """
 
     zeros: NDArray[np.complex128]
@@ -90,12 +90,12 @@ class RootPairs:
 
 
 def loss_against_order(structures: Sequence[Structure], u: ArrayLike | None, y: ArrayLike) -> OrderScan:
-    """Fit every structure to the same rows, and set the gain in loss against the number of parameters.
+    """Fit several structures to the same rows and compute loss and information criteria.
 
     Parameters
     ----------
     structures : sequence of Structure
-        With nc = 0; in the order in which they are to be plotted.
+        With nc = 0.
     u : array_like, shape (N,), or None
         Input; None for AR.
     y : array_like, shape (N,)
@@ -108,14 +108,14 @@ def loss_against_order(structures: Sequence[Structure], u: ArrayLike | None, y: 
     Raises
     ------
     ValueError
-        If there is no structure, or the data do not fit one of them.
+        If there is no structure, or as `fit_structure`.
 
     Notes
     -----
-    Reading notes, lecture 7, "Determining the model structure" and Fig. 15. A larger model inside which the smaller
-    one lies always fits at least as well: on *the same rows*, hence the common start. AIC, BIC and FPE price the
-    parameters; BIC finds the true order as N grows, AIC and FPE tend to overshoot by a little. A rank-deficient fit
-    counts all its parameters.
+    Reading notes, lecture 7, "Determining the model structure" and Fig. 15. The larger of two nested models has at
+    most the same loss, if both are fitted to *the same rows*; hence the common start. AIC, BIC and FPE penalize
+    parameters: BIC is consistent, AIC and FPE tend to overestimate the order slightly. A rank-deficient fit counts
+    all its parameters.
     """
     if not structures:
         raise ValueError("structures must hold at least one structure; got none.")
@@ -140,12 +140,12 @@ def loss_against_order(structures: Sequence[Structure], u: ArrayLike | None, y: 
 
 
 def compare_models(smaller: LeastSquares, larger: LeastSquares) -> FTest:
-    """Test whether the larger of two nested fits improves on the smaller by more than chance would.
+    """Test whether the larger of two nested fits is a significant improvement.
 
     Parameters
     ----------
     smaller, larger : LeastSquares
-        Fits to the same Y, the columns of the smaller being among those of the larger.
+        Fits to the same Y; the regressors of the smaller are among those of the larger.
 
     Returns
     -------
@@ -154,13 +154,13 @@ def compare_models(smaller: LeastSquares, larger: LeastSquares) -> FTest:
     Raises
     ------
     ValueError
-        If they have different numbers of equations, the larger does not have more parameters, or no degree of
-        freedom is left.
+        If the numbers of equations differ, the larger does not have more parameters, or there is no degree of
+        freedom.
 
     Notes
     -----
     Reading notes, lecture 7: "whether or not the improvement in the fit is significant". The F test of linear
-    regression; for lagged outputs it holds as N grows.
+    regression, asymptotic for lagged outputs.
     """
     rows, p1, p2 = larger.residual.size, smaller.theta.size, larger.theta.size
     if smaller.residual.size != rows:
@@ -179,17 +179,17 @@ def compare_models(smaller: LeastSquares, larger: LeastSquares) -> FTest:
 
 
 def pair_roots(numerator: ArrayLike, denominator: ArrayLike) -> RootPairs:
-    """Match the zeros of a model with its poles: a pair that coincides cancels, and its two parameters are too many.
+    """Pair the zeros of a model with its poles, to find those that cancel.
 
     Parameters
     ----------
     numerator, denominator : array_like
-        Polynomials in q^-1, lowest delay first: B or C, and A. Leading zeros of B are delay, not roots.
+        Polynomials in q^-1, lowest delay first: B or C, and A. Leading zeros of B are a delay, not roots.
 
     Returns
     -------
     RootPairs
-        As many pairs as the polynomial of lower degree has roots.
+        Their number is the lower of the two degrees.
 
     Raises
     ------
@@ -199,8 +199,8 @@ def pair_roots(numerator: ArrayLike, denominator: ArrayLike) -> RootPairs:
     Notes
     -----
     Reading notes, Example 7-2: ``(1 + a q^-1)(1 + d q^-1)`` over ``(1 + c q^-1)(1 + d q^-1)`` describes the same
-    system for every d. The closest pair is matched first, then the closest of the rest. How close is close depends on
-    the standard errors of the parameters.
+    system for every d. The closest pair is matched first, then the closest of the remaining roots. Whether a pair
+    cancels depends on the standard errors of the parameters.
     """
     zeros, poles = (_roots(name, p) for name, p in (("numerator", numerator), ("denominator", denominator)))
     distances = np.abs(zeros[:, np.newaxis] - poles)

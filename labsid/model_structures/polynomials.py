@@ -1,7 +1,7 @@
-"""Shift-operator calculus: polynomials in q^-1 as the lectures write them, and the z-transform.
+"""Shift-operator calculus: polynomials in q^-1, and the z-transform.
 
-A polynomial ``P(q^-1) = p0 + p1 q^-1 + ... + pn q^-n`` is the array ``[p0, p1, ..., pn]``. The same array read as
-powers of z, highest first, is ``z^n P(z^-1)``: that is how python-control and numpy's ``roots`` take it.
+A polynomial ``P(q^-1) = p0 + p1 q^-1 + ... + pn q^-n`` is the array ``[p0, p1, ..., pn]``. For python-control and
+numpy's ``roots``, which take descending powers of z, the same array is ``z^n P(z^-1)``.
 """
 
 from collections.abc import Callable
@@ -28,7 +28,7 @@ class ZPair:
     transform : callable
         Takes z (complex), returns X(z).
     radius : float
-        The sum converges for ``|z|`` above it.
+        The transform converges for ``|z| > radius``.
     """
 
     name: str
@@ -66,7 +66,7 @@ def shift_back(x: ArrayLike, n: int = 1) -> FloatArray:
 
 
 def shift_forward(x: ArrayLike, n: int = 1) -> FloatArray:
-    """Apply ``q^n``: the value n samples ahead, as far as the record knows it.
+    """Apply ``q^n``: the value n samples ahead.
 
     Parameters
     ----------
@@ -77,7 +77,7 @@ def shift_forward(x: ArrayLike, n: int = 1) -> FloatArray:
     Returns
     -------
     ndarray, shape (N - n,)
-        ``q^n x(k) = x(k+n)``; the last n samples would have to come from the future.
+        ``q^n x(k) = x(k+n)``, without the last n samples, which would lie beyond the record.
 
     Raises
     ------
@@ -109,7 +109,7 @@ def multiply(P: ArrayLike, Q: ArrayLike) -> FloatArray:
 
 
 def add(P: ArrayLike, Q: ArrayLike) -> FloatArray:
-    """Add two polynomials in q^-1, of equal length or not.
+    """Add two polynomials in q^-1.
 
     Parameters
     ----------
@@ -128,14 +128,14 @@ def add(P: ArrayLike, Q: ArrayLike) -> FloatArray:
 
 
 def series(B: ArrayLike, A: ArrayLike, terms: int) -> FloatArray:
-    """Divide ``B(q^-1) / A(q^-1)`` out into powers of q^-1: the impulse response.
+    """Expand ``B(q^-1) / A(q^-1)`` in powers of q^-1: the impulse response.
 
     Parameters
     ----------
     B, A : array_like
         Coefficients, lowest delay first; ``A[0]`` not zero.
     terms : int
-        How many coefficients h0, h1, ... to compute.
+        Number of coefficients h0, h1, ...
 
     Returns
     -------
@@ -149,12 +149,12 @@ def series(B: ArrayLike, A: ArrayLike, terms: int) -> FloatArray:
 
     Notes
     -----
-    Reading notes, lecture 1. Long division, one coefficient a step: h_k = (b_k - a1 h_(k-1) - ...) / a0. It shows
-    ARX as an FIR of infinite length.
+    Reading notes, lecture 1. Long division: h_k = (b_k - a1 h_(k-1) - ...) / a0. An ARX model is thus an FIR model of
+    infinite length.
     """
     B, A = as_signal("B", B), as_signal("A", A)
     if A[0] == 0:
-        raise ValueError("A must have A[0] other than zero, or 1/A would need the future. Take its delay out first.")
+        raise ValueError("A must have a nonzero A[0]; otherwise 1/A is not causal. Remove the delay of A first.")
     if terms < 1:
         raise ValueError(f"terms must be at least 1; got {terms}.")
     h = np.zeros(terms)
@@ -166,7 +166,7 @@ def series(B: ArrayLike, A: ArrayLike, terms: int) -> FloatArray:
 
 
 def apply(P: ArrayLike, x: ArrayLike) -> FloatArray:
-    """Let a polynomial work on a signal: ``p0 x(k) + p1 x(k-1) + ...``, zero before the first sample.
+    """Apply a polynomial to a signal: ``p0 x(k) + p1 x(k-1) + ...``, with x zero before the first sample.
 
     Parameters
     ----------
@@ -180,7 +180,7 @@ def apply(P: ArrayLike, x: ArrayLike) -> FloatArray:
 
     Notes
     -----
-    Reading notes, eq. (3) and (4): ``A(q^-1) y(k) = B(q^-1) u(k)`` says ``apply(A, y) == apply(B, u)``.
+    Reading notes, eq. (3) and (4): ``A(q^-1) y(k) = B(q^-1) u(k)`` means ``apply(A, y) == apply(B, u)``.
     """
     filtered: FloatArray = lfilter(as_signal("P", P), 1.0, as_signal("x", x))
     return filtered
@@ -216,14 +216,14 @@ def z_transform(x: ArrayLike, z: complex) -> complex:
     Parameters
     ----------
     x : array_like, shape (N,)
-        Samples from time zero; those after the last count as zero.
+        Samples from time zero; x is zero after the last.
     z : complex
         Not zero.
 
     Returns
     -------
     complex
-        The z-transform, cut off after N terms.
+        The z-transform of the N samples.
 
     Raises
     ------
@@ -238,7 +238,7 @@ def z_transform(x: ArrayLike, z: complex) -> complex:
 
 
 def z_pairs(Ts: float, a: float, omega: float) -> tuple[ZPair, ...]:
-    """List the z-transforms that every course uses.
+    """List common z-transforms.
 
     Parameters
     ----------
@@ -256,7 +256,7 @@ def z_pairs(Ts: float, a: float, omega: float) -> tuple[ZPair, ...]:
 
     Notes
     -----
-    Chosen as examples: the Reading notes give the definition alone.
+    The Reading notes give only the definition.
     """
     s, c = np.sin(omega * Ts), np.cos(omega * Ts)
     return (
@@ -271,7 +271,7 @@ def z_pairs(Ts: float, a: float, omega: float) -> tuple[ZPair, ...]:
 
 
 def superposition_error(system: System, u1: ArrayLike, u2: ArrayLike, alpha: float, beta: float) -> float:
-    """Measure how far a system is from linear on two inputs.
+    """Largest violation of superposition by a system, for two inputs.
 
     Parameters
     ----------
@@ -284,19 +284,19 @@ def superposition_error(system: System, u1: ArrayLike, u2: ArrayLike, alpha: flo
     Returns
     -------
     float
-        Largest ``|S(alpha u1 + beta u2) - alpha S(u1) - beta S(u2)|``; zero, to rounding, for a linear system.
+        Largest ``|S(alpha u1 + beta u2) - alpha S(u1) - beta S(u2)|``; a rounding error for a linear system.
 
     Notes
     -----
-    Reading notes, lecture 1. Errata: scaling alone is printed as the definition; linear means superposition,
-    scaling *and* adding.
+    Reading notes, lecture 1. Errata: homogeneity alone is printed as the definition; linearity is homogeneity *and*
+    additivity.
     """
     u1, u2 = as_signals(u1=u1, u2=u2)
     return float(np.max(np.abs(system(alpha * u1 + beta * u2) - alpha * system(u1) - beta * system(u2))))
 
 
 def shift_error(system: System, u: ArrayLike, n: int) -> float:
-    """Measure how far a system is from time-invariant on an input.
+    """Largest violation of time invariance by a system, for one input.
 
     Parameters
     ----------
@@ -309,7 +309,7 @@ def shift_error(system: System, u: ArrayLike, n: int) -> float:
     Returns
     -------
     float
-        Largest ``|S(q^-n u) - q^-n S(u)|``; zero, to rounding, for a time-invariant system.
+        Largest ``|S(q^-n u) - q^-n S(u)|``; a rounding error for a time-invariant system.
 
     Notes
     -----

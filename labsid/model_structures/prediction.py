@@ -1,6 +1,6 @@
-"""Simulation and prediction with a model of any structure, side by side so that they are not confused.
+"""Simulation and prediction with a model of any structure.
 
-`free_run` sees the inputs alone. `one_step_prediction` sees every measured output but the one it predicts.
+`free_run` uses the inputs alone; `one_step_prediction` also uses the measured outputs before each sample.
 """
 
 import numpy as np
@@ -11,7 +11,7 @@ from labsid._arrays import FloatArray, as_signal, as_signals
 from labsid.model_structures.realisation import controllable_form, transfer_function
 from labsid.model_structures.structures import PolynomialModel
 
-LARGEST = 1e150  # beyond this the square of a sample, and with it the mean squared error, overflows
+LARGEST = 1e150  # the squares of larger values, and with them the mean squared error, may overflow
 
 
 def free_run(
@@ -25,9 +25,9 @@ def free_run(
     u : array_like, shape (N,), or None
         Input; None without one.
     e : array_like, shape (N,), optional
-        White noise, to make data; none unless given, and then y is the simulated output.
+        White noise, to generate data; default: none.
     x0 : array_like, shape (n,), optional
-        State of `controllable_form` at the first sample; at rest (zero) unless given.
+        State of `controllable_form` at the first sample; default: zero (at rest).
 
     Returns
     -------
@@ -36,18 +36,18 @@ def free_run(
     Raises
     ------
     ValueError
-        If neither signal or not the input is given, the lengths differ, `x0` does not have one entry for each state,
-        or an unstable model leaves the range of numbers.
+        If the input is missing, neither signal is given, the lengths differ, `x0` does not have one entry for each
+        state, or the output of an unstable model overflows.
 
     Notes
     -----
-    Reading notes, lecture 3. No measured output goes in: compare `one_step_prediction`.
+    Reading notes, lecture 3. No measured output is used; compare `one_step_prediction`.
     """
     if model.b.size and u is None:
         raise ValueError("u must be given: the model has an input.")
     signals = {name: x for name, x in (("u", u), ("e", e)) if x is not None}
     if not signals:
-        raise ValueError("e must be given: a model without input runs on its noise alone.")
+        raise ValueError("e must be given: a model without input is driven by noise alone.")
     driving = dict(zip(signals, as_signals(1, **signals), strict=True))
     forced = sum(lfilter({"u": model.delayed_b, "e": model.c}[name], 1.0, x) for name, x in driving.items())
     if x0 is None:
@@ -71,13 +71,13 @@ def prediction_errors(model: PolynomialModel, u: ArrayLike | None, y: ArrayLike)
     Returns
     -------
     epsilon : ndarray, shape (N,)
-        ``y - one_step_prediction``, from rest; of the true model the noise itself.
+        ``y - one_step_prediction``, from rest; for the true model, the noise.
 
     Raises
     ------
     ValueError
-        If the input is missing, the lengths differ, or the errors leave the range of numbers, C having a root
-        outside the unit circle.
+        If the input is missing, the lengths differ, or the errors overflow because C has a root outside the unit
+        circle.
 
     Notes
     -----
@@ -122,9 +122,9 @@ def one_step_prediction(model: PolynomialModel, u: ArrayLike | None, y: ArrayLik
 
 
 def _filter_state(model: PolynomialModel, x0: FloatArray) -> FloatArray:
-    """The state of ``lfilter`` (transposed direct form II) that gives the same undriven output as `x0`.
+    """The state of ``lfilter`` (transposed direct form II) with the same free response as `x0`.
 
-    The undriven output f(k) = C G^k x0 follows from the state z of the filter as f(0) = z0, f(1) = z1 - a1 f(0), ...:
+    The free response f(k) = C G^k x0 follows from the state z of the filter as f(0) = z0, f(1) = z1 - a1 f(0), ...:
     z_j = a_0 f(j) + a_1 f(j-1) + ... + a_j f(0).
     """
     num, a = transfer_function(model)

@@ -1,4 +1,4 @@
-"""From transfer function to difference equation to state space, and to python-control."""
+"""Conversions between transfer function, difference equation, state space, and python-control systems."""
 
 from typing import TYPE_CHECKING
 
@@ -11,11 +11,11 @@ from labsid.model_structures.structures import PolynomialModel
 if TYPE_CHECKING:
     import control
 
-# python-control draws in matplotlib as soon as it is imported, so it is imported only where it is used.
+# python-control imports matplotlib, so it is imported inside functions only.
 
 
 def model_from_transfer_function(num: ArrayLike, den: ArrayLike, Ts: float = 1.0) -> PolynomialModel:
-    """Turn ``G(z) = num(z) / den(z)`` into a difference equation, by dividing both by the highest power of z.
+    """Convert ``G(z) = num(z) / den(z)`` to a difference equation.
 
     Parameters
     ----------
@@ -27,12 +27,12 @@ def model_from_transfer_function(num: ArrayLike, den: ArrayLike, Ts: float = 1.0
     Returns
     -------
     PolynomialModel
-        ARX or FIR; its `delay` is den's degree less num's.
+        ARX or FIR; its `delay` is the degree of den minus that of num.
 
     Raises
     ------
     ValueError
-        If den is zero, num is zero, or num has the higher degree, so that y would run ahead of u.
+        If den is zero, num is zero, or G is not proper.
 
     Notes
     -----
@@ -46,7 +46,7 @@ def model_from_transfer_function(num: ArrayLike, den: ArrayLike, Ts: float = 1.0
 
 
 def controllable_form(num: ArrayLike, den: ArrayLike) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
-    """Write ``num(z) / den(z)`` as x(k+1) = G x(k) + H u(k), y(k) = C x(k) + D u(k), in controllable canonical form.
+    """Realise ``num(z) / den(z)`` as x(k+1) = G x(k) + H u(k), y(k) = C x(k) + D u(k) in controllable canonical form.
 
     Parameters
     ----------
@@ -63,17 +63,17 @@ def controllable_form(num: ArrayLike, den: ArrayLike) -> tuple[FloatArray, Float
     Raises
     ------
     ValueError
-        If den is a constant or zero, or num has the higher degree.
+        If den is a constant or zero, or the transfer function is not proper.
 
     Notes
     -----
-    SUSTech lecture, first slides: the transfer function first, then the state space. The form of UNSW's eq. (2), with
-    a direct path D: num = D den + a remainder of lower degree.
+    SUSTech lecture, first slides. The form of UNSW's eq. (2), with a direct path D: num = D den + a remainder of lower
+    degree.
     """
     num, den = _proper(num, den)
     n = den.size - 1
     if n == 0:
-        raise ValueError("den must be of degree 1 or more; got a constant. A mere gain has no state.")
+        raise ValueError("den must be of degree 1 or more; got a constant. A static gain has no state.")
     a = den / den[0]
     b = np.concatenate([np.zeros(n + 1 - num.size), num]) / den[0]
     # G = [  0    1  ...   0  ]   H = [0]   C = [bn - b0 an, ..., b1 - b0 a1]   D = b0
@@ -86,7 +86,7 @@ def controllable_form(num: ArrayLike, den: ArrayLike) -> tuple[FloatArray, Float
 
 
 def transfer_function(model: PolynomialModel) -> tuple[FloatArray, FloatArray]:
-    """Write the path from u to y as ``num(z) / den(z)``.
+    """Return the transfer function ``num(z) / den(z)`` from u to y.
 
     Parameters
     ----------
@@ -105,13 +105,13 @@ def transfer_function(model: PolynomialModel) -> tuple[FloatArray, FloatArray]:
     """
     if not model.b.size:
         raise ValueError(
-            "the model must have an input for a transfer function from it. Use noise_tf for that of the noise."
+            "the model must have an input for a transfer function. Use noise_tf for the noise."
         )
     return _padded(model.delayed_b, model.a)
 
 
 def input_tf(model: PolynomialModel) -> "control.TransferFunction":
-    """Write the path from input to output as python-control's transfer function ``q^-d B / A``.
+    """Return the transfer function ``q^-d B / A`` from input to output as a system of python-control.
 
     Parameters
     ----------
@@ -134,7 +134,7 @@ def input_tf(model: PolynomialModel) -> "control.TransferFunction":
 
 
 def noise_tf(model: PolynomialModel) -> "control.TransferFunction":
-    """Write the path from noise to output as python-control's transfer function ``C / A``.
+    """Return the transfer function ``C / A`` from noise to output as a system of python-control.
 
     Parameters
     ----------
@@ -146,7 +146,7 @@ def noise_tf(model: PolynomialModel) -> "control.TransferFunction":
 
     Notes
     -----
-    Reading notes, lecture 3: the coloured disturbance is white noise behind this filter.
+    Reading notes, lecture 3: the coloured disturbance is white noise passed through this filter.
     """
     import control
 
@@ -155,12 +155,12 @@ def noise_tf(model: PolynomialModel) -> "control.TransferFunction":
 
 
 def input_ss(model: PolynomialModel) -> "control.StateSpace":
-    """Write the path from input to output as python-control's state space in controllable canonical form.
+    """Return the controllable canonical form from input to output as a state-space system of python-control.
 
     Parameters
     ----------
     model : PolynomialModel
-        With an input, and a lag: a mere gain has no state.
+        With an input and at least one lag; a static gain has no state.
 
     Returns
     -------
@@ -188,13 +188,13 @@ def _proper(num: ArrayLike, den: ArrayLike) -> tuple[FloatArray, FloatArray]:
     num = num if num.size else np.zeros(1)
     if num.size > den.size:
         raise ValueError(
-            f"num must be of no higher degree than den; got degrees {num.size - 1} and {den.size - 1}: the output "
-            "would run ahead of the input."
+            f"num must be of no higher degree than den; got degrees {num.size - 1} and {den.size - 1}: the transfer "
+            "function is not causal."
         )
     return num, den
 
 
 def _padded(p: FloatArray, q: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Two polynomials in q^-1 as polynomials in z: both times the same power of z."""
+    """Two polynomials in q^-1 as polynomials in z, multiplied by the same power of z."""
     length = max(p.size, q.size)
     return np.pad(p, (0, length - p.size)), np.pad(q, (0, length - q.size))

@@ -1,4 +1,4 @@
-"""Is the model good enough? The residual must be white and uncorrelated with the input."""
+"""Residual tests of a model: the residual must be white and uncorrelated with the input."""
 
 from dataclasses import dataclass
 
@@ -13,7 +13,7 @@ from labsid.least_squares.linear_algebra import singular_values
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Correlation:
-    """Correlation coefficients by lag, with the band that chance alone keeps to.
+    """Correlation coefficients by lag, with their confidence band for uncorrelated signals.
 
     Attributes
     ----------
@@ -36,22 +36,22 @@ class Correlation:
 
     @property
     def outside(self) -> FloatArray:
-        """Lags, other than 0 of an autocorrelation, at which the band is left; ``1 - confidence`` of them by chance."""
+        """Lags outside the band, except lag 0 of an autocorrelation; a share of ``1 - confidence`` is expected."""
         beyond = np.abs(self.values) > self.band
         return self.lags[beyond & ~((self.lags == 0) & (self.values == 1))]
 
 
 @dataclass(frozen=True, slots=True)
 class PortmanteauTest:
-    """All lags in one number.
+    """Result of a joint test of several lags.
 
     Attributes
     ----------
     statistic : float
-        Chi-square distributed, for large N, if there is no correlation.
+        Asymptotically chi-square distributed if there is no correlation.
     degrees_of_freedom : int
     p_value : float
-        How likely so large a statistic would be without correlation: a small one rejects the model.
+        Probability of an equal or larger statistic without correlation; a small value rejects the model.
     """
 
     statistic: float
@@ -60,16 +60,16 @@ class PortmanteauTest:
 
 
 def autocorrelation(e: ArrayLike, lags: int = 20, confidence: float = 0.95) -> Correlation:
-    """Estimate the autocorrelation coefficients of a residual and their band if it is white.
+    """Estimate the autocorrelation coefficients of a residual, with their band for a white one.
 
     Parameters
     ----------
     e : array_like, shape (N,)
         Prediction errors. Their mean is removed.
     lags : int
-        Largest lag; the result holds lags 0 .. `lags`.
+        Largest lag; the result contains lags 0 .. `lags`.
     confidence : float
-        Of the band, at each lag by itself.
+        Of the band, at each lag.
 
     Returns
     -------
@@ -79,11 +79,11 @@ def autocorrelation(e: ArrayLike, lags: int = 20, confidence: float = 0.95) -> C
     Raises
     ------
     ValueError
-        If e is constant, `lags` does not fit the record, or `confidence` is not between 0 and 1.
+        If e is constant, `lags` exceeds the record, or `confidence` is not between 0 and 1.
 
     Notes
     -----
-    Reading notes, Fig. 12. Of *prediction* errors: those of a simulation are coloured even for the true model.
+    Reading notes, Fig. 12. Use *prediction* errors: simulation errors are coloured even for the true model.
     """
     (e,) = _centred(lags, e=e)
     values = _covariances(e, e, lags) / (e @ e)
@@ -91,34 +91,34 @@ def autocorrelation(e: ArrayLike, lags: int = 20, confidence: float = 0.95) -> C
 
 
 def cross_correlation(u: ArrayLike, e: ArrayLike, lags: int = 20, confidence: float = 0.95) -> Correlation:
-    """Estimate how a residual depends on the input, and the band if it does not.
+    """Estimate the cross-correlation coefficients of input and residual, with their band for independent signals.
 
     Parameters
     ----------
     u, e : array_like, shape (N,)
         Input and prediction errors. Their means are removed.
     lags : int
-        Largest lag; the result holds lags -`lags` .. `lags`.
+        Largest lag; the result contains lags -`lags` .. `lags`.
     confidence : float
-        Of the band, at each lag by itself.
+        Of the band, at each lag.
 
     Returns
     -------
     Correlation
-        ``r(k) = sum e(t) u(t-k) / sqrt(sum e^2 sum u^2)``. At k >= 0 it tells dynamics that the model misses; at k < 0
-        feedback from the output to the input.
+        ``r(k) = sum e(t) u(t-k) / sqrt(sum e^2 sum u^2)``. Correlation at k >= 0 indicates unmodelled dynamics, at
+        k < 0 feedback from the output to the input.
 
     Raises
     ------
     ValueError
-        If the lengths differ, a signal is constant, `lags` does not fit the record, or `confidence` is not between 0
+        If the lengths differ, a signal is constant, `lags` exceeds the record, or `confidence` is not between 0
         and 1.
 
     Notes
     -----
-    The companion of Fig. 12 for the input. The band is ``z sqrt(P / N)``, ``P = sum r_e(k) r_u(k)``: where both
-    signals are coloured, neighbouring samples count as fewer. The sum is tapered up to `lags`, which keeps P positive.
-    Least squares makes the lags of u that are in phi exactly zero.
+    As Fig. 12, for the input. The band is ``z sqrt(P / N)``, ``P = sum r_e(k) r_u(k)``: it is wider if both signals
+    are coloured. The sum is tapered up to `lags`, which keeps P positive. Least squares makes the correlation exactly
+    zero at the lags of u that are in phi.
     """
     u, e = _centred(lags, u=u, e=e)
     ahead, behind = _covariances(e, u, lags), _covariances(u, e, lags)
@@ -137,9 +137,9 @@ def whiteness_test(e: ArrayLike, lags: int = 20, parameters: int = 0) -> Portman
     e : array_like, shape (N,)
         Prediction errors. Their mean is removed.
     lags : int
-        How many lags, 1 .. `lags`, to put together.
+        Number of lags, 1 .. `lags`.
     parameters : int
-        Parameters of the noise model fitted to this record (na + nc); they use up degrees of freedom.
+        Parameters of the noise model fitted to this record (na + nc); they reduce the degrees of freedom.
 
     Returns
     -------
@@ -149,11 +149,11 @@ def whiteness_test(e: ArrayLike, lags: int = 20, parameters: int = 0) -> Portman
     Raises
     ------
     ValueError
-        If e is constant, `lags` does not fit the record, or `parameters` leaves no degree of freedom.
+        If e is constant, `lags` exceeds the record, or `parameters` leaves no degree of freedom.
 
     Notes
     -----
-    Reading notes, lecture 1, step 5, "Model validation": the assumption "e(t) is white" of lecture 6, tested.
+    Reading notes, lecture 1, step 5, "Model validation"; a test of the assumption "e(t) is white" of lecture 6.
     """
     if not 0 <= parameters < lags:
         raise ValueError(f"parameters must lie between 0 and lags - 1 = {lags - 1}; got {parameters}. Use more lags.")
@@ -161,14 +161,14 @@ def whiteness_test(e: ArrayLike, lags: int = 20, parameters: int = 0) -> Portman
 
 
 def ljung_box(r: ArrayLike, samples: int, parameters: int = 0) -> PortmanteauTest:
-    """Test autocorrelation coefficients that are already estimated, for example from a record with gaps.
+    """Test given autocorrelation coefficients, for example those of a record with gaps.
 
     Parameters
     ----------
     r : array_like, shape (m,)
         Coefficients at the lags 1 .. m.
     samples : int
-        Number of samples N behind them.
+        Number of samples N from which they were estimated.
     parameters : int
         As in `whiteness_test`.
 
@@ -183,34 +183,34 @@ def ljung_box(r: ArrayLike, samples: int, parameters: int = 0) -> PortmanteauTes
 
 
 def input_residual_test(u: ArrayLike, e: ArrayLike, first: int, lags: int = 20) -> PortmanteauTest:
-    """Test whether several past inputs together explain anything of a white residual.
+    """Test whether a white residual is correlated with several past inputs.
 
     Parameters
     ----------
     u, e : array_like, shape (N,)
         Input and prediction errors. Their means are removed.
     first : int
-        First lag, 0 or more. Those of u that are in phi are zero by construction and tell nothing: start after them
-        (delay + nb).
+        First lag, 0 or more. Start after the lags of u that are in phi (at delay + nb): their correlation is zero by
+        construction.
     lags : int
-        How many lags, first .. first + lags - 1, to put together.
+        Number of lags, first .. first + lags - 1.
 
     Returns
     -------
     PortmanteauTest
-        ``e'U (U'U)^-1 U'e / s^2``, the columns of U being the lags of u, in other words ``N r' R^-1 r`` of the
-        cross-correlations r and the autocorrelation matrix R of u. The degrees of freedom are the rank of U: of a
-        single sinusoid all lags say the same as two.
+        ``e'U (U'U)^-1 U'e / s^2`` with the lags of u as columns of U; this is ``N r' R^-1 r`` for the
+        cross-correlations r and the autocorrelation matrix R of u. The degrees of freedom are the rank of U: two for
+        a single sinusoid.
 
     Raises
     ------
     ValueError
-        If the lengths differ, a signal is constant, or the lags do not fit the record.
+        If the lengths differ, a signal is constant, or the lags exceed the record.
 
     Notes
     -----
-    Needs a white residual (`whiteness_test` first). The fitted parameters have already taken up some of the
-    correlation, so that a true model is rejected somewhat less often than the p-value says.
+    Valid for a white residual (apply `whiteness_test` first). The fitted parameters absorb some of the correlation, so
+    that a true model is rejected somewhat less often than the p-value indicates.
     """
     if first < 0 or lags < 1:
         raise ValueError(f"first must be at least 0 and lags at least 1; got {first} and {lags}.")
@@ -232,7 +232,7 @@ def _centred(lags: int, **signals: ArrayLike) -> list[FloatArray]:
     arrays = as_signals(1, **signals)
     if not 1 <= lags < arrays[0].size:
         raise ValueError(
-            f"lags must be at least 1 and reach less far than the {arrays[0].size} samples; got {lags}. Use fewer lags."
+            f"lags must be at least 1 and less than the {arrays[0].size} samples; got {lags}. Use fewer lags."
         )
     for name, array in zip(signals, arrays, strict=True):
         if np.ptp(array) == 0:

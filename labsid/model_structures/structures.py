@@ -1,10 +1,10 @@
-"""The model structures of the lectures as one description: ARX, AR, ARMA, ARMAX and FIR, with delay.
+"""Model structures with delay: ARX, AR, ARMA, ARMAX, FIR and MA.
 
     A(q^-1) y(k) = q^-d B(q^-1) u(k) + C(q^-1) e(k)
     A = 1 + a1 q^-1 + ... + a_na q^-na,   C = 1 + c1 q^-1 + ... + c_nc q^-nc,   B has nb coefficients
 
-The lectures write the minus sign of a1 .. a_na in the regressor, ``phi(k) = [-y(k-1), ..., u(k-d), ..., e(k-1), ...]``
-with ``theta = [a1, ..., b.., c1, ...]``. The lab writes it in theta: see `labsid.lab.arx`.
+As in the lectures, the minus sign of a1 .. a_na is in the regressor, ``phi(k) = [-y(k-1), ..., u(k-d), ..., e(k-1),
+...]``, with ``theta = [a1, ..., b.., c1, ...]``. The lab has it in theta; see `labsid.lab.arx`.
 """
 
 from dataclasses import dataclass
@@ -18,17 +18,18 @@ from labsid.least_squares.solve import LeastSquares, solve_least_squares
 
 @dataclass(frozen=True, slots=True)
 class Structure:
-    """Which coefficients a model has.
+    """Numbers of coefficients and delay of a model.
 
     Attributes
     ----------
     na : int
-        Coefficients a1 .. a_na: past outputs.
+        Number of coefficients a1 .. a_na, for past outputs.
     nb : int
-        Coefficients of B: inputs u(k - delay) .. u(k - delay - nb + 1). The Reading notes call the delay 1 in
-        lecture 3 (b1 first) and d in eq. (3) (b0 first, nb there is one less); for SUSTech's ARX(p, q) see `arx_pq`.
+        Number of coefficients of B, for inputs u(k - delay) .. u(k - delay - nb + 1). In the Reading notes the delay
+        is 1 in lecture 3 (b1 first) and d in eq. (3) (b0 first; nb there is one less). For SUSTech's ARX(p, q) see
+        `arx_pq`.
     nc : int
-        Coefficients c1 .. c_nc: past noise.
+        Number of coefficients c1 .. c_nc, for past noise.
     delay : int
         Delay d of the input in samples; 0 for a direct path.
     """
@@ -52,7 +53,7 @@ class Structure:
 
     @property
     def longest_lag(self) -> int:
-        """First sample k (zero-based) for which all lags were recorded; SUSTech's k0 less one."""
+        """First sample k (zero-based) for which all lags were recorded; SUSTech's k0 minus one."""
         return max(self.na, self.nc, self.delay + self.nb - 1 if self.nb else 0)
 
     @property
@@ -65,14 +66,14 @@ class Structure:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class PolynomialModel:
-    """A model of one of these structures with its numbers.
+    """A model of one of these structures, with its coefficients.
 
     Attributes
     ----------
     a : ndarray, shape (na + 1,)
         ``[1, a1, ...]``.
     b : ndarray, shape (nb,)
-        Coefficients of B, first that of u(k - delay); empty without input.
+        Coefficients of B, the first for u(k - delay); empty without input.
     c : ndarray, shape (nc + 1,)
         ``[1, c1, ...]``.
     delay : int
@@ -98,17 +99,17 @@ class PolynomialModel:
 
     @property
     def structure(self) -> Structure:
-        """The description without the numbers."""
+        """The structure of the model."""
         return Structure(self.a.size - 1, self.b.size, self.c.size - 1, self.delay)
 
     @property
     def theta(self) -> FloatArray:
-        """``[a1, ..., b.., c1, ...]``, the lectures' order and signs."""
+        """``[a1, ..., b.., c1, ...]``, in the order and with the signs of the lectures."""
         return np.concatenate([self.a[1:], self.b, self.c[1:]])
 
     @property
     def delayed_b(self) -> FloatArray:
-        """``q^-d B(q^-1)``: b behind its zeros; ``[0]`` without input."""
+        """Coefficients of ``q^-d B(q^-1)``; ``[0]`` without input."""
         return np.concatenate([np.zeros(self.delay), self.b]) if self.b.size else np.zeros(1)
 
 
@@ -144,7 +145,7 @@ class Regression:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class StructureFit:
-    """An identified model with the equations that it solves.
+    """An identified model with its regression and least-squares result.
 
     Attributes
     ----------
@@ -159,7 +160,7 @@ class StructureFit:
 
 
 def arx_pq(p: int, q: int) -> Structure:
-    """Describe SUSTech's ARX(p, q): alpha_1 .. alpha_p and beta_0 .. beta_q, the input from lag zero.
+    """Return the structure of SUSTech's ARX(p, q): alpha_1 .. alpha_p and beta_0 .. beta_q, no delay.
 
     Parameters
     ----------
@@ -180,7 +181,7 @@ def arx_pq(p: int, q: int) -> Structure:
 
 
 def model_from_theta(structure: Structure, theta: ArrayLike, Ts: float = 1.0) -> PolynomialModel:
-    """Turn ``theta = [a1, ..., b.., c1, ...]`` into a model.
+    """Convert ``theta = [a1, ..., b.., c1, ...]`` to a model.
 
     Parameters
     ----------
@@ -196,12 +197,12 @@ def model_from_theta(structure: Structure, theta: ArrayLike, Ts: float = 1.0) ->
     Raises
     ------
     ValueError
-        If theta does not have one entry a coefficient.
+        If theta does not have one entry per coefficient.
     """
     theta = as_signal("theta", theta)
     if theta.size != structure.parameters:
         raise ValueError(
-            f"theta must have one entry a coefficient of the {structure.kind} model ({structure.parameters}); "
+            f"theta must have one entry per coefficient of the {structure.kind} model ({structure.parameters}); "
             f"got {theta.size}."
         )
     a, b, c = np.split(theta, [structure.na, structure.na + structure.nb])
@@ -226,10 +227,10 @@ def build_equations(
     y : array_like, shape (N,)
         Output.
     e : array_like, shape (N,), optional
-        Noise, for nc > 0: the true one of a simulation, or the prediction errors of pseudo-linear regression.
+        Noise, for nc > 0: the true noise of a simulation, or the prediction errors in pseudo-linear regression.
     start, stop : int, optional
-        Rows for the samples k = start .. stop - 1; from the first with all its lags (`Structure.longest_lag`) to the
-        last unless given. Lags before sample 0 are zero.
+        Rows for the samples k = start .. stop - 1; default: from `Structure.longest_lag` to the last sample. Lags
+        before sample 0 are zero.
 
     Returns
     -------
@@ -243,7 +244,7 @@ def build_equations(
     Notes
     -----
     Reading notes, lecture 3 and Example 2-3 (an FIR with ``delay=0, nb=3``, from sample 0); SUSTech lecture,
-    "Regressor". Errata: the notes call ARMAX a linear regression; e is not measured, so it is only pseudo-linear.
+    "Regressor". Errata: the notes call ARMAX a linear regression; it is pseudo-linear, because e is not measured.
     """
     y = as_signal("y", y)
     columns = [-_lagged(y, lag) for lag in range(1, structure.na + 1)]
@@ -293,12 +294,12 @@ def fit_structure(
     Returns
     -------
     StructureFit
-        Its ``fit.status`` says whether the parameters are unique.
+        ``fit.status`` tells whether the parameters are unique.
 
     Raises
     ------
     ValueError
-        If the structure has noise coefficients, or the data do not fit it.
+        If the structure has noise coefficients, or as `build_equations`.
 
     Notes
     -----
@@ -315,5 +316,5 @@ def fit_structure(
 
 
 def _lagged(x: FloatArray, lag: int) -> FloatArray:
-    """``x(k - lag)`` for every k, zero before sample 0, also when the lag exceeds the record."""
+    """``x(k - lag)`` for every k, zero before sample 0; the lag may exceed the record."""
     return np.concatenate([np.zeros(min(lag, x.size)), x[: max(x.size - lag, 0)]])

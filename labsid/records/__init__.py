@@ -1,1 +1,1 @@
-"""Records: files in every layout the lab meets, read into one `Record`, and what can be said of its signals."""
+"""Records: reading `.mat` and text files into a `Record`, and tests of the quality of its signals."""

@@ -1,4 +1,4 @@
-"""Which of two signals leads: what the past of one adds to predicting the other."""
+"""Which of two signals drives the other, by Granger causality."""
 
 import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
@@ -9,7 +9,7 @@ LAGS = 8
 
 
 def gain_from_past(x: FloatArray, y: FloatArray) -> float:
-    """F statistic of what the past of `x` adds to the past of `y` in predicting `y` (Granger causality).
+    """F statistic for Granger causality: does the past of `x` improve the prediction of `y` from its own past?
 
     Parameters
     ----------
@@ -19,12 +19,12 @@ def gain_from_past(x: FloatArray, y: FloatArray) -> float:
     Returns
     -------
     float
-        About 1 where the past of `x` says nothing; 0 where there are too few samples to tell (N < 40).
+        About 1 if the past of `x` does not help; 0 if there are too few samples (N < 40).
 
     Notes
     -----
-    Eight lags of each. Measured from input to output: 37 to 117 on the lab's tanks, 758 on the hair dryer, 11
-    on the cascaded tanks; from output to input: below 3 on all of these, 32 on the lab's closed loop.
+    Uses eight lags of each signal. Measured from input to output: 37 to 117 on the lab's tanks, 758 on the hair
+    dryer, 11 on the cascaded tanks; from output to input: below 3 on all of these, 32 on the lab's closed loop.
     """
     rows = y.size - LAGS
     if rows < 4 * LAGS:
@@ -33,25 +33,25 @@ def gain_from_past(x: FloatArray, y: FloatArray) -> float:
     both = np.column_stack([own, sliding_window_view(x, LAGS)[:rows]])
     target = y[LAGS:]
     alone, together = (_squared_error(Phi, target) for Phi in (own, both))
-    # Rounding alone leaves this much; below it both predictions are perfect and their ratio means nothing.
+    # Rounding error of a perfect prediction; it keeps the ratio of two perfect predictions finite.
     floor = np.finfo(float).eps * float(np.sum(target**2)) + np.finfo(float).tiny
     return max(alone - together, 0.0) / LAGS / (max(together, floor) / (rows - both.shape[1]))
 
 
 def look_swapped(u: FloatArray, y: FloatArray) -> bool:
-    """Whether `y` can only be the command and `u` the answer to it.
+    """Whether `y` is certainly the input of the experiment and `u` its output.
 
     Parameters
     ----------
     u, y : ndarray, shape (N,)
-        What is called input and output.
+        The signals labelled as input and output.
 
     Returns
     -------
     bool
-        True only where it is certain: `y` takes at most ten exact levels and `u` ten times as many, the past
-        of `y` clearly helps to predict `u`, and the past of `u` does nothing for `y`. A coarse but genuine
-        output of few levels is predicted by its input, and so is not taken for a command.
+        True only if `y` takes at most ten exact levels and `u` ten times as many, the past of `y` clearly helps
+        to predict `u`, and the past of `u` does not help to predict `y`. The last condition spares a coarsely
+        quantized output, which its input predicts.
     """
     levels = np.unique(y).size
     if not 2 <= levels <= 10 or np.unique(u).size < 10 * levels:

@@ -1,4 +1,4 @@
-"""File formats of records: columns as found in the file. Whether they make a record is judged in `record`."""
+"""File formats of records: read the columns of a file without validating them (see `record`)."""
 
 from dataclasses import dataclass
 from os import PathLike
@@ -16,22 +16,22 @@ _SIGNALS = ("t", "u", "y", "y_measured", "y_noise_reduced", "reference")
 
 @dataclass(frozen=True, slots=True, eq=False)
 class RawRecord:
-    """What a file holds, not judged: lengths may differ, values may be NaN, time may go anywhere.
+    """The columns of a file, not validated: lengths may differ, values may be NaN, times may be out of order.
 
     Attributes
     ----------
     t : ndarray, shape (Nt,), or None
         Times in seconds; None if the file has none.
     u, y : ndarray, shapes (Nu,) and (Ny,)
-        Input and the output asked for.
+        Input and the requested output.
     Ts : float or None
-        Sampling time in seconds as the caller gave it; never read from the file.
+        Sampling time in seconds, as given by the caller.
     y_measured, y_noise_reduced, reference : ndarray or None
         The other columns of a lab record.
     name : str
-        File name without folders and ending.
+        File name without folder and suffix.
     notes : tuple of str
-        How the file was understood, where that took a decision.
+        Assumptions made in reading the file.
     """
 
     t: FloatArray | None
@@ -49,7 +49,7 @@ class RawRecord:
 
     @property
     def columns(self) -> dict[str, FloatArray]:
-        """The columns that there are, by name, without the one of the two outputs that `y` repeats."""
+        """The available columns by name, without the output that equals `y`."""
         present = self._present()
         for name in ("y_measured", "y_noise_reduced"):
             if name in present and np.array_equal(present[name], self.y, equal_nan=True):
@@ -68,19 +68,18 @@ def read_raw(
     columns: str | None = None,
     Ts: float | None = None,
 ) -> RawRecord:
-    """Read the columns of a record file without judging them.
+    """Read the columns of a record file without validating them.
 
     Parameters
     ----------
     path : path
-        ``.mat`` (version 5 or 7; known by its ending or its first bytes); anything else is text: columns
-        separated by semicolons, tabs, commas or blanks, in which lines that start with # or % are ignored.
+        ``.mat`` (version 5 or 7; recognized by its suffix or first bytes), or text: columns separated by
+        semicolons, tabs, commas or blanks. Lines that start with # or % are ignored.
     output : {"noise-reduced", "measured"}
         Column 2 or column 1 of ``LogData.signals(1).values``.
     columns : str, optional
-        Three columns for t,u,y or two for u,y: names from the header, or numbers from 1. A text without a
-        header takes the very words ``t,u,y`` or ``u,y`` as the names of its columns if it has as many. For a
-        ``.mat`` without ``LogData``: names of its variables.
+        Three columns for t,u,y or two for u,y: names from the header, or numbers from 1. For a text file without
+        a header, ``t,u,y`` or ``u,y`` names the columns in order. For a ``.mat``: names of variables.
     Ts : float, optional
         Sampling time in seconds of a file without time.
 
@@ -93,7 +92,7 @@ def read_raw(
     OSError
         If the file cannot be opened.
     ValueError
-        If it holds no such columns, or is damaged.
+        If the file does not contain these columns, or is damaged.
     """
     if output not in OUTPUTS:
         raise ValueError(f"output must be {' or '.join(OUTPUTS)}; got {output!r}.")

@@ -1,7 +1,7 @@
-"""The MAT-file format of versions 5 and 7, as far as records need it: matrices, structures and cells.
+"""Reader of MAT-files of versions 5 and 7: matrices, structures and cell arrays.
 
-Not `scipy.io.loadmat`, for a record comes from anywhere: of the single bytes of a small uncompressed file, one
-in a hundred makes that crash the whole process when it is damaged (scipy 1.17). Here damage is an error.
+It replaces `scipy.io.loadmat`, which can crash the process on a damaged file (scipy 1.17: one in a hundred
+single-byte changes of a small uncompressed file). Here a damaged file raises `ValueError`.
 """
 
 import math
@@ -19,7 +19,7 @@ _CELL, _STRUCT, _OPAQUE = 1, 2, 17
 _NUMERIC_CLASSES = range(6, 16)
 _OTHER_CLASSES = {3: "an object", 4: "text", 5: "a sparse matrix", 16: "a function", 17: "an object"}
 _COMPLEX = 0x800
-_LARGEST = 2**30  # bytes of one variable
+_MAX_BYTES = 2**30  # of one variable
 
 
 def read_variables(content: bytes) -> dict[str, Any]:
@@ -28,18 +28,18 @@ def read_variables(content: bytes) -> dict[str, Any]:
     Parameters
     ----------
     content : bytes
-        Of the file.
+        The content of the file.
 
     Returns
     -------
     dict
-        By name. A matrix of real numbers is an array of float of the same shape; a structure array is a list of
-        dicts, a cell array a list, both in MATLAB's order; of anything else there is a str that says what it is.
+        Values by name. A matrix of real numbers is a float array of the same shape; a structure array is a list of
+        dicts and a cell array a list, both in MATLAB's order; any other value is represented by a str naming its type.
 
     Raises
     ------
     ValueError
-        If it is no MAT-file of these versions, or is cut off or damaged.
+        If it is not a MAT-file of these versions, or is truncated or damaged.
     """
     order = {b"\x00\x01IM": "<", b"\x01\x00MI": ">"}.get(content[124:128])
     if order is None:
@@ -61,12 +61,12 @@ def read_variables(content: bytes) -> dict[str, Any]:
 
 
 def _element(data: bytes, position: int, order: str) -> tuple[int, bytes, int]:
-    """Type and payload of the data element at `position`, and where the next one starts."""
+    """Type and payload of the data element at `position`, and the position of the next one."""
     if position + 8 > len(data):
         raise ValueError("it ends too early")
     kind, size = struct.unpack_from(f"{order}II", data, position)
     start = position + 8
-    if kind >> 16:  # up to four bytes, packed into the tag
+    if kind >> 16:  # small data element: up to four bytes, stored in the tag
         kind, size, start = kind & 0xFFFF, kind >> 16, position + 4
         if size > 4:
             raise ValueError("a part has an impossible size")
@@ -79,7 +79,7 @@ def _element(data: bytes, position: int, order: str) -> tuple[int, bytes, int]:
 def _inflate(payload: bytes) -> bytes:
     inflater = zlib.decompressobj()
     try:
-        inflated = inflater.decompress(payload, _LARGEST)
+        inflated = inflater.decompress(payload, _MAX_BYTES)
     except zlib.error:
         raise ValueError("a compressed part does not unpack") from None
     if not inflater.eof:
@@ -89,7 +89,7 @@ def _inflate(payload: bytes) -> bytes:
 
 def _matrix(data: bytes, order: str) -> tuple[str, Any]:
     """Name and value of a matrix, structure or cell array."""
-    if not data:  # how an empty field is written
+    if not data:  # an empty field
         return "", np.empty((0, 0))
     flags, position = _expect(data, 0, order, _UINT32)
     if flags.size != 2:
@@ -116,7 +116,7 @@ def _matrix(data: bytes, order: str) -> tuple[str, Any]:
 
 
 def _expect(data: bytes, position: int, order: str, kind: int) -> tuple[np.ndarray, int]:
-    """Integers of exactly this type, and where the next element starts."""
+    """Integers of the given type, and the position of the next element."""
     found, payload, position = _element(data, position, order)
     if found != kind or len(payload) % 4:
         raise ValueError("a part is of the wrong type")
@@ -124,7 +124,7 @@ def _expect(data: bytes, position: int, order: str, kind: int) -> tuple[np.ndarr
 
 
 def _numbers(data: bytes, position: int, order: str, size: int) -> FloatArray:
-    """Numbers of any type as float; MATLAB stores doubles in the shortest type that holds them."""
+    """Numbers of any type as float; MATLAB stores doubles in the smallest sufficient type."""
     kind, payload, _ = _element(data, position, order)
     if kind not in _NUMBERS:
         raise ValueError("numbers are of no known type")
@@ -135,7 +135,7 @@ def _numbers(data: bytes, position: int, order: str, size: int) -> FloatArray:
 
 
 def _matrices(data: bytes, position: int, order: str, count: int) -> list[Any]:
-    """Values of `count` matrices that follow each other."""
+    """Values of `count` consecutive matrices."""
     values = []
     for _ in range(count):
         kind, payload, position = _element(data, position, order)

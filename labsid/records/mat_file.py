@@ -12,7 +12,7 @@ _HDF5 = b"\x89HDF\r\n\x1a\n"
 
 
 def is_mat_file(content: bytes) -> bool:
-    """Whether a file starts as MATLAB's files do."""
+    """Whether the content begins with a MAT-file header."""
     return content.startswith((b"MATLAB ", _HDF5))
 
 
@@ -22,9 +22,9 @@ def read_mat(content: bytes, output: str, columns: str | None) -> dict[str, Any]
     Parameters
     ----------
     content : bytes
-        Of the file.
+        The content of the file.
     output : {"noise-reduced", "measured"}
-        Which output becomes `y`.
+        The output to use as `y`.
     columns : str or None
         Names of two or three variables to use instead of ``LogData``.
 
@@ -37,7 +37,7 @@ def read_mat(content: bytes, output: str, columns: str | None) -> dict[str, Any]
     Raises
     ------
     ValueError
-        If the file is damaged, of version 7.3, or does not hold what was asked for.
+        If the file is damaged, of version 7.3, or lacks the requested signals.
     """
     if content.startswith((b"MATLAB 7.3", _HDF5)):
         raise ValueError(
@@ -51,7 +51,7 @@ def read_mat(content: bytes, output: str, columns: str | None) -> dict[str, Any]
             f"it is no MAT-file of version 5 or 7, or it is cut off or damaged ({error}). Copy or download it "
             "again, or save it again with save('file.mat', 'LogData', '-v7')."
         ) from None
-    variables.pop("", None)  # what MATLAB keeps for itself
+    variables.pop("", None)  # MATLAB's internal data
     if columns is not None:
         return _pick_variables(variables, columns)
     log_name = next((name for name in ("LogData", "SFLogData") if name in variables), None)
@@ -65,7 +65,7 @@ def read_mat(content: bytes, output: str, columns: str | None) -> dict[str, Any]
 
 
 def _read_log(name: str, log: Any, output: str) -> dict[str, Any]:
-    """The lab's layout.
+    """Read the lab's layout.
 
     ``.time``; ``.signals(1).values`` with the columns [reference,] measured, noise-reduced;
     ``.signals(2).values``, the input.
@@ -132,7 +132,7 @@ def _pick_variables(variables: dict[str, Any], columns: str) -> dict[str, Any]:
 
 
 def _unwrap(value: Any) -> Any:
-    """What a 1x1 structure or cell array holds."""
+    """The element of a 1x1 structure or cell array."""
     while isinstance(value, list) and len(value) == 1:
         value = value[0]
     return value
@@ -147,13 +147,13 @@ def _numbers(name: str, value: Any) -> FloatArray:
 
 
 def _as_columns(name: str, value: Any, samples: int) -> FloatArray:
-    """Signals as columns; scopes also log them as rows, or with a singleton dimension between."""
+    """Signals as columns; scopes also log them as rows, or with a singleton dimension."""
     array = _numbers(name, value)
     if array.ndim > 2:
         array = array.reshape([size for size in array.shape if size > 1] or [1])
     if array.ndim < 2:
         array = array.reshape(-1, 1)
     if array.ndim > 2:
-        raise ValueError(f"{name} must be a matrix with a signal a column; got shape {array.shape}.")
+        raise ValueError(f"{name} must be a matrix with one signal per column; got shape {array.shape}.")
     rows, cols = array.shape
     return array.T if rows != samples and cols == samples else array

@@ -1,4 +1,4 @@
-"""A record of an experiment, and the only door through which one comes in."""
+"""The record of an experiment: loading and validation."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -14,11 +14,8 @@ from labsid.records.direction import look_swapped
 from labsid.records.even_times import fit_even_times
 from labsid.records.formats import RawRecord, read_raw
 
-# An interval may differ from the usual one by this share of it; more is a gap or a jittering clock.
-REGULAR_WITHIN = 0.01
-
-# Beyond any quantity of a lab, and below what cannot be squared.
-LARGEST = 1e100
+REGULAR_WITHIN = 0.01  # largest deviation of an interval from the median one, as a share of it
+LARGEST = 1e100  # larger values are damage; their squares could overflow
 
 _OPTIONAL = ("y_measured", "y_noise_reduced", "reference")
 
@@ -27,30 +24,30 @@ _OPTIONAL = ("y_measured", "y_noise_reduced", "reference")
 class Record:
     """Input and output of one experiment, sampled at regular times.
 
-    Checked when it is made; the arrays are copies and read-only.
+    The constructor validates the signals and stores read-only copies.
 
     Attributes
     ----------
     t : ndarray, shape (N,)
         Time of each sample in seconds, N >= 2.
     u, y : ndarray, shape (N,)
-        Input, and the output that everything downstream works on (V in the lab).
+        Input and output (V in the lab).
     Ts : float
         Sampling time in seconds; it must agree with `t`.
     y_measured, y_noise_reduced : ndarray, shape (N,), optional
-        Both outputs of a lab record, as logged and after the rig's own noise reduction; `y` is one of them.
+        Both outputs of a lab record, as logged and after the rig's noise reduction; `y` is one of them.
     reference : ndarray, shape (N,), optional
         The set point of a closed-loop record.
     name : str
-        Where it came from, for messages and titles.
+        Name for messages and titles.
     jitter : float
-        Root mean square of what the stamps in the file are off `t`, in sampling times; 0 where `t` are the stamps.
+        Root-mean-square deviation of the file's time stamps from `t`, in sampling times; 0 if `t` holds the stamps.
 
     Raises
     ------
     ValueError
-        If a signal is not one-dimensional, not finite or of another length than the others, if there are
-        fewer than two samples, or if the times do not increase in regular steps of `Ts`.
+        If a signal is not one-dimensional or not finite, if the lengths differ, if there are fewer than two
+        samples, or if the times do not increase in regular steps of `Ts`.
     """
 
     t: FloatArray
@@ -86,7 +83,7 @@ class Record:
 
 
 class Fault(NamedTuple):
-    """One reason to refuse a record: what it is about, and a sentence with place and remedy."""
+    """A reason to refuse a record: its topic, and a sentence with place and remedy."""
 
     topic: str
     text: str
@@ -99,7 +96,7 @@ def load_record(
     Ts: float | None = None,
     allow_jitter: bool = False,
 ) -> Record:
-    """Read a record from a file: MATLAB's `.mat` in the lab's layout, or delimited text.
+    """Read a record from a MATLAB `.mat` file in the lab's layout, or from delimited text.
 
     Parameters
     ----------
@@ -111,9 +108,9 @@ def load_record(
     columns : str, optional
         Names or numbers (from 1) of the columns to use: ``"t,u,y"``, or two for ``"u,y"`` with `Ts`.
     Ts : float, optional
-        Sampling time in seconds of a file without time; where there is time, it must agree.
+        Sampling time in seconds of a file without times; if there are times, they must agree with it.
     allow_jitter : bool
-        Put even times in the place of stamps that jitter by up to 0.3 of the sampling time, instead of refusing them.
+        Replace stamps that jitter by up to 0.3 of the sampling time by even times, instead of refusing them.
 
     Returns
     -------
@@ -122,14 +119,14 @@ def load_record(
     Raises
     ------
     OSError
-        If there is no such file or it cannot be opened.
+        If the file does not exist or cannot be opened.
     ValueError
-        If the file is not a record, or is one that nothing downstream could work on: says what and where.
+        If the file is not a valid record; the message names the fault and its place.
 
     Notes
     -----
-    Step 1a of the UNSW lab: ``t = LogData.time`` and so on. Nothing is repaired here; `labsid check`
-    describes a file that is refused.
+    Step 1a of the UNSW lab: ``t = LogData.time`` and so on. Faults are not repaired; `labsid check`
+    describes a refused file.
     """
     raw = read_raw(path, output=output, columns=columns, Ts=Ts)
     raw, jitter = _evened(raw) if allow_jitter else (raw, 0.0)
@@ -154,13 +151,13 @@ def load_record(
 
 
 def refusal(path: str | PathLike[str], faults: Sequence[Fault]) -> str:
-    """Say in one line why `load_record` refuses a file: the first of its faults, and how many more there are."""
+    """One-line message for a refused file: its first fault, and the number of further ones."""
     more = f" ({len(faults) - 1} more: see `labsid check`)" if len(faults) > 1 else ""
     return f"{Path(path).name}: {faults[0].text}{more}"
 
 
 def sampling_time(t: ArrayLike) -> float:
-    """Sampling time of regular times: their mean interval, without the rounding of the times themselves.
+    """Sampling time of regular times: the mean interval, free of the rounding errors of the times.
 
     Parameters
     ----------
@@ -175,7 +172,7 @@ def sampling_time(t: ArrayLike) -> float:
     Raises
     ------
     ValueError
-        If the times go backwards or are not regular: says where.
+        If the times go backwards or are not regular.
     """
     t = as_signal("t", t, at_least=2)
     faults = _time_faults(t)
@@ -188,17 +185,17 @@ def sampling_time(t: ArrayLike) -> float:
 
 
 def find_faults(raw: RawRecord) -> tuple[Fault, ...]:
-    """Find everything for which `load_record` refuses a file that could be read.
+    """Find all faults for which `load_record` refuses a file.
 
     Parameters
     ----------
     raw : RawRecord
-        What `labsid.records.formats.read_raw` found.
+        From `labsid.records.formats.read_raw`.
 
     Returns
     -------
     tuple of Fault
-        Empty for a good record.
+        Empty for a valid record.
     """
     faults = []
     for name, column in raw.columns.items():
@@ -225,7 +222,7 @@ def find_faults(raw: RawRecord) -> tuple[Fault, ...]:
 
 
 def is_sound(values: FloatArray) -> bool:
-    """Whether all values are finite and of a size that arithmetic survives."""
+    """Whether all values are finite and at most `LARGEST` in magnitude."""
     return bool(np.all(np.abs(values) <= LARGEST))
 
 
@@ -251,7 +248,7 @@ def _sampling_faults(raw: RawRecord) -> list[Fault]:
 
 
 def _evened(raw: RawRecord) -> tuple[RawRecord, float]:
-    """The same with even times where its stamps jitter, and by how much they do; stamps that are good stay."""
+    """The record with even times in place of jittering stamps, and the jitter; regular stamps are kept."""
     if raw.t is None or raw.t.size < 2 or not is_sound(raw.t):
         return raw, 0.0
     even = fit_even_times(raw.t)
@@ -261,7 +258,7 @@ def _evened(raw: RawRecord) -> tuple[RawRecord, float]:
 
 
 def _time_faults(t: FloatArray) -> list[Fault]:
-    """Where times do not increase, or not in regular steps."""
+    """The fault of times that do not increase in regular steps, if any."""
     steps = np.diff(t)
     back = np.flatnonzero(steps <= 0)
     if back.size:
@@ -288,7 +285,7 @@ def _time_faults(t: FloatArray) -> list[Fault]:
 
 
 def _disagreement(found: float, given: float, samples: int) -> list[Fault]:
-    # Two honest statements of Ts differ by less than half a sample over the whole record.
+    # Rounding of Ts is accepted: less than half a sample over the whole record.
     if abs(found - given) * (samples - 1) <= 0.5 * found and abs(found - given) <= REGULAR_WITHIN * found:
         return []
     text = f"Ts = {given:g} s disagrees with the times, which step by {found:g} s. Leave one of them out."

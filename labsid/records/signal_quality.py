@@ -1,18 +1,18 @@
-"""What sensors, converters and loggers leave in raw samples: lattices, stops, held values, moving means."""
+"""Artefacts of sensors, converters and loggers in raw samples: lattices, stops, held values, moving means."""
 
 import numpy as np
 
 from labsid._arrays import FloatArray
 
 MIN_HOLD = 3  # equal samples in a row
-RARE_REPEATS = 0.01  # share of the values that occur twice in a row, from which noise repeats values
+RARE_REPEATS = 0.01  # share of values that occur twice in a row; above it, noise repeats values
 FINE_STEP = 1e-4  # of the range: below this converter step, equal samples are rare by chance
-LARGE_MOVE = 4.0  # times the median change between samples: a jump away from the sensor's limit
-SEVERAL_HOLDS = 3  # held stretches
+LARGE_MOVE = 4.0  # median changes between samples: a jump away from the sensor's limit
+SEVERAL_HOLDS = 3
 
 
 def runs(x: FloatArray) -> tuple[np.ndarray, np.ndarray]:
-    """Starts and lengths of the stretches over which `x` keeps exactly the same value.
+    """Starts and lengths of the runs of exactly equal values.
 
     Parameters
     ----------
@@ -21,7 +21,7 @@ def runs(x: FloatArray) -> tuple[np.ndarray, np.ndarray]:
 
     Returns
     -------
-    starts, lengths : ndarray of int, shape (number of stretches,)
+    starts, lengths : ndarray of int, shape (number of runs,)
     """
     starts = np.flatnonzero(np.concatenate([[True], x[1:] != x[:-1]]))
     return starts, np.diff(np.append(starts, x.size))
@@ -37,24 +37,24 @@ def lattice_step(x: FloatArray) -> float | None:
     Returns
     -------
     float or None
-        In the unit of `x`; None for fewer than three different values, or values on no lattice.
+        In the unit of `x`; None for fewer than three different values, or if there is no lattice.
     """
     values = np.unique(x)
     span = float(values[-1] - values[0])
     gaps = np.diff(values)
-    gaps = gaps[gaps > 1e-9 * span]  # one value written in two ways differs by rounding
+    gaps = gaps[gaps > 1e-9 * span]  # smaller gaps are rounding errors
     if gaps.size < 2:
         return None
     steps = round(span / float(gaps.min()))
     step = span / steps
     places = (values - values[0]) / step
     off = float(np.abs(places - np.round(places)).max())
-    # Found by chance, the places would be spread evenly over the half steps.
+    # Without a lattice, the fractional parts would be spread evenly.
     return step if off < 1e-3 else None
 
 
 def scatter(x: FloatArray) -> float:
-    """Standard deviation of the noise as seen from sample to sample; an upper bound while `x` also moves.
+    """Standard deviation of the noise, from third differences; an upper bound while `x` also moves.
 
     Parameters
     ----------
@@ -64,13 +64,13 @@ def scatter(x: FloatArray) -> float:
     Returns
     -------
     float
-        From third differences, which a smooth signal hardly has; white noise has sqrt(20) times its own.
+        Third differences are small for a smooth signal; white noise has sqrt(20) times its own standard deviation.
     """
     return float(np.median(np.abs(np.diff(x, 3))) / 0.6745 / np.sqrt(20))
 
 
 def stuck_at_extreme(x: FloatArray, extreme: float) -> tuple[int, int]:
-    """Count the samples that lie exactly at an extreme of `x`, as if against a stop.
+    """Count the samples that lie exactly at an extreme of `x`, as at a stop.
 
     Parameters
     ----------
@@ -81,8 +81,8 @@ def stuck_at_extreme(x: FloatArray, extreme: float) -> tuple[int, int]:
     Returns
     -------
     samples, longest : int
-        Their number and the longest stretch of them; both 0 where nothing looks stuck: fewer than five in a
-        row, or the signal came to rest there by itself, slowing down before.
+        Their number and the longest run of them; both 0 if no run is of five samples or more, or if the signal
+        slows down before it, as it does when it settles.
     """
     starts, lengths = runs(x)
     at_extreme = x[starts] == extreme
@@ -94,7 +94,7 @@ def stuck_at_extreme(x: FloatArray, extreme: float) -> tuple[int, int]:
 
 
 def _hits_a_stop(x: FloatArray, starts: np.ndarray, run: int) -> bool:
-    """Whether `x` runs into this stretch at speed; one that settles stays ever longer at ever closer values."""
+    """Whether `x` enters this run without slowing down, as a settling signal would."""
     k = starts[run]
     if run < 3 or k - starts[run - 3] > 6:
         return False
@@ -103,7 +103,7 @@ def _hits_a_stop(x: FloatArray, starts: np.ndarray, run: int) -> bool:
 
 
 def find_held(y: FloatArray, lattice: float | None, shortest: int = MIN_HOLD) -> tuple[tuple[int, int], ...]:
-    """Find the stretches over which the logger holds its last value.
+    """Find the runs in which the logger repeats its last value.
 
     Parameters
     ----------
@@ -111,17 +111,17 @@ def find_held(y: FloatArray, lattice: float | None, shortest: int = MIN_HOLD) ->
     lattice : float or None
         Converter step of y; None if there is none.
     shortest : int
-        Length from which a run of equal values may be a hold; see `shortest_hold`.
+        Shortest run of equal values that may be a hold; see `shortest_hold`.
 
     Returns
     -------
     tuple of (start, stop)
-        Half-open, in order, without the first sample of each stretch, which is a true reading.
+        Half-open, in order, without the first sample of each run, which is a true reading.
 
     Notes
     -----
-    On a fine scale a few equal readings are a hold, unless the output returns to that value: then it is the sensor's
-    limit, or rest. On a coarse lattice, rest and slow motion give equal readings, too; there a hold ends with a jump.
+    On a fine lattice, a few equal readings are a hold, unless the output returns to that value: then it is the sensor's
+    limit, or rest. On a coarse lattice, rest and slow motion also give equal readings; there a hold ends with a jump.
     """
     starts, lengths = runs(y)
     step = 0.0 if lattice is None else lattice
@@ -133,7 +133,7 @@ def find_held(y: FloatArray, lattice: float | None, shortest: int = MIN_HOLD) ->
     jumps = (jump > (usual if fine else 1.5 * step)) & (jump > 2.0 * onward)
     if not fine:
         long &= jumps & (lengths >= 2.0 * np.median(np.repeat(lengths, lengths)) + 3.0)
-    # Equal readings at the start are rest, unless they end with a jump and the logger holds values elsewhere.
+    # Equal readings at the start are rest, unless they end with a jump and there are several holds elsewhere.
     long &= (starts > 0) | (jumps & (np.count_nonzero(long & jumps & (starts > 0)) >= SEVERAL_HOLDS))
     starts, lengths, jumps, jump = starts[long], lengths[long], jumps[long], jump[long]
     values, which, count = np.unique(y[starts], return_inverse=True, return_counts=True)
@@ -156,7 +156,7 @@ def find_held(y: FloatArray, lattice: float | None, shortest: int = MIN_HOLD) ->
 
 
 def shortest_hold(x: FloatArray) -> int:
-    """Length from which a run is no chance: where noise repeats values, one that occurs once in a thousand records.
+    """Shortest run of equal values that noise rarely makes: in one of a thousand records.
 
     Parameters
     ----------
@@ -167,26 +167,26 @@ def shortest_hold(x: FloatArray) -> int:
     int
     """
     lengths = runs(x)[1]
-    repeats = float(np.mean(lengths == 2))  # nearly the chance that noise repeats a value once more
+    repeats = float(np.mean(lengths == 2))  # approximate probability that noise repeats a value
     if repeats < RARE_REPEATS:
         return MIN_HOLD
     return max(MIN_HOLD, int(np.log(1e-3 / lengths.size) / np.log(repeats)) + 2)
 
 
 def moving_mean_length(x: FloatArray, y: FloatArray, longest: int = 20) -> int | None:
-    """The m for which `y` is exactly the mean of the last m samples of `x`.
+    """Find the m for which `y` is exactly the mean of the last m samples of `x`.
 
     Parameters
     ----------
     x, y : ndarray, shape (N,)
-        Before and after a suspected filter.
+        Signals before and after a possible filter.
     longest : int
         The largest m to try.
 
     Returns
     -------
     int or None
-        1 where both are the same, None if no m fits (up to the first m - 1 samples, which need a past).
+        1 if both are the same; None if no m fits. The first m - 1 samples are not compared.
     """
     tolerance = 1e-9 * float(np.ptp(x)) + 1e-12 * float(np.abs(x).max())
     total = np.concatenate([[0.0], np.cumsum(x)])

@@ -1,4 +1,4 @@
-"""Delimited text: whatever separates the columns, with or without a header."""
+"""Delimited text files, with or without a header."""
 
 from collections.abc import Sequence
 from typing import Any
@@ -14,11 +14,11 @@ def read_text(content: bytes, columns: str | None, Ts: float | None) -> dict[str
     Parameters
     ----------
     content : bytes
-        Of the file.
+        The content of the file.
     columns : str or None
-        Names or numbers (from 1) of two or three columns; None for those that the header calls t, u, y.
+        Names or numbers (from 1) of two or three columns; None for those named t, u, y in the header.
     Ts : float or None
-        Where given, a file may do without time.
+        Sampling time in seconds; if given, the file needs no times.
 
     Returns
     -------
@@ -28,7 +28,7 @@ def read_text(content: bytes, columns: str | None, Ts: float | None) -> dict[str
     Raises
     ------
     ValueError
-        If there are no data, no such columns, or something that is not a number: says in which line.
+        If there are no data, if a column is missing, or if a field is not a number.
     """
     lines = _decode(content).replace("\r\n", "\n").replace("\r", "\n").split("\n")
     numbers = [k for k, line in enumerate(lines) if line.strip() and line.lstrip()[0] not in "#%"]
@@ -50,7 +50,7 @@ def read_text(content: bytes, columns: str | None, Ts: float | None) -> dict[str
         rows = [row.replace(",", ".") for row in rows]
         notes.append("decimal commas read as decimal points")
     try:
-        # Seven times as fast as splitting the lines here, but it takes no empty field.
+        # Seven times as fast as `_parse_rows`, but fails on empty fields.
         table = np.loadtxt(rows, delimiter=delimiter, usecols=used, comments=None, ndmin=2)
     except ValueError:
         table = _parse_rows(rows, numbers, delimiter, used)
@@ -58,12 +58,12 @@ def read_text(content: bytes, columns: str | None, Ts: float | None) -> dict[str
 
 
 def split_columns(columns: str) -> list[str]:
-    """Split what was given as columns into two or three names.
+    """Split the `columns` argument into two or three names.
 
     Raises
     ------
     ValueError
-        If it names more or fewer, or one twice.
+        If the number of names is not two or three, or a name occurs twice.
     """
     names = [name.strip() for name in columns.split(",")]
     if len(names) not in (2, 3) or not all(names):
@@ -74,7 +74,7 @@ def split_columns(columns: str) -> list[str]:
 
 
 def as_found(arrays: Sequence[FloatArray], notes: Sequence[str] = ()) -> dict[str, Any]:
-    """Call two arrays u and y, three t, u and y."""
+    """Name two arrays u and y, or three arrays t, u and y."""
     t, u, y = arrays if len(arrays) == 3 else (None, *arrays)
     return {"t": t, "u": u, "y": y, "notes": notes}
 
@@ -91,7 +91,7 @@ def _decode(content: bytes) -> str:
 
 
 def _fields(line: str, delimiter: str | None) -> list[str]:
-    """Fields of a line without the empty ones that trailing delimiters make."""
+    """Fields of a line, without the empty ones after trailing delimiters."""
     fields = [field.strip().strip("\"'").strip() for field in line.split(delimiter)]
     while fields and not fields[-1]:
         fields.pop()
@@ -108,7 +108,7 @@ def _all_numbers(fields: Sequence[str], delimiter: str | None) -> bool:
 
 
 def _header_in_comment(lines: Sequence[str], width: int, delimiter: str | None) -> list[str]:
-    """The comment just above the data where it names every column, as numpy.savetxt writes it."""
+    """Column names from the comment above the data, as numpy.savetxt writes it; empty if there is none."""
     if not lines:
         return []
     names = _fields(lines[-1].lstrip(" \t#%"), delimiter)
@@ -118,7 +118,7 @@ def _header_in_comment(lines: Sequence[str], width: int, delimiter: str | None) 
 def _choose_columns(
     header: Sequence[str], width: int, columns: str | None, Ts: float | None
 ) -> tuple[list[int], list[str]]:
-    """Positions of t,u,y or u,y among the columns, and a note where there was no name to go by."""
+    """Positions of t,u,y or u,y among the columns, and a note if there is no header."""
     there = ", ".join(header) if header else f"1 to {width} (there is no header)"
     if columns is not None:
         names = split_columns(columns)
@@ -134,7 +134,7 @@ def _choose_columns(
     if not header and width == 2 and Ts is not None:
         return [0, 1], ["no header: columns taken as u,y"]
     raise ValueError(
-        f"no columns t,u,y; the columns are {there}. Say which to use, by name or number, with columns "
+        f"no columns t,u,y; the columns are {there}. Choose columns by name or number with columns "
         "(--columns t,u,y, or --columns u,y and --Ts)."
     )
 
@@ -149,7 +149,7 @@ def _find_column(name: str, header: Sequence[str], width: int, there: str) -> in
 
 
 def _parse_rows(rows: Sequence[str], numbers: Sequence[int], delimiter: str | None, used: Sequence[int]) -> FloatArray:
-    """The same as loadtxt, with empty fields as NaN and an error that gives the line."""
+    """Parse rows as loadtxt does, but read empty fields as NaN and name the line in errors."""
     table = np.empty((len(rows), len(used)))
     for k, row in enumerate(rows):
         fields = row.split(delimiter)
@@ -157,7 +157,7 @@ def _parse_rows(rows: Sequence[str], numbers: Sequence[int], delimiter: str | No
             line = f"line {numbers[k] + 1}"
             if column >= len(fields):
                 raise ValueError(
-                    f"{line} has {len(fields)} fields, and column {column + 1} is wanted: {row[:40]!r}. "
+                    f"{line} has {len(fields)} fields, but column {column + 1} is needed: {row[:40]!r}. "
                     "Complete or delete that line."
                 )
             field = fields[column].strip()

@@ -466,7 +466,7 @@ def test_forgetting_outside_its_range(forgetting):
     ("call", "message"),
     [
         (lambda: recursive_least_squares(np.ones((4, 2)), np.ones(3)), r"got shapes \(4, 2\) and \(3,\)"),
-        (lambda: recursive_least_squares(np.ones(4), np.ones(4)), "one row a sample"),
+        (lambda: recursive_least_squares(np.ones(4), np.ones(4)), "one row per sample"),
         (lambda: recursive_least_squares([[1.0], [np.nan]], [1, 2]), "Phi must be finite; got nan"),
         (lambda: recursive_least_squares([[1.0], [1.0]], [1, np.inf]), "Y must be finite; got inf at sample 1"),
         (lambda: recursive_least_squares(np.ones((4, 2)), np.ones(4), start=diffuse_start(3)), "with 2 parameters"),

@@ -5,7 +5,7 @@ import pytest
 from scipy.signal import lfilter
 
 from labsid._arrays import FloatArray
-from labsid.lab.plateaus import MOST_PERIODS, repeated_plateaus
+from labsid.lab.plateaus import MAX_PERIODS, repeated_plateaus
 
 
 def staircase(levels: list[float], ends: list[float], noise: float = 0.0) -> tuple[FloatArray, FloatArray]:
@@ -62,7 +62,7 @@ def test_noise_alone_rarely_scatters_the_ends_further_than_it_may(pole: float) -
 
 
 @pytest.mark.parametrize(
-    ("levels", "ends"), [([1, 2, 3], [10.0, 20.0, 30.0]), ([1, 2] * (MOST_PERIODS // 2 + 1), [10.0, 20.0] * 26)]
+    ("levels", "ends"), [([1, 2, 3], [10.0, 20.0, 30.0]), ([1, 2] * (MAX_PERIODS // 2 + 1), [10.0, 20.0] * 26)]
 )
 def test_levels_that_come_once_and_inputs_that_never_rest_have_none(levels: list[float], ends: list[float]) -> None:
     assert repeated_plateaus(*staircase(levels, ends)) is None

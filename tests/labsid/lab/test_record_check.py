@@ -116,7 +116,7 @@ def test_one_sample():
 
 def test_given_sampling_time(good):
     told = texts(check_record(good(t=None, Ts=0.75)), "sampling", "note")
-    assert "one every 0.75 s as given; there are no times to check that by" in told
+    assert "one every 0.75 s as given; there are no times to verify this" in told
     assert "disagrees" in texts(check_record(good(Ts=0.5)), "sampling")
     assert "there is no time column" in texts(check_record(good(t=None)), "sampling", "refused")
 
@@ -132,7 +132,7 @@ def test_an_empty_start_is_seen_and_the_settled_part_found(staircase):
     assert "of the first period of 400 samples (300 s)" in told
     assert float(told.split("y offset ")[1].split(",")[0]) == pytest.approx(2.3, abs=0.02)
     assert check.usable
-    assert check.verdict.startswith("usable for the lab: yes, minding 1 warning: not settled at the start")
+    assert check.verdict.startswith("usable for the lab: yes, with 1 warning: not settled at the start")
 
 
 def test_a_period_too_short_and_one_that_never_settles(staircase):
@@ -148,7 +148,7 @@ def test_a_period_too_short_and_one_that_never_settles(staircase):
 def test_an_input_that_moves_at_once(staircase):
     rng = np.random.default_rng(2)
     check = check_record(RawRecord(None, rng.standard_normal(300), rng.standard_normal(300), Ts=1))
-    assert "the input moves at once" in texts(check, "rest", "refused")
+    assert "the input changes at sample 1" in texts(check, "rest", "refused")
     assert "between" in texts(check, "input", "ok")
     assert not check.usable
 

@@ -138,7 +138,7 @@ ramp = np.linspace(0, 1, 30)
         (lambda: fit_step_response(ramp[::-1], ramp, 1), "t must increase; got a step back at sample 1"),
         (lambda: fit_step_response(1 + ramp, ramp, 1), r"t must be zero at the step.*; got t from 1 to 2 s"),
         (lambda: fit_step_response(ramp[:9], ramp[:9], 1), "at least 10 after it; .* with 8 samples after zero"),
-        (lambda: fit_step_response(ramp, np.ones(30), 1), r"y must answer the step; got a change of 0 in noise"),
+        (lambda: fit_step_response(ramp, np.ones(30), 1), r"y must respond to the step; got a change of 0 in noise"),
         (lambda: cut_held_step([1, 2, 2], [0, 0, 0], 0.0), r"Ts must be a positive number of seconds; got 0\.0"),
         (lambda: cut_held_step([1, 2, 2], [0, 0, 0], 1.0, 1), r"number of input changes, 1; got 1\."),
         (lambda: cut_held_step([1, 1], [0, 0], 1.0), r"number of input changes, 0; got 0\."),
@@ -152,7 +152,7 @@ def test_responses_that_cannot_be_read(call, message):
 
 def test_noise_that_hides_the_response_is_named():
     y = np.random.default_rng(0).standard_normal(T.size)
-    with pytest.raises(ValueError, match=r"y must answer the step; got a change of .* in noise of"):
+    with pytest.raises(ValueError, match=r"y must respond to the step; got a change of .* in noise of"):
         fit_step_response(T, y, 1.0)
 
 

@@ -161,7 +161,10 @@ PHI, Y3 = np.eye(3)[:, :2], np.array([1.0, 2, 3])
             lambda: least_squares_with_equations(PHI, Y3, [[1, 1], [2, 2]], [1, 3]),
             "rows of A must be independent; got rank 1",
         ),
-        (lambda: least_squares_in_box(PHI, Y3, [0], [1]), r"one entry a parameter \(2\); got shapes \(1,\) and \(1,\)"),
+        (
+            lambda: least_squares_in_box(PHI, Y3, [0], [1]),
+            r"one entry per parameter \(2\); got shapes \(1,\) and \(1,\)",
+        ),
         (lambda: least_squares_in_box(PHI, Y3, [0, 1], [1, 1]), r"got 1\.0 and 1\.0 for parameter 1\. For a known"),
         (lambda: least_squares_in_box(PHI, Y3, [0, np.nan], [1, 1]), "lower must be below upper; got nan"),
     ],

@@ -90,7 +90,7 @@ def test_the_completed_square_adds_up(case, tried):
     [
         (lambda: qr_solution([[1, 1], [2, 2], [3, 3]], [1, 2, 3]), "full column rank .*; got rank 1 of 2 columns"),
         (lambda: qr_solution(PHI, [1, 2]), "Phi and Y must have equally many rows; got 5 and 2"),
-        (lambda: completed_square(PHI, EXAMPLE_2_1.y, [1]), r"one entry a column of Phi \(2\); got 1"),
+        (lambda: completed_square(PHI, EXAMPLE_2_1.y, [1]), r"one entry per column of Phi \(2\); got 1"),
         (lambda: projection_matrix([1, 2]), "Phi must be a matrix"),
     ],
 )

@@ -75,7 +75,7 @@ def test_random_positive_definite_is(seed):
         (lambda: definiteness([[1, 2]]), r"M must be square; got shape \(1, 2\)"),
         (
             lambda: evaluate_quadratic_form(np.eye(2), [1, 2, 3]),
-            r"x must have 2 entries a point, as M has rows; got shape \(3,\)",
+            r"x must have 2 entries per point, as M has rows; got shape \(3,\)",
         ),
         (lambda: surface(np.eye(3)), r"M must have shape \(2, 2\) for a surface over the plane; got \(3, 3\)"),
         (lambda: surface(BOWL, radius=0), "radius must be positive and rings at least 1; got 0 and 20"),

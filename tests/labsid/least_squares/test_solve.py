@@ -194,7 +194,7 @@ def test_the_gradient_is_the_slope_of_the_loss(seed):
     ("Phi", "y", "message"),
     [
         (PHI, [1, 2], "Phi and Y must have equally many rows; got 3 and 2"),
-        ([1, 2, 3], [1, 2, 3], r"Phi must be a matrix with one row an equation; got shape \(3,\)"),
+        ([1, 2, 3], [1, 2, 3], r"Phi must be a matrix with one row per equation; got shape \(3,\)"),
         ([[1, 2, 3]], [1], r"Phi must have at least as many rows as unknowns \(3\); got 1"),
         ([[1.0], [np.nan]], [1, 2], "Phi must be finite; got NaN or infinity"),
         ([[1.0], [2.0]], [1, np.inf], "Y must be finite; got inf at sample 1"),
@@ -207,5 +207,5 @@ def test_shapes_that_do_not_fit(solve, Phi, y, message):
 
 @pytest.mark.parametrize("function", [loss, loss_gradient])
 def test_theta_must_fit_phi(function):
-    with pytest.raises(ValueError, match=r"theta must have one entry a column of Phi \(2\); got 3"):
+    with pytest.raises(ValueError, match=r"theta must have one entry per column of Phi \(2\); got 3"):
         function(PHI, Y, [1, 2, 3])

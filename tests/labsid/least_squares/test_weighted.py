@@ -65,7 +65,7 @@ def test_forgetting_by_hand_and_as_the_printed_criterion():
 @pytest.mark.parametrize(
     ("call", "message"),
     [
-        (lambda: weighted_least_squares([[1], [2]], [1, 2], [1]), r"one entry an equation \(2\); got 1"),
+        (lambda: weighted_least_squares([[1], [2]], [1, 2], [1]), r"one entry per equation \(2\); got 1"),
         (lambda: weighted_least_squares([[1], [2]], [1, 2], [1, 0]), "must be positive; got 0 at equation 1.*drop its"),
         (lambda: forgetting_weights(0, 0.9), "n must be at least 1; got 0"),
         (lambda: forgetting_weights(5, 0.0), r"forgetting must be above 0 and at most 1; got 0\.0"),

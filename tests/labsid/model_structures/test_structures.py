@@ -143,7 +143,7 @@ U, Y = record()
         (lambda: PolynomialModel([2, 1], [1], [1]), "a and c must start with 1; got 2 and 1"),
         (lambda: PolynomialModel([1], [1], [1], delay=-1), "delay must be zero or more; got -1"),
         (lambda: PolynomialModel([1], [1], [1], Ts=0), "Ts must be a positive number of seconds; got 0"),
-        (lambda: model_from_theta(Structure(1, 1), [1]), r"one entry a coefficient of the ARX model \(2\); got 1"),
+        (lambda: model_from_theta(Structure(1, 1), [1]), r"one entry per coefficient of the ARX model \(2\); got 1"),
         (
             lambda: build_equations(Structure(1, 1), None, Y),
             "u must be given: the ARX structure has coefficients of it",
