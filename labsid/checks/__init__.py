@@ -1,8 +1,8 @@
-"""Checks of a student's answers: what they compare, what they say, and the slips that they know by name.
+"""Checks of students' answers: comparisons, messages and known mistakes.
 
-The same question is asked in two places. In the notebook, `notebook_checks` reads the student's own variables and
-answers at once, on public inputs. At grading, the judge of `autograder` asks the student's process for plain values and
-calls, on inputs that it keeps to itself. Both walk through the same `Question`.
+Each question is checked in two places. In the notebook, `notebook_checks` reads the student's variables and answers at
+once, on public inputs. At grading, the judge of `autograder` asks the student's process for plain values and function
+results, on secret inputs. Both use the same `Question`.
 """
 
 from labsid.checks.notebook import CheckFailed, notebook_checks

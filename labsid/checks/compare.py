@@ -1,4 +1,4 @@
-"""Reading a value as what it should be, and comparing two of them in the right sense."""
+"""Read an answer as a number, array, system or figure, and compare answers within a tolerance."""
 
 from collections.abc import Callable
 
@@ -13,11 +13,11 @@ FloatArray = NDArray[np.float64]
 SystemValue = TransferFunctionValue | StateSpaceValue
 
 MAX_ORDER = 100
-"""Systems of a higher order are not compared: no plant of the course comes near it."""
+"""Largest order of a system that is compared; the plants of the course have far lower orders."""
 
 
 def kind_of(value: Value) -> str:
-    """Name a value as a student would: "a column of shape (903, 1)", "text", "nothing (None)"."""
+    """Describe a value in words for a message: "an array of shape (903, 1)", "text", "nothing (None)"."""
     if value is None:
         return "nothing (None)"
     if isinstance(value, Unreadable):
@@ -37,7 +37,7 @@ def kind_of(value: Value) -> str:
 
 
 def as_number(name: str, value: Value) -> float:
-    """Read a real number; an array with one element counts. Raises `NoAnswer` with what was got."""
+    """Read a real number or an array of one element; raise `NoAnswer` for anything else."""
     array = _real_array(name, value, "one number")
     if array.size != 1:
         raise NoAnswer(f"`{name}` should be one number; it is {kind_of(value)}.")
@@ -45,17 +45,17 @@ def as_number(name: str, value: Value) -> float:
 
 
 def as_array(name: str, value: Value) -> FloatArray:
-    """Read a real array of whatever shape: for a check that looks at the shape itself."""
+    """Read a real array of any shape, for checks that test the shape themselves."""
     return _real_array(name, value, "numbers")
 
 
 def as_matrix(name: str, value: Value, shape: tuple[int | None, int | None]) -> FloatArray:
-    """Read a real matrix; None in `shape` leaves that size open. Raises `NoAnswer` with the shape that was got."""
+    """Read a real matrix; None in `shape` accepts any size. Raise `NoAnswer` for another shape."""
     array = _real_array(name, value, "a matrix")
     wanted = ", ".join("any" if size is None else str(size) for size in shape)
     if array.ndim == 2 and array.shape != shape and _fits(array.T.shape, shape) and not _fits(array.shape, shape):
         raise NoAnswer(
-            f"`{name}` has shape {array.shape}: it lies on its side. Its columns should run down, shape ({wanted}).",
+            f"`{name}` has shape {array.shape}; it should have shape ({wanted}): transpose it.",
             "rows instead of columns",
         )
     if array.ndim != 2 or not _fits(array.shape, shape):
@@ -64,7 +64,7 @@ def as_matrix(name: str, value: Value, shape: tuple[int | None, int | None]) -> 
 
 
 def as_vector(name: str, value: Value, size: int | None = None) -> FloatArray:
-    """Read a signal or a parameter vector: shape (N,) or a column (N, 1). A row (1, N) is named as such."""
+    """Read a signal or a parameter vector of shape (N,) or (N, 1); a row (1, N) has its own message."""
     array = _real_array(name, value, "a vector")
     if array.ndim == 2 and array.shape[0] == 1 and array.shape[1] > 1:
         raise NoAnswer(
@@ -81,44 +81,46 @@ def as_vector(name: str, value: Value, size: int | None = None) -> FloatArray:
 
 
 def as_column(name: str, value: Value, size: int | None = None) -> FloatArray:
-    """Read a column vector of shape (N, 1), returned as (N,): where the shape itself is what is being taught."""
+    """Read a column vector of shape (N, 1), for questions about the shape itself; return it with shape (N,)."""
     array = as_vector(name, value, size)
     if np.ndim(value) != 2:  # type: ignore[arg-type]
         raise NoAnswer(
-            f"`{name}` has shape {np.shape(value)}: numpy made it flat. "  # type: ignore[arg-type]
-            f"A column vector has shape ({array.size}, 1): `{name}.reshape(-1, 1)`.",
+            f"`{name}` has shape {np.shape(value)}: it is one-dimensional. "  # type: ignore[arg-type]
+            f"A column vector has shape ({array.size}, 1): use `{name}.reshape(-1, 1)`.",
             "flat instead of a column",
         )
     return array
 
 
 def as_theta(call: str, value: Value, size: int) -> FloatArray:
-    """Read a parameter vector; what `lstsq` returns as a whole is named as such."""
+    """Read a parameter vector; the whole result of `lstsq` has its own message."""
     if isinstance(value, tuple) and len(value) == 4:
-        raise NoAnswer(f"`{call}` returns all that `lstsq` returns: take the first of it, `[0]`.", "all of lstsq")
+        raise NoAnswer(
+            f"`{call}` returns the whole result of `lstsq`: return its first element, `[0]`.", "all of lstsq"
+        )
     return as_vector(call, value, size)
 
 
 def as_history(call: str, value: Value, rows: int, p: int) -> FloatArray:
-    """Read the history of an estimate, one row a sample, shape (rows, p); what comes in its place is named."""
+    """Read the history of an estimate, shape (rows, p); common wrong shapes have their own message."""
     if isinstance(value, np.ndarray):
         if value.shape == (rows, p, 1):
             value = value[:, :, 0]
         if value.size == p and rows > 1:
             raise NoAnswer(
-                f"`{call}` returns one estimate; asked for is the whole history, a row for every sample.",
+                f"`{call}` returns one estimate; return the whole history, one row for every sample.",
                 "only the last estimate",
             )
         if value.shape == (rows + 1, p):
             raise NoAnswer(
-                f"`{call}` has one row too many: theta(0), which no sample has touched, does not belong in it.",
+                f"`{call}` has one row too many: leave out the start value theta(0).",
                 "history begins with theta(0)",
             )
     return as_matrix(call, value, (rows, p))
 
 
 def as_system(name: str, value: Value) -> SystemValue:
-    """Read a transfer function or a state space, of one input and one output."""
+    """Read a transfer function or a state space with one input and one output."""
     if not isinstance(value, (TransferFunctionValue, StateSpaceValue)):
         raise NoAnswer(f"`{name}` should be a transfer function or a state space; it is {kind_of(value)}.")
     if isinstance(value, StateSpaceValue):
@@ -128,12 +130,12 @@ def as_system(name: str, value: Value) -> SystemValue:
     else:
         order = max(value.num.size, value.den.size) - 1
     if order > MAX_ORDER:
-        raise NoAnswer(f"`{name}` is of order {order}. That is no model of this plant.")
+        raise NoAnswer(f"`{name}` has order {order}, far above the order of this plant.")
     return value
 
 
 def as_figure(name: str, value: Value, axes: int) -> FigureValue:
-    """Read a figure with so many axes."""
+    """Read a figure with the given number of axes."""
     if not isinstance(value, FigureValue):
         raise NoAnswer(f"`{name}` should be the figure itself, as `plt.figure()` returns it; it is {kind_of(value)}.")
     if len(value.axes) != axes:
@@ -144,8 +146,7 @@ def as_figure(name: str, value: Value, axes: int) -> FigureValue:
 def close(relative: float, absolute: float = 0.0) -> Callable[[ArrayLike, ArrayLike], bool]:
     """Make a comparison of numbers or arrays: ``|a - b| <= absolute + relative * max|b|``, shapes equal.
 
-    The tolerance is taken from the largest element, so that a small element beside a large one is not asked for more
-    digits than the arithmetic has.
+    The tolerance scales with the largest element, as the rounding errors of small elements do.
     """
 
     def same(a: ArrayLike, b: ArrayLike) -> bool:
@@ -158,12 +159,12 @@ def close(relative: float, absolute: float = 0.0) -> Callable[[ArrayLike, ArrayL
 
 
 SAME = close(1e-6)
-"""For what is computed in one go. The normal equations square the condition number, and a start with a large P
-magnifies rounding; the trials are conditioned well enough for these digits."""
+"""For results of one computation. The normal equations square the condition number, and a large initial P magnifies
+rounding; the trials are conditioned well enough for this tolerance."""
 
 
 def frequency_response(system: SystemValue, points: int = 64) -> NDArray[np.complex128]:
-    """Response at frequencies spread logarithmically up to Nyquist (over eight decades in continuous time)."""
+    """Response at logarithmically spaced frequencies up to Nyquist (over eight decades in continuous time)."""
     continuous = 1j * np.logspace(-4, 4, points)
     z = continuous if system.dt is None else np.exp(1j * np.pi * np.logspace(-3, 0, points))
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
@@ -177,7 +178,7 @@ def frequency_response(system: SystemValue, points: int = 64) -> NDArray[np.comp
 
 
 def same_response(relative: float = 1e-6) -> Callable[[SystemValue, SystemValue], bool]:
-    """Make a comparison of two systems: equal sampling time and equal frequency response, however they are written."""
+    """Make a comparison of two systems: equal sampling time and frequency response, in any realization."""
 
     def same(a: SystemValue, b: SystemValue) -> bool:
         if (a.dt is None) != (b.dt is None) or (a.dt is not None and not abs(a.dt - (b.dt or 0)) <= 1e-9):
@@ -200,7 +201,7 @@ def _real_array(name: str, value: Value, wanted: str) -> FloatArray:
     if not np.all(np.isfinite(array)):
         first = tuple(np.argwhere(~np.isfinite(array))[0])
         where = f" (at [{', '.join(map(str, first))}])" if first else ""
-        raise NoAnswer(f"`{name}` holds {array[first]}{where}: something before it went wrong.")
+        raise NoAnswer(f"`{name}` holds {array[first]}{where}: check the computation before it.")
     return array
 
 

@@ -1,4 +1,4 @@
-"""Judging a figure by what a reader sees in it; each function raises `NoAnswer` with what is missing."""
+"""Checks of what a figure shows; each `require_` function raises `NoAnswer` with what is missing."""
 
 import re
 
@@ -24,26 +24,26 @@ def find_curve(axes: AxesValue, y: ArrayLike, x: ArrayLike | None = None) -> Cur
 
 
 def require_curve(axes: AxesValue, where: str, what: str, y: ArrayLike, x: ArrayLike | None = None) -> CurveValue:
-    """The curve that shows `y` (against `x`); `where` and `what` name the axes and the signal for the student."""
+    """Require a curve of `y` (against `x`) and return it; `where` and `what` name the axes and the signal."""
     curve = find_curve(axes, y, x)
     if curve is not None:
         return curve
     if x is not None and find_curve(axes, y) is not None:
         raise NoAnswer(
-            f"In {where}, {what} is drawn, but not against time: give the time vector as the first argument.",
+            f"In {where}, {what} is not drawn against time: give the time vector as the first argument.",
             "drawn against the sample number",
         )
     raise NoAnswer(f"In {where} no curve shows {what}. Plot it against time.")
 
 
 def require_labels(axes: AxesValue, where: str, units: tuple[str, str]) -> None:
-    """Both axis labels there, with the units `units` (x, y), such as ``("s", "V")``, in brackets."""
+    """Require both axis labels, with the units `units` (x, y), such as ``("s", "V")``, in brackets."""
     for axis, unit in zip("xy", units, strict=True):
         require_label(axes, where, axis, unit)
 
 
 def require_label(axes: AxesValue, where: str, axis: str, unit: str) -> None:
-    """The label of one axis, "x" or "y", with its unit in brackets; no unit is asked for where `unit` is empty."""
+    """Require the label of one axis, "x" or "y", with its unit in brackets unless `unit` is empty."""
     label = axes.xlabel if axis == "x" else axes.ylabel
     if not label.strip():
         raise NoAnswer(f"In {where} the {axis}-axis has no label: use `{axis}label`.", "axis without a label")
@@ -52,18 +52,18 @@ def require_label(axes: AxesValue, where: str, axis: str, unit: str) -> None:
 
 
 def require_limits(axes: AxesValue, where: str, xlim: tuple[float, float], ylim: tuple[float, float]) -> None:
-    """Axis limits as the figure prints them."""
+    """Require the axis limits of the printed figure."""
     for name, got, wanted in (("x", axes.xlim, xlim), ("y", axes.ylim, ylim)):
         if not np.allclose(got, wanted, atol=1e-9):
             raise NoAnswer(
-                f"In {where} the {name}-axis runs from {got[0]:g} to {got[1]:g}; the figure has {wanted[0]:g} to "
+                f"In {where} the {name}-axis runs from {got[0]:g} to {got[1]:g}; it should run from {wanted[0]:g} to "
                 f"{wanted[1]:g}: use `{name}lim`.",
                 "axis limits",
             )
 
 
 def require_legend(axes: AxesValue, where: str, entries: int) -> None:
-    """A legend with at least so many entries."""
+    """Require a legend with at least `entries` entries."""
     if len([text for text in axes.legend if text.strip()]) < entries:
         raise NoAnswer(
             f"In {where} the legend should name {entries} curves: give each a `label` and call `legend`.",
@@ -72,16 +72,16 @@ def require_legend(axes: AxesValue, where: str, entries: int) -> None:
 
 
 def legend_text(axes: AxesValue, curve: CurveValue) -> str:
-    """What the legend calls a curve: its label, or the entry of its rank where ``legend`` was given the names."""
+    """Legend entry of a curve: its label, or the entry of the same rank if ``legend`` was given the texts."""
     if curve.label in axes.legend:
         return curve.label
-    # `is`, as equality of records that hold arrays is not defined
+    # `is`: records that contain arrays have no equality
     rank = next(i for i, other in enumerate(axes.curves) if other is curve)
     return axes.legend[rank] if rank < len(axes.legend) else ""
 
 
 def plain_text(text: str) -> str:
-    """A label without mathtext marks and spaces: ``$\\sin(0.02\\pi t)$`` is ``sin(0.02πt)``."""
+    """A label without mathtext markup and spaces: ``$\\sin(0.02\\pi t)$`` is ``sin(0.02πt)``."""
     for mark, letter in ((r"\pi", "π"), (r"\tau", "τ"), (r"\phi", "φ"), (r"\theta", "θ"), (r"\cdot", ""), ("*", "")):
         text = text.replace(mark, letter)
     return re.sub(r"\\(?:mathrm|left|right|,|;|\s)|[\\${}\s·]", "", text)

@@ -1,4 +1,4 @@
-"""Checks as a student runs them: one line in a cell, an answer at once."""
+"""Checks that students run in the cells of a notebook."""
 
 from collections.abc import Mapping
 from importlib import import_module
@@ -16,7 +16,7 @@ PUBLIC_SEED = 2018
 
 
 class CheckFailed(Exception):
-    """A check that did not pass. Jupyter shows its text alone, on one line and without a traceback."""
+    """A check that did not pass. Jupyter shows only its text, on one line and without a traceback."""
 
     def _render_traceback_(self) -> list[str]:
         return [f"✗ {' '.join(str(self).split())}"]
@@ -32,7 +32,7 @@ class notebook_checks:  # noqa: N801  (called like a function, once, at the top 
     variables : mapping
         The notebook's own variables: pass ``globals()``.
     record : str, Path or None
-        The data file beside the notebook; None for the one that the assignment names.
+        Data file; None for the file that the assignment names.
 
     Raises
     ------
@@ -52,7 +52,7 @@ class notebook_checks:  # noqa: N801  (called like a function, once, at the top 
         self._passed: dict[str, Mapping[str, Value]] = {}
 
     def __call__(self, question_id: str) -> None:
-        """Judge one question and print what is right; raise `CheckFailed` with what is wrong."""
+        """Check one question and print the result; raise `CheckFailed` with the reason if it is wrong."""
         question = self._assignment.question(question_id)
         waiting = [used for used in question.uses if used not in self._passed]
         if waiting:
@@ -94,7 +94,7 @@ class NotebookAsk:
         return plain(self._variables[name])
 
     def call(self, name: str, *arguments: Value) -> Value:
-        """What the function of that name returns, as plain data."""
+        """The result of the function of that name, as plain data."""
         function = self._variables.get(name)
         if not callable(function):
             raise NoAnswer(f"there is no function `{name}` yet. Define it with `def {name}(...):`.")
@@ -109,7 +109,7 @@ class NotebookAsk:
 
 
 def load_assignment(name: str) -> Assignment:
-    """The automatic questions of an assignment, by its name; `ValueError` lists the names there are."""
+    """The automatic questions of an assignment; `ValueError` lists the valid names."""
     names = assignment_names()
     if name not in names:
         raise ValueError(f"there is no assignment {name!r}; there are {', '.join(names)}.")

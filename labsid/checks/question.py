@@ -1,4 +1,4 @@
-"""One question of an assignment, and what it may ask of the student's work."""
+"""Questions of an assignment, and the access of their checks to a student's work."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
@@ -14,14 +14,14 @@ from labsid.records.record import Record
 
 @dataclass(frozen=True, slots=True)
 class Origin:
-    """Where a record comes from that holds something withheld: whoever knows this can make the rig again.
+    """Origin of a record with withheld properties: enough to make its rig again.
 
     Attributes
     ----------
     student : str
-        The ID that it was made for.
+        ID of the student for whom the record was made.
     secret : bytes
-        The secret that it was made from.
+        Secret from which the record was made.
     """
 
     student: str
@@ -29,7 +29,7 @@ class Origin:
 
 
 class Ask(Protocol):
-    """What a check can ask. In the notebook it is backed by the student's variables, at grading by their process."""
+    """Access to a student's work: in the notebook to its variables, at grading to the student's process."""
 
     @property
     def record(self) -> Record:
@@ -37,25 +37,25 @@ class Ask(Protocol):
 
     @property
     def origin(self) -> Origin | None:
-        """Where the record comes from; None in the notebook, as the judge alone knows."""
+        """Origin of the record; None in the notebook, as only the judge knows it."""
 
     @property
     def rng(self) -> np.random.Generator:
-        """Source of the inputs on which functions are tried; the judge's seed is not the notebook's."""
+        """Generator of the inputs on which functions are tried; the judge and the notebook use different seeds."""
 
     def value(self, name: str) -> Value:
-        """The student's variable; raises `NoAnswer` where there is none."""
+        """The student's variable; raises `NoAnswer` if there is none."""
 
     def call(self, name: str, *arguments: Value) -> Value:
-        """What the student's function returns; raises `NoAnswer` where it does not."""
+        """The result of the student's function; raises `NoAnswer` if the function is missing or fails."""
 
     def known(self, name: str) -> Value:
-        """A value of an earlier step: the student's where it was right, the reference's where it was not."""
+        """A value of an earlier step: the student's if it was right, otherwise the reference's."""
 
 
 @dataclass(frozen=True, slots=True)
 class Question:
-    """One question: one check cell of a notebook, one line in the grades.
+    """One question: a check cell of a notebook and a line in the grades.
 
     Attributes
     ----------
@@ -64,10 +64,10 @@ class Question:
     judge : callable
         ``judge(ask) -> Verdict``; may raise `NoAnswer`.
     gives : callable or None
-        ``gives(ask) -> {name: value}``: the right values of the variables that later steps start from. Where the
-        answer is wrong, the later steps are judged from these (error carried forward).
+        ``gives(ask) -> {name: value}``: the right values of the variables that later steps use. If the answer is
+        wrong, later steps are judged from these values (error carried forward).
     uses : tuple of str
-        Ids of the questions whose variables this one starts from.
+        Ids of the questions whose variables this one uses.
     """
 
     id: str
@@ -76,7 +76,7 @@ class Question:
     uses: tuple[str, ...] = ()
 
     def verdict(self, ask: Ask) -> Verdict:
-        """Judge, with a missing or unreadable answer as the failed verdict that it is."""
+        """Judge the answer; a missing or unreadable answer fails."""
         try:
             return self.judge(ask)
         except NoAnswer as nothing:
@@ -92,9 +92,9 @@ class Assignment:
     name : str
         As in ``notebooks/<name>``.
     questions : tuple of Question
-        In the order in which the notebook asks them.
+        In the order of the notebook.
     record_file : str or None
-        Name of the data file beside the notebook, None without one.
+        Name of the data file next to the notebook; None if there is none.
     """
 
     name: str
@@ -102,7 +102,7 @@ class Assignment:
     record_file: str | None = None
 
     def question(self, question_id: str) -> Question:
-        """The question with that id; `ValueError` lists the ids there are."""
+        """The question with that id; `ValueError` lists the valid ids."""
         for question in self.questions:
             if question.id == question_id:
                 return question
@@ -111,7 +111,7 @@ class Assignment:
 
 
 def returned(ask: Ask, name: str, *arguments: Value) -> Value:
-    """What a student's function returns; a function without `return` is told so."""
+    """The result of a student's function; a function without `return` has its own message."""
     value = ask.call(name, *arguments)
     if value is None:
         raise NoAnswer(f"`{name}` returns nothing: end it with `return` and the result.", "no return")
@@ -119,16 +119,16 @@ def returned(ask: Ask, name: str, *arguments: Value) -> Value:
 
 
 def returned_parts(ask: Ask, name: str, wanted: str, count: int, *arguments: Value) -> list[Value]:
-    """What a student's function returns, as its `count` parts; equal shapes may have been stacked to one array."""
+    """The `count` parts of the result of a student's function; parts of equal shape may be stacked in one array."""
     value = returned(ask, name, *arguments)
     parts = tuple(value) if isinstance(value, np.ndarray) and value.ndim else value
     if isinstance(parts, (tuple, list)) and len(parts) == count:
         return list(parts)
-    raise NoAnswer(f"`{name}` should return {wanted}; it returns {kind_of(value)}.", "not all that was asked for")
+    raise NoAnswer(f"`{name}` should return {wanted}; it returns {kind_of(value)}.", "incomplete result")
 
 
 def given_values(question: Question, ask: Ask, passed: bool) -> Mapping[str, Value]:
-    """The values that later steps start from after `question`: the student's own where it passed."""
+    """The values that later steps use: the student's own if `question` passed, otherwise the right ones."""
     if question.gives is None:
         return {}
     right = question.gives(ask)

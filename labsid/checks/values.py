@@ -1,7 +1,7 @@
-"""Plain values: the only things that pass from a student's work to a check.
+"""Plain values: the only data that a check receives from a student's work.
 
-Whatever a student's variable is (a list, a column, a transfer function of python-control or of scipy, a figure), it
-becomes numbers, text, arrays and the few records below. Anything else becomes `Unreadable`, which says what it was.
+Lists, arrays, transfer functions of python-control or scipy, and figures become numbers, text, arrays and the records
+below. Anything else becomes `Unreadable`, with the name of its type.
 """
 
 from collections.abc import Mapping, Sequence
@@ -67,10 +67,10 @@ Value = (
     | Sequence["Value"]
     | Mapping[str, "Value"]
 )
-"""Everything that a check can be handed."""
+"""Every type that a check may receive."""
 
 
-# These attributes give a system away, so that neither python-control nor scipy need be imported here.
+# A system is recognised by these attributes, without importing python-control or scipy.
 _TRANSFER_FUNCTION = ("num", "den")
 _STATE_SPACE = ("A", "B", "C", "D")
 
@@ -81,14 +81,14 @@ def plain(value: object, depth: int = 0) -> Value:
     Parameters
     ----------
     value : object
-        Anything at all.
+        Any object.
     depth : int
         Nesting reached so far; deeper than `MAX_DEPTH` is `Unreadable`.
 
     Returns
     -------
     Value
-        `Unreadable` too for an object whose own code fails when it is looked at.
+        `Unreadable` also if reading the object raises an error.
     """
     try:
         return _plain(value, depth)

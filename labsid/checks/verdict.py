@@ -1,4 +1,4 @@
-"""Verdicts of checks, and the known slips that an answer may match."""
+"""Verdicts of checks, and the known mistakes that an answer may match."""
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
@@ -18,9 +18,9 @@ class Verdict:
     passed : bool
         Whether the answer is right.
     reason : str
-        One or two sentences for the student; never holds the right answer or a hidden input.
+        One or two sentences for the student; never contains the right answer or a hidden input.
     slip : str or None
-        Name of the known slip that the answer matches.
+        Name of the known mistake that the answer matches.
     """
 
     passed: bool
@@ -29,7 +29,7 @@ class Verdict:
 
 
 def first_failure(check: Callable[P, Iterator[Verdict]]) -> Callable[P, Verdict]:
-    """Make a check out of a generator of verdicts: the first that fails, or the last if all pass.
+    """Make a check from a generator of verdicts: the first that fails, or the last if all pass.
 
     Nothing after the first failure is run, so a check needs no ``return`` after yielding one.
     """
@@ -45,9 +45,9 @@ def first_failure(check: Callable[P, Iterator[Verdict]]) -> Callable[P, Verdict]
 
 
 class NoAnswer(Exception):
-    """There is nothing to compare: the value is missing, of the wrong kind, or asking for it failed.
+    """There is nothing to compare: the value is missing, of the wrong kind, or could not be obtained.
 
-    Its text is written for the student; `slip` names the known slip where it is one.
+    Its text addresses the student; `slip` names the known mistake, if it is one.
     """
 
     def __init__(self, text: str, slip: str | None = None) -> None:
@@ -57,16 +57,16 @@ class NoAnswer(Exception):
 
 @dataclass(frozen=True, slots=True)
 class Slip(Generic[Answer]):
-    """A mistake that students are known to make, with what it would have given on this very record.
+    """A known mistake, with the value that it gives on this record.
 
     Attributes
     ----------
     name : str
         Short name, as it appears in feedback and in the instructor's report.
     hint : str
-        What to look at, with the step of the lab; never the answer.
+        What to check, with the step of the lab; never the answer.
     wrong : callable
-        Makes the value that this slip gives; only called when an answer is wrong.
+        Computes the value that this mistake gives; called only if an answer is wrong.
     """
 
     name: str
@@ -82,7 +82,7 @@ def judge(
     otherwise: str,
     slips: Sequence[Slip[Answer]] = (),
 ) -> Verdict:
-    """Compare an answer with the right value and, where it differs, with what each known slip gives.
+    """Compare an answer with the right value and, if it differs, with the value of each known mistake.
 
     Parameters
     ----------
@@ -91,10 +91,9 @@ def judge(
     same : callable
         ``same(a, b)`` says whether two values agree within the tolerance of the question.
     praise, otherwise : str
-        Reason when right, and when wrong without matching a known slip.
+        Reasons for a right answer, and for a wrong one that matches no known mistake.
     slips : sequence of Slip
-        Tried in order. A slip that cannot be computed on this record, or that gives the right value on it, is passed
-        over.
+        Tried in order. A mistake that cannot be computed on this record, or that gives the right value, is skipped.
 
     Returns
     -------

@@ -87,7 +87,7 @@ VARIANTS: list[Right | Wrong] = [
     right(TIME, "length over intervals", "Ts = (t[-1] - t[0]) / (len(t) - 1)"),
     wrong(TIME, "frequency", "Ts = 1 / (t[1] - t[0])", "frequency in place of time", "frequency"),
     wrong(TIME, "length over samples", "Ts = t[-1] / len(t)", "divided by the number of samples", "one interval fewer"),
-    wrong(TIME, "length of the record", "Ts = t[-1]", "length of the record", "how long"),
+    wrong(TIME, "length of the record", "Ts = t[-1]", "length of the record", "duration"),
     wrong(TIME, "all intervals", "Ts = np.diff(t)", "all intervals", "one number"),
     wrong(TIME, "wrong name", "h = t[1] - t[0]", None, "no variable `Ts`"),
     # 1b. Fig. 5
@@ -125,14 +125,14 @@ VARIANTS: list[Right | Wrong] = [
         "against the sample number",
         panels("fig_5", OUTPUTS.replace("t, ", ""), INPUT),
         "drawn against the sample number",
-        "not against time",
+        "not drawn against time",
     ),
     wrong(
         FIGURE_5,
         "panels swapped",
         panels("fig_5", OUTPUTS.replace("a.", "b."), INPUT.replace("b.", "a."), legend="b.legend()"),
         "panels swapped",
-        "changed places",
+        "swapped",
     ),
     wrong(FIGURE_5, "no legend", panels("fig_5", OUTPUTS, INPUT, legend=""), "no legend", "legend"),
     wrong(
@@ -145,7 +145,7 @@ VARIANTS: list[Right | Wrong] = [
             legend="a.legend(['Noise-reduced output', 'Measured output'])",
         ),
         "legend entries swapped",
-        "the other way round",
+        "swaps the names",
     ),
     wrong(
         FIGURE_5,
@@ -183,14 +183,14 @@ VARIANTS: list[Right | Wrong] = [
         "works on u_act",
         loop("n = 1\nwhile u_act[n] == u_act[0]:\n    n += 1\nreturn n"),
         "the same number for every input",
-        "handed in",
+        "the argument `u`",
     ),
     wrong(
         LOOP,
         "counts all at that level",
         loop("return np.sum(u == u[0])"),
         "all samples at the first level",
-        "also later ones",
+        "including later ones",
     ),
     wrong(
         LOOP,
@@ -258,7 +258,7 @@ VARIANTS: list[Right | Wrong] = [
         "middle of the output range",
         offsets("(y_act.max() + y_act.min()) / 2"),
         "middle of the range",
-        "never rests",
+        "middle of the range",
     ),
     wrong(
         OFFSETS, "after the first period", offsets("np.mean(y_act[n_first:])"), "mean after the first period", "n_first"
@@ -273,8 +273,8 @@ VARIANTS: list[Right | Wrong] = [
     wrong(OFFSETS, "not subtracted", offsets(y="y_act", u="u_act"), "offset not removed", "subtract"),
     wrong(OFFSETS, "input left as it was", offsets(u="u_act"), "offset not removed", "`u` is still"),
     wrong(OFFSETS, "added", offsets(y="y_act + y_offset"), "offset added", "subtract it"),
-    wrong(OFFSETS, "upside down", offsets(y="y_offset - y_act"), "sign of the signal", "upside down"),
-    wrong(OFFSETS, "measured output", offsets(y="y_actm - y_offset"), "another signal taken", "not made from"),
+    wrong(OFFSETS, "wrong sign", offsets(y="y_offset - y_act"), "sign of the signal", "wrong sign"),
+    wrong(OFFSETS, "measured output", offsets(y="y_actm - y_offset"), "another signal taken", "not computed from"),
     wrong(OFFSETS, "cut to the first period", offsets(y="y_act[:n_first] - y_offset"), "signal cut", "entire signal"),
     # 1c. Fig. 6
     right(
@@ -301,7 +301,7 @@ VARIANTS: list[Right | Wrong] = [
         "panels swapped",
         panels("fig_6", "a.plot(t, u)", "b.plot(t, y)", legend=""),
         "panels swapped",
-        "changed places",
+        "swapped",
     ),
     wrong(
         FIGURE_6,

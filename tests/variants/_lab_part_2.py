@@ -86,7 +86,7 @@ VARIANTS: list[Right | Wrong] = [
     wrong(PHI, "u(k) among the regressors", phi(u1="u[2:half]", u2="u[1 : half - 1]"), "lag off by one", "u\\(k-1\\)"),
     wrong(PHI, "a lag too many", phi(Y="y[3 : half + 1]"), "lag off by one", "begins with y\\(k-1\\)"),
     wrong(PHI, "target one early", phi(Y="y[1 : half - 1]"), "lag off by one", "begins with y\\(k-1\\)"),
-    wrong(PHI, "minus in Phi", phi("-y[1 : half - 1]", "-y[0 : half - 2]"), "sign of a", "minus is in theta"),
+    wrong(PHI, "minus in Phi", phi("-y[1 : half - 1]", "-y[0 : half - 2]"), "sign of a", "minus sign is in theta"),
     wrong(
         PHI,
         "offsets left in",
@@ -118,21 +118,21 @@ VARIANTS: list[Right | Wrong] = [
         "wrong half",
         "second half",
     ),
-    wrong(PHI, "transposed", phi().replace("Y =", "Phi = Phi.T\nY ="), "transposed Phi", "on its side"),
-    wrong(PHI, "rows stacked", phi().replace("column_stack", "vstack"), "transposed Phi", "on its side"),
+    wrong(PHI, "transposed", phi().replace("Y =", "Phi = Phi.T\nY ="), "transposed Phi", "transpose it"),
+    wrong(PHI, "rows stacked", phi().replace("column_stack", "vstack"), "transposed Phi", "transpose it"),
     wrong(
         PHI,
         "np.roll",
         "half = len(y) // 2\nyh, uh = y[:half], u[:half]\n"
         "Phi = np.column_stack([np.roll(yh, 1), np.roll(yh, 2), np.roll(uh, 1), np.roll(uh, 2)])\nY = yh",
-        "index goes round to the end",
+        "index wraps around",
         "last sample",
     ),
     wrong(
         PHI,
         "y[-1] before the record",
         "half = len(y) // 2\nPhi = np.array([[y[k-1], y[k-2], u[k-1], u[k-2]] for k in range(1, half)])\nY = y[1:half]",
-        "index goes round to the end",
+        "index wraps around",
         "last sample",
     ),
     wrong(PHI, "lengths differ", phi(Y="y[:half]"), "Phi and Y of different lengths", "rows"),
@@ -142,7 +142,7 @@ VARIANTS: list[Right | Wrong] = [
         "half = len(y) // 2\nPhi = np.array([[y[k-1], y[k-2], u[k-1], u[k-2]] for k in range(400, half)])\n"
         "Y = y[400:half]",
         "late start",
-        "leaves out",
+        "omits",
     ),
     # 2b. theta
     right(THETA, "inverse, as printed", "theta_hat = np.linalg.inv(Phi.T @ Phi) @ Phi.T @ Y"),
@@ -160,9 +160,7 @@ VARIANTS: list[Right | Wrong] = [
         "theta_hat = np.linalg.solve(Phi.T @ Phi, Phi.T @ Y.reshape(-1, 1))",
         {PARAMETERS: "a1, a2, b1, b2 = (np.array([-1, -1, 1, 1]) * theta_hat.ravel()).tolist()"},
     ),
-    wrong(
-        THETA, "signs turned", "theta_hat = np.linalg.lstsq(Phi, Y)[0] * [-1, -1, 1, 1]", "sign of a", "Leave its signs"
-    ),
+    wrong(THETA, "All signs", "theta_hat = np.linalg.lstsq(Phi, Y)[0] * [-1, -1, 1, 1]", "sign of a", "Keep its signs"),
     wrong(THETA, "all of lstsq", "theta_hat = np.linalg.lstsq(Phi, Y)", "all that lstsq returns", "\\[0\\]"),
     wrong(
         THETA,
@@ -193,9 +191,9 @@ VARIANTS: list[Right | Wrong] = [
         "a1, a2 = [-float(x) for x in theta_hat[:2]]\nb1, b2 = map(float, theta_hat[2:])",
     ),
     wrong(PARAMETERS, "sign of a", "a1, a2, b1, b2 = theta_hat", "sign of a", "-a1 and -a2"),
-    wrong(PARAMETERS, "all signs turned", "a1, a2, b1, b2 = -theta_hat", "sign of b", "keep their signs"),
+    wrong(PARAMETERS, "all All signs", "a1, a2, b1, b2 = -theta_hat", "sign of b", "keep their signs"),
     wrong(PARAMETERS, "sign of a2", "a1, a2, b1, b2 = theta_hat * [-1, 1, 1, 1]", "sign of a", "a2"),
-    wrong(PARAMETERS, "b first", "b1, b2, a1, a2 = theta_hat * [1, 1, -1, -1]", "a and b swapped", "changed places"),
+    wrong(PARAMETERS, "b first", "b1, b2, a1, a2 = theta_hat * [1, 1, -1, -1]", "a and b swapped", "swapped"),
     wrong(
         PARAMETERS, "b1 and b2 swapped", "a1, a2, b2, b1 = theta_hat * [-1, -1, 1, 1]", "b1 and b2 swapped", "b1 and b2"
     ),
@@ -221,7 +219,7 @@ VARIANTS: list[Right | Wrong] = [
     ),
     right(TF, "from the state space", "G = ct.ss2tf([[0, 1], [-a2, -a1]], [[0], [1]], [[b2, b1]], [[0]], Ts)"),
     right(TF, "with z as a variable", "z = ct.tf([1, 0], [1], Ts)\nG = (b1 * z + b2) / (z**2 + a1 * z + a2)"),
-    wrong(TF, "sign of a", "G = ct.tf([b1, b2], [1, -a1, -a2], Ts)", "sign of a", "theta's signs"),
+    wrong(TF, "sign of a", "G = ct.tf([b1, b2], [1, -a1, -a2], Ts)", "sign of a", "signs of theta"),
     wrong(TF, "continuous time", "G = ct.tf([b1, b2], [1, a1, a2])", "no sampling time", "`Ts` as the last"),
     wrong(TF, "sampling time of one", "G = ct.tf([b1, b2], [1, a1, a2], 1)", "wrong sampling time", "sampling time"),
     wrong(
@@ -234,9 +232,7 @@ VARIANTS: list[Right | Wrong] = [
         "theta in place of the denominator",
         "leading 1",
     ),
-    wrong(
-        TF, "upside down", "G = ct.tf([1, a1, a2], [b1, b2], Ts)", "numerator and denominator swapped", "changed places"
-    ),
+    wrong(TF, "inverted", "G = ct.tf([1, a1, a2], [b1, b2], Ts)", "numerator and denominator swapped", "swapped"),
     wrong(TF, "b in reverse", "G = ct.tf([b2, b1], [1, a1, a2], Ts)", "order of b", "reverse"),
     wrong(
         TF,
@@ -267,9 +263,9 @@ VARIANTS: list[Right | Wrong] = [
     ),
     wrong(
         SS,
-        "H upside down",
+        "H reversed",
         "G_ss = ct.ss([[0, 1], [-a2, -a1]], [[1], [0]], [[b2, b1]], [[0]], Ts)",
-        "H upside down",
+        "H reversed",
         "second state",
     ),
     wrong(

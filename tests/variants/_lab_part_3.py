@@ -54,7 +54,7 @@ VARIANTS: list[Right | Wrong] = [
         "cut from the entire run",
         "y_sim_half = ct.forced_response(G, inputs=u).outputs[half:]",
         "state carried over",
-        "state that the first half",
+        "state at the end of the first half",
     ),
     wrong(HALF, "entire input", "y_sim_half = ct.forced_response(G, inputs=u).outputs", "entire input", "u\\[half:\\]"),
     wrong(
@@ -209,7 +209,7 @@ VARIANTS: list[Right | Wrong] = [
         "swapped",
         "mse_all, mse_half = np.mean((y[half:] - y_sim_half) ** 2), np.mean((y - y_sim) ** 2)",
         "errors swapped",
-        "changed places",
+        "swapped",
     ),
     wrong(
         MSE,
@@ -265,7 +265,7 @@ VARIANTS: list[Right | Wrong] = [
         "panels swapped",
         panels("fig_7", FIG_7B.replace("b.", "a."), FIG_7A.replace("a.", "b."), legend=FIG_7_LEGENDS),
         "panels swapped",
-        "changed places",
+        "swapped",
     ),
     wrong(FIGURE_7, "no legend below", panels("fig_7", FIG_7A, FIG_7B), "no legend", "lower panel"),
     wrong(
@@ -327,11 +327,9 @@ VARIANTS: list[Right | Wrong] = [
         "shifted",
         function("s = ct.forced_response(G, inputs=u).outputs\nreturn s + y[0] - s[0]"),
         "shifted instead of simulated",
-        "a shift stays",
+        "a shift does not",
     ),
-    wrong(
-        STATE, "measured output handed back", function("return y"), "measured output", "hands the measured output back"
-    ),
+    wrong(STATE, "measured output handed back", function("return y"), "measured output", "returns the measured output"),
     wrong(
         STATE,
         "one-step prediction",

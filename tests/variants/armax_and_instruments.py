@@ -255,7 +255,7 @@ VARIANTS: list[Right | Wrong] = [
     ),
     wrong(BIAS, "over all", bias("np.mean(estimates - truth)"), "mean over everything", "axis=0"),
     wrong(BIAS, "along the rows", bias(spread="estimates.std(axis=1)"), "mean over the wrong axis", "axis=0"),
-    wrong(BIAS, "two parts", bias(result="bias, stderr"), "not all that was asked for", "three vectors"),
+    wrong(BIAS, "two parts", bias(result="bias, stderr"), "incomplete result", "three vectors"),
     # 3. the limit
     right(LIMIT, "from the autocovariances", LIMIT_BY_IMPULSES),
     right(
@@ -518,7 +518,7 @@ VARIANTS: list[Right | Wrong] = [
         "transposed",
         "not symmetric",
     ),
-    wrong(RECURSIVE, "P kept", recursive(update(P="P")), None, "went wrong"),
+    wrong(RECURSIVE, "P kept", recursive(update(P="P")), None, "check the computation"),
     wrong(RECURSIVE, "minus", recursive(update(theta="theta - K * e")), "sign of the update", "add it"),
     wrong(RECURSIVE, "nothing", recursive("pass"), "theta not updated", "never moves"),
     wrong(RECURSIVE, "last estimate", recursive(update(), "theta"), "only the last estimate", "whole history"),

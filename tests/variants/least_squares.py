@@ -170,7 +170,7 @@ VARIANTS: list[Right | Wrong] = [
         DELAYS,
         "np.roll",
         delays("return np.column_stack([np.roll(u, i) for i in range(n)])"),
-        "index goes round to the end",
+        "index wraps around",
         "zero",
     ),
     wrong(
@@ -232,9 +232,9 @@ VARIANTS: list[Right | Wrong] = [
             "        J[i, j] = 2 * x[i] * x[j] + (sum(x**2) if i == j else 0)\nreturn J",
         ),
     ),
-    wrong(DERIVATIVES, "2Ax", derivatives("2 * A @ x"), "A taken for symmetric", "symmetric A only"),
+    wrong(DERIVATIVES, "2Ax", derivatives("2 * A @ x"), "A taken for symmetric", "only for symmetric A"),
     wrong(DERIVATIVES, "Ax", derivatives("A @ x"), "one of the two terms", "row k"),
-    wrong(DERIVATIVES, "half", derivatives("(A + A.T) / 2 @ x"), "half the gradient", "half"),
+    wrong(DERIVATIVES, "half", derivatives("(A + A.T) / 2 @ x"), "half of the gradient", "half"),
     wrong(
         DERIVATIVES, "first factor constant", derivatives(jacobian="(x @ x) * np.eye(len(x))"), "product rule", "term"
     ),
@@ -252,12 +252,12 @@ VARIANTS: list[Right | Wrong] = [
         "3 x'x as for a number",
         "a number",
     ),
-    wrong(DERIVATIVES, "vector", derivatives(jacobian="3 * x**2"), "a vector for a Jacobian", "matrix"),
+    wrong(DERIVATIVES, "vector", derivatives(jacobian="3 * x**2"), "vector instead of a Jacobian", "matrix"),
     wrong(
         DERIVATIVES,
         "eye forgotten",
         derivatives(jacobian="x @ x + 2 * np.outer(x, x)"),
-        "number added to every entry",
+        "x'x added to every entry",
         "diagonal",
     ),
     wrong(DERIVATIVES, "sign", derivatives("A @ x - A.T @ x"), None, "differences"),
@@ -277,7 +277,7 @@ VARIANTS: list[Right | Wrong] = [
         FITS,
         "theta alone",
         fits(result="theta", used="theta_line = fit_powers(u_1, y_1, [1, 0])\n"),
-        "not all that was asked for",
+        "incomplete result",
         "theta and the SSE",
     ),
     wrong(FITS, "all of lstsq", fits("np.linalg.lstsq(Phi, y)", "0.0"), "all of lstsq", "\\[0\\]"),
@@ -334,7 +334,11 @@ VARIANTS: list[Right | Wrong] = [
     right(PROJECTOR, "pseudo-inverse", projector("Phi @ np.linalg.pinv(Phi)")),
     right(PROJECTOR, "QR", define("projector(Phi)", "Q = np.linalg.qr(Phi)[0]\nreturn Q @ Q.T")),
     wrong(
-        PROJECTOR, "pseudo-inverse alone", projector("np.linalg.pinv(Phi)"), "pseudo-inverse for the projector", "left"
+        PROJECTOR,
+        "pseudo-inverse alone",
+        projector("np.linalg.pinv(Phi)"),
+        "pseudo-inverse instead of the projector",
+        "left",
     ),
     wrong(PROJECTOR, "no inverse", projector("Phi @ Phi.T"), "inverse left out", "middle"),
     wrong(
@@ -344,9 +348,19 @@ VARIANTS: list[Right | Wrong] = [
         "projects onto the residual",
         "residual",
     ),
-    wrong(PROJECTOR, "not inverted", projector("Phi @ (Phi.T @ Phi) @ Phi.T"), "inverse forgotten", "not its inverse"),
     wrong(
-        PROJECTOR, "small matrix", projector("np.linalg.inv(Phi.T @ Phi)"), "small matrix for the projector", "2 by 2"
+        PROJECTOR,
+        "not inverted",
+        projector("Phi @ (Phi.T @ Phi) @ Phi.T"),
+        "inverse forgotten",
+        "instead of its inverse",
+    ),
+    wrong(
+        PROJECTOR,
+        "p by p matrix",
+        projector("np.linalg.inv(Phi.T @ Phi)"),
+        "p by p matrix instead of the projector",
+        "2 by 2",
     ),
     wrong(PROJECTOR, "normalised", projector("Phi @ Phi.T / np.linalg.norm(Phi) ** 2"), None, "P P"),
     # 6. all solutions
@@ -371,15 +385,19 @@ VARIANTS: list[Right | Wrong] = [
     ),
     wrong(SOLUTIONS, "as MATLAB's backslash", solutions("basic", before=BASIC), "not the shortest", "shortest"),
     wrong(
-        SOLUTIONS, "V and not V'", solutions(N="np.linalg.svd(Phi)[2][:, rank:]"), "V for V transposed", "transposed"
+        SOLUTIONS,
+        "V and not V'",
+        solutions(N="np.linalg.svd(Phi)[2][:, rank:]"),
+        "V and V transposed confused",
+        "transposed",
     ),
     wrong(SOLUTIONS, "N on its side", solutions(N="np.linalg.svd(Phi)[2][rank:]"), "rows instead of columns", "shape"),
     wrong(
         SOLUTIONS,
         "the first rows",
         solutions(N="np.linalg.svd(Phi)[2][:rank].T"),
-        "directions that matter",
-        "cost nothing",
+        "directions outside the null space",
+        "null space",
     ),
     wrong(
         SOLUTIONS,
@@ -416,7 +434,7 @@ VARIANTS: list[Right | Wrong] = [
         "known parameter estimated",
         "known",
     ),
-    wrong(KNOWN, "known term forgotten", known(target="y[3:]"), "known term left out", "Take it off"),
+    wrong(KNOWN, "known term forgotten", known(target="y[3:]"), "known term left out", "Subtract it"),
     wrong(KNOWN, "added", known(target="y[3:] + u[2:-1]"), "known term with the wrong sign", "minus"),
     wrong(KNOWN, "lag of y", known("-y[2:-1], u[:-3]"), "lag off by one", "k = 4"),
     wrong(KNOWN, "lag of u", known("-y[1:-2], u[1:-2]"), "lag off by one", "k = 4"),
@@ -461,9 +479,9 @@ VARIANTS: list[Right | Wrong] = [
     ),
     wrong(
         WEIGHTED,
-        "upside down",
+        "inverted",
         weighted("np.linalg.lstsq(Phi * sigma[:, None], Y * sigma)[0]"),
-        "weights upside down",
+        "weights inverted",
         "worst",
     ),
     wrong(
@@ -475,7 +493,7 @@ VARIANTS: list[Right | Wrong] = [
     ),
     wrong(
         WEIGHTED,
-        "W on one side",
+        "uses W once",
         weighted("np.linalg.inv(Phi.T @ Phi) @ Phi.T @ (Y / sigma**2)"),
         "only one side weighted",
         "twice",
@@ -497,19 +515,19 @@ VARIANTS: list[Right | Wrong] = [
             FREE + "C = np.linalg.inv(Phi.T @ Phi) @ A.T\nreturn free + C @ np.linalg.solve(A @ C, b - A @ free)"
         ),
     ),
-    wrong(CONSTRAINED, "free", constrained(FREE + "return free"), "constraint not used", "leaves the constraint"),
+    wrong(CONSTRAINED, "free", constrained(FREE + "return free"), "constraint not used", "ignores the constraint"),
     wrong(
         CONSTRAINED,
         "as further rows",
         constrained("return np.linalg.lstsq(np.vstack([Phi, A]), np.r_[Y, b])[0]"),
-        "constraint as more data",
+        "constraint as additional data",
         "exactly",
     ),
     wrong(
         CONSTRAINED,
         "nearest point",
         constrained(FREE + "return free + np.linalg.pinv(A) @ (b - A @ free)"),
-        "free solution moved onto the set",
+        "free solution projected onto the constraint",
         "smallest error",
     ),
     wrong(CONSTRAINED, "multipliers too", constrained(KKT), "multipliers returned too", "first p"),
@@ -519,7 +537,7 @@ VARIANTS: list[Right | Wrong] = [
         "sign of b",
         constrained(KKT.replace("Y, b]", "Y, -b]") + "[: Phi.shape[1]]"),
         None,
-        "satisfy the constraint",
+        "whether yours satisfies",
     ),
     # 10. confidence
     right(
@@ -550,7 +568,7 @@ VARIANTS: list[Right | Wrong] = [
         CONFIDENCE,
         "bounds alone",
         confidence(result="theta - q * s, theta + q * s"),
-        "not all that was asked for",
+        "incomplete result",
         "theta",
     ),
     # 11. Cayley-Hamilton
@@ -570,7 +588,7 @@ VARIANTS: list[Right | Wrong] = [
     wrong(CAYLEY, "highest power first", cayley("-c[:-1] / c[-1]"), "highest power first", "w\\[0\\]"),
     wrong(CAYLEY, "sign", cayley("c[:-1][::-1] / c[-1]"), "sign of the weights", "sign"),
     wrong(CAYLEY, "not divided", cayley("-c[:-1][::-1]"), "not divided by c_n", "divided"),
-    wrong(CAYLEY, "off by one", cayley("-c[1:][::-1] / c[-1]"), "powers off by one", "falls by one"),
-    wrong(CAYLEY, "the polynomial", cayley("c"), "the polynomial itself", "n \\+ 1"),
+    wrong(CAYLEY, "off by one", cayley("-c[1:][::-1] / c[-1]"), "powers off by one", "lowers each power by one"),
+    wrong(CAYLEY, "the polynomial", cayley("c"), "coefficients of the polynomial", "n \\+ 1"),
     wrong(CAYLEY, "the inverse", cayley("np.linalg.inv(A)"), "matrix returned", "weights"),
 ]

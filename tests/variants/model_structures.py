@@ -44,14 +44,14 @@ VARIANTS: list[Right | Wrong] = [
         SHIFT,
         "roll",
         shift("return sum(P[i] * np.roll(x, i) for i in range(len(P)))"),
-        "index goes round to the end",
+        "index wraps around",
         "np.roll",
     ),
     wrong(
         SHIFT,
         "negative index",
         shift(LOOP_SHIFT.format(condition="True", index="k - i")),
-        "index goes round to the end",
+        "index wraps around",
         "negative",
     ),
     wrong(
@@ -119,7 +119,7 @@ VARIANTS: list[Right | Wrong] = [
         STATES,
         "three matrices",
         states(result="A, B, C.reshape(1, n)"),
-        "not all that was asked for",
+        "incomplete result",
         "four matrices",
     ),
     wrong(STATES, "C as a column", states(result="A, B, C.reshape(n, 1), D"), "rows instead of columns", "shape"),
@@ -227,7 +227,7 @@ VARIANTS: list[Right | Wrong] = [
         "first samples left at zero",
         "at once",
     ),
-    wrong(SIMULATE, "negative index", loop_simulate(inside="True"), "index goes round to the end", "end of the record"),
+    wrong(SIMULATE, "negative index", loop_simulate(inside="True"), "index wraps around", "end of the record"),
     wrong(
         SIMULATE,
         "delay twice",
@@ -528,7 +528,7 @@ VARIANTS: list[Right | Wrong] = [
         ORDER,
         "no FPE",
         order(criteria="return N * np.log(V) + 2 * p, N * np.log(V) + p * np.log(N)"),
-        "not all that was asked for",
+        "incomplete result",
         "AIC, BIC and FPE",
     ),
     # 9. cancel
@@ -597,7 +597,7 @@ VARIANTS: list[Right | Wrong] = [
         "backwards",
     ),
     wrong(CANCEL, "constants", cancel("return np.ones(1), np.ones(1)"), "distance not used", "farther"),
-    wrong(CANCEL, "one thing", cancel("return P"), "not all that was asked for", "two polynomials"),
+    wrong(CANCEL, "one thing", cancel("return P"), "incomplete result", "two polynomials"),
     # 10. autocorrelation
     right(WHITE, "np.correlate", white(CENTRED + "return np.correlate(e, e, 'full')[N - 1 : N + lags] / (e @ e)")),
     right(
@@ -616,7 +616,7 @@ VARIANTS: list[Right | Wrong] = [
         WHITE,
         "roll",
         white(CENTRED + "return np.array([e @ np.roll(e, k) for k in range(lags + 1)]) / (e @ e)"),
-        "index goes round to the end",
+        "index wraps around",
         "go round",
     ),
     wrong(

@@ -609,7 +609,7 @@ VARIANTS: list[Right | Wrong] = [
         "diagonal inverted alone",
         "matrix first",
     ),
-    wrong(STEP, "theta only", step(result="theta"), "not all that was asked for", "standard errors"),
+    wrong(STEP, "theta only", step(result="theta"), "incomplete result", "standard errors"),
     wrong(STEP, "a bad start", step(start="[0.0, 0.0, 1e-3]"), None, "stopped with"),
     # 9. output error
     right(OUTPUT, "lfilter", output_error()),

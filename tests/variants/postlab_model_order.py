@@ -76,7 +76,7 @@ VARIANTS: list[Right | Wrong] = [
     wrong(PHI, "columns swapped", phi("u[: half - 1]", "y[: half - 1]"), "y and u columns swapped", "y first"),
     wrong(PHI, "y(k) among the regressors", phi("y[1:half]", "u[1:half]"), "lag off by one", "begins with y"),
     wrong(PHI, "u(k) in place of u(k-1)", phi(u1="u[1:half]"), "lag off by one", "input columns"),
-    wrong(PHI, "minus in Phi", phi("-y[: half - 1]"), "sign of a", "minus is in theta"),
+    wrong(PHI, "minus in Phi", phi("-y[: half - 1]"), "sign of a", "minus sign is in theta"),
     wrong(PHI, "all the data", phi("y[:-1]", "u[:-1]", "y[1:]"), "fit on all the data", "first half"),
     wrong(PHI, "second half", phi("y[half:-1]", "u[half:-1]", "y[half + 1 :]"), "wrong half", "second half"),
     wrong(
@@ -97,7 +97,7 @@ VARIANTS: list[Right | Wrong] = [
         PHI,
         "np.roll",
         phi("np.roll(y[:half], 1)", "np.roll(u[:half], 1)", "y[:half]"),
-        "index goes round to the end",
+        "index wraps around",
         "last",
     ),
     wrong(
@@ -110,7 +110,7 @@ VARIANTS: list[Right | Wrong] = [
     # 1. theta
     right(THETA, "lstsq", "theta_1 = np.linalg.lstsq(Phi_1, Y_1)[0]"),
     right(THETA, "pseudo-inverse", "theta_1 = np.linalg.pinv(Phi_1) @ Y_1"),
-    wrong(THETA, "sign of a", "theta_1 = np.linalg.pinv(Phi_1) @ Y_1 * [-1, 1]", "sign of a", "Leave its signs"),
+    wrong(THETA, "sign of a", "theta_1 = np.linalg.pinv(Phi_1) @ Y_1 * [-1, 1]", "sign of a", "Keep its signs"),
     wrong(THETA, "all of lstsq", "theta_1 = np.linalg.lstsq(Phi_1, Y_1)", "all that lstsq returns", "\\[0\\]"),
     wrong(
         THETA,
@@ -129,7 +129,7 @@ VARIANTS: list[Right | Wrong] = [
         "G_1 = scipy.signal.TransferFunction([theta_1[1]], [1, -theta_1[0]], dt=Ts)",
         {RUNS: runs()},
     ),
-    wrong(TF, "sign of a", "G_1 = ct.tf([theta_1[1]], [1, theta_1[0]], Ts)", "sign of a", "theta holds -a"),
+    wrong(TF, "sign of a", "G_1 = ct.tf([theta_1[1]], [1, theta_1[0]], Ts)", "sign of a", "theta contains -a"),
     wrong(TF, "continuous time", "G_1 = ct.tf([theta_1[1]], [1, -theta_1[0]])", "no sampling time", "Ts"),
     wrong(
         TF,
@@ -141,9 +141,7 @@ VARIANTS: list[Right | Wrong] = [
     wrong(
         TF, "one step late", "G_1 = ct.tf([theta_1[1]], [1, -theta_1[0], 0], Ts)", "numerator one step late", "too low"
     ),
-    wrong(
-        TF, "a and b swapped", "G_1 = ct.tf([-theta_1[0]], [1, theta_1[1]], Ts)", "a and b swapped", "changed places"
-    ),
+    wrong(TF, "a and b swapped", "G_1 = ct.tf([-theta_1[0]], [1, theta_1[1]], Ts)", "a and b swapped", "swapped"),
     # 2. any order
     right(
         FIT,
@@ -238,7 +236,7 @@ VARIANTS: list[Right | Wrong] = [
     # 2. the simulations
     right(RUNS, "lfilter", runs()),
     right(RUNS, "own loop", LOOP),
-    wrong(RUNS, "swapped", runs() + "y_sim_1, y_sim_2 = y_sim_2, y_sim_1\n", "models swapped", "changed places"),
+    wrong(RUNS, "swapped", runs() + "y_sim_1, y_sim_2 = y_sim_2, y_sim_1\n", "models swapped", "swapped"),
     wrong(
         RUNS,
         "one-step prediction",
@@ -273,7 +271,7 @@ VARIANTS: list[Right | Wrong] = [
     right(MSE, "sum", errors("sum(e * e for e in {}) / len(y)")),
     wrong(MSE, "root", errors("np.sqrt(np.mean({} ** 2))"), "root of the mean squared error", "root"),
     wrong(MSE, "sum not divided", errors("np.sum({} ** 2)"), "sum in place of the mean", "divide"),
-    wrong(MSE, "swapped", errors() + "mse_1, mse_2 = mse_2, mse_1", "errors swapped", "changed places"),
+    wrong(MSE, "swapped", errors() + "mse_1, mse_2 = mse_2, mse_1", "errors swapped", "swapped"),
     wrong(MSE, "not squared", errors("np.mean({})"), "mean of the errors", "square them"),
     wrong(MSE, "over the second half", errors("np.mean({}[half:] ** 2)"), "second half only", "second half"),
     # 3. Fig. 8
@@ -316,7 +314,7 @@ VARIANTS: list[Right | Wrong] = [
         "errors swapped",
         figure("ax.text(0, 1, f'first order: {mse_2:.3e}\\nsecond order: {mse_1:.3e}')"),
         "errors swapped",
-        "changed places",
+        "swapped",
     ),
     wrong(
         FIGURE,
@@ -335,6 +333,6 @@ VARIANTS: list[Right | Wrong] = [
             "ax.plot(t, y_sim_2, label='First order')",
         ),
         "legend entries swapped",
-        "the other way round",
+        "swaps the names",
     ),
 ]

@@ -60,7 +60,9 @@ VARIANTS: list[Right | Wrong] = [
     right(TIME, "row transposed as in MATLAB", "t = np.linspace(0, 100, 1001)[np.newaxis, :].T"),
     right(TIME, "np.c_ with an end behind 100", "t = np.c_[np.arange(0, 100.05, 0.1)]"),
     wrong(TIME, "left flat", "t = np.linspace(0, 100, 1001)", "flat instead of a column", "reshape"),
-    wrong(TIME, "flat one transposed", "t = np.linspace(0, 100, 1001).T", "flat instead of a column", "flat"),
+    wrong(
+        TIME, "flat one transposed", "t = np.linspace(0, 100, 1001).T", "flat instead of a column", "one-dimensional"
+    ),
     wrong(
         TIME,
         "a row",
@@ -72,7 +74,7 @@ VARIANTS: list[Right | Wrong] = [
         TIME,
         "arange stops early",
         "t = np.arange(0, 100, 0.1).reshape(-1, 1)",
-        "the end left out",
+        "end left out",
         "stops before 100 s",
     ),
     wrong(
@@ -120,14 +122,14 @@ VARIANTS: list[Right | Wrong] = [
         "0.2 in all",
         sinusoids(noise="0.2 * (rng.random(t.shape) - 0.5)"),
         "noise of half the bound",
-        "twice as wide",
+        "0.4 wide",
     ),
     wrong(
         NOISE,
         "bound 0.4",
         sinusoids(noise="rng.uniform(-0.4, 0.4, t.shape)"),
         "noise of twice the bound",
-        "twice as far",
+        "twice the bound",
     ),
     wrong(
         NOISE,
@@ -141,7 +143,7 @@ VARIANTS: list[Right | Wrong] = [
         "shifted only",
         sinusoids(noise="rng.random(t.shape) - 0.5"),
         "noise shifted but not scaled",
-        "stretch it",
+        "scale it",
     ),
     wrong(NOISE, "randn", sinusoids(noise="0.2 * rng.standard_normal(t.shape)"), "Gaussian noise", "Gaussian"),
     wrong(
@@ -186,7 +188,7 @@ VARIANTS: list[Right | Wrong] = [
         "y1 = np.sin(0.02 * np.pi * t) + 0.4 * (0.37 * t % 1) - 0.2\n"
         "y2 = np.cos(0.02 * np.pi * t) + rng.uniform(-0.2, 0.2, t.shape)\n",
         "noise that is not random",
-        "can be told from the one before",
+        "follows from the one before",
     ),
     wrong(
         NOISE,
@@ -260,13 +262,13 @@ VARIANTS: list[Right | Wrong] = [
         "the last samples cut off",
         "the first 200 should go",
     ),
-    wrong(CUT, "the 200 kept", cut("t[:200]", "y1[:200]", "y2[:200]"), "the wrong part kept", "should go"),
+    wrong(CUT, "the 200 kept", cut("t[:200]", "y1[:200]", "y2[:200]"), "the wrong part kept", "should be removed"),
     wrong(
         CUT,
         "counted from 1",
         cut("t[201:] - t[201]", "y1[201:]", "y2[201:]"),
         "off by one",
-        "one sample too many",
+        "one sample too few",
     ),
     wrong(
         CUT,
@@ -291,7 +293,7 @@ VARIANTS: list[Right | Wrong] = [
         "values set back to zero",
         "keeps its values",
     ),
-    wrong(CUT, "cut at 20 samples", cut("t[20:] - t[20]", "y1[20:]", "y2[20:]"), None, "after 200 samples"),
+    wrong(CUT, "cut at 20 samples", cut("t[20:] - t[20]", "y1[20:]", "y2[20:]"), None, "without its first 200 samples"),
     # 4. matrix
     right(MATRIX, "concatenate", "data_new = np.concatenate([t_new, y1_new, y2_new], axis=1)"),
     right(MATRIX, "column_stack of flat ones", "data_new = np.column_stack([t_new.ravel(), y1_new, y2_new])"),
@@ -329,7 +331,7 @@ VARIANTS: list[Right | Wrong] = [
         "time last",
         "data_new = np.hstack([y1_new, y2_new, t_new])",
         "columns in another order",
-        "another order",
+        "wrong order",
     ),
     wrong(MATRIX, "original data", "data_new = np.hstack([t, y1, y2])", "not cut", "original data"),
     wrong(MATRIX, "two columns", "data_new = np.hstack([y1_new, y2_new])", None, "should have shape"),
@@ -356,14 +358,14 @@ VARIANTS: list[Right | Wrong] = [
         "time not shifted",
         function("return data[n:]"),
         "time not set back to zero",
-        "leaves the time as it was",
+        "leaves the time unchanged",
     ),
     wrong(
         FUNCTION,
         "last rows cut",
         function("rest = data[:-n].copy()\nrest[:, 0] -= rest[0, 0]\nreturn rest"),
         "the last samples cut off",
-        "the first n should go",
+        "should remove the first n",
     ),
     wrong(
         FUNCTION,
@@ -377,14 +379,14 @@ VARIANTS: list[Right | Wrong] = [
         "always 200",
         function("rest = data[200:].copy()\nrest[:, 0] -= rest[0, 0]\nreturn rest"),
         "always 200 samples",
-        "whatever n says",
+        "use the argument n",
     ),
     wrong(
         FUNCTION,
         "always 20 s",
         function("rest = data[n:].copy()\nrest[:, 0] -= 20\nreturn rest"),
         "time set back by a fixed 20 s",
-        "always takes 20 s off",
+        "always subtracts 20 s",
     ),
     wrong(
         FUNCTION,
@@ -394,13 +396,13 @@ VARIANTS: list[Right | Wrong] = [
         "only the time should",
     ),
     wrong(FUNCTION, "no return", function("rest = data[n:]\nrest[:, 0] -= rest[0, 0]"), "no return", "return"),
-    wrong(FUNCTION, "the matrix from above", function("return data_new"), None, "after its first `n` rows"),
+    wrong(FUNCTION, "the matrix from above", function("return data_new"), None, "without its first `n` rows"),
     wrong(
         FUNCTION,
-        "returned on its side",
+        "returned transpose it",
         function("return np.vstack([data[n:, 0] - data[n, 0], data[n:, 1], data[n:, 2]])"),
         "rows instead of columns",
-        "on its side",
+        "transpose it",
     ),
     wrong(FUNCTION, "stops", function("return data.cut(n)"), None, "stopped with AttributeError"),
     # 5. Fig. 1(a)
@@ -436,7 +438,7 @@ VARIANTS: list[Right | Wrong] = [
         "no time vector",
         panel("ax_a", sine="ax_a.plot(y1, color='red', label='sin(0.02πt)')"),
         "drawn against the sample number",
-        "not against time",
+        "not drawn against time",
     ),
     wrong(
         FIGURE_A,
@@ -468,7 +470,7 @@ VARIANTS: list[Right | Wrong] = [
             cosine="ax_a.step(t, y2, where='post', color='red', label='cos(0.02πt)')",
         ),
         "colours swapped",
-        "belongs to the cosine",
+        "this colour to the cosine",
     ),
     wrong(
         FIGURE_A,
@@ -525,7 +527,7 @@ VARIANTS: list[Right | Wrong] = [
             cosine=f"ax_b.step(t, y2, where='post', color={GREY_BLUE}, label='cos(0.02πt)')",
         ),
         "original data in (b)",
-        "original data once more",
+        "original data again",
     ),
     wrong(
         FIGURE_B,

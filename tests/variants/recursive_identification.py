@@ -241,7 +241,7 @@ VARIANTS: list[Right | Wrong] = [
     wrong(INFORMATION, "phi forgotten", information(v="v + y"), "phi forgotten", "every entry"),
     wrong(INFORMATION, "v as it was", information(v="v"), "v not updated", "as it was"),
     wrong(INFORMATION, "swapped", information(result="v, M"), "M and v swapped", "before"),
-    wrong(INFORMATION, "M alone", information(result="M"), "not all that was asked for", "M and v"),
+    wrong(INFORMATION, "M alone", information(result="M"), "incomplete result", "M and v"),
     # 3. one step
     right(STEP, "column vectors", define("rls_step(theta, P, phi, y)", COLUMNS)),
     right(STEP, "gain first, (I - K phi')P", define("rls_step(theta, P, phi, y)", GAIN_FIRST)),
@@ -310,7 +310,7 @@ VARIANTS: list[Right | Wrong] = [
         REGRESSORS,
         "roll",
         regressors("-np.roll(y, 1), -np.roll(y, 2), np.roll(u, 1)", "y"),
-        "index goes round to the end",
+        "index wraps around",
         "future",
     ),
     wrong(REGRESSORS, "Y early", regressors(Y="y[1:-1]"), "rows do not start together", "early"),
@@ -421,7 +421,7 @@ VARIANTS: list[Right | Wrong] = [
     ),
     wrong(ONLINE, "old P returned", online(result="theta, old, after"), "P not updated", "as it was"),
     wrong(ONLINE, "order", online(result="theta, after, P"), "order of what is returned", "another order"),
-    wrong(ONLINE, "no past", online(result="theta, P"), "not all that was asked for", "past"),
+    wrong(ONLINE, "no past", online(result="theta, P"), "incomplete result", "past"),
     # 8. drift
     right(DRIFT, "scipy's minimiser", MINIMISED),
     right(DRIFT, "a finer grid and a loop", drift(lams="np.linspace(0.5, 0.999, 5000)")),
@@ -484,7 +484,7 @@ VARIANTS: list[Right | Wrong] = [
         "thrown away",
     ),
     wrong(WINDUP, "trace of the old P", bounded(traces="np.trace(old)"), "trace of the old P", "one sample late"),
-    wrong(WINDUP, "theta alone", bounded(result="np.array(history)"), "not all that was asked for", "trace"),
+    wrong(WINDUP, "theta alone", bounded(result="np.array(history)"), "incomplete result", "trace"),
     # 10. the careless form
     right(CARELESS, "columns, largest of the difference itself", CARELESS_COLUMNS),
     right(
@@ -521,5 +521,5 @@ VARIANTS: list[Right | Wrong] = [
         "sign kept",
         "absolute",
     ),
-    wrong(CARELESS, "theta alone", careless(result="np.array(history)"), "not all that was asked for", "asymmetry"),
+    wrong(CARELESS, "theta alone", careless(result="np.array(history)"), "incomplete result", "asymmetry"),
 ]

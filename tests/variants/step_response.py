@@ -97,9 +97,9 @@ VARIANTS: list[Right | Wrong] = [
         "(K, tau, td), _ = curve_fit(model, t_step, y_step, p0=[3, 5, 1])\n",
     ),
     wrong(READ, "amplitude left in K", reading(K="y_end"), "amplitude not divided out", "divide it by the amplitude"),
-    wrong(READ, "gain upside down", reading(K="amplitude / y_end"), "gain upside down", "output over input"),
+    wrong(READ, "gain inverted", reading(K="amplitude / y_end"), "gain inverted", "output over input"),
     wrong(READ, "tau from the step on", reading(tau="t_63", td="0.94"), "tau measured from the step", "from t_d"),
-    wrong(READ, "no delay", reading(tau="t_63", td="0"), "no delay", "starts late"),
+    wrong(READ, "no delay", reading(tau="t_63", td="0"), "no delay", "has a delay"),
     wrong(READ, "factor 3/2 forgotten", reading(tau="t_63 - t_28"), "the factor 3/2 forgotten", "two thirds"),
     wrong(
         READ, "delay in samples", reading(td="np.argmax(y_step > 0.03 * y_end)"), "time in samples", "counts samples"
@@ -342,12 +342,10 @@ VARIANTS: list[Right | Wrong] = [
         "level left in the gain",
         read_step(K="end / amplitude"),
         "initial level left in",
-        "only the change counts",
+        "use the change",
     ),
-    wrong(
-        FUNCTION, "level left in everywhere", read_step(start="0"), "initial level left in", "only the change counts"
-    ),
-    wrong(FUNCTION, "63.2 % of the end", read_step(way="y / end"), "initial level left in", "only the change counts"),
+    wrong(FUNCTION, "level left in everywhere", read_step(start="0"), "initial level left in", "use the change"),
+    wrong(FUNCTION, "63.2 % of the end", read_step(way="y / end"), "initial level left in", "use the change"),
     wrong(
         FUNCTION,
         "tau from the step on",
@@ -355,7 +353,7 @@ VARIANTS: list[Right | Wrong] = [
         "tau measured from the step",
         "from t_d",
     ),
-    wrong(FUNCTION, "no delay", read_step(tau="t_63", td="0"), "no delay", "starts late"),
+    wrong(FUNCTION, "no delay", read_step(tau="t_63", td="0"), "no delay", "has a delay"),
     wrong(
         FUNCTION,
         "delay in samples",
@@ -368,7 +366,7 @@ VARIANTS: list[Right | Wrong] = [
         "first change of y",
         read_step(tau="t_63 - t[np.argmax(y != y[0])]", td="t[np.argmax(y != y[0]) - 1]"),
         "no delay",
-        "Noise changes y at once",
+        "noise changes y at once",
     ),
     wrong(
         FUNCTION,
@@ -382,7 +380,7 @@ VARIANTS: list[Right | Wrong] = [
             "return (end - start) / amplitude, tau, t_63 - tau",
         ),
         "only steps up",
-        "goes down",
+        "step down",
     ),
     wrong(FUNCTION, "factor 3/2 forgotten", read_step(tau="t_63 - t_28"), "the factor 3/2 forgotten", "two thirds"),
     Wrong(
@@ -430,7 +428,7 @@ VARIANTS: list[Right | Wrong] = [
         "level of the end",
         cut(y="y_act[first:second] - y_act[second - 10:second].mean()"),
         "level of the end",
-        "not that at its end",
+        "not the level at its end",
     ),
     wrong(
         CUT,
@@ -445,8 +443,14 @@ VARIANTS: list[Right | Wrong] = [
     ),
     wrong(CUT, "time not from zero", cut("t_act[first:second]"), "time not set back to zero", "start from zero"),
     wrong(CUT, "time in samples", cut("np.arange(second - first)"), "time in samples", "in seconds"),
-    wrong(CUT, "size of the step", cut(a="abs(u_act[first] - u_act[first - 1])"), "sign of the step", "up or down"),
-    wrong(CUT, "level for the step", cut(a="u_act[first]"), "level in place of the change", "take the change"),
+    wrong(
+        CUT,
+        "size of the step",
+        cut(a="abs(u_act[first] - u_act[first - 1])"),
+        "sign of the step",
+        "new input minus the old",
+    ),
+    wrong(CUT, "level for the step", cut(a="u_act[first]"), "level in place of the change", "should be the change"),
     wrong(
         CUT,
         "not stopped",
@@ -492,7 +496,7 @@ VARIANTS: list[Right | Wrong] = [
         "gain at 63.2 % of the way",
         "K_tank, tau_tank, td_tank = read_step(t_held, y_held, a_held)\nK_tank *= 0.632",
         "63.2 % taken for the end",
-        "belongs to the end",
+        "read it at the end",
     ),
     wrong(
         TANK,
@@ -516,13 +520,13 @@ VARIANTS: list[Right | Wrong] = [
             "try:\n    return list(np.linalg.inv(U) @ Y)\nexcept np.linalg.LinAlgError:\n    return None",
         ),
     ),
-    wrong(TWO, "no condition", solve_two(check=False), "determinant not checked", "look at the determinant"),
+    wrong(TWO, "no condition", solve_two(check=False), "determinant not checked", "check the determinant"),
     wrong(
         TWO,
         "numpy's solver alone",
         define("solve_two(U, Y)", "return np.linalg.solve(U, Y)"),
         "determinant not checked",
-        "look at the determinant",
+        "check the determinant",
     ),
     wrong(
         TWO,
@@ -545,7 +549,7 @@ VARIANTS: list[Right | Wrong] = [
         "not divided by the determinant",
         "divide them",
     ),
-    wrong(TWO, "sign of a2", solve_two(a2="(u21*y1 - u11*y2) / det"), "sign in a numerator", "sign wrong"),
+    wrong(TWO, "sign of a2", solve_two(a2="(u21*y1 - u11*y2) / det"), "sign in a numerator", "wrong sign"),
     wrong(
         TWO,
         "swapped",
@@ -554,7 +558,13 @@ VARIANTS: list[Right | Wrong] = [
         "a2 before a1",
     ),
     wrong(TWO, "always None", define("solve_two(U, Y)", "return None"), "no return", "returns nothing"),
-    wrong(TWO, "always ones", define("solve_two(U, Y)", "return np.ones(2)"), None, "put it into the two equations"),
+    wrong(
+        TWO,
+        "always ones",
+        define("solve_two(U, Y)", "return np.ones(2)"),
+        None,
+        "insert its result into the two equations",
+    ),
     # 8. error, loss, gradient
     right(
         ERROR,
@@ -571,7 +581,7 @@ VARIANTS: list[Right | Wrong] = [
     ),
     wrong(
         ERROR,
-        "the other way round",
+        "opposite answer",
         of_theta("error_vector", "return Phi @ theta - Y"),
         "sign of the error",
         "other sign",
@@ -580,11 +590,11 @@ VARIANTS: list[Right | Wrong] = [
         ERROR,
         "only the model",
         of_theta("error_vector", "return Phi @ theta"),
-        "the model's output in place of the error",
+        "model output in place of the error",
         "subtract it from Y",
     ),
     wrong(
-        ERROR, "Phi on its side", of_theta("error_vector", "return Y - Phi.T @ theta"), "transposed Phi", "on its side"
+        ERROR, "Phi transposed", of_theta("error_vector", "return Y - Phi.T @ theta"), "transposed Phi", "transposed"
     ),
     wrong(
         ERROR, "element by element", of_theta("error_vector", "return Y - (Phi * theta)[:, 0]"), None, "see \\(A4\\)"
@@ -595,9 +605,7 @@ VARIANTS: list[Right | Wrong] = [
         "norm, as an array of one",
         of_theta("loss", "return np.array([[np.linalg.norm(Y - Phi @ theta) ** 2 / 2]])"),
     ),
-    wrong(
-        LOSS, "no half", of_theta("loss", "E = Y - Phi @ theta\nreturn E @ E"), "the half forgotten", "half in front"
-    ),
+    wrong(LOSS, "no half", of_theta("loss", "E = Y - Phi @ theta\nreturn E @ E"), "the half forgotten", "factor 1/2"),
     wrong(LOSS, "mean", of_theta("loss", "return np.mean((Y - Phi @ theta) ** 2)"), "mean in place of the sum", "mean"),
     wrong(LOSS, "norm", of_theta("loss", "return np.linalg.norm(Y - Phi @ theta)"), "norm not squared", "root"),
     wrong(
@@ -605,10 +613,10 @@ VARIANTS: list[Right | Wrong] = [
     ),
     wrong(
         LOSS,
-        "Phi on its side",
+        "Phi transposed",
         of_theta("loss", "E = Y - Phi.T @ theta\nreturn E @ E / 2"),
         "transposed Phi",
-        "on its side",
+        "transposed",
     ),
     wrong(LOSS, "a vector", of_theta("loss", "return 0.5 * (Y - Phi @ theta) ** 2"), None, "should be one number"),
     wrong(LOSS, "zero", of_theta("loss", "return 0"), None, "half the sum"),
@@ -642,14 +650,14 @@ VARIANTS: list[Right | Wrong] = [
         "half twice",
         of_theta("gradient", "return -0.5 * Phi.T @ (Y - Phi @ theta)"),
         "the half kept",
-        "half as",
+        "half the right value",
     ),
     wrong(
         GRADIENT,
         "2 forgotten in one term",
         of_theta("gradient", "return -Phi.T @ Y + 0.5 * Phi.T @ Phi @ theta"),
         "the 2 of (A6) forgotten",
-        "one of its two terms",
+        "one of the two terms",
     ),
     wrong(
         GRADIENT,
@@ -660,10 +668,10 @@ VARIANTS: list[Right | Wrong] = [
     ),
     wrong(
         GRADIENT,
-        "Phi on its side",
+        "Phi transposed",
         of_theta("gradient", "return Phi @ (Phi @ theta - Y)"),
         "transposed Phi",
-        "on its side",
+        "transposed",
     ),
     wrong(GRADIENT, "zero everywhere", of_theta("gradient", "return np.zeros(len(theta))"), None, "not the derivative"),
     # 9. minimum, uniqueness
@@ -688,17 +696,17 @@ VARIANTS: list[Right | Wrong] = [
     wrong(MINIMUM, "only Phi'Y", define("best_theta(Phi, Y)", "return Phi.T @ Y"), "only Phi'Y", "multiply it"),
     wrong(
         MINIMUM,
-        "Phi on its side",
+        "Phi transposed",
         define("best_theta(Phi, Y)", "return np.linalg.inv(Phi @ Phi.T) @ Phi @ Y"),
         "transposed Phi",
-        "on its side",
+        "transposed",
     ),
     wrong(
         MINIMUM,
         "the first equations only",
         define("best_theta(Phi, Y)", "p = Phi.shape[1]\nreturn np.linalg.solve(Phi[:p], Y[:p])"),
         "only as many equations as unknowns",
-        "takes them all",
+        "uses all of them",
     ),
     wrong(
         MINIMUM,
@@ -735,14 +743,14 @@ VARIANTS: list[Right | Wrong] = [
         "square only",
         define("is_unique(Phi)", "n, p = Phi.shape\nreturn n == p and np.linalg.matrix_rank(Phi) == p"),
         "square matrices only",
-        "no harm",
+        "are allowed",
     ),
     wrong(UNIQUE, "always", define("is_unique(Phi)", "return True"), "always unique", "every Phi"),
     wrong(
         UNIQUE,
         "the opposite",
         define("is_unique(Phi)", "return np.linalg.matrix_rank(Phi) < Phi.shape[1]"),
-        "the other way round",
+        "opposite answer",
         "opposite",
     ),
     wrong(

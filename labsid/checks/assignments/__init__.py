@@ -1,1 +1,1 @@
-"""One module an assignment: its questions, the right values and the known slips."""
+"""One package per assignment: its questions, the right values and the known mistakes."""

@@ -150,7 +150,7 @@ def test_a_wrong_function_costs_its_own_question(forked: ProcessLauncher, tmp_pa
         ("a = 'three'", "graded", "should be one number; it is text"),
         ("a = [3, 3]", "graded", r"one number; it is an array of shape \(2,\)"),
         ("a = lambda: 3", "graded", "an object of type function"),
-        ("a = float('nan')", "graded", r"^`a` holds nan: something before it went wrong"),
+        ("a = float('nan')", "graded", r"^`a` holds nan: check the computation before it"),
         ("a = 10 ** 1000", "graded", "int of too many digits"),
         ("import numpy as np\na = np.zeros(10 ** 7)", "graded", "`a` cannot be read .*too large"),
         ("class A:\n    def __getattr__(self, name):\n        raise RuntimeError\na = A()", "graded", "of type A"),

@@ -92,9 +92,9 @@ def test_a_number_may_come_in_an_array(value: Any) -> None:
         (10**400, "`a` should be one number; it is an object of type int of too many digits."),
         (TF, "`a` should be one number; it is a transfer function."),
         (len, "`a` should be one number; it is an object of type builtin_function_or_method."),
-        (NAN, "`a` holds nan: something before it went wrong."),
-        (np.array(-np.inf), "`a` holds -inf: something before it went wrong."),
-        ([NAN], "`a` holds nan (at [0]): something before it went wrong."),
+        (NAN, "`a` holds nan: check the computation before it."),
+        (np.array(-np.inf), "`a` holds -inf: check the computation before it."),
+        ([NAN], "`a` holds nan (at [0]): check the computation before it."),
     ],
 )
 def test_what_is_no_number_is_said(value: Any, said: str) -> None:
@@ -129,8 +129,8 @@ def test_a_column_of_one_is_a_vector() -> None:
         (np.zeros(0), "`y` should have 3 elements; it has 0.", None),
         (5.0, "`y` should be one column of numbers; it is a number.", None),
         (("a", 1), "`y` should be a vector; it is a tuple.", None),
-        (np.array([1, NAN, NAN]), "`y` holds nan (at [1]): something before it went wrong.", None),
-        (np.array([[1], [np.inf]]), "`y` holds inf (at [1, 0]): something before it went wrong.", None),
+        (np.array([1, NAN, NAN]), "`y` holds nan (at [1]): check the computation before it.", None),
+        (np.array([[1], [np.inf]]), "`y` holds inf (at [1, 0]): check the computation before it.", None),
         (np.array([1j, 1, 1]), "`y` should be a vector; it is an array of shape (3,).", None),
     ],
 )
@@ -142,7 +142,7 @@ def test_what_is_no_vector_is_said(value: Any, said: str, slip: str | None) -> N
 def test_a_flat_vector_is_no_column() -> None:
     assert as_column("t", np.array([[1.0], [2.0]]), 2).tolist() == [1, 2]
     with refused(
-        "`t` has shape (2,): numpy made it flat. A column vector has shape (2, 1): `t.reshape(-1, 1)`.",
+        "`t` has shape (2,): it is one-dimensional. A column vector has shape (2, 1): use `t.reshape(-1, 1)`.",
         "flat instead of a column",
     ):
         as_column("t", np.array([1.0, 2.0]), 2)
@@ -167,19 +167,19 @@ def test_a_matrix_is_read_with_open_sizes() -> None:
     [
         (
             np.zeros((4, 449)), (None, 4),
-            "`Phi` has shape (4, 449): it lies on its side. Its columns should run down, shape (any, 4).",
+            "`Phi` has shape (4, 449); it should have shape (any, 4): transpose it.",
             "rows instead of columns",
         ),
         (
             np.zeros((3, 801)), (801, 3),
-            "`Phi` has shape (3, 801): it lies on its side. Its columns should run down, shape (801, 3).",
+            "`Phi` has shape (3, 801); it should have shape (801, 3): transpose it.",
             "rows instead of columns",
         ),
         (np.zeros((449, 3)), (None, 4), "`Phi` should have shape (any, 4); it is an array of shape (449, 3).", None),
         (np.zeros(4), (None, 4), "`Phi` should have shape (any, 4); it is an array of shape (4,).", None),
         (3, (None, 4), "`Phi` should have shape (any, 4); it is a number.", None),
         ("x", (None, 4), "`Phi` should be a matrix; it is text.", None),
-        (np.array([[1, NAN]]), (1, 2), "`Phi` holds nan (at [0, 1]): something before it went wrong.", None),
+        (np.array([[1, NAN]]), (1, 2), "`Phi` holds nan (at [0, 1]): check the computation before it.", None),
     ],
 )  # fmt: skip
 def test_what_is_no_such_matrix_is_said(value: Any, shape: tuple, said: str, slip: str | None) -> None:
@@ -189,7 +189,7 @@ def test_what_is_no_such_matrix_is_said(value: Any, shape: tuple, said: str, sli
 
 def test_a_parameter_vector_is_told_from_all_that_lstsq_returns() -> None:
     assert as_theta("fit(u, y)", np.array([[1.0], [2.0]]), 2).tolist() == [1, 2]
-    with refused("`fit(u, y)` returns all that `lstsq` returns: take the first of it, `[0]`.", "all of lstsq"):
+    with refused("`fit(u, y)` returns the whole result of `lstsq`: return its first element, `[0]`.", "all of lstsq"):
         as_theta("fit(u, y)", plain(np.linalg.lstsq(np.eye(2), np.ones(2), rcond=None)), 2)
     with refused("`fit(u, y)` should have 2 elements; it has 3."):
         as_theta("fit(u, y)", np.ones(3), 2)
@@ -205,17 +205,17 @@ def test_a_history_may_be_one_of_columns() -> None:
     [
         (
             np.ones(2),
-            "`rls(Phi, Y)` returns one estimate; asked for is the whole history, a row for every sample.",
+            "`rls(Phi, Y)` returns one estimate; return the whole history, one row for every sample.",
             "only the last estimate",
         ),
         (
             np.ones((6, 2)),
-            "`rls(Phi, Y)` has one row too many: theta(0), which no sample has touched, does not belong in it.",
+            "`rls(Phi, Y)` has one row too many: leave out the start value theta(0).",
             "history begins with theta(0)",
         ),
         (
             np.ones((2, 5)),
-            "`rls(Phi, Y)` has shape (2, 5): it lies on its side. Its columns should run down, shape (5, 2).",
+            "`rls(Phi, Y)` has shape (2, 5); it should have shape (5, 2): transpose it.",
             "rows instead of columns",
         ),
         (None, "`rls(Phi, Y)` should be a matrix; it is nothing (None).", None),
@@ -284,7 +284,7 @@ def test_a_system_is_read() -> None:
             np.eye(MAX_ORDER + 1), np.ones((MAX_ORDER + 1, 1)), np.ones((1, MAX_ORDER + 1)), np.zeros((1, 1)), TS
         ),
     ):
-        with refused(f"`G` is of order {MAX_ORDER + 1}. That is no model of this plant."):
+        with refused(f"`G` has order {MAX_ORDER + 1}, far above the order of this plant."):
             as_system("G", huge)
 
 

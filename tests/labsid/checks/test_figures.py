@@ -158,7 +158,7 @@ def test_a_curve_that_is_there_is_found_among_others() -> None:
 def test_a_curve_that_is_not_there_is_said() -> None:
     axes = seen(lambda ax: ax.plot(Y))
     error = refusal(require_curve, axes, "(a)", "the output", Y, T)
-    assert str(error).startswith("In (a), the output is drawn, but not against time")
+    assert str(error).startswith("In (a), the output is not drawn against time")
     assert error.slip == "drawn against the sample number"
     error = refusal(require_curve, axes, "(b)", "the input", U, T)
     assert (str(error), error.slip) == ("In (b) no curve shows the input. Plot it against time.", None)
@@ -209,7 +209,7 @@ def test_limits_are_those_of_the_figure() -> None:
     axes = seen(lambda ax: (ax.set_xlim(0, 100), ax.set_ylim(-1.5, 1.5)))
     require_limits(axes, "(a)", (0, 100), (-1.5, 1.5))
     error = refusal(require_limits, axes, "(a)", (0, 80), (-1.5, 1.5))
-    assert str(error) == "In (a) the x-axis runs from 0 to 100; the figure has 0 to 80: use `xlim`."
+    assert str(error) == "In (a) the x-axis runs from 0 to 100; it should run from 0 to 80: use `xlim`."
     assert error.slip == "axis limits"
     assert "y-axis runs from -1.5 to 1.5" in str(refusal(require_limits, axes, "(a)", (0, 100), (-1.5, 1)))
 

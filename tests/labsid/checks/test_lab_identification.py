@@ -53,7 +53,7 @@ def test_the_mean_over_an_unsettled_period_is_named(name: str, shared_data: Path
     naive = "y_offset, u_offset = y_act[:n_first].mean(), u_act[0]\ny, u = y_act - y_offset, u_act - u_offset\n"
     path = shared_data / "unsw-water-tank" / f"{name}.mat"
     said = run_notebook(NAME, path, {"lab-1c-offsets-answer": naive})
-    assert "does not start settled" in said["lab-1c-offsets"]
+    assert "is not settled at its start" in said["lab-1c-offsets"]
     assert "lab-1c-offsets" in said["lab-2a-phi"]
 
 
@@ -133,8 +133,8 @@ def test_theta_of_another_order_is_refused(shipped_record_path: Path) -> None:
     ("value", "text"),
     [
         (Unreadable("TimeResponseData"), "take its `.outputs`"),
-        ((np.ones(3), np.ones((3, 2))), "several things"),
-        ({"outputs": np.ones(3)}, "several things"),
+        ((np.ones(3), np.ones((3, 2))), "several values"),
+        ({"outputs": np.ones(3)}, "several values"),
         (np.ones((2, 50)), "time and output"),
         (None, "nothing"),
         ("y", "text"),

@@ -105,7 +105,7 @@ def test_noises_that_have_to_do_with_each_other_are_refused() -> None:
     one, two = rng.uniform(-0.2, 0.2, (2, T.size))
     assert refusal(require_independent, {"y1": one, "y2": one}).slip == "the same noise in both"
     assert refusal(require_independent, {"y1": one, "y2": -one}).slip == "the same noise in both"
-    assert "have to do with each other" in str(refusal(require_independent, {"y1": one, "y2": one + two}))
+    assert "are correlated" in str(refusal(require_independent, {"y1": one, "y2": one + two}))
     held = np.repeat(one, 3)[: T.size]
     assert refusal(require_independent, {"y1": held, "y2": two}).slip == "noise that is not random"
 
@@ -117,7 +117,7 @@ def test_an_entry_of_the_legend_that_lacks_one_curve_is_said(
     drawn = answers["prelab-5-original-answer"]
     for old, new, says in (
         (r', label=r"$\cos(0.02\pi t)$"', "", "should name 2 curves"),
-        (r"\cos(0.02\pi t)", "other", r"names no cos\(0.02πt\)"),
+        (r"\cos(0.02\pi t)", "other", r"has no entry cos\(0.02πt\)"),
         ('color="tab:red"', "color=(0.55, 0.7, 0.8)", "hard to distinguish"),
         ('xlabel("Time (s)")', 'xlabel("")', "the x-axis has no label"),
     ):

@@ -37,4 +37,4 @@ def test_parts_may_come_in_a_tuple_a_list_or_stacked(parts: Any, answers: Callab
 def test_another_number_of_parts_is_said(value: Any, kind: str, answers: Callable) -> None:
     with pytest.raises(NoAnswer, match=f"`fit` should return theta and P; it returns .*{kind}") as told:
         returned_parts(answers({"fit": lambda: value}, 0), "fit", "theta and P", 2)
-    assert told.value.slip == "not all that was asked for"
+    assert told.value.slip == "incomplete result"

@@ -34,7 +34,7 @@ def test_the_mean_over_a_first_period_that_has_not_settled_is_named(tmp_path: Pa
         "a_held = u_act[first] - u_act[0]\n"
     )
     said = run_notebook(NAME, path, {"step-6-cut-answer": code})
-    assert "has not settled at first" in said["step-6-cut"]
+    assert "is not settled at first" in said["step-6-cut"]
 
 
 def test_every_check_of_an_empty_release_fails_kindly(shipped_record_path: Path, run_notebook) -> None:
@@ -130,7 +130,7 @@ def spoilt(change: Callable[[Reading, Step], Reading]) -> Reader:
         (spoilt(lambda r, s: (r[0], r[1], r[1] + r[2])), "63.2 % taken for the delay"),
         (spoilt(lambda r, s: (r[0], 3 * r[1], r[2])), "settling time in place of the time constant"),
         (spoilt(lambda r, s: (r[0], r[1] / 1.5, r[1] / 3 + r[2])), "the factor 3/2 forgotten"),
-        (spoilt(lambda r, s: (r[0], 1 / r[1], r[2])), "time constant upside down"),
+        (spoilt(lambda r, s: (r[0], 1 / r[1], r[2])), "time constant inverted"),
         (spoilt(lambda r, s: (r[0], r[1] / s.t[1], r[2] / s.t[1])), "time in samples"),
     ],
 )

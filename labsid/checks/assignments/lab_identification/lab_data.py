@@ -14,7 +14,7 @@ from labsid.records.record import Record
 
 @dataclass(frozen=True, slots=True, eq=False)
 class LabData:
-    """A record with its offsets, and what is left without them.
+    """A record, its offsets, and its signals without them.
 
     Attributes
     ----------
@@ -51,12 +51,12 @@ class LabData:
         return int(self.y_act.size // 2)
 
     def wrong_signals(self) -> Iterator[tuple[str, str, FloatArray, FloatArray]]:
-        """Signals that a later step may be fed with by mistake: name of the slip, hint, u, y."""
+        """Signals that a later step may use by mistake: name of the mistake, hint, u, y."""
         u, y = self.u, self.y
         hint = "Use the offset-free `u` and `y` of step 1c."
-        yield "offset left in", f"The offsets are still in. {hint}", self.u_act, self.y_act
-        yield "output offset left in", f"The output offset is still in. {hint}", u, self.y_act
-        yield "input offset left in", f"The input offset is still in. {hint}", self.u_act, y
+        yield "offset left in", f"The offsets are not removed. {hint}", self.u_act, self.y_act
+        yield "output offset left in", f"The output offset is not removed. {hint}", u, self.y_act
+        yield "input offset left in", f"The input offset is not removed. {hint}", self.u_act, y
         measured = self.y_actm - self.y_offset
         yield (
             "measured output used",
@@ -82,7 +82,7 @@ def known_vector(ask: Ask, name: str) -> FloatArray:
 
 
 def known_data(ask: Ask) -> LabData:
-    """The signals as they stand after step 1c of the lab."""
+    """The signals after step 1c of the lab."""
     return LabData(
         u_act=known_vector(ask, "u_act"),
         y_act=known_vector(ask, "y_act"),
@@ -94,6 +94,6 @@ def known_data(ask: Ask) -> LabData:
 
 
 def known_model(ask: Ask) -> ArxModel:
-    """The second-order model as it stands after step 2b of the lab."""
+    """The second-order model after step 2b of the lab."""
     a1, a2, b1, b2 = (as_number(name, ask.known(name)) for name in ("a1", "a2", "b1", "b2"))
     return arx_from_theta(np.array([-a1, -a2, b1, b2]), as_number("Ts", ask.known("Ts")))

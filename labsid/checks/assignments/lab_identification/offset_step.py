@@ -1,4 +1,4 @@
-"""Step 1c of the lab: the offsets, and the signals without them."""
+"""Checks of step 1c of the lab: the offsets, and the signals without them."""
 
 import numpy as np
 
@@ -11,7 +11,7 @@ from labsid.checks.verdict import NoAnswer, Slip, Verdict, judge
 from labsid.lab.offset import find_offsets, first_period_length, mid_range
 
 OFFSET_TOLERANCE = 0.01
-"""Of the range of y: between two honest choices of the settled part."""
+"""Largest difference between valid choices of the settled part, as a share of the range of y."""
 
 
 def right_offsets(ask: Ask) -> dict[str, Value]:
@@ -44,11 +44,11 @@ def _output_offset(got: float, u_act: FloatArray, y_act: FloatArray) -> Verdict:
     n = found.first_period
     second_change = n + first_period_length(u_act[n:]) if np.ptp(u_act[n:]) else u_act.size
     for k in (0, n - 1):
-        # within the tolerance perhaps, but one sample has all the noise that an average takes away
+        # possibly within the tolerance, but a single sample contains the noise that averaging removes
         if abs(got - y_act[k]) < 1e-9:
             return Verdict(
                 False,
-                "`y_offset` is the value of one sample, with the noise on it. Take the mean over the first period.",
+                "`y_offset` is the value of one sample, including its noise. Take the mean over the first period.",
                 "a single sample",
             )
     slips = [
@@ -59,8 +59,8 @@ def _output_offset(got: float, u_act: FloatArray, y_act: FloatArray) -> Verdict:
         ),
         Slip(
             "start-up averaged in",
-            "`y_offset` is the mean of the whole first period, but your record does not start settled: look at "
-            "Fig. 5(a), and average only the level part at the end of that period.",
+            "`y_offset` is the mean of the whole first period, but your record is not settled at its start: average "
+            "only the constant part at the end of that period, see Fig. 5(a).",
             lambda: float(np.mean(y_act[:n])),
         ),
         Slip(
@@ -70,21 +70,25 @@ def _output_offset(got: float, u_act: FloatArray, y_act: FloatArray) -> Verdict:
         ),
         Slip(
             "mean after the first period",
-            "`y_offset` is averaged over what comes after the first period. Use `y_act[:n_first]`.",
+            "`y_offset` is averaged over the samples after the first period. Use `y_act[:n_first]`.",
             lambda: float(np.mean(y_act[n:])),
         ),
-        Slip("input in place of the output", "`y_offset` is made from the input.", lambda: float(u_act[0])),
+        Slip(
+            "input in place of the output",
+            "`y_offset` is computed from the input. Use `y_act`.",
+            lambda: float(u_act[0]),
+        ),
         Slip(
             "middle of the range",
-            "`y_offset` is the middle of the range of the output, where it never rests.",
+            "`y_offset` is the middle of the range of the output. Use `y_act[:n_first]`.",
             lambda: mid_range(y_act),
         ),
-        Slip("no offset", "`y_offset` is zero: then nothing is removed.", lambda: 0.0),
+        Slip("no offset", "`y_offset` is zero, so that no offset is removed.", lambda: 0.0),
     ]
-    otherwise = "`y_offset` is not the level at which the output rests before the input first changes."
+    otherwise = "`y_offset` should be the level of the settled output before the first change of the input."
     if abs(got - found.y_offset) <= OFFSET_TOLERANCE * float(np.ptp(y_act)):
         return Verdict(True, "")
-    # a closer tolerance for slips than for right answers: on one record, two slips may give similar values
+    # a closer tolerance for mistakes than for right answers: two mistakes may give similar values
     return judge(got, found.y_offset, close(1e-5), "", otherwise, slips)
 
 
@@ -94,7 +98,7 @@ def _input_offset(got: float, u_act: FloatArray, y_offset: float) -> Verdict:
         Slip(
             "middle of the input range",
             "`u_offset` is the middle of the input range. The output was averaged while the input had its *first* "
-            "value, and the two offsets belong together.",
+            "value: use that value.",
             lambda: mid_range(u_act),
         ),
         Slip(
@@ -102,13 +106,13 @@ def _input_offset(got: float, u_act: FloatArray, y_offset: float) -> Verdict:
             "`u_offset` is the mean over the whole record. Take the first value.",
             lambda: float(np.mean(u_act)),
         ),
-        Slip("output in place of the input", "`u_offset` is the offset of the output.", lambda: y_offset),
+        Slip("output in place of the input", "`u_offset` is the offset of the output. Use `u_act`.", lambda: y_offset),
         Slip(
             "level after the first change",
             "`u_offset` is the level after the first change. Take the first value.",
             lambda: float(u_act[n]),
         ),
-        Slip("no offset", "`u_offset` is zero: then nothing is removed.", lambda: 0.0),
+        Slip("no offset", "`u_offset` is zero, so that no offset is removed.", lambda: 0.0),
     ]
     otherwise = "`u_offset` is not the input of the first period. Take its first value."
     return judge(got, float(u_act[0]), close(0, 1e-6), "", otherwise, slips)
@@ -124,17 +128,19 @@ def _offset_free(name: str, got: FloatArray, raw: FloatArray, offset: float, oth
         Slip("offset not removed", f"`{name}` is still `{name}_act`: subtract `{name}_offset`.", lambda: raw),
         Slip("offset added", f"`{name}_offset` was added; subtract it.", lambda: raw + offset),
         Slip(
-            "sign of the signal", f"`{name}` is upside down: it is the signal minus the offset.", lambda: offset - raw
+            "sign of the signal",
+            f"`{name}` has the wrong sign: it is the signal minus the offset.",
+            lambda: offset - raw,
         ),
-        Slip("divided by the offset", "An offset is subtracted, not divided by.", lambda: raw / offset),
-        Slip("another signal taken", f"`{name}` is not made from `{name}_act`.", lambda: other - offset),
+        Slip("divided by the offset", f"`{name}` was divided by the offset: subtract it.", lambda: raw / offset),
+        Slip("another signal taken", f"`{name}` is not computed from `{name}_act`.", lambda: other - offset),
     ]
     otherwise = f"`{name}` is not `{name}_act` minus `{name}_offset`."
     return judge(
         got,
         raw - offset,
         close(1e-9, 1e-9),
-        "The offsets are right, and `y` and `u` are free of them.",
+        "The offsets are right, and removed from `y` and `u`.",
         otherwise,
         slips,
     )

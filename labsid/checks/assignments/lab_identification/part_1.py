@@ -1,4 +1,4 @@
-"""Part 1 of the lab: the record extracted, looked at, and freed of its offsets."""
+"""Checks of part 1 of the lab: reading the record, its figures, the first period."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from functools import partial
@@ -37,7 +37,7 @@ def check_extract(ask: Ask) -> Iterator[Verdict]:
         taken = [
             Slip(
                 "y_act and y_actm swapped" if {name, other} == {"y_act", "y_actm"} else "another signal taken",
-                f"`{name}` holds what should be `{other}`. Python counts from 0: MATLAB's column 2 has the index 1.",
+                f"`{name}` contains `{other}`. Python counts from 0: MATLAB's column 2 has the index 1.",
                 partial(right.__getitem__, other),
             )
             for other in right
@@ -45,7 +45,7 @@ def check_extract(ask: Ask) -> Iterator[Verdict]:
         ]
         counted = Slip(
             "sample number in place of time",
-            f"`{name}` counts the samples; the record holds the time in seconds.",
+            f"`{name}` counts the samples; use the time in seconds from the record.",
             lambda: np.arange(values.size, dtype=float),  # noqa: B023
         )
         yield judge(
@@ -53,7 +53,7 @@ def check_extract(ask: Ask) -> Iterator[Verdict]:
             values,
             EXACT,
             "",
-            f"`{name}` is not that signal of the record. Compare your lines with the lab's.",
+            f"`{name}` is not this signal of the record. Compare your lines with those of the lab.",
             [*taken, counted],
         )
     yield Verdict(True, f"Four signals of {right['t'].size} samples each.")
@@ -62,11 +62,11 @@ def check_extract(ask: Ask) -> Iterator[Verdict]:
 def _extracted(name: str, value: Value) -> FloatArray:
     if isinstance(value, Mapping):
         raise NoAnswer(
-            f"`{name}` is still a structure (a dictionary): take the field that holds the numbers.",
+            f"`{name}` is still a structure (a dictionary): take the field that contains the numbers.",
             "structure instead of its field",
         )
     if isinstance(value, np.ndarray) and value.ndim == 2 and value.shape[1] == 2:
-        raise NoAnswer(f"`{name}` holds both columns: take one, `[:, 0]` or `[:, 1]`.", "both columns taken")
+        raise NoAnswer(f"`{name}` contains both columns: take one, `[:, 0]` or `[:, 1]`.", "both columns taken")
     return as_vector(name, value)
 
 
@@ -80,21 +80,23 @@ def check_sampling_time(ask: Ask) -> Verdict:
     t = known_vector(ask, "t")
     value = ask.value("Ts")
     if isinstance(value, np.ndarray) and value.size == t.size - 1 and value.size > 1:
-        raise NoAnswer("`Ts` holds every interval; they are all equal, and one number is wanted.", "all intervals")
+        raise NoAnswer("`Ts` contains all intervals, which are equal: give one number.", "all intervals")
     slips = [
         Slip(
-            "frequency in place of time", "This is the sampling frequency, samples a second.", lambda: 1 / ask.record.Ts
+            "frequency in place of time",
+            "`Ts` is the sampling frequency, in samples per second. It should be the time between two samples.",
+            lambda: 1 / ask.record.Ts,
         ),
-        Slip("length of the record", "This is how long the record lasts.", lambda: float(t[-1] - t[0])),
-        Slip("number of samples", "This is how many samples there are.", lambda: float(t.size)),
+        Slip("length of the record", "`Ts` is the duration of the record.", lambda: float(t[-1] - t[0])),
+        Slip("number of samples", "`Ts` is the number of samples.", lambda: float(t.size)),
         Slip(
             "divided by the number of samples",
-            "There is one interval fewer than there are samples.",
+            "`Ts` is divided by the number of samples; there is one interval fewer.",
             lambda: float((t[-1] - t[0]) / t.size),
         ),
-        Slip("two samples apart", "That is twice the sampling time.", lambda: 2 * ask.record.Ts),
+        Slip("two samples apart", "`Ts` is twice the sampling time.", lambda: 2 * ask.record.Ts),
     ]
-    otherwise = "`Ts` should be the time from one sample to the next. Look at the first few values of `t`."
+    otherwise = "`Ts` should be the time from one sample to the next. Check the first few values of `t`."
     return judge(
         as_number("Ts", value), ask.record.Ts, close(1e-6), "This is the time between two samples.", otherwise, slips
     )
@@ -111,7 +113,7 @@ def check_figure_5(ask: Ask) -> Verdict:
 
 
 def check_first_period(ask: Ask) -> Verdict:
-    """Step 1c: the loop, tried on inputs that it has not seen."""
+    """Step 1c: the loop, tried on unseen inputs."""
     trials = [ask.record.u, *_staircases(ask.rng)]
     is_column = np.ndim(ask.known("u_act")) == 2  # type: ignore[arg-type]
     got = np.array([_counted(ask, u.reshape(-1, 1) if is_column else u) for u in trials])
@@ -126,23 +128,27 @@ def check_first_period(ask: Ask) -> Verdict:
     slips = [
         slip(
             "the same number for every input",
-            "It returns the same number for every input: count in the `u` that is handed in.",
+            "It returns the same number for every input: count in the argument `u`.",
             [float(got[0])] * len(trials),
         ),
         slip(
             "off by one",
-            "One too few: that is the index of the last sample of the period. Samples 0 to n - 1 are n samples.",
+            "One too few: this is the index of the last sample of the period. Samples 0 to n - 1 are n samples.",
             list(right - 1),
         ),
-        slip("off by one", "One too many: the sample at which the input changes no longer belongs.", list(right + 1)),
+        slip(
+            "off by one",
+            "One too many: the sample at which the input changes is not in the first period.",
+            list(right + 1),
+        ),
         slip(
             "all samples at the first level",
-            "It counts all samples at the first level, also later ones. Stop at the first change.",
+            "It counts all samples at the first level, including later ones. Stop at the first change.",
             [float(np.count_nonzero(u == u[0])) for u in trials],
         ),
         slip(
             "last change instead of the first",
-            "It stops at the last change of the input.",
+            "It stops at the last change of the input; stop at the first.",
             [c[-1] + 1 for c in changes],
         ),
         slip(
@@ -150,8 +156,10 @@ def check_first_period(ask: Ask) -> Verdict:
             "It counts the changes of the input, not the samples before the first.",
             [c.size for c in changes],
         ),
-        slip("changes in one direction only", "It overlooks a change upwards: compare with `!=` or `==`.", fall),
-        slip("changes in one direction only", "It overlooks a change downwards: compare with `!=` or `==`.", rise),
+        slip("changes in one direction only", "It does not detect a change upwards: compare with `!=` or `==`.", fall),
+        slip(
+            "changes in one direction only", "It does not detect a change downwards: compare with `!=` or `==`.", rise
+        ),
         slip(
             "length of the input",
             "It returns the length of the input: the loop never stops at the change.",
@@ -159,17 +167,17 @@ def check_first_period(ask: Ask) -> Verdict:
         ),
         slip(
             "time instead of a number of samples",
-            "That is a time; the number of samples is wanted.",
+            "It returns a time; return the number of samples.",
             list(right * ask.record.Ts),
         ),
     ]
     if got[0] == right[0] and not np.all(got == got[0]):
-        otherwise = "It is right on this record and wrong on another input. Try it on short inputs of your own."
+        otherwise = "It is right for this record, but wrong for another input. Try it on short inputs of your own."
     else:
         otherwise = (
             "It does not return the number of samples before the first change. Try it on a short input: [2, 2, 2, 1]."
         )
-    return judge(got, right, close(0, 1e-9), "Right, also on inputs that you have not seen.", otherwise, slips)
+    return judge(got, right, close(0, 1e-9), "Right, also for unseen inputs.", otherwise, slips)
 
 
 def right_first_period(ask: Ask) -> dict[str, Value]:
@@ -185,7 +193,7 @@ def _counted(ask: Ask, u: FloatArray) -> float:
 
 
 def _staircases(rng: np.random.Generator) -> list[FloatArray]:
-    """Inputs that change first upwards, first downwards, after one sample, and come back to their first level."""
+    """Inputs that first rise, first fall, change after one sample, and return to their first level."""
     steps = ((0.3, -0.3, 0.0), (-0.4, 0.2, 0.0), (0.05, -0.3, 0.05), (-0.2, 0.4, 0.0))
     made = []
     for trial, (second, third, fourth) in enumerate(steps):
@@ -203,4 +211,4 @@ def check_figure_6(ask: Ask) -> Verdict:
     upper = Panel("the upper panel of Fig. 6", {"y": y}, (t,))
     lower = Panel("the lower panel of Fig. 6", {"u": u}, (t,))
     require_panels("fig_6", ask.value("fig_6"), (upper, lower))
-    return Verdict(True, "Fig. 6 shows both signals without their offsets; both begin from zero.")
+    return Verdict(True, "Fig. 6 shows both signals without their offsets; both start at zero.")

@@ -1,4 +1,4 @@
-"""Part 2 of the lab: Phi, theta, and the model as transfer function and state space."""
+"""Checks of part 2 of the lab: Phi, theta, and the model as transfer function and state space."""
 
 import numpy as np
 
@@ -44,11 +44,11 @@ def check_parameters(ask: Ask) -> Verdict:
     slips = [
         Slip(
             "sign of a",
-            "theta holds -a1 and -a2: turn the signs of the first two.",
+            "theta contains -a1 and -a2: change the signs of the first two.",
             lambda: np.array([-a1, -a2, b1, b2]),
         ),
-        Slip("sign of a", "a1 has the wrong sign: theta holds -a1.", lambda: np.array([-a1, a2, b1, b2])),
-        Slip("sign of a", "a2 has the wrong sign: theta holds -a2.", lambda: np.array([a1, -a2, b1, b2])),
+        Slip("sign of a", "a1 has the wrong sign: theta contains -a1.", lambda: np.array([-a1, a2, b1, b2])),
+        Slip("sign of a", "a2 has the wrong sign: theta contains -a2.", lambda: np.array([a1, -a2, b1, b2])),
         Slip(
             "sign of b",
             "b1 and b2 keep their signs: only a is negative in theta.",
@@ -56,29 +56,37 @@ def check_parameters(ask: Ask) -> Verdict:
         ),
         Slip(
             "sign of b",
-            "All signs are turned round. theta holds -a1 and -a2, but +b1 and +b2.",
+            "All signs are wrong: theta contains -a1 and -a2, but +b1 and +b2.",
             lambda: np.array([-a1, -a2, -b1, -b2]),
         ),
         Slip(
             "a and b swapped",
-            "a and b have changed places: theta = [-a1, -a2, b1, b2].",
+            "a and b are swapped: theta = [-a1, -a2, b1, b2].",
             lambda: np.array([-b1, -b2, -a1, -a2]),
         ),
         Slip(
             "a and b swapped",
-            "a and b have changed places: theta = [-a1, -a2, b1, b2].",
+            "a and b are swapped: theta = [-a1, -a2, b1, b2].",
             lambda: np.array([b1, b2, a1, a2]),
         ),
-        Slip("a1 and a2 swapped", "a1 and a2 have changed places.", lambda: np.array([a2, a1, b1, b2])),
-        Slip("b1 and b2 swapped", "b1 and b2 have changed places.", lambda: np.array([a1, a2, b2, b1])),
+        Slip(
+            "a1 and a2 swapped",
+            "a1 and a2 are swapped: theta = [-a1, -a2, b1, b2].",
+            lambda: np.array([a2, a1, b1, b2]),
+        ),
+        Slip(
+            "b1 and b2 swapped",
+            "b1 and b2 are swapped: theta = [-a1, -a2, b1, b2].",
+            lambda: np.array([a1, a2, b2, b1]),
+        ),
         Slip(
             "order of theta",
-            "The parameters are in reverse: theta = [-a1, -a2, b1, b2].",
+            "The parameters are in reverse order: theta = [-a1, -a2, b1, b2].",
             lambda: np.array([a2, a1, b2, b1]),
         ),
     ]
-    otherwise = "a1, a2, b1, b2 are not what theta_hat says: theta = [-a1, -a2, b1, b2]."
-    return judge(got, values, close(1e-9), "Read off with the right signs.", otherwise, slips)
+    otherwise = "a1, a2, b1, b2 do not agree with theta_hat: theta = [-a1, -a2, b1, b2]."
+    return judge(got, values, close(1e-9), "The parameters have the right signs.", otherwise, slips)
 
 
 def right_parameters(ask: Ask) -> dict[str, Value]:
@@ -92,7 +100,7 @@ def check_transfer_function(ask: Ask) -> Verdict:
 
 
 def judge_transfer_function(name: str, value: Value, model: ArxModel) -> Verdict:
-    """Judge a transfer function by its response, whatever made it."""
+    """Judge a transfer function by its frequency response."""
     got = as_system(name, value)
     if isinstance(got, StateSpaceValue):
         raise NoAnswer(
@@ -110,37 +118,38 @@ def judge_transfer_function(name: str, value: Value, model: ArxModel) -> Verdict
     slips = [
         slip(
             "sign of a",
-            "The denominator has theta's signs: it should be 1, +a1, ..., and theta holds -a.",
+            "The denominator has the signs of theta: it should be 1, +a1, ..., whereas theta contains -a.",
             b,
             other_sign,
         ),
         slip("theta in place of the denominator", "The denominator lacks its leading 1.", b, a[1:]),
-        slip("numerator and denominator swapped", "Numerator and denominator have changed places.", a, b),
-        slip("order of b", "The numerator is in reverse: b1 belongs to the higher power of z.", b[::-1], a),
+        slip("numerator and denominator swapped", "Numerator and denominator are swapped.", a, b),
+        slip("order of b", "The numerator is in reverse order: b1 belongs to the higher power of z.", b[::-1], a),
         slip(
             "order of a",
-            "The denominator is in reverse: it begins with the highest power of z, whose coefficient is 1.",
+            "The denominator is in reverse order: it begins with the highest power of z, whose coefficient is 1.",
             b,
             a[::-1],
         ),
         slip("sign of b", "The numerator has the wrong sign.", -b, a),
         slip(
             "numerator one step early",
-            "The numerator has the same order as the denominator, so the output comes a sample too early.",
+            "The numerator has the same order as the denominator, so that the output is one sample early: remove "
+            "the trailing zero.",
             np.concatenate([b, zero]),
             a,
         ),
         slip(
             "numerator one step late",
-            "The numerator is one power of z too low: b1 belongs to the one below the highest.",
+            "The numerator is one power of z too low: b1 multiplies the power below the highest.",
             b,
             np.concatenate([a, zero]),
         ),
-        slip("a and b swapped", "a and b have changed places.", a[1:], np.concatenate([[1.0], b])),
+        slip("a and b swapped", "a and b are swapped.", a[1:], np.concatenate([[1.0], b])),
     ]
-    otherwise = f"`{name}` does not respond as eq. (1) with your parameters does. Look at it beside eq. (1)."
+    otherwise = f"`{name}` does not have the response of eq. (1) with your parameters. Compare it with eq. (1)."
     right = TransferFunctionValue(b, a, Ts)
-    return judge(got, right, same_response(1e-6), "It responds as eq. (1) does.", otherwise, slips)
+    return judge(got, right, same_response(1e-6), "It has the response of eq. (1).", otherwise, slips)
 
 
 def right_transfer_function(ask: Ask) -> dict[str, Value]:
@@ -150,7 +159,7 @@ def right_transfer_function(ask: Ask) -> dict[str, Value]:
 
 
 def check_state_space(ask: Ask) -> Verdict:
-    """Step 2c: G_ss, in any coordinates."""
+    """Step 2c: G_ss, in any state coordinates."""
     model = known_model(ask)
     got = as_system("G_ss", ask.value("G_ss"))
     if isinstance(got, TransferFunctionValue):
@@ -178,15 +187,15 @@ def check_state_space(ask: Ask) -> Verdict:
             D,
         ),
         slip("b1 and b2 swapped", "C should be [b2, b1]: b2 comes first.", G, H, C[:, ::-1], D),
-        slip("H upside down", "H should be [[0], [1]]: the input drives the second state.", G, H[::-1], C, D),
-        slip("transposed matrix", "The matrix G is transposed: its last *row* holds the parameters.", G.T, H, C, D),
-        slip("feed-through", "D should be 0: u(k) does not reach y(k) at once.", G, H, C, D + 1),
+        slip("H reversed", "H should be [[0], [1]]: the input drives the second state.", G, H[::-1], C, D),
+        slip("transposed matrix", "The matrix G is transposed: its last *row* contains the parameters.", G.T, H, C, D),
+        slip("feed-through", "D should be 0: u(k) does not act on y(k) in the same sample.", G, H, C, D + 1),
         slip("sign of b", "C has the wrong sign.", G, H, -C, D),
     ]
-    otherwise = "`G_ss` does not respond as eq. (2) with your parameters does. Look at its matrices beside eq. (2)."
+    otherwise = "`G_ss` does not have the response of eq. (2) with your parameters. Compare its matrices with eq. (2)."
     canonical = all(np.allclose(m, w, atol=1e-9) for m, w in ((got.A, G), (got.B, H), (got.C, C), (got.D, D)))
     praise = (
-        "It is the form of eq. (2)." if canonical else "It responds as eq. (2) does, in other coordinates of the state."
+        "It has the form of eq. (2)." if canonical else "It has the response of eq. (2), in other state coordinates."
     )
     right = StateSpaceValue(G, H, C, D, model.Ts)
     return judge(got, right, same_response(1e-6), praise, otherwise, slips)
@@ -199,15 +208,15 @@ def right_state_space(ask: Ask) -> dict[str, Value]:
 
 
 def require_sampling_time(name: str, system: SystemValue, Ts: float) -> None:
-    """Refuse a model in continuous time, or with another sampling time."""
+    """Require a model in discrete time with the sampling time of the record."""
     if system.dt is None:
         raise NoAnswer(
-            f"`{name}` has no sampling time, so it is not a model in discrete time: give `Ts` as the last argument.",
+            f"`{name}` has no sampling time, so it is a continuous-time model: give `Ts` as the last argument.",
             "no sampling time",
         )
     if abs(system.dt - Ts) > 1e-6 * Ts:
         raise NoAnswer(
-            f"The sampling time of `{name}` is {system.dt:g} s; the record has another.", "wrong sampling time"
+            f"The sampling time of `{name}` is {system.dt:g} s; it should be that of the record.", "wrong sampling time"
         )
 
 

@@ -1,4 +1,4 @@
-"""Part 3 of the lab: the model simulated and compared with the record."""
+"""Checks of part 3 of the lab: the model simulated and compared with the record."""
 
 from collections.abc import Iterator
 
@@ -54,13 +54,17 @@ def check_errors(ask: Ask) -> Verdict:
     got = {name: as_number(name, ask.value(name)) for name in ("mse_half", "mse_all")}
     half = y_half.size
     slips = (
-        Slip("errors swapped", "mse_half and mse_all have changed places.", lambda: mse(y, y_sim)),
+        Slip("errors swapped", "mse_half and mse_all are swapped.", lambda: mse(y, y_sim)),
         Slip(
             "state carried over",
-            "`mse_half` belongs to `y_sim`, cut; use `y_sim_half`.",
+            "`mse_half` uses the second half of `y_sim`; use `y_sim_half`.",
             lambda: mse(y_half, y_sim[-half:]),
         ),
-        Slip("wrong half", "`mse_half` compares with the first half of `y`.", lambda: mse(y[:half], y_sim_half)),
+        Slip(
+            "wrong half",
+            "`mse_half` compares with the first half of `y`; use the second.",
+            lambda: mse(y[:half], y_sim_half),
+        ),
     )
     verdict = judge_mse("mse_half", got["mse_half"], y_half, y_sim_half, slips)
     return judge_mse("mse_all", got["mse_all"], y, y_sim) if verdict.passed else verdict
@@ -92,16 +96,16 @@ def _measured_and_simulated(ask: Ask) -> tuple[FloatArray, FloatArray, FloatArra
 
 @first_failure
 def check_initial_state(ask: Ask) -> Iterator[Verdict]:
-    """Step 3b: a function that simulates from the estimated state, tried on stretches that it has not seen.
+    """Step 3b: a function that simulates from the estimated state, tried on unseen records.
 
-    Without noise every honest estimate finds the state, so the output is the true one whatever the coordinates of the
-    state and however many samples were used. With noise the estimates differ, but the output is still a free run.
+    Without noise every valid estimate finds the state, so the output is the true one for any state coordinates and any
+    number of samples used. With noise the estimates differ, but the output is still a free run.
     """
     data, model = known_data(ask), known_model(ask)
     shape = (-1, 1) if np.ndim(ask.known("y")) == 2 else (-1,)  # type: ignore[arg-type]
     name = "simulate_from_start(u, y)"
     for noise in (0.0, TRIAL_NOISE):
-        u, y_true = _stretch(ask.rng, data, model)
+        u, y_true = _trial_record(ask.rng, data, model)
         y = y_true + noise * ask.rng.standard_normal(y_true.size)
         value = ask.call("simulate_from_start", u.reshape(shape), y.reshape(shape))
         if value is None:
@@ -120,13 +124,11 @@ def check_initial_state(ask: Ask) -> Iterator[Verdict]:
                 f"`{name}` should return one number for each of its {u.size} samples; it returned {got.size}."
             )
         yield _judge_start(got, u, y, y_true, model) if not noise else _judge_free_run(got, u, y, model)
-    yield Verdict(
-        True, "It starts where the measured output does, on stretches that you have not seen, and it is a simulation."
-    )
+    yield Verdict(True, "It is a simulation that starts at the measured output, also for unseen records.")
 
 
-def _stretch(rng: np.random.Generator, data: LabData, model: ArxModel) -> tuple[FloatArray, FloatArray]:
-    """An input, and what the model answers from a state far from rest; about as large as the record."""
+def _trial_record(rng: np.random.Generator, data: LabData, model: ArxModel) -> tuple[FloatArray, FloatArray]:
+    """An input, and the response of the model from a state far from rest; amplitudes as in the record."""
     size = float(np.ptp(data.u)) / 2
     u = np.repeat(rng.uniform(-size, size, 4), TRIAL_SAMPLES // 4)
     rest = simulate(model, u)
@@ -140,63 +142,63 @@ def _judge_start(got: FloatArray, u: FloatArray, y: FloatArray, y_true: FloatArr
     slips = [
         Slip(
             "started from rest",
-            "It still starts from rest: estimate the state from `y`, and hand it to the simulation.",
+            "It starts from rest: estimate the initial state from `y`, and pass it to the simulation.",
             lambda: rest,
         ),
         Slip(
             "shifted instead of simulated",
-            "The output from rest was shifted up or down. The difference at the start fades; a shift stays.",
+            "The output from rest was shifted up or down. The effect of the initial state decays; a shift does not.",
             lambda: rest + y[0] - rest[0],
         ),
         Slip(
             "one-step prediction",
-            "It predicts one step ahead from the measured outputs.",
+            "It predicts one step ahead from the measured outputs. Simulate from the initial state instead.",
             lambda: predict_one_step(model, u, y),
         ),
         Slip(
             "response from rest left out",
-            "That is the response to the initial state alone: add the response from rest.",
+            "It returns the response to the initial state alone: add the response from rest.",
             lambda: y_true - rest,
         ),
         Slip(
             "response from rest not subtracted",
-            "The state was fitted to `y` itself. First subtract the response from rest; the state explains the rest.",
+            "The state was fitted to `y` itself. First subtract the response from rest, then fit the state to the "
+            "remainder.",
             lambda: rest + _projection(model, y, y.size),
         ),
         Slip(
             "response from rest not subtracted",
-            "The state was fitted to `y` itself. First subtract the response from rest; the state explains the rest.",
+            "The state was fitted to `y` itself. First subtract the response from rest, then fit the state to the "
+            "remainder.",
             lambda: rest + _projection(model, y, min(50, y.size)),
         ),
     ]
     otherwise = (
-        "It does not start where the measured output does. On data that the model itself made, without noise, it "
-        "should give the measured output back."
+        "It does not start at the measured output. For noise-free data from the model itself, it should reproduce "
+        "the measured output."
     )
     return judge(got, y_true, _near, "", otherwise, slips)
 
 
 def _near(a: FloatArray, b: FloatArray) -> bool:
-    """The tolerance leaves room for estimates from few samples, whose equations are badly conditioned."""
+    """Whether two outputs agree; the tolerance allows for ill-conditioned estimates from few samples."""
     return a.shape == b.shape and bool(np.max(np.abs(a - b)) <= 1e-5 * np.max(np.abs(b)))
 
 
 def _judge_free_run(got: FloatArray, u: FloatArray, y: FloatArray, model: ArxModel) -> Verdict:
-    """With noise: whatever the state, the output minus the response from rest is a free response."""
+    """With noise, judge by whether the output minus the response from rest is a free response of any state."""
     rest = got - simulate(model, u)
     columns = free_response(model, u.size)
     left = rest - columns @ np.linalg.lstsq(columns, rest, rcond=None)[0]
     if SAME(got - left, got):
         return Verdict(True, "")
     if SAME(got, y):
-        return Verdict(
-            False, "It hands the measured output back. Use `y` for the initial state only.", "measured output"
-        )
+        return Verdict(False, "It returns the measured output. Use `y` for the initial state only.", "measured output")
     if np.allclose(got[2:], predict_one_step(model, u, y)[2:], rtol=0, atol=1e-6):
         hint = "It predicts one step ahead from the measured outputs. Use `y` for the initial state only."
         return Verdict(False, hint, "one-step prediction")
     return Verdict(
-        False, "It is not a simulation from some initial state: the measured output must not enter after the start."
+        False, "It is not a simulation from an initial state: do not use the measured output after the start."
     )
 
 

@@ -1,4 +1,4 @@
-"""Judging Phi, Y and theta, for any order and any sensible first row."""
+"""Checks of Phi, Y and theta, for any order and any valid first row."""
 
 from collections.abc import Iterator, Sequence
 
@@ -16,7 +16,7 @@ from labsid.least_squares.solve import solve_least_squares
 
 SAME = 1e-8
 LATEST_START = 0.5
-"""Of the first half: a later first row leaves out more equations than it keeps."""
+"""Latest first row, as a share of the first half."""
 
 Equations = tuple[FloatArray, FloatArray]
 
@@ -24,15 +24,16 @@ Equations = tuple[FloatArray, FloatArray]
 def judge_equations(ask: Ask, names: tuple[str, str], data: LabData, order: int) -> Verdict:
     """Judge ``(Phi, Y)`` made from the first half of the data: rows [y(k-1).., u(k-1)..] and y(k) for consecutive k.
 
-    The first half may end a sample earlier or later, the first row may be any sensible one, and lags before the record
-    may be zero or the first sample.
+    The first half may end a sample earlier or later, the first row may be any up to `LATEST_START`, and samples before
+    the record may be zero or equal to the first sample.
     """
     Phi = _read_phi(names[0], ask.value(names[0]), order)
     Y = as_vector(names[1], ask.value(names[1]))
     rows = Y.size
     if rows != Phi.shape[0]:
         raise NoAnswer(
-            f"`{names[0]}` has {Phi.shape[0]} rows and `{names[1]}` {rows} elements; every equation needs both.",
+            f"`{names[0]}` has {Phi.shape[0]} rows and `{names[1]}` {rows} elements; each equation needs one row and "
+            "one element.",
             "Phi and Y of different lengths",
         )
     if rows < 2 * order:
@@ -45,23 +46,23 @@ def judge_equations(ask: Ask, names: tuple[str, str], data: LabData, order: int)
         start = stop - rows
         if start >= 0 and _is_built_from(got, data.u, data.y, order, start, stop):
             if start > LATEST_START * data.half:
-                hint = f"Right rows, but they begin as late as k = {start}: that leaves out most of the first half."
+                hint = f"The rows are right, but begin only at k = {start}, which omits most of the first half."
                 return Verdict(False, hint, "late start")
-            rest = " The lags before the record are at rest." if start < order else ""
+            rest = " Samples before the record are at rest." if start < order else ""
             return Verdict(True, f"{rows} equations for {2 * order} unknowns, from k = {start} to {stop - 1}.{rest}")
-    named = _name_slip(got, names, data, order)
+    named = _known_mistake(got, names, data, order)
     if named is not None:
         return named
     row = "[y[k-1], u[k-1]]" if order == 1 else "[y[k-1], y[k-2], u[k-1], u[k-2]]"
     otherwise = (
         f"`{names[0]}` and `{names[1]}` are not the equations of the first half. Take one row, k = 10 say: it should "
-        f"be {row}, with y[k] in `{names[1]}`. It is row 10 minus your first k. What does yours hold?"
+        f"be {row}, with y[k] in `{names[1]}`. It is row 10 minus your first k. Compare it with yours."
     )
     return Verdict(False, otherwise)
 
 
 def right_equations(names: tuple[str, str], data: LabData, order: int) -> dict[str, Value]:
-    """Phi and Y from the first row for which everything was recorded."""
+    """Phi and Y from the first row for which all samples were recorded."""
     made = build_phi(data.u, data.y, order, stop=data.half)
     return {names[0]: made.Phi, names[1]: made.Y}
 
@@ -71,7 +72,8 @@ def judge_theta(ask: Ask, name: str, Phi: FloatArray, Y: FloatArray, data: LabDa
     value = ask.value(name)
     if isinstance(value, Sequence) and not isinstance(value, str) and len(value) == 4:
         raise NoAnswer(
-            f"`{name}` is all that `lstsq` returns: solution, residual, rank, singular values. Take the first: `[0]`.",
+            f"`{name}` is the whole result of `lstsq`: solution, residual, rank, singular values. Take the first, "
+            "`[0]`.",
             "all that lstsq returns",
         )
     got = as_vector(name, value)
@@ -82,26 +84,24 @@ def judge_theta(ask: Ask, name: str, Phi: FloatArray, Y: FloatArray, data: LabDa
     slips = [
         Slip(
             "sign of a",
-            f"`{name}` is [-a, b] as eq. (4) has it. Leave its signs as eq. (8) gives them.",
+            f"`{name}` is [-a, b], as in eq. (4). Keep its signs as eq. (8) gives them.",
             lambda: sign * right,
         ),
-        Slip(
-            "sign of theta", f"`{name}` has all its signs turned round: the error is E = Y - Phi theta.", lambda: -right
-        ),
+        Slip("sign of theta", f"All signs of `{name}` are wrong: the error is E = Y - Phi theta.", lambda: -right),
         Slip(
             "order of theta",
-            f"`{name}` has the wrong order: it goes with the columns of Phi.",
+            f"`{name}` has the wrong order: use that of the columns of Phi.",
             lambda: np.roll(right, order),
         ),
-        Slip("order of theta", f"`{name}` has the wrong order: it goes with the columns of Phi.", lambda: right[::-1]),
+        Slip("order of theta", f"`{name}` has the wrong order: use that of the columns of Phi.", lambda: right[::-1]),
         Slip(
             "inverse left out",
-            "The inverse of Phi'Phi is missing in eq. (8).",
+            f"`{name}` is Phi'Y: multiply it by the inverse of Phi'Phi, as in eq. (8).",
             lambda: Phi.T @ Y,
         ),
         Slip(
             "inverse left out",
-            "Phi'Phi stands where its inverse should be in eq. (8).",
+            "Phi'Phi is used where its inverse should be in eq. (8).",
             lambda: Phi.T @ Phi @ (Phi.T @ Y),
         ),
         Slip(
@@ -112,7 +112,7 @@ def judge_theta(ask: Ask, name: str, Phi: FloatArray, Y: FloatArray, data: LabDa
         *_wrong_fits(name, data, order),
     ]
     otherwise = (
-        f"`{name}` does not solve eq. (8) for your Phi and Y. Mind `@` for products, and which Phi is transposed."
+        f"`{name}` does not solve eq. (8) for your Phi and Y. Check that products use `@`, and which Phi is transposed."
     )
     praise = "The least-squares solution for your equations."
     return judge(got, right, close(1e-6), praise, otherwise, slips)
@@ -122,7 +122,7 @@ def _wrong_fits(name: str, data: LabData, order: int) -> Iterator[Slip[FloatArra
     def slip(short: str, hint: str, u: FloatArray, y: FloatArray, start: int, stop: int) -> Slip[FloatArray]:
         return Slip(short, hint, lambda: fit_arx(u, y, data.Ts, order, start, stop).model.theta)
 
-    hint = f"`{name}` was fitted on all the data. Fit on the first half: the second one is for verification."
+    hint = f"`{name}` was fitted on all the data. Fit on the first half; the second is for verification."
     for start in range(order + 1):
         yield slip("fit on all the data", hint, data.u, data.y, start, data.y.size)
         for short, text, u, y in data.wrong_signals():
@@ -135,14 +135,14 @@ def _read_phi(name: str, value: Value, order: int) -> FloatArray:
         array = array.squeeze()
     if array.ndim == 2 and array.shape[0] == 2 * order and array.shape[1] > 2 * order:
         raise NoAnswer(
-            f"`{name}` has shape {array.shape}: it lies on its side. An equation is a row, a regressor is a column.",
+            f"`{name}` has shape {array.shape}: transpose it. An equation is a row, a regressor is a column.",
             "transposed Phi",
         )
     return as_matrix(name, array, (None, 2 * order))
 
 
 def _ends_of_first_half(N: int) -> range:
-    """One past the last row: half the samples, rounded either way, give or take one."""
+    """Ends (exclusive) of the first half: half the samples, rounded up or down, plus or minus one."""
     return range(N // 2 - 1, -(-N // 2) + 2)
 
 
@@ -159,7 +159,7 @@ def _is_built_from(got: Equations, u: FloatArray, y: FloatArray, order: int, sta
     return bool(np.all(near))
 
 
-def _name_slip(got: Equations, names: tuple[str, str], data: LabData, order: int) -> Verdict | None:
+def _known_mistake(got: Equations, names: tuple[str, str], data: LabData, order: int) -> Verdict | None:
     rows = got[1].size
     N = data.y.size
     for stop in (N - 1, N):
@@ -170,7 +170,7 @@ def _name_slip(got: Equations, names: tuple[str, str], data: LabData, order: int
                 )
                 return Verdict(False, hint, "fit on all the data")
             return Verdict(
-                False, "These are the equations of the second half. The first half is for the fit.", "wrong half"
+                False, "These are the equations of the second half. Use the first half for the fit.", "wrong half"
             )
     for stop in _ends_of_first_half(N):
         for slip, hint, Phi, Y in _wrong_equations(names, data, order, stop - rows, stop):
@@ -182,7 +182,7 @@ def _name_slip(got: Equations, names: tuple[str, str], data: LabData, order: int
 def _wrong_equations(
     names: tuple[str, str], data: LabData, order: int, start: int, stop: int
 ) -> Iterator[tuple[str, str, FloatArray, FloatArray]]:
-    """Each known slip with its hint and the equations that it makes for rows start..stop-1."""
+    """Each known mistake with its hint, and the equations that it gives for rows start..stop-1."""
     if not 0 <= start < stop - 2 * order:
         return
     u, y = data.u, data.y
@@ -197,8 +197,8 @@ def _wrong_equations(
         right.Y,
     )
     if order > 1:
-        turned = np.hstack([past_y[:, ::-1], past_u[:, ::-1]])
-        yield "lags swapped", f"The lags are the wrong way round in `{phi}`: k-1 comes before k-2.", turned, right.Y
+        reversed_lags = np.hstack([past_y[:, ::-1], past_u[:, ::-1]])
+        yield "lags swapped", f"The lags in `{phi}` are swapped: k-1 comes before k-2.", reversed_lags, right.Y
         paired = np.stack([past_y, past_u], axis=2).reshape(right.Phi.shape)
         yield (
             "columns interleaved",
@@ -209,36 +209,37 @@ def _wrong_equations(
     minus = np.hstack([-past_y, past_u])
     yield (
         "sign of a",
-        f"`{phi}` holds -y(k-1). Eq. (6) has +y(k-1); the minus is in theta, which holds -a.",
+        f"`{phi}` contains -y(k-1). Eq. (6) has +y(k-1); the minus sign is in theta, which contains -a.",
         minus,
         right.Y,
     )
-    yield "sign of Y", f"`{target}` has its sign turned round.", right.Phi, -right.Y
-    late, early = "hold the samples of one step later", "hold the samples of one step earlier"
+    yield "sign of Y", f"`{target}` has the wrong sign.", right.Phi, -right.Y
+    late, early = "one step later", "one step earlier"
     for shift, what in ((1, late), (-1, early)):
         if start + shift < 0 or stop + shift > y.size:
             continue
         moved = build_phi(u, y, order, start + shift, stop + shift)
         moved_y, moved_u = np.hsplit(moved.Phi, 2)
-        hint = f"The rows of `{phi}` {what} than y(k) in `{target}` asks for. The row for y(k) begins with y(k-1)."
+        hint = f"The rows of `{phi}` are {what} than y(k) in `{target}` requires. The row for y(k) begins with y(k-1)."
         yield "lag off by one", hint, moved.Phi, right.Y
-        hint = f"The input columns of `{phi}` {what} than y(k) in `{target}` asks for: they should begin with u(k-1)."
+        hint = f"The input columns of `{phi}` are {what} than y(k) in `{target}` requires: begin with u(k-1)."
         yield "lag off by one", hint, np.hstack([past_y, moved_u]), right.Y
-        hint = f"The output columns of `{phi}` {what} than y(k) in `{target}` asks for: they should begin with y(k-1)."
+        hint = f"The output columns of `{phi}` are {what} than y(k) in `{target}` requires: begin with y(k-1)."
         yield "lag off by one", hint, np.hstack([moved_y, past_u]), right.Y
-        hint = f"`{target}` does not belong to the rows of `{phi}`: the row that begins with y(k-1) goes with y(k)."
+        hint = f"`{target}` does not match the rows of `{phi}`: the row that begins with y(k-1) belongs to y(k)."
         yield "lag off by one", hint, right.Phi, moved.Y
     for slip, hint, wrong_u, wrong_y in data.wrong_signals():
         made = build_phi(wrong_u, wrong_y, order, start, stop)
         yield slip, hint, made.Phi, made.Y
     if start < order:
         hint = (
-            "The first rows hold samples from the *end*: `y[-1]` is the last sample. Put zeros there, or start later."
+            "The first rows contain samples from the *end*: `y[-1]` is the last sample. Use zeros there, or start "
+            "later."
         )
         for end in (stop, y.size):
             round_u, round_y = (np.concatenate([x[end - order : end], x]) for x in (u, y))
             yield (
-                "index goes round to the end",
+                "index wraps around",
                 hint,
                 build_phi(round_u, round_y, order, start + order, stop + order).Phi,
                 right.Y,

@@ -1,4 +1,4 @@
-"""Judging the figures of the lab and of the post-lab: panels of signals over time."""
+"""Checks of the figures of the lab and of the post-lab: panels of signals over time."""
 
 import re
 from dataclasses import dataclass
@@ -15,18 +15,18 @@ from labsid.plots.figure_values import AxesValue, CurveValue
 
 @dataclass(frozen=True, slots=True)
 class Panel:
-    """What one panel should show.
+    """Required contents of one panel.
 
     Attributes
     ----------
     where : str
-        What the student is told it is: "the upper panel of Fig. 5".
+        Its name in messages: "the upper panel of Fig. 5".
     signals : dict
         Each curve's data by the name of its variable.
     t : tuple of ndarray
-        The times against which it may be drawn; the first is the one that the step asks for.
+        Time vectors against which it may be drawn; the step asks for the first.
     calls : tuple of str
-        For each of several signals, a pattern of how a legend calls it and never the others.
+        For each of several signals, a pattern that matches only its legend entries.
     """
 
     where: str
@@ -36,18 +36,18 @@ class Panel:
 
 
 def require_panels(name: str, value: Value, panels: tuple[Panel, ...]) -> tuple[AxesValue, ...]:
-    """Refuse a figure whose panels, from top to bottom, are not these; returns its axes."""
+    """Require a figure with these panels, from top to bottom; return its axes."""
     figure = as_figure(name, value, axes=len(panels))
     if not any(axes.curves for axes in figure.axes):
         raise NoAnswer(f"`{name}` is empty: draw in its axes.", "empty axes")
     if len(panels) == 2 and _shows(figure.axes[0], panels[1]) and _shows(figure.axes[1], panels[0]):
-        raise NoAnswer(f"The two panels of `{name}` have changed places.", "panels swapped")
+        raise NoAnswer(f"The two panels of `{name}` are swapped.", "panels swapped")
     for axes, panel in zip(figure.axes, panels, strict=True):
         curves = [_require_curve(axes, panel, signal) for signal in panel.signals]
         require_label(axes, panel.where, "y", "V")
         if len(curves) > 1:
             _require_names(axes, panel, curves)
-    # panels on one time axis need its name only once, at the bottom
+    # panels with a common time axis need its label only once, at the bottom
     require_label(figure.axes[-1], panels[-1].where, "x", "s")
     return figure.axes
 
@@ -74,6 +74,6 @@ def _require_names(axes: AxesValue, panel: Panel, curves: list[CurveValue]) -> N
         if not fits[i, i] and not fits[j, j]:
             first, second = list(panel.signals)[i], list(panel.signals)[j]
             raise NoAnswer(
-                f"The legend of {panel.where} calls `{first}` by the name of `{second}`, and the other way round.",
+                f"The legend of {panel.where} swaps the names of `{first}` and `{second}`.",
                 "legend entries swapped",
             )

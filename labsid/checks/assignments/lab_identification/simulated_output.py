@@ -1,4 +1,4 @@
-"""Judging a simulated output: a free run of the model, and what passes itself off as one."""
+"""Checks of simulated outputs: free runs of the model, and known mistakes."""
 
 from collections.abc import Iterator, Mapping, Sequence
 
@@ -22,19 +22,19 @@ _RESPONSES = ("TimeResponseData", "TimeResponseList")
 
 
 def read_output(name: str, value: Value) -> FloatArray:
-    """A simulated output; what the simulating functions return besides it is named."""
+    """Read a simulated output; the other results of simulating functions have their own messages."""
     if isinstance(value, Unreadable) and value.kind in _RESPONSES:
         raise NoAnswer(
-            f"`{name}` is the whole answer of `forced_response`: take its `.outputs`.", "response instead of its output"
+            f"`{name}` is the whole result of `forced_response`: take its `.outputs`.", "response instead of its output"
         )
     if isinstance(value, (tuple, Mapping)):
         raise NoAnswer(
-            f"`{name}` holds several things: take the simulated output alone.", "response instead of its output"
+            f"`{name}` contains several values: take only the simulated output.", "response instead of its output"
         )
     if isinstance(value, np.ndarray) and value.ndim == 2 and 1 in value.shape:
         value = value.reshape(-1)
     if isinstance(value, np.ndarray) and value.ndim == 2 and value.shape[0] == 2:
-        raise NoAnswer(f"`{name}` holds time and output: take the output alone.", "response instead of its output")
+        raise NoAnswer(f"`{name}` contains time and output: take only the output.", "response instead of its output")
     if value is None:
         raise NoAnswer(f"`{name}` is {kind_of(value)}.")
     return as_vector(name, value)
@@ -66,7 +66,7 @@ def judge_entire_run(ask: Ask, name: str, data: LabData, model: ArxModel) -> Ver
 
 
 def judge_second_half(ask: Ask, name: str, data: LabData, model: ArxModel) -> Verdict:
-    """Judge the free run over the second half of the input, from rest. The half may be rounded either way."""
+    """Judge the free run over the second half of the input, from rest. The half may be rounded up or down."""
     got = read_output(name, ask.value(name))
     for half in range(data.half - 1, -(-data.y.size // 2) + 2):
         for right in (simulate(model, data.u[half:]), _zero_at_first(model, data.u[half:])):
@@ -77,18 +77,23 @@ def judge_second_half(ask: Ask, name: str, data: LabData, model: ArxModel) -> Ve
     entire = simulate(model, data.u)
     carried = (
         "state carried over",
-        f"`{name}` is cut from the simulation of the entire input, so it goes on from the state that the first half "
-        "left. Simulate with `u[half:]` alone. (You will want this one in 3b.)",
+        f"`{name}` is cut from the simulation of the entire input, so it continues from the state at the end of the "
+        "first half. Simulate with `u[half:]` alone. (The other is needed in 3b.)",
     )
     measured = (
         "started from measured samples",
-        f"`{name}` starts from measured samples. Start from rest, as `lsim` and `filter` do; 3b asks for the other.",
+        f"`{name}` starts from measured samples. Start from rest, as `lsim` and `filter` do. (The other is needed in "
+        "3b.)",
     )
     slips = [
-        Slip("wrong half", f"`{name}` is the simulation of the first half.", lambda: simulate(model, data.u[:half])),
         Slip(
             "wrong half",
-            f"`{name}` is the simulation of the first half.",
+            f"`{name}` is the simulation of the first half; simulate with `u[half:]`.",
+            lambda: simulate(model, data.u[:half]),
+        ),
+        Slip(
+            "wrong half",
+            f"`{name}` is the simulation of the first half; simulate with `u[half:]`.",
             lambda: simulate(model, data.u[: data.u.size - half]),
         ),
         Slip("entire input", f"`{name}` covers the entire input; simulate with `u[half:]`.", lambda: entire),
@@ -102,7 +107,7 @@ def judge_second_half(ask: Ask, name: str, data: LabData, model: ArxModel) -> Ve
 
 
 def judge_mse(name: str, got: float, y: FloatArray, y_sim: FloatArray, more: Sequence[Slip[float]] = ()) -> Verdict:
-    """Judge the mean squared error of `y_sim`; `more` are the slips that only the caller can tell."""
+    """Judge the mean squared error of `y_sim`; `more` are further known mistakes."""
     e = y - y_sim
     squared = e**2
 
@@ -121,7 +126,7 @@ def judge_mse(name: str, got: float, y: FloatArray, y_sim: FloatArray, more: Seq
             "is the loss V of the appendix, half the sum: take the mean.",
             np.sum(squared) / 2,
         ),
-        slip("half the mean", "is half of the mean squared error.", np.mean(squared) / 2),
+        slip("half the mean", "is half of the mean squared error: leave out the factor 1/2.", np.mean(squared) / 2),
         slip("mean of the errors", "is the mean of the errors: square them first, or they cancel.", np.mean(e)),
         slip("mean of the errors", "is the mean of the errors: square them first, or they cancel.", -np.mean(e)),
         slip(
@@ -129,28 +134,29 @@ def judge_mse(name: str, got: float, y: FloatArray, y_sim: FloatArray, more: Seq
         ),
         slip(
             "second half only",
-            "is averaged over the second half only; the entire record counts.",
+            "is averaged over the second half only; use the entire record.",
             np.mean(squared[e.size // 2 :]),
         ),
         slip("mean absolute error", "is the mean of the absolute errors: square them.", np.mean(np.abs(e))),
         slip(
             "variance of the error",
-            "is the variance of the error, which leaves out its mean. Use the mean of its squares.",
+            "is the variance of the error, from which its mean is subtracted. Use the mean of the squares.",
             np.var(e),
         ),
         slip("norm of the error", "is the norm of the error: take the mean of the squares.", np.sqrt(np.sum(squared))),
         slip(
             "column minus flat",
-            "is averaged over an N-by-N matrix: that is what a column (N, 1) minus a flat (N,) makes. Flatten one.",
+            "is averaged over an N-by-N matrix, the difference of a column (N, 1) and a flat array (N,). Flatten "
+            "the column.",
             np.mean(y**2) - 2 * np.mean(y) * np.mean(y_sim) + np.mean(y_sim**2),
         ),
     ]
-    otherwise = f"`{name}` is not the mean of the squared differences of measured and simulated output."
+    otherwise = f"`{name}` is not the mean of the squared differences between measured and simulated output."
     return judge(got, mse(y, y_sim), close(1e-6), "Both mean squared errors are right.", otherwise, [*slips, *more])
 
 
 def _zero_at_first(model: ArxModel, u: FloatArray) -> FloatArray:
-    """The run of a loop that begins at k = n and leaves the samples before at zero."""
+    """Output of a loop that begins at k = n and leaves the earlier samples at zero."""
     n = model.order
     return simulate(model, u, estimate_initial_state(model, u[:n], np.zeros(n)))
 
@@ -164,7 +170,8 @@ def _slips(name: str, data: LabData, model: ArxModel, first: int) -> Iterator[Sl
 
     prediction = (
         "one-step prediction",
-        "predicts one step ahead from the *measured* outputs. A simulation works on with its own: only `u` goes in.",
+        "predicts one step ahead from the *measured* outputs. A simulation uses its own past outputs: its only "
+        "input is `u`.",
     )
     numerator = np.concatenate([[0.0], model.b])
     whole = predict_one_step(model, data.u, data.y)
@@ -174,23 +181,23 @@ def _slips(name: str, data: LabData, model: ArxModel, first: int) -> Iterator[Sl
     yield slip(*prediction, np.concatenate([np.zeros(n), own[n:]]))
     yield slip(*prediction, np.concatenate([y[:n], own[n:]]))
     yield slip(*prediction, own[n:])
-    yield slip("measured output", "is the measured output itself.", y)
-    # not `simulate`, which refuses what leaves the range of numbers, as the first of these does on a long record
+    yield slip("measured output", "is the measured output itself; simulate with `u` alone.", y)
+    # not `simulate`, which rejects overflow: the first of these diverges on a long record
     denominator = np.concatenate([[1.0], -model.a[1:]])
-    turned = "comes from a model with the sign of a turned round: the denominator is 1, a1, a2."
-    yield slip("sign of a", turned, lfilter(numerator, denominator, u))
-    yield slip("sign of b", "is upside down: the sign of b.", lfilter(-numerator, model.a, u))
-    early = "comes one sample too early: the numerator in powers of z^-1 begins with a zero, `[0, b1, b2]`."
+    wrong_sign = "comes from a model with the wrong sign of a: the denominator is 1, a1, a2."
+    yield slip("sign of a", wrong_sign, lfilter(numerator, denominator, u))
+    yield slip("sign of b", "has the wrong sign: check the sign of b.", lfilter(-numerator, model.a, u))
+    early = "is one sample too early: the numerator in powers of z^-1 begins with a zero, `[0, b1, b2]`."
     yield slip("numerator one step early", early, lfilter(model.b, model.a, u))
-    late = "comes one sample too late: y(k) depends on u(k-1)."
+    late = "is one sample too late: y(k) depends on u(k-1)."
     yield slip("numerator one step late", late, lfilter(np.concatenate([[0.0], numerator]), model.a, u))
     right = simulate(model, u)
     yield slip(
-        "offset added back", "has the output offset added; compare offset-free signals here.", right + data.y_offset
+        "offset added back", "includes the output offset; compare offset-free signals here.", right + data.y_offset
     )
     yield Slip(
         "input offset left in",
-        f"`{name}` was simulated with `u_act`. The model takes the offset-free `u`.",
+        f"`{name}` was simulated with `u_act`. Use the offset-free `u`.",
         lambda: simulate(model, data.u_act[first:]),
     )
     yield Slip(
@@ -202,5 +209,5 @@ def _slips(name: str, data: LabData, model: ArxModel, first: int) -> Iterator[Sl
 
 def _otherwise(name: str, got: FloatArray, right: FloatArray) -> str:
     if got.size != right.size:
-        return f"`{name}` has {got.size} samples; {right.size} go with that part of the input."
-    return f"`{name}` is not the free run of your model from rest. Does it use your a1, a2, b1, b2, and `u` alone?"
+        return f"`{name}` has {got.size} samples; this part of the input has {right.size}."
+    return f"`{name}` is not the free run of your model from rest. Use your a1, a2, b1, b2, and `u` alone."

@@ -1,4 +1,4 @@
-"""Checks of the lecture's end: known parameters, weights, constraints, confidence, and Cayley-Hamilton."""
+"""Checks of least squares with known parameters, weights and constraints."""
 
 from collections.abc import Iterator
 from functools import partial
@@ -19,7 +19,7 @@ from labsid.model_structures.prediction import free_run
 from labsid.model_structures.structures import PolynomialModel
 
 _WRONG_LAGS = ((2, 1, 2), (1, 1, 3), (2, 0, 2), (2, 2, 3), (2, 0, 3), (1, 0, 2), (3, 1, 3), (2, 3, 3))
-"""Of y, of the known u and of the other u in example 1, which are 2, 1 and 3."""
+"""Wrong lags of y, of the known u and of the other u in example 1; the right ones are 2, 1 and 3."""
 
 
 @first_failure
@@ -30,7 +30,7 @@ def check_known_parameter(ask: Ask) -> Iterator[Verdict]:
         u = ask.rng.uniform(-2, 2, samples)
         model = PolynomialModel(np.array([1, 0, a]), np.array([1, 0, b]), np.array([1.0]), 1, 1.0)
         y = free_run(model, u) + 0.3 * ask.rng.standard_normal(samples)
-        y[:3] += ask.rng.uniform(1, 2, 3)  # not at rest before the record: rows before k0 are wrong here
+        y[:3] += ask.rng.uniform(1, 2, 3)  # not at rest before the record, so that rows before k0 are wrong
         yield _judge_known(ask, u, y)
 
 
@@ -39,8 +39,8 @@ def _judge_known(ask: Ask, u: FloatArray, y: FloatArray) -> Verdict:
     if isinstance(value, np.ndarray) and value.size == 3:
         return Verdict(
             False,
-            "`example_1` estimates three parameters. The coefficient 1 of u(k-1) is known: take it to the left side "
-            "and its column out of Phi.",
+            "`example_1` estimates three parameters. The coefficient 1 of u(k-1) is known: move this term to the "
+            "left side and remove its column from Phi.",
             "known parameter estimated",
         )
     k = np.arange(3, u.size)
@@ -52,8 +52,8 @@ def _judge_known(ask: Ask, u: FloatArray, y: FloatArray) -> Verdict:
     two = Phi[:, [0, 2]]
     right = fit_with_known(Phi, Y, {1: 1.0}).fit.theta
     rest = np.concatenate([np.zeros(3), u]), np.concatenate([np.zeros(3), y])
-    rows = "`example_1` uses rows before k0 = 4, with zeros for what nobody recorded: begin where all lags exist."
-    lag = "`example_1` has a lag wrong: hold your row for k = 4 against y(4) + a y(2) = u(3) + b u(1)."
+    rows = "`example_1` uses rows before k0 = 4, with zeros for missing samples: begin where all lags exist."
+    lag = "`example_1` has a wrong lag: compare your row for k = 4 with y(4) + a y(2) = u(3) + b u(1)."
     early = [
         fit(
             np.column_stack([-rest[1][first + 1 : -2], rest[0][first : u.size]]),
@@ -65,33 +65,34 @@ def _judge_known(ask: Ask, u: FloatArray, y: FloatArray) -> Verdict:
         as_theta("example_1(u, y)", value, 2),
         right,
         SAME,
-        "the known coefficient stays known.",
-        "`example_1` does not return the least-squares [a, b]: write the equation for k = 4 down by hand.",
+        "the known coefficient is not estimated.",
+        "`example_1` does not return the least-squares [a, b]: write down the equation for k = 4.",
         [
             Slip(
                 "sign of a",
-                "`example_1` has the other sign of a: G(z) has +a in its denominator, so the regressor holds -y(k-2).",
+                "`example_1` has the wrong sign of a: G(z) has +a in its denominator, so the regressor contains "
+                "-y(k-2).",
                 lambda: right * [-1, 1],
             ),
             Slip("a and b swapped", "`example_1` returns b before a.", lambda: right[::-1]),
             Slip(
                 "known term left out",
-                "`example_1` forgets u(k-1): its coefficient is known to be 1, not 0. Take it off y(k).",
+                "`example_1` omits u(k-1): its coefficient is known to be 1, not 0. Subtract it from y(k).",
                 lambda: fit(two, Y),
             ),
             Slip(
                 "known term left out",
-                "`example_1` forgets u(k-1), and has the other sign of a.",
+                "`example_1` omits u(k-1), and has the wrong sign of a.",
                 lambda: fit(two, Y) * [-1, 1],
             ),
             Slip(
                 "known term with the wrong sign",
-                "`example_1` adds u(k-1) on the left side: it goes there with a minus.",
+                "`example_1` adds u(k-1) on the left side: subtract it there.",
                 lambda: fit(two, Y + Phi[:, 1]),
             ),
             Slip(
                 "known parameter estimated",
-                "`example_1` estimates the coefficient of u(k-1) along with the others: it is known to be 1.",
+                "`example_1` estimates the coefficient of u(k-1) with the others: it is known to be 1.",
                 lambda: fit(Phi, Y)[[0, 2]],
             ),
             *(
@@ -104,7 +105,7 @@ def _judge_known(ask: Ask, u: FloatArray, y: FloatArray) -> Verdict:
 
 
 def _lagged_fit(u: FloatArray, y: FloatArray, lags: tuple[int, int, int], first: int) -> FloatArray:
-    """[a, b] with these lags of y, of the known u and of the other u; rows from `first`, or from where all exist."""
+    """[a, b] with these lags of y, of the known u and of the other u; rows from `first`, or where all lags exist."""
     of_y, of_known, of_u = lags
     k = np.arange(max(first, *lags), u.size)
     return solve_least_squares(np.column_stack([-y[k - of_y], u[k - of_u]]), y[k] - u[k - of_known]).theta
@@ -123,19 +124,23 @@ def _judge_weighted(ask: Ask, Phi: FloatArray, Y: FloatArray, sigma: FloatArray)
     def fit(weights: FloatArray) -> FloatArray:
         return weighted_least_squares(Phi, Y, weights).theta
 
-    upside = "`weighted_fit` gives the worst measurements the largest weights: a large sigma must count little."
+    inverted = "`weighted_fit` gives the worst measurements the largest weights: a large sigma needs a small weight."
     return judge(
         as_theta("weighted_fit(Phi, Y, sigma)", returned(ask, "weighted_fit", Phi, Y, sigma), Phi.shape[1]),
         fit(1 / sigma**2),
         SAME,
-        "a measurement counts by one over its variance.",
+        "each measurement has the weight 1/variance.",
         "`weighted_fit` does not minimise the sum of (Y - Phi theta)^2 / sigma^2.",
         [
-            Slip("weights not used", "`weighted_fit` does not use sigma.", lambda: solve_least_squares(Phi, Y).theta),
+            Slip(
+                "weights not used",
+                "`weighted_fit` does not use sigma: divide each row by it.",
+                lambda: solve_least_squares(Phi, Y).theta,
+            ),
             Slip(
                 "standard deviation for variance",
-                "`weighted_fit` weighs the squared errors by 1/sigma; it takes 1/sigma^2. (Rows are divided by sigma, "
-                "their squares by sigma^2.)",
+                "`weighted_fit` weights the squared errors by 1/sigma; use 1/sigma^2. (Divide rows by sigma, their "
+                "squares by sigma^2.)",
                 lambda: fit(1 / sigma),
             ),
             Slip(
@@ -143,26 +148,26 @@ def _judge_weighted(ask: Ask, Phi: FloatArray, Y: FloatArray, sigma: FloatArray)
                 "`weighted_fit` applies the weights twice: divide each row by sigma, not by sigma^2.",
                 lambda: fit(1 / sigma**4),
             ),
-            Slip("weights upside down", upside, lambda: fit(sigma**2)),
-            Slip("weights upside down", upside, lambda: fit(sigma)),
+            Slip("weights inverted", inverted, lambda: fit(sigma**2)),
+            Slip("weights inverted", inverted, lambda: fit(sigma)),
             Slip(
                 "only one side weighted",
-                "`weighted_fit` divides Phi by sigma but not Y: the equation changes unless both sides are.",
+                "`weighted_fit` divides Phi by sigma but not Y: divide both sides of each equation.",
                 lambda: solve_least_squares(Phi / sigma[:, np.newaxis], Y).theta,
             ),
             Slip(
                 "only one side weighted",
-                "`weighted_fit` divides Y by sigma but not Phi: the equation changes unless both sides are.",
+                "`weighted_fit` divides Y by sigma but not Phi: divide both sides of each equation.",
                 lambda: solve_least_squares(Phi, Y / sigma).theta,
             ),
             Slip(
                 "only one side weighted",
-                "`weighted_fit` has W on one side only: (Phi'W Phi)^-1 Phi'W Y has it twice.",
+                "`weighted_fit` uses W once; (Phi'W Phi)^-1 Phi'W Y contains it twice.",
                 lambda: pseudo_inverse(Phi.T @ Phi) @ Phi.T @ (Y / sigma**2),
             ),
             Slip(
                 "only one side weighted",
-                "`weighted_fit` has W on one side only: (Phi'W Phi)^-1 Phi'W Y has it twice.",
+                "`weighted_fit` uses W once; (Phi'W Phi)^-1 Phi'W Y contains it twice.",
                 lambda: np.asarray(np.linalg.solve(Phi.T @ (Phi / sigma[:, np.newaxis] ** 2), Phi.T @ Y), float),
             ),
         ],
@@ -184,7 +189,7 @@ def _judge_constrained(ask: Ask, Phi: FloatArray, Y: FloatArray, A: FloatArray, 
     if isinstance(value, np.ndarray) and value.size == p + r and r > 0:
         return Verdict(
             False,
-            "`constrained_fit` hands the multipliers back together with theta: return the first p entries only.",
+            "`constrained_fit` returns the multipliers together with theta: return only the first p entries.",
             "multipliers returned too",
         )
     free = solve_least_squares(Phi, Y).theta
@@ -192,25 +197,25 @@ def _judge_constrained(ask: Ask, Phi: FloatArray, Y: FloatArray, A: FloatArray, 
         as_theta("constrained_fit(Phi, Y, A, b)", value, p),
         least_squares_with_equations(Phi, Y, A, b).theta,
         SAME,
-        "the best theta of those that satisfy A theta = b.",
-        "`constrained_fit` does not return the best theta with A theta = b. Does yours satisfy the constraint?",
+        "the best theta among those that satisfy A theta = b.",
+        "`constrained_fit` does not return the best theta with A theta = b. Check first whether yours satisfies it.",
         [
-            Slip("constraint not used", "`constrained_fit` leaves the constraint out.", lambda: free),
+            Slip("constraint not used", "`constrained_fit` ignores the constraint.", lambda: free),
             Slip(
-                "constraint as more data",
-                "`constrained_fit` adds the constraint as further rows, which are then met as well as the others. "
-                "It must be met exactly.",
+                "constraint as additional data",
+                "`constrained_fit` adds the constraint as further rows, which are met only approximately. It must "
+                "be met exactly.",
                 lambda: solve_least_squares(np.vstack([Phi, A]), np.concatenate([Y, b])).theta,
             ),
             Slip(
-                "free solution moved onto the set",
-                "`constrained_fit` takes the free solution and moves it straight onto the set. This is nearest to the "
-                "free theta, but it does not have the smallest error: Phi'Phi decides which way to move.",
+                "free solution projected onto the constraint",
+                "`constrained_fit` projects the free solution onto the constraint. This theta is nearest to the "
+                "free one, but does not have the smallest error: the direction depends on Phi'Phi.",
                 lambda: free + pseudo_inverse(A) @ (b - A @ free),
             ),
             Slip(
                 "data not used",
-                "`constrained_fit` satisfies the constraint and leaves the data out.",
+                "`constrained_fit` satisfies the constraint but ignores the data.",
                 lambda: pseudo_inverse(A) @ b,
             ),
         ],

@@ -1,4 +1,4 @@
-"""Checks of the lecture's first half: definiteness, the rows of Example 2-3, derivatives with respect to a vector."""
+"""Checks of definiteness, the matrix of Example 2-3, and derivatives with respect to a vector."""
 
 from collections.abc import Callable, Iterator
 
@@ -18,11 +18,11 @@ KINDS = ("positive definite", "positive semidefinite", "negative definite", "neg
 
 
 def check_kind(ask: Ask) -> Verdict:
-    """`kind(M)`, on matrices of every kind, symmetric and not."""
+    """`kind(M)`, on symmetric and unsymmetric matrices of every kind."""
     trials = trial_forms(ask.rng)
     answers, truth = [_kind(ask, M) for M, _ in trials], [kind for _, kind in trials]
     if answers == truth:
-        return Verdict(True, "it tells bowl, trough, hill and saddle apart, for symmetric matrices and others.")
+        return Verdict(True, "it distinguishes bowl, trough, hill and saddle, for symmetric and unsymmetric matrices.")
     for slip, hint, rule in _WRONG_RULES:
         if answers == [rule(M) for M, _ in trials]:
             return Verdict(False, f"`kind` {hint}", slip)
@@ -30,19 +30,19 @@ def check_kind(ask: Ask) -> Verdict:
     if all("semi" in truth[i] for i in wrong):
         return Verdict(
             False,
-            "`kind` misses a semidefinite matrix: through rounding, an eigenvalue that is zero comes out as about "
-            "1e-16, of either sign. Compare with a small tolerance, not with 0.",
+            "`kind` misses a semidefinite matrix: by rounding, a zero eigenvalue is computed as about 1e-16, of "
+            "either sign. Compare with a small tolerance, not with 0.",
             "zero compared exactly",
         )
     M = trials[wrong[0]][0]
     is_symmetric = "a symmetric" if np.array_equal(M, M.T) else "an unsymmetric"
-    return Verdict(False, f"`kind` is wrong for {is_symmetric} {len(M)} by {len(M)} matrix: look at the signs of x'Mx.")
+    return Verdict(False, f"`kind` is wrong for {is_symmetric} {len(M)} by {len(M)} matrix: check the signs of x'Mx.")
 
 
 def trial_forms(rng: np.random.Generator) -> list[tuple[FloatArray, str]]:
-    """Matrices with the kind of their form, known from how they are made."""
+    """Matrices and the kind of their quadratic form, known by construction."""
 
-    def turned(*eigenvalues: float) -> FloatArray:
+    def rotated(*eigenvalues: float) -> FloatArray:
         n = len(eigenvalues)
         Q = np.linalg.qr(rng.standard_normal((n, n)))[0]
         M = Q @ np.diag(eigenvalues) @ Q.T
@@ -55,23 +55,23 @@ def trial_forms(rng: np.random.Generator) -> list[tuple[FloatArray, str]]:
     a, b, c = rng.uniform(0.5, 3, 3)
     far = rng.uniform(3, 6)
     return [
-        (turned(a, b), "positive definite"),
-        (turned(a, b, c), "positive definite"),
-        (turned(-a, -b), "negative definite"),
-        (turned(a, -b), "indefinite"),
-        (turned(a, -b, -c), "indefinite"),
+        (rotated(a, b), "positive definite"),
+        (rotated(a, b, c), "positive definite"),
+        (rotated(-a, -b), "negative definite"),
+        (rotated(a, -b), "indefinite"),
+        (rotated(a, -b, -c), "indefinite"),
         (np.array([[a, far], [far, a / 2]]), "indefinite"),
         (np.array([[1.0, far], [0.0, 1.0]]), "indefinite"),
-        (turned(a, b, c) + skew(3), "positive definite"),
-        (turned(-a, -b) + skew(2), "negative definite"),
+        (rotated(a, b, c) + skew(3), "positive definite"),
+        (rotated(-a, -b) + skew(2), "negative definite"),
         (np.diag([a, 0.0]), "positive semidefinite"),
         (np.diag([0.0, -a, -b]), "negative semidefinite"),
-        *((turned(a + i, b + i, 0.0), "positive semidefinite") for i in range(4)),
-        (turned(-a, 0.0, -c) + skew(3), "negative semidefinite"),
+        *((rotated(a + i, b + i, 0.0), "positive semidefinite") for i in range(4)),
+        (rotated(-a, 0.0, -c) + skew(3), "negative semidefinite"),
     ]
 
 
-def _forgetful(M: FloatArray) -> str:
+def _without_semidefinite(M: FloatArray) -> str:
     return _tolerant(M).replace("semi", "")
 
 
@@ -106,29 +106,28 @@ def _rounded(rule: Callable[[FloatArray], ArrayLike]) -> Callable[[FloatArray], 
 _WRONG_RULES: tuple[tuple[str, str, Callable[[FloatArray], str]], ...] = (
     (
         "eigenvalues of M itself",
-        "goes by the eigenvalues of M. For an unsymmetric M they say nothing about x'Mx: take those of its symmetric "
-        "part, (M + M')/2.",
+        "uses the eigenvalues of M. For an unsymmetric M, use those of its symmetric part, (M + M')/2.",
         _rounded(lambda M: np.linalg.eigvals(M).real),
     ),
     (
         "eigenvalues of M itself",
-        "looks at one triangle of M only (`eigvalsh` does, without a word): form (M + M')/2 first.",
+        "uses only one triangle of M, as `eigvalsh` does without a warning: form (M + M')/2 first.",
         _rounded(lambda M: np.linalg.eigvalsh(M)),
     ),
     (
         "semidefinite forgotten",
-        "calls a trough definite: where x'Mx is zero along some x, the matrix is only semidefinite.",
-        _forgetful,
+        "calls a trough definite: if x'Mx is zero for some x other than 0, the matrix is only semidefinite.",
+        _without_semidefinite,
     ),
     ("positive and negative swapped", "has positive and negative swapped: a bowl is positive definite.", _opposite),
     (
         "diagonal entries only",
-        "goes by the diagonal of M. The other entries count too: see the saddle with positive diagonal.",
+        "uses only the diagonal of M. The other entries matter too: see the saddle with a positive diagonal.",
         _rounded(np.diag),
     ),
     (
         "determinant only",
-        "goes by the determinant, which is the product of all eigenvalues: two negative ones make it positive.",
+        "uses the determinant, the product of all eigenvalues: two negative ones make it positive.",
         _of_determinant,
     ),
 )
@@ -157,12 +156,12 @@ def _judge_delays(ask: Ask, u: FloatArray, n: int) -> Verdict:
     value = returned(ask, "delayed_inputs", u, n)
     shape = as_array(call, value).shape
     if n != 3 and shape == (samples, 3):
-        return Verdict(False, f"`{call}` has three columns: let it use n.", "n not used")
+        return Verdict(False, f"`{call}` always has three columns: use the argument n.", "n not used")
     if shape == (samples - n + 1, n):
         return Verdict(
             False,
-            "`delayed_inputs` leaves out the first rows. Example 2-3 keeps them, with zero for the samples before "
-            "the first: there is a row for every y(t).",
+            "`delayed_inputs` omits the first rows. Example 2-3 keeps them, with zeros for the samples before the "
+            "first: there is one row for every y(t).",
             "first rows left out",
         )
     right = _rows(u, n)
@@ -170,18 +169,18 @@ def _judge_delays(ask: Ask, u: FloatArray, n: int) -> Verdict:
         as_matrix(call, value, (samples, n)),
         right,
         _EXACT,
-        "one row a sample, one column a lag.",
-        "`delayed_inputs` does not give the matrix of Example 2-3: write its first three rows down by hand.",
+        "one row per sample, one column per lag.",
+        "`delayed_inputs` does not give the matrix of Example 2-3: write down its first three rows.",
         [
             Slip(
-                "index goes round to the end",
-                "`delayed_inputs` takes the last samples for those before the first: `np.roll` and negative "
-                "indices go round. Before the first sample the input is zero.",
+                "index wraps around",
+                "`delayed_inputs` uses the last samples as those before the first: `np.roll` and negative indices "
+                "wrap around. Before the first sample the input is zero.",
                 lambda: np.column_stack([np.roll(u, i) for i in range(n)]),
             ),
             Slip(
                 "lag off by one",
-                "`delayed_inputs` begins with u(t-1). In Example 2-3 the first column is u(t) itself.",
+                "`delayed_inputs` begins with u(t-1); the first column of Example 2-3 is u(t).",
                 lambda: _rows(u, n + 1)[:, 1:],
             ),
             Slip(
@@ -191,12 +190,12 @@ def _judge_delays(ask: Ask, u: FloatArray, n: int) -> Verdict:
             ),
             Slip(
                 "first sample repeated",
-                "`delayed_inputs` repeats the first sample to the left; Example 2-3 has zeros there.",
+                "`delayed_inputs` repeats the first sample for the times before it; Example 2-3 has zeros there.",
                 lambda: _rows(u - u[0], n) + u[0],
             ),
             Slip(
                 "shifted the wrong way",
-                "`delayed_inputs` holds u(t+1), u(t+2): the past must come down, not the future up.",
+                "`delayed_inputs` contains u(t+1), u(t+2): shift the columns down, not up.",
                 lambda: _rows(u[::-1].copy(), n)[::-1],
             ),
         ],
@@ -222,28 +221,28 @@ def _gradient(ask: Ask, A: FloatArray, x: FloatArray) -> Verdict:
         gradient_quadratic(A, x),
         _EXACT,
         "",
-        "`gradient_form` is not the derivative of x'Ax: hold it against differences, as the hint says.",
+        "`gradient_form` is not the derivative of x'Ax: compare it with differences, as in the hint.",
         [
             Slip(
                 "A taken for symmetric",
-                "`gradient_form` returns 2Ax, which holds for symmetric A only. Each x_k stands in row k *and* in "
+                "`gradient_form` returns 2Ax, which is right only for symmetric A. Each x_k is in row k *and* in "
                 "column k of the double sum.",
                 lambda: 2 * A @ x,
             ),
             Slip("A taken for symmetric", "`gradient_form` returns 2A'x; Ax is missing.", lambda: 2 * A.T @ x),
             Slip(
                 "one of the two terms",
-                "`gradient_form` has one of the two terms only: each x_k stands in row k *and* in column k.",
+                "`gradient_form` has only one of the two terms: each x_k is in row k *and* in column k.",
                 lambda: A @ x,
             ),
             Slip(
                 "one of the two terms",
-                "`gradient_form` has one of the two terms only: each x_k stands in row k *and* in column k.",
+                "`gradient_form` has only one of the two terms: each x_k is in row k *and* in column k.",
                 lambda: A.T @ x,
             ),
             Slip(
-                "half the gradient",
-                "`gradient_form` is half as large as the gradient: nothing divides by two here.",
+                "half of the gradient",
+                "`gradient_form` is half of the gradient: do not divide by two.",
                 lambda: gradient_quadratic(A, x) / 2,
             ),
         ],
@@ -257,15 +256,15 @@ def _jacobian(ask: Ask, x: FloatArray) -> Verdict:
         return Verdict(
             False,
             "`jacobian_cubic` should return a matrix: f has n entries, and each has n partial derivatives.",
-            "a vector for a Jacobian",
+            "vector instead of a Jacobian",
         )
-    product = "`jacobian_cubic` lacks a term: by the product rule, x'x changes with x, and so does the x behind it."
+    product = "`jacobian_cubic` lacks a term: by the product rule, differentiate both x'x and the second factor x."
     return judge(
         as_matrix("jacobian_cubic(x)", value, (n, n)),
         jacobian_cubic(x),
         _EXACT,
         "",
-        "`jacobian_cubic` is not the derivative of (x'x) x: hold it against differences, as the hint says.",
+        "`jacobian_cubic` is not the derivative of (x'x) x: compare it with differences, as in the hint.",
         [
             Slip("product rule", product, lambda: square),
             Slip("product rule", product, lambda: 2 * outer),
@@ -285,8 +284,8 @@ def _jacobian(ask: Ask, x: FloatArray) -> Verdict:
                 lambda: 3 * outer,
             ),
             Slip(
-                "number added to every entry",
-                "`jacobian_cubic` adds x'x to every entry: it stands on the diagonal only, as `np.eye(n)`.",
+                "x'x added to every entry",
+                "`jacobian_cubic` adds x'x to every entry: add it only to the diagonal, with `np.eye(n)`.",
                 lambda: x @ x + 2 * outer,
             ),
         ],

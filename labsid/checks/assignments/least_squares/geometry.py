@@ -1,4 +1,4 @@
-"""Checks of the geometry: the projection onto the columns of Phi, and all solutions where Phi lacks rank."""
+"""Checks of the projection onto the columns of Phi, and of all solutions for a rank-deficient Phi."""
 
 from collections.abc import Iterator
 
@@ -26,19 +26,19 @@ def _judge_projector(ask: Ask, Phi: FloatArray) -> Verdict:
     value = returned(ask, "projector", Phi)
     shape = as_array("projector(Phi)", value).shape
     if shape in ((p, n), (p, p)):
-        what = "pseudo-inverse" if shape == (p, n) else "small matrix Phi'Phi or its inverse"
+        what = "pseudo-inverse" if shape == (p, n) else "p by p matrix Phi'Phi or its inverse"
         return Verdict(
             False,
-            f"`projector` returns a {shape[0]} by {shape[1]} matrix: that looks like the {what}. P takes Y to "
+            f"`projector` returns a {shape[0]} by {shape[1]} matrix: this is the shape of the {what}. P maps Y to "
             f"Y_hat = Phi theta, both with {n} entries: multiply by Phi from the left.",
-            "pseudo-inverse for the projector" if shape == (p, n) else "small matrix for the projector",
+            "pseudo-inverse instead of the projector" if shape == (p, n) else "p by p matrix instead of the projector",
         )
     return judge(
         as_matrix("projector(Phi)", value, (n, n)),
         P,
         SAME,
         "it projects onto the columns of any Phi, and P P = P.",
-        "`projector` does not return the P with Y_hat = P Y. Is your P P equal to P, and P Phi to Phi?",
+        "`projector` does not return the P with Y_hat = P Y. Check whether P P = P and P Phi = Phi.",
         [
             Slip(
                 "inverse left out",
@@ -47,17 +47,17 @@ def _judge_projector(ask: Ask, Phi: FloatArray) -> Verdict:
             ),
             Slip(
                 "projects onto the residual",
-                "`projector` returns I - P, which takes Y to the residual.",
+                "`projector` returns I - P, which maps Y to the residual.",
                 lambda: np.eye(n) - P,
             ),
             Slip(
                 "inverse forgotten",
-                "`projector` has Phi'Phi in the middle and not its inverse.",
+                "`projector` has Phi'Phi in the middle instead of its inverse.",
                 lambda: Phi @ Phi.T @ Phi @ Phi.T,
             ),
             Slip(
                 "identity",
-                "`projector` returns the identity: a projection onto fewer columns than rows loses something.",
+                "`projector` returns the identity, which has rank n; P has the rank of Phi.",
                 lambda: np.eye(n),
             ),
         ],
@@ -66,14 +66,14 @@ def _judge_projector(ask: Ask, Phi: FloatArray) -> Verdict:
 
 @first_failure
 def check_all_solutions(ask: Ask) -> Iterator[Verdict]:
-    """`all_solutions(Phi, Y)`: the shortest theta and the directions that cost nothing."""
+    """`all_solutions(Phi, Y)`: the shortest theta and a basis of the null space of Phi."""
     for n, p, rank in ((6, 3, 2), (8, 4, 2), (7, 4, 3)):
         Phi = np.zeros((n, p))
         while singular_values(Phi).rank < rank:
             # small integers: dependent columns without rounding
             Phi = ask.rng.integers(-3, 4, (n, rank)) @ ask.rng.integers(-2, 3, (rank, p)).astype(float)
         yield _solutions(ask, Phi, ask.rng.uniform(-5, 5, n))
-    yield Verdict(True, "the shortest theta, and every direction in which it may move.")
+    yield Verdict(True, "the shortest theta, and every direction that leaves Phi theta unchanged.")
 
 
 def _solutions(ask: Ask, Phi: FloatArray, Y: FloatArray) -> Verdict:
@@ -89,8 +89,8 @@ def _solutions(ask: Ask, Phi: FloatArray, Y: FloatArray) -> Verdict:
             right.theta,
             SAME,
             "",
-            "theta of `all_solutions` does not solve the normal equations. (`inv` of a singular Phi'Phi gives an error "
-            "or, through rounding, nonsense.)",
+            "theta of `all_solutions` does not solve the normal equations. (`inv` of a singular Phi'Phi fails or, "
+            "by rounding, gives wrong values.)",
             [
                 Slip("inverse left out", "theta of `all_solutions` is Phi'Y.", lambda: Phi.T @ Y),
             ],
@@ -98,8 +98,8 @@ def _solutions(ask: Ask, Phi: FloatArray, Y: FloatArray) -> Verdict:
     if not SAME(theta, right.theta):
         return Verdict(
             False,
-            "theta of `all_solutions` solves the normal equations, but it is not the shortest: it has a part along "
-            "the directions that cost nothing. (MATLAB's backslash does this too.)",
+            "theta of `all_solutions` solves the normal equations, but it is not the shortest: it has a component "
+            "in the null space of Phi. (MATLAB's backslash does this too.)",
             "not the shortest",
         )
     N = as_array("N of all_solutions(Phi, Y)", parts[1])
@@ -107,9 +107,9 @@ def _solutions(ask: Ask, Phi: FloatArray, Y: FloatArray) -> Verdict:
     if N.shape == (p, right.rank) and free != right.rank:
         return Verdict(
             False,
-            f"N of `all_solutions` has as many columns as Phi has rank. There are p - rank = {free} directions that "
-            "cost nothing: the other columns of V.",
-            "directions that matter",
+            f"N of `all_solutions` has rank(Phi) columns. The null space has p - rank = {free} directions: the other "
+            "columns of V.",
+            "directions outside the null space",
         )
     return _directions(as_matrix("N of all_solutions(Phi, Y)", N, (p, None)), Phi, free)
 
@@ -121,25 +121,25 @@ def _directions(N: FloatArray, Phi: FloatArray, free: int) -> Verdict:
         if SAME(N, Vt[:, Vt.shape[0] - free :]):
             return Verdict(
                 False,
-                "N of `all_solutions` has columns of V'. numpy's `svd` returns V transposed: the directions are its "
-                "last *rows*.",
-                "V for V transposed",
+                "N of `all_solutions` has columns of V'. numpy's `svd` returns V transposed: take its last *rows*.",
+                "V and V transposed confused",
             )
         if N.shape[1] == free and np.linalg.matrix_rank(np.hstack([N, parts.V[:, :free]]), tol=1e-6) == free:
             return Verdict(
                 False,
-                "N of `all_solutions` holds directions that belong to the largest singular values; those that cost "
-                "nothing belong to the zero ones, the last.",
-                "directions that matter",
+                "N of `all_solutions` contains the directions of the largest singular values; those of the null "
+                "space belong to the zero ones, the last.",
+                "directions outside the null space",
             )
         return Verdict(
-            False, "N of `all_solutions` changes Phi theta: Phi N should be zero. Which columns of V does it need?"
+            False, "N of `all_solutions` changes Phi theta: Phi N should be zero. Check which columns of V it needs."
         )
     found = int(np.linalg.matrix_rank(N)) if N.size else 0
     if found < free:
         return Verdict(
             False,
-            f"N of `all_solutions` has {found} independent columns that cost nothing; this Phi has {free}, p - rank.",
+            f"N of `all_solutions` has {found} independent columns; the null space of this Phi has dimension p - "
+            f"rank = {free}.",
             "directions missing",
         )
     return Verdict(True, "")

@@ -1,4 +1,4 @@
-"""Checks of the lecture's last two steps: confidence intervals, and the theorem of Cayley and Hamilton."""
+"""Checks of confidence intervals, and of the Cayley-Hamilton theorem."""
 
 from collections.abc import Iterator
 
@@ -35,19 +35,21 @@ def _judge_confidence(ask: Ask, Phi: FloatArray, Y: FloatArray, level: float) ->
         return Verdict(False, "theta of `confidence` is not the least-squares solution.")
     if SAME(lower, -upper) or SAME(np.abs(lower), np.abs(upper)):
         return Verdict(
-            False, "`confidence` returns the half width: the bounds are theta minus and plus it.", "half width returned"
+            False,
+            "`confidence` returns the half width: the bounds are theta minus and plus this width.",
+            "half width returned",
         )
     if np.all(lower > upper):
         return Verdict(False, "`confidence` returns the upper bound before the lower one.", "bounds swapped")
     if not SAME(lower + upper, 2 * theta):
-        return Verdict(False, "the bounds of `confidence` do not lie evenly about theta.")
+        return Verdict(False, "the bounds of `confidence` are not symmetric about theta.")
     intervals = confidence_intervals(fit, level)
     return judge(
         upper - theta,
         intervals.upper - fit.theta,
         SAME,
-        "it says how far each parameter is to be trusted.",
-        "the intervals of `confidence` have the wrong width: go through sigma^2, the covariance, the diagonal, roots "
+        "it gives the uncertainty of each parameter.",
+        "the intervals of `confidence` have the wrong width: check sigma^2, the covariance, its diagonal, the roots "
         "and the quantile one by one.",
         _width_slips(fit, n, p, level),
     )
@@ -60,54 +62,54 @@ def _width_slips(fit: LeastSquares, n: int, p: int, level: float) -> list[Slip[F
     return [
         Slip(
             "one-sided quantile",
-            "`confidence` takes the quantile at `level`. The share that is left over lies on *two* sides: "
+            "`confidence` uses the quantile at `level`. The remaining probability is split between *two* sides: use "
             "(1 + level)/2.",
             lambda: float(stdtrit(n - p, level)) * spread,
         ),
         Slip(
             "normal quantile",
-            "`confidence` takes the quantile of the normal distribution. sigma^2 is estimated from few: Student's "
-            "t with n - p degrees of freedom allows for that.",
+            "`confidence` uses the quantile of the normal distribution. sigma^2 is an estimate: use Student's t "
+            "with n - p degrees of freedom.",
             lambda: float(ndtri((1 + level) / 2)) * spread,
         ),
         Slip(
             "divided by n",
-            "`confidence` divides the SSE by n. p parameters have been fitted to it: divide by n - p.",
+            "`confidence` divides the SSE by n. With p fitted parameters, divide by n - p.",
             lambda: t * wrong_n * spread,
         ),
         Slip(
             "level not used",
-            "`confidence` has intervals of 95 % whatever the level: let it use `level`.",
+            "`confidence` always returns intervals of 95 %: use `level`.",
             lambda: float(stdtrit(n - p, 0.975)) * spread,
         ),
         Slip(
             "quantile forgotten",
-            "`confidence` goes one standard error to each side: multiply by the quantile.",
+            "`confidence` returns intervals of one standard error: multiply by the quantile.",
             lambda: spread,
         ),
         Slip(
             "variance for standard error",
-            "`confidence` multiplies the quantile by the variances: take their roots.",
+            "`confidence` multiplies the quantile by the variances: use their square roots.",
             lambda: t * spread**2,
         ),
         Slip(
             "degrees of freedom",
-            "the quantile of `confidence` has n degrees of freedom; n - p are left.",
+            "the quantile of `confidence` has n degrees of freedom; use n - p.",
             lambda: float(stdtrit(n, (1 + level) / 2)) * spread,
         ),
         Slip(
             "degrees of freedom",
-            "the quantile of `confidence` has n - 1 degrees of freedom; n - p are left.",
+            "the quantile of `confidence` has n - 1 degrees of freedom; use n - p.",
             lambda: float(stdtrit(n - 1, (1 + level) / 2)) * spread,
         ),
         Slip(
             "sigma^2 forgotten",
-            "`confidence` leaves sigma^2 out: the covariance is sigma^2 times the inverse of Phi'Phi.",
+            "`confidence` omits sigma^2: the covariance is sigma^2 times the inverse of Phi'Phi.",
             lambda: t * spread / np.sqrt(fit.sigma2),
         ),
         Slip(
             "sigma for sigma^2",
-            "`confidence` multiplies the inverse of Phi'Phi by sigma; it takes sigma^2.",
+            "`confidence` multiplies the inverse of Phi'Phi by sigma; multiply by sigma^2.",
             lambda: t * spread / fit.sigma2**0.25,
         ),
     ]
@@ -127,14 +129,14 @@ def _judge_weights(ask: Ask, A: FloatArray) -> Verdict:
     shape = as_array("inverse_weights(A)", value).shape
     if shape == (n, n):
         return Verdict(
-            False, "`inverse_weights` returns a matrix: asked for are the n weights of its powers.", "matrix returned"
+            False, "`inverse_weights` returns a matrix: return the n weights of the powers of A.", "matrix returned"
         )
     if shape == (n + 1,):
         return Verdict(
             False,
-            "`inverse_weights` returns n + 1 numbers, as the polynomial has: after multiplying by the inverse of "
-            "A, n powers are left, I to A^(n-1).",
-            "the polynomial itself",
+            "`inverse_weights` returns n + 1 numbers, the coefficients of the polynomial: after multiplying by the "
+            "inverse of A, n powers remain, I to A^(n-1).",
+            "coefficients of the polynomial",
         )
     *upper, last = characteristic_polynomial(A)
     c = np.array(upper)
@@ -143,7 +145,8 @@ def _judge_weights(ask: Ask, A: FloatArray) -> Verdict:
         -c[::-1] / last,
         SAME,
         "the inverse of a matrix is a sum of its own powers.",
-        "the sum of `inverse_weights` times the powers of A is not its inverse: multiply the theorem by it.",
+        "the sum of the powers of A weighted by `inverse_weights` is not its inverse: multiply the theorem by the "
+        "inverse.",
         [
             Slip(
                 "highest power first",
@@ -152,18 +155,18 @@ def _judge_weights(ask: Ask, A: FloatArray) -> Verdict:
             ),
             Slip(
                 "sign of the weights",
-                "`inverse_weights` has the other sign: c_n I moves to the other side.",
+                "`inverse_weights` has the wrong sign: move c_n I to the other side.",
                 lambda: c[::-1] / last,
             ),
-            Slip("not divided by c_n", "`inverse_weights` is not divided by c_n.", lambda: -c[::-1]),
+            Slip("not divided by c_n", "`inverse_weights` lacks the division by c_n.", lambda: -c[::-1]),
             Slip(
                 "powers off by one",
-                "`inverse_weights` has c_n for the weight of I: multiplied by the inverse of A, each power falls by "
+                "`inverse_weights` has c_n as the weight of I: multiplying by the inverse of A lowers each power by "
                 "one.",
                 lambda: -np.concatenate([[last], c[:0:-1]]) / last,
             ),
             Slip(
-                "the highest power twice",
+                "divided by the first coefficient",
                 "`inverse_weights` divides by the first coefficient, which is 1; divide by c_n, the last.",
                 lambda: -np.concatenate([c[1:], [last]])[::-1],
             ),

@@ -1,4 +1,4 @@
-"""Checks of the lecture's middle: sums of powers (Examples 2-1, 2-2, 2-4), Fig. 5, projection, all solutions."""
+"""Checks of fits by sums of powers (Examples 2-1, 2-2, 2-4), and of Fig. 5."""
 
 from collections.abc import Callable, Iterator
 
@@ -16,12 +16,12 @@ from labsid.plots.figure_values import AxesValue, CurveValue
 
 @first_failure
 def check_fits(ask: Ask) -> Iterator[Verdict]:
-    """`fit_powers(x, y, powers)`, then what it gives for Example 2-1."""
+    """`fit_powers(x, y, powers)`, then its results for Example 2-1."""
     for powers in ((3, 2, 1), (1, 0), (2, 1, 0), (0, 1, 2)):
         yield _one_fit(ask, powers)
     for name, right in right_fits(ask).items():
         if not SAME(np.ravel(as_array(name, ask.value(name))), np.ravel(as_array(name, right))):
-            yield Verdict(False, f"the function is right, `{name}` is not: leave the last lines as they were given.")
+            yield Verdict(False, f"the function is right, `{name}` is not: do not change the last lines of the cell.")
     yield Verdict(True, "it fits any sum of powers, and its line is the one of Example 2-4.")
 
 
@@ -38,7 +38,7 @@ def _one_fit(ask: Ask, powers: tuple[int, ...]) -> Iterator[Verdict]:
     if isinstance(parts[0], np.ndarray) and parts[0].size != len(powers):
         yield Verdict(
             False,
-            f"`{call}` returns {parts[0].size} parameters; there is one for each power: let it use `powers`.",
+            f"`{call}` returns {parts[0].size} parameters; it should return one for each power: use `powers`.",
             "powers not used",
         )
     yield judge(
@@ -50,15 +50,17 @@ def _one_fit(ask: Ask, powers: tuple[int, ...]) -> Iterator[Verdict]:
         [
             Slip(
                 "order of theta",
-                "theta of `fit_powers` is in another order than `powers`: a column for each power, as they come.",
+                "theta of `fit_powers` is not in the order of `powers`: make one column for each power, in this order.",
                 lambda: fit.theta[::-1],
             ),
             Slip(
                 "powers not used",
-                f"`{call}` fits other powers than it is asked for: let it use `powers`.",
+                f"`{call}` fits other powers than requested: use `powers`.",
                 lambda: fit_powers(x, y, (2, 1, 0)[-len(powers) :]).theta,
             ),
-            Slip("x and y swapped", "`fit_powers` fits x to y; x makes Phi.", lambda: fit_powers(y, x, powers).theta),
+            Slip(
+                "x and y swapped", "`fit_powers` fits x to y; make Phi from x.", lambda: fit_powers(y, x, powers).theta
+            ),
             Slip(
                 "inverse forgotten",
                 "theta of `fit_powers` is Phi'y: the inverse of Phi'Phi is missing.",
@@ -69,25 +71,29 @@ def _one_fit(ask: Ask, powers: tuple[int, ...]) -> Iterator[Verdict]:
     sse = 2 * fit.loss
     if _size(parts[1]) == 0:
         yield Verdict(False, "the SSE of `fit_powers` is empty: compute it from y - Phi theta.")
-    mean = "the second value of `fit_powers` is a mean of the squared errors; asked for is their sum."
+    mean = "the second value of `fit_powers` is a mean of the squared errors; return their sum."
     slips: list[Slip[float]] = [
-        Slip("half the sum", "the second value of `fit_powers` is half the SSE, which has no half.", lambda: fit.loss),
+        Slip(
+            "half the sum",
+            "the second value of `fit_powers` is half of the SSE; return the whole sum.",
+            lambda: fit.loss,
+        ),
         Slip("mean in place of the sum", mean, lambda: sse / n),
         Slip("mean in place of the sum", mean, lambda: fit.sigma2),
-        Slip("root of the sum", "the second value of `fit_powers` is a root of the SSE.", lambda: float(sse**0.5)),
+        Slip("root of the sum", "the second value of `fit_powers` is the root of the SSE.", lambda: float(sse**0.5)),
         Slip(
-            "squares of y and not of the errors",
-            "the second value of `fit_powers` is y'y or a part of it: square the errors y - Phi theta.",
+            "squares of y instead of the errors",
+            "the second value of `fit_powers` is y'y: square the errors y - Phi theta instead.",
             lambda: float(y @ y),
         ),
         Slip(
             "errors not squared",
-            "the second value of `fit_powers` adds up the errors without squaring them, so that they cancel.",
+            "the second value of `fit_powers` adds the errors without squaring them, so that they cancel.",
             lambda: float(np.sum(fit.residual)),
         ),
         Slip(
             "errors not squared",
-            "the second value of `fit_powers` adds up absolute errors: square them.",
+            "the second value of `fit_powers` adds absolute errors: square the errors instead.",
             lambda: float(np.sum(np.abs(fit.residual))),
         ),
     ]
@@ -106,7 +112,7 @@ def _size(value: Value) -> int:
 
 
 def right_fits(_: Ask) -> dict[str, Value]:
-    """What the last lines of that step compute."""
+    """Results of the last lines of the step."""
     line, parabola = (fit_powers(EXAMPLE_2_1.x, EXAMPLE_2_1.y, powers) for powers in (LINE, PARABOLA))
     return {
         "theta_line": line.theta,
@@ -120,20 +126,19 @@ def check_figure_5(ask: Ask) -> Verdict:
     """Fig. 5: the points, the line and the parabola."""
     axes = as_figure("fig_5", ask.value("fig_5"), axes=1).axes[0]
     if not axes.curves:
-        raise NoAnswer("`fig_5` is empty: draw in its axes, with `plot` (also the points: `plot(u_1, y_1, 'o')`).")
+        raise NoAnswer("`fig_5` is empty: draw in its axes with `plot`, the points too: `plot(u_1, y_1, 'o')`.")
     line, parabola = (
         as_vector(name, ask.known(name), size) for name, size in (("theta_line", 2), ("theta_parabola", 3))
     )
     points = _find(axes, lambda x: np.interp(x, EXAMPLE_2_1.x, EXAMPLE_2_1.y), sizes=(5, 5))
     if points is None:
-        raise NoAnswer("In Fig. 5 the points of the table are missing: `plot(u_1, y_1, 'o')`.", "points missing")
+        raise NoAnswer("In Fig. 5 the points of the table are missing: use `plot(u_1, y_1, 'o')`.", "points missing")
     curves = []
     for name, theta in (("line", line), ("parabola", parabola)):
         curve = _find(axes, _polynomial(theta), sizes=(20, None))
         if curve is None and _find(axes, _polynomial(theta), sizes=(3, 19)):
             raise NoAnswer(
-                f"In Fig. 5 the {name} is drawn through too few points, so that it has corners or stops short: use "
-                "`grid`.",
+                f"In Fig. 5 the {name} is drawn through too few points: evaluate it at `grid`.",
                 "drawn at the data points only",
             )
         if curve is None and _find(axes, _polynomial(theta[::-1]), sizes=(3, None)):
@@ -144,7 +149,7 @@ def check_figure_5(ask: Ask) -> Verdict:
         if curve is None:
             raise NoAnswer(f"In Fig. 5 no curve shows the {name}: evaluate `theta_{name}` at `grid`.", "no curve")
         if curve.x.min() > 1 or curve.x.max() < 7:
-            raise NoAnswer(f"In Fig. 5 the {name} does not reach over all points, u = 1 to 7.", "drawn too short")
+            raise NoAnswer(f"In Fig. 5 the {name} does not cover all points, u = 1 to 7.", "drawn too short")
         curves.append(curve)
     for axis in "xy":
         require_label(axes, "Fig. 5", axis, "")
@@ -152,7 +157,7 @@ def check_figure_5(ask: Ask) -> Verdict:
     of_line, of_parabola = (legend_text(axes, curve).lower() for curve in curves)
     if "parab" in of_line or "quadr" in of_line or "line" in of_parabola.split():
         return Verdict(False, "The legend of Fig. 5 has line and parabola swapped.", "legend entries swapped")
-    return Verdict(True, "both models over the points.")
+    return Verdict(True, "both models and the points.")
 
 
 def _polynomial(theta: FloatArray) -> Callable[[FloatArray], FloatArray]:

@@ -253,7 +253,7 @@ def _judge_autocorrelation(ask: Ask, e: FloatArray, lags: int) -> Verdict:
                 lambda: right * np.mean(centred**2),
             ),
             Slip(
-                "index goes round to the end",
+                "index wraps around",
                 "`autocorrelation` lets the record go round: `np.roll` brings its end to its beginning.",
                 lambda: np.array([centred @ np.roll(centred, i) for i in k]) / (centred @ centred),
             ),

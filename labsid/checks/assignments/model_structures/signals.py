@@ -56,7 +56,7 @@ def _judge_shift(ask: Ask, P: FloatArray, x: FloatArray) -> Verdict:
                 lambda: np.array([P @ forward[k : k + n] for k in range(x.size)]),
             ),
             Slip(
-                "index goes round to the end",
+                "index wraps around",
                 "`apply` takes the last samples for those before the first: `np.roll` and negative indices go round. "
                 "Before the first sample the signal is zero.",
                 lambda: np.asarray(sum(p * np.roll(x, i) for i, p in enumerate(P)), float),
@@ -177,7 +177,7 @@ def _judge_simulate(ask: Ask, A: FloatArray, B: FloatArray, C: FloatArray, u: Fl
                 lambda: _late_start(A, B, C, u, e),
             ),
             Slip(
-                "index goes round to the end",
+                "index wraps around",
                 "`simulate` takes samples from the end of the record for those before its first: y[k - i] with k < i.",
                 lambda: free_run(PolynomialModel(A, np.ones(1), np.ones(1), 0), _round(B, u) + _round(C, e)),
             ),

@@ -1,4 +1,4 @@
-"""The pre-lab: time, two noisy sinusoids, the cut, the matrix and Fig. 1."""
+"""The pre-lab: time vector, two noisy sinusoids, the cut, the matrix and Fig. 1."""
 
 from labsid.checks.assignments.prelab_sinusoids.waveforms import (
     check_cut,

@@ -1,4 +1,4 @@
-"""Judging Fig. 1: one of its two panels, as a reader sees it."""
+"""Checks of the two panels of Fig. 1."""
 
 import re
 
@@ -21,8 +21,8 @@ from labsid.plots.style import GREY_BLUE
 
 SAME_COLOUR = 0.02
 """Largest difference of a colour component: (153, 179, 204)/255 is the lab's (0.6, 0.7, 0.8)."""
-STANDS_OUT = 0.25
-"""Smallest distance between two colours that a reader can tell apart."""
+DISTINCT_COLOURS = 0.25
+"""Smallest difference of a colour component between two colours that a reader can distinguish."""
 
 
 def panels(value: Value) -> tuple[AxesValue, ...]:
@@ -37,7 +37,7 @@ def panels(value: Value) -> tuple[AxesValue, ...]:
 def require_panel(
     axes: AxesValue, where: str, time_name: str, t: FloatArray, signals: dict[str, FloatArray], title: str
 ) -> None:
-    """Refuse a panel that is not the one of Fig. 1: `signals` holds the sine first, then the cosine."""
+    """Require a panel as in Fig. 1; `signals` holds the sine first, then the cosine."""
     if not axes.curves:
         raise NoAnswer(f"There is no curve in {where} yet.", "empty axes")
     (sine_name, sine_data), (cosine_name, cosine_data) = signals.items()
@@ -46,14 +46,14 @@ def require_panel(
     _require_colours(where, sine, cosine)
     if not cosine.steps:
         raise NoAnswer(
-            f'In {where} straight lines join the cosine. MATLAB\'s `stairs` is `step(..., where="post")`.',
+            f'In {where} straight lines join the cosine. For MATLAB\'s `stairs`, use `step(..., where="post")`.',
             "plot in place of stairs",
         )
     require_limits(axes, where, (0, 140), (-1.5, 1.5))
     if not re.search(title, axes.title, re.IGNORECASE):
-        raise NoAnswer(f"The title of {where} is {axes.title!r}; see the step for what it should say.", "title")
+        raise NoAnswer(f"The title of {where} is {axes.title!r}; see the step for the title it should have.", "title")
     if not axes.grid:
-        raise NoAnswer(f"{where} has no grid: `grid(True)`.", "no grid")
+        raise NoAnswer(f"{where} has no grid: call `grid(True)`.", "no grid")
     require_labels(axes, where, ("s", ""))
     _require_names(axes, where, sine, cosine)
 
@@ -66,12 +66,14 @@ def shows(axes: AxesValue, y: FloatArray, t: FloatArray | None = None) -> bool:
 def _require_colours(where: str, sine: CurveValue, cosine: CurveValue) -> None:
     if _distance(cosine.color, GREY_BLUE) > SAME_COLOUR:
         if _distance(sine.color, GREY_BLUE) <= SAME_COLOUR:
-            raise NoAnswer(f"In {where} the grey-blue belongs to the cosine.", "colours swapped")
+            raise NoAnswer(
+                f"In {where} the sine is grey-blue: give this colour to the cosine instead.", "colours swapped"
+            )
         raise NoAnswer(
-            f"In {where} the cosine should have the RGB code (0.6, 0.7, 0.8): `color=(0.6, 0.7, 0.8)`.",
+            f"In {where} the cosine should have the RGB code (0.6, 0.7, 0.8): use `color=(0.6, 0.7, 0.8)`.",
             "colour",
         )
-    if _distance(sine.color, cosine.color) < STANDS_OUT:
+    if _distance(sine.color, cosine.color) < DISTINCT_COLOURS:
         raise NoAnswer(f"In {where} the two curves are hard to distinguish: give the sine another colour.", "colour")
 
 
@@ -81,15 +83,15 @@ def _require_names(axes: AxesValue, where: str, sine: CurveValue, cosine: CurveV
     for name in ("sin", "cos"):
         named = [text for text in entries if name in text]
         if not named:
-            raise NoAnswer(f"The legend of {where} names no {name}(0.02πt).", "legend")
+            raise NoAnswer(f"The legend of {where} has no entry {name}(0.02πt).", "legend")
         if not any("π" in text for text in named):
             raise NoAnswer(
                 f"The legend of {where} spells the Greek letter out: write it as `$\\pi$` or copy π.",
                 "Greek letter spelt out",
             )
-    # names given to `legend` itself are in no curve; matplotlib then takes the curves in the order drawn
+    # curves carry no labels if `legend` itself was given the texts; matplotlib then uses the order drawn
     if "cos" in plain_text(sine.label) or "sin" in plain_text(cosine.label):
-        raise NoAnswer(f"The legend of {where} calls the sine a cosine: swap the labels.", "legend entries swapped")
+        raise NoAnswer(f"The legend of {where} labels the sine as a cosine: swap the labels.", "legend entries swapped")
 
 
 def _distance(a: tuple[float, float, float], b: tuple[float, float, float]) -> float:

@@ -1,4 +1,4 @@
-"""Judging two noisy sinusoids by what all runs share: the signal underneath and the statistics of the noise."""
+"""Checks of two noisy sinusoids: the sinusoid itself and the statistics of the noise."""
 
 from collections.abc import Callable
 
@@ -10,28 +10,28 @@ from labsid.lab.sinusoid import NOISE_BOUND
 
 Wave = Callable[[FloatArray], FloatArray]
 
-# With 1001 samples, right noise passes each limit below but for about one run in a million.
+# With 1001 samples, right noise fails each limit below in about one run in a million.
 BINS = 10
 LARGEST_CHI_SQUARE = 45.0
 """Of the counts in `BINS` equal parts of the range: chi-square with 9 degrees of freedom."""
 REACHED = 0.95
-"""Share of the bound that the largest and the smallest value reach."""
+"""Share of the bound that the largest and the smallest value must reach."""
 AT_THE_BOUND = 15
-"""The most values that may equal the bound."""
-UNRELATED = 0.2
-"""Largest correlation between two noises, or between a noise and itself one sample later."""
+"""Largest number of values that may equal the bound."""
+LARGEST_CORRELATION = 0.2
+"""Between two noises, or between successive samples of one."""
 GAUSSIAN_KURTOSIS = 2.4
-"""Between 1.8 of a uniform distribution and 3 of a Gaussian one."""
+"""Lower limit for Gaussian noise, whose kurtosis is 3; that of uniform noise is 1.8."""
 STANDARD_ERRORS = 6.0
 LARGEST_MEAN = 0.6
-"""Of a noise on a wrong wave: wrong noise may come with it."""
+"""Of the noise on a wrong sinusoid; this noise may be wrong too."""
 
 _EPSILON = 1e-9
 
 _WRONG_WAVES: tuple[tuple[str, str, Callable[[Wave, FloatArray], FloatArray]], ...] = (
     (
         "period of 50 s",
-        "its period is 50 s: it goes through two periods in 100 s. Look at the factor before t",
+        "its period is 50 s: there are two periods in 100 s. Check the factor before t",
         lambda wave, t: wave(0.04 * np.pi * t),
     ),
     (
@@ -71,7 +71,7 @@ _WRONG_WAVES: tuple[tuple[str, str, Callable[[Wave, FloatArray], FloatArray]], .
     ),
     (
         "sample number in place of time",
-        "its period is 10 s: was the sample number taken for the time?",
+        "its period is 10 s: use the time in seconds, not the sample number",
         lambda wave, t: wave(0.2 * np.pi * t),
     ),
 )
@@ -81,22 +81,22 @@ _WRONG_SPREADS: tuple[tuple[float, float, str, str], ...] = (
     (-0.2, 0.0, "one-sided noise", "is never positive: the bound ±0.2 has two sides"),
     (0.0, 0.4, "noise not centred", "has the right width, but its mean is not zero: shift it"),
     (-0.4, 0.0, "noise not centred", "has the right width, but its mean is not zero: shift it"),
-    (-0.1, 0.1, "noise of half the bound", "is 0.2 wide in all. The bound ±0.2 makes it twice as wide"),
-    (-0.4, 0.4, "noise of twice the bound", "reaches to both sides twice as far as the bound"),
+    (-0.1, 0.1, "noise of half the bound", "has a total width of 0.2; within ±0.2 it is 0.4 wide"),
+    (-0.4, 0.4, "noise of twice the bound", "extends to twice the bound on both sides"),
     (
         0.0,
         1.0,
         "noise straight from rand",
-        "runs from 0 to 1, as the generator makes it: shift and stretch it to ±0.2",
+        "runs from 0 to 1, as the generator draws it: shift and scale it to ±0.2",
     ),
-    (-0.5, 0.5, "noise shifted but not scaled", "is 1 wide: stretch it to the bound as well"),
+    (-0.5, 0.5, "noise shifted but not scaled", "is 1 wide: scale it to the bound as well"),
     (-1.0, 1.0, "noise shifted but not scaled", "runs from -1 to 1: scale it to the bound as well"),
     (-0.2, 0.8, "noise shifted but not scaled", "is 1 wide: scale it to 0.4 first, then shift it"),
 )
 
 
 def require_wave(name: str, t: FloatArray, y: FloatArray, wave: Wave, other: Wave) -> None:
-    """Refuse `y` unless ``wave(2 pi t / 100)`` lies under its noise; names the wave that is there instead."""
+    """Require that `y` is ``wave(2 pi t / 100)`` plus noise; the message names a known wrong wave."""
     right, swapped = wave(0.02 * np.pi * t), other(0.02 * np.pi * t)
     columns = np.column_stack([np.ones(t.size), right, swapped])
     coefficients, *_ = np.linalg.lstsq(columns, y, rcond=None)
@@ -106,7 +106,7 @@ def require_wave(name: str, t: FloatArray, y: FloatArray, wave: Wave, other: Wav
         return
     if abs(coefficients[2] - 1) <= tolerance and abs(coefficients[1]) <= tolerance:
         raise NoAnswer(f"`{name}`: sine and cosine are swapped. `y1` is the sine.", "sine and cosine swapped")
-    # a candidate may be constant at the samples, so each is judged by what it leaves over, not by a fit
+    # a candidate may be constant at the samples, so each is judged by its residual, not by a fit
     rests = [y - made(wave, t) for _, _, made in _WRONG_WAVES]
     nearest = int(np.argmin([np.std(rest) for rest in rests]))
     if np.std(rests[nearest]) < 0.5 * np.std(y - right) and abs(np.median(rests[nearest])) <= LARGEST_MEAN:
@@ -116,19 +116,17 @@ def require_wave(name: str, t: FloatArray, y: FloatArray, wave: Wave, other: Wav
 
 
 def require_uniform(name: str, noise: FloatArray) -> None:
-    """Refuse noise that is not uniform within the bound; names what it is instead."""
+    """Require noise that is uniform within the bound; the message names a known wrong distribution."""
     if np.ptp(noise) < _EPSILON:
         if abs(noise[0]) < _EPSILON:
             raise NoAnswer(f"`{name}` has no noise yet: add it to the sinusoid.", "no noise")
         raise NoAnswer(
-            f"All samples of `{name}` have got the same random number. Ask for as many as there are samples: "
-            "`t.shape`.",
+            f"All samples of `{name}` have the same random number. Draw one for each sample, with the size `t.shape`.",
             "one random number for all samples",
         )
     if np.sum(np.abs(np.abs(noise) - NOISE_BOUND) < _EPSILON) > AT_THE_BOUND:
         raise NoAnswer(
-            f"Many values of the noise in `{name}` sit exactly at the bound, as if it had been clipped there. Uniform "
-            "noise needs no clipping.",
+            f"Many values of the noise in `{name}` equal the bound, as if clipped. Uniform noise needs no clipping.",
             "noise clipped at the bound",
         )
     if _is_uniform(noise, -NOISE_BOUND, NOISE_BOUND):
@@ -140,32 +138,29 @@ def require_uniform(name: str, noise: FloatArray) -> None:
     kurtosis = np.mean(deviation**4) / np.mean(deviation**2) ** 2
     if kurtosis > GAUSSIAN_KURTOSIS:
         raise NoAnswer(
-            f"The noise in `{name}` piles up at its mean, like Gaussian noise (`randn`, `normal`). Uniform "
+            f"The noise in `{name}` is concentrated at its mean, like Gaussian noise (`randn`, `normal`). Uniform "
             "noise takes every value within its bound equally often, and none outside.",
             "Gaussian noise",
         )
-    raise NoAnswer(
-        f"The noise in `{name}` is not uniform within ±0.2: it should fill the range from -0.2 to 0.2 evenly "
-        "and never leave it."
-    )
+    raise NoAnswer(f"The noise in `{name}` is not uniform within ±0.2: it should cover exactly this range, evenly.")
 
 
 def require_independent(noises: dict[str, FloatArray]) -> None:
-    """Refuse two noises that are one, or that remember what they were a sample before."""
+    """Require noises that are independent of each other and from sample to sample."""
     (first, one), (second, two) = noises.items()
     together = _correlation(one, two)
     if abs(together) > 1 - _EPSILON:
         raise NoAnswer(
-            f"`{first}` and `{second}` carry the same noise. Draw new random numbers for each (and do "
+            f"`{first}` and `{second}` contain the same noise. Draw new random numbers for each (and do "
             "not start two generators from the same seed).",
             "the same noise in both",
         )
-    if abs(together) > UNRELATED:
-        raise NoAnswer(f"The noises in `{first}` and `{second}` have to do with each other: draw each on its own.")
+    if abs(together) > LARGEST_CORRELATION:
+        raise NoAnswer(f"The noises in `{first}` and `{second}` are correlated: draw each separately.")
     for name, noise in noises.items():
-        if abs(_correlation(noise[1:], noise[:-1])) > UNRELATED:
+        if abs(_correlation(noise[1:], noise[:-1])) > LARGEST_CORRELATION:
             raise NoAnswer(
-                f"The noise in `{name}` is no noise: each value can be told from the one before. Draw random numbers.",
+                f"The noise in `{name}` is not random: each value follows from the one before. Draw random numbers.",
                 "noise that is not random",
             )
 

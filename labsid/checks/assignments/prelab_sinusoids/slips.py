@@ -1,4 +1,4 @@
-"""The slips that students make in the pre-lab with time, cutting and stacking, and what each would give."""
+"""Known mistakes in the pre-lab with time, cutting and stacking, and the values that they give."""
 
 from collections.abc import Callable, Sequence
 
@@ -13,26 +13,26 @@ Slips = list[Slip[FloatArray]]
 
 
 def time_slips() -> Slips:
-    """Of step 1, the vector of time."""
+    """Mistakes of step 1, the time vector."""
 
     def slip(name: str, hint: str, wrong: ArrayLike) -> Slip[FloatArray]:
         return Slip(name, f"`t` {hint}", lambda: np.asarray(wrong, np.float64))
 
     return [
         slip(
-            "the end left out",
-            "stops before 100 s: `np.arange` leaves its end out. `np.linspace` takes it in.",
+            "end left out",
+            "stops before 100 s: `np.arange` excludes its end; `np.linspace` includes it.",
             np.arange(1000) * 0.1,
         ),
         slip(
             "1000 points",
-            "has 1000 points, a little more than 0.1 s apart. Both ends belong to it: count again.",
+            "has 1000 points, a little more than 0.1 s apart. It includes both 0 s and 100 s: count again.",
             np.linspace(0, 100, 1000),
         ),
         slip("does not start at zero", "starts at 0.1 s; it should start at 0.", np.arange(1, 1001) * 0.1),
-        slip("spacing of 1 s", "goes in steps of 1 s; they should be 0.1 s.", np.arange(101.0)),
-        slip("spacing of 0.01 s", "goes in steps of 0.01 s; they should be 0.1 s.", np.arange(10001) * 0.01),
-        slip("100 points", "has 100 points; step 1 says how many there are.", np.linspace(0, 100, 100)),
+        slip("spacing of 1 s", "has steps of 1 s; they should be 0.1 s.", np.arange(101.0)),
+        slip("spacing of 0.01 s", "has steps of 0.01 s; they should be 0.1 s.", np.arange(10001) * 0.01),
+        slip("100 points", "has 100 points; see step 1 for the right number.", np.linspace(0, 100, 100)),
         slip(
             "sample number in place of time",
             "counts the samples; in seconds they are 0.1 apart.",
@@ -42,29 +42,29 @@ def time_slips() -> Slips:
 
 
 def new_time_slips(t: FloatArray) -> Slips:
-    """Of step 3, the time that is left."""
+    """Mistakes of step 3, the remaining time."""
     return [
         Slip("time not set back to zero", "`t_new` starts at 20 s: set its start to zero.", lambda: t[CUT:]),
         Slip("not cut", "`t_new` is still the whole of `t`.", lambda: t),
-        Slip("the wrong part kept", "`t_new` holds the 200 samples that should go.", lambda: t[:CUT]),
+        Slip("the wrong part kept", "`t_new` holds the 200 samples that should be removed.", lambda: t[:CUT]),
         *_off_by_one("t_new", lambda first: t[first:] - t[first]),
         *_off_by_one("t_new", lambda first: t[first:]),
         *_off_by_one("t_new", lambda first: t[first:] - t[CUT]),
         Slip(
             "time set back by the wrong amount",
-            "`t_new` does not start from zero: take off the time of its own first sample.",
+            "`t_new` does not start from zero: subtract the time of its own first sample.",
             lambda: t[CUT:] - t[CUT - 1],
         ),
         Slip(
             "samples taken for seconds",
-            "`t_new` was set back by 200 s; 200 is the number of samples, not the time.",
+            "`t_new` was shifted by 200 s; 200 is the number of samples, not the time.",
             lambda: t[CUT:] - CUT,
         ),
     ]
 
 
 def new_signal_slips(name: str, y: FloatArray, other: FloatArray) -> Slips:
-    """Of step 3, `name` being what is left of `y`, with `other` the second sinusoid."""
+    """Mistakes of step 3 in `name`, the remaining samples of `y`; `other` is the second sinusoid."""
     return [
         Slip("not cut", f"`{name}` is still the whole of `{name[:2]}`: cut it like `t`.", lambda: y),
         Slip(
@@ -72,19 +72,19 @@ def new_signal_slips(name: str, y: FloatArray, other: FloatArray) -> Slips:
             f"`{name}` lacks the last 200 samples; the first 200 should go.",
             lambda: y[:-CUT],
         ),
-        Slip("the wrong part kept", f"`{name}` holds the 200 samples that should go.", lambda: y[:CUT]),
+        Slip("the wrong part kept", f"`{name}` holds the 200 samples that should be removed.", lambda: y[:CUT]),
         *_off_by_one(name, lambda first: y[first:]),
         Slip("y1 and y2 swapped", f"`{name}` was cut from the other signal.", lambda: other[CUT:]),
         Slip(
             "values set back to zero",
-            f"`{name}` starts from zero: only the time is set back, the signal keeps its values.",
+            f"`{name}` starts from zero: only the time should; the signal keeps its values.",
             lambda: y[CUT:] - y[CUT],
         ),
     ]
 
 
 def matrix_slips(parts: Sequence[FloatArray], uncut: Sequence[FloatArray], shape: tuple[int, ...]) -> Slips:
-    """Of step 4, the matrix of `parts`; `shape` is the shape of the answer."""
+    """Mistakes of step 4, the matrix of `parts`; `shape` is the shape of the answer."""
     t, y1, y2 = parts
     orders = ([t, y2, y1], [y1, y2, t], [y1, t, y2], [y2, t, y1], [y2, y1, t])
     return [
@@ -100,7 +100,7 @@ def matrix_slips(parts: Sequence[FloatArray], uncut: Sequence[FloatArray], shape
         ),
         Slip(
             "stacked along a new axis",
-            f"`data_new` has {len(shape)} dimensions: `np.array([...])` stacks along a new one, `np.hstack` does not.",
+            f"`data_new` has {len(shape)} dimensions: `np.array([...])` stacks along a new one. Use `np.hstack`.",
             lambda: np.array([part[:, None] for part in parts]),
         ),
         Slip(
@@ -113,7 +113,7 @@ def matrix_slips(parts: Sequence[FloatArray], uncut: Sequence[FloatArray], shape
 
 
 def cut_off_slips(data: FloatArray, n: int) -> Slips:
-    """Of the function cut_off(data, n)."""
+    """Mistakes in the function cut_off(data, n)."""
 
     def slip(name: str, hint: str, wrong: Callable[[], FloatArray]) -> Slip[FloatArray]:
         return Slip(name, f"`cut_off` {hint}", wrong)
@@ -123,16 +123,16 @@ def cut_off_slips(data: FloatArray, n: int) -> Slips:
         part[:, 0] -= part[0, 0]
         return part
 
-    last_off = ("the last samples cut off", "takes the last n rows away; the first n should go.")
-    kept = ("the wrong part kept", "returns the n rows that should go.")
+    last_off = ("the last samples cut off", "removes the last n rows; it should remove the first n.")
+    kept = ("the wrong part kept", "returns the n rows that it should remove.")
     one_more = (
         "off by one",
-        "cuts one row too many: rows are counted from 0, so the first to stay is row n.",
+        "removes one row too many: rows are counted from 0, so row n is the first to keep.",
     )
     return [
         slip(
             "time not set back to zero",
-            "leaves the time as it was: let it start from zero.",
+            "leaves the time unchanged: let it start from zero.",
             lambda: data[n:],
         ),
         slip(*last_off, lambda: rest(0, -n)),
@@ -141,11 +141,11 @@ def cut_off_slips(data: FloatArray, n: int) -> Slips:
         slip(*kept, lambda: rest(0, n)),
         slip(*one_more, lambda: rest(n + 1)),
         slip(*one_more, lambda: data[n + 1 :]),
-        slip("off by one", "cuts one row too few: rows 0 to n - 1 go.", lambda: rest(n - 1)),
-        slip("always 200 samples", "cuts 200 rows whatever n says: use its argument.", lambda: rest(CUT)),
+        slip("off by one", "removes one row too few: remove rows 0 to n - 1.", lambda: rest(n - 1)),
+        slip("always 200 samples", "always removes 200 rows: use the argument n.", lambda: rest(CUT)),
         slip(
             "time set back by a fixed 20 s",
-            "always takes 20 s off the time. Take off the time of the first row that stays.",
+            "always subtracts 20 s from the time. Subtract the time of the first row that remains.",
             lambda: data[n:] - [20.0, 0.0, 0.0],
         ),
         slip(
@@ -160,7 +160,7 @@ def _off_by_one(name: str, cut_from: Callable[[int], FloatArray]) -> Slips:
     return [
         Slip(
             "off by one",
-            f"`{name}` lacks one sample too many: counted from 0, the first sample to stay is number 200.",
+            f"`{name}` has one sample too few: counted from 0, the first sample to keep is number 200.",
             lambda: cut_from(CUT + 1),
         ),
         Slip(
@@ -174,6 +174,6 @@ def _off_by_one(name: str, cut_from: Callable[[int], FloatArray]) -> Slips:
 def _swapped_columns(order: Sequence[FloatArray]) -> Slip[FloatArray]:
     return Slip(
         "columns in another order",
-        "`data_new` has its columns in another order than t_new, y1_new, y2_new.",
+        "`data_new` has its columns in the wrong order; it should be t_new, y1_new, y2_new.",
         lambda: np.column_stack(order),
     )

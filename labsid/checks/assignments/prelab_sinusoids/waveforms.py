@@ -1,4 +1,4 @@
-"""Checks of the pre-lab: a column of time, two noisy sinusoids, the cut, the matrix, Fig. 1."""
+"""Checks of the pre-lab: time vector, two noisy sinusoids, the cut, the matrix and Fig. 1."""
 
 from collections.abc import Iterator
 
@@ -45,7 +45,7 @@ def check_time(ask: Ask) -> Verdict:
 
 
 def check_noise(ask: Ask) -> Verdict:
-    """Step 2: the sinusoids y1 and y2, by their statistics."""
+    """Step 2: the sinusoids y1 and y2, judged by their statistics."""
     t = _vector(ask.known("t"))
     noises: dict[str, FloatArray] = {}
     for name, wave, other in (("y1", np.sin, np.cos), ("y2", np.cos, np.sin)):
@@ -65,8 +65,8 @@ def check_cut(ask: Ask) -> Verdict:
         as_vector("t_new", ask.value("t_new")),
         _vector(right_cut(ask)["t_new"]),
         _same,
-        "the first 200 samples are off, and time starts from zero again.",
-        "`t_new` is not what is left of `t` after 200 samples, starting from zero: see step 3.",
+        "the first 200 samples are removed, and time starts from zero.",
+        "`t_new` should be `t` without its first 200 samples, starting from zero: see step 3.",
         new_time_slips(t),
     )
     for name, y, other in (("y1_new", y1, y2), ("y2_new", y2, y1)):
@@ -76,7 +76,7 @@ def check_cut(ask: Ask) -> Verdict:
                 y[CUT:],
                 _same,
                 verdict.reason,
-                f"`{name}` is not what is left of `{name[:2]}` after its first 200 samples: see step 3.",
+                f"`{name}` should be `{name[:2]}` without its first 200 samples: see step 3.",
                 new_signal_slips(name, y, other),
             )
     return verdict
@@ -103,7 +103,7 @@ def check_matrix(ask: Ask) -> Verdict:
 
 @first_failure
 def check_function(ask: Ask) -> Iterator[Verdict]:
-    """Step 4, as a function: cut_off(data, n) on data that the student has not seen."""
+    """Step 4, as a function: cut_off(data, n) on unseen data."""
     for rows in (320, 60, 90):
         Ts, start = float(ask.rng.choice([0.05, 0.25, 0.75])), float(ask.rng.integers(3, 40))
         data = np.column_stack([start + Ts * np.arange(rows), ask.rng.normal(size=(rows, 2))])
@@ -121,8 +121,8 @@ def _try_cut_off(ask: Ask, data: FloatArray, n: int) -> Verdict:
         got,
         right,
         _same,
-        "it cuts other data as well, and leaves their time starting from zero.",
-        "`cut_off` does not give what is left of `data` after its first `n` rows: see step 4.",
+        "it cuts other data as well, and their time starts from zero.",
+        "`cut_off` should return `data` without its first `n` rows, with time from zero: see step 4.",
         cut_off_slips(data, n),
     )
 
@@ -131,7 +131,7 @@ def check_original(ask: Ask) -> Verdict:
     """Step 5: Fig. 1(a)."""
     t, y1, y2 = (_vector(ask.known(name)) for name in ("t", "y1", "y2"))
     require_panel(panels(ask.value("fig_1"))[0], "Fig. 1(a)", "t", t, {"y1": y1, "y2": y2}, r"original|\(a\)")
-    return Verdict(True, "Fig. 1(a) shows the original data as the lab asks for it.")
+    return Verdict(True, "Fig. 1(a) shows the original data as the lab requires.")
 
 
 def check_cut_off_data(ask: Ask) -> Verdict:
@@ -143,14 +143,14 @@ def check_cut_off_data(ask: Ask) -> Verdict:
         raise NoAnswer(f"`fig_1` should have two panels, one above the other; it has {len(axes)}.", "not two panels")
     lower = axes[1]
     if shows(lower, y1) or shows(lower, y2):
-        raise NoAnswer("Fig. 1(b) shows the original data once more; plot the cut-off data.", "original data in (b)")
+        raise NoAnswer("Fig. 1(b) shows the original data again; plot the cut-off data.", "original data in (b)")
     if shows(lower, y1_new, t[CUT:]) or shows(lower, y2_new, t[CUT:]):
         raise NoAnswer(
             "In Fig. 1(b) the cut-off data are plotted at their old time. Plot them against `t_new`.",
             "old time in (b)",
         )
     require_panel(lower, "Fig. 1(b)", "t_new", t_new, {"y1_new": y1_new, "y2_new": y2_new}, r"cut|\(b\)")
-    return Verdict(True, "Fig. 1(b) shows the cut-off data from time zero on.")
+    return Verdict(True, "Fig. 1(b) shows the cut-off data, starting at time zero.")
 
 
 def _vector(value: Value) -> FloatArray:
@@ -160,15 +160,14 @@ def _vector(value: Value) -> FloatArray:
 def _signal(name: str, value: Value, size: int) -> FloatArray:
     if isinstance(value, np.ndarray) and value.shape == (size, size):
         raise NoAnswer(
-            f"`{name}` has become a table of shape {value.shape}: flat noise was added to a column. Ask for "
-            "noise of the shape `t.shape`.",
+            f"`{name}` has shape {value.shape}: flat noise was added to a column. Draw noise of the shape `t.shape`.",
             "flat noise added to a column",
         )
     return as_column(name, value, size)
 
 
 def right_time(ask: Ask) -> dict[str, Value]:
-    """The column of time."""
+    """The time vector."""
     return {"t": make_sinusoids(ask.rng).t}
 
 

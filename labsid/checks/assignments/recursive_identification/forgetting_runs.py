@@ -104,7 +104,7 @@ def _rows(u: FloatArray, y: FloatArray, ask: Ask) -> Iterator[Verdict]:
             Slip("lag off by one", lag, lambda: np.column_stack([right[:, :2], u[start - 2 : n - 2]])),
             Slip("lag off by one", lag, lambda: np.column_stack([right[:, :2], future[start + 1 :]])),
             Slip(
-                "index goes round to the end",
+                "index wraps around",
                 "`np.roll` brings the end of the record round to its start: a sample from the future. Begin at the "
                 "third sample, or fill with zeros.",
                 lambda: np.column_stack([-np.roll(y, 1), -np.roll(y, 2), np.roll(u, 1)])[start:],

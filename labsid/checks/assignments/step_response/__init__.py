@@ -1,4 +1,4 @@
-"""The appendix: step-response modelling (Fig. A1, A2), a step of the real tanks, linear least squares."""
+"""The appendix: step-response modelling (Fig. A1, A2), a step of the real tanks, and linear least squares."""
 
 from labsid.checks.assignments.step_response.example_step import (
     check_approximation,

@@ -1,4 +1,4 @@
-"""Checks of the appendix: step-response modelling (Fig. A1, A2), a step of the real tanks, linear least squares."""
+"""Checks of steps 1, 3 and 5 of the appendix: step-response modelling (Fig. A1, A2)."""
 
 from collections.abc import Iterator
 
@@ -60,12 +60,12 @@ def check_approximation(ask: Ask) -> Verdict:
         as_number("mse_approx", ask.value("mse_approx")),
         mse(y, right),
         _same,
-        "the mean squared error says how close the approximation is.",
+        "the mean squared error measures how close the approximation is.",
         "`mse_approx` is not the mean of the squared differences of `y_step` and `y_approx`.",
         [
             Slip(
                 "root mean square",
-                "`mse_approx` has a root in it.",
+                "`mse_approx` is the root of the mean squared error: leave the root out.",
                 lambda: float(np.sqrt(np.mean(error**2))),
             ),
             Slip(
@@ -75,22 +75,22 @@ def check_approximation(ask: Ask) -> Verdict:
             ),
             Slip(
                 "not squared",
-                "`mse_approx` is the mean of the errors, not squared.",
+                "`mse_approx` is the mean of the errors: square them first.",
                 lambda: float(np.mean(error)),
             ),
             Slip(
                 "absolute error",
-                "`mse_approx` is the mean of |error|: square it.",
+                "`mse_approx` is the mean of |error|: square the errors instead.",
                 lambda: float(np.mean(abs(error))),
             ),
             Slip(
                 "mean squared",
-                "`mse_approx` squares the mean error: square first.",
+                "`mse_approx` is the square of the mean error: square first, then average.",
                 lambda: float(np.mean(error)) ** 2,
             ),
             Slip(
-                "half of it",
-                "`mse_approx` has a half in it; the MSE has none.",
+                "half the mean",
+                "`mse_approx` has a factor 1/2; the MSE has none.",
                 lambda: float(np.mean(error**2)) / 2,
             ),
         ],
@@ -114,14 +114,16 @@ def check_function(ask: Ask) -> Iterator[Verdict]:
     for step in _trial_steps(ask.rng):
         value = returned(ask, "read_step", step.t, step.y, step.amplitude)
         got = as_vector("read_step(...)", value, 3)
-        yield judge_reading(got, step, "`read_step`: ", "it reads other processes as well, up, down and in noise.")
+        yield judge_reading(
+            got, step, "`read_step`: ", "it also reads other processes, steps up and down, and noisy records."
+        )
 
 
 def _trial_steps(rng: np.random.Generator) -> list[Step]:
-    """A plain response, one from another level, one down, one in noise."""
+    """Steps from zero, from another level, downwards, and with noise."""
     steps = []
     for level, sign, noise in ((0.0, 1, 0.0), (1.0, 1, 0.0), (1.0, -1, 0.0), (1.0, -1, 0.003)):
-        # gains well above 1 and many samples a second: slips then give values that no other slip gives
+        # gains well above 1 and many samples per second: each mistake then gives a value of its own
         tau = float(rng.uniform(2, 7))
         model = FirstOrderDelay(float(rng.uniform(1.6, 4)), tau, tau * float(rng.uniform(0.25, 0.6)))
         amplitude = sign * float(rng.uniform(1.3, 5))

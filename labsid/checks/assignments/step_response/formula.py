@@ -27,7 +27,7 @@ def check_response(ask: Ask) -> Iterator[Verdict]:
             got,
             first_order_response(model, t, amplitude),
             close(1e-6),
-            "zero up to the delay, then on its way to K times the amplitude.",
+            "zero up to the delay, then rising to K times the amplitude.",
             "`first_order_response` does not follow the formula of step 1.",
             _response_slips(t, model, amplitude),
         )
@@ -41,25 +41,27 @@ def _response_slips(t: FloatArray, model: FirstOrderDelay, amplitude: float) -> 
         return Slip(name, f"`first_order_response` {hint}", lambda: wrong)
 
     since = np.maximum(t - td, 0)
-    no_delay = "starts at once: use t - td instead of t, and zero before td."
+    no_delay = "starts at once: use t - td instead of t, and return zero before td."
     return [
         slip(
             "not zero before the delay",
             "is not zero before td: the formula alone gives large values of the other sign there.",
             size * (1 - np.exp(-(t - td) / tau)),
         ),
-        slip("amplitude forgotten", "does not depend on the amplitude.", K * (1 - np.exp(-since / tau))),
-        slip("gain forgotten", "does not depend on K.", amplitude * (1 - np.exp(-since / tau))),
+        slip(
+            "amplitude forgotten", "does not depend on the amplitude: multiply by it.", K * (1 - np.exp(-since / tau))
+        ),
+        slip("gain forgotten", "does not depend on K: multiply by it.", amplitude * (1 - np.exp(-since / tau))),
         slip("no delay", no_delay, size * (1 - np.exp(-t / tau))),
         slip(
             "delay cut but not shifted",
             "is zero before td, but then jumps: the exponent needs t - td as well.",
             np.where(t >= td, size * (1 - np.exp(-t / tau)), 0),
         ),
-        slip("decays", "falls where it should rise: 1 minus the exponential.", size * np.exp(-since / tau)),
+        slip("decays", "falls where it should rise: use 1 minus the exponential.", size * np.exp(-since / tau)),
         slip(
             "decays",
-            "falls where it should rise: 1 minus the exponential.",
+            "falls where it should rise: use 1 minus the exponential.",
             np.where(t >= td, size * np.exp(-(t - td) / tau), 0),
         ),
         slip(
@@ -74,7 +76,7 @@ def _response_slips(t: FloatArray, model: FirstOrderDelay, amplitude: float) -> 
         ),
         slip(
             "delay in samples",
-            "takes td for a number of samples; it is in seconds.",
+            "uses td as a number of samples; it is in seconds.",
             first_order_response(FirstOrderDelay(K, tau, Ts * round(td)), t, amplitude),
         ),
         slip(

@@ -19,22 +19,22 @@ from labsid.least_squares.solve import loss, loss_gradient, solve_least_squares,
 
 _same = close(1e-8)
 
-# The square one comes first: there a transposed Phi still multiplies, and can be named.
+# The square one comes first: with it, a transposed Phi still multiplies and can be recognised.
 _SHAPES = ((3, 3), (5, 2), (8, 3))
 
 
 def check_solve_two(ask: Ask) -> Verdict:
     """(A2), and its determinant condition."""
-    for turned in (False, True):
+    for is_reversed in (False, True):
         U, Y = ask.rng.uniform(0.5, 1.5, (2, 2)) + 2 * np.eye(2), ask.rng.uniform(1, 3, 2)
-        if turned:
+        if is_reversed:
             U = U[::-1].copy()
         verdict = judge(
             as_vector("solve_two(U, Y)", returned(ask, "solve_two", U, Y), 2),
             two_equations(U, Y),
             _same,
-            "it solves two equations, and says `None` where there is no single solution.",
-            "`solve_two` does not give the solution of (A2): put it into the two equations and see.",
+            "it solves two equations, and returns `None` if the solution is not unique.",
+            "`solve_two` does not give the solution of (A2): insert its result into the two equations.",
             two_slips(U, Y),
         )
         if not verdict.passed:
@@ -47,7 +47,8 @@ def check_solve_two(ask: Ask) -> Verdict:
     if solved:
         return Verdict(
             False,
-            "`solve_two` gives no `None` for dependent equations: look at the determinant before you divide by it.",
+            "`solve_two` does not return `None` for dependent equations: check the determinant before you divide by "
+            "it.",
             "determinant not checked",
         )
     return verdict
@@ -93,8 +94,8 @@ def check_gradient(ask: Ask) -> Verdict:
             as_vector("gradient(Phi, Y, theta)", returned(ask, "gradient", Phi, Y, theta)),
             loss_gradient(Phi, Y, theta),
             _same,
-            "it is the slope of the loss in each parameter.",
-            "`gradient` is not the derivative of V: hold it against differences of the loss, as the hint says.",
+            "it is the derivative of the loss with respect to each parameter.",
+            "`gradient` is not the derivative of V: compare it with differences of the loss, as in the hint.",
             gradient_slips(Phi, Y, theta),
         )
 
@@ -118,43 +119,45 @@ def check_minimum(ask: Ask) -> Verdict:
 
 
 def check_unique(ask: Ask) -> Verdict:
-    """Unique exactly when Phi has full column rank."""
+    """The solution is unique if and only if Phi has full column rank."""
     tall = ask.rng.uniform(-2, 2, (7, 3))
     dependent = tall.copy()
     dependent[:, 2] = 0.3 * dependent[:, 0] - 1.7 * dependent[:, 1]
     answers = tuple(_truth(ask, Phi) for Phi in (tall, tall[:3], dependent, tall[:2]))
     if answers == (True, True, False, False):
-        return Verdict(True, "full column rank decides, not the number of equations.")
-    slip, reason = _WRONG_RULES.get(answers, (None, "is not right for every Phi: take its rank and its columns."))
+        return Verdict(True, "the solution is unique if Phi has full column rank.")
+    slip, reason = _WRONG_RULES.get(
+        answers, (None, "is not right for every Phi: compare its rank with its number of columns.")
+    )
     return Verdict(False, f"`is_unique` {reason}", slip)
 
 
-# What each wrong rule says of a tall and a square matrix of full rank, a tall one with dependent columns, a wide one.
+# Results of wrong rules for: a tall and a square matrix of full rank, a tall one with dependent columns, a wide one.
 _WRONG_RULES: dict[tuple[bool, ...], tuple[str, str]] = {
     (True, True, True, False): (
         "equations counted",
-        "counts equations and unknowns. That is not enough: try a Phi with two equal columns.",
+        "compares only the numbers of equations and unknowns: try a Phi with two equal columns.",
     ),
     (True, True, True, True): (
         "always unique",
-        "says True to every Phi. (A determinant of dependent columns comes out tiny, not zero, through rounding; "
+        "returns True for every Phi. (With dependent columns, rounding makes the determinant tiny instead of zero; "
         "`matrix_rank` allows for that.)",
     ),
     (True, True, False, True): (
         "rank of the rows",
-        "compares the rank with the rows, or with the smaller side of Phi; what counts is the number of columns.",
+        "compares the rank with the rows, or with the smaller side of Phi; compare it with the number of columns.",
     ),
     (False, True, False, False): (
         "square matrices only",
-        "is content only with a square Phi; more equations do no harm.",
+        "returns True only for a square Phi; more equations than unknowns are allowed.",
     ),
     (False, True, False, True): (
         "rank of the rows",
-        "compares the rank with the number of rows; what counts is the number of columns.",
+        "compares the rank with the number of rows; compare it with the number of columns.",
     ),
     (False, False, True, True): (
-        "the other way round",
-        "says the opposite: True is for a solution that is unique.",
+        "opposite answer",
+        "returns the opposite: True means that the solution is unique.",
     ),
 }
 

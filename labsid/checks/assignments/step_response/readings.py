@@ -1,4 +1,4 @@
-"""Judging gain, time constant and delay: by the response that they make, not by the way in which they were read."""
+"""Judge gain, time constant and delay by the response of their model, not by how they were read."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -13,11 +13,11 @@ from labsid.checks.verdict import NoAnswer, Verdict
 from labsid.lab.step_response import FirstOrderDelay, StepResponseFit, first_order_response, fit_step_response
 
 GAIN_WITHIN = 0.04
-"""Relative; a fair reading of the end level is within 1 %."""
+"""Relative; a careful reading of the final level is within 1 %."""
 COARSE = 0.5
-"""Sampling time in seconds; above it, seconds and samples are too near to each other to be distinguished by a delay."""
+"""Sampling time in seconds above which a delay in samples cannot be distinguished from one in seconds."""
 SAME_VALUE = 0.04
-"""Relative; a value this near to what a slip gives is that slip (times may also be a sample and a half off)."""
+"""Relative distance from the value of a known mistake, up to which it is recognised (times: plus 1.5 samples)."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -31,8 +31,7 @@ class Step:
     amplitude : float
         Size of the step, negative for a step down.
     allowance : float
-        How far the response of a fair reading may lie from the record, beyond what the best model does: root mean
-        square, as a share of the change.
+        Largest root mean square distance from the record, beyond that of the best model, as a share of the change.
     """
 
     t: FloatArray
@@ -43,7 +42,7 @@ class Step:
 
 @dataclass(frozen=True, slots=True)
 class _Suspect:
-    """A value that a known slip gives to one parameter."""
+    """The value that a known mistake gives to one parameter."""
 
     slip: str
     parameter: str
@@ -53,7 +52,7 @@ class _Suspect:
 
 
 def judge_reading(got: FloatArray, step: Step, where: str, praise: str) -> Verdict:
-    """Judge ``[K, tau, td]`` as read from a step; `where` begins each reason, such as "``read_step``: "."""
+    """Judge ``[K, tau, td]`` as read from a step; `where` is a prefix of each reason, such as "``read_step``: "."""
     fit = fit_step_response(step.t, step.y, step.amplitude)
     K, tau, td = map(float, got)
     right_gain = any(abs(K - right) <= GAIN_WITHIN * abs(right) for right in (fit.reading.K, fit.model.K))
@@ -66,7 +65,7 @@ def judge_reading(got: FloatArray, step: Step, where: str, praise: str) -> Verdi
         distance = abs(values[suspect.parameter] - suspect.value)
         if distance <= SAME_VALUE * abs(suspect.value) + suspect.within:
             return Verdict(False, where + suspect.hint, suspect.slip)
-    return Verdict(False, where + _what_is_off(values, fit, right_gain))
+    return Verdict(False, where + _deviation(values, fit, right_gain))
 
 
 def _excess(model: FirstOrderDelay, step: Step, fit: StepResponseFit) -> float:
@@ -85,58 +84,58 @@ def _suspects(step: Step, fit: StepResponseFit) -> Iterator[_Suspect]:
     right, a, change = fit.reading, step.amplitude, fit.y_final - fit.y_initial
     Ts = float(step.t[1] - step.t[0])
     grid = 1.5 * Ts
-    both = "K has the wrong sign. Both the change of the output and the amplitude have one: keep them."
+    both = "K has the wrong sign: keep the signs of the change of the output and of the amplitude."
     yield _Suspect("sign of the gain", "K", -right.K, 0, both)
     if change < 0:
-        downwards = "when the step goes down, `y >= level` is true from the start: work with the share of the way."
+        downwards = "in a step down, `y >= level` is true from the start: use the share of the change."
         for value in (0.0, -right.td):
             yield _Suspect("only steps up", "tau", value, grid, f"tau: {downwards}")
     if abs(fit.y_initial) > 0.1 * abs(change):
         crossed = _first_time(step, 0.632 * fit.y_final)
-        left_in = "the level before the step is still in: only the change counts, y - y_start."
+        left_in = "the level before the step is included: use the change y - y_start."
         for value in (fit.y_final / a, fit.y_final):
             yield _Suspect("initial level left in", "K", value, 0, f"K: {left_in}")
         for value in (crossed, crossed - right.td):
             yield _Suspect("initial level left in", "tau", value, grid, f"tau: {left_in}")
     divide = "K is the whole change of the output: divide it by the amplitude."
     yield _Suspect("amplitude not divided out", "K", change, 0, divide)
-    yield _Suspect("gain upside down", "K", a / change, 0, "K is upside down: it is output over input.")
-    early = "K was read at 63.2 % of the way; the gain belongs to the end."
+    yield _Suspect("gain inverted", "K", a / change, 0, "K is inverted: it is output over input.")
+    early = "K was read at 63.2 % of the change; read it at the end."
     yield _Suspect("63.2 % taken for the end", "K", 0.632 * right.K, 0, early)
-    two_thirds = "tau is t_63 - t_28 as it stands; two thirds of tau lie between them."
+    two_thirds = "tau is t_63 - t_28, which is only two thirds of the time constant."
     yield _Suspect("the factor 3/2 forgotten", "tau", fit.t_632 - fit.t_283, grid, two_thirds)
-    late = "td is the time to 63.2 %; that is t_d + tau."
+    late = "td is the time to 63.2 %, which is t_d + tau: subtract tau."
     yield _Suspect("63.2 % taken for the delay", "td", fit.t_632, grid, late)
     if Ts <= COARSE:
         loosely = 0.4 * right.td / Ts
         yield _Suspect("time in samples", "td", right.td / Ts, loosely, "td counts samples; it should be in seconds.")
     if right.td > 0.1 * right.tau:
         at_once = (
-            "td comes out as nothing, but this response starts late. (Is its start taken as the first change of y? "
-            "Noise changes y at once.)"
+            "td is zero, but this response has a delay. (The first change of y is not its start: noise changes y at "
+            "once.)"
         )
         yield _Suspect("no delay", "td", 0.0, grid, at_once)
         negative = "td is negative: the response starts after the step."
         yield _Suspect("delay with the wrong sign", "td", -right.td, grid, negative)
-        from_step = "tau was measured from the step on, so the delay is in it: measure it from t_d."
+        from_step = "tau was measured from the step and includes the delay: measure it from t_d."
         yield _Suspect("tau measured from the step", "tau", fit.t_632, grid, from_step)
     settling = "tau is the time to 95 %; the time constant is the time to 63.2 %."
     yield _Suspect("settling time in place of the time constant", "tau", 3 * right.tau, grid, settling)
     yield _Suspect("time in samples", "tau", right.tau / Ts, 1.5, "tau counts samples; it should be in seconds.")
-    yield _Suspect("time constant upside down", "tau", 1 / right.tau, 0, "tau is upside down: is it 1/tau?")
+    yield _Suspect("time constant inverted", "tau", 1 / right.tau, 0, "tau is inverted: you gave 1/tau.")
 
 
-def _what_is_off(values: dict[str, float], fit: StepResponseFit, right_gain: bool) -> str:
+def _deviation(values: dict[str, float], fit: StepResponseFit, right_gain: bool) -> str:
     if not right_gain:
         return "K is not the change of the output divided by the amplitude of the step."
     if not values["tau"] > 0:
-        return "tau is not positive; it is the time from t_d to 63.2 % of the way."
+        return "tau is not positive; it is the time from t_d to 63.2 % of the change."
     slower = values["tau"] > fit.model.tau
     later = values["td"] + values["tau"] > fit.model.td + fit.model.tau
     how = ("late", "early")[not later], ("slowly", "fast")[not slower]
     return (
-        f"K is right, but with this tau and td the model gets to 63.2 % too {how[0]}, or rises too {how[1]}. "
-        "Draw both responses in one figure and look."
+        f"K is right, but with this tau and td the model reaches 63.2 % too {how[0]}, or rises too {how[1]}. Compare "
+        "both responses in one figure."
     )
 
 
@@ -145,7 +144,7 @@ def _first_time(step: Step, level: float) -> float:
 
 
 def own_answer(ask: Ask, name: str, *arguments: Value) -> FloatArray | None:
-    """What the student's own function of an earlier step gives, so that its fault counts there alone."""
+    """Result of the student's function of an earlier step, whose errors count only there; None if it fails."""
     try:
         return as_vector(name, ask.call(name, *arguments))
     except NoAnswer:

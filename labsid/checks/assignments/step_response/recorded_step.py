@@ -1,4 +1,4 @@
-"""Checks of step 6 of the appendix: a step cut out of the record of the lab, and the model read off it."""
+"""Checks of step 6 of the appendix: a step cut from the record of the lab, and the model read from it."""
 
 from collections.abc import Callable
 
@@ -15,7 +15,7 @@ from labsid.lab.step_response import cut_held_step, fit_step_response
 
 TANK_PARAMETERS = ("K_tank", "tau_tank", "td_tank")
 LEVEL_WITHIN = 0.02
-"""Of the change: how far fair means of the level before the step may lie apart."""
+"""Largest difference between valid means of the level before the step, as a share of the change."""
 
 
 def check_held_step(ask: Ask) -> Verdict:
@@ -27,44 +27,45 @@ def check_held_step(ask: Ask) -> Verdict:
     change = abs(np.mean(y_held[-10:]))
     got_y = as_vector("y_held", ask.value("y_held"))
     got_t = as_vector("t_held", ask.value("t_held"), got_y.size)
-    # the sample at the second change was taken before that change acts, so it may stay or go
+    # the sample at the second change was taken before that change acts, so both ends are right
     stop = second if got_y.size != second - first + 1 else second + 1
     verdict = judge(
         got_y,
         y[first:stop] - find_offsets(u, y).y_offset,
-        _same_but_for_the_level(LEVEL_WITHIN * change),
+        _same_up_to_level(LEVEL_WITHIN * change),
         "",
-        "`y_held` is not the output from the first change of the input up to the second, less its level before.",
+        "`y_held` should be the output from the first change of the input up to the second, minus the level before "
+        "the first.",
         [
             Slip(
                 "initial level left in",
-                "`y_held` still has the level before the step in it: subtract it.",
+                "`y_held` still includes the level before the step: subtract it.",
                 lambda: y[first:stop],
             ),
             Slip(
                 "mean over the whole record",
-                "`y_held`: the level before the step is the mean before the first change, not over the whole record.",
+                "`y_held`: subtract the mean before the first change, not the mean over the whole record.",
                 lambda: y[first:stop] - y.mean(),
             ),
             Slip(
                 "mean over the step itself",
-                "`y_held`: the level before the step is the mean before the first change, not over the step.",
+                "`y_held`: subtract the mean before the first change, not the mean over the step.",
                 lambda: y[first:stop] - y[first:stop].mean(),
             ),
             Slip(
                 "level of the end",
-                "`y_held`: the level to subtract is that before the step, not that at its end.",
+                "`y_held`: subtract the level before the step, not the level at its end.",
                 lambda: y[first:stop] - y[stop - 10 : stop].mean(),
             ),
             Slip(
                 "mean before the rig has settled",
-                "`y_held`: in this record the output has not settled at first; average the settled end of the first "
+                "`y_held`: the output of this record is not settled at first; average the settled end of the first "
                 "period.",
                 lambda: y[first:stop] - mean_of_first_period(u, y),
             ),
             Slip(
                 "the period before the step",
-                "`y_held` is what comes before the first change; the step comes after it.",
+                "`y_held` is the output before the first change; the step comes after it.",
                 lambda: y[:first] - y[:first].mean(),
             ),
             Slip(
@@ -74,7 +75,7 @@ def check_held_step(ask: Ask) -> Verdict:
             ),
             Slip(
                 "not cut at the second change",
-                "`y_held` runs on to the end of the record: stop at the second change.",
+                "`y_held` extends to the end of the record: stop at the second change.",
                 lambda: y[first:] - y[:first].mean(),
             ),
             Slip(
@@ -105,22 +106,22 @@ def check_held_step(ask: Ask) -> Verdict:
             as_number("a_held", ask.value("a_held")),
             a_held,
             close(1e-6),
-            "the first step of the record, from zero time and zero level.",
+            "the first step of the record, starting from time zero and level zero.",
             "`a_held` is not the change of the input.",
             [
                 Slip(
                     "sign of the step",
-                    "`a_held`: new input minus old. Does it go up or down?",
+                    "`a_held` has the wrong sign: it is the new input minus the old one.",
                     lambda: -a_held,
                 ),
                 Slip(
                     "level in place of the change",
-                    "`a_held` is the level; take the change.",
+                    "`a_held` is the new level; it should be the change.",
                     lambda: float(u[first]),
                 ),
                 Slip(
                     "the second step",
-                    "`a_held` belongs to the second change.",
+                    "`a_held` is the second change; it should be the first.",
                     lambda: float(u[second] - u[first]),
                 ),
             ],
@@ -143,11 +144,11 @@ def check_tank_model(ask: Ask) -> Verdict:
     doubled = own_answer(ask, "read_step", 2 * t_held, 3 * y_held, a)
     depends = carried is not None and doubled is not None and not np.array_equal(carried, doubled)
     if depends and carried is not None and close(1e-6)(got, carried):
-        return Verdict(True, "this is what your `read_step` says; its faults are judged in step 5.")
+        return Verdict(True, "this is the result of your `read_step`, which is judged in step 5.")
     return verdict
 
 
-def _same_but_for_the_level(within: float) -> Callable[[FloatArray, FloatArray], bool]:
+def _same_up_to_level(within: float) -> Callable[[FloatArray, FloatArray], bool]:
     def same(a: FloatArray, b: FloatArray) -> bool:
         if a.shape != b.shape:
             return False

@@ -1,4 +1,4 @@
-"""The slips that students make in the least-squares appendix, (A1) to (A6), and what each would give."""
+"""Known mistakes in the least-squares appendix, (A1) to (A6), and the values that they give."""
 
 import numpy as np
 
@@ -8,20 +8,20 @@ from labsid.least_squares.solve import loss, loss_gradient, solve_least_squares,
 
 Slips = list[Slip[FloatArray]]
 
-_TRANSPOSED = "takes Phi on its side: a row of Phi is an equation, a column an unknown."
+_TRANSPOSED = "uses Phi transposed: a row of Phi is an equation, a column an unknown."
 
 
 def two_slips(U: FloatArray, Y: FloatArray) -> Slips:
-    """Of (A2)."""
+    """Mistakes in (A2)."""
     (u11, u12), (u21, u22) = U
     y1, y2 = Y
     det, plus = u11 * u22 - u12 * u21, u11 * u22 + u12 * u21
     first, second = u22 * y1 - u12 * y2, u11 * y2 - u21 * y1
-    wrong_sign = "`solve_two` has a sign wrong: compare the numerators with (A2)."
+    wrong_sign = "`solve_two` has a wrong sign: compare the numerators with (A2)."
     return [
         Slip(
             "transposed",
-            "`solve_two` takes u12 for u21: row i of U is equation i, so u12 is U[0, 1].",
+            "`solve_two` confuses u12 with u21: row i of U is equation i, so u12 is U[0, 1].",
             lambda: two_equations(U.T, Y),
         ),
         Slip(
@@ -31,7 +31,7 @@ def two_slips(U: FloatArray, Y: FloatArray) -> Slips:
         ),
         Slip(
             "sign of the determinant",
-            "`solve_two` has the determinant with the other sign.",
+            "`solve_two` has the wrong sign of the determinant.",
             lambda: np.array([first, second]) / -det,
         ),
         Slip(
@@ -51,22 +51,26 @@ def two_slips(U: FloatArray, Y: FloatArray) -> Slips:
 
 
 def error_slips(Phi: FloatArray, Y: FloatArray, theta: FloatArray) -> Slips:
-    """Of (A4)."""
+    """Mistakes in (A4)."""
     return [
         Slip(
             "sign of the error",
-            "`error_vector` has the other sign: E is what the model leaves of Y, Y - Phi theta.",
+            "`error_vector` has the wrong sign: E is Y - Phi theta.",
             lambda: Phi @ theta - Y,
         ),
         Slip(
-            "the model's output in place of the error",
-            "`error_vector` returns Phi theta, which is Y as the model has it: subtract it from Y.",
+            "model output in place of the error",
+            "`error_vector` returns the model output Phi theta: subtract it from Y.",
             lambda: Phi @ theta,
         ),
-        Slip("squared errors", "`error_vector` returns the squared errors.", lambda: (Y - Phi @ theta) ** 2),
+        Slip(
+            "squared errors",
+            "`error_vector` returns the squared errors: do not square them.",
+            lambda: (Y - Phi @ theta) ** 2,
+        ),
         Slip(
             "absolute errors",
-            "`error_vector` drops the signs of the errors.",
+            "`error_vector` returns absolute errors: keep their signs.",
             lambda: np.abs(Y - Phi @ theta),
         ),
         Slip("transposed Phi", f"`error_vector` {_TRANSPOSED}", lambda: Y - Phi.T @ theta),
@@ -74,14 +78,14 @@ def error_slips(Phi: FloatArray, Y: FloatArray, theta: FloatArray) -> Slips:
 
 
 def loss_slips(Phi: FloatArray, Y: FloatArray, theta: FloatArray) -> list[Slip[float]]:
-    """Of (A5)."""
+    """Mistakes in (A5)."""
     V = loss(Phi, Y, theta)
-    mean = "`loss` takes a mean of the squared errors; (A5) takes half their sum."
-    root = "`loss` has a root in it: (A5) has the square of the norm."
+    mean = "`loss` is a mean of the squared errors; (A5) is half their sum."
+    root = "`loss` contains a root; (A5) is the square of the norm."
     return [
         Slip(
             "the half forgotten",
-            "`loss` is twice as large as (A5), which has a half in front.",
+            "`loss` is twice as large as (A5), which has a factor 1/2.",
             lambda: 2 * V,
         ),
         Slip("mean in place of the sum", mean, lambda: 2 * V / Y.size),
@@ -90,7 +94,7 @@ def loss_slips(Phi: FloatArray, Y: FloatArray, theta: FloatArray) -> list[Slip[f
         Slip("norm not squared", root, lambda: float(np.sqrt(2 * V)) / 2),
         Slip(
             "errors not squared",
-            "`loss` adds up the errors without squaring them, so that they cancel.",
+            "`loss` adds the errors without squaring them, so that they cancel.",
             lambda: float(np.sum(Y - Phi @ theta)) / 2,
         ),
         Slip("transposed Phi", f"`loss` {_TRANSPOSED}", lambda: loss(Phi.T, Y, theta)),
@@ -98,32 +102,31 @@ def loss_slips(Phi: FloatArray, Y: FloatArray, theta: FloatArray) -> list[Slip[f
 
 
 def gradient_slips(Phi: FloatArray, Y: FloatArray, theta: FloatArray) -> Slips:
-    """Of the derivative of (A5), by (A6)."""
+    """Mistakes in the derivative of (A5), by (A6)."""
     right = loss_gradient(Phi, Y, theta)
     of_y, of_theta = Phi.T @ Y, Phi.T @ Phi @ theta
     uneven = (
-        "`gradient` has one of its two terms too small or too large: differentiate each by (A6), then multiply "
-        "both by the half."
+        "one of the two terms of `gradient` has a wrong factor: differentiate each by (A6), then multiply both by 1/2."
     )
     return [
         Slip(
             "sign of the gradient",
-            "`gradient` points downhill: it has the other sign. See the hint of step 8.",
+            "`gradient` has the wrong sign: it points downhill. See the hint of step 8.",
             lambda: -right,
         ),
         Slip(
             "the half forgotten",
-            "`gradient` is twice as large: the half of V cancels the 2 of (A6).",
+            "`gradient` is twice too large: the 1/2 of V cancels the 2 of (A6).",
             lambda: 2 * right,
         ),
         Slip(
             "the half kept",
-            "`gradient` is half as large: the half of V cancels the 2 of (A6).",
+            "`gradient` is half the right value: the 1/2 of V cancels the 2 of (A6).",
             lambda: right / 2,
         ),
         Slip(
             "sign of the gradient",
-            "`gradient` adds its two terms: look at their signs in V multiplied out.",
+            "`gradient` adds its two terms: expand V and check their signs.",
             lambda: of_y + of_theta,
         ),
         Slip("the 2 of (A6) forgotten", uneven, lambda: of_theta - of_y / 2),
@@ -137,26 +140,26 @@ def gradient_slips(Phi: FloatArray, Y: FloatArray, theta: FloatArray) -> Slips:
 
 
 def minimum_slips(Phi: FloatArray, Y: FloatArray) -> Slips:
-    """Of eq. (8)."""
+    """Mistakes in eq. (8)."""
     p = Phi.shape[1]
     return [
         Slip(
             "inverse forgotten",
-            "`best_theta` multiplies by Phi'Phi; eq. (8) by its inverse.",
+            "`best_theta` multiplies by Phi'Phi; eq. (8) multiplies by its inverse.",
             lambda: Phi.T @ Phi @ Phi.T @ Y,
         ),
         Slip("only Phi'Y", "`best_theta` returns Phi'Y: multiply it by (Phi'Phi)^-1.", lambda: Phi.T @ Y),
-        Slip("sign of theta", "`best_theta` has the other sign.", lambda: -solve_least_squares(Phi, Y).theta),
+        Slip("sign of theta", "`best_theta` has the wrong sign.", lambda: -solve_least_squares(Phi, Y).theta),
         Slip("transposed Phi", f"`best_theta` {_TRANSPOSED}", lambda: solve_least_squares(Phi.T, Y).theta),
         Slip("transposed Phi", f"`best_theta` {_TRANSPOSED}", lambda: np.linalg.inv(Phi @ Phi.T) @ Phi @ Y),
         Slip(
             "only as many equations as unknowns",
-            "`best_theta` solves the first equations and leaves the others out; eq. (8) takes them all.",
+            "`best_theta` solves only the first equations; eq. (8) uses all of them.",
             lambda: solve_least_squares(Phi[:p], Y[:p]).theta,
         ),
         Slip(
             "powers element by element",
-            "`best_theta` inverts the elements of Phi'Phi one by one (`** -1`): take `np.linalg.inv`.",
+            "`best_theta` inverts the elements of Phi'Phi one by one (`** -1`): use `np.linalg.inv`.",
             lambda: (Phi.T @ Phi) ** -1.0 @ Phi.T @ Y,
         ),
     ]
