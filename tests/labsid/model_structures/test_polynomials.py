@@ -110,7 +110,7 @@ def test_time_invariant_is_commuting_with_shifts():
     [
         (lambda: shift_back([1, 2], 3), "n must be between 0 and the 2 samples of x; got 3"),
         (lambda: shift_forward([1, 2], -1), "n must be between 0 and the 2 samples of x; got -1"),
-        (lambda: series([1], [0, 1], 3), r"A must have A\[0\] other than zero"),
+        (lambda: series([1], [0, 1], 3), r"A must have a nonzero A\[0\]"),
         (lambda: series([1], [1], 0), "terms must be at least 1; got 0"),
         (lambda: evaluate([1, 2], 0), "z must not be zero"),
     ],

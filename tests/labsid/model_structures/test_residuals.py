@@ -120,14 +120,14 @@ U, E = white(0, 50)
 @pytest.mark.parametrize(
     ("call", "message"),
     [
-        (lambda: autocorrelation(E, 50), "lags must be at least 1 and reach less far than the 50 samples; got 50"),
+        (lambda: autocorrelation(E, 50), "lags must be at least 1 and less than the 50 samples; got 50"),
         (lambda: autocorrelation(E, 0), "lags must be at least 1 .* got 0"),
         (lambda: autocorrelation(np.ones(50)), "e must vary to have a correlation; got 1 throughout"),
         (lambda: autocorrelation(E, 5, 1.0), r"confidence must lie between 0 and 1; got 1\.0"),
         (lambda: cross_correlation(U[1:], E), "u and e must have equal length; got 49 and 50"),
         (lambda: whiteness_test(E, 5, 5), "parameters must lie between 0 and lags - 1 = 4; got 5"),
         (lambda: input_residual_test(U, E, -1), "first must be at least 0 and lags at least 1; got -1 and 20"),
-        (lambda: input_residual_test(U, E, 2, 24), "lags must be .* reach less far than the 50 samples; got 50"),
+        (lambda: input_residual_test(U, E, 2, 24), "lags must be .* less than the 50 samples; got 50"),
     ],
 )
 def test_arguments_out_of_range(call, message):

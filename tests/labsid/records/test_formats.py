@@ -68,7 +68,7 @@ def test_two_columns_need_a_sampling_time(write_text):
     path = write_text("u,y\n1,2\n1,2.5\n3,2.25\n")
     assert_columns(read_raw(path, Ts=0.5), t=None)
     assert read_raw(path, Ts=0.5).Ts == 0.5
-    with pytest.raises(ValueError, match=r"record.csv: no columns t,u,y; the columns are u, y\. Say which"):
+    with pytest.raises(ValueError, match=r"record.csv: no columns t,u,y; the columns are u, y\. Choose columns"):
         read_raw(path)
 
 
@@ -116,7 +116,7 @@ def test_empty_fields_are_nan_where_they_matter(write_text):
         ("t,u,y\n", r"there is a header \(t, u, y\) and no data under it"),
         ("# nothing\n% at all\n", "there are no data in it, only comments"),
         ("t,u,y\n0,1,2\n0.5,bad,2\n", r"line 3, column 2: 'bad' is not a number"),
-        ("# c\n\nt,u,y\n0,1,2\n# c\n0.5,1\n", r"line 6 has 2 fields, and column 3 is wanted: '0.5,1'"),
+        ("# c\n\nt,u,y\n0,1,2\n# c\n0.5,1\n", r"line 6 has 2 fields, but column 3 is needed: '0.5,1'"),
         ("s,u,y\n" + ROWS, r"no columns t,u,y; the columns are s, u, y"),
         ("1,2,3,4\n1,2,3,4\n", r"no columns t,u,y; the columns are 1 to 4"),
         ("t;u;y\n0;1,5;2\n0.5;1;2\n", r"line 2, column 2: '1,5' is not a number"),
