@@ -104,9 +104,7 @@ def transfer_function(model: PolynomialModel) -> tuple[FloatArray, FloatArray]:
         If the model has no input.
     """
     if not model.b.size:
-        raise ValueError(
-            "the model must have an input for a transfer function. Use noise_tf for the noise."
-        )
+        raise ValueError("the model must have an input for a transfer function. Use noise_tf for the noise.")
     return _padded(model.delayed_b, model.a)
 
 

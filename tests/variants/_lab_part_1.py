@@ -55,7 +55,7 @@ VARIANTS: list[Right | Wrong] = [
         "one output twice",
         extracted(y_act='LogData["signals"][0]["values"][:, 0]'),
         "y_act and y_actm swapped",
-        "`y_act` holds what should be `y_actm`",
+        "`y_act` contains `y_actm`",
     ),
     wrong(
         EXTRACT, "both columns", extracted(y_act='LogData["signals"][0]["values"]'), "both columns taken", "take one"
@@ -72,7 +72,7 @@ VARIANTS: list[Right | Wrong] = [
         "time and input swapped",
         extracted('LogData["signals"][1]["values"]', u_act='LogData["time"]'),
         "another signal taken",
-        "`t` holds",
+        "`t` contains",
     ),
     wrong(
         EXTRACT,

@@ -149,7 +149,7 @@ VARIANTS: list[Right | Wrong] = [
         "time and output",
         "r = ct.forced_response(G, inputs=u)\ny_sim = (r.time, r.outputs)",
         "response instead of its output",
-        "alone",
+        "take only the output",
     ),
     wrong(
         ALL,

@@ -224,7 +224,7 @@ VARIANTS: list[Right | Wrong] = [
         "rows for columns",
         tables(after="estimates_1 = estimates_1.T\n"),
         "rows instead of columns",
-        "side",
+        "transpose it",
     ),
     # 2. bias and its standard error
     right(
@@ -412,7 +412,7 @@ VARIANTS: list[Right | Wrong] = [
     wrong(RELS, "sign of c", rels("-y[n - 1], u[n - 1], -e"), "sign of c", "sign of c"),
     wrong(RELS, "u(n)", rels("-y[n - 1], u[n], e"), "lag off by one", "u\\(n-1\\)"),
     wrong(RELS, "last estimate", rels(result="theta"), "only the last estimate", "whole history"),
-    wrong(RELS, "rows for columns", rels(result="H.T"), "rows instead of columns", "side"),
+    wrong(RELS, "rows for columns", rels(result="H.T"), "rows instead of columns", "transpose it"),
     wrong(RELS, "from sample 1", rels(result="H[1:]"), "first row left out", "one row less"),
     wrong(
         RELS,

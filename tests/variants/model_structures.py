@@ -168,7 +168,7 @@ VARIANTS: list[Right | Wrong] = [
         "rows lie down",
         equations(result="np.array(c1 + c2), y[k0:]"),
         "rows instead of columns",
-        "on its side",
+        "transpose it",
     ),
     wrong(
         EQUATIONS, "Y has all samples", equations(result="np.column_stack(c1 + c2), y"), "unequal rows", "one y.k. for"
@@ -277,7 +277,7 @@ VARIANTS: list[Right | Wrong] = [
         "all of lstsq",
         table(body="return np.linalg.lstsq(np.column_stack([-y[:-1], u[:-1]]), y[1:])"),
         "all of lstsq",
-        "first of it",
+        "its first element",
     ),
     wrong(
         TABLE,

@@ -244,7 +244,7 @@ VARIANTS: list[Right | Wrong] = [
         "on its side",
         derivatives("np.array([b * x * np.exp(a * x), np.exp(a * x)])"),
         "rows instead of columns",
-        "side",
+        "transpose it",
     ),
     wrong(JACOBIAN, "no 2", derivatives(gradient="-J.T @ e"), "factor 2 missing", "half"),
     wrong(JACOBIAN, "uphill", derivatives(gradient="2 * J.T @ e"), "uphill and downhill swapped", "sign"),

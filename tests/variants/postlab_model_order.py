@@ -84,7 +84,7 @@ VARIANTS: list[Right | Wrong] = [
         "transposed",
         "Phi_1 = np.vstack([y[: half - 1], u[: half - 1]])\nY_1 = y[1:half]",
         "transposed Phi",
-        "side",
+        "transpose it",
     ),
     wrong(
         PHI,
@@ -136,7 +136,7 @@ VARIANTS: list[Right | Wrong] = [
         "one step early",
         "G_1 = ct.tf([theta_1[1], 0], [1, -theta_1[0]], Ts)",
         "numerator one step early",
-        "too early",
+        "one sample early",
     ),
     wrong(
         TF, "one step late", "G_1 = ct.tf([theta_1[1]], [1, -theta_1[0], 0], Ts)", "numerator one step late", "too low"

@@ -315,7 +315,7 @@ VARIANTS: list[Right | Wrong] = [
     ),
     wrong(REGRESSORS, "Y early", regressors(Y="y[1:-1]"), "rows do not start together", "early"),
     wrong(REGRESSORS, "all of y", regressors(Y="y"), "Phi and Y of unequal length", "each row"),
-    wrong(REGRESSORS, "rows for columns", regressors(result="Phi.T, Y"), "rows instead of columns", "side"),
+    wrong(REGRESSORS, "rows for columns", regressors(result="Phi.T, Y"), "rows instead of columns", "transpose it"),
     wrong(REGRESSORS, "Y negative", regressors(Y="-y[2:]"), "sign of Y", "minus"),
     # 5. forgetting
     right(FORGETTING, "list of estimates", runs()),
@@ -355,7 +355,7 @@ VARIANTS: list[Right | Wrong] = [
     wrong(FORGETTING, "last estimate", runs(result="theta"), "only the last estimate", "history"),
     wrong(FORGETTING, "LN unused", runs(start="1e6 * np.eye(p)"), "start not used", "LN"),
     wrong(FORGETTING, "P(0) = I", runs(start="np.eye(p)"), "start not used", "LN"),
-    wrong(FORGETTING, "lying down", runs(result="np.array(history).T"), "rows instead of columns", "side"),
+    wrong(FORGETTING, "lying down", runs(result="np.array(history).T"), "rows instead of columns", "transpose it"),
     wrong(
         FORGETTING,
         "theta(0) stored too",

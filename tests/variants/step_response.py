@@ -226,7 +226,7 @@ VARIANTS: list[Right | Wrong] = [
         "not squared",
         "y_approx = first_order_response(t_step, K, tau, td, 2)\nmse_approx = np.mean(y_step - y_approx)",
         "not squared",
-        "not squared",
+        "square them first",
     ),
     wrong(
         MSE,
@@ -584,7 +584,7 @@ VARIANTS: list[Right | Wrong] = [
         "opposite answer",
         of_theta("error_vector", "return Phi @ theta - Y"),
         "sign of the error",
-        "other sign",
+        "wrong sign",
     ),
     wrong(
         ERROR,

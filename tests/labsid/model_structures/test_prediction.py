@@ -86,7 +86,10 @@ U = np.ones(5000)
     ("call", "message"),
     [
         (lambda: free_run(ARMAX, None, U), "u must be given: the model has an input"),
-        (lambda: free_run(PolynomialModel([1, 0.5], [], [1]), None), "e must be given: a model without input is driven"),
+        (
+            lambda: free_run(PolynomialModel([1, 0.5], [], [1]), None),
+            "e must be given: a model without input is driven",
+        ),
         (lambda: free_run(ARMAX, U, U[1:]), "u and e must have equal length; got 5000 and 4999"),
         (lambda: prediction_errors(ARMAX, None, U), "u must be given: the model has an input"),
         (lambda: one_step_prediction(ARMAX, U[1:], U), "u and y must have equal length"),

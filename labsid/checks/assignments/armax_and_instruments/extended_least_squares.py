@@ -142,7 +142,7 @@ def check_figure_14(ask: Ask) -> Verdict:
     require_legend(axes, "Fig. 14", 3)
     names = [_letter(legend_text(axes, curve)) for curve in found if curve is not None]
     if sorted(names) == ["a", "b", "c"] and names != ["a", "b", "c"]:
-        return Verdict(False, "In Fig. 14 the names in the legend have changed places.", "legend entries swapped")
+        return Verdict(False, "In Fig. 14 the names in the legend are swapped.", "legend entries swapped")
     return Verdict(True, "three histories, and what they settle on.")
 
 

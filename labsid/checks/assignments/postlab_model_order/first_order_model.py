@@ -112,7 +112,7 @@ def check_simulations(ask: Ask) -> Verdict:
     first, second = (_model(ask, name) for name in ("theta_1", "theta_2"))
     got = [read_output(name, ask.value(name)) for name in ("y_sim_1", "y_sim_2")]
     if SAME(got[0], simulate(second, data.u)) and SAME(got[1], simulate(first, data.u)):
-        return Verdict(False, "`y_sim_1` and `y_sim_2` have changed places.", "models swapped")
+        return Verdict(False, "`y_sim_1` and `y_sim_2` are swapped.", "models swapped")
     verdict = judge_entire_run(ask, "y_sim_1", data, first)
     if not verdict.passed:
         return verdict
@@ -132,7 +132,7 @@ def check_errors(ask: Ask) -> Iterator[Verdict]:
     got = [as_number(name, ask.value(name)) for name in ("mse_1", "mse_2")]
     right = [float(np.asarray(value)) for value in right_errors(ask).values()]
     if np.allclose(got, right[::-1], rtol=1e-6, atol=0) and not np.allclose(got, right, rtol=1e-6, atol=0):
-        yield Verdict(False, "`mse_1` and `mse_2` have changed places.", "errors swapped")
+        yield Verdict(False, "`mse_1` and `mse_2` are swapped.", "errors swapped")
     y = _data(ask).y
     for n in (1, 2):
         yield judge_mse(f"mse_{n}", got[n - 1], y, known_vector(ask, f"y_sim_{n}"))
@@ -162,7 +162,7 @@ def check_figure_8(ask: Ask) -> Verdict:
         named = [bool(re.search(call, line, re.IGNORECASE)) for call in CALLS[1:]]
         for own, other, is_named in ((first, second, named == [True, False]), (second, first, named == [False, True])):
             if is_named and any(_is_near(x, other) for x in found) and not any(_is_near(x, own) for x in found):
-                return Verdict(False, "The mean squared errors in Fig. 8 have changed places.", "errors swapped")
+                return Verdict(False, "The mean squared errors in Fig. 8 are swapped.", "errors swapped")
     return Verdict(True, "Fig. 8 shows both models and their errors.")
 
 

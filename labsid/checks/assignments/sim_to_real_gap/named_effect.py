@@ -136,7 +136,7 @@ def _slips(got: Mapping[str, float], rig: "WithheldRig", record: Record) -> list
         )
     if "low" in got:
         swapped = {"low": got["high"], "high": got["low"]}
-        slips.append(("low and high swapped", "`low` and `high` have changed places.", swapped))
+        slips.append(("low and high swapped", "`low` and `high` are swapped.", swapped))
     if "empty" in got:
         slips.append(
             (
