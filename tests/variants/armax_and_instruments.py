@@ -438,7 +438,7 @@ VARIANTS: list[Right | Wrong] = [
     wrong(FIGURE, "rows", figure("ax.plot(theta_rels.T)"), "rows drawn", "columns"),
     wrong(FIGURE, "no legend", figure(legend=""), "no legend", "legend"),
     wrong(FIGURE, "no label", figure(rest="pass\n"), "axis without a label", "xlabel"),
-    wrong(FIGURE, "names swapped", figure(legend="ax.legend(['b', 'a', 'c'])"), "legend entries swapped", "places"),
+    wrong(FIGURE, "names swapped", figure(legend="ax.legend(['b', 'a', 'c'])"), "legend entries swapped", "swapped"),
     wrong(FIGURE, "empty", figure("", ""), None, "empty"),
     # 7. iterated instrumental variables
     right(ITERATED, "sums over the samples, a list", ITERATED_WITH_SUMS),

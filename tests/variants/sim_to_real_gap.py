@@ -443,7 +443,7 @@ OF_PARAMETERS = [
         "swapped",
         LOW_HIGH.format("u_offset + q_best[5]", "u_offset + q_best[4]"),
         "low and high swapped",
-        "places",
+        "swapped",
     ),
     wrong(
         PARAMETERS,
