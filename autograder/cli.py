@@ -122,6 +122,8 @@ def course_grade(
     key = None if secret is None else read_secret(secret)
     here = find_course()
     batch = find_batch(here, submitted, assignment)
+    for name in batch.ignored:
+        _warn(f"{name}: not graded, because the folder's name is not valid UTF-8. Rename it to the student's ID.")
     Thread(target=import_nbgrader_api, daemon=True).start()  # slow, as is opening the launcher: do both at a time
     total = len(batch.students) * len(batch.assignments)
     try:

@@ -1,13 +1,15 @@
 """One submission to grade, as plain data, and the interface of what grades it."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Protocol
 
-from autograder.intake.submission import Submission
+from autograder.batch.judge_process import JudgeError, JudgeProcess
+from autograder.course.layout import Template
+from autograder.intake.submission import Submission, quarantined_submission
 from autograder.judge.judging import Assets, judge_submission
-from autograder.judge.outcome import SubmissionResult
-from autograder.sandbox.isolation import ProcessLauncher, temporary_workdir
+from autograder.judge.outcome import SubmissionResult, ungraded_result
+from autograder.sandbox.isolation import MachineError, ProcessLauncher, temporary_workdir
 
 
 @dataclass(frozen=True, slots=True)
@@ -40,8 +42,22 @@ class Executor(Protocol):
     def max_pending(self) -> int:
         """How many tasks to submit at a time."""
 
-    def run(self, task: Task) -> SubmissionResult:
-        """Execute and judge a submission; thread-safe."""
+    def run(self, task: Task, judge: JudgeProcess) -> SubmissionResult:
+        """Execute and judge a submission; thread-safe.
+
+        Parameters
+        ----------
+        task : Task
+        judge : JudgeProcess
+            For judging on this machine.
+
+        Raises
+        ------
+        JudgeError
+            If judging it exceeds the limits.
+        MachineError
+            If a machine could not start its processes.
+        """
 
     def close(self) -> None:
         """Abort running tasks."""
@@ -53,3 +69,11 @@ def run_task(task: Task, launcher: ProcessLauncher) -> SubmissionResult:
         for name, content in task.files.items():
             (workdir / name).write_bytes(content)
         return judge_submission(task.submission, task.assets, launcher, workdir)
+
+
+def refused_result(student: str, template: Template, level: str, error: JudgeError | MachineError) -> SubmissionResult:
+    """The result of a submission that could not be judged: quarantined, with details for the instructor."""
+    refused = quarantined_submission(student, template.assignment, f"it could not be judged: {error}")
+    result = ungraded_result(refused, template, level)
+    details = error.details if isinstance(error, JudgeError) else ""
+    return replace(result, flags=(f"could not be judged: {error} {details}".rstrip(),))

@@ -16,6 +16,11 @@ from labsid.plots.figure_values import AxesValue, CurveValue, FigureValue
 
 REDACTED = "…"
 
+MAX_QUOTED_CHARACTERS = 200
+MAX_SEARCHES = 1000
+"""Longer texts, and texts beyond this number in one value, are redacted without a search: a search of a notebook of
+10 MB takes 10 ms."""
+
 _MESSAGES = re.compile(
     r"name '(?P<name>\w+)' is not defined|no attribute '(?P<attribute>\w+)'|unexpected keyword argument"
     r"|missing \d required positional arguments?|takes \d positional arguments? but \d (was|were) given"
@@ -55,21 +60,37 @@ def redact_error(error: Mapping[str, Any], source: str) -> dict[str, str]:
     return {"kind": kind if _is_known(kind, source) else "an error", "text": text}
 
 
+class _Source:
+    """The text of a notebook, in which a limited number of short texts is looked for."""
+
+    def __init__(self, text: str) -> None:
+        self._text = text
+        self._searches = 0
+
+    def __contains__(self, text: str) -> bool:
+        self._searches += 1
+        return len(text) <= MAX_QUOTED_CHARACTERS and self._searches <= MAX_SEARCHES and text in self._text
+
+
 def redact(value: Value, source: str) -> Value:
     """A value whose texts and type names are redacted for the author of `source` wherever a check quotes them."""
+    return _redact(value, _Source(source))
+
+
+def _redact(value: Value, source: _Source) -> Value:
     if isinstance(value, Unreadable):
         return value if _is_known(value.kind, source) else Unreadable(REDACTED)
     if isinstance(value, str):
         return value if value in source else _RedactedText(value)
     if isinstance(value, (tuple, list)):
-        return tuple(redact(item, source) for item in value)
+        return tuple(_redact(item, source) for item in value)
     if isinstance(value, Mapping):
-        return {key: redact(item, source) for key, item in value.items()}
+        return {key: _redact(item, source) for key, item in value.items()}
     if isinstance(value, (FigureValue, AxesValue, CurveValue)):
-        parts: dict[str, Any] = {field.name: redact(getattr(value, field.name), source) for field in fields(value)}
+        parts: dict[str, Any] = {field.name: _redact(getattr(value, field.name), source) for field in fields(value)}
         return replace(value, **parts)
     return value
 
 
-def _is_known(name: str, source: str) -> bool:
+def _is_known(name: str, source: str | _Source) -> bool:
     return hasattr(builtins, name) or name in source or _TYPES.fullmatch(name) is not None

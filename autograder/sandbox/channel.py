@@ -70,8 +70,8 @@ def receive(sock: socket.socket) -> dict[str, Any]:
 
 def _receive(sock: socket.socket, deadline: float) -> dict[str, Any]:
     (length,) = _HEADER.unpack(_read(sock, _HEADER.size, deadline))
-    if length > MAX_MESSAGE_BYTES:
-        raise ChannelError(f"a message of {length} bytes; at most {MAX_MESSAGE_BYTES} are allowed")
+    if length > MAX_MESSAGE_BYTES:  # the length is the sender's, and could tell as many digits as it has
+        raise ChannelError(f"a message longer than {MAX_MESSAGE_BYTES} bytes")
     try:
         message = read_json(_read(sock, length, deadline), parts=b"[{,")
     except (ValueError, RecursionError, MemoryError) as error:

@@ -86,11 +86,17 @@ class ProcessSettings:
     user_id: int = 0
 
 
+def hide_memory() -> None:
+    """Close this process's memory to others of the same user, such as student processes without isolation."""
+    if sys.platform == "linux":
+        _prctl(_PR_SET_DUMPABLE, 0)
+
+
 def prepare_fork_server() -> None:
     """Hide the fork server's memory from its children, adopt their orphans, and cache what every child needs."""
+    hide_memory()
     if sys.platform != "linux":
         return
-    _prctl(_PR_SET_DUMPABLE, 0)
     _prctl(_PR_SET_CHILD_SUBREAPER, 1)
     with contextlib.suppress(ImportError, OSError):
         import landlockpy
