@@ -276,7 +276,7 @@ def _confine_files(folder: str) -> None:
 def _readable_paths() -> tuple[tuple[str, str], ...]:
     """The readable paths, each as a "file", a "folder", or a folder of which only the "names" may be listed."""
     found: list[tuple[str, str]] = []
-    excluded = allowed_paths.package_folders()
+    excluded = allowed_paths.hidden_folders()
     for path in allowed_paths.interpreter_paths():
         parts = list(allowed_paths.exclude_paths(path, excluded))
         if parts != [path]:
