@@ -27,8 +27,11 @@ def course_build() -> None:
     """Build notebooks/*.md into autograder/source and autograder/release."""
     from autograder.course.build import build_course
     from autograder.course.layout import find_course
+    from autograder.course.own_secret import make_own_secret
 
     here = find_course()
+    if make_own_secret(here):
+        print(f"Made {here.secret_file}, the seed of what is withheld from students: a build elsewhere needs a copy.")
     names = list(_progress(build_course(here), len(here.assignments()), "building"))
     print(f"Built {len(names)} assignments: {', '.join(names)}.")
     print(f"Release: {here.release}")

@@ -14,7 +14,8 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from autograder.batch.grading_inputs import COURSE_ORIGIN, DataStore, GradingInputs, record_path
+from autograder.batch.grading_inputs import DataStore, GradingInputs, record_path
+from autograder.course.own_secret import shared_file
 from autograder.intake.submission import is_plain_file
 from autograder.judge.outcome import SubmissionResult
 from labsid.checks.question import Assignment, Origin
@@ -117,7 +118,7 @@ def flag_wrong_record(
 def _other_records(
     data_store: DataStore, name: str, secret: bytes, members: Iterable[str]
 ) -> Iterable[tuple[str, Path, Origin]]:
-    yield "the course's own record", data_store.course.data / name, COURSE_ORIGIN
+    yield "the course's own record", shared_file(data_store.course, name), data_store.shared_origin
     for member in members:
         try:
             yield member, record_path(data_store, name, member), Origin(member, secret)
