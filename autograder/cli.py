@@ -117,6 +117,7 @@ def course_grade(
     from autograder.course.nbgrader_access import import_nbgrader_api
     from autograder.results.late import parse_rules
     from autograder.results.summary import class_table
+    from autograder.sandbox.escapes import open_escapes
     from labsid.rig import read_secret
 
     if isolation not in ("strict", "best", "none"):
@@ -131,10 +132,8 @@ def course_grade(
     total = len(batch.students) * len(batch.assignments)
     try:
         with open_executor(isolation, jobs, scheduler, _warn) as executor:
-            if executor.level == "none":
-                _warn(
-                    "NOT ISOLATED: student code runs in a process with limits, but can read the files of its machine."
-                )
+            if open_to_students := open_escapes(executor.level):
+                _warn(f"NOT ISOLATED: student code runs with limits, but can {'; '.join(open_to_students)}.")
             graded = list(_progress(grade_batch(here, batch, out, executor, key, rules), total, "grading"))
     except KeyboardInterrupt:
         raise ValueError("interrupted. Finished results are kept; run the same command again to continue.") from None

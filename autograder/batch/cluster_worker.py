@@ -14,7 +14,8 @@ from autograder.batch.judge_process import JudgeError, JudgePool
 from autograder.batch.tasks import Task, refused_result, run_task
 from autograder.course.sources import sources_hash
 from autograder.judge.outcome import SubmissionResult
-from autograder.sandbox.doctor import TCP, is_blocked
+from autograder.sandbox.doctor import is_blocked
+from autograder.sandbox.escapes import TCP
 from autograder.sandbox.isolation import Limits, ProcessLauncher, open_launcher
 from labsid.checks.notebook import assignment_names, load_assignment
 

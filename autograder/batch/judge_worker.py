@@ -5,6 +5,7 @@ a hand-in makes it do costs that hand-in alone. It talks to the grader over a Un
 messages, as both trust each other. The grader starts the student's processes and passes on their channels.
 """
 
+import errno
 import os
 import pickle
 import signal
@@ -35,6 +36,8 @@ MEMORY_BYTES = 2 * 1024**3
 
 MAX_RESULT_BYTES = 256 * 1024**2
 """Size of a pickled result; outputs and figures of an honest hand-in take less than 1 MB."""
+
+_MACHINE_ERRORS = (errno.ENOSPC, errno.EDQUOT, errno.EMFILE, errno.ENFILE, errno.EAGAIN, errno.ENOMEM, errno.EIO)
 
 
 class RemoteLauncher:
@@ -88,6 +91,11 @@ def _answer(control: socket.socket, call: Call) -> bytes:
         answer = Failed(f"its result is larger than {MAX_RESULT_BYTES // 1024**2} MB")
     except MachineError as error:
         answer = Problem(str(error))
+    except OSError as error:
+        if error.errno not in _MACHINE_ERRORS:
+            answer = Failed(f"it stops with {type(error).__name__}", str(error)[:500])
+        else:
+            answer = Problem(str(error.strerror))
     except MemoryError:
         answer = Failed(f"it takes more than {MEMORY_BYTES / 1024**3:g} GB of memory")
     except Exception as error:

@@ -1,5 +1,6 @@
 """The levels of isolation: what each lets student code do, its limits, and what is left behind. Loopback only."""
 
+import json
 import os
 import shutil
 import signal
@@ -17,6 +18,7 @@ from autograder.sandbox import allowed_paths, bubblewrap, doctor, isolation, pro
 from autograder.sandbox.allowed_paths import is_reference
 from autograder.sandbox.bubblewrap import SandboxError
 from autograder.sandbox.doctor import LevelReport
+from autograder.sandbox.escapes import ESCAPES, OPEN_WITHOUT_FILTER, OPEN_WITHOUT_ISOLATION, open_escapes
 from autograder.sandbox.isolation import (
     LEVELS,
     IsolationError,
@@ -78,7 +80,7 @@ def reports() -> dict[str, LevelReport]:
 
 def test_the_doctor_tries_every_level(reports: dict[str, LevelReport]) -> None:
     assert tuple(reports) == LEVELS
-    names = {escape.name for escape in doctor.ESCAPES}
+    names = {escape.name for escape in ESCAPES}
     for report in reports.values():
         assert set(report.blocked) == (set() if report.problem else names)
     text = doctor.reports_text(list(reports.values()))
@@ -107,6 +109,29 @@ def test_without_isolation_files_are_open_and_limits_hold(reports: dict[str, Lev
         assert not holds[name], name
     for name in ("allocate 2 GB", "keep a process alive", "find the reference in memory", "write a file of 12 MB"):
         assert holds[name], name
+
+
+def test_what_is_open_without_isolation_is_what_a_grading_run_names(reports: dict[str, LevelReport]) -> None:
+    is_open = {name for name, holds in reports["none"].blocked.items() if not holds}
+    assert is_open <= set(open_escapes("none"))
+    assert open_escapes("landlock") == open_escapes("namespaces") == ()
+    assert set(OPEN_WITHOUT_ISOLATION + OPEN_WITHOUT_FILTER) <= {escape.name for escape in ESCAPES}
+
+
+@pytest.mark.skipif(os.name != "posix" or os.geteuid() != 0, reason="this test runs as a plain user itself")
+@pytest.mark.skipif(shutil.which("unshare") is None, reason="no unshare on this machine")
+def test_a_plain_user_gets_the_same_walls() -> None:
+    """In a user namespace without privileges, where root's files and processes count as the user's own."""
+    code = "from autograder.sandbox import doctor\nprint(doctor.reports_json(list(doctor.attempt_escapes())))"
+    plain = ["unshare", "--user", "--map-user=1000", "--map-group=1000"]
+    run = subprocess.run([*plain, sys.executable, "-c", code], capture_output=True, text=True, check=False)
+    if "unshare failed" in run.stderr:
+        pytest.skip(run.stderr.strip())
+    levels = json.loads(run.stdout)["rungs"]
+    found = {level: {name for name, holds in one["holds"].items() if not holds} for level, one in levels.items()}
+    assert found["namespaces"] == set()
+    assert found["landlock"] <= {"see other processes"}
+    assert found["none"] == set(open_escapes("none"))
 
 
 # -- the ladder -------------------------------------------------------------------------------------------------------
