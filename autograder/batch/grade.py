@@ -1,6 +1,9 @@
 """Grade a whole class: read the submissions, judge them in parallel, write the results in one thread."""
 
 import contextlib
+import hashlib
+import hmac
+import shlex
 import sqlite3
 from collections.abc import Iterator, Mapping
 from concurrent.futures import Future, ThreadPoolExecutor, as_completed
@@ -23,6 +26,7 @@ from autograder.results.grades import write_grades
 from autograder.results.late import ON_TIME, LateRules, late_penalty, read_timestamp
 from autograder.results.result_files import StoredResult
 from autograder.sandbox.isolation import is_weaker
+from labsid._files import write_text
 
 
 @dataclass(frozen=True, slots=True)
@@ -124,11 +128,12 @@ def grade_batch(
     Raises
     ------
     ValueError
-        If another run is writing to `out`, or the course has not been built.
+        If another run is writing to `out`, if it was graded with another secret, or the course has not been built.
     """
     templates = {name: read_template(course, name) for name in batch.assignments}
     out.mkdir(parents=True, exist_ok=True)
     with _exclusive_writer(out):
+        _require_same_secret(batch, out, secret)
         previous = {(one.student, one.assignment): one for one in result_files.load_valid(out)}
         gradebook.prepare(course, out, batch.assignments)
         gradebook.enter(out, previous.values())  # an earlier run may have been killed before it entered them
@@ -255,6 +260,22 @@ def _submission_time(folder: Path) -> datetime | None:
             return read_timestamp(file.read(200))
     except OSError:
         return None
+
+
+def _require_same_secret(batch: Batch, out: Path, secret: bytes | None) -> None:
+    """Refuse to grade OUT, which was graded with a secret, without it or with another one; remember a first secret."""
+    marker = out / ".secret"
+    digest = "" if secret is None else hmac.new(secret, b"labsid: graded with", hashlib.sha256).hexdigest()
+    if not marker.is_file() and secret is None and not (out / "records").is_dir():
+        return
+    if secret is None or (marker.is_file() and marker.read_text(encoding="ascii") != digest):
+        given = "without --secret" if secret is None else "with another secret"
+        again = shlex.join(["labsid", "course", "grade", "--submitted", str(batch.submitted), "--out", str(out)])
+        raise ValueError(
+            f"{out} was graded with --secret; {given}, everybody would be graded on another record. "
+            f"Run: {again} --secret FILE"
+        )
+    write_text(marker, digest)
 
 
 @contextlib.contextmanager

@@ -171,3 +171,19 @@ def test_texts_are_looked_for_a_limited_number_of_times() -> None:
     seen = redact((("kept",) * (MAX_SEARCHES - 1) + ("a" * 201,) + ("kept",)), "kept" + "a" * 999)
     assert isinstance(seen, tuple)
     assert [repr(text) for text in seen[-3:]] == ["'kept'", f"'{REDACTED}'", f"'{REDACTED}'"]
+
+
+def test_a_class_graded_with_a_secret_is_not_graded_again_without_it(
+    course: Course, launcher: ProcessLauncher, tmp_path: Path
+) -> None:
+    """Everybody would be graded on another record, without a word."""
+    hand_in(course, tmp_path / "in", "ann", LAB, {})
+    batch, out = find_batch(course, tmp_path / "in", None), tmp_path / "out"
+    list(grade_batch(course, batch, out, LocalExecutor(launcher), SECRET))
+    before = (out / "grades.csv").read_bytes()
+    for secret in (None, b"the secret of another course"):
+        with pytest.raises(ValueError, match=r"was graded with --secret.* Run: labsid course grade .* --secret FILE"):
+            list(grade_batch(course, batch, out, LocalExecutor(launcher), secret))
+    assert (out / "grades.csv").read_bytes() == before
+    assert not any(one.fresh for one in grade_batch(course, batch, out, LocalExecutor(launcher), SECRET))
+    assert SECRET.decode() not in (out / ".secret").read_text(encoding="ascii")
