@@ -9,7 +9,11 @@ from autograder.course.layout import Template
 from autograder.intake.submission import Submission, quarantined_submission
 from autograder.judge.judging import Assets, judge_submission
 from autograder.judge.outcome import SubmissionResult, ungraded_result
+from autograder.judge.redaction import numbers_in, redact_reason
 from autograder.sandbox.isolation import MachineError, ProcessLauncher, temporary_workdir
+
+_SEARCHED_CHARACTERS = 100_000  # of a cell
+_NEAR = 10  # samples: mistakes with the ends of a record
 
 
 @dataclass(frozen=True, slots=True)
@@ -68,7 +72,21 @@ def run_task(task: Task, launcher: ProcessLauncher) -> SubmissionResult:
     with temporary_workdir() as workdir:
         for name, content in task.files.items():
             (workdir / name).write_bytes(content)
-        return judge_submission(task.submission, task.assets, launcher, workdir)
+        result = judge_submission(task.submission, task.assets, launcher, workdir)
+    return redact_reasons(result, task)
+
+
+def redact_reasons(result: SubmissionResult, task: Task) -> SubmissionResult:
+    """The result with reasons of limited length, whose numbers are those of the notebook and of its record."""
+    known = numbers_in(
+        *(cell.source for cell in task.assets.template.cells),
+        *(cell.source[:_SEARCHED_CHARACTERS] for cell in task.submission.cells),
+        *(question.id for question in task.assets.assignment.questions),
+    )
+    size = 0 if task.assets.record is None else len(task.assets.record)
+    known |= {str(part + n) for part in (size, size // 2, 2 * size) for n in range(-_NEAR, _NEAR + 1)}
+    questions = tuple(replace(one, reason=redact_reason(one.reason, known)) for one in result.results)
+    return replace(result, results=questions)
 
 
 def refused_result(student: str, template: Template, level: str, error: JudgeError | MachineError) -> SubmissionResult:

@@ -71,7 +71,7 @@ def receive(sock: socket.socket) -> dict[str, Any]:
 def _receive(sock: socket.socket, deadline: float) -> dict[str, Any]:
     (length,) = _HEADER.unpack(_read(sock, _HEADER.size, deadline))
     if length > MAX_MESSAGE_BYTES:  # the length is the sender's, and could tell as many digits as it has
-        raise ChannelError(f"a message longer than {MAX_MESSAGE_BYTES} bytes")
+        raise ChannelError(f"a message longer than {MAX_MESSAGE_BYTES // 1024**2} MB")
     try:
         message = read_json(_read(sock, length, deadline), parts=b"[{,")
     except (ValueError, RecursionError, MemoryError) as error:

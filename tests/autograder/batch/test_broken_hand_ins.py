@@ -187,3 +187,14 @@ def test_a_class_graded_with_a_secret_is_not_graded_again_without_it(
     assert (out / "grades.csv").read_bytes() == before
     assert not any(one.fresh for one in grade_batch(course, batch, out, LocalExecutor(launcher), SECRET))
     assert SECRET.decode() not in (out / ".secret").read_text(encoding="ascii")
+
+
+def test_shapes_and_texts_tell_no_hidden_numbers(course: Course, launcher: ProcessLauncher, tmp_path: Path) -> None:
+    """The function gets hidden inputs, and the feedback quotes the shape of what it returns."""
+    code = "def cut_off(data, n):\n    return np.zeros((int(1e8 * abs(data[1, 1])), 0))"
+    hand_in(course, tmp_path / "in", "ann", PRELAB, {"prelab-4-function-answer": code})
+    batch = find_batch(course, tmp_path / "in", None)
+    list(grade_batch(course, batch, tmp_path / "out", LocalExecutor(launcher)))
+    (row,) = [row for row in rows_of(tmp_path / "out")["ann"] if row["question"] == "prelab-4-function"]
+    assert row["score"] == "0"
+    assert f"shape ({REDACTED}, 0)" in row["reason"]
