@@ -281,9 +281,13 @@ def _require_same_secret(batch: Batch, out: Path, secret: bytes | None) -> None:
 @contextlib.contextmanager
 def _exclusive_writer(out: Path) -> Iterator[None]:
     """Lock OUT for this run; the operating system releases the lock however the run ends."""
-    with contextlib.closing(sqlite3.connect(out / ".writer", timeout=0, isolation_level=None)) as lock:
+    with contextlib.ExitStack() as stack:
         try:
+            lock = sqlite3.connect(out / ".writer", timeout=0, isolation_level=None)
+            stack.callback(lock.close)
             lock.execute("BEGIN EXCLUSIVE")
-        except sqlite3.OperationalError:
+        except sqlite3.OperationalError as error:
+            if "locked" not in str(error):
+                raise ValueError(f"{out} cannot be written ({error}). Give --out another folder.") from None
             raise ValueError(f"another 'labsid course grade' is writing to {out}; wait until it is done.") from None
         yield

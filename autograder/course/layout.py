@@ -98,7 +98,7 @@ def find_course() -> Course:
             return Course(root)
     raise ValueError(
         f"no course found: neither {own} nor {Path.cwd()} has the folders 'notebooks' and 'autograder'. "
-        "Run this command inside a checkout of the course."
+        "Get a checkout of the course, which the wheel of labsid does not contain, and run this command in it."
     )
 
 

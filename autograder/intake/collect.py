@@ -14,7 +14,7 @@ import re
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from datetime import datetime, tzinfo
-from functools import partial
+from functools import cache, partial
 from pathlib import Path
 from typing import IO, Any
 
@@ -199,13 +199,18 @@ def _add_file(participant: _ParticipantFiles, entry: ArchiveEntry, templates: Ma
         else:
             participant.notebooks.setdefault(name, []).append(entry)
     else:
-        data = {load_assignment(name).record_file for name in templates}
+        data = _data_files(tuple(templates))
         if base in data and (
             base not in participant.data or _version_key(entry) >= _version_key(participant.data[base])
         ):
             participant.data[base] = entry
         elif base not in data:
             participant.skipped.append(entry.name)
+
+
+@cache
+def _data_files(assignments: tuple[str, ...]) -> frozenset[str | None]:
+    return frozenset(load_assignment(name).record_file for name in assignments)
 
 
 def _assignment_of(entry: ArchiveEntry, templates: Mapping[str, Template]) -> str | None:

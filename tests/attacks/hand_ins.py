@@ -114,7 +114,7 @@ def _beside(folder: Path, notebook: dict[str, Any]) -> None:
 
 def _long_text(folder: Path, notebook: dict[str, Any]) -> None:
     notebook["cells"].append({"cell_type": "markdown", "metadata": {}, "source": "a" * 9_000_000})
-    _cell(notebook, "prelab-1-time-answer")["source"] = "t = [['a' * 50 + 'b'] * 10_000] * 9"
+    _cell(notebook, "prelab-1-time-answer")["source"] = "t = [['a' * 50 + 'b'] * 1000] * 2"
     _write(folder, notebook)
 
 
@@ -123,8 +123,8 @@ def _too_long_text(folder: Path, notebook: dict[str, Any]) -> None:
     _write(folder, notebook)
 
 
-def _code_of_a_megabyte(folder: Path, notebook: dict[str, Any]) -> None:
-    _cell(notebook, "prelab-1-time-answer")["source"] += '\n0\n"""\n' + "x;" * 1_000_000 + '\n"""\n'
+def _long_code(folder: Path, notebook: dict[str, Any]) -> None:
+    _cell(notebook, "prelab-1-time-answer")["source"] += '\n0\n"""\n' + "x;" * 60_000 + '\n"""\n'
     _write(folder, notebook)
 
 
@@ -178,7 +178,7 @@ ATTACKS = (
     Attack(
         "a text of 10 MB", "quarantined", hand_in=_too_long_text, loses=QUESTIONS, said="10 million characters of text"
     ),
-    Attack("code of 2 MB", "it is compared as text", hand_in=_code_of_a_megabyte),
+    Attack("code of 120 kB", "it is compared as text", hand_in=_long_code),
     Attack("pipes beside the notebook", "they are not opened", hand_in=_pipes),
     Attack(
         "HTML and colours in output and error",

@@ -1,6 +1,6 @@
 """Reaching for what is not the student's: the reference, the solution, other students, the gradebook, the network."""
 
-from attacks import FIRST, FUNCTION, TIME, Attack
+from attacks import FIRST, FUNCTION, SECOND, TIME, Attack
 
 _FILES = "without isolation every file of this machine can be read that the grader's user can read"
 _USE = (
@@ -80,7 +80,7 @@ ATTACKS = (
         "draws the figure with the reference",
         "it is refused, and said to be the reference",
         {FIRST: "from labsid import plots\nfig_1 = plots.figure_1(None)"},
-        loses=(FIRST,),
+        loses=(FIRST, SECOND),
         said="labsid.plots.lab is the reference: it cannot be used",
     ),
     Attack(
