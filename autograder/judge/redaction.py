@@ -18,9 +18,9 @@ from labsid.plots.figure_values import AxesValue, CurveValue, FigureValue
 REDACTED = "…"
 
 MAX_QUOTED_CHARACTERS = 200
-MAX_SEARCHES = 1000
-"""Longer texts, and texts beyond this number in one value, are redacted without a search: a search of a notebook of
-10 MB takes 10 ms."""
+MAX_SEARCHED_CHARACTERS = 100_000_000
+"""Longer texts are redacted without looking for them in the notebook, and so are others once as many characters have
+been searched for one value: a thousand times a notebook of 100 kB. A hostile text takes up to 1 s."""
 
 MAX_REASON_CHARACTERS = 1000
 MAX_NEW_NUMBERS = 2
@@ -128,15 +128,17 @@ def redact_error(error: Mapping[str, Any], source: str) -> dict[str, str]:
 
 
 class _Source:
-    """The text of a notebook, in which a limited number of short texts is looked for."""
+    """The text of a notebook, in which short texts are looked for within a limit."""
 
     def __init__(self, text: str) -> None:
         self._text = text
-        self._searches = 0
+        self._left = MAX_SEARCHED_CHARACTERS
 
     def __contains__(self, text: str) -> bool:
-        self._searches += 1
-        return len(text) <= MAX_QUOTED_CHARACTERS and self._searches <= MAX_SEARCHES and text in self._text
+        if len(text) > MAX_QUOTED_CHARACTERS or self._left < len(self._text):
+            return False
+        self._left -= len(self._text)
+        return text in self._text
 
 
 def redact(value: Value, source: str) -> Value:

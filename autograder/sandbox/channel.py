@@ -30,6 +30,7 @@ _RECORDS: dict[str, type] = {
 }
 _TAG = "!"
 _NUMBERS = re.compile(r"[<>|][biufc]\d{1,2}")
+_MAX_EMPTY = 1000
 _LENGTHS = {"xlim": 2, "ylim": 2, "color": 3}
 
 
@@ -187,9 +188,11 @@ def _decode_array(encoded: dict[str, Any]) -> np.ndarray:
         raise ValueError("array kind")
     dtype = np.dtype(encoded["dtype"])
     shape = tuple(encoded["shape"])
-    if len(shape) > MAX_DIMENSIONS or any(type(size) is not int or size < 0 for size in shape):
+    if len(shape) > MAX_DIMENSIONS or any(type(size) is not int or not 0 <= size < MAX_INTEGER for size in shape):
         raise ValueError("array shape")
     data = base64.b64decode(encoded["data"], validate=True)
     if math.prod(shape) * dtype.itemsize != len(data):
         raise ValueError("array size")
+    if not data:  # its other dimensions may be larger than those of any array of a wider type
+        shape = tuple(min(size, _MAX_EMPTY) for size in shape)
     return np.frombuffer(data, dtype=dtype).reshape(shape).copy()
