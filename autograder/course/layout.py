@@ -45,6 +45,16 @@ class Course:
         return self.root / "data"
 
     @property
+    def secret_file(self) -> Path:
+        """The course's own secret, made by the first ``labsid course build``."""
+        return self.root / "autograder" / "course-secret"
+
+    @property
+    def own_data(self) -> Path:
+        """Data files generated from the course's own secret."""
+        return self.root / "autograder" / "data"
+
+    @property
     def record(self) -> Path:
         """The lab's record for students without an individual one."""
         return self.data / RECORD_FILE
@@ -88,7 +98,7 @@ def find_course() -> Course:
             return Course(root)
     raise ValueError(
         f"no course found: neither {own} nor {Path.cwd()} has the folders 'notebooks' and 'autograder'. "
-        "Run this command inside a checkout of the course."
+        "Get a checkout of the course, which the wheel of labsid does not contain, and run this command in it."
     )
 
 

@@ -1,19 +1,23 @@
 """Execution of a student's notebook: within its limits, with the state restored when its process ends."""
 
 import contextlib
+import errno
+import os
 import time
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
 from autograder.intake.submission import NotebookCell
-from autograder.sandbox.isolation import ProcessLauncher, Reply, StudentProcess, StudentProcessError
+from autograder.sandbox.isolation import MachineError, ProcessLauncher, Reply, StudentProcess, StudentProcessError
+from autograder.sandbox.workdirs import disk_is_full
 from labsid.checks.values import Value
 
 _Action = NotebookCell | Mapping[str, Value] | int
 """A step of a replay: a cell to run, variables to set, or the key to save the variables under."""
 
 _CALL_KEY = -1
+_NO_SPACE = os.strerror(errno.ENOSPC)
 
 
 @dataclass(frozen=True, slots=True)
@@ -67,6 +71,8 @@ class Execution:
         except StudentProcessError as failure:
             self.restart()
             return ExecutedCell(cell, Reply(False), failure)
+        if _NO_SPACE in str((reply.error or {}).get("text")) and disk_is_full():
+            raise MachineError(_NO_SPACE)
         self._actions.append(cell)
         return ExecutedCell(cell, self._truncated(reply))
 

@@ -23,7 +23,7 @@ from autograder.judge.ask import CallDeferred, ProcessAsk, error_text
 from autograder.judge.execution import ExecutedCell, Execution
 from autograder.judge.outcome import QuestionResult, SubmissionResult, ungraded_result
 from autograder.judge.picture import figure_svg
-from autograder.sandbox.isolation import ProcessLauncher, Reply, StudentProcess, StudentProcessError
+from autograder.sandbox.isolation import MachineError, ProcessLauncher, Reply, StudentProcess, StudentProcessError
 from labsid.checks.question import Assignment, Origin, Question, given_values
 from labsid.checks.values import Value
 from labsid.checks.verdict import Verdict
@@ -216,6 +216,8 @@ class _SubmissionJudge:
         try:
             with contextlib.closing(self._execution.replayed(deferred.index)) as process:
                 return deferred.question.verdict(self._ask(deferred.question, lambda: process, deferred.known))
+        except MachineError:
+            raise
         except Exception:  # the process ended, or the check is broken: the first verdict stands
             return None
 

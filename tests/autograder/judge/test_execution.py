@@ -13,6 +13,7 @@ from autograder.sandbox.isolation import (
     LEVELS,
     IsolationError,
     Limits,
+    MachineError,
     ProcessLauncher,
     StudentProcessError,
     open_launcher,
@@ -159,3 +160,15 @@ def test_running_cells_again_has_a_limit_too(tmp_path: Path) -> None:
         with pytest.raises(StudentProcessError, match="took longer than") as died, notebook.call_process():
             pass
     assert died.value.status == "timeout"
+
+
+def test_a_full_disk_is_a_failure_of_the_machine(
+    forked: ProcessLauncher, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Unless there is space left, and the student's code has exceeded its own limit or says so itself."""
+    said = cell("raise OSError(28, 'No space left on device')")
+    with running(forked, tmp_path) as notebook:
+        assert (notebook.run(said).reply.error or {})["kind"] == "OSError"
+        monkeypatch.setattr("autograder.judge.execution.disk_is_full", lambda: True)
+        with pytest.raises(MachineError, match="No space left on device"):
+            notebook.run(said)

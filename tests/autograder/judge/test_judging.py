@@ -15,7 +15,7 @@ from autograder.intake.submission import NotebookCell, Submission
 from autograder.judge.judging import Assets, judge_submission
 from autograder.judge.outcome import QuestionResult
 from autograder.sandbox.confine import make_syscall_filter
-from autograder.sandbox.isolation import Limits, ProcessLauncher, StudentProcessError, open_launcher
+from autograder.sandbox.isolation import Limits, MachineError, ProcessLauncher, open_launcher
 from autograder.sandbox.process_launchers import SpawningLauncher
 from labsid.checks.compare import as_number, as_vector, close
 from labsid.checks.notebook import NotebookAsk
@@ -411,7 +411,7 @@ def test_a_submission_that_is_not_ready_is_not_run(tmp_path: Path) -> None:
 
 def test_a_process_that_cannot_come_up_is_said(tmp_path: Path) -> None:
     launcher = SpawningLauncher(Limits(start_seconds=0.01))
-    with pytest.raises(StudentProcessError, match="did not start"):
+    with pytest.raises(MachineError, match="did not start"):
         launcher.start(tmp_path)
 
 
