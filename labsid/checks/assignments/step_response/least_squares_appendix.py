@@ -136,9 +136,7 @@ def check_unique(ask: Ask) -> Verdict:
             "Phi'Phi is tiny there instead of zero; `matrix_rank` allows for that.",
             "zero compared exactly",
         )
-    return Verdict(
-        False, "`is_unique` is not right for every Phi: compare its rank with its number of columns.", None
-    )
+    return Verdict(False, "`is_unique` is not right for every Phi: compare its rank with its number of columns.", None)
 
 
 def trial_ranks(rng: np.random.Generator) -> list[tuple[FloatArray, bool]]:
