@@ -1,9 +1,10 @@
 """Checks of what speaks for or against a model: excitation, cancelling roots, whiteness."""
 
 from collections.abc import Callable, Iterator
+from functools import partial
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from labsid._arrays import FloatArray
 from labsid.checks.compare import SAME, as_array, as_number, as_vector, close
@@ -158,7 +159,7 @@ def _judge_cancel(
     real = np.abs(roots_P.real[:, np.newaxis] - roots_Q.real) < within
     by_real_part = _poly(roots_P[~real.any(axis=1)]), _poly(roots_Q[~real.any(axis=0)])
     one_by_one = _cancelled(roots_P, roots_Q, lambda p, q: abs(p.real - q.real) < within)
-    fixed = [_cancelled(roots_P, roots_Q, lambda p, q, limit=limit: abs(p - q) < limit) for limit in _OTHER_LIMITS]
+    fixed = [_cancelled(roots_P, roots_Q, partial(_nearer_than, limit)) for limit in _OTHER_LIMITS]
     for slip, hint, matches in (
         ("P and Q swapped", "returns what is left of Q first.", are(right[1], right[0])),
         (
@@ -213,12 +214,17 @@ _OTHER_LIMITS = (0.01, 1e-3, 0.1, 0.05, 1e-6)
 """Distances that a student may write into `cancel` instead of `within`."""
 
 
+def _nearer_than(limit: float, p: complex, q: complex) -> bool:
+    return abs(p - q) < limit
+
+
 def _cancelled(
-    roots_P: NDArray[np.complex128], roots_Q: NDArray[np.complex128], equal: Callable[[complex, complex], bool]
+    roots_P: ArrayLike, roots_Q: ArrayLike, equal: Callable[[complex, complex], bool]
 ) -> tuple[FloatArray, FloatArray]:
     """The polynomials that remain when each root of P cancels at most one root of Q that is equal to it."""
-    left_P, left_Q = [], list(roots_Q)
-    for p in roots_P:
+    left_P: list[complex] = []
+    left_Q = np.asarray(roots_Q, complex).tolist()
+    for p in np.asarray(roots_P, complex).tolist():
         partner = next((i for i, q in enumerate(left_Q) if equal(p, q)), None)
         if partner is None:
             left_P.append(p)
