@@ -242,7 +242,7 @@ def _judge_growth(asymmetry: FloatArray, Phi: FloatArray, lam: float, LN: float)
             "the asymmetry of `rls_careless` is not relative: divide the largest of |P - P'| by the largest of |P|.",
             "not divided by the size of P",
         )
-    scaled = np.log(asymmetry[window] * _largest_of_P(Phi, lam, LN)[window]) + window * np.log(lam)
+    scaled = np.log(asymmetry[window] * _largest_entries(Phi, lam, LN)[window]) + window * np.log(lam)
     if np.std(scaled) > _LARGEST_SCATTER:
         return Verdict(
             False,
@@ -252,7 +252,7 @@ def _judge_growth(asymmetry: FloatArray, Phi: FloatArray, lam: float, LN: float)
     return Verdict(True, "the same on paper, but a rounding error of 1e-16 grows by 1/lambda with every sample.")
 
 
-def _largest_of_P(Phi: FloatArray, lam: float, LN: float) -> FloatArray:
+def _largest_entries(Phi: FloatArray, lam: float, LN: float) -> FloatArray:
     """max|P| after each sample, with P kept symmetric."""
     P = LN * np.eye(Phi.shape[1])
     largest = np.empty(len(Phi))
