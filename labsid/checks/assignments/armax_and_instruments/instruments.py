@@ -143,8 +143,8 @@ def check_recursive(ask: Ask) -> Iterator[Verdict]:
 def _judge_recursive(ask: Ask, u: FloatArray, y: FloatArray, warm_up: int) -> Verdict:
     call = f"recursive_iv(u, y, {warm_up})"
     value = returned(ask, "recursive_iv", u, y, warm_up)
-    runaway = isinstance(value, np.ndarray) and value.dtype.kind == "f" and not np.all(np.isfinite(value))
-    if runaway and np.shape(value) == (y.size, 2):
+    is_history = isinstance(value, np.ndarray) and value.dtype.kind == "f" and value.shape == (y.size, 2)
+    if is_history and not np.all(np.isfinite(np.asarray(value, float))):
         return _runaway(np.asarray(value, float), u, y, warm_up)
     got = as_history(call, value, y.size, 2)
     if not np.any(got):

@@ -32,7 +32,7 @@ def check_frequency(ask: Ask) -> Iterator[Verdict]:
         w = low + (high - low) * (interval + 0.5 + float(ask.rng.uniform(-0.05, 0.05))) / 9
         truth = np.array([w, sign_A * ask.rng.uniform(1, 2), sign_B * ask.rng.uniform(1, 2)])
         y = _wave(t, truth) + 0.4 * ask.rng.standard_normal(t.size)
-        fit = levenberg_marquardt(lambda th: _wave(t, th), lambda th: _wave_jacobian(t, th), y, truth)
+        fit = levenberg_marquardt(partial(_wave, t), partial(_wave_jacobian, t), y, truth)
         yield _judge_frequency(as_number(*_frequency_of(ask, t, y, low, high)), fit, t, y, low, high)
     yield Verdict(True, "the lowest of many valleys, wherever it lies.")
 
