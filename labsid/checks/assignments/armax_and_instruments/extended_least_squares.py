@@ -102,7 +102,7 @@ def _require_finite(call: str, got: FloatArray, u: FloatArray, y: FloatArray, fo
 def _judge_history(ask: Ask, u: FloatArray, y: FloatArray, forgetting: float, LN: float) -> Verdict:
     call = f"rels(u, y, {forgetting}, {LN:g})"
     value = returned(ask, "rels", u, y, forgetting, LN)
-    shape = np.shape(value)  # type: ignore[arg-type]
+    shape = value.shape if isinstance(value, np.ndarray) else ()
     if shape == (y.size - 1, 3):
         return Verdict(
             False,
