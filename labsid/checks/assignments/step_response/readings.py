@@ -59,8 +59,11 @@ def judge_reading(got: FloatArray, step: Step, where: str, praise: str) -> Verdi
     if _is_right(got, step, fit):
         return Verdict(True, praise)
     right_gain = _is_right_gain(K, fit)
+    right = np.array([fit.reading.K, fit.reading.tau, fit.reading.td])
+    within = SAME_VALUE * np.abs([fit.reading.K, fit.reading.tau, fit.reading.tau])
+    within[1:] += 0.5 * float(step.t[1] - step.t[0])
     for order in list(permutations(range(3)))[1:]:
-        if _is_right(got[list(order)], step, fit):
+        if np.all(np.abs(got[list(order)] - right) <= within):
             return Verdict(False, f"{where}K, tau and td are right, but in another order.", "order of K, tau and td")
     values = {"K": K, "tau": tau, "td": td}
     matches: list[tuple[float, _Suspect]] = []
@@ -126,8 +129,7 @@ def _suspects(step: Step, fit: StepResponseFit) -> Iterator[_Suspect]:
     way = (step.y - fit.y_initial) / change
     t_50 = float(step.t[np.argmax(way >= 0.5)])
     half = "tau is measured to 50 % of the change; the time constant is the time to 63.2 %."
-    for value in (t_50, t_50 - right.td):
-        yield _Suspect("50 % taken for 63.2 %", "tau", value, grid, half)
+    yield _Suspect("50 % taken for 63.2 %", "tau", t_50 - right.td, grid, half)
     late = "td is the time to 63.2 %, which is t_d + tau: subtract tau."
     yield _Suspect("63.2 % taken for the delay", "td", fit.t_632, grid, late)
     if Ts <= COARSE:
