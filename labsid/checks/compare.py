@@ -67,8 +67,9 @@ def as_vector(name: str, value: Value, size: int | None = None) -> FloatArray:
     """Read a signal or a parameter vector of shape (N,) or (N, 1); a row (1, N) has its own message."""
     array = _real_array(name, value, "a vector")
     if array.ndim == 2 and array.shape[0] == 1 and array.shape[1] > 1:
+        way = f"`{name}.T`" if name.isidentifier() else "transpose it with `.T`"
         raise NoAnswer(
-            f"`{name}` is a row, shape {array.shape}. Make it a column (or one-dimensional): `{name}.T`.",
+            f"`{name}` is a row, shape {array.shape}. Make it a column (or one-dimensional): {way}.",
             "a row instead of a column",
         )
     if array.ndim == 2 and array.shape[1] == 1:

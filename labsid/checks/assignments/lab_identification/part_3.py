@@ -1,6 +1,7 @@
 """Checks of part 3 of the lab: the model simulated and compared with the record."""
 
 from collections.abc import Iterator
+from functools import partial
 
 import numpy as np
 
@@ -15,12 +16,14 @@ from labsid.checks.assignments.lab_identification.simulated_output import (
     read_output,
 )
 from labsid.checks.compare import as_number
+from labsid.checks.figures import find_curve
 from labsid.checks.question import Ask
 from labsid.checks.values import Value
 from labsid.checks.verdict import NoAnswer, Slip, Verdict, first_failure, judge
 from labsid.lab.arx import ArxModel
 from labsid.lab.simulation import free_response, predict_one_step, simulate
 from labsid.lab.verification import mse
+from labsid.plots.figure_values import FigureValue
 
 TRIAL_SAMPLES = 160
 TRIAL_NOISE = 0.01
@@ -66,8 +69,24 @@ def check_errors(ask: Ask) -> Verdict:
             lambda: mse(y[:half], y_sim_half),
         ),
     )
-    verdict = judge_mse("mse_half", got["mse_half"], y_half, y_sim_half, slips)
-    return judge_mse("mse_all", got["mse_all"], y, y_sim) if verdict.passed else verdict
+    raw = {name: known_vector(ask, name) for name in ("y_act", "y_actm")}
+
+    def unlike(name: str, samples: int, simulated: FloatArray) -> list[Slip[float]]:
+        return [
+            Slip(
+                "offset left in",
+                f"`{name}` compares with `{signal}`, which contains the offset: compare with `y`.",
+                partial(mse, values[-samples:], simulated),
+            )
+            for signal, values in raw.items()
+        ]
+
+    verdict = judge_mse(
+        "mse_half", got["mse_half"], y_half, y_sim_half, [*slips, *unlike("mse_half", half, y_sim_half)]
+    )
+    if not verdict.passed:
+        return verdict
+    return judge_mse("mse_all", got["mse_all"], y, y_sim, unlike("mse_all", y.size, y_sim))
 
 
 def right_errors(ask: Ask) -> dict[str, Value]:
@@ -81,11 +100,15 @@ def check_figure_7(ask: Ask) -> Verdict:
     y, y_half, y_sim, y_sim_half = _measured_and_simulated(ask)
     t = known_vector(ask, "t")
     t_half = t[-y_half.size :]
-    upper = Panel(
-        "the upper panel of Fig. 7", {"y": y_half, "y_sim_half": y_sim_half}, (t_half, t_half - t_half[0]), CALLS
-    )
+    upper = Panel("the upper panel of Fig. 7", {"y": y_half, "y_sim_half": y_sim_half}, (t_half,), CALLS)
     lower = Panel("the lower panel of Fig. 7", {"y": y, "y_sim": y_sim}, (t,), CALLS)
-    require_panels("fig_7", ask.value("fig_7"), (upper, lower))
+    fig_7 = ask.value("fig_7")
+    if isinstance(fig_7, FigureValue) and fig_7.axes and find_curve(fig_7.axes[0], y_half, t[: y_half.size]):
+        raise NoAnswer(
+            "In the upper panel of Fig. 7 the second half is drawn against the times of the first: use `t[half:]`.",
+            "time of the first half",
+        )
+    require_panels("fig_7", fig_7, (upper, lower))
     return Verdict(True, "Fig. 7 shows both comparisons.")
 
 
@@ -102,12 +125,14 @@ def check_initial_state(ask: Ask) -> Iterator[Verdict]:
     number of samples used. With noise the estimates differ, but the output is still a free run.
     """
     data, model = known_data(ask), known_model(ask)
-    shape = (-1, 1) if np.ndim(ask.known("y")) == 2 else (-1,)  # type: ignore[arg-type]
+    shapes = [(-1,), (-1, 1)]
+    if np.ndim(ask.known("y")) == 2:  # type: ignore[arg-type]
+        shapes.reverse()
     name = "simulate_from_start(u, y)"
     for noise in (0.0, TRIAL_NOISE):
         u, y_true = _trial_record(ask.rng, data, model)
         y = y_true + noise * ask.rng.standard_normal(y_true.size)
-        value = ask.call("simulate_from_start", u.reshape(shape), y.reshape(shape))
+        value = _simulated(ask, u, y, shapes)
         if value is None:
             raise NoAnswer(
                 "`simulate_from_start` returns nothing: end it with `return` and the simulated output.",
@@ -125,6 +150,19 @@ def check_initial_state(ask: Ask) -> Iterator[Verdict]:
             )
         yield _judge_start(got, u, y, y_true, model) if not noise else _judge_free_run(got, u, y, model)
     yield Verdict(True, "It is a simulation that starts at the measured output, also for unseen records.")
+
+
+def _simulated(ask: Ask, u: FloatArray, y: FloatArray, shapes: list[tuple[int, ...]]) -> Value:
+    """Result of the student's function on flat signals or columns: in the shape of the student's `y` if it works."""
+    first, second = shapes
+    try:
+        return ask.call("simulate_from_start", u.reshape(first), y.reshape(first))
+    except NoAnswer:
+        try:
+            return ask.call("simulate_from_start", u.reshape(second), y.reshape(second))
+        except NoAnswer:
+            pass
+        raise
 
 
 def _trial_record(rng: np.random.Generator, data: LabData, model: ArxModel) -> tuple[FloatArray, FloatArray]:
