@@ -70,8 +70,9 @@ class Answer:
         return {**self.right, **self.own}
 
     def mentions(self, name: str) -> bool:
-        """Whether its code contains a name."""
-        return contains_name(name, (done.cell.source for done in self.asked.cells))
+        """Whether its code contains a name as a whole word."""
+        word = re.compile(rf"\b{re.escape(name)}\b")
+        return any(word.search(done.cell.source) for done in self.asked.cells)
 
     def result(self) -> QuestionResult:
         """The result of the question."""
@@ -101,8 +102,3 @@ def wrong_steps(answers: Iterable[Answer]) -> tuple[str, ...]:
     """Ids of the wrong questions among these answers, and of those on whose wrong values the right ones rest."""
     steps = [step for answer in answers for step in (answer.causes if answer.is_right else (answer.question.id,))]
     return tuple(dict.fromkeys(steps))
-
-
-def contains_name(name: str, sources: Iterable[str]) -> bool:
-    """Whether any source contains a name as a whole word."""
-    return any(re.search(rf"\b{re.escape(name)}\b", source) for source in sources)

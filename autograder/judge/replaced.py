@@ -12,6 +12,8 @@ class Replaced:
 
     Attributes
     ----------
+    causes : tuple of str
+        Ids of the wrong questions that the answer starts from.
     steps : tuple of str
         Ids of the questions whose values were replaced.
     functions : tuple of str
@@ -20,6 +22,7 @@ class Replaced:
         Whether the answer itself calls these functions.
     """
 
+    causes: tuple[str, ...]
     steps: tuple[str, ...]
     functions: tuple[str, ...]
     called: bool
@@ -75,4 +78,4 @@ def replaced_for(answer: Answer, wrong: Sequence[Answer], functions_of: Callable
             functions += called or list(filter(other.mentions, functions_of(other))) or functions_of(other)
         else:
             steps.append(other.question.id)
-    return Replaced(tuple(steps), tuple(functions), all(map(answer.mentions, functions)))
+    return Replaced(causes, tuple(steps), tuple(functions), all(map(answer.mentions, functions)))

@@ -5,16 +5,18 @@ It judges only what the first run left wrong. What its cells print is not kept, 
 
 import builtins
 import contextlib
+import re
 import time
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from pathlib import Path
 
 import numpy as np
 
 from autograder.course.definitions import defined_functions
 from autograder.intake.submission import NotebookCell
-from autograder.judge.answer import Answer, contains_name, wrong_steps
+from autograder.judge.answer import Answer
 from autograder.judge.ask import AskOpener
 from autograder.judge.attempt import Attempt
 from autograder.judge.carrying import Shape, differ_in_shape, in_shape
@@ -149,7 +151,7 @@ class SecondRun:
             wrong = list(self._wrong_before(key))
             replaced = replaced_for(answer, wrong, self._functions_of)
             answer.attempts.append(attempt.noted(replaced.beside_right(), replaced.before_wrong()))
-            answer.causes = wrong_steps(wrong)
+            answer.causes = replaced.causes
         answer.seconds += time.monotonic() - start
 
     def _as_columns(self, key: int) -> bool:
@@ -163,14 +165,22 @@ class SecondRun:
     def _wrong_before(self, key: int) -> Iterator[Answer]:
         """The earlier answers that are not sound and define a name that occurs in a cell on the way to this one."""
         for other in self._answers[:key]:
-            between = self._first_run[self._positions[other.asked.key] + 1 : self._positions[key]]
-            sources = [done.cell.source for done in between]
-            names = (*other.right, *self._functions_of(other))
-            if not other.is_sound and any(contains_name(name, sources) for name in names):
+            between = self._mentioned[self._positions[other.asked.key] + 1 : self._positions[key]]
+            if not other.is_sound and not all(map(set(self._names_of(other)).isdisjoint, between)):
                 yield other
 
-    def _functions_of(self, other: Answer) -> tuple[str, ...]:
-        return defined_functions(self._functions.get(other.question.id, ""))
+    @cached_property
+    def _mentioned(self) -> list[set[str]]:
+        """Which of the names that answers should define occur in each code cell."""
+        names = {name for answer in self._answers for name in self._names_of(answer)}
+        sources = (done.cell.source if done.cell.code else "" for done in self._first_run)
+        return [{word[0] for word in re.finditer(r"\b[^\W\d]\w*", source) if word[0] in names} for source in sources]
+
+    def _names_of(self, answer: Answer) -> tuple[str, ...]:
+        return *answer.right, *self._functions_of(answer)
+
+    def _functions_of(self, answer: Answer) -> tuple[str, ...]:
+        return defined_functions(self._functions.get(answer.question.id, ""))
 
 
 def _shape_of(value: Value) -> tuple[int, ...]:
