@@ -131,11 +131,6 @@ class Execution:
             raise
         return process
 
-    @property
-    def deadline(self) -> float:
-        """End of the submission's time, on the monotonic clock."""
-        return self._deadline
-
     def extend_deadline(self, seconds: float) -> None:
         """Extend the deadline, if necessary, so that at least this many seconds remain."""
         self._deadline = self.process.deadline = max(self._deadline, time.monotonic() + seconds)

@@ -136,7 +136,7 @@ class _SubmissionJudge:
         second_run = SecondRun(
             self.executed, self.answers, self._assets.functions, self._asks, self._launcher, self._folder
         )
-        second_run.judge(execution.deadline)
+        second_run.judge(time.monotonic() + self._launcher.limits.submission_seconds)  # not on the notebook's time
         return tuple(entry.result() if isinstance(entry, Answer) else entry for entry in entries)
 
     def _run_cells(self, execution: Execution, examiner: Examiner) -> list[Answer | QuestionResult]:
