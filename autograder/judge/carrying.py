@@ -43,6 +43,18 @@ def _is_comparable(own: Value, right: Value) -> bool:
     return bool(largest_b / COMPARABLE <= largest_a <= largest_b * COMPARABLE)
 
 
+def wrong_names(own: Mapping[str, Value], right: Mapping[str, Value]) -> tuple[str, ...]:
+    """The names whose value is missing or differs from the right one."""
+    return tuple(name for name, value in right.items() if not _is_equal(own.get(name), value))
+
+
+def _is_equal(own: Value, right: Value) -> bool:
+    if not (_is_numeric(own) and _is_numeric(right)):
+        return False
+    a, b = np.asarray(own, dtype=np.float64), np.asarray(right, dtype=np.float64)
+    return a.shape == b.shape and bool(np.allclose(a, b, rtol=1e-9, atol=0))
+
+
 def differ_in_shape(own: Mapping[str, Value], right: Mapping[str, Value]) -> bool:
     """Whether a vector has the right number of elements in another shape: a row, or flat instead of a column."""
     pairs = ((own[name], value) for name, value in right.items() if name in own)

@@ -51,13 +51,13 @@ class Examiner:
     def judge_now(self, one: Examination, known: Mapping[str, Value], as_columns: bool = False) -> Attempt | None:
         """Judge in the present state; None if the check calls a function.
 
-        Unless the answer is right, the variables are saved for `judge_later`.
+        The variables are saved for `judge_later`, unless the answer is right whatever the earlier ones are.
         """
         try:
             attempt = self._attempt(one, self._open(one, self._present, known, True, as_columns))
         except CallDeferred:
             attempt = None
-        if attempt is None or not attempt.passed:
+        if attempt is None or not attempt.passed or one.question.uses:
             self._execution.save_variables(one.key)
         return attempt
 

@@ -193,7 +193,8 @@ class _SubmissionJudge:
         answer.pictures = tuple(map(figure_svg, figures)) if self._pictures else ()
         # values of the wrong kind have no right ones that follow from them
         answer.right = examiner.right_values(asked, own) or examiner.right_values(asked, right)
-        answer.own = examiner.own_values(asked, answer.right)
+        if attempt is None or attempt.failure is None:  # a value that ends the process is not read again
+            answer.own = examiner.own_values(asked, answer.right)
         return answer
 
     def _judge_the_rest(self, examiner: Examiner) -> None:
@@ -226,12 +227,12 @@ def _judge_beside_wrong(
     causes = wrong_steps(wrong)
     steps = ", ".join(causes)
     on_own = f"(Judged on your own values of {steps}, which are wrong.)"
-    is_own_usable = all(is_usable(other.own, other.right) for other in wrong)
+    allows_own = answer.question.allows_wrong_values and all(is_usable(other.own, other.right) for other in wrong)
     as_columns = any(differ_in_shape(other.own, other.right) for other in wrong)
     first = answer.attempts.pop()
-    if is_own_usable and not first.passed and as_columns:
+    if allows_own and not first.passed and as_columns:
         first = examiner.judge_later(answer.asked, answer.known, as_columns)
-    if is_own_usable or not first.passed:
+    if allows_own or not first.passed:
         answer.attempts.append(first.noted(on_own, ""))
     if answer.is_right:
         answer.causes = causes

@@ -19,7 +19,7 @@ from autograder.intake.submission import NotebookCell
 from autograder.judge.answer import Answer
 from autograder.judge.ask import AskOpener
 from autograder.judge.attempt import Attempt
-from autograder.judge.carrying import Shape, differ_in_shape, in_shape
+from autograder.judge.carrying import Shape, differ_in_shape, in_shape, wrong_names
 from autograder.judge.examiner import Examination, Examiner
 from autograder.judge.execution import ExecutedCell, Execution
 from autograder.judge.replaced import replaced_for
@@ -107,6 +107,8 @@ class SecondRun:
             asked = Examination(key, answer.question, cells)
             cells = []
             if answer.is_sound:
+                # an object may answer differently each time: it is read as often as in the first run
+                examiner.own_values(asked, answer.asked.values)
                 known.update(answer.carried)
                 continue
             attempt = None
@@ -163,7 +165,7 @@ class SecondRun:
         return not answer.is_right and not answer.crashed and any(True for _ in self._wrong_before(key))
 
     def _wrong_before(self, key: int) -> Iterator[Answer]:
-        """The earlier answers that are not sound and define a name that occurs in a cell on the way to this one."""
+        """The earlier answers that are not sound, if a name that is replaced for them occurs on the way to this one."""
         for other in self._answers[:key]:
             between = self._mentioned[self._positions[other.asked.key] + 1 : self._positions[key]]
             if not other.is_sound and not all(map(set(self._names_of(other)).isdisjoint, between)):
@@ -171,13 +173,14 @@ class SecondRun:
 
     @cached_property
     def _mentioned(self) -> list[set[str]]:
-        """Which of the names that answers should define occur in each code cell."""
+        """Which of the names that may be replaced occur in each code cell."""
         names = {name for answer in self._answers for name in self._names_of(answer)}
         sources = (done.cell.source if done.cell.code else "" for done in self._first_run)
         return [{word[0] for word in re.finditer(r"\b[^\W\d]\w*", source) if word[0] in names} for source in sources]
 
     def _names_of(self, answer: Answer) -> tuple[str, ...]:
-        return *answer.right, *self._functions_of(answer)
+        """The names that are replaced for later steps."""
+        return *wrong_names(answer.own, answer.right), *self._functions_of(answer)
 
     def _functions_of(self, answer: Answer) -> tuple[str, ...]:
         return defined_functions(self._functions.get(answer.question.id, ""))

@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from autograder.judge.carrying import COMPARABLE, Shape, differ_in_shape, in_shape, is_usable
+from autograder.judge.carrying import COMPARABLE, Shape, differ_in_shape, in_shape, is_usable, wrong_names
 
 SIGNAL = np.linspace(-1, 1, 5)
 
@@ -40,6 +40,12 @@ def test_wrong_values_count_where_they_compute_something(own: Any, right: Any, e
 
 def test_a_missing_value_does_not_count() -> None:
     assert not is_usable({"b": 1.0}, {"a": 1.0, "b": 1.0})
+
+
+def test_the_names_of_wrong_values() -> None:
+    right = {"a": 1.0, "b": SIGNAL, "c": SIGNAL, "d": "text", "e": 2.0}
+    own = {"a": 1.0 + 1e-12, "b": SIGNAL.copy(), "c": SIGNAL.reshape(-1, 1), "d": "text"}
+    assert wrong_names(own, right) == ("c", "d", "e")
 
 
 @pytest.mark.parametrize(

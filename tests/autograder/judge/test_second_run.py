@@ -167,6 +167,21 @@ RIGHT_THETA = r"\(Judged on the right values of lab-2b-theta\.\)$"
             {"lab-2b-parameters": "^Judged on the right values of lab-2b-theta: "},
             id="zeros, after which everything is zero",
         ),
+        pytest.param(
+            "sim-to-real-gap",
+            answers(
+                gap_2_linear="Phi = np.column_stack([y[1 : half - 1], y[: half - 2], u[1 : half - 1], u[: half - 2]])\n"
+                "theta_arx = np.linalg.lstsq(Phi, y[2:half])[0]\ntheta_hat = theta_arx * [1, 1, 20, 20]\n"
+                "y_lin = free_run(theta_hat, u)",
+                gap_7_simulation=define(
+                    "simulate_better(u_act)", "return y_offset + free_run(theta_arx, u_act - u_offset)"
+                ),
+                gap_8_effect='effect = ""',
+            ),
+            {"gap-2-linear", "gap-7-simulation", "gap-8-effect", "gap-8-path", "gap-8-parameters", "gap-9-closed"},
+            {},
+            id="a bad model that any other one is better than",
+        ),
     ],
 )
 def test_one_slip_costs_one_question(
