@@ -76,16 +76,20 @@ class SecondRun:
         """Judge until the deadline: with vectors in the shape of the student's own, then flat, then as columns."""
         tried: list[Shape] = []
         for shape in Shape:
-            waiting = [k for k in range(len(self._answers)) if self._may_become_right(k)]
-            if not waiting or time.monotonic() > deadline:
-                return
             if any(self._shapes[shape] == self._shapes[other] for other in tried):
                 continue
             tried.append(shape)
-            with contextlib.suppress(StudentProcessError):  # no process: what was found so far stands
-                execution = Execution(self._launcher, self._folder, deadline)
-                with contextlib.closing(execution):
-                    self._run(execution, waiting, shape)
+            before: list[int] = []
+            # once more if it made answers right: their functions are the student's own then
+            while (waiting := self._waiting()) and waiting != before and time.monotonic() < deadline:
+                with contextlib.suppress(StudentProcessError):  # no process: what was found so far stands
+                    execution = Execution(self._launcher, self._folder, deadline)
+                    with contextlib.closing(execution):
+                        self._run(execution, waiting, shape)
+                before = waiting
+
+    def _waiting(self) -> list[int]:
+        return [key for key in range(len(self._answers)) if self._may_become_right(key)]
 
     def _run(self, execution: Execution, waiting: Sequence[int], shape: Shape) -> None:
         """Run the cells up to the last answer that waits, replace wrong values on the way, and judge."""
