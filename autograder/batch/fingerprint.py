@@ -40,12 +40,13 @@ def result_fingerprint(data_store: DataStore, inputs: GradingInputs, folder: Pat
     Returns
     -------
     dict
-        ``submission``, ``release`` (cells and points), ``check`` (source files), ``data`` (record and the seed of
-        hidden inputs) and ``environment`` (versions).
+        ``submission``, ``release`` (cells and points), ``solution`` (the functions that replace wrong ones), ``check``
+        (source files), ``data`` (record and the seed of hidden inputs) and ``environment`` (versions).
     """
     return {
         "submission": submission_hash(folder, Path(inputs.assets.assignment.record_file or "").suffix),
         "release": template_hash(inputs.assets.template),
+        "solution": hashlib.sha256(repr(sorted(inputs.assets.functions.items())).encode()).hexdigest(),
         "check": sources_hash(checks_module(inputs.assets.template.assignment), *JUDGING),
         "data": data_hash(data_store, inputs),
         "environment": environment_hash(),

@@ -14,6 +14,7 @@ from threading import Lock
 from autograder.course.individual_data import generator_hash, individual_file, is_individual
 from autograder.course.layout import Course, Template
 from autograder.course.own_secret import own_secret, shared_file
+from autograder.course.solutions import right_functions
 from autograder.judge.judging import Assets
 from labsid._files import write_file
 from labsid.checks.notebook import load_assignment
@@ -77,11 +78,12 @@ def inputs_for(data_store: DataStore, template: Template, student: str) -> Gradi
         If no record can be generated for that student ID.
     """
     assignment = load_assignment(template.assignment)
+    functions = right_functions(data_store.course, template)
     if assignment.record_file is None:
-        return GradingInputs(Assets(template, assignment, None, data_store.seed), {})
+        return GradingInputs(Assets(template, assignment, None, data_store.seed, functions=functions), {})
     path = record_path(data_store, assignment.record_file, student)
     origin = data_store.shared_origin if data_store.secret is None else Origin(student, data_store.secret)
-    assets = Assets(template, assignment, load_record(path), data_store.seed, origin)
+    assets = Assets(template, assignment, load_record(path), data_store.seed, origin, functions)
     return GradingInputs(assets, {assignment.record_file: path})
 
 

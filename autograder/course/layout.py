@@ -111,8 +111,8 @@ class Cell:
     id : str
         Its grade_id.
     kind : {"given", "demonstration", "answer", "question", "manual"}
-        Locked code; locked code that is not run during grading; a student's answer; a question graded automatically; a
-        question graded by hand.
+        Locked code; locked code of which grading runs the definitions alone; a student's answer; a question graded
+        automatically; a question graded by hand.
     source : str
         Its text.
     code : bool

@@ -117,22 +117,36 @@ def _measured_and_simulated(ask: Ask) -> tuple[FloatArray, FloatArray, FloatArra
     return y, y[-y_sim_half.size :], y_sim, y_sim_half
 
 
-@first_failure
-def check_initial_state(ask: Ask) -> Iterator[Verdict]:
+def check_initial_state(ask: Ask) -> Verdict:
     """Step 3b: a function that simulates from the estimated state, tried on unseen records.
+
+    Where the student's signals are columns, it may be written for columns or for flat arrays.
+    """
+    is_column = np.ndim(ask.known("y")) == 2  # type: ignore[arg-type]
+    verdicts = []
+    for shape in ((-1, 1), (-1,)) if is_column else ((-1,),):
+        try:
+            verdicts.append(_check_shape(ask, shape))
+        except NoAnswer as nothing:
+            verdicts.append(Verdict(False, str(nothing), nothing.slip))
+        if verdicts[-1].passed:
+            return verdicts[-1]
+    return next((verdict for verdict in verdicts if verdict.slip is not None), verdicts[0])
+
+
+@first_failure
+def _check_shape(ask: Ask, shape: tuple[int, ...]) -> Iterator[Verdict]:
+    """Try the function on signals of one shape.
 
     Without noise every valid estimate finds the state, so the output is the true one for any state coordinates and any
     number of samples used. With noise the estimates differ, but the output is still a free run.
     """
     data, model = known_data(ask), known_model(ask)
-    shapes = [(-1,), (-1, 1)]
-    if np.ndim(ask.known("y")) == 2:  # type: ignore[arg-type]
-        shapes.reverse()
     name = "simulate_from_start(u, y)"
     for noise in (0.0, TRIAL_NOISE):
         u, y_true = _trial_record(ask.rng, data, model)
         y = y_true + noise * ask.rng.standard_normal(y_true.size)
-        value = _simulated(ask, u, y, shapes)
+        value = ask.call("simulate_from_start", u.reshape(shape), y.reshape(shape))
         if value is None:
             raise NoAnswer(
                 "`simulate_from_start` returns nothing: end it with `return` and the simulated output.",
@@ -150,19 +164,6 @@ def check_initial_state(ask: Ask) -> Iterator[Verdict]:
             )
         yield _judge_start(got, u, y, y_true, model) if not noise else _judge_free_run(got, u, y, model)
     yield Verdict(True, "It is a simulation that starts at the measured output, also for unseen records.")
-
-
-def _simulated(ask: Ask, u: FloatArray, y: FloatArray, shapes: list[tuple[int, ...]]) -> Value:
-    """Result of the student's function on flat signals or columns: in the shape of the student's `y` if it works."""
-    first, second = shapes
-    try:
-        return ask.call("simulate_from_start", u.reshape(first), y.reshape(first))
-    except NoAnswer:
-        try:
-            return ask.call("simulate_from_start", u.reshape(second), y.reshape(second))
-        except NoAnswer:
-            pass
-        raise
 
 
 def _trial_record(rng: np.random.Generator, data: LabData, model: ArxModel) -> tuple[FloatArray, FloatArray]:

@@ -82,6 +82,13 @@ def check_cut(ask: Ask) -> Verdict:
                 f"`{name}` should be `{name[:2]}` without its first 200 samples: see step 3.",
                 new_signal_slips(name, y, other),
             )
+    if verdict.passed and not _same(_vector(ask.value("t")), t):
+        return Verdict(
+            False,
+            "`t` has changed in this step, and Fig. 1(a) needs it as it was: `t[200:]` is a view of `t`, so that "
+            "changing it in place (`t_new -= ...`) changes `t`, too. Make a new array.",
+            "a view changed in place",
+        )
     return verdict
 
 
@@ -208,7 +215,7 @@ def right_sinusoids(ask: Ask) -> dict[str, Value]:
 
 
 def right_cut(ask: Ask) -> dict[str, Value]:
-    """The cut signals, and the time as it was before the cut."""
+    """The cut signals, and the time as it was before."""
     t, y1, y2 = (_vector(ask.known(name)).reshape(-1, 1) for name in ("t", "y1", "y2"))
     right = cut_off(Sinusoids(t, y1, y2), CUT)
-    return {"t": ask.known("t"), "t_new": right.t_new, "y1_new": right.y1_new, "y2_new": right.y2_new}
+    return {"t": t, "t_new": right.t_new, "y1_new": right.y1_new, "y2_new": right.y2_new}

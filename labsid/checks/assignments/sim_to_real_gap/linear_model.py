@@ -60,7 +60,14 @@ def check_linear(ask: Ask) -> Iterator[Verdict]:
         yield _not_nearest(theta, u, y, half, Ts)
     model = arx_from_theta(theta, Ts)
     run = simulate(model, u)
-    got = _output("y_lin", ask.value("y_lin"), u.size)
+    value = ask.value("y_lin")
+    if isinstance(value, np.ndarray) and value.ndim == 2 and np.ndim(ask.known("y")) == 1:  # type: ignore[arg-type]
+        raise NoAnswer(
+            f"`y_lin` has shape {value.shape} and `y` is flat: numpy makes a whole table of their difference. Flatten "
+            "it with `ravel()`.",
+            "a column beside a flat array",
+        )
+    got = _output("y_lin", value, u.size)
     if SAME(got[model.order :], predict_one_step(model, u, y)[model.order :]):  # how it begins is nobody's concern
         yield Verdict(
             False,
