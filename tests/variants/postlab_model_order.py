@@ -71,7 +71,6 @@ VARIANTS: list[Right | Wrong] = [
     right(
         PHI,
         "the offset of the lab brought along",
-        "n_first = offsets.first_period\n"
         "y = y + np.mean(y[n_first // 3 : n_first]) - np.mean(y[n_first // 2 : n_first])\n" + phi(),
     ),
     wrong(PHI, "columns swapped", phi("u[: half - 1]", "y[: half - 1]"), "y and u columns swapped", "y comes first"),
