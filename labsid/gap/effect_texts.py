@@ -50,6 +50,8 @@ EFFECT_TEXTS: dict[str, EffectText] = {
         "a dead zone",
         (
             "The actuator does not move between {low} and {high}",
+            "The actuator does not move until the command exceeds {high}",
+            "The actuator does not move until the command falls below {low}",
             "The actuator does not move until the command leaves a band",
         ),
         "Commands inside the band have no effect. Look for valve overlap, friction in the drive, or a threshold in "
@@ -236,6 +238,10 @@ _LABELS = {
     "upper": "reading at the brim of the upper tank",
     "caught": "share received by the next tank",
     "friction": "friction, in units of the command",
+    "break_away": "friction at rest, in units of the command",
+    "jump_low": "step at the lower edge",
+    "jump_high": "step at the upper edge",
+    "ratio": "gain below the band over the gain above it",
     "cubic": "cubic coefficient",
     "c2": "quadratic coefficient",
     "c3": "cubic coefficient",

@@ -139,6 +139,15 @@ class Hypothesis:
         """Whether the delay is an effect rather than a nuisance parameter."""
         return any(e.name == "input-delay" for e in self.inputs)
 
+    def completed(self, theta: FloatArray, u: FloatArray) -> tuple[FloatArray, int]:
+        """Theta, the parameters that the input `u` of the record does not determine set by convention; and how many."""
+        full, undetermined = theta.copy(), 0
+        for effect in self.inputs:
+            place = self.slices[effect.key]
+            full[place], count = effect.completed(theta[place], u)
+            undetermined += count
+        return full, undetermined
+
     def actuator(self, theta: FloatArray, u: FloatArray, span: int | None = None) -> FloatArray:
         """The signal that reaches the dynamics: the input after all actuator effects, interpolated to its delay."""
         w, late = self._delayed_input(theta, u, span or u.size)

@@ -3,6 +3,7 @@
 import numpy as np
 
 from labsid._arrays import FloatArray
+from labsid.gap.candidates import best_form
 from labsid.gap.data import Data
 from labsid.gap.fast_least_squares import scaled_gram
 from labsid.gap.fitting import UNFILTERED, Fit, Point, Problem, finish, minimize, rms
@@ -39,7 +40,7 @@ def converge(data: Data, fit: Fit) -> Fit:
             break
     at = minimize(data, hypothesis, at.theta, at.gains, iterations=25, tolerance=1e-6) or at
     new = finish(data, hypothesis, at)
-    return new if new.bic < fit.bic else fit
+    return best_form([fit, new])
 
 
 def _leap(problem: Problem, at: Point, step: FloatArray) -> Point | None:

@@ -134,6 +134,10 @@ class InputEffect(Effect):
         """Transform the signal `w`, shape (N,); `span` is the length of the fitted record."""
         raise NotImplementedError
 
+    def completed(self, own: FloatArray, u: FloatArray) -> tuple[FloatArray, int]:
+        """Own parameters, those that the input `u` of the record does not determine set by convention; and how many."""
+        return own, 0
+
 
 class PlantEffect(Effect):
     """An effect that changes the dynamics."""
