@@ -13,6 +13,7 @@ from labsid.gap.effects.base import Effect, Fitted, InputEffect, PlantEffect
 from labsid.gap.effects.context import Context
 from labsid.gap.fitting import Fit, Point, finish, minimize, start_cost
 from labsid.gap.forms import (
+    ABSOLUTE,
     INNER_LOAD,
     INNER_PERIODIC,
     LAGS,
@@ -59,7 +60,7 @@ CANDIDATES: tuple[tuple[Effect, ...], ...] = (
     ),
     SENSOR_DRIFTS,
     (output.Saturation("high"), output.Saturation("low"), output.Saturation("both")),
-    (output.Nonlinearity(),),
+    (output.Nonlinearity(), ABSOLUTE),
     (LOAD, LEAK, INNER_LOAD),
     (PERIODIC, INNER_PERIODIC),
 )
@@ -247,7 +248,7 @@ def start_points(context: Context, hypothesis: Hypothesis, effect: Effect) -> It
     in_plant = isinstance(effect, PlantEffect)
     named_starts = effect.plant_starts(context) if isinstance(effect, PlantEffect) else [{}]
     own_starts = [np.zeros(0)] if in_plant else effect.starts(context)
-    for base in _plant_starts(context, hypothesis.plant):
+    for base in _plant_starts(context, hypothesis.plant, effect.rates(context)):
         for named in named_starts:
             for own in own_starts:
                 full = common.copy()
@@ -291,12 +292,12 @@ def _with_linear_sinusoid(data: Data, hypothesis: Hypothesis, theta: FloatArray)
     return out
 
 
-def _plant_starts(context: Context, new: Plant) -> list[FloatArray]:
-    """Start values of the new plant: parameters of the parent's plant, with its rates and those of other estimates."""
+def _plant_starts(context: Context, new: Plant, others: list[tuple[float, float]]) -> list[FloatArray]:
+    """Start values of the new plant: parameters of the parent's plant, with its rates, `others` and other estimates."""
     parent = context.parent
     old = parent.hypothesis.plant
     kept = {p.name: value for p, value in zip(old.parameters, parent.plant_theta, strict=True)}
-    rates = [context.rates]
+    rates = [context.rates, *others]
     if np.abs(np.log(np.divide(context.highpass_rates, context.rates))).max() > 0.2:
         rates.append(context.highpass_rates)
     slow, fast = real_rates(*context.rates)

@@ -157,10 +157,13 @@ EFFECT_TEXTS: dict[str, EffectText] = {
     ),
     "output-nonlinearity": EffectText(
         "a curved characteristic of the sensor",
-        ("The gain of the sensor changes over its range",),
+        (
+            "The sensor reads how far the output is from {fold}, but not on which side",
+            "The gain of the sensor changes over its range",
+        ),
         "The same change of the process gives a larger reading in one part of the range than in another. Check the "
-        "calibration. With d the true output minus the centre of the curve, the sensor reads "
-        "d + (quadratic coefficient) d² + (cubic coefficient) d³.",
+        "calibration. A pulse counter, for example, reads the absolute value of a speed. With d the true output minus "
+        "the centre of the curve, the sensor reads d + (quadratic coefficient) d² + (cubic coefficient) d³.",
     ),
     "output-quantization": EffectText(
         "a coarse converter",
@@ -243,6 +246,7 @@ _LABELS = {
     "jump_high": "step at the upper edge",
     "ratio": "gain below the band over the gain above it",
     "cubic": "cubic coefficient",
+    "fold": "lowest reading, at which the sign is lost",
     "c2": "quadratic coefficient",
     "c3": "cubic coefficient",
     "centre": "centre of the curve",
@@ -261,7 +265,7 @@ _SPECIFIC_LABELS: dict[tuple[str, ...], str] = {
     ("coloured-noise", "amplitude"): "rms",
     ("load-step", "size", "1"): "increase of the rate of return to rest",
 }
-_POSITIONS = {"low", "high", "level", "upper", "onset", "zero", "empty", "centre"}
+_POSITIONS = {"low", "high", "level", "upper", "onset", "zero", "empty", "centre", "fold"}
 """Positions, which may be near zero; the other parameters are magnitudes."""
 
 _SHARES = {"drift", "share", "caught", "size", "pole"}  # dimensionless parameters that are written in per cent

@@ -120,7 +120,8 @@ class Problem:
             gains = solve_least_squares(self._seen(columns), self.y)
             return self._made(theta, gains, design, columns @ gains)
         if gains is None or gains.size != columns.shape[1]:
-            gains = solve_least_squares(self._seen(columns), self.y)
+            reading = self.hypothesis.undone(theta, self.data.y, design, self.data.rows)
+            gains = solve_least_squares(self._seen(columns), self._seen(reading[:, None])[:, 0])
         best = self._made(theta, gains, design, self.hypothesis.sensor(theta, gains, design))
         for _ in range(3):
             scaled = columns.copy(order="F")

@@ -4,7 +4,7 @@ import numpy as np
 
 from labsid._arrays import FloatArray
 from labsid.gap.data import Data
-from labsid.gap.effects import curves, disturbance, drifts, dynamics, input, output
+from labsid.gap.effects import curves, disturbance, drifts, dynamics, folded, input, output
 from labsid.gap.effects.base import Effect
 from labsid.gap.fitting import Fit, finish, minimize
 from labsid.gap.hypothesis import Hypothesis
@@ -82,6 +82,7 @@ GENERAL_FORMS: dict[Effect, tuple[Effect, ...]] = (
     }
 )
 """More general forms with the same dynamics."""
+ABSOLUTE = folded.Absolute("absolute")
 PERIODIC, PERIODIC_LOAD = disturbance.Periodic(), disturbance.Periodic("load")
 INNER_PERIODIC, UPSTREAM_PERIODIC = disturbance.InnerPeriodic("inside"), disturbance.InnerPeriodic("ahead")
 """Periodic disturbances after the sensor's curve, before it, and on a nonlinear state."""

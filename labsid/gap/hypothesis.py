@@ -221,6 +221,12 @@ class Hypothesis:
             z = effect.apply(z, theta[self.slices[effect.key]])
         return z
 
+    def undone(self, theta: FloatArray, y: FloatArray, design: Design, rows: np.ndarray) -> FloatArray:
+        """Readings `y` from which the gains of a design can be estimated by linear least squares."""
+        for effect in self.outputs:
+            y = effect.undone(y, theta[self.slices[effect.key]], design.columns, rows)
+        return y
+
     def reading(self, theta: FloatArray, gains: FloatArray, level: float) -> float:
         """Sensor reading at the steady state `level`, without the limits of the sensor."""
         return float(self._curved(theta, gains[:1] * level + gains[1])[0])

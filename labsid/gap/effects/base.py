@@ -55,6 +55,10 @@ class Effect:
         """Start values of `parameters`."""
         return [np.zeros(0)]
 
+    def rates(self, context: Context) -> list[tuple[float, float]]:
+        """Rates c and k of linear dynamics to start from, in addition to those of the parent."""
+        return []
+
     def is_plausible(self, fit: "Fitted") -> bool:
         """Whether the fitted parameters are plausible; otherwise the effect imitates another one."""
         return True
@@ -167,6 +171,10 @@ class OutputEffect(Effect):
     def slope(self, z: FloatArray, own: FloatArray) -> FloatArray:
         """Derivative of the reading by z."""
         raise NotImplementedError
+
+    def undone(self, y: FloatArray, own: FloatArray, columns: FloatArray, rows: np.ndarray) -> FloatArray:
+        """Readings from which gains of the `columns`, shape (N, m), can be estimated by linear least squares."""
+        return y
 
 
 class AdditiveEffect(Effect):

@@ -62,7 +62,7 @@ PARAMETERS = {
     "parameter-drift": {"drift", "pole"},
     "output-drift": {"amplitude"},
     "output-saturation": {"low", "high"},
-    "output-nonlinearity": {"c2", "c3", "centre"},
+    "output-nonlinearity": {"c2", "c3", "centre", "fold"},
     "load-step": {"onset", "size"},
     "periodic-disturbance": {"frequency", "amplitude"},
 }
