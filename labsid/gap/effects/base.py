@@ -11,6 +11,9 @@ from labsid.gap.effects.context import Context, Structure
 from labsid.gap.plant_form import Parameter
 from labsid.gap.plants import Plant
 
+MAX_RANGES = 1.5  # of the output: largest signal that an effect may add, because the record shows nothing larger
+REST_SAMPLES = 5  # leading samples with equal input of a rig at rest
+ZERO = 1e-6  # of the spread of a signal: smaller values are zero
 RICHER_FORM_BIC = 12.0  # smallest BIC gain of a richer form over a simpler one
 
 
@@ -112,6 +115,18 @@ class Fitted:
         """Value of a plant parameter."""
         part = self.theta[self.hypothesis.slices["plant"]]
         return float(part[self.hypothesis.plant.index(name)])
+
+    @property
+    def range(self) -> float:
+        """Range of the scaled output over the rows that count."""
+        return float(np.ptp(self.data.y[self.data.rows]))
+
+    @property
+    def starts_at_rest(self) -> bool:
+        """Whether the record starts with a zero command, which is an end of its range: the rig is off."""
+        u = self.data.u
+        zero = abs(self.u(float(u[0]))) < ZERO * self.data.u_scale.unit
+        return bool(zero and np.all(u[:REST_SAMPLES] == u[0]) and u[0] in (u.min(), u.max()))
 
     def u(self, scaled: float) -> float:
         """An input in the record's unit."""

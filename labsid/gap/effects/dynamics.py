@@ -11,6 +11,7 @@ from labsid.gap.plants import Plant
 from labsid.gap.responses import damping_ratio, real_rates, single_pole
 
 BRIM_CODES = {"upper": 1, "lower": 2, "both": 3}
+MAX_START = 15.0  # scaled flow: largest initial deviation of a level, which a brim could hide
 MAX_TANK_RATE = 1.0  # per sample: a faster tank follows its inflow within a sample
 LEAST_DAMPING = 2e-3  # of a mode
 MAX_MODE_DAMPING = 0.2  # of parent dynamics that may be a mode
@@ -212,11 +213,24 @@ class Overflow(PlantEffect):
         return starts
 
     def is_plausible(self, fit: Fitted) -> bool:
-        """Reject a tank that fills within a sample: its brim is a limit of the actuator or the sensor."""
+        """Reject a tank that fills within a sample (a limit of the actuator or the sensor) and an impossible start."""
         slopes = fit.hypothesis.plant.level_slopes(fit.theta[fit.hypothesis.slices["plant"]])
+        if any(abs(fit.plant_value(h)) > MAX_START * slope for h, slope in zip(("h1", "h2"), slopes, strict=True)):
+            return False
+        if fit.starts_at_rest and self._overflows_at_first(fit):
+            return False
         rates = np.exp([fit.plant_value("log_a"), fit.plant_value("log_b")]) / slopes
         brims = {"upper": rates[:1], "lower": rates[1:], "both": rates}[self.variant.partition("-")[0]]
         return bool(np.all(brims < MAX_TANK_RATE))
+
+    def _overflows_at_first(self, fit: Fitted) -> bool:
+        """Whether the flow of the first command overflows in steady state."""
+        plant = fit.hypothesis.plant
+        w = float(fit.hypothesis.actuator(fit.theta, fit.data.u)[0])
+        zero = fit.plant_value("zero") if plant.upper_root or plant.lower_root else 0.0
+        brim = fit.plant_value("brim")
+        root = plant.lower_root if plant.brim == BRIM_CODES["lower"] else plant.upper_root
+        return (-w if plant.flipped else w) - zero > (np.sqrt(max(brim, 0.0)) if root else brim)
 
     def values(self, fit: Fitted) -> dict[str, Value]:
         """`level` of the brim as a reading; for the upper tank also `caught`, the share of overflow to the lower tank.

@@ -7,14 +7,14 @@ import numpy as np
 from labsid._arrays import FloatArray
 from labsid.gap import _kernels
 from labsid.gap.effects import curves
-from labsid.gap.effects.base import RICHER_FORM_BIC, Fitted, InputEffect, Value
+from labsid.gap.effects.base import REST_SAMPLES, RICHER_FORM_BIC, Fitted, InputEffect, Value
 from labsid.gap.effects.context import Context
 from labsid.gap.plant_form import Parameter
 from labsid.gap.plants import Plant
 
 LONGEST_DELAY = 250.0  # samples
+LONGEST_SHARE = 0.25  # of the record
 INITIAL_OFFSET = Parameter("before", -30.0, 30.0)  # of the actuator before the record, relative to the first command
-REST_SAMPLES = 5  # leading samples with equal input of a rig at rest
 
 
 class Delay(InputEffect):
@@ -45,6 +45,10 @@ class Delay(InputEffect):
     def apply(self, w: FloatArray, own: FloatArray, span: int) -> FloatArray:
         """Return `w`: the hypothesis delays the signal after all other input effects."""
         return w
+
+    def is_plausible(self, fit: Fitted) -> bool:
+        """Reject delays over a quarter of the record: most of it would show no response."""
+        return float(fit.theta_of(self)[0]) < LONGEST_SHARE * fit.data.samples
 
     def values(self, fit: Fitted) -> dict[str, Value]:
         """`delay` in seconds."""
@@ -86,11 +90,9 @@ class Saturation(InputEffect):
         return np.clip(w, min(own), max(own))
 
     def is_plausible(self, fit: Fitted) -> bool:
-        """Reject a limit that a zero command exceeds at the start and the end of its range: this is a dead zone."""
+        """Reject a limit that the command exceeds while the rig is off: this is a dead zone."""
         u = fit.data.u
-        at_rest = bool(np.all(u[:REST_SAMPLES] == u[0])) and abs(fit.u(float(u[0]))) < 1e-6 * fit.data.u_scale.unit
-        limited = self.apply(u[:1], fit.theta_of(self), u.size)[0] != u[0]
-        return not (at_rest and limited and u[0] in (u.min(), u.max()))
+        return not fit.starts_at_rest or bool(self.apply(u[:1], fit.theta_of(self), u.size)[0] == u[0])
 
     def active_samples(self, fit: Fitted) -> np.ndarray:
         """The samples at which the command exceeds a limit."""
