@@ -7,9 +7,9 @@ from labsid.gap.effects.base import Fitted, OutputEffect, Value
 from labsid.gap.effects.context import Context
 from labsid.gap.plant_form import Parameter
 
-FREQUENCIES = np.geomspace(0.02, 1.2, 8)  # radians per sample: natural frequencies of the trial dynamics
-DAMPING_RATIOS = 0.15, 0.5, 1.5
-SCREENED_ROWS = 400  # samples of the record on which the trial dynamics are compared
+FREQUENCIES = np.geomspace(0.02, 1.2, 7)  # radians per sample: natural frequencies of the trial dynamics
+DAMPING_RATIOS = 0.25, 1.0
+SCREENED_ROWS = 200  # samples of the record on which the trial dynamics are compared
 MAX_SCREENED_COST = 0.9  # of such dynamics behind the sensor, over that of the parent
 LOW_QUANTILE = 0.005  # of the readings, near the fold
 SIGN_PASSES = 12  # alternations between the signs and the gains
@@ -37,12 +37,12 @@ class Absolute(OutputEffect):
         most = MAX_SCREENED_COST * float(e @ e)
         y, w = context.data.y[rows], context.actuator
         own = context.parent.plant_theta.copy()
+        fold = float(self.starts(context)[0][0])
         for c, k in self.rates(context):
             own[:2] = np.log((c, k))
             columns = np.column_stack([plant.columns(own, w, w.size)[rows], np.ones(rows.size)])
-            for (fold,) in self.starts(context):
-                if unfolded(columns, y - fold)[1] < most:
-                    return True
+            if unfolded(columns, y - fold)[1] < most:
+                return True
         return False
 
     def rates(self, context: Context) -> list[tuple[float, float]]:
