@@ -41,10 +41,10 @@ STICKING_STEP = 1e-2  # scaled: derivative step that spans the jumps of stick-sl
 FRICTION = Parameter("friction", 0.0, 20.0, 1e-3, leap=0.03)
 FRICTION_LAWS = {
     "sharp": (),
-    "smooth": (Parameter("log_smooth", -5.0, 0.0, 1e-3, leap=0.7, start=-2.3),),
+    "smooth": (Parameter("log_smooth", -5.0, 0.0, 1e-3, start=-2.3),),
     "peak": (
-        Parameter("peak", 0.0, 1.5, 1e-3, leap=0.1, start=0.05),
-        Parameter("log_decay", -5.0, -1.0, 1e-3, leap=0.7, start=-2.0),
+        Parameter("peak", 0.0, 1.5, 1e-3, start=0.05),
+        Parameter("log_decay", -5.0, -1.0, 1e-3, start=-2.0),
     ),
 }
 """Parameters of friction at small speeds: logarithms of speeds over the one that a unit of the drive gives, and the
