@@ -11,7 +11,7 @@ from labsid.blind import suite as suite_module
 from labsid.blind.closure import closed_share, held_out_samples, pooled_closure, refit_true_structure
 from labsid.blind.experiment import Case, input_signal, redraw, run_experiment, to_record
 from labsid.blind.output_error import discrete_poles, fit_linear
-from labsid.blind.rows import ROWS
+from labsid.blind.rows import EFFECTS_BESIDE_UNLISTED, ROWS
 from labsid.blind.strength import CLEAR_RATIOS, HARD_RATIOS, linear_model_gap
 from labsid.blind.suite import label_dict, make_cases, write_suite
 from labsid.records.record import load_record
@@ -20,7 +20,16 @@ from labsid.rig.switchable.simulation import poles
 from labsid.rig.switchable.truth import true_linear_model
 from labsid.rig.switchable.unlisted import UNLISTED_EFFECTS
 
-COUNTS = {"single-clear": 22, "single-hard": 22, "short": 8, "pair": 5, "none": 12, "unknown": 9, "with-sim": 6}
+COUNTS = {
+    "single-clear": 22,
+    "single-hard": 22,
+    "short": 8,
+    "pair": 5,
+    "none": 12,
+    "unknown": 9,
+    "with-sim": 6,
+    "partial": 6,
+}
 
 
 @pytest.fixture(scope="module")
@@ -107,6 +116,22 @@ def test_both_effects_of_a_pair_change_the_output(some: list[Case]) -> None:
         assert len(set(case.labels)) == 2
         assert set(case.truth) == set(case.labels)
         assert case.ratio >= CLEAR_RATIOS[0]
+
+
+def test_a_partial_case_has_a_listed_effect_and_a_smaller_one_outside_the_table(some: list[Case]) -> None:
+    cases = of_row(some, "partial")
+    assert [case.labels for case in cases] == [(name,) for name in EFFECTS_BESIDE_UNLISTED[: len(cases)]]
+    for case in cases:
+        assert case.level == "partial"
+        assert case.truth["kind"] in UNLISTED_EFFECTS
+        assert case.sim is None
+        assert 1200 <= len(case.record) <= 3000
+        assert left_by_linear(case) > CLEAR_RATIOS[0]  # both effects together
+
+
+def test_effects_of_the_samples_are_not_combined_with_one_outside_the_table() -> None:
+    left_out = {"output-quantization", "output-outliers", "output-dropout", "coloured-noise"}
+    assert set(EFFECTS_BESIDE_UNLISTED) == set(EFFECTS) - left_out
 
 
 def test_the_simulation_of_a_case_matches_its_label(some: list[Case]) -> None:
@@ -220,7 +245,7 @@ def test_held_out_blocks_are_read_from_the_result(some: list[Case]) -> None:
 
 
 def test_rows_are_those_of_the_bars() -> None:
-    assert list(ROWS) == ["single-clear", "single-hard", "short", "pair", "none", "unknown", "with-sim"]
+    assert list(ROWS) == ["single-clear", "single-hard", "short", "pair", "none", "unknown", "with-sim", "partial"]
 
 
 def test_the_simulation_is_in_the_records_units(some: list[Case]) -> None:
