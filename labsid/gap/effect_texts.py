@@ -69,7 +69,7 @@ EFFECT_TEXTS: dict[str, EffectText] = {
     "input-rate-limit": EffectText(
         "a rate limit of the actuator",
         (
-            "The actuator moves no faster than {rate} units a second",
+            "The actuator moves no faster than {rate}",
             "The actuator moves more slowly than the command",
         ),
         "The actuator follows fast changes of the command at a limited rate. Check motor-driven valves and ramps in "
@@ -286,7 +286,7 @@ def clause(effect: dict[str, Any]) -> str:
             continue  # not significantly different from zero
         size = Quantity(abs(quantity.value), quantity.stderr, quantity.unit)
         sign = "+" if quantity.value >= 0.0 else "-"
-        known |= {name: quantity, f"{name}_{quantity.unit}": quantity, f"{name}{sign}": size}
+        known |= {name: quantity, f"{name}_{entry.get('of', quantity.unit)}": quantity, f"{name}{sign}": size}
     text = EFFECT_TEXTS.get(effect["name"])
     for form in () if text is None else text.clauses:
         if all(field in known for _, field, _, _ in Formatter().parse(form) if field is not None):
@@ -294,9 +294,9 @@ def clause(effect: dict[str, Any]) -> str:
     return f"The record shows {noun(effect['name'])}"
 
 
-def parameter_label(effect: str, parameter: str, unit: str) -> str:
+def parameter_label(effect: str, parameter: str, entry: dict[str, Any]) -> str:
     """Label of a parameter of an effect."""
-    for key in ((effect, parameter, unit), (effect, parameter)):
+    for key in ((effect, parameter, entry.get("of", entry["unit"])), (effect, parameter)):
         if key in _SPECIFIC_LABELS:
             return _SPECIFIC_LABELS[key]
     return _LABELS.get(parameter, parameter)
@@ -310,3 +310,58 @@ def parameter_value(effect: str, parameter: str, entry: dict[str, Any]) -> tuple
             return with_error(100.0 * value, 100.0 * stderr), "%"
         return percent(value).removesuffix(" %"), "%"
     return with_error(value, stderr), UNITS.get(unit, unit)
+
+
+@dataclass(frozen=True, slots=True)
+class RemainingErrorText:
+    """Texts on a kind of error that an explanation leaves.
+
+    Attributes
+    ----------
+    label : str
+        Short name, as of a bar.
+    what : str
+        What the error does, as a predicate.
+    look : str
+        Where on the rig to look for its cause.
+    """
+
+    label: str
+    what: str
+    look: str
+
+
+REMAINING_ERRORS: dict[str, RemainingErrorText] = {
+    "linear": RemainingErrorText(
+        "linear dynamics",
+        "follows the input through further linear dynamics",
+        "Look for a second volume, a flexible shaft, or a filter in the drive or the sensor. Without --sim, try a "
+        "higher --order.",
+    ),
+    "input": RemainingErrorText(
+        "a curve or hysteresis at the input",
+        "follows the input through a curve or a hysteresis ahead of the process",
+        "Measure the characteristic of the actuator, up and down: pump, valve or amplifier.",
+    ),
+    "output": RemainingErrorText(
+        "a curve at the output",
+        "follows the simulated output through a static curve",
+        "Calibrate the sensor over its whole range.",
+    ),
+    "nonlinear": RemainingErrorText(
+        "nonlinear dynamics",
+        "follows the input through nonlinear dynamics",
+        "Look for friction, stops, and resistances or gains that depend on the operating point.",
+    ),
+    "time": RemainingErrorText(
+        "a change with time",
+        "follows the input in a way that changes with time",
+        "Compare the beginning with the end of the record: temperature, supply, wear, a second operator.",
+    ),
+    "disturbance": RemainingErrorText(
+        "not predicted by past inputs",
+        "is not predicted by past inputs",
+        "Apply the same input again: what does not repeat is a disturbance. Look for loads, other inputs and sensor "
+        "noise.",
+    ),
+}

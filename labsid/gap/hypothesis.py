@@ -121,14 +121,19 @@ class Hypothesis:
             object.__setattr__(self, name, value)
 
     @property
+    def found(self) -> tuple[Effect, ...]:
+        """The effects that are findings."""
+        return self.effects[self.n_given :]
+
+    @property
     def names(self) -> tuple[str, ...]:
         """Unique names of the effects found."""
-        return tuple(dict.fromkeys(effect.name for effect in self.effects[self.n_given :]))
+        return tuple(dict.fromkeys(effect.name for effect in self.found))
 
     @property
     def keys(self) -> tuple[str, ...]:
         """Keys of the effects found."""
-        return tuple(effect.key for effect in self.effects[self.n_given :])
+        return tuple(effect.key for effect in self.found)
 
     def plus(self, effect: Effect) -> "Hypothesis":
         """The hypothesis with one more effect."""

@@ -267,9 +267,10 @@ def test_forms_with_an_implausible_effect_are_dropped(banded: Explanation, monke
     point = minimize(data, hypothesis, theta, iterations=0)
     assert point is not None
     fit = finish(data, hypothesis, point)
-    assert [form.hypothesis.effects[0].variant for form in plausible_forms(data, fit)] == ["", "rich"]
+    assert [form.hypothesis.effects[0].variant for form in plausible_forms(data, fit)] == ["", "rich", "", ""]
     monkeypatch.setattr(output.Nonlinearity, "is_plausible", lambda effect, fit: effect.variant != "rich")
-    assert plausible_forms(data, fit) == [fit]  # although the last effect is
+    forms = plausible_forms(data, fit)
+    assert [form.hypothesis.effects[0].variant for form in forms] == ["", "", ""]  # although the last effect is
     monkeypatch.undo()
     monkeypatch.setattr(input.DeadZone, "is_plausible", lambda effect, fit: False)
     assert plausible_forms(data, fit) == [fit]

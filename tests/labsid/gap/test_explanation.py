@@ -129,14 +129,6 @@ def test_a_second_effect_below_the_minimum_share_of_the_gap_is_dropped(banded: E
         )
 
 
-def test_dropped_steps_can_be_restored(banded: Explanation) -> None:
-    whole = replace(banded, path=banded.path[:1], trimmed=banded.path[1:])
-    assert whole.best is banded.path[0]
-    assert whole.untrimmed().path == banded.path
-    assert whole.untrimmed().trimmed == ()
-    assert whole.up_to(0).untrimmed().path == banded.path[:1]  # an explanation that is given up leaves nothing behind
-
-
 def test_slow_motion_within_a_converter_step_is_no_dropout() -> None:
     """Slow motion on a coarse converter repeats values; a logger that holds values lags behind the motion."""
     k = np.arange(1500)
