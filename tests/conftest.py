@@ -40,6 +40,14 @@ if signal.getsignal(signal.SIGINT) == signal.SIG_IGN:
     signal.signal(signal.SIGINT, signal.default_int_handler)
 
 
+@pytest.hookimpl(optionalhook=True)
+def pytest_xdist_auto_num_workers(config: pytest.Config) -> int | None:
+    """One more than there are cores, but for `make check`: many slow tests wait for the processes that they start."""
+    if "PYTEST_XDIST_AUTO_NUM_WORKERS" in os.environ or config.getoption("markexpr") == "not slow":
+        return None
+    return 1 + (len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1)
+
+
 def in_slow_file(path: Path) -> bool:
     folder = path.parent.relative_to(ROOT / "tests").as_posix()
     return any(path.match(pattern) for pattern in SLOW_FILES.get(folder, "").split())

@@ -43,6 +43,8 @@ PARAMETERS: dict[str, dict[str, dict[str, Any]]] = {
     "parameter-mismatch": {},
 }
 
+UNSIMULATED = ("output-dropout", "output-outliers", "output-quantization", "coloured-noise")
+
 PATHS = {"load-step": "disturbance", "periodic-disturbance": "disturbance", "coloured-noise": "disturbance"}
 DYNAMICS = (
     "extra-lag",
@@ -75,25 +77,28 @@ def effect(name: str, probability: float = 0.999, closed: float | None = 0.97) -
 
 
 def report(*names: str, verdict: str = "effect", probability: float = 0.999) -> dict[str, Any]:
-    """A report of these effects, or of none, in the layout ``labsid.gap/1``."""
+    """A report of these effects, or of none, in the layout ``labsid.gap/2``."""
     n, Ts = 240, 0.5
     t = [Ts * k for k in range(n)]
     u = [float(k // 20 % 4) for k in range(n)]
     y = [4.0 + math.sin(0.11 * k) for k in range(n)]
     before = [value + (0.4 if 60 <= k < 90 else 0.05) * math.cos(0.7 * k) for k, value in enumerate(y)]
-    plain = verdict == "none"
-    after = before if plain else [value + 0.01 * math.cos(1.9 * k) for k, value in enumerate(y)]
+    plain, unchanged = verdict == "none", verdict in ("none", "unknown")
+    after = before if unchanged else [value + 0.01 * math.cos(1.9 * k) for k, value in enumerate(y)]
     first = names[0] if names else "input-delay"
-    tried = [first, "resonance", "extra-lag", "input-backlash+output-drift"]
-    effects = [effect(name, probability) for name in names] if verdict == "effect" else []
+    simulated = [name for name in names if name not in UNSIMULATED]
+    tried = ["+".join(simulated) or first, "resonance", "extra-lag", "input-backlash+output-drift"]
+    chances = (0.0,) * 4 if verdict == "unknown" else (0.99, 0.007, 0.002, 0.001)
+    effects = [effect(name, probability) for name in names] if verdict in ("effect", "partial") else []
+    given = verdict == "effect" and "parameter-mismatch" in names
     return {
-        "schema": "labsid.gap/1",
+        "schema": "labsid.gap/2",
         "verdict": verdict,
         "effects": effects,
         "ambiguous": [],
         "ranking": [
             {"name": name, "probability": p, "rmse": 0.01 * k, "closed": None if plain else 0.98 - 0.3 * k, "bic": -9.0}
-            for k, (name, p) in enumerate(zip(tried, (0.99, 0.007, 0.002, 0.001), strict=True), 1)
+            for k, (name, p) in enumerate(zip(tried, chances, strict=True), 1)
         ],
         "where": {
             "path": effects[0]["path"] if effects else verdict,
@@ -108,30 +113,47 @@ def report(*names: str, verdict: str = "effect", probability: float = 0.999) -> 
         },
         "gap": {
             "before": 0.0102 if plain else 0.0644,
-            "after": 0.0102,
+            "after": 0.0644 if verdict == "unknown" else 0.0102,
             "noise_floor": 0.01,
-            "closed": None if plain else 0.969,
-            "ci95": None if plain else [0.939, 0.998],
-            "black_box": None if plain else 0.16,
+            "closed": None if plain else 0.0 if unchanged else 0.969,
+            "ci95": None if plain else [0.0, 0.0] if unchanged else [0.939, 0.998],
             "holdout": [[20.0, 40.0], [80.0, 100.0]],
         },
         "unexplained": {
-            "share": 0.0,
+            "share": 0.0 if verdict in ("none", "effect") else 1.0 if unchanged else 0.031,
             "whiteness_p": 0.73,
             "input_correlation_p": 0.42,
+            "path": None,
+            "kinds": None,
             "rms": 0.0101,
             "colour": 1.0,
             "repeats": 0.0,
         },
         "next_experiment": None,
         "record": {"name": "rig-7", "samples": n, "Ts": Ts},
-        "simulation": {"given": verdict == "effect" and "parameter-mismatch" in names, "output_only": False},
+        "simulation": {
+            "given": given,
+            "output_only": False,
+            "model": None if given else {"method": "output error", "observed": True},
+        },
         "screen": [],
         "record_findings": [],
         "plateaus": None,
         "traces": {"t": t, "u": u, "y": y, "before": before, "after": after},
         "holdout_traces": None,
     }
+
+
+KINDS = {"linear": 0.1, "input": 0.0, "output": 0.03, "nonlinear": 0.07, "time": 0.0, "disturbance": 0.2}
+
+
+def with_rest(base: dict[str, Any], kind: str) -> dict[str, Any]:
+    """The same report, of which the rest is no noise and mainly of one kind."""
+    kinds = KINDS | {kind: 0.0}
+    kinds[kind] = 1.0 - sum(kinds.values())
+    path = "dynamics" if kind in ("linear", "nonlinear") else kind
+    rest = {"whiteness_p": 1e-9, "input_correlation_p": 1e-6, "kinds": kinds, "path": path}
+    return base | {"unexplained": base["unexplained"] | rest}
 
 
 def with_holdout(base: dict[str, Any]) -> dict[str, Any]:

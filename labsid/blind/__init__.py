@@ -20,6 +20,9 @@ How a record is labelled:
   equivalent effects are excluded.
 - Sensor noise may be mildly coloured without counting as an effect: its innovations have at least 0.7 of its standard
   deviation. The effect `coloured-noise` is added to this noise.
+- In the row `partial`, a clear effect of the table acts beside a smaller one outside it. Alone, that one leaves 0.15 to
+  0.4 times the gap ratio, so it stays visible; naming it is not possible, so the right answer is the listed effect with
+  a probability above 0.5, and no other effect with one.
 - Effects outside the table act through the input or the structure. An unmeasured additive input would count as
   `coloured-noise`.
 """

@@ -11,7 +11,7 @@ from labsid.blind.closure import compare_closure, held_out_samples, pooled_closu
 from labsid.blind.experiment import Case, redraw, run_experiment, to_record
 from labsid.blind.metrics import CaseOutcome
 from labsid.blind.output_error import discrete_poles, fit_linear
-from labsid.blind.rows import REPEATABLE_EFFECTS
+from labsid.blind.rows import TIME_INVARIANT_EFFECTS
 from labsid.blind.runner import Replay, run_batch, run_replays
 from labsid.blind.score import score_cases
 from labsid.blind.suite import PER_ROW, label_dict, make_cases
@@ -117,7 +117,7 @@ def is_repeatable(case: Case) -> bool:
     bool
     """
     single = case.row in ("single-clear", "single-hard")
-    return single and case.holdout is None and case.sim is None and set(case.labels) <= REPEATABLE_EFFECTS
+    return single and case.holdout is None and case.sim is None and set(case.labels) <= TIME_INVARIANT_EFFECTS
 
 
 def evaluate_replays(

@@ -5,6 +5,8 @@ from dataclasses import dataclass, field
 from math import sqrt
 from typing import Any
 
+from labsid.rig.switchable.unlisted import UNLISTED_PATHS
+
 Z95 = 1.959963984540054
 
 
@@ -124,7 +126,7 @@ def wilson(successes: int, count: int) -> tuple[float, float]:
 
 def named_effects(case: CaseOutcome) -> list[str]:
     """Names of the stated effects in order; empty if there is no result."""
-    if case.result is None or stated_verdict(case) != "effect":
+    if case.result is None or stated_verdict(case) not in ("effect", "partial"):
         return []
     return [str(effect.get("name")) for effect in case.result.get("effects") or []]
 
@@ -165,6 +167,25 @@ def never_confidently_wrong(case: CaseOutcome) -> bool:
     return all(float(e.get("probability") or 0.0) <= 0.9 for e in wrong)
 
 
+def nothing_asserted(case: CaseOutcome) -> bool:
+    """Whether the verdict is unknown, or partial with no probability above 0.5."""
+    if stated_verdict(case) not in ("unknown", "partial"):
+        return False
+    return all(float(effect.get("probability") or 0.0) <= 0.5 for effect in (case.result or {}).get("effects") or [])
+
+
+def path_recognised(case: CaseOutcome) -> bool:
+    """Whether the path of what is unexplained is the true one."""
+    left = (case.result or {}).get("unexplained") or {}
+    return left.get("path") in UNLISTED_PATHS[case.label["truth"]["kind"]]
+
+
+def right_part_named(case: CaseOutcome) -> bool:
+    """Whether the listed effect is named with a probability above 0.5, and no other effect is."""
+    effects = (case.result or {}).get("effects") or []
+    return [e["name"] for e in effects if float(e.get("probability") or 0.0) > 0.5] == case.label["labels"]
+
+
 def kind_recognised(case: CaseOutcome) -> bool:
     """Whether the kind of discrepancy (none, wrong parameters or a structural effect) was recognised."""
 
@@ -174,7 +195,7 @@ def kind_recognised(case: CaseOutcome) -> bool:
             return "none"
         return "parameters" if effects == {"parameter-mismatch"} else "structure"
 
-    if stated_verdict(case) not in ("none", "effect"):
+    if stated_verdict(case) not in ("none", "effect", "partial"):
         return False
     said, true = kind(named_effects(case)), kind(case.label["labels"])
     return said == true and (true != "structure" or set(case.label["labels"]) <= set(named_effects(case)))

@@ -39,6 +39,13 @@ from labsid.rig.switchable.simulation import poles
 from labsid.rig.switchable.truth import true_linear_model
 from labsid.rig.switchable.unlisted import UNLISTED_EFFECTS, draw_unlisted_effect, supports_unlisted_effect
 
+EFFECTS_BESIDE_UNLISTED = tuple(
+    name
+    for name in EFFECTS
+    if name not in ("output-quantization", "output-outliers", "output-dropout", "coloured-noise")
+)
+"""Effects that are found by simulation."""
+
 Draw = Callable[[np.random.Generator, int, str], Case | None]
 
 _MANY_LEVELS = (*RICH_INPUTS, "staircase")
@@ -81,9 +88,6 @@ TIME_INVARIANT_EFFECTS = {
     *("output-saturation", "output-nonlinearity", "output-quantization"),
 }
 """Effects that do not depend on time and recur in every record of the rig."""
-
-REPEATABLE_EFFECTS = TIME_INVARIANT_EFFECTS | {"load-step", "parameter-drift", "periodic-disturbance", "output-drift"}
-"""Time-invariant effects, and those that recur at the same time after the start of a record."""
 
 
 def draw_single_clear(rng: np.random.Generator, i: int, name: str) -> Case | None:
@@ -193,6 +197,35 @@ def draw_unknown(rng: np.random.Generator, i: int, name: str) -> Case | None:
     )
 
 
+def draw_partial(rng: np.random.Generator, i: int, name: str) -> Case | None:
+    """A clear effect beside a smaller one outside the table, which stays larger than the noise."""
+    listed = EFFECTS_BESIDE_UNLISTED[i % len(EFFECTS_BESIDE_UNLISTED)]
+    unlisted = str(rng.choice(UNLISTED_EFFECTS))
+    rigs = tuple(
+        rig
+        for rig in RIGS
+        if supports_effect(example_rig(rig), listed) and supports_unlisted_effect(example_rig(rig), unlisted)
+    )
+    if not rigs:
+        return None
+    inputs = _SUITABLE_INPUTS.get(listed, RICH_INPUTS)
+    experiment = draw_experiment(rng, listed, int(rng.integers(1200, 3001)), inputs, rigs)
+    at = effect_context(experiment.plain, input_signal(experiment))
+    ratio = log_uniform(rng, 10.0, 40.0)
+    found = scale_to_ratio(experiment, draw_effect(rng, listed, at), ratio, (WEAKEST_NOISE, 0.02), rng)
+    if found is None or not _is_distinct(listed, experiment, found[0]):
+        return None
+    setup, sigma = found
+    share = sigma / output_spread(experiment)
+    apply = draw_unlisted_effect(rng, unlisted, at)
+    beside = scale_to_ratio(experiment, apply, rng.uniform(0.15, 0.4) * ratio, (0.8 * share, 1.25 * share), rng)
+    if beside is None:
+        return None
+    both = merge_effects(experiment.plain, setup, beside[0])
+    noise = draw_noise_colour(rng)
+    return complete_case(rng, experiment, both, sigma, name, "partial", (listed,), noise, {"kind": unlisted})
+
+
 def draw_with_sim(rng: np.random.Generator, i: int, name: str) -> Case | None:
     """A record with a simulation: the true linear model, or one with wrong parameters."""
     kind = ("mismatch", "none", "effect")[i % 3]
@@ -239,6 +272,7 @@ ROWS: dict[str, Draw] = {
     "none": draw_none,
     "unknown": draw_unknown,
     "with-sim": draw_with_sim,
+    "partial": draw_partial,
 }
 
 _MAY_STAY_UNEXERCISED = ("input-saturation", "input-backlash", "coulomb-friction", "overflow", "output-saturation")

@@ -9,7 +9,7 @@ from typing import Annotated, Literal
 
 import typer
 
-from labsid.cli.options import Columns, Output, RecordPath, SamplingTime
+from labsid.cli.options import Columns, Output, RecordPath, RecordPaths, SamplingTime
 
 gap = typer.Typer(
     rich_markup_mode=None,
@@ -25,7 +25,7 @@ Seed = Annotated[int, typer.Option(min=0, help="Random seed of the confidence in
 @gap.command()
 def diagnose(
     context: typer.Context,
-    record: RecordPath,
+    records: RecordPaths,
     holdout: Annotated[
         Path | None, typer.Option(metavar="RECORD2", help="Another record of the same rig, for scoring.")
     ] = None,
@@ -39,6 +39,9 @@ def diagnose(
     exclude: Annotated[
         list[str] | None, typer.Option(metavar="T0:T1", help="Times in seconds to exclude; may be repeated.")
     ] = None,
+    units: Annotated[
+        str | None, typer.Option(metavar="U,Y", help="Units of input and output for the report, such as V,mm.")
+    ] = None,
     seed: Seed = 0,
     output: Output = "noise-reduced",
     columns: Columns = None,
@@ -50,6 +53,7 @@ def diagnose(
     """Locate the gap and find its cause. Reports the share of the gap that a correction closes."""
     from labsid._files import check_writable, write_json
     from labsid.gap import diagnosis
+    from labsid.gap.quantities import with_units
     from labsid.gap.simulation_files import load_simulation
     from labsid.gap.text_report import format_report
     from labsid.records.record import load_record
@@ -57,13 +61,14 @@ def diagnose(
     written = [path for path in (json_file, html, export) if path is not None]
     for number, path in enumerate(written):
         check_writable(path)
-        _refuse_overwriting(path, [record, holdout, sim, *written[:number]])
+        _refuse_overwriting(path, [*records, holdout, sim, *written[:number]])
+    stated = None if units is None else _units(units)
     excluded = [_time_range(text) for text in exclude or ()]
-    loaded = load_record(record, output=output, columns=columns, Ts=Ts, allow_jitter=True)
+    loaded = [load_record(path, output=output, columns=columns, Ts=Ts, allow_jitter=True) for path in records]
     other = None
     if holdout is not None:
         other = load_record(holdout, output=output, columns=holdout_columns or columns, Ts=Ts, allow_jitter=True)
-    simulation = None if sim is None else load_simulation(sim, loaded)
+    simulation = None if sim is None else load_simulation(sim, loaded[0], len(loaded) > 1)
     with _progress() as progress:
         found = diagnosis.diagnose(
             loaded,
@@ -74,16 +79,18 @@ def diagnose(
             seed=seed,
             progress=progress,
         )
-    found.report["command"] = _command_line(context)
+    report = found.report | {"command": _command_line(context)}
+    if stated is not None:
+        report = with_units(report, *stated)
     if json_file is not None:
-        write_json(json_file, found.report)
+        write_json(json_file, report)
     if export is not None:
         write_json(export, found.model.to_json_dict())
     if html is not None:
         from labsid.gap.html_report import write_html_report
 
-        write_html_report(html, found.report)
-    print(format_report(found.report))
+        write_html_report(html, report)
+    print(format_report(report))
 
 
 @gap.command("batch")
@@ -127,6 +134,31 @@ def simulate(
     print(f"{len(loaded)} samples, free run: rmse {played.rmse:.6g} after the first {played.start} samples")
     for finding in clock_findings(loaded):
         print(f"note: {finding.text}")
+
+
+@gap.command("rigs")
+def check_rigs(
+    folder: Annotated[
+        Path, typer.Argument(metavar="DIR", help="Folder with NAME.csv and NAME.holdout.csv of each rig.")
+    ],
+    order: Annotated[int, typer.Option(help="Order of the linear model.")] = 2,
+    seed: Seed = 0,
+) -> None:
+    """Diagnose measured rigs and simulate a second record of each.
+
+    The exit status is 1 if an exported simulation is more than 2 % worse on the second record than the linear model.
+    """
+    from labsid.cli.gap_tables import print_rigs
+    from labsid.gap.rigs import check_rigs, find_rigs
+
+    pairs, results = find_rigs(folder), []
+    with _progress() as progress:
+        for result in check_rigs(pairs, order, seed):
+            results.append(result)
+            if progress is not None:
+                progress(result.name, len(results) / len(pairs))
+    print_rigs(results)
+    raise typer.Exit(int(any(result.is_worse for result in results)))
 
 
 @gap.command("blind")
@@ -180,6 +212,13 @@ def _time_range(text: str) -> tuple[float, float]:
     if not colon or not span[0] < span[1]:
         raise ValueError(f"--exclude must be T0:T1 in seconds with T0 < T1; got {text!r}. Write 12.5:30.")
     return span
+
+
+def _units(text: str) -> tuple[str, str]:
+    u, comma, y = (part.strip() for part in text.partition(","))
+    if not (comma and u and y and (u + y).isprintable() and "," not in y):
+        raise ValueError(f"--units must be two units with a comma between them; got {text!r}. Write V,mm.")
+    return u, y
 
 
 @contextmanager

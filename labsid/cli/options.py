@@ -6,6 +6,10 @@ from typing import Annotated, Literal
 import typer
 
 RecordPath = Annotated[Path, typer.Argument(metavar="RECORD", help="A .mat with LogData, or text with t,u,y.")]
+RecordPaths = Annotated[
+    list[Path],
+    typer.Argument(metavar="RECORD...", help="A .mat with LogData, or text with t,u,y; several are runs of one rig."),
+]
 Output = Annotated[
     Literal["noise-reduced", "measured"],
     typer.Option(help="Which output of LogData is y: column 2 (noise-reduced) or column 1 (measured)."),

@@ -113,3 +113,29 @@ def piecewise(x: FloatArray, knots: FloatArray, powers: FloatArray) -> FloatArra
             j += 1
         out[k] = powers[j, 0] + at * (powers[j, 1] + at * (powers[j, 2] + at * powers[j, 3]))
     return out
+
+
+@compiled()
+def stick(u: FloatArray, band: float) -> FloatArray:
+    """A valve that rests until the command has moved by `band`, and then goes where it points."""
+    out = np.empty(u.size)
+    at = u[0]
+    for i in range(u.size):
+        if abs(u[i] - at) > band:
+            at = u[i]
+        out[i] = at
+    return out
+
+
+@compiled()
+def relay(u: FloatArray, low: float, high: float) -> FloatArray:
+    """A switch that turns on above `high` and off below `low`."""
+    out = np.empty(u.size)
+    on = 1.0 if u[0] > 0.5 * (low + high) else 0.0
+    for i in range(u.size):
+        if u[i] > high:
+            on = 1.0
+        elif u[i] < low:
+            on = 0.0
+        out[i] = on
+    return out

@@ -10,6 +10,7 @@ import numpy as np
 from labsid._arrays import FloatArray
 from labsid._compiled import compiled
 
+SHARP = (0.0, 0.0, 1.0)  # law of friction without smoothing and without a peak
 DIVERGED = 1e6  # a larger state has diverged: every record is smaller
 # Spring force at the mean position of a substep: factor of h^2 times the acceleration, tuned against short substeps.
 CUBIC_CORRECTION = 0.109
@@ -140,6 +141,49 @@ def transition(c: float, k: float, h: float) -> tuple[float, float, float, float
 
 
 @compiled()
+def sliding_friction(v: float, friction: float, peak: float, decay: float) -> float:
+    """Friction at the speed v: it falls from `friction` + `peak` at rest to `friction`, over the speed `decay`."""
+    if peak == 0.0:
+        return friction
+    return friction + peak * math.exp(-((v / decay) ** 2))
+
+
+@compiled()
+def _slide(
+    z: float, v: float, force: float, c: float, k: float, friction: float, smooth: float, h: float
+) -> tuple[float, float]:
+    """Step of z'' = -c z' - k z - friction tanh(z' / smooth) + force, with the friction linearized about v.
+
+    At a change of direction the step is split, so that the friction turns within it.
+    """
+    shape = math.tanh(v / smooth)
+    slope = friction * (1.0 - shape * shape) / smooth
+    held = force - friction * shape + slope * v
+    f11, f12, f21, f22, g1, g2 = transition(c + slope, k, h)
+    new_z, new_v = f11 * z + f12 * v + g1 * held, f21 * z + f22 * v + g2 * held
+    if new_v * v >= 0.0:
+        return new_z, new_v
+    moving = h * v / (v - new_v)
+    z += 0.5 * moving * v
+    f11, f12, f21, f22, g1, g2 = transition(c + friction / smooth, k, h - moving)
+    return f11 * z + g1 * force, f21 * z + g2 * force
+
+
+@compiled()
+def _slide_motor(v: float, drive: float, a: float, friction: float, smooth: float, h: float) -> float:
+    """Step of v' = a (drive - friction tanh(v / smooth) - v), with the friction linearized about v."""
+    shape = math.tanh(v / smooth)
+    slope = 1.0 + friction * (1.0 - shape * shape) / smooth
+    way = (drive - friction * shape - v) / slope  # to the rest of the linearized motion
+    new = v + way * (1.0 - math.exp(-a * slope * h))
+    if new * v >= 0.0:
+        return new
+    remaining = h + math.log1p(v / way) / (a * slope)  # after the change of direction
+    slope = 1.0 + friction / smooth
+    return drive / slope * (1.0 - math.exp(-a * slope * remaining))
+
+
+@compiled()
 def simulate_mass(
     w: FloatArray,
     c: float,
@@ -157,12 +201,15 @@ def simulate_mass(
     sine: float = 0.0,
     frequency: float = 0.0,
     pace: FloatArray | None = None,
+    law: tuple[float, float, float] = SHARP,
 ) -> FloatArray:
     """Position and speed of z'' = -c z' - k z - friction sign(z') - cubic z^3 + w, including sticking.
 
     From `onset` on, `load` and a spring of stiffness `leak` times k oppose the input; a sinusoid does at all times.
-    `pace`, one value per sample, multiplies k.
+    `pace`, one value per sample, multiplies k. `law` holds the speed over which friction is smooth
+    about rest (zero for none), and the `peak` and `decay` of `sliding_friction`.
     """
+    smooth, peak, decay = law
     out = np.empty((w.size, 2))
     h = 1.0 / substeps
     f11, f12, f21, f22, g1, g2 = transition(c, k, h)
@@ -183,17 +230,19 @@ def simulate_mass(
             if cubic != 0.0 and friction == 0.0:
                 middle += CUBIC_CORRECTION * h * h * (net_drive - c * v - (k + cubic * z * z) * z)
             force = net_drive - cubic * middle * middle * middle - spring * middle
-            if friction > 0.0:
+            if friction > 0.0 and smooth > 0.0:
+                z, v = _slide(z, v, force, c, k, friction, smooth, h)
+            elif friction > 0.0:
                 if v > 0.0:
                     sign = 1.0
                 elif v < 0.0:
                     sign = -1.0
                 else:
                     net = force - k * z
-                    if abs(net) <= friction:
+                    if abs(net) <= friction + peak:
                         continue
                     sign = 1.0 if net > 0.0 else -1.0
-                force -= friction * sign
+                force -= sign * sliding_friction(v, friction, peak, decay)
                 new_z = f11 * z + f12 * v + g1 * force
                 new_v = f21 * z + f22 * v + g2 * force
                 if new_v * sign < 0.0:  # the motion ends within this step: stick or reverse
@@ -201,9 +250,9 @@ def simulate_mass(
                     z += 0.5 * moving * v
                     v = 0.0
                     net = net_drive - cubic * z * z * z - (k + spring) * z
-                    if abs(net) > friction:
+                    if abs(net) > friction + peak:
                         remaining = h - moving
-                        net -= friction * (1.0 if net > 0.0 else -1.0)
+                        net -= (friction + peak) * (1.0 if net > 0.0 else -1.0)
                         v = net * remaining
                         z += 0.5 * v * remaining
                 else:
@@ -234,14 +283,17 @@ def simulate_motor(
     sine: float = 0.0,
     frequency: float = 0.0,
     pace: FloatArray | None = None,
+    law: tuple[float, float, float] = SHARP,
 ) -> FloatArray:
     """Output and speed of a motor with dry friction, and a lag of rate `b` before or after it; unit gain.
 
     The motion is v' = a (drive - friction sign(v) - v). With `lag_first` the drive is the lagged input,
     i' = b (w - i); otherwise it is the input, and the lag follows the speed. From `onset` on, `load` plus `leak` times
     the speed oppose the drive; a sinusoid does at all times. `pace`, one value per sample, multiplies the rate of the
-    last of the two.
+    last of the two. `law` holds the speed over which friction is smooth
+    about rest (zero for none), and the `peak` and `decay` of `sliding_friction`.
     """
+    smooth, peak, decay = law
     out = np.empty((w.size, 2))
     h = 1.0 / substeps
     keep_a, keep_b = math.exp(-a * h), math.exp(-b * h)
@@ -268,18 +320,20 @@ def simulate_motor(
                 sign = 1.0
             elif v < 0.0:
                 sign = -1.0
-            elif abs(drive) <= friction:
+            elif abs(drive) <= friction + peak:
                 sign = 0.0
             else:
                 sign = 1.0 if drive > 0.0 else -1.0
-            if sign != 0.0:
-                rest = drive - friction * sign
+            if smooth > 0.0:
+                v = _slide_motor(v, drive, a, friction, smooth, h)
+            elif sign != 0.0:
+                rest = drive - sign * sliding_friction(v, friction, peak, decay)
                 v = rest + (v - rest) * keep_a
                 if v * sign < 0.0:  # the motion ends within this step: stick or reverse
                     remaining = h - math.log((before - rest) / -rest) / a
                     v = 0.0
-                    if abs(drive) > friction:
-                        onward = drive - friction * (1.0 if drive > 0.0 else -1.0)
+                    if abs(drive) > friction + peak:
+                        onward = drive - (friction + peak) * (1.0 if drive > 0.0 else -1.0)
                         v = onward * (1.0 - math.exp(-a * remaining))
             if not lag_first:
                 middle = 0.5 * (before + v)

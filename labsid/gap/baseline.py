@@ -10,6 +10,7 @@ from scipy.signal import lfilter
 from labsid._arrays import FloatArray
 from labsid.gap.data import Data
 from labsid.gap.effects.dynamics import ExtraLag, Resonance
+from labsid.gap.effects.restarts import Restarts
 from labsid.gap.fitting import Fit
 from labsid.gap.hypothesis import Hypothesis
 from labsid.gap.linear_fits import fit_baseline
@@ -30,8 +31,9 @@ class Baseline:
 
     Attributes
     ----------
-    before : Fit or None
-        The given simulation on the record, with only its offset and initial state estimated; None without one.
+    before : callable or None
+        ``before(data) -> Fit``: the given simulation on the record, with only its offset and initial state estimated
+        from the rows of `data`; None without one.
     structure : Hypothesis
         The structure from which the search starts.
     given : bool
@@ -45,7 +47,7 @@ class Baseline:
         Initial parameters for the search, if the given simulation defines them.
     """
 
-    before: Fit | None
+    before: Callable[[Data], Fit] | None
     structure: Hypothesis
     given: bool
     output_only: bool = False
@@ -141,6 +143,13 @@ def linear_structure(order: int) -> Hypothesis:
     return Hypothesis(effects, n_given=len(effects))
 
 
+def with_restarts(structure: Hypothesis, data: Data) -> Hypothesis:
+    """The structure with the offsets and initial states of several records; unchanged for one."""
+    if not data.pieces:
+        return structure
+    return Hypothesis((Restarts(records=data.pieces[1:]), *structure.effects), structure.n_given + 1, structure.given)
+
+
 def make_baseline(data: Data, t: FloatArray, simulation: Simulation | None, order: int = 2) -> Baseline:
     """Make the baseline of a record.
 
@@ -163,7 +172,7 @@ def make_baseline(data: Data, t: FloatArray, simulation: Simulation | None, orde
     if simulation is None:
         if order > 4:
             raise ValueError(f"--order must be at most 4; got {order}. Give a larger model with --sim.")
-        return Baseline(None, linear_structure(order), given=False)
+        return Baseline(None, with_restarts(linear_structure(order), data), given=False)
     simulation = read_exported(simulation, data.Ts)
     if isinstance(simulation, ExportedModel):
         return _exported(data, simulation)
@@ -203,17 +212,17 @@ def check_bounded(y: FloatArray, measured: FloatArray) -> FloatArray:
 def _transfer_function(data: Data, model: TransferFunction) -> Baseline:
     u, y = _unscaled(data)
     output = check_bounded(model.response(u), y)
-    before = _given_fit(data, output, model.free_response(u.size), fit_baseline(data).rates)
-    structure = linear_structure(max(model.den.size - 1, 1))
+    before = _estimate_given(output, model.free_response(u.size), fit_baseline(data).rates)
+    structure = with_restarts(linear_structure(max(model.den.size - 1, 1)), data)
     return Baseline(before, structure, given=True, simulate_record=lambda record: model.simulate(record.u, record.y))
 
 
 def _exported(data: Data, model: ExportedModel) -> Baseline:
     u, y = _unscaled(data)
-    output = check_bounded(model.simulate(u, y), y)
+    output = check_bounded(_by_record(data, lambda at: model.simulate(u[at], y[at])), y)
     plant = model.hypothesis.plant
-    before = _given_fit(data, output, NO_STATES, plant.linear_rates(model.theta[model.hypothesis.slices["plant"]]))
-    structure = Hypothesis(model.hypothesis.effects, n_given=len(model.hypothesis.effects))
+    before = _estimate_given(output, NO_STATES, plant.linear_rates(model.theta[model.hypothesis.slices["plant"]]))
+    structure = with_restarts(Hypothesis(model.hypothesis.effects, n_given=len(model.hypothesis.effects)), data)
     start = model.theta if (model.u_scale, model.y_scale) == (data.u_scale, data.y_scale) else None
     return Baseline(
         before, structure, True, simulate_record=lambda record: model.simulate(record.u, record.y), start=start
@@ -228,28 +237,49 @@ def _callable(data: Data, t: FloatArray, simulate: Callable[[FloatArray, FloatAr
         return y
 
     def scaled_run(w: FloatArray) -> FloatArray:
-        times = t[0] + data.Ts * np.arange(w.size)
-        return data.y_scale.of(run(times, np.asarray(data.u_scale.back(w))))
+        times, given = t[0] + data.Ts * np.arange(w.size), np.asarray(data.u_scale.back(w))
+        if w.size != data.samples:
+            return data.y_scale.of(run(times, given))
+        return data.y_scale.of(_by_record(data, lambda at: run(times[: given[at].size], given[at])))
 
     u, y = _unscaled(data)
     rates = fit_baseline(data).rates
-    before = _given_fit(data, check_bounded(run(t, u), y), NO_STATES, rates)
-    structure = Hypothesis((), 0, Plant(kind="given", run=scaled_run, takes_input=True, given_rates=rates))
+    output = _by_record(data, lambda at: run(t[: u[at].size], u[at]))
+    before = _estimate_given(check_bounded(output, y), NO_STATES, rates)
+    plant = Plant(kind="given", run=scaled_run, takes_input=True, given_rates=rates)
+    structure = with_restarts(Hypothesis((), 0, plant), data)
     return Baseline(before, structure, given=True, simulate_record=lambda record: run(record.t, record.u))
 
 
 def _output_series(data: Data, series: FloatArray) -> Baseline:
+    if data.pieces:
+        raise ValueError("a simulated output belongs to one record. Give a model or a function for several records.")
     if series.shape != data.u.shape:
         raise ValueError(f"the simulated output must have the record's {data.samples} samples; got {series.size}.")
     scaled_series = data.y_scale.of(check_bounded(series, _unscaled(data)[1]))
     rates = fit_baseline(data).rates
     structure = Hypothesis((), 0, Plant(kind="given", run=lambda w: scaled_series, given_rates=rates))
-    return Baseline(_given_fit(data, series, NO_STATES, rates), structure, given=True, output_only=True)
+    return Baseline(_estimate_given(series, NO_STATES, rates), structure, given=True, output_only=True)
+
+
+def _by_record(data: Data, run: Callable[[slice], FloatArray]) -> FloatArray:
+    """Outputs of a given simulation on each record; between two records, the first value of the next one."""
+    output = np.empty(data.samples)
+    stop = 0
+    for start, end in data.pieces or ((0, data.samples),):
+        output[start:end] = run(slice(start, end))
+        output[stop:start] = output[start]
+        stop = end
+    return output
 
 
 def _unscaled(data: Data) -> tuple[FloatArray, FloatArray]:
     """Input and output in the record's units."""
     return np.asarray(data.u_scale.back(data.u)), np.asarray(data.y_scale.back(data.y))
+
+
+def _estimate_given(output: FloatArray, states: FloatArray, rates: tuple[float, float]) -> Callable[[Data], Fit]:
+    return lambda data: _given_fit(data, output, states, rates)
 
 
 def _given_fit(data: Data, output: FloatArray, states: FloatArray, rates: tuple[float, float]) -> Fit:
@@ -259,6 +289,10 @@ def _given_fit(data: Data, output: FloatArray, states: FloatArray, rates: tuple[
     """
     states = states if states.size else np.zeros((data.samples, 0))
     columns = np.column_stack([np.ones(data.samples), states])
+    own = [np.zeros_like(columns) for _ in data.pieces[1:]]
+    for block, (start, stop) in zip(own, data.pieces[1:], strict=True):
+        block[start:stop] = columns[: stop - start]
+    columns = np.column_stack([columns, *own])
     y = data.y - data.y_scale.of(output)
     scale = np.sqrt((columns[data.rows] ** 2).sum(axis=0))
     scale[scale == 0.0] = 1.0

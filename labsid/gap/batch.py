@@ -20,7 +20,7 @@ from labsid.gap.workers import ATTEMPTS, run_tasks, serve
 if TYPE_CHECKING:  # only the worker processes import the search
     from labsid.gap.beam_search import Progress
 
-SCHEMA = "labsid.gap/1"
+SCHEMA = "labsid.gap/2"
 RECORDS = (".csv", ".mat")
 SIMULATIONS = (".sim.json", ".sim.csv")  # after the stem of the record
 HOLDOUTS = (".holdout.csv", ".holdout.mat")

@@ -10,9 +10,9 @@ from labsid.gap.candidates import (
     CANDIDATES,
     Trial,
     best_fit,
+    best_form,
     is_compatible,
     is_plausible,
-    penalized_bic,
     refine_first,
     trial_fits,
 )
@@ -22,7 +22,7 @@ from labsid.gap.forms import LEAK, LOAD, alternative_forms, remove_effect, trans
 from labsid.gap.hypothesis import Hypothesis
 from labsid.gap.linear_fits import fit_baseline, fit_driven_pole, fit_highpass
 from labsid.gap.pole_replacement import replace_undriven_pole
-from labsid.gap.refinement import converge, polish
+from labsid.gap.refinement import converge, polish, retried_without_one
 from labsid.gap.residual_tests import explained_share
 from labsid.gap.undriven_poles import has_undriven_pole, lag_became_mode
 
@@ -122,6 +122,8 @@ def _search_from(
         path.append(best)
         if residual_is_white(data, best):
             break
+        if step == 1:
+            keep_best(levels[1], retried_without_one(data, best))
         beam = select_parents(data, level) if step == 0 else [min(level.values(), key=_bic)]
     return tuple(levels), _pruned(data, levels, path)
 
@@ -172,6 +174,13 @@ def _extensions(
             host = parent if any(is_compatible(parent, effect) for effect in group) else plain
             tried.append(trial_fits(data, host, group, highpass, brief=step > 0))
     return tried if step == 0 else _refined_groups(data, tried, FITTED_EFFECTS)
+
+
+def extended_fits(data: Data, parent: Fit, highpass: Fit, step: int, progress: Progress | None) -> list[Fit]:
+    """The best fit with each further effect; from the second effect on, only of the effects with the best trials."""
+    tried = _extensions(data, parent, highpass, step, progress, (0, 1))
+    fits = [best_fit(data, few, kept=2) for few in tried]
+    return [converge(data, fit) for fit in fits if fit is not None]
 
 
 def with_constant_load(data: Data, parent: Fit) -> Fit:
@@ -238,7 +247,7 @@ def _polish_best(data: Data, level: Level, done: Collection[int] = ()) -> None:
 
 def _in_best_form(data: Data, fit: Fit) -> Fit:
     """The polished fit, in the best of its equivalent forms."""
-    return polish(data, min((converge(data, one) for one in plausible_forms(data, fit)), key=penalized_bic))
+    return polish(data, best_form([converge(data, one) for one in plausible_forms(data, fit)]))
 
 
 def plausible_forms(data: Data, fit: Fit) -> list[Fit]:

@@ -1,6 +1,6 @@
 """Fit a parent hypothesis with one more effect, jointly with its linear part."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from operator import itemgetter
 
@@ -13,6 +13,7 @@ from labsid.gap.effects.base import Effect, Fitted, InputEffect, PlantEffect
 from labsid.gap.effects.context import Context
 from labsid.gap.fitting import Fit, Point, finish, minimize, start_cost
 from labsid.gap.forms import (
+    ABSOLUTE,
     INNER_LOAD,
     INNER_PERIODIC,
     LAGS,
@@ -38,6 +39,7 @@ MIN_STIFFNESS_RATIO = 4.0  # stiffness of such a start over that of the parent
 MAX_SINGLE_RATE = 1.0  # per sample: nonlinearity of a faster state is hardly observable
 SINUSOID_STEP = 0.1  # amplitude for the numerical derivative by a sinusoid within the dynamics
 MAX_SINUSOID = 3.0  # largest start value of its amplitude
+SLOW_RATIO = 4.0  # mean square error over the variance of its innovations, from which a residual is slow
 QUICK_STARTS = 4  # start points of all variants of a second or third effect
 
 CANDIDATES: tuple[tuple[Effect, ...], ...] = (
@@ -58,7 +60,7 @@ CANDIDATES: tuple[tuple[Effect, ...], ...] = (
     ),
     SENSOR_DRIFTS,
     (output.Saturation("high"), output.Saturation("low"), output.Saturation("both")),
-    (output.Nonlinearity(),),
+    (output.Nonlinearity(), ABSOLUTE),
     (LOAD, LEAK, INNER_LOAD),
     (PERIODIC, INNER_PERIODIC),
 )
@@ -95,7 +97,7 @@ def trial_fits(data: Data, parent: Fit, group: tuple[Effect, ...], highpass: Fit
             for hypothesis in extended_hypotheses(parent.hypothesis, effect):
                 thetas = start_points(context, hypothesis, effect)
                 starts = [(start_cost(data, hypothesis, theta), hypothesis, theta) for theta in thetas]
-                selected += sorted(starts, key=itemgetter(0))[:STARTS_PER_VARIANT]
+                selected += _in_turn(sorted(starts, key=itemgetter(0)))[:STARTS_PER_VARIANT]
     if brief:
         selected = _quick_selection(selected)
     found = []
@@ -104,6 +106,19 @@ def trial_fits(data: Data, parent: Fit, group: tuple[Effect, ...], highpass: Fit
         if point is not None:
             found.append(_trial(data, hypothesis, point))
     return sorted(found, key=lambda trial: trial.score)
+
+
+def _in_turn(ranked: list[_Start]) -> list[_Start]:
+    """The start points in turn from every centre: about a wrong one a motor never reverses and is nearly linear."""
+    if not ranked or "centre" not in (names := [p.name for p in ranked[0][1].parameters]):
+        return ranked
+    at = names.index("centre")
+    taken: dict[float, int] = {}
+    turns = []
+    for _, _, theta in ranked:
+        taken[theta[at]] = taken.get(theta[at], 0) + 1
+        turns.append(taken[theta[at]])
+    return [ranked[i] for i in sorted(range(len(ranked)), key=turns.__getitem__)]
 
 
 def _quick_selection(starts: list[_Start]) -> list[_Start]:
@@ -128,18 +143,28 @@ def _trial(data: Data, hypothesis: Hypothesis, point: Point) -> Trial:
 
 def best_fit(data: Data, trials: list[Trial], kept: int = 3) -> Fit | None:
     """The best plausible fit after minimizing a few trials to convergence; None if none is plausible."""
-    best: Fit | None = None
+    found: list[Fit] = []
     for trial in _two_variants(reranked(data, trials, 2 * kept), kept):
         end = minimize(data, trial.hypothesis, trial.point.theta, trial.point.gains, iterations=25, tolerance=1e-5)
         if end is None:
             continue
         fit = finish(data, trial.hypothesis, end)
-        for one in (fit, _as_leak(data, fit)):
-            if one is None or not is_plausible(data, one):
-                continue
-            if best is None or penalized_bic(one) < penalized_bic(best):
-                best = one
-    return best
+        found += [one for one in (fit, _as_leak(data, fit)) if one is not None and is_plausible(data, one)]
+    return best_form(found) if found else None
+
+
+def best_form(fits: Sequence[Fit]) -> Fit:
+    """The best of several forms of the same effects, or of several fits of one form.
+
+    By BIC; where the best one leaves a slow residual, by free-run error, because the innovations then describe what no
+    form models. Its number of independent samples is that of the slow residual.
+    """
+    best = min(fits, key=penalized_bic)
+    white = best.noise.sigma2
+    if best.free_run <= SLOW_RATIO * white:
+        return best
+    count = best.noise.rows * float(np.sqrt(white / best.free_run))
+    return min(fits, key=lambda fit: count * np.log(fit.free_run) + fit.n_free * np.log(count) + _penalty(fit))
 
 
 def reranked(data: Data, trials: list[Trial], count: int) -> list[Trial]:
@@ -177,7 +202,11 @@ def _as_leak(data: Data, fit: Fit) -> Fit | None:
 
 def penalized_bic(fit: Fit) -> float:
     """BIC plus the penalties of richer forms of effects."""
-    return fit.bic + sum(effect.bic_penalty.get(effect.variant, 0.0) for effect in fit.hypothesis.effects)
+    return fit.bic + _penalty(fit)
+
+
+def _penalty(fit: Fit) -> float:
+    return sum(effect.bic_penalty.get(effect.variant, 0.0) for effect in fit.hypothesis.effects)
 
 
 def _two_variants(trials: list[Trial], kept: int) -> list[Trial]:
@@ -219,7 +248,7 @@ def start_points(context: Context, hypothesis: Hypothesis, effect: Effect) -> It
     in_plant = isinstance(effect, PlantEffect)
     named_starts = effect.plant_starts(context) if isinstance(effect, PlantEffect) else [{}]
     own_starts = [np.zeros(0)] if in_plant else effect.starts(context)
-    for base in _plant_starts(context, hypothesis.plant):
+    for base in _plant_starts(context, hypothesis.plant, effect.rates(context)):
         for named in named_starts:
             for own in own_starts:
                 full = common.copy()
@@ -263,12 +292,12 @@ def _with_linear_sinusoid(data: Data, hypothesis: Hypothesis, theta: FloatArray)
     return out
 
 
-def _plant_starts(context: Context, new: Plant) -> list[FloatArray]:
-    """Start values of the new plant: parameters of the parent's plant, with its rates and those of other estimates."""
+def _plant_starts(context: Context, new: Plant, others: list[tuple[float, float]]) -> list[FloatArray]:
+    """Start values of the new plant: parameters of the parent's plant, with its rates, `others` and other estimates."""
     parent = context.parent
     old = parent.hypothesis.plant
     kept = {p.name: value for p, value in zip(old.parameters, parent.plant_theta, strict=True)}
-    rates = [context.rates]
+    rates = [context.rates, *others]
     if np.abs(np.log(np.divide(context.highpass_rates, context.rates))).max() > 0.2:
         rates.append(context.highpass_rates)
     slow, fast = real_rates(*context.rates)

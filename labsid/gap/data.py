@@ -50,6 +50,8 @@ class Data:
         Whether the score of a fit also counts its free-run error: where the innovations say too little about it.
     lattice : float
         Converter step in the scaled output; zero where there is none.
+    pieces : tuple of (int, int)
+        With several records, joined end to end: first sample of each and the one after its last; else empty.
     lags : int
         The longest autoregression that the noise may have.
     complete : ndarray of bool, shape (N,)
@@ -65,6 +67,7 @@ class Data:
     start: float = 0.0
     by_free_run: bool = False
     lattice: float = 0.0
+    pieces: tuple[tuple[int, int], ...] = ()
     lags: int = field(init=False, repr=False)
     complete: np.ndarray = field(init=False, repr=False)
 
@@ -76,6 +79,11 @@ class Data:
     def samples(self) -> int:
         """N."""
         return int(self.u.size)
+
+    @property
+    def longest(self) -> int:
+        """Samples of the longest record."""
+        return max((stop - start for start, stop in self.pieces), default=self.samples)
 
 
 def scaled(
@@ -105,6 +113,12 @@ def scaled(
     -------
     Data
     """
-    own = Scale(float(np.mean(u)), float(np.std(u))), Scale(float(np.mean(y)), float(np.std(y)))
+    own = Scale(float(np.mean(u)), _spread(u)), Scale(float(np.mean(y)), _spread(y))
     u_scale, y_scale = scales or own
     return Data(u_scale.of(u), y_scale.of(y), rows, Ts, u_scale, y_scale, start)
+
+
+def _spread(values: FloatArray) -> float:
+    """Standard deviation, also of numbers whose squares are too small or too large for floating point."""
+    span = float(np.ptp(values))
+    return span * float(np.std(values / span))

@@ -1,7 +1,7 @@
 """Decide on the effects to name, with their probabilities and rivals, or on the verdict `unknown`."""
 
 from collections import defaultdict
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
@@ -10,6 +10,8 @@ from labsid.gap.beam_search import is_improvement
 from labsid.gap.effect_texts import STOP_EFFECTS
 from labsid.gap.explanation import Explanation
 from labsid.gap.fitting import Fit, mean_square
+from labsid.gap.held_out_errors import Reduction
+from labsid.gap.held_out_search import Step
 from labsid.gap.residual_tests import SLOW_CORRELATION, ResidualMeasures, is_noise
 
 TEMPERATURE = 4.0  # divides BIC differences: models are never exact
@@ -21,10 +23,10 @@ MAX_UNREPEATED = (
 UNREPEATED_FACTOR = 0.4  # factor on the confidence if more is left
 MIN_CONFIDENCE = 0.5  # below which the verdict is `unknown`
 MISMATCH = "parameter-mismatch"
-DIRECT_EVIDENCE = 0.8  # probability of a stop visible in the record, or of the leading effect, whatever else acts
-LEADING_REDUCTION = 5.0  # factor by which a leading effect alone reduces the error
-LEADING_CLOSED = 0.8  # share of the gap that the whole explanation then closes
-LEADING_MARGIN = 3.0  # error of every other single effect over that of the leading one
+RIVAL_FACTOR = 1.1  # rms error of a rival over that of the chosen effect, below which it is reported as ambiguous
+SEEN_STOP = 0.8  # probability of an effect that limits the output, if it pays and the record shows the limit
+MAX_REDUCTION = 1.5  # logarithm of a reduction of the rms error: more is no more certain
+MAX_MARGIN = 0.5  # logarithm of the rms error of the best rival over that of the chosen effect: more is no more certain
 
 
 class Evidence(NamedTuple):
@@ -67,7 +69,7 @@ class Decision:
     Attributes
     ----------
     verdict : str
-        "none", "effect" or "unknown".
+        "none", "effect", "partial" or "unknown".
     names : tuple of str
         The effects, in the order in which they were added.
     probability : dict
@@ -78,8 +80,6 @@ class Decision:
         Probability of every combination tried with as many effects; the remainder is for other causes.
     closed : float
         Share of the gap closed on the fitted samples.
-    beside : tuple of str
-        Effects of the accepted fit that are not named, if others are.
     """
 
     verdict: str
@@ -88,16 +88,12 @@ class Decision:
     ambiguous: tuple[str, ...]
     weights: dict[tuple[str, ...], float]
     closed: float
-    beside: tuple[str, ...] = ()
 
 
-def decide(
-    explanation: Explanation, left: ResidualMeasures, given: Fit | None, confidence: float, at_stop: bool = False
-) -> Decision:
+def decide(explanation: Explanation, left: ResidualMeasures, given: Fit | None, confidence: float) -> Decision:
     """Compare the candidates of the accepted level with each other and with an unknown cause.
 
-    With too little confidence nothing is named, except a stop that is visible in the record and an effect that alone
-    reduces the error far more than any other.
+    With too little confidence nothing is named.
 
     Parameters
     ----------
@@ -108,12 +104,9 @@ def decide(
         The given simulation, not refitted.
     confidence : float
         Probability that the explanation is right.
-    at_stop : bool
-        Whether the record shows the output at a stop.
     """
-    level = len(explanation.best.hypothesis.names)
-    weights = _weights(explanation, level)
     simulated = explanation.best.hypothesis.names
+    weights = _weights(explanation, len(simulated))
     noise = is_noise(left, "output-quantization" in explanation.unsimulated)
     # A residual that repeats with the input is not sensor noise, however slow it is.
     added = (
@@ -133,32 +126,83 @@ def decide(
     if given is not None and not simulated and is_improvement(explanation.data, given, explanation.path[0]):
         names = (MISMATCH, *names)
         probability[MISMATCH] = confidence * mismatch_probability(given, explanation.path[0])
-    named = names
-    if confidence < MIN_CONFIDENCE:
-        lead = leading_effect(explanation) if closed_on_fit(explanation, left, added) > LEADING_CLOSED else None
-        direct = (*(STOP_EFFECTS if at_stop else ()), lead)
-        probability |= {name: DIRECT_EVIDENCE * shares[name] for name in simulated if name in direct}
-        named = tuple(name for name in names if name in direct and probability[name] > MIN_CONFIDENCE)
-    rest = tuple(name for name in names if name not in named)
-    ambiguous = [*rest, *ambiguous]
+    named = names if confidence >= MIN_CONFIDENCE else ()
+    ambiguous = [*(name for name in names if name not in named), *ambiguous]
     verdict = "effect" if named else "unknown" if confidence < MIN_CONFIDENCE else "none"
     weights = {combination: confidence * weight for combination, weight in weights.items()}
     closed = closed_on_fit(explanation, left, added)
-    beside = rest if named else ()
-    return Decision(verdict, named, probability, tuple(ambiguous[:MAX_RIVALS]), weights, closed, beside)
+    return Decision(verdict, named, probability, tuple(ambiguous[:MAX_RIVALS]), weights, closed)
 
 
-def leading_effect(explanation: Explanation) -> str | None:
-    """The effect that alone reduces the error far more than any other; None if there is none."""
-    data, alone = explanation.data, explanation.levels[1] if len(explanation.levels) > 1 else {}
-    left = sorted((mean_square(data, fit), names[0]) for names, fit in alone.items() if len(names) == 1)
-    if len(left) < 2:
-        return None
-    (least, name), (next_best, _) = left[:2]
-    far = (
-        mean_square(data, explanation.path[0]) > LEADING_REDUCTION**2 * least and next_best > LEADING_MARGIN**2 * least
+def decide_partial(steps: tuple[Step, ...], unknown: Decision, at_stop: bool = False) -> Decision:
+    """Name the effects that each reduce the error on held-out samples.
+
+    Parameters
+    ----------
+    steps : tuple of Step
+        From `held_out_search.search_held_out`.
+    unknown : Decision
+        The decision if nothing is named.
+    at_stop : bool
+        Whether the record shows the output at rest at its extreme.
+    """
+    if not steps:
+        return unknown
+    probability = {step.name: partial_probability(partial_evidence(step, steps)) for step in steps}
+    if at_stop:
+        probability |= {name: max(p, SEEN_STOP) for name, p in probability.items() if name in STOP_EFFECTS}
+    rivals = [name for step in steps for name, one in step.rivals if one.factor < RIVAL_FACTOR]
+    return replace(
+        unknown,
+        verdict="partial",
+        names=tuple(probability),
+        probability=probability,
+        ambiguous=tuple(dict.fromkeys(name for name in rivals if name not in probability))[:MAX_RIVALS],
+        weights={tuple(sorted(probability)): min(probability.values())},
     )
-    return name if far else None
+
+
+class PartialEvidence(NamedTuple):
+    """Evidence for an effect that explains a part of the gap, from errors on held-out samples.
+
+    Attributes
+    ----------
+    reduction : float
+        Logarithm of the rms error of the explanation without this effect over that with it; at most `MAX_REDUCTION`.
+    alone : float
+        The same for the simulation before and that with this effect alone. Curves that imitate an effect outside the
+        table pay together, but little alone.
+    margin : float
+        The same for the explanation with the best rival in the place of this effect; at most `MAX_MARGIN`.
+    others : float
+        Number of other effects.
+    """
+
+    reduction: float
+    alone: float
+    margin: float
+    others: float
+
+
+PARTIAL_PRIOR = -5.6
+PARTIAL_WEIGHTS = PartialEvidence(reduction=2.4, alone=3.1, margin=0.9, others=-0.6)
+
+
+def partial_evidence(step: Step, steps: tuple[Step, ...]) -> PartialEvidence:
+    """Evidence for one of the effects of a partial explanation."""
+    margin = min((float(np.log(one.factor)) for _, one in step.rivals), default=MAX_MARGIN)
+    alone = 0.0 if step.alone is None else _gain(step.alone)
+    return PartialEvidence(_gain(step.missed), alone, min(margin, MAX_MARGIN), len(steps) - 1.0)
+
+
+def _gain(reduction: Reduction) -> float:
+    return float(np.clip(-np.log(max(reduction.factor, 1e-6)), 0.0, MAX_REDUCTION))
+
+
+def partial_probability(evidence: PartialEvidence) -> float:
+    """Probability that an effect acts that is found beside others; fitted by `labsid.blind.calibration`."""
+    score = PARTIAL_PRIOR + sum(w * value for w, value in zip(PARTIAL_WEIGHTS, evidence, strict=True))
+    return float(1.0 / (1.0 + np.exp(-score)))
 
 
 def _weights(explanation: Explanation, level: int) -> dict[tuple[str, ...], float]:

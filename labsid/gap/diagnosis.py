@@ -5,29 +5,28 @@ from dataclasses import asdict, dataclass, replace
 from typing import Any
 
 import numpy as np
+from threadpoolctl import threadpool_limits
 
-from labsid._arrays import FloatArray
-from labsid.gap.baseline import Baseline, Simulation, check_bounded, make_baseline, read_exported
+from labsid.gap.answer import answer_from
+from labsid.gap.baseline import Baseline, Simulation, make_baseline, read_exported
 from labsid.gap.beam_search import Progress
 from labsid.gap.clock import at_sampling_time, clock_findings, stated_sampling_time
-from labsid.gap.data import scaled
-from labsid.gap.decision import MIN_CONFIDENCE, confidence_in, decide
-from labsid.gap.effects.base import AdditiveEffect
+from labsid.gap.data import Data, scaled
 from labsid.gap.explanation import Explanation, explain
-from labsid.gap.long_record import shorten_holdout, shorten_record
+from labsid.gap.long_record import shorten_holdout, shorten_record, shorten_records
 from labsid.gap.model_file import ExportedModel, export_model
-from labsid.gap.record_findings import (
-    PlateauGap,
-    filter_length,
-    findings_from_errors,
-    findings_from_record,
-    plateau_gap,
-)
+from labsid.gap.record_findings import filtered_input, findings_from_errors, findings_from_record, plateau_gap
 from labsid.gap.report import build_report
-from labsid.gap.residual_tests import measure_residual
-from labsid.gap.scores import GapScore, score_explanation
+from labsid.gap.several_records import (
+    JoinedRecords,
+    at_one_sampling_time,
+    findings_by_record,
+    join_records,
+    label,
+    score_by_record,
+)
 from labsid.gap.traces import figure_traces
-from labsid.lab.findings import about_clipping
+from labsid.lab.findings import Finding
 from labsid.records.record import Record
 
 MIN_SAMPLES = 100  # samples
@@ -40,7 +39,7 @@ class Diagnosis:
     Attributes
     ----------
     report : dict
-        In the layout ``labsid.gap/1``; ``--json`` writes it.
+        In the layout ``labsid.gap/2``; ``--json`` writes it.
     model : ExportedModel
         The simulation with the effects added; ``--export`` writes it.
     """
@@ -50,7 +49,7 @@ class Diagnosis:
 
 
 def diagnose(
-    record: Record,
+    record: Record | Sequence[Record],
     simulation: Simulation | None = None,
     *,
     holdout: Record | None = None,
@@ -63,7 +62,9 @@ def diagnose(
 
     Parameters
     ----------
-    record : Record
+    record : Record or sequence of Record
+        Several records are runs of one rig: they share its parameters and effects, and each has its own offset and
+        initial state. The gap is scored on each record with fits to the others.
     simulation : dict, ndarray or callable, optional
         MODEL.json or an exported simulation; the output of any simulator on the record's input, shape (N,); or
         ``simulate(t, u) -> y``. By default a linear model of the given order, fitted by output error.
@@ -87,7 +88,64 @@ def diagnose(
     ------
     ValueError
         If the record is too short, its input or output is constant, or the simulation does not match the record.
+
+    Notes
+    -----
+    BLAS runs on one thread, and as before afterwards: the matrices are small, and sums then have one order.
     """
+    with threadpool_limits(1, "blas"):
+        if isinstance(record, Record) or len(record) == 1:
+            one = record if isinstance(record, Record) else record[0]
+            prepared = _prepare(one, simulation, holdout, order, exclude)
+        else:
+            prepared = _prepare_several(record, simulation, holdout, order, exclude)
+        return _diagnose(prepared, seed, progress)
+
+
+def _diagnose(prepared: "_Prepared", seed: int, progress: Progress | None) -> Diagnosis:
+    explanation = explain(prepared.data, prepared.base.structure, prepared.base.start, progress=progress)
+    return _report(prepared, explanation, seed, progress)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Prepared:
+    """A record ready for the search.
+
+    Attributes
+    ----------
+    whole, record : Record
+        As given, and as diagnosed: at one sampling time and shortened.
+    holdout : Record or None
+        With the input filtered like that of `data`.
+    data : Data
+    base : Baseline
+    clocks : list of Finding
+    notes : tuple of str
+        Sentences on what was left out.
+    joined : JoinedRecords or None
+        With several records, how `record` was made of them.
+    parts : list of Record
+        The several records, shortened.
+    """
+
+    whole: Record
+    record: Record
+    holdout: Record | None
+    data: Data
+    base: Baseline
+    clocks: list[Finding]
+    notes: tuple[str, ...]
+    joined: JoinedRecords | None = None
+    parts: tuple[Record, ...] = ()
+
+
+def _prepare(
+    record: Record,
+    simulation: Simulation | None,
+    holdout: Record | None,
+    order: int,
+    exclude: Sequence[tuple[float, float]],
+) -> _Prepared:
     record, holdout = _common_sampling_time(record, holdout, simulation)
     _check_records(record, holdout)
     clocks = clock_findings(record, holdout)
@@ -108,33 +166,73 @@ def diagnose(
         raise ValueError(
             "a simulated output is known on its own record only. Give a model or a function, or omit the holdout."
         )
+    return _Prepared(whole, record, holdout, data, base, clocks, notes)
+
+
+def _prepare_several(
+    records: Sequence[Record],
+    simulation: Simulation | None,
+    holdout: Record | None,
+    order: int,
+    exclude: Sequence[tuple[float, float]],
+) -> _Prepared:
+    if not records:
+        raise ValueError("there is no record. Give at least one.")
+    if holdout is not None:
+        raise ValueError("of several records each in turn is held out. Omit the holdout, or give it as one of them.")
+    if len(exclude):
+        raise ValueError("--exclude refers to the times of one record. Cut the records instead.")
+    stated: object = simulation.Ts if isinstance(simulation, ExportedModel) else None
+    if isinstance(simulation, dict):
+        stated = stated_sampling_time(simulation)
+    records = at_one_sampling_time(records, stated)
+    for number, record in enumerate(records, 1):
+        _check_record(record, label(record, number))
+    clocks = [
+        replace(finding, text=f"{label(record, number)}: {finding.text}")
+        for number, record in enumerate(records, 1)
+        for finding in clock_findings(record)
+    ]
+    parts, notes = shorten_records(records)
+    for number, record in enumerate(parts, 1):
+        _check_record(record, label(record, number))
+    joined = join_records(parts)
+    simulation = read_exported(simulation, joined.record.Ts)
+    scales = (simulation.u_scale, simulation.y_scale) if isinstance(simulation, ExportedModel) else None
+    data = joined.data(scales)
+    base = make_baseline(data, joined.record.t, simulation, order)
+    return _Prepared(joined.record, joined.record, None, data, base, clocks, notes, joined, tuple(parts))
+
+
+def _report(prepared: _Prepared, explanation: Explanation, seed: int, progress: Progress | None) -> Diagnosis:
+    record, holdout, base = prepared.record, prepared.holdout, prepared.base
     rng = np.random.default_rng(seed)
-    explanation, score = _score(explain(data, base.structure, base.start, progress=progress), base, holdout, rng)
-    left, plateau = measure_residual(explanation.data, explanation.best), _plateaus(record, base, explanation)
-    unrepeated = plateau.left if plateau is not None and plateau.matters else 0.0
-    confidence = confidence_in(explanation, left, score.closed, unrepeated)
-    if confidence < MIN_CONFIDENCE and explanation.trimmed:  # no effect is named, so keep the small ones
-        explanation, score = _score(explanation.untrimmed(), base, holdout, rng)
-        left, plateau = measure_residual(explanation.data, explanation.best), _plateaus(record, base, explanation)
-    decision = decide(explanation, left, base.before, confidence, at_stop=bool(about_clipping(record.y)))
-    if decision.verdict != "unknown" and len(explanation.path) == 1:  # no simulated effect was added
-        score = replace(score, closed=None, ci95=None, black_box=None)
-    model = export_model(explanation.data, score.after_fit)
-    report = build_report(record, explanation, base, decision, left, score, rng, holdout)
-    findings = [*clocks, *findings_from_record(whole, plateau)]
-    findings += findings_from_errors(record.u, record.y, *_outputs(base, explanation), explanation.data.rows)
-    report["record"]["samples"] = len(whole)
+    answer = answer_from(record, explanation, base, holdout, rng, progress)
+    data = answer.explanation.data
+    model = export_model(data, answer.score.after_fit, answer.elsewhere)
+    joined, inside = prepared.joined, np.ones(len(record), bool)
+    if joined is None:
+        plateau = plateau_gap(record.u, record.y, *answer.outputs, data.rows)
+        found = findings_from_record(prepared.whole, plateau)
+    else:
+        inside = joined.inside
+        found, plateau = findings_by_record(joined, prepared.parts, answer.outputs, data.rows)
+        y = np.where(inside, record.y, answer.outputs[0])  # no error between the records
+        record = Record(record.t, record.u, y, record.Ts, name=record.name)
+    report = build_report(record, answer, base, rng, holdout)
+    if joined is not None:
+        report["records"] = score_by_record(joined, data, answer.score)
+        shown = (record.t, record.u, record.y, *answer.outputs)
+        report["traces"] = figure_traces(*(signal[inside] for signal in shown))
+    findings = [*prepared.clocks, *found, *findings_from_errors(record.u, record.y, *answer.outputs, data.rows)]
+    report["record"]["samples"] = len(prepared.whole) if joined is None else int(inside.sum())
     report["record_findings"] = [asdict(finding) for finding in findings]
     report["plateaus"] = None if plateau is None else asdict(plateau)
-    report["screen"] = [*notes, *report["screen"]]
+    report["screen"] = [*prepared.notes, *report["screen"]]
     report["holdout_traces"] = None
     if holdout is not None:
-        linear = export_model(explanation.data, explanation.path[0])
-        before = (
-            linear.simulate(holdout.u, holdout.y) if base.simulate_record is None else base.simulate_record(holdout)
-        )
-        after = model.simulate(holdout.u, holdout.y)
-        report["holdout_traces"] = figure_traces(holdout.t, holdout.u, holdout.y, before, after)
+        outputs = (data.y_scale.back(output) for output in answer.score.outputs)
+        report["holdout_traces"] = figure_traces(holdout.t, holdout.u, holdout.y, *map(np.asarray, outputs))
     return Diagnosis(report, model)
 
 
@@ -150,47 +248,6 @@ def _included(record: Record, exclude: Sequence[tuple[float, float]]) -> np.ndar
     if rows.sum() < MIN_SAMPLES:
         raise ValueError(f"--exclude leaves {rows.sum()} samples; at least {MIN_SAMPLES} are needed.")
     return rows
-
-
-def _score(
-    explanation: Explanation, base: Baseline, holdout: Record | None, rng: np.random.Generator
-) -> tuple[Explanation, GapScore]:
-    """Score an explanation; reject it if it does not improve a given simulation on held-out samples.
-
-    A disturbance cannot be predicted on held-out samples, so an explanation with one is not rejected.
-    """
-    data = explanation.data
-    other = None if holdout is None else (data.u_scale.of(holdout.u), data.y_scale.of(holdout.y))
-    given_output = None
-    if holdout is not None and base.simulate_record is not None:
-        given_output = data.y_scale.of(check_bounded(base.simulate_record(holdout), holdout.y))
-    score = score_explanation(explanation, base.before, other, rng, given_output)
-    predictable = not any(isinstance(effect, AdditiveEffect) for effect in explanation.best.hypothesis.effects)
-    if base.given and len(explanation.path) > 1 and predictable and (score.closed or 0.0) <= 0.0:
-        explanation = explanation.up_to(0)
-        score = score_explanation(explanation, base.before, other, rng, given_output)
-    return explanation, score
-
-
-def _outputs(base: Baseline, explanation: Explanation) -> tuple[FloatArray, FloatArray]:
-    """Outputs of the simulation before and after, in the unit of the record."""
-    before = base.before or explanation.path[0]
-    back = explanation.data.y_scale.back
-    return np.asarray(back(before.output)), np.asarray(back(explanation.best.output))
-
-
-def _plateaus(record: Record, base: Baseline, explanation: Explanation) -> PlateauGap | None:
-    return plateau_gap(record.u, record.y, *_outputs(base, explanation), explanation.data.rows)
-
-
-def filtered_input(record: Record) -> FloatArray:
-    """The input, filtered by the same moving mean as the logged output, if the record has one.
-
-    A moving mean commutes with linear dynamics, so filtering the input includes the logger's filter in the simulation.
-    """
-    length = filter_length(record)
-    padded = np.concatenate([np.full(length - 1, record.u[0]), record.u])
-    return np.convolve(padded, np.full(length, 1.0 / length), mode="valid")
 
 
 def _common_sampling_time(
@@ -214,14 +271,18 @@ def _common_sampling_time(
 def _check_records(record: Record, holdout: Record | None) -> None:
     """Reject records that are too short, have a constant signal, or differ in their sampling time."""
     for name, one in (("the record", record), ("the holdout", holdout)):
-        if one is None:
-            continue
-        if len(one) < MIN_SAMPLES:
-            raise ValueError(
-                f"{name} has {len(one)} samples; a diagnosis needs at least {MIN_SAMPLES}. Use a longer record."
-            )
-        for signal, values in (("u", one.u), ("y", one.y)):
-            if np.ptp(values) == 0.0:
-                raise ValueError(f"{signal} of {name} is constant ({values[0]:g}); nothing can be identified from it.")
+        if one is not None:
+            _check_record(one, name)
     if holdout is not None and abs(holdout.Ts - record.Ts) > 1e-6 * record.Ts:
         raise ValueError(f"the holdout runs at {holdout.Ts:g} s, the record at {record.Ts:g} s. Resample one of them.")
+
+
+def _check_record(record: Record, name: str) -> None:
+    """Reject a record that is too short or has a constant signal."""
+    if len(record) < MIN_SAMPLES:
+        raise ValueError(
+            f"{name} has {len(record)} samples; a diagnosis needs at least {MIN_SAMPLES}. Use a longer record."
+        )
+    for signal, values in (("u", record.u), ("y", record.y)):
+        if np.ptp(values) == 0.0:
+            raise ValueError(f"{signal} of {name} is constant ({values[0]:g}); nothing can be identified from it.")

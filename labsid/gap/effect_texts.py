@@ -50,6 +50,8 @@ EFFECT_TEXTS: dict[str, EffectText] = {
         "a dead zone",
         (
             "The actuator does not move between {low} and {high}",
+            "The actuator does not move until the command exceeds {high}",
+            "The actuator does not move until the command falls below {low}",
             "The actuator does not move until the command leaves a band",
         ),
         "Commands inside the band have no effect. Look for valve overlap, friction in the drive, or a threshold in "
@@ -67,7 +69,7 @@ EFFECT_TEXTS: dict[str, EffectText] = {
     "input-rate-limit": EffectText(
         "a rate limit of the actuator",
         (
-            "The actuator moves no faster than {rate} units a second",
+            "The actuator moves no faster than {rate}",
             "The actuator moves more slowly than the command",
         ),
         "The actuator follows fast changes of the command at a limited rate. Check motor-driven valves and ramps in "
@@ -155,10 +157,13 @@ EFFECT_TEXTS: dict[str, EffectText] = {
     ),
     "output-nonlinearity": EffectText(
         "a curved characteristic of the sensor",
-        ("The gain of the sensor changes over its range",),
+        (
+            "The sensor reads how far the output is from {fold}, but not on which side",
+            "The gain of the sensor changes over its range",
+        ),
         "The same change of the process gives a larger reading in one part of the range than in another. Check the "
-        "calibration. With d the true output minus the centre of the curve, the sensor reads "
-        "d + (quadratic coefficient) d² + (cubic coefficient) d³.",
+        "calibration. A pulse counter, for example, reads the absolute value of a speed. With d the true output minus "
+        "the centre of the curve, the sensor reads d + (quadratic coefficient) d² + (cubic coefficient) d³.",
     ),
     "output-quantization": EffectText(
         "a coarse converter",
@@ -236,7 +241,12 @@ _LABELS = {
     "upper": "reading at the brim of the upper tank",
     "caught": "share received by the next tank",
     "friction": "friction, in units of the command",
+    "break_away": "friction at rest, in units of the command",
+    "jump_low": "step at the lower edge",
+    "jump_high": "step at the upper edge",
+    "ratio": "gain below the band over the gain above it",
     "cubic": "cubic coefficient",
+    "fold": "lowest reading, at which the sign is lost",
     "c2": "quadratic coefficient",
     "c3": "cubic coefficient",
     "centre": "centre of the curve",
@@ -255,7 +265,7 @@ _SPECIFIC_LABELS: dict[tuple[str, ...], str] = {
     ("coloured-noise", "amplitude"): "rms",
     ("load-step", "size", "1"): "increase of the rate of return to rest",
 }
-_POSITIONS = {"low", "high", "level", "upper", "onset", "zero", "empty", "centre"}
+_POSITIONS = {"low", "high", "level", "upper", "onset", "zero", "empty", "centre", "fold"}
 """Positions, which may be near zero; the other parameters are magnitudes."""
 
 _SHARES = {"drift", "share", "caught", "size", "pole"}  # dimensionless parameters that are written in per cent
@@ -276,7 +286,7 @@ def clause(effect: dict[str, Any]) -> str:
             continue  # not significantly different from zero
         size = Quantity(abs(quantity.value), quantity.stderr, quantity.unit)
         sign = "+" if quantity.value >= 0.0 else "-"
-        known |= {name: quantity, f"{name}_{quantity.unit}": quantity, f"{name}{sign}": size}
+        known |= {name: quantity, f"{name}_{entry.get('of', quantity.unit)}": quantity, f"{name}{sign}": size}
     text = EFFECT_TEXTS.get(effect["name"])
     for form in () if text is None else text.clauses:
         if all(field in known for _, field, _, _ in Formatter().parse(form) if field is not None):
@@ -284,9 +294,9 @@ def clause(effect: dict[str, Any]) -> str:
     return f"The record shows {noun(effect['name'])}"
 
 
-def parameter_label(effect: str, parameter: str, unit: str) -> str:
+def parameter_label(effect: str, parameter: str, entry: dict[str, Any]) -> str:
     """Label of a parameter of an effect."""
-    for key in ((effect, parameter, unit), (effect, parameter)):
+    for key in ((effect, parameter, entry.get("of", entry["unit"])), (effect, parameter)):
         if key in _SPECIFIC_LABELS:
             return _SPECIFIC_LABELS[key]
     return _LABELS.get(parameter, parameter)
@@ -300,3 +310,58 @@ def parameter_value(effect: str, parameter: str, entry: dict[str, Any]) -> tuple
             return with_error(100.0 * value, 100.0 * stderr), "%"
         return percent(value).removesuffix(" %"), "%"
     return with_error(value, stderr), UNITS.get(unit, unit)
+
+
+@dataclass(frozen=True, slots=True)
+class RemainingErrorText:
+    """Texts on a kind of error that an explanation leaves.
+
+    Attributes
+    ----------
+    label : str
+        Short name, as of a bar.
+    what : str
+        What the error does, as a predicate.
+    look : str
+        Where on the rig to look for its cause.
+    """
+
+    label: str
+    what: str
+    look: str
+
+
+REMAINING_ERRORS: dict[str, RemainingErrorText] = {
+    "linear": RemainingErrorText(
+        "linear dynamics",
+        "follows the input through further linear dynamics",
+        "Look for a second volume, a flexible shaft, or a filter in the drive or the sensor. Without --sim, try a "
+        "higher --order.",
+    ),
+    "input": RemainingErrorText(
+        "a curve or hysteresis at the input",
+        "follows the input through a curve or a hysteresis ahead of the process",
+        "Measure the characteristic of the actuator, up and down: pump, valve or amplifier.",
+    ),
+    "output": RemainingErrorText(
+        "a curve at the output",
+        "follows the simulated output through a static curve",
+        "Calibrate the sensor over its whole range.",
+    ),
+    "nonlinear": RemainingErrorText(
+        "nonlinear dynamics",
+        "follows the input through nonlinear dynamics",
+        "Look for friction, stops, and resistances or gains that depend on the operating point.",
+    ),
+    "time": RemainingErrorText(
+        "a change with time",
+        "follows the input in a way that changes with time",
+        "Compare the beginning with the end of the record: temperature, supply, wear, a second operator.",
+    ),
+    "disturbance": RemainingErrorText(
+        "not predicted by past inputs",
+        "is not predicted by past inputs",
+        "Apply the same input again: what does not repeat is a disturbance. Look for loads, other inputs and sensor "
+        "noise.",
+    ),
+}

@@ -13,7 +13,7 @@ from labsid.gap.holdout import BLOCKS, held_out_samples
 from labsid.gap.hypothesis import Hypothesis
 from labsid.gap.linear_fits import LINEAR, fit_baseline
 from labsid.gap.residual_tests import SLOW_CORRELATION, slow_autocorrelation
-from labsid.gap.sample_faults import SampleFaults, find_lattice, find_spikes
+from labsid.gap.sample_faults import SampleFaults, find_bad_start, find_lattice, find_spikes
 from labsid.records.signal_quality import find_held
 
 CONVERTER_LIMITED = 1.3**2  # rounding variance over other noise variance, from which the converter limits the record
@@ -45,8 +45,6 @@ class Explanation:
         From the baseline to the accepted fit, one effect more at each step.
     unsimulated : tuple of str
         Effects found in the samples, not by simulation: held samples, spikes, quantization, coloured noise.
-    trimmed : tuple of Fit
-        Further steps of the search: significant, but too small to be named.
     """
 
     data: Data
@@ -54,7 +52,6 @@ class Explanation:
     levels: Levels
     path: tuple[Fit, ...]
     unsimulated: tuple[str, ...]
-    trimmed: tuple[Fit, ...] = ()
 
     @property
     def best(self) -> Fit:
@@ -63,11 +60,7 @@ class Explanation:
 
     def up_to(self, level: int) -> "Explanation":
         """The explanation cut to the first `level` effects."""
-        return replace(self, path=self.path[: level + 1], trimmed=())
-
-    def untrimmed(self) -> "Explanation":
-        """The explanation with the steps that are too small to be named."""
-        return replace(self, path=self.path + self.trimmed, trimmed=())
+        return replace(self, path=self.path[: level + 1])
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -98,6 +91,7 @@ def explain(
     """
     y = np.asarray(data.y_scale.back(data.y))
     lattice, off = find_lattice(y)
+    off = off | find_bad_start(y)
     stretches = find_held(y, lattice)
     step = 0.0 if lattice is None else lattice / data.y_scale.unit
     data = replace(data, lattice=step)
@@ -113,11 +107,10 @@ def explain(
             other = cross_validated(clean, other)  # an explanation with nearly white residuals needs no validation
         if len(other) > 1 and mean_square(clean, other[-1]) < 0.5 * mean_square(clean, path[-1]):
             levels, path = other_levels, other
-    whole, path = path, without_small_steps(clean, path)
-    cut = whole[len(path) :]
+    path = without_small_steps(clean, path)
     if len(path) == 2 and is_nuisance(clean, levels[1], path):
-        path, cut = path[:1], ()
-    return Explanation(clean, faults, levels, path, unsimulated_effects(data, clean, faults, path[-1]), cut)
+        path = path[:1]
+    return Explanation(clean, faults, levels, path, unsimulated_effects(data, clean, faults, path[-1]))
 
 
 def _search_without_spikes(
@@ -173,7 +166,7 @@ def cross_validated(data: Data, path: tuple[Fit, ...]) -> tuple[Fit, ...]:
     kept = [path[0]]
     simpler = refit(fitted, path[0])
     for fit in path[1:]:
-        if any(isinstance(effect, AdditiveEffect) for effect in fit.hypothesis.effects):
+        if any(isinstance(effect, AdditiveEffect) for effect in fit.hypothesis.found):
             continue
         fuller = refit(fitted, fit)
         errors = [

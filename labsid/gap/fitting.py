@@ -33,6 +33,8 @@ class Fit:
         Model of the residual.
     bic : float
         Of the whitened residual; lower is better.
+    free_run : float
+        Mean square of the free-run error over the rows that count.
     """
 
     hypothesis: Hypothesis
@@ -42,6 +44,7 @@ class Fit:
     cost: float
     noise: Noise
     bic: float
+    free_run: float = np.nan
 
     @property
     def plant_theta(self) -> FloatArray:
@@ -117,7 +120,8 @@ class Problem:
             gains = solve_least_squares(self._seen(columns), self.y)
             return self._made(theta, gains, design, columns @ gains)
         if gains is None or gains.size != columns.shape[1]:
-            gains = solve_least_squares(self._seen(columns), self.y)
+            reading = self.hypothesis.undone(theta, self.data.y, design, self.data.rows)
+            gains = solve_least_squares(self._seen(columns), self._seen(reading[:, None])[:, 0])
         best = self._made(theta, gains, design, self.hypothesis.sensor(theta, gains, design))
         for _ in range(3):
             scaled = columns.copy(order="F")
@@ -229,12 +233,14 @@ def finish(data: Data, hypothesis: Hypothesis, point: Point) -> Fit:
     """
     e = data.y - point.output
     noise = fit_noise(e, data.complete, data.lags)
-    free = point.theta.size + int(np.count_nonzero(point.gains))
+    theta, undetermined = hypothesis.completed(point.theta, data.u)
+    free = point.theta.size - undetermined + int(np.count_nonzero(point.gains))
     bic = noise.score + free * np.log(noise.rows)
+    free_run = float(np.mean(e[data.rows] ** 2))
     if data.by_free_run:
-        mean_square = max(float(np.mean(e[data.rows] ** 2)), noise.sigma2)
+        mean_square = max(free_run, noise.sigma2)
         bic += noise.rows * np.sqrt(noise.sigma2 / mean_square) * np.log(mean_square) + free * np.log(noise.rows)
-    return Fit(hypothesis, point.theta, point.gains, point.output, point.cost, noise, float(bic))
+    return Fit(hypothesis, theta, point.gains, point.output, point.cost, noise, float(bic), free_run)
 
 
 def refit(data: Data, fit: Fit) -> Fit:

@@ -4,7 +4,7 @@ import numpy as np
 
 from labsid._arrays import FloatArray
 from labsid.gap.data import Data
-from labsid.gap.effects import curves, disturbance, drifts, dynamics, input, output
+from labsid.gap.effects import curves, disturbance, drifts, dynamics, folded, input, output
 from labsid.gap.effects.base import Effect
 from labsid.gap.fitting import Fit, finish, minimize
 from labsid.gap.hypothesis import Hypothesis
@@ -36,6 +36,10 @@ HISTORY_FORMS: dict[Effect, tuple[Effect, ...]] = {
     input.RateLimit(): (input.RateLimit("switched"), input.RateLimit("timed")),
 }
 """Effects with memory of the command: with an input step at sample 0, or exact to the first moment of each sample."""
+ASYMMETRIC_FORMS: dict[Effect, tuple[Effect, ...]] = {
+    input.DeadZone(): (input.DeadZone("jump"), input.DeadZone("gain")),
+}
+"""Effects that act differently in either direction."""
 SPLINE_FORMS: dict[Effect, Effect] = {
     input.Nonlinearity(): input.Nonlinearity("rich"),
     output.Nonlinearity(): output.Nonlinearity("rich"),
@@ -63,11 +67,22 @@ OTHER_TANK: dict[Effect, Effect] = {
 }
 """Overflow with the order of the tanks reversed."""
 LOW_LIMIT, HIGH_LIMIT, BOTH_LIMITS = output.Saturation("low"), output.Saturation("high"), output.Saturation("both")
-GENERAL_FORMS: dict[Effect, tuple[Effect, ...]] = HISTORY_FORMS | {
-    special: (general,)
-    for special, general in (SPLINE_FORMS | BOTH_BRIMS | {LOW_LIMIT: BOTH_LIMITS, HIGH_LIMIT: BOTH_LIMITS}).items()
+FRICTION_FORMS: dict[Effect, tuple[Effect, ...]] = {
+    dynamics.CoulombFriction(place): tuple(dynamics.CoulombFriction(f"{place}-{law}") for law in ("smooth", "peak"))
+    for place in dynamics.FRICTION_PLACES
 }
+"""Friction that is smooth about rest, or has a break-away peak."""
+GENERAL_FORMS: dict[Effect, tuple[Effect, ...]] = (
+    HISTORY_FORMS
+    | ASYMMETRIC_FORMS
+    | FRICTION_FORMS
+    | {
+        special: (general,)
+        for special, general in (SPLINE_FORMS | BOTH_BRIMS | {LOW_LIMIT: BOTH_LIMITS, HIGH_LIMIT: BOTH_LIMITS}).items()
+    }
+)
 """More general forms with the same dynamics."""
+ABSOLUTE = folded.Absolute("absolute")
 PERIODIC, PERIODIC_LOAD = disturbance.Periodic(), disturbance.Periodic("load")
 INNER_PERIODIC, UPSTREAM_PERIODIC = disturbance.InnerPeriodic("inside"), disturbance.InnerPeriodic("ahead")
 """Periodic disturbances after the sensor's curve, before it, and on a nonlinear state."""
@@ -127,13 +142,13 @@ def leak_form(plant: Plant) -> Effect | None:
 def transfer_theta(fit: Fit, other: Hypothesis) -> FloatArray:
     """Transfer theta of a fit to another hypothesis: by effect, or by parameter name for effects without one."""
     old = fit.hypothesis
-    theta = np.zeros(len(other.parameters))
+    theta = np.array([parameter.start for parameter in other.parameters])
     spare: dict[str, float] = {}
     for key, place in old.slices.items():
         if key == "plant" or key not in other.slices:
             spare |= {p.name: x for p, x in zip(old.parameters[place], fit.theta[place], strict=True)}
     for i, parameter in enumerate(other.parameters):
-        theta[i] = spare.get(parameter.name, 0.0)
+        theta[i] = spare.get(parameter.name, parameter.start)
     for key, place in other.slices.items():
         if key != "plant" and key in old.slices:
             theta[place] = fit.theta[old.slices[key]]

@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING, Any
 
 from labsid._files import write_file
 from labsid.gap import sentences
-from labsid.gap.effect_texts import EFFECT_TEXTS, UNSIMULATED, parameter_label, parameter_value
+from labsid.gap.effect_texts import EFFECT_TEXTS, REMAINING_ERRORS, UNSIMULATED, parameter_label, parameter_value
 from labsid.gap.location_text import location_sentences
-from labsid.gap.quantities import closed_percent, number, probability
+from labsid.gap.quantities import closed_percent, number, percent, probability
 
 if TYPE_CHECKING:
     import jinja2
@@ -34,7 +34,7 @@ def write_html_report(path: Path, report: dict[str, Any]) -> None:
     path : Path
         An existing file is replaced.
     report : dict
-        In the layout ``labsid.gap/1``.
+        In the layout ``labsid.gap/2``.
 
     Raises
     ------
@@ -50,6 +50,8 @@ def page_content(report: dict[str, Any]) -> dict[str, Any]:
     return {
         "verdict": report["verdict"],
         "sentence": sentences.verdict_sentence(report),
+        "headline": sentences.headline(report),
+        "remaining": sentences.remaining_sentence(report),
         "name": record["name"] or "record",
         "samples": record["samples"],
         "Ts": f"{record['Ts']:.6g}",
@@ -60,14 +62,19 @@ def page_content(report: dict[str, Any]) -> dict[str, Any]:
         else closed_percent(gap["closed"], gap["ci95"]),
         "bars": _bars(report),
         "gap": sentences.gap_sentence(report),
-        "black_box": sentences.black_box_sentence(report),
+        "baseline": sentences.baseline_sentence(report),
+        "records": sentences.record_rows(report),
+        "records_text": sentences.records_sentence(report),
+        "kinds": _kinds(report),
         "effects": [_effect(effect) for effect in report["effects"]],
         "alternatives": sentences.ambiguity_sentence(report),
         "record": sentences.record_sentences(report),
         "screen": report["screen"],
         "holdout": report["holdout_traces"] is not None,
+        "correction": sentences.correction(report),
         "plateaus": sentences.plateaus_matter(report),
-        "other_causes": sentences.other_causes_sentence(report),
+        "ranking_text": sentences.ranking_sentence(report),
+        "has_probabilities": _has_probabilities(report),
         "loop": _loop(report),
         "place": sentences.place_sentence(report),
         "where": location_sentences(report),
@@ -77,6 +84,7 @@ def page_content(report: dict[str, Any]) -> dict[str, Any]:
         "tried": [sentences.noun_without_article(name) for name in sentences.effects_tried(report)],
         "residual": sentences.residual_sentences(report),
         "experiment": _experiment(report),
+        "look": sentences.look_sentence(report),
         "command": command(report),
         "exact": "command" in report,
     }
@@ -98,7 +106,9 @@ def _bars(report: dict[str, Any]) -> list[dict[str, Any]]:
         rows = [("Simulation", gap["before"], "after")]
     else:
         rows = [("Before", gap["before"], "before"), (f"After {sentences.correction(report)}", gap["after"], "after")]
-    rows.append(("Noise alone", gap["noise_floor"], "floor"))
+    rows.append(
+        ("Noise alone" if _has_probabilities(report) else "Noise, with disturbances", gap["noise_floor"], "floor")
+    )
     longest = max(value for _, value, _ in rows) or 1.0
     return [
         {"label": text, "value": number(value), "width": f"{100.0 * value / longest:.1f}", "colour": colour}
@@ -112,7 +122,13 @@ def _effect(effect: dict[str, Any]) -> dict[str, Any]:
     parameters = []
     for name, entry in effect["parameters"].items():
         value, unit = parameter_value(effect["name"], name, entry)
-        parameters.append({"label": parameter_label(effect["name"], name, entry["unit"]), "value": value, "unit": unit})
+        parameters.append(
+            {
+                "label": parameter_label(effect["name"], name, entry),
+                "value": value,
+                "unit": unit,
+            }
+        )
     return {
         "title": sentences.capitalised(sentences.noun_without_article(effect["name"])),
         "name": effect["name"],
@@ -124,10 +140,21 @@ def _effect(effect: dict[str, Any]) -> dict[str, Any]:
 
 
 def _loop(report: dict[str, Any]) -> list[dict[str, Any]]:
-    """The blocks of the control loop, with those of the causes marked; the simulation only if it was given."""
-    causes = {effect["path"] for effect in report["effects"]}
+    """The blocks of the control loop, with marks on those of the causes; the simulation only if it was given."""
+    causes = {effect["path"] for effect in report["effects"] if sentences.is_probable(effect)}
+    possible = {effect["path"] for effect in report["effects"]}
+    rest = report["unexplained"]["path"] if report["verdict"] in ("partial", "unknown") else None
     return [
-        {"path": path, "title": title, "what": what, "cause": path in causes}
+        {
+            "path": path,
+            "title": title,
+            "what": what,
+            "cause": path in possible,
+            "tags": [
+                *(["cause"] if path in causes else ["possible cause"] if path in possible else []),
+                *([f"main part of the {'rest' if possible else 'error'}"] if path == rest else []),
+            ],
+        }
         for path, title, what in LOOP
         if path != "parameters" or report["simulation"]["given"]
     ]
@@ -136,14 +163,11 @@ def _loop(report: dict[str, Any]) -> list[dict[str, Any]]:
 def _ranking(report: dict[str, Any]) -> list[dict[str, Any]]:
     """Rows of the ranking; that of the accepted explanation includes its closed share on held-out samples."""
     gap = report["gap"]
-    accepted = {*(effect["name"] for effect in report["effects"]), *sentences.unnamed_effects(report)} - {
-        *UNSIMULATED,
-        "parameter-mismatch",
-    }
+    accepted = {effect["name"] for effect in report["effects"]} - {*UNSIMULATED, "parameter-mismatch"}
     rows = []
     for row in report["ranking"]:
         names, closed = row["name"].split("+"), row["closed"]
-        ours = report["verdict"] == "effect" and set(names) == accepted
+        ours = report["verdict"] in ("effect", "partial") and set(names) == accepted
         rows.append(
             {
                 "name": sentences.capitalised(
@@ -154,11 +178,30 @@ def _ranking(report: dict[str, Any]) -> list[dict[str, Any]]:
                 "width": "" if closed is None else f"{100.0 * min(max(closed, 0.0), 1.0):.0f}",
                 "rmse": number(row["rmse"]),
                 "accepted": ours,
-                "tag": "partly accepted" if sentences.unnamed_effects(report) else "accepted",
-                "held_out": closed_percent(gap["closed"], gap["ci95"]) if ours and gap["closed"] is not None else "",
+                "held_out": closed_percent(gap["closed"], gap["ci95"])
+                if ours and gap["closed"] is not None and _has_probabilities(report)
+                else "",
             }
         )
     return rows
+
+
+def _has_probabilities(report: dict[str, Any]) -> bool:
+    """Whether the candidates are compared by their probabilities, not by their errors on held-out samples."""
+    return report["verdict"] in ("none", "effect")
+
+
+def _kinds(report: dict[str, Any]) -> list[dict[str, str]]:
+    """Shares of the remaining error by the kind of model that reduces it, as bars."""
+    kinds = report["unexplained"]["kinds"] if sentences.has_kinds(report) else {}
+    return [
+        {
+            "label": sentences.capitalised(REMAINING_ERRORS[name].label),
+            "value": percent(share),
+            "width": f"{100.0 * share:.1f}" if share > 0.0 else "",
+        }
+        for name, share in kinds.items()
+    ]
 
 
 def _experiment(report: dict[str, Any]) -> dict[str, Any] | None:

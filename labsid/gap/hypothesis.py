@@ -121,14 +121,19 @@ class Hypothesis:
             object.__setattr__(self, name, value)
 
     @property
+    def found(self) -> tuple[Effect, ...]:
+        """The effects that are findings."""
+        return self.effects[self.n_given :]
+
+    @property
     def names(self) -> tuple[str, ...]:
         """Unique names of the effects found."""
-        return tuple(dict.fromkeys(effect.name for effect in self.effects[self.n_given :]))
+        return tuple(dict.fromkeys(effect.name for effect in self.found))
 
     @property
     def keys(self) -> tuple[str, ...]:
         """Keys of the effects found."""
-        return tuple(effect.key for effect in self.effects[self.n_given :])
+        return tuple(effect.key for effect in self.found)
 
     def plus(self, effect: Effect) -> "Hypothesis":
         """The hypothesis with one more effect."""
@@ -138,6 +143,15 @@ class Hypothesis:
     def delay_is_an_effect(self) -> bool:
         """Whether the delay is an effect rather than a nuisance parameter."""
         return any(e.name == "input-delay" for e in self.inputs)
+
+    def completed(self, theta: FloatArray, u: FloatArray) -> tuple[FloatArray, int]:
+        """Theta, the parameters that the input `u` of the record does not determine set by convention; and how many."""
+        full, undetermined = theta.copy(), 0
+        for effect in self.inputs:
+            place = self.slices[effect.key]
+            full[place], count = effect.completed(theta[place], u)
+            undetermined += count
+        return full, undetermined
 
     def actuator(self, theta: FloatArray, u: FloatArray, span: int | None = None) -> FloatArray:
         """The signal that reaches the dynamics: the input after all actuator effects, interpolated to its delay."""
@@ -211,6 +225,12 @@ class Hypothesis:
         for effect in self._limits:
             z = effect.apply(z, theta[self.slices[effect.key]])
         return z
+
+    def undone(self, theta: FloatArray, y: FloatArray, design: Design, rows: np.ndarray) -> FloatArray:
+        """Readings `y` from which the gains of a design can be estimated by linear least squares."""
+        for effect in self.outputs:
+            y = effect.undone(y, theta[self.slices[effect.key]], design.columns, rows)
+        return y
 
     def reading(self, theta: FloatArray, gains: FloatArray, level: float) -> float:
         """Sensor reading at the steady state `level`, without the limits of the sensor."""

@@ -5,6 +5,7 @@ import numpy as np
 from labsid._arrays import FloatArray
 from labsid.gap.data import Data
 from labsid.gap.effects import output
+from labsid.gap.effects.restarts import Restarts
 from labsid.gap.fitting import Fit, Point, finish, minimize
 from labsid.gap.hypothesis import Hypothesis
 from labsid.gap.responses import single_pole
@@ -63,7 +64,8 @@ def _start_theta(hypothesis: Hypothesis, c: float, k: float) -> FloatArray:
 
 def fit_highpass(data: Data, base: Fit) -> Fit:
     """Fit the structure to the high-pass filtered record, in which drifts and load steps are small."""
-    hypothesis = Hypothesis((output.Drift("10"),))
+    own = tuple(effect for effect in base.hypothesis.effects if isinstance(effect, Restarts))
+    hypothesis = Hypothesis((*own, output.Drift("10")), len(own))
     ar = np.array([0.9])
     best: Point | None = None
     start = base.theta if base.theta.size == len(hypothesis.parameters) else _start_theta(hypothesis, *base.rates)

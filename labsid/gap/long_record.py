@@ -1,5 +1,6 @@
 """Shorten very long records, because the search runs thousands of simulations."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -9,6 +10,7 @@ from labsid.records.record import Record
 from labsid.records.signal_quality import runs
 
 MAX_SAMPLES = 20_000  # samples: one to three minutes of search on one core
+MAX_OF_SEVERAL = 8_000  # samples of several records, whose offsets and initial states add to the fits: about a minute
 MIN_SAMPLES_PER_STEP = 40  # samples that downsampling leaves between two changes of the input
 
 
@@ -68,6 +70,28 @@ def shorten_record(record: Record, simulation: Simulation | None, longest: int =
         f"{part.t[-1]:g} s{which}."
     )
     return ShortenedRecord(part, simulation, every, (note,))
+
+
+def shorten_records(records: Sequence[Record], longest: int = MAX_OF_SEVERAL) -> tuple[list[Record], tuple[str, ...]]:
+    """Shorten several records to `longest` samples in all: each to the part with the largest variance of the input.
+
+    Parameters
+    ----------
+    records : sequence of Record
+    longest : int
+
+    Returns
+    -------
+    list of Record and tuple of str
+        The records, and a sentence on what was left out.
+    """
+    total = sum(map(len, records))
+    if total <= longest:
+        return list(records), ()
+    most = longest // len(records)
+    starts = [_most_excited(record.u, most) if len(record) > most else 0 for record in records]
+    parts = [_cut(record, slice(start, start + most)) for record, start in zip(records, starts, strict=True)]
+    return parts, (f"The diagnosis uses {sum(map(len, parts))} of the {total} samples, at most {most} of each record.",)
 
 
 def shorten_holdout(holdout: Record, every: int, longest: int = MAX_SAMPLES) -> tuple[Record, tuple[str, ...]]:

@@ -1,7 +1,7 @@
 """Exported simulations: a fitted hypothesis as JSON and as a callable."""
 
 import json
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from itertools import product
 from pathlib import Path
 from typing import Any
@@ -12,6 +12,7 @@ from labsid._arrays import FloatArray
 from labsid.gap.candidates import CANDIDATES
 from labsid.gap.data import Data, Scale
 from labsid.gap.effects.base import Effect
+from labsid.gap.effects.restarts import COLUMNS, Restarts
 from labsid.gap.fitting import Fit
 from labsid.gap.forms import ACTUATOR_ORDERS, GENERAL_FORMS, PERIODIC_LOAD, POSITIONS, UPSTREAM_LOAD, UPSTREAM_PERIODIC
 from labsid.gap.hypothesis import Hypothesis
@@ -20,6 +21,10 @@ SCHEMA = "labsid.model/1"
 REST_SAMPLES = 5000  # at constant input before a simulation from rest
 START_SAMPLES = 50  # for the estimate of the initial state
 STATE_OFFSETS = (0.0, -0.5, 0.5, -1.0, 1.0, -2.0, 2.0, -3.0, 3.0)  # scaled start values of initial states
+INPUT_PARTS = 16  # of a record
+SAME_INPUT = 1e-6  # scaled: numbers in text files have ten digits
+OFFSET_SPREAD = 0.3  # scaled: expected difference of the offsets of two records of a rig, as if seen on one record
+_OF_ONE_RECORD = ("load", "leak", "drift", "bend", "shape", "shake_")  # sizes of loads, drifts and sinusoids
 _STATES = ("h1", "h2", "z0", "v0", "i0", "position", "before")
 _ALL = (
     *CANDIDATES,
@@ -46,6 +51,14 @@ class ExportedModel:
     reference : float
         Actuator's signal at the start of that record, the operating point of linear dynamics.
     u_scale, y_scale : Scale
+    input_means : ndarray
+        Scaled means of the input of the fitted record over parts of it, by which that record is recognised; empty if
+        unknown. On another record, loads, sinusoids and drifts are left out: they belong to the fitted one.
+    elsewhere : ExportedModel or None
+        The simulation of other records, if it is not this one without its loads, sinusoids and drifts.
+    offset_weight : float
+        Weight of the offset's distance from that of the model, relative to one sample, in the estimate of a record's
+        offset and initial state. Zero, after a fit to one record: the offset is that of the model.
     """
 
     hypothesis: Hypothesis
@@ -56,6 +69,9 @@ class ExportedModel:
     reference: float
     u_scale: Scale
     y_scale: Scale
+    input_means: FloatArray = field(default_factory=lambda: np.zeros(0))
+    elsewhere: "ExportedModel | None" = None
+    offset_weight: float = 0.0
 
     def simulate(self, u: FloatArray, y: FloatArray | None = None) -> FloatArray:
         """Free-run output for an input in the record's unit.
@@ -70,6 +86,10 @@ class ExportedModel:
         -------
         ndarray, shape (N,)
         """
+        model = self if self._fitted_to(u) else (self.elsewhere or self)._without_time_courses()
+        return model._simulate(u, y)
+
+    def _simulate(self, u: FloatArray, y: FloatArray | None) -> FloatArray:
         data = Data(self.u_scale.of(u), np.zeros(u.size), np.ones(u.size, bool), self.Ts, self.u_scale, self.y_scale)
         theta, gains = self._at_rest()
         if y is None:
@@ -80,6 +100,21 @@ class ExportedModel:
             output = self._output(theta, gains, data.u)
         return np.asarray(self.y_scale.back(output))
 
+    def _fitted_to(self, u: FloatArray) -> bool:
+        """Whether `u` is the input of the fitted record, as far as known."""
+        if not self.input_means.size:
+            return True
+        return u.size == self.span and np.allclose(_means(self.u_scale.of(u)), self.input_means, atol=SAME_INPUT)
+
+    def _without_time_courses(self) -> "ExportedModel":
+        theta, gains = self.theta.copy(), self.gains.copy()
+        for i, parameter in enumerate(self.hypothesis.parameters):
+            if parameter.name.startswith(_OF_ONE_RECORD):
+                theta[i] = 0.0
+        added = sum(effect.width for effect in self.hypothesis.additive)
+        gains[gains.size - added :] = 0.0
+        return replace(self, theta=theta, gains=gains)
+
     def _output(self, theta: FloatArray, gains: FloatArray, u: FloatArray) -> FloatArray:
         return self.hypothesis.output(theta, gains, u, self.span, self.reference)
 
@@ -87,7 +122,13 @@ class ExportedModel:
         """Indices of the initial state in theta and in the gains."""
         names = [parameter.name for parameter in self.hypothesis.parameters]
         in_theta = [i for i, name in enumerate(names) if name in _STATES]
-        return in_theta, list(self.hypothesis.plant.state_columns)
+        in_gains = list(self.hypothesis.plant.state_columns)
+        return in_theta, [*in_gains, self._offset] if self.offset_weight else in_gains
+
+    @property
+    def _offset(self) -> int:
+        """Index of the offset in the gains."""
+        return self.gains.size - sum(effect.width for effect in self.hypothesis.additive) - 1
 
     def _at_rest(self) -> tuple[FloatArray, FloatArray]:
         theta, gains = self.theta.copy(), self.gains.copy()
@@ -95,7 +136,14 @@ class ExportedModel:
         for i in in_theta:
             theta[i] = 0.5 if self.hypothesis.parameters[i].name == "position" else 0.0
         gains[in_gains] = 0.0
+        gains[self._offset] = self.gains[self._offset]
         return theta, gains
+
+    def _start_error(self, theta: FloatArray, gains: FloatArray, u: FloatArray, y: FloatArray) -> FloatArray:
+        """Error on the first samples; if the offset is estimated, also its weighted distance from that of the model."""
+        away = self.offset_weight * (self.gains[self._offset] - gains[self._offset])
+        e = y - self._output(theta, gains, u)
+        return np.append(e, away) if self.offset_weight else e
 
     def _started(
         self, theta: FloatArray, gains: FloatArray, u: FloatArray, y: FloatArray
@@ -109,21 +157,20 @@ class ExportedModel:
         if not in_theta and not in_gains:
             return theta, gains
         theta = self._nearest(theta, gains, u, y)
-        best = y - self._output(theta, gains, u)
+        best = self._start_error(theta, gains, u, y)
         if not np.isfinite(best).all():
             return theta, gains
         damping = 1e-6
         for _ in range(12):
-            base = y - best
             columns = []
             for i in in_theta:
                 perturbed = theta.copy()
                 perturbed[i] += 1e-3 if perturbed[i] + 1e-3 <= upper[i] else -1e-3
-                columns.append((self._output(perturbed, gains, u) - base) / (perturbed[i] - theta[i]))
+                columns.append((best - self._start_error(perturbed, gains, u, y)) / (perturbed[i] - theta[i]))
             for i in in_gains:
                 perturbed = gains.copy()
                 perturbed[i] += 1e-3
-                columns.append((self._output(theta, perturbed, u) - base) / 1e-3)
+                columns.append((best - self._start_error(theta, perturbed, u, y)) / 1e-3)
             J = np.column_stack(columns)
             gram = J.T @ J
             gram[np.diag_indices_from(gram)] += damping * (1e-9 + np.diag(gram))
@@ -131,7 +178,7 @@ class ExportedModel:
             new_theta, new_gains = theta.copy(), gains.copy()
             new_theta[in_theta] = np.clip(theta[in_theta] + step[: len(in_theta)], lower[in_theta], upper[in_theta])
             new_gains[in_gains] += step[len(in_theta) :]
-            error = y - self._output(new_theta, new_gains, u)
+            error = self._start_error(new_theta, new_gains, u, y)
             if not np.isfinite(error).all() or error @ error >= best @ best * (1.0 - 1e-9):
                 damping = max(damping, 1e-6) * 30.0
                 if damping > 1e6:
@@ -176,7 +223,7 @@ class ExportedModel:
         """
         if self.hypothesis.plant.kind == "given":
             raise ValueError("the given simulation is an output only and cannot be exported. Give a model instead.")
-        return {
+        content = {
             "schema": SCHEMA,
             "effects": [effect.key for effect in self.hypothesis.effects],
             "parameters": [parameter.name for parameter in self.hypothesis.parameters],
@@ -185,17 +232,64 @@ class ExportedModel:
             "Ts": self.Ts,
             "span": self.span,
             "reference": self.reference,
+            "input_means": self.input_means.tolist(),
+            "offset_weight": self.offset_weight,
             "u_scale": {"centre": self.u_scale.centre, "unit": self.u_scale.unit},
             "y_scale": {"centre": self.y_scale.centre, "unit": self.y_scale.unit},
         }
+        return content if self.elsewhere is None else content | {"elsewhere": self.elsewhere.to_json_dict()}
 
 
-def export_model(data: Data, fit: Fit) -> ExportedModel:
-    """Convert a fit to a simulation."""
+def export_model(data: Data, fit: Fit, elsewhere: Fit | None = None) -> ExportedModel:
+    """Convert a fit to a simulation, and another one for other records, if there is one.
+
+    A fit to several records becomes a simulation with the mean of their offsets.
+    """
     reference = float(fit.hypothesis.actuator(fit.theta, data.u)[0])
+    hypothesis, gains, weight = fit.hypothesis, fit.gains, 0.0
+    restarts = next((effect for effect in hypothesis.effects if isinstance(effect, Restarts)), None)
+    if restarts is not None:
+        hypothesis, gains, weight = _without_restarts(data, fit, restarts)
+    scales = data.u_scale, data.y_scale
     return ExportedModel(
-        fit.hypothesis, fit.theta, fit.gains, data.Ts, data.samples, reference, data.u_scale, data.y_scale
+        hypothesis,
+        fit.theta,
+        gains,
+        data.Ts,
+        data.samples,
+        reference,
+        *scales,
+        _means(data.u),
+        None if elsewhere is None else export_model(data, elsewhere),
+        weight,
     )
+
+
+def _without_restarts(data: Data, fit: Fit, restarts: Restarts) -> tuple[Hypothesis, FloatArray, float]:
+    """Hypothesis, gains and weight of the offset without what belongs to each of several records.
+
+    The weight is the standard deviation of what is slow in the residual over that of the offsets of the records.
+    """
+    effects = tuple(effect for effect in fit.hypothesis.effects if effect != restarts)
+    hypothesis = Hypothesis(effects, fit.hypothesis.n_given - 1, fit.hypothesis.given)
+    width = sum(effect.width for effect in fit.hypothesis.additive)
+    first = fit.gains.size - width  # the restarts are in the structure, ahead of every effect found
+    gains = np.delete(fit.gains, np.s_[first : first + restarts.width])
+    own = fit.gains[first : first + restarts.width : COLUMNS]
+    offsets = fit.gains[first - 1] + np.concatenate([[0.0], own])
+    offsets = offsets[[bool(data.rows[start:stop].any()) for start, stop in data.pieces]]
+    gains[first - 1] = np.mean(offsets)
+    deviations = float(np.sum((offsets - np.mean(offsets)) ** 2))
+    spread = np.sqrt((deviations + OFFSET_SPREAD**2) / offsets.size)
+    e = (data.y - fit.output)[data.rows]
+    slow = fit.noise.sigma2 / max(1.0 - float(np.sum(fit.noise.ar)), 1e-3) ** 2
+    slow = float(np.clip(slow, fit.noise.sigma2, START_SAMPLES * np.mean(e**2)))
+    return hypothesis, gains, float(np.sqrt(slow) / spread)
+
+
+def _means(u: FloatArray) -> FloatArray:
+    """Means over parts of the record."""
+    return np.array([part.mean() for part in np.array_split(u, INPUT_PARTS)])
 
 
 def from_json_dict(content: dict[str, Any]) -> ExportedModel:
@@ -210,6 +304,9 @@ def from_json_dict(content: dict[str, Any]) -> ExportedModel:
     try:
         keys, written = [str(key) for key in content["effects"]], content["parameters"]
         theta, gains = np.array(content["theta"], float), np.array(content["gains"], float)
+        other = None if content.get("elsewhere") is None else from_json_dict(content["elsewhere"])
+        means = np.array(content.get("input_means", []), float)  # files of earlier versions have none
+        weight = float(content.get("offset_weight", 0.0))
         Ts, span, reference = float(content["Ts"]), int(content["span"]), float(content["reference"])
         scales = [
             Scale(float(content[name]["centre"]), float(content[name]["unit"])) for name in ("u_scale", "y_scale")
@@ -228,14 +325,23 @@ def from_json_dict(content: dict[str, Any]) -> ExportedModel:
         raise ValueError(wrong.format(f"its parameters must be {', '.join(names)}"))
     if theta.shape != lower.shape or not np.all((theta >= lower) & (theta <= upper)):
         raise ValueError(wrong.format(f"theta must hold {lower.size} numbers within their bounds"))
-    numbers = [*gains.ravel(), Ts, reference, *(x for scale in scales for x in (scale.centre, scale.unit))]
-    if not np.isfinite(numbers).all() or min(Ts, span, *(scale.unit for scale in scales)) <= 0:
+    numbers = [
+        *gains.ravel(),
+        *means.ravel(),
+        Ts,
+        reference,
+        weight,
+        *(x for scale in scales for x in (scale.centre, scale.unit)),
+    ]
+    if not np.isfinite(numbers).all() or min(Ts, span, *(scale.unit for scale in scales)) <= 0 or weight < 0.0:
         raise ValueError(wrong.format("its numbers must be finite; Ts, span and the units must be positive"))
     design = hypothesis.design(theta, np.zeros(START_SAMPLES), span, reference)
     expected = design.columns.shape[1]
     if gains.shape != (expected,):
         raise ValueError(wrong.format(f"gains must hold {expected} numbers; got {gains.size}"))
-    return ExportedModel(hypothesis, theta, gains, Ts, span, reference, *scales)
+    if means.shape not in ((0,), (INPUT_PARTS,)):
+        raise ValueError(wrong.format(f"input_means must hold {INPUT_PARTS} numbers"))
+    return ExportedModel(hypothesis, theta, gains, Ts, span, reference, scales[0], scales[1], means, other, weight)
 
 
 def read_exported_model(content: dict[str, Any], Ts: float) -> ExportedModel:

@@ -25,6 +25,8 @@ class Parameter:
         Step of the numerical derivative.
     leap : float
         Distance over which the error may have several minima; zero for a single minimum.
+    start : float
+        Start value where nothing else is known.
     """
 
     name: str
@@ -32,10 +34,21 @@ class Parameter:
     upper: float
     step: float = 1e-4
     leap: float = 0.0
+    start: float = 0.0
 
 
 STICKING_STEP = 1e-2  # scaled: derivative step that spans the jumps of stick-slip motion
 FRICTION = Parameter("friction", 0.0, 20.0, 1e-3, leap=0.03)
+FRICTION_LAWS = {
+    "sharp": (),
+    "smooth": (Parameter("log_smooth", -5.0, 0.0, 1e-3, start=-2.3),),
+    "peak": (
+        Parameter("peak", 0.0, 1.5, 1e-3, start=0.05),
+        Parameter("log_decay", -5.0, -1.0, 1e-3, start=-2.0),
+    ),
+}
+"""Parameters of friction at small speeds: logarithms of speeds over the one that a unit of the drive gives, and the
+excess of the break-away friction over the sliding one."""
 ONSET = Parameter("onset", 0.0, 1.0, 2e-4, leap=0.004)  # as a share of the record
 DRIFT = Parameter("drift", -3.0, 3.0)
 CYCLES = Parameter("cycles", 2.2, 1e7, 1e-3)  # in the record; a slower sinusoid is a drift
@@ -61,6 +74,8 @@ class PlantForm:
         Whether a larger input means less flow.
     friction, cubic : bool
         Dry friction, cubic restoring force.
+    law : str
+        Friction at small speeds: "sharp", "smooth" about rest, or with a "peak" that breaks away.
     sampled : bool
         Whether the input may lead the held input by up to half a sample.
     unsprung : bool
@@ -102,6 +117,7 @@ class PlantForm:
     flipped: bool = False
     friction: bool = False
     cubic: bool = False
+    law: str = "sharp"
     sampled: bool = False
     unsprung: bool = False
     lag_first: bool = True
@@ -141,14 +157,14 @@ class PlantForm:
             own += [Parameter("h1", -50.0, 50.0), Parameter("h2", -50.0, 50.0)]
         elif self.kind == "mechanics":
             if self.friction:
-                own += [FRICTION]
+                own += [FRICTION, *FRICTION_LAWS[self.law]]
             if self.cubic:
                 own += [Parameter("cubic", -0.3, 50.0)]
             if self.cubic or self.drifting or self.unsprung:
                 own += [Parameter("centre", -8.0, 8.0)]
             own += [Parameter("z0", -50.0, 50.0, STICKING_STEP, leap=0.05), Parameter("v0", -50.0, 50.0, STICKING_STEP)]
         elif self.kind == "speed":
-            own += [FRICTION, Parameter("centre", -20.0, 20.0, 1e-3)]
+            own += [FRICTION, *FRICTION_LAWS[self.law], Parameter("centre", -20.0, 20.0, 1e-3)]
             own += [Parameter("v0", -50.0, 50.0, STICKING_STEP), Parameter("i0", -50.0, 50.0, STICKING_STEP)]
         elif self.kind == "varying":
             own += [DRIFT, Parameter("share_c", -3.0, 3.0), Parameter("turn", 0.0, 1.0)]

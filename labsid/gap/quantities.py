@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import dataclass
+from typing import Any
 
 UNITS = {
     "u": "units of u",
@@ -14,7 +15,12 @@ UNITS = {
     "1/y^2": "per (unit of y)²",
     "1": "",
 }
-ALWAYS_WRITTEN = {"s", "Hz"}  # units that a sentence always includes
+UNIT_CODES = {"u": "{u}", "y": "{y}", "u/s": "{u}/s", "y/s": "{y}/s"} | {
+    "1/u": "1/{u}",
+    "1/y": "1/{y}",
+    "1/u^2": "1/{u}²",
+    "1/y^2": "1/{y}²",
+}
 MIN_PLAIN, MAX_PLAIN = 1e-4, 1e6  # range of magnitudes without an exponent
 
 
@@ -22,7 +28,7 @@ MIN_PLAIN, MAX_PLAIN = 1e-4, 1e6  # range of magnitudes without an exponent
 class Quantity:
     """A number with its standard error, formatted for sentences.
 
-    The format ``%`` gives a percentage. The default adds units of time and frequency, but not those of the record.
+    The format ``%`` gives a percentage. The default adds the unit, unless it is only known as that of u or y.
     """
 
     value: float
@@ -33,7 +39,25 @@ class Quantity:
         if how == "%":
             return percent(self.value)
         text = number(self.value, significant_digits(self.value, self.stderr))
-        return f"{text} {self.unit}" if self.unit in ALWAYS_WRITTEN else text
+        if self.unit in ("u/s", "y/s"):
+            return f"{text} units a second"
+        return text if self.unit in UNITS else f"{text} {self.unit}"
+
+
+def with_units(report: dict[str, Any], u: str, y: str) -> dict[str, Any]:
+    """A copy of the report that states its parameters in the units of the record, such as "V" and "mm".
+
+    Each parameter keeps its former unit, in terms of u and y, as `of`.
+    """
+    effects = [effect | {"parameters": _with_units(effect["parameters"], u, y)} for effect in report["effects"]]
+    return report | {"effects": effects, "units": {"u": u, "y": y}}
+
+
+def _with_units(parameters: dict[str, dict[str, Any]], u: str, y: str) -> dict[str, dict[str, Any]]:
+    return {
+        name: entry | {"unit": UNIT_CODES.get(entry["unit"], entry["unit"]).format(u=u, y=y), "of": entry["unit"]}
+        for name, entry in parameters.items()
+    }
 
 
 def number(value: float, digits: int = 3) -> str:

@@ -195,6 +195,16 @@ def clock_slip(y: FloatArray, simulated: FloatArray, included: np.ndarray) -> fl
     return slip if abs(slip) > MIN_SLIP and nonlinear < (1.0 - MIN_LINEARITY) * float(deviation @ deviation) else None
 
 
+def filtered_input(record: Record) -> FloatArray:
+    """The input, filtered by the same moving mean as the logged output, if the record has one.
+
+    A moving mean commutes with linear dynamics, so filtering the input includes the logger's filter in the simulation.
+    """
+    length = filter_length(record)
+    padded = np.concatenate([np.full(length - 1, record.u[0]), record.u])
+    return np.convolve(padded, np.full(length, 1.0 / length), mode="valid")
+
+
 def filter_length(record: Record) -> int:
     """Length of the moving mean in the logged output; 1 without one or if it is unknown."""
     return 1 if record.y_measured is None else moving_mean_length(record.y_measured, record.y) or 1

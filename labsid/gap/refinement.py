@@ -3,9 +3,11 @@
 import numpy as np
 
 from labsid._arrays import FloatArray
+from labsid.gap.candidates import best_form
 from labsid.gap.data import Data
 from labsid.gap.fast_least_squares import scaled_gram
 from labsid.gap.fitting import UNFILTERED, Fit, Point, Problem, finish, minimize, rms
+from labsid.gap.forms import remove_effect
 
 LEAP_FACTORS = 1.0, -1.0, 3.0, -3.0, 8.0, -8.0  # of `Parameter.leap`
 MAX_START_COST = 1.3  # largest cost after a leap that is minimized, over the present cost
@@ -39,7 +41,17 @@ def converge(data: Data, fit: Fit) -> Fit:
             break
     at = minimize(data, hypothesis, at.theta, at.gains, iterations=25, tolerance=1e-6) or at
     new = finish(data, hypothesis, at)
-    return new if new.bic < fit.bic else fit
+    return best_form([fit, new])
+
+
+def retried_without_one(data: Data, fit: Fit) -> list[Fit]:
+    """Fits without each of the effects found, from the parameters of the fit with all of them.
+
+    One effect alone may stand in a local minimum that it leaves only together with another one, however small.
+    """
+    found = range(fit.hypothesis.n_given, len(fit.hypothesis.effects))
+    fewer = (remove_effect(data, fit, which) for which in found)
+    return [converge(data, one) for one in fewer if one is not None]
 
 
 def _leap(problem: Problem, at: Point, step: FloatArray) -> Point | None:

@@ -1,4 +1,4 @@
-"""The JSON report (layout ``labsid.gap/1``), from which the text and HTML reports are made."""
+"""The JSON report (layout ``labsid.gap/2``), from which the text and HTML reports are made."""
 
 from typing import Any
 
@@ -8,23 +8,22 @@ from scipy.stats import chi2
 from labsid._arrays import FloatArray
 from labsid.gap import location
 from labsid.gap._kernels import whiten
+from labsid.gap.answer import Answer
 from labsid.gap.baseline import Baseline
-from labsid.gap.closure_by_step import closed_by_step
 from labsid.gap.data import Data
 from labsid.gap.decision import MISMATCH, Decision
 from labsid.gap.effects.base import Effect
 from labsid.gap.experiment import Experiment, next_experiment
 from labsid.gap.explanation import Explanation
-from labsid.gap.fitting import Fit, mean_square
+from labsid.gap.fitting import Fit, mean_square, rms
 from labsid.gap.parameter_estimates import active_samples, estimate_parameters
 from labsid.gap.quantities import counted, percent
-from labsid.gap.residual_tests import ResidualMeasures
-from labsid.gap.scores import GapScore, closed_share
+from labsid.gap.scores import closed_share
 from labsid.gap.traces import figure_traces
 from labsid.model_structures.residuals import ljung_box
 from labsid.records.record import Record
 
-SCHEMA = "labsid.gap/1"
+SCHEMA = "labsid.gap/2"
 LAGS = 20
 PATHS = {
     "output-dropout": "output",
@@ -36,25 +35,15 @@ PATHS = {
 
 
 def build_report(
-    record: Record,
-    explanation: Explanation,
-    base: Baseline,
-    decision: Decision,
-    left: ResidualMeasures,
-    score: GapScore,
-    rng: np.random.Generator,
-    holdout: Record | None = None,
+    record: Record, answer: Answer, base: Baseline, rng: np.random.Generator, holdout: Record | None = None
 ) -> dict[str, Any]:
     """Assemble the report, in the units of the record.
 
     Parameters
     ----------
     record : Record
-    explanation : Explanation
+    answer : Answer
     base : Baseline
-    decision : Decision
-    left : ResidualMeasures
-    score : GapScore
     rng : Generator
         For the proposed input.
     holdout : Record, optional
@@ -63,24 +52,22 @@ def build_report(
     Returns
     -------
     dict
-        JSON-ready, in the layout ``labsid.gap/1``.
+        JSON-ready, in the layout ``labsid.gap/2``.
     """
-    data, unit = explanation.data, explanation.data.y_scale.unit
-    before = base.before or explanation.path[0]
-    effects = _effects(explanation, decision, closed_by_step(explanation, score, holdout))
-    e = (data.y - before.output) * unit
-    mark = _acting_samples(explanation, decision)
-    runs = before.output, explanation.best.output
+    explanation, decision, score = answer.explanation, answer.decision, answer.score
+    unit = explanation.data.y_scale.unit
+    effects = _effects(answer)
+    before, after = answer.outputs
+    e = record.y - before
     return {
         "schema": SCHEMA,
         "verdict": decision.verdict,
         "effects": effects,
-        "beside": list(decision.beside),
         "ambiguous": list(decision.ambiguous),
-        "ranking": _ranking(explanation, decision, before),
+        "ranking": _ranking(answer),
         "where": {
             "path": effects[0]["path"] if effects else decision.verdict,
-            "time": location.share_by_time(record.t, e, record.Ts, mark),
+            "time": location.share_by_time(record.t, e, record.Ts, _acting_samples(explanation, decision)),
             "band_hz": location.share_by_frequency(e, record.Ts),
             "operating": location.most_uneven_signal(record.u, record.y, record.Ts, e),
             "map": location.operating_map(record.u, record.y, e),
@@ -91,19 +78,28 @@ def build_report(
             "noise_floor": score.floor * unit,
             "closed": score.closed,
             "ci95": None if score.ci95 is None else list(score.ci95),
-            "black_box": score.black_box,
             "holdout": _stretches(holdout or record, score.scored),
         },
-        "unexplained": _unexplained(explanation, left, decision),
+        "unexplained": _unexplained(answer),
         "next_experiment": _experiment(record, explanation, decision, rng),
         "record": {"name": record.name, "samples": len(record), "Ts": record.Ts},
-        "simulation": {"given": base.given, "output_only": base.output_only},
+        "simulation": {"given": base.given, "output_only": base.output_only, "model": _linear_model(answer)},
         "screen": screen_sentences(explanation),
-        "traces": figure_traces(record.t, record.u, record.y, *(np.asarray(data.y_scale.back(x)) for x in runs)),
+        "traces": figure_traces(record.t, record.u, record.y, before, after),
     }
 
 
-def _effects(explanation: Explanation, decision: Decision, closed: list[float | None]) -> list[dict[str, Any]]:
+def _linear_model(answer: Answer) -> dict[str, Any] | None:
+    """How the linear model was fitted; None for a given simulation."""
+    linear, unit = answer.linear, answer.explanation.data.y_scale.unit
+    if linear is None:
+        return None
+    errors = {method: error * unit for method, error in linear.errors.items()}
+    return {"method": linear.method, "observed": linear.observed, "errors": errors}
+
+
+def _effects(answer: Answer) -> list[dict[str, Any]]:
+    explanation, decision, closed = answer.explanation, answer.decision, answer.closed
     found = []
     by_name: dict[str, Effect] = {
         e.name: e for e in explanation.best.hypothesis.effects[explanation.best.hypothesis.n_given :]
@@ -119,6 +115,7 @@ def _effects(explanation: Explanation, decision: Decision, closed: list[float | 
                 else estimate_parameters(explanation.data, explanation.best, effect),
                 "probability": float(decision.probability[name]),
                 "closed": closed[_step(explanation, name)],
+                "evidence": answer.evidence[name]._asdict() if name in answer.evidence else None,
             }
         )
     return found
@@ -159,25 +156,34 @@ def _sample_parameters(explanation: Explanation, name: str) -> dict[str, dict[st
     return {}
 
 
-def _ranking(explanation: Explanation, decision: Decision, before: Fit) -> list[dict[str, Any]]:
-    """Every combination tried, best first; those of the accepted level have probabilities."""
-    data, unit = explanation.data, explanation.data.y_scale.unit
-    start = mean_square(data, before)
-    floor = float(explanation.best.noise.sigma2)
-    rows = []
-    for level in explanation.levels[1:]:
-        for names, fit in level.items():
-            mse = mean_square(data, fit)
-            rows.append(
-                {
-                    "name": "+".join(names),
-                    "probability": decision.weights.get(names, 0.0),
-                    "rmse": float(np.sqrt(mse)) * unit,
-                    "closed": closed_share(start, mse, floor),
-                    "bic": fit.bic - explanation.path[0].bic,
-                }
-            )
-    return sorted(rows, key=lambda row: (-float(row["probability"]), float(row["bic"])))
+def _ranking(answer: Answer) -> list[dict[str, Any]]:
+    """Every combination tried, best first: by probability, then by the free-run error if that decided, else by BIC."""
+    explanation, decision, unit = answer.explanation, answer.decision, answer.explanation.data.y_scale.unit
+    if decision.verdict in ("partial", "unknown"):
+        start, floor = answer.score.before**2, answer.score.floor**2
+        rows = [
+            {
+                "name": "+".join(names),
+                "probability": decision.weights.get(names, 0.0),
+                "rmse": float(np.sqrt(mse)) * unit,
+                "closed": closed_share(start, mse, floor),
+            }
+            for names, mse in answer.tried.items()
+        ]
+        return sorted(rows, key=lambda row: (-float(row["probability"]), float(row["rmse"])))
+    start, floor = mean_square(explanation.data, answer.before), float(explanation.best.noise.sigma2)
+    fits = [(names, fit) for level in explanation.levels[1:] for names, fit in level.items()]
+    ordered = sorted(fits, key=lambda item: (-decision.weights.get(item[0], 0.0), item[1].bic))
+    return [
+        {
+            "name": "+".join(names),
+            "probability": decision.weights.get(names, 0.0),
+            "rmse": rms(explanation.data, fit) * unit,
+            "closed": closed_share(start, mean_square(explanation.data, fit), floor),
+            "bic": fit.bic - explanation.path[0].bic,
+        }
+        for names, fit in ordered
+    ]
 
 
 def _acting_samples(explanation: Explanation, decision: Decision) -> np.ndarray:
@@ -201,14 +207,17 @@ def _stretches(record: Record, scored: np.ndarray) -> list[list[float]]:
     ]
 
 
-def _unexplained(explanation: Explanation, left: ResidualMeasures, decision: Decision) -> dict[str, Any]:
+def _unexplained(answer: Answer) -> dict[str, Any]:
+    explanation, left, remaining = answer.explanation, answer.left, answer.remaining
     data, fit = explanation.data, explanation.best
     e = np.where(data.rows, data.y - fit.output, 0.0)
     return {
-        "share": 1.0 - decision.closed,
+        "share": answer.share_left,
         "whiteness_p": _whiteness(e, data),
         "input_correlation_p": _input_correlation(e, data, fit),
-        "rms": left.rms * data.y_scale.unit,
+        "path": None if remaining is None else remaining.path,
+        "kinds": None if remaining is None else remaining.kinds,
+        "rms": (answer.score.after if answer.tried else left.rms) * data.y_scale.unit,
         "colour": left.colour,
         "repeats": left.repeats,
     }
@@ -240,9 +249,10 @@ def _experiment(
     record: Record, explanation: Explanation, decision: Decision, rng: np.random.Generator
 ) -> dict[str, Any] | None:
     """The input that best distinguishes the accepted explanation from its best rival, if there is one."""
-    if not decision.ambiguous or len(explanation.path) < 2:
+    count = len(explanation.best.hypothesis.names)
+    if not decision.ambiguous or not 0 < count < len(explanation.levels):
         return None
-    level = explanation.levels[len(explanation.best.hypothesis.names)]
+    level = explanation.levels[count]
     accepted = set(explanation.best.hypothesis.names)
     rivals = [fit for names, fit in level.items() if set(names) != accepted and set(names) & set(decision.ambiguous)]
     if not rivals:

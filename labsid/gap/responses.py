@@ -12,6 +12,8 @@ STIFFNESS_BOUNDS = 1e-11, 90.0  # of k, per sample squared
 REST_TIME_CONSTANTS = 6.0  # after which a free response has ended
 NODES = np.polynomial.legendre.leggauss(8)
 MAX_ROOT_RATE = 2.4  # per sample, of a tank with square-root outflow: a faster one follows its inflow
+MOTOR_SUBSTEPS = 3  # of a motor with dry friction
+LAW_SUBSTEPS = 2  # times as many for friction that varies with the speed: it is linearized or constant in each
 ABSENT_POLE_RATE = 30.0  # per sample, of a pole without influence
 
 
@@ -222,6 +224,7 @@ def _mechanics(
     unit = max(k, 0.02 * c * c)  # force per unit of position
     drive = w - own.get("centre", reference)
     substeps = int(min(max(np.ceil(max(c, np.sqrt(k)) / (0.15 if plant.friction else 0.3)), 2), 12))
+    substeps *= LAW_SUBSTEPS if plant.law != "sharp" else 1
     cubic = own.get("cubic", 0.0) * unit**3
     pace = _rate_factor(plant, own, w.size, span)
     # Without a centre the initial position is absolute: the spring may be too weak for an equilibrium.
@@ -229,9 +232,15 @@ def _mechanics(
     rest = _equilibrium(drive[0], k if pace is None else k * pace[0], cubic) if rests else 0.0
     z0, v0 = rest + own["z0"] / unit, own["v0"] / np.sqrt(unit)
     drive, loads = _apply_load(plant, own, drive, span)
-    return (
-        _states.simulate_mass(drive, c, k, own.get("friction", 0.0), cubic, z0, v0, substeps, late, *loads, pace) * unit
-    )
+    friction, law = own.get("friction", 0.0), _friction_law(own, float(1.0 / np.sqrt(unit)))
+    return _states.simulate_mass(drive, c, k, friction, cubic, z0, v0, substeps, late, *loads, pace, law) * unit
+
+
+def _friction_law(own: dict[str, float], speed: float) -> tuple[float, float, float]:
+    """Law of friction of `_states`, with speeds in the unit `speed`."""
+    smooth = float(np.exp(own["log_smooth"])) if "log_smooth" in own else 0.0
+    peak = own.get("peak", 0.0) * own.get("friction", 0.0)
+    return smooth * speed, peak, float(np.exp(own.get("log_decay", 0.0))) * speed
 
 
 def _equilibrium(force: float, k: float, cubic: float) -> float:
@@ -252,7 +261,9 @@ def _speed(
     i = (drive[0] if plant.lag_first else v) + own["i0"]
     drive, loads = _apply_load(plant, own, drive, span)
     pace = _rate_factor(plant, own, w.size, span)
-    return _states.simulate_motor(drive, a, b, friction, plant.lag_first, v, i, 3, late, *loads, pace)
+    law = _friction_law(own, 1.0)
+    substeps = MOTOR_SUBSTEPS * (LAW_SUBSTEPS if plant.law != "sharp" else 1)
+    return _states.simulate_motor(drive, a, b, friction, plant.lag_first, v, i, substeps, late, *loads, pace, law)
 
 
 def _varying(

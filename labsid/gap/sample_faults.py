@@ -11,6 +11,9 @@ SPIKE_THRESHOLD = 6.0  # robust standard deviations from which an isolated sampl
 LONGEST_SPIKE = 2  # samples
 MAX_SPIKE_RUN = 3  # adjacent spikes of different values
 OFF_LATTICE = 0.05  # converter steps from the lattice, above rounding errors
+FIRST_JUMP = 0.25  # of the range of the other samples, from which the first sample may be bad
+FIRST_JUMP_RATIO = 5.0  # of that jump over nearly the largest change elsewhere
+NEARLY_ALL = 0.99  # of the samples
 MIN_REPEATED = 0.9  # share of the samples whose value recurs
 
 
@@ -63,6 +66,27 @@ def find_lattice(y: FloatArray) -> tuple[float | None, np.ndarray]:
         return None, nowhere
     steps = (y - y[again][0]) / lattice
     return lattice, np.abs(steps - np.round(steps)) > OFF_LATTICE
+
+
+def find_bad_start(y: FloatArray) -> np.ndarray:
+    """Mark the first sample if the second one is farther from it than the rig moves in a sample: the logger's start-up.
+
+    The residual of a fit does not show such a sample: a fast pole takes it for its initial state.
+
+    Parameters
+    ----------
+    y : ndarray, shape (N,)
+        Readings.
+
+    Returns
+    -------
+    ndarray of bool, shape (N,)
+    """
+    bad = np.zeros(y.size, bool)
+    low, high = np.quantile(y[1:], (1.0 - NEARLY_ALL, NEARLY_ALL))
+    change = float(np.quantile(np.abs(np.diff(y[1:])), NEARLY_ALL))
+    bad[0] = abs(y[0] - y[1]) > max(FIRST_JUMP * (high - low), FIRST_JUMP_RATIO * change)
+    return bad
 
 
 def find_spikes(

@@ -3,7 +3,7 @@
 import re
 from typing import Any
 
-from labsid.gap.effect_texts import STOP_EFFECTS, UNSIMULATED, clause, noun
+from labsid.gap.effect_texts import REMAINING_ERRORS, UNSIMULATED, clause, noun
 from labsid.gap.quantities import closed_percent, number, p_value, percent, probability
 
 PLACES = {
@@ -17,15 +17,27 @@ SURE, LIKELY = 0.9, 0.6  # probabilities from which an effect is stated without 
 SIGNIFICANT = 0.01  # p-value below which a residual test is reported as significant
 RELIABLE_MARGIN = 20.0  # margin of an experiment from which its decision was right in 995 of 1000 trials
 NO_GAP = 1.1  # rms error over noise, up to which there is no gap
-HALF = 0.5  # closed share below which "only" is written
+HALF = 0.5  # of a share or a probability
 TIME_VARYING = {"load-step", "parameter-drift"}
+OUTPUT_ERROR, FIRST_ORDER = "output error", "output error of first order"  # methods of `baseline_choice`
+KIND_PATHS = {"linear": "dynamics", "nonlinear": "dynamics"} | {
+    name: name for name in ("input", "output", "time", "disturbance")
+}  # as in `black_boxes`
+MIN_KIND = 0.05  # share of the remaining error from which a kind is mentioned
 MAX_UNACCOUNTED = 0.3  # of the variation between plateaus, that an explanation of it may leave
 
 
 def verdict_sentence(report: dict[str, Any]) -> str:
-    """The verdict in one sentence."""
+    """The verdict in one sentence, and what remains in another one."""
+    return " ".join(text for text in (headline(report), remaining_sentence(report)) if text)
+
+
+def headline(report: dict[str, Any]) -> str:
+    """The verdict without what remains."""
     if report["verdict"] == "effect":
         return _effect_sentence(report)
+    if report["verdict"] == "partial":
+        return _partial_sentence(report)
     return _none_sentence(report) if report["verdict"] == "none" else _unknown_sentence(report)
 
 
@@ -34,8 +46,6 @@ def _effect_sentence(report: dict[str, Any]) -> str:
     several = len(effects) > 1
     clauses = [_qualified(effect) + (f" ({noun(effect['name'])})" if several else "") for effect in effects]
     causes = joined([clauses[0], *(uncapitalised(text) for text in clauses[1:])], comma=True)
-    if unnamed_effects(report):
-        return _partial_sentence(report, causes)
     subject = "together they" if several else noun(effects[0]["name"])
     s = "" if several else "s"
     before, closed = number(gap["before"]), gap["closed"]
@@ -59,20 +69,77 @@ def _effect_sentence(report: dict[str, Any]) -> str:
     return f"{causes}: {subject} explain{s} {only}{share} of the gap{doubt}."
 
 
-def _partial_sentence(report: dict[str, Any], causes: str) -> str:
-    """Verdict that names only a part of the explanation: a visible stop, or the effect that reduces the gap most."""
-    gap, names = report["gap"], joined([noun(effect["name"]) for effect in report["effects"]])
-    stops = all(effect["name"] in STOP_EFFECTS for effect in report["effects"])
-    evidence = "the output rests at this limit" if stops else "no other single effect reduces the gap as much"
-    if gap["closed"] is None or gap["closed"] <= 0.0:
-        share = "none of the gap on held-out samples"
-    else:
-        share = f"{closed_percent(gap['closed'], gap['ci95'])} of the gap"
-    rest = joined([noun(name) for name in unnamed_effects(report)])
-    return (
-        f"{causes}: {names}; {evidence}. It is not the only cause: "
-        f"the best candidate, which adds {rest}, closes {share}."
+def _partial_sentence(report: dict[str, Any]) -> str:
+    """Verdict that explains a part of the gap: its causes and their share.
+
+    Effects that are less probable than not are listed after the causes.
+    """
+    effects, gap = report["effects"], report["gap"]
+    causes = [effect for effect in effects if is_probable(effect)]
+    others = [effect for effect in effects if not is_probable(effect)]
+    gain = (
+        f"explain* {closed_percent(gap['closed'], gap['ci95'])} of the gap"
+        if gap["closed"] is not None
+        else f"reduce* the rms simulation error from {number(gap['before'])} to {number(gap['after'])}"
     )
+    one, several = gain.replace("*", "s"), gain.replace("*", "")
+    if not causes:
+        doubt = "but the true cause may be another one"
+        listed = joined([_with_chance(effect) for effect in others])
+        subject = f"{listed} together {several}" if len(others) > 1 else f"{listed} {one}"
+        return f"{capitalised(subject)}, {doubt}."
+    if len(effects) == 1:
+        return f"{_qualified(causes[0])}: {noun(causes[0]['name'])} {one}."
+    clauses = [f"{_qualified(effect)} ({_with_chance(effect)})" for effect in causes]
+    said = joined([clauses[0], *(uncapitalised(text) for text in clauses[1:])], comma=True)
+    if not others:
+        return f"{said}. Together they {several}."
+    listed = joined([_with_chance(effect) for effect in others])
+    less = "which is less certain" if len(others) == 1 else "which are less certain"
+    subject = f"this {one}" if len(causes) == 1 else f"they {several}"
+    return f"{said}. Together with {listed}, {less}, {subject}."
+
+
+def is_probable(effect: dict[str, Any]) -> bool:
+    """Whether an effect is more probable than not."""
+    return bool(effect["probability"] >= HALF)
+
+
+def _with_chance(effect: dict[str, Any]) -> str:
+    """The noun of an effect, with its probability if it is not stated without qualification."""
+    p = effect["probability"]
+    if p >= SURE:
+        return noun(effect["name"])
+    return f"{noun(effect['name'])}, {probability(p)}" if p >= HALF else f"{noun(effect['name'])} ({probability(p)})"
+
+
+def remaining_sentence(report: dict[str, Any]) -> str | None:
+    """The main part of the error that no named effect explains; None if all but noise is explained."""
+    if report["verdict"] not in ("partial", "unknown"):
+        return None
+    kind, partial = main_kind(report), report["verdict"] == "partial"
+    if kind is None:
+        return "Something else remains." if partial else None
+    share, path = percent(_predicted_share(report, kind)), report["unexplained"]["path"]
+    start = f"Something else remains: {share} of it" if partial else f"Of the error beyond white noise, {share}"
+    return f"{start} {REMAINING_ERRORS[kind].what} (path: {path})."
+
+
+def main_kind(report: dict[str, Any]) -> str | None:
+    """The kind of model that the remaining error is attributed to; None if noise alone remains."""
+    kinds, path = report["unexplained"]["kinds"], report["unexplained"]["path"]
+    if not kinds:
+        return None
+    return max((kind for kind in kinds if KIND_PATHS[kind] == path), key=lambda kind: float(kinds[kind]))
+
+
+def _predicted_share(report: dict[str, Any], kind: str) -> float:
+    """Share of the remaining error that a model of this kind predicts: it contains the simpler ones."""
+    kinds = report["unexplained"]["kinds"]
+    if kind == "disturbance":
+        return float(kinds[kind])
+    names = list(kinds)
+    return float(sum(kinds[name] for name in names[: names.index(kind) + 1]))
 
 
 def _qualified(effect: dict[str, Any]) -> str:
@@ -93,42 +160,16 @@ def _none_sentence(report: dict[str, Any]) -> str:
 
 
 def _unknown_sentence(report: dict[str, Any]) -> str:
-    gap, tried = report["gap"], len(effects_tried(report))
-    start = f"None of the {tried} effects tried explains the gap"
+    start = f"None of the {len(effects_tried(report))} effects tried explains the gap"
+    reason = "none reduces it on held-out samples by more than chance"
     if plateaus_matter(report):
-        return f"{start}: for the same input, the output settles at different levels."
-    if not best_candidate(report):
-        return f"{start}: none reduces it by more than chance."
-    best = joined([noun(name) for name in best_candidate(report)])
-    if gap["closed"] is None or gap["closed"] <= 0.0:
-        return f"{start}: the best candidate, {best}, does not reduce it on held-out samples."
-    only = "only " if gap["closed"] < HALF else ""
-    return (
-        f"{start}: the best candidate, {best}, closes {only}{closed_percent(gap['closed'], gap['ci95'])} of it, "
-        "and the remaining error exceeds the noise."
-    )
-
-
-def best_candidate(report: dict[str, Any]) -> list[str]:
-    """Names of the best explanation of an unexplained gap; empty if none reduces the gap."""
-    if not report["ranking"] or is_unchanged(report):
-        return []
-    return list(report["ranking"][0]["name"].split("+"))
+        reason = "for the same input, the output settles at different levels"
+    return f"{start}: {reason}."
 
 
 def is_unchanged(report: dict[str, Any]) -> bool:
     """Whether the simulations before and after are the same."""
-    return report["verdict"] == "none" or report["gap"]["after"] == report["gap"]["before"]
-
-
-def unnamed_effects(report: dict[str, Any]) -> list[str]:
-    """Effects of the simulation after that are not named as causes, although others are."""
-    return list(report.get("beside", []))
-
-
-def is_incomplete(report: dict[str, Any]) -> bool:
-    """Whether the simulation after contains effects that are not named as causes."""
-    return report["verdict"] == "unknown" or bool(unnamed_effects(report))
+    return report["verdict"] in ("none", "unknown") or report["gap"]["after"] == report["gap"]["before"]
 
 
 def _is_mismatch(report: dict[str, Any]) -> bool:
@@ -137,11 +178,10 @@ def _is_mismatch(report: dict[str, Any]) -> bool:
 
 def correction(report: dict[str, Any]) -> str:
     """What distinguishes the simulation after from the one before, as a gerund."""
-    if is_incomplete(report):
-        return "adding the best candidate"
     if _is_mismatch(report):
         return "refitting the parameters"
-    return "adding the causes" if len(report["effects"]) > 1 else "adding the cause"
+    noun_of_one = "effect" if report["verdict"] == "partial" else "cause"
+    return f"adding the {noun_of_one}{'s' if len(report['effects']) > 1 else ''}"
 
 
 def effects_tried(report: dict[str, Any]) -> list[str]:
@@ -153,16 +193,14 @@ def effects_tried(report: dict[str, Any]) -> list[str]:
 def ambiguity_sentence(report: dict[str, Any]) -> str | None:
     """Alternatives that the record does not rule out."""
     rivals = joined([noun(name) for name in report["ambiguous"]], "or")
-    if not rivals or (report["verdict"] == "unknown" and set(report["ambiguous"]) <= set(best_candidate(report))):
+    if not rivals:
         return None
-    if report["verdict"] == "unknown":
-        return f"The best fits include {rivals}, but none is accepted as the cause."
-    if report["verdict"] == "none":
+    if not report["effects"]:
         return f"The record does not rule out {rivals}."
-    if unnamed_effects(report):
-        return f"The additional cause is uncertain: {rivals} fits best."
     chances = joined([f"{noun(e['name'])} {probability(e['probability'])}" for e in report["effects"]])
-    return f"The record does not rule out {rivals} instead. Probability: {chances}."
+    several = report["verdict"] == "partial" and len(report["effects"]) > 1
+    instead = "in the place of one of the effects" if several else "instead"
+    return f"The record does not rule out {rivals} {instead}. Probability: {chances}."
 
 
 def plateaus_matter(report: dict[str, Any]) -> bool:
@@ -187,29 +225,38 @@ def _plateaus(report: dict[str, Any]) -> str:
         f"over the whole record it is {number(seen['missed'] / seen['of_gap'])} rms."
     )
     left = f"{number(seen['left'] * seen['missed'])} rms" if seen["left"] else "no larger than noise"
-    which = "best candidate" if seen["left"] > MAX_UNACCOUNTED or is_incomplete(report) else "cause"
-    rest = f"With the {which} added, this variation is {left}."
-    return f"{size} No effect tried explains this. {rest}" if seen["left"] > MAX_UNACCOUNTED else f"{size} {rest}"
+    rest = "" if is_unchanged(report) else f" After {correction(report)}, this variation is {left}."
+    return f"{size} No effect tried explains this.{rest}" if seen["left"] > MAX_UNACCOUNTED else f"{size}{rest}"
 
 
-def other_causes_sentence(report: dict[str, Any]) -> str:
-    """How far the ranking is accepted, and the probability that it leaves for other causes."""
-    left = max(1.0 - sum(row["probability"] for row in report["ranking"]), 0.0)
-    if report["verdict"] == "none":
-        return "On this record none is needed."
-    if unnamed_effects(report):
-        return "Of the first row, only the effect named above is established; the rest is the best candidate."
-    if report["verdict"] == "effect":
-        return ""
-    other = f" The remaining {probability(left)} is for causes that are not in the table." if left > 0.005 else ""
-    return f"On this record none is accepted: the first row is only the best candidate.{other}"
+def ranking_sentence(report: dict[str, Any]) -> str:
+    """How the candidates were compared, and which are accepted."""
+    if report["verdict"] in ("none", "effect"):
+        start = "Each candidate was added to the simulation, and all parameters were refitted."
+        end = " On this record none is needed." if report["verdict"] == "none" else ""
+        return f"{start} The probabilities compare the candidates with each other.{end}"
+    where = "the holdout record" if report["holdout_traces"] is not None else "held-out samples"
+    start = (
+        f"Each candidate was added to the simulation, and all parameters were refitted; its error is that on {where}."
+    )
+    if report["verdict"] == "unknown":
+        return f"{start} None reduces this error by more than chance."
+    every = "Each of the accepted effects reduces" if len(report["effects"]) > 1 else "The accepted effect reduces"
+    names = {effect["name"] for effect in report["effects"]}
+    accepted = min((row["rmse"] for row in report["ranking"] if set(row["name"].split("+")) == names), default=0.0)
+    less = any(row["rmse"] < accepted for row in report["ranking"])
+    except_for = " Candidates with a smaller error contain an effect that does not." if less else ""
+    return f"{start} {every} this error by more than chance.{except_for}"
 
 
 def gap_sentence(report: dict[str, Any]) -> str:
     """The size of the gap before and after, and the samples on which it is scored."""
     gap = report["gap"]
     where = "held-out samples" if report["holdout_traces"] is None else "holdout record"
-    end = f"the noise alone is {number(gap['noise_floor'])} (units of y, {where})."
+    where = "each record left out in turn" if report.get("records") else where
+    unit = report.get("units", {}).get("y", "units of y")
+    noise = "noise alone" if report["verdict"] in ("none", "effect") else "noise, with disturbances,"
+    end = f"the {noise} is {number(gap['noise_floor'])} ({unit}, {where})."
     if is_unchanged(report):
         return f"The rms simulation error is {number(gap['before'])}; {end}"
     return (
@@ -218,13 +265,71 @@ def gap_sentence(report: dict[str, Any]) -> str:
     )
 
 
-def black_box_sentence(report: dict[str, Any]) -> str | None:
-    """The share of the gap that a flexible black-box model closes on the same samples."""
-    box = report["gap"].get("black_box")
-    if box is None:
+def has_kinds(report: dict[str, Any]) -> bool:
+    """Whether the report attributes a remaining error to kinds of models."""
+    return main_kind(report) is not None and not (report["verdict"] in ("none", "effect") and _is_white(report))
+
+
+def kinds_sentence(report: dict[str, Any]) -> str | None:
+    """Shares of the remaining error by the kind of model that reduces it."""
+    if not has_kinds(report):
         return None
-    share = "none" if box <= 0.0 else closed_percent(box)
-    return f"For comparison, a flexible black-box model of past inputs closes {share} of the gap on the same samples."
+    kinds = report["unexplained"]["kinds"]
+    large = sorted((item for item in kinds.items() if item[1] >= MIN_KIND), key=lambda item: -item[1])
+    parts = joined([f"{REMAINING_ERRORS[name].label} {percent(share)}" for name, share in large])
+    return f"The error beyond white noise by kind: {parts}."
+
+
+def look_sentence(report: dict[str, Any]) -> str | None:
+    """Where on the rig to look for the cause of the remaining error."""
+    kind = main_kind(report)
+    return None if kind is None or report["verdict"] in ("none", "effect") else REMAINING_ERRORS[kind].look
+
+
+def baseline_sentence(report: dict[str, Any]) -> str | None:
+    """How the linear model was fitted, if not as asked."""
+    model = report["simulation"].get("model")
+    if model is None or (model["method"] == OUTPUT_ERROR and model["observed"]):
+        return None
+    texts = []
+    if model["method"] == FIRST_ORDER:
+        texts.append(
+            "The record does not support a linear model of the order asked for: one of first order has the smaller "
+            "error on held-out samples."
+        )
+    elif model["method"] != OUTPUT_ERROR:
+        texts.append(
+            f"The linear model was fitted by {model['method']}, one step ahead: on held-out samples its free run has a "
+            "smaller error than that of the output-error fit."
+        )
+    if not model["observed"]:
+        texts.append("Its slowest pole is too slow for this record to show. Use a longer record.")
+    return " ".join(texts)
+
+
+def record_rows(report: dict[str, Any]) -> list[tuple[str, str, str, str, str]]:
+    """Name, error before and after, noise and closed share of each of several records; empty for one."""
+    return [
+        (
+            row["name"],
+            number(row["before"]),
+            number(row["after"]),
+            number(row["noise_floor"]),
+            "–" if row["closed"] is None else closed_percent(row["closed"]),
+        )
+        for row in report.get("records", [])
+    ]
+
+
+def records_sentence(report: dict[str, Any]) -> str | None:
+    """How several records were treated."""
+    if not report.get("records"):
+        return None
+    return (
+        "The records share the parameters and the effects; each has its own offset and initial state. Each record was "
+        "simulated with fits to the others, its offset and initial state estimated from its first 50 samples. Times "
+        "run on from one record to the next, with a pause between them."
+    )
 
 
 def place_sentence(report: dict[str, Any]) -> str | None:
@@ -244,8 +349,7 @@ def fitted_baseline_sentence(report: dict[str, Any]) -> str:
     if report["simulation"]["given"] or not {effect["name"] for effect in report["effects"]} & TIME_VARYING:
         return ""
     return (
-        "The linear model was fitted to the whole record, so a change within the record causes errors on both sides "
-        "of that change."
+        "The linear model was fitted to the record before and after the change, so it has errors on both sides of it."
     )
 
 
@@ -255,7 +359,7 @@ def residual_sentences(report: dict[str, Any]) -> list[str]:
     white, correlated = left["whiteness_p"] >= SIGNIFICANT, left["input_correlation_p"] < SIGNIFICANT
     whiteness, correlation = p_value(left["whiteness_p"]), p_value(left["input_correlation_p"])
     texts = []
-    if white and not correlated:
+    if _is_white(report) and report["verdict"] in ("none", "effect"):
         texts.append("Only white noise remains.")
     elif left["share"] > 0.0 and report["verdict"] != "none":
         texts.append(f"{percent(left['share'])} of the gap remains; with the noise, {number(left['rms'])} rms.")
@@ -265,13 +369,21 @@ def residual_sentences(report: dict[str, Any]) -> list[str]:
         texts.append(
             f"The residual is autocorrelated (whiteness test, {whiteness}), as from coloured noise or a slow effect."
         )
-    if correlated:
-        texts.append(f"It depends on past inputs ({correlation}): part of the dynamics is missing.")
-    else:
+    if not correlated:
         texts.append(f"It does not depend linearly on past inputs ({correlation}).")
+    elif has_kinds(report) and left["kinds"]["disturbance"] > HALF:
+        texts.append(f"It depends on past inputs ({correlation}), but they predict only a small part of it.")
+    else:
+        texts.append(f"It depends on past inputs ({correlation}): part of the dynamics is missing.")
     if left.get("repeats", 0.0) > 0.1:
         texts.append(f"It repeats when the input repeats (correlation {left['repeats']:.2f}), unlike noise.")
     return texts
+
+
+def _is_white(report: dict[str, Any]) -> bool:
+    """Whether the residual is neither autocorrelated nor correlated with past inputs."""
+    left = report["unexplained"]
+    return bool(left["whiteness_p"] >= SIGNIFICANT and left["input_correlation_p"] >= SIGNIFICANT)
 
 
 def experiment_sentence(report: dict[str, Any]) -> str | None:

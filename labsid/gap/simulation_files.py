@@ -11,6 +11,7 @@ from labsid._files import write_file
 from labsid.gap.baseline import Simulation, check_bounded, read_transfer_function
 from labsid.gap.clock import at_sampling_time, stated_sampling_time
 from labsid.gap.model_file import SCHEMA, START_SAMPLES, load_model, read_exported_model
+from labsid.gap.record_findings import filtered_input
 from labsid.records.record import Record
 
 
@@ -33,15 +34,19 @@ class Replay:
     start: int
 
 
-def load_simulation(path: Path, record: Record) -> Simulation:
+def load_simulation(path: Path, record: Record, several: bool = False) -> Simulation:
     """Read the argument of `--sim`: MODEL.json, an exported simulation, or a .csv with the header t,y.
 
     Raises
     ------
     ValueError
-        If the file is none of these, or its times differ from those of the record.
+        If the file is none of these, its times differ from those of the record, or there are `several` records.
     """
     if path.suffix.lower() == ".csv":
+        if several:
+            raise ValueError(
+                f"{path}: a simulated output belongs to one record. Give a MODEL.json for several records."
+            )
         return _read_output(path, record)
     return load_model(path)
 
@@ -73,7 +78,7 @@ def replay(path: Path, record: Record) -> Replay:
     content = load_model(path)
     record = at_sampling_time(record, stated_sampling_time(content))
     if content.get("schema") == SCHEMA:
-        y = read_exported_model(content, record.Ts).simulate(record.u, record.y)
+        y = read_exported_model(content, record.Ts).simulate(filtered_input(record), record.y)
     else:
         y = read_transfer_function(content, record.Ts).simulate(record.u, record.y)
     check_bounded(y, record.y)

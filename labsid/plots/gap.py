@@ -1,4 +1,4 @@
-"""Figures of the gap report, made from the JSON report alone (layout ``labsid.gap/1``)."""
+"""Figures of the gap report, made from the JSON report alone (layout ``labsid.gap/2``)."""
 
 from __future__ import annotations
 

@@ -11,6 +11,9 @@ from labsid.gap.effects.context import Context, Structure
 from labsid.gap.plant_form import Parameter
 from labsid.gap.plants import Plant
 
+MAX_RANGES = 1.5  # of the output: largest signal that an effect may add, because the record shows nothing larger
+REST_SAMPLES = 5  # leading samples with equal input of a rig at rest
+ZERO = 1e-6  # of the spread of a signal: smaller values are zero
 RICHER_FORM_BIC = 12.0  # smallest BIC gain of a richer form over a simpler one
 
 
@@ -54,6 +57,10 @@ class Effect:
     def starts(self, context: Context) -> list[FloatArray]:
         """Start values of `parameters`."""
         return [np.zeros(0)]
+
+    def rates(self, context: Context) -> list[tuple[float, float]]:
+        """Rates c and k of linear dynamics to start from, in addition to those of the parent."""
+        return []
 
     def is_plausible(self, fit: "Fitted") -> bool:
         """Whether the fitted parameters are plausible; otherwise the effect imitates another one."""
@@ -109,6 +116,18 @@ class Fitted:
         part = self.theta[self.hypothesis.slices["plant"]]
         return float(part[self.hypothesis.plant.index(name)])
 
+    @property
+    def range(self) -> float:
+        """Range of the scaled output over the rows that count."""
+        return float(np.ptp(self.data.y[self.data.rows]))
+
+    @property
+    def starts_at_rest(self) -> bool:
+        """Whether the record starts with a zero command, which is an end of its range: the rig is off."""
+        u = self.data.u
+        zero = abs(self.u(float(u[0]))) < ZERO * self.data.u_scale.unit
+        return bool(zero and np.all(u[:REST_SAMPLES] == u[0]) and u[0] in (u.min(), u.max()))
+
     def u(self, scaled: float) -> float:
         """An input in the record's unit."""
         return float(self.data.u_scale.back(scaled))
@@ -133,6 +152,10 @@ class InputEffect(Effect):
     def apply(self, w: FloatArray, own: FloatArray, span: int) -> FloatArray:
         """Transform the signal `w`, shape (N,); `span` is the length of the fitted record."""
         raise NotImplementedError
+
+    def completed(self, own: FloatArray, u: FloatArray) -> tuple[FloatArray, int]:
+        """Own parameters, those that the input `u` of the record does not determine set by convention; and how many."""
+        return own, 0
 
 
 class PlantEffect(Effect):
@@ -163,6 +186,10 @@ class OutputEffect(Effect):
     def slope(self, z: FloatArray, own: FloatArray) -> FloatArray:
         """Derivative of the reading by z."""
         raise NotImplementedError
+
+    def undone(self, y: FloatArray, own: FloatArray, columns: FloatArray, rows: np.ndarray) -> FloatArray:
+        """Readings from which gains of the `columns`, shape (N, m), can be estimated by linear least squares."""
+        return y
 
 
 class AdditiveEffect(Effect):

@@ -5,7 +5,7 @@ from typing import ClassVar
 import numpy as np
 
 from labsid._arrays import FloatArray
-from labsid.gap.effects.base import RICHER_FORM_BIC, AdditiveEffect, Fitted, PlantEffect, Value
+from labsid.gap.effects.base import MAX_RANGES, RICHER_FORM_BIC, AdditiveEffect, Fitted, PlantEffect, Value
 from labsid.gap.effects.context import Context
 from labsid.gap.effects.dynamics import peaks
 from labsid.gap.plant_form import CYCLES, ONSET, Parameter
@@ -13,6 +13,7 @@ from labsid.gap.plants import Plant
 from labsid.gap.responses import denominator, step_signal
 
 MIN_ONSET = 8  # samples from either end of the record
+MAX_EXTRAPOLATION = 3.0  # ranges of the output, beyond which the final change is not reported
 MIN_LASTING = 0.1  # final change of the output over its largest change: below, a load step is a pulse
 
 
@@ -40,24 +41,34 @@ class LoadStep(AdditiveEffect):
         return plant.load_response(rates, step_signal(float(own[0]), samples, span))
 
     def is_plausible(self, fit: Fitted) -> bool:
-        """Reject onsets near either end of the record (an offset, a spike) and a load that does not last (a pulse)."""
+        """Reject onsets near either end (an offset, a spike), loads that do not last (a pulse) and impossible sizes."""
+        most = float(np.abs(self._response(fit)).max())
+        lasts = abs(self.change(fit)) > MIN_LASTING * most
+        possible = most < MAX_RANGES * fit.range
+        return bool(lasts and possible and _inside(float(fit.theta_of(self)[0]), fit.data.samples))
+
+    def _response(self, fit: Fitted) -> FloatArray:
+        """Change of the scaled output by the load, shape (N,)."""
         plant, samples = fit.hypothesis.plant, fit.data.samples
         rates = fit.theta[fit.hypothesis.slices["plant"]]
-        response = self.columns(fit.theta_of(self), samples, samples, plant, rates) @ fit.hypothesis.gains_of(
-            fit.gains, self
-        )
-        lasts = abs(self.change(fit)) > MIN_LASTING * float(np.abs(response).max())
-        return bool(lasts and _inside(float(fit.theta_of(self)[0]), samples))
+        columns = self.columns(fit.theta_of(self), samples, samples, plant, rates)
+        return np.asarray(columns @ fit.hypothesis.gains_of(fit.gains, self))
 
     def active_samples(self, fit: Fitted) -> np.ndarray:
         """The samples after the onset."""
         return np.asarray(np.arange(fit.data.samples) >= float(fit.theta_of(self)[0]) * fit.data.samples)
 
     def values(self, fit: Fitted) -> dict[str, Value]:
-        """`onset` in seconds, and `size`: the final change of the output."""
+        """`onset` in seconds, and `size`: the final change of the output, or that at the end of the record.
+
+        The latter if the dynamics are so slow that the record does not show the former.
+        """
+        size = self.change(fit)
+        if abs(size) > MAX_EXTRAPOLATION * fit.range:
+            size = float(self._response(fit)[-1])
         return {
             "onset": _instant(fit, float(fit.theta_of(self)[0])),
-            "size": Value(self.change(fit) * fit.data.y_scale.unit, "y"),
+            "size": Value(size * fit.data.y_scale.unit, "y"),
         }
 
     def change(self, fit: Fitted) -> float:
@@ -160,6 +171,11 @@ class InnerLoad(_PlantLoad):
         """Onsets at which a load step reduces the residual most, of either sign."""
         return [{"load": size, "onset": at} for at in load_onsets(context, 3) for size in (0.2, -0.2)]
 
+    def is_plausible(self, fit: Fitted) -> bool:
+        """Reject onsets near either end of the record, and impossible sizes."""
+        possible = float(np.abs(_change(fit, "load", "leak")).max()) < MAX_RANGES * fit.range
+        return possible and _inside(fit.plant_value("onset"), fit.data.samples)
+
     def _size(self, fit: Fitted) -> Value:
         """Change of the output at the end of the record."""
         return Value(float(_change(fit, "load", "leak")[-1]) * fit.data.y_scale.unit, "y")
@@ -249,9 +265,16 @@ class Periodic(AdditiveEffect):
         phase = 2.0 * np.pi * own[0] / span * np.arange(samples)
         return np.column_stack([np.cos(phase), np.sin(phase)])
 
+    def is_plausible(self, fit: Fitted) -> bool:
+        """Reject amplitudes larger than the record could show."""
+        return self._amplitude(fit) < MAX_RANGES * fit.range
+
+    def _amplitude(self, fit: Fitted) -> float:
+        return float(np.hypot(*fit.hypothesis.gains_of(fit.gains, self)))
+
     def values(self, fit: Fitted) -> dict[str, Value]:
         """`frequency` and `amplitude` at the output."""
         cycles = float(fit.theta_of(self)[0])
         frequency = cycles / (fit.data.samples * fit.data.Ts)
-        amplitude = float(np.hypot(*fit.hypothesis.gains_of(fit.gains, self))) * fit.data.y_scale.unit
+        amplitude = self._amplitude(fit) * fit.data.y_scale.unit
         return {"frequency": Value(frequency, "Hz"), "amplitude": Value(amplitude, "y")}

@@ -1,14 +1,17 @@
 """Effects inside the dynamics."""
 
+from typing import ClassVar
+
 import numpy as np
 
 from labsid.gap import _kernels
-from labsid.gap.effects.base import Fitted, PlantEffect, Value
+from labsid.gap.effects.base import RICHER_FORM_BIC, Fitted, PlantEffect, Value
 from labsid.gap.effects.context import Context
 from labsid.gap.plants import Plant
 from labsid.gap.responses import damping_ratio, real_rates, single_pole
 
 BRIM_CODES = {"upper": 1, "lower": 2, "both": 3}
+MAX_START = 15.0  # scaled flow: largest initial deviation of a level, which a brim could hide
 MAX_TANK_RATE = 1.0  # per sample: a faster tank follows its inflow within a sample
 LEAST_DAMPING = 2e-3  # of a mode
 MAX_MODE_DAMPING = 0.2  # of parent dynamics that may be a mode
@@ -17,6 +20,9 @@ MIN_CYCLES = 4.0  # of a mode, in the record
 MAX_UNSPRUNG_RATE = 40.0  # slow pole times record length, below which the spring is not observable
 SLACK_LOG_STIFFNESS = -6.0  # change of the logarithm of the stiffness for a start without a spring
 MIN_EITHER_DIRECTION = 0.03  # share of the record with motion in each direction
+
+
+FRICTION_PLACES = ("position", "unsprung", "speed", "speed-lag")
 
 
 class _Placed(PlantEffect):
@@ -207,11 +213,24 @@ class Overflow(PlantEffect):
         return starts
 
     def is_plausible(self, fit: Fitted) -> bool:
-        """Reject a tank that fills within a sample: its brim is a limit of the actuator or the sensor."""
+        """Reject a tank that fills within a sample (a limit of the actuator or the sensor) and an impossible start."""
         slopes = fit.hypothesis.plant.level_slopes(fit.theta[fit.hypothesis.slices["plant"]])
+        if any(abs(fit.plant_value(h)) > MAX_START * slope for h, slope in zip(("h1", "h2"), slopes, strict=True)):
+            return False
+        if fit.starts_at_rest and self._overflows_at_first(fit):
+            return False
         rates = np.exp([fit.plant_value("log_a"), fit.plant_value("log_b")]) / slopes
         brims = {"upper": rates[:1], "lower": rates[1:], "both": rates}[self.variant.partition("-")[0]]
         return bool(np.all(brims < MAX_TANK_RATE))
+
+    def _overflows_at_first(self, fit: Fitted) -> bool:
+        """Whether the flow of the first command overflows in steady state."""
+        plant = fit.hypothesis.plant
+        w = float(fit.hypothesis.actuator(fit.theta, fit.data.u)[0])
+        zero = fit.plant_value("zero") if plant.upper_root or plant.lower_root else 0.0
+        brim = fit.plant_value("brim")
+        root = plant.lower_root if plant.brim == BRIM_CODES["lower"] else plant.upper_root
+        return (-w if plant.flipped else w) - zero > (np.sqrt(max(brim, 0.0)) if root else brim)
 
     def values(self, fit: Fitted) -> dict[str, Value]:
         """`level` of the brim as a reading; for the upper tank also `caught`, the share of overflow to the lower tank.
@@ -236,27 +255,42 @@ class Overflow(PlantEffect):
 class CoulombFriction(PlantEffect):
     """Dry friction.
 
-    `variant` position (of a mass), unsprung (a mass without a spring), speed, or speed-lag (a lag after the speed).
+    `variant` position (of a mass), unsprung (a mass without a spring), speed, or speed-lag (a lag after the speed);
+    "-smooth" is proportional to tanh(speed) about rest, and "-peak" has a larger friction at rest (Stribeck).
     """
 
     name = "coulomb-friction"
+    bic_penalty: ClassVar[dict[str, float]] = {
+        f"{place}-{law}": RICHER_FORM_BIC for place in FRICTION_PLACES for law in ("smooth", "peak")
+    }
+
+    @property
+    def place(self) -> str:
+        """Position of the friction, one of `FRICTION_PLACES`."""
+        return self.variant.removesuffix("-smooth").removesuffix("-peak")
+
+    @property
+    def law(self) -> str:
+        """Friction at small speeds: sharp, smooth or peak."""
+        return self.variant[len(self.place) + 1 :] or "sharp"
 
     def applies(self, context: Context) -> bool:
         """Allow "unsprung" only if the record hardly shows a spring."""
-        return self.variant != "unsprung" or real_rates(*context.rates)[0] * context.data.samples < MAX_UNSPRUNG_RATE
+        return self.place != "unsprung" or real_rates(*context.rates)[0] * context.data.samples < MAX_UNSPRUNG_RATE
 
     def extend(self, plant: Plant) -> Plant:
         """A mass or a motor with friction."""
-        if self.variant in ("position", "unsprung"):
-            return plant.modified(kind="mechanics", friction=True, unsprung=self.variant == "unsprung")
-        return plant.modified(kind="speed", friction=True, lag_first=self.variant == "speed")
+        changes: dict[str, object] = {"friction": True, "law": self.law}
+        if self.place in ("position", "unsprung"):
+            return plant.modified(kind="mechanics", unsprung=self.place == "unsprung", **changes)
+        return plant.modified(kind="speed", lag_first=self.place == "speed", **changes)
 
     def plant_starts(self, context: Context) -> list[dict[str, float]]:
         """Weak to strong friction, and initial positions or neutral inputs."""
-        if self.variant == "position":
+        if self.place == "position":
             offset = initial_offset(context)
             return [{"friction": size, "z0": z0} for size in (0.05, 0.25, 0.8) for z0 in dict.fromkeys((0.0, offset))]
-        if self.variant == "unsprung":
+        if self.place == "unsprung":
             return [{"friction": size, "log_k+": SLACK_LOG_STIFFNESS} for size in (0.05, 0.25, 0.8)]
         u = context.data.u
         inside = u.min() + np.array([0.3, 0.7]) * np.ptp(u)  # inputs at which the motor may reverse
@@ -271,8 +305,12 @@ class CoulombFriction(PlantEffect):
         return bool(min(np.mean(speed > 0), np.mean(speed < 0)) > MIN_EITHER_DIRECTION)
 
     def values(self, fit: Fitted) -> dict[str, Value]:
-        """`friction` in units of the input."""
-        return {"friction": Value(fit.plant_value("friction") * fit.data.u_scale.unit, "u")}
+        """`friction` in units of the input, and with a peak, `break_away`."""
+        unit, friction = fit.data.u_scale.unit, fit.plant_value("friction")
+        found = {"friction": Value(friction * unit, "u")}
+        if self.law == "peak":
+            found["break_away"] = Value(friction * (1.0 + fit.plant_value("peak")) * unit, "u")
+        return found
 
 
 def initial_offset(context: Context) -> float:

@@ -7,14 +7,14 @@ import numpy as np
 from labsid._arrays import FloatArray
 from labsid.gap import _kernels
 from labsid.gap.effects import curves
-from labsid.gap.effects.base import RICHER_FORM_BIC, Fitted, InputEffect, Value
+from labsid.gap.effects.base import REST_SAMPLES, RICHER_FORM_BIC, Fitted, InputEffect, Value
 from labsid.gap.effects.context import Context
 from labsid.gap.plant_form import Parameter
 from labsid.gap.plants import Plant
 
 LONGEST_DELAY = 250.0  # samples
+LONGEST_SHARE = 0.25  # of the record
 INITIAL_OFFSET = Parameter("before", -30.0, 30.0)  # of the actuator before the record, relative to the first command
-REST_SAMPLES = 5  # leading samples with equal input of a rig at rest
 
 
 class Delay(InputEffect):
@@ -45,6 +45,10 @@ class Delay(InputEffect):
     def apply(self, w: FloatArray, own: FloatArray, span: int) -> FloatArray:
         """Return `w`: the hypothesis delays the signal after all other input effects."""
         return w
+
+    def is_plausible(self, fit: Fitted) -> bool:
+        """Reject delays over a quarter of the record: most of it would show no response."""
+        return float(fit.theta_of(self)[0]) < LONGEST_SHARE * fit.data.samples
 
     def values(self, fit: Fitted) -> dict[str, Value]:
         """`delay` in seconds."""
@@ -85,6 +89,11 @@ class Saturation(InputEffect):
             return np.minimum(w, own[0])
         return np.clip(w, min(own), max(own))
 
+    def is_plausible(self, fit: Fitted) -> bool:
+        """Reject a limit that the command exceeds while the rig is off: this is a dead zone."""
+        u = fit.data.u
+        return not fit.starts_at_rest or bool(self.apply(u[:1], fit.theta_of(self), u.size)[0] == u[0])
+
     def active_samples(self, fit: Fitted) -> np.ndarray:
         """The samples at which the command exceeds a limit."""
         return np.asarray(self.apply(fit.data.u, fit.theta_of(self), fit.data.samples) != fit.data.u)
@@ -100,16 +109,27 @@ def _inner_limits(u: FloatArray, side: int) -> list[float]:
     return [(high - part * (high - low)) if side > 0 else (low + part * (high - low)) for part in (0.08, 0.22, 0.4)]
 
 
+def _jump(name: str) -> Parameter:
+    return Parameter(name, 0.0, 8.0, leap=0.1)
+
+
 class DeadZone(InputEffect):
-    """A dead zone: no effect until the command leaves a band."""
+    """A dead zone: no effect until the command leaves a band.
+
+    With `variant` "jump" the command acts with a step of its own at either end of the band, as a drive that loses
+    another voltage each way. "gain" scales the command below the band, as the other half of a bridge.
+    """
 
     name = "input-dead-zone"
     position = 4
+    bic_penalty: ClassVar[dict[str, float]] = {"jump": RICHER_FORM_BIC, "gain": RICHER_FORM_BIC}
 
     @property
     def parameters(self) -> tuple[Parameter, ...]:
-        """Ends of the band in the scaled input."""
-        return (Parameter("low", -8.0, 8.0, leap=0.1), Parameter("high", -8.0, 8.0, leap=0.1))
+        """Ends of the band in the scaled input; the steps at its ends, or the logarithm of the ratio of the gains."""
+        ends = (Parameter("low", -8.0, 8.0, leap=0.1), Parameter("high", -8.0, 8.0, leap=0.1))
+        richer = {"jump": (_jump("jump_low"), _jump("jump_high")), "gain": (Parameter("log_ratio", -3.0, 3.0),)}
+        return (*ends, *richer.get(self.variant, ()))
 
     def applies(self, context: Context) -> bool:
         """Require three levels: gain and offset absorb any static curve of two."""
@@ -129,8 +149,11 @@ class DeadZone(InputEffect):
 
     def apply(self, w: FloatArray, own: FloatArray, span: int) -> FloatArray:
         """Zero within the band, distance from the band outside."""
-        low, high = min(own), max(own)
-        return np.maximum(w - high, 0.0) + np.minimum(w - low, 0.0)
+        low, high = min(own[:2]), max(own[:2])
+        above, below = np.maximum(w - high, 0.0), np.minimum(w - low, 0.0)
+        if self.variant == "jump":
+            return above + below + own[3] * (w > high) - own[2] * (w < low)
+        return above + below * float(np.exp(own[2:].sum()))
 
     def active_samples(self, fit: Fitted) -> np.ndarray:
         """The samples at which the command is within the band."""
@@ -138,7 +161,7 @@ class DeadZone(InputEffect):
 
     def is_plausible(self, fit: Fitted) -> bool:
         """Reject a band that reaches the end of the input's range (a limit), unless the rig is at rest at that end."""
-        low, high = sorted(fit.theta_of(self))
+        low, high = sorted(fit.theta_of(self)[:2])
         u = fit.data.u
         edge = 0.02 * float(np.ptp(u))
         inside = low > u.min() + edge and high < u.max() - edge
@@ -146,10 +169,28 @@ class DeadZone(InputEffect):
         at_rest = bool(np.all(u[:REST_SAMPLES] == u[0])) and low <= u[0] <= high and at_end
         return bool(high - low > edge and (inside or at_rest))
 
+    def completed(self, own: FloatArray, u: FloatArray) -> tuple[FloatArray, int]:
+        """Own parameters; an end of the band that `u`, at rest inside the band, never reaches mirrors the other end."""
+        low, high = sorted(own[:2])
+        at_end = u[0] == u.min() or u[0] == u.max()
+        if not at_end or not np.all(u[:REST_SAMPLES] == u[0]) or not low <= u[0] <= high:
+            return own, 0
+        ends = (2.0 * u[0] - high, high) if u[0] == u.min() else (low, 2.0 * u[0] - low)
+        steps = np.full(2, own[3] if u[0] == u.min() else own[2]) if self.variant == "jump" else np.zeros(own.size - 2)
+        return np.concatenate([np.clip(ends, -8.0, 8.0), steps]), 1 + len(steps) // 2 + (self.variant == "gain")
+
     def values(self, fit: Fitted) -> dict[str, Value]:
-        """`low` and `high` as inputs."""
-        low, high = sorted(fit.theta_of(self))
-        return {"low": Value(fit.u(low), "u"), "high": Value(fit.u(high), "u")}
+        """`low` and `high` as inputs, without an end that the record does not reach, and what differs by side."""
+        low, high = sorted(fit.theta_of(self)[:2])
+        u = fit.data.u
+        found = {"low": Value(fit.u(low), "u")} if low >= u.min() else {}
+        found |= {"high": Value(fit.u(high), "u")} if high <= u.max() else {}
+        for parameter, value in zip(self.parameters[2:], fit.theta_of(self)[2:], strict=True):
+            if parameter.name == "log_ratio":
+                found["ratio"] = Value(float(np.exp(value)), "1")
+            else:
+                found[parameter.name] = Value(float(value) * fit.data.u_scale.unit, "u")
+        return found
 
 
 class Backlash(InputEffect):

@@ -7,12 +7,22 @@ from numpy.polynomial.chebyshev import chebvander
 
 from labsid._arrays import FloatArray
 from labsid.gap.effects import curves
-from labsid.gap.effects.base import RICHER_FORM_BIC, AdditiveEffect, Fitted, OutputEffect, Value
+from labsid.gap.effects.base import (
+    MAX_RANGES,
+    REST_SAMPLES,
+    RICHER_FORM_BIC,
+    ZERO,
+    AdditiveEffect,
+    Fitted,
+    OutputEffect,
+    Value,
+)
 from labsid.gap.effects.context import Context
 from labsid.gap.plant_form import Parameter
 from labsid.gap.plants import Plant
 from labsid.gap.responses import normalized_time
 
+HIDDEN = 20.0  # scaled: largest excursion beyond a limit; without it, an initial state could hide there for any time
 CURVE_RANGE = (-20.0, 20.0)  # scaled output; outside it the curve continues with slope one
 
 
@@ -44,13 +54,21 @@ class Saturation(OutputEffect):
         return low, high
 
     def apply(self, z: FloatArray, own: FloatArray) -> FloatArray:
-        """Clip at the limits."""
-        return np.clip(z, *self._limits(own))
+        """Clip at the limits; far beyond them, where nothing can be hidden, the reading continues with slope one."""
+        low, high = self._limits(own)
+        return np.clip(z, low, high) + (z - np.clip(z, low - HIDDEN, high + HIDDEN))
 
     def slope(self, z: FloatArray, own: FloatArray) -> FloatArray:
-        """One between the limits, zero outside."""
+        """One between the limits and far beyond them, zero outside."""
         low, high = self._limits(own)
-        return ((z > low) & (z < high)).astype(float)
+        return ((z > low) & (z < high) | (z < low - HIDDEN) | (z > high + HIDDEN)).astype(float)
+
+    def is_plausible(self, fit: Fitted) -> bool:
+        """Reject a limit that the sensor exceeds while the rig is off and reads zero: zero is the true value then."""
+        reading = np.asarray(fit.data.y_scale.back(fit.data.y[:REST_SAMPLES]))
+        if not fit.starts_at_rest or np.any(np.abs(reading) > ZERO * fit.data.y_scale.unit):
+            return True
+        return not self.active_samples(fit)[:REST_SAMPLES].any()
 
     def active_samples(self, fit: Fitted) -> np.ndarray:
         """The samples at which the simulated reading is at a limit."""
@@ -124,9 +142,15 @@ class Drift(AdditiveEffect):
             return np.exp(-np.arange(samples) / (span * np.exp(own[0])))[:, None]
         return np.asarray(chebvander(normalized_time(samples, span), int(self.variant))[:, 1:], np.float64)
 
-    def values(self, fit: Fitted) -> dict[str, Value]:
-        """`amplitude`, half of the range of the drift."""
+    def is_plausible(self, fit: Fitted) -> bool:
+        """Reject drifts larger than the record could show."""
+        return self._amplitude(fit) < MAX_RANGES * fit.range
+
+    def _amplitude(self, fit: Fitted) -> float:
         samples = fit.data.samples
         wander = self.columns(fit.theta_of(self), samples, samples, fit.hypothesis.plant, fit.theta)
-        wander = wander @ fit.hypothesis.gains_of(fit.gains, self)
-        return {"amplitude": Value(0.5 * float(np.ptp(wander)) * fit.data.y_scale.unit, "y")}
+        return 0.5 * float(np.ptp(wander @ fit.hypothesis.gains_of(fit.gains, self)))
+
+    def values(self, fit: Fitted) -> dict[str, Value]:
+        """`amplitude`, half of the range of the drift."""
+        return {"amplitude": Value(self._amplitude(fit) * fit.data.y_scale.unit, "y")}

@@ -158,3 +158,16 @@ _DRAWS: dict[str, Callable[[np.random.Generator, EffectContext], ApplyEffect]] =
 }
 
 UNLISTED_EFFECTS = tuple(_DRAWS)
+
+UNLISTED_PATHS: dict[str, tuple[str, ...]] = {
+    "slower-down-than-up": ("dynamics",),
+    "switching-pole": ("dynamics",),
+    "bilinear-gain": ("dynamics",),
+    "slow-falling-sensor": ("output", "dynamics"),
+    "relay-hysteresis": ("input",),
+    "swinging-delay": ("time",),
+    "failing-actuator": ("time", "disturbance"),
+    "second-valve": ("time", "disturbance"),
+    "sticking-valve": ("input",),
+}
+"""Where each of them acts; the first path that is given counts, or any where the record cannot tell them apart."""

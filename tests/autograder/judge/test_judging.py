@@ -1,11 +1,11 @@
 """The judge on an assignment of its own: values, functions, death, time, errors carried forward, the reference away."""
 
+import itertools
 import os
 import re
 from collections.abc import Iterator, Mapping
 from decimal import Decimal
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -441,12 +441,18 @@ def walk(
     return list(judge_submission(submission, Assets(TEMPLATE, assignment, None, b"s"), launcher, folder).results)
 
 
-@pytest.mark.parametrize("gives", [None, lambda ask: {"b": 5.0}], ids=["waits", "is judged at once"])
-@pytest.mark.parametrize("way", ["a list", "a file", "shared memory", "the channel's own code"])
-def test_no_later_cell_tells_of_hidden_inputs(either: ProcessLauncher, tmp_path: Path, way: str, gives: Any) -> None:
+WAYS = ("a list", "a file", "shared memory", "the channel's own code")
+GIVES = {"waits": None, "is judged at once": lambda ask: {"b": 5.0}}
+
+
+@pytest.mark.parametrize(
+    ("either", "way", "when"),
+    # Spawned processes take seconds to start: one way that leaves the process, in two processes.
+    [*itertools.product(("best", "forked"), WAYS, GIVES), ("spawned", "a file", "is judged at once")],
+    indirect=["either"],
+)
+def test_no_later_cell_tells_of_hidden_inputs(either: ProcessLauncher, tmp_path: Path, way: str, when: str) -> None:
     """However a function keeps what it is called on: it is called after the cells that print, or in another process."""
-    if isinstance(either, SpawningLauncher) and way != "a file":
-        pytest.skip("tried with a file alone: these processes take seconds to start")
     function = """
 import mmap, os, sys
 kept, shared = [], mmap.mmap(-1, 100)
@@ -469,7 +475,7 @@ found = {"a list": bool(kept), "a file": os.path.exists("kept"), "shared memory"
          "the channel's own code": shared[50] != 0}
 print("SEEN" if found[%r] else "nothing")
 """
-    assignment = Assignment("tiny", (GAIN, Question("q-line", line, gives, uses=("q-gain",))))
+    assignment = Assignment("tiny", (GAIN, Question("q-line", line, GIVES[when], uses=("q-gain",))))
     _, second, last = walk(either, tmp_path, "a = 3", function, after % way, assignment=assignment)
     assert second.score == Decimal("0.2"), second.reason
     assert last.output == "nothing\n"
@@ -519,17 +525,21 @@ def test_a_function_is_judged_though_a_later_cell_dies(either: ProcessLauncher, 
     assert (last.score, last.status) == (0, "crashed")
 
 
+LATER_CELLS = (
+    "def f(x):\n    return -x",
+    "c = [5]",
+    "del c, f",
+    "c[0] = 5",
+    "d[:] = 5",
+    "import os\nc[0] = 5\nos._exit(1)",
+    "import numpy\nnumpy.zeros(2 ** 40)",
+)
+
+
 @pytest.mark.parametrize(
-    "after",
-    [
-        "def f(x):\n    return -x",
-        "c = [5]",
-        "del c, f",
-        "c[0] = 5",
-        "d[:] = 5",
-        "import os\nc[0] = 5\nos._exit(1)",
-        "import numpy\nnumpy.zeros(2 ** 40)",
-    ],
+    ("either", "after"),
+    [*(("forked", later) for later in LATER_CELLS), ("best", "c[0] = 5"), ("spawned", "c[0] = 5")],
+    indirect=["either"],
 )
 def test_a_function_is_judged_as_it_was_at_its_question(either: ProcessLauncher, tmp_path: Path, after: str) -> None:
     """Whatever later cells make of its name, and of what it reads, in place too."""

@@ -11,7 +11,7 @@ from labsid.blind import suite as suite_module
 from labsid.blind.closure import closed_share, held_out_samples, pooled_closure, refit_true_structure
 from labsid.blind.experiment import Case, input_signal, redraw, run_experiment, to_record
 from labsid.blind.output_error import discrete_poles, fit_linear
-from labsid.blind.rows import ROWS
+from labsid.blind.rows import EFFECTS_BESIDE_UNLISTED, ROWS
 from labsid.blind.strength import CLEAR_RATIOS, HARD_RATIOS, linear_model_gap
 from labsid.blind.suite import label_dict, make_cases, write_suite
 from labsid.records.record import load_record
@@ -20,7 +20,16 @@ from labsid.rig.switchable.simulation import poles
 from labsid.rig.switchable.truth import true_linear_model
 from labsid.rig.switchable.unlisted import UNLISTED_EFFECTS
 
-COUNTS = {"single-clear": 22, "single-hard": 22, "short": 8, "pair": 5, "none": 12, "unknown": 9, "with-sim": 6}
+COUNTS = {
+    "single-clear": 22,
+    "single-hard": 6,
+    "short": 4,
+    "pair": 3,
+    "none": 6,
+    "unknown": 9,
+    "with-sim": 6,
+    "partial": 4,
+}
 
 
 @pytest.fixture(scope="module")
@@ -44,7 +53,7 @@ def left_by_linear(case: Case) -> float:
 def test_rows_cycle_through_all_effects(some: list[Case]) -> None:
     for row in ("single-clear", "single-hard", "short"):
         assert [case.labels for case in of_row(some, row)] == [(effect,) for effect in EFFECTS][: COUNTS[row]]
-    assert [case.labels[0] for case in of_row(some, "pair")] == list(EFFECTS[:5])
+    assert [case.labels[0] for case in of_row(some, "pair")] == list(EFFECTS[: COUNTS["pair"]])
     assert {case.truth["kind"] for case in of_row(some, "unknown")} == set(UNLISTED_EFFECTS)
 
 
@@ -53,8 +62,9 @@ def test_the_residual_of_a_linear_model_is_in_the_range_of_the_row(
     some: list[Case], row: str, between: tuple[float, float]
 ) -> None:
     for case in of_row(some, row):
-        assert between[0] * 0.95 < left_by_linear(case) < between[1] * 1.05, case.labels
-        assert left_by_linear(case) == pytest.approx(case.ratio, rel=0.05)
+        left = left_by_linear(case)
+        assert between[0] * 0.95 < left < between[1] * 1.05, case.labels
+        assert left == pytest.approx(case.ratio, rel=0.05)
         assert case.level == row.removeprefix("single-")
         assert 1200 <= len(case.record) <= 5000
 
@@ -89,9 +99,9 @@ def test_cases_labelled_none_have_no_visible_gap(some: list[Case]) -> None:
 
 
 def test_hidden_effects_are_in_the_rig_but_not_in_the_record() -> None:
-    unexercised = [case for case in make_cases("dev", 36, ["none"]) if case.truth["kind"] == "not exercised"]
-    assert len(unexercised) == 6
-    assert len({case.truth["hidden"] for case in unexercised}) >= 3
+    unexercised = [case for case in make_cases("dev", 18, ["none"]) if case.truth["kind"] == "not exercised"]
+    assert len(unexercised) == 3
+    assert len({case.truth["hidden"] for case in unexercised}) >= 2
     assert all(case.experiment.setup != case.experiment.plain for case in unexercised)
 
 
@@ -107,6 +117,22 @@ def test_both_effects_of_a_pair_change_the_output(some: list[Case]) -> None:
         assert len(set(case.labels)) == 2
         assert set(case.truth) == set(case.labels)
         assert case.ratio >= CLEAR_RATIOS[0]
+
+
+def test_a_partial_case_has_a_listed_effect_and_a_smaller_one_outside_the_table(some: list[Case]) -> None:
+    cases = of_row(some, "partial")
+    assert [case.labels for case in cases] == [(name,) for name in EFFECTS_BESIDE_UNLISTED[: len(cases)]]
+    for case in cases:
+        assert case.level == "partial"
+        assert case.truth["kind"] in UNLISTED_EFFECTS
+        assert case.sim is None
+        assert 1200 <= len(case.record) <= 3000
+        assert left_by_linear(case) > CLEAR_RATIOS[0]  # both effects together
+
+
+def test_effects_of_the_samples_are_not_combined_with_one_outside_the_table() -> None:
+    left_out = {"output-quantization", "output-outliers", "output-dropout", "coloured-noise"}
+    assert set(EFFECTS_BESIDE_UNLISTED) == set(EFFECTS) - left_out
 
 
 def test_the_simulation_of_a_case_matches_its_label(some: list[Case]) -> None:
@@ -149,20 +175,20 @@ def test_the_seeds_of_final_follow_the_sources(tmp_path, monkeypatch) -> None:
     gap_folder.mkdir()
     (gap_folder / "a.py").write_text("one = 1\n")
     monkeypatch.setattr(suite_module, "__file__", str(blind / "suite.py"))
-    first, dev = ([case.name for case in make_cases(suite, 2, ["none"])] for suite in ("final", "dev"))
-    same = [case.name for case in make_cases("final", 2, ["none"])]
+    first, dev = ([case.name for case in make_cases(suite, 1, ["none"])] for suite in ("final", "dev"))
+    same = [case.name for case in make_cases("final", 1, ["none"])]
     (gap_folder / "a.py").write_text("one = 2\n")
-    changed = [case.name for case in make_cases("final", 2, ["none"])]
+    changed = [case.name for case in make_cases("final", 1, ["none"])]
     assert first == same
     assert not set(first) & {*changed, *dev}
-    assert dev == [case.name for case in make_cases("dev", 2, ["none"])]
+    assert dev == [case.name for case in make_cases("dev", 1, ["none"])]
 
 
-def test_a_suite_is_written_without_its_labels(tmp_path) -> None:
+def test_a_suite_is_written_without_its_labels(some: list[Case], tmp_path) -> None:
     labels_path = write_suite(tmp_path / "records", "dev", 4, ["single-clear", "with-sim"])
     assert labels_path == tmp_path / "records.labels.json"
     labels = json.loads(labels_path.read_text())
-    made = list(make_cases("dev", 4, ["single-clear", "with-sim"]))
+    made = [*of_row(some, "single-clear")[:4], *of_row(some, "with-sim")[:4]]
     assert set(labels) == {case.name for case in made}
     files = {path.name for path in (tmp_path / "records").iterdir()}
     expected = {f"{case.name}.csv" for case in made}
@@ -220,7 +246,7 @@ def test_held_out_blocks_are_read_from_the_result(some: list[Case]) -> None:
 
 
 def test_rows_are_those_of_the_bars() -> None:
-    assert list(ROWS) == ["single-clear", "single-hard", "short", "pair", "none", "unknown", "with-sim"]
+    assert list(ROWS) == ["single-clear", "single-hard", "short", "pair", "none", "unknown", "with-sim", "partial"]
 
 
 def test_the_simulation_is_in_the_records_units(some: list[Case]) -> None:

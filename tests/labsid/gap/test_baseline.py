@@ -88,14 +88,14 @@ def test_every_kind_of_the_true_simulation_leaves_the_noise(data, record, true):
     for name, simulation in kinds.items():
         base = make_baseline(data, record.t, simulation)
         assert base.given, name
-        assert left(data, base.before) == pytest.approx(0.01, rel=0.2), name
+        assert left(data, base.before(data)) == pytest.approx(0.01, rel=0.2), name
         assert base.output_only == (name == "series")
         assert (base.simulate_record is None) == (name == "series")
 
 
 def test_a_wrong_simulation_is_taken_as_it_is(data, record, true):
     base = make_baseline(data, record.t, true | {"num": [0.02, 0.0]})
-    assert left(data, base.before) > 0.3
+    assert left(data, base.before(data)) > 0.3
 
 
 def test_a_given_simulation_plays_on_another_record(data, record, true, rig_record):

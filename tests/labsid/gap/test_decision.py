@@ -5,19 +5,20 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from labsid.gap.candidates import CANDIDATES
 from labsid.gap.decision import (
     Decision,
     closed_on_fit,
     confidence_in,
     decide,
-    leading_effect,
+    decide_partial,
     mismatch_probability,
+    partial_evidence,
+    partial_probability,
 )
-from labsid.gap.effects import output
 from labsid.gap.explanation import Explanation
 from labsid.gap.fitting import Fit, mean_square
-from labsid.gap.hypothesis import Hypothesis
+from labsid.gap.held_out_errors import PARTS, Reduction
+from labsid.gap.held_out_search import Step
 from labsid.gap.residual_tests import ResidualMeasures, measure_residual
 
 STRUCTURE = {"repeats": 0.6, "repeats_z": 9.0, "explained": 0.6}
@@ -46,11 +47,9 @@ def crowded(explained: Explanation) -> Explanation:
     return replace(explained, levels=(explained.levels[0], others, *explained.levels[2:]))
 
 
-def decided(
-    explained: Explanation, left: ResidualMeasures, given: Fit | None, unrepeated: float = 0.0, at_stop: bool = False
-) -> Decision:
+def decided(explained: Explanation, left: ResidualMeasures, given: Fit | None, unrepeated: float = 0.0) -> Decision:
     """The decision at the confidence that the residual gives."""
-    return decide(explained, left, given, confidence_in(explained, left, unrepeated=unrepeated), at_stop)
+    return decide(explained, left, given, confidence_in(explained, left, unrepeated=unrepeated))
 
 
 def check(decision: Decision) -> None:
@@ -62,7 +61,7 @@ def check(decision: Decision) -> None:
     assert not set(decision.names) & set(decision.ambiguous)
     assert len(set(decision.ambiguous)) == len(decision.ambiguous)
     assert 0.0 <= decision.closed <= 1.0
-    assert (decision.verdict == "effect") == bool(decision.names)
+    assert (decision.verdict in ("effect", "partial")) == bool(decision.names)
 
 
 def test_an_effect_far_ahead_is_named_alone(banded: Explanation) -> None:
@@ -208,71 +207,60 @@ def test_unrepeated_levels_make_a_drift_unknown(banded: Explanation) -> None:
     assert decided(rounded, left, None, unrepeated=0.6).verdict == "effect"
 
 
-@pytest.mark.parametrize(
-    ("name", "named"), [("overflow", True), ("output-saturation", True), ("input-saturation", False)]
-)
-def test_a_limit_visible_in_the_record_is_named_despite_other_effects(
-    banded: Explanation, name: str, named: bool
-) -> None:
-    fit = banded.best
-    effect = next(e for group in CANDIDATES for e in group if e.name == name)
-    hypothesis = replace(fit.hypothesis, effects=(*fit.hypothesis.effects, effect))
-    both = replace(fit, hypothesis=hypothesis)
-    pair = tuple(sorted(("input-dead-zone", name)))
-    explained = crowded(replace(banded, path=(*banded.path, both), levels=(*banded.levels[:2], {pair: both})))
-    left = replace(left_of(banded), **STRUCTURE)
-    unseen = decided(explained, left, None)
-    check(unseen)
-    assert unseen.verdict == "unknown"
-    assert unseen.beside == ()
-    seen = decided(explained, left, None, at_stop=True)
-    check(seen)
-    assert seen.names == ((name,) if named else ())
-    assert seen.beside == (("input-dead-zone",) if named else ())
-    assert set(seen.ambiguous) >= {"input-dead-zone"}
-    sure = decided(explained, left_of(banded), None, at_stop=True)
-    assert sure.names == ("input-dead-zone", name)
-    assert sure.beside == ()
+def chance_of(one: Step, *others: Step) -> float:
+    return partial_probability(partial_evidence(one, (one, *others)))
 
 
-def test_a_limit_with_a_rival_is_not_named(banded: Explanation) -> None:
-    explained = rivalled(banded, 0.0)
-    fit = replace(explained.best, hypothesis=Hypothesis((output.Saturation("high"),)))
-    rival = next(iter(explained.levels[1].values()))
-    level = {("output-saturation",): fit, ("coulomb-friction",): replace(rival, bic=fit.bic)}
-    explained = replace(explained, path=(explained.path[0], fit), levels=(explained.levels[0], level))
-    decision = decided(explained, replace(left_of(banded), **STRUCTURE), None, at_stop=True)
-    assert decision.verdict == "unknown"
-    assert {"output-saturation", "coulomb-friction"} <= set(decision.ambiguous)
+def step(fit: Fit, name: str, factor: float = 0.4, rivals: dict[str, float] | None = None) -> Step:
+    """An effect that leaves `factor` of the error; in its place, each rival leaves so many times its error."""
+    others = tuple((rival, Reduction(times, 5.0)) for rival, times in (rivals or {}).items())
+    reduction = Reduction(factor, 5.0)
+    return Step(name, fit, np.ones(PARTS), reduction, reduction, reduction, others)
 
 
-@pytest.mark.parametrize(("shrinks", "ahead", "named"), [(20.0, 10.0, True), (20.0, 2.0, False), (4.0, 10.0, False)])
-def test_a_leading_effect_is_named_despite_other_effects(
-    banded: Explanation, shrinks: float, ahead: float, named: bool
-) -> None:
-    data, best = banded.data, banded.best
-    assert best.hypothesis.names == ("input-dead-zone",)
-    wave = np.sin(0.1 * np.arange(data.samples)) * np.sqrt(2.0)
-    small = 1e-3
+@pytest.fixture
+def nothing(banded: Explanation) -> Decision:
+    """The decision if nothing is named."""
+    return decide(banded, left_of(banded), None, confidence=0.2)
 
-    def leaving(fit: Fit, rms: float) -> Fit:
-        return replace(fit, output=data.y + rms * wave)
 
-    level = {names: leaving(fit, small if fit is best else ahead * small) for names, fit in banded.levels[1].items()}
-    path = (leaving(banded.path[0], shrinks * small), level["input-dead-zone",])
-    explained = replace(banded, levels=({(): path[0]}, level), path=path)
-    assert leading_effect(explained) == ("input-dead-zone" if named else None)
-    left = replace(left_of(banded), rms=small, **STRUCTURE)
-    decision = decide(explained, left, None, confidence=0.1)
+def test_without_an_effect_that_pays_the_cause_is_unknown(nothing: Decision) -> None:
+    decision = decide_partial((), nothing)
     check(decision)
-    assert decision.verdict == ("effect" if named else "unknown")
-    assert decide(explained, replace(left, rms=0.5 * shrinks * small), None, confidence=0.1).verdict == "unknown"
-    if named:
-        assert decision.names == ("input-dead-zone",)
-        assert 0.5 < decision.probability["input-dead-zone"] <= 0.8
+    assert decision.verdict == "unknown"
+    assert decision is nothing
 
 
-def test_no_effect_leads_without_rivals(banded: Explanation) -> None:
-    alone = {("input-dead-zone",): banded.best}
-    assert leading_effect(replace(banded, levels=(banded.levels[0], alone))) is None
-    assert leading_effect(replace(banded, levels=banded.levels[:1])) is None
+def test_the_effects_that_pay_are_named_in_their_order(banded: Explanation, nothing: Decision) -> None:
+    steps = (step(banded.best, "coulomb-friction", 0.3), step(banded.best, "resonance", 0.8, {"extra-lag": 1.3}))
+    decision = decide_partial(steps, nothing)
+    check(decision)
+    assert decision.verdict == "partial"
+    assert decision.names == ("coulomb-friction", "resonance")
+    assert decision.ambiguous == ()
+    assert decision.probability == {one.name: partial_probability(partial_evidence(one, steps)) for one in steps}
+    assert decision.weights == {("coulomb-friction", "resonance"): min(decision.probability.values())}
+
+
+def test_rivals_that_reduce_the_error_nearly_as_much_are_ambiguous(banded: Explanation, nothing: Decision) -> None:
+    near = {"extra-lag": 1.02, "input-delay": 1.09, "resonance": 1.05, "input-backlash": 1.5}
+    steps = (step(banded.best, "coulomb-friction", 0.3, near), step(banded.best, "resonance", 0.7, {"extra-lag": 1.01}))
+    decision = decide_partial(steps, nothing)
+    check(decision)
+    assert decision.ambiguous == ("extra-lag", "input-delay")  # each once, and none that is named
+    many = {f"rival-{k}": 1.01 for k in range(5)}
+    decision = decide_partial((step(banded.best, "coulomb-friction", 0.3, many),), nothing)
+    check(decision)
+    assert len(decision.ambiguous) == 3
+
+
+def test_an_effect_is_more_probable_the_farther_its_rivals_are_and_the_more_it_reduces(banded: Explanation) -> None:
+    by_rival = [chance_of(step(banded.best, "a", 0.4, {"b": times})) for times in (1.0, 1.1, 1.3, 1.7, 3.0)]
+    assert by_rival == sorted(by_rival)
+    assert by_rival[-1] == chance_of(step(banded.best, "a", 0.4))  # as without any rival
+    by_factor = [chance_of(step(banded.best, "a", factor, {"b": 1.2})) for factor in (0.9, 0.6, 0.3, 0.1)]
+    assert by_factor == sorted(by_factor)
+    assert all(0.0 < p < 1.0 for p in (*by_rival, *by_factor))
+    assert chance_of(step(banded.best, "a", 0.9, {"b": 1.0})) < 0.5
+    nearest = step(banded.best, "a", 0.4, {"b": 1.5, "c": 1.05})
+    assert chance_of(nearest) == chance_of(step(banded.best, "a", 0.4, {"c": 1.05}))

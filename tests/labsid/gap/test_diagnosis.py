@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
+from threadpoolctl import threadpool_info, threadpool_limits
 
 from labsid._arrays import FloatArray
 from labsid.gap.diagnosis import Diagnosis, diagnose
@@ -137,7 +138,7 @@ def test_no_closure_is_reported_for_none_and_quantization(
 ) -> None:
     report = diagnosed(name)[0].report
     gap = report["gap"]
-    assert gap["closed"] is gap["ci95"] is gap["black_box"] is None
+    assert gap["closed"] is gap["ci95"] is None
     assert gap["after"] == gap["before"]
     assert [effect["closed"] for effect in report["effects"]] == [None] * len(report["effects"])
 
@@ -156,9 +157,9 @@ def number(value: object) -> bool:
 
 def check_layout(report: dict[str, Any], samples: int) -> None:
     """Check the layout of a report, key by key."""
-    assert report["schema"] == "labsid.gap/1"
-    assert report["verdict"] in ("none", "effect", "unknown")
-    assert bool(report["effects"]) == (report["verdict"] == "effect")
+    assert report["schema"] == "labsid.gap/2"
+    assert report["verdict"] in ("none", "effect", "partial", "unknown")
+    assert bool(report["effects"]) == (report["verdict"] in ("effect", "partial"))
     for effect in report["effects"]:
         assert {"name", "path", "parameters", "probability", "closed"} <= set(effect)
         assert isinstance(effect["name"], str)
@@ -208,6 +209,17 @@ def check_layout(report: dict[str, Any], samples: int) -> None:
     unexplained = report["unexplained"]
     assert {"share", "whiteness_p", "input_correlation_p"} <= set(unexplained)
     assert all(0.0 <= unexplained[key] <= 1.0 for key in ("share", "whiteness_p", "input_correlation_p"))
+    kinds = unexplained["kinds"]
+    assert (kinds is None) == (unexplained["path"] is None)
+    assert kinds is None or report["verdict"] != "none"
+    if kinds is not None:
+        assert list(kinds) == ["linear", "input", "output", "nonlinear", "time", "disturbance"]
+        assert sum(kinds.values()) == pytest.approx(1.0)
+        assert all(number(share) and share >= 0.0 for share in kinds.values())
+        assert unexplained["path"] in ("input", "dynamics", "output", "time", "disturbance")
+    model = report["simulation"]["model"]
+    assert (model is None) == report["simulation"]["given"]
+    assert model is None or set(model) == {"method", "observed", "errors"}
     following = report["next_experiment"]
     if following is not None:
         assert {"separates", "why", "t", "u", "margin"} <= set(following)
@@ -254,3 +266,23 @@ def test_records_that_cannot_be_diagnosed_are_rejected(u: FloatArray, two_poles:
         diagnose(record_of(u, y, ""), holdout=slower)
     with pytest.raises(ValueError, match="--exclude leaves 20 samples; at least 100 are needed"):
         diagnose(record_of(u, y, ""), exclude=[(20.0, 1e9)])
+
+
+def blas_threads() -> set[int]:
+    return {int(pool["num_threads"]) for pool in threadpool_info() if pool["user_api"] == "blas"}
+
+
+def test_blas_uses_one_thread_and_as_many_as_before_afterwards(u: FloatArray, two_poles: Response) -> None:
+    during = []
+
+    def stop(step: str, share: float) -> None:
+        during.append(blas_threads())
+        raise RuntimeError(step)
+
+    with threadpool_limits(2, "blas"):
+        before = blas_threads()
+        with pytest.raises(RuntimeError):
+            diagnose(record_of(u, two_poles(u), "any"), progress=stop)
+        assert blas_threads() == before
+    assert during == [{1}]
+    assert before == {2}

@@ -57,7 +57,7 @@ def test_what_the_rig_does_without_numbers(name):
 @pytest.mark.parametrize("name", CLAUSES)
 def test_every_parameter_has_a_label_and_a_unit_in_words(name):
     for parameter, entry in PARAMETERS[name].items():
-        assert parameter_label(name, parameter, entry["unit"]) != parameter or parameter in (
+        assert parameter_label(name, parameter, entry) != parameter or parameter in (
             "delay",
             "frequency",
             "amplitude",
@@ -79,7 +79,7 @@ def test_a_load_that_grows_with_the_output_is_a_leak():
     assert clause(leak) == (
         "An unmeasured load starts at 374.2 s and raises the rate of return to rest by 21 %, as a leak does"
     )
-    assert parameter_label("load-step", "size", "1") == "increase of the rate of return to rest"
+    assert parameter_label("load-step", "size", {"unit": "1"}) == "increase of the rate of return to rest"
     assert parameter_value("load-step", "size", leak["parameters"]["size"]) == ("21.0 ± 1.0", "%")
 
 

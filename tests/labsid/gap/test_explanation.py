@@ -129,14 +129,6 @@ def test_a_second_effect_below_the_minimum_share_of_the_gap_is_dropped(banded: E
         )
 
 
-def test_dropped_steps_can_be_restored(banded: Explanation) -> None:
-    whole = replace(banded, path=banded.path[:1], trimmed=banded.path[1:])
-    assert whole.best is banded.path[0]
-    assert whole.untrimmed().path == banded.path
-    assert whole.untrimmed().trimmed == ()
-    assert whole.up_to(0).untrimmed().path == banded.path[:1]  # an explanation that is given up leaves nothing behind
-
-
 def test_slow_motion_within_a_converter_step_is_no_dropout() -> None:
     """Slow motion on a coarse converter repeats values; a logger that holds values lags behind the motion."""
     k = np.arange(1500)
@@ -207,7 +199,7 @@ def test_slow_noise_is_not_identified_as_a_drift(
     y = two_poles(levels)
     e = lfilter([1.0], [1.0, -0.985], np.random.default_rng(4).standard_normal(levels.size + 300))[300:]
     data = scaled(levels, y + 0.3 * np.std(y) * e / np.std(e), np.ones(levels.size, bool), 1.0)
-    assert explain(data, most=2).names == ("coloured-noise",)
+    assert explain(data, most=1).names == ("coloured-noise",)
     by_free_run = searches[-1]
     assert "output-drift" in by_free_run[-1].hypothesis.names
     assert mean_square(data, by_free_run[-1]) < 0.5 * mean_square(data, by_free_run[0])

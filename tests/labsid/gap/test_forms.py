@@ -5,12 +5,14 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from scipy.signal import lfilter
 
 from labsid._arrays import FloatArray
-from labsid.gap.candidates import best_fit, trial_fits
+from labsid.gap.beam_search import plausible_forms
+from labsid.gap.candidates import best_fit, best_form, trial_fits
 from labsid.gap.data import Data, scaled
 from labsid.gap.effects import disturbance, drifts, dynamics, input, output
-from labsid.gap.effects.base import Effect
+from labsid.gap.effects.base import Effect, Fitted
 from labsid.gap.explanation import Explanation, explain
 from labsid.gap.fitting import Fit, finish, minimize, rms
 from labsid.gap.forms import (
@@ -29,6 +31,7 @@ from labsid.gap.forms import (
 )
 from labsid.gap.hypothesis import Hypothesis
 from labsid.gap.linear_fits import LINEAR, fit_baseline, fit_highpass
+from labsid.gap.model_file import export_model
 from labsid.gap.plants import Plant
 from labsid.gap.refinement import converge
 
@@ -210,16 +213,16 @@ def test_a_given_simulation_has_no_leak_form() -> None:
 
 
 def test_a_load_that_grows_on_linear_dynamics_is_also_tried_as_one_that_does_not() -> None:
-    (plain,) = alternative_forms(Hypothesis((input.DeadZone(), LEAK)))
-    assert plain.effects == (input.DeadZone(), LOAD)
-    assert alternative_forms(Hypothesis((input.DeadZone(), LEAK), n_given=2)) == []
+    (plain,) = alternative_forms(Hypothesis((input.Backlash(), LEAK)))
+    assert plain.effects == (input.Backlash(), LOAD)
+    assert alternative_forms(Hypothesis((input.Backlash(), LEAK), n_given=2)) == []
 
 
 def test_numbers_are_carried_to_another_form(banded: Explanation) -> None:
     base = banded.path[0]
     leak = Hypothesis((input.DeadZone(), disturbance.Leak("leak")))
     theta = np.arange(1.0, len(leak.parameters) + 1.0)
-    (plain,) = alternative_forms(leak)
+    (plain,) = (form for form in alternative_forms(leak) if LOAD in form.effects)
     assert plain.keys == ("input-dead-zone", "load-step")
     fit = replace(base, hypothesis=leak, theta=theta)
     names = [p.name for p in leak.parameters]
@@ -486,3 +489,97 @@ def test_a_cubic_curve_is_not_replaced_by_a_spline(levels: FloatArray, two_poles
     z = z / z.std()
     found = explain(data_of(levels[:400], noisy(z + 0.15 * z**2 - 0.03 * z**3)), most=1)
     assert found.best.hypothesis.keys == ("output-nonlinearity",)
+
+
+def lagged(w: FloatArray) -> FloatArray:
+    """Two real lags, from rest."""
+    return np.asarray(lfilter([0.0, 0.05, 0.04], [1.0, -1.5, 0.59], w))
+
+
+def sliding_motor(w: FloatArray, force: Callable[[float], float], static: float) -> FloatArray:
+    """Speed of a motor of rate 0.08 with the friction `force` of the speed, by Euler's method in short steps.
+
+    It sticks at rest up to the friction `static`.
+    """
+    speed, steps = 0.0, 60
+    out = np.empty(w.size)
+    for k, drive in enumerate(w):
+        out[k] = speed
+        for _ in range(steps):
+            if speed == 0.0 and abs(drive) <= static:
+                break
+            sign = np.sign(speed) if speed else np.sign(drive)
+            new = speed + 0.08 / steps * (drive - speed - sign * force(abs(speed)))
+            speed = 0.0 if new * speed < 0.0 and static else new
+    return out
+
+
+def best_with(u: FloatArray, y: FloatArray, group: tuple[Effect, ...]) -> tuple[Data, Fit]:
+    """The best form of one effect, with noise of one per cent."""
+    y = y + 0.01 * y.std() * np.random.default_rng(4).standard_normal(y.size)
+    data = scaled(u, y, np.ones(u.size, bool), 0.1)
+    base = fit_baseline(data)
+    found = best_fit(data, trial_fits(data, base, group, base))
+    assert found is not None
+    return data, best_form([converge(data, form) for form in plausible_forms(data, found)])
+
+
+def values_of(data: Data, fit: Fit) -> dict[str, float]:
+    """What the effect reports."""
+    reported = fit.hypothesis.effects[0].values(Fitted(fit.hypothesis, fit.theta, fit.gains, data))
+    return {name: value.value for name, value in reported.items()}
+
+
+@pytest.mark.parametrize(
+    ("jumps", "ratio", "variant", "expected"),
+    [
+        ((0.0, 0.0), 1.0, "", {}),
+        ((0.2, 0.7), 1.0, "jump", {"jump_low": 0.2, "jump_high": 0.7}),
+        ((0.0, 0.0), 0.6, "gain", {"ratio": 0.6}),
+    ],
+)
+def test_a_dead_zone_that_differs_by_direction(
+    levels: FloatArray, jumps: tuple[float, float], ratio: float, variant: str, expected: dict[str, float]
+) -> None:
+    u = 1.3 * levels
+    below, above = ratio * (u + 0.5) - jumps[0], u - 0.8 + jumps[1]
+    data, fit = best_with(u, lagged(np.where(u > 0.8, above, np.where(u < -0.5, below, 0.0))), (input.DeadZone(),))
+    assert fit.hypothesis.effects[0].variant == variant
+    found = values_of(data, fit)
+    if variant != "jump":  # between two levels of the command, the ends of a band with jumps are arbitrary
+        assert (found["low"], found["high"]) == (pytest.approx(-0.5, abs=0.03), pytest.approx(0.8, abs=0.03))
+    steps = {name: found[name] for name in expected}
+    assert steps == pytest.approx(expected, abs=0.1 if variant == "jump" else 0.03)
+
+
+def test_an_end_of_a_dead_zone_that_the_record_does_not_reach_mirrors_the_other() -> None:
+    """A record of one direction, from rest, says how the rig answers to the other one."""
+    u = np.repeat([0.0, 0.5, 1.0, 1.5, 2.0, 1.2, 0.7, 0.3, 1.7], 70)
+    y = lagged(np.maximum(u - 0.8, 0.0))
+    data, fit = best_with(u, y, (input.DeadZone(),))
+    assert values_of(data, fit) == {"high": pytest.approx(0.8, abs=0.02)}
+    model = export_model(data, fit)
+    np.testing.assert_allclose(model.simulate(-u), -y, atol=0.03 * y.max())
+    limit = best_fit(data, trial_fits(data, fit_baseline(data), (input.Saturation("low"),), fit))
+    assert limit is None
+
+
+@pytest.mark.parametrize(
+    ("variant", "force", "static"),
+    [
+        ("speed", lambda speed: 0.5, 0.5),
+        ("speed-smooth", lambda speed: 0.5 * float(np.tanh(speed / 0.3)), 0.0),
+        ("speed-peak", lambda speed: 0.5 + 0.3 * float(np.exp(-((speed / 0.2) ** 2))), 0.8),
+    ],
+)
+def test_friction_at_small_speeds(
+    levels: FloatArray, variant: str, force: Callable[[float], float], static: float
+) -> None:
+    u = 1.6 * levels + 0.2
+    y = sliding_motor(u - 0.2, force, static)
+    data, fit = best_with(u, y, (dynamics.CoulombFriction("speed"),))
+    assert fit.hypothesis.effects[0].variant == variant
+    found = values_of(data, fit)
+    assert found["friction"] == pytest.approx(0.5, abs=0.03)
+    assert found.get("break_away", 0.8) == pytest.approx(0.8, abs=0.06)
+    assert rms(data, fit) < 0.013

@@ -62,7 +62,7 @@ PARAMETERS = {
     "parameter-drift": {"drift", "pole"},
     "output-drift": {"amplitude"},
     "output-saturation": {"low", "high"},
-    "output-nonlinearity": {"c2", "c3", "centre"},
+    "output-nonlinearity": {"c2", "c3", "centre", "fold"},
     "load-step": {"onset", "size"},
     "periodic-disturbance": {"frequency", "amplitude"},
 }
@@ -90,7 +90,7 @@ def fitted(
     for name, value in (plant or {}).items():
         theta[at + hypothesis.plant.index(name)] = value
     u = np.linspace(-1.5, 1.5, SAMPLES)
-    return Fitted(hypothesis, theta, np.zeros(20) if gains is None else gains, data_of(u))
+    return Fitted(hypothesis, theta, np.zeros(20) if gains is None else gains, data_of(u, u))
 
 
 def values(fit: Fitted) -> dict[str, tuple[float, str]]:
@@ -638,3 +638,82 @@ def test_pole_and_output_drifts_include_high_degrees(levels: FloatArray) -> None
         for degree in ("10", "16")
     ]
     assert left[1] < 1e-18 < 100.0 < left[0]
+
+
+@pytest.mark.parametrize(
+    "effect",
+    [disturbance.LoadStep(), disturbance.Periodic(), output.Drift("1")],
+    ids=lambda effect: effect.key,
+)
+def test_nothing_is_larger_than_the_record_could_show(effect: AdditiveEffect) -> None:
+    """The record ranges over 3 scaled units."""
+    own = [0.5] if effect.parameters else []
+    for size, expected in ((0.5, True), (50.0, False)):
+        gains = np.zeros(5 + effect.width)
+        fit = fitted(effect, gains, None, *own)
+        columns = Hypothesis((effect,)).design(fit.theta, fit.data.u).columns[:, -effect.width :]
+        gains = np.concatenate([np.zeros(5), [size / float(np.abs(columns[:, 0]).max())], np.zeros(effect.width - 1)])
+        assert effect.is_plausible(fitted(effect, gains, None, *own)) is expected
+
+
+def test_a_load_on_slow_dynamics_is_reported_as_far_as_the_record_shows_it() -> None:
+    effect = disturbance.LoadStep()
+    slow = {"log_c": float(np.log(0.5)), "log_k": float(np.log(1e-5))}
+    start = fitted(effect, None, slow, 0.25)
+    columns = Hypothesis((effect,)).design(start.theta, start.data.u).columns
+    gains = np.concatenate([np.zeros(columns.shape[1] - 2), [0.001, 0.001]])
+    fit = fitted(effect, gains, slow, 0.25)
+    response = fit.hypothesis.output(fit.theta, gains, fit.data.u)
+    assert abs(effect.change(fit)) > 50.0 * np.ptp(response)
+    assert effect.values(fit)["size"].value == pytest.approx(3.0 * (response[-1] - response[0]))
+
+
+def test_a_delay_longer_than_a_quarter_of_the_record_is_implausible() -> None:
+    effect = input.Delay()
+    assert effect.is_plausible(fitted(effect, None, None, 10.0))
+    assert not effect.is_plausible(fitted(effect, None, None, 30.0))
+
+
+def test_no_initial_state_hides_behind_a_limit_of_the_sensor() -> None:
+    sensor, own = output.Saturation("low"), np.array([-1.0])
+    z = np.array([-100.0, -15.0, -1.5, 0.5])
+    np.testing.assert_array_equal(sensor.apply(z, own), [-80.0, -1.0, -1.0, 0.5])
+    np.testing.assert_array_equal(sensor.slope(z, own), [1.0, 0.0, 0.0, 1.0])
+
+
+def test_a_limit_that_a_rig_at_rest_exceeds_is_a_dead_zone() -> None:
+    """The zero command is at the end of the range, and below the limit."""
+    u = np.repeat([0.0, 1.0, 2.0, 0.5], 20)
+    for start, expected in ((0.0, False), (0.3, True)):
+        data = scaled(u + start, u, np.ones(u.size, bool), TS)
+        limit = data.u_scale.of(np.array([0.7 + start]))
+        hypothesis = Hypothesis((input.Saturation("low"),))
+        theta = np.zeros(len(hypothesis.parameters))
+        theta[hypothesis.slices["input-saturation/low"]] = limit
+        assert hypothesis.effects[0].is_plausible(Fitted(hypothesis, theta, np.zeros(6), data)) is expected
+
+
+@pytest.mark.parametrize(("first", "expected"), [(0.0, False), (0.4, True)])
+def test_a_rig_that_is_off_and_reads_zero_is_not_beyond_the_limit_of_its_sensor(first: float, expected: bool) -> None:
+    u = np.repeat([0.0, 1.0, 2.0, 0.5], 20)
+    y = np.maximum(u - 0.7, 0.0) + first
+    data = scaled(u, y, np.ones(u.size, bool), TS)
+    hypothesis = Hypothesis((output.Saturation("low"),))
+    theta = np.zeros(len(hypothesis.parameters))
+    theta[hypothesis.slices["output-saturation/low"]] = data.y[0]
+    gains = np.append(np.zeros(5), data.y[0] - 1.0)  # the last one is the constant: always below the limit
+    found = hypothesis.effects[0].is_plausible(Fitted(hypothesis, theta, gains, data))
+    assert found is expected
+
+
+def test_a_tank_does_not_overflow_while_off() -> None:
+    """A reversed tank is full at the zero command."""
+    u = np.repeat([0.0, 1.0, 2.0, 0.5], 20)
+    for start, expected in ((0.0, False), (0.3, True)):
+        data = scaled(u + start, u, np.ones(u.size, bool), TS)
+        hypothesis = Hypothesis((dynamics.Overflow("lower-flipped"),))
+        theta = np.zeros(len(hypothesis.parameters))
+        at = hypothesis.slices["plant"].start
+        theta[at : at + 2] = np.log([0.5, 0.1])
+        theta[at + hypothesis.plant.index("brim")] = 0.5
+        assert hypothesis.effects[0].is_plausible(Fitted(hypothesis, theta, np.zeros(2), data)) is expected

@@ -8,7 +8,7 @@ import re
 from html.parser import HTMLParser
 
 import pytest
-from gap_reports import PARAMETERS, report, with_experiment, with_holdout, with_plateaus
+from gap_reports import PARAMETERS, report, with_experiment, with_holdout, with_plateaus, with_rest
 
 from labsid.gap import sentences
 from labsid.gap.effect_texts import EFFECT_TEXTS
@@ -73,7 +73,8 @@ KINDS = {
     "pair": report("load-step", "output-outliers"),
     "ambiguous": with_experiment(report("input-delay", probability=0.58)),
     "none": report(verdict="none"),
-    "unknown": with_experiment(report("input-delay", verdict="unknown")),
+    "partial": with_rest(report("coulomb-friction", "resonance", verdict="partial", probability=0.7), "input"),
+    "unknown": with_rest(report("input-delay", verdict="unknown"), "disturbance"),
     "mismatch": report("parameter-mismatch"),
 }
 
@@ -176,16 +177,59 @@ def test_the_accepted_row_has_its_interval_and_further_rows_are_collapsed(tmp_pa
     _, parsed = _read(tmp_path / "page.html", base)
     assert "3 more" in parsed.words
     assert parsed.words.count(" accepted ") == 1
-    base["beside"] = ["output-outliers"]
-    _, parsed = _read(tmp_path / "page.html", base)
-    assert parsed.words.count("partly accepted") == 1
-    assert "After adding the best candidate" in parsed.words
 
 
 def test_no_row_is_accepted_if_the_verdict_is_unknown(pages):
     _, parsed = pages["unknown"]
     assert not any(row["accepted"] for row in page_content(KINDS["unknown"])["ranking"])
-    assert "On this record none is accepted" in parsed.words
+    assert "None reduces this error by more than chance." in parsed.words
+
+
+def test_the_ranking_of_a_part_compares_errors_and_gives_no_probabilities(pages):
+    """The probability of an effect is not that of a combination, so the two are not shown one above the other."""
+    _, parsed = pages["partial"]
+    table = parsed.words[parsed.words.index("Effects tried") : parsed.words.index("Residual")]
+    assert "Probability" not in table
+    assert "under 1" not in table
+    assert table.count("lightly damped mode accepted") == 1
+    assert [row["accepted"] for row in page_content(KINDS["partial"])["ranking"]] == [True, False, False, False]
+    _, parsed = pages["effect"]
+    assert "Probability" in parsed.words[parsed.words.index("Effects tried") :]
+
+
+@pytest.mark.parametrize("kind", ["partial", "unknown"])
+def test_the_rest_is_shown_as_bars_and_on_the_loop(kind, pages):
+    content = page_content(KINDS[kind])
+    assert [bar["label"] for bar in content["kinds"]] == [
+        "Linear dynamics",
+        "A curve or hysteresis at the input",
+        "A curve at the output",
+        "Nonlinear dynamics",
+        "A change with time",
+        "Not predicted by past inputs",
+    ]
+    assert sum(float(bar["width"] or 0.0) for bar in content["kinds"]) == pytest.approx(100.0, abs=0.2)
+    what = "main part of the rest" if kind == "partial" else "main part of the error"
+    block = "Actuator" if kind == "partial" else "Environment"
+    assert [part["title"] for part in content["loop"] if what in part["tags"]] == [block]
+    _, parsed = pages[kind]
+    assert f"{block} ← {what}" in parsed.words
+    assert content["look"] in parsed.words
+    assert parsed.words.index(content["headline"]) < parsed.words.index(content["remaining"])
+
+
+def test_the_noise_includes_disturbances_where_something_else_remains(pages):
+    assert "indistinguishable from noise" in pages["effect"][1].words
+    for kind in ("partial", "unknown"):
+        assert "indistinguishable from noise" not in pages[kind][1].words
+        assert page_content(KINDS[kind])["bars"][-1]["label"] == "Noise, with disturbances"
+
+
+def test_an_effect_that_is_less_probable_than_not_is_no_cause_on_the_loop():
+    base = report("coulomb-friction", "output-drift", verdict="partial")
+    base["effects"][1]["probability"] = 0.2
+    tags = {part["title"]: part["tags"] for part in page_content(base)["loop"]}
+    assert (tags["Process"], tags["Sensor"], tags["Actuator"]) == (["cause"], ["possible cause"], [])
 
 
 def test_the_proposed_input_can_be_saved(pages):
@@ -247,10 +291,14 @@ def test_the_page_explains_that_the_baseline_is_fitted_to_both_sides_of_a_load_s
 def test_bars_compare_errors_before_and_after_with_the_noise():
     assert [bar["width"] for bar in page_content(KINDS["effect"])["bars"]] == ["100.0", "15.8", "15.5"]
     assert [bar["label"] for bar in page_content(KINDS["none"])["bars"]] == ["Simulation", "Noise alone"]
-    after = {kind: page_content(KINDS[kind])["bars"][1]["label"] for kind in ("effect", "unknown", "mismatch")}
+    assert [bar["label"] for bar in page_content(KINDS["unknown"])["bars"]] == [
+        "Simulation",
+        "Noise, with disturbances",
+    ]
+    after = {kind: page_content(KINDS[kind])["bars"][1]["label"] for kind in ("effect", "partial", "mismatch")}
     assert after == {
         "effect": "After adding the cause",
-        "unknown": "After adding the best candidate",
+        "partial": "After adding the effects",
         "mismatch": "After refitting the parameters",
     }
 

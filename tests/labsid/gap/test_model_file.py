@@ -35,9 +35,15 @@ def content(**changed):
     } | changed
 
 
-def by_hand(scaled_u, from_rest):
+def exported(hypothesis, theta, gains, input_means=()):
+    """A simulation in the units of `content`, by default of an unknown record."""
+    scales = Scale(2.0, 3.0), Scale(-1.0, 5.0)
+    return ExportedModel(hypothesis, theta, gains, 0.5, 600, 0.1, *scales, np.array(input_means))
+
+
+def by_hand(scaled_u, from_rest, limit=LIMIT):
     """The same in scipy's words, in the record's unit."""
-    w = np.minimum(scaled_u, LIMIT) - 0.1
+    w = np.minimum(scaled_u, limit) - 0.1
     before = np.full(4000 if from_rest else 0, w[0])
     y = lfilter([0.0, *GAINS[:2]], DEN, np.concatenate([before, w]))[before.size :] + GAINS[-1]
     return -1.0 + 5.0 * y
@@ -83,6 +89,9 @@ def test_round_trip_through_a_file(levels, tmp_path):
         ({"y_scale": {"centre": 0.0, "unit": 0.0}}, "Ts, span and the units must be positive"),
         ({"y_scale": {"centre": 0.0}}, "'unit' is missing"),
         ({"u_scale": [1.0, 2.0]}, "a value has the wrong type"),
+        ({"input_means": [0.0] * 15}, "input_means must hold 16 numbers"),
+        ({"input_means": [np.nan] * 16}, "its numbers must be finite"),
+        ({"input_means": None}, "a value has the wrong type|must hold|must be finite"),
     ],
 )
 def test_invalid_exported_simulations(changed, words):
@@ -127,12 +136,65 @@ def test_an_export_with_any_effect_is_read_again(key, beside, levels):
     theta = np.clip([numbers.get(p.name, 0.1) for p in hypothesis.parameters], *hypothesis.bounds)
     width = hypothesis.design(theta, levels).columns.shape[1]
     gains = np.linspace(0.05, 0.1, width)
-    model = ExportedModel(hypothesis, theta, gains, 0.5, 600, 0.1, Scale(2.0, 3.0), Scale(-1.0, 5.0))
+    model = exported(hypothesis, theta, gains)
     again = from_json_dict(json.loads(json.dumps(model.to_json_dict())))
     assert again.hypothesis == hypothesis
     played = model.simulate(2.0 + 3.0 * levels[:100])
     assert np.isfinite(played).all()
     np.testing.assert_array_equal(again.simulate(2.0 + 3.0 * levels[:100]), played)
+
+
+TIME_COURSES = [
+    "load-step",
+    "periodic-disturbance",
+    "output-drift",
+    "parameter-drift",
+]
+
+
+def with_time_course(key, levels):
+    """A linear rig with an effect that belongs to one record, fitted to the record with the input `levels`."""
+    effect = EFFECTS_BY_KEY.get(key) or next(e for e in EFFECTS_BY_KEY.values() if e.name == key)
+    hypothesis = Hypothesis((effect,))
+    numbers = {"log_c": np.log(C), "log_k": np.log(K), "onset": 0.4, "load": 0.5, "leak": 0.5, "cycles": 7.0}
+    numbers |= {"delay": 0.0}
+    theta = np.clip([numbers.get(p.name, 0.3) for p in hypothesis.parameters], *hypothesis.bounds)
+    width = hypothesis.design(theta, levels).columns.shape[1]
+    gains = np.zeros(width)
+    gains[:2], gains[5] = (0.02, 0.03), 0.4
+    gains[6:] = 0.5
+    means = [part.mean() for part in np.array_split(levels, 16)]
+    return exported(hypothesis, theta, gains, means), exported(hypothesis, theta, gains)
+
+
+@pytest.mark.parametrize("key", TIME_COURSES)
+def test_a_time_course_is_left_out_on_other_records(key, levels):
+    """It is part of the record that was fitted, and of no other one, not even of the same length."""
+    model, unknown_record = with_time_course(key, levels)
+    own, other = 2.0 + 3.0 * levels, 2.0 + 3.0 * levels[::-1]
+    assert np.abs(model.simulate(own) - by_hand(levels, True, np.inf)).max() > 0.02
+    np.testing.assert_array_equal(model.simulate(own), unknown_record.simulate(own))
+    assert np.abs(model.simulate(other) - unknown_record.simulate(other)).max() > 0.02
+    np.testing.assert_allclose(model.simulate(other), by_hand(levels[::-1], True, np.inf), atol=1e-6)
+    assert model.simulate(own[:300]).shape == (300,)
+    np.testing.assert_allclose(model.simulate(own[:300]), by_hand(levels[:300], True, np.inf), atol=1e-6)
+
+
+def test_files_of_earlier_versions_play_their_time_courses_on_every_record(levels):
+    model, unknown_record = with_time_course("load-step", levels)
+    written = model.to_json_dict()
+    assert len(written["input_means"]) == 16
+    del written["input_means"]
+    again = from_json_dict(written)
+    other = 2.0 + 3.0 * levels[::-1]
+    np.testing.assert_array_equal(again.simulate(other), unknown_record.simulate(other))
+
+
+def test_the_fitted_record_is_recognised_from_a_text_file(levels):
+    """Numbers in text files have ten digits."""
+    model, unknown_record = with_time_course("load-step", levels)
+    u = np.array([float(f"{x:.10g}") for x in 2.0 + 3.0 * levels])
+    np.testing.assert_array_equal(model.simulate(u), unknown_record.simulate(u))
 
 
 @pytest.mark.parametrize("away", [(-3.0, 1.5), (2.5, -2.0), (4.0, 6.0), (-5.0, -4.0)])
@@ -143,7 +205,7 @@ def test_the_initial_state_of_overflowing_tanks_is_estimated_from_the_measured_o
     numbers = {"log_a": np.log(0.5), "log_b": np.log(0.4), "zero": -3.0, "brim": 10.0, "brim2": 9.8, "share": 0.4}
     numbers |= {"h1": 5.0, "h2": 5.0}  # of the record that was fitted
     theta = np.array([numbers.get(p.name, 0.0) for p in hypothesis.parameters])
-    model = ExportedModel(hypothesis, theta, np.array([0.5, -1.0]), 0.5, 600, 0.1, Scale(2.0, 3.0), Scale(-1.0, 5.0))
+    model = exported(hypothesis, theta, np.array([0.5, -1.0]))
     u = levels[200:500]
     began = theta.copy()
     for name, value in zip(("h1", "h2"), away, strict=True):
@@ -162,7 +224,7 @@ def test_the_input_before_sample_0_is_a_state_of_the_record(levels, effect, own,
     theta = np.array([numbers.get(p.name, 0.0) for p in hypothesis.parameters])
     theta[place] = own, 1.1
     gains = np.array([0.02, 0.03, 0.0, 0.0, 0.0, 0.4])
-    model = ExportedModel(hypothesis, theta, gains, 0.5, 600, 0.1, Scale(2.0, 3.0), Scale(-1.0, 5.0))
+    model = exported(hypothesis, theta, gains)
     began = theta.copy()
     began[place] = own, before
     measured = -1.0 + 5.0 * hypothesis.output(began, gains, levels, 600, 0.1)

@@ -3,8 +3,10 @@
 from pathlib import Path
 
 import numpy as np
+import pytest
 
 from labsid.gap.diagnosis import diagnose
+from labsid.gap.rigs import check_rigs, find_rigs
 from labsid.records.formats import read_raw
 from labsid.records.record import Record, load_record
 
@@ -13,12 +15,11 @@ def test_the_overflow_of_the_cascaded_tanks_is_named_and_the_held_back_record_fo
     path = shared_data / "cascaded-tanks" / "dataBenchmark.csv"
     est, val = (load_record(path, columns=columns, Ts=4.0) for columns in ("uEst,yEst", "uVal,yVal"))
     report = diagnose(est, holdout=val).report
-    (effect,) = report["effects"]
-    assert effect["name"] == "overflow"
-    assert 9.9 < effect["parameters"]["level"]["value"] < 10.2  # the record stands at 10 V
-    assert {"sqrt-outflow", "output-nonlinearity"} == set(report["beside"])
-    assert report["gap"]["after"] < 0.23  # volts
-    assert report["gap"]["black_box"] < report["gap"]["closed"]
+    assert report["verdict"] == "partial"
+    likely = [effect for effect in report["effects"] if effect["probability"] > 0.5]
+    assert [effect["name"] for effect in likely] == ["overflow"]
+    assert 9.9 < likely[0]["parameters"]["level"]["value"] < 10.2  # the record stands at 10 V
+    assert report["gap"]["after"] < 0.19  # volts
 
 
 def test_the_delay_of_the_hair_dryer_is_named_on_either_half(shared_data: Path) -> None:
@@ -30,3 +31,19 @@ def test_the_delay_of_the_hair_dryer_is_named_on_either_half(shared_data: Path) 
         ]
         assert len(delays) == 1
         assert 1.5 < delays[0] / 0.08 < 3.0  # samples beyond the first
+
+
+def test_the_absolute_value_of_the_coupled_drives_is_found(shared_data: Path) -> None:
+    """`labsid gap rigs` runs the other rigs, which take longer."""
+    (pair,) = [pair for pair in find_rigs(shared_data / "real-rigs") if pair[0].stem == "coupled-drives"]
+    (result,) = check_rigs([pair])
+    assert not result.is_worse
+    assert not result.is_poor_baseline
+    assert result.after < 0.4
+    assert "output-nonlinearity" in dict(result.effects)
+
+
+def test_a_folder_without_second_records_is_said(tmp_path: Path) -> None:
+    (tmp_path / "one.csv").write_text("t,u,y\n")
+    with pytest.raises(ValueError, match=r"no NAME.csv with a NAME.holdout.csv beside it"):
+        find_rigs(tmp_path)

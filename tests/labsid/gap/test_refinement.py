@@ -6,8 +6,9 @@ import pytest
 from labsid.gap.data import Data, scaled
 from labsid.gap.effects import dynamics
 from labsid.gap.fitting import UNFILTERED, Fit, Problem, finish, minimize
+from labsid.gap.forms import INNER_PERIODIC, transfer_theta
 from labsid.gap.hypothesis import Hypothesis
-from labsid.gap.refinement import converge, valley_directions
+from labsid.gap.refinement import converge, retried_without_one, valley_directions
 
 STICKING = Hypothesis((dynamics.CoulombFriction("position"), dynamics.ExtraLag()))
 NAMES = [parameter.name for parameter in STICKING.parameters]
@@ -53,3 +54,18 @@ def test_the_cost_rises_least_along_a_valley() -> None:
         assert alone is not None
         assert ahead.cost < alone.cost
         assert min(ahead.cost, back.cost) < at.cost * 1.05
+
+
+def test_one_effect_is_tried_again_from_its_parameters_in_a_pair() -> None:
+    """Friction with a lag, and a wave that the record does not contain."""
+    data, fit = sticking(3)
+    fit = converge(data, fit)
+    pair = fit.hypothesis.plus(INNER_PERIODIC)
+    theta = transfer_theta(fit, pair)
+    theta[pair.slices["plant"].start + pair.plant.index("cycles")] = 7.3
+    point = minimize(data, pair, theta, iterations=1)
+    assert point is not None
+    found = retried_without_one(data, finish(data, pair, point))
+    assert {one.hypothesis.names for one in found} >= {fit.hypothesis.names}
+    again = next(one for one in found if one.hypothesis.names == fit.hypothesis.names)
+    assert again.cost == pytest.approx(fit.cost, rel=0.01)

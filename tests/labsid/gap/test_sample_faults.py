@@ -2,8 +2,9 @@
 
 import numpy as np
 import pytest
+from scipy.signal import lfilter
 
-from labsid.gap.sample_faults import SampleFaults, find_lattice, find_spikes
+from labsid.gap.sample_faults import SampleFaults, find_bad_start, find_lattice, find_spikes
 from labsid.records.signal_quality import find_held, lattice_step
 
 
@@ -251,3 +252,14 @@ def test_noise_makes_a_coarse_converter_jump_off_the_stop_of_the_sensor() -> Non
     assert find_held(y, 0.01) == ()
     y[70:75] = 0.5, 0.48, 0.5, 0.48, 0.5  # the output has gone far away meanwhile
     assert find_held(y, 0.01) == ((41, 70),)
+
+
+@pytest.mark.parametrize(("first", "expected"), [(0.02, False), (0.3, False), (1.5, True), (-40.0, True)])
+def test_a_first_sample_that_the_rig_cannot_have_left_is_bad(first: float, expected: bool) -> None:
+    rng = np.random.default_rng(2)
+    w = np.repeat(rng.uniform(-1.0, 1.0, 40), 15)
+    y = lfilter([0.0, 0.2], [1.0, -0.8], w) + 0.01 * rng.standard_normal(w.size)
+    y[0] += first
+    found = find_bad_start(y)
+    assert found[0] == expected
+    assert not found[1:].any()

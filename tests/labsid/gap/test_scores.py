@@ -11,16 +11,9 @@ from scipy.stats import chi2
 from labsid._arrays import FloatArray
 from labsid.gap.explanation import Explanation
 from labsid.gap.fitting import Fit
+from labsid.gap.held_out_errors import hold_out
 from labsid.gap.holdout import held_out_samples
-from labsid.gap.scores import (
-    GapScore,
-    black_box_residual,
-    closed_share,
-    closure_interval,
-    noise_power,
-    score_explanation,
-    score_fits,
-)
+from labsid.gap.scores import GapScore, _closure_interval, closed_share, noise_power, score_fits
 
 
 @pytest.mark.parametrize(
@@ -69,9 +62,11 @@ def test_an_instant_is_not_among_the_samples_that_no_fit_sees(sixth: int, place:
     assert not out[:60].any()  # where it begins, the state in which it begins is found
 
 
-def amount_of(explained: Explanation, **options: object) -> GapScore:
-    """The closure with a fixed seed."""
-    return score_explanation(explained, None, None, np.random.default_rng(0), **options)
+def amount_of(explained: Explanation, seed: int = 0) -> GapScore:
+    """The closure on blocks of the record."""
+    held_out = hold_out(explained.data, None)
+    before, after = (held_out.refit(fit) for fit in (explained.path[0], explained.best))
+    return score_fits(held_out, before, after, np.random.default_rng(seed))
 
 
 def test_the_gap_closes_on_held_out_samples(banded: Explanation) -> None:
@@ -95,7 +90,7 @@ def test_the_interval_contains_the_point_and_repeats_with_its_seed(banded: Expla
     assert amount.ci95[0] <= amount.closed <= amount.ci95[1] <= 1.0
     assert amount.ci95[0] < amount.ci95[1]
     assert amount_of(banded).ci95 == amount.ci95
-    assert score_explanation(banded, None, None, np.random.default_rng(1)).ci95 != amount.ci95
+    assert amount_of(banded, seed=1).ci95 != amount.ci95
 
 
 def test_the_floor_is_the_noise(banded: Explanation, two_poles: Callable[..., FloatArray]) -> None:
@@ -120,15 +115,20 @@ def test_the_input_dependent_part_is_excluded_from_the_noise_floor(plain: Explan
 def test_closure_is_undefined_without_a_gap(plain: Explanation) -> None:
     amount = amount_of(plain)
     assert amount.closed is None or abs(amount.closed) < 1e-9
-    assert (amount.closed is None) == (amount.ci95 is None) == (amount.black_box is None)
+    assert (amount.closed is None) == (amount.ci95 is None)
     assert amount.before == amount.after
 
 
 def test_a_given_simulation_is_scored_as_it_is(banded: Explanation) -> None:
     given = replace(banded.path[0], output=0.8 * banded.path[0].output)
-    amount = score_explanation(banded, given, None, np.random.default_rng(0))
+    held_out = hold_out(banded.data, None)
+    amount = score_fits(held_out, given, held_out.refit(banded.best), np.random.default_rng(0))
     assert amount.before_fit is given
     assert amount.before > amount_of(banded).before
+    other = held_out.measured + 3.0
+    amount = score_fits(held_out, given, held_out.refit(banded.best), np.random.default_rng(0), other)
+    assert amount.before == pytest.approx(3.0)
+    np.testing.assert_array_equal(amount.outputs[0], other)
 
 
 def test_a_holdout_is_scored_after_its_first_samples(banded: Explanation, two_poles: Callable[..., FloatArray]) -> None:
@@ -139,8 +139,8 @@ def test_a_holdout_is_scored_after_its_first_samples(banded: Explanation, two_po
     # two_poles counts from its own first input; the model from the first one of the fit's record.
     bend = [np.maximum(x - 0.3, 0.0) + np.minimum(x + 0.4, 0.0) for x in (u[0], data.u_scale.back(data.u[0]))]
     y = y + bend[0] - bend[1] + 0.01 * np.random.default_rng(3).standard_normal(u.size)
-    other = data.u_scale.of(u), data.y_scale.of(y)
-    amount = score_explanation(banded, None, other, np.random.default_rng(0))
+    held_out = hold_out(data, (u, y))
+    amount = score_fits(held_out, banded.path[0], banded.best, np.random.default_rng(0))
     assert amount.scored.tolist() == [False] * 50 + [True] * (u.size - 50)
     assert amount.after_fit is banded.best
     assert amount.after * data.y_scale.unit < 0.02
@@ -148,28 +148,10 @@ def test_a_holdout_is_scored_after_its_first_samples(banded: Explanation, two_po
     assert amount.closed > 0.85
 
 
-def test_how_much_scores_two_fits_on_the_rows_that_it_is_given(banded: Explanation) -> None:
-    base, best = banded.path[0], banded.best
-    scored = np.arange(banded.data.samples) >= 300
-    amount = score_fits(banded.data, base, best, scored, np.random.default_rng(0), floor=0.0)
-    e0, e1 = banded.data.y - base.output, banded.data.y - best.output
-    assert amount.before == pytest.approx(np.sqrt(np.mean(e0[300:] ** 2)))
-    assert amount.closed == pytest.approx(1.0 - np.sqrt(np.mean(e1[300:] ** 2) / np.mean(e0[300:] ** 2)))
-    assert score_fits(banded.data, base, base, scored, np.random.default_rng(0), floor=0.0).closed == 0.0
-
-
-def test_the_black_box_explains_the_input_dependent_part_only(plain: Explanation) -> None:
-    e = told_by_the_input(plain, 0.1)
-    assert np.mean(black_box_residual(plain.data, plain.best, e) ** 2) < 0.1 * np.mean(e**2)
-    noise = plain.data.y - plain.best.output
-    assert np.mean(black_box_residual(plain.data, plain.best, noise) ** 2) > 0.8 * np.mean(noise**2)
-
-
 def even(before: float, after: float, floor: float, explanation: Fit, seed: int = 0) -> tuple[float, float]:
     """The interval for errors of constant size, 300 samples fitted and 100 scored."""
-    rows = np.arange(400) % 4 != 0
-    e0, e1 = np.full(400, before), np.full(400, after)
-    return closure_interval(e0, e1, rows, ~rows, floor, explanation, np.random.default_rng(seed))
+    scored, fitted = np.full(100, 1.0), np.full(300, after)
+    return _closure_interval(before * scored, after * scored, fitted, floor, explanation, np.random.default_rng(seed))
 
 
 def with_numbers(fit: Fit, count: int, sigma2: float) -> Fit:

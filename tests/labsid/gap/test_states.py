@@ -11,6 +11,9 @@ from scipy.signal import lfilter
 from labsid._arrays import FloatArray
 from labsid.gap import _rates, _states
 
+UNLOADED = (0.0, 0.0, 0.0, np.inf, 0.0, 0.0, 0.0, None)
+"""Arguments of a loop for an input that changes at the samples, without loads and drifts."""
+
 Held = Callable[[FloatArray, FloatArray, Callable[[FloatArray, float], list[float]]], FloatArray]
 
 
@@ -224,6 +227,37 @@ def test_speed_with_friction_and_a_lag(w: FloatArray, lag_first: bool) -> None:
     motion = _states.simulate_motor(w, a, b, friction, lag_first, 0.3, start, 3)
     np.testing.assert_allclose(motion[:, 0], expected, atol=0.006)
     assert 5 < (motion[:, 1] == 0.0).sum() < 100
+
+
+@pytest.mark.parametrize("smooth", [0.05, 0.2, 0.6])
+def test_friction_that_is_smooth_about_rest(w: FloatArray, held: Held, smooth: float) -> None:
+    c, k, friction, a = 0.3, 0.2, 0.25, 0.3
+    law = smooth, 0.0, 1.0
+
+    def mass(x: FloatArray, value: float) -> list[float]:
+        return [x[1], value - c * x[1] - k * x[0] - friction * float(np.tanh(x[1] / smooth))]
+
+    def motor(x: FloatArray, value: float) -> list[float]:
+        return [a * (value - x[0] - friction * float(np.tanh(x[0] / smooth)))]
+
+    moved = held(w, np.array([0.4, 0.2]), mass)
+    found = _states.simulate_mass(w, c, k, friction, 0.0, 0.4, 0.2, 8, *UNLOADED, law)
+    np.testing.assert_allclose(found, moved, atol=0.02 * moved[:, 0].std())
+    turned = held(w, np.array([0.3]), motor)[:, 0]
+    found = _states.simulate_motor(w, a, 1e3, friction, True, 0.3, float(w[0]), 6, *UNLOADED, law)
+    np.testing.assert_allclose(found[:, 1], turned, atol=0.01)
+
+
+def test_friction_with_a_break_away_peak() -> None:
+    """A slow ramp of force: the mass and the motor start at the peak and jump, because they then slide more easily."""
+    ramp = np.linspace(0.0, 1.0, 400)
+    law = 0.0, 0.2, 0.05
+    motor = _states.simulate_motor(ramp, 0.5, 1e3, 0.3, True, 0.0, 0.0, 12, *UNLOADED, law)[:, 1]
+    mass = _states.simulate_mass(ramp, 1.0, 1e-6, 0.3, 0.0, 0.0, 0.0, 12, *UNLOADED, law)[:, 1]
+    for speed in (motor, mass):
+        start = int(np.argmax(speed > 0.0))
+        assert ramp[start] == pytest.approx(0.5, abs=0.01)
+        assert speed[start + 15] == pytest.approx(ramp[start + 14] - 0.3, abs=0.02)
 
 
 def test_varying_rates_are_exact_from_sample_to_sample(w: FloatArray) -> None:

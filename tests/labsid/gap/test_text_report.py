@@ -3,19 +3,26 @@
 import copy
 
 import pytest
-from gap_reports import PARAMETERS, effect, report, with_experiment, with_holdout, with_plateaus
+from gap_reports import (
+    PARAMETERS,
+    UNSIMULATED,
+    effect,
+    report,
+    with_experiment,
+    with_holdout,
+    with_plateaus,
+    with_rest,
+)
 
-from labsid.gap import sentences
-from labsid.gap.effect_texts import clause, noun
+from labsid.gap import baseline_choice, sentences
+from labsid.gap.black_boxes import KINDS, PATHS
+from labsid.gap.effect_texts import REMAINING_ERRORS, clause, noun
 from labsid.gap.location_text import location_sentences
 from labsid.gap.text_report import format_report
 
 
 def _one_line(text):
     return " ".join(text.split())
-
-
-UNSIMULATED = ("output-dropout", "output-outliers", "output-quantization", "coloured-noise")
 
 
 @pytest.mark.parametrize("name", sorted(set(PARAMETERS) - set(UNSIMULATED)))
@@ -30,7 +37,7 @@ def test_every_effect_is_one_sentence_with_its_share_of_the_gap(name):
 @pytest.mark.parametrize("name", UNSIMULATED)
 def test_sample_faults_close_no_gap(name):
     base = report(name)
-    base["gap"] |= {"before": 0.0102, "after": 0.0102, "closed": None, "ci95": None, "black_box": None}
+    base["gap"] |= {"before": 0.0102, "after": 0.0102, "closed": None, "ci95": None}
     said = sentences.verdict_sentence(base)
     assert said == f"{clause(effect(name))}: {noun(name)}; apart from this, there is no gap beyond noise."
     base["gap"] |= {"before": 0.02, "after": 0.02}
@@ -104,26 +111,159 @@ def test_none_says_which_simulation_was_good_enough():
 
 def test_unknown_lists_the_effects_tried_and_the_residual():
     base = report("input-delay", verdict="unknown")
-    base["gap"] |= {"closed": 0.43, "ci95": [0.08, 0.58], "after": 0.04}
-    base["unexplained"] |= {"share": 0.24, "whiteness_p": 0.0, "input_correlation_p": 1e-9, "repeats": 0.3}
+    base["unexplained"] |= {"whiteness_p": 0.0, "input_correlation_p": 1e-9, "repeats": 0.3}
     text = _one_line(format_report(base))
     assert text.startswith(
-        "None of the 9 effects tried explains the gap: the best candidate, a transport delay, closes only "
-        "43 % [8, 58] of it, and the remaining error exceeds the noise."
+        "None of the 9 effects tried explains the gap: none reduces it on held-out samples by more than chance."
     )
     assert "tried Extra lag, backlash, transport delay, drift of the sensor, lightly damped mode, logger" in text
-    assert "24 % of the gap remains; with the noise, 0.0101 rms" in text
+    assert "The rms simulation error is 0.0644; the noise, with disturbances, is 0.0100" in text
+    assert "100 % of the gap remains; with the noise, 0.0101 rms" in text
     assert "It depends on past inputs (p < 0.001)" in text
     assert "repeats when the input repeats (correlation 0.30)" in text
     assert "Only white noise" not in text
 
 
-def test_unknown_without_improvement_names_no_nearest_effect():
-    base = report("input-delay", verdict="unknown")
-    base["gap"] |= {"closed": 0.0, "ci95": [0.0, 0.0], "after": base["gap"]["before"]}
-    assert sentences.verdict_sentence(base).endswith("none reduces it by more than chance.")
-    base["gap"] |= {"closed": -0.1, "ci95": [-0.9, 0.2], "after": 0.08}
-    assert sentences.verdict_sentence(base).endswith("a transport delay, does not reduce it on held-out samples.")
+def test_unknown_says_which_kind_of_model_predicts_the_error():
+    text = _one_line(format_report(with_rest(report("input-delay", verdict="unknown"), "nonlinear")))
+    assert (
+        "Of the error beyond white noise, 80 % follows the input through nonlinear dynamics (path: dynamics)." in text
+    )
+    assert text.endswith(f"next {REMAINING_ERRORS['nonlinear'].look}")
+
+
+@pytest.mark.parametrize("verdict", ["effect", "none"])
+def test_a_complete_explanation_leaves_nothing_to_look_for(verdict):
+    base = with_rest(report(*["input-delay"] * (verdict == "effect"), verdict=verdict), "linear")
+    assert "remains" not in sentences.verdict_sentence(base)
+    assert sentences.look_sentence(base) is None
+    base["unexplained"] |= {"whiteness_p": 0.5, "input_correlation_p": 0.5}
+    assert sentences.kinds_sentence(base) is None
+    assert "Only white noise remains." in sentences.residual_sentences(base)
+
+
+PART = "explains 97 % [94, 100] of the gap."
+
+
+def test_a_single_effect_explains_a_part():
+    said = sentences.verdict_sentence(with_rest(report("coulomb-friction", verdict="partial"), "linear"))
+    assert said == (
+        f"{clause(effect('coulomb-friction'))}: dry friction {PART} Something else remains: 70 % of it follows the "
+        "input through further linear dynamics (path: dynamics)."
+    )
+
+
+def test_several_effects_explain_a_part_together():
+    base = report("input-dead-zone", "load-step", "resonance", verdict="partial")
+    said = sentences.headline(base)
+    assert said.startswith(
+        "The actuator does not move between 0.458 and 0.875 (a dead zone), an unmeasured load starts"
+    )
+    assert said.endswith("0.0591 (a lightly damped mode). Together they explain 97 % [94, 100] of the gap.")
+    base["effects"][1]["probability"], base["effects"][2]["probability"] = 0.7, 0.2
+    said = sentences.headline(base)
+    assert (
+        ", and probably an unmeasured load starts at 374.2 s and changes the output by -0.210 (a load step, 70 %)"
+        in said
+    )
+    assert said.endswith(
+        "Together with a lightly damped mode (20 %), which is less certain, they explain 97 % [94, 100] of the gap."
+    )
+    base["effects"][1]["probability"] = 0.4
+    assert sentences.headline(base) == (
+        "The actuator does not move between 0.458 and 0.875 (a dead zone). Together with a load step (40 %) and a "
+        f"lightly damped mode (20 %), which are less certain, this {PART}"
+    )
+
+
+def test_effects_that_are_less_probable_than_not_are_not_said_to_act():
+    base = report("input-delay", verdict="partial", probability=0.3)
+    assert sentences.headline(base) == (
+        "A transport delay (30 %) explains 97 % [94, 100] of the gap, but the true cause may be another one."
+    )
+    assert "possible   a transport delay (input-delay), probability 30 %" in format_report(base)
+    base = report("input-delay", "resonance", verdict="partial", probability=0.3)
+    assert sentences.headline(base).startswith(
+        "A transport delay (30 %) and a lightly damped mode (30 %) together explain 97 %"
+    )
+
+
+def test_a_part_without_a_closed_share_is_given_in_errors():
+    base = report("input-delay", verdict="partial")
+    base["gap"] |= {"closed": None, "ci95": None}
+    assert sentences.headline(base).endswith(
+        "a transport delay reduces the rms simulation error from 0.0644 to 0.0102."
+    )
+
+
+def test_the_texts_on_the_rest_are_those_of_the_black_boxes():
+    assert tuple(REMAINING_ERRORS) == KINDS
+    assert sentences.KIND_PATHS == PATHS
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_every_kind_of_rest_is_said_with_its_share_and_what_to_look_at(kind):
+    base = with_rest(report("input-delay", verdict="partial"), kind)
+    texts, kinds = REMAINING_ERRORS[kind], base["unexplained"]["kinds"]
+    simpler = [] if kind == "disturbance" else KINDS[: KINDS.index(kind)]  # a model contains the simpler ones
+    share = f"{100 * sum(kinds[name] for name in (*simpler, kind)):.0f} %"
+    said = sentences.remaining_sentence(base)
+    assert said == f"Something else remains: {share} of it {texts.what} (path: {PATHS[kind]})."
+    text = _one_line(format_report(base))
+    assert said in text
+    assert f"The error beyond white noise by kind: {texts.label} {100 * kinds[kind]:.0f} %" in text
+    assert text.endswith(f"next {texts.look}")
+    assert "Only white noise remains" not in text
+
+
+def test_the_rest_is_attributed_to_the_path_even_if_another_kind_is_larger():
+    """A curve ahead counts if it predicts nearly all that can be predicted, however much a linear filter does."""
+    base = with_rest(report("input-delay", verdict="partial"), "input")
+    kinds = {"linear": 0.6, "input": 0.3, "output": 0.0, "nonlinear": 0.0, "time": 0.0, "disturbance": 0.1}
+    base["unexplained"]["kinds"] = kinds
+    assert sentences.remaining_sentence(base) == (
+        f"Something else remains: 90 % of it {REMAINING_ERRORS['input'].what} (path: input)."
+    )
+    assert sentences.look_sentence(base) == REMAINING_ERRORS["input"].look
+
+
+def test_a_rest_of_no_kind_is_still_said():
+    base = report("input-delay", verdict="partial")
+    assert sentences.remaining_sentence(base) == "Something else remains."
+    assert sentences.kinds_sentence(base) is None
+    assert "Only white noise remains" not in format_report(base)
+
+
+@pytest.mark.parametrize(
+    ("kind", "end"), [("disturbance", "but they predict only a small part of it."), ("linear", "is missing.")]
+)
+def test_the_test_on_past_inputs_does_not_contradict_the_kind_of_the_rest(kind, end):
+    base = with_rest(report("input-delay", verdict="partial"), kind)
+    (said,) = (text for text in sentences.residual_sentences(base) if "past inputs" in text)
+    assert said.endswith(end)
+
+
+def test_the_methods_of_the_linear_model_are_those_of_its_choice():
+    assert sentences.OUTPUT_ERROR == baseline_choice.OUTPUT_ERROR
+    assert sentences.FIRST_ORDER == baseline_choice.FIRST_ORDER
+
+
+@pytest.mark.parametrize(
+    ("method", "observed", "words"),
+    [
+        ("output error of first order", True, "The record does not support a linear model of the order asked for"),
+        ("least squares", True, "The linear model was fitted by least squares, one step ahead"),
+        ("output error", False, "Its slowest pole is too slow for this record to show."),
+        ("least squares", False, "output-error fit. Its slowest pole is too slow"),
+    ],
+)
+def test_a_linear_model_other_than_asked_for_is_said(method, observed, words):
+    base = report("input-delay", verdict="partial")
+    assert sentences.baseline_sentence(base) is None
+    base["simulation"]["model"] = {"method": method, "observed": observed}
+    assert words in sentences.baseline_sentence(base)
+    assert words in _one_line(format_report(base))
+    assert sentences.baseline_sentence(report("parameter-mismatch")) is None
 
 
 def test_a_set_is_named_as_one_and_not_twice():
@@ -132,33 +272,12 @@ def test_a_set_is_named_as_one_and_not_twice():
         "The record does not rule out a rate limit of the actuator or an extra lag instead. Probability: "
         "a transport delay 58 %."
     )
-    unknown = report("input-delay", verdict="unknown") | {"ambiguous": ["input-delay"]}
-    assert sentences.ambiguity_sentence(unknown) is None  # the verdict has named it
-    unknown["ambiguous"] = ["resonance"]
-    assert sentences.ambiguity_sentence(unknown).startswith(
-        "The best fits include a lightly damped mode, but none is accepted"
+    part = report("input-delay", "load-step", verdict="partial") | {"ambiguous": ["extra-lag"]}
+    assert sentences.ambiguity_sentence(part).startswith(
+        "The record does not rule out an extra lag in the place of one of the effects. Probability: a transport delay"
     )
     none = report(verdict="none") | {"ambiguous": ["extra-lag"]}
     assert sentences.ambiguity_sentence(none) == "The record does not rule out an extra lag."
-
-
-def test_a_visible_limit_is_reported_apart_from_the_nearest_effect():
-    base = report("overflow", probability=0.8) | {
-        "beside": ["output-nonlinearity"],
-        "ambiguous": ["output-nonlinearity"],
-    }
-    said = sentences.verdict_sentence(base)
-    assert said.startswith(f"Probably {sentences.uncapitalised(clause(effect('overflow')))}: an overflow; the output")
-    assert said.endswith(
-        "It is not the only cause: the best candidate, which adds a curved characteristic of the sensor, "
-        "closes 97 % [94, 100] of the gap."
-    )
-    assert sentences.ambiguity_sentence(base).startswith("The additional cause is uncertain: a curved characteristic")
-    assert sentences.other_causes_sentence(base).startswith("Of the first row, only the effect named above")
-    assert sentences.is_incomplete(base)
-    assert not sentences.is_incomplete(report("overflow"))
-    base["gap"] |= {"closed": -0.1, "ci95": [-0.4, 0.2]}
-    assert "closes none of the gap on held-out samples." in sentences.verdict_sentence(base)
 
 
 @pytest.mark.parametrize(("margin", "how"), [(41.0, "reliable"), (9.0, "probably correct")])
@@ -225,14 +344,16 @@ def test_unrepeated_levels_are_reported_with_the_simulation_error():
     (said,) = sentences.record_sentences(base)
     assert said == (
         "The output does not come back to the same level. It should. Between these levels the simulation error "
-        "varies by 0.0400 rms; over the whole record it is 0.0500 rms. With the cause added, this variation is "
+        "varies by 0.0400 rms; over the whole record it is 0.0500 rms. After adding the cause, this variation is "
         "0.00400 rms."
     )
     assert said in _one_line(format_report(base))
     base = with_plateaus(report("output-drift"), left=0.0)
-    assert sentences.record_sentences(base)[0].endswith("With the cause added, this variation is no larger than noise.")
+    assert sentences.record_sentences(base)[0].endswith(
+        "After adding the cause, this variation is no larger than noise."
+    )
     base = with_plateaus(report("output-drift", verdict="unknown"), left=0.6)
-    assert "No effect tried explains this." in sentences.record_sentences(base)[0]
+    assert sentences.record_sentences(base)[0].endswith("No effect tried explains this.")
     assert sentences.verdict_sentence(base).endswith("the output settles at different levels.")
 
 
@@ -241,10 +362,15 @@ def test_without_record_findings_the_row_is_absent():
     assert "\nrecord" not in format_report(report("output-drift"))
 
 
-def test_the_remaining_probability_of_other_causes_is_reported():
-    base = report("input-delay", verdict="unknown")
-    assert sentences.other_causes_sentence(base).endswith("the first row is only the best candidate.")
-    for row in base["ranking"]:
-        row["probability"] *= 0.3
-    assert sentences.other_causes_sentence(base).endswith("The remaining 70 % is for causes that are not in the table.")
-    assert sentences.other_causes_sentence(report("input-delay")) == ""
+def test_the_ranking_is_introduced_by_what_it_compares():
+    assert "probabilities compare the candidates" in sentences.ranking_sentence(report("input-delay"))
+    assert sentences.ranking_sentence(report(verdict="none")).endswith("On this record none is needed.")
+    unknown = report("input-delay", verdict="unknown")
+    assert sentences.ranking_sentence(unknown).endswith("None reduces this error by more than chance.")
+    part = report("input-delay", verdict="partial")
+    said = sentences.ranking_sentence(part)
+    assert said.endswith("The accepted effect reduces this error by more than chance.")
+    assert "its error is that on held-out samples" in said
+    part["ranking"][1]["rmse"] = 0.001
+    assert sentences.ranking_sentence(part).endswith("Candidates with a smaller error contain an effect that does not.")
+    assert "on the holdout record" in sentences.ranking_sentence(with_holdout(part))

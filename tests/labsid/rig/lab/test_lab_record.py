@@ -1,4 +1,4 @@
-"""The stand-in beside the real record, and sixty students' records through the lab's procedure."""
+"""The stand-in beside the real record, and thirty students' records through the lab's procedure."""
 
 import hashlib
 
@@ -19,7 +19,7 @@ from labsid.rig import (
 from labsid.rig.lab.tanks import steady_levels
 
 SECRET = b"a secret for the tests alone"
-IDS = [f"z{5000000 + i}" for i in range(60)]
+IDS = [f"z{5000000 + i}" for i in range(30)]
 STEP = 0.0048828125
 MAKERS = [make_lab_record, make_verification_record, make_empty_start_record]
 
@@ -161,7 +161,7 @@ def test_no_student_can_hand_in_another_s_theta(identified):
     theta = np.array([result.fit.theta for result in identified])
     apart = np.abs(theta[:, None] - theta[None]).max(axis=2)
     np.fill_diagonal(apart, np.inf)
-    assert apart.min() > 1e-4  # the nearest two of 1,770 pairs, in their most different coefficient
+    assert apart.min() > 1e-4  # the nearest two of 435 pairs, in their most different coefficient
     assert np.median(apart.min(axis=1)) > 3e-3
 
 
@@ -173,7 +173,7 @@ def test_students_rigs_behave_differently(identified):
     assert 15 < min(tau) < 25 < 35 < max(tau) < 50
 
 
-@pytest.mark.parametrize("student", [None, *IDS[:8]])
+@pytest.mark.parametrize("student", [None, *IDS[:3]])
 def test_a_model_of_the_lab_record_is_valid_on_the_verification_record(student):
     secret = SECRET if student else None
     lab, other = make_lab_record(student, secret), make_verification_record(student, secret)
@@ -186,7 +186,7 @@ def test_a_model_of_the_lab_record_is_valid_on_the_verification_record(student):
     assert np.mean(error**2) < 0.02 * np.var(other.y_noise_reduced)
 
 
-@pytest.mark.parametrize("student", [None, *IDS[:8]])
+@pytest.mark.parametrize("student", [None, *IDS[:3]])
 def test_an_empty_start_settles(student):
     log = make_empty_start_record(student, SECRET if student else None)
     lab = make_lab_record(student, SECRET if student else None)

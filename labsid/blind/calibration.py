@@ -1,0 +1,81 @@
+"""Fit the probabilities of partial explanations to the `dev` suite: ``python -m labsid.blind.calibration``.
+
+The diagnosis runs on the `dev` records of the rows below. Every effect of every partial explanation is one observation:
+its evidence, as the report gives it, and whether the rig has that effect. A logistic regression with a weak ridge gives
+the constants of `labsid.gap.decision`, which this module prints and does not import.
+"""
+
+import argparse
+from collections.abc import Iterable, Sequence
+
+import numpy as np
+from scipy.optimize import minimize
+
+from labsid._arrays import FloatArray
+from labsid.blind.metrics import CaseOutcome
+from labsid.blind.runner import run_batch
+from labsid.blind.suite import label_dict, make_cases
+
+ROWS = ("single-clear", "single-hard", "short", "pair", "unknown", "partial")
+RIDGE = 0.5  # prior precision of every weight
+Observation = tuple[dict[str, float], bool]
+
+
+def observations(cases: Iterable[CaseOutcome]) -> list[Observation]:
+    """Evidence for each effect of the partial explanations, and whether the rig has it.
+
+    Parameters
+    ----------
+    cases : iterable of CaseOutcome
+    """
+    found = []
+    for case in cases:
+        if case.result is not None and case.result.get("verdict") == "partial":
+            for effect in case.result["effects"]:
+                found.append((effect["evidence"], effect["name"] in case.label["labels"]))
+    return found
+
+
+def fit_weights(found: Sequence[Observation]) -> tuple[float, dict[str, float]]:
+    """Constant and weights of a logistic regression.
+
+    Parameters
+    ----------
+    found : sequence of (dict, bool)
+        From `observations`.
+
+    Raises
+    ------
+    ValueError
+        If there are no observations of either outcome.
+    """
+    if len({right for _, right in found}) < 2:
+        raise ValueError(f"both right and wrong effects are needed; got {len(found)} of one kind. Use more records.")
+    names = list(found[0][0])
+    X = np.array([[1.0, *(evidence[name] for name in names)] for evidence, _ in found])
+    sign = np.array([1.0 if right else -1.0 for _, right in found])
+
+    def cost(weights: FloatArray) -> float:
+        return float(np.sum(np.logaddexp(0.0, -sign * (X @ weights))) + 0.5 * RIDGE * np.sum(weights[1:] ** 2))
+
+    constant, *weights = minimize(cost, np.zeros(X.shape[1]), method="BFGS").x
+    return float(constant), dict(zip(names, map(float, weights), strict=True))
+
+
+def main(arguments: Sequence[str] | None = None) -> None:
+    """Run the diagnosis on the `dev` records and print the constants."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--per-row", type=int, default=80, help="records of each row")
+    parser.add_argument("--jobs", type=int, default=2, help="processes")
+    chosen = parser.parse_args(arguments)
+    cases = list(make_cases("dev", chosen.per_row, ROWS, chosen.jobs))
+    results, _ = run_batch(cases, chosen.jobs)
+    found = observations(CaseOutcome(label_dict(case), results.get(case.name)) for case in cases)
+    constant, weights = fit_weights(found)
+    print(f"{len(found)} effects of partial explanations, {sum(right for _, right in found)} of them right")
+    print(f"PARTIAL_PRIOR = {constant:.1f}")
+    print(f"PARTIAL_WEIGHTS = PartialEvidence({', '.join(f'{name}={weight:.1f}' for name, weight in weights.items())})")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,37 @@
+"""Tables of the command group ``labsid gap``."""
+
+from collections.abc import Sequence
+
+from rich.console import Console
+from rich.table import Table
+
+from labsid.gap.quantities import number
+from labsid.gap.rigs import RigResult
+
+WIDTH = 130  # characters of a table that is written to a file
+
+
+def print_rigs(results: Sequence[RigResult]) -> None:
+    """Print a row for each rig: errors on the second record, verdict, named effects and what is left."""
+    table = Table(title="Errors (rms, free run) on the second record, in units of y", caption_justify="left")
+    for title in ("rig", "linear", "simple", "exported", "ratio", "verdict", "effects (probability)", "left", "s"):
+        table.add_column(title, justify="right" if title in ("linear", "simple", "exported", "ratio", "s") else "left")
+    for one in results:
+        ratio = one.after / one.before if one.before > 0.0 else 1.0
+        table.add_row(
+            one.name,
+            number(one.before) + (" !" if one.is_poor_baseline else ""),
+            number(one.simple),
+            number(one.after),
+            f"{ratio:.2f}" + (" !" if one.is_worse else ""),
+            one.verdict,
+            ", ".join(f"{name} ({p:.2f})" for name, p in one.effects) or "–",
+            one.remaining or "–",
+            f"{one.seconds:.1f}",
+        )
+    table.caption = (
+        "linear: the model that the diagnosis starts from; simple: the better of least squares and first-order output "
+        "error; exported: the simulation with the effects; left: path of the remaining error. ! misses its limit."
+    )
+    console = Console()
+    (console if console.is_terminal else Console(width=WIDTH)).print(table)
