@@ -13,7 +13,7 @@ from threading import Lock
 
 from autograder.course.individual_data import generator_hash, individual_file, is_individual
 from autograder.course.layout import Course, Template
-from autograder.course.own_secret import own_secret, shared_file
+from autograder.course.own_secret import read_own_secret, shared_file
 from autograder.course.solutions import right_functions
 from autograder.judge.judging import Assets
 from labsid._files import write_file
@@ -61,12 +61,12 @@ class DataStore:
     @property
     def seed(self) -> bytes:
         """Seed of the hidden inputs of functions under test."""
-        return own_secret(self.course) if self.secret is None else self.secret
+        return read_own_secret(self.course) if self.secret is None else self.secret
 
     @property
     def shared_origin(self) -> Origin:
         """Origin of the course's own records, used by everybody without an individual one."""
-        return Origin(STAND_IN_STUDENT, own_secret(self.course))
+        return Origin(STAND_IN_STUDENT, read_own_secret(self.course))
 
 
 def inputs_for(data_store: DataStore, template: Template, student: str) -> GradingInputs:

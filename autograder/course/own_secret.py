@@ -32,7 +32,7 @@ def make_own_secret(course: Course) -> bool:
     return True
 
 
-def own_secret(course: Course) -> bytes:
+def read_own_secret(course: Course) -> bytes:
     """The course's own secret, or the public one if it has none; `ValueError` if the file holds no valid secret."""
     return read_secret(course.secret_file) if course.secret_file.is_file() else PUBLIC_SECRET
 
@@ -48,7 +48,7 @@ def shared_file(course: Course, name: str) -> Path:
     """
     if name != RECORD_FILE or not course.secret_file.is_file():
         return course.data / name
-    secret = own_secret(course)
+    secret = read_own_secret(course)
     folder = course.own_data / hmac.new(secret, name.encode(), hashlib.sha256).hexdigest()[:32]
     if not (folder / name).is_file():
         folder.mkdir(parents=True, exist_ok=True)

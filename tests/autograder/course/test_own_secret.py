@@ -6,7 +6,7 @@ import pytest
 
 from autograder.batch.grading_inputs import DataStore, inputs_for
 from autograder.course.layout import Course, read_template
-from autograder.course.own_secret import PUBLIC_SECRET, make_own_secret, own_secret, shared_file
+from autograder.course.own_secret import PUBLIC_SECRET, make_own_secret, read_own_secret, shared_file
 from labsid.rig.switchable.withheld import withheld_record_bytes
 from labsid.rig.switchable.withheld_effects import RECORD_FILE, STAND_IN_STUDENT
 
@@ -24,22 +24,22 @@ def mine(course: Course, tmp_path: Path) -> Course:
 
 
 def test_a_course_makes_its_secret_once(mine: Course) -> None:
-    made = own_secret(mine)
+    made = read_own_secret(mine)
     assert len(made) == 64
     assert not make_own_secret(mine)
-    assert own_secret(mine) == made
+    assert read_own_secret(mine) == made
     if os.name == "posix":
         assert stat.S_IMODE(mine.secret_file.stat().st_mode) == 0o600
 
 
 def test_without_a_secret_of_its_own_a_course_uses_the_public_one(course: Course) -> None:
-    assert own_secret(course) == PUBLIC_SECRET
+    assert read_own_secret(course) == PUBLIC_SECRET
     assert shared_file(course, RECORD_FILE) == course.data / RECORD_FILE
 
 
 def test_what_is_withheld_cannot_be_computed_from_what_is_public(mine: Course, course: Course) -> None:
     path = shared_file(mine, RECORD_FILE)
-    assert path.read_bytes() == withheld_record_bytes(STAND_IN_STUDENT, own_secret(mine))
+    assert path.read_bytes() == withheld_record_bytes(STAND_IN_STUDENT, read_own_secret(mine))
     assert path.read_bytes() != shared_file(course, RECORD_FILE).read_bytes()
     assert shared_file(mine, "SysIdenData_StudentVersion.mat").parent == mine.data
 
@@ -48,5 +48,5 @@ def test_the_shared_record_is_graded_with_the_secret_of_its_course(mine: Course,
     inputs = inputs_for(DataStore(mine, None, tmp_path / "records"), read_template(mine, GAP), "ann")
     assert inputs.files == {RECORD_FILE: shared_file(mine, RECORD_FILE)}
     assert inputs.assets.origin is not None
-    assert (inputs.assets.origin.student, inputs.assets.origin.secret) == (STAND_IN_STUDENT, own_secret(mine))
-    assert inputs.assets.secret == own_secret(mine)
+    assert (inputs.assets.origin.student, inputs.assets.origin.secret) == (STAND_IN_STUDENT, read_own_secret(mine))
+    assert inputs.assets.secret == read_own_secret(mine)

@@ -119,7 +119,7 @@ RIGHT_THETA = r"\(Judged on the right values of lab-2b-theta\.\)$"
             "prelab-sinusoids",
             answers(prelab_3_cut="t_new = t[200:]\nt_new -= 20\ny1_new, y2_new = y1[200:], y2[200:]"),
             {"prelab-3-cut"},
-            {"prelab-3-cut": "^`t` has changed in this step"},
+            {"prelab-3-cut": "^`t` itself has changed"},
             id="a view changed in place",
         ),
         pytest.param("prelab-sinusoids", ROW, {"prelab-1-time"}, {}, id="rows in place of columns, from the start"),

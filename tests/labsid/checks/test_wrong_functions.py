@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from itertools import groupby
+from typing import Any
 
 import matplotlib.pyplot as plt
 import numpy as np
@@ -9,6 +10,7 @@ import pytest
 from variants import Wrong, variants_of
 
 from labsid.checks.notebook import load_assignment
+from labsid.checks.question import Question
 
 LECTURES = (
     "least-squares",
@@ -26,6 +28,16 @@ WRONG = [
         key=lambda v: v.question,
     )
 ]
+
+
+def passes(check: Question, asked: Any, variant: Wrong) -> bool:
+    """Whether the verdict is right, unless the check calls the function through a helper of the notebook.
+
+    Such a helper still calls the right function here; `test_variants` runs the whole notebook.
+    """
+    passed = check.verdict(asked).passed
+    written = " ".join(variant.code.values())
+    return passed and (not asked.called or any(f"def {name}(" in written for name in asked.called))
 
 
 @pytest.mark.slow
@@ -46,5 +58,7 @@ def test_no_wrong_function_passes_by_luck(
         finally:
             plt.close("all")
         with np.errstate(all="ignore"):
-            passed += [(variant.name, seed) for seed in range(DRAWS) if check.verdict(answers(variables, seed)).passed]
+            passed += [
+                (variant.name, seed) for seed in range(DRAWS) if passes(check, answers(variables, seed), variant)
+            ]
     assert passed == []

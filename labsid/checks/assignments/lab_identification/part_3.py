@@ -120,11 +120,11 @@ def _measured_and_simulated(ask: Ask) -> tuple[FloatArray, FloatArray, FloatArra
 def check_initial_state(ask: Ask) -> Verdict:
     """Step 3b: a function that simulates from the estimated state, tried on unseen records.
 
-    Where the student's signals are columns, it may be written for columns or for flat arrays.
+    It may be written for flat arrays or for columns, whichever the student's signals are.
     """
     is_column = np.ndim(ask.known("y")) == 2  # type: ignore[arg-type]
     verdicts = []
-    for shape in ((-1, 1), (-1,)) if is_column else ((-1,),):
+    for shape in ((-1, 1), (-1,)) if is_column else ((-1,), (-1, 1)):
         try:
             verdicts.append(_check_shape(ask, shape))
         except NoAnswer as nothing:
