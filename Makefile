@@ -8,9 +8,10 @@ unexport PYTHONDONTWRITEBYTECODE
 PYTHON ?=
 PYTEST_ARGS ?=
 BARS_ARGS ?=
+FUZZ_ARGS ?=
 
 .DEFAULT_GOAL := help
-.PHONY: help demo test check lint format bars bench lock clean set-up
+.PHONY: help demo test check lint format bars fuzz bench lock clean set-up
 
 help:  ## this list
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  make %-8s %s\n", $$1, $$2 }' Makefile
@@ -35,6 +36,9 @@ format: set-up  ## rewrite the code in the project's format
 
 bars: set-up  ## every bar of the grading, measured here: marks, slips, attacks, speed beside nbgrader, kills (minutes)
 	@.venv/bin/python -P tests/bars_grading.py $(BARS_ARGS)
+
+fuzz: set-up  ## hostile values, and mutated hand-ins, zip files, records and models (minutes)
+	@.venv/bin/python -P tests/fuzz.py $(FUZZ_ARGS)
 
 bench: set-up  ## labsid beside its peers, in one run; fetches the peers into build/bench
 	@sh .ci/bench

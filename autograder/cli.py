@@ -27,8 +27,11 @@ def course_build() -> None:
     """Build notebooks/*.md into autograder/source and autograder/release."""
     from autograder.course.build import build_course
     from autograder.course.layout import find_course
+    from autograder.course.own_secret import make_own_secret
 
     here = find_course()
+    if make_own_secret(here):
+        print(f"Made {here.secret_file}, the seed of what is withheld from students: a build elsewhere needs a copy.")
     names = list(_progress(build_course(here), len(here.assignments()), "building"))
     print(f"Built {len(names)} assignments: {', '.join(names)}.")
     print(f"Release: {here.release}")
@@ -114,6 +117,7 @@ def course_grade(
     from autograder.course.nbgrader_access import import_nbgrader_api
     from autograder.results.late import parse_rules
     from autograder.results.summary import class_table
+    from autograder.sandbox.escapes import open_escapes
     from labsid.rig import read_secret
 
     if isolation not in ("strict", "best", "none"):
@@ -122,14 +126,14 @@ def course_grade(
     key = None if secret is None else read_secret(secret)
     here = find_course()
     batch = find_batch(here, submitted, assignment)
+    for name in batch.ignored:
+        _warn(f"{name}: not graded, because the folder's name is not valid UTF-8. Rename it to the student's ID.")
     Thread(target=import_nbgrader_api, daemon=True).start()  # slow, as is opening the launcher: do both at a time
     total = len(batch.students) * len(batch.assignments)
     try:
         with open_executor(isolation, jobs, scheduler, _warn) as executor:
-            if executor.level == "none":
-                _warn(
-                    "NOT ISOLATED: student code runs in a process with limits, but can read the files of its machine."
-                )
+            if open_to_students := open_escapes(executor.level):
+                _warn(f"NOT ISOLATED: student code runs with limits, but can {'; '.join(open_to_students)}.")
             graded = list(_progress(grade_batch(here, batch, out, executor, key, rules), total, "grading"))
     except KeyboardInterrupt:
         raise ValueError("interrupted. Finished results are kept; run the same command again to continue.") from None

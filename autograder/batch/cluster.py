@@ -25,6 +25,7 @@ from autograder.batch.cluster_worker import (
     run_on_worker,
     worker_requirements,
 )
+from autograder.batch.judge_process import JudgeProcess
 from autograder.batch.tasks import Task
 from autograder.course.plain_text import one_line
 from autograder.intake.submission import quarantined_submission
@@ -125,8 +126,8 @@ class ClusterExecutor:
         self.level = max(self._levels.values(), key=LEVELS.index)
         self.max_pending = min(max(2 * threads, _MIN_PENDING), _MAX_PENDING)
 
-    def run(self, task: Task) -> SubmissionResult:
-        """Execute and judge on a worker, or on this machine if the workers fail."""
+    def run(self, task: Task, judge: JudgeProcess) -> SubmissionResult:
+        """Execute and judge on a worker, or on this machine if the workers fail; `judge` is not used."""
         with self._scheduler_errors():
             while True:
                 rejected = len(self._rejected)

@@ -10,10 +10,12 @@ from dataclasses import dataclass
 from threading import Lock
 
 from autograder.batch.fingerprint import JUDGING, checks_module, environment
-from autograder.batch.tasks import Task, run_task
+from autograder.batch.judge_process import JudgeError, JudgePool
+from autograder.batch.tasks import Task, refused_result, run_task
 from autograder.course.sources import sources_hash
 from autograder.judge.outcome import SubmissionResult
-from autograder.sandbox.doctor import TCP, is_blocked
+from autograder.sandbox.doctor import is_blocked
+from autograder.sandbox.escapes import TCP
 from autograder.sandbox.isolation import Limits, ProcessLauncher, open_launcher
 from labsid.checks.notebook import assignment_names, load_assignment
 
@@ -69,15 +71,21 @@ def check_worker(requirements: WorkerRequirements) -> str | Failure:
 def run_on_worker(requirements: WorkerRequirements, task: Task) -> SubmissionResult | Failure:
     """Execute and judge a submission."""
     try:
-        return run_task(task, _launcher(requirements))
+        launcher = _launcher(requirements)
+        with _JUDGES.borrow() as judge:
+            return judge.call(run_task, task, launcher=launcher)
+    except JudgeError as error:
+        return refused_result(task.submission.student, task.assets.template, launcher.level, error)
     except Exception as error:
         return Failure(f"{type(error).__name__}: {error}")
 
 
+_JUDGES = JudgePool()
 _LAUNCHERS: dict[WorkerRequirements, ProcessLauncher] = {}
 _OPENING = Lock()
 _TO_CLOSE = contextlib.ExitStack()
 atexit.register(_TO_CLOSE.close)
+atexit.register(_JUDGES.close)
 
 
 def _launcher(requirements: WorkerRequirements) -> ProcessLauncher:

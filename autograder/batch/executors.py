@@ -5,6 +5,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
 from autograder.batch.cluster import open_cluster
+from autograder.batch.judge_process import JudgeProcess
 from autograder.batch.tasks import Executor, Task, run_task
 from autograder.judge.outcome import SubmissionResult
 from autograder.sandbox.isolation import ProcessLauncher, open_launcher
@@ -30,9 +31,9 @@ class LocalExecutor:
         """The launcher's isolation level."""
         return self.launcher.level
 
-    def run(self, task: Task) -> SubmissionResult:
+    def run(self, task: Task, judge: JudgeProcess) -> SubmissionResult:
         """Execute and judge a submission."""
-        return run_task(task, self.launcher)
+        return judge.call(run_task, task, launcher=self.launcher)
 
     def close(self) -> None:
         """End every student process."""

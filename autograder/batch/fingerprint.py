@@ -11,6 +11,7 @@ from pathlib import Path
 from autograder.batch.grading_inputs import DataStore, GradingInputs, data_hash
 from autograder.course.layout import Template
 from autograder.course.sources import sources_hash
+from autograder.intake.submission import MAX_NOTEBOOK_BYTES, is_plain_file
 from autograder.results.result_files import StoredResult
 
 JUDGING = (
@@ -39,12 +40,13 @@ def result_fingerprint(data_store: DataStore, inputs: GradingInputs, folder: Pat
     Returns
     -------
     dict
-        ``submission``, ``release`` (cells and points), ``check`` (source files), ``data`` (record and the seed of
-        hidden inputs) and ``environment`` (versions).
+        ``submission``, ``release`` (cells and points), ``solution`` (the functions that replace wrong ones), ``check``
+        (source files), ``data`` (record and the seed of hidden inputs) and ``environment`` (versions).
     """
     return {
         "submission": submission_hash(folder, Path(inputs.assets.assignment.record_file or "").suffix),
         "release": template_hash(inputs.assets.template),
+        "solution": hashlib.sha256(repr(sorted(inputs.assets.functions.items())).encode()).hexdigest(),
         "check": sources_hash(checks_module(inputs.assets.template.assignment), *JUDGING),
         "data": data_hash(data_store, inputs),
         "environment": environment_hash(),
@@ -61,14 +63,21 @@ def submission_hash(folder: Path, data_suffix: str) -> str:
     digest = hashlib.sha256()
     kinds = {".ipynb", data_suffix}
     entries = sorted(folder.iterdir()) if folder.is_dir() else []
-    for path in (path for path in entries if path.suffix in kinds and path.is_file()):
-        try:
-            with path.open("rb") as file:
-                content = hashlib.file_digest(file, "sha256").digest()
-        except OSError as error:
-            content = str(error).encode()
-        digest.update(os.fsencode(path.name) + b"\0" + content)
+    for path in (path for path in entries if path.suffix in kinds):
+        digest.update(os.fsencode(path.name) + b"\0" + _content_hash(path))
     return digest.hexdigest()
+
+
+def _content_hash(path: Path) -> bytes:
+    """Fingerprint of a file; of links, devices and files too large to be graded only of what they are."""
+    try:
+        if not is_plain_file(path, MAX_NOTEBOOK_BYTES):
+            found = path.lstat()
+            return f"{found.st_mode} {found.st_size} {found.st_mtime_ns}".encode()
+        with path.open("rb") as file:
+            return hashlib.file_digest(file, "sha256").digest()
+    except OSError as error:
+        return str(error).encode()
 
 
 def template_hash(template: Template) -> str:

@@ -1,6 +1,9 @@
 """Grade a whole class: read the submissions, judge them in parallel, write the results in one thread."""
 
 import contextlib
+import hashlib
+import hmac
+import shlex
 import sqlite3
 from collections.abc import Iterator, Mapping
 from concurrent.futures import Future, ThreadPoolExecutor, as_completed
@@ -10,19 +13,20 @@ from decimal import Decimal
 from pathlib import Path
 
 from autograder.batch.fingerprint import reason_for_regrading, result_fingerprint
-from autograder.batch.grading_inputs import DataStore, GradingInputs, inputs_for
-from autograder.batch.tasks import Executor, Task
-from autograder.batch.wrong_record import flag_wrong_record
+from autograder.batch.grading_inputs import DataStore, inputs_for
+from autograder.batch.hand_ins import HandIn, judge_hand_in
+from autograder.batch.judge_process import JudgePool
+from autograder.batch.tasks import Executor
 from autograder.course.layout import Course, Template, read_template
-from autograder.intake.submission import Submission, quarantined_submission, read_submission
-from autograder.judge.outcome import SubmissionResult, ungraded_result
+from autograder.intake.submission import Submission, quarantined_submission
+from autograder.judge.outcome import SubmissionResult
 from autograder.results import gradebook, result_files
 from autograder.results.autograded import write_autograded
 from autograder.results.grades import write_grades
 from autograder.results.late import ON_TIME, LateRules, late_penalty, read_timestamp
 from autograder.results.result_files import StoredResult
-from autograder.results.similar import code_fingerprints
 from autograder.sandbox.isolation import is_weaker
+from labsid._files import write_text
 
 
 @dataclass(frozen=True, slots=True)
@@ -54,11 +58,14 @@ class Batch:
     submitted : Path
     students : tuple of str
     assignments : tuple of str
+    ignored : tuple of str
+        Folders whose names are not valid Unicode: no gradebook and no table can hold them.
     """
 
     submitted: Path
     students: tuple[str, ...]
     assignments: tuple[str, ...]
+    ignored: tuple[str, ...] = ()
 
 
 def find_batch(course: Course, submitted: Path, assignment: str | None) -> Batch:
@@ -71,7 +78,9 @@ def find_batch(course: Course, submitted: Path, assignment: str | None) -> Batch
     """
     if not submitted.is_dir():
         raise ValueError(f"{submitted} is not a folder. Expected <student>/<assignment>/<assignment>.ipynb below it.")
-    students = sorted(path.name for path in submitted.iterdir() if path.is_dir() and not path.name.startswith("."))
+    folders = sorted(path.name for path in submitted.iterdir() if path.is_dir() and not path.name.startswith("."))
+    students = [name for name in folders if _is_unicode(name)]
+    ignored = [ascii(name)[1:-1] for name in folders if not _is_unicode(name)]
     known = course.assignments()
     if assignment is not None and assignment not in known:
         raise ValueError(f"there is no assignment {assignment!r}; there are {', '.join(known)}.")
@@ -81,7 +90,12 @@ def find_batch(course: Course, submitted: Path, assignment: str | None) -> Batch
         raise ValueError(
             f"{submitted} holds no submission: expected <student>/<assignment>/<assignment>.ipynb below it."
         )
-    return Batch(submitted, tuple(students), tuple(wanted))
+    return Batch(submitted, tuple(students), tuple(wanted), tuple(ignored))
+
+
+def _is_unicode(name: str) -> bool:
+    """Whether a file name is valid UTF-8; Python reads any other bytes as lone surrogates."""
+    return not any("\ud800" <= character <= "\udfff" for character in name)
 
 
 def grade_batch(
@@ -114,17 +128,19 @@ def grade_batch(
     Raises
     ------
     ValueError
-        If another run is writing to `out`, or the course has not been built.
+        If another run is writing to `out`, if it was graded with another secret, or the course has not been built.
     """
     templates = {name: read_template(course, name) for name in batch.assignments}
     out.mkdir(parents=True, exist_ok=True)
     with _exclusive_writer(out):
+        _require_same_secret(batch, out, secret)
         previous = {(one.student, one.assignment): one for one in result_files.load_valid(out)}
         gradebook.prepare(course, out, batch.assignments)
         gradebook.enter(out, previous.values())  # an earlier run may have been killed before it entered them
         data_store = DataStore(course, secret, out / "records")
-        grader = _BatchGrader(course, batch, out, executor, data_store, late or {}, templates, previous)
-        yield from grader.run(gradebook.read_manual_grades(out))
+        with contextlib.closing(JudgePool()) as judges:
+            grader = _BatchGrader(course, batch, out, executor, judges, data_store, late or {}, templates, previous)
+            yield from grader.run(gradebook.read_manual_grades(out))
         gradebook.enter(out, result_files.load_all(out))
         write_grades(out)
 
@@ -145,6 +161,7 @@ class _BatchGrader:
     batch: Batch
     out: Path
     executor: Executor
+    judges: JudgePool
     data_store: DataStore
     late: LateRules
     templates: Mapping[str, Template]
@@ -164,7 +181,8 @@ class _BatchGrader:
             except BaseException as stopped:
                 pool.shutdown(wait=False, cancel_futures=True)
                 if isinstance(stopped, KeyboardInterrupt):
-                    self.executor.close()  # or the pool would wait for running student code
+                    self.judges.close()  # or the pool would wait for them and for running student code
+                    self.executor.close()
                 raise
 
     def _store(self, student: str, name: str, new: _NewResult | None, by_hand: gradebook.ManualGrades) -> Graded:
@@ -209,22 +227,13 @@ class _BatchGrader:
             and not is_weaker(previous.isolation, self.executor.level)
         ):
             return None
-        submission = refused or read_submission(folder, student, template)
-        result = self._judge(submission, inputs, folder)
+        hand_in = HandIn(student, template, folder, inputs, refused)
+        judged = judge_hand_in(hand_in, self.executor, self.judges, self.data_store, self.batch.students)
         headings = {cell.id: cell.heading for cell in template.questions}
-        released = {cell.id: cell.source for cell in template.cells}
-        stored = result_files.to_stored(result, template.title, headings, fingerprint)
-        if stored.is_refused and submission.status == "ready":  # no machine could grade it: the next run tries again
+        stored = result_files.to_stored(judged.result, template.title, headings, fingerprint)
+        if judged.try_again:
             stored = replace(stored, fingerprint={**fingerprint, "environment": ""})
-        return _NewResult(result, replace(stored, work=code_fingerprints(submission.cells, released)))
-
-    def _judge(self, submission: Submission, inputs: GradingInputs, folder: Path) -> SubmissionResult:
-        if submission.status == "ready":
-            files = {name: path.read_bytes() for name, path in inputs.files.items()}
-            result = self.executor.run(Task(submission, inputs.assets, files))
-        else:
-            result = ungraded_result(submission, inputs.assets.template, self.executor.level)
-        return flag_wrong_record(result, inputs, self.data_store, folder, self.batch.students)
+        return _NewResult(judged.result, replace(stored, work=judged.work))
 
 
 def _to_review(previous: StoredResult, new: StoredResult, by_hand: gradebook.ManualGrades) -> tuple[str, ...]:
@@ -253,12 +262,32 @@ def _submission_time(folder: Path) -> datetime | None:
         return None
 
 
+def _require_same_secret(batch: Batch, out: Path, secret: bytes | None) -> None:
+    """Refuse to grade OUT, which was graded with a secret, without it or with another one; remember a first secret."""
+    marker = out / ".secret"
+    digest = "" if secret is None else hmac.new(secret, b"labsid: graded with", hashlib.sha256).hexdigest()
+    if not marker.is_file() and secret is None and not (out / "records").is_dir():
+        return
+    if secret is None or (marker.is_file() and marker.read_text(encoding="ascii") != digest):
+        given = "without --secret" if secret is None else "with another secret"
+        again = shlex.join(["labsid", "course", "grade", "--submitted", str(batch.submitted), "--out", str(out)])
+        raise ValueError(
+            f"{out} was graded with --secret; {given}, everybody would be graded on another record. "
+            f"Run: {again} --secret FILE"
+        )
+    write_text(marker, digest)
+
+
 @contextlib.contextmanager
 def _exclusive_writer(out: Path) -> Iterator[None]:
     """Lock OUT for this run; the operating system releases the lock however the run ends."""
-    with contextlib.closing(sqlite3.connect(out / ".writer", timeout=0, isolation_level=None)) as lock:
+    with contextlib.ExitStack() as stack:
         try:
+            lock = sqlite3.connect(out / ".writer", timeout=0, isolation_level=None)
+            stack.callback(lock.close)
             lock.execute("BEGIN EXCLUSIVE")
-        except sqlite3.OperationalError:
+        except sqlite3.OperationalError as error:
+            if "locked" not in str(error):
+                raise ValueError(f"{out} cannot be written ({error}). Give --out another folder.") from None
             raise ValueError(f"another 'labsid course grade' is writing to {out}; wait until it is done.") from None
         yield

@@ -1,6 +1,6 @@
 """What grading needs besides the submission: the checks, the student's record and the files of the work folder.
 
-With a course secret, each student's record and the hidden inputs of functions under test are derived from
+With a secret for individual data, each student's record and the hidden inputs of functions under test are derived from
 HMAC(secret, ID).
 """
 
@@ -13,6 +13,8 @@ from threading import Lock
 
 from autograder.course.individual_data import generator_hash, individual_file, is_individual
 from autograder.course.layout import Course, Template
+from autograder.course.own_secret import read_own_secret, shared_file
+from autograder.course.solutions import right_functions
 from autograder.judge.judging import Assets
 from labsid._files import write_file
 from labsid.checks.notebook import load_assignment
@@ -21,12 +23,6 @@ from labsid.records.record import load_record
 from labsid.rig.switchable.withheld_effects import STAND_IN_STUDENT
 
 _GENERATING = Lock()  # several threads may need the same record
-
-PUBLIC_SECRET = b"labsid: inputs of functions under test"
-"""Seeds the hidden inputs of functions under test in a course without a secret."""
-
-COURSE_ORIGIN = Origin(STAND_IN_STUDENT, PUBLIC_SECRET)
-"""Origin of the course's own records, used by everybody without an individual one."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -53,7 +49,7 @@ class DataStore:
     ----------
     course : Course
     secret : bytes or None
-        The course's secret; None if everybody works on the course's own record.
+        The secret of individual records; None if everybody works on the course's own records.
     folder : Path
         Cache of the generated records.
     """
@@ -65,7 +61,12 @@ class DataStore:
     @property
     def seed(self) -> bytes:
         """Seed of the hidden inputs of functions under test."""
-        return PUBLIC_SECRET if self.secret is None else self.secret
+        return read_own_secret(self.course) if self.secret is None else self.secret
+
+    @property
+    def shared_origin(self) -> Origin:
+        """Origin of the course's own records, used by everybody without an individual one."""
+        return Origin(STAND_IN_STUDENT, read_own_secret(self.course))
 
 
 def inputs_for(data_store: DataStore, template: Template, student: str) -> GradingInputs:
@@ -77,11 +78,12 @@ def inputs_for(data_store: DataStore, template: Template, student: str) -> Gradi
         If no record can be generated for that student ID.
     """
     assignment = load_assignment(template.assignment)
+    functions = right_functions(data_store.course, template)
     if assignment.record_file is None:
-        return GradingInputs(Assets(template, assignment, None, data_store.seed), {})
+        return GradingInputs(Assets(template, assignment, None, data_store.seed, functions=functions), {})
     path = record_path(data_store, assignment.record_file, student)
-    origin = COURSE_ORIGIN if data_store.secret is None else Origin(student, data_store.secret)
-    assets = Assets(template, assignment, load_record(path), data_store.seed, origin)
+    origin = data_store.shared_origin if data_store.secret is None else Origin(student, data_store.secret)
+    assets = Assets(template, assignment, load_record(path), data_store.seed, origin, functions)
     return GradingInputs(assets, {assignment.record_file: path})
 
 
@@ -101,7 +103,7 @@ def record_path(data_store: DataStore, name: str, student: str) -> Path:
         If no record can be generated for that student ID.
     """
     if data_store.secret is None or not is_individual(name):
-        return data_store.course.data / name
+        return shared_file(data_store.course, name)
     key = f"{generator_hash(name)}\0{name}\0{student}".encode(errors="surrogatepass")
     stem = hmac.new(data_store.secret, key, hashlib.sha256).hexdigest()[:32]
     path = data_store.folder / f"{stem}{Path(name).suffix}"

@@ -1,13 +1,19 @@
 """One submission to grade, as plain data, and the interface of what grades it."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Protocol
 
-from autograder.intake.submission import Submission
+from autograder.batch.judge_process import JudgeError, JudgeProcess
+from autograder.course.layout import Template
+from autograder.intake.submission import Submission, quarantined_submission
 from autograder.judge.judging import Assets, judge_submission
-from autograder.judge.outcome import SubmissionResult
-from autograder.sandbox.isolation import ProcessLauncher, temporary_workdir
+from autograder.judge.outcome import SubmissionResult, ungraded_result
+from autograder.judge.redaction import numbers_in, redact_reason
+from autograder.sandbox.isolation import MachineError, ProcessLauncher, temporary_workdir
+
+_SEARCHED_CHARACTERS = 100_000  # of a cell
+_NEAR = 10  # samples: mistakes with the ends of a record
 
 
 @dataclass(frozen=True, slots=True)
@@ -40,8 +46,22 @@ class Executor(Protocol):
     def max_pending(self) -> int:
         """How many tasks to submit at a time."""
 
-    def run(self, task: Task) -> SubmissionResult:
-        """Execute and judge a submission; thread-safe."""
+    def run(self, task: Task, judge: JudgeProcess) -> SubmissionResult:
+        """Execute and judge a submission; thread-safe.
+
+        Parameters
+        ----------
+        task : Task
+        judge : JudgeProcess
+            For judging on this machine.
+
+        Raises
+        ------
+        JudgeError
+            If judging it exceeds the limits.
+        MachineError
+            If a machine could not start its processes.
+        """
 
     def close(self) -> None:
         """Abort running tasks."""
@@ -52,4 +72,26 @@ def run_task(task: Task, launcher: ProcessLauncher) -> SubmissionResult:
     with temporary_workdir() as workdir:
         for name, content in task.files.items():
             (workdir / name).write_bytes(content)
-        return judge_submission(task.submission, task.assets, launcher, workdir)
+        result = judge_submission(task.submission, task.assets, launcher, workdir)
+    return redact_reasons(result, task)
+
+
+def redact_reasons(result: SubmissionResult, task: Task) -> SubmissionResult:
+    """The result with reasons of limited length, whose numbers are those of the notebook and of its record."""
+    known = numbers_in(
+        *(cell.source for cell in task.assets.template.cells),
+        *(cell.source[:_SEARCHED_CHARACTERS] for cell in task.submission.cells),
+        *(question.id for question in task.assets.assignment.questions),
+    )
+    size = 0 if task.assets.record is None else len(task.assets.record)
+    known |= {str(part + n) for part in (size, size // 2, 2 * size) for n in range(-_NEAR, _NEAR + 1)}
+    questions = tuple(replace(one, reason=redact_reason(one.reason, known)) for one in result.results)
+    return replace(result, results=questions)
+
+
+def refused_result(student: str, template: Template, level: str, error: JudgeError | MachineError) -> SubmissionResult:
+    """The result of a submission that could not be judged: quarantined, with details for the instructor."""
+    refused = quarantined_submission(student, template.assignment, f"it could not be judged: {error}")
+    result = ungraded_result(refused, template, level)
+    details = error.details if isinstance(error, JudgeError) else ""
+    return replace(result, flags=(f"could not be judged: {error} {details}".rstrip(),))

@@ -14,7 +14,9 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from autograder.batch.grading_inputs import COURSE_ORIGIN, DataStore, GradingInputs, record_path
+from autograder.batch.grading_inputs import DataStore, GradingInputs, record_path
+from autograder.course.own_secret import shared_file
+from autograder.intake.submission import is_plain_file
 from autograder.judge.outcome import SubmissionResult
 from labsid.checks.question import Assignment, Origin
 from labsid.checks.values import Value
@@ -83,8 +85,8 @@ def flag_wrong_record(
     has_evidence = any(
         _noisy_numbers(value).size for values in result.wrong_values.values() for value in values.values()
     )
-    submitted = (path for path in folder.glob(f"*{Path(name).suffix}") if path.is_file())
-    handed_in = {_hash(path) for path in submitted if path.stat().st_size <= MAX_DATA_BYTES}
+    submitted = (path for path in folder.glob(f"*{Path(name).suffix}") if is_plain_file(path, MAX_DATA_BYTES))
+    handed_in = {_hash(path) for path in submitted}
     handed_in -= {_hash(inputs.files[name])}
     if not has_evidence and not handed_in:
         return result
@@ -116,7 +118,7 @@ def flag_wrong_record(
 def _other_records(
     data_store: DataStore, name: str, secret: bytes, members: Iterable[str]
 ) -> Iterable[tuple[str, Path, Origin]]:
-    yield "the course's own record", data_store.course.data / name, COURSE_ORIGIN
+    yield "the course's own record", shared_file(data_store.course, name), data_store.shared_origin
     for member in members:
         try:
             yield member, record_path(data_store, name, member), Origin(member, secret)
@@ -146,7 +148,8 @@ def _noisy_numbers(value: Value) -> NDArray[np.float64]:
     if isinstance(value, bool) or not isinstance(value, int | float | np.ndarray):
         return np.empty(0)
     array = np.asarray(value)
-    if array.dtype.kind not in "iuf" or not np.all(np.isfinite(array)):
+    # an array without elements may have dimensions that no array of floats can have
+    if array.size == 0 or array.dtype.kind not in "iuf" or not np.all(np.isfinite(array)):
         return np.empty(0)
     numbers = array.astype(np.float64).reshape(-1)
     return numbers[np.abs(numbers * 1e3 - np.round(numbers * 1e3)) > 1e-5]

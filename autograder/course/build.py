@@ -19,6 +19,7 @@ from jupytext.myst import MystMetadataParsingError
 
 from autograder.course.layout import Course, read_cell
 from autograder.course.nbgrader_access import COURSE_ID, import_nbgrader_api
+from autograder.course.own_secret import shared_file
 from labsid._files import write_text
 from labsid.checks.notebook import assignment_names, load_assignment
 
@@ -171,7 +172,7 @@ def build_releases(course: Course, names: Sequence[str]) -> Iterator[str]:
             _write_notebook(notebook, course.release / name / f"{name}.ipynb")
             data = load_assignment(name).record_file if name in assignment_names() else None
             if data is not None:
-                shutil.copyfile(course.data / data, course.release / name / data)
+                shutil.copyfile(shared_file(course, data), course.release / name / data)
             yield name
 
 

@@ -45,6 +45,16 @@ class Course:
         return self.root / "data"
 
     @property
+    def secret_file(self) -> Path:
+        """The course's own secret, made by the first ``labsid course build``."""
+        return self.root / "autograder" / "course-secret"
+
+    @property
+    def own_data(self) -> Path:
+        """Data files generated from the course's own secret."""
+        return self.root / "autograder" / "data"
+
+    @property
     def record(self) -> Path:
         """The lab's record for students without an individual one."""
         return self.data / RECORD_FILE
@@ -88,7 +98,7 @@ def find_course() -> Course:
             return Course(root)
     raise ValueError(
         f"no course found: neither {own} nor {Path.cwd()} has the folders 'notebooks' and 'autograder'. "
-        "Run this command inside a checkout of the course."
+        "Get a checkout of the course, which the wheel of labsid does not contain, and run this command in it."
     )
 
 
@@ -101,8 +111,8 @@ class Cell:
     id : str
         Its grade_id.
     kind : {"given", "demonstration", "answer", "question", "manual"}
-        Locked code; locked code that is not run during grading; a student's answer; a question graded automatically; a
-        question graded by hand.
+        Locked code; locked code of which grading runs the definitions alone; a student's answer; a question graded
+        automatically; a question graded by hand.
     source : str
         Its text.
     code : bool

@@ -10,6 +10,7 @@ import labsid
 from autograder.course.archive import zip_bytes
 from autograder.course.individual_data import individual_file, is_individual
 from autograder.course.layout import Course
+from autograder.course.own_secret import shared_file
 from labsid._files import write_file
 from labsid.checks.notebook import load_assignment
 from labsid.rig import student_plan
@@ -59,7 +60,7 @@ def write_release(course: Course, out: Path) -> list[str]:
     for name in course.assignments():
         data = load_assignment(name).record_file
         if data is not None:
-            files[f"{name}/{data}"] = (course.data / data).read_bytes()
+            files[f"{name}/{data}"] = shared_file(course, data).read_bytes()
     write_file(out, zip_bytes(files))
     return sorted(files)
 
@@ -99,7 +100,7 @@ def write_individual_releases(course: Course, out: Path, secret: bytes, students
             file: individual_file(file, student, secret) for file in set(data.values()) if is_individual(file)
         }
         for name, file in data.items():
-            content = individual[file] if file in individual else (course.data / file).read_bytes()
+            content = individual[file] if file in individual else shared_file(course, file).read_bytes()
             files[f"students/{student}/{name}/{file}"] = content
     write_file(out, zip_bytes(files))
     return sorted(files)

@@ -9,11 +9,12 @@ File names in the zip are never used as output paths: these consist of a validat
 """
 
 import io
+import itertools
 import re
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from datetime import datetime, tzinfo
-from functools import partial
+from functools import cache, partial
 from pathlib import Path
 from typing import IO, Any
 
@@ -25,7 +26,10 @@ from autograder.intake.worksheet import Worksheet, participant_number, possible_
 from labsid._files import write_file
 from labsid.checks.notebook import load_assignment
 
-_MOODLE_FOLDER = re.compile(r"(?P<name>[^/]*?)_(?P<number>\d{1,18})_assignsubmission_[a-z]+_?(?P<rest>.*)", re.ASCII)
+_MARKER = r"_(?P<number>\d{1,18})_assignsubmission_[a-z]+_?"
+_FOLDER = re.compile(rf"(?P<name>[^/]*){_MARKER}(?P<rest>)", re.ASCII)
+_FILE = re.compile(rf"(?P<name>[^/]*?){_MARKER}(?P<rest>[^/]+)", re.ASCII)
+_ONE_MARKER = re.compile(r"_\d{1,18}_assignsubmission_", re.ASCII)
 MAX_PARTICIPANT_BYTES = 200 * 1024 * 1024
 
 
@@ -79,7 +83,7 @@ def collect_submissions(
             f"{path} contains no submission: expected folders such as 'Full Name_123456_assignsubmission_file_', "
             "as Moodle's 'Download all submissions' makes them."
         )
-    rows = {} if sheet is None else {participant_number(row): row for row in sheet.rows}
+    rows = {} if sheet is None else _rows_by_number(sheet)
     used_ids: set[str] = set()
     for participant in sorted(participants.values(), key=lambda one: (one.name, int(one.number))):
         row = rows.get(participant.number)
@@ -87,14 +91,39 @@ def collect_submissions(
         unknown = sheet is not None and row is None
         duplicate = student.casefold() in used_ids
         if duplicate:
-            student = participant.number
+            student = next(one for one in _own_ids(participant) if one.casefold() not in used_ids)
         used_ids.add(student.casefold())
         remarks = _write_submission(out / student, participant, None if row is None else submission_time(row), zone)
         remarks += ["not in the worksheet: the participant number is the ID"] if unknown else []
-        remarks += ["another participant has the same ID: the participant number is the ID"] if duplicate else []
+        remarks += (
+            [f"another participant has the same ID: {_described(student, participant)} is the ID"] if duplicate else []
+        )
         yield one_line(f"{student} ({participant.name}): {'; '.join(remarks)}")
     if strays:
         yield one_line(f"files of no participant: {', '.join(strays[:10])}{' ...' if len(strays) > 10 else ''}")
+
+
+def _own_ids(participant: _ParticipantFiles) -> Iterator[str]:
+    """IDs of a participant whose own ID is taken; another one's ID may be this participant's number."""
+    yield participant.number
+    yield from (f"participant-{participant.number}-{n}" for n in itertools.count(1))
+
+
+def _described(student: str, participant: _ParticipantFiles) -> str:
+    return "the participant number" if student == participant.number else student
+
+
+def _rows_by_number(sheet: Worksheet) -> dict[str, dict[str, str]]:
+    """The rows of a worksheet by participant number; `ValueError` if two rows have the same number."""
+    rows: dict[str, dict[str, str]] = {}
+    for row in sheet.rows:
+        number = participant_number(row)
+        if number is None:
+            continue
+        if number in rows:
+            raise ValueError(f"the worksheet has participant {number} twice. Download it again.")
+        rows[number] = row
+    return rows
 
 
 def _read_participants(
@@ -142,13 +171,18 @@ def _participant_number(owner: re.Match[str]) -> str:
 
 
 def _match_owner(path: str) -> tuple[re.Match[str] | None, str]:
-    """Match the participant in a path, a folder at any depth or a file prefix; also returns the path below it."""
+    """Match the participant in a path, a folder at any depth or a file prefix; also returns the path below it.
+
+    Students choose their names and those of their files, so that these may contain the marker of another participant.
+    In the name of a folder, which ends with it, the last marker is Moodle's; a file with several has no known owner.
+    """
     parts = [part for part in path.split("/") if part not in ("", ".")]
-    for index, part in enumerate(parts):
-        found = _MOODLE_FOLDER.fullmatch(part)
+    for index, part in enumerate(parts[:-1]):
+        found = _FOLDER.fullmatch(part)
         if found is not None:
-            return found, "/".join([*([found["rest"]] if found["rest"] else []), *parts[index + 1 :]])
-    return None, path
+            return found, "/".join(parts[index + 1 :])
+    found = _FILE.fullmatch(parts[-1]) if parts and len(_ONE_MARKER.findall(parts[-1])) == 1 else None
+    return found, path if found is None else found["rest"]
 
 
 def _add_file(participant: _ParticipantFiles, entry: ArchiveEntry, templates: Mapping[str, Template]) -> None:
@@ -165,13 +199,18 @@ def _add_file(participant: _ParticipantFiles, entry: ArchiveEntry, templates: Ma
         else:
             participant.notebooks.setdefault(name, []).append(entry)
     else:
-        data = {load_assignment(name).record_file for name in templates}
+        data = _data_files(tuple(templates))
         if base in data and (
             base not in participant.data or _version_key(entry) >= _version_key(participant.data[base])
         ):
             participant.data[base] = entry
         elif base not in data:
             participant.skipped.append(entry.name)
+
+
+@cache
+def _data_files(assignments: tuple[str, ...]) -> frozenset[str | None]:
+    return frozenset(load_assignment(name).record_file for name in assignments)
 
 
 def _assignment_of(entry: ArchiveEntry, templates: Mapping[str, Template]) -> str | None:

@@ -1,6 +1,7 @@
 """Read a submission: repair what can be repaired, quarantine what cannot, and report both."""
 
 import json
+import stat
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -11,6 +12,9 @@ from autograder.course.layout import Template
 from autograder.intake.untrusted_json import read_json
 
 MAX_NOTEBOOK_BYTES = 50 * 1024 * 1024
+
+MAX_TEXT_CHARACTERS = 10_000_000
+"""Text and code of all cells; outputs and attached pictures do not count."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -88,6 +92,15 @@ def read_submission(folder: Path, student: str, template: Template) -> Submissio
     return Submission(student, template.assignment, "ready", aligned, tuple(notes + repairs))
 
 
+def is_plain_file(path: Path, max_bytes: int) -> bool:
+    """Whether a path is a file of at most that size, not a link, a device or a pipe."""
+    try:
+        found = path.lstat()
+    except OSError:
+        return False
+    return stat.S_ISREG(found.st_mode) and found.st_size <= max_bytes
+
+
 def quarantined_submission(student: str, assignment: str, why: str) -> Submission:
     """A submission that cannot be graded, with the reason."""
     return Submission(student, assignment, "quarantined", (), (why,))
@@ -123,7 +136,10 @@ def _read_cells(path: Path) -> list[dict[str, Any]]:
     cells = raw.get("cells")
     if not isinstance(cells, list):
         raise ValueError("it has no cells")
-    return [_plain_cell(cell) for cell in cells if isinstance(cell, dict)]
+    plain = [_plain_cell(cell) for cell in cells if isinstance(cell, dict)]
+    if sum(len(cell["source"]) for cell in plain) > MAX_TEXT_CHARACTERS:
+        raise ValueError(f"its cells have more than {MAX_TEXT_CHARACTERS // 10**6} million characters of text")
+    return plain
 
 
 def _plain_cell(cell: dict[str, Any]) -> dict[str, Any]:

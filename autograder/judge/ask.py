@@ -1,15 +1,17 @@
 """The interface between checks and a student's process."""
 
-from collections.abc import Callable, Iterable, Mapping
+import hashlib
+import hmac
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
 
 import numpy as np
 
 from autograder.judge.redaction import redact, redact_error
-from autograder.sandbox.isolation import StudentProcess
+from autograder.sandbox.isolation import Reply, StudentProcess
 from labsid.checks.question import Origin
 from labsid.checks.values import Value
 from labsid.checks.verdict import NoAnswer
-from labsid.plots.figure_values import FigureValue
 from labsid.records.record import Record
 
 
@@ -20,14 +22,30 @@ class CallDeferred(BaseException):
 class ProcessAsk:
     """Answers a check from a student's process, redacted for the author of `source`, the notebook.
 
-    The values read are kept, for the figures of the feedback and to detect answers made on another student's record.
+    Parameters
+    ----------
+    process : callable
+        Returns the process in which the variables are.
+    record : Record or None
+    known : mapping
+        Values of earlier steps.
+    rng : Generator
+        Draws the inputs on which functions are tried.
+    origin : Origin or None
+    source : str
+        The student's cells.
+    values : dict
+        The variables read so far: a variable is read only once for a question, because a student's object can change
+        its answer.
+    defer_calls : bool
+        Whether to raise `CallDeferred` instead of calling a function, which would receive hidden inputs.
+    as_columns : bool
+        Whether to read flat vectors and rows as columns: the shape of an earlier answer is wrong, and costs only that.
 
     Attributes
     ----------
-    defer_calls : bool
-        Whether to raise `CallDeferred` instead of calling a function, which would receive hidden inputs.
-    call_process : StudentProcess or None
-        The process in which functions are called; None for the process of the variables.
+    got_nothing : bool
+        Whether a variable or a function was missing, or a call stopped with an error.
     """
 
     def __init__(
@@ -38,16 +56,20 @@ class ProcessAsk:
         rng: np.random.Generator,
         origin: Origin | None = None,
         source: str = "",
+        values: dict[str, Value] | None = None,
+        defer_calls: bool = False,
+        as_columns: bool = False,
     ) -> None:
         self._process = process
         self._record = record
         self._known = known
         self._source = source
-        self._values: dict[str, Value] = {}
+        self._values = {} if values is None else values
+        self._defer_calls = defer_calls
+        self._as_columns = as_columns
         self.rng = rng
         self.origin = origin
-        self.defer_calls = False
-        self.call_process: StudentProcess | None = None
+        self.got_nothing = False
 
     @property
     def record(self) -> Record:
@@ -57,21 +79,21 @@ class ProcessAsk:
         return self._record
 
     def value(self, name: str) -> Value:
-        """The variable as plain data; read only once, because a student's object can change its answer."""
+        """The variable as plain data."""
         if name not in self._values:
-            reply = self._process().value(name)
+            reply = self._reply(self._process().value(name))
             if reply.error is not None:
                 raise NoAnswer(f"`{name}` cannot be read ({error_text(redact_error(reply.error, self._source))}).")
             if not reply.ok:
                 raise NoAnswer(f"There is no variable `{name}`: it is not defined.")
             self._values[name] = redact(reply.value, self._source)
-        return self._values[name]
+        return self._shaped(self._values[name])
 
     def call(self, name: str, *arguments: Value) -> Value:
         """The return value of the function, as plain data."""
-        if self.defer_calls:
+        if self._defer_calls:
             raise CallDeferred
-        reply = (self.call_process or self._process()).call(name, *arguments)
+        reply = self._reply(self._process().call(name, *arguments))
         if reply.error is not None:
             raise NoAnswer(f"`{name}` stopped with {error_text(redact_error(reply.error, self._source))}.")
         if not reply.ok:
@@ -79,17 +101,55 @@ class ProcessAsk:
         return redact(reply.value, self._source)
 
     def known(self, name: str) -> Value:
-        """A value of an earlier step: the student's if it was right, otherwise the reference's."""
+        """A value of an earlier step."""
         return self._known[name]
 
-    @property
-    def figures(self) -> tuple[FigureValue, ...]:
-        """The figures read so far."""
-        return tuple(value for value in self._values.values() if isinstance(value, FigureValue))
+    def _reply(self, reply: Reply) -> Reply:
+        self.got_nothing |= not reply.ok
+        return reply
 
-    def values_read(self, names: Iterable[str]) -> dict[str, Value]:
-        """Those of the named variables that have been read."""
-        return {name: self._values[name] for name in names if name in self._values}
+    def _shaped(self, value: Value) -> Value:
+        is_vector = isinstance(value, np.ndarray) and value.size > 1 and value.size == max(value.shape)
+        return value.reshape(-1, 1) if self._as_columns and is_vector else value  # type: ignore[union-attr]
+
+
+@dataclass(frozen=True, slots=True)
+class AskOpener:
+    """Opens a `ProcessAsk` for a question of one submission.
+
+    Attributes
+    ----------
+    student, assignment : str
+    source : str
+        The student's cells.
+    record : Record or None
+    origin : Origin or None
+    secret : bytes
+        With the student and the question, it seeds the inputs on which functions are tried.
+    """
+
+    student: str
+    assignment: str
+    source: str
+    record: Record | None
+    origin: Origin | None
+    secret: bytes = field(repr=False)
+
+    def open(
+        self,
+        question_id: str,
+        process: Callable[[], StudentProcess],
+        known: Mapping[str, Value],
+        values: dict[str, Value] | None = None,
+        defer_calls: bool = False,
+        as_columns: bool = False,
+    ) -> ProcessAsk:
+        """An ask for a question; the inputs that it draws are the same each time."""
+        identity = f"{self.student}\0{self.assignment}\0{question_id}".encode(errors="surrogatepass")
+        rng = np.random.default_rng(list(hmac.new(self.secret, identity, hashlib.sha256).digest()))
+        return ProcessAsk(
+            process, self.record, known, rng, self.origin, self.source, values, defer_calls, as_columns
+        )  # fmt: skip
 
 
 def error_text(error: Mapping[str, str]) -> str:

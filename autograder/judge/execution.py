@@ -1,19 +1,22 @@
 """Execution of a student's notebook: within its limits, with the state restored when its process ends."""
 
-import contextlib
+import errno
+import os
 import time
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
+from autograder.course.definitions import definitions_in
 from autograder.intake.submission import NotebookCell
-from autograder.sandbox.isolation import ProcessLauncher, Reply, StudentProcess, StudentProcessError
+from autograder.sandbox.isolation import MachineError, ProcessLauncher, Reply, StudentProcess, StudentProcessError
+from autograder.sandbox.workdirs import disk_is_full
 from labsid.checks.values import Value
 
 _Action = NotebookCell | Mapping[str, Value] | int
 """A step of a replay: a cell to run, variables to set, or the key to save the variables under."""
 
-_CALL_KEY = -1
+_NO_SPACE = os.strerror(errno.ENOSPC)
 
 
 @dataclass(frozen=True, slots=True)
@@ -34,8 +37,23 @@ class ExecutedCell:
     failure: StudentProcessError | None = None
 
 
+def source_to_run(cell: NotebookCell) -> str:
+    """The code of a cell that is run while grading: of a demonstration its definitions, of a question nothing."""
+    if cell.code and cell.kind == "demonstration":
+        return definitions_in(cell.source)
+    return cell.source if cell.code and cell.kind in ("given", "answer", "extra") else ""
+
+
 class Execution:
     """Runs the cells of one submission; a process that ends is replaced by one in the same state.
+
+    Parameters
+    ----------
+    launcher : ProcessLauncher
+    folder : Path
+        The files of the student's work folder.
+    deadline : float, optional
+        End of the submission's time, on the monotonic clock; its limit from now if there is none yet.
 
     Attributes
     ----------
@@ -43,30 +61,33 @@ class Execution:
         The current process.
     """
 
-    def __init__(self, launcher: ProcessLauncher, folder: Path) -> None:
+    def __init__(self, launcher: ProcessLauncher, folder: Path, deadline: float | None = None) -> None:
         self._launcher = launcher
         self._folder = folder
         self._actions: list[_Action] = []
-        self._call_process: StudentProcess | None = None
-        self._call_position = 0  # number of actions replayed in the call process
         self._cells = 0
         self._printed = 0
-        self._deadline = time.monotonic() + launcher.limits.submission_seconds
+        self._deadline = time.monotonic() + launcher.limits.submission_seconds if deadline is None else deadline
         self._replay_seconds = launcher.limits.submission_seconds
         self.process = self._start()
 
     def run(self, cell: NotebookCell) -> ExecutedCell:
-        """Run a cell; one that ends its process is not replayed in the next process."""
+        """Run a cell, if it is one to be run; one that ends its process is not replayed in the next process."""
+        source = source_to_run(cell)
+        if not source:
+            return ExecutedCell(cell, Reply(True))
         max_cells = self._launcher.limits.cells
         self._cells += 1
         if self._cells > max_cells:
             failure = StudentProcessError("limit", f"the notebook has more than {max_cells} cells")
             return ExecutedCell(cell, Reply(False), failure)
         try:
-            reply = self.process.run(cell.source)
+            reply = self.process.run(source)
         except StudentProcessError as failure:
             self.restart()
             return ExecutedCell(cell, Reply(False), failure)
+        if _NO_SPACE in str((reply.error or {}).get("text")) and disk_is_full():
+            raise MachineError(_NO_SPACE)
         self._actions.append(cell)
         return ExecutedCell(cell, self._truncated(reply))
 
@@ -99,7 +120,6 @@ class Execution:
             failed = self._replay(self.process, self._actions)
             if failed is None:
                 return
-            self._close_call_process()
             del self._actions[failed[0]]
 
     def replayed(self, key: int) -> StudentProcess:
@@ -118,46 +138,13 @@ class Execution:
             raise
         return process
 
-    @contextlib.contextmanager
-    def call_process(self) -> Iterator[StudentProcess]:
-        """A second process in the same state, to call functions on hidden inputs before the last cell has run.
-
-        It shares no memory and no folder with the first process, so student code cannot pass hidden inputs on to later
-        cells. It is reused for the next question unless the calls have changed its variables.
-
-        Raises
-        ------
-        StudentProcessError
-            If the process ends during the replay.
-        """
-        if self._call_process is None:
-            self._call_process, self._call_position = self._start(), 0
-        process = self._call_process
-        changed = True
-        try:
-            self._timed_replay(process, self._actions[self._call_position :])
-            self._call_position = len(self._actions)
-            process.save_variables(_CALL_KEY)
-            yield process
-            with contextlib.suppress(StudentProcessError):
-                changed = process.restore_variables(_CALL_KEY)
-        finally:
-            if changed:
-                self._close_call_process()
-
     def extend_deadline(self, seconds: float) -> None:
         """Extend the deadline, if necessary, so that at least this many seconds remain."""
         self._deadline = self.process.deadline = max(self._deadline, time.monotonic() + seconds)
 
     def close(self) -> None:
-        """End all processes of this submission."""
-        self._close_call_process()
+        """End the process."""
         self.process.close()
-
-    def _close_call_process(self) -> None:
-        if self._call_process is not None:
-            self._call_process.close()
-            self._call_process = None
 
     def _timed_replay(self, process: StudentProcess, actions: list[_Action]) -> None:
         """Replay on the judge's time: it moves the deadline, and all replays together have a limit of their own."""
@@ -177,7 +164,7 @@ class Execution:
         for index, action in enumerate(actions):
             try:
                 if isinstance(action, NotebookCell):
-                    process.run(action.source)
+                    process.run(source_to_run(action))
                 elif isinstance(action, int):
                     process.save_variables(action)
                 else:

@@ -1,32 +1,34 @@
 """Judge one submission: run its cells, read its variables and compare them with labsid in this process.
 
-The student's process runs the cells. Only this process holds the checks, the reference and the hidden inputs on which
-functions are tested. After a wrong answer its reference values replace the student's, so that later steps are judged on
-right inputs.
+The student's processes run the cells. Only this process holds the checks, the reference and the hidden inputs on which
+functions are tested.
+
+A wrong answer costs its own question alone. So an answer that follows from wrong ones is judged until it is right: on
+the student's own values of the earlier steps; against what their right values give; and in a second run, in which
+right values and functions replace the wrong ones.
 """
 
-import builtins
-import contextlib
-import hashlib
-import hmac
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from decimal import Decimal
 from pathlib import Path
 
-import numpy as np
-
 from autograder.course.layout import Template
 from autograder.intake.submission import NotebookCell, Submission
-from autograder.judge.ask import CallDeferred, ProcessAsk, error_text
+from autograder.judge.answer import Answer, wrong_steps
+from autograder.judge.ask import AskOpener
+from autograder.judge.attempt import Attempt
+from autograder.judge.carrying import differ_in_shape, is_usable
+from autograder.judge.examiner import Examination, Examiner
 from autograder.judge.execution import ExecutedCell, Execution
 from autograder.judge.outcome import QuestionResult, SubmissionResult, ungraded_result
 from autograder.judge.picture import figure_svg
-from autograder.sandbox.isolation import ProcessLauncher, Reply, StudentProcess, StudentProcessError
-from labsid.checks.question import Assignment, Origin, Question, given_values
+from autograder.judge.second_run import SecondRun
+from autograder.sandbox.isolation import ProcessLauncher
+from labsid.checks.question import Assignment, Origin
 from labsid.checks.values import Value
-from labsid.checks.verdict import Verdict
+from labsid.plots.figure_values import FigureValue
 from labsid.records.record import Record
 
 
@@ -46,6 +48,8 @@ class Assets:
         Seeds the hidden inputs on which functions are tested.
     origin : Origin or None
         Origin of the record, for checks that need what is withheld about it.
+    functions : mapping
+        Source of the right functions, by the question that asks for them.
     """
 
     template: Template
@@ -53,6 +57,7 @@ class Assets:
     record: Record | None
     secret: bytes = field(repr=False)
     origin: Origin | None = None
+    functions: Mapping[str, str] = field(default_factory=dict)
 
 
 def judge_submission(
@@ -79,235 +84,159 @@ def judge_submission(
     if submission.status != "ready":
         return ungraded_result(submission, assets.template, launcher.level)
     judge = _SubmissionJudge(submission, assets, launcher, folder, pictures)
-    results, cells = judge.run()
+    results = judge.run()
+    wrong = {answer.question.id: answer.own for answer in judge.answers if not answer.is_right and answer.own}
     return SubmissionResult(
-        submission.student, submission.assignment, results, cells, submission.notes, launcher.level, judge.wrong_values
+        submission.student,
+        submission.assignment,
+        results,
+        tuple(judge.executed),
+        submission.notes,
+        launcher.level,
+        wrong,
     )
 
 
-@dataclass(frozen=True, slots=True)
-class _DeferredQuestion:
-    """A question whose check calls functions and that no later step needs: judged after the last cell."""
-
-    index: int
-    question: Question
-    points: Decimal
-    cells: list[ExecutedCell]
-    known: Mapping[str, Value]
-    pictures: tuple[str, ...]
-
-
-_EXECUTED_KINDS = ("given", "answer", "extra")
-OUTPUT_REDACTED = "(Output not shown: this cell ran on the right values of an earlier step that was wrong.)\n"
-
-
 class _SubmissionJudge:
-    """Judges one submission, cell by cell."""
+    """Judges one submission.
+
+    Attributes
+    ----------
+    executed : list of ExecutedCell
+        Every cell, with its output in the notebook as it was handed in.
+    answers : list of Answer
+        The answers to the questions that are graded automatically.
+    """
 
     def __init__(
         self, submission: Submission, assets: Assets, launcher: ProcessLauncher, folder: Path, pictures: bool
     ) -> None:
         self._submission = submission
         self._assets = assets
-        self._limits = launcher.limits
+        self._launcher = launcher
+        self._folder = folder
         self._pictures = pictures
-        self._known: dict[str, Value] = {}
-        self._deferred: list[_DeferredQuestion] = []
-        self._results: list[QuestionResult] = []
-        self._failed: list[str] = []
-        self._source = "\n".join(cell.source for cell in submission.cells)
-        self._has_reference_values = False  # in the student's process
-        self.wrong_values: dict[str, dict[str, Value]] = {}
-        self._execution = Execution(launcher, folder)
+        self._points = {cell.id: cell.points or Decimal(0) for cell in assets.template.questions}
+        source = "\n".join(cell.source for cell in submission.cells)
+        self._asks = AskOpener(
+            submission.student, submission.assignment, source, assets.record, assets.origin, assets.secret
+        )
+        self.executed: list[ExecutedCell] = []
+        self.answers: list[Answer] = []
 
-    def run(self) -> tuple[tuple[QuestionResult, ...], tuple[ExecutedCell, ...]]:
-        """Run and judge all cells; returns a result for each question, and every cell with its output."""
-        points = {cell.id: cell.points or Decimal(0) for cell in self._assets.template.questions}
-        executed: list[ExecutedCell] = []
-        answer: list[ExecutedCell] = []
-        start = time.monotonic()
+    def run(self) -> tuple[QuestionResult, ...]:
+        """Run and judge all cells; returns a result for each question."""
+        execution = Execution(self._launcher, self._folder)
+        examiner = Examiner(execution, self._asks, self._launcher.limits)
         try:
-            for cell in self._submission.cells:
-                runs = cell.code and cell.kind in _EXECUTED_KINDS
-                done = self._execution.run(cell) if runs else ExecutedCell(cell, Reply(True))
-                done = redact_output(done) if self._has_reference_values else done
-                executed.append(done)
-                if cell.kind in ("answer", "extra") and cell.code:
-                    answer.append(done)
-                if cell.kind not in ("question", "manual"):
-                    continue
-                worth = points[cell.id or ""]
-                result = self._manual(cell, worth) if cell.kind == "manual" else self._question(cell, worth, answer)
-                now = time.monotonic()
-                self._results.append(replace(result, seconds=now - start))
-                start, answer = now, []
-            self._judge_deferred()
+            entries = self._run_cells(execution, examiner)
+            self._judge_the_rest(examiner)
         finally:
-            self._execution.close()
-        return tuple(self._results), tuple(executed)
+            execution.close()
+        second_run = SecondRun(
+            self.executed, self.answers, self._assets.functions, self._asks, self._launcher, self._folder
+        )
+        second_run.judge(time.monotonic() + self._launcher.limits.submission_seconds)  # not on the notebook's time
+        return tuple(entry.result() if isinstance(entry, Answer) else entry for entry in entries)
 
-    def _manual(self, cell: NotebookCell, points: Decimal) -> QuestionResult:
+    def _run_cells(self, execution: Execution, examiner: Examiner) -> list[Answer | QuestionResult]:
+        """Run all cells, and judge at each question what can be judged there."""
+        entries: list[Answer | QuestionResult] = []
+        own: dict[str, Value] = {}
+        right: dict[str, Value] = {}
+        cells: list[ExecutedCell] = []
+        start = time.monotonic()
+        for cell in self._submission.cells:
+            done = execution.run(cell)
+            self.executed.append(done)
+            if cell.kind in ("answer", "extra") and cell.code:
+                cells.append(done)
+            if cell.kind == "manual":
+                entries.append(replace(self._manual(cell), seconds=time.monotonic() - start))
+            elif cell.kind == "question":
+                answer = self._question(cell, cells, own, right, examiner)
+                own.update(answer.carried)
+                is_wrong = bool(answer.attempts) and not answer.is_right
+                right.update(answer.right if is_wrong else answer.carried)
+                answer.seconds = time.monotonic() - start
+                self.answers.append(answer)
+                entries.append(answer)
+            else:
+                continue
+            start, cells = time.monotonic(), []
+        return entries
+
+    def _manual(self, cell: NotebookCell) -> QuestionResult:
         released = next(known.source for known in self._assets.template.cells if known.id == cell.id)
         empty = cell.source.strip() in ("", released.strip())
         reason = "no answer" if empty else "not yet graded by hand"
-        return QuestionResult(cell.id or "", None, points, "manual", reason, answer=cell.source)
-
-    def _question(self, cell: NotebookCell, points: Decimal, answer: list[ExecutedCell]) -> QuestionResult:
-        question = self._assets.assignment.question(cell.id or "")
-        ask = self._ask(question, lambda: self._execution.process, self._known)
-        first_ask = ask  # its figures were drawn before any function received a hidden input
-        verdict, failure = None, next((done.failure for done in answer if done.failure is not None), None)
-        if failure is None:
-            try:
-                ask.defer_calls = True
-                verdict, failure = self._verdict(question, ask)
-            except CallDeferred:
-                if question.gives is None:
-                    return self._defer(question, points, answer, first_ask)
-                ask = self._ask(question, lambda: self._execution.process, self._known)
-                try:
-                    with self._execution.call_process() as ask.call_process:
-                        verdict, failure = self._verdict(question, ask)
-                except StudentProcessError as error:
-                    failure = error
-                ask.call_process = None
-        result = self._result(question, points, answer, verdict, failure, self._drawn(first_ask))
-        self._carry_forward(question, ask, passed=bool(verdict and verdict.passed))
-        return result
-
-    def _defer(
-        self, question: Question, points: Decimal, answer: list[ExecutedCell], ask: ProcessAsk
-    ) -> QuestionResult:
-        """Save the variables for judging the question later; returns a placeholder."""
-        index = len(self._results)
-        self._execution.save_variables(index)
-        self._deferred.append(_DeferredQuestion(index, question, points, answer, dict(self._known), self._drawn(ask)))
-        return QuestionResult(question.id, None, points, "waiting", "")
-
-    def _judge_deferred(self) -> None:
-        """Call functions on hidden inputs, now that no later output can reveal them."""
-        if self._deferred and self._execution.process.lost:  # the cells have used up the time of the submission
-            self._execution.extend_deadline(self._limits.cell_seconds)
-            self._execution.restart()
-        for deferred in self._deferred:
-            start = time.monotonic()
-            self._execution.extend_deadline(self._limits.call_seconds)
-            ask = self._ask(deferred.question, lambda: self._execution.process, deferred.known)
-            verdict, failure, changed = None, None, False
-            try:
-                changed = self._execution.process.restore_variables(deferred.index)
-            except StudentProcessError as error:
-                failure = error
-                self._execution.restart()
-            if failure is None:
-                verdict, failure = self._verdict(deferred.question, ask)
-            if changed and verdict is not None and not verdict.passed:
-                verdict = self._verdict_after_replay(deferred) or verdict
-            result = self._result(
-                deferred.question, deferred.points, deferred.cells, verdict, failure, deferred.pictures
-            )
-            if result.score == 0:
-                self._failed.append(deferred.question.id)
-            before = self._results[deferred.index].seconds
-            self._results[deferred.index] = replace(result, seconds=before + time.monotonic() - start)
-
-    def _verdict_after_replay(self, deferred: _DeferredQuestion) -> Verdict | None:
-        """Judge in a process without the later cells, which have modified variables in place; None if that fails."""
-        try:
-            with contextlib.closing(self._execution.replayed(deferred.index)) as process:
-                return deferred.question.verdict(self._ask(deferred.question, lambda: process, deferred.known))
-        except Exception:  # the process ended, or the check is broken: the first verdict stands
-            return None
-
-    def _drawn(self, ask: ProcessAsk) -> tuple[str, ...]:
-        return tuple(map(figure_svg, ask.figures)) if self._pictures and not self._has_reference_values else ()
-
-    def _verdict(self, question: Question, ask: ProcessAsk) -> tuple[Verdict | None, StudentProcessError | None]:
-        try:
-            return question.verdict(ask), None
-        except StudentProcessError as failure:
-            if self._execution.process.lost:
-                self._execution.restart()
-            return None, failure
-        except Exception as error:  # a broken check must not affect the other questions
-            text = f"This answer could not be judged ({type(error).__name__}). Tell your instructor."
-            return Verdict(False, text), None
-
-    def _result(
-        self,
-        question: Question,
-        points: Decimal,
-        answer: list[ExecutedCell],
-        verdict: Verdict | None,
-        failure: StudentProcessError | None,
-        pictures: tuple[str, ...],
-    ) -> QuestionResult:
-        status = "graded"
-        if verdict is None or failure is not None:
-            status = "crashed" if failure is None else failure.status
-            verdict = Verdict(False, f"Your code for this step did not finish: {failure}.")
-        elif not verdict.passed:
-            verdict = _with_cell_error(verdict, answer)
-            if any((done.reply.error or {}).get("kind") == "MemoryError" for done in answer):
-                status = "limit"
-        if verdict.passed and (failed := [used for used in question.uses if used in self._failed]):
-            verdict = replace(verdict, reason=f"{verdict.reason} (Judged on the right values of {', '.join(failed)}.)")
         return QuestionResult(
-            question.id,
-            points if verdict.passed else Decimal(0),
-            points,
-            status,
-            verdict.reason,
-            verdict.slip,
-            answer="\n\n".join(done.cell.source for done in answer),
-            output="".join(done.reply.stdout for done in answer),
-            figures=pictures,
-        )
+            cell.id or "", None, self._points[cell.id or ""], "manual", reason, answer=cell.source
+        )  # fmt: skip
 
-    def _carry_forward(self, question: Question, ask: ProcessAsk, passed: bool) -> None:
-        """Keep the values from which later steps start: the student's, or after a wrong answer the reference's."""
-        if not passed:
-            self._failed.append(question.id)
-        ask.defer_calls = False
-        try:
-            values = given_values(question, ask, passed)
-        except StudentProcessError:
-            self._execution.restart()
-            values = given_values(question, ask, passed=False)
-        except Exception:  # the questions that need these values will report that they could not be judged
-            return
-        self._known.update(values)
-        if values and not passed:
-            self.wrong_values[question.id] = ask.values_read(values)
-            self._execution.set(values)
-            self._has_reference_values = True
+    def _question(
+        self,
+        cell: NotebookCell,
+        cells: list[ExecutedCell],
+        own: Mapping[str, Value],
+        right: Mapping[str, Value],
+        examiner: Examiner,
+    ) -> Answer:
+        """The answer to a question, judged on the student's own values unless its check calls a function."""
+        asked = Examination(len(self.answers), self._assets.assignment.question(cell.id or ""), cells)
+        answer = Answer(asked, self._points[cell.id or ""], dict(own))
+        failure = next((done.failure for done in cells if done.failure is not None), None)
+        attempt = examiner.judge_now(asked, own) if failure is None else Attempt(None, failure)
+        if attempt is not None:
+            answer.attempts.append(attempt)
+        figures = [value for value in asked.values.values() if isinstance(value, FigureValue)]
+        answer.pictures = tuple(map(figure_svg, figures)) if self._pictures else ()
+        # values of the wrong kind have no right ones that follow from them
+        answer.right = examiner.right_values(asked, own) or examiner.right_values(asked, right)
+        if attempt is None or attempt.failure is None:  # a value that ends the process is not read again
+            answer.own = examiner.own_values(asked, answer.right)
+        return answer
 
-    def _ask(self, question: Question, process: Callable[[], StudentProcess], known: Mapping[str, Value]) -> ProcessAsk:
-        identity = f"{self._submission.student}\0{self._submission.assignment}\0{question.id}".encode(
-            errors="surrogatepass"
-        )
-        seed = hmac.new(self._assets.secret, identity, hashlib.sha256).digest()
-        rng = np.random.default_rng(list(seed))
-        return ProcessAsk(process, self._assets.record, known, rng, self._assets.origin, self._source)
-
-
-def redact_output(executed: ExecutedCell) -> ExecutedCell:
-    """Remove all output of a cell that could reveal the reference values on which it ran."""
-    cell, reply, error = executed.cell, executed.reply, executed.reply.error
-    if cell.kind == "extra" and cell.code:  # students can add any number of these: even whether one fails reveals a bit
-        return replace(executed, reply=Reply(True, None, None, OUTPUT_REDACTED))
-    if error is not None:
-        kind, line = str(error.get("kind")), error.get("line")
-        shown = {"kind": kind if hasattr(builtins, kind) else "an error", "text": ""}
-        error = {**shown, "line": line} if line in range(1, cell.source.count("\n") + 2) else shown
-    return replace(executed, reply=Reply(reply.ok, None, error, OUTPUT_REDACTED if reply.stdout else ""))
+    def _judge_the_rest(self, examiner: Examiner) -> None:
+        """Judge functions, now that no later output can reveal hidden inputs, and answers after a wrong one again."""
+        right: dict[str, Value] = {}
+        for answer in self.answers:
+            start = time.monotonic()
+            uses = answer.question.uses
+            wrong = [other for other in self.answers if other.question.id in uses and not other.is_sound]
+            if not answer.attempts:
+                answer.attempts.append(examiner.judge_later(answer.asked, answer.known))
+            if wrong and not answer.crashed:
+                answer.is_sound = _judge_beside_wrong(answer, wrong, right, examiner)
+            else:
+                answer.is_sound = answer.is_right
+            right.update(answer.carried if answer.is_sound else examiner.right_values(answer.asked, right))
+            answer.seconds += time.monotonic() - start
 
 
-def _with_cell_error(verdict: Verdict, answer: list[ExecutedCell]) -> Verdict:
-    """Put the error that stopped the cell, if any, before the reason: the student has to correct it first."""
-    for done in answer:
-        error = done.reply.error
-        if error is not None:
-            line = f" in line {error['line']}" if error.get("line") else ""
-            return replace(verdict, reason=f"Your cell stopped{line} with {error_text(error)}. {verdict.reason}")
-    return verdict
+def _judge_beside_wrong(
+    answer: Answer, wrong: Sequence[Answer], right: Mapping[str, Value], examiner: Examiner
+) -> bool:
+    """Judge an answer that starts from wrong ones: on the student's values, then against what right values give.
+
+    Returns
+    -------
+    bool
+        Whether it is right by right values.
+    """
+    causes = wrong_steps(wrong)
+    steps = ", ".join(causes)
+    on_own = f"(Judged on your own values of {steps}, which are wrong.)"
+    allows_own = answer.question.allows_wrong_values and all(is_usable(other.own, other.right) for other in wrong)
+    as_columns = any(differ_in_shape(other.own, other.right) for other in wrong)
+    first = answer.attempts.pop()
+    if allows_own and not first.passed and as_columns:
+        first = examiner.judge_later(answer.asked, answer.known, as_columns)
+    if allows_own or not first.passed:
+        answer.attempts.append(first.noted(on_own, ""))
+    if answer.is_right:
+        answer.causes = causes
+        return False
+    second = examiner.judge_later(answer.asked, right, as_columns)
+    answer.attempts.append(second.noted("", f"Judged on the right values of {steps}:"))
+    return answer.is_right

@@ -1,7 +1,12 @@
-"""Notebooks for formgrader: the student's cells with their output, and the judged figures."""
+"""Notebooks for formgrader: the student's cells with their output, and the judged figures.
+
+formgrader shows Markdown as HTML without cleaning it, in the browser of the instructor, who is logged in. What could
+run a script there is made plain text when the notebook is written.
+"""
 
 import base64
 import json
+import re
 from collections.abc import Mapping
 from copy import deepcopy
 from functools import lru_cache
@@ -12,6 +17,28 @@ from autograder.course.layout import Course
 from autograder.judge.execution import ExecutedCell
 from autograder.judge.outcome import SubmissionResult
 from labsid._files import write_text
+
+_TAG = re.compile(r"<(?=[A-Za-z/!?])")
+_ENTITY = re.compile(r"&(?=[A-Za-z#])")
+_BLANKS = r"[\x00-\x20]*"  # browsers ignore some of them in the name of a scheme
+_SCHEME = re.compile(
+    "("
+    + "|".join(map(_BLANKS.join, ("javascript", "vbscript")))
+    + f"|data(?={_BLANKS}:{_BLANKS}(?:text|application)/))"
+    f"{_BLANKS}:",
+    re.IGNORECASE,
+)
+_MATHJAX = re.compile(r"\\+(?=(?:href|mmlToken|require|cssId|class|style|htmlData|unicode)(?![A-Za-z]))")
+
+
+def clean_markdown(text: str) -> str:
+    """Markdown without HTML tags, entities, links that run a script, and macros of MathJax that write HTML.
+
+    Blanks are inserted, so that formulas such as ``a<b`` look the same.
+    """
+    for pattern, replacement in ((_TAG, "< "), (_ENTITY, "& "), (_MATHJAX, ""), (_SCHEME, r"\1 :")):
+        text = pattern.sub(replacement, text)
+    return text
 
 
 def write_autograded(course: Course, out: Path, result: SubmissionResult) -> None:
@@ -49,7 +76,8 @@ def _as_cell(executed: ExecutedCell, released: Mapping[str, dict[str, Any]], ext
         cell = {"cell_type": "code" if own.code else "markdown", "id": extra_id, "metadata": {}}
         if own.code:
             cell["execution_count"] = None
-    cell["source"] = own.source
+    by_student = own.kind in ("manual", "extra") and not own.code
+    cell["source"] = clean_markdown(own.source) if by_student else own.source
     return cell
 
 

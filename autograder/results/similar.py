@@ -17,6 +17,9 @@ from autograder.results.result_files import StoredResult
 MIN_NODES = 25
 """Cells with fewer syntax tree nodes are ignored."""
 
+MAX_PARSED_CHARACTERS = 100_000
+"""Longer cells are compared as text: a syntax tree takes up to 1000 bytes a character."""
+
 MAX_SHARING = 3
 """Code shared by more students, and by more than a tenth of the class, is ignored."""
 
@@ -74,6 +77,8 @@ def code_fingerprints(cells: Sequence[NotebookCell], released: Mapping[str, str]
 def normal_form(source: str) -> tuple[str, int]:
     """The normal form of a cell, and its number of syntax tree nodes."""
     try:
+        if len(source) > MAX_PARSED_CHARACTERS:
+            raise ValueError("too long to be parsed")
         tree = parse_python(source)
         _NameNormaliser(tree).visit(tree)
         return ast.dump(tree), sum(1 for _ in ast.walk(tree))

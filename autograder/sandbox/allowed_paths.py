@@ -5,17 +5,21 @@ so every isolation level that confines files hides them.
 """
 
 import os
-import site
 import sys
 import sysconfig
 from collections.abc import Iterable, Iterator
 from pathlib import Path
 
-ALLOWED_SUBPACKAGES = ("records", "plots", "rig", "checks")
-"""The subpackages of labsid that graded code may import, except `checks/assignments` with the right values."""
+ALLOWED_PACKAGES = ("records", "rig.lab")
+"""The packages of labsid that graded code may import with all their modules."""
 
-ALLOWED_MODULES = ("__init__", "_arrays", "_compiled", "_files")
-"""The top-level modules of labsid that graded code may import; none of them is taught."""
+ALLOWED_MODULES = (
+    "_arrays", "checks", "checks.compare", "checks.notebook", "checks.question", "checks.values", "checks.verdict",
+    "plots", "plots.block_diagrams", "plots.captions", "plots.describe", "plots.diagrams", "plots.figure",
+    "plots.figure_values", "plots.lecture_diagrams", "plots.style", "rig", "rig.seeds",
+)  # fmt: skip
+"""The single modules of labsid that graded code may import: what notebooks use, and the encoding of values. The figures
+of a student's own results and the rigs with withheld effects are not among them."""
 
 _SYSTEM = (
     "/lib", "/lib32", "/lib64", "/usr/lib", "/usr/lib32", "/usr/lib64", "/usr/local/lib", "/nix/store",
@@ -27,25 +31,55 @@ _PACKAGES = ("site-packages", "dist-packages")
 
 def is_reference(module: str) -> bool:
     """Whether a dotted module name belongs to the reference or the grader."""
-    parts = module.split(".")
-    if parts[0] == "labsid":
-        allowed = len(parts) == 1 or parts[1] in (*ALLOWED_SUBPACKAGES, *ALLOWED_MODULES)
-        return not allowed or parts[1:3] == ["checks", "assignments"]
-    return parts[0] == "autograder"
+    top, _, inner = module.partition(".")
+    if top == "labsid":
+        allowed = inner in ("", *ALLOWED_MODULES) or any(f"{inner}.".startswith(f"{one}.") for one in ALLOWED_PACKAGES)
+        return not allowed
+    return top == "autograder"
 
 
-def package_folders() -> list[Path]:
-    """The folders of labsid and of the autograder, hidden except for `allowed_labsid_paths`."""
-    autograder = Path(__file__).resolve().parent.parent
-    return [_labsid(), autograder]
+def allowed_modules() -> list[str]:
+    """The modules of labsid that graded code may import, as dotted names."""
+    inside = [
+        f"{package}.{path.stem}"
+        for package in ALLOWED_PACKAGES
+        for path in sorted(_labsid().joinpath(*package.split(".")).glob("[!_]*.py"))
+    ]
+    return ["labsid", *(f"labsid.{name}" for name in (*ALLOWED_MODULES, *ALLOWED_PACKAGES, *inside))]
 
 
 def allowed_labsid_paths() -> list[Path]:
     """The files and folders of labsid that graded code may import."""
     package = _labsid()
-    subpackages = [package / name for name in ALLOWED_SUBPACKAGES if name != "checks"]
-    checks = [path for path in (package / "checks").iterdir() if path.suffix == ".py"]
-    return [*subpackages, *sorted(checks), *(package / f"{module}.py" for module in ALLOWED_MODULES)]
+    modules = [package.joinpath(*name.split(".")) for name in ALLOWED_MODULES]
+    files = [path / "__init__.py" if path.is_dir() else path.with_suffix(".py") for path in (package, *modules)]
+    return [*(package.joinpath(*name.split(".")) for name in ALLOWED_PACKAGES), *files]
+
+
+def hidden_folders() -> list[Path]:
+    """The folders below `interpreter_paths` to hide: labsid and the autograder, and packages that are not in use.
+
+    Any copy of labsid counts, such as one that was installed for another interpreter. `allowed_labsid_paths` are shown.
+    """
+    own = [_labsid(), Path(__file__).resolve().parent.parent]
+    used = {os.path.realpath(path) for path in sys.path}
+    hidden = set(own)
+    for folder in map(Path.resolve, _packages_folders()):
+        if str(folder) not in used:
+            hidden.add(folder)
+            continue
+        hidden |= {(folder / package.name).resolve() for package in own if (folder / package.name).is_dir()}
+    return sorted(path for path in hidden if not any(other in path.parents for other in hidden))
+
+
+def _packages_folders() -> Iterator[Path]:
+    """The folders named ``site-packages`` or ``dist-packages`` in the interpreter's trees."""
+    for tree in interpreter_paths():
+        if tree.name in _PACKAGES:
+            yield tree
+        for pattern in ("{}", "python*/{}", "*/lib/python*/{}"):
+            for name in _PACKAGES:
+                yield from tree.glob(pattern.format(name))
 
 
 def interpreter_paths() -> list[Path]:
@@ -53,7 +87,7 @@ def interpreter_paths() -> list[Path]:
     named = sysconfig.get_paths()
     found = [Path(named[key]) for key in ("stdlib", "platstdlib", "purelib", "platlib")]
     found += [Path(prefix) / "lib" for prefix in (sys.base_prefix, sys.prefix)]
-    found += [Path(path) for path in (*sys.path, site.getusersitepackages()) if Path(path).name in _PACKAGES]
+    found += [Path(path) for path in sys.path if Path(path).name in _PACKAGES]
     found += map(Path, _SYSTEM)
     existing = sorted({Path(os.path.abspath(path)) for path in found if os.path.exists(path)})
     return [path for path in existing if not any(other in path.parents for other in existing)]

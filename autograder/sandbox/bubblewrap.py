@@ -112,10 +112,11 @@ def sandbox_command(bubblewrap: str, allowed: Iterable[Path], disk_bytes: int, o
         ]  # bubblewrap's default folders are private to its user
     for path in readable:
         command += ["--ro-bind", str(path), str(path)]
-    masked = [
-        str(package)
-        for package in allowed_paths.package_folders()
-        if any(path.resolve() in package.parents for path in readable)
+    masked = [  # at every place where it is mounted: /lib may be a link to /usr/lib, and is mounted as a second tree
+        str(path / folder.relative_to(path.resolve()))
+        for folder in allowed_paths.hidden_folders()
+        for path in readable
+        if path.resolve() in folder.parents
     ]
     for package in masked:
         command += ["--tmpfs", package]

@@ -30,6 +30,7 @@ _RECORDS: dict[str, type] = {
 }
 _TAG = "!"
 _NUMBERS = re.compile(r"[<>|][biufc]\d{1,2}")
+_MAX_EMPTY = 1000
 _LENGTHS = {"xlim": 2, "ylim": 2, "color": 3}
 
 
@@ -70,8 +71,8 @@ def receive(sock: socket.socket) -> dict[str, Any]:
 
 def _receive(sock: socket.socket, deadline: float) -> dict[str, Any]:
     (length,) = _HEADER.unpack(_read(sock, _HEADER.size, deadline))
-    if length > MAX_MESSAGE_BYTES:
-        raise ChannelError(f"a message of {length} bytes; at most {MAX_MESSAGE_BYTES} are allowed")
+    if length > MAX_MESSAGE_BYTES:  # the length is the sender's, and could tell as many digits as it has
+        raise ChannelError(f"a message longer than {MAX_MESSAGE_BYTES // 1024**2} MB")
     try:
         message = read_json(_read(sock, length, deadline), parts=b"[{,")
     except (ValueError, RecursionError, MemoryError) as error:
@@ -154,7 +155,7 @@ def _decode_record(kind: type, fields: dict[str, Any]) -> Value:
     for name, value in fields.items():
         if name == "dt":
             checked[name] = None if value is None else float(value)
-        elif name in ("title", "xlabel", "ylabel", "label", "kind"):
+        elif name in ("title", "xlabel", "ylabel", "label", "where", "kind"):
             checked[name] = str(value)[:1000]
         elif name in ("grid", "steps"):
             checked[name] = value is True
@@ -187,9 +188,11 @@ def _decode_array(encoded: dict[str, Any]) -> np.ndarray:
         raise ValueError("array kind")
     dtype = np.dtype(encoded["dtype"])
     shape = tuple(encoded["shape"])
-    if len(shape) > MAX_DIMENSIONS or any(type(size) is not int or size < 0 for size in shape):
+    if len(shape) > MAX_DIMENSIONS or any(type(size) is not int or not 0 <= size < MAX_INTEGER for size in shape):
         raise ValueError("array shape")
     data = base64.b64decode(encoded["data"], validate=True)
     if math.prod(shape) * dtype.itemsize != len(data):
         raise ValueError("array size")
+    if not data:  # its other dimensions may be larger than those of any array of a wider type
+        shape = tuple(min(size, _MAX_EMPTY) for size in shape)
     return np.frombuffer(data, dtype=dtype).reshape(shape).copy()

@@ -5,6 +5,7 @@ without fork it is a new Python process, which connects to the judge on a loopba
 """
 
 import contextlib
+import importlib
 import io
 import json
 import os
@@ -17,7 +18,7 @@ from typing import Any
 
 import numpy as np
 
-from autograder.sandbox.allowed_paths import is_reference
+from autograder.sandbox.allowed_paths import allowed_modules, is_reference
 from autograder.sandbox.channel import (
     MAX_OUTPUT_CHARACTERS,
     ChannelClosed,
@@ -111,10 +112,8 @@ def open_shell() -> Any:
     from IPython.core.history import HistoryManager
     from IPython.core.interactiveshell import InteractiveShell
 
-    import labsid.checks
-    import labsid.plots
-    import labsid.rig  # noqa: F401
-
+    for module in allowed_modules():
+        importlib.import_module(module)
     HistoryManager.enabled = False  # type: ignore[assignment]
     shell: Any = InteractiveShell.instance()
     # ignore %matplotlib: there is no display

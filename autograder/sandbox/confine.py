@@ -30,6 +30,7 @@ _CLONE_NEWNS, _CLONE_NEWUTS, _CLONE_NEWIPC, _CLONE_NEWPID, _CLONE_NEWNET = (
 _NAMESPACES = _CLONE_NEWNS | _CLONE_NEWUTS | _CLONE_NEWIPC | _CLONE_NEWPID | _CLONE_NEWNET
 _MS_NOSUID, _MS_NODEV, _MS_REMOUNT = 2, 4, 32
 _MAX_FILES = 10_000
+_SIGNAL_ABI = 6  # version of Landlock
 _X32 = 0x40000000  # offset of the x32 ABI, which repeats every call on x86-64 kernels
 
 _FORBIDDEN_CALLS = (
@@ -48,6 +49,18 @@ _FORBIDDEN_CALLS = (
     "finit_module", "delete_module", "kexec_load", "kexec_file_load", "reboot", "syslog", "acct", "personality",
     "fanotify_init", "settimeofday", "clock_settime", "adjtimex", "sethostname", "setdomainname",
 )  # fmt: skip
+
+_MODE_CALLS = ("chmod", "fchmod", "fchmodat", "fchmodat2", "utime", "utimes", "utimensat", "futimesat")
+"""Calls that change the mode or time of a file: without effect outside a sandbox, because Landlock does not restrict
+them. They appear to succeed, since `shutil.copy` and others use them on the student's own files."""
+
+_OWNER_CALLS = (
+    "chown", "fchown", "lchown", "fchownat", "setxattr", "lsetxattr", "fsetxattr", "setxattrat", "removexattr",
+    "lremovexattr", "fremovexattr", "removexattrat", "file_setattr",
+)  # fmt: skip
+"""Calls that change the owner or attributes of a file: refused outside a sandbox."""
+
+_FS_IOC_SETFLAGS, _FS_IOC_FSSETXATTR = 0x40086602, 0x401C5820
 
 
 @dataclass(frozen=True, slots=True)
@@ -86,11 +99,17 @@ class ProcessSettings:
     user_id: int = 0
 
 
+def hide_memory() -> None:
+    """Close this process's memory to others of the same user, such as student processes without isolation."""
+    if sys.platform == "linux":
+        _prctl(_PR_SET_DUMPABLE, 0)
+
+
 def prepare_fork_server() -> None:
     """Hide the fork server's memory from its children, adopt their orphans, and cache what every child needs."""
+    hide_memory()
     if sys.platform != "linux":
         return
-    _prctl(_PR_SET_DUMPABLE, 0)
     _prctl(_PR_SET_CHILD_SUBREAPER, 1)
     with contextlib.suppress(ImportError, OSError):
         import landlockpy
@@ -128,6 +147,8 @@ def confine_process(settings: ProcessSettings, syscall_filter: Any) -> None:
     set_rlimits(settings.rlimits)
     if settings.level == "landlock":
         _confine_files(settings.workdir)
+    elif not settings.sandbox_pid:
+        _confine_signals()
     if syscall_filter is not None:
         syscall_filter.load()
 
@@ -138,7 +159,8 @@ def make_syscall_filter(protected: tuple[int, ...]) -> Any:
     Parameters
     ----------
     protected : tuple of int
-        Processes to protect from signals: the fork server and the grader, if they are visible.
+        Processes to protect from signals: the fork server and the grader, if they are visible. Files outside the work
+        folder are visible then, too, and their modes, times and attributes are protected.
     """
     if sys.platform != "linux":
         return None
@@ -175,6 +197,12 @@ def make_syscall_filter(protected: tuple[int, ...]) -> Any:
             refuse("tkill", args=[(0, masked, low, 0xFFFFFFFF)])
             refuse("tgkill", args=[(0, masked, low, 0xFFFFFFFF)])
     if protected:
+        for name in _MODE_CALLS:
+            refuse(name, 0)
+        for name in _OWNER_CALLS:
+            refuse(name)
+        for request in (_FS_IOC_SETFLAGS, _FS_IOC_FSSETXATTR):
+            refuse("ioctl", args=[(1, masked, request, 0xFFFFFFFF)])
         refuse("kill", args=[(0, masked, 0xFFFFFFFF, 0xFFFFFFFF)])  # -1: every process
     _ = rules.program  # assembled once, before forking
     return rules
@@ -266,11 +294,30 @@ def _confine_files(folder: str) -> None:
         rules.restrict()
 
 
+def can_confine_signals() -> bool:
+    """Whether this kernel can keep a process from signalling others: Landlock since Linux 6.12."""
+    try:
+        import landlockpy
+
+        return bool(landlockpy.abi_version() >= _SIGNAL_ABI)
+    except (ImportError, OSError):
+        return False
+
+
+def _confine_signals() -> None:
+    """Signal no process outside, if the kernel can prevent it."""
+    if can_confine_signals():
+        from landlockpy import AccessFS, Ruleset, Scope
+
+        with Ruleset(handled_fs=AccessFS.NONE, scoped=Scope.SIGNAL | Scope.ABSTRACT_UNIX_SOCKET) as rules:
+            rules.restrict()
+
+
 @functools.cache
 def _readable_paths() -> tuple[tuple[str, str], ...]:
     """The readable paths, each as a "file", a "folder", or a folder of which only the "names" may be listed."""
     found: list[tuple[str, str]] = []
-    excluded = allowed_paths.package_folders()
+    excluded = allowed_paths.hidden_folders()
     for path in allowed_paths.interpreter_paths():
         parts = list(allowed_paths.exclude_paths(path, excluded))
         if parts != [path]:

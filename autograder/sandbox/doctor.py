@@ -8,12 +8,15 @@ import contextlib
 import json
 import os
 import socket
+import subprocess
+import sys
 import time
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
 import labsid
+from autograder.sandbox.escapes import ESCAPES, ORPHAN, Escape
 from autograder.sandbox.isolation import (
     LEVELS,
     IsolationError,
@@ -29,25 +32,6 @@ LIMITS = Limits(
     cell_seconds=20, memory_bytes=1536 * 1024**2, file_bytes=8 * 1024**2, disk_bytes=16 * 1024**2, processes=32
 )
 """Low, so that a successful attempt does no harm."""
-
-_ORPHAN = "labsid-orphan"
-_NAME_ORPHAN = f"import ctypes\nctypes.CDLL(None).prctl(15, b'{_ORPHAN}', 0, 0, 0)\n"
-
-
-@dataclass(frozen=True, slots=True)
-class Escape:
-    """An attempt to escape from a student process.
-
-    Attributes
-    ----------
-    name : str
-    code : str
-        Sets `escaped` to whether the attempt succeeded; an error means that it failed. `targets` maps the name of each
-        target to its path, address or process ID.
-    """
-
-    name: str
-    code: str
 
 
 @dataclass(frozen=True, slots=True)
@@ -66,74 +50,6 @@ class LevelReport:
     level: str
     problem: str
     blocked: dict[str, bool]
-
-
-TCP = Escape(
-    "connect to loopback (TCP)", "import socket\nsocket.create_connection(targets['tcp'], 2).close()\nescaped = True"
-)
-
-ESCAPES = (
-    Escape("read the course", "escaped = open(targets['course']).read() != ''"),
-    Escape("read another submission", "escaped = open(targets['submission']).read() != ''"),
-    Escape("read the gradebook", "escaped = open(targets['gradebook']).read() != ''"),
-    Escape("read the reference's sources", "escaped = 'def ' in open(targets['reference']).read()"),
-    Escape(
-        "import the reference",
-        "import sys\nsys.meta_path[:] = [one for one in sys.meta_path if 'Reference' not in type(one).__name__]\n"
-        "import labsid.lab.arx\nescaped = True",
-    ),
-    Escape(
-        "find the reference in memory",
-        "import gc\n"
-        "reference = ('labsid.lab.', 'labsid.checks.assignments')\n"
-        "escaped = any(str(getattr(it, '__module__', '')).startswith(reference)\n"
-        "              for it in gc.get_objects() if callable(it))",
-    ),
-    Escape("write outside", "open(targets['outside'], 'w').write('was here')\nescaped = True"),
-    Escape("change the gradebook", "open(targets['gradebook'], 'a').write('5')\nescaped = True"),
-    Escape("leave a file for the next", "open('/tmp/labsid-left-behind', 'w').write('5')\nescaped = True"),
-    TCP,
-    Escape(
-        "send to loopback (UDP)",
-        "import socket\nsocket.socket(socket.AF_INET, socket.SOCK_DGRAM).sendto(b'x', targets['udp'])\nescaped = True",
-    ),
-    Escape(
-        "connect to a local service",
-        "import socket\nsocket.socket(socket.AF_UNIX).connect(targets['unix'])\nescaped = True",
-    ),
-    Escape(
-        "see other processes",
-        "import os, subprocess\n"
-        "seen = os.listdir('/proc') if os.path.isdir('/proc') else subprocess.check_output(['ps', '-ax'], text=True)\n"
-        "escaped = str(targets['grader']) in seen and os.path.exists('/proc/%d/cmdline' % targets['grader'])",
-    ),
-    Escape("signal the grader", "import os\nos.kill(targets['grader'], 0)\nescaped = True"),
-    Escape("signal the parent", "import os\nos.kill(targets['parent'], 0)\nescaped = True"),
-    Escape("read the parent's memory", "open('/proc/%d/mem' % targets['parent'], 'rb').close()\nescaped = True"),
-    Escape(
-        "keep a process alive",
-        "import os, time\nif os.fork() == 0:\n    os.setsid()\n    if os.fork() == 0:\n"
-        + "".join(f"        {line}\n" for line in _NAME_ORPHAN.splitlines())
-        + "        time.sleep(60)\n    os._exit(0)\ntime.sleep(0.2)\nescaped = None",
-    ),
-    Escape("allocate 2 GB", "block = bytearray(2 << 30)\nescaped = True"),
-    Escape(
-        "start 200 processes",
-        "import os, time\nchildren = []\ntry:\n    for _ in range(200):\n        pid = os.fork()\n"
-        "        if pid == 0:\n            time.sleep(20)\n            os._exit(0)\n        children.append(pid)\n"
-        "finally:\n    for pid in children:\n        os.kill(pid, 9)\nescaped = True",
-    ),
-    Escape("write a file of 12 MB", "open('large', 'wb').write(bytes(12 << 20))\nescaped = True"),
-    Escape(
-        "fill the disk with 32 MB",
-        "import time\nfor i in range(8):\n    with open(str(i), 'wb') as file:\n        file.write(bytes(4 << 20))\n"
-        "    time.sleep(0.2)\nescaped = True",
-    ),
-    Escape(
-        "make a namespace of its own",
-        "import ctypes\nescaped = ctypes.CDLL(None).unshare(0x10000000) == 0",
-    ),
-)
 
 
 def attempt_escapes() -> Iterator[LevelReport]:
@@ -209,7 +125,7 @@ def _orphan_runs() -> bool:
             for name in os.listdir("/proc"):
                 if name.isdigit():
                     with contextlib.suppress(OSError):
-                        if Path(f"/proc/{name}/comm").read_text(encoding="utf-8").strip() == _ORPHAN:
+                        if Path(f"/proc/{name}/comm").read_text(encoding="utf-8").strip() == ORPHAN:
                             found.append(int(name))
         if not found:
             return False
@@ -237,9 +153,18 @@ def _make_targets(launcher: ProcessLauncher) -> Iterator[dict[str, object]]:
         tcp = listeners.enter_context(socket.create_server(("127.0.0.1", 0)))
         udp = listeners.enter_context(socket.socket(socket.AF_INET, socket.SOCK_DGRAM))
         udp.bind(("127.0.0.1", 0))
+        targets["other"] = listeners.enter_context(_other_process()).pid
         targets |= {"tcp": tcp.getsockname(), "udp": udp.getsockname(), "unix": str(folder / "service")}
         if hasattr(socket, "AF_UNIX"):
             unix = listeners.enter_context(socket.socket(socket.AF_UNIX))
             unix.bind(str(folder / "service"))
             unix.listen()
         yield targets
+
+
+@contextlib.contextmanager
+def _other_process() -> Iterator["subprocess.Popen[bytes]"]:
+    """A process of the same user, such as an editor of the instructor's; it waits for an end of file."""
+    waiting = [sys.executable, "-S", "-c", "import sys; sys.stdin.read()"]
+    with subprocess.Popen(waiting, stdin=subprocess.PIPE) as process:
+        yield process

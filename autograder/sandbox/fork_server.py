@@ -68,7 +68,11 @@ def main() -> None:
                 protected = () if settings.sandbox_pid else (os.getpid(), request["grader"])
                 if protected not in filters:
                     filters[protected] = make_syscall_filter(protected)
-                pid = _fork(control, settings, filters[protected], shell)
+                try:
+                    pid = _fork(control, settings, filters[protected], shell)
+                except OSError as error:  # the limit of processes, or no memory
+                    send(control, {"problem": str(error.strerror)})
+                    continue
                 children[pid] = _Child(settings)
                 send(control, {"pid": pid})
             elif request["op"] == "end":
@@ -104,7 +108,11 @@ def _enforce_limits(children: dict[int, _Child], shared_bytes: int) -> None:
 
 def _fork(control: socket.socket, settings: ProcessSettings, syscall_filter: Any, shell: Any) -> int:
     _, descriptors, _, _ = socket.recv_fds(control, 1, 1)
-    pid = os.fork()
+    try:
+        pid = os.fork()
+    except OSError:
+        os.close(descriptors[0])
+        raise
     if pid:
         os.close(descriptors[0])
         return pid

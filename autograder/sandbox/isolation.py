@@ -13,15 +13,17 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 from autograder.sandbox.bubblewrap import SandboxError
+from autograder.sandbox.confine import hide_memory
 from autograder.sandbox.limits import Limits
 from autograder.sandbox.process_launchers import ForkingLauncher, IsolationSetup, ProcessLauncher, SpawningLauncher
-from autograder.sandbox.student_process import Reply, StudentProcess, StudentProcessError
+from autograder.sandbox.student_process import MachineError, Reply, StudentProcess, StudentProcessError
 from autograder.sandbox.workdirs import remove_stale_workdirs, temporary_workdir
 
 __all__ = [
     "LEVELS",
     "IsolationError",
     "Limits",
+    "MachineError",
     "ProcessLauncher",
     "Reply",
     "StudentProcess",
@@ -92,6 +94,7 @@ def open_launcher(isolation: str = "best", limits: Limits | None = None) -> Iter
         If the requested isolation is unavailable.
     """
     remove_stale_workdirs()
+    hide_memory()
     permitted = {"strict": LEVELS[:1], "best": LEVELS}.get(isolation, (isolation,))
     if not set(permitted) <= set(LEVELS):
         raise ValueError(f"isolation: got {isolation!r}, expected strict, best or one of {', '.join(LEVELS)}")
@@ -130,7 +133,7 @@ def _open_strongest(permitted: tuple[str, ...], limits: Limits) -> tuple[Process
         return (SpawningLauncher(limits) if "none" in permitted else None), failed
     try:
         launcher = ForkingLauncher(limits)
-    except StudentProcessError as error:
+    except MachineError as error:
         return None, [IsolationLevel(name, str(error)) for name in permitted]
     failed = []
     try:
@@ -168,7 +171,7 @@ def _probe(launcher: ForkingLauncher, setup: IsolationSetup) -> str:
         try:
             launcher.configure(setup)
             student = launcher.start(folder)
-        except (StudentProcessError, SandboxError) as error:
+        except (MachineError, SandboxError) as error:
             return str(error)
         try:
             ran = student.run(_PROBE_CODE.format(canary=str(canary)))

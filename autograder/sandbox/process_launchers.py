@@ -19,7 +19,7 @@ from autograder.sandbox.bubblewrap import WORK, Sandbox, SandboxError, find_bubb
 from autograder.sandbox.channel import ChannelError, receive, send
 from autograder.sandbox.confine import ProcessSettings
 from autograder.sandbox.limits import Limits
-from autograder.sandbox.student_process import StudentProcess, StudentProcessError
+from autograder.sandbox.student_process import MachineError, StudentProcess
 from autograder.sandbox.workdirs import make_workdir, remove_folder
 
 _USER_IDS = range(61184, 65520)
@@ -38,7 +38,7 @@ class ProcessLauncher(Protocol):
         """Limits of one submission."""
 
     def start(self, folder: Path) -> StudentProcess:
-        """Start a process with a copy of the files in `folder` in its work folder."""
+        """Start a process with a copy of the files in `folder` in its work folder; `MachineError` if it cannot."""
 
     def close(self) -> None:
         """End all student processes."""
@@ -94,6 +94,12 @@ class ForkingLauncher:
 
     def start(self, folder: Path) -> StudentProcess:
         """Start a process with a copy of the files in `folder` in its work folder."""
+        try:
+            return self._start(folder)
+        except OSError as error:  # no space, too many open files or processes
+            raise MachineError(f"the process did not start: {error.strerror or error}") from None
+
+    def _start(self, folder: Path) -> StudentProcess:
         setup = self._setup
         user_id = next(self._user_ids) if setup.own_user else 0
         mine, theirs = socket.socketpair()
@@ -125,7 +131,7 @@ class ForkingLauncher:
         student = StudentProcess(mine, self.limits, lambda: self._end(server, pid, sandbox, workdir))
         try:
             student.wait_until_ready()
-        except StudentProcessError:
+        except MachineError:
             student.close()
             raise
         return student
@@ -139,17 +145,20 @@ class ForkingLauncher:
         try:
             return open_sandbox(self._sandbox_command)
         except SandboxError as error:
-            raise StudentProcessError("crashed", f"the sandbox could not be created: {error}") from None
+            raise MachineError(f"the sandbox could not be created: {error}") from None
 
     def _fork(self, settings: ProcessSettings, channel: socket.socket) -> int:
         try:
             return self._fork_server.fork(settings, channel)
-        except (ChannelError, OSError):  # at level "none" student code can kill the fork server
+        except (ChannelError, OSError) as error:  # at level "none" student code can kill the fork server
             if self._closed:
-                raise
+                raise MachineError(f"the process did not start: {error}") from None
             self._fork_server.close()
             self._fork_server = _ForkServer(self.limits)
-            return self._fork_server.fork(settings, channel)
+            try:
+                return self._fork_server.fork(settings, channel)
+            except (ChannelError, OSError) as again:
+                raise MachineError(f"the process did not start: {again}") from None
 
     def _end(self, server: "_ForkServer", pid: int, sandbox: Sandbox | None, workdir: Path | None) -> tuple[int, str]:
         if sandbox:
@@ -173,19 +182,23 @@ class _ForkServer:
         self._control, theirs = socket.socketpair()
         self._control.settimeout(limits.start_seconds)
         with theirs:
-            self._process = subprocess.Popen(
-                [sys.executable, "-P", "-m", "autograder.sandbox.fork_server"],
-                stdin=theirs.fileno(),
-                stdout=subprocess.DEVNULL,
-                env=_clean_environment(),
-                start_new_session=True,
-            )
+            try:
+                self._process = subprocess.Popen(
+                    [sys.executable, "-P", "-m", "autograder.sandbox.fork_server"],
+                    stdin=theirs.fileno(),
+                    stdout=subprocess.DEVNULL,
+                    env=_clean_environment(),
+                    start_new_session=True,
+                )
+            except OSError as error:
+                self._control.close()
+                raise MachineError(f"the fork server did not start: {error.strerror or error}") from None
         try:
             self.allowed = [Path(path) for path in receive(self._control)["allowed"]]
         except (ChannelError, TimeoutError) as error:
             self._process.kill()
             self.close()
-            raise StudentProcessError("crashed", f"the fork server did not start: {error}") from None
+            raise MachineError(f"the fork server did not start: {error}") from None
 
     @property
     def pid(self) -> int:
@@ -195,7 +208,10 @@ class _ForkServer:
     def fork(self, settings: ProcessSettings, channel: socket.socket) -> int:
         send(self._control, {"op": "fork", "settings": asdict(settings), "grader": os.getpid()})
         socket.send_fds(self._control, [b"."], [channel.fileno()])
-        return int(receive(self._control)["pid"])
+        reply = receive(self._control)
+        if "problem" in reply:
+            raise MachineError(f"the process did not start: {reply['problem']}")
+        return int(reply["pid"])
 
     def end(self, pid: int) -> tuple[int, str]:
         send(self._control, {"op": "end", "pid": pid})
@@ -260,11 +276,11 @@ class SpawningLauncher:
                 hello = receive(channel)
             except (TimeoutError, ChannelError) as error:
                 end()
-                raise StudentProcessError("crashed", f"the process did not start: {error}") from None
+                raise MachineError(f"the process did not start: {error}") from None
         if not secrets.compare_digest(str(hello.get("token")).encode(), token.encode()):
             channel.close()
             end()
-            raise StudentProcessError("crashed", "another process answered")
+            raise MachineError("another process answered")
         return StudentProcess(channel, self.limits, end)
 
     def close(self) -> None:

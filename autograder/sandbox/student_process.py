@@ -27,6 +27,10 @@ from labsid.checks.values import Value
 _MAX_LINE = 100_000
 
 
+class MachineError(Exception):
+    """This machine could not start or keep a student's process: no fault of the student, and no grade."""
+
+
 class StudentProcessError(Exception):
     """The student's process ended, timed out or sent an invalid reply; `status` is the question's status."""
 
@@ -49,10 +53,16 @@ class Reply:
 
 
 class StudentProcess:
-    """A running student process."""
+    """A running student process.
+
+    Attributes
+    ----------
+    channel : socket.socket
+        Its end of the channel.
+    """
 
     def __init__(self, channel: socket.socket, limits: Limits, end: Callable[[], tuple[int, str]]) -> None:
-        self._channel = channel
+        self.channel = channel
         self._limits = limits
         self._end = end
         self._ended: tuple[int, str] | None = None
@@ -62,10 +72,13 @@ class StudentProcess:
         """The end of the submission's time, on the monotonic clock."""
 
     def wait_until_ready(self) -> None:
-        """Wait until the process is confined and ready to run cells."""
-        reply = self._ask(None, self._limits.start_seconds)
+        """Wait until the process is confined and ready to run cells; raises `MachineError` if it does not start."""
+        try:
+            reply = self._ask(None, self._limits.start_seconds)
+        except StudentProcessError as error:
+            raise MachineError(f"the process did not start: {error}") from None
         if not reply.ok:
-            raise StudentProcessError("crashed", f"the process did not start: {(reply.error or {}).get('text', '')}")
+            raise MachineError(f"the process did not start: {(reply.error or {}).get('text', '')}")
 
     def run(self, source: str) -> Reply:
         """Run one cell."""
@@ -96,7 +109,7 @@ class StudentProcess:
     def close(self) -> tuple[int, str]:
         """End the process and everything it started; returns its exit status and the limit it exceeded, if any."""
         if self._ended is None:
-            self._channel.close()
+            self.channel.close()
             self._ended = self._end()
         return self._ended
 
@@ -105,10 +118,10 @@ class StudentProcess:
         try:
             if left <= 0:
                 raise TimeoutError
-            self._channel.settimeout(min(seconds, left))
+            self.channel.settimeout(min(seconds, left))
             if request is not None:
-                send(self._channel, request)
-            return _read_reply(receive(self._channel))
+                send(self.channel, request)
+            return _read_reply(receive(self.channel))
         except TimeoutError:
             self.lost = True
             most = f"the whole notebook took longer than {self._limits.submission_seconds:g} s"

@@ -12,6 +12,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 _PREFIX = "labsid-workdir-"
+_MIN_FREE_BYTES = 1024 * 1024
 
 
 def make_workdir() -> Path:
@@ -35,6 +36,14 @@ def remove_stale_workdirs() -> None:
         owner = re.match(rf"{_PREFIX}(\d+)-", folder.name)
         if owner is not None and not _is_running(int(owner[1])):
             remove_folder(folder)
+
+
+def disk_is_full() -> bool:
+    """Whether the disk of the work folders has no space left."""
+    try:
+        return shutil.disk_usage(tempfile.gettempdir()).free < _MIN_FREE_BYTES
+    except OSError:
+        return True
 
 
 def folder_bytes(folder: Path) -> int:

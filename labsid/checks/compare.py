@@ -23,7 +23,8 @@ def kind_of(value: Value) -> str:
     if isinstance(value, Unreadable):
         return f"an object of type {value.kind}"
     if isinstance(value, np.ndarray):
-        return f"an array of shape {value.shape}" if value.ndim else "a number"
+        kind = "complex " if value.dtype.kind == "c" else ""
+        return f"a{'' if kind else 'n'} {kind}array of shape {value.shape}" if value.ndim else f"a {kind}number"
     if isinstance(value, (bool, int, float)):
         return "a number"
     names = {
@@ -67,8 +68,9 @@ def as_vector(name: str, value: Value, size: int | None = None) -> FloatArray:
     """Read a signal or a parameter vector of shape (N,) or (N, 1); a row (1, N) has its own message."""
     array = _real_array(name, value, "a vector")
     if array.ndim == 2 and array.shape[0] == 1 and array.shape[1] > 1:
+        way = f"`{name}.T`" if name.isidentifier() else "transpose it with `.T`"
         raise NoAnswer(
-            f"`{name}` is a row, shape {array.shape}. Make it a column (or one-dimensional): `{name}.T`.",
+            f"`{name}` is a row, shape {array.shape}. Make it a column (or one-dimensional): {way}.",
             "a row instead of a column",
         )
     if array.ndim == 2 and array.shape[1] == 1:
@@ -193,10 +195,25 @@ def same_response(relative: float = 1e-6) -> Callable[[SystemValue, SystemValue]
 
 
 def _real_array(name: str, value: Value, wanted: str) -> FloatArray:
-    if isinstance(value, (bool, int, float)):
+    """Read real numbers; complex ones without an imaginary part are real, and single precision is refused."""
+    if isinstance(value, (bool, int, float, complex)):
         value = np.asarray(value)
-    if not isinstance(value, np.ndarray) or value.dtype.kind not in "biuf":
+    if not isinstance(value, np.ndarray) or value.dtype.kind not in "biufc":
         raise NoAnswer(f"`{name}` should be {wanted}; it is {kind_of(value)}.")
+    if value.dtype.kind == "c":
+        if np.any(value.imag != 0):
+            raise NoAnswer(
+                f"`{name}` should be {wanted}; it is {kind_of(value)}. If its imaginary part is only rounding, take "
+                "the real part with `np.real`.",
+                "imaginary part",
+            )
+        value = value.real
+    if value.dtype.itemsize < 8 and value.dtype.kind == "f":
+        raise NoAnswer(
+            f"`{name}` has the type {value.dtype}, which keeps only {np.finfo(value.dtype).precision + 1} digits, and "
+            "the comparison needs more. Compute in double precision, numpy's own `float`: leave the type out.",
+            "single precision",
+        )
     array = value.astype(np.float64)
     if not np.all(np.isfinite(array)):
         first = tuple(np.argwhere(~np.isfinite(array))[0])

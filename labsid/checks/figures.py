@@ -5,8 +5,35 @@ import re
 import numpy as np
 from numpy.typing import ArrayLike
 
+from labsid.checks.compare import kind_of
+from labsid.checks.values import Value
 from labsid.checks.verdict import NoAnswer
-from labsid.plots.figure_values import AxesValue, CurveValue
+from labsid.plots.figure_values import AxesValue, CurveValue, FigureValue
+
+
+def one_figure(name: str, value: Value) -> AxesValue:
+    """Read a figure whose curves may stand in one panel or in several: all of its panels as one.
+
+    An axis counts as labelled if it is labelled wherever it needs to be: the y-axis of each panel that shows something,
+    the x-axis of the lowest.
+    """
+    if not isinstance(value, FigureValue):
+        raise NoAnswer(f"`{name}` should be the figure itself, as `plt.figure()` returns it; it is {kind_of(value)}.")
+    panels = [axes for axes in value.axes if axes.curves]
+    if not panels:
+        raise NoAnswer(f"`{name}` is empty: draw in its axes.", "empty axes")
+    ylabels = [axes.ylabel for axes in panels]
+    return AxesValue(
+        title=" ".join(axes.title for axes in panels),
+        xlabel=panels[-1].xlabel,
+        ylabel=" ".join(ylabels) if all(label.strip() for label in ylabels) else "",
+        xlim=panels[0].xlim,
+        ylim=panels[0].ylim,
+        grid=all(axes.grid for axes in panels),
+        legend=tuple(text for axes in panels for text in axes.legend),
+        texts=tuple(text for axes in panels for text in axes.texts),
+        curves=tuple(curve for axes in panels for curve in axes.curves),
+    )
 
 
 def find_curve(axes: AxesValue, y: ArrayLike, x: ArrayLike | None = None) -> CurveValue | None:
@@ -28,10 +55,13 @@ def require_curve(axes: AxesValue, where: str, what: str, y: ArrayLike, x: Array
     curve = find_curve(axes, y, x)
     if curve is not None:
         return curve
-    if x is not None and find_curve(axes, y) is not None:
+    drawn = None if x is None else find_curve(axes, y)
+    if drawn is not None:
+        counted = _agree(drawn.x, np.arange(drawn.x.size, dtype=float))
         raise NoAnswer(
-            f"In {where}, {what} is not drawn against time: give the time vector as the first argument.",
-            "drawn against the sample number",
+            f"In {where}, {what} is drawn against {'the sample number' if counted else 'another vector'}, and not "
+            "against time: give the time vector as the first argument.",
+            "drawn against the sample number" if counted else "drawn against another vector",
         )
     raise NoAnswer(f"In {where} no curve shows {what}. Plot it against time.")
 
@@ -47,8 +77,15 @@ def require_label(axes: AxesValue, where: str, axis: str, unit: str) -> None:
     label = axes.xlabel if axis == "x" else axes.ylabel
     if not label.strip():
         raise NoAnswer(f"In {where} the {axis}-axis has no label: use `{axis}label`.", "axis without a label")
-    if unit and not re.search(rf"[(\[/,][\s$]*(?:\\(?:mathrm|text)\s*{{?)?{re.escape(unit)}", label, re.IGNORECASE):
+    if unit and not _has_unit(label, unit):
+        if _has_unit(axes.ylabel if axis == "x" else axes.xlabel, unit):
+            raise NoAnswer(f"In {where} the labels of the two axes are swapped.", "axis labels swapped")
         raise NoAnswer(f"In {where} the {axis}-label {label!r} has no unit: write it as ({unit}).", "no unit")
+
+
+def _has_unit(label: str, unit: str) -> bool:
+    pattern = rf"[(\[/,][\s$]*(?:\\(?:mathrm|text)\s*{{?)?{re.escape(unit)}"
+    return re.search(pattern, label, re.IGNORECASE) is not None
 
 
 def require_limits(axes: AxesValue, where: str, xlim: tuple[float, float], ylim: tuple[float, float]) -> None:

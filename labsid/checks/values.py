@@ -107,7 +107,9 @@ def _plain(value: object, depth: int) -> Value:
         if value.dtype.kind not in "biufcU":
             return Unreadable(type(value).__name__)
         item = value.item()
-        return np.array(value) if isinstance(item, np.generic) else plain(item, depth)  # longdouble has no other item
+        is_single = value.dtype in (np.float16, np.float32, np.complex64)  # the checks refuse it
+        # longdouble has no other item
+        return np.array(value) if is_single or isinstance(item, np.generic) else plain(item, depth)
     if isinstance(value, np.ndarray):
         array = np.array(value)
         return array if array.dtype.kind in "biufc" else Unreadable(f"array of {array.dtype}")
@@ -123,6 +125,8 @@ def _plain(value: object, depth: int) -> Value:
         from labsid.plots.describe import describe_figure
 
         return describe_figure(value)
+    if hasattr(value, "__array__"):  # a column of a pandas table, for example
+        return _plain(np.asarray(value), depth)
     return _plain_system(value)
 
 

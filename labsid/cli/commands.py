@@ -2,6 +2,7 @@
 
 import os
 import sys
+import warnings
 from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Annotated
@@ -14,6 +15,7 @@ from labsid.cli.options import Columns, JsonFile, Output, RecordPath, SamplingTi
 
 _BUILT_IN = ("check", "identify", "data", "gap")
 _STATUS_OF_INTERRUPT = 130
+_MAX_LINE = 1000  # characters
 _INSTALL = 'pip install "labsid[autograder]"'
 
 
@@ -32,7 +34,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """
     arguments = sys.argv[1:] if arguments is None else list(arguments)
     try:
-        status = _run(arguments or ["--help"])
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", RuntimeWarning)  # numpy's: a result says itself what is wrong with it
+            status = _run(arguments or ["--help"])
         sys.stdout.flush()
     except BrokenPipeError:
         # The reader closed the pipe; keep the flush at exit from failing again.
@@ -47,6 +51,12 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return _report_error(f"{where}{error.strerror or error}")
     except ValueError as error:
         return _report_error(str(error))
+    except MemoryError:
+        return _report_error("there is not enough memory for this")
+    except RuntimeError as error:
+        if "can't start new thread" not in str(error):
+            raise
+        return _report_error("this machine starts no more threads; end other programs, or raise the limit (ulimit -u)")
     return status
 
 
@@ -207,5 +217,8 @@ def _explain_usage(error: Exception) -> int:
 
 
 def _report_error(message: str) -> int:
-    print(f"labsid: error: {' '.join(message.split())}", file=sys.stderr)
+    line = " ".join(message.split())
+    if len(line) > _MAX_LINE:  # such as the names of thousands of columns
+        line = f"{line[: _MAX_LINE - 1]}…"
+    print(f"labsid: error: {line}", file=sys.stderr)
     return 2

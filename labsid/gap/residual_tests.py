@@ -119,6 +119,8 @@ def slow_autocorrelation(e: FloatArray, rows: np.ndarray) -> float:
     """Largest absolute autocorrelation at lags of `SLOW_LAG` samples or more, on the rows that count."""
     power = float(np.mean(e[rows] ** 2))
     found = 0.0
+    if power == 0.0:
+        return found
     for lag in range(SLOW_LAG, MAX_LAG):
         both = rows[lag:] & rows[:-lag]
         if both.sum() > MIN_PAIRS:
@@ -150,7 +152,7 @@ def explained_share(data: Data, fit: Fit, e: FloatArray) -> float:
         for i in out:
             rest = target[parts[i]] - X[parts[i]] @ gains
             remaining += float(rest @ rest)
-    return 1.0 - remaining / total
+    return 1.0 - remaining / total if total > 0.0 else 0.0
 
 
 def repeatability(data: Data, fit: Fit, e: FloatArray) -> tuple[float, float]:

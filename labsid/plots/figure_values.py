@@ -7,13 +7,27 @@ from labsid._arrays import FloatArray, freeze
 
 @dataclass(frozen=True, slots=True, eq=False)
 class CurveValue:
-    """One curve: data, colour (red, green, blue), whether it is drawn in steps, and legend text."""
+    """One curve, or one row of points or bars.
+
+    Attributes
+    ----------
+    x, y : ndarray, shape (N,)
+    color : tuple of float
+        Red, green and blue, 0 to 1.
+    steps : bool
+        Whether it is drawn in steps.
+    label : str
+        Its legend text.
+    where : str
+        Where a step changes, as in ``step``: "pre", "mid" or "post"; "" if it is not drawn in steps.
+    """
 
     x: FloatArray
     y: FloatArray
     color: tuple[float, float, float]
     steps: bool
     label: str
+    where: str = ""
 
     def __post_init__(self) -> None:
         freeze(self, x=self.x, y=self.y)

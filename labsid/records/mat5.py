@@ -19,7 +19,7 @@ _CELL, _STRUCT, _OPAQUE = 1, 2, 17
 _NUMERIC_CLASSES = range(6, 16)
 _OTHER_CLASSES = {3: "an object", 4: "text", 5: "a sparse matrix", 16: "a function", 17: "an object"}
 _COMPLEX = 0x800
-_MAX_BYTES = 2**30  # of one variable
+_MAX_BYTES = 2**27  # of all compressed variables of a file: four signals of four million samples
 
 
 def read_variables(content: bytes) -> dict[str, Any]:
@@ -45,12 +45,14 @@ def read_variables(content: bytes) -> dict[str, Any]:
     if order is None:
         raise ValueError("its header is not that of version 5 or 7")
     variables = {}
-    position = 128
+    position, left = 128, _MAX_BYTES
     try:
         while position < len(content):
             kind, payload, position = _element(content, position, order)
             if kind == _COMPRESSED:
-                kind, payload, _ = _element(_inflate(payload), 0, order)
+                inflated = _inflate(payload, left)
+                left -= len(inflated)
+                kind, payload, _ = _element(inflated, 0, order)
             if kind != _MATRIX:
                 raise ValueError("there is something else where a variable should be")
             name, value = _matrix(payload, order)
@@ -76,14 +78,14 @@ def _element(data: bytes, position: int, order: str) -> tuple[int, bytes, int]:
     return kind, data[start : start + size], start + size + filling
 
 
-def _inflate(payload: bytes) -> bytes:
+def _inflate(payload: bytes, max_bytes: int) -> bytes:
     inflater = zlib.decompressobj()
     try:
-        inflated = inflater.decompress(payload, _MAX_BYTES)
+        inflated = inflater.decompress(payload, max(max_bytes, 1))
     except zlib.error:
         raise ValueError("a compressed part does not unpack") from None
     if not inflater.eof:
-        raise ValueError("a compressed part is incomplete, or over 1 GB")
+        raise ValueError(f"a compressed part is incomplete, or all parts are over {_MAX_BYTES // 2**20} MB")
     return inflated
 
 

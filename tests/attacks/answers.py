@@ -117,6 +117,12 @@ ATTACKS = (
     Attack(
         "integers of many digits in a list", "they are not sent", {TIME: "t = [10 ** 400] * 1001"}, loses=(TIME,)
     ),
+    Attack(
+        "no elements in more dimensions than an array of floats can have",
+        "it is wrong, and is compared with nobody's record",
+        {TIME: "t = np.zeros((0, 1 << 31, 1 << 31), np.int8)"},
+        loses=(TIME,),
+    ),
     Attack("500 MB of zeros", "it is too large to send", {TIME: "t = np.zeros((50_000_000, 1))"}, loses=(TIME,)),
     Attack(
         "data without end",
@@ -131,7 +137,7 @@ ATTACKS = (
         {TIME: "import os\nfor descriptor in range(64):\n    try:\n        os.write(descriptor, b'\\xff' * 64)\n"
                "    except OSError:\n        pass"},
         loses=(TIME,),
-        said="a message of 18446744073709551615 bytes",
+        said="a message longer than",
     ),
     Attack(
         "replies in advance",

@@ -35,6 +35,7 @@ ON = {"best": ATTACKS, "landlock": (*processes.ATTACKS, *reach.ATTACKS), "none":
 signals and processes: in these it differs from both others. What comes over the channel, or is handed in, does not."""
 HONEST = ("honest-ada", "honest-ben")
 SECRET = b"the secret of this course"
+_MAX_READ = 1 << 30  # a sparse file may be larger than any disk
 LIMITS = Limits(
     cell_seconds=2,
     call_seconds=2,
@@ -191,7 +192,7 @@ def digest(folder: Path) -> str:
     for path in sorted(folder.rglob("*")):
         kind = path.lstat().st_mode
         seen.update(f"{path.relative_to(folder)}\0{stat.S_IFMT(kind)}\0".encode())
-        if stat.S_ISREG(kind):
+        if stat.S_ISREG(kind) and path.stat().st_size < _MAX_READ:
             seen.update(path.read_bytes())
     return seen.hexdigest()
 

@@ -105,6 +105,29 @@ def _pipes(folder: Path, notebook: dict[str, Any]) -> None:
     (folder / "json.py").write_text("raise SystemExit", encoding="utf-8")
 
 
+def _beside(folder: Path, notebook: dict[str, Any]) -> None:
+    _write(folder, notebook)
+    (folder / "a.ipynb").symlink_to("/dev/zero")
+    with (folder / "b.ipynb").open("wb") as sparse:
+        sparse.truncate(1 << 40)
+
+
+def _long_text(folder: Path, notebook: dict[str, Any]) -> None:
+    notebook["cells"].append({"cell_type": "markdown", "metadata": {}, "source": "a" * 9_000_000})
+    _cell(notebook, "prelab-1-time-answer")["source"] = "t = [['a' * 50 + 'b'] * 1000] * 2"
+    _write(folder, notebook)
+
+
+def _too_long_text(folder: Path, notebook: dict[str, Any]) -> None:
+    notebook["cells"].append({"cell_type": "markdown", "metadata": {}, "source": "a" * 10_000_000})
+    _write(folder, notebook)
+
+
+def _long_code(folder: Path, notebook: dict[str, Any]) -> None:
+    _cell(notebook, "prelab-1-time-answer")["source"] += '\n0\n"""\n' + "x;" * 60_000 + '\n"""\n'
+    _write(folder, notebook)
+
+
 ATTACKS = (
     Attack("duplicate grade_id", _RIGHT, hand_in=_duplicates),
     Attack("check cells deleted", "they are put back", hand_in=_without_checks),
@@ -145,6 +168,17 @@ ATTACKS = (
         loses=QUESTIONS,
         said="a symbolic link",
     ),
+    Attack("a link to a device and a file of 1 TB beside the notebook", "they are not read", hand_in=_beside),
+    Attack(
+        "texts to look for in a text of 9 MB",
+        "a limited number of them is looked for",
+        hand_in=_long_text,
+        loses=(TIME,),
+    ),
+    Attack(
+        "a text of 10 MB", "quarantined", hand_in=_too_long_text, loses=QUESTIONS, said="10 million characters of text"
+    ),
+    Attack("code of 120 kB", "it is compared as text", hand_in=_long_code),
     Attack("pipes beside the notebook", "they are not opened", hand_in=_pipes),
     Attack(
         "HTML and colours in output and error",

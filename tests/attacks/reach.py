@@ -1,6 +1,6 @@
 """Reaching for what is not the student's: the reference, the solution, other students, the gradebook, the network."""
 
-from attacks import FUNCTION, TIME, Attack
+from attacks import FIRST, FUNCTION, SECOND, TIME, Attack
 
 _FILES = "without isolation every file of this machine can be read that the grader's user can read"
 _USE = (
@@ -75,6 +75,29 @@ ATTACKS = (
                "        t = np.linspace(0, 100, 1001).reshape(-1, 1)"},
         loses=(TIME,),
         said="There is no variable `t`",
+    ),
+    Attack(
+        "draws the figure with the reference",
+        "it is refused, and said to be the reference",
+        {FIRST: "from labsid import plots\nfig_1 = plots.figure_1(None)"},
+        loses=(FIRST, SECOND),
+        said="labsid.plots.lab is the reference: it cannot be used",
+    ),
+    Attack(
+        "imports the rig with what is withheld of it",
+        "it is refused, and said to be the reference",
+        {TIME: "from labsid.rig.switchable import withheld\nt = np.linspace(0, 100, 1001).reshape(-1, 1)"},
+        loses=(TIME,),
+        said="is the reference: it cannot be used",
+    ),
+    Attack(
+        "reads the rig with what is withheld of it",
+        "the file is not in its sight",
+        {TIME: "import os, labsid\nopen(os.path.join(labsid.__path__[0], 'rig', 'switchable', 'withheld.py')).read()\n"
+               "t = np.linspace(0, 100, 1001).reshape(-1, 1)"},
+        loses=(TIME,),
+        said="FileNotFoundError|PermissionError",
+        open_on_none=_FILES,
     ),
     Attack(
         "reads the solution",

@@ -14,10 +14,11 @@ import pytest
 
 from autograder.batch.executors import LocalExecutor
 from autograder.batch.grade import find_batch, grade_batch
-from autograder.batch.grading_inputs import PUBLIC_SECRET, DataStore, inputs_for, record_path
+from autograder.batch.grading_inputs import DataStore, inputs_for, record_path
 from autograder.batch.wrong_record import STUDENT_MESSAGE, reference_values
 from autograder.course.individual_data import individual_file
 from autograder.course.layout import RECORD_FILE, Course, read_template
+from autograder.course.own_secret import PUBLIC_SECRET
 from autograder.course.release import labsid_wheel, read_students, write_individual_releases, write_release
 from autograder.results.result_files import load, result_path
 from autograder.sandbox.isolation import ProcessLauncher

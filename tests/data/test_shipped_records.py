@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 import scipy.io
 
-from autograder.batch.grading_inputs import PUBLIC_SECRET
+from autograder.course.own_secret import PUBLIC_SECRET
 from labsid.lab.identification import identify
 from labsid.records.record import load_record
 from labsid.rig import (

@@ -88,6 +88,7 @@ VARIANTS: list[Right | Wrong] = [
     wrong(TIME, "frequency", "Ts = 1 / (t[1] - t[0])", "frequency in place of time", "frequency"),
     wrong(TIME, "length over samples", "Ts = t[-1] / len(t)", "divided by the number of samples", "one interval fewer"),
     wrong(TIME, "length of the record", "Ts = t[-1]", "length of the record", "duration"),
+    wrong(TIME, "milliseconds", "Ts = 1000 * (t[1] - t[0])", "milliseconds in place of seconds", "in milliseconds"),
     wrong(TIME, "all intervals", "Ts = np.diff(t)", "all intervals", "one number"),
     wrong(TIME, "wrong name", "h = t[1] - t[0]", None, "no variable `Ts`"),
     # 1b. Fig. 5
@@ -125,7 +126,7 @@ VARIANTS: list[Right | Wrong] = [
         "against the sample number",
         panels("fig_5", OUTPUTS.replace("t, ", ""), INPUT),
         "drawn against the sample number",
-        "not drawn against time",
+        "is drawn against the sample number",
     ),
     wrong(
         FIGURE_5,
@@ -244,6 +245,14 @@ VARIANTS: list[Right | Wrong] = [
         "mean over the whole record",
         "first period only",
     ),
+    wrong(
+        OFFSETS,
+        "mean of the measured output",
+        offsets("np.mean(y_actm[:n_first])"),
+        "measured output used",
+        "`y_actm`",
+    ),
+    wrong(OFFSETS, "one sample too many", offsets("np.mean(y_act[:n_first + 1])"), "off by one", "one sample too many"),
     wrong(OFFSETS, "first sample", offsets("y_act[0]"), "a single sample", "noise"),
     wrong(
         OFFSETS,

@@ -67,7 +67,7 @@ VARIANTS: list[Right | Wrong] = [
         "columns of u first",
         phi("u[1 : half - 1]", "u[0 : half - 2]", "y[1 : half - 1]", "y[0 : half - 2]"),
         "y and u columns swapped",
-        "y first",
+        "y comes first",
     ),
     wrong(
         PHI,
@@ -75,6 +75,27 @@ VARIANTS: list[Right | Wrong] = [
         phi("y[0 : half - 2]", "y[1 : half - 1]", "u[0 : half - 2]", "u[1 : half - 1]"),
         "lags swapped",
         "k-1 comes before",
+    ),
+    wrong(
+        PHI,
+        "lags of y swapped",
+        phi("y[0 : half - 2]", "y[1 : half - 1]"),
+        "lags swapped",
+        "columns of y are swapped",
+    ),
+    wrong(
+        PHI,
+        "lags of u swapped",
+        phi(u1="u[0 : half - 2]", u2="u[1 : half - 1]"),
+        "lags swapped",
+        "columns of u are swapped",
+    ),
+    wrong(
+        PHI,
+        "a column of ones",
+        phi().replace("half - 2]])", "half - 2], np.ones(half - 2)])"),
+        "a constant fitted along",
+        "column of ones",
     ),
     wrong(
         PHI,
@@ -177,6 +198,21 @@ VARIANTS: list[Right | Wrong] = [
         "offset left in",
         "offset-free",
     ),
+    wrong(
+        THETA,
+        "arguments of lstsq swapped",
+        "theta_hat = np.linalg.lstsq(Y[:, None], Phi)[0]",
+        "arguments of lstsq swapped",
+        "Phi comes first",
+    ),
+    wrong(THETA, "rounded", "theta_hat = np.linalg.lstsq(Phi, Y)[0].round(2)", "rounded", "keep all its digits"),
+    wrong(
+        THETA,
+        "a constant",
+        "theta_hat = np.linalg.lstsq(np.c_[Phi, np.ones(len(Y))], Y)[0]",
+        "a constant fitted along",
+        "no constant",
+    ),
     wrong(THETA, "inverse forgotten", "theta_hat = Phi.T @ Y", "inverse left out", "inverse"),
     wrong(THETA, "inverse not taken", "theta_hat = (Phi.T @ Phi) @ Phi.T @ Y", "inverse left out", "should be"),
     wrong(
@@ -245,21 +281,25 @@ VARIANTS: list[Right | Wrong] = [
     right(SS, "from the transfer function", "G_ss = ct.ss(G)"),
     right(SS, "observable form", "G_ss = ct.ss([[-a1, 1], [-a2, 0]], [[b1], [b2]], [[1, 0]], 0, Ts)"),
     wrong(
-        SS, "sign of a", "G_ss = ct.ss([[0, 1], [a2, a1]], [[0], [1]], [[b2, b1]], [[0]], Ts)", "sign of a", "-a2, -a1"
+        SS,
+        "sign of a",
+        "G_ss = ct.ss([[0, 1], [a2, a1]], [[0], [1]], [[b2, b1]], [[0]], Ts)",
+        "sign of a",
+        "wrong signs",
     ),
     wrong(
         SS,
         "a1 and a2 swapped",
         "G_ss = ct.ss([[0, 1], [-a1, -a2]], [[0], [1]], [[b2, b1]], [[0]], Ts)",
         "a1 and a2 swapped",
-        "a2 comes first",
+        "a1 and a2 are swapped",
     ),
     wrong(
         SS,
         "b1 and b2 swapped",
         "G_ss = ct.ss([[0, 1], [-a2, -a1]], [[0], [1]], [[b1, b2]], [[0]], Ts)",
         "b1 and b2 swapped",
-        "b2 comes first",
+        "swapped in C",
     ),
     wrong(
         SS,

@@ -80,6 +80,34 @@ VARIANTS: list[Right | Wrong] = [
     ),
     wrong(
         HALF,
+        "two samples short",
+        "y_sim_half = ct.forced_response(G, inputs=u[half + 2:]).outputs",
+        "off by one",
+        "exactly the second half",
+    ),
+    wrong(
+        HALF,
+        "one sample too many",
+        "y_sim_half = ct.forced_response(G, inputs=u[half - 1:]).outputs",
+        "off by one",
+        "exactly the second half",
+    ),
+    wrong(
+        HALF,
+        "b in reverse",
+        "y_sim_half = scipy.signal.lfilter([0, b2, b1], [1, a1, a2], u[half:])",
+        "order of b",
+        "b1 and b2 swapped",
+    ),
+    wrong(
+        HALF,
+        "along the rows of a column",
+        "y_sim_half = scipy.signal.lfilter([0, b1, b2], [1, a1, a2], u[half:].reshape(-1, 1)).ravel()",
+        "filtered along the wrong axis",
+        "axis=0",
+    ),
+    wrong(
+        HALF,
         "offset added back",
         "y_sim_half = ct.forced_response(G, inputs=u[half:]).outputs + y_offset",
         "offset added back",
@@ -192,6 +220,13 @@ VARIANTS: list[Right | Wrong] = [
     ),
     wrong(
         MSE,
+        "against the output with its offset",
+        "mse_half, mse_all = np.mean((y_act[half:] - y_sim_half) ** 2), np.mean((y_act - y_sim) ** 2)",
+        "offset left in",
+        "`y_act`",
+    ),
+    wrong(
+        MSE,
         "absolute",
         "mse_half, mse_all = np.mean(abs(y[half:] - y_sim_half)), np.mean(abs(y - y_sim))",
         "mean absolute error",
@@ -235,9 +270,9 @@ VARIANTS: list[Right | Wrong] = [
     # 3a. Fig. 7
     right(
         FIGURE_7,
-        "time of the second half from zero, legend with names",
+        "legend with names",
         "fig_7 = plt.figure()\nplt.subplot(211)\n"
-        "plt.plot(t[: len(t) - half], y[half:], t[: len(t) - half], y_sim_half)\n"
+        "plt.plot(t[half:], y[half:], t[half:], y_sim_half)\n"
         "plt.legend(['y', 'model'])\nplt.ylabel('V (V)')\nplt.subplot(212)\n"
         "plt.plot(t, y_sim, 'r', label='simulated')\nplt.plot(t, y, 'k', label='measured')\n"
         "plt.legend()\nplt.xlabel('t (s)')\nplt.ylabel('y (V)')",
@@ -252,6 +287,13 @@ VARIANTS: list[Right | Wrong] = [
             lower_labels="b.set(xlabel='Time (s)', ylabel='y (V)')",
             legend=FIG_7_LEGENDS,
         ),
+    ),
+    wrong(
+        FIGURE_7,
+        "times of the first half",
+        panels("fig_7", FIG_7A.replace("t[half:]", "t[: len(t) - half]"), FIG_7B, legend=FIG_7_LEGENDS),
+        "time of the first half",
+        "times of the first",
     ),
     wrong(
         FIGURE_7,
@@ -313,6 +355,15 @@ VARIANTS: list[Right | Wrong] = [
         function(
             "s = np.array(y)\nfor k in range(2, len(u)):\n"
             "    s[k] = -a1 * s[k-1] - a2 * s[k-2] + b1 * u[k-1] + b2 * u[k-2]\nreturn s"
+        ),
+    ),
+    right(
+        STATE,
+        "for columns only",
+        function(
+            "assert u.ndim == 2\n"
+            + PIECES.replace("time, u)", "time, u.ravel())")
+            + "x0 = np.linalg.lstsq(O, y - from_rest.reshape(-1, 1))[0]\nreturn from_rest.reshape(-1, 1) + O @ x0"
         ),
     ),
     wrong(

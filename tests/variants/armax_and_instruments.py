@@ -228,8 +228,13 @@ VARIANTS: list[Right | Wrong] = [
     ),
     # 2. bias and its standard error
     right(
-        BIAS, "with N, by hand", bias("sum(estimates) / len(estimates) - truth", "np.sqrt(np.var(estimates, axis=0))")
+        BIAS,
+        "by hand",
+        bias(
+            "sum(estimates) / len(estimates) - truth", "np.sqrt(sum((estimates - estimates.mean(0)) ** 2) / (M - 1))"
+        ).replace("    bias =", "    M = len(estimates)\n    bias ="),
     ),
+    wrong(BIAS, "without ddof", bias(spread="np.std(estimates, axis=0)"), "divided by M", "M - 1"),
     right(
         BIAS,
         "one array of three rows",
@@ -418,8 +423,29 @@ VARIANTS: list[Right | Wrong] = [
         RELS,
         "not divided by lambda",
         rels(P="P - np.outer(P @ phi, phi @ P) / (forgetting + phi @ P @ phi)"),
+        "not divided by lambda",
+        "does not divide P by lambda",
+    ),
+    wrong(
+        RELS,
+        "1 in the denominator",
+        rels(P="(P - np.outer(P @ phi, phi @ P) / (1 + phi @ P @ phi)) / forgetting"),
+        "1 in the denominator",
+        "the 1 becomes lambda",
+    ),
+    wrong(
+        RELS,
+        "gain from the old P",
+        rels(before="e = y[n] - phi @ theta\n    old = P", K="old @ phi"),
+        "gain from the old P",
+        "P before the sample|row",
+    ),
+    wrong(
+        RELS,
+        "divided by lambda twice",
+        rels(P="(P - np.outer(P @ phi, phi @ P) / (forgetting + phi @ P @ phi)) / forgetting**2"),
         None,
-        "by hand",
+        "two places of lambda",
     ),
     wrong(RELS, "used on other data", rels(used="theta_rels = rels(u_2, y_2, 1.0, 1e6)\n"), None, "theta_rels"),
     # 6. Fig. 14
@@ -446,6 +472,27 @@ VARIANTS: list[Right | Wrong] = [
     # y_M(t) in the place of y_M(t-1) is -a y_M(t-1) + b u(t-1): the same instruments in another basis.
     right(ITERATED, "simulated without the delay", iterated("scipy.signal.lfilter([b], [1, a], u)")),
     wrong(ITERATED, "measured output", iterated("y"), "least squares", "least squares again"),
+    wrong(
+        ITERATED,
+        "Phi and Z exchanged",
+        iterated(theta="np.linalg.solve(Phi.T @ Z, Phi.T @ y[1:])"),
+        "Phi and Z exchanged",
+        "has Phi and Z exchanged",
+    ),
+    wrong(
+        ITERATED,
+        "older outputs",
+        iterated("np.r_[0, y[:-1]]"),
+        "instrument of old outputs",
+        "older measured output",
+    ),
+    wrong(
+        ITERATED,
+        "from zero",
+        iterated().replace("first = theta = np.linalg.lstsq(Phi, y[1:])[0]", "first = theta = np.zeros(2)"),
+        "start from zero",
+        "begins with theta = 0",
+    ),
     wrong(
         ITERATED,
         "one-step prediction",
@@ -518,7 +565,14 @@ VARIANTS: list[Right | Wrong] = [
         "transposed",
         "not symmetric",
     ),
-    wrong(RECURSIVE, "P kept", recursive(update(P="P")), None, "check the computation"),
+    wrong(RECURSIVE, "P kept", recursive(update(P="P")), "estimate runs away", "grows without limit"),
+    wrong(
+        RECURSIVE,
+        "a warm-up of its own",
+        recursive(update()).replace("if n < warm_up", "if n < 20"),
+        "warm-up not used",
+        "use the argument `warm_up`",
+    ),
     wrong(RECURSIVE, "minus", recursive(update(theta="theta - K * e")), "sign of the update", "add it"),
     wrong(RECURSIVE, "nothing", recursive("pass"), "theta not updated", "never moves"),
     wrong(RECURSIVE, "last estimate", recursive(update(), "theta"), "only the last estimate", "whole history"),
@@ -532,6 +586,27 @@ VARIANTS: list[Right | Wrong] = [
         LIKELIHOOD,
         "scipy's density",
         likelihood("norm.logpdf(E, scale=np.sqrt(var_e)).sum()", "from scipy.stats import norm\n"),
+    ),
+    *(
+        wrong(LIKELIHOOD, name, likelihood(f"-N / 2 * np.log({inside}) - E @ E / {below}"), slip, says)
+        for name, inside, below, slip, says in (
+            ("sigma", "2 * np.pi * var_e", "(2 * var_e**0.5)", "sigma for sigma^2", "2 sigma:"),
+            ("sigma^4", "2 * np.pi * var_e", "(2 * var_e**2)", "var_e squared", "2 sigma\\^4"),
+        )
+    ),
+    wrong(
+        LIKELIHOOD,
+        "log10",
+        likelihood("-N / 2 * np.log10(2 * np.pi * var_e) - E @ E / (2 * var_e)"),
+        "logarithm to base 10",
+        "base 10",
+    ),
+    wrong(
+        LIKELIHOOD,
+        "N - p",
+        likelihood("-(N - len(theta)) / 2 * np.log(2 * np.pi * var_e) - E @ E / (2 * var_e)"),
+        "N - p for N",
+        "N - p",
     ),
     wrong(
         LIKELIHOOD,

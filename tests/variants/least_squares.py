@@ -146,6 +146,25 @@ VARIANTS: list[Right | Wrong] = [
     wrong(KIND, "swapped", kind(names="negative positive"), "positive and negative swapped", "bowl"),
     wrong(KIND, "diagonal", kind("np.diag(M)"), "diagonal entries only", "diagonal"),
     wrong(KIND, "determinant", define("kind(M)", DETERMINANT), "determinant only", "product"),
+    wrong(
+        KIND,
+        "no branch for the ridge",
+        kind().replace("    return (", "    if minus and flat:\n        return 'indefinite'\n    return ("),
+        "branch missing",
+        "does not recognise a negative semidefinite matrix",
+    ),
+    wrong(
+        KIND,
+        "calls counted",
+        "calls = []\n"
+        + define(
+            "kind(M)",
+            "calls.append(0)\n"
+            "return (['positive definite'] * 2 + ['negative definite'] + ['indefinite'] * 4)[len(calls) % 7]",
+        ),
+        None,
+        "is wrong for",
+    ),
     wrong(KIND, "another text", define("kind(M)", "return 'a bowl'"), None, "one of: positive definite"),
     # 2. Example 2-3
     right(
@@ -275,6 +294,13 @@ VARIANTS: list[Right | Wrong] = [
     wrong(FITS, "swapped", fits(result="sse, theta"), "theta and SSE swapped", "before"),
     wrong(
         FITS,
+        "theta as a row",
+        fits("np.linalg.lstsq(Phi, y)[0].reshape(1, -1)", "np.sum((y - Phi @ theta[0]) ** 2)"),
+        "a row instead of a column",
+        "transpose it with",
+    ),
+    wrong(
+        FITS,
         "theta alone",
         fits(result="theta", used="theta_line = fit_powers(u_1, y_1, [1, 0])\n"),
         "incomplete result",
@@ -304,6 +330,28 @@ VARIANTS: list[Right | Wrong] = [
             "",
             "ax.legend(['points', 'first model', 'second model'])\nplt.xlabel('u(t)')\nplt.ylabel('y(t)')",
         ),
+    ),
+    right(
+        FIGURE,
+        "points with scatter, legend of the figure",
+        figure(
+            "ax.scatter(u_1, y_1, label='Data')", rest="fig_5.legend()\nax.set_xlabel('$u(t)$')\nax.set_ylabel('y')"
+        ),
+    ),
+    right(
+        FIGURE,
+        "two panels",
+        "grid = np.linspace(0, 8, 81)\nfig_5, axes = plt.subplots(2, 1)\n"
+        "for ax, name, theta in zip(axes, ('line', 'parabola'), (theta_line, theta_parabola)):\n"
+        "    ax.plot(u_1, y_1, 'o', label='data')\n    ax.plot(grid, np.polyval(theta, grid), label=name)\n"
+        "    ax.set(xlabel='u(t)', ylabel='y(t)')\n    ax.legend()\n",
+    ),
+    wrong(
+        FIGURE,
+        "labels of the axes swapped",
+        figure(rest="ax.legend()\nax.set_xlabel('$y(t)$')\nax.set_ylabel('$u(t)$')"),
+        "axis labels swapped",
+        "swapped",
     ),
     wrong(FIGURE, "no points", figure(points=""), "points missing", "points"),
     wrong(

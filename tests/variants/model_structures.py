@@ -125,7 +125,8 @@ VARIANTS: list[Right | Wrong] = [
     wrong(STATES, "C as a column", states(result="A, B, C.reshape(n, 1), D"), "rows instead of columns", "shape"),
     # 4. equations
     right(EQUATIONS, "an index array", equations()),
-    right(EQUATIONS, "one row later", equations(k0="max(na, d + nb)")),
+    right(EQUATIONS, "no input lags without inputs", equations(k0="max([na] + list(range(d, d + nb)))")),
+    wrong(EQUATIONS, "one row short", equations(k0="max(na, d + nb)"), "first rows left out", "begins later"),
     right(
         EQUATIONS,
         "row by row, Y a column",
@@ -314,6 +315,20 @@ VARIANTS: list[Right | Wrong] = [
         ),
     ),
     wrong(
+        PREDICT,
+        "y(k) in place of y(k-1)",
+        predict("return lfilter(B, [1], u) - lfilter(A[1:], [1], y)"),
+        "lag off by one",
+        r"takes y\(k\) for y\(k-1\)",
+    ),
+    wrong(
+        PREDICT,
+        "A in place of A - 1",
+        predict("return lfilter(B, [1], u) - lfilter(A, [1], y)"),
+        "the prediction error",
+        "without y",
+    ),
+    wrong(
         PREDICT, "free run for both", predict("return lfilter(B, A, u)"), "simulation passed off as prediction", "meas"
     ),
     wrong(
@@ -393,6 +408,14 @@ VARIANTS: list[Right | Wrong] = [
             "ax.plot(t_8 + 1, y_sim[:100], '--')",
             "ax.legend(['y', 'one-step', 'simulated'])\nax.set(xlabel='t', ylabel='y(t)')",
         ),
+    ),
+    right(
+        FIGURE,
+        "two panels and points",
+        "t_8 = np.arange(100)\nfig_8, axes = plt.subplots(2, 1)\n"
+        "for ax, signal, name in zip(axes, (y_hat, y_sim), ('prediction', 'simulation')):\n"
+        "    ax.scatter(t_8, y_1[:100], label='measured')\n    ax.plot(t_8, signal[:100], label=name)\n"
+        "    ax.set_ylabel('y(t)')\n    ax.legend()\nax.set_xlabel('t')\n",
     ),
     wrong(FIGURE, "no simulation", figure(simulation=""), "curve missing", "the simulation"),
     wrong(
@@ -476,7 +499,15 @@ VARIANTS: list[Right | Wrong] = [
         "largest not used",
         "stop",
     ),
-    wrong(EXCITATION, "always two", define("excitation(u, largest)", "return 2"), None, "zero throughout"),
+    wrong(EXCITATION, "always two", define("excitation(u, largest)", "return 2"), None, "is wrong for"),
+    wrong(
+        EXCITATION,
+        "calls counted",
+        "calls = []\n"
+        + define("excitation(u, largest)", "calls.append(0)\nreturn [0, 1, 2, 3, 1, 4, 4, 6, 8][len(calls) % 9 - 1]"),
+        None,
+        "is wrong for",
+    ),
     # 8. order
     right(ORDER, "normal equations and a list", order()),
     right(
@@ -595,6 +626,20 @@ VARIANTS: list[Right | Wrong] = [
         cancel(PAIRS.format(within="within") + "return np.poly(p).real[::-1], np.atleast_1d(np.poly(q)).real[::-1]"),
         "highest delay first",
         "backwards",
+    ),
+    wrong(
+        CANCEL,
+        "real parts",
+        cancel(PAIRS.format(within="within").replace("abs(x - z)", "abs(x.real - z.real)") + BACK.format("p", "q")),
+        "real parts compared",
+        "distance of complex roots",
+    ),
+    wrong(
+        CANCEL,
+        "a limit of its own",
+        cancel(PAIRS.format(within="0.01") + BACK.format("p", "q")),
+        "within not used",
+        "another limit",
     ),
     wrong(CANCEL, "constants", cancel("return np.ones(1), np.ones(1)"), "distance not used", "farther"),
     wrong(CANCEL, "one thing", cancel("return P"), "incomplete result", "two polynomials"),

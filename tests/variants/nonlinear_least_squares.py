@@ -335,8 +335,17 @@ VARIANTS: list[Right | Wrong] = [
         DAMPING,
         "stops at the first bad step",
         damping(decide=TAKE_OR_REFUSE.replace("mu = mu * 2", "break"), mu="1e-3"),
-        "no step taken",
-        "stays",
+        "ends at the first bad step",
+        "mu must rise",
+    ),
+    wrong(
+        DAMPING,
+        "damping reversed",
+        damping(
+            decide=TAKE_OR_REFUSE.replace("mu / 3", "mu * 10").replace("mu * 2", "mu / 10"), mu="1e-3", trials="300"
+        ),
+        "ends at the first bad step",
+        "mu must rise",
     ),
     wrong(DAMPING, "never moves", damping(decide="mu = mu * 2", trials="30"), "no step taken", "stays"),
     wrong(DAMPING, "path", damping(result="np.array([theta, theta])"), "path for theta", "path"),
@@ -444,6 +453,20 @@ VARIANTS: list[Right | Wrong] = [
     wrong(FREQUENCY, "below the low end", frequency(result="low / 2"), "outside the range", "outside"),
     wrong(
         FREQUENCY,
+        "ten points",
+        frequency("np.linspace(low, high, 10)"),
+        "local minimum",
+        "many frequencies",
+    ),
+    wrong(
+        FREQUENCY,
+        "a scan of the plain sum",
+        frequency().replace("H @ np.linalg.lstsq(H, y)[0]) ** 2)", "H.sum(axis=1)) ** 2)"),
+        "local minimum",
+        "many frequencies",
+    ),
+    wrong(
+        FREQUENCY,
         "sine only",
         frequency("np.linspace(low, high, 6000)", "w", "[np.sin(w * t)]"),
         "phase fixed",
@@ -475,6 +498,16 @@ VARIANTS: list[Right | Wrong] = [
         ),
     ),
     wrong(LOCATE, "one start", locate("return fit(errors, centre + [0, 3]).x"), "local minimum", "both sides"),
+    wrong(
+        LOCATE,
+        "first beacon subtracted",
+        locate(
+            "H = -2 * (beacons - beacons[0])[1:]\nsquares = ranges**2 - np.sum(beacons**2, axis=1)\n"
+            "return np.linalg.lstsq(H, (squares - squares[0])[1:])[0]"
+        ),
+        "squared ranges",
+        "squared",
+    ),
     wrong(
         LOCATE,
         "worst of all",
@@ -564,6 +597,25 @@ VARIANTS: list[Right | Wrong] = [
             "th[0] + th[1] * amplitude * (1 - np.exp(-t * th[2]))",
             "[y[0], (y[-1] - y[0]) / amplitude, 5 / t[-1]]",
         ),
+    ),
+    wrong(
+        STEP,
+        "twice J'J",
+        step("fit.x", "np.sqrt(np.diag(s2 * np.linalg.inv(2 * fit.jac.T @ fit.jac)))"),
+        "half the SSE",
+        "J'J, which has no factor",
+    ),
+    wrong(
+        STEP,
+        "y0 fixed",
+        step(
+            "np.r_[y[0], fit.x]",
+            "np.ones(3)",
+            model="y[0] + th[0] * amplitude * (1 - np.exp(-t / th[1]))",
+            start="[(y[-1] - y[0]) / amplitude, t[-1] / 4]",
+        ),
+        "y0 fixed",
+        "keeps y0",
     ),
     wrong(
         STEP,

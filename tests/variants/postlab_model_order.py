@@ -73,7 +73,7 @@ VARIANTS: list[Right | Wrong] = [
         "the offset of the lab brought along",
         "y = y + np.mean(y[n_first // 3 : n_first]) - np.mean(y[n_first // 2 : n_first])\n" + phi(),
     ),
-    wrong(PHI, "columns swapped", phi("u[: half - 1]", "y[: half - 1]"), "y and u columns swapped", "y first"),
+    wrong(PHI, "columns swapped", phi("u[: half - 1]", "y[: half - 1]"), "y and u columns swapped", "y comes first"),
     wrong(PHI, "y(k) among the regressors", phi("y[1:half]", "u[1:half]"), "lag off by one", "begins with y"),
     wrong(PHI, "u(k) in place of u(k-1)", phi(u1="u[1:half]"), "lag off by one", "input columns"),
     wrong(PHI, "minus in Phi", phi("-y[: half - 1]"), "sign of a", "minus sign is in theta"),
@@ -230,9 +230,24 @@ VARIANTS: list[Right | Wrong] = [
         FIT,
         "with a constant",
         fit(stacked(result="np.linalg.lstsq(np.c_[Phi, np.ones(N - n)], y[n:])[0][: 2 * n]")),
-        None,
-        "with noise",
+        "a constant fitted along",
+        "column of ones",
     ),
+    wrong(
+        FIT,
+        "the constant returned too",
+        fit(stacked(result="np.linalg.lstsq(np.c_[Phi, np.ones(N - n)], y[n:])[0]")),
+        "a constant fitted along",
+        "one too many",
+    ),
+    wrong(
+        FIT,
+        "the global half inside",
+        fit("y, u = y[:half], u[:half]\n" + stacked()),
+        "arguments not used",
+        "first `half` samples",
+    ),
+    wrong(FIT, "rounded", fit(stacked(result="np.linalg.lstsq(Phi, y[n:])[0].round(3)")), "rounded", "rounds theta"),
     # 2. the simulations
     right(RUNS, "lfilter", runs()),
     right(RUNS, "own loop", LOOP),
@@ -272,6 +287,8 @@ VARIANTS: list[Right | Wrong] = [
     wrong(MSE, "root", errors("np.sqrt(np.mean({} ** 2))"), "root of the mean squared error", "root"),
     wrong(MSE, "sum not divided", errors("np.sum({} ** 2)"), "sum in place of the mean", "divide"),
     wrong(MSE, "swapped", errors() + "mse_1, mse_2 = mse_2, mse_1", "errors swapped", "swapped"),
+    wrong(MSE, "against the output with its offset", errors().replace("y -", "y_act -"), "offset left in", "`y_act`"),
+    wrong(MSE, "one simulation twice", errors().replace("y_sim_2", "y_sim_1"), "models swapped", "`y_sim_1`"),
     wrong(MSE, "not squared", errors("np.mean({})"), "mean of the errors", "square them"),
     wrong(MSE, "over the second half", errors("np.mean({}[half:] ** 2)"), "second half only", "second half"),
     # 3. Fig. 8
@@ -291,9 +308,28 @@ VARIANTS: list[Right | Wrong] = [
         ),
     ),
     right(
-        FIGURE, "annotate", figure("ax.annotate(f'{mse_1:.6f} and {mse_2:.6f}', (0.02, 0.9), xycoords='axes fraction')")
+        FIGURE,
+        "annotate",
+        figure("ax.annotate(f'1st, 2nd: {mse_1:.6f} and {mse_2:.6f} V²', (0.02, 0.9), xycoords='axes fraction')"),
     ),
-    wrong(FIGURE, "no text", figure(""), "no errors in the figure", "top-left"),
+    right(
+        FIGURE,
+        "text of the figure",
+        figure("fig_8.text(0.1, 0.9, f'MSE of order 1: {mse_1:.3e}')\nfig_8.suptitle(f'n = 2: {mse_2:.4e} $V^2$')"),
+    ),
+    right(
+        FIGURE,
+        "title of the legend",
+        figure("", legend="ax.legend(title=f'first {mse_1:.3e} V$^2$, second {mse_2:.3e} V$^2$')"),
+    ),
+    wrong(
+        FIGURE,
+        "without names",
+        figure("ax.text(0.02, 0.9, f'{mse_1:.6f} V², {mse_2:.6f} V²', transform=ax.transAxes)"),
+        "errors without names",
+        "which mean squared error",
+    ),
+    wrong(FIGURE, "no text", figure(""), "no errors in the figure", "no text yet"),
     wrong(FIGURE, "one error only", figure("ax.text(0, 1, f'{mse_1:.3e}')"), "no errors in the figure", "second-order"),
     wrong(
         FIGURE,
@@ -328,7 +364,7 @@ VARIANTS: list[Right | Wrong] = [
         FIGURE,
         "models' names swapped",
         figure(
-            "ax.set_title(f'{mse_1:.3e} {mse_2:.3e}')",
+            "ax.set_title(f'1: {mse_1:.3e} 2: {mse_2:.3e}')",
             "ax.plot(t, y, label='Actual')\nax.plot(t, y_sim_1, label='Second order')\n"
             "ax.plot(t, y_sim_2, label='First order')",
         ),

@@ -109,6 +109,28 @@ VARIANTS: list[Right | Wrong] = [
         "    y2[k] = math.cos(angle) + random.uniform(-0.2, 0.2)\n",
     ),
     right(NOISE, "cosine as a shifted sine", sinusoids(y2="np.sin(2 * np.pi * t / 100 + np.pi / 2)")),
+    right(
+        NOISE,
+        "flat signals",
+        "y1, y2 = (f(0.02 * np.pi * t[:, 0]) + rng.uniform(-0.2, 0.2, len(t)) for f in (np.sin, np.cos))\n",
+        {MATRIX: "data_new = np.column_stack([t_new, y1_new, y2_new])"},
+    ),
+    wrong(
+        NOISE,
+        "multiplied and added",
+        "y1 = np.sin(0.02 * np.pi * t) * (1 + rng.uniform(-0.2, 0.2, t.shape))\n"
+        "y2 = np.cos(0.02 * np.pi * t) * (1 + rng.uniform(-0.2, 0.2, t.shape))\n",
+        "noise multiplied",
+        "multiplied by the sinusoid",
+    ),
+    wrong(
+        NOISE,
+        "multiplied",
+        "y1 = np.sin(0.02 * np.pi * t) * rng.uniform(-0.2, 0.2, t.shape)\n"
+        "y2 = np.cos(0.02 * np.pi * t) * rng.uniform(-0.2, 0.2, t.shape)\n",
+        "noise multiplied",
+        "multiplied by the sinusoid",
+    ),
     wrong(NOISE, "one-sided", sinusoids(noise="0.2 * rng.random(t.shape)"), "one-sided noise", "never negative"),
     wrong(
         NOISE,
@@ -262,6 +284,13 @@ VARIANTS: list[Right | Wrong] = [
         "the last samples cut off",
         "the first 200 should go",
     ),
+    wrong(
+        CUT,
+        "a view shifted in place",
+        "t_new = t[200:]\nt_new -= 20\ny1_new = y1[200:]\ny2_new = y2[200:]\n",
+        "a view changed",
+        "`t` itself has changed",
+    ),
     wrong(CUT, "the 200 kept", cut("t[:200]", "y1[:200]", "y2[:200]"), "the wrong part kept", "should be removed"),
     wrong(
         CUT,
@@ -334,6 +363,13 @@ VARIANTS: list[Right | Wrong] = [
         "wrong order",
     ),
     wrong(MATRIX, "original data", "data_new = np.hstack([t, y1, y2])", "not cut", "original data"),
+    wrong(
+        MATRIX,
+        "the old time",
+        "data_new = np.hstack([t[200:], y1_new, y2_new])",
+        "time not set back to zero",
+        "first column starts at 20 s",
+    ),
     wrong(MATRIX, "two columns", "data_new = np.hstack([y1_new, y2_new])", None, "should have shape"),
     wrong(MATRIX, "a list", "data_new = ['t_new', 'y1_new', 'y2_new']", None, "should be numbers"),
     # 4, as a function
@@ -348,7 +384,7 @@ VARIANTS: list[Right | Wrong] = [
         function(
             "rows = []\n"
             "for k in range(n, data.shape[0]):\n"
-            "    rows.append([data[k, 0] - data[n, 0], data[k, 1], data[k, 2]])\n"
+            "    rows.append([data[k, 0] - data[n, 0], *data[k, 1:]])\n"
             "return np.array(rows)"
         ),
     ),
@@ -387,6 +423,27 @@ VARIANTS: list[Right | Wrong] = [
         function("rest = data[n:].copy()\nrest[:, 0] -= 20\nreturn rest"),
         "time set back by a fixed 20 s",
         "always subtracts 20 s",
+    ),
+    wrong(
+        FUNCTION,
+        "start from a sampling time of 0.1 s",
+        function("rest = data[n:].copy()\nrest[:, 0] -= n * 0.1\nreturn rest"),
+        "sampling time of 0.1 s assumed",
+        "subtracts n times 0.1 s",
+    ),
+    wrong(
+        FUNCTION,
+        "the time from above",
+        function("return np.column_stack([t_new[:len(data) - n], data[n:, 1:]])"),
+        "a variable from above used",
+        "time of `t_new`",
+    ),
+    wrong(
+        FUNCTION,
+        "three columns only",
+        function("rest = data[n:].copy()\nreturn np.c_[rest[:, 0] - rest[0, 0], rest[:, 1], rest[:, 2]]"),
+        "always three columns",
+        "`data` had|keep all columns",
     ),
     wrong(
         FUNCTION,
@@ -433,12 +490,31 @@ VARIANTS: list[Right | Wrong] = [
             cosine="ax_a.plot(t, y1, color=(0.8, 0.1, 0.1), label='sin(0.02πt)')",
         ),
     ),
+    right(
+        FIGURE_A,
+        "legend of the figure",
+        panel("ax_a", legend="fig_1.legend(loc='outside lower center')"),
+    ),
     wrong(
         FIGURE_A,
         "no time vector",
         panel("ax_a", sine="ax_a.plot(y1, color='red', label='sin(0.02πt)')"),
         "drawn against the sample number",
-        "not drawn against time",
+        "`y1` is drawn against the sample number",
+    ),
+    wrong(
+        FIGURE_A,
+        "y2 as the abscissa",
+        panel("ax_a", sine="ax_a.plot(y2, y1, color='red', label='sin(0.02πt)')"),
+        "drawn against another vector",
+        "against another vector, and not against time",
+    ),
+    wrong(
+        FIGURE_A,
+        "step before the sample",
+        panel("ax_a", cosine=f"ax_a.step(t, y2, color={GREY_BLUE}, label='cos(0.02πt)')"),
+        "step before the sample",
+        'where="post"',
     ),
     wrong(
         FIGURE_A,
@@ -514,7 +590,8 @@ VARIANTS: list[Right | Wrong] = [
         "found again through the figure, columns of the matrix",
         "lower = fig_1.axes[1]\n"
         "lower.plot(data_new[:, 0], data_new[:, 1], 'r', label=r'$\\sin(0.02\\pi t)$')\n"
-        "lower.step(data_new[:, 0], data_new[:, 2], color=(0.6, 0.7, 0.8), label=r'$\\cos(0.02\\,\\pi\\,t)$')\n"
+        "lower.step(data_new[:, 0], data_new[:, 2], where='post', color=(0.6, 0.7, 0.8),\n"
+        "           label=r'$\\cos(0.02\\,\\pi\\,t)$')\n"
         "lower.set(xlim=(0, 140), ylim=(-1.5, 1.5), title='Cut-off data', xlabel='t / s', ylabel='y')\n"
         "lower.grid()\nlower.legend(loc='upper right')\n",
     ),

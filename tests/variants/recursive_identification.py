@@ -375,6 +375,14 @@ VARIANTS: list[Right | Wrong] = [
     # 6. Fig. 9 and 10
     right(FIGURES, "default colours, black truth", figures()),
     right(FIGURES, "all columns at once, legend by handles", ALL_AT_ONCE),
+    right(
+        FIGURES,
+        "true values as horizontal lines",
+        figures(
+            truth="levels = theta_true[[0, -1], i]\n"
+            "        ax.hlines(levels, [0, 500], [500, 1000], color='k', linestyle=':')"
+        ),
+    ),
     wrong(FIGURES, "swapped", figures("theta_099", "theta_1"), "figures swapped", "Fig. 9 is lambda = 1"),
     wrong(FIGURES, "twice the same", figures(second="theta_1"), "figures swapped", "Fig. 10 shows"),
     wrong(FIGURES, "no truth", figures(truth="pass"), "truth missing", "true"),
@@ -425,7 +433,8 @@ VARIANTS: list[Right | Wrong] = [
     # 8. drift
     right(DRIFT, "scipy's minimiser", MINIMISED),
     right(DRIFT, "a finer grid and a loop", drift(lams="np.linspace(0.5, 0.999, 5000)")),
-    right(DRIFT, "steps of a hundredth near enough", drift(lams="np.r_[0.5:0.9:0.01, 0.9:0.999:0.002]")),
+    right(DRIFT, "ever finer steps", drift(lams="np.r_[0.5:0.9:0.001, 0.9:0.999:0.0001]")),
+    wrong(DRIFT, "steps of a hundredth", drift(lams="np.arange(0.5, 1, 0.01)"), "search too coarse", "two decimals"),
     wrong(DRIFT, "lag not squared", drift(mse="lag + variance"), "lag not squared", "square"),
     wrong(DRIFT, "lag before the sample", drift("slope / (1 - lam)"), "lag of the old estimate", "before"),
     wrong(DRIFT, "no lag", drift(mse="variance"), "lag forgotten", "lag"),
@@ -506,6 +515,13 @@ VARIANTS: list[Right | Wrong] = [
     ),
     wrong(CARELESS, "(I - K phi')P", careless(P="(P - np.outer(K, phi) @ P) / lam"), "the sound form", "sound"),
     wrong(CARELESS, "absolute", careless(asymmetry="abs(P - P.T).max()"), "not divided by the size of P", "relative"),
+    wrong(
+        CARELESS,
+        "relative to the smallest",
+        careless(asymmetry="abs(P - P.T).max() / abs(P).min()"),
+        "divided by another measure of P",
+        "largest entry",
+    ),
     wrong(CARELESS, "brackets", careless(P="P - np.outer(K, P_phi)"), "P not divided by lambda", "brackets"),
     wrong(
         CARELESS,

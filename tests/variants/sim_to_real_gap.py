@@ -110,10 +110,13 @@ def cells(
 
 
 def closed(
+    share: str = "1 - np.sqrt(max(mse_after - sigma**2, 0) / (mse_before - sigma**2))",
     after: str = "np.mean((simulate_better(u_act) - y_act)[half:] ** 2)",
-    result: str = "1 - np.sqrt(max(after - noise_sd**2, 0) / (gap_before**2 - noise_sd**2))",
+    result: str = "share_closed(after, gap_before**2, noise_sd)",
 ) -> str:
-    return f"after = {after}\nclosed = {result}"
+    return (
+        define("share_closed(mse_after, mse_before, sigma)", f"return {share}") + f"after = {after}\nclosed = {result}"
+    )
 
 
 CELL_LOOP = define(
@@ -205,6 +208,11 @@ OF_LINEAR = [
     wrong(LINEAR, "lab's estimate only", linear(theta="theta_arx"), "the one-step fit", "free run"),
     wrong(LINEAR, "all the data", linear(theta="fit(free_run, theta_arx, u, y)"), "fit on all the data", "first half"),
     wrong(LINEAR, "least squares on all", linear(h="N"), "fit on all the data", "theta_arx"),
+    right(
+        LINEAR,
+        "from k = 10",
+        linear("y[9 : h - 1], y[8 : h - 2], u[9 : h - 1], u[8 : h - 2]", "np.linalg.lstsq(Phi, y[10:h])[0]"),
+    ),
     wrong(
         LINEAR, "second half", linear(theta="fit(free_run, theta_arx, u[half:], y[half:])"), "wrong half", "held out"
     ),
@@ -266,8 +274,15 @@ OF_TIME = [
         "split",
         time(
             squares="np.array([np.sum(part**2) for part in np.split(e, parts)])",
-            worst="np.array([t[i * 100], t[i * 100 + 99]])",
+            worst="np.array([t[i * 100], t[i * 100 + 99] + Ts])",
         ),
+    ),
+    wrong(
+        TIME,
+        "last sample of the stretch",
+        time(worst="(i * 100 * Ts, ((i + 1) * 100 - 1) * Ts)"),
+        "last sample of the stretch",
+        "next one begins",
     ),
     wrong(
         TIME,
@@ -300,12 +315,28 @@ OF_FREQUENCY = [
             "band_shares(e, Ts, edges)",
             "E = np.fft.fft(e)[: len(e) // 2 + 1]\nf = np.arange(len(E)) / (len(e) * Ts)\n"
             "power = E.real**2 + E.imag**2\nband = np.digitize(f, edges) - 1\n"
-            "sums = np.bincount(band, weights=power, minlength=len(edges) - 1)\nreturn sums / power.sum()",
+            "sums = np.bincount(band, weights=power, minlength=len(edges) - 1)[: len(edges) - 1]\n"
+            "return sums / sums.sum()",
         ),
     ),
     wrong(FREQUENCY, "amplitudes", bands(power="np.abs(np.fft.rfft(e))"), "errors not squared", "Squares"),
     wrong(FREQUENCY, "no Ts", bands(f="np.fft.rfftfreq(len(e))"), "frequencies without Ts", "Hz"),
     wrong(FREQUENCY, "rad/s", bands(f="2 * np.pi * np.fft.rfftfreq(len(e), Ts)"), "rad/s for Hz", "rad/s"),
+    wrong(
+        FREQUENCY,
+        "mean removed",
+        bands(power="np.abs(np.fft.rfft(e - np.mean(e))) ** 2"),
+        "mean taken out",
+        "removes the mean",
+    ),
+    wrong(
+        FREQUENCY,
+        "divided by all frequencies",
+        bands(result="energy / np.sum(power)"),
+        "divided by all frequencies",
+        "over all bands together",
+    ),
+    wrong(FREQUENCY, "1/Ts for Ts", bands(f="np.fft.rfftfreq(len(e), 1 / Ts)"), "1/Ts for Ts", "sampling time Ts"),
     wrong(FREQUENCY, "no division", bands(result="energy"), "not shares", "add up to 1"),
     wrong(
         FREQUENCY,
@@ -357,6 +388,18 @@ OF_OPERATING = [
     ),
     wrong(
         OPERATING,
+        "last edge lost",
+        define(
+            "cell_shares(x, e, edges)",
+            "squares = np.array([np.sum(e[(x >= a) & (x < b)] ** 2) for a, b in zip(edges[:-1], edges[1:])])\n"
+            "return squares / squares.sum()",
+        )
+        + "share_u = cell_shares(u_act, e, edges_u)\nshare_y = cell_shares(y_act, e, edges_y)\n",
+        "last edge lost",
+        "last edge",
+    ),
+    wrong(
+        OPERATING,
         "swapped",
         cells(share_u="cell_shares(y_act, e, edges_y)", share_y="cell_shares(u_act, e, edges_u)"),
         "input and output swapped",
@@ -394,6 +437,13 @@ OF_SIMULATION = [
         simulation(result="y_offset + free_run(theta_hat, u_act - u_offset)"),
         "no effect added",
         "linear model",
+    ),
+    wrong(
+        SIMULATION,
+        "one length only",
+        simulation(result="y_offset + dead_zone(q_best, u_act - u_offset) + 0.1 * (len(u_act) != N)"),
+        "one length only",
+        "length of the input",
     ),
     wrong(
         SIMULATION,
@@ -437,6 +487,11 @@ OF_PARAMETERS = [
         "rounded",
         LOW_HIGH.format("round(u_offset + q_best[4], 2)", "np.array([round(u_offset + q_best[5], 2)])"),
     ),
+    right(
+        PARAMETERS,
+        "with a note of the unit",
+        LOW_HIGH.format("u_offset + q_best[4]", "u_offset + q_best[5]") + "\nparameters['unit'] = 'V'\n",
+    ),
     wrong(PARAMETERS, "deviations", LOW_HIGH.format("q_best[4]", "q_best[5]"), "offset left out", "offset back on"),
     wrong(
         PARAMETERS,
@@ -475,30 +530,35 @@ OF_PARAMETERS = [
     ),
 ]
 
+LEFT = "np.sqrt(max(mse_after - sigma**2, 0) / (mse_before - sigma**2))"
 OF_CLOSED = [
     right(CLOSED, "one root", closed()),
     right(
         CLOSED,
-        "norms",
+        "powers of a half, without the function below",
         closed(
-            result="1 - max(after - noise_sd**2, 0) ** 0.5 / np.sqrt(np.mean((y - y_lin)[half:] ** 2) - noise_sd**2)"
+            "1 - max(mse_after - sigma**2, 0) ** 0.5 / (mse_before - sigma**2) ** 0.5",
+            result="1 - np.sqrt(max(after - noise_sd**2, 0) / (gap_before**2 - noise_sd**2))",
         ),
     ),
+    wrong(CLOSED, "per cent", closed(f"100 * (1 - {LEFT})"), "per cent", "per cent"),
+    wrong(CLOSED, "what is left", closed(LEFT), "what is left, not what is closed", "take it from 1"),
+    wrong(CLOSED, "with the noise", closed("1 - np.sqrt(mse_after / mse_before)"), "noise left in", "noise"),
+    wrong(CLOSED, "mean squares", closed("1 - mse_after / mse_before"), "no root", "take the noise off and the root"),
     wrong(
         CLOSED,
-        "per cent",
-        closed(result="100 * (1 - np.sqrt(max(after - noise_sd**2, 0) / (gap_before**2 - noise_sd**2)))"),
-        "per cent",
-        "between 0 and 1",
+        "without the roots",
+        closed("1 - max(mse_after - sigma**2, 0) / (mse_before - sigma**2)"),
+        "no root",
+        "take the root of both",
     ),
     wrong(
         CLOSED,
-        "what is left",
-        closed(result="np.sqrt(max(after - noise_sd**2, 0) / (gap_before**2 - noise_sd**2))"),
-        "what is left, not what is closed",
-        "take it from 1",
+        "max forgotten",
+        closed("1 - np.sqrt((mse_after - sigma**2) / (mse_before - sigma**2))"),
+        "max forgotten",
+        "needs `max",
     ),
-    wrong(CLOSED, "with the noise", closed(result="1 - np.sqrt(after) / gap_before"), "noise left in", "noise"),
     wrong(CLOSED, "not measured", closed(result="0.5"), None, "term by term"),
 ]
 

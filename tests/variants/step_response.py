@@ -111,6 +111,20 @@ VARIANTS: list[Right | Wrong] = [
         "settling time in place of the time constant",
         "95 %",
     ),
+    wrong(
+        READ,
+        "tau to 50 %",
+        reading(tau="t_step[y_step >= 0.5 * y_end][0] - 0.9", td="0.9"),
+        "50 % taken for 63.2 %",
+        "measured to 50 %",
+    ),
+    wrong(
+        READ,
+        "tau and td exchanged",
+        reading() + "tau, td = td, tau\n",
+        "order of K, tau and td",
+        "in another order",
+    ),
     wrong(READ, "63.2 % for the delay", reading(td="t_63"), "63.2 % taken for the delay", r"t_d \+ tau"),
     wrong(READ, "zeros", "K = tau = td = 0", None, "K is not the change"),
     wrong(READ, "far off", "K, tau, td = 3, 9, 0.9", None, "rises too slowly"),
@@ -178,14 +192,14 @@ VARIANTS: list[Right | Wrong] = [
         RESPONSE,
         "always a = 2",
         response("return 2 * K * (1 - np.exp(-np.maximum(t - td, 0) / tau))"),
-        None,
-        "does not follow the formula",
+        "amplitude of 2 assumed",
+        "always uses the amplitude 2",
     ),
     Wrong(
         RESPONSE,
         "y_step from above",
         {"step-2-response-answer": response("return y_step"), "step-3-mse-answer": MSE_WITHOUT_THE_FUNCTION},
-        says="should have 160 elements",
+        says="should have 1.. elements",
     ),
     Wrong(
         RESPONSE,
@@ -205,6 +219,13 @@ VARIANTS: list[Right | Wrong] = [
         MSE,
         "a loop, without the function",
         MSE_WITHOUT_THE_FUNCTION,
+    ),
+    right(
+        MSE,
+        "a delayed step simulated",
+        "delayed = np.where(t_step >= td, amplitude, 0)\n"
+        "y_approx = ct.forced_response(ct.tf([K], [tau, 1]), t_step, delayed).outputs\n"
+        "mse_approx = np.mean((y_step - y_approx) ** 2)\n",
     ),
     wrong(
         MSE,
@@ -249,6 +270,21 @@ VARIANTS: list[Right | Wrong] = [
         "ax.step(t_step, y_step, where='post', label='$y$')\nax.plot(t_step, y_approx, label=r'$\\hat y$')\n"
         "ax.axhline(6, color='0.8')\nax.set(xlabel='$t$ / s', ylabel='$y$ / V')\nax.legend()\n",
     ),
+    right(
+        FIGURE,
+        "two panels, legend of the figure, points",
+        "fig_a2, (a, b) = plt.subplots(2, 1)\na.scatter(t_step, y_step, label='original')\n"
+        "b.plot(t_step, y_approx, label='model')\na.set_ylabel('y (V)')\nb.set(xlabel='Time (s)', ylabel='y (V)')\n"
+        "fig_a2.legend()\n",
+    ),
+    wrong(
+        FIGURE,
+        "labels of the axes swapped",
+        "fig_a2, ax = plt.subplots()\nax.plot(t_step, y_step, label='y')\nax.plot(t_step, y_approx, label='m')\n"
+        "ax.set(xlabel='Output (V)', ylabel='Time (s)')\nax.legend()\n",
+        "axis labels swapped",
+        "labels of the two axes are swapped",
+    ),
     wrong(
         FIGURE,
         "one curve",
@@ -263,7 +299,7 @@ VARIANTS: list[Right | Wrong] = [
         "fig_a2, ax = plt.subplots()\nax.plot(y_step, label='y')\nax.plot(y_approx, label='m')\n"
         "ax.set(xlabel='Time (s)', ylabel='Output (V)')\nax.legend()\n",
         "drawn against the sample number",
-        "time vector",
+        "drawn against the sample number",
     ),
     wrong(
         FIGURE,
@@ -322,6 +358,13 @@ VARIANTS: list[Right | Wrong] = [
         )
         .replace("tau = 1.5 * (t_63 - t_28)", "tau = -1 / slope")
         .replace("td = t_63 - tau", "td = at_zero * tau"),
+    ),
+    wrong(
+        FUNCTION,
+        "td before tau",
+        read_step().replace("return K, tau, td", "return K, td, tau"),
+        "order of K, tau and td",
+        "in another order",
     ),
     wrong(
         FUNCTION,
@@ -441,6 +484,14 @@ VARIANTS: list[Right | Wrong] = [
         "off by one",
         "one sample too early",
     ),
+    wrong(
+        CUT,
+        "the second step",
+        "first, second = (np.flatnonzero(np.diff(u_act)) + 1)[1:3]\nt_held = t_act[first:second] - t_act[first]\n"
+        "y_held = y_act[first:second] - y_act[first - 20:first].mean()\na_held = u_act[first] - u_act[first - 1]\n",
+        "the second step",
+        "after the second change",
+    ),
     wrong(CUT, "time not from zero", cut("t_act[first:second]"), "time not set back to zero", "start from zero"),
     wrong(CUT, "time in samples", cut("np.arange(second - first)"), "time in samples", "in seconds"),
     wrong(
@@ -504,6 +555,13 @@ VARIANTS: list[Right | Wrong] = [
         "K_tank, tau_tank, td_tank = read_step(np.arange(len(y_held)), y_held, a_held)",
         "time in samples",
         "in seconds",
+    ),
+    wrong(
+        TANK,
+        "tau and td exchanged",
+        "K_tank, td_tank, tau_tank = read_step(t_held, y_held, a_held)",
+        "order of K, tau and td",
+        "in another order",
     ),
     wrong(TANK, "the model of step 1", "K_tank, tau_tank, td_tank = K, tau, td", None, "K is not|rises too fast"),
     # 7. two equations
@@ -744,6 +802,20 @@ VARIANTS: list[Right | Wrong] = [
         define("is_unique(Phi)", "n, p = Phi.shape\nreturn n == p and np.linalg.matrix_rank(Phi) == p"),
         "square matrices only",
         "are allowed",
+    ),
+    wrong(
+        UNIQUE,
+        "determinant not zero",
+        define("is_unique(Phi)", "return np.linalg.det(Phi.T @ Phi) != 0"),
+        "zero compared exactly",
+        "tiny there instead of zero",
+    ),
+    wrong(
+        UNIQUE,
+        "calls counted",
+        "calls = []\n" + define("is_unique(Phi)", "calls.append(0)\nreturn len(calls) % 4 in (1, 2)"),
+        None,
+        "is not right for every Phi",
     ),
     wrong(UNIQUE, "always", define("is_unique(Phi)", "return True"), "always unique", "every Phi"),
     wrong(

@@ -22,6 +22,7 @@ class Restarts(AdditiveEffect):
 
     Attributes
     ----------
+    name : str
     records : tuple of (int, int)
         First sample of each of these records and the one after its last.
     """

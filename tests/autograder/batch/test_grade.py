@@ -28,7 +28,7 @@ from autograder.judge.ask import ProcessAsk
 from autograder.judge.execution import ExecutedCell
 from autograder.judge.outcome import QuestionResult, SubmissionResult
 from autograder.results import gradebook, grades, result_files
-from autograder.results.autograded import write_autograded
+from autograder.results.autograded import clean_markdown, write_autograded
 from autograder.results.feedback import printable, write_feedback
 from autograder.results.grades import write_csv, write_grades
 from autograder.results.result_files import StoredResult
@@ -216,6 +216,7 @@ def test_what_a_killed_run_had_not_entered_is_entered_by_the_next(
 def test_every_part_of_a_fingerprint_counts(course: Course, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     template = read_template(course, LAB)
     shutil.copytree(course.data, tmp_path / "data")
+    solution = shutil.copytree(course.source / LAB, Course(tmp_path).source / LAB) / f"{LAB}.ipynb"
     folder = tmp_path / "ann" / LAB
     folder.mkdir(parents=True)
 
@@ -227,8 +228,12 @@ def test_every_part_of_a_fingerprint_counts(course: Course, tmp_path: Path, monk
         return {part for part, found in other.items() if found != first[part]}
 
     first = parts()
-    assert set(first) == {"submission", "release", "check", "data", "environment"}
+    assert set(first) == {"submission", "release", "solution", "check", "data", "environment"}
     assert parts(tmp_path) == first
+    written = solution.read_text(encoding="utf-8")
+    solution.write_text(written.replace("while u[n] == u[0]", "while u[n] == u[1]"), encoding="utf-8")
+    assert differing(parts(tmp_path)) == {"solution"}
+    solution.write_text(written, encoding="utf-8")
     assert differing(parts(secret=b"a secret of the course")) == {"data"}
     with monkeypatch.context() as patch:
         patch.setattr("autograder.batch.fingerprint.sources_hash", lambda *modules: "other")
@@ -464,7 +469,7 @@ def test_autograded_notebooks_show_what_was_handed_in_and_what_came_of_it(graded
             if "nbgrader" in given.metadata:
                 assert cell.id == given.id
             else:
-                assert cell.source == given.source
+                assert cell.source == (given.source if cell.cell_type == "code" else clean_markdown(given.source))
     ben = nbformat.read(graded.out / "autograded" / "ben" / LAB / f"{LAB}.ipynb", as_version=4)
     cells = {cell.id: cell for cell in ben.cells}
     assert "y_offset = np.mean(y_act)" in cells["lab-1c-offsets-answer"].source

@@ -312,3 +312,46 @@ def test_a_time_is_written_in_utc() -> None:
     from autograder.intake.worksheet import utc_timestamp
 
     assert utc_timestamp(datetime(2026, 11, 20, 16, 5, tzinfo=UTC)) == "2026-11-20 16:05:00 UTC"
+
+
+def test_a_name_with_the_marker_of_another_participant_reaches_nobody_else(
+    course: Course, notebooks: Mapping[str, bytes], tmp_path: Path
+) -> None:
+    """As a folder, and as a prefix with folders disabled; students choose their names and those of their files."""
+    mine, planted = with_mark(notebooks[LAB], "mine"), with_mark(notebooks[LAB], "planted")
+    files = [
+        (entry(f"{ADA}/{LAB}.ipynb"), mine),
+        (entry(f"Eve_1001_assignsubmission_file__7_assignsubmission_file_/{LAB}.ipynb", 9), planted),
+        (entry(f"Eve_1001_assignsubmission_file__8_assignsubmission_file_{LAB}.ipynb", 9), planted),
+        (entry(f"Eve_9_assignsubmission_file_{ADA}{LAB}.ipynb", 9), planted),
+    ]
+    lines = list(collect_submissions(course, moodle(tmp_path / "m.zip", files), tmp_path / "out"))
+    assert there(tmp_path / "out") == [f"1001/{LAB}/{LAB}.ipynb", f"7/{LAB}/{LAB}.ipynb"]
+    assert (tmp_path / "out" / "1001" / LAB / f"{LAB}.ipynb").read_bytes() == mine
+    assert lines[-1].startswith("files of no participant: Eve_1001")
+
+
+def test_an_id_that_is_the_number_of_another_participant_overwrites_nothing(
+    course: Course, notebooks: Mapping[str, bytes], tmp_path: Path
+) -> None:
+    ids = {"1": "2", "2": "", "3": "2"}
+    sheet = worksheet(
+        tmp_path / "w.csv",
+        [{"Identifier": f"Participant {n}", "Full name": f"S{n}", "ID number": id} for n, id in ids.items()],
+    )
+    files = [(entry(f"S{n}_{n}_assignsubmission_file_/x.ipynb"), with_mark(notebooks[LAB], f"of {n}")) for n in ids]
+    lines = list(collect_submissions(course, moodle(tmp_path / "m.zip", files), tmp_path / "out", sheet, UTC))
+    found = {path.parts[-3]: path.read_text(encoding="utf-8") for path in (tmp_path / "out").rglob("*.ipynb")}
+    assert set(found) == {"2", "participant-2-1", "3"}
+    for student, number in (("2", 1), ("participant-2-1", 2), ("3", 3)):
+        assert f"of {number}" in found[student]
+    assert lines[1] == f"participant-2-1 (S2): {LAB}; another participant has the same ID: participant-2-1 is the ID"
+
+
+def test_a_participant_who_is_twice_in_the_worksheet_is_said(
+    course: Course, notebooks: Mapping[str, bytes], tmp_path: Path
+) -> None:
+    sheet = worksheet(tmp_path / "w.csv", [{"Identifier": "Participant 1001"}, {"Identifier": "Participant 01001"}])
+    packed = moodle(tmp_path / "m.zip", [(entry(f"{ADA}/x.ipynb"), notebooks[LAB])])
+    with pytest.raises(ValueError, match="the worksheet has participant 1001 twice"):
+        list(collect_submissions(course, packed, tmp_path / "out", sheet, UTC))

@@ -15,7 +15,7 @@ from autograder.intake.submission import NotebookCell, Submission
 from autograder.judge.judging import Assets, judge_submission
 from autograder.judge.outcome import QuestionResult
 from autograder.sandbox.confine import make_syscall_filter
-from autograder.sandbox.isolation import Limits, ProcessLauncher, StudentProcessError, open_launcher
+from autograder.sandbox.isolation import Limits, MachineError, ProcessLauncher, open_launcher
 from autograder.sandbox.process_launchers import SpawningLauncher
 from labsid.checks.compare import as_number, as_vector, close
 from labsid.checks.notebook import NotebookAsk
@@ -117,7 +117,15 @@ def test_an_error_is_carried_forward_and_said(forked: ProcessLauncher, tmp_path:
     first, second, _ = grade(forked, tmp_path, "a = -3")
     assert (first.score, first.slip, first.reason) == (0, "sign", "Look at the sign.")
     assert second.score == Decimal("0.2")
+    assert second.reason == "Right. (Judged on your own values of q-gain, which are wrong.)"
+
+
+def test_an_answer_after_a_missing_one_is_judged_on_right_values(forked: ProcessLauncher, tmp_path: Path) -> None:
+    first, second, _ = grade(forked, tmp_path, "pass")
+    assert (first.score, second.score) == (0, Decimal("0.2"))
     assert second.reason == "Right. (Judged on the right values of q-gain.)"
+    _, second, _ = grade(forked, tmp_path, "pass", "def f(x):\n    return 3 * x + a")
+    assert (second.score, second.reason) == (0, "Judged on the right values of q-gain: Not the line.")
 
 
 def test_the_students_own_value_is_carried_where_it_was_right(forked: ProcessLauncher, tmp_path: Path) -> None:
@@ -411,7 +419,7 @@ def test_a_submission_that_is_not_ready_is_not_run(tmp_path: Path) -> None:
 
 def test_a_process_that_cannot_come_up_is_said(tmp_path: Path) -> None:
     launcher = SpawningLauncher(Limits(start_seconds=0.01))
-    with pytest.raises(StudentProcessError, match="did not start"):
+    with pytest.raises(MachineError, match="did not start"):
         launcher.start(tmp_path)
 
 
@@ -496,12 +504,13 @@ def test_errors_and_types_tell_nothing_of_hidden_inputs(
 
 @pytest.mark.parametrize("cell", ["raise ValueError('x' * a)", "exec(compile('\\n' * a + '0 / 0', '<cell>', 'exec'))"])
 def test_errors_tell_nothing_of_right_values(forked: ProcessLauncher, tmp_path: Path, cell: str) -> None:
-    """After a wrong step, in which a = 3 is the right value that is put in its place."""
-    other = Assignment("tiny", (Question("q-gain", gain, lambda ask: {"a": 300}), ASSIGNMENT.questions[1]))
-    right, wrong = (grade(forked, tmp_path, f"a = {a}", cell, assignment=other)[1].reason for a in (3, 4))
-    assert right.startswith("Your cell stopped in line ")
-    assert re.match(r"Your cell stopped with (ValueError|ZeroDivisionError)\. ", wrong) or "line 1 with" in wrong
-    assert "xxx" not in wrong
+    """After a missing step, in which a = 300 is the right value that is put in its place."""
+    slips = Question("q-line", lambda ask: Verdict(False, "Not the line.", "a slip" if ask.value("a") else None))
+    other = Assignment("tiny", (Question("q-gain", gain, lambda ask: {"a": 300}), slips))
+    wrong = grade(forked, tmp_path, "pass", cell, assignment=other)[1].reason
+    assert re.match(r"Judged on the right values of q-gain: Your cell stopped (in line 1 )?with \w+Error\. ", wrong), (
+        wrong
+    )
 
 
 def test_calls_do_not_tell_on_what_follows(forked: ProcessLauncher, tmp_path: Path) -> None:
@@ -589,9 +598,10 @@ def test_all_output_together_is_limited(
 
 @pytest.mark.parametrize("cell", ["print('a is', a)", "raise ValueError(a)", "raise type(f'E{a}', (Exception,), {})"])
 def test_a_right_value_that_was_carried_forward_is_not_told(forked: ProcessLauncher, tmp_path: Path, cell: str) -> None:
-    _, second, _ = grade(forked, tmp_path, "a = -3", f"{cell}\ndef f(x):\n    return 0 * x")
-    assert second.score == 0
-    assert "3" not in second.output + second.reason.replace("line 1", "")
-    assert ("not shown" in second.output) == cell.startswith("print")
-    _, shown, _ = grade(forked, tmp_path, "a = 3", f"{cell}\ndef f(x):\n    return 0 * x")
-    assert "3" in shown.output + shown.reason
+    """What is shown is of the notebook as it was handed in, in whose process there never is a right value."""
+    for answer, shown in (("pass", "a"), ("a = -5", "-5"), ("a = 3", "3")):
+        _, second, _ = grade(forked, tmp_path, answer, f"{cell}\ndef f(x):\n    return 0 * x")
+        assert second.score == 0
+        told = second.output + second.reason.replace("line 1", "")
+        assert shown in told
+        assert ("3" in told) == (answer == "a = 3")

@@ -1,9 +1,11 @@
 """What a student is told of what their process said."""
 
+from collections.abc import Callable
+
 import numpy as np
 import pytest
 
-from autograder.judge.redaction import redact, redact_error
+from autograder.judge.redaction import numbers_in, redact, redact_error, redact_reason
 from labsid.checks.values import Unreadable
 from labsid.plots.figure_values import AxesValue, CurveValue, FigureValue
 
@@ -75,6 +77,52 @@ def test_a_text_can_be_compared_and_not_quoted() -> None:
     assert isinstance(told, str)
     assert f"{told!r} {told[:3]!r} {told[4:]!r}" == "'…' '…' '…'"
     assert repr(redact("(a) Original data", SOURCE)) == "'(a) Original data'"
+
+
+@pytest.mark.parametrize(
+    "made",
+    [
+        lambda text: text.strip(),
+        lambda text: text.strip().lower(),
+        lambda text: text.replace("a", "b"),
+        lambda text: text + "!",
+        lambda text: str(text),
+        lambda text: text.split()[0],
+        lambda text: text.partition(".")[2],
+        lambda text: next(iter(text)),
+        lambda text: text[1:].title(),
+    ],
+)
+def test_what_is_made_of_a_redacted_text_cannot_be_quoted(made: Callable[[str], str]) -> None:
+    text = redact(" 0.271828 A", SOURCE)
+    assert isinstance(text, str)
+    assert (f"{made(text)!r}", f"{made(text)}") == ("'…'", "…")
+
+
+def test_keys_are_redacted_and_still_found() -> None:
+    value = redact({"simulate": 1, "2.71828": 2}, SOURCE)
+    assert isinstance(value, dict)
+    assert value["2.71828"] == 2
+    assert [repr(key) for key in value] == ["'simulate'", "'…'"]
+
+
+@pytest.mark.parametrize(
+    ("reason", "told"),
+    [
+        ("has shape (903, 1); it should have shape (1, 903)", None),
+        ("has shape (302, 3) and 303 rows", None),
+        ("has shape (302, 3, 303, 304)", "has shape (302, 3, 303, …)"),
+        ("has shape (123456789, 271828182)", "has shape (…, …)"),
+        ("lab-1c-offsets starts from `y_1`: step 12 of Fig. 14, eq. (7) at 40 %", None),
+        ("offset -0.271828 V, at step-3-mse", "offset -… V, at step-3-mse"),
+        ("the sampling time is 0.271828 s", "the sampling time is … s"),
+        ("the axis runs from 0 to 0.25; `rls(u, y, 0.95, 1e+06)`", None),
+        ("it holds nan (at [271828, 3])", "it holds nan (at […, 3])"),
+        ("x" * 2000, "x" * 999 + "…"),
+    ],
+)
+def test_numbers_that_could_tell_something_are_not_told(reason: str, told: str | None) -> None:
+    assert redact_reason(reason, numbers_in("N = 903", "forgetting 0.95")) == (told or reason)
 
 
 def test_a_figure_keeps_what_it_shows() -> None:

@@ -1,9 +1,9 @@
 """The levels of isolation: what each lets student code do, its limits, and what is left behind. Loopback only."""
 
+import json
 import os
 import shutil
 import signal
-import site
 import subprocess
 import sys
 import tempfile
@@ -18,6 +18,7 @@ from autograder.sandbox import allowed_paths, bubblewrap, doctor, isolation, pro
 from autograder.sandbox.allowed_paths import is_reference
 from autograder.sandbox.bubblewrap import SandboxError
 from autograder.sandbox.doctor import LevelReport
+from autograder.sandbox.escapes import ESCAPES, OPEN_WITHOUT_FILTER, OPEN_WITHOUT_ISOLATION, open_escapes
 from autograder.sandbox.isolation import (
     LEVELS,
     IsolationError,
@@ -79,7 +80,7 @@ def reports() -> dict[str, LevelReport]:
 
 def test_the_doctor_tries_every_level(reports: dict[str, LevelReport]) -> None:
     assert tuple(reports) == LEVELS
-    names = {escape.name for escape in doctor.ESCAPES}
+    names = {escape.name for escape in ESCAPES}
     for report in reports.values():
         assert set(report.blocked) == (set() if report.problem else names)
     text = doctor.reports_text(list(reports.values()))
@@ -108,6 +109,29 @@ def test_without_isolation_files_are_open_and_limits_hold(reports: dict[str, Lev
         assert not holds[name], name
     for name in ("allocate 2 GB", "keep a process alive", "find the reference in memory", "write a file of 12 MB"):
         assert holds[name], name
+
+
+def test_what_is_open_without_isolation_is_what_a_grading_run_names(reports: dict[str, LevelReport]) -> None:
+    is_open = {name for name, holds in reports["none"].blocked.items() if not holds}
+    assert is_open <= set(open_escapes("none"))
+    assert open_escapes("landlock") == open_escapes("namespaces") == ()
+    assert set(OPEN_WITHOUT_ISOLATION + OPEN_WITHOUT_FILTER) <= {escape.name for escape in ESCAPES}
+
+
+@pytest.mark.skipif(os.name != "posix" or os.geteuid() != 0, reason="this test runs as a plain user itself")
+@pytest.mark.skipif(shutil.which("unshare") is None, reason="no unshare on this machine")
+def test_a_plain_user_gets_the_same_walls() -> None:
+    """In a user namespace without privileges, where root's files and processes count as the user's own."""
+    code = "from autograder.sandbox import doctor\nprint(doctor.reports_json(list(doctor.attempt_escapes())))"
+    plain = ["unshare", "--user", "--map-user=1000", "--map-group=1000"]
+    run = subprocess.run([*plain, sys.executable, "-c", code], capture_output=True, text=True, check=False)
+    if "unshare failed" in run.stderr:
+        pytest.skip(run.stderr.strip())
+    levels = json.loads(run.stdout)["rungs"]
+    found = {level: {name for name, holds in one["holds"].items() if not holds} for level, one in levels.items()}
+    assert found["namespaces"] == set()
+    assert found["landlock"] <= {"see other processes"}
+    assert found["none"] == set(open_escapes("none"))
 
 
 # -- the ladder -------------------------------------------------------------------------------------------------------
@@ -180,7 +204,7 @@ from labsid.records.record import load_record
 from labsid.checks import notebook_checks
 notebook_checks("lab-identification", globals())("q")
 record = load_record("record.mat")
-plots.figure_5(record)
+plots.figure_3()
 np.savetxt("mine.txt", record.y[:3])
 plt.plot(record.t, record.y)
 plt.savefig("mine.png")
@@ -193,7 +217,14 @@ got = len(record) + np.loadtxt("mine.txt").size
 
 
 @pytest.mark.parametrize(
-    "name", ["labsid.lab.arx", "labsid.checks.assignments.lab_identification", "autograder.judge.judging"]
+    "name",
+    [
+        "labsid.lab.arx",
+        "labsid.checks.assignments.lab_identification",
+        "labsid.plots.verification",
+        "labsid.rig.switchable.withheld",
+        "autograder.judge.judging",
+    ],
 )
 def test_the_reference_is_refused_and_said_to_be(student: StudentProcess, name: str) -> None:
     reply = student.run(f"import {name}")
@@ -482,7 +513,7 @@ def test_the_reference_is_masked_where_it_lies_among_the_libraries(
 ) -> None:
     paths = [*allowed_paths.interpreter_paths(), ROOT / "labsid", ROOT / "autograder"]
     monkeypatch.setattr(allowed_paths, "interpreter_paths", lambda: paths)
-    monkeypatch.setattr(allowed_paths, "package_folders", lambda: [ROOT / "labsid" / "checks", ROOT / "labsid" / "gap"])
+    monkeypatch.setattr(allowed_paths, "hidden_folders", lambda: [ROOT / "labsid" / "checks", ROOT / "labsid" / "gap"])
     try:
         with open_launcher("namespaces", LIMITS) as launcher:
             student = launcher.start(tmp_path)
@@ -508,11 +539,32 @@ def test_excluded_paths_are_left_out(tmp_path: Path) -> None:
     assert list(allowed_paths.exclude_paths(tmp_path / "b", [tmp_path / "a"])) == [tmp_path / "b"]
 
 
-def test_an_unreadable_folder_is_not_an_interpreter_path(monkeypatch: pytest.MonkeyPatch) -> None:
-    """As the packages of a user whose home is shut to whoever grades."""
-    monkeypatch.setattr(site, "getusersitepackages", lambda: "/nowhere")
+@pytest.fixture
+def other_copy(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Path:
+    """Trees of two interpreters with a copy of labsid among their packages; the first one's packages are in use."""
+    monkeypatch.setattr(allowed_paths, "_SYSTEM", (str(tmp_path / "lib"), str(tmp_path / "link")))
+    for name in ("python3.8/site-packages", "python3/dist-packages"):
+        (tmp_path / "lib" / name / "labsid" / "lab").mkdir(parents=True)
+        (tmp_path / "lib" / name / "numpy").mkdir()
+    (tmp_path / "link").symlink_to("lib")
+    monkeypatch.setattr(sys, "path", [*sys.path, str(tmp_path / "lib/python3.8/site-packages")])
+    return tmp_path / "lib"
+
+
+def test_other_copies_of_labsid_are_hidden_wherever_they_are_mounted(other_copy: Path) -> None:
+    hidden = set(allowed_paths.hidden_folders())
+    assert {other_copy / "python3.8/site-packages/labsid", other_copy / "python3/dist-packages"} <= hidden
+    assert other_copy / "python3.8/site-packages" not in hidden
+    command = bubblewrap.sandbox_command("bwrap", [], 4096, own_user_namespace=True)
+    masks = {command[at + 1] for at, word in enumerate(command) if word == "--tmpfs"}
+    for tree in (other_copy, other_copy.parent / "link"):
+        assert {f"{tree}/python3.8/site-packages/labsid", f"{tree}/python3/dist-packages"} <= masks
+
+
+def test_packages_that_are_not_in_use_are_not_shown(monkeypatch: pytest.MonkeyPatch) -> None:
+    """As those of the grader's user, unless Python itself uses them."""
     before = allowed_paths.interpreter_paths()
-    monkeypatch.setattr(site, "getusersitepackages", lambda: f"/{'x' * 300}/site-packages")
+    monkeypatch.setattr("site.getusersitepackages", lambda: str(ROOT / "tests"))
     assert allowed_paths.interpreter_paths() == before
 
 
@@ -567,7 +619,7 @@ got += " ".join(os.listdir("."))
     paths = [
         *allowed_paths.interpreter_paths(),
         *allowed_paths.allowed_labsid_paths(),
-        *allowed_paths.package_folders(),
+        *allowed_paths.hidden_folders(),
     ]
     below = {path.parts[2] for path in paths if path.parts[1] == "tmp"}
     try:
@@ -588,7 +640,13 @@ got += " ".join(os.listdir("."))
     [
         ("labsid", False),
         ("labsid.records.record", False),
-        ("labsid.plots.lab", False),
+        ("labsid.plots", False),
+        ("labsid.plots.block_diagrams", False),
+        ("labsid.plots.lab", True),
+        ("labsid.plots.verification", True),
+        ("labsid.rig.switchable", True),
+        ("labsid.rig.switchable.withheld", True),
+        ("labsid.rig.laboratory", True),
         ("labsid.rig.lab.tanks", False),
         ("labsid.checks", False),
         ("labsid.checks.values", False),

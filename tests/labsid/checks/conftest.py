@@ -44,6 +44,7 @@ class Answers:
     def __init__(self, variables: dict[str, object], seed: int) -> None:
         self._variables = variables
         self.rng = np.random.default_rng(seed)
+        self.called: set[str] = set()
 
     @property
     def record(self) -> Record:
@@ -55,6 +56,7 @@ class Answers:
         return plain(self._variables[name])
 
     def call(self, name: str, *arguments: Value) -> Value:
+        self.called.add(name)
         function = self._variables.get(name)
         if not callable(function):
             raise NoAnswer(f"no function {name}")

@@ -33,6 +33,8 @@ NUM, DEN = [0.2, 0.1], [1.0, -1.2, 0.4]
 TF = TransferFunctionValue(NUM, DEN, TS)
 SS = StateSpaceValue([[1.2, -0.4], [1, 0]], [[1], [0]], [[0.2, 0.1]], [[0]], TS)
 NAN = float("nan")
+ONLY_ROUNDING = "If its imaginary part is only rounding, take the real part with `np.real`."
+DOUBLE = "and the comparison needs more. Compute in double precision, numpy's own `float`: leave the type out."
 
 
 def refused(said: str, slip: str | None = None) -> Any:
@@ -73,7 +75,7 @@ def test_values_are_called_by_their_names(value: Any, words: str) -> None:
     assert kind_of(value) == words
 
 
-@pytest.mark.parametrize("value", [3, 3.0, True + 2, np.array(3), np.array([3.0]), np.array([[3.0]]), np.float32(3)])
+@pytest.mark.parametrize("value", [3, 3.0, True + 2, np.array(3), np.array([3.0]), np.array([[3.0]]), 3 + 0j])
 def test_a_number_may_come_in_an_array(value: Any) -> None:
     got = as_number("a", plain(value))
     assert got == 3
@@ -85,8 +87,6 @@ def test_a_number_may_come_in_an_array(value: Any) -> None:
     [
         (None, "`a` should be one number; it is nothing (None)."),
         ("3", "`a` should be one number; it is text."),
-        (3j, "`a` should be one number; it is a complex number."),
-        (np.array([3j]), "`a` should be one number; it is an array of shape (1,)."),
         ([1, 2], "`a` should be one number; it is an array of shape (2,)."),
         ([], "`a` should be one number; it is an array of shape (0,)."),
         (10**400, "`a` should be one number; it is an object of type int of too many digits."),
@@ -102,7 +102,25 @@ def test_what_is_no_number_is_said(value: Any, said: str) -> None:
         as_number("a", plain(value) if not isinstance(value, TransferFunctionValue) else value)
 
 
-@pytest.mark.parametrize("value", [[1, 2, 3], (1, 2, 3), range(1, 4), np.array([[1], [2], [3]]), np.float32([1, 2, 3])])
+@pytest.mark.parametrize(
+    ("value", "said", "slip"),
+    [
+        (3j, f"`a` should be one number; it is a complex number. {ONLY_ROUNDING}", "imaginary part"),
+        (
+            np.array([3j]),
+            f"`a` should be one number; it is a complex array of shape (1,). {ONLY_ROUNDING}",
+            "imaginary part",
+        ),
+        (np.float32(3), f"`a` has the type float32, which keeps only 7 digits, {DOUBLE}", "single precision"),
+        (np.float16(3), f"`a` has the type float16, which keeps only 4 digits, {DOUBLE}", "single precision"),
+    ],
+)
+def test_numbers_of_another_kind_are_refused_with_a_way_out(value: Any, said: str, slip: str) -> None:
+    with refused(said, slip):
+        as_number("a", plain(value))
+
+
+@pytest.mark.parametrize("value", [[1, 2, 3], (1, 2, 3), range(1, 4), np.array([[1], [2], [3]]), np.arange(1, 4) + 0j])
 def test_a_vector_may_be_flat_or_a_column(value: Any) -> None:
     got = as_vector("y", plain(value), 3)
     assert got.dtype == np.float64
@@ -131,7 +149,17 @@ def test_a_column_of_one_is_a_vector() -> None:
         (("a", 1), "`y` should be a vector; it is a tuple.", None),
         (np.array([1, NAN, NAN]), "`y` holds nan (at [1]): check the computation before it.", None),
         (np.array([[1], [np.inf]]), "`y` holds inf (at [1, 0]): check the computation before it.", None),
-        (np.array([1j, 1, 1]), "`y` should be a vector; it is an array of shape (3,).", None),
+        (
+            np.array([1j, 1, 1]),
+            f"`y` should be a vector; it is a complex array of shape (3,). {ONLY_ROUNDING}",
+            "imaginary part",
+        ),
+        (np.ones(3, np.float32), f"`y` has the type float32, which keeps only 7 digits, {DOUBLE}", "single precision"),
+        (
+            np.ones(3, np.complex64),
+            f"`y` has the type float32, which keeps only 7 digits, {DOUBLE}",
+            "single precision",
+        ),
     ],
 )
 def test_what_is_no_vector_is_said(value: Any, said: str, slip: str | None) -> None:

@@ -11,6 +11,7 @@ from matplotlib.figure import Figure
 from labsid.checks.figures import (
     find_curve,
     legend_text,
+    one_figure,
     plain_text,
     require_curve,
     require_label,
@@ -62,22 +63,70 @@ def test_a_curve_is_seen_however_it_is_drawn(draw: Callable, steps: bool, sample
     axes = seen(draw)
     (curve,) = axes.curves
     assert (curve.steps, curve.y.size) == (steps, samples)
+    assert (curve.where != "") == steps
     assert find_curve(axes, U, T) is curve
     assert find_curve(axes, U.reshape(-1, 1), T.reshape(-1, 1)) is curve
     assert find_curve(axes, U + 0.01, T) is None
     assert find_curve(axes, U, T + 0.01) is None
 
 
-def test_lines_of_reference_and_points_are_no_curves() -> None:
-    def draw(ax: Axes) -> None:
-        ax.axhline(0)
-        ax.axvline(3)
-        ax.plot([0, 10], [0, 0])
-        ax.fill_between(T, Y, 0)
-        ax.scatter(T, Y)
-        ax.bar(T, Y)
+@pytest.mark.parametrize(
+    "draw",
+    [
+        pytest.param(lambda ax: ax.scatter(T, Y, label="y"), id="scatter"),
+        pytest.param(lambda ax: ax.stem(T, Y, label="y"), id="stem"),
+        pytest.param(lambda ax: ax.bar(T, Y, label="y"), id="bar"),
+        pytest.param(lambda ax: ax.errorbar(T, Y, yerr=0.1, label="y"), id="errorbar"),
+    ],
+)
+@pytest.mark.parametrize("legend", [lambda ax: ax.legend(), lambda ax: ax.figure.legend()], ids=["axes", "figure"])
+def test_points_and_bars_are_read_with_their_label(draw: Callable, legend: Callable) -> None:
+    axes = seen(lambda ax: (draw(ax), legend(ax)))
+    curve = find_curve(axes, Y, T)
+    assert curve is not None
+    assert (legend_text(axes, curve), axes.legend) == ("y", ("y",))
+    seen_by_position = seen(lambda ax: (ax.axhline(0), draw(ax), ax.legend(["zero", "signal"])))
+    curve = find_curve(seen_by_position, Y, T)
+    assert curve is not None
+    assert legend_text(seen_by_position, curve) == "signal"
 
-    assert seen(draw).curves == ()
+
+def test_horizontal_lines_are_read_at_their_level() -> None:
+    def draw(ax: Axes) -> None:
+        ax.set_xlim(0, 10)
+        ax.axhline(0.5)
+        ax.axvline(3)
+        ax.hlines([1, 2], [0, 5], [5, 10])
+        ax.fill_between(T, Y, 0)
+
+    read = [(list(curve.x), list(curve.y)) for curve in seen(draw).curves]
+    assert read == [([0, 10], [0.5, 0.5]), ([0, 5], [1, 1]), ([5, 10], [2, 2])]
+
+
+def test_several_panels_are_read_as_one_figure() -> None:
+    figure = Figure()
+    upper, lower = figure.subplots(2)
+    upper.plot(T, Y, label="y")
+    upper.set_ylabel("y (V)")
+    lower.plot(T, U, label="u")
+    lower.set_xlabel("t (s)")
+    axes = one_figure("fig", describe_figure(figure))
+    assert find_curve(axes, Y, T) is not None
+    assert find_curve(axes, U, T) is not None
+    assert (axes.xlabel, axes.ylabel) == ("t (s)", "")
+    lower.set_ylabel("u (V)")
+    assert one_figure("fig", describe_figure(figure)).ylabel == "y (V) u (V)"
+    assert "is empty" in str(refusal(one_figure, "fig", describe_figure(Figure())))
+    assert "should be the figure itself" in str(refusal(one_figure, "fig", "text"))
+
+
+def test_texts_of_figure_and_legend_are_read() -> None:
+    figure = Figure()
+    ax = figure.subplots()
+    ax.plot(T, Y, label="y")
+    ax.legend(title="MSE: 3")
+    figure.text(0.1, 0.9, "MSE: 4")
+    assert describe_figure(figure).axes[0].texts == ("MSE: 3", "MSE: 4")
 
 
 def test_strange_data_is_seen_too() -> None:
@@ -158,8 +207,10 @@ def test_a_curve_that_is_there_is_found_among_others() -> None:
 def test_a_curve_that_is_not_there_is_said() -> None:
     axes = seen(lambda ax: ax.plot(Y))
     error = refusal(require_curve, axes, "(a)", "the output", Y, T)
-    assert str(error).startswith("In (a), the output is not drawn against time")
+    assert str(error).startswith("In (a), the output is drawn against the sample number, and not against time")
     assert error.slip == "drawn against the sample number"
+    error = refusal(require_curve, seen(lambda ax: ax.plot(3 * T, Y)), "(a)", "the output", Y, T)
+    assert error.slip == "drawn against another vector"
     error = refusal(require_curve, axes, "(b)", "the input", U, T)
     assert (str(error), error.slip) == ("In (b) no curve shows the input. Plot it against time.", None)
     assert refusal(require_curve, seen(lambda ax: None), "(b)", "the input", U).slip is None
@@ -197,6 +248,8 @@ def test_labels_that_lack_something_are_said() -> None:
     error = refusal(require_labels, axes, "(a)", ("s", "V"))
     assert str(error) == "In (a) the y-label 'Voltage' has no unit: write it as (V)."
     assert error.slip == "no unit"
+    swapped = seen(lambda ax: (ax.set_xlabel("Voltage (V)"), ax.set_ylabel("Time (s)")))
+    assert refusal(require_labels, swapped, "(a)", ("s", "V")).slip == "axis labels swapped"
     require_label(axes, "(a)", "y", "")
     error = refusal(require_labels, seen(lambda ax: ax.set_ylabel("y (V)")), "(a)", ("s", "V"))
     assert str(error) == "In (a) the x-axis has no label: use `xlabel`."

@@ -167,6 +167,8 @@ def test_a_transfer_function_with_a_pole_on_the_circle_is_no_error(shipped_recor
 
     model = arx_from_theta(np.array([1.4, -0.4, 0.0, 0.05]), 0.75)
     got = TransferFunctionValue(np.zeros(2), np.array([1.0, -1.0, 0.0]), 0.75)
-    assert not judge_transfer_function("G", got, model).passed
+    assert not judge_transfer_function("G", got, model, "eq. (1)").passed
     with pytest.raises(NoAnswer, match="state space"):
-        judge_transfer_function("G", StateSpaceValue(np.eye(1), np.eye(1), np.eye(1), np.eye(1), 0.75), model)
+        judge_transfer_function(
+            "G", StateSpaceValue(np.eye(1), np.eye(1), np.eye(1), np.eye(1), 0.75), model, "eq. (1)"
+        )

@@ -20,6 +20,7 @@ from labsid.lab.sinusoid import make_sinusoids
 NAME = "prelab-sinusoids"
 QUESTIONS = [question.id for question in ASSIGNMENT.questions]
 T = np.linspace(0, 100, 1001)
+SINE = np.sin(0.02 * np.pi * T)
 Noise = Callable[[np.random.Generator], FloatArray]
 
 
@@ -48,7 +49,7 @@ def test_right_noise_is_never_refused(seed: int) -> None:
     for name, y, wave, other in (("y1", made.y1, np.sin, np.cos), ("y2", made.y2, np.cos, np.sin)):
         require_wave(name, T, y.ravel(), wave, other)
         noises[name] = y.ravel() - wave(0.02 * np.pi * T)
-        require_uniform(name, noises[name])
+        require_uniform(name, noises[name], wave(0.02 * np.pi * T))
     require_independent(noises)
 
 
@@ -69,13 +70,14 @@ def test_right_noise_is_never_refused(seed: int) -> None:
         (lambda rng: np.clip(0.1155 * rng.standard_normal(T.size), -0.2, 0.2), "noise clipped at the bound"),
         (lambda rng: rng.uniform(-0.18, 0.18, T.size), None),
         (lambda rng: rng.uniform(-0.22, 0.22, T.size), None),
+        (lambda rng: SINE * rng.uniform(-0.2, 0.2, T.size), "noise multiplied"),
         (lambda rng: np.zeros(T.size), "no noise"),
         (lambda rng: np.full(T.size, rng.uniform(-0.2, 0.2)), "one random number for all samples"),
     ],
 )
 def test_wrong_noise_is_always_refused_and_named(noise: Noise, slip: str | None) -> None:
     for seed in range(100):
-        assert refusal(require_uniform, "y1", noise(np.random.default_rng(seed))).slip == slip
+        assert refusal(require_uniform, "y1", noise(np.random.default_rng(seed)), SINE).slip == slip
 
 
 @pytest.mark.parametrize(

@@ -196,7 +196,7 @@ def delayed(tmp_path_factory) -> Solved:
 
 NAMES = ("u_offset", "y_offset", "noise_sd", "u", "y", "theta_arx", "theta_hat", "y_lin", "gap_before", "share_t")
 MORE = ("worst", "share_u", "share_y", "effect", "path", "parameters", "closed")
-CALLED = ("time_shares", "band_shares", "cell_shares", "simulate_better")
+CALLED = ("time_shares", "band_shares", "cell_shares", "simulate_better", "share_closed")
 
 
 @pytest.mark.parametrize("question", QUESTIONS, ids=lambda question: question.id)

@@ -442,3 +442,34 @@ def test_an_interrupted_run_ends_with_one_line(tmp_path):
         # The end of the file wakes a read that the signal came just too early for.
         out, err = process.communicate(timeout=60)
     assert (process.returncode, out, err) == (2, "", "labsid: error: interrupted\n")
+
+
+def test_no_warning_of_numpy_stands_before_the_line(refused, monkeypatch, tank):
+    def warn(*arguments, **settings):
+        np.float64(1.0) / np.float64(0.0)
+        raise ValueError("got inf")
+
+    monkeypatch.setattr("labsid.records.formats.read_raw", warn)
+    assert refused("check", tank)[0] == "labsid: error: got inf\n"
+
+
+def test_a_line_of_megabytes_is_cut(refused, tmp_path):
+    (tmp_path / "wide.csv").write_text(",".join(["x" * 1000] * 900) + "\n1,2,3\n", encoding="utf-8")
+    line, _ = refused("check", tmp_path / "wide.csv")
+    assert len(line) < 1100
+    assert line.endswith("…\n")
+
+
+@pytest.mark.parametrize(
+    ("error", "said"),
+    [
+        (MemoryError(), "there is not enough memory for this"),
+        (RuntimeError("can't start new thread"), "this machine starts no more threads"),
+    ],
+)
+def test_a_machine_that_has_no_more_is_said(refused, monkeypatch, tank, error, said):
+    def stop(*arguments, **settings):
+        raise error
+
+    monkeypatch.setattr("labsid.records.formats.read_raw", stop)
+    assert said in refused("check", tank)[0]

@@ -217,3 +217,11 @@ def test_every_row_counts_if_the_sensor_is_mostly_at_its_limit(
     data, fit = clipped(levels, two_poles, 0.0, 0.8)
     assert np.mean(fit.output < fit.output.max()) < 0.3
     assert measure_residual(data, fit).rms == pytest.approx(np.sqrt(np.mean((data.y - fit.output) ** 2)))
+
+
+def test_no_residual_at_all_is_explained_by_nothing(fitted: Fitted) -> None:
+    """As on a record without noise, which a model can fit exactly."""
+    data, fit = fitted(np.zeros(900))
+    nothing = np.zeros(data.y.size)
+    assert explained_share(data, fit, nothing) == 0.0
+    assert slow_autocorrelation(nothing, data.complete) == 0.0

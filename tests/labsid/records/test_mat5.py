@@ -144,7 +144,7 @@ def test_what_is_no_mat_file(content, message):
 def test_a_compressed_part_that_would_fill_the_memory(monkeypatch):
     packed = zlib.compress(struct.pack("<II", 14, 10**6) + bytes(10**6))
     monkeypatch.setattr("labsid.records.mat5._MAX_BYTES", 10**5)
-    with pytest.raises(ValueError, match="incomplete, or over 1 GB"):
+    with pytest.raises(ValueError, match="incomplete, or all parts are over"):
         read_variables(b" " * 124 + b"\x00\x01IM" + struct.pack("<II", 15, len(packed)) + packed)
 
 

@@ -1,6 +1,7 @@
 """Checks of recursive extended least squares, and of Fig. 14."""
 
 from collections.abc import Iterator
+from functools import partial
 
 import numpy as np
 
@@ -24,8 +25,10 @@ SEED = 71
 @first_failure
 def check_rels(ask: Ask) -> Iterator[Verdict]:
     """`rels(u, y, forgetting, LN)`, then the history of Example 7-1."""
-    for forgetting, LN in ((1.0, 20.0), (0.93, 5.0)):
-        yield _judge_history(ask, *trial_record(ask.rng, 40, ask.rng.uniform(0.3, 0.6)), forgetting, LN)
+    drawn = float(np.round(ask.rng.uniform(0.9, 0.95), 3)), float(ask.rng.integers(4, 9))
+    for forgetting, LN in ((1.0, float(ask.rng.integers(15, 25))), drawn):
+        samples = int(ask.rng.integers(35, 45))
+        yield _judge_history(ask, *trial_record(ask.rng, samples, ask.rng.uniform(0.3, 0.6)), forgetting, LN)
     right = as_array("theta_rels", right_history(ask)["theta_rels"])
     if not _OF_A_LONG_RECORD(as_history("theta_rels", ask.value("theta_rels"), *right.shape), right):
         yield Verdict(False, "`rels` is right, `theta_rels` is not: leave the last line as it was given.")
@@ -57,10 +60,49 @@ def _errors_after_the_update(u: FloatArray, y: FloatArray, forgetting: float, LN
     return history
 
 
+_FAULTS = {
+    "1 in the denominator": "has 1 + phi'P phi in the denominator of P: with forgetting the 1 becomes lambda.",
+    "not divided by lambda": "does not divide P by lambda: without that, nothing is forgotten.",
+    "multiplied by lambda": "multiplies P by lambda: divide.",
+    "gain from the old P": "takes the gain from the P before the sample: K(n) = P(n) phi(n), with the new one.",
+}
+
+
+@np.errstate(all="ignore")  # some of them run away
+def _faulty(u: FloatArray, y: FloatArray, forgetting: float, LN: float, fault: str) -> FloatArray:
+    """History of the notebook's loop with one of the faults in it."""
+    theta, P, e, history = np.zeros(3), LN * np.eye(3), 0.0, np.zeros((y.size, 3))
+    one = 1.0 if fault == "1 in the denominator" else forgetting
+    factor = {"not divided by lambda": 1.0, "multiplied by lambda": forgetting}.get(fault, 1 / forgetting)
+    for n in range(1, y.size):
+        phi = np.array([-y[n - 1], u[n - 1], e])
+        e = float(y[n] - phi @ theta)
+        P_phi = P @ phi
+        P = (P - np.outer(P_phi, P_phi) / (one + phi @ P_phi)) * factor
+        theta = theta + (P_phi if fault == "gain from the old P" else P @ phi) * e
+        history[n] = theta
+    return history
+
+
+def _require_finite(call: str, got: FloatArray, u: FloatArray, y: FloatArray, forgetting: float, LN: float) -> None:
+    """Name the fault of a history that grew beyond all numbers, by its samples before."""
+    if np.all(np.isfinite(got)):
+        return
+    last = int(np.argmax(~np.all(np.isfinite(got), axis=1)))
+    for name, text in _FAULTS.items():
+        if last > 2 and np.allclose(got[:last], _faulty(u, y, forgetting, LN, name)[:last], rtol=1e-3):
+            raise NoAnswer(f"`{call}` {text} The estimate then grows without limit.", name)
+    raise NoAnswer(
+        f"the estimate of `{call}` grows without limit, and is no number from sample {last} on: compare your lines "
+        "with those of step 6.",
+        "estimate runs away",
+    )
+
+
 def _judge_history(ask: Ask, u: FloatArray, y: FloatArray, forgetting: float, LN: float) -> Verdict:
     call = f"rels(u, y, {forgetting}, {LN:g})"
     value = returned(ask, "rels", u, y, forgetting, LN)
-    shape = as_array(call, value).shape
+    shape = value.shape if isinstance(value, np.ndarray) else ()
     if shape == (y.size - 1, 3):
         return Verdict(
             False,
@@ -69,6 +111,8 @@ def _judge_history(ask: Ask, u: FloatArray, y: FloatArray, forgetting: float, LN
         )
     if shape == (y.size, 2):
         return Verdict(False, f"`{call}` estimates a and b only: c is the third.", "noise term left out")
+    if shape == (y.size, 3) and isinstance(value, np.ndarray) and value.dtype.kind == "f":
+        _require_finite(call, np.asarray(value, float), u, y, forgetting, LN)
     got = as_history(call, value, y.size, 3)
     rights = [_history(u, y, forgetting, LN), _history(u, y, forgetting, LN / forgetting)]
     right = next((right for right in rights if _SAME(got, right)), rights[0])
@@ -78,8 +122,14 @@ def _judge_history(ask: Ask, u: FloatArray, y: FloatArray, forgetting: float, LN
         right,
         _SAME,
         "",
-        f"`{call}` is off: compare its second row with the case worked by hand in step 6.",
+        f"`{call}` is off: compare its second row with the case worked by hand in step 6."
+        if forgetting == 1
+        else f"`{call}` is off, though with forgetting = 1 it is right: look at the two places of lambda in P(n).",
         [
+            *(
+                Slip(name, f"`{call}` {text}", partial(_faulty, u, y, forgetting, LN, name))
+                for name, text in _FAULTS.items()
+            ),
             Slip(
                 "errors after the update",
                 f"`{call}` puts the error that is left after the update into the next regressor: the notes take "

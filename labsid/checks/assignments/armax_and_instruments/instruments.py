@@ -18,7 +18,6 @@ from labsid.model_structures.prediction import free_run, one_step_prediction
 from labsid.model_structures.structures import build_equations
 
 _SAME_HISTORY = close(1e-5)
-WARM_UP = 15
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -30,6 +29,9 @@ class _Way:
     renewed: bool = True
     regressed_on_z: bool = False
     transposed: bool = False
+    exchanged: bool = False
+    from_zero: bool = False
+    delayed: bool = False
 
 
 _RIGHT = _Way()
@@ -39,19 +41,23 @@ _RIGHT = _Way()
 def check_iterated(ask: Ask) -> Iterator[Verdict]:
     """`iterated_iv(u, y, rounds)`."""
     for rounds, c in ((0, -0.7), (1, 0.7), (3, -0.7)):
-        yield _judge_iterated(ask, *trial_record(ask.rng, 150, c, noise=0.8), rounds)
+        yield _judge_iterated(ask, *trial_record(ask.rng, int(ask.rng.integers(140, 160)), c, noise=0.8), rounds)
 
 
 def _rounds(u: FloatArray, y: FloatArray, rounds: int, way: _Way = _RIGHT) -> FloatArray:
     equations = build_equations(ARX, u, y, start=way.start)
     Phi, Y = equations.Phi, equations.Y
-    first = theta = solve_least_squares(Phi, Y).theta
+    first = theta = np.zeros(2) if way.from_zero else solve_least_squares(Phi, Y).theta
     for _ in range(rounds):
         a, b = theta if way.renewed else first
         model = first_order(float(a), float(b))
         y_model = one_step_prediction(model, u, y) if way.predicted else free_run(model, u)
         Z = build_equations(ARX, u, y_model, start=way.start).Phi
-        if way.regressed_on_z:
+        if way.delayed:
+            Z = np.column_stack([-np.concatenate([[0.0], y[way.start - 1 : -2]]), Phi[:, 1]])
+        if way.exchanged:
+            theta = np.asarray(np.linalg.solve(Phi.T @ Z, Phi.T @ Y), float)
+        elif way.regressed_on_z:
             theta = solve_least_squares(Z, Y).theta
         elif way.transposed:
             theta = np.asarray(np.linalg.solve(Phi.T @ Z, Z.T @ Y), float)
@@ -99,6 +105,25 @@ def _judge_iterated(ask: Ask, u: FloatArray, y: FloatArray, rounds: int) -> Verd
                 f"`{call}` solves with Phi'Z, the transpose of Z'Phi.",
                 partial(_rounds, u, y, rounds, _Way(transposed=True)),
             ),
+            Slip(
+                "Phi and Z exchanged",
+                f"`{call}` has Phi and Z exchanged, (Phi'Z)^-1 Phi'Y: it is (Z'Phi)^-1 Z'Y.",
+                partial(_rounds, u, y, rounds, _Way(exchanged=True)),
+            ),
+            *(
+                Slip(
+                    "instrument of old outputs",
+                    f"`{call}` takes an older measured output for its instrument, y(t-2): that holds noise of which "
+                    "v(t) is not free. Simulate y_M from u alone.",
+                    partial(_rounds, u, y, max(rounds, 1), _Way(start=start, delayed=True)),
+                )
+                for start in (1, 2)
+            ),
+            Slip(
+                "start from zero",
+                f"`{call}` begins with theta = 0: the first model is that of least squares.",
+                partial(_rounds, u, y, rounds, _Way(from_zero=True)),
+            ),
             Slip("sign of a", f"`{call}` has the other sign of a.", lambda: right * [-1, 1]),
             Slip("a and b swapped", f"`{call}` returns b before a.", lambda: right[::-1]),
             Slip("rounds miscounted", count, partial(_rounds, u, y, rounds + 1)),
@@ -107,25 +132,24 @@ def _judge_iterated(ask: Ask, u: FloatArray, y: FloatArray, rounds: int) -> Verd
     )
 
 
-def check_recursive(ask: Ask) -> Verdict:
-    """`recursive_iv(u, y, warm_up)`."""
-    u, y = trial_record(ask.rng, 60, -0.7)
-    call = f"recursive_iv(u, y, {WARM_UP})"
-    got = as_history(call, returned(ask, "recursive_iv", u, y, WARM_UP), y.size, 2)
+@first_failure
+def check_recursive(ask: Ask) -> Iterator[Verdict]:
+    """`recursive_iv(u, y, warm_up)`, with several warm-ups."""
+    for warm_up in (int(ask.rng.integers(12, 18)), int(ask.rng.integers(22, 32))):
+        u, y = trial_record(ask.rng, int(ask.rng.integers(55, 65)), -0.7)
+        yield _judge_recursive(ask, u, y, warm_up)
+
+
+def _judge_recursive(ask: Ask, u: FloatArray, y: FloatArray, warm_up: int) -> Verdict:
+    call = f"recursive_iv(u, y, {warm_up})"
+    value = returned(ask, "recursive_iv", u, y, warm_up)
+    is_history = isinstance(value, np.ndarray) and value.dtype.kind == "f" and value.shape == (y.size, 2)
+    if is_history and not np.all(np.isfinite(np.asarray(value, float))):
+        return _runaway(np.asarray(value, float), u, y, warm_up)
+    got = as_history(call, value, y.size, 2)
     if not np.any(got):
         return Verdict(False, f"In `{call}` the estimate never moves: update theta in the loop.", "theta not updated")
-    right = recursive_instrumental(ARX, u, y, WARM_UP).theta
-    exchanged = "has z and phi exchanged in the update of P, which is not symmetric: P z left, phi' P right."
-    hint = {
-        "z z' for z phi'": "updates P with z twice: it is P z phi' P / (1 + phi' P z).",
-        "phi for z in the gain": "multiplies P by phi for the gain: K = P z. With phi it is least squares again.",
-        "phi throughout": "never uses z: with phi in its place it is least squares.",
-        "z for phi in the error": "predicts with z: the error is y - phi'theta, with the measured past.",
-        "transposed": exchanged,
-        "transposed above only": exchanged,
-        "gain from the P before": "takes the gain from the P before its update: P(n) first, then K(n) = P(n) z(n).",
-        "sign of the update": "takes K epsilon off theta: add it.",
-    }
+    right = recursive_instrumental(ARX, u, y, warm_up).theta
     return judge(
         got,
         right,
@@ -133,19 +157,58 @@ def check_recursive(ask: Ask) -> Verdict:
         "recursive, and consistent in coloured noise.",
         f"`{call}` is off: hold your four lines against those of step 8, term by term.",
         [
-            Slip(slip.split(" above")[0], f"`recursive_iv` {text}", partial(_loop, u, y, slip))
-            for slip, text in hint.items()
+            *(
+                Slip(slip.split(" above")[0], f"`recursive_iv` {text}", partial(_loop, u, y, warm_up, slip))
+                for slip, text in _HINTS.items()
+            ),
+            *(
+                Slip(
+                    "warm-up not used",
+                    "`recursive_iv` changes from phi to z at a fixed sample: use the argument `warm_up`.",
+                    partial(_loop, u, y, other, ""),
+                )
+                for other in range(y.size)
+                if other != warm_up
+            ),
         ],
     )
 
 
+def _runaway(got: FloatArray, u: FloatArray, y: FloatArray, warm_up: int) -> Verdict:
+    """An estimate that grew beyond all numbers, told by the samples before."""
+    last = int(np.argmax(~np.all(np.isfinite(got), axis=1)))
+    for slip, text in _HINTS.items():
+        wrong = _loop(u, y, warm_up, slip)[:last]
+        if last > 2 and np.allclose(got[:last], wrong, rtol=1e-3):
+            return Verdict(False, f"`recursive_iv` {text} The estimate then grows without limit.", slip)
+    return Verdict(
+        False,
+        f"the estimate of `recursive_iv` grows without limit, and is nan from sample {last} on: hold your four lines "
+        "against those of step 8.",
+        "estimate runs away",
+    )
+
+
+_EXCHANGED = "has z and phi exchanged in the update of P, which is not symmetric: P z left, phi' P right."
+_HINTS = {
+    "z z' for z phi'": "updates P with z twice: it is P z phi' P / (1 + phi' P z).",
+    "phi for z in the gain": "multiplies P by phi for the gain: K = P z. With phi it is least squares again.",
+    "phi throughout": "never uses z: with phi in its place it is least squares.",
+    "z for phi in the error": "predicts with z: the error is y - phi'theta, with the measured past.",
+    "transposed": _EXCHANGED,
+    "transposed above only": _EXCHANGED,
+    "gain from the P before": "takes the gain from the P before its update: P(n) first, then K(n) = P(n) z(n).",
+    "sign of the update": "takes K epsilon off theta: add it.",
+}
+
+
 @np.errstate(all="ignore")  # some of the slips run away
-def _loop(u: FloatArray, y: FloatArray, slip: str) -> FloatArray:
+def _loop(u: FloatArray, y: FloatArray, warm_up: int, slip: str) -> FloatArray:
     """The notebook's loop with one of the slips in it."""
     theta, P, stable = np.zeros(2), 1e6 * np.eye(2), np.zeros(2)
     phi, z_model, history = np.zeros(2), np.zeros(2), np.zeros((y.size, 2))
     for n in range(y.size):
-        z = phi if n < WARM_UP or slip == "phi throughout" else z_model
+        z = phi if n < warm_up or slip == "phi throughout" else z_model
         left, right = (phi, z) if slip.startswith("transposed") else (z, phi)
         right = z if slip == "z z' for z phi'" else right
         error = y[n] - (z if slip == "z for phi in the error" else phi) @ theta

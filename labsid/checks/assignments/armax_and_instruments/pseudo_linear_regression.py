@@ -89,10 +89,10 @@ def _judge_errors(ask: Ask, theta: FloatArray, u: FloatArray, y: FloatArray) -> 
 
 
 def rounds_of(
-    u: FloatArray, y: FloatArray, share: float, rounds: int, start: int = 1, renew: bool = True
+    u: FloatArray, y: FloatArray, share: float, rounds: int, start: int = 1, renew: bool = True, from_zero: bool = False
 ) -> FloatArray:
-    """Pseudo-linear regression as the notebook lays it down; with `renew` off the first errors are kept."""
-    first = np.append(fit_structure(ARX, u, y, start=start).model.theta, 0.0)
+    """Pseudo-linear regression as in the notebook; with `renew` off the first errors are kept."""
+    first = np.append(np.zeros(2) if from_zero else fit_structure(ARX, u, y, start=start).model.theta, 0.0)
     theta = first
     for _ in range(rounds):
         e = prediction_errors(model_from_theta(ARMAX, theta if renew else first), u, y)
@@ -133,6 +133,11 @@ def _judge_rounds(ask: Ask, u: FloatArray, y: FloatArray, share: float, rounds: 
                 "errors not renewed",
                 f"`{call}` works with the first errors in every round: compute them with the latest theta.",
                 partial(rounds_of, u, y, share, rounds, renew=False),
+            ),
+            Slip(
+                "start from zero",
+                f"`{call}` begins with theta = 0: the start is the least-squares [a, b], with c = 0.",
+                partial(rounds_of, u, y, share, rounds, from_zero=True),
             ),
             Slip("rounds miscounted", count, partial(rounds_of, u, y, share, rounds + 1)),
             Slip("rounds miscounted", count, partial(rounds_of, u, y, share, max(rounds - 1, 0))),

@@ -202,6 +202,41 @@ def _judge_likelihood(ask: Ask, theta: FloatArray, var_e: float, Phi: FloatArray
                 lambda: log_likelihood(E, var_e**2),
             ),
             Slip(
+                "logarithm to base 10",
+                "`log_likelihood` takes the logarithm to base 10: `np.log` is the natural one.",
+                lambda: constant / float(np.log(10)) - sse / (2 * var_e),
+            ),
+            Slip(
+                "logarithm to base 10",
+                "`log_likelihood` takes the logarithm to base 10: `np.log` is the natural one.",
+                lambda: right / float(np.log(10)),
+            ),
+            Slip(
+                "N - p for N",
+                "`log_likelihood` has N - p where every one of the N samples brings its density.",
+                lambda: constant * (n - theta.size) / n - sse / (2 * var_e),
+            ),
+            Slip(
+                "var_e squared",
+                "`log_likelihood` divides the SSE by 2 sigma^4: var_e is sigma^2 already.",
+                lambda: constant - sse / (2 * var_e**2),
+            ),
+            Slip(
+                "var_e squared",
+                "`log_likelihood` has sigma^4 in the logarithm: var_e is sigma^2 already.",
+                lambda: -n / 2 * float(np.log(2 * np.pi * var_e**2)) - sse / (2 * var_e),
+            ),
+            Slip(
+                "sigma for sigma^2",
+                "`log_likelihood` takes the root of var_e, sigma, where sigma^2 belongs.",
+                lambda: log_likelihood(E, float(np.sqrt(var_e))),
+            ),
+            Slip(
+                "sigma for sigma^2",
+                "`log_likelihood` divides the SSE by 2 sigma: it is 2 sigma^2, and var_e is sigma^2.",
+                lambda: constant - sse / (2 * float(np.sqrt(var_e))),
+            ),
+            Slip(
                 "half forgotten",
                 "`log_likelihood` has N log(2 pi sigma^2) without the half: the root in the density makes it.",
                 lambda: 2 * constant - sse / (2 * var_e),

@@ -53,7 +53,7 @@ class LabData:
     def wrong_signals(self) -> Iterator[tuple[str, str, FloatArray, FloatArray]]:
         """Signals that a later step may use by mistake: name of the mistake, hint, u, y."""
         u, y = self.u, self.y
-        hint = "Use the offset-free `u` and `y` of step 1c."
+        hint = "Use the offset-free `u` and `y`."
         yield "offset left in", f"The offsets are not removed. {hint}", self.u_act, self.y_act
         yield "output offset left in", f"The output offset is not removed. {hint}", u, self.y_act
         yield "input offset left in", f"The input offset is not removed. {hint}", self.u_act, y

@@ -30,7 +30,7 @@ def check_offsets(ask: Ask) -> Verdict:
     """Step 1c: both offsets, and both signals without them."""
     u_act, y_act, y_actm = (known_vector(ask, name) for name in ("u_act", "y_act", "y_actm"))
     u_offset, y_offset = (as_number(name, ask.value(name)) for name in ("u_offset", "y_offset"))
-    verdict = _output_offset(y_offset, u_act, y_act)
+    verdict = _output_offset(y_offset, u_act, y_act, y_actm)
     if verdict.passed:
         verdict = _input_offset(u_offset, u_act, y_offset)
     for name, raw, offset, other in (("y", y_act, y_offset, y_actm), ("u", u_act, u_offset, y_act)):
@@ -39,9 +39,25 @@ def check_offsets(ask: Ask) -> Verdict:
     return verdict
 
 
-def _output_offset(got: float, u_act: FloatArray, y_act: FloatArray) -> Verdict:
+def _output_offset(got: float, u_act: FloatArray, y_act: FloatArray, y_actm: FloatArray) -> Verdict:
     found = find_offsets(u_act, y_act)
     n = found.first_period
+    # possibly within the tolerance, so these are compared exactly
+    if not _is_mean_up_to(n, y_act, got):
+        if _is_mean_up_to(n, y_actm, got):
+            return Verdict(
+                False,
+                "`y_offset` is the mean of the measured output `y_actm`. `y` is made from the noise-reduced `y_act`: "
+                "average that one.",
+                "measured output used",
+            )
+        if _is_mean_up_to(n + 1, y_act, got):
+            return Verdict(
+                False,
+                "`y_offset` is averaged over one sample too many: `y_act[n_first]` is the sample at which the input "
+                "changes. The slice `y_act[:n_first]` ends before it.",
+                "off by one",
+            )
     second_change = n + first_period_length(u_act[n:]) if np.ptp(u_act[n:]) else u_act.size
     for k in (0, n - 1):
         # possibly within the tolerance, but a single sample contains the noise that averaging removes
@@ -90,6 +106,13 @@ def _output_offset(got: float, u_act: FloatArray, y_act: FloatArray) -> Verdict:
         return Verdict(True, "")
     # a closer tolerance for mistakes than for right answers: two mistakes may give similar values
     return judge(got, found.y_offset, close(1e-5), "", otherwise, slips)
+
+
+def _is_mean_up_to(stop: int, y: FloatArray, got: float) -> bool:
+    """Whether `got` is the mean of several samples that end before `stop`, from any first one."""
+    tail = y[:stop][::-1]
+    means = np.cumsum(tail)[1:] / np.arange(2, tail.size + 1)
+    return bool(np.any(np.abs(means - got) <= 1e-12 * np.max(np.abs(y))))
 
 
 def _input_offset(got: float, u_act: FloatArray, y_offset: float) -> Verdict:

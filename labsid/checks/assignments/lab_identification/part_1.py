@@ -94,6 +94,11 @@ def check_sampling_time(ask: Ask) -> Verdict:
             "`Ts` is divided by the number of samples; there is one interval fewer.",
             lambda: float((t[-1] - t[0]) / t.size),
         ),
+        Slip(
+            "milliseconds in place of seconds",
+            "`Ts` is in milliseconds; it should be in seconds.",
+            lambda: 1000 * ask.record.Ts,
+        ),
         Slip("two samples apart", "`Ts` is twice the sampling time.", lambda: 2 * ask.record.Ts),
     ]
     otherwise = "`Ts` should be the time from one sample to the next. Check the first few values of `t`."

@@ -96,11 +96,11 @@ def right_parameters(ask: Ask) -> dict[str, Value]:
 
 def check_transfer_function(ask: Ask) -> Verdict:
     """Step 2c: G."""
-    return judge_transfer_function("G", ask.value("G"), known_model(ask))
+    return judge_transfer_function("G", ask.value("G"), known_model(ask), "eq. (1)")
 
 
-def judge_transfer_function(name: str, value: Value, model: ArxModel) -> Verdict:
-    """Judge a transfer function by its frequency response."""
+def judge_transfer_function(name: str, value: Value, model: ArxModel, equation: str) -> Verdict:
+    """Judge a transfer function by its frequency response; `equation` is where the notebook has its formula."""
     got = as_system(name, value)
     if isinstance(got, StateSpaceValue):
         raise NoAnswer(
@@ -147,9 +147,9 @@ def judge_transfer_function(name: str, value: Value, model: ArxModel) -> Verdict
         ),
         slip("a and b swapped", "a and b are swapped.", a[1:], np.concatenate([[1.0], b])),
     ]
-    otherwise = f"`{name}` does not have the response of eq. (1) with your parameters. Compare it with eq. (1)."
+    otherwise = f"`{name}` does not have the response of {equation} with your parameters. Compare it with {equation}."
     right = TransferFunctionValue(b, a, Ts)
-    return judge(got, right, same_response(1e-6), "It has the response of eq. (1).", otherwise, slips)
+    return judge(got, right, same_response(1e-6), f"It has the response of {equation}.", otherwise, slips)
 
 
 def right_transfer_function(ask: Ask) -> dict[str, Value]:
@@ -177,17 +177,24 @@ def check_state_space(ask: Ask) -> Verdict:
 
     sign = np.array([[1.0], [-1.0]])
     slips = [
-        slip("sign of a", "The last row of the matrix G should be [-a2, -a1].", sign * G, H, C, D),
+        slip(
+            "sign of a",
+            "The last row of the matrix G has the wrong signs: compare it with eq. (2).",
+            sign * G,
+            H,
+            C,
+            D,
+        ),
         slip(
             "a1 and a2 swapped",
-            "The last row of the matrix G should be [-a2, -a1]: a2 comes first.",
+            "a1 and a2 are swapped in the last row of the matrix G: compare it with eq. (2).",
             np.vstack([G[0], G[1, ::-1]]),
             H,
             C,
             D,
         ),
-        slip("b1 and b2 swapped", "C should be [b2, b1]: b2 comes first.", G, H, C[:, ::-1], D),
-        slip("H reversed", "H should be [[0], [1]]: the input drives the second state.", G, H[::-1], C, D),
+        slip("b1 and b2 swapped", "b1 and b2 are swapped in C: compare it with eq. (2).", G, H, C[:, ::-1], D),
+        slip("H reversed", "H is reversed: the input drives the second state.", G, H[::-1], C, D),
         slip("transposed matrix", "The matrix G is transposed: its last *row* contains the parameters.", G.T, H, C, D),
         slip("feed-through", "D should be 0: u(k) does not act on y(k) in the same sample.", G, H, C, D + 1),
         slip("sign of b", "C has the wrong sign.", G, H, -C, D),

@@ -1,6 +1,7 @@
 """Checks of part 3 of the lab: the model simulated and compared with the record."""
 
 from collections.abc import Iterator
+from functools import partial
 
 import numpy as np
 
@@ -15,12 +16,14 @@ from labsid.checks.assignments.lab_identification.simulated_output import (
     read_output,
 )
 from labsid.checks.compare import as_number
+from labsid.checks.figures import find_curve
 from labsid.checks.question import Ask
 from labsid.checks.values import Value
 from labsid.checks.verdict import NoAnswer, Slip, Verdict, first_failure, judge
 from labsid.lab.arx import ArxModel
 from labsid.lab.simulation import free_response, predict_one_step, simulate
 from labsid.lab.verification import mse
+from labsid.plots.figure_values import FigureValue
 
 TRIAL_SAMPLES = 160
 TRIAL_NOISE = 0.01
@@ -66,8 +69,24 @@ def check_errors(ask: Ask) -> Verdict:
             lambda: mse(y[:half], y_sim_half),
         ),
     )
-    verdict = judge_mse("mse_half", got["mse_half"], y_half, y_sim_half, slips)
-    return judge_mse("mse_all", got["mse_all"], y, y_sim) if verdict.passed else verdict
+    raw = {name: known_vector(ask, name) for name in ("y_act", "y_actm")}
+
+    def unlike(name: str, samples: int, simulated: FloatArray) -> list[Slip[float]]:
+        return [
+            Slip(
+                "offset left in",
+                f"`{name}` compares with `{signal}`, which contains the offset: compare with `y`.",
+                partial(mse, values[-samples:], simulated),
+            )
+            for signal, values in raw.items()
+        ]
+
+    verdict = judge_mse(
+        "mse_half", got["mse_half"], y_half, y_sim_half, [*slips, *unlike("mse_half", half, y_sim_half)]
+    )
+    if not verdict.passed:
+        return verdict
+    return judge_mse("mse_all", got["mse_all"], y, y_sim, unlike("mse_all", y.size, y_sim))
 
 
 def right_errors(ask: Ask) -> dict[str, Value]:
@@ -81,11 +100,15 @@ def check_figure_7(ask: Ask) -> Verdict:
     y, y_half, y_sim, y_sim_half = _measured_and_simulated(ask)
     t = known_vector(ask, "t")
     t_half = t[-y_half.size :]
-    upper = Panel(
-        "the upper panel of Fig. 7", {"y": y_half, "y_sim_half": y_sim_half}, (t_half, t_half - t_half[0]), CALLS
-    )
+    upper = Panel("the upper panel of Fig. 7", {"y": y_half, "y_sim_half": y_sim_half}, (t_half,), CALLS)
     lower = Panel("the lower panel of Fig. 7", {"y": y, "y_sim": y_sim}, (t,), CALLS)
-    require_panels("fig_7", ask.value("fig_7"), (upper, lower))
+    fig_7 = ask.value("fig_7")
+    if isinstance(fig_7, FigureValue) and fig_7.axes and find_curve(fig_7.axes[0], y_half, t[: y_half.size]):
+        raise NoAnswer(
+            "In the upper panel of Fig. 7 the second half is drawn against the times of the first: use `t[half:]`.",
+            "time of the first half",
+        )
+    require_panels("fig_7", fig_7, (upper, lower))
     return Verdict(True, "Fig. 7 shows both comparisons.")
 
 
@@ -94,15 +117,31 @@ def _measured_and_simulated(ask: Ask) -> tuple[FloatArray, FloatArray, FloatArra
     return y, y[-y_sim_half.size :], y_sim, y_sim_half
 
 
-@first_failure
-def check_initial_state(ask: Ask) -> Iterator[Verdict]:
+def check_initial_state(ask: Ask) -> Verdict:
     """Step 3b: a function that simulates from the estimated state, tried on unseen records.
+
+    It may be written for flat arrays or for columns, whichever the student's signals are.
+    """
+    is_column = np.ndim(ask.known("y")) == 2  # type: ignore[arg-type]
+    verdicts = []
+    for shape in ((-1, 1), (-1,)) if is_column else ((-1,), (-1, 1)):
+        try:
+            verdicts.append(_check_shape(ask, shape))
+        except NoAnswer as nothing:
+            verdicts.append(Verdict(False, str(nothing), nothing.slip))
+        if verdicts[-1].passed:
+            return verdicts[-1]
+    return next((verdict for verdict in verdicts if verdict.slip is not None), verdicts[0])
+
+
+@first_failure
+def _check_shape(ask: Ask, shape: tuple[int, ...]) -> Iterator[Verdict]:
+    """Try the function on signals of one shape.
 
     Without noise every valid estimate finds the state, so the output is the true one for any state coordinates and any
     number of samples used. With noise the estimates differ, but the output is still a free run.
     """
     data, model = known_data(ask), known_model(ask)
-    shape = (-1, 1) if np.ndim(ask.known("y")) == 2 else (-1,)  # type: ignore[arg-type]
     name = "simulate_from_start(u, y)"
     for noise in (0.0, TRIAL_NOISE):
         u, y_true = _trial_record(ask.rng, data, model)

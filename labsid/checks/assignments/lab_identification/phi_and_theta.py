@@ -1,6 +1,7 @@
 """Checks of Phi, Y and theta, for any order and any valid first row."""
 
 from collections.abc import Iterator, Sequence
+from functools import partial
 
 import numpy as np
 
@@ -76,15 +77,27 @@ def judge_theta(ask: Ask, name: str, Phi: FloatArray, Y: FloatArray, data: LabDa
             "`[0]`.",
             "all that lstsq returns",
         )
+    swapped = np.asarray(Y @ Phi / (Y @ Y), float)
+    if isinstance(value, np.ndarray) and value.size == swapped.size and close(1e-6)(np.ravel(value), swapped):
+        raise NoAnswer(
+            f"`{name}` fits each column of Phi to Y: the arguments of `lstsq` are swapped. Phi comes first, then Y.",
+            "arguments of lstsq swapped",
+        )
     got = as_vector(name, value)
     right = solve_least_squares(Phi, Y).theta
+    if got.size == right.size + 1:
+        raise NoAnswer(
+            f"`{name}` has one element too many: does your Phi have a column of ones? The model has no constant, "
+            "because the signals are offset-free.",
+            "a constant fitted along",
+        )
     if got.size != right.size:
         raise NoAnswer(f"`{name}` should have {right.size} elements, one for each column of Phi; it has {got.size}.")
     sign = np.repeat([-1.0, 1.0], order)
     slips = [
         Slip(
             "sign of a",
-            f"`{name}` is [-a, b], as in eq. (4). Keep its signs as eq. (8) gives them.",
+            f"`{name}` is [-a, b]. Keep its signs as eq. (8) gives them.",
             lambda: sign * right,
         ),
         Slip("sign of theta", f"All signs of `{name}` are wrong: the error is E = Y - Phi theta.", lambda: -right),
@@ -109,6 +122,7 @@ def judge_theta(ask: Ask, name: str, Phi: FloatArray, Y: FloatArray, data: LabDa
             "`/` and `*` work element by element. Use `@` and `np.linalg.solve` or `np.linalg.inv`.",
             lambda: (Phi.T @ Y) / np.diag(Phi.T @ Phi),
         ),
+        *rounded(right, f"`{name}` is rounded: keep all its digits."),
         *_wrong_fits(name, data, order),
     ]
     otherwise = (
@@ -116,6 +130,16 @@ def judge_theta(ask: Ask, name: str, Phi: FloatArray, Y: FloatArray, data: LabDa
     )
     praise = "The least-squares solution for your equations."
     return judge(got, right, close(1e-6), praise, otherwise, slips)
+
+
+def rounded(theta: FloatArray, hint: str) -> Iterator[Slip[FloatArray]]:
+    """Parameters that were rounded to a few digits after the decimal point."""
+
+    def to(digits: int) -> FloatArray:
+        return np.asarray(np.round(theta, digits), float)
+
+    for digits in range(1, 6):
+        yield Slip("rounded", hint, partial(to, digits))
 
 
 def _wrong_fits(name: str, data: LabData, order: int) -> Iterator[Slip[FloatArray]]:
@@ -137,6 +161,13 @@ def _read_phi(name: str, value: Value, order: int) -> FloatArray:
         raise NoAnswer(
             f"`{name}` has shape {array.shape}: transpose it. An equation is a row, a regressor is a column.",
             "transposed Phi",
+        )
+    constant = array.ndim == 2 and array.shape[1] == 2 * order + 1 and np.any(np.ptp(array, axis=0) == 0)
+    if constant:
+        raise NoAnswer(
+            f"`{name}` has a column of ones. The model has no constant, because the signals are offset-free: leave "
+            "this column out.",
+            "a constant fitted along",
         )
     return as_matrix(name, array, (None, 2 * order))
 
@@ -192,24 +223,30 @@ def _wrong_equations(
     swapped = np.hstack([past_u, past_y])
     yield (
         "y and u columns swapped",
-        f"The columns of u come before those of y in `{phi}`; eq. (6) has y first.",
+        f"The columns of u come before those of y in `{phi}`; y comes first.",
         swapped,
         right.Y,
     )
     if order > 1:
         reversed_lags = np.hstack([past_y[:, ::-1], past_u[:, ::-1]])
         yield "lags swapped", f"The lags in `{phi}` are swapped: k-1 comes before k-2.", reversed_lags, right.Y
+        for signal, columns in (
+            ("y", np.hstack([past_y[:, ::-1], past_u])),
+            ("u", np.hstack([past_y, past_u[:, ::-1]])),
+        ):
+            hint = f"The columns of {signal} are swapped in `{phi}`: {signal}(k-1) comes before {signal}(k-2)."
+            yield "lags swapped", hint, columns, right.Y
         paired = np.stack([past_y, past_u], axis=2).reshape(right.Phi.shape)
         yield (
             "columns interleaved",
-            f"The columns of y and u alternate in `{phi}`; eq. (6) has all of y first.",
+            f"The columns of y and u alternate in `{phi}`; all of y comes first.",
             paired,
             right.Y,
         )
     minus = np.hstack([-past_y, past_u])
     yield (
         "sign of a",
-        f"`{phi}` contains -y(k-1). Eq. (6) has +y(k-1); the minus sign is in theta, which contains -a.",
+        f"`{phi}` contains -y(k-1). It should contain +y(k-1); the minus sign is in theta, which contains -a.",
         minus,
         right.Y,
     )

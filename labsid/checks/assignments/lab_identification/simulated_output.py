@@ -1,6 +1,7 @@
 """Checks of simulated outputs: free runs of the model, and known mistakes."""
 
 from collections.abc import Iterator, Mapping, Sequence
+from functools import partial
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -68,7 +69,8 @@ def judge_entire_run(ask: Ask, name: str, data: LabData, model: ArxModel) -> Ver
 def judge_second_half(ask: Ask, name: str, data: LabData, model: ArxModel) -> Verdict:
     """Judge the free run over the second half of the input, from rest. The half may be rounded up or down."""
     got = read_output(name, ask.value(name))
-    for half in range(data.half - 1, -(-data.y.size // 2) + 2):
+    rounded = data.y.size - data.half
+    for half in (data.half, rounded):
         for right in (simulate(model, data.u[half:]), _zero_at_first(model, data.u[half:])):
             if SAME(got, right):
                 return Verdict(True, "A free run over the second half of the input, from rest.")
@@ -85,7 +87,12 @@ def judge_second_half(ask: Ask, name: str, data: LabData, model: ArxModel) -> Ve
         f"`{name}` starts from measured samples. Start from rest, as `lsim` and `filter` do. (The other is needed in "
         "3b.)",
     )
+    off_by_one = f"`{name}` is not simulated with exactly the second half of the input: begin with sample `half`."
     slips = [
+        *(
+            Slip("off by one", off_by_one, partial(simulate, model, data.u[first:]))
+            for first in (data.half - 2, data.half - 1, rounded + 1, rounded + 2)
+        ),
         Slip(
             "wrong half",
             f"`{name}` is the simulation of the first half; simulate with `u[half:]`.",
@@ -191,6 +198,15 @@ def _slips(name: str, data: LabData, model: ArxModel, first: int) -> Iterator[Sl
     yield slip("numerator one step early", early, lfilter(model.b, model.a, u))
     late = "is one sample too late: y(k) depends on u(k-1)."
     yield slip("numerator one step late", late, lfilter(np.concatenate([[0.0], numerator]), model.a, u))
+    if n > 1:
+        reverse = "has b1 and b2 swapped: b1 belongs to u(k-1), b2 to u(k-2)."
+        yield slip("order of b", reverse, lfilter(np.concatenate([[0.0], model.b[::-1]]), model.a, u))
+    along = (
+        "does not depend on earlier samples: `lfilter` filters along the rows of a column, which have one element "
+        "each. Give it `axis=0`, or a flat `u`."
+    )
+    yield slip("filtered along the wrong axis", along, np.zeros(u.size))
+    yield slip("filtered along the wrong axis", along, model.b[0] * u)
     right = simulate(model, u)
     yield slip(
         "offset added back", "includes the output offset; compare offset-free signals here.", right + data.y_offset

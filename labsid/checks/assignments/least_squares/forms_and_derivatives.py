@@ -27,7 +27,16 @@ def check_kind(ask: Ask) -> Verdict:
         if answers == [rule(M) for M, _ in trials]:
             return Verdict(False, f"`kind` {hint}", slip)
     wrong = [i for i, (answer, right) in enumerate(zip(answers, truth, strict=True)) if answer != right]
-    if all("semi" in truth[i] for i in wrong):
+    exact = [i for i in wrong if np.count_nonzero(trials[i][0] - np.diag(np.diag(trials[i][0]))) == 0]
+    missed = sorted({truth[i] for i in wrong})
+    if all("semi" in kind for kind in missed) and exact:
+        return Verdict(
+            False,
+            f"`kind` does not recognise a {' or a '.join(missed)} matrix, not even a diagonal one with an exact zero: "
+            "has it a branch for each of the five texts, in the right order?",
+            "branch missing",
+        )
+    if all("semi" in kind for kind in missed):
         return Verdict(
             False,
             "`kind` misses a semidefinite matrix: by rounding, a zero eigenvalue is computed as about 1e-16, of "
@@ -40,7 +49,7 @@ def check_kind(ask: Ask) -> Verdict:
 
 
 def trial_forms(rng: np.random.Generator) -> list[tuple[FloatArray, str]]:
-    """Matrices and the kind of their quadratic form, known by construction."""
+    """Matrices and the kind of their quadratic form, known by construction; in random order, and some twice."""
 
     def rotated(*eigenvalues: float) -> FloatArray:
         n = len(eigenvalues)
@@ -54,7 +63,10 @@ def trial_forms(rng: np.random.Generator) -> list[tuple[FloatArray, str]]:
 
     a, b, c = rng.uniform(0.5, 3, 3)
     far = rng.uniform(3, 6)
-    return [
+    trials = [
+        (np.array([[a]]), "positive definite"),
+        (np.array([[-b]]), "negative definite"),
+        (rotated(a, -b, c, -far), "indefinite"),
         (rotated(a, b), "positive definite"),
         (rotated(a, b, c), "positive definite"),
         (rotated(-a, -b), "negative definite"),
@@ -62,6 +74,7 @@ def trial_forms(rng: np.random.Generator) -> list[tuple[FloatArray, str]]:
         (rotated(a, -b, -c), "indefinite"),
         (np.array([[a, far], [far, a / 2]]), "indefinite"),
         (np.array([[1.0, far], [0.0, 1.0]]), "indefinite"),
+        (np.array([[1.0, 0.0], [far, 1.0]]), "indefinite"),
         (rotated(a, b, c) + skew(3), "positive definite"),
         (rotated(-a, -b) + skew(2), "negative definite"),
         (np.diag([a, 0.0]), "positive semidefinite"),
@@ -69,6 +82,8 @@ def trial_forms(rng: np.random.Generator) -> list[tuple[FloatArray, str]]:
         *((rotated(a + i, b + i, 0.0), "positive semidefinite") for i in range(4)),
         (rotated(-a, 0.0, -c) + skew(3), "negative semidefinite"),
     ]
+    order = rng.permutation([*range(len(trials)), *rng.integers(0, len(trials), 3)])
+    return [trials[i] for i in order]
 
 
 def _without_semidefinite(M: FloatArray) -> str:
@@ -146,7 +161,7 @@ def _kind(ask: Ask, M: FloatArray) -> str:
 @first_failure
 def check_delays(ask: Ask) -> Iterator[Verdict]:
     """`delayed_inputs(u, n)`, Example 2-3."""
-    for n, samples in ((3, 9), (2, 6), (5, 11)):
+    for n, samples in ((3, 9), (2, int(ask.rng.integers(5, 9))), (5, 11), (1, 7), (4, 4)):
         yield _judge_delays(ask, ask.rng.uniform(1, 4, samples), n)
 
 
@@ -157,7 +172,7 @@ def _judge_delays(ask: Ask, u: FloatArray, n: int) -> Verdict:
     shape = as_array(call, value).shape
     if n != 3 and shape == (samples, 3):
         return Verdict(False, f"`{call}` always has three columns: use the argument n.", "n not used")
-    if shape == (samples - n + 1, n):
+    if n > 1 and shape == (samples - n + 1, n):
         return Verdict(
             False,
             "`delayed_inputs` omits the first rows. Example 2-3 keeps them, with zeros for the samples before the "

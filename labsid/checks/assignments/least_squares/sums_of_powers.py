@@ -5,8 +5,8 @@ from collections.abc import Callable, Iterator
 import numpy as np
 
 from labsid._arrays import FloatArray
-from labsid.checks.compare import SAME, as_array, as_figure, as_number, as_theta, as_vector
-from labsid.checks.figures import legend_text, require_label, require_legend
+from labsid.checks.compare import SAME, as_array, as_number, as_theta, as_vector
+from labsid.checks.figures import legend_text, one_figure, plain_text, require_label, require_legend
 from labsid.checks.question import Ask, returned_parts
 from labsid.checks.values import Value
 from labsid.checks.verdict import NoAnswer, Slip, Verdict, first_failure, judge
@@ -17,7 +17,8 @@ from labsid.plots.figure_values import AxesValue, CurveValue
 @first_failure
 def check_fits(ask: Ask) -> Iterator[Verdict]:
     """`fit_powers(x, y, powers)`, then its results for Example 2-1."""
-    for powers in ((3, 2, 1), (1, 0), (2, 1, 0), (0, 1, 2)):
+    drawn = tuple(int(p) for p in ask.rng.permutation(4)[:2])
+    for powers in ((3, 2, 1), (1, 0), (2, 1, 0), (0, 1, 2), drawn, (2,)):
         yield _one_fit(ask, powers)
     for name, right in right_fits(ask).items():
         if not SAME(np.ravel(as_array(name, ask.value(name))), np.ravel(as_array(name, right))):
@@ -27,7 +28,7 @@ def check_fits(ask: Ask) -> Iterator[Verdict]:
 
 @first_failure
 def _one_fit(ask: Ask, powers: tuple[int, ...]) -> Iterator[Verdict]:
-    n = 9
+    n = int(ask.rng.integers(8, 13))
     x = ask.rng.permutation(np.linspace(-1.5, 2.5, n) + ask.rng.uniform(-0.15, 0.15, n))
     y = ask.rng.uniform(-4, 4, n)
     call = f"fit_powers(x, y, {list(powers)})"
@@ -124,9 +125,7 @@ def right_fits(_: Ask) -> dict[str, Value]:
 
 def check_figure_5(ask: Ask) -> Verdict:
     """Fig. 5: the points, the line and the parabola."""
-    axes = as_figure("fig_5", ask.value("fig_5"), axes=1).axes[0]
-    if not axes.curves:
-        raise NoAnswer("`fig_5` is empty: draw in its axes with `plot`, the points too: `plot(u_1, y_1, 'o')`.")
+    axes = one_figure("fig_5", ask.value("fig_5"))
     line, parabola = (
         as_vector(name, ask.known(name), size) for name, size in (("theta_line", 2), ("theta_parabola", 3))
     )
@@ -153,6 +152,9 @@ def check_figure_5(ask: Ask) -> Verdict:
         curves.append(curve)
     for axis in "xy":
         require_label(axes, "Fig. 5", axis, "")
+    of_x, of_y = (plain_text(label).lower() for label in (axes.xlabel, axes.ylabel))
+    if of_x.startswith(("y", "output")) and of_y.startswith(("u", "input")):
+        raise NoAnswer("In Fig. 5 the labels of the two axes are swapped.", "axis labels swapped")
     require_legend(axes, "Fig. 5", 3)
     of_line, of_parabola = (legend_text(axes, curve).lower() for curve in curves)
     if "parab" in of_line or "quadr" in of_line or "line" in of_parabola.split():

@@ -1,6 +1,7 @@
 """Checks of what speaks for or against a model: excitation, cancelling roots, whiteness."""
 
 from collections.abc import Callable, Iterator
+from functools import partial
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -16,21 +17,23 @@ from labsid.model_structures.residuals import autocorrelation as reference_autoc
 
 _EXACT = close(1e-8)
 _LARGEST = 8
-_SAMPLES = 80
 
 
 def check_excitation(ask: Ask) -> Verdict:
-    """`excitation(u, largest)` on inputs of every order from 0 to `largest`."""
-    trials = _inputs(ask.rng)
-    truth = [excitation_order(u, _LARGEST) for u in trials]
-    answers = [as_number("excitation(u, 8)", returned(ask, "excitation", u, _LARGEST)) for u in trials]
+    """`excitation(u, largest)` on inputs of every order from 0 to `largest`, in random order and some twice."""
+    made = [*_inputs(ask.rng), *_inputs(ask.rng)]
+    first, second = np.arange(len(made)).reshape(2, -1)
+    trials = [made[i] for i in ask.rng.permutation([*first, *ask.rng.permutation(second)[:3]])]
+    truth = [excitation_order(u, _LARGEST) for _, u in trials]
+    answers = [as_number("excitation(u, 8)", returned(ask, "excitation", u, _LARGEST)) for _, u in trials]
     if answers == truth:
-        few = as_number("excitation(u, 5)", returned(ask, "excitation", trials[-1], 5))
-        if few != 5:
-            return Verdict(False, "`excitation` does not stop at `largest`.", "largest not used")
+        for largest in ask.rng.permutation([1, 3, 5]):
+            few = as_number(f"excitation(u, {largest})", returned(ask, "excitation", made[second[-1]][1], int(largest)))
+            if few != largest:
+                return Verdict(False, "`excitation` does not stop at `largest`.", "largest not used")
         return Verdict(True, "it counts what an input can teach.")
     for slip, hint, rule in _WRONG_ORDERS:
-        if answers == [rule(u) for u in trials]:
+        if answers == [rule(u) for _, u in trials]:
             return Verdict(False, f"`excitation` {hint}", slip)
     if all(right <= answer <= _LARGEST for answer, right in zip(answers, truth, strict=True)):
         return Verdict(
@@ -41,42 +44,30 @@ def check_excitation(ask: Ask) -> Verdict:
             "full rank where there is none",
         )
     wrong = next(i for i, (answer, right) in enumerate(zip(answers, truth, strict=True)) if answer != right)
-    return Verdict(False, f"`excitation` is wrong for {_NAMES[wrong]}: write the first rows of its matrix down.")
+    return Verdict(False, f"`excitation` is wrong for {trials[wrong][0]}: write the first rows of its matrix down.")
 
 
-_NAMES = (
-    "an input that is zero throughout",
-    "a constant",
-    "a sinusoid",
-    "a sinusoid with a constant added",
-    "a signal that alternates between two values",
-    "two sinusoids",
-    "a square wave",
-    "three sinusoids",
-    "random numbers",
-)
-
-
-def _inputs(rng: np.random.Generator) -> list[FloatArray]:
-    """Inputs in the order of their names; the frequencies lie well apart."""
+def _inputs(rng: np.random.Generator) -> list[tuple[str, FloatArray]]:
+    """Inputs with their names; the frequencies lie well apart."""
+    samples = int(rng.integers(70, 90))
     phases = rng.uniform(0, 2 * np.pi, 3)
     low, middle, high = rng.uniform([0.4, 1.2, 2.1], [0.7, 1.6, 2.6])
     level = rng.uniform(1, 2)
 
     def waves(*omegas: float) -> FloatArray:
         m = len(omegas)
-        return sinusoids(_SAMPLES, np.linspace(1, 2, m), omegas, phases[:m])
+        return sinusoids(samples, np.linspace(1, 2, m), omegas, phases[:m])
 
     return [
-        np.zeros(_SAMPLES),
-        np.full(_SAMPLES, level),
-        waves(middle),
-        waves(low) + level,
-        level * (-1.0) ** np.arange(_SAMPLES),
-        waves(low, middle),
-        square_wave(_SAMPLES, 6),
-        waves(low, middle, high),
-        rng.uniform(-2, 2, _SAMPLES),
+        ("an input that is zero throughout", np.zeros(samples)),
+        ("a constant", np.full(samples, level)),
+        ("a sinusoid", waves(middle)),
+        ("a sinusoid with a constant added", waves(low) + level),
+        ("a signal that alternates between two values", level * (-1.0) ** np.arange(samples)),
+        ("two sinusoids", waves(low, middle)),
+        ("a square wave", square_wave(samples, 6)),
+        ("three sinusoids", waves(low, middle, high)),
+        ("random numbers", rng.uniform(-2, 2, samples)),
     ]
 
 
@@ -123,17 +114,22 @@ def check_cancel(ask: Ask) -> Verdict:
     rng = ask.rng
     s, t = rng.uniform(0.3, 0.5), rng.uniform(0.6, 0.8)
     pair = [t * np.exp(0.9j), t * np.exp(-0.9j)]
-    trials: tuple[tuple[list[complex], list[complex], list[complex]], ...] = (
-        ([0.9], [-s], [s]),  # left of P, left of Q, in common
-        ([0.9, -0.7], [], [s]),
-        ([0.85], [-s, 0.1], pair),
-        ([s, -t], [-0.1], [s]),
-        ([0.9, -s], [t - 0.3, -0.9], []),
+    near, apart = rng.uniform(0.002, 0.004, 2) * rng.choice([-1.0, 1.0], 2)
+    # left of P, left of Q, in common, the distance between the roots in common, and `within`
+    trials: tuple[tuple[list[complex], list[complex], list[complex], float, float], ...] = (
+        ([0.9], [-s], [s], near, 0.01),
+        ([0.9, s], [-t, s + 2 * apart], [], 0.0, 0.003),
+        ([0.9, -0.7], [], [s], near / 3, 0.003),
+        ([0.85], [-s, 0.1], pair, near, 0.01),
+        ([s, -t], [-0.1], [s], near, 0.01),
+        ([0.9, -s], [t - 0.3, -0.9], [], 0.0, 0.01),
+        ([0.9], [-s], [s], 6 * near, 0.05),
+        ([*pair, 0.9], [t * np.cos(0.9), -s], [], 0.0, 0.02),
+        ([*pair, -0.8], [t * np.cos(0.9) + near], [0.1], near, 0.02),
     )
-    for of_P, of_Q, common in trials:
-        off = rng.uniform(1e-3, 2e-3) * rng.choice([-1.0, 1.0])
+    for of_P, of_Q, common, off, within in trials:
         P, Q = _poly([*of_P, *common]), _poly([*of_Q, *(root + off for root in common)])
-        verdict = _judge_cancel(ask, P, Q, of_P, of_Q)
+        verdict = _judge_cancel(ask, P, Q, of_P, of_Q, within)
         if not verdict.passed:
             break
     return verdict
@@ -143,8 +139,9 @@ def _poly(roots: ArrayLike) -> FloatArray:
     return np.atleast_1d(np.asarray(np.poly(np.asarray(roots, complex)).real, float))
 
 
-def _judge_cancel(ask: Ask, P: FloatArray, Q: FloatArray, of_P: list[complex], of_Q: list[complex]) -> Verdict:
-    within = 0.01
+def _judge_cancel(
+    ask: Ask, P: FloatArray, Q: FloatArray, of_P: list[complex], of_Q: list[complex], within: float
+) -> Verdict:
     parts = returned_parts(ask, "cancel", "two polynomials", 2, P, Q, within)
     left = [_real(part) for part in parts]
     right = [_poly(of_P), _poly(of_Q)]
@@ -159,6 +156,10 @@ def _judge_cancel(ask: Ask, P: FloatArray, Q: FloatArray, of_P: list[complex], o
     monic = all(array.size and SAME(array[0], 1.0) for array in left)
     near = np.abs(roots_P[:, np.newaxis] - roots_Q) < within
     greedy = _poly(roots_P[~near.any(axis=1)]), _poly(roots_Q[~near.any(axis=0)])
+    real = np.abs(roots_P.real[:, np.newaxis] - roots_Q.real) < within
+    by_real_part = _poly(roots_P[~real.any(axis=1)]), _poly(roots_Q[~real.any(axis=0)])
+    one_by_one = _cancelled(roots_P, roots_Q, lambda p, q: abs(p.real - q.real) < within)
+    fixed = [_cancelled(roots_P, roots_Q, partial(_nearer_than, limit)) for limit in _OTHER_LIMITS]
     for slip, hint, matches in (
         ("P and Q swapped", "returns what is left of Q first.", are(right[1], right[0])),
         (
@@ -175,6 +176,16 @@ def _judge_cancel(ask: Ask, P: FloatArray, Q: FloatArray, of_P: list[complex], o
             "the common factor returned",
             "returns what they have in common; asked for is what is left.",
             are(_poly(roots_P[near.any(axis=1)]), _poly(roots_Q[near.any(axis=0)])),
+        ),
+        (
+            "real parts compared",
+            "compares only the real parts of roots: the distance of complex roots is `abs(p - q)`.",
+            are(*by_real_part) or are(*one_by_one),
+        ),
+        (
+            "within not used",
+            "does not use `within`: it cancels roots with another limit.",
+            any(are(*one) for one in fixed),
         ),
         ("only one of them divided", "takes the common roots out of one polynomial only.", are(right[0], Q)),
         ("only one of them divided", "takes the common roots out of one polynomial only.", are(P, right[1])),
@@ -197,6 +208,29 @@ def _judge_cancel(ask: Ask, P: FloatArray, Q: FloatArray, of_P: list[complex], o
         if matches:
             return Verdict(False, f"`cancel` {hint}", slip)
     return Verdict(False, "`cancel` does not leave the right polynomials: try the example above it.")
+
+
+_OTHER_LIMITS = (0.01, 1e-3, 0.1, 0.05, 1e-6)
+"""Distances that a student may write into `cancel` instead of `within`."""
+
+
+def _nearer_than(limit: float, p: complex, q: complex) -> bool:
+    return abs(p - q) < limit
+
+
+def _cancelled(
+    roots_P: ArrayLike, roots_Q: ArrayLike, equal: Callable[[complex, complex], bool]
+) -> tuple[FloatArray, FloatArray]:
+    """The polynomials that remain when each root of P cancels at most one root of Q that is equal to it."""
+    left_P: list[complex] = []
+    left_Q = np.asarray(roots_Q, complex).tolist()
+    for p in np.asarray(roots_P, complex).tolist():
+        partner = next((i for i, q in enumerate(left_Q) if equal(p, q)), None)
+        if partner is None:
+            left_P.append(p)
+        else:
+            left_Q.pop(partner)
+    return _poly(left_P), _poly(left_Q)
 
 
 def _real(value: Value) -> FloatArray:

@@ -137,9 +137,9 @@ def _square(value: Value) -> Value:
 def check_equations(ask: Ask) -> Verdict:
     """`equations(u, y, na, nb, d)`, for ARX of several delays, AR and FIR."""
     verdict = Verdict(False, "")
-    sizes = ((1, 1, 1), (2, 2, 1), (2, 1, 3), (1, 3, 0), (3, 2, 2), (0, 3, 0), (2, 0, 1))
+    sizes = ((1, 1, 1), (2, 2, 1), (2, 1, 3), (1, 3, 0), (3, 2, 2), (0, 3, 0), (2, 0, 1), (2, 0, 4), (0, 1, 2))
     for na, nb, d in sizes:
-        u, y = ask.rng.uniform(1, 3, 14), ask.rng.uniform(1, 3, 14)
+        u, y = ask.rng.uniform(1, 3, (2, int(ask.rng.integers(12, 18))))
         verdict = _judge_equations(ask, u, y, Structure(na, nb, 0, d))
         if not verdict.passed:
             break
@@ -164,7 +164,10 @@ def _judge_equations(ask: Ask, u: FloatArray, y: FloatArray, structure: Structur
         return Verdict(
             False, f"`{call}` has {Phi.shape[0]} rows in Phi and {Y.size} in Y: one y(k) for each row.", "unequal rows"
         )
-    start, k0 = N - Y.size, structure.longest_lag
+    # without inputs, their lags need no rows; the formula of the text counts them nevertheless
+    start, k0 = N - Y.size, max(na, d + nb - 1)
+    if nb == 0 and start == na:
+        k0 = na
     if start < k0:
         return Verdict(
             False,
@@ -172,9 +175,16 @@ def _judge_equations(ask: Ask, u: FloatArray, y: FloatArray, structure: Structur
             "k0 = max(na, d + nb - 1).",
             "rows before k0",
         )
-    if start > k0 + 1:
+    if start > k0 and nb and _EXACT(Phi, build_equations(Structure(na, nb, 0, d + 1), u, y, start=start).Phi):
         return Verdict(
-            False, f"`{call}` begins later than it has to: from k0 = max(na, d + nb - 1) on all lags are there."
+            False, f"the inputs of `{call}` have the wrong lags: the first is u(k-d), not u(k-d-1).", "lag off by one"
+        )
+    if start > k0:
+        return Verdict(
+            False,
+            f"`{call}` has {Y.size} rows, and begins later than it has to: from k0 = max(na, d + nb - 1) on all lags "
+            "are there.",
+            "first rows left out",
         )
     if not _EXACT(Y, y[start:]):
         return Verdict(False, f"Y of `{call}` should be the outputs y(k) of its rows, k0 to the end.", "Y is not y(k)")

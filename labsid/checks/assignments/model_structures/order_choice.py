@@ -19,10 +19,11 @@ def check_order(ask: Ask) -> Iterator[Verdict]:
     a, b = np.array([1, -1.2, 0.5]), np.array([1, 0.5])
     model = PolynomialModel(a * [1, *ask.rng.uniform(0.9, 1.1, 2)], b * ask.rng.uniform(0.8, 1.2, 2), np.ones(1))
     for orders in ((1, 2, 3, 4), (2, 5)):
-        u, e = ask.rng.uniform(-2, 2, 60), ask.rng.standard_normal(60)
+        samples = int(ask.rng.integers(50, 80))
+        u, e = ask.rng.uniform(-2, 2, samples), ask.rng.standard_normal(samples)
         yield _judge_losses(ask, u, free_run(model, u, e), orders)
-    for N in (40, 300):
-        p = np.array([2.0, 4, 6, 8])
+    for N in (int(ask.rng.integers(30, 60)), int(ask.rng.integers(200, 400))):
+        p = np.sort(ask.rng.permutation(np.arange(2.0, 12))[:4])
         yield _judge_criteria(ask, np.sort(ask.rng.uniform(0.3, 2.5, 4))[::-1], N, p)
     yield Verdict(True, "the same rows for all, and a price on every parameter.")
 

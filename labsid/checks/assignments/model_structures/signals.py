@@ -19,7 +19,7 @@ EXACT = close(1e-8)
 def check_shift(ask: Ask) -> Iterator[Verdict]:
     """`apply(P, x)`: a polynomial in q^-1 works on a signal."""
     for n in (3, 2, 5, 1):
-        P, x = ask.rng.uniform(0.5, 2, n), ask.rng.uniform(-3, 3, 12)
+        P, x = ask.rng.uniform(0.5, 2, n), ask.rng.uniform(-3, 3, ask.rng.integers(10, 15))
         x[0] += 5
         yield _judge_shift(ask, P, x)
 
@@ -104,7 +104,9 @@ def check_simulate(ask: Ask) -> Verdict:
         a = rng.choice([-1.0, 1.0], na) * rng.uniform(0.15, 0.3, na)
         b = np.concatenate([np.zeros(delay), rng.uniform(0.5, 2, nb)])
         c = rng.choice([-1.0, 1.0], nc) * rng.uniform(0.3, 0.6, nc)
-        u, e = rng.uniform(1, 2, 25) * rng.choice([-1.0, 1.0], 25), rng.uniform(0.5, 1.5, 25)
+        samples = int(rng.integers(20, 30))
+        u = rng.uniform(1, 2, samples) * rng.choice([-1.0, 1.0], samples)
+        e = rng.uniform(0.5, 1.5, samples)
         verdict = _judge_simulate(ask, np.r_[1, a], b, np.r_[1, c], u, e)
         if not verdict.passed:
             break

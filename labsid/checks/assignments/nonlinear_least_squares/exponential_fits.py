@@ -6,8 +6,8 @@ import numpy as np
 
 from labsid._arrays import FloatArray
 from labsid.checks.assignments.nonlinear_least_squares.estimates import as_estimate, within
-from labsid.checks.compare import SAME, as_array, as_figure, as_matrix, as_number, as_vector
-from labsid.checks.figures import legend_text, require_label, require_legend
+from labsid.checks.compare import SAME, as_array, as_matrix, as_number, as_vector
+from labsid.checks.figures import legend_text, one_figure, require_label, require_legend
 from labsid.checks.question import Ask, returned, returned_parts
 from labsid.checks.verdict import NoAnswer, Slip, Verdict, first_failure, judge
 from labsid.least_squares.curve_fit import LINE, SUSTECH_POINTS, fit_powers
@@ -20,8 +20,9 @@ from labsid.plots.figure_values import AxesValue, CurveValue
 def check_logarithm(ask: Ask) -> Iterator[Verdict]:
     """`fit_logarithm(x, y)`, which returns a and b."""
     for a, b in ((0.7, 0.4), (-0.5, 3.0)):
-        x = np.sort(ask.rng.uniform(-2, 3, 7))
-        yield _judge_logarithm(ask, x, evaluate_exponential(x, a, b) * ask.rng.uniform(0.6, 1.6, 7))
+        n = int(ask.rng.integers(6, 11))
+        x = np.sort(ask.rng.uniform(-2, 3, n))
+        yield _judge_logarithm(ask, x, evaluate_exponential(x, a, b) * ask.rng.uniform(0.6, 1.6, n))
 
 
 def _judge_logarithm(ask: Ask, x: FloatArray, y: FloatArray) -> Verdict:
@@ -187,7 +188,7 @@ def check_exponential_fit(ask: Ask) -> Iterator[Verdict]:
     printed = _judge_exponential(got, points.x, points.y)
     if not printed.passed:
         yield Verdict(False, "the function is right, `theta_exp` is not: leave that line as it was given.")
-    yield _picture(as_figure("fig_exp", ask.value("fig_exp"), axes=1).axes[0])
+    yield _picture(one_figure("fig_exp", ask.value("fig_exp")))
 
 
 def _fitted(ask: Ask, x: FloatArray, y: FloatArray) -> FloatArray:

@@ -36,7 +36,7 @@ def sensor(Phi: FloatArray) -> tuple[Map, Map]:
 @first_failure
 def check_gauss_newton(ask: Ask) -> Iterator[Verdict]:
     """`gauss_newton(g, jacobian, y, theta0, steps)`, which returns its path."""
-    for n, p, steps in ((7, 2, 3), (9, 3, 4)):
+    for n, p, steps in ((7, 2, 3), (int(ask.rng.integers(8, 12)), 3, int(ask.rng.integers(4, 6)))):
         Phi = ask.rng.uniform(-1, 1, (n, p)) + np.vstack([np.eye(p), np.zeros((n - p, p))])
         truth = ask.rng.uniform(0.4, 1.2, p)
         y = np.arcsinh(Phi @ truth) + 0.1 * ask.rng.standard_normal(n)
@@ -240,6 +240,13 @@ def _judge_end(theta: FloatArray, best: NonlinearFit, Phi: FloatArray, y: FloatA
     if within(best.stderr)(theta, best.theta):
         return Verdict(True, "")
     e, e_start = y - np.arcsinh(Phi @ theta), y - np.arcsinh(Phi @ start)
+    if any(np.allclose(theta, _reversed(Phi, y, start, factor), rtol=1e-6) for factor in (10.0, 2.0, 3.0, 5.0)):
+        return Verdict(
+            False,
+            "`levenberg_marquardt` ends where its first bad step came. After a bad step mu must rise (and fall after a "
+            "good one), and the iteration go on.",
+            "ends at the first bad step",
+        )
     if SAME(theta, start):
         return Verdict(
             False,
@@ -260,3 +267,20 @@ def _judge_end(theta: FloatArray, best: NonlinearFit, Phi: FloatArray, y: FloatA
         "mu fall after a good one, and rise after a bad one; and do not stop at the first bad one.",
         "stops too early",
     )
+
+
+@np.errstate(all="ignore")
+def _reversed(Phi: FloatArray, y: FloatArray, start: FloatArray, factor: float) -> FloatArray:
+    """Where the iteration ends if mu rises after a good step and falls after a bad one."""
+    g, jacobian = sensor(Phi)
+    theta, mu = start, 1e-3
+    for _ in range(500):
+        e, J = y - g(theta), jacobian(theta)
+        JJ = J.T @ J
+        step = np.linalg.lstsq(JJ + mu * np.diag(np.diag(JJ)), J.T @ e, rcond=None)[0]
+        trial = y - g(theta + step)
+        good = bool(trial @ trial < e @ e)
+        theta, mu = (theta + step if good else theta), (mu * factor if good else mu / factor)
+        if not np.isfinite(mu) or np.max(np.abs(step)) < 1e-12 * (1 + np.max(np.abs(theta))):
+            break
+    return np.asarray(theta, float)

@@ -1,6 +1,7 @@
 """Checks of starting values and of position from ranges: several minima, and layouts that cannot tell."""
 
 from collections.abc import Iterator
+from functools import partial
 
 import numpy as np
 
@@ -20,19 +21,25 @@ LAYOUTS = ("unique", "mirror", "undetermined")
 @first_failure
 def check_frequency(ask: Ask) -> Iterator[Verdict]:
     """`fit_frequency(t, y, low, high)`."""
-    t: FloatArray = 0.2 * np.arange(60, dtype=np.float64)
-    for w in ask.rng.permutation([1.4, 3.1, 4.8]):
-        truth = np.array([w + ask.rng.uniform(-0.3, 0.3), ask.rng.uniform(1, 2), ask.rng.uniform(1, 2)])
-        truth[1:] *= ask.rng.choice([-1.0, 1.0], 2)
+    for trial, (sign_A, sign_B) in enumerate(((1, 1), (-1, -1), (1, -1), (-1, 1))):
+        t: FloatArray = ask.rng.uniform(0.32, 0.35) * np.arange(ask.rng.integers(85, 95), dtype=np.float64)
+        if trial == 1:
+            t = t - t.mean()  # then no frequency near the right one makes up for a wrong sign of A and B
+        low = float(ask.rng.uniform(3.2, 3.6) if trial == 2 else ask.rng.uniform(0.4, 1.5))
+        high = low + float(ask.rng.uniform(4.5, 5))
+        # in the middle between two frequencies of a scan that is far too coarse; far up in the third trial
+        interval = int(ask.rng.integers(6, 8) if trial == 2 else ask.rng.integers(1, 8))
+        w = low + (high - low) * (interval + 0.5 + float(ask.rng.uniform(-0.05, 0.05))) / 9
+        truth = np.array([w, sign_A * ask.rng.uniform(1, 2), sign_B * ask.rng.uniform(1, 2)])
         y = _wave(t, truth) + 0.4 * ask.rng.standard_normal(t.size)
-        fit = levenberg_marquardt(lambda th: _wave(t, th), lambda th: _wave_jacobian(t, th), y, truth)
-        yield _judge_frequency(as_number(*_frequency_of(ask, t, y)), fit, t, y)
+        fit = levenberg_marquardt(partial(_wave, t), partial(_wave_jacobian, t), y, truth)
+        yield _judge_frequency(as_number(*_frequency_of(ask, t, y, low, high)), fit, t, y, low, high)
     yield Verdict(True, "the lowest of many valleys, wherever it lies.")
 
 
-def _frequency_of(ask: Ask, t: FloatArray, y: FloatArray) -> tuple[str, FloatArray]:
+def _frequency_of(ask: Ask, t: FloatArray, y: FloatArray, low: float, high: float) -> tuple[str, FloatArray]:
     call = "fit_frequency(t, y, low, high)"
-    value = returned(ask, "fit_frequency", t, y, 0.5, 6.0)
+    value = returned(ask, "fit_frequency", t, y, low, high)
     if isinstance(value, np.ndarray) and value.size == 3:
         raise NoAnswer(f"`{call}` returns three numbers: asked for is the frequency alone.", "all three parameters")
     return call, value  # type: ignore[return-value]
@@ -53,8 +60,8 @@ def _profile(t: FloatArray, y: FloatArray, w: float) -> float:
     return 2 * solve_least_squares(np.column_stack([np.sin(w * t), np.cos(w * t)]), y).loss
 
 
-def _judge_frequency(w: float, fit: NonlinearFit, t: FloatArray, y: FloatArray) -> Verdict:
-    right, valley = float(fit.theta[0]), np.pi / t[-1]
+def _judge_frequency(w: float, fit: NonlinearFit, t: FloatArray, y: FloatArray, low: float, high: float) -> Verdict:
+    right, valley = float(fit.theta[0]), np.pi / (t[-1] - t[0])
     same = within(fit.stderr[:1], 0.2)
     if same([abs(w)], [right]):
         return Verdict(True, "")
@@ -62,7 +69,7 @@ def _judge_frequency(w: float, fit: NonlinearFit, t: FloatArray, y: FloatArray) 
         return Verdict(
             False, "`fit_frequency` returns Hz: asked for is the angular frequency in rad/s.", "Hz for rad/s"
         )
-    if not 0.5 <= abs(w) <= 6.0:
+    if not low <= abs(w) <= high:
         return Verdict(False, "`fit_frequency` returns a frequency outside low and high.", "outside the range")
     if any(same([w], [_alone(t, y, column, right, valley)]) for column in (np.sin, np.cos)):
         return Verdict(
@@ -103,15 +110,17 @@ def _alone(t: FloatArray, y: FloatArray, column: np.ufunc, right: float, valley:
 def check_locate(ask: Ask) -> Iterator[Verdict]:
     """`locate(beacons, ranges)`, in rooms and along a road, where the wrong side of it is a local minimum."""
     across = np.array([-0.7, 0.6, -0.3, 0.5, -0.6]) * ask.rng.uniform(0.8, 1.2)
+    four = ask.rng.uniform(0, 2, (4, 2)) + np.array([[0, 0], [9, 1], [7, 8], [1, 6]])
     road = np.column_stack([np.array([0.0, 2.3, 5.1, 7.4, 10.0]) + ask.rng.uniform(-0.4, 0.4, 5), across])
     room = ask.rng.uniform(0, 2, (5, 2)) + np.array([[0, 0], [8, 0], [8, 6], [0, 6], [4, 8]])
     side = ask.rng.uniform(2.5, 4)
     for beacons, place in (
         (room, ask.rng.uniform(3, 6, 2)),
+        (four, ask.rng.uniform(2, 6, 2)),
         (road, np.array([ask.rng.uniform(3, 7), side])),
         (road, np.array([ask.rng.uniform(3, 7), -side])),
     ):
-        ranges = ranges_from(beacons, place) + 0.03 * ask.rng.standard_normal(5)
+        ranges = ranges_from(beacons, place) + 0.03 * ask.rng.standard_normal(len(beacons))
         yield _judge_place(ask, beacons, ranges)
     yield Verdict(True, "on both sides of a row of beacons, too.")
 
@@ -146,6 +155,7 @@ def _judge_place(ask: Ask, beacons: FloatArray, ranges: FloatArray) -> Verdict:
             Slip("coordinates swapped", "`locate` returns the second coordinate first.", lambda: fix.position[::-1]),
             Slip("squared ranges", linear, lambda: squares),
             Slip("squared ranges", linear, lambda: differences),
+            *(Slip("squared ranges", linear, partial(_less_one, beacons, ranges, i)) for i in (0, len(beacons) - 1)),
             Slip("squared ranges", linear, lambda: _fourth_power(beacons, ranges, fix.position)),
             Slip("no step taken", "`locate` returns the centre of the beacons.", lambda: centre),
         ],
@@ -167,6 +177,13 @@ def _less_their_mean(centred: FloatArray, ranges: FloatArray) -> FloatArray:
     return solve_least_squares(-2 * centred, squares - squares.mean()).theta
 
 
+def _less_one(beacons: FloatArray, ranges: FloatArray, one: int) -> FloatArray:
+    """The linear equations that remain of the squared ranges when the one of beacon `one` is subtracted."""
+    squares = ranges**2 - np.sum(beacons**2, axis=1)
+    rows = np.arange(len(beacons)) != one
+    return solve_least_squares(-2 * (beacons - beacons[one])[rows], (squares - squares[one])[rows]).theta
+
+
 def _fourth_power(beacons: FloatArray, ranges: FloatArray, start: FloatArray) -> FloatArray:
     return levenberg_marquardt(
         lambda theta: ranges_from(beacons, theta) ** 2, lambda theta: 2 * (theta - beacons), ranges**2, start
@@ -175,7 +192,9 @@ def _fourth_power(beacons: FloatArray, ranges: FloatArray, start: FloatArray) ->
 
 def check_layout(ask: Ask) -> Verdict:
     """`layout(beacons)`: what the beacons can tell at all."""
-    trials = trial_layouts(ask.rng)
+    made = trial_layouts(ask.rng)
+    order = ask.rng.permutation([*range(len(made)), *ask.rng.integers(0, len(made), 3)])
+    trials = [made[i] for i in order]
     answers = [_layout(ask, beacons) for beacons, _ in trials]
     truth = [kind for _, kind in trials]
     if answers == truth:
@@ -204,7 +223,8 @@ def check_layout(ask: Ask) -> Verdict:
         ),
         (
             "along the axes only",
-            "only sees lines along an axis: a line may run in any direction.",
+            "only sees lines along an axis: a line may run in any direction. (Or zero is compared exactly: through "
+            "rounding, what should be zero is about 1e-16 on a slanting line. Compare with a small tolerance.)",
             [_of_rank(int(np.count_nonzero(np.ptp(beacons, axis=0) > 1e-9))) for beacons, _ in trials],
         ),
     )
@@ -212,7 +232,7 @@ def check_layout(ask: Ask) -> Verdict:
         if answers == wrong:
             return Verdict(False, f"`layout` {hint}", slip)
     first = next(i for i, (answer, kind) in enumerate(zip(answers, truth, strict=True)) if answer != kind)
-    if all(answers[i] == truth[i] or i in ROUNDED for i in range(len(trials))):
+    if all(answers[i] == truth[i] or order[i] in ROUNDED for i in range(len(trials))):
         return Verdict(
             False,
             "`layout` misses beacons on a slanting line: through rounding, what should be zero is about 1e-16. Compare "

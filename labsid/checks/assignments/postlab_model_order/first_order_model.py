@@ -2,6 +2,7 @@
 
 import re
 from collections.abc import Iterator
+from functools import partial
 
 import numpy as np
 
@@ -16,7 +17,7 @@ from labsid.checks.assignments.postlab_model_order.order_fits import judge_fit_o
 from labsid.checks.compare import as_number, as_vector
 from labsid.checks.question import Ask
 from labsid.checks.values import TransferFunctionValue, Value
-from labsid.checks.verdict import NoAnswer, Verdict, first_failure
+from labsid.checks.verdict import NoAnswer, Slip, Verdict, first_failure
 from labsid.lab.arx import ArxModel, arx_from_theta, fit_arx
 from labsid.lab.offset import find_offsets
 from labsid.lab.simulation import simulate
@@ -29,7 +30,8 @@ CALLS = ("actual|measured|record", "first|1st|order[ =]*1", "second|2nd|order[ =
 THREE_DIGITS = 0.0055
 """Largest share by which a number that is rounded to three significant digits differs."""
 _NUMBER = re.compile(r"\d+\.?\d*(?:e[-+]?\d+)?", re.IGNORECASE)
-_POWER = re.compile(r"(?:×|x|\*|·|\\times|\\cdot)10(?:\^|\*\*)?\{?([-−]?\d+)\}?")
+_POWER = re.compile(r"\s*(?:×|x|\*|·|\\times|\\cdot)\s*10\s*(?:\^|\*\*)?\s*\{?([-−]?\d+)\}?")
+_NAME = "first|1st|one|second|2nd|two"
 _SUPERSCRIPTS = str.maketrans("⁰¹²³⁴⁵⁶⁷⁸⁹⁻", "0123456789-")
 
 
@@ -77,7 +79,7 @@ def right_theta(ask: Ask) -> dict[str, Value]:
 
 def check_transfer_function(ask: Ask) -> Verdict:
     """Step 1: G_1."""
-    return judge_transfer_function("G_1", ask.value("G_1"), _model(ask, "theta_1"))
+    return judge_transfer_function("G_1", ask.value("G_1"), _model(ask, "theta_1"), "G_1(z) in step 1")
 
 
 def right_transfer_function(ask: Ask) -> dict[str, Value]:
@@ -133,9 +135,17 @@ def check_errors(ask: Ask) -> Iterator[Verdict]:
     right = [float(np.asarray(value)) for value in right_errors(ask).values()]
     if np.allclose(got, right[::-1], rtol=1e-6, atol=0) and not np.allclose(got, right, rtol=1e-6, atol=0):
         yield Verdict(False, "`mse_1` and `mse_2` are swapped.", "errors swapped")
-    y = _data(ask).y
-    for n in (1, 2):
-        yield judge_mse(f"mse_{n}", got[n - 1], y, known_vector(ask, f"y_sim_{n}"))
+    data = _data(ask)
+    runs = {n: known_vector(ask, f"y_sim_{n}") for n in (1, 2)}
+    for n, other in ((1, 2), (2, 1)):
+        name = f"mse_{n}"
+        offset = f"`{name}` compares with `y_act`, which contains the offset: compare with `y`."
+        mixed = f"`{name}` is the error of `y_sim_{other}`: use `y_sim_{n}`."
+        slips = (
+            Slip("offset left in", offset, partial(mse, data.y_act, runs[n])),
+            Slip("models swapped", mixed, partial(mse, data.y, runs[other])),
+        )
+        yield judge_mse(name, got[n - 1], data.y, runs[n], slips)
 
 
 def right_errors(ask: Ask) -> dict[str, Value]:
@@ -151,27 +161,27 @@ def check_figure_8(ask: Ask) -> Verdict:
     (axes,) = require_panels("fig_8", ask.value("fig_8"), (panel,))
     first, second = (as_number(name, ask.known(name)) for name in ("mse_1", "mse_2"))
     texts = [*axes.texts, *axes.legend, axes.title]
-    lines = [line for text in texts for line in text.splitlines()]
-    numbers = [_numbers(line) for line in lines]
-    found_numbers = [number for found in numbers for number in found]
+    found_numbers = [number for text in texts for line in text.splitlines() for number in _numbers(line)]
     for name, wanted, other in (("first", first, second), ("second", second, first)):
         if not any(_is_near(number, wanted) for number in found_numbers):
             unexplained = [number for number in found_numbers if not _is_near(number, other)]
             return Verdict(False, *_missing(name, wanted, unexplained, bool(axes.texts)))
-    for line, found in zip(lines, numbers, strict=True):
-        named = [bool(re.search(call, line, re.IGNORECASE)) for call in CALLS[1:]]
-        for own, other, is_named in ((first, second, named == [True, False]), (second, first, named == [False, True])):
-            if is_named and any(_is_near(x, other) for x in found) and not any(_is_near(x, own) for x in found):
-                return Verdict(False, "The mean squared errors in Fig. 8 are swapped.", "errors swapped")
+    for text in texts:
+        names, errors = _names_and_errors(text, first, second)
+        if len(names) == len(errors) > 0 and names != errors:
+            return Verdict(False, "The mean squared errors in Fig. 8 are swapped.", "errors swapped")
+    if {1, 2} - {name for text in texts for name in _explained(text, first, second)}:
+        return Verdict(
+            False,
+            "Fig. 8 does not say which mean squared error is that of which model: name the order beside each number.",
+            "errors without names",
+        )
     return Verdict(True, "Fig. 8 shows both models and their errors.")
 
 
 def _missing(name: str, wanted: float, numbers: list[float], has_text: bool) -> tuple[str, str]:
     if not numbers and not has_text:
-        return (
-            "Fig. 8 has no text yet: write both mean squared errors into its top-left corner.",
-            "no errors in the figure",
-        )
+        return ("Fig. 8 has no text yet: write both mean squared errors into it.", "no errors in the figure")
     roots = [number for number in numbers if _is_near(number, float(np.sqrt(wanted)))]
     if roots:
         return (
@@ -186,11 +196,39 @@ def _missing(name: str, wanted: float, numbers: list[float], has_text: bool) -> 
     return f"The mean squared error of the {name}-order model is not in Fig. 8.", "no errors in the figure"
 
 
+def _names_and_errors(text: str, first: float, second: float) -> tuple[list[int], list[int]]:
+    """The models that a text names, and those whose errors it gives, each in the order of its first appearance."""
+    names: list[int] = []
+    errors: list[int] = []
+    for token in re.findall(rf"{_NAME}|{_NUMBER.pattern}", _plain(text), re.IGNORECASE):
+        if re.fullmatch(_NAME, token, re.IGNORECASE):
+            names.append(1 if token.lower() in ("first", "1st", "one") else 2)
+            continue
+        number = float(token)
+        nearest = 1 if abs(number - first) <= abs(number - second) else 2
+        if _is_near(number, (first, second)[nearest - 1]):
+            errors.append(nearest)
+        elif number in (1, 2):
+            names.append(int(number))
+    return list(dict.fromkeys(names)), list(dict.fromkeys(errors))
+
+
+def _explained(text: str, first: float, second: float) -> list[int]:
+    """The models whose errors a text gives together with their name."""
+    names, errors = _names_and_errors(text, first, second)
+    return [n for n in errors if n in names]
+
+
 def _numbers(line: str) -> list[float]:
     """The numbers in a text, with powers of ten however they are written."""
-    plain = re.sub(r"[\s$]", "", line.translate(_SUPERSCRIPTS))
-    plain = _POWER.sub(r"e\1", plain).replace("−", "-")
-    return [float(number) for number in _NUMBER.findall(plain)]
+    return [float(number) for number in _NUMBER.findall(_plain(line))]
+
+
+def _plain(text: str) -> str:
+    """A text without its units, with powers of ten as in 1e-3."""
+    plain = re.sub(r"[$]", "", text.translate(_SUPERSCRIPTS))
+    plain = re.sub(r"(?:\\mathrm\{)?\bV\}?\s*(?:\^|\*\*)?\s*\{?2\}?", "", plain)
+    return _POWER.sub(lambda found: "e" + found[1].replace("−", "-"), plain).replace("−", "-")
 
 
 def _is_near(number: float, wanted: float) -> bool:

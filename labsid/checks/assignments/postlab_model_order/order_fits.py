@@ -6,6 +6,7 @@ import numpy as np
 
 from labsid._arrays import FloatArray
 from labsid.checks.assignments.lab_identification.lab_data import LabData
+from labsid.checks.assignments.lab_identification.phi_and_theta import rounded
 from labsid.checks.compare import as_vector
 from labsid.checks.question import Ask
 from labsid.checks.values import Value
@@ -16,7 +17,8 @@ from labsid.lab.simulation import simulate
 from labsid.least_squares.solve import solve_least_squares
 
 ORDERS = (1, 2, 3)
-TRIAL_SAMPLES = 200
+TRIAL_SAMPLES = (60, 200, 120)
+"""Samples of the trials without noise; those with noise are longer than the first half of the record."""
 TRIAL_NOISE = 0.01
 LATEST_START = 12
 EXACT_WITHIN = 1e-5
@@ -31,8 +33,8 @@ def judge_fit_order(ask: Ask, data: LabData) -> Verdict:
     one of the sensible first rows.
     """
     for noise in (0.0, TRIAL_NOISE):
-        for n in ORDERS:
-            theta, u, y = _trial(ask.rng, n, data.Ts)
+        for n, samples in zip(ORDERS, TRIAL_SAMPLES, strict=True):
+            theta, u, y = _trial(ask.rng, n, data.Ts, samples + (data.half if noise else 0))
             y = y + noise * ask.rng.standard_normal(y.size)
             got = _fitted(ask, u, y, n)
             if noise == 0 and _close(got, theta, EXACT_WITHIN):
@@ -80,6 +82,12 @@ def _fitted(ask: Ask, u: FloatArray, y: FloatArray, n: int) -> FloatArray:
             "`fit_order` returns all that `lstsq` does; return the first of it, `[0]`.", "all that lstsq returns"
         )
     got = as_vector(f"fit_order(u, y, {n})", value)
+    if got.size == 2 * n + 1:
+        raise NoAnswer(
+            f"`fit_order(u, y, {n})` returns {got.size} parameters, one too many: does it fit a constant, with a "
+            "column of ones? The model has none, because the signals are offset-free.",
+            "a constant fitted along",
+        )
     if got.size != 2 * n:
         slip = "order fixed" if got.size in (2, 4) else None
         raise NoAnswer(
@@ -89,12 +97,12 @@ def _fitted(ask: Ask, u: FloatArray, y: FloatArray, n: int) -> FloatArray:
     return got
 
 
-def _trial(rng: np.random.Generator, n: int, Ts: float) -> tuple[FloatArray, FloatArray, FloatArray]:
+def _trial(rng: np.random.Generator, n: int, Ts: float, samples: int) -> tuple[FloatArray, FloatArray, FloatArray]:
     """A stable system of order n, an input that excites it, and its output from rest."""
     poles = np.linspace(0.15, 0.85, n) + rng.uniform(-0.1, 0.1, n)
     b = rng.choice([-1.0, 1.0]) * rng.uniform(0.5, 1.5, n)
     theta = np.concatenate([-np.poly(poles)[1:], b])
-    u = np.where(rng.random(TRIAL_SAMPLES) < 0.5, -1.0, 1.0) * rng.uniform(0.5, 1.0, TRIAL_SAMPLES)
+    u = np.where(rng.random(samples) < 0.5, -1.0, 1.0) * rng.uniform(0.5, 1.0, samples)
     return theta, u, simulate(arx_from_theta(theta, Ts), u)
 
 
@@ -117,7 +125,13 @@ def _slips_from(u: FloatArray, y: FloatArray, n: int, k: int, data: LabData) -> 
         hint = "It fits the record whatever is handed in: use the arguments u and y, not the variables outside."
         return Slip("arguments not used", hint, lambda: fit_arx(data.u, data.y, data.Ts, n, k, stop).model.theta)
 
+    if data.half < y.size:
+        hint = "It fits only the first `half` samples of what it is given: use all samples of its arguments."
+        yield Slip(
+            "arguments not used", hint, lambda: fit_arx(u[: data.half], y[: data.half], data.Ts, n, k).model.theta
+        )
     right = fit_arx(u, y, data.Ts, n, k).model.theta
+    yield from rounded(right, "It rounds theta: keep all digits.")
     sign = np.repeat([-1.0, 1.0], n)
     yield Slip("sign of a", "It returns [a, b]; theta is [-a, b], as eq. (8) gives it.", lambda: sign * right)
     by_signal = right.reshape(2, n)
@@ -129,7 +143,13 @@ def _slips_from(u: FloatArray, y: FloatArray, n: int, k: int, data: LabData) -> 
     yield Slip("u and y swapped", swapped, lambda: fit_arx(y, u, data.Ts, n, k).model.theta)
     yield own(data.half)
     yield own(data.y.size)
-    past_y, past_u = np.hsplit(build_phi(u, y, n, k).Phi, 2)
+    Phi = build_phi(u, y, n, k).Phi
+    yield Slip(
+        "a constant fitted along",
+        "It fits a constant with the parameters, through a column of ones. The model has none.",
+        lambda: solve_least_squares(np.column_stack([Phi, np.ones(len(Phi))]), y[k:]).theta[: 2 * n],
+    )
+    past_y, past_u = np.hsplit(Phi, 2)
     early_u = np.column_stack([u[k:], past_u[:, :-1]])
     yield lag("The row for y(k) holds u(k); the model is strictly proper, so u(k-1) comes first.", past_y, early_u)
     if k >= 1:

@@ -34,20 +34,23 @@ def panels(value: Value) -> tuple[AxesValue, ...]:
     return value.axes
 
 
-def require_panel(
-    axes: AxesValue, where: str, time_name: str, t: FloatArray, signals: dict[str, FloatArray], title: str
-) -> None:
+def require_panel(axes: AxesValue, where: str, t: FloatArray, signals: dict[str, FloatArray], title: str) -> None:
     """Require a panel as in Fig. 1; `signals` holds the sine first, then the cosine."""
     if not axes.curves:
         raise NoAnswer(f"There is no curve in {where} yet.", "empty axes")
     (sine_name, sine_data), (cosine_name, cosine_data) = signals.items()
-    sine = require_curve(axes, where, f"`{sine_name}` against `{time_name}`", sine_data, t)
-    cosine = require_curve(axes, where, f"`{cosine_name}` against `{time_name}`", cosine_data, t)
+    sine = require_curve(axes, where, f"`{sine_name}`", sine_data, t)
+    cosine = require_curve(axes, where, f"`{cosine_name}`", cosine_data, t)
     _require_colours(where, sine, cosine)
     if not cosine.steps:
         raise NoAnswer(
             f'In {where} straight lines join the cosine. For MATLAB\'s `stairs`, use `step(..., where="post")`.',
             "plot in place of stairs",
+        )
+    if cosine.where != "post":
+        raise NoAnswer(
+            f'In {where} the cosine changes before its sample, not at it: use `step(..., where="post")`.',
+            "step before the sample",
         )
     require_limits(axes, where, (0, 140), (-1.5, 1.5))
     if not re.search(title, axes.title, re.IGNORECASE):

@@ -18,6 +18,8 @@ REACHED = 0.95
 """Share of the bound that the largest and the smallest value must reach."""
 AT_THE_BOUND = 15
 """Largest number of values that may equal the bound."""
+LEAST_FACTOR = 0.05
+"""Smallest value of the sinusoid by which a product is divided again."""
 LARGEST_CORRELATION = 0.2
 """Between two noises, or between successive samples of one."""
 GAUSSIAN_KURTOSIS = 2.4
@@ -106,6 +108,7 @@ def require_wave(name: str, t: FloatArray, y: FloatArray, wave: Wave, other: Wav
         return
     if abs(coefficients[2] - 1) <= tolerance and abs(coefficients[1]) <= tolerance:
         raise NoAnswer(f"`{name}`: sine and cosine are swapped. `y1` is the sine.", "sine and cosine swapped")
+    require_added(name, y, right)
     # a candidate may be constant at the samples, so each is judged by its residual, not by a fit
     rests = [y - made(wave, t) for _, _, made in _WRONG_WAVES]
     nearest = int(np.argmin([np.std(rest) for rest in rests]))
@@ -115,7 +118,18 @@ def require_wave(name: str, t: FloatArray, y: FloatArray, wave: Wave, other: Wav
     raise NoAnswer(f"`{name}` is not a sinusoid of amplitude 1 and period 100 s with noise on it. See step 2.")
 
 
-def require_uniform(name: str, noise: FloatArray) -> None:
+def require_added(name: str, product: FloatArray, sinusoid: FloatArray) -> None:
+    """Refuse noise that was multiplied by the sinusoid; `product` is what is left of it."""
+    far = np.abs(sinusoid) > LEAST_FACTOR
+    if _is_uniform(product[far] / sinusoid[far], -NOISE_BOUND, NOISE_BOUND):
+        raise NoAnswer(
+            f"The noise in `{name}` is multiplied by the sinusoid, so that it vanishes where the sinusoid is zero. Add "
+            "it to the sinusoid.",
+            "noise multiplied",
+        )
+
+
+def require_uniform(name: str, noise: FloatArray, sinusoid: FloatArray) -> None:
     """Require noise that is uniform within the bound; the message names a known wrong distribution."""
     if np.ptp(noise) < _EPSILON:
         if abs(noise[0]) < _EPSILON:
@@ -134,6 +148,7 @@ def require_uniform(name: str, noise: FloatArray) -> None:
     for low, high, slip, text in _WRONG_SPREADS:
         if _is_uniform(noise, low, high):
             raise NoAnswer(f"The noise in `{name}` {text}.", slip)
+    require_added(name, noise, sinusoid)
     deviation = noise - noise.mean()
     kurtosis = np.mean(deviation**4) / np.mean(deviation**2) ** 2
     if kurtosis > GAUSSIAN_KURTOSIS:

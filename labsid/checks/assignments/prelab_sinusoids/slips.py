@@ -108,6 +108,11 @@ def matrix_slips(parts: Sequence[FloatArray], uncut: Sequence[FloatArray], shape
             "`data_new` holds the original data; put the cut-off vectors into it.",
             lambda: np.column_stack(uncut),
         ),
+        Slip(
+            "time not set back to zero",
+            "`data_new` holds the old time: its first column starts at 20 s. Use `t_new`.",
+            lambda: np.column_stack([uncut[0][CUT:], y1, y2]),
+        ),
         *(_swapped_columns(order) for order in orders),
     ]
 
@@ -146,7 +151,18 @@ def cut_off_slips(data: FloatArray, n: int) -> Slips:
         slip(
             "time set back by a fixed 20 s",
             "always subtracts 20 s from the time. Subtract the time of the first row that remains.",
-            lambda: data[n:] - [20.0, 0.0, 0.0],
+            lambda: data[n:] - 20 * np.eye(1, data.shape[1]),
+        ),
+        slip(
+            "sampling time of 0.1 s assumed",
+            "subtracts n times 0.1 s from the time; other data have another sampling time or start. Subtract the time "
+            "of the first row that remains.",
+            lambda: data[n:] - 0.1 * n * np.eye(1, data.shape[1]),
+        ),
+        slip(
+            "a variable from above used",
+            "returns the time of `t_new`, not that of its argument: use only `data` and `n`.",
+            lambda: np.column_stack([0.1 * np.arange(len(data) - n), data[n:, 1:]]),
         ),
         slip(
             "all columns set back",

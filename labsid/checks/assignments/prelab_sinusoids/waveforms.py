@@ -48,12 +48,14 @@ def check_noise(ask: Ask) -> Verdict:
     """Step 2: the sinusoids y1 and y2, judged by their statistics."""
     t = _vector(ask.known("t"))
     noises: dict[str, FloatArray] = {}
+    sinusoids: dict[str, FloatArray] = {}
     for name, wave, other in (("y1", np.sin, np.cos), ("y2", np.cos, np.sin)):
         y = _signal(name, ask.value(name), t.size)
         require_wave(name, t, y, wave, other)
-        noises[name] = y - wave(0.02 * np.pi * t)
+        sinusoids[name] = wave(0.02 * np.pi * t)
+        noises[name] = y - sinusoids[name]
     for name, found in noises.items():
-        require_uniform(name, found)
+        require_uniform(name, found, sinusoids[name])
     require_independent(noises)
     return Verdict(True, "a sine and a cosine of period 100 s, each with its own uniform noise within ±0.2.")
 
@@ -61,6 +63,7 @@ def check_noise(ask: Ask) -> Verdict:
 def check_cut(ask: Ask) -> Verdict:
     """Step 3: t_new, y1_new, y2_new."""
     t, y1, y2 = (_vector(ask.known(name)) for name in ("t", "y1", "y2"))
+    _require_unchanged_time(ask, t)
     verdict = judge(
         as_vector("t_new", ask.value("t_new")),
         _vector(right_cut(ask)["t_new"]),
@@ -79,7 +82,27 @@ def check_cut(ask: Ask) -> Verdict:
                 f"`{name}` should be `{name[:2]}` without its first 200 samples: see step 3.",
                 new_signal_slips(name, y, other),
             )
+    if verdict.passed and not _same(_vector(ask.value("t")), t):
+        return Verdict(
+            False,
+            "`t` has changed in this step, and Fig. 1(a) needs it as it was: `t[200:]` is a view of `t`, so that "
+            "changing it in place (`t_new -= ...`) changes `t`, too. Make a new array.",
+            "a view changed in place",
+        )
     return verdict
+
+
+def _require_unchanged_time(ask: Ask, t: FloatArray) -> None:
+    """Refuse a `t` that was changed with its view `t_new`: `t_new = t[200:]`, then `t_new -= 20`."""
+    now = as_vector("t", ask.value("t"))
+    changed = t.copy()
+    changed[CUT:] -= t[CUT]
+    if _same(now, changed):
+        raise NoAnswer(
+            "`t` itself has changed: `t[200:]` is a view of `t`, and `t_new -= 20` writes into it. Write "
+            "`t_new = t_new - 20`, or cut a copy, and run the cell of `t` again.",
+            "a view changed",
+        )
 
 
 def check_matrix(ask: Ask) -> Verdict:
@@ -104,17 +127,31 @@ def check_matrix(ask: Ask) -> Verdict:
 @first_failure
 def check_function(ask: Ask) -> Iterator[Verdict]:
     """Step 4, as a function: cut_off(data, n) on unseen data."""
-    for rows in (320, 60, 90):
+    for rows, columns, share in ((320, 3, 0.1), (60, 2, 0.5), (90, 5, 0.3), (40, 3, 0.0), (12, 4, 1.0)):
         Ts, start = float(ask.rng.choice([0.05, 0.25, 0.75])), float(ask.rng.integers(3, 40))
-        data = np.column_stack([start + Ts * np.arange(rows), ask.rng.normal(size=(rows, 2))])
-        yield _try_cut_off(ask, data, n=int(ask.rng.integers(5, 50)))
+        signals = ask.rng.normal(size=(rows, columns - 1))
+        data = np.column_stack([start + Ts * np.arange(rows), signals])
+        n = min(int(share * rows) + int(ask.rng.integers(5)), rows - 1) if share else 0
+        yield _try_cut_off(ask, data, n)
 
 
 def _try_cut_off(ask: Ask, data: FloatArray, n: int) -> Verdict:
-    value = ask.call("cut_off", data, n)
+    columns = data.shape[1]
+    try:
+        value = ask.call("cut_off", data, n)
+    except NoAnswer as stopped:
+        if columns == 3:
+            raise
+        raise NoAnswer(f"{stopped} (`data` had {columns} columns.)", "always three columns") from None
     if value is None:
         raise NoAnswer("`cut_off` returns nothing: end it with `return` and the matrix.", "no return")
-    got = as_matrix("cut_off(data, n)", value, (None, 3))
+    got = as_array("cut_off(data, n)", value)
+    if columns != 3 and got.ndim == 2 and got.shape[1] == 3:
+        raise NoAnswer(
+            f"`cut_off` returns three columns of a matrix with {columns}: keep all columns of `data`.",
+            "always three columns",
+        )
+    got = as_matrix("cut_off(data, n)", value, (None, columns))
     right = data[n:].copy()
     right[:, 0] -= right[0, 0]
     return judge(
@@ -130,7 +167,7 @@ def _try_cut_off(ask: Ask, data: FloatArray, n: int) -> Verdict:
 def check_original(ask: Ask) -> Verdict:
     """Step 5: Fig. 1(a)."""
     t, y1, y2 = (_vector(ask.known(name)) for name in ("t", "y1", "y2"))
-    require_panel(panels(ask.value("fig_1"))[0], "Fig. 1(a)", "t", t, {"y1": y1, "y2": y2}, r"original|\(a\)")
+    require_panel(panels(ask.value("fig_1"))[0], "Fig. 1(a)", t, {"y1": y1, "y2": y2}, r"original|\(a\)")
     return Verdict(True, "Fig. 1(a) shows the original data as the lab requires.")
 
 
@@ -149,7 +186,7 @@ def check_cut_off_data(ask: Ask) -> Verdict:
             "In Fig. 1(b) the cut-off data are plotted at their old time. Plot them against `t_new`.",
             "old time in (b)",
         )
-    require_panel(lower, "Fig. 1(b)", "t_new", t_new, {"y1_new": y1_new, "y2_new": y2_new}, r"cut|\(b\)")
+    require_panel(lower, "Fig. 1(b)", t_new, {"y1_new": y1_new, "y2_new": y2_new}, r"cut|\(b\)")
     return Verdict(True, "Fig. 1(b) shows the cut-off data, starting at time zero.")
 
 
@@ -163,7 +200,7 @@ def _signal(name: str, value: Value, size: int) -> FloatArray:
             f"`{name}` has shape {value.shape}: flat noise was added to a column. Draw noise of the shape `t.shape`.",
             "flat noise added to a column",
         )
-    return as_column(name, value, size)
+    return as_vector(name, value, size)
 
 
 def right_time(ask: Ask) -> dict[str, Value]:
@@ -178,7 +215,7 @@ def right_sinusoids(ask: Ask) -> dict[str, Value]:
 
 
 def right_cut(ask: Ask) -> dict[str, Value]:
-    """The cut signals."""
+    """The cut signals, and the time as it was before."""
     t, y1, y2 = (_vector(ask.known(name)).reshape(-1, 1) for name in ("t", "y1", "y2"))
     right = cut_off(Sinusoids(t, y1, y2), CUT)
-    return {"t_new": right.t_new, "y1_new": right.y1_new, "y2_new": right.y2_new}
+    return {"t": t, "t_new": right.t_new, "y1_new": right.y1_new, "y2_new": right.y2_new}

@@ -16,7 +16,7 @@ from labsid.checks.verdict import NoAnswer, Slip, Verdict, first_failure, judge
 @first_failure
 def check_mean(ask: Ask) -> Iterator[Verdict]:
     """`update_mean(theta, n, y)`: Example 3-2."""
-    for n in (5, 2, 12, 1):
+    for n in (5, 2, int(ask.rng.integers(8, 20)), 1):
         theta, y = ask.rng.uniform(1, 3), ask.rng.uniform(4, 8)
         yield _one_mean(ask, theta, n, y)
 

@@ -14,7 +14,7 @@ from labsid.checks.values import Value
 from labsid.checks.verdict import NoAnswer, Slip, Verdict, first_failure, judge
 from labsid.model_structures.lecture_systems import ChangingRecord, example_6_1
 from labsid.model_structures.structures import Structure, build_equations
-from labsid.plots.figure_values import CurveValue
+from labsid.plots.figure_values import AxesValue, CurveValue
 
 SEED_OF_THE_RECORD = 69
 LN = 1e6
@@ -34,7 +34,7 @@ def lecture_record() -> ChangingRecord:
 @first_failure
 def check_regressors(ask: Ask) -> Iterator[Verdict]:
     """`regressors(u, y)`, then what it gives for the record of Example 6-1."""
-    for n in (12, 17):
+    for n in (12, int(ask.rng.integers(14, 20))):
         yield _rows(ask.rng.uniform(1, 3, n) * ask.rng.choice([-1, 1], n), ask.rng.uniform(1, 4, n), ask)
     record = lecture_record()
     Phi, Y = as_matrix("Phi_61", ask.value("Phi_61"), (None, 3)), as_vector("Y_61", ask.value("Y_61"))
@@ -142,8 +142,9 @@ def _rows(u: FloatArray, y: FloatArray, ask: Ask) -> Iterator[Verdict]:
 @first_failure
 def check_forgetting(ask: Ask) -> Iterator[Verdict]:
     """`rls(Phi, Y, lam, LN)`, then its two runs over Example 6-1."""
-    for n, p, lam, large in ((12, 2, 1.0, 50.0), (15, 3, 0.9, 200.0), (14, 2, 0.75, 5.0)):
-        yield _one_run(ask, n, p, lam, large)
+    for n, p, lam, large in ((12, 2, 1.0, 50.0), (15, 3, 0.9, 200.0), (14, 2, 0.75, 5.0), (9, 1, 0.8, 20.0)):
+        drawn = lam if lam == 1 else float(np.round(lam + ask.rng.uniform(-0.05, 0.05), 3))
+        yield _one_run(ask, n + int(ask.rng.integers(4)), p, drawn, float(np.round(large * ask.rng.uniform(0.8, 1.2))))
     Phi, Y = as_matrix("Phi_61", ask.known("Phi_61"), (None, 3)), as_vector("Y_61", ask.known("Y_61"))
     for name, lam in (("theta_1", 1.0), ("theta_099", 0.99)):
         got = as_history(name, ask.value(name), *Phi.shape)
@@ -224,6 +225,22 @@ def _one_run(ask: Ask, n: int, p: int, lam: float, large: float) -> Verdict:
     )
 
 
+def _shows_truth(axes: AxesValue, truth: FloatArray) -> bool:
+    """Whether a panel shows the true parameter: as a curve, or as a horizontal line at each of its levels."""
+    if any(find_curve(axes, truth[start:]) for start in range(_LATEST_START + 1)):
+        return True
+
+    def is_drawn(level: float) -> bool:
+        samples = np.flatnonzero(truth == level)
+        middle = (samples[0] + samples[-1]) / 2
+        return any(
+            np.allclose(curve.y, level, atol=1e-9) and np.min(curve.x) <= middle <= np.max(curve.x)
+            for curve in axes.curves
+        )
+
+    return all(is_drawn(level) for level in np.unique(truth))
+
+
 def check_figures(ask: Ask) -> Verdict:
     """Fig. 9 and 10: the three estimates over time, and the truth."""
     rows = as_vector("Y_61", ask.known("Y_61")).size
@@ -243,7 +260,7 @@ def check_figures(ask: Ask) -> Verdict:
                 )
             if curve is None:
                 raise NoAnswer(f"In {where} no curve shows {parameter}, column {i} of `{name}`.", "no curve")
-            if not any(find_curve(axes, truth[start:, i]) for start in range(_LATEST_START + 1)):
+            if not _shows_truth(axes, truth[:, i]):
                 raise NoAnswer(
                     f"{where} has no curve of the true {parameter}: draw the columns of `theta_true`, too.",
                     "truth missing",

@@ -16,7 +16,7 @@ PARTS, CELLS = 16, 8
 
 def check_time(ask: Ask) -> Verdict:
     """Step 3: `time_shares(e, parts)` on other errors, `share_t` and `worst` on this one."""
-    for parts, length in ((4, 30), (5, 24)):
+    for parts, length in ((4, int(ask.rng.integers(25, 35))), (5, int(ask.rng.integers(20, 28)))):
         e = ask.rng.standard_normal(parts * length) * np.repeat(ask.rng.uniform(0.3, 3, parts), length)
         got = _shares("time_shares(e, parts)", returned(ask, "time_shares", e, parts), parts)
         verdict = _judge_shares("time_shares", got, np.sum(e.reshape(parts, -1) ** 2, axis=1), _time_slips(e, parts))
@@ -73,10 +73,15 @@ def _worst(ask: Ask, energy: FloatArray, length: float) -> Verdict:
     return judge(
         got,
         length * stretch,
-        close(0, 1.01 * Ts),
+        close(0, 0.1 * Ts),
         "the shares add up, and this is where to look.",
         "`worst` is not the stretch with the largest share: its beginning and its end, in seconds.",
         [
+            Slip(
+                "last sample of the stretch",
+                "`worst` ends with the last sample of the stretch; asked for is the time at which the next one begins.",
+                lambda: length * stretch - [0, Ts],
+            ),
             Slip("samples for seconds", "`worst` is in samples: times `Ts`.", lambda: length / Ts * stretch),
             Slip("numbers of the parts", "`worst` counts parts: give the times, in seconds.", lambda: stretch),
             Slip(
@@ -96,14 +101,21 @@ def _worst(ask: Ask, energy: FloatArray, length: float) -> Verdict:
 @first_failure
 def check_frequency(ask: Ask) -> Iterator[Verdict]:
     """Step 4: `band_shares(e, Ts, edges)`."""
-    for n, Ts in ((400, 0.75), (512, float(ask.rng.choice([0.1, 0.2])))):
+    draws = ((400, 0.75, True), (512, float(ask.rng.choice([0.1, 0.2])), True), (351, 0.4, False))
+    for n, Ts, is_covered in draws:
         e = _smoothed(ask.rng.standard_normal(n + 40))[40:]
-        e = e - e.mean()
+        e = e - e.mean() + ask.rng.choice([-0.4, 0.4]) * e.std()
         f: FloatArray = np.arange(n // 2 + 1, dtype=np.float64) / (n * Ts)
-        edges = np.concatenate([[-0.5], np.sort(ask.rng.choice(np.arange(3, n // 4), 4, replace=False)) + 0.5, [n]])
+        # with or without a last band that reaches beyond the highest frequency
+        inner = np.sort(ask.rng.choice(np.arange(3, n // 4), 4, replace=False)) + 0.5
+        edges = np.concatenate([[-0.5], inner, [n] if is_covered else []])
         edges *= f[1]
         power: FloatArray = np.abs(np.fft.rfft(e)) ** 2
         got = _shares("band_shares(e, Ts, edges)", returned(ask, "band_shares", e, Ts, edges), edges.size - 1)
+        # a one-sided power density counts every frequency twice but 0 and the last one: Parseval's shares
+        twice = np.where((f == 0) | ((n % 2 == 0) & (f == f[-1])), 1, 2) * power
+        if close(0, 0.003)(got, _normed(_sorted(f, edges, twice))):
+            continue
         yield _judge_shares("band_shares", got, _sorted(f, edges, power), _band_slips(f, edges, power, Ts), 0.003)
     yield Verdict(True, "the shares of all bands add up to one.")
 
@@ -115,6 +127,26 @@ def _band_slips(f: FloatArray, edges: FloatArray, power: FloatArray, Ts: float) 
             "frequencies without Ts",
             "`band_shares` leaves Ts out: `np.fft.rfftfreq(len(e), Ts)` is in Hz, without Ts in cycles a sample.",
             lambda: _normed(_sorted(f * Ts, edges, power)),
+        ),
+        Slip(
+            "mean taken out",
+            "`band_shares` removes the mean of the error first: the mean error, at the frequency 0, is an error too.",
+            lambda: _normed(_sorted(f, edges, np.where(f == 0, 0, power))),
+        ),
+        Slip(
+            "divided by all frequencies",
+            "`band_shares` divides by the sum over all frequencies; divide by the sum over all bands together.",
+            lambda: _sorted(f, edges, power) / power.sum(),
+        ),
+        Slip(
+            "1/Ts for Ts",
+            "`band_shares` hands `rfftfreq` the sampling frequency; it takes the sampling time Ts.",
+            lambda: _normed(_sorted(f * Ts**2, edges, power)),
+        ),
+        Slip(
+            "1/Ts for Ts",
+            "`band_shares` spaces the frequencies by 1/Ts; the spacing is 1/(N Ts).",
+            lambda: _normed(_sorted(f * (2 * (f.size - 1)), edges, power)),
         ),
         Slip(
             "rad/s for Hz",
@@ -131,8 +163,12 @@ def _band_slips(f: FloatArray, edges: FloatArray, power: FloatArray, Ts: float) 
 
 def check_operating(ask: Ask) -> Verdict:
     """Step 5: `cell_shares(x, e, edges)` on other data, `share_u` and `share_y` on this record."""
-    x, e = ask.rng.uniform(-1, 1, 300), ask.rng.standard_normal(300)
+    samples = int(ask.rng.integers(280, 340))
+    x, e = ask.rng.uniform(-1, 1, samples), ask.rng.standard_normal(samples)
     e = e * (0.3 + np.abs(x - ask.rng.uniform(-0.5, 0.5))) + 0.3
+    # samples on the first and on the last edge belong to the first and to the last cell
+    on_edge = ask.rng.permutation(samples)[:4]
+    x[on_edge], e[on_edge] = [-1.0, -1.0, 1.0, 1.0], 2 * np.max(np.abs(e))
     edges = np.concatenate([[-1.0], np.sort(ask.rng.uniform(-0.8, 0.8, 4)), [1.0]])
     got = _shares("cell_shares(x, e, edges)", returned(ask, "cell_shares", x, e, edges), edges.size - 1)
     verdict = _judge_shares("cell_shares", got, _sorted(x, edges, e**2), _cell_slips(x, e, edges))
@@ -160,6 +196,21 @@ def _cell_slips(x: FloatArray, e: FloatArray, edges: FloatArray) -> list[Slip[Fl
     squares, counts = _sorted(x, edges, e**2), _sorted(x, edges, np.ones(x.size))
     return [
         *_common_slips("cell_shares", squares, _sorted(x, edges, np.abs(e))),
+        Slip(
+            "last edge lost",
+            "`cell_shares` loses the samples that lie on the last edge: they belong to the last cell.",
+            lambda: _normed(_sorted(x[x < edges[-1]], edges, e[x < edges[-1]] ** 2)),
+        ),
+        Slip(
+            "last edge lost",
+            "`cell_shares` loses the samples that lie on the last edge: they belong to the last cell.",
+            lambda: _sorted(x[x < edges[-1]], edges, e[x < edges[-1]] ** 2) / np.sum(e**2),
+        ),
+        Slip(
+            "first edge lost",
+            "`cell_shares` loses the samples that lie on the first edge: they belong to the first cell.",
+            lambda: _normed(_sorted(x[x > edges[0]], edges, e[x > edges[0]] ** 2)),
+        ),
         Slip(
             "shares of the samples",
             "`cell_shares` counts samples. Each counts with its squared error: `weights=e**2`.",

@@ -89,7 +89,8 @@ def check_parameters(ask: Ask) -> Verdict:
         )
     rig = _rig(ask)
     wanted = EFFECT_PARAMETERS[_named_effect(ask) if rig is None else rig.effect]
-    if set(value) != set(wanted):
+    # a note of the unit beside the numbers is no parameter
+    if {name for name, part in value.items() if not isinstance(part, str)} != set(wanted):
         whose = "the effect that you named" if rig is None else "the effect of your rig"
         raise NoAnswer(f"`parameters` does not have the names that the list gives for {whose}.", "names of parameters")
     got = {name: as_number(f'parameters["{name}"]', value[name]) for name in wanted}

@@ -53,7 +53,7 @@ def check_simulation(ask: Ask) -> Verdict:
     run = _run(ask)
     y_sim = _played(ask, run.u)
     if run.closed(y_sim) >= ENOUGH:
-        return Verdict(True, "your simulation does what the rig does.")
+        return _shorter(ask, run, y_sim)
     slip = _slip(ask, run, y_sim)
     if slip is not None:
         return Verdict(False, *slip)
@@ -62,6 +62,20 @@ def check_simulation(ask: Ask) -> Verdict:
         f"`simulate_better` closes less than {100 * ENOUGH:.0f} % of the gap. If the linear part was refitted with the "
         "effect and the fit started inside the range that is used, then it is another effect.",
     )
+
+
+def _shorter(ask: Ask, run: _Run, y_sim: FloatArray) -> Verdict:
+    """Whether the beginning of the input has the beginning of the output."""
+    samples = int(run.u.size * ask.rng.uniform(0.4, 0.8))
+    short = _played(ask, run.u[:samples])
+    if np.max(np.abs(short - y_sim[:samples])) > 0.01 * np.ptp(y_sim):
+        return Verdict(
+            False,
+            f"`simulate_better` returns other values for the first {samples} samples alone than for the same samples "
+            "of the whole input: an output cannot depend on what comes later, nor on the length of the input.",
+            "one length only",
+        )
+    return Verdict(True, "your simulation does what the rig does.")
 
 
 def _slip(ask: Ask, run: _Run, y_sim: FloatArray) -> tuple[str, str] | None:
@@ -96,7 +110,12 @@ def _slip(ask: Ask, run: _Run, y_sim: FloatArray) -> tuple[str, str] | None:
 
 
 def check_closed(ask: Ask) -> Verdict:
-    """Step 9: the share closed on the held-out half, which must also hold on the run that the judge holds back."""
+    """Step 9: the function, and the share closed on the held-out half, which must also hold on the judge's run."""
+    for sigma, before, after in ((0.01, 0.05, 0.02), (0.02, 0.09, 0.06), (0.01, 0.05, 0.009), (0.015, 0.04, 0.06)):
+        scale = float(ask.rng.uniform(0.8, 1.2))
+        verdict = _judge_formula(ask, (scale * after) ** 2, (scale * before) ** 2, scale * sigma)
+        if not verdict.passed:
+            return verdict
     got = as_number("closed", ask.value("closed"))
     noise, before = (as_number(name, ask.known(name)) for name in ("noise_sd", "gap_before"))
     record = ask.record
@@ -157,6 +176,67 @@ def check_closed(ask: Ask) -> Verdict:
             "does not hold on fresh data",
         )
     return verdict
+
+
+def _judge_formula(ask: Ask, after: float, before: float, sigma: float) -> Verdict:
+    right = closed_share(after, before, sigma)
+    value = ask.call("share_closed", after, before, sigma)
+    if value is None:
+        raise NoAnswer("`share_closed` returns nothing: end it with `return` and the share.", "no return")
+    if isinstance(value, float) and np.isnan(value):
+        raise NoAnswer(
+            "`share_closed` returns nan: where the error after is below the noise, the root needs `max(..., 0)`.",
+            "max forgotten",
+        )
+    return judge(
+        as_number("share_closed(mse_after, mse_before, sigma)", value),
+        right,
+        close(1e-6, 1e-9),
+        "",
+        "`share_closed` is not the formula above: go through it term by term.",
+        [
+            Slip("per cent", "`share_closed` is in per cent; return a number.", lambda: 100 * right),
+            Slip(
+                "what is left, not what is closed",
+                "`share_closed` is the share that is *left*: take it from 1.",
+                lambda: 1 - right,
+            ),
+            Slip(
+                "noise left in",
+                "`share_closed` leaves the noise in both errors: subtract its square from both mean squared errors.",
+                lambda: closed_share(after, before, 0.0),
+            ),
+            Slip(
+                "no root", "`share_closed` compares mean squares: take the root of both.", lambda: 1 - (1 - right) ** 2
+            ),
+            Slip(
+                "no root",
+                "`share_closed` compares mean squares, with the noise in them: take the noise off and the root of "
+                "both.",
+                lambda: 1 - after / before,
+            ),
+            Slip(
+                "sigma not squared",
+                "`share_closed` subtracts sigma; subtract its square.",
+                lambda: 1 - float(np.sqrt(max(after - sigma, 0) / abs(before - sigma))),
+            ),
+            Slip(
+                "before and after swapped",
+                "`share_closed` has the errors before and after swapped.",
+                lambda: closed_share(before, after, sigma),
+            ),
+            Slip(
+                "noise taken from one error only",
+                "`share_closed` subtracts the noise from one of the errors only.",
+                lambda: 1 - float(np.sqrt(max(after - sigma**2, 0) / before)),
+            ),
+            Slip(
+                "root taken before the noise",
+                "`share_closed` subtracts sigma from the roots; subtract its square from the mean squares.",
+                lambda: 1 - float(max(np.sqrt(after) - sigma, 0) / (np.sqrt(before) - sigma)),
+            ),
+        ],
+    )
 
 
 def _run(ask: Ask) -> _Run:

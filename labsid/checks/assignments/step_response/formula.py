@@ -14,10 +14,10 @@ from labsid.lab.step_response import FirstOrderDelay, first_order_response
 @first_failure
 def check_response(ask: Ask) -> Iterator[Verdict]:
     """Step 2: first_order_response on other models."""
-    for sign in (1, -1):
+    for sign, is_delayed in ((1, True), (-1, True), (1, False)):
         Ts = float(ask.rng.choice([0.1, 0.25, 0.5]))
-        t: FloatArray = Ts * np.arange(160, dtype=np.float64)
-        td = float(t[ask.rng.integers(12, 30)])
+        t: FloatArray = Ts * np.arange(ask.rng.integers(140, 180), dtype=np.float64)
+        td = float(t[ask.rng.integers(12, 30)]) if is_delayed else 0.0
         K, tau = float(ask.rng.uniform(0.4, 5)), float(Ts * ask.rng.uniform(15, 40))
         amplitude = sign * float(ask.rng.uniform(1.5, 4))
         value = returned(ask, "first_order_response", t, K, tau, td, amplitude)
@@ -50,6 +50,11 @@ def _response_slips(t: FloatArray, model: FirstOrderDelay, amplitude: float) -> 
         ),
         slip(
             "amplitude forgotten", "does not depend on the amplitude: multiply by it.", K * (1 - np.exp(-since / tau))
+        ),
+        slip(
+            "amplitude of 2 assumed",
+            "always uses the amplitude 2: use the argument `amplitude`.",
+            2 * K * (1 - np.exp(-since / tau)),
         ),
         slip("gain forgotten", "does not depend on K: multiply by it.", amplitude * (1 - np.exp(-since / tau))),
         slip("no delay", no_delay, size * (1 - np.exp(-t / tau))),

@@ -20,7 +20,7 @@ from labsid.least_squares.solve import loss, loss_gradient, solve_least_squares,
 _same = close(1e-8)
 
 # The square one comes first: with it, a transposed Phi still multiplies and can be recognised.
-_SHAPES = ((3, 3), (5, 2), (8, 3))
+_SHAPES = ((3, 3), (5, 2), (8, 3), (4, 1))
 
 
 def check_solve_two(ask: Ask) -> Verdict:
@@ -120,46 +120,76 @@ def check_minimum(ask: Ask) -> Verdict:
 
 def check_unique(ask: Ask) -> Verdict:
     """The solution is unique if and only if Phi has full column rank."""
-    tall = ask.rng.uniform(-2, 2, (7, 3))
-    dependent = tall.copy()
-    dependent[:, 2] = 0.3 * dependent[:, 0] - 1.7 * dependent[:, 1]
-    answers = tuple(_truth(ask, Phi) for Phi in (tall, tall[:3], dependent, tall[:2]))
-    if answers == (True, True, False, False):
+    trials = trial_ranks(ask.rng)
+    answers = [_truth(ask, Phi) for Phi, _ in trials]
+    truth = [unique for _, unique in trials]
+    if answers == truth:
         return Verdict(True, "the solution is unique if Phi has full column rank.")
-    slip, reason = _WRONG_RULES.get(
-        answers, (None, "is not right for every Phi: compare its rank with its number of columns.")
-    )
-    return Verdict(False, f"`is_unique` {reason}", slip)
+    for slip, reason, rule in _WRONG_RULES:
+        if answers == [rule(Phi) for Phi, _ in trials]:
+            return Verdict(False, f"`is_unique` {reason}", slip)
+    wrong = [i for i, (answer, unique) in enumerate(zip(answers, truth, strict=True)) if answer != unique]
+    if all(answers[i] and np.all(np.any(trials[i][0], axis=0)) for i in wrong):
+        return Verdict(
+            False,
+            "`is_unique` returns True where a column is a combination of others. By rounding, the determinant of "
+            "Phi'Phi is tiny there instead of zero; `matrix_rank` allows for that.",
+            "zero compared exactly",
+        )
+    return Verdict(False, "`is_unique` is not right for every Phi: compare its rank with its number of columns.", None)
 
 
-# Results of wrong rules for: a tall and a square matrix of full rank, a tall one with dependent columns, a wide one.
-_WRONG_RULES: dict[tuple[bool, ...], tuple[str, str]] = {
-    (True, True, True, False): (
+def trial_ranks(rng: np.random.Generator) -> list[tuple[FloatArray, bool]]:
+    """Matrices of full and of lower column rank, in random order and some twice, and whether the solution is unique."""
+
+    def full(n: int, p: int) -> FloatArray:
+        return np.asarray(rng.uniform(-1, 1, (n, p)) + 2 * np.eye(n, p), float)
+
+    def dependent(n: int, p: int) -> FloatArray:
+        Phi = full(n, p)
+        Phi[:, -1] = Phi[:, :-1] @ rng.uniform(0.3, 1.7, p - 1) if p > 1 else 0
+        return Phi
+
+    without = full(6, 3)
+    without[:, rng.integers(3)] = 0
+    trials = [(full(n, p), True) for n, p in ((7, 3), (3, 3), (int(rng.integers(5, 9)), 2), (4, 1), (2, 2))]
+    trials += [(dependent(n, p), False) for n, p in ((7, 3), (int(rng.integers(5, 9)), 4), (3, 3), (6, 2))]
+    trials += [(full(2, 3), False), (full(1, 2), False), (without, False)]
+    order = rng.permutation([*range(len(trials)), *rng.integers(0, len(trials), 3)])
+    return [trials[i] for i in order]
+
+
+def _rank(Phi: FloatArray) -> int:
+    return int(np.linalg.matrix_rank(Phi))
+
+
+_ROWS = "compares the rank with the rows, or with the smaller side of Phi; compare it with the number of columns."
+
+_WRONG_RULES: tuple[tuple[str, str, Callable[[FloatArray], bool]], ...] = (
+    (
         "equations counted",
         "compares only the numbers of equations and unknowns: try a Phi with two equal columns.",
+        lambda Phi: Phi.shape[0] >= Phi.shape[1],
     ),
-    (True, True, True, True): (
-        "always unique",
-        "returns True for every Phi. (With dependent columns, rounding makes the determinant tiny instead of zero; "
-        "`matrix_rank` allows for that.)",
+    (
+        "equations counted",
+        "compares only the numbers of equations and unknowns: try a Phi with two equal columns.",
+        lambda Phi: Phi.shape[0] > Phi.shape[1],
     ),
-    (True, True, False, True): (
-        "rank of the rows",
-        "compares the rank with the rows, or with the smaller side of Phi; compare it with the number of columns.",
-    ),
-    (False, True, False, False): (
+    ("always unique", "returns True for every Phi: try a Phi with two equal columns.", lambda Phi: True),
+    ("rank of the rows", _ROWS, lambda Phi: _rank(Phi) == min(Phi.shape)),
+    ("rank of the rows", _ROWS, lambda Phi: _rank(Phi) == Phi.shape[0]),
+    (
         "square matrices only",
         "returns True only for a square Phi; more equations than unknowns are allowed.",
+        lambda Phi: _rank(Phi) == Phi.shape[0] == Phi.shape[1],
     ),
-    (False, True, False, True): (
-        "rank of the rows",
-        "compares the rank with the number of rows; compare it with the number of columns.",
-    ),
-    (False, False, True, True): (
+    (
         "opposite answer",
         "returns the opposite: True means that the solution is unique.",
+        lambda Phi: _rank(Phi) < Phi.shape[1],
     ),
-}
+)
 
 
 def _truth(ask: Ask, Phi: FloatArray) -> bool:

@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from itertools import permutations
 
 import numpy as np
 
@@ -55,17 +56,38 @@ def judge_reading(got: FloatArray, step: Step, where: str, praise: str) -> Verdi
     """Judge ``[K, tau, td]`` as read from a step; `where` is a prefix of each reason, such as "``read_step``: "."""
     fit = fit_step_response(step.t, step.y, step.amplitude)
     K, tau, td = map(float, got)
-    right_gain = any(abs(K - right) <= GAIN_WITHIN * abs(right) for right in (fit.reading.K, fit.model.K))
-    if right_gain and tau > 0 and _excess(FirstOrderDelay(K, tau, td), step, fit) <= step.allowance:
+    if _is_right(got, step, fit):
         return Verdict(True, praise)
+    right_gain = _is_right_gain(K, fit)
+    right = np.array([fit.reading.K, fit.reading.tau, fit.reading.td])
+    within = SAME_VALUE * np.abs([fit.reading.K, fit.reading.tau, fit.reading.tau])
+    within[1:] += 0.5 * float(step.t[1] - step.t[0])
+    for order in list(permutations(range(3)))[1:]:
+        if np.all(np.abs(got[list(order)] - right) <= within):
+            return Verdict(False, f"{where}K, tau and td are right, but in another order.", "order of K, tau and td")
     values = {"K": K, "tau": tau, "td": td}
+    matches: list[tuple[float, _Suspect]] = []
     for suspect in _suspects(step, fit):
         if (suspect.parameter == "K") == right_gain:
             continue
         distance = abs(values[suspect.parameter] - suspect.value)
         if distance <= SAME_VALUE * abs(suspect.value) + suspect.within:
-            return Verdict(False, where + suspect.hint, suspect.slip)
+            matches.append((distance, suspect))
+    if matches:
+        # of two mistakes in one parameter, the nearer one; of two parameters, the one that is looked at first
+        first = matches[0][1].parameter
+        nearest = min((match for match in matches if match[1].parameter == first), key=lambda match: match[0])[1]
+        return Verdict(False, where + nearest.hint, nearest.slip)
     return Verdict(False, where + _deviation(values, fit, right_gain))
+
+
+def _is_right_gain(K: float, fit: StepResponseFit) -> bool:
+    return any(abs(K - right) <= GAIN_WITHIN * abs(right) for right in (fit.reading.K, fit.model.K))
+
+
+def _is_right(got: FloatArray, step: Step, fit: StepResponseFit) -> bool:
+    K, tau, td = map(float, got)
+    return _is_right_gain(K, fit) and tau > 0 and _excess(FirstOrderDelay(K, tau, td), step, fit) <= step.allowance
 
 
 def _excess(model: FirstOrderDelay, step: Step, fit: StepResponseFit) -> float:
@@ -104,6 +126,10 @@ def _suspects(step: Step, fit: StepResponseFit) -> Iterator[_Suspect]:
     yield _Suspect("63.2 % taken for the end", "K", 0.632 * right.K, 0, early)
     two_thirds = "tau is t_63 - t_28, which is only two thirds of the time constant."
     yield _Suspect("the factor 3/2 forgotten", "tau", fit.t_632 - fit.t_283, grid, two_thirds)
+    way = (step.y - fit.y_initial) / change
+    t_50 = float(step.t[np.argmax(way >= 0.5)])
+    half = "tau is measured to 50 % of the change; the time constant is the time to 63.2 %."
+    yield _Suspect("50 % taken for 63.2 %", "tau", t_50 - right.td, grid, half)
     late = "td is the time to 63.2 %, which is t_d + tau: subtract tau."
     yield _Suspect("63.2 % taken for the delay", "td", fit.t_632, grid, late)
     if Ts <= COARSE:

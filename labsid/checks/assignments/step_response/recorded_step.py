@@ -1,6 +1,7 @@
 """Checks of step 6 of the appendix: a step cut from the record of the lab, and the model read from it."""
 
 from collections.abc import Callable
+from functools import partial
 
 import numpy as np
 
@@ -21,7 +22,7 @@ LEVEL_WITHIN = 0.02
 def check_held_step(ask: Ask) -> Verdict:
     """Step 6: the first step of the record, cut out."""
     t_act, u, y = ask.record.t, ask.record.u, ask.record.y
-    first, second = (np.flatnonzero(np.diff(u)) + 1)[:2]
+    first, second, third = [*(np.flatnonzero(np.diff(u)) + 1), u.size][:3]
     right = give_held_step(ask)
     y_held, a_held = np.asarray(right["y_held"]), float(u[first] - u[first - 1])
     change = abs(np.mean(y_held[-10:]))
@@ -77,6 +78,14 @@ def check_held_step(ask: Ask) -> Verdict:
                 "not cut at the second change",
                 "`y_held` extends to the end of the record: stop at the second change.",
                 lambda: y[first:] - y[:first].mean(),
+            ),
+            *(
+                Slip(
+                    "the second step",
+                    "`y_held` is the output after the second change of the input; the first step is asked for.",
+                    partial(np.subtract, y[second:third], level),
+                )
+                for level in (y[:first].mean(), y[second - 20 : second].mean(), y[first:second].mean())
             ),
             Slip(
                 "off by one",
