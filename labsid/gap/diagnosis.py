@@ -212,7 +212,10 @@ def _report(prepared: _Prepared, explanation: Explanation, seed: int, progress: 
     model = export_model(data, answer.score.after_fit, answer.elsewhere)
     joined, inside = prepared.joined, np.ones(len(record), bool)
     if joined is None:
-        plateau = plateau_gap(record.u, record.y, *answer.outputs, data.rows)
+        before = answer.before if base.given else explanation.path[0]  # fitted to all samples, as the levels are
+        plateau = plateau_gap(
+            record.u, record.y, np.asarray(data.y_scale.back(before.output)), answer.outputs[1], data.rows
+        )
         found = findings_from_record(prepared.whole, plateau)
     else:
         inside = joined.inside

@@ -200,12 +200,13 @@ def test_a_submission_that_ends_its_workers_costs_only_itself(
 ) -> None:
     (tmp_path / "killer.py").write_text(
         "import os, signal\n"
-        "from autograder.batch import cluster_worker, tasks\n"
-        "def run_task(task, launcher):\n"
+        "from autograder.batch import cluster_worker\n"
+        "run = cluster_worker.run_on_worker\n"
+        "def run_on_worker(requirements, task):\n"
         "    if task.submission.student == 'bea':\n"
         "        os.kill(os.getpid(), signal.SIGKILL)\n"
-        "    return tasks.run_task(task, launcher)\n"
-        "cluster_worker.run_task = run_task\n",
+        "    return run(requirements, task)\n"
+        "cluster_worker.run_on_worker = run_on_worker\n",
         encoding="utf-8",
     )
     machines.start(allowed_failures=0)
@@ -281,11 +282,12 @@ def test_stopped_by_ctrl_c_and_by_a_scheduler_that_dies_a_run_goes_on(
 ) -> None:
     (tmp_path / "slow.py").write_text(
         "import time\n"
-        "from autograder.batch import cluster_worker, tasks\n"
-        "def run_task(task, launcher):\n"
+        "from autograder.batch import cluster_worker\n"
+        "run = cluster_worker.run_on_worker\n"
+        "def run_on_worker(requirements, task):\n"
         "    time.sleep(0.3)\n"
-        "    return tasks.run_task(task, launcher)\n"
-        "cluster_worker.run_task = run_task\n",
+        "    return run(requirements, task)\n"
+        "cluster_worker.run_on_worker = run_on_worker\n",
         encoding="utf-8",
     )
     machines.start().add_worker("--preload", str(tmp_path / "slow.py"))

@@ -123,7 +123,7 @@ def test_a_partial_case_has_a_listed_effect_and_a_smaller_one_outside_the_table(
     cases = of_row(some, "partial")
     assert [case.labels for case in cases] == [(name,) for name in EFFECTS_BESIDE_UNLISTED[: len(cases)]]
     for case in cases:
-        assert case.level == "partial"
+        assert case.level == "clear"
         assert case.truth["kind"] in UNLISTED_EFFECTS
         assert case.sim is None
         assert 1200 <= len(case.record) <= 3000
