@@ -5,14 +5,13 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.polynomial.chebyshev import chebvander
-from scipy.signal import lfilter
 
 from labsid._arrays import FloatArray
 from labsid.gap import _kernels
 from labsid.gap.data import Data
 from labsid.gap.fitting import Fit
 from labsid.gap.residual_tests import input_history
-from labsid.gap.responses import normalized_time, real_rates
+from labsid.gap.responses import normalized_time, real_rates, section
 
 FOLDS = 10  # contiguous parts of the record, each predicted from the others
 RIDGES = (1e-3, 1e-2, 1e-1, 1.0)  # relative to the mean square of a column
@@ -172,10 +171,7 @@ def _features(data: Data, fit: Fit) -> dict[str, FloatArray]:
 
 def _through(c: float, k: float, signal: FloatArray) -> list[FloatArray]:
     """The signal after the linear dynamics s^2 + c s + k, with either numerator term."""
-    poles = np.exp(np.roots([1.0, c, k]))
-    den = np.real(np.poly(poles))
-    x = signal - signal[0]
-    return [lfilter(num, den, x) for num in ([0.0, 1.0], [0.0, 0.0, 1.0])]
+    return list(section(c, k, signal - signal[0])[:, :2].T)
 
 
 def _random(signals: Sequence[FloatArray]) -> FloatArray:
