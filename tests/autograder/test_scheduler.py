@@ -99,6 +99,23 @@ def wait_for(done: Callable[[], bool], seconds: float = 60) -> None:
         time.sleep(0.02)
 
 
+def before_each_call(folder: Path, statement: str) -> str:
+    """Path of a worker's preload that executes a statement whenever the worker is about to judge `task`."""
+    path = folder / "preload.py"
+    path.write_text(
+        "import os, signal, time\n"
+        "from autograder.batch.judge_process import JudgeProcess\n"
+        "def dask_setup(worker):\n"  # once; Dask executes the file itself twice
+        "    call = JudgeProcess.call\n"
+        "    def call_after(self, function, task, **options):\n"
+        f"        {statement}\n"
+        "        return call(self, function, task, **options)\n"
+        "    JudgeProcess.call = call_after\n",
+        encoding="utf-8",
+    )
+    return str(path)
+
+
 @pytest.fixture
 def machines(tmp_path: Path) -> Iterator[Machines]:
     (tmp_path / "machines").mkdir()
@@ -195,25 +212,13 @@ def test_a_worker_killed_half_way_costs_nothing_and_without_workers_the_run_ends
     assert SECRET not in machines.said()
 
 
-@pytest.mark.skip(
-    reason="its stand-in for a worker's task is not reached: hand-ins are judged in a process of their own since"
-)
 def test_a_submission_that_ends_its_workers_costs_only_itself(
     course: Course, batch: Batch, local: Path, machines: Machines, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    (tmp_path / "killer.py").write_text(
-        "import os, signal\n"
-        "from autograder.batch import cluster_worker, tasks\n"
-        "def run_task(task, launcher):\n"
-        "    if task.submission.student == 'bea':\n"
-        "        os.kill(os.getpid(), signal.SIGKILL)\n"
-        "    return tasks.run_task(task, launcher)\n"
-        "cluster_worker.run_task = run_task\n",
-        encoding="utf-8",
-    )
+    preload = before_each_call(tmp_path, "if task.submission.student == 'bea': os.kill(os.getpid(), signal.SIGKILL)")
     machines.start(allowed_failures=0)
     for _ in range(3):
-        machines.add_worker("--preload", str(tmp_path / "killer.py"))
+        machines.add_worker("--preload", preload)
     one = replace(batch, students=("bea",))
     told: list[str] = []
     with monkeypatch.context() as patch:
@@ -273,9 +278,6 @@ def test_a_worker_with_another_labsid_is_refused(
     assert not list((tmp_path / "none").glob("results/*"))
 
 
-@pytest.mark.skip(
-    reason="its stand-in for a worker's task is not reached: hand-ins are judged in a process of their own since"
-)
 def test_stopped_by_ctrl_c_and_by_a_scheduler_that_dies_a_run_goes_on(
     course: Course,
     batch: Batch,
@@ -285,16 +287,7 @@ def test_stopped_by_ctrl_c_and_by_a_scheduler_that_dies_a_run_goes_on(
     monkeypatch: pytest.MonkeyPatch,
     capsys: pytest.CaptureFixture[str],
 ) -> None:
-    (tmp_path / "slow.py").write_text(
-        "import time\n"
-        "from autograder.batch import cluster_worker, tasks\n"
-        "def run_task(task, launcher):\n"
-        "    time.sleep(0.3)\n"
-        "    return tasks.run_task(task, launcher)\n"
-        "cluster_worker.run_task = run_task\n",
-        encoding="utf-8",
-    )
-    machines.start().add_worker("--preload", str(tmp_path / "slow.py"))
+    machines.start().add_worker("--preload", before_each_call(tmp_path, "time.sleep(0.3)"))
     assert machines.scheduler is not None
     monkeypatch.setattr("autograder.course.layout.find_course", lambda: course)
     shutil.copytree(batch.submitted, tmp_path / "submitted", ignore=shutil.ignore_patterns(*CHANGED))
