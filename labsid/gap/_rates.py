@@ -46,24 +46,26 @@ def simulate_stepped(
     responses from z = 1 and from z' = 1.
     """
     samples, driven = w.shape
-    out = np.empty((samples, 2 * driven + 6))
-    z, v = np.zeros(driven + 3), np.zeros(driven + 3)
+    columns = driven + 3
+    out = np.empty((samples, 2 * columns))
+    z, v = np.zeros(columns), np.zeros(columns)
     z[driven + 1] = v[driven + 2] = 1.0
-    force = np.zeros(driven + 3)
+    started = 0.0  # the unit force
     before, after = transition(c[0], k[0], 1.0), transition(c[1], k[1], 1.0)
     for n in range(samples):
-        out[n, ::2], out[n, 1::2] = z, v
-        force[:driven] = w[n]
+        for j in range(columns):
+            out[n, 2 * j] = z[j]
+            out[n, 2 * j + 1] = v[j]
         if onset > n:
             remaining = min(onset - n, 1.0)
-            z, v = _advance(z, v, force, before if remaining == 1.0 else transition(c[0], k[0], remaining))
+            _advance(z, v, w, n, started, before if remaining == 1.0 else transition(c[0], k[0], remaining))
         if n <= onset < n + 1:
-            v = v - kick * z
+            v -= kick * z
             v[driven] = push
-            force[driven] = 1.0
+            started = 1.0
         if onset < n + 1:
             remaining = min(n + 1 - onset, 1.0)
-            z, v = _advance(z, v, force, after if remaining == 1.0 else transition(c[1], k[1], remaining))
+            _advance(z, v, w, n, started, after if remaining == 1.0 else transition(c[1], k[1], remaining))
         if not abs(z[0]) < 1e12:
             out[n + 1 :] = np.nan
             break
@@ -72,7 +74,16 @@ def simulate_stepped(
 
 @compiled()
 def _advance(
-    z: FloatArray, v: FloatArray, force: FloatArray, step: tuple[float, float, float, float, float, float]
-) -> tuple[FloatArray, FloatArray]:
+    z: FloatArray,
+    v: FloatArray,
+    w: FloatArray,
+    n: int,
+    started: float,
+    step: tuple[float, float, float, float, float, float],
+) -> None:
+    """Advance all states by one step, in place: the inputs of sample n drive the first ones, `started` the next one."""
     f11, f12, f21, f22, g1, g2 = step
-    return f11 * z + f12 * v + g1 * force, f21 * z + f22 * v + g2 * force
+    driven = w.shape[1]
+    for j in range(z.size):
+        force = w[n, j] if j < driven else started if j == driven else 0.0
+        z[j], v[j] = f11 * z[j] + f12 * v[j] + g1 * force, f21 * z[j] + f22 * v[j] + g2 * force
