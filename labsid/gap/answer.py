@@ -17,13 +17,13 @@ from labsid.gap.decision import (
     confidence_in,
     decide,
     decide_partial,
-    partial_evidence,
+    evidence_by_name,
 )
 from labsid.gap.effects.base import AdditiveEffect
 from labsid.gap.explanation import Explanation
 from labsid.gap.fitting import Fit
 from labsid.gap.held_out_errors import HeldOut, hold_out
-from labsid.gap.held_out_search import HeldOutSearch, Step, search_held_out
+from labsid.gap.held_out_search import HeldOutSearch, search_held_out
 from labsid.gap.record_findings import plateau_gap
 from labsid.gap.residual_tests import ResidualMeasures, measure_residual
 from labsid.gap.scores import GapScore, closed_share, score_fits
@@ -151,7 +151,7 @@ def answer_from(
     decision = decide(whole.explanation, whole.left, setting.given, confidence)
     if decision.verdict == "unknown":
         part, search = _partial(setting, explanation, progress)
-        return _answer(part, decide_partial(search.steps, decision, bool(about_clipping(record.y))), search)
+        return _answer(part, decide_partial(search, decision, bool(about_clipping(record.y))), search)
     if len(whole.explanation.path) == 1:  # no simulated effect was added
         whole = replace(whole, score=replace(whole.score, closed=None, ci95=None))
     return _answer(whole, decision)
@@ -182,7 +182,7 @@ def _partial(
     held_out = before.held_out
     output = held_out.output(before.fit) if setting.given_output is None else setting.given_output
     errors = held_out.in_parts(held_out.measured - output)
-    search = search_held_out(held_out, explanation, before.start, errors, progress)
+    search = search_held_out(held_out, explanation, before.start, errors, before.linear is None, progress)
     first = explanation.path[0] if before.linear is None else before.fit  # a given simulation cannot be exported
     partly = replace(explanation, path=(first, *(step.fit for step in search.steps)))
     after = before.start if before.linear is None and not search.steps else partly.best
@@ -206,7 +206,6 @@ def _acts_in_every_record(explanation: Explanation) -> bool:
 
 def _answer(found: _Comparison, decision: Decision, search: HeldOutSearch | None = None) -> Answer:
     explanation, score = found.explanation, found.score
-    steps, tried = ((), {}) if search is None else (search.steps, search.tried)
     return Answer(
         explanation=explanation,
         decision=decision,
@@ -215,10 +214,10 @@ def _answer(found: _Comparison, decision: Decision, search: HeldOutSearch | None
         remaining=None if decision.verdict == "none" else kinds_of_error(explanation.data, _asserted(found, decision)),
         before=found.before.fit,
         linear=found.before.linear,
-        tried=tried,
-        evidence={step.name: partial_evidence(step, steps) for step in steps},
+        tried={} if search is None else search.tried,
+        evidence={} if search is None else evidence_by_name(search),
         elsewhere=_elsewhere(found, decision, search),
-        closed=_closed_by_step(found, steps),
+        closed=_closed_by_step(found, search),
         share_left=1.0 - (decision.closed if search is None else score.closed or 0.0),
     )
 
@@ -239,15 +238,17 @@ def _asserted(found: _Comparison, decision: Decision) -> Fit:
     return found.explanation.best if asserted else found.before.fit
 
 
-def _closed_by_step(found: _Comparison, steps: tuple[Step, ...]) -> tuple[float | None, ...]:
+def _closed_by_step(found: _Comparison, search: HeldOutSearch | None) -> tuple[float | None, ...]:
     """Share of the gap on the held-out samples that each fit on the path to the accepted one closes."""
     path, score, held_out = found.explanation.path, found.score, found.before.held_out
     if score.closed is None:
         return (None,) * len(path)
-    closed: list[float | None] = [0.0]
+    mismatch = None if search is None else search.mismatch
+    left = [1.0 if mismatch is None else mismatch.factor**2]
     for number, fit in enumerate(path[1:-1]):
-        errors = steps[number].errors if steps else held_out.errors(held_out.refit(fit))
-        closed.append(closed_share(score.before**2, float(np.mean(errors)), score.floor**2))
+        errors = held_out.errors(held_out.refit(fit)) if search is None else search.steps[number].errors
+        left.append(float(np.mean(errors)) / score.before**2)
+    closed = [closed_share(score.before**2, share * score.before**2, score.floor**2) for share in left]
     return tuple([*closed, score.closed][-len(path) :])
 
 

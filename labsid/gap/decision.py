@@ -11,7 +11,7 @@ from labsid.gap.effect_texts import STOP_EFFECTS
 from labsid.gap.explanation import Explanation
 from labsid.gap.fitting import Fit, mean_square
 from labsid.gap.held_out_errors import Reduction
-from labsid.gap.held_out_search import Step
+from labsid.gap.held_out_search import HeldOutSearch
 from labsid.gap.residual_tests import SLOW_CORRELATION, ResidualMeasures, is_noise
 
 TEMPERATURE = 4.0  # divides BIC differences: models are never exact
@@ -134,24 +134,23 @@ def decide(explanation: Explanation, left: ResidualMeasures, given: Fit | None, 
     return Decision(verdict, named, probability, tuple(ambiguous[:MAX_RIVALS]), weights, closed)
 
 
-def decide_partial(steps: tuple[Step, ...], unknown: Decision, at_stop: bool = False) -> Decision:
+def decide_partial(search: HeldOutSearch, unknown: Decision, at_stop: bool = False) -> Decision:
     """Name the effects that each reduce the error on held-out samples.
 
     Parameters
     ----------
-    steps : tuple of Step
-        From `held_out_search.search_held_out`.
+    search : HeldOutSearch
     unknown : Decision
         The decision if nothing is named.
     at_stop : bool
         Whether the record shows the output at rest at its extreme.
     """
-    if not steps:
+    probability = {name: partial_probability(evidence) for name, evidence in evidence_by_name(search).items()}
+    if not probability:
         return unknown
-    probability = {step.name: partial_probability(partial_evidence(step, steps)) for step in steps}
     if at_stop:
         probability |= {name: max(p, SEEN_STOP) for name, p in probability.items() if name in STOP_EFFECTS}
-    rivals = [name for step in steps for name, one in step.rivals if one.factor < RIVAL_FACTOR]
+    rivals = [name for step in search.steps for name, one in step.rivals if one.factor < RIVAL_FACTOR]
     return replace(
         unknown,
         verdict="partial",
@@ -188,11 +187,18 @@ PARTIAL_PRIOR = -5.6
 PARTIAL_WEIGHTS = PartialEvidence(reduction=2.4, alone=3.1, margin=0.9, others=-0.6)
 
 
-def partial_evidence(step: Step, steps: tuple[Step, ...]) -> PartialEvidence:
-    """Evidence for one of the effects of a partial explanation."""
-    margin = min((float(np.log(one.factor)) for _, one in step.rivals), default=MAX_MARGIN)
-    alone = 0.0 if step.alone is None else _gain(step.alone)
-    return PartialEvidence(_gain(step.missed), alone, min(margin, MAX_MARGIN), len(steps) - 1.0)
+def evidence_by_name(search: HeldOutSearch) -> dict[str, PartialEvidence]:
+    """Evidence for each effect of a partial explanation, parameters of a given simulation first."""
+    steps, mismatch = search.steps, search.mismatch
+    found = {}
+    if mismatch is not None:
+        found[MISMATCH] = PartialEvidence(_gain(mismatch), _gain(mismatch), 0.0, float(len(steps)))
+    others = len(steps) - 1.0 + len(found)
+    for step in steps:
+        margin = min((float(np.log(one.factor)) for _, one in step.rivals), default=MAX_MARGIN)
+        alone = 0.0 if step.alone is None else _gain(step.alone)
+        found[step.name] = PartialEvidence(_gain(step.missed), alone, min(margin, MAX_MARGIN), others)
+    return found
 
 
 def _gain(reduction: Reduction) -> float:

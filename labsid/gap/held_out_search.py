@@ -92,11 +92,14 @@ class HeldOutSearch:
         By sorted names: mean square error on the held-out samples of every combination tried.
     elsewhere : Fit or None
         The best fit without effects whose time course belongs to this record, if some of `steps` are such effects.
+    mismatch : Reduction or None
+        Of a given simulation: what other values of its parameters reduce, if that pays.
     """
 
     steps: tuple[Step, ...]
     tried: dict[tuple[str, ...], float]
     elsewhere: Fit | None
+    mismatch: Reduction | None = None
 
 
 class _Pool:
@@ -142,7 +145,12 @@ class _Pool:
 
 
 def search_held_out(
-    held_out: HeldOut, explanation: Explanation, start: Fit, before: FloatArray, progress: Progress | None = None
+    held_out: HeldOut,
+    explanation: Explanation,
+    start: Fit,
+    before: FloatArray,
+    given: bool = False,
+    progress: Progress | None = None,
 ) -> HeldOutSearch:
     """Find the combination of least error on the held-out samples in which every effect pays.
 
@@ -157,13 +165,18 @@ def search_held_out(
         The fit to which effects are added, to the rows that are not held out.
     before : ndarray
         Errors of the simulation before in the parts of the held-out samples.
+    given : bool
+        Whether `start` is a given simulation with fitted parameters, `before` without: an effect then has to pay beside
+        the fitted parameters.
     progress : callable, optional
 
     Returns
     -------
     HeldOutSearch
     """
-    pool = _Pool(held_out, Candidate(start, before), progress)
+    refitted = held_out.errors(start) if given else before
+    mismatch = compare_errors(before, refitted)
+    pool = _Pool(held_out, Candidate(start, min(before, refitted, key=np.sum)), progress)
     for number, level in enumerate(explanation.levels[1:]):
         fits = sorted(level.values(), key=lambda fit: mean_square(explanation.data, fit))
         pool.add(held_out.refit(fit) for fit in (fits if number == 0 else fits[:COMPARED]))
@@ -182,7 +195,7 @@ def search_held_out(
     if best.names & OF_ONE_RECORD:
         lasting = (one for names, one in pool.best.items() if not names & OF_ONE_RECORD)
         elsewhere = _paying(pool, min(lasting, key=lambda one: one.total)).fit
-    return HeldOutSearch(_steps(pool, best), tried, elsewhere)
+    return HeldOutSearch(_steps(pool, best), tried, elsewhere, mismatch if mismatch.pays else None)
 
 
 def _paying(pool: _Pool, candidate: Candidate) -> Candidate:

@@ -180,15 +180,16 @@ class DeadZone(InputEffect):
         return np.concatenate([np.clip(ends, -8.0, 8.0), steps]), 1 + len(steps) // 2 + (self.variant == "gain")
 
     def values(self, fit: Fitted) -> dict[str, Value]:
-        """`low` and `high` as inputs, without an end that the record does not reach, and what differs by side."""
+        """`low` and `high` as inputs, and what differs by side, without a side that the record does not reach."""
         low, high = sorted(fit.theta_of(self)[:2])
         u = fit.data.u
-        found = {"low": Value(fit.u(low), "u")} if low >= u.min() else {}
-        found |= {"high": Value(fit.u(high), "u")} if high <= u.max() else {}
+        sides = [side for side, reached in (("low", low >= u.min()), ("high", high <= u.max())) if reached]
+        ends = {"low": low, "high": high}
+        found = {side: Value(fit.u(ends[side]), "u") for side in sides}
         for parameter, value in zip(self.parameters[2:], fit.theta_of(self)[2:], strict=True):
-            if parameter.name == "log_ratio":
+            if parameter.name == "log_ratio" and len(sides) == 2:
                 found["ratio"] = Value(float(np.exp(value)), "1")
-            else:
+            elif parameter.name in {f"jump_{side}" for side in sides}:
                 found[parameter.name] = Value(float(value) * fit.data.u_scale.unit, "u")
         return found
 

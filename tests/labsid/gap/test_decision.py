@@ -11,14 +11,14 @@ from labsid.gap.decision import (
     confidence_in,
     decide,
     decide_partial,
+    evidence_by_name,
     mismatch_probability,
-    partial_evidence,
     partial_probability,
 )
 from labsid.gap.explanation import Explanation
 from labsid.gap.fitting import Fit, mean_square
 from labsid.gap.held_out_errors import PARTS, Reduction
-from labsid.gap.held_out_search import Step
+from labsid.gap.held_out_search import HeldOutSearch, Step
 from labsid.gap.residual_tests import ResidualMeasures, measure_residual
 
 STRUCTURE = {"repeats": 0.6, "repeats_z": 9.0, "explained": 0.6}
@@ -208,7 +208,11 @@ def test_unrepeated_levels_make_a_drift_unknown(banded: Explanation) -> None:
 
 
 def chance_of(one: Step, *others: Step) -> float:
-    return partial_probability(partial_evidence(one, (one, *others)))
+    return partial_probability(evidence_by_name(search(one, *others))[one.name])
+
+
+def search(*steps: Step, mismatch: Reduction | None = None) -> HeldOutSearch:
+    return HeldOutSearch(steps, {}, None, mismatch)
 
 
 def step(fit: Fit, name: str, factor: float = 0.4, rivals: dict[str, float] | None = None) -> Step:
@@ -225,7 +229,7 @@ def nothing(banded: Explanation) -> Decision:
 
 
 def test_without_an_effect_that_pays_the_cause_is_unknown(nothing: Decision) -> None:
-    decision = decide_partial((), nothing)
+    decision = decide_partial(search(), nothing)
     check(decision)
     assert decision.verdict == "unknown"
     assert decision is nothing
@@ -233,23 +237,23 @@ def test_without_an_effect_that_pays_the_cause_is_unknown(nothing: Decision) -> 
 
 def test_the_effects_that_pay_are_named_in_their_order(banded: Explanation, nothing: Decision) -> None:
     steps = (step(banded.best, "coulomb-friction", 0.3), step(banded.best, "resonance", 0.8, {"extra-lag": 1.3}))
-    decision = decide_partial(steps, nothing)
+    decision = decide_partial(search(*steps), nothing)
     check(decision)
     assert decision.verdict == "partial"
     assert decision.names == ("coulomb-friction", "resonance")
     assert decision.ambiguous == ()
-    assert decision.probability == {one.name: partial_probability(partial_evidence(one, steps)) for one in steps}
+    assert decision.probability == {one.name: chance_of(one, *(set(steps) - {one})) for one in steps}
     assert decision.weights == {("coulomb-friction", "resonance"): min(decision.probability.values())}
 
 
 def test_rivals_that_reduce_the_error_nearly_as_much_are_ambiguous(banded: Explanation, nothing: Decision) -> None:
     near = {"extra-lag": 1.02, "input-delay": 1.09, "resonance": 1.05, "input-backlash": 1.5}
     steps = (step(banded.best, "coulomb-friction", 0.3, near), step(banded.best, "resonance", 0.7, {"extra-lag": 1.01}))
-    decision = decide_partial(steps, nothing)
+    decision = decide_partial(search(*steps), nothing)
     check(decision)
     assert decision.ambiguous == ("extra-lag", "input-delay")  # each once, and none that is named
     many = {f"rival-{k}": 1.01 for k in range(5)}
-    decision = decide_partial((step(banded.best, "coulomb-friction", 0.3, many),), nothing)
+    decision = decide_partial(search(step(banded.best, "coulomb-friction", 0.3, many)), nothing)
     check(decision)
     assert len(decision.ambiguous) == 3
 
@@ -264,3 +268,17 @@ def test_an_effect_is_more_probable_the_farther_its_rivals_are_and_the_more_it_r
     assert chance_of(step(banded.best, "a", 0.9, {"b": 1.0})) < 0.5
     nearest = step(banded.best, "a", 0.4, {"b": 1.5, "c": 1.05})
     assert chance_of(nearest) == chance_of(step(banded.best, "a", 0.4, {"c": 1.05}))
+
+
+def test_other_parameters_of_a_given_simulation_that_pay_are_named_first(
+    banded: Explanation, nothing: Decision
+) -> None:
+    one = step(banded.best, "coulomb-friction", 0.5)
+    decision = decide_partial(search(one, mismatch=Reduction(0.2, 9.0)), nothing)
+    check(decision)
+    assert decision.names == ("parameter-mismatch", "coulomb-friction")
+    assert decision.probability["parameter-mismatch"] > 0.5
+    assert decision.probability["coulomb-friction"] < chance_of(one)  # one more effect beside it
+    alone = decide_partial(search(mismatch=Reduction(0.9, 3.0)), nothing)
+    assert alone.verdict == "partial"
+    assert 0.0 < alone.probability["parameter-mismatch"] < 0.1

@@ -84,3 +84,18 @@ def test_an_effect_that_a_fit_uses_on_its_own_record_only_is_not_kept(banded: Ex
 
 def test_the_effects_of_one_record_are_those_with_a_time_course() -> None:
     assert set(OF_ONE_RECORD) == {"load-step", "output-drift", "parameter-drift", "periodic-disturbance"}
+
+
+def test_an_effect_must_pay_beside_fitted_parameters_of_a_given_simulation(banded: Explanation) -> None:
+    held_out = hold_out(banded.data, None)
+    start = held_out.refit(banded.path[0])
+    refitted = held_out.errors(start)
+    wrong = 9.0 * refitted  # of the simulation as given
+    search = search_held_out(held_out, banded, start, wrong, given=True)
+    assert search.mismatch == compare_errors(wrong, refitted)
+    (step,) = search.steps
+    assert step.reduction == compare_errors(refitted, step.errors)
+    right = 0.9 * refitted
+    search = search_held_out(held_out, banded, start, right, given=True)
+    assert search.mismatch is None
+    assert search.steps[0].reduction == compare_errors(right, search.steps[0].errors)
