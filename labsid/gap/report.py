@@ -157,7 +157,7 @@ def _sample_parameters(explanation: Explanation, name: str) -> dict[str, dict[st
 
 
 def _ranking(answer: Answer) -> list[dict[str, Any]]:
-    """Every combination tried, best first: by probability, then by the free-run error if that decided, else by BIC."""
+    """Every combination tried, best first: by the free-run error if that decided, else by probability and BIC."""
     explanation, decision, unit = answer.explanation, answer.decision, answer.explanation.data.y_scale.unit
     if decision.verdict in ("partial", "unknown"):
         start, floor = answer.score.before**2, answer.score.floor**2
@@ -170,7 +170,8 @@ def _ranking(answer: Answer) -> list[dict[str, Any]]:
             }
             for names, mse in answer.tried.items()
         ]
-        return sorted(rows, key=lambda row: (-float(row["probability"]), float(row["rmse"])))
+        accepted = "+".join(sorted(set(decision.names) - {MISMATCH}))
+        return sorted(rows, key=lambda row: (row["name"] != accepted, row["rmse"]))
     start, floor = mean_square(explanation.data, answer.before), float(explanation.best.noise.sigma2)
     fits = [(names, fit) for level in explanation.levels[1:] for names, fit in level.items()]
     ordered = sorted(fits, key=lambda item: (-decision.weights.get(item[0], 0.0), item[1].bic))
