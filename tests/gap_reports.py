@@ -134,6 +134,8 @@ def report(*names: str, verdict: str = "effect", probability: float = 0.999) -> 
         "simulation": {
             "given": given,
             "output_only": False,
+            "closed": False,
+            "numbers": {},
             "model": None if given else {"method": "output error", "observed": True},
         },
         "screen": [],

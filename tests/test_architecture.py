@@ -174,7 +174,7 @@ def test_only_plots_imports_matplotlib_and_never_its_global_state(labsid: list[M
 @pytest.mark.parametrize(
     ("folder", "extras"),
     [
-        ("labsid", []),
+        ("labsid", ["fmu"]),
         ("autograder", ["notebooks", "autograder", "cluster"]),
         ("tests", ["notebooks", "autograder", "dev"]),
     ],

@@ -30,7 +30,15 @@ def diagnose(
         Path | None, typer.Option(metavar="RECORD2", help="Another record of the same rig, for scoring.")
     ] = None,
     sim: Annotated[
-        Path | None, typer.Option(metavar="MODEL", help="MODEL.json, an exported simulation, or a .csv with t,y.")
+        Path | None,
+        typer.Option(
+            metavar="MODEL",
+            help="MODEL.json, an exported simulation, FILE.py:FUNCTION, FILE.fmu, or a .csv with t,y.",
+        ),
+    ] = None,
+    free: Annotated[
+        str | None,
+        typer.Option(metavar="NAME,...", help="Numbers of FILE.py:FUNCTION or FILE.fmu that may be fitted."),
     ] = None,
     order: Annotated[int, typer.Option(help="Order of the fitted model if --sim is not given.")] = 2,
     json_file: Annotated[Path | None, typer.Option("--json", metavar="FILE", help="Write the report as JSON.")] = None,
@@ -57,11 +65,17 @@ def diagnose(
     from labsid.gap.simulation_files import load_simulation
     from labsid.gap.text_report import format_report
     from labsid.records.record import load_record
+    from labsid.simulators.sources import source_file
 
     written = [path for path in (json_file, html, export) if path is not None]
     for number, path in enumerate(written):
         check_writable(path)
-        _refuse_overwriting(path, [*records, holdout, sim, *written[:number]])
+        _refuse_overwriting(path, [*records, holdout, None if sim is None else source_file(sim), *written[:number]])
+    if export is not None and sim is not None and sim.suffix.lower() == ".csv":
+        raise ValueError(
+            f"{sim} holds the output of a simulation, so a correction of it cannot be exported. Omit --export, or give "
+            "the model itself."
+        )
     stated = None if units is None else _units(units)
     excluded = [_time_range(text) for text in exclude or ()]
     loaded = [load_record(path, output=output, columns=columns, Ts=Ts, allow_jitter=True) for path in records]
@@ -73,6 +87,7 @@ def diagnose(
         found = diagnosis.diagnose(
             loaded,
             simulation,
+            free=[name.strip() for name in free.split(",")] if free else (),
             holdout=other,
             order=order,
             exclude=excluded,

@@ -1,6 +1,6 @@
 """The simulation under test: its output on the record, and the structure from which the search starts."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -12,17 +12,23 @@ from labsid.gap.data import Data
 from labsid.gap.effects.dynamics import ExtraLag, Resonance
 from labsid.gap.effects.restarts import Restarts
 from labsid.gap.fitting import Fit
+from labsid.gap.given_simulation import by_record, given_plant
 from labsid.gap.hypothesis import Hypothesis
 from labsid.gap.linear_fits import fit_baseline
 from labsid.gap.model_file import SCHEMA, START_SAMPLES, ExportedModel, read_exported_model
 from labsid.gap.noise_model import fit_noise
 from labsid.gap.plants import Plant
+from labsid.gap.responses import free_responses
 from labsid.records.record import Record
+from labsid.simulators.control_systems import is_control_system, read_control_system
+from labsid.simulators.simulator import Simulator, function_simulator
 
 UNSTABLE_RATIO = 1e6  # distance from the mean, in ranges of the measured output
 NO_STATES = np.zeros((0, 0))
 
-Simulation = dict[str, Any] | ExportedModel | FloatArray | Callable[[FloatArray, FloatArray], FloatArray]
+
+Simulation = dict[str, Any] | ExportedModel | FloatArray | Simulator
+AnySimulation = Simulation | Callable[..., Any] | Any
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -76,8 +82,7 @@ class TransferFunction:
         forced, states = self.response(u), self.free_response(u.size)
         if not np.isfinite(forced[first]).all() or not np.isfinite(states[first]).all():
             return np.full(u.size, np.nan)
-        state = np.linalg.lstsq(states[first], (y - forced)[first], rcond=None)[0]
-        return np.asarray(forced + states @ state)
+        return _started(forced, states, y)
 
     def free_response(self, samples: int) -> FloatArray:
         """Free responses to the unit initial states, shape (samples, n)."""
@@ -158,9 +163,9 @@ def make_baseline(data: Data, t: FloatArray, simulation: Simulation | None, orde
     data : Data
     t : ndarray, shape (N,)
         Times, for a callable simulation.
-    simulation : dict, ndarray, callable or None
+    simulation : dict, ExportedModel, ndarray, Simulator or None
         MODEL.json or an exported simulation, as content or as a model; the output of any simulator on the record; or
-        ``simulate(t, u) -> y``.
+        a simulator.
     order : int
         Order of the fitted model if no simulation is given, 1 to 4.
 
@@ -178,9 +183,39 @@ def make_baseline(data: Data, t: FloatArray, simulation: Simulation | None, orde
         return _exported(data, simulation)
     if isinstance(simulation, dict):
         return _transfer_function(data, read_transfer_function(simulation, data.Ts))
-    if callable(simulation):
-        return _callable(data, t, simulation)
+    if isinstance(simulation, Simulator):
+        return _simulator(data, t, simulation)
     return _output_series(data, np.asarray(simulation, float))
+
+
+def as_simulation(simulation: AnySimulation | None, Ts: float, free: Sequence[str] = ()) -> Simulation | None:
+    """Convert a function or a system of python-control to a simulation, with some of its numbers free.
+
+    Parameters
+    ----------
+    simulation : dict, ExportedModel, ndarray, callable, Simulator, system of python-control or None
+    Ts : float
+        Sampling time of the record, in seconds.
+    free : sequence of str
+
+    Raises
+    ------
+    ValueError
+        If it is none of these, or has no such numbers.
+    """
+    if is_control_system(simulation):
+        simulation = read_control_system(simulation, Ts)
+    elif callable(simulation) and not isinstance(simulation, Simulator):
+        simulation = function_simulator(simulation)
+    if isinstance(simulation, Simulator):
+        return simulation.with_free(free) if free else simulation
+    if free:
+        what = "the fitted model" if simulation is None else "this simulation"
+        raise ValueError(
+            f"got free numbers ({', '.join(free)}), but {what} has none by name. Give a function with keyword defaults "
+            "or an FMU as the simulation, or omit them."
+        )
+    return simulation
 
 
 def read_exported(simulation: Simulation | None, Ts: float) -> Simulation | None:
@@ -219,36 +254,37 @@ def _transfer_function(data: Data, model: TransferFunction) -> Baseline:
 
 def _exported(data: Data, model: ExportedModel) -> Baseline:
     u, y = _unscaled(data)
-    output = check_bounded(_by_record(data, lambda at: model.simulate(u[at], y[at])), y)
+    output = check_bounded(by_record(data.samples, data.pieces, lambda at: model.simulate(u[at], y[at])), y)
     plant = model.hypothesis.plant
     before = _estimate_given(output, NO_STATES, plant.linear_rates(model.theta[model.hypothesis.slices["plant"]]))
-    structure = with_restarts(Hypothesis(model.hypothesis.effects, n_given=len(model.hypothesis.effects)), data)
+    structure = with_restarts(
+        Hypothesis(model.hypothesis.effects, len(model.hypothesis.effects), model.hypothesis.given), data
+    )
     start = model.theta if (model.u_scale, model.y_scale) == (data.u_scale, data.y_scale) else None
     return Baseline(
         before, structure, True, simulate_record=lambda record: model.simulate(record.u, record.y), start=start
     )
 
 
-def _callable(data: Data, t: FloatArray, simulate: Callable[[FloatArray, FloatArray], FloatArray]) -> Baseline:
-    def run(t: FloatArray, u: FloatArray) -> FloatArray:
-        y = np.asarray(simulate(t, u), float).reshape(-1)
-        if y.shape != u.shape:
-            raise ValueError(f"simulate(t, u) must return {u.size} samples; got {y.size}.")
-        return y
-
-    def scaled_run(w: FloatArray) -> FloatArray:
-        times, given = t[0] + data.Ts * np.arange(w.size), np.asarray(data.u_scale.back(w))
-        if w.size != data.samples:
-            return data.y_scale.of(run(times, given))
-        return data.y_scale.of(_by_record(data, lambda at: run(times[: given[at].size], given[at])))
-
+def _simulator(data: Data, t: FloatArray, simulate: Simulator) -> Baseline:
     u, y = _unscaled(data)
     rates = fit_baseline(data).rates
-    output = _by_record(data, lambda at: run(t[: u[at].size], u[at]))
-    before = _estimate_given(check_bounded(output, y), NO_STATES, rates)
-    plant = Plant(kind="given", run=scaled_run, takes_input=True, given_rates=rates)
+    output = by_record(data.samples, data.pieces, lambda at: simulate(t[: u[at].size], u[at]))
+    before = _estimate_given(check_bounded(output, y), free_responses(data.samples, *rates), rates)
+    plant = given_plant(simulate, (data.u_scale, data.y_scale), data.Ts, rates, float(t[0]), data.pieces)
     structure = with_restarts(Hypothesis((), 0, plant), data)
-    return Baseline(before, structure, given=True, simulate_record=lambda record: run(record.t, record.u))
+
+    def simulate_record(record: Record) -> FloatArray:
+        return _started(simulate(record.t, record.u), free_responses(len(record), *rates), record.y)
+
+    return Baseline(before, structure, given=True, simulate_record=simulate_record)
+
+
+def _started(forced: FloatArray, states: FloatArray, y: FloatArray) -> FloatArray:
+    """A simulated output with responses `states`, shape (N, n), to the initial state that the first samples show."""
+    first = slice(0, min(START_SAMPLES, y.size))
+    state = np.linalg.lstsq(states[first], (y - forced)[first], rcond=None)[0]
+    return np.asarray(forced + states @ state)
 
 
 def _output_series(data: Data, series: FloatArray) -> Baseline:
@@ -258,19 +294,8 @@ def _output_series(data: Data, series: FloatArray) -> Baseline:
         raise ValueError(f"the simulated output must have the record's {data.samples} samples; got {series.size}.")
     scaled_series = data.y_scale.of(check_bounded(series, _unscaled(data)[1]))
     rates = fit_baseline(data).rates
-    structure = Hypothesis((), 0, Plant(kind="given", run=lambda w: scaled_series, given_rates=rates))
+    structure = Hypothesis((), 0, Plant(kind="given", run=lambda w, values: scaled_series, given_rates=rates))
     return Baseline(_estimate_given(series, NO_STATES, rates), structure, given=True, output_only=True)
-
-
-def _by_record(data: Data, run: Callable[[slice], FloatArray]) -> FloatArray:
-    """Outputs of a given simulation on each record; between two records, the first value of the next one."""
-    output = np.empty(data.samples)
-    stop = 0
-    for start, end in data.pieces or ((0, data.samples),):
-        output[start:end] = run(slice(start, end))
-        output[stop:start] = output[start]
-        stop = end
-    return output
 
 
 def _unscaled(data: Data) -> tuple[FloatArray, FloatArray]:

@@ -133,7 +133,7 @@ def whiter_baseline(data: Data, base: Fit, highpass: Fit) -> Fit:
 
     Strongly coloured noise biases the rates of a free-run fit.
     """
-    if highpass.theta.size != base.theta.size:
+    if highpass.hypothesis.parameters != base.hypothesis.parameters:
         return base
     point = minimize(data, base.hypothesis, highpass.theta, iterations=12, ar=highpass.noise.ar)
     other = base if point is None else polish(data, finish(data, base.hypothesis, point))

@@ -223,7 +223,9 @@ def is_compatible(parent: Fit, effect: Effect) -> bool:
     """Whether the effect can be added to the dynamics of the parent."""
     old = parent.hypothesis.plant
     if old.kind == "given":
-        return old.takes_input if isinstance(effect, InputEffect) else not isinstance(effect, PlantEffect)
+        if not isinstance(effect, PlantEffect):
+            return old.takes_input or not isinstance(effect, InputEffect)
+        return old.takes_input and effect.before_given
     if not isinstance(effect, PlantEffect):
         return True
     new = effect.extend(old)

@@ -8,7 +8,7 @@ import numpy as np
 from threadpoolctl import threadpool_limits
 
 from labsid.gap.answer import answer_from
-from labsid.gap.baseline import Baseline, Simulation, make_baseline, read_exported
+from labsid.gap.baseline import AnySimulation, Baseline, Simulation, as_simulation, make_baseline, read_exported
 from labsid.gap.beam_search import Progress
 from labsid.gap.clock import at_sampling_time, clock_findings, stated_sampling_time
 from labsid.gap.data import Data, scaled
@@ -50,8 +50,9 @@ class Diagnosis:
 
 def diagnose(
     record: Record | Sequence[Record],
-    simulation: Simulation | None = None,
+    simulation: AnySimulation | None = None,
     *,
+    free: Sequence[str] = (),
     holdout: Record | None = None,
     order: int = 2,
     exclude: Sequence[tuple[float, float]] = (),
@@ -65,9 +66,14 @@ def diagnose(
     record : Record or sequence of Record
         Several records are runs of one rig: they share its parameters and effects, and each has its own offset and
         initial state. The gap is scored on each record with fits to the others.
-    simulation : dict, ndarray or callable, optional
-        MODEL.json or an exported simulation; the output of any simulator on the record's input, shape (N,); or
-        ``simulate(t, u) -> y``. By default a linear model of the given order, fitted by output error.
+    simulation : dict, ndarray, callable, Simulator or system of python-control, optional
+        MODEL.json or an exported simulation; the output of any simulator on the record's input, shape (N,);
+        ``simulate(t, u, **numbers) -> y``, whose keyword defaults are its nominal numbers; or a system with one input
+        and one output, which starts from rest at zero. By default a linear model of the given order, fitted by output
+        error.
+    free : sequence of str
+        Numbers of a callable or nonlinear simulation that may be fitted: if only other values of them are needed, the
+        cause is `parameter-mismatch`.
     holdout : Record, optional
         Another record of the same rig for scoring. By default, blocks of `record` are held out of the fits that are
         scored.
@@ -93,12 +99,14 @@ def diagnose(
     -----
     BLAS runs on one thread, and as before afterwards: the matrices are small, and sums then have one order.
     """
+    records = [record] if isinstance(record, Record) else record
+    simulation = as_simulation(simulation, records[0].Ts if records else 1.0, free)
     with threadpool_limits(1, "blas"):
-        if isinstance(record, Record) or len(record) == 1:
-            one = record if isinstance(record, Record) else record[0]
+        if len(records) == 1:
+            (one,) = records
             prepared = _prepare(one, simulation, holdout, order, exclude)
         else:
-            prepared = _prepare_several(record, simulation, holdout, order, exclude)
+            prepared = _prepare_several(records, simulation, holdout, order, exclude)
         return _diagnose(prepared, seed, progress)
 
 

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from string import Formatter
 from typing import Any
 
-from labsid.gap.quantities import UNITS, Quantity, percent, with_error
+from labsid.gap.quantities import UNITS, Quantity, number, percent, with_error
 
 
 @dataclass(frozen=True, slots=True)
@@ -295,7 +295,9 @@ def clause(effect: dict[str, Any]) -> str:
 
 
 def parameter_label(effect: str, parameter: str, entry: dict[str, Any]) -> str:
-    """Label of a parameter of an effect."""
+    """Label of a parameter of an effect; a number of a given simulation keeps its name."""
+    if "nominal" in entry:
+        return f"{parameter}, nominally {number(entry['nominal'])}"
     for key in ((effect, parameter, entry.get("of", entry["unit"])), (effect, parameter)):
         if key in _SPECIFIC_LABELS:
             return _SPECIFIC_LABELS[key]

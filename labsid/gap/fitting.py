@@ -105,10 +105,19 @@ class Problem:
         self.rows = slice(None) if counted.all() else np.flatnonzero(counted)
         self.count = int(counted.sum())
         self.has_sensor = bool(hypothesis.outputs)
+        self.fixed = int(hypothesis.plant.has_fixed_gain)  # gains, the first ones, that are 1
         self.y = self._seen(data.y[:, None])[:, 0]
 
     def _seen(self, columns: FloatArray) -> FloatArray:
         return (whiten(columns, self.ar) if self.ar.size else columns)[self.rows]
+
+    def _gains(self, columns: FloatArray, y: FloatArray) -> FloatArray:
+        """Gains by linear least squares."""
+        seen = self._seen(columns)
+        if not self.fixed:
+            return solve_least_squares(seen, y)
+        found = solve_least_squares(seen[:, self.fixed :], y - seen[:, : self.fixed].sum(axis=1))
+        return np.concatenate([np.ones(self.fixed), found])
 
     def point(self, theta: FloatArray, gains: FloatArray | None = None, near: Design | None = None) -> Point | None:
         """The best gains at theta and their error; None if the simulation diverges."""
@@ -117,11 +126,11 @@ class Problem:
         if not np.isfinite(columns[-1]).all():  # a diverged simulation is NaN up to the end
             return None
         if not self.has_sensor:
-            gains = solve_least_squares(self._seen(columns), self.y)
+            gains = self._gains(columns, self.y)
             return self._made(theta, gains, design, columns @ gains)
         if gains is None or gains.size != columns.shape[1]:
             reading = self.hypothesis.undone(theta, self.data.y, design, self.data.rows)
-            gains = solve_least_squares(self._seen(columns), self._seen(reading[:, None])[:, 0])
+            gains = self._gains(columns, self._seen(reading[:, None])[:, 0])
         best = self._made(theta, gains, design, self.hypothesis.sensor(theta, gains, design))
         for _ in range(3):
             scaled = columns.copy(order="F")
@@ -143,6 +152,7 @@ class Problem:
         whole, added = self.hypothesis.slopes(theta, gains, design)
         columns[:, : design.n_sensed] *= whole[:, None]
         columns[:, design.n_sensed :] *= added[:, None]
+        columns[:, : self.fixed] = 0.0
 
     def _made(self, theta: FloatArray, gains: FloatArray, design: Design, output: FloatArray) -> Point:
         error = self.y - self._seen(output[:, None])[:, 0]
@@ -160,6 +170,7 @@ class Problem:
             design = self.hypothesis.design(perturbed, self.data.u, near=at.design)
             J[:, i] = (self.hypothesis.sensor(perturbed, at.gains, design) - at.output) / step
         J[:, searched:] = at.design.columns
+        J[:, searched : searched + self.fixed] = 0.0
         if self.has_sensor:
             self._bend(J[:, searched:], at.theta, at.gains, at.design)
         J = self._seen(J)

@@ -23,8 +23,9 @@ def fit_baseline(data: Data, hypothesis: Hypothesis = LINEAR, start: FloatArray 
     best = None if start is None else minimize(data, hypothesis, start, iterations=12)
     poles = ((0.02, 0.3), (0.1, 0.5), (0.005, 0.05), (0.3, 1.5))
     rates = [(slow + fast, slow * fast) for slow, fast in poles] + [(0.4 * w, w**2) for w in (0.05, 0.2, 0.8)]
-    for c, k in rates:
-        best = _better(best, minimize(data, hypothesis, _start_theta(hypothesis, c, k), iterations=12))
+    starts = [_start_theta(hypothesis, c, k) for c, k in rates]
+    for theta in starts if hypothesis.plant.kind != "given" else starts[:1]:  # a given simulation has no rates
+        best = _better(best, minimize(data, hypothesis, theta, iterations=12))
     if best is None:
         raise ValueError("no second-order model can be simulated on this record.")
     best = minimize(data, hypothesis, best.theta, iterations=30, tolerance=1e-8) or best
@@ -68,7 +69,8 @@ def fit_highpass(data: Data, base: Fit) -> Fit:
     hypothesis = Hypothesis((*own, output.Drift("10")), len(own))
     ar = np.array([0.9])
     best: Point | None = None
-    start = base.theta if base.theta.size == len(hypothesis.parameters) else _start_theta(hypothesis, *base.rates)
+    same = base.hypothesis.parameters == hypothesis.parameters
+    start = base.theta if same else _start_theta(hypothesis, *base.rates)
     for theta in (start, _start_theta(hypothesis, 0.3, 0.01), _start_theta(hypothesis, 1.0, 0.1)):
         best = _better(best, minimize(data, hypothesis, theta, iterations=12, ar=ar))
     return base if best is None else finish(data, hypothesis, best)

@@ -8,6 +8,7 @@ import numpy as np
 from labsid.gap.baseline import Simulation
 from labsid.records.record import Record
 from labsid.records.signal_quality import runs
+from labsid.simulators.simulator import Simulator
 
 MAX_SAMPLES = 20_000  # samples: one to three minutes of search on one core
 MAX_OF_SEVERAL = 8_000  # samples of several records, whose offsets and initial states add to the fits: about a minute
@@ -21,7 +22,7 @@ class ShortenedRecord:
     Attributes
     ----------
     record : Record
-    simulation : dict, ndarray, callable or None
+    simulation : dict, ndarray, Simulator or None
         The given simulation; of a simulated output, the same part.
     every : int
         Downsampling factor.
@@ -40,12 +41,12 @@ def shorten_record(record: Record, simulation: Simulation | None, longest: int =
 
     The record is downsampled as far as the steps of its input allow. If it is still too long, the part with the
     largest variance of the input is selected. With a given simulation, which has its own sampling time, the record is
-    not downsampled; with a callable simulation, the selected part is the beginning.
+    not downsampled; with a simulator, the selected part is the beginning.
 
     Parameters
     ----------
     record : Record
-    simulation : dict, ndarray, callable or None
+    simulation : dict, ndarray, Simulator or None
     longest : int
 
     Returns
@@ -59,7 +60,7 @@ def shorten_record(record: Record, simulation: Simulation | None, longest: int =
         step = int(np.median(runs(record.u)[1]))
         every = max(1, min(-(-len(record) // longest), step // MIN_SAMPLES_PER_STEP))
     slow = downsample(record, every)
-    start = 0 if callable(simulation) else _most_excited(slow.u, longest)
+    start = 0 if isinstance(simulation, Simulator) else _most_excited(slow.u, longest)
     rows = slice(start, start + longest)
     part = _cut(slow, rows)
     if isinstance(simulation, np.ndarray) and simulation.shape == record.u.shape:

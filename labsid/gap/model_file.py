@@ -15,7 +15,10 @@ from labsid.gap.effects.base import Effect
 from labsid.gap.effects.restarts import COLUMNS, Restarts
 from labsid.gap.fitting import Fit
 from labsid.gap.forms import ACTUATOR_ORDERS, GENERAL_FORMS, PERIODIC_LOAD, POSITIONS, UPSTREAM_LOAD, UPSTREAM_PERIODIC
+from labsid.gap.given_simulation import given_plant
 from labsid.gap.hypothesis import Hypothesis
+from labsid.gap.plants import Plant
+from labsid.simulators.process import open_in_process
 
 SCHEMA = "labsid.model/1"
 REST_SAMPLES = 5000  # at constant input before a simulation from rest
@@ -219,11 +222,10 @@ class ExportedModel:
         Raises
         ------
         ValueError
-            If it contains a given simulation that is a function or an output series.
+            If it contains a given simulation that is no file.
         """
-        if self.hypothesis.plant.kind == "given":
-            raise ValueError("the given simulation is an output only and cannot be exported. Give a model instead.")
-        content = {
+        plant = self.hypothesis.plant
+        content: dict[str, Any] = {
             "schema": SCHEMA,
             "effects": [effect.key for effect in self.hypothesis.effects],
             "parameters": [parameter.name for parameter in self.hypothesis.parameters],
@@ -237,6 +239,14 @@ class ExportedModel:
             "u_scale": {"centre": self.u_scale.centre, "unit": self.u_scale.unit},
             "y_scale": {"centre": self.y_scale.centre, "unit": self.y_scale.unit},
         }
+        if plant.kind == "given":
+            if not plant.source:
+                raise ValueError(
+                    "the given simulation cannot be exported: it is no file that can be run again. Give a model, "
+                    "FILE.py:FUNCTION or FILE.fmu instead."
+                )
+            nominal = {one.given_name: one.nominal for one in plant.free}
+            content["simulator"] = {"source": plant.source, "free": nominal, "rates": list(plant.given_rates)}
         return content if self.elsewhere is None else content | {"elsewhere": self.elsewhere.to_json_dict()}
 
 
@@ -308,9 +318,9 @@ def from_json_dict(content: dict[str, Any]) -> ExportedModel:
         means = np.array(content.get("input_means", []), float)  # files of earlier versions have none
         weight = float(content.get("offset_weight", 0.0))
         Ts, span, reference = float(content["Ts"]), int(content["span"]), float(content["reference"])
-        scales = [
+        u_scale, y_scale = (
             Scale(float(content[name]["centre"]), float(content[name]["unit"])) for name in ("u_scale", "y_scale")
-        ]
+        )
     except KeyError as error:
         raise ValueError(wrong.format(f"{error} is missing")) from None
     except (TypeError, ValueError, OverflowError):
@@ -318,7 +328,8 @@ def from_json_dict(content: dict[str, Any]) -> ExportedModel:
     unknown = [key for key in keys if key not in EFFECTS_BY_KEY]
     if unknown:
         raise ValueError(f"the simulation contains unknown effects: {', '.join(map(repr, unknown))}. Update labsid.")
-    hypothesis = Hypothesis(tuple(EFFECTS_BY_KEY[key] for key in keys))
+    given = None if content.get("simulator") is None else _read_given(content["simulator"], (u_scale, y_scale), Ts)
+    hypothesis = Hypothesis(tuple(EFFECTS_BY_KEY[key] for key in keys), given=given)
     lower, upper = hypothesis.bounds
     names = [parameter.name for parameter in hypothesis.parameters]
     if written != names:
@@ -331,9 +342,9 @@ def from_json_dict(content: dict[str, Any]) -> ExportedModel:
         Ts,
         reference,
         weight,
-        *(x for scale in scales for x in (scale.centre, scale.unit)),
+        *(x for scale in (u_scale, y_scale) for x in (scale.centre, scale.unit)),
     ]
-    if not np.isfinite(numbers).all() or min(Ts, span, *(scale.unit for scale in scales)) <= 0 or weight < 0.0:
+    if not np.isfinite(numbers).all() or min(Ts, span, u_scale.unit, y_scale.unit) <= 0 or weight < 0.0:
         raise ValueError(wrong.format("its numbers must be finite; Ts, span and the units must be positive"))
     design = hypothesis.design(theta, np.zeros(START_SAMPLES), span, reference)
     expected = design.columns.shape[1]
@@ -341,7 +352,24 @@ def from_json_dict(content: dict[str, Any]) -> ExportedModel:
         raise ValueError(wrong.format(f"gains must hold {expected} numbers; got {gains.size}"))
     if means.shape not in ((0,), (INPUT_PARTS,)):
         raise ValueError(wrong.format(f"input_means must hold {INPUT_PARTS} numbers"))
-    return ExportedModel(hypothesis, theta, gains, Ts, span, reference, scales[0], scales[1], means, other, weight)
+    return ExportedModel(hypothesis, theta, gains, Ts, span, reference, u_scale, y_scale, means, other, weight)
+
+
+def _read_given(content: Any, scales: tuple[Scale, Scale], Ts: float) -> Plant:
+    """Open the simulator of an exported simulation."""
+    try:
+        source, rates = str(content["source"]), (float(content["rates"][0]), float(content["rates"][1]))
+        nominal = {str(name): float(value) for name, value in content["free"].items()}
+    except (KeyError, IndexError, TypeError, ValueError, AttributeError):
+        raise ValueError('not an exported simulation: its "simulator" has the wrong form. Export it again.') from None
+    simulate = open_in_process(source).with_free(list(nominal))
+    changed = [name for name, value in nominal.items() if simulate.nominal[name] != value]
+    if changed:
+        raise ValueError(
+            f"{source} has changed: {changed[0]} is {simulate.nominal[changed[0]]:g}, and was {nominal[changed[0]]:g} "
+            "when the simulation was exported. Export it again."
+        )
+    return given_plant(simulate, scales, Ts, rates)
 
 
 def read_exported_model(content: dict[str, Any], Ts: float) -> ExportedModel:

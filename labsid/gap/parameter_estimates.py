@@ -51,6 +51,24 @@ def estimate_parameters(data: Data, fit: Fit, effect: Effect) -> dict[str, dict[
     }
 
 
+def estimate_numbers(data: Data, fit: Fit) -> dict[str, dict[str, object]]:
+    """Return `{name: {value, stderr, unit, nominal}}` of the fitted numbers of a given simulation."""
+    free = fit.hypothesis.plant.free
+    if not free:
+        return {}
+    at = fit.hypothesis.slices["plant"].start + np.arange(len(free))
+    errors = np.sqrt(np.maximum(np.diag(covariance(data, fit))[at], 0.0))
+    return {
+        one.given_name: {
+            "value": one.number(value),
+            "stderr": one.scale(value) * error,
+            "unit": "",
+            "nominal": one.nominal,
+        }
+        for one, value, error in zip(free, fit.theta[at].tolist(), errors.tolist(), strict=True)
+    }
+
+
 def _conditional(cov: FloatArray, place: int) -> FloatArray:
     """Conditional covariance of the other parameters, given the one at `place`."""
     own = cov[place, place]

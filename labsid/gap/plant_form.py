@@ -37,6 +37,44 @@ class Parameter:
     start: float = 0.0
 
 
+FREE_RANGE = float(np.log(10.0))  # a number is searched up to ten times its nominal value, and down to a tenth
+FREE_STEP = 1e-2  # derivative step of its logarithm: more than the tolerance of a solver
+
+
+@dataclass(frozen=True, slots=True)
+class FreeNumber(Parameter):
+    """A number of a given simulation in theta: the logarithm of its ratio to the nominal value, or itself if that is 0.
+
+    Attributes
+    ----------
+    nominal : float
+    """
+
+    nominal: float = 1.0
+
+    def number(self, theta: float) -> float:
+        """The number for a value in theta."""
+        return self.nominal * float(np.exp(theta)) if self.nominal else float(theta)
+
+    def scale(self, theta: float) -> float:
+        """Derivative of the number by the value in theta."""
+        return abs(self.number(theta)) if self.nominal else 1.0
+
+    @property
+    def given_name(self) -> str:
+        """The name in the simulation."""
+        return self.name.removeprefix(_FREE)
+
+
+_FREE = "number "  # ahead of a name that a user has chosen
+
+
+def free_number(name: str, nominal: float) -> FreeNumber:
+    """A number of a given simulation that may be fitted."""
+    reach = FREE_RANGE if nominal else 1.0
+    return FreeNumber(f"{_FREE}{name}", -reach, reach, FREE_STEP, nominal=nominal)
+
+
 STICKING_STEP = 1e-2  # scaled: derivative step that spans the jumps of stick-slip motion
 FRICTION = Parameter("friction", 0.0, 20.0, 1e-3, leap=0.03)
 FRICTION_LAWS = {
@@ -98,7 +136,11 @@ class PlantForm:
     load_upstream, sinusoid_upstream : bool
         Whether it acts on the first of two states in series instead of the second. It then has no leak.
     run : callable, optional
-        ``run(w) -> y`` of a given simulation, in scaled units.
+        ``run(w, values) -> y`` of a given simulation, in scaled units, for values of its free numbers.
+    free : tuple of FreeNumber
+        Numbers of a given simulation that may be fitted.
+    source : str
+        The file of a given simulation, as ``rig.py:simulate``, for export; empty without one.
     takes_input : bool
         Whether that simulation can be run with another input.
     given_rates : tuple of float
@@ -130,7 +172,9 @@ class PlantForm:
     has_sinusoid: bool = False
     load_upstream: bool = False
     sinusoid_upstream: bool = False
-    run: Callable[[FloatArray], FloatArray] | None = field(default=None, compare=False)
+    run: Callable[[FloatArray, FloatArray], FloatArray] | None = field(default=None, compare=False)
+    free: tuple[FreeNumber, ...] = ()
+    source: str = ""
     takes_input: bool = False
     given_rates: tuple[float, float] = (0.5, 0.05)
     parameters: tuple[Parameter, ...] = field(init=False, repr=False, compare=False)
@@ -140,7 +184,7 @@ class PlantForm:
 
     def _searched(self) -> tuple[Parameter, ...]:
         if self.kind == "given":
-            return ()
+            return (*self.free, *self._in_series())
         rates = [Parameter("log_c", -14.0, 3.5), Parameter("log_k", -22.0, 4.0)]
         if self.kind in ("tanks", "speed"):
             rates = [Parameter("log_a", SLOWEST, FASTEST), Parameter("log_b", SLOWEST, FASTEST)]
@@ -176,12 +220,15 @@ class PlantForm:
             own += [ONSET] if self.load_upstream else [Parameter("leak", -0.9, 20.0), ONSET]
         if self.has_sinusoid:
             own += [CYCLES, Parameter("shake_cos", -20.0, 20.0), Parameter("shake_sin", -20.0, 20.0)]
-        if self.lag:
-            own += [Parameter("log_lag", -4.0, 8.0)]
+        return (*rates, *own, *self._in_series())
+
+    def _in_series(self) -> list[Parameter]:
+        """Parameters of the additional lag and mode."""
+        own = [Parameter("log_lag", -4.0, 8.0)] if self.lag else []
         if self.mode:
             own += [Parameter("log_frequency", -6.0, np.log(np.pi))]
             own += [Parameter("log_damping", -7.0, np.log(MAX_DAMPING))]
-        return tuple(rates + own)
+        return own
 
     def _bent(self) -> list[Parameter]:
         return [Parameter(f"bend{n}", -3.0, 3.0) for n in range(1, self.extra_degrees + 1)]

@@ -44,13 +44,13 @@ class Plant(PlantForm):
         """
         own = self._by_name(theta)
         start = float(w[0]) if reference is None else reference
-        if late and (not self.nonlinear or self._lag_ahead or (self.mode and self._mode_place == "ahead")):
+        if late and (not self.nonlinear or self.lag_ahead or (self.mode and self._mode_place == "ahead")):
             w, late = _kernels.delayed(w, 0, late), 0.0  # mean over each sample
         driven = w
         if self.lag:
             tau = float(min(np.exp(own["log_lag"]), span / MIN_TIME_CONSTANTS))
             pole = float(np.exp(-1.0 / tau))
-            if self._lag_ahead:
+            if self.lag_ahead:
                 driven = lag_mean(driven, tau)
         if self.mode:
             frequency, damping = np.exp(own["log_frequency"]), np.exp(own["log_damping"])
@@ -62,11 +62,12 @@ class Plant(PlantForm):
             columns = columns[:, :1].copy()
         parts: list[FloatArray] = [columns]
         deviation = w - start if self.kind == "linear" else columns[:, 0].copy()
-        if self.lag and not self._lag_ahead:
+        if self.lag and not self.lag_ahead:
             if self.kind == "linear":
                 parts.append(_kernels.first_order(deviation, pole)[:, None])
             else:
                 columns[:, 0] = lag_output(deviation, np.gradient(deviation) if slope is None else slope, tau)
+        if self.lag and (self.kind == "given" or not self.lag_ahead):
             parts.append(np.asarray(pole ** np.arange(w.size), np.float64)[:, None])
         if self.mode and self._mode_place != "ahead":
             drive = deviation if self._mode_place == "behind" else _kernels.delayed(w - start, 0, late)
@@ -74,15 +75,21 @@ class Plant(PlantForm):
         return beside(parts) if len(parts) > 1 else columns
 
     @property
-    def _lag_ahead(self) -> bool:
-        return self.lag_upstream and self.nonlinear
+    def lag_ahead(self) -> bool:
+        """Whether the additional lag acts on the input of the other dynamics."""
+        return self.kind == "given" or (self.lag_upstream and self.nonlinear)
 
     @property
     def _mode_place(self) -> str:
-        return self.mode_place if self.nonlinear else "behind"
+        return self.mode_place if self.nonlinear else "ahead" if self.kind == "given" else "behind"
 
     def _by_name(self, theta: FloatArray) -> dict[str, float]:
         return {parameter.name: value for parameter, value in zip(self.parameters, theta, strict=True)}
+
+    @property
+    def has_fixed_gain(self) -> bool:
+        """Whether the output is the first column itself: a given simulation that is fitted by numbers of its own."""
+        return bool(self.free)
 
     @property
     def state_columns(self) -> tuple[int, ...]:
@@ -93,9 +100,13 @@ class Plant(PlantForm):
         elif self.kind == "varying":
             width = 6 if self.course == "step" else 8
             own = (width - 2, width - 1)
+        elif self.kind == "given":
+            own, width = ((1, 2), 3) if self.takes_input else ((), 1)
+            if self.lag:
+                own, width = (*own, width), width + 1
         else:
             own, width = (), 1
-        if self.lag and not self._lag_ahead:
+        if self.lag and not self.lag_ahead:
             width += 2 if self.kind == "linear" else 1
             own = (*own, width - 1)
         if self.mode and self._mode_place != "ahead":
@@ -137,7 +148,7 @@ class Plant(PlantForm):
     def starts(self, c: float, k: float) -> list[FloatArray]:
         """Start values of theta from the rates of a linear fit; other parameters are zero."""
         if self.kind == "given":
-            return [np.zeros(0)]
+            return [np.zeros(len(self.parameters))]
         with_defaults = []
         for rates in self._rates(c, k):
             theta = np.zeros(len(self.parameters))

@@ -16,7 +16,7 @@ from labsid.gap.effects.base import Effect
 from labsid.gap.experiment import Experiment, next_experiment
 from labsid.gap.explanation import Explanation
 from labsid.gap.fitting import Fit, mean_square, rms
-from labsid.gap.parameter_estimates import active_samples, estimate_parameters
+from labsid.gap.parameter_estimates import active_samples, estimate_numbers, estimate_parameters
 from labsid.gap.quantities import counted, percent
 from labsid.gap.scores import closed_share
 from labsid.gap.traces import figure_traces
@@ -83,7 +83,13 @@ def build_report(
         "unexplained": _unexplained(answer),
         "next_experiment": _experiment(record, explanation, decision, rng),
         "record": {"name": record.name, "samples": len(record), "Ts": record.Ts},
-        "simulation": {"given": base.given, "output_only": base.output_only, "model": _linear_model(answer)},
+        "simulation": {
+            "given": base.given,
+            "output_only": base.output_only,
+            "closed": base.structure.given is not None,
+            "model": _linear_model(answer),
+            "numbers": estimate_numbers(explanation.data, explanation.best),
+        },
         "screen": screen_sentences(explanation),
         "traces": figure_traces(record.t, record.u, record.y, before, after),
     }
@@ -110,9 +116,11 @@ def _effects(answer: Answer) -> list[dict[str, Any]]:
             {
                 "name": name,
                 "path": PATHS[name] if effect is None else effect.path,
-                "parameters": _sample_parameters(explanation, name)
-                if effect is None
-                else estimate_parameters(explanation.data, explanation.best, effect),
+                "parameters": estimate_parameters(explanation.data, explanation.best, effect)
+                if effect is not None
+                else estimate_numbers(explanation.data, explanation.best)
+                if name == MISMATCH
+                else _sample_parameters(explanation, name),
                 "probability": float(decision.probability[name]),
                 "closed": closed[_step(explanation, name)],
                 "evidence": answer.evidence[name]._asdict() if name in answer.evidence else None,

@@ -306,7 +306,13 @@ def _given(
     plant: PlantForm, own: dict[str, float], w: FloatArray, span: int, reference: float, late: float
 ) -> FloatArray:
     assert plant.run is not None
-    return plant.run(w)[:, None]
+    output = plant.run(w, np.array([own[parameter.name] for parameter in plant.free]))[:, None]
+    return beside([output, free_responses(w.size, *plant.given_rates)]) if plant.takes_input else output
+
+
+def free_responses(samples: int, c: float, k: float) -> FloatArray:
+    """Columns of the response of linear dynamics to their initial state, shape (samples, 2)."""
+    return section(c, k, np.zeros(samples))[:, 2:]
 
 
 _KINDS = {

@@ -4,7 +4,7 @@ import re
 from typing import Any
 
 from labsid.gap.effect_texts import REMAINING_ERRORS, UNSIMULATED, clause, noun
-from labsid.gap.quantities import closed_percent, number, p_value, percent, probability
+from labsid.gap.quantities import closed_percent, number, p_value, percent, probability, with_error
 
 PLACES = {
     "input": "between the command and the process",
@@ -287,7 +287,9 @@ def look_sentence(report: dict[str, Any]) -> str | None:
 
 
 def baseline_sentence(report: dict[str, Any]) -> str | None:
-    """How the linear model was fitted, if not as asked."""
+    """How the linear model was fitted, if not as asked; the fitted numbers of a given simulation, and its limits."""
+    if report["simulation"]["given"]:
+        return _given_sentence(report)
     model = report["simulation"].get("model")
     if model is None or (model["method"] == OUTPUT_ERROR and model["observed"]):
         return None
@@ -305,6 +307,26 @@ def baseline_sentence(report: dict[str, Any]) -> str | None:
     if not model["observed"]:
         texts.append("Its slowest pole is too slow for this record to show. Use a longer record.")
     return " ".join(texts)
+
+
+def _given_sentence(report: dict[str, Any]) -> str | None:
+    """The fitted numbers of a given simulation, and which effects could not be tried within it."""
+    simulation, texts = report["simulation"], []
+    numbers = {} if _is_mismatch(report) else simulation.get("numbers", {})
+    if numbers:
+        fitted = joined(
+            [
+                f"{name} = {with_error(one['value'], one['stderr'])} (nominally {number(one['nominal'])})"
+                for name, one in numbers.items()
+            ]
+        )
+        texts.append(f"Numbers of your simulation that were fitted: {fitted}.")
+    if simulation.get("closed") and report["verdict"] in ("partial", "unknown") and not simulation["output_only"]:
+        texts.append(
+            "Your simulation can only be run as a whole: friction, springs, outflow and drifts within it could not be "
+            "tried; a delay, a lag and a mode were tried at its input."
+        )
+    return " ".join(texts) or None
 
 
 def record_rows(report: dict[str, Any]) -> list[tuple[str, str, str, str, str]]:

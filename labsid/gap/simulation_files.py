@@ -13,6 +13,8 @@ from labsid.gap.clock import at_sampling_time, stated_sampling_time
 from labsid.gap.model_file import SCHEMA, START_SAMPLES, load_model, read_exported_model
 from labsid.gap.record_findings import filtered_input
 from labsid.records.record import Record
+from labsid.simulators.process import open_in_process
+from labsid.simulators.sources import is_source
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -34,14 +36,20 @@ class Replay:
     start: int
 
 
-def load_simulation(path: Path, record: Record, several: bool = False) -> Simulation:
-    """Read the argument of `--sim`: MODEL.json, an exported simulation, or a .csv with the header t,y.
+def load_simulation(source: str | Path, record: Record, several: bool = False) -> Simulation:
+    """Read the argument of `--sim`.
+
+    It is MODEL.json, an exported simulation, FILE.py:FUNCTION, FILE.fmu, or a .csv with the header t,y. A function and
+    an FMU run in a process of their own.
 
     Raises
     ------
     ValueError
         If the file is none of these, its times differ from those of the record, or there are `several` records.
     """
+    if is_source(str(source)):
+        return open_in_process(str(source))
+    path = Path(source)
     if path.suffix.lower() == ".csv":
         if several:
             raise ValueError(

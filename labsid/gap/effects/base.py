@@ -159,9 +159,10 @@ class InputEffect(Effect):
 
 
 class PlantEffect(Effect):
-    """An effect that changes the dynamics."""
+    """An effect that changes the dynamics; some can act on the input of a given simulation instead (`before_given`)."""
 
     path = "dynamics"
+    before_given: ClassVar[bool] = False
 
     def extend(self, plant: Plant) -> Plant:
         """The plant with this effect."""

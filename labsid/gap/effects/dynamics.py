@@ -28,6 +28,8 @@ FRICTION_PLACES = ("position", "unsprung", "speed", "speed-lag")
 class _Placed(PlantEffect):
     """Additional linear dynamics whose position `variant` states."""
 
+    before_given = True
+
     def applies(self, context: Context) -> bool:
         """Variants differ only with a nonlinear state."""
         return not self.variant or context.parent.hypothesis.plant.nonlinear
@@ -55,7 +57,7 @@ class ExtraLag(_Placed):
     def is_plausible(self, fit: Fitted) -> bool:
         """Reject a lag whose free response exceeds its response to the input: it imitates a drift."""
         plant = fit.hypothesis.plant
-        if plant.nonlinear and plant.lag_upstream:
+        if plant.lag_ahead:
             return True
         own = fit.theta[fit.hypothesis.slices["plant"]]
         columns = plant.columns(own, fit.hypothesis.actuator(fit.theta, fit.data.u), fit.data.samples)

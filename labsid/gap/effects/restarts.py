@@ -6,10 +6,9 @@ from typing import ClassVar
 import numpy as np
 
 from labsid._arrays import FloatArray
-from labsid.gap import _kernels
 from labsid.gap.effects.base import AdditiveEffect
 from labsid.gap.plants import Plant
-from labsid.gap.responses import denominator
+from labsid.gap.responses import free_responses
 
 COLUMNS = 3  # of each record: its offset, and the two free responses of the linear dynamics
 
@@ -44,7 +43,7 @@ class Restarts(AdditiveEffect):
         """The signals, shape (samples, 3 R), for nonlinear dynamics with the linearized rates."""
         found = np.zeros((samples, self.width), order="F")
         longest = max((stop - start for start, stop in self.records), default=0)
-        free = _kernels.section(np.zeros(longest), *denominator(*plant.linear_rates(rates)))[:, 2:]
+        free = free_responses(longest, *plant.linear_rates(rates))
         for number, (start, stop) in enumerate(self.records):
             count = max(min(stop, samples) - start, 0)
             at = COLUMNS * number

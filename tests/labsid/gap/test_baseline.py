@@ -6,6 +6,7 @@ import pytest
 
 from labsid.gap.baseline import check_bounded, linear_structure, make_baseline, read_transfer_function
 from labsid.gap.data import scaled
+from labsid.simulators.simulator import function_simulator
 
 DEN = np.poly([0.95, 0.8]).tolist()
 TRUE = {"num": [0.01, 0.0], "den": DEN, "dt": 0.5}
@@ -83,7 +84,7 @@ def test_every_kind_of_the_true_simulation_leaves_the_noise(data, record, true):
     kinds = {
         "model": true,
         "series": function.response(record.u) + 5.0,  # an offset is nuisance
-        "callable": lambda t, u: function.response(u)[:, None],
+        "callable": function_simulator(lambda t, u: function.response(u)[:, None]),
     }
     for name, simulation in kinds.items():
         base = make_baseline(data, record.t, simulation)
@@ -101,7 +102,7 @@ def test_a_wrong_simulation_is_taken_as_it_is(data, record, true):
 def test_a_given_simulation_plays_on_another_record(data, record, true, rig_record):
     other = rig_record("none", 200, seed=9)
     function = read_transfer_function(true, 0.5)
-    for simulation in (true, lambda t, u: function.response(u)):
+    for simulation in (true, function_simulator(lambda t, u: function.response(u))):
         simulate_record = make_baseline(data, record.t, simulation).simulate_record
         error = (other.y - simulate_record(other))[120:]  # only a model's initial state can be estimated
         assert np.std(error) < 0.03 * np.std(other.y)
@@ -130,7 +131,7 @@ def test_orders(order, names):
         (None, 5, "--order must be at most 4; got 5"),
         (np.zeros(10), 2, "must have the record's 300 samples; got 10"),
         (np.full(300, np.nan), 2, "the simulation is unstable on this record"),
-        (lambda t, u: u[:-1], 2, r"simulate\(t, u\) must return 300 samples; got 299"),
+        (function_simulator(lambda t, u: u[:-1], "rig"), 2, "rig returns 299 numbers for 300 samples"),
         (TRUE | {"den": [1.0, -2.5, 1.0]}, 2, "the simulation is unstable on this record"),
     ],
 )

@@ -97,10 +97,13 @@ def test_only_dynamics_of_one_kind_are_compatible(
 
 
 @pytest.mark.parametrize("takes_input", [True, False])
-def test_a_given_simulation_takes_no_other_dynamics(levels: FloatArray, two_poles: Response, takes_input: bool) -> None:
-    given = Plant(kind="given", run=lambda w: w, takes_input=takes_input)
+def test_a_given_simulation_takes_a_lag_at_its_input_and_no_other_dynamics(
+    levels: FloatArray, two_poles: Response, takes_input: bool
+) -> None:
+    given = Plant(kind="given", run=lambda w, values: w, takes_input=takes_input)
     parent = linear_fit(Hypothesis(given=given), data_of(levels, two_poles(levels)))
-    assert not is_compatible(parent, dynamics.ExtraLag())
+    assert not is_compatible(parent, dynamics.CoulombFriction("speed"))
+    assert is_compatible(parent, dynamics.ExtraLag()) is takes_input
     assert is_compatible(parent, output.Drift("1"))
     assert is_compatible(parent, input.DeadZone()) is takes_input
 

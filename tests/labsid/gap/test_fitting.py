@@ -218,7 +218,7 @@ def test_bounds_are_kept(levels: FloatArray, two_poles: Response) -> None:
 
 def test_a_simulation_that_diverges_is_no_point(levels: FloatArray) -> None:
     data = data_of(levels, levels)
-    nowhere = Hypothesis(given=Plant(kind="given", run=lambda w: np.full(w.size, np.nan)))
+    nowhere = Hypothesis(given=Plant(kind="given", run=lambda w, values: np.full(w.size, np.nan)))
     assert minimize(data, nowhere, np.array([0.0])) is None
     assert start_cost(data, nowhere, np.array([0.0])) == np.inf
     assert start_cost(data, LINEAR, TRUTH) < 1.0

@@ -209,7 +209,7 @@ def test_a_load_grows_with_the_state_as_its_dynamics_hold_it(effect: Effect | No
 
 
 def test_a_given_simulation_has_no_leak_form() -> None:
-    assert leak_form(Plant(kind="given", run=lambda w: w)) is None
+    assert leak_form(Plant(kind="given", run=lambda w, values: w)) is None
 
 
 def test_a_load_that_grows_on_linear_dynamics_is_also_tried_as_one_that_does_not() -> None:

@@ -94,7 +94,13 @@ def test_a_simulation_that_has_the_effect_already_leaves_no_gap(answers, rig_rec
     exported = json.loads(json.dumps(answers(effect).model.to_json_dict()))
     report = diagnose(rig_record(effect), exported).report
     assert (report["verdict"], report["effects"]) == ("none", [])
-    assert report["simulation"] == {"given": True, "output_only": False, "model": None}
+    assert report["simulation"] == {
+        "given": True,
+        "output_only": False,
+        "closed": False,
+        "model": None,
+        "numbers": {},
+    }
 
 
 def test_the_exported_simulation_is_valid_on_another_record_of_the_same_rig(answers, rig_record):

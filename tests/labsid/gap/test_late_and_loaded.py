@@ -14,7 +14,7 @@ LINEAR_KINDS = [
     Plant(mode=True),
     Plant(kind="varying", extra_degrees=2),
     Plant(kind="varying", course="step"),
-    Plant(kind="given", run=lambda w: np.cumsum(w)),
+    Plant(kind="given", run=lambda w, values: np.cumsum(w)),
 ]
 AHEAD = [
     Plant(kind="tanks", upper_root=True, lag=True, lag_upstream=True),

@@ -7,6 +7,7 @@ from labsid.gap import diagnosis
 from labsid.gap.diagnosis import diagnose
 from labsid.gap.long_record import downsample, shorten_holdout, shorten_record
 from labsid.records.record import Record
+from labsid.simulators.simulator import function_simulator
 
 
 def record_of(u, y=None, Ts=0.5):
@@ -63,7 +64,7 @@ def test_a_given_simulation_keeps_its_sampling_time_and_its_beginning():
     assert (part.every, len(part.record)) == (1, 300)
     part = shorten_record(record, 2.0 * record.y, longest=300)
     np.testing.assert_array_equal(part.simulation, 2.0 * part.record.y)
-    part = shorten_record(record, lambda t, u: u, longest=300)
+    part = shorten_record(record, function_simulator(lambda t, u: u), longest=300)
     assert part.record.t[0] == 0.0
 
 

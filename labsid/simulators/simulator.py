@@ -1,0 +1,154 @@
+"""A simulation of a rig that is a black box: a function of time, input and named numbers."""
+
+import inspect
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from traceback import extract_tb
+from typing import Any
+
+import numpy as np
+
+from labsid._arrays import FloatArray
+
+Run = Callable[[FloatArray, FloatArray, Mapping[str, float]], Any]
+
+
+class SimulatorError(ValueError):
+    """A simulation that stops, takes too long, or returns no output; `ended` if it cannot be run again."""
+
+    def __init__(self, text: str, ended: bool = False) -> None:
+        super().__init__(text)
+        self.ended = ended
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Simulator:
+    """A simulation of a rig.
+
+    Attributes
+    ----------
+    run : callable
+        ``run(t, u, numbers) -> y`` for times in seconds and an input, each of shape (N,), and all numbers by name.
+    label : str
+        What messages call it, such as ``rig.py:simulate``.
+    nominal : dict
+        Its numbers by name, with their nominal values.
+    free : tuple of str
+        The numbers that may be fitted.
+    source : str
+        The file from which it can be opened again, as ``rig.py:simulate``; empty without one.
+    """
+
+    run: Run
+    label: str
+    nominal: dict[str, float] = field(default_factory=dict)
+    free: tuple[str, ...] = ()
+    source: str = ""
+
+    def __call__(self, t: FloatArray, u: FloatArray, numbers: Mapping[str, float] | None = None) -> FloatArray:
+        """Simulated output, shape (N,), with other values of some numbers.
+
+        Raises
+        ------
+        SimulatorError
+            If the simulation stops with an error, or does not return one finite number for each sample.
+        """
+        wanted = self.nominal | dict(numbers or {})
+        try:
+            returned = self.run(t, u, wanted)
+        except SimulatorError:
+            raise
+        except Exception as error:
+            raise SimulatorError(f"{self.label} stopped with {type(error).__name__}: {error}{_place(error)}") from error
+        return as_output(returned, u.size, self.label)
+
+    def with_free(self, names: Sequence[str]) -> "Simulator":
+        """The simulation with these numbers free.
+
+        Raises
+        ------
+        ValueError
+            If it has no such number.
+        """
+        unknown = [name for name in names if name not in self.nominal]
+        if unknown:
+            known = f"it has {', '.join(self.nominal)}" if self.nominal else "it has none with a nominal value"
+            raise ValueError(f"{self.label} has no number {unknown[0]!r} that could be free; {known}.")
+        return replace(self, free=tuple(dict.fromkeys(names)))
+
+
+def as_output(returned: Any, samples: int, label: str) -> FloatArray:
+    """Validate what a simulation returned.
+
+    Parameters
+    ----------
+    returned : object
+    samples : int
+        Expected number of samples.
+    label : str
+        What messages call the simulation.
+
+    Raises
+    ------
+    SimulatorError
+        If it is not one finite number for each sample.
+    """
+    if returned is None:
+        raise SimulatorError(f"{label} returns nothing; it must return the output, {samples} numbers.")
+    if inspect.isgenerator(returned):
+        raise SimulatorError(f"{label} returns a generator; it must return the output, {samples} numbers.")
+    try:
+        y = np.asarray(returned, float)
+    except (TypeError, ValueError):
+        kind = type(returned).__name__
+        raise SimulatorError(f"{label} returns a {kind} that is not numbers; it must return the output.") from None
+    if y.size != samples:
+        raise SimulatorError(
+            f"{label} returns {y.size} numbers for {samples} samples; it must return the output at each time."
+        )
+    if not np.isfinite(y).all():
+        raise SimulatorError(f"{label} returns numbers that are not finite; the first is sample {_first_bad(y)}.")
+    return np.ascontiguousarray(y.reshape(-1))
+
+
+def function_simulator(function: Callable[..., Any], label: str | None = None) -> Simulator:
+    """A simulation from a Python function.
+
+    Parameters
+    ----------
+    function : callable
+        ``function(t, u, **numbers) -> y``; its parameters after the first two that have a number as default are its
+        nominal numbers.
+    label : str, optional
+        What messages call it; by default its name.
+
+    Raises
+    ------
+    ValueError
+        If it cannot be called with a time and an input.
+    """
+    label = label or str(getattr(function, "__name__", type(function).__name__))
+    nominal: dict[str, float] = {}
+    try:
+        signature = inspect.signature(function)
+        signature.bind(None, None)
+    except TypeError as error:
+        raise ValueError(f"{label} cannot be called as {label.split(':')[-1]}(t, u): {error}.") from None
+    except ValueError:  # a builtin without a signature
+        return Simulator(lambda t, u, numbers: function(t, u), label)
+    for parameter in list(signature.parameters.values())[2:]:
+        default = parameter.default
+        if isinstance(default, int | float | np.number) and not isinstance(default, bool):
+            nominal[parameter.name] = float(default)
+    return Simulator(lambda t, u, numbers: function(t, u, **numbers), label, nominal)
+
+
+def _place(error: Exception) -> str:
+    """File and line of the user's code at which an error was raised."""
+    own = [frame for frame in extract_tb(error.__traceback__)[1:] if "site-packages" not in frame.filename]
+    return f" ({Path(own[-1].filename).name}, line {own[-1].lineno})" if own else ""
+
+
+def _first_bad(y: FloatArray) -> int:
+    return int(np.argmin(np.isfinite(y.reshape(-1))))

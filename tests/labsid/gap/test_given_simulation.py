@@ -1,0 +1,147 @@
+"""Diagnosis with a simulation of the user's own: a function, a file, a system of python-control."""
+
+import json
+from collections.abc import Callable
+from pathlib import Path
+
+import control as ct
+import numpy as np
+import pytest
+from scipy.signal import lfilter
+
+from labsid._arrays import FloatArray
+from labsid.cli.commands import main
+from labsid.gap.diagnosis import diagnose
+from labsid.records.record import Record
+
+SAMPLES, TS, FINE = 1200, 0.1, 20
+SOURCE = """
+import numpy as np
+from scipy.signal import cont2discrete, lfilter
+
+def simulate(t, u, tau=1.0, zeta=0.7, gain=2.0, bias=0.0):
+    num, den, _ = cont2discrete(([gain], [tau**2, 2 * zeta * tau, 1.0]), t[1] - t[0])
+    return lfilter(num[0], den, u) + bias
+"""
+_namespace: dict[str, Callable[..., FloatArray]] = {}
+exec(SOURCE, _namespace)
+simulate = _namespace["simulate"]
+
+
+@pytest.fixture(scope="module")
+def u() -> FloatArray:
+    return np.repeat(np.random.default_rng(3).uniform(-1.0, 1.0, SAMPLES // 24), 24)
+
+
+def measured(u: FloatArray, **numbers: float) -> Record:
+    """The rig on its driven signal, which may be given with `FINE` values for each sample."""
+    every = u.size // SAMPLES
+    t = TS / every * np.arange(u.size)
+    y = simulate(t, u, **numbers)[::every]
+    rng = np.random.default_rng(5)
+    return Record(t[::every], u[::every], y + 0.01 * np.std(y) * rng.standard_normal(y.size), TS)
+
+
+def named(report: dict) -> list[str]:
+    return [effect["name"] for effect in report["effects"]]
+
+
+def test_a_right_simulation_has_no_gap(u: FloatArray) -> None:
+    report = diagnose(measured(u), simulate).report
+    assert report["verdict"] == "none"
+    assert report["gap"]["before"] < 1.1 * report["gap"]["noise_floor"]
+
+
+def test_a_rig_that_is_not_at_rest_at_the_start_is_no_gap(u: FloatArray) -> None:
+    whole = measured(u)
+    late = slice(100, None)
+    assert diagnose(Record(whole.t[late], whole.u[late], whole.y[late], TS), simulate).report["verdict"] == "none"
+
+
+def test_a_limit_of_the_actuator_is_found_around_the_simulation(u: FloatArray) -> None:
+    record = measured(np.clip(u, -0.5, 0.6))
+    report = diagnose(Record(record.t, u, record.y, TS), simulate).report
+    assert named(report) == ["input-saturation"]
+    assert report["effects"][0]["parameters"]["high"]["value"] == pytest.approx(0.6, abs=0.01)
+    assert report["gap"]["closed"] > 0.97
+
+
+def test_a_lag_is_found_at_the_input_of_the_simulation(u: FloatArray) -> None:
+    fine = np.repeat(u, FINE)
+    keep = np.exp(-TS / FINE / 0.5)
+    record = measured(lfilter([0.0, 1.0 - keep], [1.0, -keep], fine))
+    report = diagnose(Record(record.t, u, record.y, TS), simulate).report
+    assert named(report) == ["extra-lag"]
+    assert report["effects"][0]["parameters"]["tau"]["value"] == pytest.approx(0.5, rel=0.03)
+
+
+def test_free_numbers_that_are_wrong_are_a_parameter_mismatch(u: FloatArray) -> None:
+    report = diagnose(measured(u, tau=1.3, gain=2.4), simulate, free=["tau", "gain"]).report
+    assert named(report) == ["parameter-mismatch"]
+    fitted = report["effects"][0]["parameters"]
+    assert {name: entry["nominal"] for name, entry in fitted.items()} == {"tau": 1.0, "gain": 2.0}
+    for name, true in (("tau", 1.3), ("gain", 2.4)):
+        assert abs(fitted[name]["value"] - true) < 4.0 * fitted[name]["stderr"] < 0.02
+
+
+def test_a_free_number_that_is_nominally_zero_can_be_fitted(u: FloatArray) -> None:
+    report = diagnose(measured(u, zeta=0.9, bias=0.3), simulate, free=["zeta"]).report
+    assert named(report) == ["parameter-mismatch"]  # an offset is none: it is estimated in any case
+    assert report["effects"][0]["parameters"]["zeta"]["value"] == pytest.approx(0.9, abs=0.01)
+
+
+def test_an_effect_is_found_beside_free_numbers(u: FloatArray) -> None:
+    record = measured(np.clip(u, -0.5, 0.6), tau=1.3)
+    report = diagnose(Record(record.t, u, record.y, TS), simulate, free=["tau", "gain"]).report
+    assert named(report) == ["input-saturation"]
+    assert report["gap"]["closed"] > 0.97
+    assert report["simulation"]["numbers"]["tau"]["value"] == pytest.approx(1.3, rel=0.01)
+
+
+def test_a_system_of_python_control_is_a_simulation(u: FloatArray) -> None:
+    record = measured(np.clip(u, -0.5, 0.6))
+    record = Record(record.t, u, record.y, TS)
+    system = ct.tf([2.0], [1.0, 1.4, 1.0])
+    assert named(diagnose(record, system).report) == ["input-saturation"]
+
+
+def test_free_numbers_that_nothing_has_are_refused(u: FloatArray) -> None:
+    record = measured(u)
+    with pytest.raises(ValueError, match="the fitted model has none by name"):
+        diagnose(record, free=["tau"])
+    with pytest.raises(ValueError, match="simulate has no number 'k' that could be free; it has tau, zeta, gain, bias"):
+        diagnose(record, simulate, free=["k"])
+
+
+def test_a_file_is_diagnosed_exported_played_and_then_has_no_gap(
+    u: FloatArray, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("rig.py").write_text(SOURCE, encoding="utf-8")
+    record = measured(np.clip(u, -0.5, 0.6), tau=1.3)
+    rows = np.column_stack([record.t, u, record.y])
+    np.savetxt("run.csv", rows, delimiter=",", header="t,u,y", comments="")
+    command = ["gap", "diagnose", "run.csv"]
+    assert main([*command, "--sim", "rig.py:simulate", "--free", "tau, gain", "--export", "better.json"]) == 0
+    said = capsys.readouterr().out
+    assert "a limit of the actuator" in said
+    assert "tau = 1.3" in said
+    content = json.loads(Path("better.json").read_text(encoding="utf-8"))
+    assert content["simulator"]["source"] == "rig.py:simulate"
+    assert main(["gap", "simulate", "better.json", "run.csv"]) == 0
+    assert "rmse 0.00" in capsys.readouterr().out
+    assert main([*command, "--sim", "better.json"]) == 0
+    assert "There is no gap beyond noise" in capsys.readouterr().out
+    Path("rig.py").write_text(SOURCE.replace("tau=1.0", "tau=1.1"), encoding="utf-8")
+    assert main(["gap", "simulate", "better.json", "run.csv"]) == 2
+    assert "rig.py:simulate has changed: tau is 1.1, and was 1" in capsys.readouterr().err
+    assert main([*command, "--sim", "rig.py:simulate", "--json", "rig.py"]) == 2
+    assert "rig.py is named twice" in capsys.readouterr().err
+    assert main([*command, "--sim", "rig.py:missing"]) == 2
+    assert "rig.py has no function 'missing'; it has simulate." in capsys.readouterr().err
+
+
+def test_a_function_that_is_no_file_is_diagnosed_and_not_exported(u: FloatArray) -> None:
+    found = diagnose(measured(u), simulate)
+    with pytest.raises(ValueError, match=r"it is no file that can be run again"):
+        found.model.to_json_dict()
