@@ -1,0 +1,71 @@
+"""Co-simulation FMUs (FMI 2.0 and 3.0) as simulations, played by fmpy."""
+
+import atexit
+import shutil
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from labsid._arrays import FloatArray
+from labsid.simulators.simulator import Simulator
+
+_REAL = ("Real", "Float64")
+
+
+def open_fmu(path: Path) -> Simulator:
+    """Open a co-simulation FMU with one input and one output, in this process.
+
+    Its real parameters with a start value are its numbers. The input is held between samples.
+
+    Parameters
+    ----------
+    path : Path
+
+    Raises
+    ------
+    ValueError
+        If fmpy is not installed, or the file is no such FMU.
+    """
+    try:
+        import fmpy
+    except ImportError:
+        raise ValueError('an FMU needs fmpy. Run: pip install "labsid[fmu]"') from None
+    if not path.is_file():
+        raise ValueError(f"{path} does not exist. Give --sim as FILE.fmu.")
+    try:
+        description = fmpy.read_model_description(str(path))
+    except Exception as error:
+        raise ValueError(f"{path.name} is not an FMU that can be read: {error}") from None
+    if description.coSimulation is None:
+        raise ValueError(f"{path.name} is for model exchange only. Export it for co-simulation.")
+    real = [variable for variable in description.modelVariables if variable.type in _REAL]
+    ends = {causality: [one.name for one in real if one.causality == causality] for causality in ("input", "output")}
+    for causality, names in ends.items():
+        if len(names) != 1:
+            found = f"{len(names)} ({', '.join(names)})" if names else "none"
+            raise ValueError(f"{path.name} has {found} as real {causality}, expected one.")
+    nominal = {one.name: float(one.start) for one in real if one.causality == "parameter" and one.start is not None}
+    folder = fmpy.extract(str(path))
+    atexit.register(shutil.rmtree, folder, ignore_errors=True)
+    (driven,), (seen,) = ends["input"], ends["output"]
+
+    def run(t: FloatArray, u: FloatArray, numbers: Mapping[str, float]) -> Any:
+        step = float(t[-1] - t[0]) / max(t.size - 1, 1)
+        signal = np.array(list(zip(t, u, strict=True)), dtype=[("time", float), (driven, float)])
+        result = fmpy.simulate_fmu(
+            folder,
+            start_time=float(t[0]),
+            stop_time=float(t[-1]),
+            output_interval=step,
+            step_size=step,
+            input=signal,
+            output=[seen],
+            start_values={name: value for name, value in numbers.items() if value != nominal[name]},
+            fmi_type="CoSimulation",
+            model_description=description,
+        )
+        return result[seen]
+
+    return Simulator(run, path.name, nominal)
