@@ -2,7 +2,6 @@
 
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass, replace
-from typing import Any
 
 import numpy as np
 from threadpoolctl import threadpool_limits
@@ -17,6 +16,7 @@ from labsid.gap.long_record import shorten_holdout, shorten_record, shorten_reco
 from labsid.gap.model_file import ExportedModel, export_model
 from labsid.gap.record_findings import filtered_input, findings_from_errors, findings_from_record, plateau_gap
 from labsid.gap.report import build_report
+from labsid.gap.result import Diagnosis
 from labsid.gap.several_records import (
     JoinedRecords,
     at_one_sampling_time,
@@ -30,22 +30,6 @@ from labsid.lab.findings import Finding
 from labsid.records.record import Record
 
 MIN_SAMPLES = 100  # samples
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Diagnosis:
-    """Result of `diagnose`.
-
-    Attributes
-    ----------
-    report : dict
-        In the layout ``labsid.gap/2``; ``--json`` writes it.
-    model : ExportedModel
-        The simulation with the effects added; ``--export`` writes it.
-    """
-
-    report: dict[str, Any]
-    model: ExportedModel
 
 
 def diagnose(

@@ -41,7 +41,12 @@ def write_html_report(path: Path, report: dict[str, Any]) -> None:
     OSError
         If the file cannot be written.
     """
-    write_file(path, _template().render(page=page_content(report), pictures=encoded_figures(report)).encode())
+    write_file(path, render_html(report).encode())
+
+
+def render_html(report: dict[str, Any]) -> str:
+    """The report as HTML, without scripts or external resources."""
+    return _template().render(page=page_content(report), pictures=encoded_figures(report))
 
 
 def page_content(report: dict[str, Any]) -> dict[str, Any]:
