@@ -175,9 +175,7 @@ def test_a_flat_vector_is_no_column() -> None:
         "flat instead of a column",
     ):
         as_column("t", np.array([1.0, 2.0]), 2)
-    with refused(
-        "`t` is a row, shape (1, 2). Make it a column: `t.T`.", "a row instead of a column"
-    ):
+    with refused("`t` is a row, shape (1, 2). Make it a column: `t.T`.", "a row instead of a column"):
         as_column("t", np.array([[1.0, 2.0]]), 2)
     with refused("`t` should be one column of numbers; it is a number."):
         as_column("t", 3.0, 1)
