@@ -28,7 +28,7 @@ STRAY_DELIMITER = re.compile(
     r"#\s*#*\s*(BEGIN|END)[ _-]*(SOLUTION|HIDDEN|MARK)|(BEGIN|END)\s+(SOL|HIDDEN|MARK)\w*", re.IGNORECASE
 )
 _REGION = re.compile(f"{SOLUTION_DELIMITERS[0]}(.*?){SOLUTION_DELIMITERS[1]}", re.DOTALL)
-CODE_STUB = "# Your code here\n..."
+CODE_STUB = "# Your code here\npass"  # at the end of a cell, `...` would print "Ellipsis"
 TEXT_STUB = "*Your answer here*"
 
 

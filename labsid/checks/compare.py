@@ -27,7 +27,10 @@ def kind_of(value: Value) -> str:
         return f"a{'' if kind else 'n'} {kind}array of shape {value.shape}" if value.ndim else f"a {kind}number"
     if isinstance(value, (bool, int, float)):
         return "a number"
+    if isinstance(value, tuple):  # what `plain` makes of a student's list or tuple
+        return f"a list or tuple of {len(value)} item{'' if len(value) == 1 else 's'}"
     names = {
+        dict: "a dictionary",
         str: "text",
         complex: "a complex number",
         TransferFunctionValue: "a transfer function",
@@ -70,7 +73,7 @@ def as_vector(name: str, value: Value, size: int | None = None) -> FloatArray:
     if array.ndim == 2 and array.shape[0] == 1 and array.shape[1] > 1:
         way = f"`{name}.T`" if name.isidentifier() else "transpose it with `.T`"
         raise NoAnswer(
-            f"`{name}` is a row, shape {array.shape}. Make it a column (or one-dimensional): {way}.",
+            f"`{name}` is a row, shape {array.shape}. Make it a column: {way}.",
             "a row instead of a column",
         )
     if array.ndim == 2 and array.shape[1] == 1:

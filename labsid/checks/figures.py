@@ -76,7 +76,7 @@ def require_label(axes: AxesValue, where: str, axis: str, unit: str) -> None:
     """Require the label of one axis, "x" or "y", with its unit in brackets unless `unit` is empty."""
     label = axes.xlabel if axis == "x" else axes.ylabel
     if not label.strip():
-        raise NoAnswer(f"In {where} the {axis}-axis has no label: use `{axis}label`.", "axis without a label")
+        raise NoAnswer(f"In {where} the {axis}-axis has no label: use `set_{axis}label`.", "axis without a label")
     if unit and not _has_unit(label, unit):
         if _has_unit(axes.ylabel if axis == "x" else axes.xlabel, unit):
             raise NoAnswer(f"In {where} the labels of the two axes are swapped.", "axis labels swapped")
@@ -94,7 +94,7 @@ def require_limits(axes: AxesValue, where: str, xlim: tuple[float, float], ylim:
         if not np.allclose(got, wanted, atol=1e-9):
             raise NoAnswer(
                 f"In {where} the {name}-axis runs from {got[0]:g} to {got[1]:g}; it should run from {wanted[0]:g} to "
-                f"{wanted[1]:g}: use `{name}lim`.",
+                f"{wanted[1]:g}: use `set_{name}lim`.",
                 "axis limits",
             )
 

@@ -1,5 +1,6 @@
 """The build: reproducible to the byte, no solution in a release, and every mistake of an author named."""
 
+import ast
 import re
 import shutil
 from collections.abc import Callable
@@ -129,6 +130,11 @@ def test_no_solution_is_left_in_a_release(name: str, course: Course) -> None:
         assert [line.strip() for line in given.source.split("\n")] == [line.strip() for line in outside.split("\n")]
     assert answers > 2
     assert list(lint_release(release, source)) == []
+
+
+def test_an_untouched_answer_cell_displays_nothing() -> None:
+    """Jupyter displays the value of a last line that is an expression, as it would "Ellipsis" for `...`."""
+    assert not isinstance(ast.parse(CODE_STUB).body[-1], ast.Expr)
 
 
 def test_a_solution_that_survives_stops_the_build(write: Callable, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -63,8 +63,9 @@ def refused(said: str, slip: str | None = None) -> Any:
         (2j, "a complex number"),
         ("x", "text"),
         (np.zeros((3, 1)), "an array of shape (3, 1)"),
-        ((1, "a"), "a tuple"),
-        ({"a": 1}, "a dict"),
+        ((1, "a"), "a list or tuple of 2 items"),
+        (("a",), "a list or tuple of 1 item"),
+        ({"a": 1}, "a dictionary"),
         (TF, "a transfer function"),
         (SS, "a state space"),
         (FigureValue(()), "a figure"),
@@ -136,7 +137,7 @@ def test_a_column_of_one_is_a_vector() -> None:
     [
         (
             np.zeros((1, 3)),
-            "`y` is a row, shape (1, 3). Make it a column (or one-dimensional): `y.T`.",
+            "`y` is a row, shape (1, 3). Make it a column: `y.T`.",
             "a row instead of a column",
         ),
         (np.zeros((3, 2)), "`y` should be one column of numbers; it is an array of shape (3, 2).", None),
@@ -146,7 +147,7 @@ def test_a_column_of_one_is_a_vector() -> None:
         (np.zeros((2, 1)), "`y` should have 3 elements; it has 2.", None),
         (np.zeros(0), "`y` should have 3 elements; it has 0.", None),
         (5.0, "`y` should be one column of numbers; it is a number.", None),
-        (("a", 1), "`y` should be a vector; it is a tuple.", None),
+        (("a", 1), "`y` should be a vector; it is a list or tuple of 2 items.", None),
         (np.array([1, NAN, NAN]), "`y` holds nan (at [1]): check the computation before it.", None),
         (np.array([[1], [np.inf]]), "`y` holds inf (at [1, 0]): check the computation before it.", None),
         (
@@ -174,9 +175,7 @@ def test_a_flat_vector_is_no_column() -> None:
         "flat instead of a column",
     ):
         as_column("t", np.array([1.0, 2.0]), 2)
-    with refused(
-        "`t` is a row, shape (1, 2). Make it a column (or one-dimensional): `t.T`.", "a row instead of a column"
-    ):
+    with refused("`t` is a row, shape (1, 2). Make it a column: `t.T`.", "a row instead of a column"):
         as_column("t", np.array([[1.0, 2.0]]), 2)
     with refused("`t` should be one column of numbers; it is a number."):
         as_column("t", 3.0, 1)

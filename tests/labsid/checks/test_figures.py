@@ -252,7 +252,7 @@ def test_labels_that_lack_something_are_said() -> None:
     assert refusal(require_labels, swapped, "(a)", ("s", "V")).slip == "axis labels swapped"
     require_label(axes, "(a)", "y", "")
     error = refusal(require_labels, seen(lambda ax: ax.set_ylabel("y (V)")), "(a)", ("s", "V"))
-    assert str(error) == "In (a) the x-axis has no label: use `xlabel`."
+    assert str(error) == "In (a) the x-axis has no label: use `set_xlabel`."
     assert error.slip == "axis without a label"
     assert refusal(require_label, seen(lambda ax: ax.set_xlabel("  ")), "(a)", "x", "").slip == "axis without a label"
     require_labels(seen(lambda ax: (ax.set_xlabel("t (s)"), ax.set_ylabel("u (V)"))), "(a)", ("s", "V"))
@@ -262,7 +262,7 @@ def test_limits_are_those_of_the_figure() -> None:
     axes = seen(lambda ax: (ax.set_xlim(0, 100), ax.set_ylim(-1.5, 1.5)))
     require_limits(axes, "(a)", (0, 100), (-1.5, 1.5))
     error = refusal(require_limits, axes, "(a)", (0, 80), (-1.5, 1.5))
-    assert str(error) == "In (a) the x-axis runs from 0 to 100; it should run from 0 to 80: use `xlim`."
+    assert str(error) == "In (a) the x-axis runs from 0 to 100; it should run from 0 to 80: use `set_xlim`."
     assert error.slip == "axis limits"
     assert "y-axis runs from -1.5 to 1.5" in str(refusal(require_limits, axes, "(a)", (0, 100), (-1.5, 1)))
 

@@ -209,8 +209,11 @@ def test_odd_answers_get_a_reason_and_never_an_exception(question: Question, del
             assert not verdict.passed
 
 
-def test_an_empty_release_fails_kindly(shipped_record_path: Path, run_notebook) -> None:
+def test_an_empty_release_fails_kindly(shipped_record_path: Path, run_notebook, capsys) -> None:
     said = run_notebook(NAME, shipped_record_path.parent / RECORD_FILE, release=True)
+    printed = capsys.readouterr().out
+    assert "First answer steps 8 and 9. Not there yet: effect, path, parameters, closed\n" in printed
+    assert "verdict" not in printed  # the program names the effect only after the student has
     assert list(said) == [question.id for question in QUESTIONS]
     for question, text in said.items():
         assert re.match(rf"{question}(:| starts from)", text), text
@@ -223,3 +226,22 @@ def test_the_notebook_lists_what_a_rig_may_have() -> None:
     rows = re.findall(r"^\| `(\w+)` \| `([\w-]+)` \| .*? \| ((?:`\w+`(?:, )?)+)", text, re.M)
     assert {effect: path for path, effect, _ in rows} == dict(EFFECT_PATHS)
     assert {effect: tuple(re.findall(r"`(\w+)`", names)) for _, effect, names in rows} == dict(EFFECT_PARAMETERS)
+
+
+def test_the_program_runs_only_after_the_answer_is_on_record(notebook_cells, monkeypatch, capsys) -> None:
+    """The last given cell prints the student's answers to steps 8 and 9 before it calls the program."""
+    [source] = [source for words, source in notebook_cells(NAME) if words["grade_id"] == "gap-10-diagnose"]
+    printed: list[str] = []
+
+    def stop(_record: object) -> None:
+        printed.append(capsys.readouterr().out)
+        raise InterruptedError
+
+    monkeypatch.setattr("labsid.gap.diagnosis.diagnose", stop)
+    answers = {"effect": "overflow", "path": "dynamics", "parameters": {"level": np.float64(3.21)}}
+    exec(source, dict(answers))
+    assert printed == []
+    assert capsys.readouterr().out == "First answer steps 8 and 9. Not there yet: closed\n"
+    with pytest.raises(InterruptedError):
+        exec(source, answers | {"closed": 0.9, "record": None})
+    assert printed == ["your answer: overflow (dynamics): {'level': 3.21}\n"]
