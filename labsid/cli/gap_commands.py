@@ -5,6 +5,7 @@ import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from textwrap import fill
 from typing import Annotated, Literal
 
 import typer
@@ -149,6 +150,23 @@ def simulate(
     print(f"{len(loaded)} samples, free run: rmse {played.rmse:.6g} after the first {played.start} samples")
     for finding in clock_findings(loaded):
         print(f"note: {finding.text}")
+
+
+@gap.command("effects")
+def list_effects(
+    name: Annotated[
+        str | None, typer.Argument(metavar="[NAME]", help="Only this effect, with all that is known.")
+    ] = None,
+) -> None:
+    """List the effects that the diagnosis can name, their parameters, and the records that show them."""
+    from labsid.cli.gap_tables import print_effects
+    from labsid.gap.effect_guide import effect_page
+
+    if name is None:
+        print_effects()
+        return
+    for title, text in effect_page(name):
+        print(fill(text, 96, initial_indent=f"{title:<15}", subsequent_indent=15 * " "))
 
 
 @gap.command("rigs")

@@ -5,10 +5,26 @@ from collections.abc import Sequence
 from rich.console import Console
 from rich.table import Table
 
+from labsid.gap.effect_guide import EFFECT_GUIDE
 from labsid.gap.quantities import number
 from labsid.gap.rigs import RigResult
+from labsid.gap.sentences import noun_without_article
 
 WIDTH = 130  # characters of a table that is written to a file
+
+
+def print_effects() -> None:
+    """Print a row for each effect: name, path, what it is, parameters, and the record that shows it."""
+    table = Table("effect", "path", "what it is", "parameters", "record that shows it")
+    for name, guide in EFFECT_GUIDE.items():
+        table.add_row(
+            name,
+            guide.path,
+            noun_without_article(name),
+            ", ".join(guide.parameters) or "–",
+            guide.excited_by,
+        )
+    _print(table)
 
 
 def print_rigs(results: Sequence[RigResult]) -> None:
@@ -33,5 +49,9 @@ def print_rigs(results: Sequence[RigResult]) -> None:
         "linear: the model that the diagnosis starts from; simple: the better of least squares and first-order output "
         "error; exported: the simulation with the effects; left: path of the remaining error. ! misses its limit."
     )
+    _print(table)
+
+
+def _print(table: Table) -> None:
     console = Console()
     (console if console.is_terminal else Console(width=WIDTH)).print(table)
