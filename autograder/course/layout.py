@@ -157,11 +157,14 @@ class Template:
         Its name, and the title of its notebook.
     cells : tuple of Cell
         The cells with nbgrader metadata, in order.
+    texts : frozenset of str
+        The texts of all other cells, without surrounding blanks.
     """
 
     assignment: str
     title: str
     cells: tuple[Cell, ...]
+    texts: frozenset[str] = frozenset()
 
     @property
     def questions(self) -> tuple[Cell, ...]:
@@ -176,6 +179,7 @@ def read_template(course: Course, assignment: str) -> Template:
         raise ValueError(f"{assignment} has not been built ({path} does not exist). Run: labsid course build")
     notebook = nbformat.reads(path.read_text(encoding="utf-8"), as_version=4)
     cells: list[Cell] = []
+    texts: set[str] = set()
     title = heading = ""
     for raw in notebook.cells:
         for level, text in re.findall(r"^(#{1,4})\s+(.+)$", raw.source if raw.cell_type == "markdown" else "", re.M):
@@ -184,7 +188,9 @@ def read_template(course: Course, assignment: str) -> Template:
         cell = read_cell(raw, heading)
         if cell is not None:
             cells.append(cell)
-    return Template(assignment, title or assignment, tuple(cells))
+        else:
+            texts.add(raw.source.strip())
+    return Template(assignment, title or assignment, tuple(cells), frozenset(texts))
 
 
 def _without_mathematics(heading: str) -> str:

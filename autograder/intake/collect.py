@@ -21,6 +21,7 @@ from typing import IO, Any
 from autograder.course.archive import ArchiveEntry, read_entries
 from autograder.course.layout import Course, Template, read_template
 from autograder.course.plain_text import one_line
+from autograder.intake.submission import is_untouched
 from autograder.intake.untrusted_json import read_json
 from autograder.intake.worksheet import Worksheet, participant_number, possible_ids, submission_time, utc_timestamp
 from labsid._files import write_file
@@ -57,7 +58,8 @@ def collect_submissions(
         The zip file.
     out : Path
         Receives ``<student>/<assignment>/<assignment>.ipynb``, the submitted data file, and ``timestamp.txt`` if the
-        worksheet has the time. Existing files are replaced if the zip contains a new version.
+        worksheet has the time. Existing files are replaced if the zip contains a new version. Notebooks as they were
+        released are not written.
     sheet : Worksheet, optional
         Grading worksheet of the same assignment.
     zone : tzinfo, optional
@@ -93,7 +95,8 @@ def collect_submissions(
         if duplicate:
             student = next(one for one in _own_ids(participant) if one.casefold() not in used_ids)
         used_ids.add(student.casefold())
-        remarks = _write_submission(out / student, participant, None if row is None else submission_time(row), zone)
+        submitted = None if row is None else submission_time(row)
+        remarks = _write_submission(out / student, participant, templates, submitted, zone)
         remarks += ["not in the worksheet: the participant number is the ID"] if unknown else []
         remarks += (
             [f"another participant has the same ID: {_described(student, participant)} is the ID"] if duplicate else []
@@ -241,10 +244,21 @@ def _version_key(entry: ArchiveEntry) -> tuple[datetime, int, str]:
 
 
 def _write_submission(
-    folder: Path, participant: _ParticipantFiles, submitted: datetime | None, zone: tzinfo | None
+    folder: Path,
+    participant: _ParticipantFiles,
+    templates: Mapping[str, Template],
+    submitted: datetime | None,
+    zone: tzinfo | None,
 ) -> list[str]:
+    """Write what a participant handed in; a participant without a notebook gets an empty folder, and is graded, too."""
     written: list[str] = []
-    for name, versions in sorted(participant.notebooks.items()):
+    untouched: list[str] = []
+    folder.mkdir(parents=True, exist_ok=True)
+    for name, found in sorted(participant.notebooks.items()):
+        versions = [version for version in found if not is_untouched(version.data, templates[name])]
+        if not versions:
+            untouched.append(name)
+            continue
         latest = max(versions, key=_version_key)
         files = {f"{name}.ipynb": latest.data}
         data = load_assignment(name).record_file
@@ -257,7 +271,11 @@ def _write_submission(
         written.append(
             name if len(versions) == 1 else f"{name} (the latest of {len(versions)} versions: {latest.name})"
         )
-    remarks = [", ".join(written) or "no notebook of this course"]
+    remarks = [", ".join(written)] if written else []
+    if untouched:
+        remarks.append(f"as released, not collected: {', '.join(untouched)}")
+    if not participant.notebooks:
+        remarks.append("no notebook of this course")
     if participant.skipped:
         remarks.append(f"skipped: {', '.join(participant.skipped[:5])}{' ...' if len(participant.skipped) > 5 else ''}")
     return remarks

@@ -68,7 +68,7 @@ def graded(
     hand_in("eve", {"lab-2b-theta-answer": "theta_hat = np.array([1.0, 2.0, 3.0, 4.123456])"})
     shutil.copyfile(record_path(data_store, RECORD_FILE, "fay"), hand_in("fay", {}) / RECORD_FILE)
     out = folder / "out"
-    list(grade_batch(course, find_batch(course, folder / "submitted", None), out, LocalExecutor(launcher, 2), SECRET))
+    list(grade_batch(course, find_batch(course, folder / "submitted"), out, LocalExecutor(launcher, 2), SECRET))
     return {student: result_path(out, student, LAB) for student in STUDENTS}
 
 
@@ -156,7 +156,7 @@ def test_a_student_of_an_impossible_id_is_quarantined_alone(
 ) -> None:
     for student in ("ann", " bob"):
         shutil.copytree(course.release / LAB, tmp_path / "submitted" / student / LAB)
-    batch = find_batch(course, tmp_path / "submitted", None)
+    batch = find_batch(course, tmp_path / "submitted")
     list(grade_batch(course, batch, tmp_path / "out", LocalExecutor(launcher, 2), SECRET))
     assert load(result_path(tmp_path / "out", "ann", LAB)).questions[0].status == "graded"
     refused = load(result_path(tmp_path / "out", " bob", LAB)).questions[0]

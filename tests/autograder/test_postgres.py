@@ -114,7 +114,7 @@ class Both:
 
     def grade(self, launcher: ProcessLauncher, out: Path) -> list[tuple[str, str]]:
         """Grade into one of them; which submissions were graded anew."""
-        batch = find_batch(self.course, self.submitted, None)
+        batch = find_batch(self.course, self.submitted)
         done = grade_batch(self.course, batch, out, LocalExecutor(launcher, 2))
         return sorted((one.student, one.assignment) for one in done if one.fresh)
 

@@ -159,7 +159,7 @@ def test_lateness_is_taken_off_everywhere_and_can_be_changed_without_grading(
 
     def grade(rules: str | None) -> list[Graded]:
         late = None if rules is None else parse_rules(rules)
-        batch = find_batch(course, tmp_path / "submitted", None)
+        batch = find_batch(course, tmp_path / "submitted")
         return list(grade_batch(course, batch, out, LocalExecutor(launcher, 2), late=late))
 
     def exported() -> Mapping[str, tuple[str, str]]:
@@ -205,7 +205,7 @@ def test_hand_grading_survives_and_is_flagged_when_the_automatic_part_changes(
     open_question = "prelab-6-clock"
     path = tmp_path / "submitted" / "ann" / PRELAB / f"{PRELAB}.ipynb"
     shutil.copytree(course.source / PRELAB, path.parent)
-    batch, out = find_batch(course, tmp_path / "submitted", None), tmp_path / "out"
+    batch, out = find_batch(course, tmp_path / "submitted"), tmp_path / "out"
     list(grade_batch(course, batch, out, LocalExecutor(launcher)))
     with gradebook.open_gradebook(gradebook.database_url(out)) as book:
         grade = book.find_grade(open_question, PRELAB, PRELAB, "ann")
