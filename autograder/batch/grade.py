@@ -93,12 +93,9 @@ def find_batch(course: Course, submitted: Path, *wanted: str, due: Sequence[str]
     folders = sorted(path.name for path in submitted.iterdir() if path.is_dir() and not path.name.startswith("."))
     students = [name for name in folders if _is_unicode(name)]
     ignored = [ascii(name)[1:-1] for name in folders if not _is_unicode(name)]
-    known = course.assignments()
-    unknown = [name for name in wanted if name not in known]
-    if unknown:
-        raise ValueError(f"there is no assignment {unknown[0]!r}; there are {', '.join(known)}.")
+    selected = course.select(wanted)
     if students and wanted:
-        return Batch(submitted, tuple(students), tuple(name for name in known if name in wanted), tuple(ignored))
+        return Batch(submitted, tuple(students), tuple(selected), tuple(ignored))
     owners = handed_in_by(course, submitted)
     graded = [name for name, found in owners.items() if found and (due is None or name in due)]
     if not graded:
@@ -137,6 +134,14 @@ def handed_in_by(course: Course, submitted: Path) -> dict[str, list[str]]:
             template = read_template(course, name)
             owners[name] = [folder.name for folder in found if is_handed_in(folder / name, template)]
     return owners
+
+
+def suggested_assignments(owners: Mapping[str, Sequence[str]]) -> list[str]:
+    """The assignments to grade if others were handed in by fewer than half of the students; none if all were."""
+    handed_in = {name: found for name, found in owners.items() if found}
+    students = len({student for found in handed_in.values() for student in found})
+    most = [name for name, found in handed_in.items() if 2 * len(found) >= students]
+    return most if len(most) < len(handed_in) else []
 
 
 def _selection_remarks(

@@ -2,6 +2,7 @@
 
 import json
 import re
+from collections.abc import Collection
 from dataclasses import dataclass
 from decimal import Decimal
 from pathlib import Path
@@ -63,6 +64,14 @@ class Course:
         """Names of the assignments, in the order of the course."""
         names = {path.parent.name for path in self.notebooks.glob("*/*.md") if path.stem == path.parent.name}
         return sorted(names, key=in_course_order)
+
+    def select(self, wanted: Collection[str]) -> list[str]:
+        """The wanted assignments, all if none is named, in the order of the course; `ValueError` if one is unknown."""
+        names = self.assignments()
+        unknown = [name for name in wanted if name not in names]
+        if unknown:
+            raise ValueError(f"there is no assignment {unknown[0]!r}; there are {', '.join(names)}.")
+        return [name for name in names if name in wanted] if wanted else names
 
 
 def in_course_order(assignment: str) -> tuple[int, str]:

@@ -21,9 +21,17 @@ from typing import IO, Any
 from autograder.course.archive import ArchiveEntry, read_entries
 from autograder.course.layout import Course, Template, read_template
 from autograder.course.plain_text import one_line
+from autograder.course.students import Student, merge_students, read_students, write_students
 from autograder.intake.submission import is_untouched
 from autograder.intake.untrusted_json import read_json
-from autograder.intake.worksheet import Worksheet, participant_number, possible_ids, submission_time, utc_timestamp
+from autograder.intake.worksheet import (
+    EMAIL,
+    Worksheet,
+    participant_number,
+    possible_ids,
+    submission_time,
+    utc_timestamp,
+)
 from labsid._files import write_file
 from labsid.checks.notebook import load_assignment
 
@@ -31,6 +39,9 @@ _MARKER = r"_(?P<number>\d{1,18})_assignsubmission_[a-z]+_?"
 _FOLDER = re.compile(rf"(?P<name>[^/]*){_MARKER}(?P<rest>)", re.ASCII)
 _FILE = re.compile(rf"(?P<name>[^/]*?){_MARKER}(?P<rest>[^/]+)", re.ASCII)
 _ONE_MARKER = re.compile(r"_\d{1,18}_assignsubmission_", re.ASCII)
+STUDENTS_FILE = "students.csv"
+"""Names and e-mail addresses of the participants, in the folder of their submissions."""
+
 MAX_PARTICIPANT_BYTES = 200 * 1024 * 1024
 
 
@@ -58,8 +69,8 @@ def collect_submissions(
         The zip file.
     out : Path
         Receives ``<student>/<assignment>/<assignment>.ipynb``, the submitted data file, and ``timestamp.txt`` if the
-        worksheet has the time. Existing files are replaced if the zip contains a new version. Notebooks as they were
-        released are not written.
+        worksheet has the time; also `STUDENTS_FILE`. Existing files are replaced if the zip contains a new version.
+        Notebooks as they were released are not written.
     sheet : Worksheet, optional
         Grading worksheet of the same assignment.
     zone : tzinfo, optional
@@ -87,6 +98,7 @@ def collect_submissions(
         )
     rows = {} if sheet is None else _rows_by_number(sheet)
     used_ids: set[str] = set()
+    students: list[Student] = []
     for participant in sorted(participants.values(), key=lambda one: (one.name, int(one.number))):
         row = rows.get(participant.number)
         student = participant.number if row is None else next(possible_ids(row), participant.number)
@@ -95,6 +107,8 @@ def collect_submissions(
         if duplicate:
             student = next(one for one in _own_ids(participant) if one.casefold() not in used_ids)
         used_ids.add(student.casefold())
+        address = "" if row is None else row.get(EMAIL, "")
+        students.append(Student(student, one_line(participant.name), one_line(address)))
         submitted = None if row is None else submission_time(row)
         remarks = _write_submission(out / student, participant, templates, submitted, zone)
         remarks += ["not in the worksheet: the participant number is the ID"] if unknown else []
@@ -102,6 +116,8 @@ def collect_submissions(
             [f"another participant has the same ID: {_described(student, participant)} is the ID"] if duplicate else []
         )
         yield one_line(f"{student} ({participant.name}): {'; '.join(remarks)}")
+    path = out / STUDENTS_FILE
+    write_students(path, merge_students(read_students(path) if path.is_file() else [], students))
     if strays:
         yield one_line(f"files of no participant: {', '.join(strays[:10])}{' ...' if len(strays) > 10 else ''}")
 

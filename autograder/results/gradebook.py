@@ -10,8 +10,8 @@ in OUT; ``postgresql+psycopg://USER:PASSWORD@HOST/NAME`` lets several people gra
 """
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
-from datetime import datetime
+from dataclasses import dataclass, field
+from datetime import UTC, datetime
 from decimal import Decimal
 from pathlib import Path
 from typing import Any
@@ -20,11 +20,30 @@ import nbformat
 
 from autograder.course.layout import Course
 from autograder.course.nbgrader_access import COURSE_ID, import_nbgrader_api, open_gradebook, without_disk_sync
+from autograder.course.students import Student
 from autograder.results.result_files import StoredResult, entry_digest
 from labsid._files import write_text
 
 Key = tuple[str, str, str]
 """Student, assignment and question."""
+
+
+@dataclass(frozen=True, slots=True)
+class Mark:
+    """A mark given with ``labsid course mark``.
+
+    Attributes
+    ----------
+    score : Decimal
+    marker : str
+        Name of who gave it.
+    when : datetime
+        In UTC.
+    """
+
+    score: Decimal
+    marker: str
+    when: datetime
 
 
 @dataclass(frozen=True, slots=True)
@@ -38,11 +57,14 @@ class ManualGrades:
     comments : dict
     needs_review : frozenset
         Questions with a manual score that are marked for review.
+    marks : dict
+        Who gave a score and when, where it was given with ``labsid course mark`` and has not been changed since.
     """
 
     scores: dict[Key, Decimal]
     comments: dict[Key, str]
     needs_review: frozenset[Key]
+    marks: dict[Key, Mark] = field(default_factory=dict)
 
 
 def database_url(out: Path) -> str:
@@ -280,8 +302,10 @@ def read_manual_grades(out: Path) -> ManualGrades:
     api = import_nbgrader_api()
     scores: dict[Key, Decimal] = {}
     needs_review: set[Key] = set()
+    marks: dict[Key, Mark] = {}
     with open_gradebook(database_url(out)) as gradebook:
         db = gradebook.db
+        given = _read_marks(gradebook)
         owner = (api.SubmittedAssignment.student_id, api.Assignment.name, api.BaseCell.name)
         rows = _cell_rows(db.query(*owner, *(getattr(api.Grade, name) for name in _GRADE)), api, api.Grade)
         for student, name, question, auto, manual, extra, waits in rows:
@@ -289,6 +313,8 @@ def read_manual_grades(out: Path) -> ManualGrades:
             if manual is not None and waits:
                 needs_review.add(key)
             score = _decimal(manual)
+            if key in given and given[key].score == score:
+                marks[key] = given[key]
             if extra:
                 # nbgrader adds it to the manual or automatic score; without either, the question is not graded yet
                 base = _decimal(auto) if score is None else score
@@ -297,7 +323,101 @@ def read_manual_grades(out: Path) -> ManualGrades:
                 scores[key] = score
         rows = _cell_rows(db.query(*owner, api.Comment.manual_comment), api, api.Comment)
         comments = {(student, name, question): text for student, name, question, text in rows if text}
-    return ManualGrades(scores, comments, frozenset(needs_review))
+    return ManualGrades(scores, comments, frozenset(needs_review), marks)
+
+
+def enter_mark(out: Path, key: Key, mark: Mark | None, comment: str) -> None:
+    """Enter the mark and the comment of a question graded by hand, as formgrader does.
+
+    Parameters
+    ----------
+    out : Path
+        A folder that ``labsid course grade`` wrote.
+    key : tuple of str
+        Student, assignment and question.
+    mark : Mark or None
+        None takes a mark back: the question waits to be graded again.
+    comment : str
+        For the student; replaces an earlier one.
+
+    Raises
+    ------
+    ValueError
+        If the gradebook has no such question of that student.
+    """
+    student, assignment, question = key
+    api = import_nbgrader_api()
+    with open_gradebook(database_url(out)) as gradebook:
+        try:
+            grade = gradebook.find_grade(question, assignment, assignment, student)
+            text = gradebook.find_comment(question, assignment, assignment, student)
+        except api.MissingEntry:
+            raise ValueError(f"the gradebook has no question {question} of {student} in {assignment}.") from None
+        table = _marks_table(gradebook)
+        gradebook.db.execute(
+            table.delete().where(
+                table.c.student == student, table.c.assignment == assignment, table.c.question == question
+            )
+        )
+        if mark is None:
+            grade.manual_score, grade.needs_manual_grade = None, grade.auto_score is None
+        else:
+            grade.manual_score, grade.needs_manual_grade = float(mark.score), False
+            values = {"score": str(mark.score), "marker": mark.marker, "marked": mark.when.astimezone(UTC).isoformat()}
+            row = {"student": student, "assignment": assignment, "question": question, **values}
+            gradebook.db.execute(table.insert().values(row))
+        text.manual_comment = comment.strip() or None
+        gradebook.db.commit()
+
+
+def _read_marks(gradebook: Any) -> dict[Key, Mark]:
+    from sqlalchemy import select
+
+    rows = gradebook.db.execute(select(_marks_table(gradebook))).all()
+    return {
+        (row.student, row.assignment, row.question): Mark(
+            Decimal(row.score), row.marker, datetime.fromisoformat(row.marked)
+        )
+        for row in rows
+    }
+
+
+def _marks_table(gradebook: Any) -> Any:
+    from sqlalchemy import Column, MetaData, String, Table
+
+    metadata = MetaData()
+    keys = (Column(name, String(128), primary_key=True) for name in ("student", "assignment", "question"))
+    values = (Column(name, String(128), nullable=False) for name in ("score", "marker", "marked"))
+    table = Table("labsid_marked", metadata, *keys, *values)
+    metadata.create_all(gradebook.engine)
+    return table
+
+
+def enter_students(out: Path, students: Iterable[Student]) -> None:
+    """Enter names and e-mail addresses of students, for formgrader and all pages."""
+    api = import_nbgrader_api()
+    with open_gradebook(database_url(out)) as gradebook:
+        known = {student.id: student for student in gradebook.db.query(api.Student).all()}
+        for student in students:
+            if student.id not in known:
+                known[student.id] = api.Student(id=student.id)
+                gradebook.db.add(known[student.id])
+            entry = known[student.id]
+            if student.name:
+                entry.first_name, entry.last_name = student.first_and_last_name
+            entry.email = student.email or entry.email
+        gradebook.db.commit()
+
+
+def read_names(out: Path) -> dict[str, str]:
+    """Names of the students whose name is known, by ID."""
+    if not exists(out):
+        return {}
+    api = import_nbgrader_api()
+    with open_gradebook(database_url(out)) as gradebook:
+        rows = gradebook.db.query(api.Student.id, api.Student.first_name, api.Student.last_name).all()
+    names = {student: " ".join(filter(None, (first, last))) for student, first, last in rows}
+    return {student: name for student, name in names.items() if name}
 
 
 _GRADE = ("auto_score", "manual_score", "extra_credit", "needs_manual_grade")

@@ -148,15 +148,22 @@ def test_from_hand_ins_to_feedback_and_export(
 
 
 def test_from_moodle_and_back(here: Course, capsys: pytest.CaptureFixture[str]) -> None:
+    mine = json.loads((here.release / PRELAB / f"{PRELAB}.ipynb").read_text(encoding="utf-8"))
+    mine["cells"].append({"cell_type": "markdown", "metadata": {}, "source": "Done."})
     with zipfile.ZipFile("moodle.zip", "w") as packed:
-        packed.write(here.release / PRELAB / f"{PRELAB}.ipynb", "Gil_7_assignsubmission_file_/my work.ipynb")
+        packed.writestr("Gil_7_assignsubmission_file_/my work.ipynb", json.dumps(mine))
+        packed.write(here.release / LAB / f"{LAB}.ipynb", f"Gil_7_assignsubmission_file_/{LAB}.ipynb")
     columns = "Identifier,Full name,Email address,Last modified (submission),Grade,Maximum Grade,Feedback comments"
     row = 'Participant 7,Gil,gil@x.edu,"Friday, 20 November 2026, 4:05 PM",,1.00,'
     Path("sheet.csv").write_text(f"{columns}\n{row}\n", encoding="utf-8")
     assert (
         main(["course", "collect", "moodle.zip", "--out", "in", "--worksheet", "sheet.csv", "--timezone", "UTC"]) == 0
     )
-    assert capsys.readouterr().out.splitlines()[0] == f"gil@x.edu (Gil): {PRELAB}"
+    assert capsys.readouterr().out.splitlines() == [
+        f"gil@x.edu (Gil): {PRELAB}; as released, not collected: {LAB}",
+        f"Handed in, by number of students: {PRELAB} 1. A notebook as it was released is not counted.",
+        "Next: labsid course grade --submitted in --out OUT",
+    ]
     rules = "due=2026-11-20T16:00,per-day=10%"
     assert main(["course", "grade", "--submitted", "in", "--out", "out", "--late", rules]) == 0
     assert "0.1 late penalty" in capsys.readouterr().out

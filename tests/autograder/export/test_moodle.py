@@ -123,14 +123,26 @@ def test_the_feedback_zip_has_moodles_layout_and_the_same_bytes(out: Path, sheet
 def test_several_assignments_add_up_exactly_or_one_is_chosen(out: Path, sheet: Worksheet) -> None:
     for student in ("ada", "cat"):
         result_files.store(out, stored(student, "other", question("x", "0.1", "0.3")))
-    done = export_moodle(out, sheet)
+    with pytest.raises(ValueError, match=r"the worksheet's maximum is 2, but the marks are out of 2.3 ") as refused:
+        export_moodle(out, sheet)
+    line = f"labsid course export --format moodle --worksheet {sheet.path} --out {out}"
+    assert str(refused.value).endswith(
+        f"(tiny 2, other 0.3); nothing was written. Type, for tiny alone: {line} --assignment tiny; "
+        f"to convert the marks to 2.00: {line} --scale"
+    )
+    assert not (out / "moodle").exists()
+    done = export_moodle(out, sheet, scale=True)
     rows = [list(row.values()) for row in read_worksheet(done.worksheet).rows]
     assert rows[0][6] == "1.83"  # 2.1 of 2.3, in Moodle's 2
+    assert rows[1][6] == "1.04"  # 1.2 of 2.3, too: nothing was handed in for the other
     assert "ada: 2.1 of 2.3 is 1.83 of 2.00" in done.remarks
     with zipfile.ZipFile(done.feedback) as archive:
         assert "Lovelace, Ada_1001_assignsubmission_file_/feedback-other.html" in archive.namelist()
     only = export_moodle(out, sheet, "tiny")
     assert read_worksheet(only.worksheet).rows[0]["Grade"] == "2"
+    weighted = export_moodle(out, sheet, weights={"tiny": Decimal("1.5"), "other": Decimal("0.5")})
+    assert read_worksheet(weighted.worksheet).rows[0]["Grade"] == "1.67"  # 1.5 + 0.5 / 3
+    assert read_worksheet(weighted.worksheet).rows[1]["Grade"] == "0.9"  # 1.2 of 2 counts 1.5
     with pytest.raises(ValueError, match="holds no results of 'holiday'"):
         export_moodle(out, sheet, "holiday")
 
