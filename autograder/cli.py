@@ -263,6 +263,46 @@ def course_report(out: Out) -> None:
     print(f"Wrote {write_report(out, _settings().title)}.")
 
 
+@course.command("mark")
+def course_mark(
+    out: Out,
+    assignment: Annotated[str | None, typer.Option(metavar="NAME", help="Only this assignment.")] = None,
+    question: Annotated[str | None, typer.Option(metavar="ID", help="Only this question.")] = None,
+    marker: Annotated[
+        str | None, typer.Option(metavar="NAME", help="Who marks; default the name of this machine's user.")
+    ] = None,
+    port: Annotated[int, typer.Option(min=0, max=65535, help="Port; default any free one.")] = 0,
+    open_browser: Annotated[bool, typer.Option("--open/--no-open", help="Open the browser.")] = True,
+) -> None:
+    """Mark open questions in the browser, on this machine only; Ctrl+C ends it."""
+    import getpass
+    import webbrowser
+
+    from autograder.course.layout import find_course
+    from autograder.marking.answers import open_questions
+    from autograder.marking.server import MarkingApp, make_server
+    from autograder.results.grades import write_grades
+
+    here = find_course()
+    questions = open_questions(out, here, assignment, question)
+    app = MarkingApp(out, here, marker or getpass.getuser(), lambda: datetime.now(UTC), assignment, question)
+    server = make_server(app, port)
+    address = f"http://127.0.0.1:{server.server_address[1]}/{app.token}/"
+    print(f"{sum(one.waiting for one in questions)} answers to mark, in {len(questions)} questions. Open {address}")
+    print("Press Ctrl+C to end; every mark is saved at once.", flush=True)
+    if open_browser:
+        webbrowser.open(address)
+    try:
+        server.serve_forever()
+    except KeyboardInterrupt:
+        pass
+    finally:
+        server.server_close()
+        write_grades(out)
+    left = sum(one.waiting for one in open_questions(out, here, assignment, question))
+    print(f"{left} answers left to mark. Next: labsid course feedback --out {out}")
+
+
 @course.command("doctor")
 def course_doctor(
     json_file: Annotated[Path | None, typer.Option("--json", metavar="FILE", help="Also write JSON.")] = None,

@@ -162,8 +162,7 @@ def _require_maximum(
     parts = ", ".join(f"{name} {plain_decimal(marks * factor)}" for name, (marks, factor) in factors.items())
     raise ValueError(
         f"the worksheet's maximum is {plain_decimal(other[0])}, but the marks are out of {plain_decimal(maximum)} "
-        f"({parts}); nothing was written. Type, "
-        + "; ".join(f"{what}: {shlex.join(line)}" for what, line in ways)
+        f"({parts}); nothing was written. Type, " + "; ".join(f"{what}: {shlex.join(line)}" for what, line in ways)
     )
 
 

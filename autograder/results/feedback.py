@@ -17,6 +17,7 @@ from autograder.results.prose import prose_html
 from autograder.results.result_files import StoredResult
 from labsid._files import write_text
 
+TEMPLATES = Path(__file__).parent / "templates"
 _MARKS = {"right": "✓", "partial": "◐", "wrong": "✗", "wait": "…"}
 _WORDS = {"right": "right", "partial": "partly right", "wrong": "wrong", "wait": "not yet graded"}
 
@@ -132,9 +133,9 @@ def with_code(text: str) -> markupsafe.Markup:
     return markupsafe.Markup("".join(marked))
 
 
-def load_template(name: str) -> jinja2.Template:
+def load_template(name: str, folder: Path = TEMPLATES) -> jinja2.Template:
     """Load a page template; it escapes all values."""
-    loader = jinja2.FileSystemLoader(Path(__file__).parent / "templates")
+    loader = jinja2.FileSystemLoader(folder)
     environment = jinja2.Environment(loader=loader, autoescape=True, undefined=jinja2.StrictUndefined, trim_blocks=True)
     environment.filters["with_code"] = with_code
     return environment.get_template(name)

@@ -17,7 +17,7 @@ from autograder.intake.submission import NotebookCell
 from autograder.results.result_files import StoredResult
 
 MIN_NODES = 25
-"""Cells with fewer syntax tree nodes are ignored."""
+"""Code with fewer syntax tree nodes is ignored in pairs."""
 
 MAX_PARSED_CHARACTERS = 100_000
 """Longer cells are compared as text: a syntax tree takes up to 1000 bytes a character."""
@@ -27,7 +27,7 @@ MAX_SHARING = 3
 
 
 MIN_NOTEBOOK_NODES = 150
-"""Notebooks with fewer syntax tree nodes in all compared cells are not compared as a whole."""
+"""Notebooks with fewer syntax tree nodes are not compared as a whole."""
 
 MIN_WORDS = 8
 """Shorter free texts are ignored."""
@@ -73,7 +73,7 @@ class SimilarPair:
 def find_equal(stored: Iterable[StoredResult]) -> list[EqualWork]:
     """Whole notebooks and free texts that several students have, by the number of students.
 
-    The code of all compared questions of equal notebooks has the same normal form. Of free texts only the words count.
+    The code of equal notebooks has the same normal form in every question. Of free texts only the words count.
     """
     owners: dict[tuple[str, str | None, object], list[str]] = {}
     for one in stored:
@@ -100,7 +100,7 @@ def code_fingerprints(cells: Sequence[NotebookCell], released: Mapping[str, str]
     Returns
     -------
     dict
-        By question; code shorter than `MIN_NODES` is omitted.
+        By question.
     """
     found: dict[str, tuple[str, int]] = {}
     code: list[str] = []
@@ -111,7 +111,7 @@ def code_fingerprints(cells: Sequence[NotebookCell], released: Mapping[str, str]
         elif cell.kind == "question":
             forms = [normal_form(source) for source in code]
             size = sum(size for _, size in forms)
-            if size >= MIN_NODES:
+            if size:
                 joined = "\n".join(text for text, _ in forms)
                 found[cell.id or ""] = hashlib.sha256(joined.encode(errors="surrogatepass")).hexdigest()[:32], size
             code = []
@@ -183,7 +183,11 @@ def find_similar(results: Iterable[StoredResult], min_share: float = 0.6) -> lis
         holders: dict[tuple[str, str], list[int]] = {}
         sizes = []
         for index, one in enumerate(submissions):
-            compared = {q: work for q, work in one.work.items() if students_with[q, work[0]] <= max_sharing}
+            compared = {
+                question: (digest, size)
+                for question, (digest, size) in one.work.items()
+                if size >= MIN_NODES and students_with[question, digest] <= max_sharing
+            }
             sizes.append(sum(size for _, size in compared.values()))
             for question, (digest, _) in compared.items():
                 holders.setdefault((question, digest), []).append(index)

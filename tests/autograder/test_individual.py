@@ -19,7 +19,8 @@ from autograder.batch.wrong_record import STUDENT_MESSAGE, reference_values
 from autograder.course.individual_data import individual_file
 from autograder.course.layout import RECORD_FILE, Course, read_template
 from autograder.course.own_secret import PUBLIC_SECRET
-from autograder.course.release import labsid_wheel, read_students, write_individual_releases, write_release
+from autograder.course.release import labsid_wheel, write_individual_releases, write_release
+from autograder.course.students import Student, read_students
 from autograder.results.result_files import load, result_path
 from autograder.sandbox.isolation import ProcessLauncher
 from labsid.checks.notebook import load_assignment
@@ -227,7 +228,7 @@ def test_an_individual_release_has_a_folder_for_each(complete: Course, tmp_path:
 def test_a_list_of_students_is_read(tmp_path: Path) -> None:
     path = tmp_path / "students"
     path.write_text("\ufeff# the class\nann\n\n bob \n", encoding="utf-8")
-    assert read_students(path) == ["ann", "bob"]
+    assert read_students(path) == [Student("ann"), Student("bob")]
     path.write_text("ann\nann\n", encoding="utf-8")
     with pytest.raises(ValueError, match="names ann twice"):
         read_students(path)

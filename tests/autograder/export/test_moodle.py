@@ -9,12 +9,14 @@ import zipfile
 from collections.abc import Mapping
 from decimal import Decimal
 from pathlib import Path
+from urllib.parse import unquote
 
 import pytest
 
 from autograder.batch.executors import LocalExecutor
 from autograder.batch.grade import Graded, find_batch, grade_batch
 from autograder.course.layout import Course
+from autograder.course.students import Student
 from autograder.export.grades_csv import export_csv
 from autograder.export.moodle import export_moodle
 from autograder.intake.submission import NotebookCell
@@ -26,7 +28,14 @@ from autograder.results.gradebook import ManualGrades
 from autograder.results.late import parse_rules
 from autograder.results.report import report_page, write_report
 from autograder.results.result_files import StoredResult
-from autograder.results.similar import code_fingerprints, find_similar, normal_form
+from autograder.results.similar import (
+    MIN_NODES,
+    EqualWork,
+    code_fingerprints,
+    find_equal,
+    find_similar,
+    normal_form,
+)
 from autograder.results.summary import class_table
 from autograder.sandbox.isolation import ProcessLauncher
 
@@ -328,7 +337,49 @@ def test_released_code_and_short_cells_tell_nothing() -> None:
         NotebookCell("b", "answer", "x = 1", True), NotebookCell("q2", "question", "check()", True),
         NotebookCell("c", "answer", OTHER, True), NotebookCell("q3", "question", "check()", True),
     ]  # fmt: skip
-    assert set(code_fingerprints(steps, {"c": OTHER})) == {"q1"}
+    found = code_fingerprints(steps, {"c": OTHER})
+    assert {question: size >= MIN_NODES for question, (_, size) in found.items()} == {"q1": True, "q2": False}
+    pair = [stored(student, "tiny", work={"q2": ("a", 3), "q4": ("b", 4)}) for student in ("ann", "bob")]
+    assert find_similar(pair) == []
+
+
+def test_equal_notebooks_and_texts_are_found_however_many_have_them() -> None:
+    text = "The second half does not start from rest, so that the error is larger."
+    same = {"q1": ("a", 100), "q2": ("b", 3), "q3": ("c", 60)}
+    class_ = [
+        stored(f"s{n:02}", "tiny", question("open", None, "0.1", "manual", answer=text), work=same) for n in range(9)
+    ]
+    class_ += [
+        stored("ann", "tiny", question("open", None, "0.1", "manual", answer=text.upper().replace(",", " --\n"))),
+        stored(
+            "bob", "tiny", question("open", None, "0.1", "manual", answer="It is wrong."), work={**same, "q2": ("d", 3)}
+        ),
+        stored("cat", "tiny", question("open", None, "0.1", "manual", answer="It is wrong."), work={"q2": ("b", 3)}),
+        stored("dan", "tiny", question("a", "0.1", "0.1", answer=text), work={"q2": ("b", 3)}),
+        stored("eve", "other", question("open", None, "0.1", "manual", answer=text), work=same),
+    ]
+    nine = tuple(f"s{n:02}" for n in range(9))
+    assert find_equal(class_) == [EqualWork("tiny", None, nine), EqualWork("tiny", "open", (*nine, "ann"))]
+    page = report_page(class_, NOTHING, {"s00": "Öz, <b>"})
+    assert page["similar"] == []
+    assert [len(one["students"]) for one in page["equal"]] == [9, 10]
+
+
+def test_the_report_names_students_and_links_to_their_pages(out: Path) -> None:
+    result_files.store(out, stored("a/b".replace("/", " #?"), "tiny", question("a", "0", "0.6")))
+    gradebook.prepare(Course(out), out, ())
+    gradebook.enter_students(out, [Student("ada", "Lovelace, Ada"), Student("cat", "<i>Cat")])
+    page = write_report(out, "Identification").read_text(encoding="utf-8")
+    assert "<h1>Identification: class report</h1>" in page
+    assert "Ada Lovelace" in page
+    assert "&lt;i&gt;Cat" in page
+    links = re.findall(r'href="(feedback/[^"]*)"', page)
+    assert "feedback/ben%40x.edu/tiny.html" in links
+    assert "feedback/a%20%23%3Fb/tiny.html" in links
+    assert len(set(links)) == 6
+    assert all((out / unquote(link)).is_file() for link in links)
+    assert "Ada Lovelace</td>" not in page  # the ID stands beside the name
+    assert "Ada Lovelace (ada)" in (out / "feedback" / "ada" / "tiny.html").read_text(encoding="utf-8")
 
 
 def test_copies_are_found_and_what_many_wrote_is_not() -> None:
