@@ -221,7 +221,10 @@ def course_feedback(out: Out) -> None:
 @course.command("export")
 def course_export(
     out: Out,
-    format: Annotated[str, typer.Option("--format", help="csv or moodle.")] = "csv",
+    format: Annotated[
+        str | None,
+        typer.Option("--format", help="csv or moodle; default csv, with lms in course.toml and --worksheet moodle."),
+    ] = None,
     worksheet: Annotated[
         Path | None, typer.Option(metavar="FILE", help="Moodle's grading worksheet, as downloaded.")
     ] = None,
@@ -239,6 +242,9 @@ def course_export(
     from autograder.export.moodle import export_moodle
     from autograder.intake.worksheet import read_worksheet
 
+    settings = _settings()
+    if format is None:
+        format = settings.lms or "csv" if worksheet is not None else "csv"
     if format not in ("csv", "moodle"):
         raise typer.BadParameter(f"got {format!r}, expected csv or moodle", param_hint="--format")
     if format == "csv":
@@ -248,7 +254,7 @@ def course_export(
         return
     if worksheet is None:
         raise ValueError("--format moodle needs --worksheet: Moodle's offline grading worksheet, as downloaded.")
-    weights = _settings().weights
+    weights = settings.weights
     done = export_moodle(out, read_worksheet(worksheet), *(assignment or ()), weights=weights, scale=scale)
     for remark in done.remarks:
         print(remark)

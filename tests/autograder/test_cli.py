@@ -11,6 +11,7 @@ import sys
 import time
 import zipfile
 from collections.abc import Callable
+from datetime import datetime, tzinfo
 from pathlib import Path
 
 import pytest
@@ -26,6 +27,7 @@ from autograder.sandbox.doctor import LevelReport
 from labsid.checks.notebook import load_assignment
 from labsid.cli.commands import main
 
+ROOT = Path(__file__).resolve().parents[2]
 PRELAB, LAB = "prelab-sinusoids", "lab-identification"
 SECRET = b"0123456789abcdef0123456789abcdef"
 
@@ -224,7 +226,7 @@ def test_course_toml_is_read_by_every_command(
 ) -> None:
     own = Course(tmp_path / "own")
     shutil.copytree(here.root, own.root)
-    shutil.copyfile(Path(__file__).resolve().parents[2] / "pyproject.toml", own.root / "pyproject.toml")
+    shutil.copyfile(ROOT / "pyproject.toml", own.root / "pyproject.toml")
     monkeypatch.setattr("autograder.course.layout.find_course", lambda: own)
     (own.root / "secret").write_bytes(b"0123456789abcdef0123456789abcdef\n")
     (own.root / "class.csv").write_text("id;name;e-mail\nz1;Jürgen Öz;j@x.edu\nz2;Li, Mei;m@x.edu\n", encoding="utf-8")
@@ -297,12 +299,56 @@ due = 2999-01-01T00:00:00
         assert "course.toml: the file has the unknown key 'tittle'; expected one of title, timezone," in line
 
 
+def test_a_term_is_as_the_readme_prints_it(
+    here: Course, tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Each command of the guide, exactly as printed and in its order, with the course.toml that it shows."""
+    own = Course(tmp_path / "own")
+    shutil.copytree(here.root, own.root)
+    shutil.copyfile(ROOT / "pyproject.toml", own.root / "pyproject.toml")
+    monkeypatch.setattr("autograder.course.layout.find_course", lambda: own)
+    guide = (ROOT / "autograder" / "README.md").read_text(encoding="utf-8")
+    guide = guide.partition("## A term, step by step")[2].partition("## The path of a submission")[0]
+    (settings,) = re.findall(r"```toml\n(.*?)```", guide, re.DOTALL)
+    (own.root / "course.toml").write_text(settings, encoding="utf-8")
+    (tmp_path / "course-secret.txt").write_bytes(SECRET)
+    (tmp_path / "students.csv").write_text("id,name,email\nz1,Ada Öz,a@x.edu\n", encoding="utf-8")
+    columns = "Identifier,Full name,ID number,Last modified (submission),Grade,Maximum Grade,Feedback comments"
+    row = 'Participant 1,Ada Öz,z1,"Sunday, 15 November 2026, 1:00 AM",,1.00,'
+    Path("worksheet.csv").write_text(f"{columns}\r\n{row}\r\n", encoding="utf-8")
+    with zipfile.ZipFile("submissions.zip", "w") as packed:
+        packed.write(own.source / PRELAB / f"{PRELAB}.ipynb", f"Ada Öz_1_assignsubmission_file_/{PRELAB}.ipynb")
+
+    class Later(datetime):
+        @classmethod
+        def now(cls, tz: tzinfo | None = None) -> "Later":
+            return cls(2026, 12, 24, tzinfo=tz)
+
+    def interrupted(*_: object) -> None:
+        raise KeyboardInterrupt
+
+    opened: list[str] = []
+    monkeypatch.setattr("autograder.cli.datetime", Later)
+    monkeypatch.setattr("socketserver.BaseServer.serve_forever", interrupted)
+    monkeypatch.setattr("webbrowser.open", opened.append)
+    commands = re.findall(r"^    labsid (.*)$", guide, re.MULTILINE)
+    assert len(commands) == 10
+    for command in commands:
+        assert main(command.split()) == 0, (command, capsys.readouterr().err)
+    assert len(opened) == 1
+    for name in ("release.zip", "packages.zip", "packages-for-everybody.zip", "OUT/report.html", "OUT/export.csv"):
+        assert Path(name).is_file()
+    assert "Participant 1,Ada Öz,z1," in Path("OUT", "moodle", "worksheet.csv").read_text(encoding="utf-8")
+    assert ",0.95,1.00," in Path("OUT", "moodle", "worksheet.csv").read_text(encoding="utf-8")
+    assert Path("OUT", "moodle", "feedback.zip").is_file()
+
+
 def test_packages_come_in_the_layout_of_moodles_feedback_files(
     here: Course, tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     own = Course(tmp_path / "own")
     shutil.copytree(here.root, own.root)
-    shutil.copyfile(Path(__file__).resolve().parents[2] / "pyproject.toml", own.root / "pyproject.toml")
+    shutil.copyfile(ROOT / "pyproject.toml", own.root / "pyproject.toml")
     monkeypatch.setattr("autograder.course.layout.find_course", lambda: own)
     Path("secret").write_bytes(SECRET)
     Path("class.csv").write_text("z1,Jürgen Öz\nz2,Li Mei\nz3,Nobody There\n", encoding="utf-8")
