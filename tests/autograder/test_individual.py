@@ -156,7 +156,7 @@ def test_a_student_of_an_impossible_id_is_quarantined_alone(
     course: Course, launcher: ProcessLauncher, tmp_path: Path
 ) -> None:
     for student in ("ann", " bob"):
-        shutil.copytree(course.release / LAB, tmp_path / "submitted" / student / LAB)
+        shutil.copytree(course.source / LAB, tmp_path / "submitted" / student / LAB)
     batch = find_batch(course, tmp_path / "submitted")
     list(grade_batch(course, batch, tmp_path / "out", LocalExecutor(launcher, 2), SECRET))
     assert load(result_path(tmp_path / "out", "ann", LAB)).questions[0].status == "graded"

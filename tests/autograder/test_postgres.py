@@ -126,13 +126,20 @@ class Both:
         ]
 
 
+def add_a_cell(path: Path) -> None:
+    notebook = json.loads(path.read_text(encoding="utf-8"))
+    notebook["cells"].append({"cell_type": "markdown", "metadata": {}, "source": "Done."})
+    path.write_text(json.dumps(notebook), encoding="utf-8")
+
+
 @pytest.fixture
 def both(course: Course, launcher: ProcessLauncher, server: Server, tmp_path: Path) -> Both:
-    """Ada's pre-lab is right, ben's lab half right, finn's file is cut off, gil's pre-lab untouched."""
+    """Ada's pre-lab is right, ben's lab half right, finn's file is cut off, gil's pre-lab a remark."""
     write_samples(course, tmp_path / "samples")
     for student, name in (("ada", PRELAB), ("ben", LAB), ("finn", LAB)):
         shutil.copytree(tmp_path / "samples" / student / name, tmp_path / "submitted" / student / name)
     shutil.copytree(course.release / PRELAB, tmp_path / "submitted" / "gil" / PRELAB)
+    add_a_cell(tmp_path / "submitted" / "gil" / PRELAB / f"{PRELAB}.ipynb")
     file, database = out_folder(tmp_path / "file"), out_folder(tmp_path / "database", server.database(tmp_path.name))
     made = Both(course, tmp_path / "submitted", file, database)
     assert len(made.grade(launcher, file)) == len(made.grade(launcher, database)) == 8
@@ -170,9 +177,7 @@ def lists_of_formgrader(out: Path) -> list[dict[str, Any]]:
 
 def test_what_was_given_by_hand_outlives_a_new_grading(both: Both, launcher: ProcessLauncher) -> None:
     path = both.submitted / "ada" / PRELAB / f"{PRELAB}.ipynb"
-    notebook = json.loads(path.read_text(encoding="utf-8"))
-    notebook["cells"].append({"cell_type": "markdown", "metadata": {}, "source": "Done."})
-    path.write_text(json.dumps(notebook), encoding="utf-8")
+    add_a_cell(path)
     (both.submitted / "gil" / PRELAB / f"{PRELAB}.ipynb").write_text("{", encoding="utf-8")
     for out in (both.file, both.database):
         give_by_hand(out, PRELAB, "ada", OPEN, "Nearly: “see” 3a.", manual_score=0.04)

@@ -683,7 +683,11 @@ def test_reasons_stand_on_one_line(tmp_path: Path) -> None:
     reason = 'first\nsecond\r\n\x07"third", \x1b[31mred'
     question = QuestionResult("q", Decimal("0.1"), Decimal("0.10"), "graded", reason, seconds=1.23456)
     stored = StoredResult("=ann", "tiny", "Tiny", (question,), {}, (), "none", {})
-    write_csv(tmp_path / "grades.csv", grades.GRADE_COLUMNS, grades.grade_rows([stored], {}))
+    write_csv(
+        tmp_path / "grades.csv",
+        grades.GRADE_COLUMNS,
+        grades.grade_rows([stored], gradebook.ManualGrades({}, {}, frozenset())),
+    )
     (row,) = read_csv(tmp_path / "grades.csv")
     assert row["reason"] == 'first second "third", [31mred'
     assert (row["student"], row["max_score"], row["seconds"]) == ("'=ann", "0.1", "1.235")
