@@ -16,6 +16,7 @@ import typer
 if TYPE_CHECKING:
     from autograder.course.settings import CourseSettings
     from autograder.course.students import Student
+    from autograder.results.late import LateRules
 
 Item = TypeVar("Item")
 
@@ -180,8 +181,7 @@ def course_grade(
         raise typer.BadParameter(f"got {isolation!r}, expected strict, best or none", param_hint="--isolation")
     here = find_course()
     settings = read_settings(here)
-    late = settings.late_rules if late is None else late
-    rules = parse_rules(late) if late else None
+    rules = _late_rules(settings) if late is None else parse_rules(late)
     secret = secret or settings.secret
     key = None if secret is None else read_secret(secret)
     students = _students(settings, submitted)
@@ -263,7 +263,10 @@ def course_export(
 
 @course.command("report")
 def course_report(out: Out) -> None:
-    """Write OUT/report.html: distribution of marks, most costly questions and mistakes, submissions to review."""
+    """Write OUT/report.html and the feedback pages to which it links.
+
+    The report shows the distribution of marks, the most costly questions and mistakes, and submissions to review.
+    """
     from autograder.results.report import write_report
 
     print(f"Wrote {write_report(out, _settings().title)}.")
@@ -368,6 +371,16 @@ def _settings() -> "CourseSettings":
     except ValueError:
         return CourseSettings()
     return read_settings(here)
+
+
+def _late_rules(settings: "CourseSettings") -> "LateRules | None":
+    """The late rules of ``course.toml``; None if it has none."""
+    from autograder.results.late import parse_rules
+
+    try:
+        return parse_rules(settings.late_rules) if settings.late_rules else None
+    except ValueError as error:
+        raise ValueError(f"course.toml, late rules: {str(error).removeprefix('--late: ')}") from None
 
 
 def _students(settings: "CourseSettings", submitted: Path) -> "list[Student]":

@@ -190,6 +190,7 @@ def _points(text: Any, most: Decimal) -> Decimal:
 
 def make_server(app: MarkingApp, port: int = 0) -> ThreadingHTTPServer:
     """A server on the loopback address; port 0 takes any free one."""
+    from sqlalchemy.exc import SQLAlchemyError
 
     class Handler(BaseHTTPRequestHandler):
         """Passes requests to the app."""
@@ -213,8 +214,14 @@ def make_server(app: MarkingApp, port: int = 0) -> ThreadingHTTPServer:
                 return
             try:
                 self._send(app.respond(method, self.path, body))
-            except (ValueError, OSError) as error:
-                self._send(_text(HTTPStatus.INTERNAL_SERVER_ERROR, str(error)))
+            except (
+                ValueError,
+                OSError,
+                SQLAlchemyError,
+            ) as error:  # such as a gradebook that another program has locked
+                problem = " ".join(str(getattr(error, "orig", None) or error).split())
+                status = HTTPStatus.INTERNAL_SERVER_ERROR
+                self._send(_json(status, {"error": problem}) if method == "POST" else _text(status, problem))
 
         def _send(self, response: Response) -> None:
             self.send_response(response.status)

@@ -289,6 +289,10 @@ due = 2999-01-01T00:00:00
     assert main(["course", "grade", "--submitted", "in", "--out", "OUT", "--late", rules, "--assignment", PRELAB]) == 0
     assert "0.2 late penalty" in capsys.readouterr().out  # an option wins
 
+    text = (own.root / "course.toml").read_text(encoding="utf-8")
+    (own.root / "course.toml").write_text(text.replace("10%", "much"), encoding="utf-8")
+    line = complaint(capsys, ["course", "grade", "--submitted", "in", "--out", "OUT"])
+    assert "course.toml, late rules: per-day=much is not an amount" in line
     (own.root / "course.toml").write_text("tittle = 1\n", encoding="utf-8")
     for command in (
         ["report", "--out", "OUT"],

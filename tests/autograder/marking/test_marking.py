@@ -238,6 +238,21 @@ def test_requests_that_are_none_are_refused(client: Client, body: bytes) -> None
     assert json.loads(text)["error"]
 
 
+def test_a_gradebook_that_is_locked_is_said_and_the_mark_is_not_lost_silently(
+    client: Client, out: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    from sqlalchemy.exc import OperationalError
+
+    def locked(*_: object) -> None:
+        raise OperationalError("UPDATE", {}, Exception("database is\nlocked"))
+
+    monkeypatch.setattr("autograder.results.gradebook.enter_mark", locked)
+    assert client.mark("ann", "0.05") == (500, {"error": "database is locked"})
+    shutil.rmtree(out / "results")
+    status, text, _ = client("GET", client.question)
+    assert (status, "holds no results" in text) == (500, True)
+
+
 # ---- who may ask
 
 
