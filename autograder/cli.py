@@ -288,13 +288,13 @@ def course_mark(
     import webbrowser
 
     from autograder.course.layout import find_course
-    from autograder.marking.answers import open_questions
+    from autograder.marking.answers import open_questions, with_marks
     from autograder.marking.server import MarkingApp, make_server
     from autograder.results.grades import write_grades
 
     here = find_course()
     questions = open_questions(out, here, assignment, question)
-    app = MarkingApp(out, here, marker or getpass.getuser(), lambda: datetime.now(UTC), assignment, question)
+    app = MarkingApp(out, questions, marker or getpass.getuser(), lambda: datetime.now(UTC))
     server = make_server(app, port)
     address = f"http://127.0.0.1:{server.server_address[1]}/{app.token}/"
     print(f"{sum(one.waiting for one in questions)} answers to mark, in {len(questions)} questions. Open {address}")
@@ -308,7 +308,7 @@ def course_mark(
     finally:
         server.server_close()
         write_grades(out)
-    left = sum(one.waiting for one in open_questions(out, here, assignment, question))
+    left = sum(one.waiting for one in with_marks(out, questions))
     print(f"{left} answers left to mark. Next: labsid course feedback --out {out}")
 
 

@@ -155,7 +155,8 @@ def _selection_remarks(
         if not found:
             yield f"{name}: not graded, because every notebook is as released."
         elif name not in graded:
-            yield f"{name}: not graded, because it is not due yet; {_count(len(found), 'student')} handed it in."
+            handed_in = _count(len(found), "student")
+            yield f"{name}: not graded, because its due date in course.toml has not passed; {handed_in} handed it in."
         elif name in few:
             only = f" If it is not due, grade only what is: {most}" if most else ""
             yield f"{name}: handed in by {len(found)} of {_count(students, 'student')}; the others get 0 marks.{only}"

@@ -2,12 +2,12 @@
 
 import json
 import re
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass, replace
 from decimal import Decimal
 from pathlib import Path
 
-from autograder.course.layout import Course, read_cell
+from autograder.course.layout import Course, in_course_order, read_cell
 from autograder.results import gradebook, result_files
 
 STEPS = (Decimal(0), Decimal("0.25"), Decimal("0.5"), Decimal("0.75"), Decimal(1))
@@ -20,10 +20,12 @@ class OpenAnswer:
 
     Attributes
     ----------
-    student, name : str
-        ID, and the name if it is known.
+    student : str
+        ID.
     text : str
         Markdown.
+    name : str
+        Empty if it is unknown.
     score : Decimal or None
         None until it is marked.
     comment : str
@@ -35,12 +37,12 @@ class OpenAnswer:
     """
 
     student: str
-    name: str
     text: str
-    score: Decimal | None
-    comment: str
-    marked_by: str
-    needs_review: bool
+    name: str = ""
+    score: Decimal | None = None
+    comment: str = ""
+    marked_by: str = ""
+    needs_review: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -81,7 +83,7 @@ class OpenQuestion:
 def open_questions(
     out: Path, course: Course | None, assignment: str | None = None, question: str | None = None
 ) -> list[OpenQuestion]:
-    """All open questions with an answer, in the order of the course.
+    """All open questions with an answer, in the order of the course, with the marks so far.
 
     Parameters
     ----------
@@ -98,40 +100,46 @@ def open_questions(
         If OUT holds no results, or no answer to such a question.
     """
     stored = [one for one in result_files.load_all(out) if assignment in (None, one.assignment)]
-    manual, names = gradebook.read_manual_grades(out), gradebook.read_names(out)
-    found: dict[tuple[str, str], list[OpenAnswer]] = {}
-    about: dict[tuple[str, str], tuple[str, str, Decimal]] = {}
+    texts = {name: dict(_texts(course, name)) for name in {one.assignment for one in stored}}
+    questions: dict[tuple[str, str], OpenQuestion] = {}
     for one in stored:
         for result in one.questions:
             if result.status != "manual" or result.score is not None or question not in (None, result.question):
                 continue
-            key = one.student, one.assignment, result.question
-            mark = manual.marks.get(key)
-            by = "" if mark is None else f"marked by {mark.marker} on {mark.when:%Y-%m-%d}"
-            found.setdefault(key[1:], []).append(
-                OpenAnswer(
-                    one.student,
-                    names.get(one.student, ""),
-                    result.answer,
-                    manual.scores.get(key),
-                    manual.comments.get(key, ""),
-                    by,
-                    key in manual.needs_review,
-                )
+            key = one.assignment, result.question
+            heading = one.headings.get(result.question, result.question)
+            task, rubric = texts[one.assignment].get(result.question, ("", ""))
+            first = OpenQuestion(
+                one.assignment, one.title, result.question, heading, result.max_score, task, rubric, ()
             )
-            about[key[1:]] = one.title, one.headings.get(result.question, result.question), result.max_score
-    if not found:
+            known = questions.get(key, first)
+            questions[key] = replace(known, answers=(*known.answers, OpenAnswer(one.student, result.answer)))
+    if not questions:
         wanted = " ".join(filter(None, (question, assignment and f"in {assignment}")))
         raise ValueError(f"{out} holds no answer to an open question{wanted and f' {wanted}'}.")
-    texts = {name: dict(_texts(course, name)) for name in {name for name, _ in found}}
     order = {(one.assignment, result.question): None for one in stored for result in one.questions}
-    questions = []
-    for name, asked in (which for which in order if which in found):
-        title, heading, points = about[name, asked]
-        task, rubric = texts[name].get(asked, ("", ""))
-        answers = tuple(found[name, asked])
-        questions.append(OpenQuestion(name, title, asked, heading, points, task, rubric, answers))
-    return questions
+    names = sorted({name for name, _ in questions}, key=in_course_order)
+    in_order = [key for name in names for key in order if key[0] == name and key in questions]
+    return with_marks(out, [questions[key] for key in in_order])
+
+
+def with_marks(out: Path, questions: Iterable[OpenQuestion]) -> list[OpenQuestion]:
+    """The questions with the names and marks that are in the gradebook now."""
+    manual, names = gradebook.read_manual_grades(out), gradebook.read_names(out)
+
+    def marked(answer: OpenAnswer, about: OpenQuestion) -> OpenAnswer:
+        key = answer.student, about.assignment, about.question
+        mark = manual.marks.get(key)
+        return replace(
+            answer,
+            name=names.get(answer.student, ""),
+            score=manual.scores.get(key),
+            comment=manual.comments.get(key, ""),
+            marked_by="" if mark is None else mark.text,
+            needs_review=key in manual.needs_review,
+        )
+
+    return [replace(one, answers=tuple(marked(answer, one) for answer in one.answers)) for one in questions]
 
 
 def _texts(course: Course | None, assignment: str) -> Iterator[tuple[str, tuple[str, str]]]:

@@ -6,7 +6,7 @@ refused. The pages run one script, which comes from here; text of students is Ma
 
 import json
 import secrets
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from datetime import datetime
 from decimal import Decimal, InvalidOperation
@@ -17,9 +17,8 @@ from threading import Lock
 from typing import Any
 from urllib.parse import quote, unquote, urlsplit
 
-from autograder.course.layout import Course
 from autograder.course.plain_text import plain_decimal
-from autograder.marking.answers import OpenQuestion, find_question, open_questions
+from autograder.marking.answers import OpenQuestion, find_question, with_marks
 from autograder.results import gradebook
 from autograder.results.feedback import load_template, look_of, printable
 from autograder.results.gradebook import Mark
@@ -66,24 +65,20 @@ class MarkingApp:
     ----------
     out : Path
         A folder that ``labsid course grade`` wrote.
-    course : Course or None
-        For tasks and model answers.
+    questions : sequence of OpenQuestion
+        As read when the command started; marks are read from the gradebook each time.
     marker : str
         Name of who marks.
     now : callable
         Returns the time, with a time zone.
-    assignment, question : str or None
-        Show only these.
     token : str
         First part of every path.
     """
 
     out: Path
-    course: Course | None
+    questions: Sequence[OpenQuestion]
     marker: str
     now: Callable[[], datetime]
-    assignment: str | None = None
-    question: str | None = None
     token: str = field(default_factory=lambda: secrets.token_urlsafe(24))
     _lock: Any = field(default_factory=Lock)
 
@@ -95,14 +90,14 @@ class MarkingApp:
         names = [unquote(part) for part in parts]
         if method == "GET" and len(names) == 1 and names[0] in _STATIC:
             return Response(HTTPStatus.OK, _STATIC[names[0]], (_FILES / names[0]).read_bytes())
-        questions = open_questions(self.out, self.course, self.assignment, self.question)
         if method == "GET" and names in ([], [""]):
-            return _html(load_template("questions.html.j2", _FILES).render(page=self._index(questions)))
-        shown = find_question(questions, *names) if len(names) == 2 else None
+            page = self._index(with_marks(self.out, self.questions))
+            return _html(load_template("questions.html.j2", _FILES).render(page=page))
+        shown = find_question(self.questions, *names) if len(names) == 2 else None
         if shown is None:
             return _text(HTTPStatus.NOT_FOUND, "There is no such question.")
         if method == "GET":
-            return _html(load_template("question.html.j2", _FILES).render(page=self._page(shown, questions)))
+            return _html(load_template("question.html.j2", _FILES).render(page=self._page(shown)))
         try:
             return _json(HTTPStatus.OK, self._mark(shown, body))
         except ValueError as error:
@@ -123,9 +118,11 @@ class MarkingApp:
         ]
         return {"base": f"/{self.token}/", "marker": self.marker, "questions": rows}
 
-    def _page(self, shown: OpenQuestion, questions: list[OpenQuestion]) -> dict[str, Any]:
-        place = questions.index(shown)
-        neighbours = {"previous": questions[place - 1 : place], "next": questions[place + 1 : place + 2]}
+    def _page(self, question: OpenQuestion) -> dict[str, Any]:
+        place = self.questions.index(question)
+        before, after = self.questions[:place], self.questions[place + 1 :]
+        neighbours = {"previous": before[-1:], "next": after[:1]}
+        (shown,) = with_marks(self.out, [question])
         answers = [
             {
                 "student": answer.student,
@@ -174,8 +171,7 @@ class MarkingApp:
             gradebook.enter_mark(self.out, (student, shown.assignment, shown.question), mark, printable(comment))
         if mark is None:
             return {"score": "", "look": "wait", "state": "not marked"}
-        state = f"marked by {mark.marker} on {mark.when:%Y-%m-%d}"
-        return {"score": plain_decimal(mark.score), "look": look_of(mark.score, shown.max_score), "state": state}
+        return {"score": plain_decimal(mark.score), "look": look_of(mark.score, shown.max_score), "state": mark.text}
 
 
 def _points(text: Any, most: Decimal) -> Decimal:

@@ -45,6 +45,11 @@ class Mark:
     marker: str
     when: datetime
 
+    @property
+    def text(self) -> str:
+        """Who gave it and when, as on all pages."""
+        return f"marked by {self.marker} on {self.when:%Y-%m-%d}"
+
 
 @dataclass(frozen=True, slots=True)
 class ManualGrades:

@@ -92,7 +92,7 @@ def reason_shown(question: QuestionResult, key: gradebook.Key, manual: ManualGra
     """The reason of a question's marks: who gave them and when, if that is known."""
     mark = manual.marks.get(key)
     if mark is not None:
-        return f"marked by {mark.marker} on {mark.when:%Y-%m-%d}"
+        return mark.text
     by_hand = question.status == "manual" and key in manual.scores
     return "graded by hand" if by_hand else question.reason
 

@@ -198,7 +198,7 @@ def test_a_class_of_200_comes_back_with_the_right_marks(small: Course, capsys: p
     waiting = [one for one in people if one.waits]
     assert [one.student for one in question.answers] == sorted(one.id for one in waiting)
     assert {by_id[one.student].name for one in question.answers} == {one.name for one in waiting}
-    app = MarkingApp(Path("OUT"), small, "Dr Öz", lambda: datetime(2026, 11, 24, tzinfo=UTC))
+    app = MarkingApp(Path("OUT"), [question], "Dr Öz", lambda: datetime(2026, 11, 24, tzinfo=UTC))
     points = {one.id: ("0.05", "0.02")[one.number % 2] for one in waiting[:20]}
     for student, score in points.items():
         body = json.dumps({"student": student, "score": score, "comment": ""}).encode()

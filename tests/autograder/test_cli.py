@@ -270,7 +270,10 @@ due = 2999-01-01T00:00:00
     assert (Path("in", "z1", PRELAB) / "timestamp.txt").read_text(encoding="utf-8") == "2026-03-01 14:00:00 UTC\n"
     assert main(["course", "grade", "--submitted", "in", "--out", "OUT"]) == 0
     captured = capsys.readouterr()
-    assert f"{LAB}: not graded, because it is not due yet; 2 students handed it in." in captured.err
+    assert (
+        f"{LAB}: not graded, because its due date in course.toml has not passed; 2 students handed it in."
+        in captured.err
+    )
     assert "0.1 late penalty" in captured.out
     results = sorted(path.relative_to("OUT/results").as_posix() for path in Path("OUT", "results").glob("*/*.json"))
     assert results == [f"z1/{PRELAB}.json", f"z2/{PRELAB}.json"]

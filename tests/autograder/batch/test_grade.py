@@ -778,7 +778,7 @@ def test_what_nobody_answered_is_not_graded_and_it_is_said(course: Course, tmp_p
     batch = find_batch(course, tmp_path, due=[LAB, "step-response", "least-squares"])
     assert batch.assignments == (LAB,)
     assert batch.remarks == (
-        f"{PRELAB}: not graded, because it is not due yet; 1 student handed it in.",
+        f"{PRELAB}: not graded, because its due date in course.toml has not passed; 1 student handed it in.",
         "step-response: not graded, because every notebook is as released.",
         "least-squares: not graded, because nobody handed it in.",
     )
