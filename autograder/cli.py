@@ -200,6 +200,10 @@ def course_grade(
     except KeyboardInterrupt:
         raise ValueError("interrupted. Finished results are kept; run the same command again to continue.") from None
     gradebook.enter_students(out, students)
+    if settings.students is not None:
+        absent = [student.id for student in students if student.id not in batch.students]
+        if absent:
+            _warn(f"nothing handed in by {len(absent)} of {len(students)} students: {', '.join(absent)}")
     fresh = sum(one.fresh for one in graded)
     print(class_table(out))
     for reason, count in Counter(one.reason for one in graded if one.fresh and one.reason != "new").items():

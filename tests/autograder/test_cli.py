@@ -229,7 +229,9 @@ def test_course_toml_is_read_by_every_command(
     shutil.copyfile(ROOT / "pyproject.toml", own.root / "pyproject.toml")
     monkeypatch.setattr("autograder.course.layout.find_course", lambda: own)
     (own.root / "secret").write_bytes(b"0123456789abcdef0123456789abcdef\n")
-    (own.root / "class.csv").write_text("id;name;e-mail\nz1;Jürgen Öz;j@x.edu\nz2;Li, Mei;m@x.edu\n", encoding="utf-8")
+    (own.root / "class.csv").write_text(
+        "id;name;e-mail\nz1;Jürgen Öz;j@x.edu\nz2;Li, Mei;m@x.edu\nz3;;\n", encoding="utf-8"
+    )
     (own.root / "course.toml").write_text(
         f"""
 title = "System identification"
@@ -258,7 +260,7 @@ due = 2999-01-01T00:00:00
     assert f"for-everybody/{LAB}/{LAB}.ipynb" in names
     assert f"for-everybody/{PRELAB}/{PRELAB}.ipynb" not in names
     assert [name for name in names if name.startswith("students/")] == [
-        f"students/{student}/{LAB}/SysIdenData_StudentVersion.mat" for student in ("z1", "z2")
+        f"students/{student}/{LAB}/SysIdenData_StudentVersion.mat" for student in ("z1", "z2", "z3")
     ]
 
     with zipfile.ZipFile("moodle.zip", "w") as packed:
@@ -274,6 +276,7 @@ due = 2999-01-01T00:00:00
         f"{LAB}: not graded, because its due date in course.toml has not passed; 2 students handed it in."
         in captured.err
     )
+    assert "nothing handed in by 1 of 3 students: z3" in captured.err
     assert "0.1 late penalty" in captured.out
     results = sorted(path.relative_to("OUT/results").as_posix() for path in Path("OUT", "results").glob("*/*.json"))
     assert results == [f"z1/{PRELAB}.json", f"z2/{PRELAB}.json"]
