@@ -96,7 +96,7 @@ def course_release(
     print(
         f"Wrote {done.packages}: packages of {done.students} students, for Moodle's 'Upload multiple feedback files'."
     )
-    print(f"Wrote {done.shared}: what everybody needs besides, labsid and its environment.")
+    print(f"Wrote {done.shared}: for everybody, the notebooks, labsid and its environment.")
 
 
 @course.command("collect")

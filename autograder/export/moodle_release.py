@@ -10,8 +10,8 @@ from autograder.course.release import individual_files, shared_files
 from autograder.intake.worksheet import Worksheet, participant_folder, participant_number, possible_ids
 from labsid._files import write_file
 
-PACKAGE = "my-notebooks.zip"
-"""Name of each student's file."""
+PACKAGE = "my-data.zip"
+"""Name of each student's file; its folders are those of the notebooks."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -43,15 +43,15 @@ def write_moodle_release(
     students: Sequence[str] | None = None,
     assignments: Sequence[str] = (),
 ) -> MoodleRelease:
-    """Write each participant's notebooks with the individual data, and what is the same for everybody.
+    """Write each participant's data files, and the release without data for everybody.
 
     Parameters
     ----------
     course : Course
         Built.
     out : Path
-        The zip file with a folder ``Full Name_123456_assignsubmission_file_`` for each participant. The shared files,
-        without notebooks, are written beside it, as ``<out>-for-everybody.zip``.
+        The zip file with a folder ``Full Name_123456_assignsubmission_file_`` for each participant. What is the same
+        for everybody is written beside it, as ``<out>-for-everybody.zip``.
     secret : bytes
     sheet : Worksheet
         Grading worksheet of the Moodle assignment with which the packages are distributed.
@@ -67,10 +67,10 @@ def write_moodle_release(
     Raises
     ------
     ValueError
-        If no row of the worksheet is a student, the course has not been built, or an ID is unusable.
+        If no row of the worksheet is a student, the assignments have no data files, the course has not been built, or
+        an ID is unusable.
     """
     shared = shared_files(course, assignments)
-    notebooks = {name: content for name, content in shared.items() if name.endswith(".ipynb")}
     known = None if students is None else {student.casefold(): student for student in students}
     packages: dict[str, bytes] = {}
     found: set[str] = set()
@@ -87,11 +87,15 @@ def write_moodle_release(
             continue
         found.add(student)
         own = individual_files(course, secret, student, assignments)
-        packages[f"{participant_folder(row)}/{PACKAGE}"] = zip_bytes({**notebooks, **own})
+        if not own:
+            raise ValueError(
+                "these assignments have no data files; give everybody the same release, without --worksheet."
+            )
+        packages[f"{participant_folder(row)}/{PACKAGE}"] = zip_bytes(own)
     if not packages:
         raise ValueError(f"{sheet.path} has no row of a student. Check the IDs in the students file.")
     beside = out.with_name(f"{out.stem}-for-everybody.zip")
-    write_file(beside, zip_bytes({name: content for name, content in shared.items() if name not in notebooks}))
+    write_file(beside, zip_bytes(shared))
     write_file(out, zip_bytes(packages))
     remarks = tuple(f"{student}: not in the worksheet" for student in students or () if student not in found)
     return MoodleRelease(out, beside, len(packages), remarks)

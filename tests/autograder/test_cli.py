@@ -380,17 +380,20 @@ def test_packages_come_in_the_layout_of_moodles_feedback_files(
     assert capsys.readouterr().out.splitlines()[0] == "z3: not in the worksheet"
     with zipfile.ZipFile("r.zip") as archive:
         folders = ("Jürgen Öz_7_assignsubmission_file_", "Li Mei_8_assignsubmission_file_")
-        assert archive.namelist() == [f"{folder}/my-notebooks.zip" for folder in folders]
+        assert archive.namelist() == [f"{folder}/my-data.zip" for folder in folders]
         with zipfile.ZipFile(io.BytesIO(archive.read(archive.namelist()[1]))) as package:
             record = f"{LAB}/SysIdenData_StudentVersion.mat"
-            assert package.namelist() == [record, f"{LAB}/{LAB}.ipynb"]
+            assert package.namelist() == [record]
             assert package.read(record) == individual_file("SysIdenData_StudentVersion.mat", "z2", SECRET)
     with zipfile.ZipFile("r-for-everybody.zip") as archive:
         assert "environment.yml" in archive.namelist()
-        assert not [name for name in archive.namelist() if name.endswith((".ipynb", ".mat"))]
+        assert f"{LAB}/{LAB}.ipynb" in archive.namelist()
+        assert not [name for name in archive.namelist() if name.endswith(".mat")]
     assert main(release) == 0
     with zipfile.ZipFile("r.zip") as archive:
         assert len(archive.namelist()) == 3
+    line = complaint(capsys, [PRELAB if word == LAB else word for word in release])
+    assert "these assignments have no data files" in line
     assert "no assignment 'holiday'" in complaint(
         capsys, ["course", "release", "--out", "x.zip", "--assignment", "holiday"]
     )
