@@ -112,7 +112,7 @@ def course_collect(
     ] = None,
 ) -> None:
     """Extract submissions from Moodle's zip file."""
-    from autograder.batch.grade import handed_in_by, suggested_assignments
+    from autograder.batch.selection import handed_in_by, suggested_assignments
     from autograder.course.layout import find_course
     from autograder.course.settings import read_settings, time_zone
     from autograder.intake.collect import collect_submissions
@@ -167,7 +167,8 @@ def course_grade(
     The gradebook is OUT/gradebook.db, or the database that OUT/nbgrader_config.py names in CourseDirectory.db_url.
     """
     from autograder.batch.executors import open_executor
-    from autograder.batch.grade import find_batch, grade_batch
+    from autograder.batch.grade import grade_batch
+    from autograder.batch.selection import find_batch
     from autograder.course.layout import find_course
     from autograder.course.nbgrader_access import import_nbgrader_api
     from autograder.course.settings import read_settings

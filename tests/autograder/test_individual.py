@@ -13,8 +13,9 @@ import numpy as np
 import pytest
 
 from autograder.batch.executors import LocalExecutor
-from autograder.batch.grade import find_batch, grade_batch
+from autograder.batch.grade import grade_batch
 from autograder.batch.grading_inputs import DataStore, inputs_for, record_path
+from autograder.batch.selection import find_batch
 from autograder.batch.wrong_record import STUDENT_MESSAGE, reference_values
 from autograder.course.individual_data import individual_file
 from autograder.course.layout import RECORD_FILE, Course, read_template

@@ -18,10 +18,12 @@ import pytest
 from course_work import give_by_hand, scores_in_gradebook
 
 from autograder.batch.executors import LocalExecutor
-from autograder.batch.grade import find_batch, grade_batch
+from autograder.batch.grade import grade_batch
+from autograder.batch.selection import find_batch
 from autograder.course.layout import Course
 from autograder.course.nbgrader_access import open_gradebook
 from autograder.results import gradebook, result_files
+from autograder.results.bulk_entry import BulkEntry
 from autograder.samples import write_samples
 from autograder.sandbox.isolation import ProcessLauncher
 from labsid.cli.commands import main
@@ -205,12 +207,12 @@ def test_a_run_that_is_killed_while_entering_enters_nothing(
     class Killed(BaseException):
         pass
 
-    def killed(entry: Any, write: Callable[[Any], None] = gradebook._BulkEntry.flush) -> None:
+    def killed(entry: Any, write: Callable[[Any], None] = BulkEntry.flush) -> None:
         write(entry)
         raise Killed
 
     with monkeypatch.context() as patch:
-        patch.setattr(gradebook._BulkEntry, "flush", killed)
+        patch.setattr(BulkEntry, "flush", killed)
         with pytest.raises(Killed):
             gradebook.enter(out, stored)
     assert scores_in_gradebook(out) == {}

@@ -15,7 +15,8 @@ import pytest
 from autograder.batch import judge_process
 from autograder.batch.executors import LocalExecutor
 from autograder.batch.fingerprint import submission_hash
-from autograder.batch.grade import Graded, find_batch, grade_batch
+from autograder.batch.grade import Graded, grade_batch
+from autograder.batch.selection import find_batch
 from autograder.batch.wrong_record import _noisy_numbers
 from autograder.course.layout import Course
 from autograder.judge.redaction import REDACTED, redact

@@ -18,8 +18,9 @@ from course_work import give_by_hand, scores_in_gradebook
 
 from autograder.batch.executors import LocalExecutor
 from autograder.batch.fingerprint import result_fingerprint
-from autograder.batch.grade import Batch, Graded, find_batch, grade_batch, handed_in_by
+from autograder.batch.grade import Graded, grade_batch
 from autograder.batch.grading_inputs import DataStore, inputs_for
+from autograder.batch.selection import Batch, find_batch, handed_in_by
 from autograder.course.layout import Course, read_template
 from autograder.course.plain_text import plain_decimal
 from autograder.export.grades_csv import export_csv

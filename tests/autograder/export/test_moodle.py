@@ -14,7 +14,8 @@ from urllib.parse import unquote
 import pytest
 
 from autograder.batch.executors import LocalExecutor
-from autograder.batch.grade import Graded, find_batch, grade_batch
+from autograder.batch.grade import Graded, grade_batch
+from autograder.batch.selection import find_batch
 from autograder.course.layout import Course
 from autograder.course.students import Student
 from autograder.export.grades_csv import export_csv

@@ -20,7 +20,8 @@ from typing import Any
 import pytest
 
 from autograder.batch.executors import LocalExecutor
-from autograder.batch.grade import find_batch, grade_batch
+from autograder.batch.grade import grade_batch
+from autograder.batch.selection import find_batch
 from autograder.course.layout import Course
 from autograder.course.students import Student
 from autograder.marking.answers import open_questions
