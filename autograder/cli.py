@@ -110,6 +110,7 @@ def course_collect(
     timezone: Annotated[
         str | None, typer.Option(metavar="ZONE", help="Time zone of the worksheet; default this machine's.")
     ] = None,
+    assignment: Assignments = None,
 ) -> None:
     """Extract submissions from Moodle's zip file."""
     from autograder.batch.selection import handed_in_by, suggested_assignments
@@ -123,12 +124,12 @@ def course_collect(
     zone_name = timezone or settings.timezone
     zone = None if zone_name is None else time_zone(zone_name)
     sheet = None if worksheet is None else read_worksheet(worksheet)
-    for line in collect_submissions(here, hand_ins, out, sheet, zone):
+    for line in collect_submissions(here, hand_ins, out, sheet, zone, assignment or ()):
         print(line)
     owners = handed_in_by(here, out)
     counts = ", ".join(f"{name} {len(students)}" for name, students in owners.items() if students)
     print(f"Handed in, by number of students: {counts or 'nothing'}. A notebook as it was released is not counted.")
-    named = [] if settings.due_by(datetime.now(UTC)) else suggested_assignments(owners)
+    named = assignment or ([] if settings.due_by(datetime.now(UTC)) else suggested_assignments(owners))
     chosen = "".join(f" --assignment {name}" for name in named)
     print(f"Next: labsid course grade --submitted {out} --out OUT{chosen}")
 

@@ -3,7 +3,7 @@
 ::
 
     title = "System identification"
-    timezone = "Australia/Sydney"        # of due dates without an offset and of Moodle's worksheet; default UTC
+    timezone = "Australia/Sydney"        # of due dates without an offset (default UTC) and of Moodle's worksheet
     secret = "../private/course-secret"  # for individual data; a path from the folder of course.toml
     students = "students.csv"            # columns id, name, e-mail
     lms = "moodle"

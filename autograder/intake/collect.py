@@ -11,7 +11,7 @@ File names in the zip are never used as output paths: these consist of a validat
 import io
 import itertools
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from datetime import datetime, tzinfo
 from functools import cache, partial
@@ -57,7 +57,12 @@ class _ParticipantFiles:
 
 
 def collect_submissions(
-    course: Course, path: Path, out: Path, sheet: Worksheet | None = None, zone: tzinfo | None = None
+    course: Course,
+    path: Path,
+    out: Path,
+    sheet: Worksheet | None = None,
+    zone: tzinfo | None = None,
+    assignments: Sequence[str] = (),
 ) -> Iterator[str]:
     """Extract submissions from Moodle's zip file.
 
@@ -75,6 +80,8 @@ def collect_submissions(
         Grading worksheet of the same assignment.
     zone : tzinfo, optional
         Time zone of the worksheet; default this machine's.
+    assignments : sequence of str, optional
+        The assignments to collect; default all.
 
     Yields
     ------
@@ -84,8 +91,9 @@ def collect_submissions(
     Raises
     ------
     ValueError
-        If it is not a zip file, or not from Moodle.
+        If it is not a zip file, or not from Moodle, or there is no such assignment.
     """
+    wanted = course.select(assignments)
     if out.exists() and not out.is_dir():
         raise ValueError(f"{out} is a file; give --out another name.")
     templates = {name: read_template(course, name) for name in course.assignments()}
@@ -110,7 +118,8 @@ def collect_submissions(
         address = "" if row is None else row.get(EMAIL, "")
         students.append(Student(student, one_line(participant.name), one_line(address)))
         submitted = None if row is None else submission_time(row)
-        remarks = _write_submission(out / student, participant, templates, submitted, zone)
+        timestamp = None if submitted is None else utc_timestamp(submitted.replace(tzinfo=zone))
+        remarks = _write_submission(out / student, participant, templates, wanted, timestamp)
         remarks += ["not in the worksheet: the participant number is the ID"] if unknown else []
         remarks += (
             [f"another participant has the same ID: {_described(student, participant)} is the ID"] if duplicate else []
@@ -263,33 +272,37 @@ def _write_submission(
     folder: Path,
     participant: _ParticipantFiles,
     templates: Mapping[str, Template],
-    submitted: datetime | None,
-    zone: tzinfo | None,
+    wanted: Sequence[str],
+    timestamp: str | None,
 ) -> list[str]:
     """Write what a participant handed in; a participant without a notebook gets an empty folder, and is graded, too."""
     written: list[str] = []
     untouched: list[str] = []
+    others: list[str] = []
     folder.mkdir(parents=True, exist_ok=True)
     for name, found in sorted(participant.notebooks.items()):
         versions = [version for version in found if not is_untouched(version.data, templates[name])]
-        if not versions:
-            untouched.append(name)
+        if not versions or name not in wanted:
+            (others if versions else untouched).append(name)
             continue
         latest = max(versions, key=_version_key)
         files = {f"{name}.ipynb": latest.data}
         data = load_assignment(name).record_file
         if data is not None and data in participant.data:
             files[data] = participant.data[data].data
-        if submitted is not None:
-            files["timestamp.txt"] = (utc_timestamp(submitted.replace(tzinfo=zone)) + "\n").encode()
-        for file, content in files.items():
-            _write_below(folder.parent, Path(folder.name, name, file), content)
-        written.append(
-            name if len(versions) == 1 else f"{name} (the latest of {len(versions)} versions: {latest.name})"
-        )
+        if timestamp is not None:
+            files["timestamp.txt"] = f"{timestamp}\n".encode()
+        replaced = [
+            _write_below(folder.parent, Path(folder.name, name, file), content) for file, content in files.items()
+        ]
+        notes = [f"the latest of {len(versions)} versions: {latest.name}"] if len(versions) > 1 else []
+        notes += ["replaces what was collected before"] if any(replaced) else []
+        written.append(f"{name} ({', '.join(notes)})" if notes else name)
     remarks = [", ".join(written)] if written else []
     if untouched:
         remarks.append(f"as released, not collected: {', '.join(untouched)}")
+    if others:
+        remarks.append(f"other assignments, not collected: {', '.join(others)}")
     if not participant.notebooks:
         remarks.append("no notebook of this course")
     if participant.skipped:
@@ -297,11 +310,14 @@ def _write_submission(
     return remarks
 
 
-def _write_below(out: Path, inner: Path, content: bytes) -> None:
-    """Write a file below OUT unless it exists with the same content, so that a second run changes nothing."""
+def _write_below(out: Path, inner: Path, content: bytes) -> bool:
+    """Write a file below OUT unless it exists with the same content; returns whether it replaced another content."""
     path = out / inner
     path.parent.mkdir(parents=True, exist_ok=True)
     if path.parent.resolve() != out.resolve() / inner.parent or path.is_symlink():
         raise ValueError(f"{path} is a symbolic link, or is below one; collect into another folder.")
-    if not (path.is_file() and path.read_bytes() == content):
-        write_file(path, content)
+    exists = path.is_file()
+    if exists and path.read_bytes() == content:
+        return False
+    write_file(path, content)
+    return exists

@@ -123,6 +123,30 @@ def test_running_again_touches_nothing_and_takes_what_is_new(
     assert target.read_bytes() == newer
 
 
+def test_a_later_zip_does_not_replace_the_hand_ins_of_earlier_weeks(
+    course: Course, notebooks: Mapping[str, bytes], tmp_path: Path
+) -> None:
+    """A zip of `labsid submit` holds all notebooks with work in them."""
+
+    def sheet(day: int) -> Worksheet:
+        when = f"{day} November 2026, 4:05 PM"
+        return worksheet(tmp_path / "w.csv", [{"Identifier": "Participant 1001", "Last modified (submission)": when}])
+
+    first = moodle(tmp_path / "1.zip", [(entry(f"{ADA}/a.ipynb"), notebooks[PRELAB])])
+    both = [(entry(f"{ADA}/a.ipynb"), notebooks[PRELAB]), (entry(f"{ADA}/b.ipynb"), notebooks[LAB])]
+    second, out = moodle(tmp_path / "2.zip", both), tmp_path / "out"
+    (line,) = collect_submissions(course, first, out, sheet(10), UTC, [PRELAB])
+    assert line == f"1001 (Ada Lovelace): {PRELAB}"
+    (line,) = collect_submissions(course, second, out, sheet(20), UTC, [LAB])
+    assert line == f"1001 (Ada Lovelace): {LAB}; other assignments, not collected: {PRELAB}"
+    stamps = {path.parent.name: path.read_text(encoding="utf-8") for path in out.glob("*/*/timestamp.txt")}
+    assert stamps == {PRELAB: "2026-11-10 16:05:00 UTC\n", LAB: "2026-11-20 16:05:00 UTC\n"}
+    (line,) = collect_submissions(course, second, out, sheet(20), UTC)
+    assert line == f"1001 (Ada Lovelace): {LAB}, {PRELAB} (replaces what was collected before)"
+    with pytest.raises(ValueError, match="there is no assignment 'holiday'"):
+        list(collect_submissions(course, second, out, assignments=["holiday"]))
+
+
 def test_a_broken_notebook_is_taken_for_what_it_is_called(course: Course, tmp_path: Path) -> None:
     path = moodle(tmp_path / "m.zip", [(entry(f"{ADA}/My {LAB} final.ipynb"), b"{"), (entry(f"{BEN}/x.ipynb"), b"[]")])
     assert list(collect_submissions(course, path, tmp_path / "out")) == [
