@@ -6,11 +6,17 @@ Each command parses its options, calls the package and prints; it imports what i
 import sys
 from collections import Counter
 from collections.abc import Iterable, Iterator
+from datetime import UTC, datetime
 from pathlib import Path
 from threading import Thread
-from typing import Annotated, TypeVar
+from typing import TYPE_CHECKING, Annotated, TypeVar
 
 import typer
+
+if TYPE_CHECKING:
+    from autograder.course.settings import CourseSettings
+    from autograder.course.students import Student
+    from autograder.results.late import LateRules
 
 Item = TypeVar("Item")
 
@@ -19,6 +25,9 @@ course = typer.Typer(help="Build the course, grade a class, write feedback and e
 Out = Annotated[Path, typer.Option("--out", help="Folder of the graded class.")]
 SecretFile = Annotated[
     Path | None, typer.Option("--secret", metavar="FILE", help="File with the course's secret, for individual data.")
+]
+Assignments = Annotated[
+    list[str] | None, typer.Option("--assignment", metavar="NAME", help="Only this assignment; may be repeated.")
 ]
 
 
@@ -42,22 +51,52 @@ def course_release(
     out: Annotated[Path, typer.Option(metavar="FILE.zip", help="The zip file to write.")],
     secret: SecretFile = None,
     students: Annotated[
-        Path | None, typer.Option(metavar="FILE", help="Student IDs, one per line; with --secret.")
+        Path | None,
+        typer.Option(metavar="FILE", help="CSV with id, name and e-mail, or an ID per line; with --secret."),
+    ] = None,
+    assignment: Assignments = None,
+    worksheet: Annotated[
+        Path | None,
+        typer.Option(metavar="FILE", help="Moodle's grading worksheet: individual data as a zip of feedback files."),
     ] = None,
 ) -> None:
     """Write the student release: notebooks, data, labsid and its environment; with a secret, individual data."""
     from autograder.course.layout import find_course
-    from autograder.course.release import read_students, write_individual_releases, write_release
+    from autograder.course.release import write_individual_releases, write_release
+    from autograder.course.settings import read_settings
+    from autograder.course.students import read_students
+    from autograder.export.moodle_release import write_moodle_release
+    from autograder.intake.worksheet import read_worksheet
     from labsid.rig import read_secret
 
-    if (secret is None) != (students is None):
-        raise ValueError("--secret and --students go together, for individual data. Give both or neither.")
     here = find_course()
-    if secret is None or students is None:
-        files = write_release(here, out)
-    else:
-        files = write_individual_releases(here, out, read_secret(secret), read_students(students))
-    print(f"Wrote {out}: {len(files)} files.")
+    settings = read_settings(here)
+    secret, students = secret or settings.secret, students or settings.students
+    if secret is None and worksheet is not None:
+        raise ValueError("--worksheet is for individual data: give --secret, too.")
+    if secret is None and students is not None and students != settings.students:
+        raise ValueError("--secret and --students go together, for individual data. Give both or neither.")
+    if secret is not None and students is None and worksheet is None:
+        raise ValueError(
+            "--secret and --students go together, for individual data. Give both, or --worksheet in place of "
+            "--students."
+        )
+    wanted = assignment or []
+    if secret is None:
+        print(f"Wrote {out}: {len(write_release(here, out, wanted))} files.")
+        return
+    key = read_secret(secret)
+    ids = None if students is None else [student.id for student in read_students(students)]
+    if worksheet is None:
+        print(f"Wrote {out}: {len(write_individual_releases(here, out, key, ids or [], wanted))} files.")
+        return
+    done = write_moodle_release(here, out, key, read_worksheet(worksheet), ids, wanted)
+    for remark in done.remarks:
+        print(remark)
+    print(
+        f"Wrote {done.packages}: packages of {done.students} students, for Moodle's 'Upload multiple feedback files'."
+    )
+    print(f"Wrote {done.shared}: for everybody, the notebooks, labsid and its environment.")
 
 
 @course.command("collect")
@@ -71,25 +110,42 @@ def course_collect(
     timezone: Annotated[
         str | None, typer.Option(metavar="ZONE", help="Time zone of the worksheet; default this machine's.")
     ] = None,
+    assignment: Assignments = None,
 ) -> None:
     """Extract submissions from Moodle's zip file."""
+    from autograder.batch.selection import handed_in_by, suggested_assignments
     from autograder.course.layout import find_course
+    from autograder.course.settings import read_settings, time_zone
     from autograder.intake.collect import collect_submissions
     from autograder.intake.worksheet import read_worksheet
-    from autograder.results.late import time_zone
 
-    zone = None if timezone is None else time_zone(timezone)
+    here = find_course()
+    settings = read_settings(here)
+    zone_name = timezone or settings.timezone
+    zone = None if zone_name is None else time_zone(zone_name)
     sheet = None if worksheet is None else read_worksheet(worksheet)
-    for line in collect_submissions(find_course(), hand_ins, out, sheet, zone):
+    for line in collect_submissions(here, hand_ins, out, sheet, zone, assignment or ()):
         print(line)
-    print(f"Next: labsid course grade --submitted {out} --out OUT")
+    owners = handed_in_by(here, out)
+    counts = ", ".join(f"{name} {len(students)}" for name, students in owners.items() if students)
+    print(f"Handed in, by number of students: {counts or 'nothing'}. A notebook as it was released is not counted.")
+    named = assignment or ([] if settings.due_by(datetime.now(UTC)) else suggested_assignments(owners))
+    chosen = "".join(f" --assignment {name}" for name in named)
+    print(f"Next: labsid course grade --submitted {out} --out OUT{chosen}")
 
 
 @course.command("grade")
 def course_grade(
     submitted: Annotated[Path, typer.Option(help="Submissions: <student>/<assignment>/<assignment>.ipynb.")],
     out: Out,
-    assignment: Annotated[str | None, typer.Option(help="Grade only this assignment.")] = None,
+    assignment: Annotated[
+        list[str] | None,
+        typer.Option(
+            metavar="NAME",
+            help="Grade this assignment; may be repeated. Default: what was handed in and, with due dates in "
+            "course.toml, is due.",
+        ),
+    ] = None,
     jobs: Annotated[int, typer.Option(min=1, help="Submissions graded at a time on this machine.")] = 2,
     scheduler: Annotated[
         str | None,
@@ -112,9 +168,12 @@ def course_grade(
     The gradebook is OUT/gradebook.db, or the database that OUT/nbgrader_config.py names in CourseDirectory.db_url.
     """
     from autograder.batch.executors import open_executor
-    from autograder.batch.grade import find_batch, grade_batch
+    from autograder.batch.grade import grade_batch
+    from autograder.batch.selection import find_batch
     from autograder.course.layout import find_course
     from autograder.course.nbgrader_access import import_nbgrader_api
+    from autograder.course.settings import read_settings
+    from autograder.results import gradebook
     from autograder.results.late import parse_rules
     from autograder.results.summary import class_table
     from autograder.sandbox.escapes import open_escapes
@@ -122,10 +181,15 @@ def course_grade(
 
     if isolation not in ("strict", "best", "none"):
         raise typer.BadParameter(f"got {isolation!r}, expected strict, best or none", param_hint="--isolation")
-    rules = None if late is None else parse_rules(late)
-    key = None if secret is None else read_secret(secret)
     here = find_course()
-    batch = find_batch(here, submitted, assignment)
+    settings = read_settings(here)
+    rules = _late_rules(settings) if late is None else parse_rules(late)
+    secret = secret or settings.secret
+    key = None if secret is None else read_secret(secret)
+    students = _students(settings, submitted)
+    batch = find_batch(here, submitted, *(assignment or ()), due=settings.due_by(datetime.now(UTC)))
+    for line in batch.remarks:
+        _warn(line)
     for name in batch.ignored:
         _warn(f"{name}: not graded, because the folder's name is not valid UTF-8. Rename it to the student's ID.")
     Thread(target=import_nbgrader_api, daemon=True).start()  # slow, as is opening the launcher: do both at a time
@@ -137,6 +201,11 @@ def course_grade(
             graded = list(_progress(grade_batch(here, batch, out, executor, key, rules), total, "grading"))
     except KeyboardInterrupt:
         raise ValueError("interrupted. Finished results are kept; run the same command again to continue.") from None
+    gradebook.enter_students(out, students)
+    if settings.students is not None:
+        absent = [student.id for student in students if student.id not in batch.students]
+        if absent:
+            _warn(f"nothing handed in by {len(absent)} of {len(students)} students: {', '.join(absent)}")
     fresh = sum(one.fresh for one in graded)
     print(class_table(out))
     for reason, count in Counter(one.reason for one in graded if one.fresh and one.reason != "new").items():
@@ -151,36 +220,48 @@ def course_feedback(out: Out) -> None:
     """Write OUT/feedback/<student>/<assignment>.html."""
     from autograder.results.feedback import write_feedback
 
-    pages = list(_progress(write_feedback(out), None, "feedback"))
+    pages = list(_progress(write_feedback(out, _settings().title), None, "feedback"))
     print(f"Wrote {len(pages)} pages below {out / 'feedback'}.")
 
 
 @course.command("export")
 def course_export(
     out: Out,
-    format: Annotated[str, typer.Option("--format", help="csv or moodle.")] = "csv",
+    format: Annotated[
+        str | None,
+        typer.Option("--format", help="csv or moodle; default csv, with lms in course.toml and --worksheet moodle."),
+    ] = None,
     worksheet: Annotated[
         Path | None, typer.Option(metavar="FILE", help="Moodle's grading worksheet, as downloaded.")
     ] = None,
     assignment: Annotated[
-        str | None, typer.Option(help="Assignment of the worksheet; default all graded assignments, added up.")
+        list[str] | None,
+        typer.Option(
+            metavar="NAME",
+            help="Assignment of the worksheet; may be repeated. Default: all graded assignments, added up.",
+        ),
     ] = None,
+    scale: Annotated[bool, typer.Option("--scale", help="Convert the marks to the worksheet's maximum.")] = False,
 ) -> None:
     """Export the grades, including manual grades, as CSV or to Moodle."""
     from autograder.export.grades_csv import export_csv
     from autograder.export.moodle import export_moodle
     from autograder.intake.worksheet import read_worksheet
 
+    settings = _settings()
+    if format is None:
+        format = settings.lms or "csv" if worksheet is not None else "csv"
     if format not in ("csv", "moodle"):
         raise typer.BadParameter(f"got {format!r}, expected csv or moodle", param_hint="--format")
     if format == "csv":
-        if worksheet is not None or assignment is not None:
-            raise ValueError("--worksheet and --assignment are for --format moodle.")
+        if worksheet is not None or assignment or scale:
+            raise ValueError("--worksheet, --assignment and --scale are for --format moodle.")
         print(f"Wrote {export_csv(out)} and {out / 'grades.csv'}.")
         return
     if worksheet is None:
         raise ValueError("--format moodle needs --worksheet: Moodle's offline grading worksheet, as downloaded.")
-    done = export_moodle(out, read_worksheet(worksheet), assignment)
+    weights = settings.weights
+    done = export_moodle(out, read_worksheet(worksheet), *(assignment or ()), weights=weights, scale=scale)
     for remark in done.remarks:
         print(remark)
     print(f"Filled in {done.filled} rows. Upload {done.worksheet} and {done.feedback}.")
@@ -188,10 +269,53 @@ def course_export(
 
 @course.command("report")
 def course_report(out: Out) -> None:
-    """Write OUT/report.html: distribution of marks, most costly questions and mistakes, submissions to review."""
+    """Write OUT/report.html and the feedback pages to which it links.
+
+    The report shows the distribution of marks, the most costly questions and mistakes, and submissions to review.
+    """
     from autograder.results.report import write_report
 
-    print(f"Wrote {write_report(out)}.")
+    print(f"Wrote {write_report(out, _settings().title)}.")
+
+
+@course.command("mark")
+def course_mark(
+    out: Out,
+    assignment: Annotated[str | None, typer.Option(metavar="NAME", help="Only this assignment.")] = None,
+    question: Annotated[str | None, typer.Option(metavar="ID", help="Only this question.")] = None,
+    marker: Annotated[
+        str | None, typer.Option(metavar="NAME", help="Who marks; default the name of this machine's user.")
+    ] = None,
+    port: Annotated[int, typer.Option(min=0, max=65535, help="Port; default any free one.")] = 0,
+    open_browser: Annotated[bool, typer.Option("--open/--no-open", help="Open the browser.")] = True,
+) -> None:
+    """Mark open questions in the browser, on this machine only; Ctrl+C ends it."""
+    import getpass
+    import webbrowser
+
+    from autograder.course.layout import find_course
+    from autograder.marking.answers import open_questions, with_marks
+    from autograder.marking.server import MarkingApp, make_server
+    from autograder.results.grades import write_grades
+
+    here = find_course()
+    questions = open_questions(out, here, assignment, question)
+    app = MarkingApp(out, questions, marker or getpass.getuser(), lambda: datetime.now(UTC))
+    server = make_server(app, port)
+    address = f"http://127.0.0.1:{server.server_address[1]}/{app.token}/"
+    print(f"{sum(one.waiting for one in questions)} answers to mark, in {len(questions)} questions. Open {address}")
+    print("Press Ctrl+C to end; every mark is saved at once.", flush=True)
+    if open_browser:
+        webbrowser.open(address)
+    try:
+        server.serve_forever()
+    except KeyboardInterrupt:
+        pass
+    finally:
+        server.server_close()
+        write_grades(out)
+    left = sum(one.waiting for one in with_marks(out, questions))
+    print(f"{left} answers left to mark. Next: labsid course feedback --out {out}")
 
 
 @course.command("doctor")
@@ -241,6 +365,39 @@ def demo(
     from autograder.demonstration import run_demo
 
     run_demo(out, _progress)
+
+
+def _settings() -> "CourseSettings":
+    """The settings of the course; the defaults outside of a course, which these commands do not need."""
+    from autograder.course.layout import find_course
+    from autograder.course.settings import CourseSettings, read_settings
+
+    try:
+        here = find_course()
+    except ValueError:
+        return CourseSettings()
+    return read_settings(here)
+
+
+def _late_rules(settings: "CourseSettings") -> "LateRules | None":
+    """The late rules of ``course.toml``; None if it has none."""
+    from autograder.results.late import parse_rules
+
+    try:
+        return parse_rules(settings.late_rules) if settings.late_rules else None
+    except ValueError as error:
+        raise ValueError(f"course.toml, late rules: {str(error).removeprefix('--late: ')}") from None
+
+
+def _students(settings: "CourseSettings", submitted: Path) -> "list[Student]":
+    """The students of the course's file and of the collected submissions."""
+    from autograder.course.students import merge_students, read_students
+    from autograder.intake.collect import STUDENTS_FILE
+
+    collected = submitted / STUDENTS_FILE
+    lists = [read_students(collected)] if collected.is_file() else []
+    lists += [read_students(settings.students)] if settings.students is not None else []
+    return merge_students(*lists)
 
 
 def _warn(line: str) -> None:

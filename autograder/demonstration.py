@@ -6,7 +6,8 @@ from pathlib import Path
 from typing import Any
 
 from autograder.batch.executors import open_executor
-from autograder.batch.grade import Batch, find_batch, grade_batch
+from autograder.batch.grade import grade_batch
+from autograder.batch.selection import Batch, find_batch
 from autograder.course.build import build_course
 from autograder.course.layout import Course, find_course
 from autograder.export.grades_csv import export_csv

@@ -49,7 +49,7 @@ class Ground:
         self.course = course
         self.folder = folder
         self.template = read_template(course, NAME)
-        self.notebook = (course.release / NAME / f"{NAME}.ipynb").read_bytes()
+        self.notebook = (course.source / NAME / f"{NAME}.ipynb").read_bytes()
         self.records = {path.suffix: path.read_bytes() for path in sorted((ROOT / "data").glob("SysIdenData_S*.mat"))}
         self.records[".csv"] = (ROOT / "data" / "WithheldRig.csv").read_bytes()[:20_000]
         self.record: Record = load_record(ROOT / "data" / "WithheldRig.csv")

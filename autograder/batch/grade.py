@@ -16,6 +16,7 @@ from autograder.batch.fingerprint import reason_for_regrading, result_fingerprin
 from autograder.batch.grading_inputs import DataStore, inputs_for
 from autograder.batch.hand_ins import HandIn, judge_hand_in
 from autograder.batch.judge_process import JudgePool
+from autograder.batch.selection import Batch
 from autograder.batch.tasks import Executor
 from autograder.course.layout import Course, Template, read_template
 from autograder.intake.submission import Submission, quarantined_submission
@@ -47,55 +48,6 @@ class Graded:
     assignment: str
     fresh: bool
     reason: str = ""
-
-
-@dataclass(frozen=True, slots=True)
-class Batch:
-    """Submissions to grade.
-
-    Attributes
-    ----------
-    submitted : Path
-    students : tuple of str
-    assignments : tuple of str
-    ignored : tuple of str
-        Folders whose names are not valid Unicode: no gradebook and no table can hold them.
-    """
-
-    submitted: Path
-    students: tuple[str, ...]
-    assignments: tuple[str, ...]
-    ignored: tuple[str, ...] = ()
-
-
-def find_batch(course: Course, submitted: Path, assignment: str | None) -> Batch:
-    """Find the submissions in a folder of nbgrader's layout.
-
-    Raises
-    ------
-    ValueError
-        If the folder does not exist, or contains no submission for any assignment of the course.
-    """
-    if not submitted.is_dir():
-        raise ValueError(f"{submitted} is not a folder. Expected <student>/<assignment>/<assignment>.ipynb below it.")
-    folders = sorted(path.name for path in submitted.iterdir() if path.is_dir() and not path.name.startswith("."))
-    students = [name for name in folders if _is_unicode(name)]
-    ignored = [ascii(name)[1:-1] for name in folders if not _is_unicode(name)]
-    known = course.assignments()
-    if assignment is not None and assignment not in known:
-        raise ValueError(f"there is no assignment {assignment!r}; there are {', '.join(known)}.")
-    found = [name for name in known if any((submitted / student / name).is_dir() for student in students)]
-    wanted = [assignment] if assignment is not None else found
-    if not students or not wanted:
-        raise ValueError(
-            f"{submitted} holds no submission: expected <student>/<assignment>/<assignment>.ipynb below it."
-        )
-    return Batch(submitted, tuple(students), tuple(wanted), tuple(ignored))
-
-
-def _is_unicode(name: str) -> bool:
-    """Whether a file name is valid UTF-8; Python reads any other bytes as lone surrogates."""
-    return not any("\ud800" <= character <= "\udfff" for character in name)
 
 
 def grade_batch(

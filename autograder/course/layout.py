@@ -2,6 +2,7 @@
 
 import json
 import re
+from collections.abc import Collection
 from dataclasses import dataclass
 from decimal import Decimal
 from pathlib import Path
@@ -63,6 +64,14 @@ class Course:
         """Names of the assignments, in the order of the course."""
         names = {path.parent.name for path in self.notebooks.glob("*/*.md") if path.stem == path.parent.name}
         return sorted(names, key=in_course_order)
+
+    def select(self, wanted: Collection[str]) -> list[str]:
+        """The wanted assignments, all if none is named, in the order of the course; `ValueError` if one is unknown."""
+        names = self.assignments()
+        unknown = [name for name in wanted if name not in names]
+        if unknown:
+            raise ValueError(f"there is no assignment {unknown[0]!r}; there are {', '.join(names)}.")
+        return [name for name in names if name in wanted] if wanted else names
 
 
 def in_course_order(assignment: str) -> tuple[int, str]:
@@ -157,11 +166,14 @@ class Template:
         Its name, and the title of its notebook.
     cells : tuple of Cell
         The cells with nbgrader metadata, in order.
+    texts : frozenset of str
+        The texts of all other cells, without surrounding blanks.
     """
 
     assignment: str
     title: str
     cells: tuple[Cell, ...]
+    texts: frozenset[str] = frozenset()
 
     @property
     def questions(self) -> tuple[Cell, ...]:
@@ -176,6 +188,7 @@ def read_template(course: Course, assignment: str) -> Template:
         raise ValueError(f"{assignment} has not been built ({path} does not exist). Run: labsid course build")
     notebook = nbformat.reads(path.read_text(encoding="utf-8"), as_version=4)
     cells: list[Cell] = []
+    texts: set[str] = set()
     title = heading = ""
     for raw in notebook.cells:
         for level, text in re.findall(r"^(#{1,4})\s+(.+)$", raw.source if raw.cell_type == "markdown" else "", re.M):
@@ -184,7 +197,9 @@ def read_template(course: Course, assignment: str) -> Template:
         cell = read_cell(raw, heading)
         if cell is not None:
             cells.append(cell)
-    return Template(assignment, title or assignment, tuple(cells))
+        else:
+            texts.add(raw.source.strip())
+    return Template(assignment, title or assignment, tuple(cells), frozenset(texts))
 
 
 def _without_mathematics(heading: str) -> str:

@@ -3,6 +3,7 @@
 import base64
 import hashlib
 import tomllib
+from collections.abc import Sequence
 from importlib.metadata import PackageNotFoundError, distribution
 from pathlib import Path
 
@@ -36,7 +37,7 @@ _README = """\
 """
 
 
-def write_release(course: Course, out: Path) -> list[str]:
+def write_release(course: Course, out: Path, assignments: Sequence[str] = ()) -> list[str]:
     """Write the release; the same course gives the same bytes.
 
     Parameters
@@ -45,6 +46,8 @@ def write_release(course: Course, out: Path) -> list[str]:
         Built.
     out : Path
         The zip file, written atomically.
+    assignments : sequence of str, optional
+        The assignments to release; default all.
 
     Returns
     -------
@@ -54,10 +57,10 @@ def write_release(course: Course, out: Path) -> list[str]:
     Raises
     ------
     ValueError
-        If the course has not been built.
+        If the course has not been built, or has no such assignment.
     """
-    files = _shared_files(course)
-    for name in course.assignments():
+    files = shared_files(course, assignments)
+    for name in course.select(assignments):
         data = load_assignment(name).record_file
         if data is not None:
             files[f"{name}/{data}"] = shared_file(course, data).read_bytes()
@@ -65,7 +68,9 @@ def write_release(course: Course, out: Path) -> list[str]:
     return sorted(files)
 
 
-def write_individual_releases(course: Course, out: Path, secret: bytes, students: list[str]) -> list[str]:
+def write_individual_releases(
+    course: Course, out: Path, secret: bytes, students: Sequence[str], assignments: Sequence[str] = ()
+) -> list[str]:
     """Write the release with individual data: one folder for each student, for the instructor to distribute.
 
     Parameters
@@ -76,8 +81,10 @@ def write_individual_releases(course: Course, out: Path, secret: bytes, students
         The zip file: ``for-everybody/`` contains the shared files, ``students/<ID>/`` the data of one student, each
         file in the folder of its assignment.
     secret : bytes
-    students : list of str
+    students : sequence of str
         IDs.
+    assignments : sequence of str, optional
+        The assignments to release; default all.
 
     Returns
     -------
@@ -87,50 +94,35 @@ def write_individual_releases(course: Course, out: Path, secret: bytes, students
     Raises
     ------
     ValueError
-        If the course has not been built, or an ID is unusable.
+        If the course has not been built, it has no such assignment, or an ID is unusable.
     """
-    files = {f"for-everybody/{name}": content for name, content in _shared_files(course).items()}
-    wanted = ((name, load_assignment(name).record_file) for name in course.assignments())
-    data = {name: file for name, file in wanted if file is not None}
+    files = {f"for-everybody/{name}": content for name, content in shared_files(course, assignments).items()}
     for student in students:
-        student_plan(student, secret)  # reports an invalid ID before any file is generated
-        if "/" in student or "\\" in student or student.startswith("."):
-            raise ValueError(f"the student ID {student!r} cannot be the name of a folder.")
-        individual = {
-            file: individual_file(file, student, secret) for file in set(data.values()) if is_individual(file)
-        }
-        for name, file in data.items():
-            content = individual[file] if file in individual else shared_file(course, file).read_bytes()
-            files[f"students/{student}/{name}/{file}"] = content
+        for name, content in individual_files(course, secret, student, assignments).items():
+            files[f"students/{student}/{name}"] = content
     write_file(out, zip_bytes(files))
     return sorted(files)
 
 
-def read_students(path: Path) -> list[str]:
-    """Read student IDs, one per line; empty lines and lines that start with # are skipped.
-
-    Raises
-    ------
-    ValueError
-        If there is no ID, or a duplicate.
-    """
-    try:
-        lines = [line.strip() for line in path.read_text(encoding="utf-8-sig").splitlines()]
-    except UnicodeDecodeError:
-        raise ValueError(f"{path} is not text in UTF-8. Expected one student ID per line.") from None
-    students = [line for line in lines if line and not line.startswith("#")]
-    if not students:
-        raise ValueError(f"{path} names no students. Expected one student ID per line.")
-    twice = sorted({student for student in students if students.count(student) > 1})
-    if twice:
-        raise ValueError(f"{path} names {', '.join(twice)} twice.")
-    return students
+def individual_files(course: Course, secret: bytes, student: str, assignments: Sequence[str] = ()) -> dict[str, bytes]:
+    """One student's data files: content by ``<assignment>/<file>``; `ValueError` if the ID is unusable."""
+    student_plan(student, secret)  # reports an invalid ID before any file is generated
+    if "/" in student or "\\" in student or student.startswith("."):
+        raise ValueError(f"the student ID {student!r} cannot be the name of a folder.")
+    wanted = ((name, load_assignment(name).record_file) for name in course.select(assignments))
+    data = {name: file for name, file in wanted if file is not None}
+    contents = {
+        file: individual_file(file, student, secret) if is_individual(file) else shared_file(course, file).read_bytes()
+        for file in set(data.values())
+    }
+    return {f"{name}/{file}": contents[file] for name, file in data.items()}
 
 
-def _shared_files(course: Course) -> dict[str, bytes]:
+def shared_files(course: Course, assignments: Sequence[str] = ()) -> dict[str, bytes]:
+    """The files that are the same for everybody: notebooks, labsid, its environment and the instructions."""
     files: dict[str, bytes] = {}
     has_data = False
-    for name in course.assignments():
+    for name in course.select(assignments):
         notebook = course.release / name / f"{name}.ipynb"
         if not notebook.is_file():
             raise ValueError(f"{name} has not been built ({notebook} does not exist). Run: labsid course build")

@@ -5,9 +5,9 @@ The offline grading worksheet is written as it was downloaded, with the columns 
 feedback is a zip file with a folder ``Full Name_123456_assignsubmission_file_`` for each participant.
 """
 
-import re
+import shlex
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from decimal import ROUND_HALF_UP, Decimal, InvalidOperation
 from pathlib import Path
 
@@ -16,11 +16,10 @@ from autograder.course.plain_text import one_line, plain_decimal
 from autograder.intake.worksheet import (
     CHANGEABLE,
     FEEDBACK,
-    FULL_NAME,
     GRADE,
     MAXIMUM,
     Worksheet,
-    participant_number,
+    participant_folder,
     possible_ids,
     worksheet_text,
 )
@@ -51,7 +50,13 @@ class MoodleExport:
     remarks: tuple[str, ...]
 
 
-def export_moodle(out: Path, sheet: Worksheet, assignment: str | None = None) -> MoodleExport:
+def export_moodle(
+    out: Path,
+    sheet: Worksheet,
+    *assignments: str,
+    weights: Mapping[str, Decimal] | None = None,
+    scale: bool = False,
+) -> MoodleExport:
     """Write ``OUT/moodle/worksheet.csv`` and ``OUT/moodle/feedback.zip``.
 
     Parameters
@@ -60,17 +65,22 @@ def export_moodle(out: Path, sheet: Worksheet, assignment: str | None = None) ->
         A folder that ``labsid course grade`` wrote.
     sheet : Worksheet
         As downloaded.
-    assignment : str, optional
-        The assignment of the worksheet; default all graded assignments, added up.
+    *assignments : str
+        The assignments of the worksheet, added up; default all graded ones.
+    weights : mapping, optional
+        Marks in the sum, by assignment; default those of the notebook. One assignment alone has no weight.
+    scale : bool
+        Whether to convert the marks to the worksheet's maximum.
 
     Returns
     -------
-    Exported
+    MoodleExport
 
     Raises
     ------
     ValueError
-        If OUT has no results of that assignment, or the worksheet lacks the columns to fill in.
+        If OUT has no results of an assignment, the worksheet lacks the columns to fill in, or its maximum is not the
+        sum of the marks and they are not to be scaled.
     """
     missing = [column for column in (GRADE, FEEDBACK) if column not in sheet.columns]
     if missing:
@@ -78,9 +88,16 @@ def export_moodle(out: Path, sheet: Worksheet, assignment: str | None = None) ->
             f"the worksheet has no column {' and no column '.join(missing)}. In Moodle, enable the feedback types "
             "'Feedback comments' and 'Offline grading worksheet', and download it again."
         )
-    stored = [one for one in result_files.load_all(out) if assignment in (None, one.assignment)]
-    if not stored:
-        raise ValueError(f"{out} holds no results of {assignment!r}.")
+    everything = result_files.load_all(out)
+    graded = {one.assignment for one in everything}
+    absent = [name for name in assignments if name not in graded]
+    if absent:
+        raise ValueError(f"{out} holds no results of {absent[0]!r}.")
+    stored = [one for one in everything if not assignments or one.assignment in assignments]
+    factors = _factors(stored, weights or {})
+    maximum = sum((most * factor for most, factor in factors.values()), Decimal(0))
+    if not scale:
+        _require_maximum(out, sheet, assignments, factors, maximum)
     manual = gradebook.read_manual_grades(out).scores
     by_student: dict[str, list[StoredResult]] = {}
     for one in stored:
@@ -97,11 +114,11 @@ def export_moodle(out: Path, sheet: Worksheet, assignment: str | None = None) ->
             rows.append(row)
             continue
         found.add(student)
-        marks = _sum_totals([grades.totals(one, manual) for one in by_student[student]])
-        filled, remark = _fill_in(row, marks, by_student[student])
+        marks = _sum_totals([(grades.totals(one, manual), factors[one.assignment][1]) for one in by_student[student]])
+        filled, remark = _fill_in(row, replace(marks, max_score=maximum), by_student[student])
         rows.append(filled)
         remarks += [f"{student}: {remark}"] if remark else []
-        folder = _participant_folder(row)
+        folder = participant_folder(row)
         mine = [one.assignment for one in by_student[student]]
         for name in mine:
             page = "feedback.html" if len(mine) == 1 else f"feedback-{name}.html"
@@ -115,9 +132,46 @@ def export_moodle(out: Path, sheet: Worksheet, assignment: str | None = None) ->
     return MoodleExport(target / "worksheet.csv", target / "feedback.zip", len(found), tuple(map(one_line, remarks)))
 
 
-def _sum_totals(totals: Sequence[Totals]) -> Totals:
-    parts = ((one.score, one.max_score, one.waiting, one.penalty) for one in totals)
-    return Totals(*(sum(column, Decimal(0)) for column in zip(*parts, strict=True)))
+def _factors(stored: Sequence[StoredResult], weights: Mapping[str, Decimal]) -> dict[str, tuple[Decimal, Decimal]]:
+    """All marks of each assignment in its notebook, and their factor in the sum."""
+    most: dict[str, Decimal] = {}
+    for one in stored:
+        most[one.assignment] = max(grades.totals(one, {}).max_score, most.get(one.assignment, Decimal(0)))
+    if len(most) == 1:
+        return {name: (marks, Decimal(1)) for name, marks in most.items()}
+    return {name: (marks, weights.get(name, marks) / marks if marks else Decimal(1)) for name, marks in most.items()}
+
+
+def _require_maximum(
+    out: Path,
+    sheet: Worksheet,
+    assignments: Sequence[str],
+    factors: Mapping[str, tuple[Decimal, Decimal]],
+    maximum: Decimal,
+) -> None:
+    """Refuse a worksheet with another maximum, and say what to type."""
+    asked = {value for row in sheet.rows if (value := _maximum_grade(row.get(MAXIMUM, ""))) is not None}
+    other = sorted(asked - {maximum})
+    if not other:
+        return
+    command = ["labsid", "course", "export", "--format", "moodle", "--worksheet", str(sheet.path), "--out", str(out)]
+    fitting = [name for name, (marks, _) in factors.items() if len(factors) > 1 and asked == {marks}]
+    ways = [(f"for {name} alone", [*command, "--assignment", name]) for name in fitting]
+    named = [word for name in assignments for word in ("--assignment", name)]
+    ways.append((f"to convert the marks to {other[0]}", [*command, *named, "--scale"]))
+    parts = ", ".join(f"{name} {plain_decimal(marks * factor)}" for name, (marks, factor) in factors.items())
+    raise ValueError(
+        f"the worksheet's maximum is {plain_decimal(other[0])}, but the marks are out of {plain_decimal(maximum)} "
+        f"({parts}); nothing was written. Type, " + "; ".join(f"{what}: {shlex.join(line)}" for what, line in ways)
+    )
+
+
+def _sum_totals(totals: Sequence[tuple[Totals, Decimal]]) -> Totals:
+    """The sum of marks, each multiplied by its factor; rounded to cents if a factor is not 1."""
+    parts = ([marks * factor for marks in (t.score, t.max_score, t.waiting, t.penalty)] for t, factor in totals)
+    summed = [sum(column, Decimal(0)) for column in zip(*parts, strict=True)]
+    exact = all(factor == 1 for _, factor in totals)
+    return Totals(*(summed if exact else (value.quantize(_CENT, ROUND_HALF_UP) for value in summed)))
 
 
 def _fill_in(row: Mapping[str, str], marks: Totals, stored: Sequence[StoredResult]) -> tuple[dict[str, str], str]:
@@ -155,9 +209,3 @@ def _maximum_grade(text: str) -> Decimal | None:
     except InvalidOperation:
         return None
     return value if value.is_finite() and value > 0 else None
-
-
-def _participant_folder(row: Mapping[str, str]) -> str:
-    """The participant's folder, as Moodle names it."""
-    name = re.sub(r"[\x00-\x1f/\\:*?\"<>|]", "", row.get(FULL_NAME, "")).strip(". ") or "Participant"
-    return f"{name}_{participant_number(row)}_assignsubmission_file_"

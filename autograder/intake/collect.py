@@ -11,7 +11,7 @@ File names in the zip are never used as output paths: these consist of a validat
 import io
 import itertools
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from datetime import datetime, tzinfo
 from functools import cache, partial
@@ -21,8 +21,17 @@ from typing import IO, Any
 from autograder.course.archive import ArchiveEntry, read_entries
 from autograder.course.layout import Course, Template, read_template
 from autograder.course.plain_text import one_line
+from autograder.course.students import Student, merge_students, read_students, write_students
+from autograder.intake.submission import is_untouched
 from autograder.intake.untrusted_json import read_json
-from autograder.intake.worksheet import Worksheet, participant_number, possible_ids, submission_time, utc_timestamp
+from autograder.intake.worksheet import (
+    EMAIL,
+    Worksheet,
+    participant_number,
+    possible_ids,
+    submission_time,
+    utc_timestamp,
+)
 from labsid._files import write_file
 from labsid.checks.notebook import load_assignment
 
@@ -30,6 +39,9 @@ _MARKER = r"_(?P<number>\d{1,18})_assignsubmission_[a-z]+_?"
 _FOLDER = re.compile(rf"(?P<name>[^/]*){_MARKER}(?P<rest>)", re.ASCII)
 _FILE = re.compile(rf"(?P<name>[^/]*?){_MARKER}(?P<rest>[^/]+)", re.ASCII)
 _ONE_MARKER = re.compile(r"_\d{1,18}_assignsubmission_", re.ASCII)
+STUDENTS_FILE = "students.csv"
+"""Names and e-mail addresses of the participants, in the folder of their submissions."""
+
 MAX_PARTICIPANT_BYTES = 200 * 1024 * 1024
 
 
@@ -45,7 +57,12 @@ class _ParticipantFiles:
 
 
 def collect_submissions(
-    course: Course, path: Path, out: Path, sheet: Worksheet | None = None, zone: tzinfo | None = None
+    course: Course,
+    path: Path,
+    out: Path,
+    sheet: Worksheet | None = None,
+    zone: tzinfo | None = None,
+    assignments: Sequence[str] = (),
 ) -> Iterator[str]:
     """Extract submissions from Moodle's zip file.
 
@@ -57,11 +74,14 @@ def collect_submissions(
         The zip file.
     out : Path
         Receives ``<student>/<assignment>/<assignment>.ipynb``, the submitted data file, and ``timestamp.txt`` if the
-        worksheet has the time. Existing files are replaced if the zip contains a new version.
+        worksheet has the time; also `STUDENTS_FILE`. Existing files are replaced if the zip contains a new version.
+        Notebooks as they were released are not written.
     sheet : Worksheet, optional
         Grading worksheet of the same assignment.
     zone : tzinfo, optional
         Time zone of the worksheet; default this machine's.
+    assignments : sequence of str, optional
+        The assignments to collect; default all.
 
     Yields
     ------
@@ -71,8 +91,9 @@ def collect_submissions(
     Raises
     ------
     ValueError
-        If it is not a zip file, or not from Moodle.
+        If it is not a zip file, or not from Moodle, or there is no such assignment.
     """
+    wanted = course.select(assignments)
     if out.exists() and not out.is_dir():
         raise ValueError(f"{out} is a file; give --out another name.")
     templates = {name: read_template(course, name) for name in course.assignments()}
@@ -85,6 +106,7 @@ def collect_submissions(
         )
     rows = {} if sheet is None else _rows_by_number(sheet)
     used_ids: set[str] = set()
+    students: list[Student] = []
     for participant in sorted(participants.values(), key=lambda one: (one.name, int(one.number))):
         row = rows.get(participant.number)
         student = participant.number if row is None else next(possible_ids(row), participant.number)
@@ -93,12 +115,18 @@ def collect_submissions(
         if duplicate:
             student = next(one for one in _own_ids(participant) if one.casefold() not in used_ids)
         used_ids.add(student.casefold())
-        remarks = _write_submission(out / student, participant, None if row is None else submission_time(row), zone)
+        address = "" if row is None else row.get(EMAIL, "")
+        students.append(Student(student, one_line(participant.name), one_line(address)))
+        submitted = None if row is None else submission_time(row)
+        timestamp = None if submitted is None else utc_timestamp(submitted.replace(tzinfo=zone))
+        remarks = _write_submission(out / student, participant, templates, wanted, timestamp)
         remarks += ["not in the worksheet: the participant number is the ID"] if unknown else []
         remarks += (
             [f"another participant has the same ID: {_described(student, participant)} is the ID"] if duplicate else []
         )
         yield one_line(f"{student} ({participant.name}): {'; '.join(remarks)}")
+    path = out / STUDENTS_FILE
+    write_students(path, merge_students(read_students(path) if path.is_file() else [], students))
     if strays:
         yield one_line(f"files of no participant: {', '.join(strays[:10])}{' ...' if len(strays) > 10 else ''}")
 
@@ -241,33 +269,55 @@ def _version_key(entry: ArchiveEntry) -> tuple[datetime, int, str]:
 
 
 def _write_submission(
-    folder: Path, participant: _ParticipantFiles, submitted: datetime | None, zone: tzinfo | None
+    folder: Path,
+    participant: _ParticipantFiles,
+    templates: Mapping[str, Template],
+    wanted: Sequence[str],
+    timestamp: str | None,
 ) -> list[str]:
+    """Write what a participant handed in; a participant without a notebook gets an empty folder, and is graded, too."""
     written: list[str] = []
-    for name, versions in sorted(participant.notebooks.items()):
+    untouched: list[str] = []
+    others: list[str] = []
+    folder.mkdir(parents=True, exist_ok=True)
+    for name, found in sorted(participant.notebooks.items()):
+        versions = [version for version in found if not is_untouched(version.data, templates[name])]
+        if not versions or name not in wanted:
+            (others if versions else untouched).append(name)
+            continue
         latest = max(versions, key=_version_key)
         files = {f"{name}.ipynb": latest.data}
         data = load_assignment(name).record_file
         if data is not None and data in participant.data:
             files[data] = participant.data[data].data
-        if submitted is not None:
-            files["timestamp.txt"] = (utc_timestamp(submitted.replace(tzinfo=zone)) + "\n").encode()
-        for file, content in files.items():
-            _write_below(folder.parent, Path(folder.name, name, file), content)
-        written.append(
-            name if len(versions) == 1 else f"{name} (the latest of {len(versions)} versions: {latest.name})"
-        )
-    remarks = [", ".join(written) or "no notebook of this course"]
+        if timestamp is not None:
+            files["timestamp.txt"] = f"{timestamp}\n".encode()
+        replaced = [
+            _write_below(folder.parent, Path(folder.name, name, file), content) for file, content in files.items()
+        ]
+        notes = [f"the latest of {len(versions)} versions: {latest.name}"] if len(versions) > 1 else []
+        notes += ["replaces what was collected before"] if any(replaced) else []
+        written.append(f"{name} ({', '.join(notes)})" if notes else name)
+    remarks = [", ".join(written)] if written else []
+    if untouched:
+        remarks.append(f"as released, not collected: {', '.join(untouched)}")
+    if others:
+        remarks.append(f"other assignments, not collected: {', '.join(others)}")
+    if not participant.notebooks:
+        remarks.append("no notebook of this course")
     if participant.skipped:
         remarks.append(f"skipped: {', '.join(participant.skipped[:5])}{' ...' if len(participant.skipped) > 5 else ''}")
     return remarks
 
 
-def _write_below(out: Path, inner: Path, content: bytes) -> None:
-    """Write a file below OUT unless it exists with the same content, so that a second run changes nothing."""
+def _write_below(out: Path, inner: Path, content: bytes) -> bool:
+    """Write a file below OUT unless it exists with the same content; returns whether it replaced another content."""
     path = out / inner
     path.parent.mkdir(parents=True, exist_ok=True)
     if path.parent.resolve() != out.resolve() / inner.parent or path.is_symlink():
         raise ValueError(f"{path} is a symbolic link, or is below one; collect into another folder.")
-    if not (path.is_file() and path.read_bytes() == content):
-        write_file(path, content)
+    exists = path.is_file()
+    if exists and path.read_bytes() == content:
+        return False
+    write_file(path, content)
+    return exists

@@ -17,6 +17,9 @@ MAX_TEXT_CHARACTERS = 10_000_000
 """Text and code of all cells; outputs and attached pictures do not count."""
 
 
+UNTOUCHED = "the notebook is as it was released: no answer was submitted"
+
+
 @dataclass(frozen=True, slots=True)
 class NotebookCell:
     """One cell to execute or judge.
@@ -73,7 +76,7 @@ def read_submission(folder: Path, student: str, template: Template) -> Submissio
     Returns
     -------
     Submission
-        Invalid submissions are quarantined; they do not raise an error.
+        Invalid submissions are quarantined; they do not raise an error. A notebook as it was released is missing.
     """
     name = f"{template.assignment}.ipynb"
     try:
@@ -88,8 +91,40 @@ def read_submission(folder: Path, student: str, template: Template) -> Submissio
         return quarantined_submission(student, template.assignment, f"{name} cannot be read: {error}")
     if not {cell["id"] for cell in cells} & {cell.id for cell in template.cells}:
         return quarantined_submission(student, template.assignment, f"{name} contains no cell of {template.assignment}")
+    if not _has_work(cells, template):
+        return Submission(student, template.assignment, "missing", (), (UNTOUCHED,))
     aligned, repairs = _align_cells(cells, template)
     return Submission(student, template.assignment, "ready", aligned, tuple(notes + repairs))
+
+
+def is_untouched(content: bytes, template: Template) -> bool:
+    """Whether a notebook has no answer and no cell that is not in the release; False if it cannot be read."""
+    try:
+        cells = _parse_cells(content)
+    except (ValueError, RecursionError, MemoryError):
+        return False
+    known = {cell.id for cell in template.cells}
+    return any(cell["id"] in known for cell in cells) and not _has_work(cells, template)
+
+
+def is_handed_in(folder: Path, template: Template) -> bool:
+    """Whether a folder ``<submitted>/<student>/<assignment>`` contains a notebook that is not as released."""
+    found = _find_notebook(folder, template.assignment)
+    if found is None or not is_plain_file(found[0], MAX_NOTEBOOK_BYTES):
+        return found is not None
+    return not is_untouched(found[0].read_bytes(), template)
+
+
+def _has_work(cells: list[dict[str, Any]], template: Template) -> bool:
+    """Whether an answer differs from the released one, or there is a cell that is not in the release."""
+    released = {cell.id: cell.source.strip() for cell in template.cells}
+    own = {cell.id for cell in template.cells if cell.kind in ("answer", "manual")}
+    for cell in cells:
+        text = cell["source"].strip()
+        is_new = text not in template.texts if cell["id"] not in released else cell["id"] in own
+        if text and is_new and text != released.get(cell["id"]):
+            return True
+    return False
 
 
 def is_plain_file(path: Path, max_bytes: int) -> bool:
@@ -120,8 +155,12 @@ def _find_notebook(folder: Path, assignment: str) -> tuple[Path, list[str]] | No
 def _read_cells(path: Path) -> list[dict[str, Any]]:
     if path.stat().st_size > MAX_NOTEBOOK_BYTES:
         raise ValueError(f"it is larger than {MAX_NOTEBOOK_BYTES // 2**20} MiB")
+    return _parse_cells(path.read_bytes())
+
+
+def _parse_cells(content: bytes) -> list[dict[str, Any]]:
     try:
-        raw = read_json(path.read_bytes().decode("utf-8-sig").encode())
+        raw = read_json(content.decode("utf-8-sig").encode())
     except json.JSONDecodeError as error:
         raise ValueError(f"it is not a notebook (broken JSON at line {error.lineno})") from None
     except UnicodeDecodeError:

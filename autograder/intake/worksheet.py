@@ -29,11 +29,14 @@ class Worksheet:
         Values by column.
     bom : str
         The byte order mark, if any.
+    path : Path
+        The file, for messages.
     """
 
     columns: tuple[str, ...]
     rows: tuple[dict[str, str], ...]
     bom: str
+    path: Path = Path("WORKSHEET.csv")
 
 
 def read_worksheet(path: Path) -> Worksheet:
@@ -63,7 +66,7 @@ def read_worksheet(path: Path) -> Worksheet:
     for number, row in enumerate(rows[1:], start=2):
         if row and len(row) != len(columns):
             raise ValueError(f"{path} has {len(row)} fields in row {number}, but {len(columns)} columns.")
-    return Worksheet(tuple(columns), tuple(dict(zip(columns, row, strict=True)) for row in rows[1:] if row), bom)
+    return Worksheet(tuple(columns), tuple(dict(zip(columns, row, strict=True)) for row in rows[1:] if row), bom, path)
 
 
 def worksheet_text(sheet: Worksheet, rows: Sequence[dict[str, str]]) -> str:
@@ -79,6 +82,15 @@ def participant_number(row: Mapping[str, str]) -> str | None:
     """The participant number of a row, from a value such as ``Participant 123456``; None if there is none."""
     found = re.search(r"(\d{1,18})\s*$", row.get(IDENTIFIER, ""), re.ASCII)
     return (found[1].lstrip("0") or "0") if found else None
+
+
+def participant_folder(row: Mapping[str, str]) -> str:
+    """The folder of a row's participant in a zip file for Moodle.
+
+    Moodle splits the name at underscores, so that a student's name must not contain any.
+    """
+    name = re.sub(r"[\x00-\x1f/\\:*?\"<>|]", "", row.get(FULL_NAME, "")).replace("_", " ").strip(". ")
+    return f"{name or 'Participant'}_{participant_number(row)}_assignsubmission_file_"
 
 
 def possible_ids(row: Mapping[str, str]) -> Iterator[str]:

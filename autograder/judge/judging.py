@@ -169,10 +169,9 @@ class _SubmissionJudge:
     def _manual(self, cell: NotebookCell) -> QuestionResult:
         released = next(known.source for known in self._assets.template.cells if known.id == cell.id)
         empty = cell.source.strip() in ("", released.strip())
-        reason = "no answer" if empty else "not yet graded by hand"
-        return QuestionResult(
-            cell.id or "", None, self._points[cell.id or ""], "manual", reason, answer=cell.source
-        )  # fmt: skip
+        score, reason = (Decimal(0), "no answer") if empty else (None, "not yet graded by hand")
+        points = self._points[cell.id or ""]
+        return QuestionResult(cell.id or "", score, points, "manual", reason, answer="" if empty else cell.source)
 
     def _question(
         self,

@@ -1,7 +1,7 @@
 """Feedback pages: one self-contained HTML file for each submission, made from its stored result."""
 
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from decimal import Decimal
 from pathlib import Path
 from typing import Any
@@ -12,59 +12,66 @@ import markupsafe
 from autograder.course.plain_text import plain_decimal
 from autograder.judge.outcome import QuestionResult
 from autograder.results import gradebook, grades, result_files
+from autograder.results.gradebook import Key, ManualGrades
+from autograder.results.prose import prose_html
 from autograder.results.result_files import StoredResult
 from labsid._files import write_text
 
-_MARKS = {"right": "✓", "wrong": "✗", "wait": "…"}
+TEMPLATES = Path(__file__).parent / "templates"
+_MARKS = {"right": "✓", "partial": "◐", "wrong": "✗", "wait": "…"}
+_WORDS = {"right": "right", "partial": "partly right", "wrong": "wrong", "wait": "not yet graded"}
 
 
-def write_feedback(out: Path) -> Iterator[Path]:
+def write_feedback(out: Path, course: str = "") -> Iterator[Path]:
     """Write ``OUT/feedback/<student>/<assignment>.html`` for every result; yields each page's path.
 
     Includes the scores and comments of manual grading.
+
+    Parameters
+    ----------
+    out : Path
+    course : str
+        Title of the course.
 
     Raises
     ------
     ValueError
         If OUT holds no results.
     """
-    manual = gradebook.read_manual_grades(out)
+    manual, names = gradebook.read_manual_grades(out), gradebook.read_names(out)
     page_template = load_template("feedback.html.j2")
     for result in result_files.load_all(out):
         path = out / "feedback" / result.student / f"{result.assignment}.html"
-        write_text(path, page_template.render(page=feedback_page(result, manual.scores, manual.comments)))
+        page = feedback_page(result, manual, names.get(result.student, ""), course)
+        write_text(path, page_template.render(page=page))
         yield path
 
 
-def feedback_page(
-    result: StoredResult,
-    scores: Mapping[tuple[str, str, str], Decimal],
-    comments: Mapping[tuple[str, str, str], str],
-) -> dict[str, Any]:
-    """The content of a feedback page, as plain text.
+def feedback_page(result: StoredResult, manual: ManualGrades, name: str = "", course: str = "") -> dict[str, Any]:
+    """The content of a feedback page, as plain text and safe HTML.
 
     Parameters
     ----------
     result : StoredResult
-    scores, comments : mapping
-        Of manual grading, by (student, assignment, question).
+    manual : ManualGrades
+    name, course : str
+        Name of the student and title of the course, if known.
 
     Returns
     -------
     dict
     """
     questions = []
-    marks = grades.totals(result, scores)
+    marks = grades.totals(result, manual.scores)
     for question in result.questions:
         key = (result.student, result.assignment, question.question)
-        score = scores.get(key, question.score)
-        questions.append(
-            _question_block(question, score, comments.get(key, ""), result.headings.get(question.question, ""))
-        )
+        heading = result.headings.get(question.question, "")
+        questions.append(_question_block(question, key, manual, heading))
     automatic = [block for block in questions if not block["by_hand"]]
     wrong = [block for block in questions if block["look"] == "wrong"]
     return {
-        "student": result.student,
+        "student": f"{printable(name)} ({result.student})" if name else result.student,
+        "course": course,
         "assignment": result.assignment,
         "title": result.title,
         "score": plain_decimal(marks.score),
@@ -80,27 +87,35 @@ def feedback_page(
     }
 
 
-def _question_block(question: QuestionResult, score: Decimal | None, comment: str, heading: str) -> dict[str, Any]:
-    full = score is not None and score == question.max_score
-    look = "wait" if score is None else "right" if full else "wrong"
+def _question_block(question: QuestionResult, key: Key, manual: ManualGrades, heading: str) -> dict[str, Any]:
+    score = manual.scores.get(key, question.score)
+    look = look_of(score, question.max_score)
     by_hand = question.status == "manual"
-    graded_by_hand = by_hand and score is not None
     return {
         "id": question.question,
         "heading": heading or question.question,
         "by_hand": by_hand,
         "look": look,
         "mark": _MARKS[look],
+        "in_words": _WORDS[look],
         "score": "–" if score is None else plain_decimal(score),
         "max_score": plain_decimal(question.max_score),
         "status": question.status,
-        "reason": "graded by hand" if graded_by_hand else printable(question.reason),
+        "reason": printable(grades.reason_shown(question, key, manual)),
         "slip": question.slip,
-        "comment": printable(comment),
+        "comment": printable(manual.comments.get(key, "")),
         "answer": printable(question.answer),
+        "prose": prose_html(printable(question.answer)) if by_hand else None,
         "output": printable(question.output),
         "figures": question.figures,
     }
+
+
+def look_of(score: Decimal | None, max_score: Decimal) -> str:
+    """How a question is shown: ``right``, ``partial``, ``wrong`` or ``wait``."""
+    if score is None:
+        return "wait"
+    return "right" if score >= max_score else "partial" if score > 0 else "wrong"
 
 
 def printable(text: str) -> str:
@@ -118,9 +133,9 @@ def with_code(text: str) -> markupsafe.Markup:
     return markupsafe.Markup("".join(marked))
 
 
-def load_template(name: str) -> jinja2.Template:
+def load_template(name: str, folder: Path = TEMPLATES) -> jinja2.Template:
     """Load a page template; it escapes all values."""
-    loader = jinja2.FileSystemLoader(Path(__file__).parent / "templates")
+    loader = jinja2.FileSystemLoader(folder)
     environment = jinja2.Environment(loader=loader, autoescape=True, undefined=jinja2.StrictUndefined, trim_blocks=True)
     environment.filters["with_code"] = with_code
     return environment.get_template(name)

@@ -10,8 +10,8 @@ in OUT; ``postgresql+psycopg://USER:PASSWORD@HOST/NAME`` lets several people gra
 """
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
-from datetime import datetime
+from dataclasses import dataclass, field
+from datetime import UTC, datetime
 from decimal import Decimal
 from pathlib import Path
 from typing import Any
@@ -20,11 +20,36 @@ import nbformat
 
 from autograder.course.layout import Course
 from autograder.course.nbgrader_access import COURSE_ID, import_nbgrader_api, open_gradebook, without_disk_sync
+from autograder.course.students import Student
+from autograder.results.bulk_entry import BulkEntry
 from autograder.results.result_files import StoredResult, entry_digest
 from labsid._files import write_text
 
 Key = tuple[str, str, str]
 """Student, assignment and question."""
+
+
+@dataclass(frozen=True, slots=True)
+class Mark:
+    """A mark given with ``labsid course mark``.
+
+    Attributes
+    ----------
+    score : Decimal
+    marker : str
+        Name of who gave it.
+    when : datetime
+        In UTC.
+    """
+
+    score: Decimal
+    marker: str
+    when: datetime
+
+    @property
+    def text(self) -> str:
+        """Who gave it and when, as on all pages."""
+        return f"marked by {self.marker} on {self.when:%Y-%m-%d}"
 
 
 @dataclass(frozen=True, slots=True)
@@ -38,11 +63,14 @@ class ManualGrades:
     comments : dict
     needs_review : frozenset
         Questions with a manual score that are marked for review.
+    marks : dict
+        Who gave a score and when, where it was given with ``labsid course mark`` and has not been changed since.
     """
 
     scores: dict[Key, Decimal]
     comments: dict[Key, str]
     needs_review: frozenset[Key]
+    marks: dict[Key, Mark] = field(default_factory=dict)
 
 
 def database_url(out: Path) -> str:
@@ -129,7 +157,7 @@ def enter(out: Path, stored: Iterable[StoredResult]) -> int:
         new = {key: pair for key, pair in digests.items() if entered.get(key) != pair[1]}
         if not new:
             return 0
-        entry = _BulkEntry(gradebook)
+        entry = BulkEntry(gradebook)
         for key, (result, digest) in new.items():
             if not entry.has_assignment(result.assignment):
                 continue  # an assignment that this run does not grade
@@ -158,121 +186,6 @@ def _entered_table(gradebook: Any) -> Any:
     return table
 
 
-class _BulkEntry:
-    """Collects the rows to write; reads the gradebook's primary keys once."""
-
-    def __init__(self, gradebook: Any) -> None:
-        api = import_nbgrader_api()
-        self._db = db = gradebook.db
-        self._tables = [model.__table__ for model in (api.SubmittedAssignment, api.SubmittedNotebook)]
-        self._tables += [api.Grade.__table__, api.Comment.__table__]
-        self._gradebook = gradebook
-        self._students = {row[0] for row in db.query(api.Student.id).all()}
-        self._assignments = {name: key for key, name in db.query(api.Assignment.id, api.Assignment.name).all()}
-        self._notebooks: dict[str, list[str]] = {}
-        for key, assignment in db.query(api.Notebook.id, api.Notebook.assignment_id).all():
-            self._notebooks.setdefault(assignment, []).append(key)
-        self._cells = {
-            "grade": _by_notebook(db.query(api.GradeCell.id, api.GradeCell.name, api.GradeCell.notebook_id)),
-            "comment": _by_notebook(db.query(api.SolutionCell.id, api.SolutionCell.name, api.SolutionCell.notebook_id)),
-        }
-        submission, notebook, grade, _ = self._tables
-        self._submissions = {
-            (student, assignment): key
-            for key, student, assignment in db.query(
-                submission.c.id, submission.c.student_id, submission.c.assignment_id
-            ).all()
-        }
-        self._submitted: dict[str, list[tuple[str, str]]] = {}
-        for key, master, owner in db.query(notebook.c.id, notebook.c.notebook_id, notebook.c.assignment_id).all():
-            self._submitted.setdefault(owner, []).append((key, master))
-        self._grades = {
-            (owner, cell): (key, manual, waits)
-            for key, cell, owner, manual, waits in db.query(
-                grade.c.id, grade.c.cell_id, grade.c.notebook_id, grade.c.manual_score, grade.c.needs_manual_grade
-            ).all()
-        }
-        self._new: tuple[list[dict[str, Any]], ...] = ([], [], [], [])
-        self._changed: tuple[list[dict[str, Any]], ...] = ([], [], [])
-
-    def has_assignment(self, assignment: str) -> bool:
-        """Whether the gradebook has the assignment."""
-        return assignment in self._assignments
-
-    def has_submission(self, key: tuple[str, str]) -> bool:
-        """Whether an earlier version of this submission was entered, so that its scores must be replaced."""
-        return (key[0], self._assignments.get(key[1])) in self._submissions
-
-    def add(self, result: StoredResult) -> None:
-        """Collect the rows of one result."""
-        if result.student not in self._students:
-            self._gradebook.db.add(import_nbgrader_api().Student(id=result.student))
-            self._gradebook.db.flush()
-            self._students.add(result.student)
-        assignment = self._assignments[result.assignment]
-        owner = self._submissions.get((result.student, assignment))
-        when = None if result.submitted is None else datetime.fromisoformat(result.submitted).replace(tzinfo=None)
-        if owner is None:
-            owner = self._submissions[result.student, assignment] = _new_key()
-            row = {"id": owner, "student_id": result.student, "assignment_id": assignment, "timestamp": when}
-            self._new[0].append(row)
-            self._submitted[owner] = []
-            for master in self._notebooks[assignment]:
-                key = _new_key()
-                self._submitted[owner].append((key, master))
-                penalty = float(result.penalty)
-                row = {"id": key, "notebook_id": master, "assignment_id": owner, "late_submission_penalty": penalty}
-                self._new[1].append(row | {"flagged": False})
-                cells = self._cells["comment"].get(master, {}).values()
-                self._new[3].extend({"id": _new_key(), "cell_id": cell, "notebook_id": key} for cell in cells)
-        else:
-            self._changed[0].append({"key": owner, "timestamp": when})
-            for key, _ in self._submitted[owner]:
-                self._changed[1].append({"key": key, "late_submission_penalty": float(result.penalty)})
-        scores = {question.question: question.score for question in result.questions}
-        for key, master in self._submitted[owner]:
-            for name, cell in self._cells["grade"].get(master, {}).items():
-                if name in scores:
-                    self._grade(key, cell, scores[name], name in result.review)
-
-    def _grade(self, notebook: str, cell: str, score: Decimal | None, needs_review: bool) -> None:
-        known = self._grades.get((notebook, cell))
-        auto = None if score is None else float(score)
-        if known is None:
-            row = {"id": _new_key(), "cell_id": cell, "notebook_id": notebook, "auto_score": auto}
-            self._new[2].append(row | {"needs_manual_grade": score is None})
-            return
-        key, manual, waits = known
-        needs = score is None if manual is None else bool(waits) or needs_review
-        self._changed[2].append({"key": key, "auto_score": auto, "needs_manual_grade": needs})
-
-    def flush(self) -> None:
-        """Write the collected rows."""
-        from sqlalchemy import bindparam
-
-        for table, rows in zip(self._tables, self._new, strict=True):
-            if rows:
-                self._db.execute(table.insert(), rows)
-        for table, rows in zip(self._tables, self._changed, strict=False):
-            if rows:
-                values: dict[str, Any] = {name: bindparam(name) for name in rows[0] if name != "key"}
-                statement = table.update().where(table.c.id == bindparam("key")).values(values)
-                self._db.connection().execute(statement, rows)
-
-
-def _by_notebook(query: Any) -> dict[str, dict[str, str]]:
-    found: dict[str, dict[str, str]] = {}
-    for key, name, notebook in query.all():
-        found.setdefault(notebook, {})[name] = key
-    return found
-
-
-def _new_key() -> str:
-    from nbgrader.api import new_uuid
-
-    return str(new_uuid())
-
-
 def read_manual_grades(out: Path) -> ManualGrades:
     """Read all manual scores and comments."""
     if not exists(out):
@@ -280,8 +193,10 @@ def read_manual_grades(out: Path) -> ManualGrades:
     api = import_nbgrader_api()
     scores: dict[Key, Decimal] = {}
     needs_review: set[Key] = set()
+    marks: dict[Key, Mark] = {}
     with open_gradebook(database_url(out)) as gradebook:
         db = gradebook.db
+        given = _read_marks(gradebook)
         owner = (api.SubmittedAssignment.student_id, api.Assignment.name, api.BaseCell.name)
         rows = _cell_rows(db.query(*owner, *(getattr(api.Grade, name) for name in _GRADE)), api, api.Grade)
         for student, name, question, auto, manual, extra, waits in rows:
@@ -289,6 +204,8 @@ def read_manual_grades(out: Path) -> ManualGrades:
             if manual is not None and waits:
                 needs_review.add(key)
             score = _decimal(manual)
+            if key in given and given[key].score == score:
+                marks[key] = given[key]
             if extra:
                 # nbgrader adds it to the manual or automatic score; without either, the question is not graded yet
                 base = _decimal(auto) if score is None else score
@@ -297,7 +214,101 @@ def read_manual_grades(out: Path) -> ManualGrades:
                 scores[key] = score
         rows = _cell_rows(db.query(*owner, api.Comment.manual_comment), api, api.Comment)
         comments = {(student, name, question): text for student, name, question, text in rows if text}
-    return ManualGrades(scores, comments, frozenset(needs_review))
+    return ManualGrades(scores, comments, frozenset(needs_review), marks)
+
+
+def enter_mark(out: Path, key: Key, mark: Mark | None, comment: str) -> None:
+    """Enter the mark and the comment of a question graded by hand, as formgrader does.
+
+    Parameters
+    ----------
+    out : Path
+        A folder that ``labsid course grade`` wrote.
+    key : tuple of str
+        Student, assignment and question.
+    mark : Mark or None
+        None takes a mark back: the question waits to be graded again.
+    comment : str
+        For the student; replaces an earlier one.
+
+    Raises
+    ------
+    ValueError
+        If the gradebook has no such question of that student.
+    """
+    student, assignment, question = key
+    api = import_nbgrader_api()
+    with open_gradebook(database_url(out)) as gradebook:
+        try:
+            grade = gradebook.find_grade(question, assignment, assignment, student)
+            text = gradebook.find_comment(question, assignment, assignment, student)
+        except api.MissingEntry:
+            raise ValueError(f"the gradebook has no question {question} of {student} in {assignment}.") from None
+        table = _marks_table(gradebook)
+        gradebook.db.execute(
+            table.delete().where(
+                table.c.student == student, table.c.assignment == assignment, table.c.question == question
+            )
+        )
+        if mark is None:
+            grade.manual_score, grade.needs_manual_grade = None, grade.auto_score is None
+        else:
+            grade.manual_score, grade.needs_manual_grade = float(mark.score), False
+            values = {"score": str(mark.score), "marker": mark.marker, "marked": mark.when.astimezone(UTC).isoformat()}
+            row = {"student": student, "assignment": assignment, "question": question, **values}
+            gradebook.db.execute(table.insert().values(row))
+        text.manual_comment = comment.strip() or None
+        gradebook.db.commit()
+
+
+def _read_marks(gradebook: Any) -> dict[Key, Mark]:
+    from sqlalchemy import select
+
+    rows = gradebook.db.execute(select(_marks_table(gradebook))).all()
+    return {
+        (row.student, row.assignment, row.question): Mark(
+            Decimal(row.score), row.marker, datetime.fromisoformat(row.marked)
+        )
+        for row in rows
+    }
+
+
+def _marks_table(gradebook: Any) -> Any:
+    from sqlalchemy import Column, MetaData, String, Table
+
+    metadata = MetaData()
+    keys = (Column(name, String(128), primary_key=True) for name in ("student", "assignment", "question"))
+    values = (Column(name, String(128), nullable=False) for name in ("score", "marker", "marked"))
+    table = Table("labsid_marked", metadata, *keys, *values)
+    metadata.create_all(gradebook.engine)
+    return table
+
+
+def enter_students(out: Path, students: Iterable[Student]) -> None:
+    """Enter names and e-mail addresses of students, for formgrader and all pages."""
+    api = import_nbgrader_api()
+    with open_gradebook(database_url(out)) as gradebook:
+        known = {student.id: student for student in gradebook.db.query(api.Student).all()}
+        for student in students:
+            if student.id not in known:
+                known[student.id] = api.Student(id=student.id)
+                gradebook.db.add(known[student.id])
+            entry = known[student.id]
+            if student.name:
+                entry.first_name, entry.last_name = student.first_and_last_name
+            entry.email = student.email or entry.email
+        gradebook.db.commit()
+
+
+def read_names(out: Path) -> dict[str, str]:
+    """Names of the students whose name is known, by ID."""
+    if not exists(out):
+        return {}
+    api = import_nbgrader_api()
+    with open_gradebook(database_url(out)) as gradebook:
+        rows = gradebook.db.query(api.Student.id, api.Student.first_name, api.Student.last_name).all()
+    names = {student: " ".join(filter(None, (first, last))) for student, first, last in rows}
+    return {student: name for student, name in names.items() if name}
 
 
 _GRADE = ("auto_score", "manual_score", "extra_credit", "needs_manual_grade")

@@ -9,7 +9,9 @@ from decimal import Decimal
 from pathlib import Path
 
 from autograder.course.plain_text import one_line, plain_decimal
+from autograder.judge.outcome import QuestionResult
 from autograder.results import gradebook, result_files
+from autograder.results.gradebook import ManualGrades
 from autograder.results.result_files import StoredResult
 from labsid._files import write_text
 
@@ -50,14 +52,14 @@ def totals(result: StoredResult, manual: Mapping[tuple[str, str, str], Decimal])
     return Totals(max(score - result.penalty, Decimal(0)), max_score, waiting, result.penalty)
 
 
-def grade_rows(results: Iterable[StoredResult], manual: Mapping[tuple[str, str, str], Decimal]) -> list[dict[str, str]]:
+def grade_rows(results: Iterable[StoredResult], manual: ManualGrades) -> list[dict[str, str]]:
     """The rows of grades.csv, in the order of students, assignments and questions.
 
     Parameters
     ----------
     results : iterable of StoredResult
-    manual : mapping
-        Manual scores, by (student, assignment, question); they take precedence.
+    manual : ManualGrades
+        Its scores take precedence.
 
     Returns
     -------
@@ -67,7 +69,8 @@ def grade_rows(results: Iterable[StoredResult], manual: Mapping[tuple[str, str, 
     rows = []
     for result in results:
         for question in result.questions:
-            by_hand = manual.get((result.student, result.assignment, question.question))
+            key = result.student, result.assignment, question.question
+            by_hand = manual.scores.get(key)
             score = question.score if by_hand is None else by_hand
             rows.append(
                 {
@@ -77,12 +80,21 @@ def grade_rows(results: Iterable[StoredResult], manual: Mapping[tuple[str, str, 
                     "score": "" if score is None else plain_decimal(score),
                     "max_score": plain_decimal(question.max_score),
                     "status": question.status,
-                    "reason": one_line(question.reason),
+                    "reason": one_line(reason_shown(question, key, manual)),
                     "isolation": result.isolation,
                     "seconds": f"{question.seconds:.3f}",
                 }
             )
     return rows
+
+
+def reason_shown(question: QuestionResult, key: gradebook.Key, manual: ManualGrades) -> str:
+    """The reason of a question's marks: who gave them and when, if that is known."""
+    mark = manual.marks.get(key)
+    if mark is not None:
+        return mark.text
+    by_hand = question.status == "manual" and key in manual.scores
+    return "graded by hand" if by_hand else question.reason
 
 
 def write_csv(path: Path, columns: Iterable[str], rows: Iterable[Mapping[str, str]]) -> None:
@@ -101,5 +113,5 @@ def _is_formula(text: str) -> bool:
 
 def write_grades(out: Path) -> None:
     """Write grades.csv from the results and the manual grades."""
-    rows = grade_rows(result_files.load_all(out), gradebook.read_manual_grades(out).scores)
+    rows = grade_rows(result_files.load_all(out), gradebook.read_manual_grades(out))
     write_csv(out / "grades.csv", GRADE_COLUMNS, rows)

@@ -18,11 +18,11 @@ rule of their own. A submission whose time is unknown is not late.
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass
-from datetime import UTC, datetime, timedelta, tzinfo
+from datetime import UTC, datetime, timedelta
 from decimal import Decimal, InvalidOperation
-from zoneinfo import ZoneInfo
 
 from autograder.course.plain_text import plain_decimal
+from autograder.course.settings import time_zone
 
 _KEYS = ("due", "tz", "grace", "per-day", "most")
 _DAY = timedelta(days=1)
@@ -193,16 +193,6 @@ def _parse_due(text: str, zone: str | None) -> datetime:
         return (due if due.tzinfo is not None else due.replace(tzinfo=time_zone(zone or "UTC"))).astimezone(UTC)
     except OverflowError:
         raise ValueError(f"--late: due={text} is not a time; expected a value such as 2026-11-30T23:59.") from None
-
-
-def time_zone(name: str) -> tzinfo:
-    """The time zone of that name; `ValueError` if it is unknown."""
-    if name == "UTC":
-        return UTC  # available without a time zone database
-    try:
-        return ZoneInfo(name)
-    except (KeyError, ValueError, OSError):  # not in the database, or not a valid name
-        raise ValueError(f"the time zone {name} is not known; expected a name such as Australia/Sydney.") from None
 
 
 def _parse_duration(text: str) -> timedelta:

@@ -1,18 +1,19 @@
 """The class report: one self-contained HTML file, made from the stored results and the manual grades."""
 
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from decimal import Decimal
 from pathlib import Path
 from typing import Any
+from urllib.parse import quote
 
 from autograder.course.layout import in_course_order
 from autograder.course.plain_text import plain_decimal
 from autograder.results import gradebook, grades, result_files
-from autograder.results.feedback import load_template, printable
+from autograder.results.feedback import load_template, printable, write_feedback
 from autograder.results.gradebook import ManualGrades
 from autograder.results.result_files import StoredResult
-from autograder.results.similar import find_similar
+from autograder.results.similar import find_equal, find_similar
 from labsid._files import write_text
 
 BINS = 10
@@ -20,8 +21,14 @@ MAX_MISTAKES = 12
 _FAILURES = ("quarantined", "crashed", "timeout", "limit")
 
 
-def write_report(out: Path) -> Path:
-    """Write ``OUT/report.html``.
+def write_report(out: Path, course: str = "") -> Path:
+    """Write ``OUT/report.html``, and the feedback pages to which it links.
+
+    Parameters
+    ----------
+    out : Path
+    course : str
+        Title of the course.
 
     Raises
     ------
@@ -29,18 +36,28 @@ def write_report(out: Path) -> Path:
         If OUT holds no results.
     """
     path = out / "report.html"
-    page = report_page(result_files.load_all(out), gradebook.read_manual_grades(out))
+    list(write_feedback(out, course))
+    page = report_page(result_files.load_all(out), gradebook.read_manual_grades(out), gradebook.read_names(out), course)
     write_text(path, load_template("report.html.j2").render(page=page))
     return path
 
 
-def report_page(stored: Sequence[StoredResult], manual: ManualGrades) -> dict[str, Any]:
+def report_page(
+    stored: Sequence[StoredResult],
+    manual: ManualGrades,
+    student_names: Mapping[str, str] | None = None,
+    course: str = "",
+) -> dict[str, Any]:
     """The content of the report, as plain text and numbers.
 
     Parameters
     ----------
     stored : sequence of StoredResult
-    manual : ByHand
+    manual : ManualGrades
+    student_names : mapping, optional
+        Names of students, by ID.
+    course : str
+        Title of the course.
 
     Returns
     -------
@@ -49,8 +66,13 @@ def report_page(stored: Sequence[StoredResult], manual: ManualGrades) -> dict[st
     names = sorted({result.assignment for result in stored}, key=in_course_order)
     by_name = {name: [result for result in stored if result.assignment == name] for name in names}
     levels = Counter(result.isolation for result in stored)
-    pairs = find_similar(stored)
+    equal = find_equal(stored)
+    same = [set(one.students) for one in equal if one.question is None]
+    pairs = [pair for pair in find_similar(stored) if not any({pair.first, pair.second} <= group for group in same)]
     return {
+        "course": course,
+        "names": {printable(student): printable(name) for student, name in (student_names or {}).items()},
+        "class": _class_list(stored, names, manual),
         "students": len({result.student for result in stored}),
         "submissions": len(stored),
         "isolation": [{"level": printable(level), "count": count} for level, count in levels.most_common()],
@@ -61,17 +83,50 @@ def report_page(stored: Sequence[StoredResult], manual: ManualGrades) -> dict[st
             (review for result in stored if (review := _review(result, manual)) is not None),
             key=lambda review: (-review["weight"], review["student"]),
         ),
+        "equal": [
+            {
+                "assignment": one.assignment,
+                "question": one.question,
+                "students": [_person(student, one.assignment) for student in one.students],
+            }
+            for one in equal
+        ],
         "similar": [
             {
                 "assignment": pair.assignment,
-                "first": printable(pair.first),
-                "second": printable(pair.second),
+                "first": _person(pair.first, pair.assignment),
+                "second": _person(pair.second, pair.assignment),
                 "share": round(100 * pair.share),
                 "questions": pair.questions,
             }
             for pair in pairs
         ],
     }
+
+
+def _person(student: str, assignment: str) -> dict[str, str]:
+    """A student as the report shows one: ID, and the address of the feedback page."""
+    return {"id": printable(student), "page": f"feedback/{quote(student, errors='replace')}/{assignment}.html"}
+
+
+def _class_list(
+    stored: Sequence[StoredResult], assignments: Sequence[str], manual: ManualGrades
+) -> list[dict[str, Any]]:
+    """A row for each student with the marks in each assignment, and the feedback page of each."""
+    results = {(result.student, result.assignment): result for result in stored}
+    rows = []
+    for student in dict.fromkeys(result.student for result in stored):
+        cells: list[dict[str, str] | None] = []
+        for name in assignments:
+            result = results.get((student, name))
+            if result is None:
+                cells.append(None)
+                continue
+            marks = grades.totals(result, manual.scores)
+            status = result.questions[0].status if result.is_refused else "waiting" if marks.waiting else ""
+            cells.append({**_person(student, name), "score": plain_decimal(marks.score), "status": status})
+        rows.append({"id": printable(student), "cells": cells})
+    return rows
 
 
 def _assignment(stored: Sequence[StoredResult], manual: ManualGrades) -> dict[str, Any]:
@@ -192,6 +247,7 @@ def _review(result: StoredResult, manual: ManualGrades) -> dict[str, Any] | None
     detail = printable("; ".join(result.notes)) if result.is_refused else ""
     return {
         "student": printable(result.student),
+        "page": _person(result.student, result.assignment)["page"],
         "assignment": result.assignment,
         "reasons": reasons,
         "detail": detail,

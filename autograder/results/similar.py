@@ -1,11 +1,13 @@
 """Detection of copied code: cells that are equal apart from white space, comments and the names they define.
 
 The normal form of a cell is its syntax tree without docstrings, with the names that the cell defines numbered in order
-of appearance. Short cells and code that many students wrote are ignored.
+of appearance. Short cells and code that many students wrote are ignored. Whole notebooks and free texts that are equal
+are reported however many students have them.
 """
 
 import ast
 import hashlib
+import re
 from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
@@ -15,13 +17,37 @@ from autograder.intake.submission import NotebookCell
 from autograder.results.result_files import StoredResult
 
 MIN_NODES = 25
-"""Cells with fewer syntax tree nodes are ignored."""
+"""Code with fewer syntax tree nodes is ignored in pairs."""
 
 MAX_PARSED_CHARACTERS = 100_000
 """Longer cells are compared as text: a syntax tree takes up to 1000 bytes a character."""
 
 MAX_SHARING = 3
 """Code shared by more students, and by more than a tenth of the class, is ignored."""
+
+
+MIN_NOTEBOOK_NODES = 150
+"""Notebooks with fewer syntax tree nodes are not compared as a whole."""
+
+MIN_WORDS = 8
+"""Shorter free texts are ignored."""
+
+
+@dataclass(frozen=True, slots=True)
+class EqualWork:
+    """Submissions of one assignment with equal notebooks, or with the same free text.
+
+    Attributes
+    ----------
+    assignment : str
+    question : str or None
+        The question that the text answers; None for whole notebooks.
+    students : tuple of str
+    """
+
+    assignment: str
+    question: str | None
+    students: tuple[str, ...]
 
 
 @dataclass(frozen=True, slots=True)
@@ -44,6 +70,24 @@ class SimilarPair:
     share: float
 
 
+def find_equal(stored: Iterable[StoredResult]) -> list[EqualWork]:
+    """Whole notebooks and free texts that several students have, by the number of students.
+
+    The code of equal notebooks has the same normal form in every question. Of free texts only the words count.
+    """
+    owners: dict[tuple[str, str | None, object], list[str]] = {}
+    for one in stored:
+        if sum(size for _, size in one.work.values()) >= MIN_NOTEBOOK_NODES:
+            code = tuple(sorted((question, digest) for question, (digest, _) in one.work.items()))
+            owners.setdefault((one.assignment, None, code), []).append(one.student)
+        for question in one.questions:
+            words = tuple(re.findall(r"\w+", question.answer.casefold())) if question.status == "manual" else ()
+            if len(words) >= MIN_WORDS:
+                owners.setdefault((one.assignment, question.question, words), []).append(one.student)
+    found = [EqualWork(name, question, tuple(who)) for (name, question, _), who in owners.items() if len(who) > 1]
+    return sorted(found, key=lambda one: (one.question is not None, -len(one.students), one.assignment, one.students))
+
+
 def code_fingerprints(cells: Sequence[NotebookCell], released: Mapping[str, str]) -> dict[str, tuple[str, int]]:
     """Fingerprint and size of the student's normalised code for each question.
 
@@ -56,7 +100,7 @@ def code_fingerprints(cells: Sequence[NotebookCell], released: Mapping[str, str]
     Returns
     -------
     dict
-        By question; code shorter than `MIN_NODES` is omitted.
+        By question.
     """
     found: dict[str, tuple[str, int]] = {}
     code: list[str] = []
@@ -67,7 +111,7 @@ def code_fingerprints(cells: Sequence[NotebookCell], released: Mapping[str, str]
         elif cell.kind == "question":
             forms = [normal_form(source) for source in code]
             size = sum(size for _, size in forms)
-            if size >= MIN_NODES:
+            if size:
                 joined = "\n".join(text for text, _ in forms)
                 found[cell.id or ""] = hashlib.sha256(joined.encode(errors="surrogatepass")).hexdigest()[:32], size
             code = []
@@ -139,7 +183,11 @@ def find_similar(results: Iterable[StoredResult], min_share: float = 0.6) -> lis
         holders: dict[tuple[str, str], list[int]] = {}
         sizes = []
         for index, one in enumerate(submissions):
-            compared = {q: work for q, work in one.work.items() if students_with[q, work[0]] <= max_sharing}
+            compared = {
+                question: (digest, size)
+                for question, (digest, size) in one.work.items()
+                if size >= MIN_NODES and students_with[question, digest] <= max_sharing
+            }
             sizes.append(sum(size for _, size in compared.values()))
             for question, (digest, _) in compared.items():
                 holders.setdefault((question, digest), []).append(index)

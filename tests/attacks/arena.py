@@ -21,7 +21,8 @@ import nbformat
 
 from attacks import QUESTIONS, Attack, answers, hand_ins, processes, reach
 from autograder.batch.executors import LocalExecutor
-from autograder.batch.grade import Batch, find_batch, grade_batch
+from autograder.batch.grade import grade_batch
+from autograder.batch.selection import Batch, find_batch
 from autograder.course.layout import Course, read_template
 from autograder.results import result_files
 from autograder.results.feedback import write_feedback

@@ -192,17 +192,17 @@ def test_a_work_folder_that_leads_elsewhere_gives_nothing_away(tmp_path: Path, c
 
 
 def test_a_zip_bomb_costs_nobody_else_their_hand_in(course: Course, tmp_path: Path) -> None:
-    release = (course.release / NAME / f"{NAME}.ipynb").read_bytes()
+    notebook = (course.source / NAME / f"{NAME}.ipynb").read_bytes()
     bomb = tmp_path / "bomb.zip"
     with zipfile.ZipFile(bomb, "w", zipfile.ZIP_DEFLATED) as archive:
         for index in range(3):
             archive.writestr(f"{index}.ipynb", bytes(60 << 20), compresslevel=1)
     with zipfile.ZipFile(tmp_path / "moodle.zip", "w", zipfile.ZIP_DEFLATED) as archive:
-        archive.writestr(f"Ada_1_assignsubmission_file_/{NAME}.ipynb", release)
+        archive.writestr(f"Ada_1_assignsubmission_file_/{NAME}.ipynb", notebook)
         archive.write(bomb, "Mallory_2_assignsubmission_file_/bomb.zip")
         archive.write(bomb, "Mallory_2_assignsubmission_file_/bomb2.zip")
-        archive.writestr("Mallory_2_assignsubmission_file_/../../../out.ipynb", release)
-        archive.writestr(f"Eve_3_assignsubmission_file_/{NAME}.ipynb", release)
+        archive.writestr("Mallory_2_assignsubmission_file_/../../../out.ipynb", notebook)
+        archive.writestr(f"Eve_3_assignsubmission_file_/{NAME}.ipynb", notebook)
     list(collect_submissions(course, tmp_path / "moodle.zip", tmp_path / "submitted"))
     taken = {path.relative_to(tmp_path / "submitted") for path in (tmp_path / "submitted").rglob("*.ipynb")}
     assert {Path("1", NAME, f"{NAME}.ipynb"), Path("3", NAME, f"{NAME}.ipynb")} <= taken

@@ -1,5 +1,6 @@
 """The commands of the course, as an instructor and a student type them."""
 
+import io
 import json
 import os
 import re
@@ -10,19 +11,25 @@ import sys
 import time
 import zipfile
 from collections.abc import Callable
+from datetime import datetime, tzinfo
 from pathlib import Path
 
 import pytest
 from course_work import copy_course
 
+from autograder.course.individual_data import individual_file
 from autograder.course.layout import Course
+from autograder.course.nbgrader_access import open_gradebook
+from autograder.results.gradebook import database_url
 from autograder.samples import write_samples
 from autograder.sandbox.bubblewrap import SandboxError
 from autograder.sandbox.doctor import LevelReport
 from labsid.checks.notebook import load_assignment
 from labsid.cli.commands import main
 
+ROOT = Path(__file__).resolve().parents[2]
 PRELAB, LAB = "prelab-sinusoids", "lab-identification"
+SECRET = b"0123456789abcdef0123456789abcdef"
 
 
 @pytest.fixture
@@ -148,15 +155,22 @@ def test_from_hand_ins_to_feedback_and_export(
 
 
 def test_from_moodle_and_back(here: Course, capsys: pytest.CaptureFixture[str]) -> None:
+    mine = json.loads((here.release / PRELAB / f"{PRELAB}.ipynb").read_text(encoding="utf-8"))
+    mine["cells"].append({"cell_type": "markdown", "metadata": {}, "source": "Done."})
     with zipfile.ZipFile("moodle.zip", "w") as packed:
-        packed.write(here.release / PRELAB / f"{PRELAB}.ipynb", "Gil_7_assignsubmission_file_/my work.ipynb")
+        packed.writestr("Gil_7_assignsubmission_file_/my work.ipynb", json.dumps(mine))
+        packed.write(here.release / LAB / f"{LAB}.ipynb", f"Gil_7_assignsubmission_file_/{LAB}.ipynb")
     columns = "Identifier,Full name,Email address,Last modified (submission),Grade,Maximum Grade,Feedback comments"
     row = 'Participant 7,Gil,gil@x.edu,"Friday, 20 November 2026, 4:05 PM",,1.00,'
     Path("sheet.csv").write_text(f"{columns}\n{row}\n", encoding="utf-8")
     assert (
         main(["course", "collect", "moodle.zip", "--out", "in", "--worksheet", "sheet.csv", "--timezone", "UTC"]) == 0
     )
-    assert capsys.readouterr().out.splitlines()[0] == f"gil@x.edu (Gil): {PRELAB}"
+    assert capsys.readouterr().out.splitlines() == [
+        f"gil@x.edu (Gil): {PRELAB}; as released, not collected: {LAB}",
+        f"Handed in, by number of students: {PRELAB} 1. A notebook as it was released is not counted.",
+        "Next: labsid course grade --submitted in --out OUT",
+    ]
     rules = "due=2026-11-20T16:00,per-day=10%"
     assert main(["course", "grade", "--submitted", "in", "--out", "out", "--late", rules]) == 0
     assert "0.1 late penalty" in capsys.readouterr().out
@@ -167,6 +181,222 @@ def test_from_moodle_and_back(here: Course, capsys: pytest.CaptureFixture[str]) 
     assert said[-1] == "Filled in 1 rows. Upload out/moodle/worksheet.csv and out/moodle/feedback.zip."
     with zipfile.ZipFile("out/moodle/feedback.zip") as archive:
         assert archive.namelist() == ["Gil_7_assignsubmission_file_/feedback.html"]
+
+
+def test_hand_ins_with_all_notebooks_are_graded_as_printed(
+    here: Course, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """The blocker: `labsid submit` packs untouched notebooks, too, and every command is run as the last one says."""
+    for name in here.assignments():
+        built = here.source if name == PRELAB else here.release
+        for file in (built / name).glob("*.ipynb"):
+            (tmp_path / "work" / name).mkdir(parents=True, exist_ok=True)
+            shutil.copy(file, tmp_path / "work" / name)
+    with zipfile.ZipFile("hand-in.zip", "w") as packed:
+        for file in sorted((tmp_path / "work").glob("*/*")):
+            packed.write(file, file.relative_to(tmp_path / "work"))
+    with zipfile.ZipFile("moodle.zip", "w") as packed:
+        for who in ("Ada L_1", "Ben O_2"):
+            packed.write("hand-in.zip", f"{who}_assignsubmission_file_/hand-in.zip")
+    columns = "Identifier,Full name,ID number,Grade,Maximum Grade,Feedback comments"
+    for name, most in (("sheet.csv", "1.00"), ("other.csv", "2.00")):
+        rows = [f"Participant 1,Ada L,ada,,{most},", f"Participant 2,Ben O,ben,,{most},"]
+        Path(name).write_text("\r\n".join([columns, *rows]) + "\r\n", encoding="utf-8")
+    assert main(["course", "collect", "moodle.zip", "--out", "in", "--worksheet", "sheet.csv"]) == 0
+    said = capsys.readouterr().out.splitlines()
+    untouched = sorted(set(here.assignments()) - {PRELAB})
+    assert said[0] == f"ada (Ada L): {PRELAB}; as released, not collected: {', '.join(untouched)}"
+    assert said[2].startswith(f"Handed in, by number of students: {PRELAB} 2. ")
+    assert main(said[-1].removeprefix("Next: labsid ").split()) == 0
+    grades = Path("OUT", "grades.csv").read_text(encoding="utf-8")
+    assert {line.split(",")[1] for line in grades.splitlines()[1:]} == {PRELAB}
+    capsys.readouterr()
+    export = ["course", "export", "--format", "moodle", "--out", "OUT", "--worksheet"]
+    assert main([*export, "sheet.csv"]) == 0
+    assert "Participant 1,Ada L,ada,0.95,1.00," in Path("OUT", "moodle", "worksheet.csv").read_text(encoding="utf-8")
+    assert "ada: 0.05 marks not yet graded by hand" in capsys.readouterr().out
+    line = complaint(capsys, [*export, "other.csv"])
+    assert f"maximum is 2, but the marks are out of 1 ({PRELAB} 1); nothing was written." in line
+    assert main(line.partition("to convert the marks to 2.00: labsid ")[2].split()) == 0
+    assert "Participant 1,Ada L,ada,1.9,2.00," in Path("OUT", "moodle", "worksheet.csv").read_text(encoding="utf-8")
+
+
+def test_course_toml_is_read_by_every_command(
+    here: Course, tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    own = Course(tmp_path / "own")
+    shutil.copytree(here.root, own.root)
+    shutil.copyfile(ROOT / "pyproject.toml", own.root / "pyproject.toml")
+    monkeypatch.setattr("autograder.course.layout.find_course", lambda: own)
+    (own.root / "secret").write_bytes(b"0123456789abcdef0123456789abcdef\n")
+    (own.root / "class.csv").write_text(
+        "id;name;e-mail\nz1;Jürgen Öz;j@x.edu\nz2;Li, Mei;m@x.edu\nz3;;\n", encoding="utf-8"
+    )
+    (own.root / "course.toml").write_text(
+        f"""
+title = "System identification"
+timezone = "Australia/Sydney"
+secret = "secret"
+students = "class.csv"
+late = {{ per-day = "10%" }}
+[assignments.{PRELAB}]
+due = 2026-03-01T23:59:00
+weight = 5
+[assignments.{LAB}]
+due = 2999-01-01T00:00:00
+""",
+        encoding="utf-8",
+    )
+    columns = "Identifier,Full name,ID number,Last modified (submission),Grade,Maximum Grade,Feedback comments"
+    rows = [
+        'Participant 1,Jürgen Öz,z1,"Monday, 2 March 2026, 1:00 AM",,1.00,',
+        'Participant 2,"Li, Mei",z2,"Sunday, 1 March 2026, 11:00 PM",,1.00,',
+    ]
+    Path("sheet.csv").write_text("\r\n".join([columns, *rows]) + "\r\n", encoding="utf-8")
+
+    assert main(["course", "release", "--out", "r.zip", "--assignment", LAB]) == 0
+    with zipfile.ZipFile("r.zip") as archive:
+        names = archive.namelist()
+    assert f"for-everybody/{LAB}/{LAB}.ipynb" in names
+    assert f"for-everybody/{PRELAB}/{PRELAB}.ipynb" not in names
+    assert [name for name in names if name.startswith("students/")] == [
+        f"students/{student}/{LAB}/SysIdenData_StudentVersion.mat" for student in ("z1", "z2", "z3")
+    ]
+
+    with zipfile.ZipFile("moodle.zip", "w") as packed:
+        for who in ("Jürgen Öz_1", "Li, Mei_2"):
+            for name in (PRELAB, LAB):
+                packed.write(own.source / name / f"{name}.ipynb", f"{who}_assignsubmission_file_/{name}.ipynb")
+    assert main(["course", "collect", "moodle.zip", "--out", "in", "--worksheet", "sheet.csv"]) == 0
+    assert capsys.readouterr().out.splitlines()[-1] == "Next: labsid course grade --submitted in --out OUT"
+    assert (Path("in", "z1", PRELAB) / "timestamp.txt").read_text(encoding="utf-8") == "2026-03-01 14:00:00 UTC\n"
+    assert main(["course", "grade", "--submitted", "in", "--out", "OUT"]) == 0
+    captured = capsys.readouterr()
+    assert (
+        f"{LAB}: not graded, because its due date in course.toml has not passed; 2 students handed it in."
+        in captured.err
+    )
+    assert "nothing handed in by 1 of 3 students: z3" in captured.err
+    assert "0.1 late penalty" in captured.out
+    results = sorted(path.relative_to("OUT/results").as_posix() for path in Path("OUT", "results").glob("*/*.json"))
+    assert results == [f"z1/{PRELAB}.json", f"z2/{PRELAB}.json"]
+    with open_gradebook(database_url(Path("OUT"))) as book:
+        student = book.find_student("z1")
+        assert (student.first_name, student.last_name, student.email) == ("Jürgen", "Öz", "j@x.edu")
+        assert (book.find_student("z2").first_name, book.find_student("z2").last_name) == ("Mei", "Li")
+    assert main(["course", "report", "--out", "OUT"]) == 0
+    report = Path("OUT", "report.html").read_text(encoding="utf-8")
+    assert "<h1>System identification: class report</h1>" in report
+    assert f'<a href="feedback/z1/{PRELAB}.html">Jürgen Öz</a>' in report
+    page = Path("OUT", "feedback", "z1", f"{PRELAB}.html").read_text(encoding="utf-8")
+    assert f'<p class="who">System identification · Jürgen Öz (z1) · {PRELAB}</p>' in page
+    assert main(["course", "export", "--format", "moodle", "--worksheet", "sheet.csv", "--out", "OUT"]) == 0
+    rules = "due=2026-02-01T00:00,per-day=10%,most=20%"
+    assert main(["course", "grade", "--submitted", "in", "--out", "OUT", "--late", rules, "--assignment", PRELAB]) == 0
+    assert "0.2 late penalty" in capsys.readouterr().out  # an option wins
+
+    text = (own.root / "course.toml").read_text(encoding="utf-8")
+    (own.root / "course.toml").write_text(text.replace("10%", "much"), encoding="utf-8")
+    line = complaint(capsys, ["course", "grade", "--submitted", "in", "--out", "OUT"])
+    assert "course.toml, late rules: per-day=much is not an amount" in line
+    (own.root / "course.toml").write_text("tittle = 1\n", encoding="utf-8")
+    for command in (
+        ["report", "--out", "OUT"],
+        ["grade", "--submitted", "in", "--out", "OUT"],
+        ["release", "--out", "x"],
+    ):
+        line = complaint(capsys, ["course", *command])
+        assert "course.toml: the file has the unknown key 'tittle'; expected one of title, timezone," in line
+
+
+def test_a_term_is_as_the_readme_prints_it(
+    here: Course, tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Each command of the guide, exactly as printed and in its order, with the course.toml that it shows."""
+    own = Course(tmp_path / "own")
+    shutil.copytree(here.root, own.root)
+    shutil.copyfile(ROOT / "pyproject.toml", own.root / "pyproject.toml")
+    monkeypatch.setattr("autograder.course.layout.find_course", lambda: own)
+    guide = (ROOT / "autograder" / "README.md").read_text(encoding="utf-8")
+    guide = guide.partition("## A term, step by step")[2].partition("## The path of a submission")[0]
+    (settings,) = re.findall(r"```toml\n(.*?)```", guide, re.DOTALL)
+    (own.root / "course.toml").write_text(settings, encoding="utf-8")
+    (tmp_path / "course-secret.txt").write_bytes(SECRET)
+    (tmp_path / "students.csv").write_text("id,name,email\nz1,Ada Öz,a@x.edu\n", encoding="utf-8")
+    columns = "Identifier,Full name,ID number,Last modified (submission),Grade,Maximum Grade,Feedback comments"
+    row = 'Participant 1,Ada Öz,z1,"Sunday, 15 November 2026, 1:00 AM",,1.00,'
+    Path("worksheet.csv").write_text(f"{columns}\r\n{row}\r\n", encoding="utf-8")
+    with zipfile.ZipFile("submissions.zip", "w") as packed:
+        packed.write(own.source / PRELAB / f"{PRELAB}.ipynb", f"Ada Öz_1_assignsubmission_file_/{PRELAB}.ipynb")
+
+    class Later(datetime):
+        @classmethod
+        def now(cls, tz: tzinfo | None = None) -> "Later":
+            return cls(2026, 12, 24, tzinfo=tz)
+
+    def interrupted(*_: object) -> None:
+        raise KeyboardInterrupt
+
+    opened: list[str] = []
+    monkeypatch.setattr("autograder.cli.datetime", Later)
+    monkeypatch.setattr("socketserver.BaseServer.serve_forever", interrupted)
+    monkeypatch.setattr("webbrowser.open", opened.append)
+    commands = re.findall(r"^    labsid (.*)$", guide, re.MULTILINE)
+    assert len(commands) == 10
+    for command in commands:
+        assert main(command.split()) == 0, (command, capsys.readouterr().err)
+    assert len(opened) == 1
+    for name in ("release.zip", "packages.zip", "packages-for-everybody.zip", "OUT/report.html", "OUT/export.csv"):
+        assert Path(name).is_file()
+    assert "Participant 1,Ada Öz,z1," in Path("OUT", "moodle", "worksheet.csv").read_text(encoding="utf-8")
+    assert ",0.95,1.00," in Path("OUT", "moodle", "worksheet.csv").read_text(encoding="utf-8")
+    assert Path("OUT", "moodle", "feedback.zip").is_file()
+
+
+def test_packages_come_in_the_layout_of_moodles_feedback_files(
+    here: Course, tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    own = Course(tmp_path / "own")
+    shutil.copytree(here.root, own.root)
+    shutil.copyfile(ROOT / "pyproject.toml", own.root / "pyproject.toml")
+    monkeypatch.setattr("autograder.course.layout.find_course", lambda: own)
+    Path("secret").write_bytes(SECRET)
+    Path("class.csv").write_text("z1,Jürgen Öz\nz2,Li Mei\nz3,Nobody There\n", encoding="utf-8")
+    rows = ("Participant 7,Jürgen_Öz,z1", "Participant 8,Li Mei,z2", "Participant 9,A Guest,z9")
+    Path("sheet.csv").write_text("\n".join(["Identifier,Full name,ID number", *rows]), encoding="utf-8")
+    release = [
+        "course",
+        "release",
+        "--out",
+        "r.zip",
+        "--assignment",
+        LAB,
+        "--secret",
+        "secret",
+        "--worksheet",
+        "sheet.csv",
+    ]
+    assert main([*release, "--students", "class.csv"]) == 0
+    assert capsys.readouterr().out.splitlines()[0] == "z3: not in the worksheet"
+    with zipfile.ZipFile("r.zip") as archive:
+        folders = ("Jürgen Öz_7_assignsubmission_file_", "Li Mei_8_assignsubmission_file_")
+        assert archive.namelist() == [f"{folder}/my-data.zip" for folder in folders]
+        with zipfile.ZipFile(io.BytesIO(archive.read(archive.namelist()[1]))) as package:
+            record = f"{LAB}/SysIdenData_StudentVersion.mat"
+            assert package.namelist() == [record]
+            assert package.read(record) == individual_file("SysIdenData_StudentVersion.mat", "z2", SECRET)
+    with zipfile.ZipFile("r-for-everybody.zip") as archive:
+        assert "environment.yml" in archive.namelist()
+        assert f"{LAB}/{LAB}.ipynb" in archive.namelist()
+        assert not [name for name in archive.namelist() if name.endswith(".mat")]
+    assert main(release) == 0
+    with zipfile.ZipFile("r.zip") as archive:
+        assert len(archive.namelist()) == 3
+    line = complaint(capsys, [PRELAB if word == LAB else word for word in release])
+    assert "these assignments have no data files" in line
+    assert "no assignment 'holiday'" in complaint(
+        capsys, ["course", "release", "--out", "x.zip", "--assignment", "holiday"]
+    )
 
 
 def test_the_course_is_built(

@@ -13,13 +13,15 @@ import numpy as np
 import pytest
 
 from autograder.batch.executors import LocalExecutor
-from autograder.batch.grade import find_batch, grade_batch
+from autograder.batch.grade import grade_batch
 from autograder.batch.grading_inputs import DataStore, inputs_for, record_path
+from autograder.batch.selection import find_batch
 from autograder.batch.wrong_record import STUDENT_MESSAGE, reference_values
 from autograder.course.individual_data import individual_file
 from autograder.course.layout import RECORD_FILE, Course, read_template
 from autograder.course.own_secret import PUBLIC_SECRET
-from autograder.course.release import labsid_wheel, read_students, write_individual_releases, write_release
+from autograder.course.release import labsid_wheel, write_individual_releases, write_release
+from autograder.course.students import Student, read_students
 from autograder.results.result_files import load, result_path
 from autograder.sandbox.isolation import ProcessLauncher
 from labsid.checks.notebook import load_assignment
@@ -68,7 +70,7 @@ def graded(
     hand_in("eve", {"lab-2b-theta-answer": "theta_hat = np.array([1.0, 2.0, 3.0, 4.123456])"})
     shutil.copyfile(record_path(data_store, RECORD_FILE, "fay"), hand_in("fay", {}) / RECORD_FILE)
     out = folder / "out"
-    list(grade_batch(course, find_batch(course, folder / "submitted", None), out, LocalExecutor(launcher, 2), SECRET))
+    list(grade_batch(course, find_batch(course, folder / "submitted"), out, LocalExecutor(launcher, 2), SECRET))
     return {student: result_path(out, student, LAB) for student in STUDENTS}
 
 
@@ -155,8 +157,8 @@ def test_a_student_of_an_impossible_id_is_quarantined_alone(
     course: Course, launcher: ProcessLauncher, tmp_path: Path
 ) -> None:
     for student in ("ann", " bob"):
-        shutil.copytree(course.release / LAB, tmp_path / "submitted" / student / LAB)
-    batch = find_batch(course, tmp_path / "submitted", None)
+        shutil.copytree(course.source / LAB, tmp_path / "submitted" / student / LAB)
+    batch = find_batch(course, tmp_path / "submitted")
     list(grade_batch(course, batch, tmp_path / "out", LocalExecutor(launcher, 2), SECRET))
     assert load(result_path(tmp_path / "out", "ann", LAB)).questions[0].status == "graded"
     refused = load(result_path(tmp_path / "out", " bob", LAB)).questions[0]
@@ -227,7 +229,7 @@ def test_an_individual_release_has_a_folder_for_each(complete: Course, tmp_path:
 def test_a_list_of_students_is_read(tmp_path: Path) -> None:
     path = tmp_path / "students"
     path.write_text("\ufeff# the class\nann\n\n bob \n", encoding="utf-8")
-    assert read_students(path) == ["ann", "bob"]
+    assert read_students(path) == [Student("ann"), Student("bob")]
     path.write_text("ann\nann\n", encoding="utf-8")
     with pytest.raises(ValueError, match="names ann twice"):
         read_students(path)

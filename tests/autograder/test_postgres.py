@@ -18,10 +18,12 @@ import pytest
 from course_work import give_by_hand, scores_in_gradebook
 
 from autograder.batch.executors import LocalExecutor
-from autograder.batch.grade import find_batch, grade_batch
+from autograder.batch.grade import grade_batch
+from autograder.batch.selection import find_batch
 from autograder.course.layout import Course
 from autograder.course.nbgrader_access import open_gradebook
 from autograder.results import gradebook, result_files
+from autograder.results.bulk_entry import BulkEntry
 from autograder.samples import write_samples
 from autograder.sandbox.isolation import ProcessLauncher
 from labsid.cli.commands import main
@@ -114,7 +116,7 @@ class Both:
 
     def grade(self, launcher: ProcessLauncher, out: Path) -> list[tuple[str, str]]:
         """Grade into one of them; which submissions were graded anew."""
-        batch = find_batch(self.course, self.submitted, None)
+        batch = find_batch(self.course, self.submitted)
         done = grade_batch(self.course, batch, out, LocalExecutor(launcher, 2))
         return sorted((one.student, one.assignment) for one in done if one.fresh)
 
@@ -126,13 +128,20 @@ class Both:
         ]
 
 
+def add_a_cell(path: Path) -> None:
+    notebook = json.loads(path.read_text(encoding="utf-8"))
+    notebook["cells"].append({"cell_type": "markdown", "metadata": {}, "source": "Done."})
+    path.write_text(json.dumps(notebook), encoding="utf-8")
+
+
 @pytest.fixture
 def both(course: Course, launcher: ProcessLauncher, server: Server, tmp_path: Path) -> Both:
-    """Ada's pre-lab is right, ben's lab half right, finn's file is cut off, gil's pre-lab untouched."""
+    """Ada's pre-lab is right, ben's lab half right, finn's file is cut off, gil's pre-lab a remark."""
     write_samples(course, tmp_path / "samples")
     for student, name in (("ada", PRELAB), ("ben", LAB), ("finn", LAB)):
         shutil.copytree(tmp_path / "samples" / student / name, tmp_path / "submitted" / student / name)
     shutil.copytree(course.release / PRELAB, tmp_path / "submitted" / "gil" / PRELAB)
+    add_a_cell(tmp_path / "submitted" / "gil" / PRELAB / f"{PRELAB}.ipynb")
     file, database = out_folder(tmp_path / "file"), out_folder(tmp_path / "database", server.database(tmp_path.name))
     made = Both(course, tmp_path / "submitted", file, database)
     assert len(made.grade(launcher, file)) == len(made.grade(launcher, database)) == 8
@@ -170,9 +179,7 @@ def lists_of_formgrader(out: Path) -> list[dict[str, Any]]:
 
 def test_what_was_given_by_hand_outlives_a_new_grading(both: Both, launcher: ProcessLauncher) -> None:
     path = both.submitted / "ada" / PRELAB / f"{PRELAB}.ipynb"
-    notebook = json.loads(path.read_text(encoding="utf-8"))
-    notebook["cells"].append({"cell_type": "markdown", "metadata": {}, "source": "Done."})
-    path.write_text(json.dumps(notebook), encoding="utf-8")
+    add_a_cell(path)
     (both.submitted / "gil" / PRELAB / f"{PRELAB}.ipynb").write_text("{", encoding="utf-8")
     for out in (both.file, both.database):
         give_by_hand(out, PRELAB, "ada", OPEN, "Nearly: “see” 3a.", manual_score=0.04)
@@ -200,12 +207,12 @@ def test_a_run_that_is_killed_while_entering_enters_nothing(
     class Killed(BaseException):
         pass
 
-    def killed(entry: Any, write: Callable[[Any], None] = gradebook._BulkEntry.flush) -> None:
+    def killed(entry: Any, write: Callable[[Any], None] = BulkEntry.flush) -> None:
         write(entry)
         raise Killed
 
     with monkeypatch.context() as patch:
-        patch.setattr(gradebook._BulkEntry, "flush", killed)
+        patch.setattr(BulkEntry, "flush", killed)
         with pytest.raises(Killed):
             gradebook.enter(out, stored)
     assert scores_in_gradebook(out) == {}

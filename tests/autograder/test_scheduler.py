@@ -24,8 +24,9 @@ import labsid
 from autograder.batch import cluster, cluster_worker
 from autograder.batch.cluster import open_cluster
 from autograder.batch.executors import LocalExecutor
-from autograder.batch.grade import Batch, Graded, find_batch, grade_batch
+from autograder.batch.grade import Graded, grade_batch
 from autograder.batch.grading_inputs import DataStore, inputs_for
+from autograder.batch.selection import Batch, find_batch
 from autograder.course.layout import Course, read_template
 from autograder.course.sources import sources_hash
 from autograder.results import result_files

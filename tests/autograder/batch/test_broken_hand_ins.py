@@ -15,7 +15,8 @@ import pytest
 from autograder.batch import judge_process
 from autograder.batch.executors import LocalExecutor
 from autograder.batch.fingerprint import submission_hash
-from autograder.batch.grade import Graded, find_batch, grade_batch
+from autograder.batch.grade import Graded, grade_batch
+from autograder.batch.selection import find_batch
 from autograder.batch.wrong_record import _noisy_numbers
 from autograder.course.layout import Course
 from autograder.judge.redaction import REDACTED, redact
@@ -86,7 +87,7 @@ def test_values_that_cannot_be_converted_cost_their_own_question(
         {"lab-1c-offsets-answer": f"y_offset = u_offset = y = u = {EMPTY_AND_HUGE}"},
     )
     hand_in(course, tmp_path / "in", "bob", LAB, {})
-    batch = find_batch(course, tmp_path / "in", None)
+    batch = find_batch(course, tmp_path / "in")
     list(grade_batch(course, batch, tmp_path / "out", LocalExecutor(launcher, 2), SECRET))
     rows = rows_of(tmp_path / "out")
     assert {row["status"] for row in rows["ann"]} == {"graded", "manual"}
@@ -100,7 +101,7 @@ def test_a_hand_in_that_keeps_the_judge_busy_is_quarantined(
 ) -> None:
     hand_in(course, tmp_path / "in", "ann", PRELAB, {})
     hand_in(course, tmp_path / "in", "bob", PRELAB, {})
-    batch = find_batch(course, tmp_path / "in", None)
+    batch = find_batch(course, tmp_path / "in")
     call = judge_process.JudgeProcess.call
 
     def busy_with_ann(self, function, *arguments, **settings):  # type: ignore[no-untyped-def]
@@ -124,7 +125,7 @@ def test_a_hand_in_that_keeps_the_judge_busy_is_quarantined(
 def test_a_failure_of_the_machine_is_no_grade(course: Course, launcher: ProcessLauncher, tmp_path: Path) -> None:
     """It is tried again at once, and if that fails in the next run."""
     hand_in(course, tmp_path / "in", "ann", PRELAB, {})
-    batch = find_batch(course, tmp_path / "in", None)
+    batch = find_batch(course, tmp_path / "in")
     list(grade_batch(course, batch, tmp_path / "once", LocalExecutor(Failing(launcher, 1))))
     assert {row["status"] for row in rows_of(tmp_path / "once")["ann"]} == {"graded", "manual"}
 
@@ -145,7 +146,7 @@ def test_a_failure_of_the_machine_is_no_grade(course: Course, launcher: ProcessL
 def test_a_folder_whose_name_is_not_unicode_is_named_and_left_out(course: Course, tmp_path: Path) -> None:
     hand_in(course, tmp_path, "ann", PRELAB, {})
     shutil.copytree(tmp_path / "ann", os.fsdecode(os.fsencode(tmp_path) + b"/b\xf6b"))
-    batch = find_batch(course, tmp_path, None)
+    batch = find_batch(course, tmp_path)
     assert (batch.students, batch.ignored) == (("ann",), ("b\\udcf6b",))
 
 
@@ -180,7 +181,7 @@ def test_a_class_graded_with_a_secret_is_not_graded_again_without_it(
 ) -> None:
     """Everybody would be graded on another record, without a word."""
     hand_in(course, tmp_path / "in", "ann", LAB, {})
-    batch, out = find_batch(course, tmp_path / "in", None), tmp_path / "out"
+    batch, out = find_batch(course, tmp_path / "in"), tmp_path / "out"
     list(grade_batch(course, batch, out, LocalExecutor(launcher), SECRET))
     before = (out / "grades.csv").read_bytes()
     for secret in (None, b"the secret of another course"):
@@ -195,7 +196,7 @@ def test_shapes_and_texts_tell_no_hidden_numbers(course: Course, launcher: Proce
     """The function gets hidden inputs, and the feedback quotes the shape of what it returns."""
     code = "def cut_off(data, n):\n    return np.zeros((1_234_567 + int(1e5 * abs(data[1, 1])), 2), np.int8)"
     hand_in(course, tmp_path / "in", "ann", PRELAB, {"prelab-4-function-answer": code})
-    batch = find_batch(course, tmp_path / "in", None)
+    batch = find_batch(course, tmp_path / "in")
     list(grade_batch(course, batch, tmp_path / "out", LocalExecutor(launcher)))
     (row,) = [row for row in rows_of(tmp_path / "out")["ann"] if row["question"] == "prelab-4-function"]
     assert row["score"] == "0"

@@ -18,8 +18,9 @@ from course_work import give_by_hand, scores_in_gradebook
 
 from autograder.batch.executors import LocalExecutor
 from autograder.batch.fingerprint import result_fingerprint
-from autograder.batch.grade import Batch, Graded, find_batch, grade_batch
+from autograder.batch.grade import Graded, grade_batch
 from autograder.batch.grading_inputs import DataStore, inputs_for
+from autograder.batch.selection import Batch, find_batch, handed_in_by
 from autograder.course.layout import Course, read_template
 from autograder.course.plain_text import plain_decimal
 from autograder.export.grades_csv import export_csv
@@ -42,7 +43,7 @@ OPEN = "prelab-6-clock"
 
 @dataclass(frozen=True)
 class Class:
-    """A graded class: ada is right, ben half right, finn's file is cut off, gil hands in an untouched pre-lab."""
+    """A graded class: ada is right, ben half right, finn's file is cut off, gil answers one open question."""
 
     course: Course
     batch: Batch
@@ -72,9 +73,14 @@ def graded(course: Course, launcher: ProcessLauncher, tmp_path_factory: pytest.T
     for student, name in (("ada", PRELAB), ("ben", LAB), ("finn", LAB)):
         shutil.copytree(folder / "samples" / student / name, folder / "submitted" / student / name)
     shutil.copytree(course.release / PRELAB, folder / "submitted" / "gil" / PRELAB)
+    path = folder / "submitted" / "gil" / PRELAB / f"{PRELAB}.ipynb"
+    notebook = json.loads(path.read_text(encoding="utf-8"))
+    (cell,) = (cell for cell in notebook["cells"] if cell["id"] == OPEN)
+    cell["source"] = ["Because of the clock."]
+    path.write_text(json.dumps(notebook), encoding="utf-8")
     (folder / "submitted" / ".DS_Store").touch()
     (folder / "submitted" / ".cache").mkdir()
-    batch = find_batch(course, folder / "submitted", None)
+    batch = find_batch(course, folder / "submitted")
     done = list(grade_batch(course, batch, folder / "out", LocalExecutor(launcher, 2)))
     assert sorted((one.student, one.assignment) for one in done) == sorted(
         (student, name) for student in ("ada", "ben", "finn", "gil") for name in (PRELAB, LAB)
@@ -88,7 +94,7 @@ def again(graded: Class, tmp_path: Path) -> Class:
     """A copy of the graded class, to change."""
     shutil.copytree(graded.batch.submitted, tmp_path / "submitted")
     shutil.copytree(graded.out, tmp_path / "out")
-    return Class(graded.course, find_batch(graded.course, tmp_path / "submitted", None), tmp_path / "out")
+    return Class(graded.course, find_batch(graded.course, tmp_path / "submitted"), tmp_path / "out")
 
 
 def regrade(klass: Class, launcher: ProcessLauncher) -> set[Graded]:
@@ -103,8 +109,8 @@ def same_but_seconds(one: Path, other: Path, assignment: str = "") -> bool:
     return len(rows[0]) > 10 and rows[0] == rows[1]
 
 
-def add_a_cell(klass: Class, student: str, name: str) -> None:
-    path = klass.batch.submitted / student / name / f"{name}.ipynb"
+def add_a_cell(submitted: Path, student: str, name: str) -> None:
+    path = submitted / student / name / f"{name}.ipynb"
     notebook = json.loads(path.read_text(encoding="utf-8"))
     notebook["cells"].append({"cell_type": "markdown", "metadata": {}, "source": "Done."})
     path.write_text(json.dumps(notebook), encoding="utf-8")
@@ -178,7 +184,7 @@ def test_a_second_run_grades_nothing_anew(again: Class, graded: Class, launcher:
 
 
 def test_only_what_changed_is_graded_anew(again: Class, graded: Class, launcher: ProcessLauncher) -> None:
-    add_a_cell(again, "gil", PRELAB)
+    add_a_cell(again.batch.submitted, "gil", PRELAB)
     assert regrade(again, launcher) == {Graded("gil", PRELAB, True, "submission")}
     assert same_but_seconds(graded.out, again.out)
 
@@ -370,7 +376,7 @@ def test_what_was_given_by_hand_outlives_a_new_grading(
     again: Class, by_hand: Callable, launcher: ProcessLauncher
 ) -> None:
     by_hand("ada", OPEN, "Nearly: see <the> hint & 3a.", manual_score=0.04)
-    add_a_cell(again, "ada", PRELAB)
+    add_a_cell(again.batch.submitted, "ada", PRELAB)
     assert regrade(again, launcher) == {Graded("ada", PRELAB, True, "submission")}
     row = again.grades()["ada", PRELAB, OPEN]
     assert (row["score"], row["max_score"], row["status"]) == ("0.04", "0.05", "manual")
@@ -678,7 +684,11 @@ def test_reasons_stand_on_one_line(tmp_path: Path) -> None:
     reason = 'first\nsecond\r\n\x07"third", \x1b[31mred'
     question = QuestionResult("q", Decimal("0.1"), Decimal("0.10"), "graded", reason, seconds=1.23456)
     stored = StoredResult("=ann", "tiny", "Tiny", (question,), {}, (), "none", {})
-    write_csv(tmp_path / "grades.csv", grades.GRADE_COLUMNS, grades.grade_rows([stored], {}))
+    write_csv(
+        tmp_path / "grades.csv",
+        grades.GRADE_COLUMNS,
+        grades.grade_rows([stored], gradebook.ManualGrades({}, {}, frozenset())),
+    )
     (row,) = read_csv(tmp_path / "grades.csv")
     assert row["reason"] == 'first second "third", [31mred'
     assert (row["student"], row["max_score"], row["seconds"]) == ("'=ann", "0.1", "1.235")
@@ -734,17 +744,54 @@ def test_decimals_are_plain(value: str, text: str) -> None:
 
 def test_hand_ins_that_are_none_are_said(course: Course, tmp_path: Path) -> None:
     with pytest.raises(ValueError, match="is not a folder"):
-        find_batch(course, tmp_path / "nosuch", None)
+        find_batch(course, tmp_path / "nosuch")
     (tmp_path / "file").touch()
     with pytest.raises(ValueError, match="is not a folder"):
-        find_batch(course, tmp_path / "file", None)
+        find_batch(course, tmp_path / "file")
     with pytest.raises(ValueError, match="holds no submission: expected"):
-        find_batch(course, tmp_path, None)
+        find_batch(course, tmp_path)
     (tmp_path / "ann" / "holiday").mkdir(parents=True)
     with pytest.raises(ValueError, match="holds no submission: expected"):
-        find_batch(course, tmp_path, None)
+        find_batch(course, tmp_path)
     with pytest.raises(ValueError, match=r"no assignment 'holiday'; there are prelab-sinusoids, lab-identification"):
         find_batch(course, tmp_path, "holiday")
+
+
+def test_what_nobody_answered_is_not_graded_and_it_is_said(course: Course, tmp_path: Path) -> None:
+    """The zip of `labsid submit` can hold every notebook: untouched ones must not mark the class down."""
+    for student in ("ann", "bob", "cat"):
+        for name in (PRELAB, LAB, "step-response"):
+            shutil.copytree(course.release / name, tmp_path / student / name)
+        add_a_cell(tmp_path, student, LAB)
+    assert handed_in_by(course, tmp_path) == {PRELAB: [], LAB: ["ann", "bob", "cat"], "step-response": []}
+    batch = find_batch(course, tmp_path)
+    assert batch.assignments == (LAB,)
+    assert batch.remarks == tuple(
+        f"{name}: not graded, because every notebook is as released." for name in (PRELAB, "step-response")
+    )
+    add_a_cell(tmp_path, "bob", PRELAB)
+    batch = find_batch(course, tmp_path)
+    assert batch.assignments == (PRELAB, LAB)
+    assert batch.remarks[0] == (
+        f"{PRELAB}: handed in by 1 of 3 students; the others get 0 marks. If it is not due, grade only what is: "
+        f"--assignment {LAB}"
+    )
+    batch = find_batch(course, tmp_path, due=[LAB, "step-response", "least-squares"])
+    assert batch.assignments == (LAB,)
+    assert batch.remarks == (
+        f"{PRELAB}: not graded, because its due date in course.toml has not passed; 1 student handed it in.",
+        "step-response: not graded, because every notebook is as released.",
+        "least-squares: not graded, because nobody handed it in.",
+    )
+    with pytest.raises(ValueError, match=f"nothing that is due was handed in; .* holds {PRELAB}, {LAB}"):
+        find_batch(course, tmp_path, due=[])
+    assert find_batch(course, tmp_path, "step-response", PRELAB).assignments == (PRELAB, "step-response")
+
+
+def test_a_folder_of_untouched_notebooks_holds_no_submission(course: Course, tmp_path: Path) -> None:
+    shutil.copytree(course.release / LAB, tmp_path / "ann" / LAB)
+    with pytest.raises(ValueError, match=r"holds no submission: .*; every notebook in it is as released\."):
+        find_batch(course, tmp_path)
 
 
 def test_an_assignment_can_be_graded_though_nobody_handed_it_in(course: Course, tmp_path: Path) -> None:
@@ -781,7 +828,7 @@ def test_strange_things_in_a_hand_in_do_not_stop_the_class(
         if cell["id"] == OPEN:
             cell["source"] = "half \ud800"
     path.write_text(json.dumps(notebook), encoding="utf-8")
-    batch = find_batch(graded.course, submitted, None)
+    batch = find_batch(graded.course, submitted)
     out = tmp_path / "out"
     assert len(list(grade_batch(graded.course, batch, out, LocalExecutor(launcher)))) == 3
     rows = read_csv(out / "grades.csv")

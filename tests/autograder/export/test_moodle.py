@@ -9,12 +9,15 @@ import zipfile
 from collections.abc import Mapping
 from decimal import Decimal
 from pathlib import Path
+from urllib.parse import unquote
 
 import pytest
 
 from autograder.batch.executors import LocalExecutor
-from autograder.batch.grade import Graded, find_batch, grade_batch
+from autograder.batch.grade import Graded, grade_batch
+from autograder.batch.selection import find_batch
 from autograder.course.layout import Course
+from autograder.course.students import Student
 from autograder.export.grades_csv import export_csv
 from autograder.export.moodle import export_moodle
 from autograder.intake.submission import NotebookCell
@@ -26,7 +29,14 @@ from autograder.results.gradebook import ManualGrades
 from autograder.results.late import parse_rules
 from autograder.results.report import report_page, write_report
 from autograder.results.result_files import StoredResult
-from autograder.results.similar import code_fingerprints, find_similar, normal_form
+from autograder.results.similar import (
+    MIN_NODES,
+    EqualWork,
+    code_fingerprints,
+    find_equal,
+    find_similar,
+    normal_form,
+)
 from autograder.results.summary import class_table
 from autograder.sandbox.isolation import ProcessLauncher
 
@@ -123,14 +133,26 @@ def test_the_feedback_zip_has_moodles_layout_and_the_same_bytes(out: Path, sheet
 def test_several_assignments_add_up_exactly_or_one_is_chosen(out: Path, sheet: Worksheet) -> None:
     for student in ("ada", "cat"):
         result_files.store(out, stored(student, "other", question("x", "0.1", "0.3")))
-    done = export_moodle(out, sheet)
+    with pytest.raises(ValueError, match=r"the worksheet's maximum is 2, but the marks are out of 2.3 ") as refused:
+        export_moodle(out, sheet)
+    line = f"labsid course export --format moodle --worksheet {sheet.path} --out {out}"
+    assert str(refused.value).endswith(
+        f"(tiny 2, other 0.3); nothing was written. Type, for tiny alone: {line} --assignment tiny; "
+        f"to convert the marks to 2.00: {line} --scale"
+    )
+    assert not (out / "moodle").exists()
+    done = export_moodle(out, sheet, scale=True)
     rows = [list(row.values()) for row in read_worksheet(done.worksheet).rows]
     assert rows[0][6] == "1.83"  # 2.1 of 2.3, in Moodle's 2
+    assert rows[1][6] == "1.04"  # 1.2 of 2.3, too: nothing was handed in for the other
     assert "ada: 2.1 of 2.3 is 1.83 of 2.00" in done.remarks
     with zipfile.ZipFile(done.feedback) as archive:
         assert "Lovelace, Ada_1001_assignsubmission_file_/feedback-other.html" in archive.namelist()
     only = export_moodle(out, sheet, "tiny")
     assert read_worksheet(only.worksheet).rows[0]["Grade"] == "2"
+    weighted = export_moodle(out, sheet, weights={"tiny": Decimal("1.5"), "other": Decimal("0.5")})
+    assert read_worksheet(weighted.worksheet).rows[0]["Grade"] == "1.67"  # 1.5 + 0.5 / 3
+    assert read_worksheet(weighted.worksheet).rows[1]["Grade"] == "0.9"  # 1.2 of 2 counts 1.5
     with pytest.raises(ValueError, match="holds no results of 'holiday'"):
         export_moodle(out, sheet, "holiday")
 
@@ -159,7 +181,7 @@ def test_lateness_is_taken_off_everywhere_and_can_be_changed_without_grading(
 
     def grade(rules: str | None) -> list[Graded]:
         late = None if rules is None else parse_rules(rules)
-        batch = find_batch(course, tmp_path / "submitted", None)
+        batch = find_batch(course, tmp_path / "submitted")
         return list(grade_batch(course, batch, out, LocalExecutor(launcher, 2), late=late))
 
     def exported() -> Mapping[str, tuple[str, str]]:
@@ -205,7 +227,7 @@ def test_hand_grading_survives_and_is_flagged_when_the_automatic_part_changes(
     open_question = "prelab-6-clock"
     path = tmp_path / "submitted" / "ann" / PRELAB / f"{PRELAB}.ipynb"
     shutil.copytree(course.source / PRELAB, path.parent)
-    batch, out = find_batch(course, tmp_path / "submitted", None), tmp_path / "out"
+    batch, out = find_batch(course, tmp_path / "submitted"), tmp_path / "out"
     list(grade_batch(course, batch, out, LocalExecutor(launcher)))
     with gradebook.open_gradebook(gradebook.database_url(out)) as book:
         grade = book.find_grade(open_question, PRELAB, PRELAB, "ann")
@@ -316,7 +338,49 @@ def test_released_code_and_short_cells_tell_nothing() -> None:
         NotebookCell("b", "answer", "x = 1", True), NotebookCell("q2", "question", "check()", True),
         NotebookCell("c", "answer", OTHER, True), NotebookCell("q3", "question", "check()", True),
     ]  # fmt: skip
-    assert set(code_fingerprints(steps, {"c": OTHER})) == {"q1"}
+    found = code_fingerprints(steps, {"c": OTHER})
+    assert {question: size >= MIN_NODES for question, (_, size) in found.items()} == {"q1": True, "q2": False}
+    pair = [stored(student, "tiny", work={"q2": ("a", 3), "q4": ("b", 4)}) for student in ("ann", "bob")]
+    assert find_similar(pair) == []
+
+
+def test_equal_notebooks_and_texts_are_found_however_many_have_them() -> None:
+    text = "The second half does not start from rest, so that the error is larger."
+    same = {"q1": ("a", 100), "q2": ("b", 3), "q3": ("c", 60)}
+    class_ = [
+        stored(f"s{n:02}", "tiny", question("open", None, "0.1", "manual", answer=text), work=same) for n in range(9)
+    ]
+    class_ += [
+        stored("ann", "tiny", question("open", None, "0.1", "manual", answer=text.upper().replace(",", " --\n"))),
+        stored(
+            "bob", "tiny", question("open", None, "0.1", "manual", answer="It is wrong."), work={**same, "q2": ("d", 3)}
+        ),
+        stored("cat", "tiny", question("open", None, "0.1", "manual", answer="It is wrong."), work={"q2": ("b", 3)}),
+        stored("dan", "tiny", question("a", "0.1", "0.1", answer=text), work={"q2": ("b", 3)}),
+        stored("eve", "other", question("open", None, "0.1", "manual", answer=text), work=same),
+    ]
+    nine = tuple(f"s{n:02}" for n in range(9))
+    assert find_equal(class_) == [EqualWork("tiny", None, nine), EqualWork("tiny", "open", (*nine, "ann"))]
+    page = report_page(class_, NOTHING, {"s00": "Öz, <b>"})
+    assert page["similar"] == []
+    assert [len(one["students"]) for one in page["equal"]] == [9, 10]
+
+
+def test_the_report_names_students_and_links_to_their_pages(out: Path) -> None:
+    result_files.store(out, stored("a/b".replace("/", " #?"), "tiny", question("a", "0", "0.6")))
+    gradebook.prepare(Course(out), out, ())
+    gradebook.enter_students(out, [Student("ada", "Lovelace, Ada"), Student("cat", "<i>Cat")])
+    page = write_report(out, "Identification").read_text(encoding="utf-8")
+    assert "<h1>Identification: class report</h1>" in page
+    assert "Ada Lovelace" in page
+    assert "&lt;i&gt;Cat" in page
+    links = re.findall(r'href="(feedback/[^"]*)"', page)
+    assert "feedback/ben%40x.edu/tiny.html" in links
+    assert "feedback/a%20%23%3Fb/tiny.html" in links
+    assert len(set(links)) == 6
+    assert all((out / unquote(link)).is_file() for link in links)
+    assert "Ada Lovelace</td>" not in page  # the ID stands beside the name
+    assert "Ada Lovelace (ada)" in (out / "feedback" / "ada" / "tiny.html").read_text(encoding="utf-8")
 
 
 def test_copies_are_found_and_what_many_wrote_is_not() -> None:

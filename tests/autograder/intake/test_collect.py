@@ -41,12 +41,18 @@ def moodle(path: Path, files: Sequence[tuple[zipfile.ZipInfo, bytes]]) -> Path:
 
 
 def there(folder: Path) -> list[str]:
-    return sorted(path.relative_to(folder).as_posix() for path in folder.rglob("*") if path.is_file())
+    """All files but the table of the students."""
+    files = (path for path in folder.rglob("*") if path.is_file() and path.name != "students.csv")
+    return sorted(path.relative_to(folder).as_posix() for path in files)
 
 
 @pytest.fixture
 def notebooks(course: Course) -> Mapping[str, bytes]:
-    return {name: (course.release / name / f"{name}.ipynb").read_bytes() for name in course.assignments()}
+    """Released notebooks with one added cell: what is as released is not collected."""
+    return {
+        name: with_mark((course.release / name / f"{name}.ipynb").read_bytes(), "Done.")
+        for name in course.assignments()
+    }
 
 
 def with_mark(notebook: bytes, mark: str) -> bytes:
@@ -115,6 +121,30 @@ def test_running_again_touches_nothing_and_takes_what_is_new(
     newer = with_mark(notebooks[LAB], "newer")
     list(collect_submissions(course, moodle(path, [(entry(f"{ADA}/a.ipynb"), newer)]), tmp_path / "out"))
     assert target.read_bytes() == newer
+
+
+def test_a_later_zip_does_not_replace_the_hand_ins_of_earlier_weeks(
+    course: Course, notebooks: Mapping[str, bytes], tmp_path: Path
+) -> None:
+    """A zip of `labsid submit` holds all notebooks with work in them."""
+
+    def sheet(day: int) -> Worksheet:
+        when = f"{day} November 2026, 4:05 PM"
+        return worksheet(tmp_path / "w.csv", [{"Identifier": "Participant 1001", "Last modified (submission)": when}])
+
+    first = moodle(tmp_path / "1.zip", [(entry(f"{ADA}/a.ipynb"), notebooks[PRELAB])])
+    both = [(entry(f"{ADA}/a.ipynb"), notebooks[PRELAB]), (entry(f"{ADA}/b.ipynb"), notebooks[LAB])]
+    second, out = moodle(tmp_path / "2.zip", both), tmp_path / "out"
+    (line,) = collect_submissions(course, first, out, sheet(10), UTC, [PRELAB])
+    assert line == f"1001 (Ada Lovelace): {PRELAB}"
+    (line,) = collect_submissions(course, second, out, sheet(20), UTC, [LAB])
+    assert line == f"1001 (Ada Lovelace): {LAB}; other assignments, not collected: {PRELAB}"
+    stamps = {path.parent.name: path.read_text(encoding="utf-8") for path in out.glob("*/*/timestamp.txt")}
+    assert stamps == {PRELAB: "2026-11-10 16:05:00 UTC\n", LAB: "2026-11-20 16:05:00 UTC\n"}
+    (line,) = collect_submissions(course, second, out, sheet(20), UTC)
+    assert line == f"1001 (Ada Lovelace): {LAB}, {PRELAB} (replaces what was collected before)"
+    with pytest.raises(ValueError, match="there is no assignment 'holiday'"):
+        list(collect_submissions(course, second, out, assignments=["holiday"]))
 
 
 def test_a_broken_notebook_is_taken_for_what_it_is_called(course: Course, tmp_path: Path) -> None:

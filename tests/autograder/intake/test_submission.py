@@ -2,6 +2,7 @@
 
 import json
 import os
+from collections.abc import Callable
 from decimal import Decimal
 from pathlib import Path
 from typing import Any
@@ -10,7 +11,15 @@ import nbformat
 import pytest
 
 from autograder.course.layout import Cell, Course, Template, read_template
-from autograder.intake.submission import MAX_NOTEBOOK_BYTES, NotebookCell, Submission, read_submission
+from autograder.intake.submission import (
+    MAX_NOTEBOOK_BYTES,
+    UNTOUCHED,
+    NotebookCell,
+    Submission,
+    is_handed_in,
+    is_untouched,
+    read_submission,
+)
 
 TEMPLATE = Template(
     "tiny",
@@ -70,12 +79,55 @@ def test_a_hand_in_as_it_should_be(tmp_path: Path) -> None:
     assert submission.cells[3] == NotebookCell("open", "manual", "Because.", False)
 
 
-def test_the_release_itself_needs_no_mending(course: Course) -> None:
+def test_the_release_itself_needs_no_mending_but_is_no_hand_in(course: Course, tmp_path: Path) -> None:
     for name in course.assignments():
         template = read_template(course, name)
         submission = read_submission(course.release / name, "s", template)
+        assert (submission.status, submission.notes) == ("missing", (UNTOUCHED,))
+        assert not is_handed_in(course.release / name, template)
+        notebook = json.loads((course.release / name / f"{name}.ipynb").read_text(encoding="utf-8"))
+        (tmp_path / name).mkdir()
+        notebook["cells"].append(cell(None, "Done.", "markdown"))
+        (tmp_path / name / f"{name}.ipynb").write_text(json.dumps(notebook), encoding="utf-8")
+        submission = read_submission(tmp_path / name, "s", template)
         assert (submission.status, submission.notes) == ("ready", ())
         assert [cell.source for cell in submission.cells if cell.id] == [cell.source for cell in template.cells]
+
+
+@pytest.mark.parametrize(
+    ("change", "untouched"),
+    [
+        pytest.param(lambda parts: None, True, id="as released"),
+        pytest.param(lambda parts: parts[1].update(source="  # Your code here\n...\n"), True, id="blanks"),
+        pytest.param(lambda parts: parts[1].update(source=""), True, id="an answer deleted"),
+        pytest.param(lambda parts: parts.pop(3), True, id="a cell deleted"),
+        pytest.param(lambda parts: parts[0].update(source="import os"), True, id="a given cell, which is restored"),
+        pytest.param(lambda parts: parts.append(cell(None, " ")), True, id="an empty cell added"),
+        pytest.param(lambda parts: parts[0].update(outputs=["x"], execution_count=3), True, id="executed"),
+        pytest.param(lambda parts: parts[1].update(source="a = 1"), False, id="an answer"),
+        pytest.param(lambda parts: parts[3].update(source="Because."), False, id="a free text"),
+        pytest.param(lambda parts: parts.append(cell(None, "a = 1")), False, id="code in a cell of its own"),
+        pytest.param(lambda parts: parts.append(cell(None, "Hm.", "markdown")), False, id="text in a cell of its own"),
+        pytest.param(lambda parts: parts.append(cell("q-answer", "a = 2")), False, id="an answer in a copied cell"),
+    ],
+)
+def test_a_notebook_as_released_is_no_hand_in(
+    tmp_path: Path, change: Callable[[list[dict[str, Any]]], object], untouched: bool
+) -> None:
+    parts = [cell(c.id, c.source, "code" if c.code else "markdown") for c in TEMPLATE.cells]
+    change(parts)
+    submission = hand_in(tmp_path, parts)
+    assert (submission.status == "missing") == untouched
+    assert is_untouched(notebook(parts).encode(), TEMPLATE) == untouched
+    assert is_handed_in(tmp_path, TEMPLATE) != untouched
+
+
+def test_what_cannot_be_read_is_not_untouched(tmp_path: Path) -> None:
+    for content in (b"", b"{", b"[]", notebook([]).encode(), notebook([cell(None, "Of another course.")]).encode()):
+        assert not is_untouched(content, TEMPLATE)
+        assert hand_in(tmp_path, content).status == "quarantined"
+        assert is_handed_in(tmp_path, TEMPLATE)
+    assert not is_handed_in(tmp_path / "nosuch", TEMPLATE)
 
 
 def test_nothing_handed_in(tmp_path: Path) -> None:

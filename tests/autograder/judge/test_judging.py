@@ -303,7 +303,7 @@ def test_a_cell_that_survives_only_once_does_not_take_the_others_with_it(
 def test_an_untouched_open_question_is_said_to_be(forked: ProcessLauncher, tmp_path: Path) -> None:
     for text in ("*Your answer here*", "  \n"):
         third = grade(forked, tmp_path, "a = 3", text=text)[2]
-        assert (third.score, third.status, third.reason) == (None, "manual", "no answer")
+        assert (third.score, third.status, third.reason) == (0, "manual", "no answer")
 
 
 def test_checks_in_the_notebook_do_nothing_while_grading(either: ProcessLauncher, tmp_path: Path) -> None:

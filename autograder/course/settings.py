@@ -1,0 +1,211 @@
+"""The settings of a course: the file ``course.toml`` in its root. Every command works without it.
+
+::
+
+    title = "System identification"
+    timezone = "Australia/Sydney"        # of due dates without an offset (default UTC) and of Moodle's worksheet
+    secret = "../private/course-secret"  # for individual data; a path from the folder of course.toml
+    students = "students.csv"            # columns id, name, e-mail
+    lms = "moodle"
+
+    [late]                               # as in --late; no penalty without it
+    grace = "2h"
+    per-day = "10%"
+    most = "50%"
+
+    [assignments.lab-identification]
+    due = 2026-11-30T23:59:00
+    weight = 20                          # marks in the total of the course; default those of the notebook
+    late = { per-day = "5%" }            # takes the place of single values of [late]
+"""
+
+import tomllib
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from datetime import UTC, datetime, tzinfo
+from decimal import Decimal
+from pathlib import Path
+from typing import Any
+from zoneinfo import ZoneInfo
+
+from autograder.course.layout import Course
+
+FILE_NAME = "course.toml"
+LATE_KEYS = ("grace", "per-day", "most")
+LEARNING_PLATFORMS = ("moodle",)
+_KEYS = ("title", "timezone", "secret", "students", "lms", "late", "assignments")
+_ASSIGNMENT_KEYS = ("due", "weight", "late")
+
+
+@dataclass(frozen=True, slots=True)
+class AssignmentSettings:
+    """Settings of one assignment.
+
+    Attributes
+    ----------
+    due : datetime or None
+        In UTC; None without a date.
+    weight : Decimal or None
+        Marks in the total of the course; None for those of the notebook.
+    late : mapping
+        Values of the late rule, by key of ``--late``.
+    """
+
+    due: datetime | None = None
+    weight: Decimal | None = None
+    late: Mapping[str, str] = field(default_factory=dict)
+
+
+@dataclass(frozen=True, slots=True)
+class CourseSettings:
+    """Settings of a course; the defaults are those without a file.
+
+    Attributes
+    ----------
+    title : str
+    timezone : str or None
+        Name of the time zone; None if the file has none.
+    secret, students : Path or None
+        Files.
+    lms : str or None
+        The learning platform.
+    assignments : mapping
+        AssignmentSettings by name.
+    """
+
+    title: str = ""
+    timezone: str | None = None
+    secret: Path | None = None
+    students: Path | None = None
+    lms: str | None = None
+    assignments: Mapping[str, AssignmentSettings] = field(default_factory=dict)
+
+    @property
+    def weights(self) -> dict[str, Decimal]:
+        """The weights that are set, by assignment."""
+        return {name: one.weight for name, one in self.assignments.items() if one.weight is not None}
+
+    def due_by(self, now: datetime) -> list[str] | None:
+        """The assignments whose due dates have passed; None if there are no due dates."""
+        dates = {name: one.due for name, one in self.assignments.items() if one.due is not None}
+        return [name for name, due in dates.items() if due <= now] if dates else None
+
+    @property
+    def late_rules(self) -> str:
+        """The late rules as text for ``--late``; empty without any."""
+        rules = []
+        for name, one in self.assignments.items():
+            if one.due is not None and one.late:
+                values = {"due": one.due.isoformat(), **one.late}
+                rules.append(f"{name}: " + ",".join(f"{key}={value}" for key, value in values.items()))
+        return ";".join(rules)
+
+
+def read_settings(course: Course) -> CourseSettings:
+    """Read ``course.toml`` in the root of the course; the defaults if there is none.
+
+    Raises
+    ------
+    ValueError
+        If the file is not TOML, or has an unknown key or a value of the wrong type.
+    """
+    path = course.root / FILE_NAME
+    if not path.is_file():
+        return CourseSettings()
+    try:
+        found = tomllib.loads(path.read_text(encoding="utf-8"), parse_float=Decimal)
+    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+        raise ValueError(f"{path} is not valid TOML: {error}.") from None
+    try:
+        return _to_settings(found, course)
+    except ValueError as error:
+        raise ValueError(f"{path}: {error}") from None
+
+
+def _to_settings(found: dict[str, Any], course: Course) -> CourseSettings:
+    _refuse_unknown(found, _KEYS, "the file")
+    zone_name = _value(found, "timezone", _text)
+    zone = UTC if zone_name is None else time_zone(zone_name)
+    late = _late(found.get("late", {}), "[late]")
+    tables = found.get("assignments", {})
+    if not isinstance(tables, dict):
+        raise ValueError(f"assignments must be tables such as [assignments.NAME], got {tables!r}.")
+    known = course.assignments()
+    _refuse_unknown(tables, known, "[assignments]")
+    lms = _value(found, "lms", _text)
+    if lms not in (None, *LEARNING_PLATFORMS):
+        raise ValueError(f"lms must be {' or '.join(LEARNING_PLATFORMS)}, got {lms!r}.")
+    secret, students = _value(found, "secret", _text), _value(found, "students", _text)
+    return CourseSettings(
+        _value(found, "title", _text) or "",
+        zone_name,
+        None if secret is None else course.root / secret,
+        None if students is None else course.root / students,
+        lms,
+        {name: _assignment(tables[name], name, zone, late) for name in known if name in tables},
+    )
+
+
+def _assignment(table: Any, name: str, zone: tzinfo, late: Mapping[str, str]) -> AssignmentSettings:
+    where = f"[assignments.{name}]"
+    if not isinstance(table, dict):
+        raise ValueError(f"{where} must be a table with {', '.join(_ASSIGNMENT_KEYS)}, got {table!r}.")
+    _refuse_unknown(table, _ASSIGNMENT_KEYS, where)
+    due = _value(table, "due", _moment, where)
+    if due is not None:
+        due = (due if due.tzinfo is not None else due.replace(tzinfo=zone)).astimezone(UTC)
+    rule = {**late, **_late(table.get("late", {}), f"late of {where}")}
+    if rule and due is not None and "per-day" not in rule:
+        raise ValueError(f'the late rule of {where} needs per-day, such as per-day = "10%".')
+    return AssignmentSettings(due, _value(table, "weight", _weight, where), rule)
+
+
+def _late(table: Any, where: str) -> dict[str, str]:
+    if not isinstance(table, dict):
+        raise ValueError(f"{where} must be a table with {', '.join(LATE_KEYS)}, got {table!r}.")
+    _refuse_unknown(table, LATE_KEYS, where)
+    return {key: _value(table, key, _text, where) for key in table}
+
+
+def _refuse_unknown(table: Mapping[str, Any], known: Sequence[str], where: str) -> None:
+    unknown = [key for key in table if key not in known]
+    if unknown:
+        raise ValueError(f"{where} has the unknown key {unknown[0]!r}; expected one of {', '.join(known)}.")
+
+
+def _value(table: Mapping[str, Any], key: str, convert: Callable[[Any], Any], where: str = "") -> Any:
+    """A value of a table, converted; None if it is missing."""
+    if key not in table:
+        return None
+    try:
+        return convert(table[key])
+    except TypeError as error:
+        raise ValueError(f"{key}{where and f' in {where}'} must be {error}, got {table[key]!r}.") from None
+
+
+def _text(value: Any) -> str:
+    if not isinstance(value, str) or not value.strip():
+        raise TypeError("text in quotation marks")
+    return value
+
+
+def _moment(value: Any) -> datetime:
+    if not isinstance(value, datetime):
+        raise TypeError("a date and time such as 2026-11-30T23:59:00, without quotation marks")
+    return value
+
+
+def _weight(value: Any) -> Decimal:
+    if isinstance(value, bool) or not isinstance(value, int | Decimal) or not Decimal(value).is_finite() or value <= 0:
+        raise TypeError("a positive number")
+    return Decimal(value)
+
+
+def time_zone(name: str) -> tzinfo:
+    """The time zone of that name; `ValueError` if it is unknown."""
+    if name == "UTC":
+        return UTC  # available without a time zone database
+    try:
+        return ZoneInfo(name)
+    except (KeyError, ValueError, OSError):  # not in the database, or not a valid name
+        raise ValueError(f"the time zone {name} is not known; expected a name such as Australia/Sydney.") from None

@@ -1,0 +1,1 @@
+"""Marking of open questions in the browser."""

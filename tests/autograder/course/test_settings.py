@@ -1,0 +1,173 @@
+"""course.toml and the students file: what they mean, and that a mistake in them is one clear line."""
+
+import re
+from collections.abc import Callable
+from datetime import UTC, datetime
+from decimal import Decimal
+from pathlib import Path
+
+import pytest
+
+from autograder.course.layout import Course
+from autograder.course.settings import AssignmentSettings, CourseSettings, read_settings
+from autograder.course.students import Student, merge_students, read_students, write_students
+from autograder.results.late import parse_rules
+
+ROOT = Path(__file__).resolve().parents[3]
+WHOLE = """
+title = "Identification"
+timezone = "Australia/Sydney"
+secret = "../private/secret"
+students = "class.csv"
+lms = "moodle"
+[late]
+grace = "2h"
+per-day = "10%"
+[assignments.two]
+due = 2026-12-01T09:00:00+01:00
+weight = 2.5
+late = { per-day = "0.2", most = "50%" }
+[assignments.one]
+due = 2026-11-30T23:59:00
+"""
+
+
+@pytest.fixture
+def settings(tmp_path: Path) -> Callable[[str], CourseSettings]:
+    """Read a course.toml of a course with the assignments one, two and three."""
+    for name in ("one", "two", "three"):
+        (tmp_path / "notebooks" / name).mkdir(parents=True)
+        (tmp_path / "notebooks" / name / f"{name}.md").touch()
+
+    def read(text: str) -> CourseSettings:
+        (tmp_path / "course.toml").write_text(text, encoding="utf-8")
+        return read_settings(Course(tmp_path))
+
+    return read
+
+
+def test_every_key_is_read(settings: Callable[[str], CourseSettings], tmp_path: Path) -> None:
+    one = AssignmentSettings(datetime(2026, 11, 30, 12, 59, tzinfo=UTC), None, {"grace": "2h", "per-day": "10%"})
+    rule = {"grace": "2h", "per-day": "0.2", "most": "50%"}
+    two = AssignmentSettings(datetime(2026, 12, 1, 8, 0, tzinfo=UTC), Decimal("2.5"), rule)
+    found = settings(WHOLE)
+    assert found == CourseSettings(
+        "Identification", "Australia/Sydney", tmp_path / "../private/secret", tmp_path / "class.csv", "moodle",
+        {"one": one, "two": two},
+    )  # fmt: skip
+    assert found.weights == {"two": Decimal("2.5")}
+    rules = parse_rules(found.late_rules)
+    assert (rules["one"].due, str(rules["one"].per_day), str(rules["two"].per_day)) == (one.due, "10 %", "0.2")
+
+
+def test_what_is_due_depends_on_the_time(settings: Callable[[str], CourseSettings]) -> None:
+    found = settings(WHOLE)
+    assert found.due_by(datetime(2026, 11, 30, 12, 58, tzinfo=UTC)) == []
+    assert found.due_by(datetime(2026, 11, 30, 12, 59, tzinfo=UTC)) == ["one"]
+    assert found.due_by(datetime(2027, 1, 1, tzinfo=UTC)) == ["one", "two"]
+    assert settings("[assignments.one]\nweight = 1").due_by(datetime(2027, 1, 1, tzinfo=UTC)) is None
+
+
+def test_nothing_is_needed(settings: Callable[[str], CourseSettings], tmp_path: Path) -> None:
+    assert settings("") == CourseSettings()
+    (tmp_path / "course.toml").unlink()
+    assert read_settings(Course(tmp_path)) == CourseSettings()
+    assert CourseSettings().late_rules == ""
+    assert settings("[assignments.one]\ndue = 2026-11-30T23:59:00").late_rules == ""
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("title = ", "is not valid TOML: Invalid value"),
+        ("name = 'x'", "the file has the unknown key 'name'; expected one of title, timezone,"),
+        ("title = 1", "title must be text in quotation marks, got 1."),
+        ("title = ''", "title must be text in quotation marks, got ''."),
+        ("lms = 'canvas'", "lms must be moodle, got 'canvas'."),
+        ("timezone = 'Mars/Base'", "the time zone Mars/Base is not known"),
+        ("assignments = 3", "assignments must be tables such as [assignments.NAME], got 3."),
+        ("[assignments.four]", "[assignments] has the unknown key 'four'; expected one of one, three, two."),
+        ("[assignments]\none = 3", "[assignments.one] must be a table with due, weight, late, got 3."),
+        (
+            "[assignments.one]\ndeu = 1",
+            "[assignments.one] has the unknown key 'deu'; expected one of due, weight, late.",
+        ),
+        ("[assignments.one]\ndue = '2026-11-30'", "due in [assignments.one] must be a date and time such as"),
+        ("[assignments.one]\ndue = 2026-11-30", "due in [assignments.one] must be a date and time such as"),
+        ("[assignments.one]\nweight = 'ten'", "weight in [assignments.one] must be a positive number, got 'ten'."),
+        ("[assignments.one]\nweight = true", "must be a positive number, got True."),
+        ("[assignments.one]\nweight = nan", "must be a positive number, got Decimal('NaN')."),
+        ("late = 3", "[late] must be a table with grace, per-day, most, got 3."),
+        ("[late]\nper_day = '1%'", "[late] has the unknown key 'per_day'; expected one of grace, per-day, most."),
+        ("[late]\nper-day = 10", "per-day in [late] must be text in quotation marks, got 10."),
+        (
+            "[late]\ngrace = '1h'\n[assignments.one]\ndue = 2026-11-30T23:59:00",
+            "the late rule of [assignments.one] needs per-day",
+        ),
+    ],
+)
+def test_a_mistake_is_one_clear_line(
+    settings: Callable[[str], CourseSettings], tmp_path: Path, text: str, said: str
+) -> None:
+    with pytest.raises(ValueError, match=re.escape(said)) as error:
+        settings(text)
+    assert len(str(error.value).splitlines()) == 1
+    assert str(error.value).startswith(str(tmp_path / "course.toml"))
+
+
+def test_the_readme_shows_a_course_toml_that_is_right(tmp_path: Path) -> None:
+    (shown,) = re.findall(r"```toml\n(.*?)```", (ROOT / "autograder" / "README.md").read_text(encoding="utf-8"), re.S)
+    course = Course(tmp_path)
+    for name in Course(ROOT).assignments():
+        (course.notebooks / name).mkdir(parents=True)
+        (course.notebooks / name / f"{name}.md").touch()
+    (tmp_path / "course.toml").write_text(shown, encoding="utf-8")
+    found = read_settings(course)
+    assert found.title
+    assert found.secret
+    assert found.students
+    assert len(parse_rules(found.late_rules)) == len(found.assignments) > 1
+
+
+# ---- students
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "id,name,email\nz1,Ada Lovelace,a@x.edu\nz2,,\n",
+        "z1, Ada Lovelace, a@x.edu\n# gone: z3\n\nz2\n",
+        "\ufeffE-mail;Group;Full name;ID number\na@x.edu;B;Ada Lovelace;z1\n;;;z2\n",
+    ],
+)
+def test_students_are_read_in_every_layout(tmp_path: Path, text: str) -> None:
+    (tmp_path / "s.csv").write_text(text, encoding="utf-8")
+    students = [Student("z1", "Ada Lovelace", "a@x.edu"), Student("z2")]
+    assert read_students(tmp_path / "s.csv") == students
+    write_students(tmp_path / "t.csv", students)
+    assert read_students(tmp_path / "t.csv") == students
+
+
+def test_a_line_with_too_many_columns_is_said(tmp_path: Path) -> None:
+    (tmp_path / "s.csv").write_text("z1,Lovelace, Ada,a@x.edu\n", encoding="utf-8")
+    with pytest.raises(ValueError, match=r"got 4 columns in 'z1,Lovelace,Ada,a@x\.edu', expected id, name and e-mail"):
+        read_students(tmp_path / "s.csv")
+
+
+@pytest.mark.parametrize(
+    ("name", "parts"),
+    [
+        ("Ada Lovelace", ("Ada", "Lovelace")),
+        ("Lovelace, Ada King", ("Ada King", "Lovelace")),
+        ("Jürgen von Öz", ("Jürgen von", "Öz")),
+        ("Plato", ("", "Plato")),
+        ("", ("", "")),
+    ],
+)
+def test_names_have_two_parts(name: str, parts: tuple[str, str]) -> None:
+    assert Student("z", name).first_and_last_name == parts
+
+
+def test_the_last_list_with_a_name_counts() -> None:
+    first, second = [Student("b", "B"), Student("a", "A")], [Student("b"), Student("a", "Ann", "a@x"), Student("c")]
+    assert merge_students(first, second) == [Student("a", "Ann", "a@x"), Student("b", "B"), Student("c")]
