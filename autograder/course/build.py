@@ -17,19 +17,23 @@ import jupytext
 import nbformat
 from jupytext.myst import MystMetadataParsingError
 
-from autograder.course.layout import Course, read_cell
+from autograder.course.layout import Course, read_template
 from autograder.course.nbgrader_access import COURSE_ID, import_nbgrader_api
 from autograder.course.own_secret import shared_file
-from labsid._files import write_text
-from labsid.checks.notebook import assignment_names, load_assignment
+from labsid._files import write_file, write_text
+from labsid.checks.cells import CODE_STUB, TEXT_STUB, read_cell
+from labsid.checks.notebook import assignment_names, load_assignment, marks_text
+from labsid.hand_in.start_page import DATA_BESIDE, START_PAGE, start_notebook
 
 SOLUTION_DELIMITERS = ("### BEGIN SOLUTION", "### END SOLUTION")
 STRAY_DELIMITER = re.compile(
     r"#\s*#*\s*(BEGIN|END)[ _-]*(SOLUTION|HIDDEN|MARK)|(BEGIN|END)\s+(SOL|HIDDEN|MARK)\w*", re.IGNORECASE
 )
 _REGION = re.compile(f"{SOLUTION_DELIMITERS[0]}(.*?){SOLUTION_DELIMITERS[1]}", re.DOTALL)
-CODE_STUB = "# Your code here\n..."
-TEXT_STUB = "*Your answer here*"
+
+
+GO_ON_TAG = "raises-exception"
+"""Jupyter's tag of a cell after which the others are run even if it fails."""
 
 
 def build_course(course: Course) -> Iterator[str]:
@@ -47,6 +51,8 @@ def build_course(course: Course) -> Iterator[str]:
     for name, notebook in built.items():
         _write_notebook(notebook, course.source / name / f"{name}.ipynb")
     yield from build_releases(course, names)
+    templates = [read_template(course, name) for name in names]
+    write_file(course.release / START_PAGE, start_notebook(templates, {}, DATA_BESIDE))
 
 
 def build_source(path: Path) -> Any:
@@ -72,6 +78,10 @@ def build_source(path: Path) -> Any:
     problems = [*lint_source(notebook), *lint_checks(notebook, path.stem)]
     if problems:
         raise ValueError(f"{path} cannot be released: " + "; ".join(problems))
+    for cell in notebook.cells:
+        known = read_cell(cell)
+        if known is not None and known.kind == "question":
+            cell.source = f"{cell.source.strip()}  # {marks_text(known.points)}"
     notebook.nbformat, notebook.nbformat_minor = 4, 5
     return notebook
 
@@ -165,6 +175,7 @@ def build_releases(course: Course, names: Sequence[str]) -> Iterator[str]:
     with tempfile.TemporaryDirectory(prefix="labsid-") as scratch:
         for name in names:
             notebook = _generate(course, name, Path(scratch))
+            _keep_running(notebook)
             source = nbformat.read(course.source / name / f"{name}.ipynb", as_version=4)
             problems = list(lint_release(notebook, source))
             if problems:
@@ -199,6 +210,13 @@ def _generate(course: Course, name: str, scratch: Path) -> Any:
     except NbGraderException as error:
         raise ValueError(f"{name} cannot be released: {error}") from error
     return nbformat.read(scratch / "release" / "." / name / f"{name}.ipynb", as_version=4)
+
+
+def _keep_running(notebook: Any) -> None:
+    """Let "Run all" go on after a cell with an error, as grading does: of the release alone, which is unfinished."""
+    for cell in notebook.cells:
+        if cell.cell_type == "code":
+            cell.metadata["tags"] = [*cell.metadata.get("tags", ()), GO_ON_TAG]
 
 
 def lint_release(release: Any, source: Any) -> Iterator[str]:

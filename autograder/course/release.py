@@ -3,40 +3,45 @@
 import base64
 import hashlib
 import tomllib
+from collections.abc import Mapping
 from importlib.metadata import PackageNotFoundError, distribution
 from pathlib import Path
 
 import labsid
-from autograder.course.archive import zip_bytes
 from autograder.course.individual_data import individual_file, is_individual
-from autograder.course.layout import Course
+from autograder.course.layout import Course, read_template
 from autograder.course.own_secret import shared_file
-from labsid._files import write_file
+from labsid._files import write_file, zip_bytes
 from labsid.checks.notebook import load_assignment
+from labsid.hand_in.start_page import DATA_BESIDE, START_PAGE, start_notebook, start_page
 from labsid.rig import student_plan
 
 _README = """\
-# {course}
+# Set up
 
-1. Create the environment once (conda, mamba or micromamba):
+1. Create the environment once, in this folder (conda, mamba or micromamba):
 
        conda env create -f environment.yml
-       conda activate {course}
+       conda activate labsid
 
    Without conda: python -m pip install "./{wheel}[notebooks]"
 
-2. Open the notebooks:
+2. Open JupyterLab on the start page:
 
-       jupyter lab
+       labsid lab
 
-   {data}
+The start page, `start.ipynb`, says the same as the text below.
 
-3. Work through each notebook from top to bottom and run its checks. Submit the notebooks without renaming the files;
-   a zip of the folders is accepted, too.
-"""
+{page}"""
+
+_NO_DATA = "No notebook needs a data file."
+_SEPARATE = (
+    "Your own data come separately, as a folder of yours. Copy what is in it into this folder before you begin, so that "
+    "each file is beside its notebook: {files}."
+)
 
 
-def write_release(course: Course, out: Path) -> list[str]:
+def write_release(course: Course, out: Path, due: Mapping[str, str] | None = None) -> list[str]:
     """Write the release; the same course gives the same bytes.
 
     Parameters
@@ -45,6 +50,8 @@ def write_release(course: Course, out: Path) -> list[str]:
         Built.
     out : Path
         The zip file, written atomically.
+    due : mapping, optional
+        When an assignment is due, as text, by its name.
 
     Returns
     -------
@@ -56,16 +63,19 @@ def write_release(course: Course, out: Path) -> list[str]:
     ValueError
         If the course has not been built.
     """
-    files = _shared_files(course)
-    for name in course.assignments():
-        data = load_assignment(name).record_file
-        if data is not None:
-            files[f"{name}/{data}"] = shared_file(course, data).read_bytes()
+    data = {
+        f"{name}/{file}": shared_file(course, file).read_bytes()
+        for name in course.assignments()
+        if (file := load_assignment(name).record_file) is not None
+    }
+    files = shared_files(course, data, due or {})
     write_file(out, zip_bytes(files))
     return sorted(files)
 
 
-def write_individual_releases(course: Course, out: Path, secret: bytes, students: list[str]) -> list[str]:
+def write_individual_releases(
+    course: Course, out: Path, secret: bytes, students: list[str], due: Mapping[str, str] | None = None
+) -> list[str]:
     """Write the release with individual data: one folder for each student, for the instructor to distribute.
 
     Parameters
@@ -78,6 +88,8 @@ def write_individual_releases(course: Course, out: Path, secret: bytes, students
     secret : bytes
     students : list of str
         IDs.
+    due : mapping, optional
+        When an assignment is due, as text, by its name.
 
     Returns
     -------
@@ -89,7 +101,7 @@ def write_individual_releases(course: Course, out: Path, secret: bytes, students
     ValueError
         If the course has not been built, or an ID is unusable.
     """
-    files = {f"for-everybody/{name}": content for name, content in _shared_files(course).items()}
+    files = {f"for-everybody/{name}": content for name, content in shared_files(course, {}, due or {}).items()}
     wanted = ((name, load_assignment(name).record_file) for name in course.assignments())
     data = {name: file for name, file in wanted if file is not None}
     for student in students:
@@ -127,20 +139,42 @@ def read_students(path: Path) -> list[str]:
     return students
 
 
-def _shared_files(course: Course) -> dict[str, bytes]:
-    files: dict[str, bytes] = {}
-    has_data = False
-    for name in course.assignments():
-        notebook = course.release / name / f"{name}.ipynb"
-        if not notebook.is_file():
-            raise ValueError(f"{name} has not been built ({notebook} does not exist). Run: labsid course build")
-        files[f"{name}/{name}.ipynb"] = notebook.read_bytes()
-        has_data = has_data or load_assignment(name).record_file is not None
-    wheel, content = labsid_wheel()
+def shared_files(course: Course, data: Mapping[str, bytes], due: Mapping[str, str]) -> dict[str, bytes]:
+    """The files of a release that are the same for all students.
+
+    Parameters
+    ----------
+    course : Course
+        Built.
+    data : mapping
+        The data files that all students share, by path; empty if every student receives their own.
+    due : mapping
+        When an assignment is due, as text, by its name.
+
+    Returns
+    -------
+    dict
+        Content by path: the start page, the notebooks, `data`, the wheel of labsid, which has the same files, the
+        environment and README.md.
+    """
+    templates = [read_template(course, name) for name in course.assignments()]
+    wanted = [
+        f"{template.assignment}/{file}"
+        for template in templates
+        if (file := load_assignment(template.assignment).record_file) is not None
+    ]
+    said = (
+        _NO_DATA if not wanted else DATA_BESIDE if data else _SEPARATE.format(files=", ".join(f"`{f}`" for f in wanted))
+    )
+    files = {
+        f"{name}/{name}.ipynb": (course.release / name / f"{name}.ipynb").read_bytes() for name in course.assignments()
+    }
+    files |= {**data, START_PAGE: start_notebook(templates, due, said)}
+    wheel, content = labsid_wheel(files)
+    page = start_page(templates, due, said)
     files[wheel] = content
     files["environment.yml"] = _environment(course, wheel).encode()
-    data = "The data files are beside the notebooks that use them." if has_data else "No notebook needs a data file."
-    files["README.md"] = _README.format(course="labsid", wheel=wheel, data=data).encode()
+    files["README.md"] = _README.format(wheel=wheel, page=page).encode()
     return files
 
 
@@ -153,8 +187,18 @@ def _environment(course: Course, wheel: str) -> str:
     return "\n".join([*lines, "  - pip:", f"      - ./{wheel}", ""])
 
 
-def labsid_wheel() -> tuple[str, bytes]:
+def labsid_wheel(release: Mapping[str, bytes] | None = None) -> tuple[str, bytes]:
     """Name and content of a reproducible wheel of the installed labsid, without the autograder.
+
+    Parameters
+    ----------
+    release : mapping, optional
+        Released files by path, which ``labsid lab`` copies into the work folder and from which the checks read marks.
+
+    Returns
+    -------
+    tuple
+        File name and content.
 
     Raises
     ------
@@ -164,6 +208,7 @@ def labsid_wheel() -> tuple[str, bytes]:
     package = Path(labsid.__file__).parent
     paths = (path for path in sorted(package.rglob("*")) if path.is_file() and "__pycache__" not in path.parts)
     files = {f"labsid/{path.relative_to(package).as_posix()}": path.read_bytes() for path in paths}
+    files |= {f"labsid/release/{name}": content for name, content in (release or {}).items()}
     stem = f"labsid-{labsid.__version__}"
     try:
         installed = distribution("labsid")

@@ -19,11 +19,12 @@ from pathlib import Path
 from typing import IO, Any
 
 from autograder.course.archive import ArchiveEntry, read_entries
-from autograder.course.layout import Course, Template, read_template
+from autograder.course.layout import Course, read_template
 from autograder.course.plain_text import one_line
 from autograder.intake.untrusted_json import read_json
 from autograder.intake.worksheet import Worksheet, participant_number, possible_ids, submission_time, utc_timestamp
 from labsid._files import write_file
+from labsid.checks.cells import Template
 from labsid.checks.notebook import load_assignment
 
 _MARKER = r"_(?P<number>\d{1,18})_assignsubmission_[a-z]+_?"

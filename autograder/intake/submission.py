@@ -8,8 +8,8 @@ from typing import Any
 
 import nbformat
 
-from autograder.course.layout import Template
 from autograder.intake.untrusted_json import read_json
+from labsid.checks.cells import Template
 
 MAX_NOTEBOOK_BYTES = 50 * 1024 * 1024
 

@@ -13,15 +13,14 @@ import pytest
 from autograder.batch.fingerprint import template_hash
 from autograder.course import build
 from autograder.course.build import (
-    CODE_STUB,
     SOLUTION_DELIMITERS,
-    TEXT_STUB,
     build_course,
     build_source,
     lint_checks,
     lint_release,
 )
-from autograder.course.layout import Cell, Course, Template, find_course, read_cell, read_template
+from autograder.course.layout import Course, find_course, read_template
+from labsid.checks.cells import CODE_STUB, TEXT_STUB, Cell, Template, read_cell
 from labsid.checks.notebook import assignment_names, load_assignment
 
 ASSIGNMENTS = assignment_names()

@@ -9,8 +9,9 @@ from typing import Any
 import nbformat
 import pytest
 
-from autograder.course.layout import Cell, Course, Template, read_template
+from autograder.course.layout import Course, read_template
 from autograder.intake.submission import MAX_NOTEBOOK_BYTES, NotebookCell, Submission, read_submission
+from labsid.checks.cells import Cell, Template
 
 TEMPLATE = Template(
     "tiny",
