@@ -36,8 +36,8 @@ The start page, `start.ipynb`, says the same as the text below.
 
 _NO_DATA = "No notebook needs a data file."
 _SEPARATE = (
-    "Your own data come separately, as a folder of yours. Copy what is in it into this folder before you begin, so that "
-    "each file is beside its notebook: {files}."
+    "Your own data come separately, as a folder of yours. Copy what is in it into this folder before you begin, so "
+    "that each file is beside its notebook: {files}."
 )
 
 
@@ -158,17 +158,11 @@ def shared_files(course: Course, data: Mapping[str, bytes], due: Mapping[str, st
         environment and README.md.
     """
     templates = [read_template(course, name) for name in course.assignments()]
-    wanted = [
-        f"{template.assignment}/{file}"
-        for template in templates
-        if (file := load_assignment(template.assignment).record_file) is not None
-    ]
-    said = (
-        _NO_DATA if not wanted else DATA_BESIDE if data else _SEPARATE.format(files=", ".join(f"`{f}`" for f in wanted))
-    )
-    files = {
-        f"{name}/{name}.ipynb": (course.release / name / f"{name}.ipynb").read_bytes() for name in course.assignments()
-    }
+    names = course.assignments()
+    wanted = [f"`{name}/{file}`" for name in names if (file := load_assignment(name).record_file) is not None]
+    separate = _SEPARATE.format(files=", ".join(wanted)) if wanted else _NO_DATA
+    said = DATA_BESIDE if data else separate
+    files = {f"{name}/{name}.ipynb": (course.release / name / f"{name}.ipynb").read_bytes() for name in names}
     files |= {**data, START_PAGE: start_notebook(templates, due, said)}
     wheel, content = labsid_wheel(files)
     page = start_page(templates, due, said)

@@ -21,6 +21,7 @@ from labsid.checks.summary import (
     PASSED,
     SIGNS,
     SKIPPED,
+    decimal_text,
     sign_html,
     states_of,
     summary_html,
@@ -146,9 +147,8 @@ class notebook_checks:  # noqa: N801  (called like a function, once, at the top 
         self._set_by_skip[question_id] = objects
         self._variables.update(objects)
         names = ", ".join(f"`{name}`" for name in objects)
-        now = (
-            f"Now {names} hold the reference's values on your record." if names else "Later steps need no value of it."
-        )
+        where = "" if self._record is None else " on your record"
+        now = f"The notebook now has the reference's {names}{where}." if names else "Later steps need no value of it."
         self._show(SKIPPED, question_id, f"skipped. It earns no marks. {now}")
 
     def summary(self) -> None:
@@ -215,7 +215,7 @@ class notebook_checks:  # noqa: N801  (called like a function, once, at the top 
 
 def marks_text(points: Decimal | None) -> str:
     """Marks in words."""
-    return "1 mark" if points == 1 else f"{points or 0} marks"
+    return "1 mark" if points == 1 else f"{decimal_text(points or Decimal(0))} marks"
 
 
 def _judged(question: Question, ask: "NotebookAsk", cells: QuestionCells | None) -> tuple[Verdict, str]:

@@ -70,8 +70,8 @@ def total_text(states: Sequence[QuestionState]) -> str:
     """The marks of several questions in words."""
     earned, marks = sum_of(states)
     by_hand = sum((one.marks for one in states if one.question.kind == "manual"), Decimal(0))
-    beside = f"; {by_hand} of them are given by hand" if by_hand else ""
-    return f"{earned} of {marks} marks{beside}"
+    beside = f"; {decimal_text(by_hand)} of them are given by hand" if by_hand else ""
+    return f"{marks_of(earned, marks)} marks{beside}"
 
 
 def sum_of(states: Sequence[QuestionState]) -> tuple[Decimal, Decimal]:
@@ -88,8 +88,7 @@ def summary_text(title: str, states: Sequence[QuestionState]) -> str:
         if part:
             lines.append(f"{part}: {total_text(inside)}")
         lines += [
-            f"  {SIGNS[one.state]} {one.question.id:<{wide}}  {one.earned!s:>5} of {one.marks!s:<5} "
-            f"{one.state:<14}  {one.question.heading}"
+            f"  {SIGNS[one.state]} {one.question.id:<{wide}} {_marks(one):>12}  {one.state:<14} {one.question.heading}"
             for one in inside
         ]
     return "\n".join([*lines, f"Total: {total_text(states)}"])
@@ -103,7 +102,7 @@ def summary_html(title: str, states: Sequence[QuestionState]) -> str:
             rows.append(_row("th", "", escape(part), total_text(inside), ""))
         for one in inside:
             step = f"{escape(one.question.heading)} <code>{escape(one.question.id)}</code>"
-            rows.append(_row("td", sign_html(one.state), step, f"{one.earned} of {one.marks}", one.state))
+            rows.append(_row("td", sign_html(one.state), step, _marks(one), one.state))
     rows.append(_row("th", "", "Total", total_text(states), ""))
     return f"<table><caption>{escape(title)}</caption><tbody>{''.join(rows)}</tbody></table>"
 
@@ -111,6 +110,22 @@ def summary_html(title: str, states: Sequence[QuestionState]) -> str:
 def sign_html(state: str) -> str:
     """The sign of a state in its colour."""
     return f'<span style="color:{_COLOURS[state]};font-weight:bold">{SIGNS[state]}</span>'
+
+
+def decimal_text(number: Decimal) -> str:
+    """A number of marks without trailing zeros."""
+    return f"{number.normalize():f}"
+
+
+def marks_of(earned: Decimal, marks: Decimal) -> str:
+    """Marks earned of marks to be had."""
+    return f"{decimal_text(earned)} of {decimal_text(marks)}"
+
+
+def _marks(one: QuestionState) -> str:
+    if one.question.kind == "manual":
+        return f"up to {decimal_text(one.marks)}"
+    return marks_of(one.earned, one.marks)
 
 
 def _row(cell: str, sign: str, step: str, marks: str, state: str) -> str:

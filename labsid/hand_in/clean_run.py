@@ -148,8 +148,8 @@ class _Runner:
         if not question:
             return
         if outcome.error:
-            reason = outcome.text.partition(": ")[2] if outcome.error == "CheckFailed" else ""
-            self._fail(question, self._lost or reason or f"{outcome.error}: {outcome.text}")
+            said = outcome.text if outcome.error == "CheckFailed" else f"{question}: {outcome.error} {outcome.text}"
+            self._fail(question, f"{question}: {self._lost}" if self._lost else said)
             self._run(f"check.skip({question!r})", None, _CHECK_SECONDS)
         self._lost = ""
 

@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from queue import Empty
+from subprocess import DEVNULL
 from typing import Any
 
 _START_SECONDS = 60.0
@@ -59,7 +60,7 @@ class NotebookKernel:
             raise ValueError('Jupyter is not installed. Run: pip install "labsid[notebooks]"') from None
         environment = {name: value for name, value in os.environ.items() if name != "JPY_SESSION_NAME"}
         self._manager = KernelManager()
-        self._manager.start_kernel(cwd=str(folder), env=environment)
+        self._manager.start_kernel(cwd=str(folder), env=environment, stdout=DEVNULL, stderr=DEVNULL)
         self._client = self._manager.blocking_client()
         self._client.start_channels()
         try:

@@ -6,6 +6,7 @@ from decimal import Decimal
 
 from labsid.checks.cells import Template
 from labsid.checks.permitted import RULE
+from labsid.checks.summary import decimal_text
 from labsid.checks.time_limit import CELL_SECONDS
 from labsid.checks.timetable import HOURS
 
@@ -118,5 +119,5 @@ def _table(templates: Sequence[Template], due: Mapping[str, str]) -> str:
         marks = sum((cell.points or Decimal(0) for cell in template.questions), Decimal(0))
         link = f"[{template.title}]({name}/{name}.ipynb)"
         hours = f"{HOURS[name]:g}" if name in HOURS else ""
-        rows.append([str(number), link, hours, f"{marks.normalize():f}", *([due.get(name, "")] if has_due else [])])
+        rows.append([str(number), link, hours, decimal_text(marks), *([due.get(name, "")] if has_due else [])])
     return "\n".join(f"| {' | '.join(row)} |" for row in rows)

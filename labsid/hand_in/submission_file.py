@@ -80,7 +80,7 @@ def run_text(notebook: SavedNotebook, run: CleanRun | None) -> Iterator[str]:
     yield summary_text(f"{notebook.name}, run from a clean start:", run.states)
     for one in run.states:
         if one.state == FAILED:
-            yield f"  {SIGNS[FAILED]} {one.question.id}: {run.reasons.get(one.question.id, '')}".rstrip(": ")
+            yield f"{SIGNS[FAILED]} {run.reasons.get(one.question.id, one.question.id)}"
 
 
 def open_questions(runs: Sequence[CleanRun | None]) -> int:

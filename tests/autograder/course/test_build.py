@@ -150,8 +150,8 @@ def test_a_course_is_built(write: Callable) -> None:
     template = read_template(course, "tiny")
     assert template.title == "Tiny"
     assert template.cells == (
-        Cell("tiny-answer", "answer", f"# name it a\n{CODE_STUB}", True, None, "Tiny"),
-        Cell("tiny-open", "manual", TEXT_STUB, False, Decimal("0.1"), "Tiny"),
+        Cell("tiny-answer", "answer", f"# name it a\n{CODE_STUB}", True, None, "Tiny", "Tiny"),
+        Cell("tiny-open", "manual", TEXT_STUB, False, Decimal("0.1"), "Tiny", "Tiny"),
     )
 
 
