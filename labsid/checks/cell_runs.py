@@ -48,10 +48,13 @@ class CellRuns:
         In the order in which they ended.
     first_names : frozenset of str
         The variables that there were before the first recorded run.
+    has_ids : bool
+        Whether the notebook's program sends the ids of cells.
     """
 
     runs: list[CellRun] = field(default_factory=list)
     first_names: frozenset[str] = frozenset()
+    has_ids: bool = False
     _before: dict[str, Any] | None = None
     _started: float = 0.0
     _warning: Timer | None = None
@@ -64,13 +67,12 @@ class CellRuns:
         """The runs that assigned a variable."""
         return [run for run in self.runs if name in run.assigned]
 
-    @property
-    def has_ids(self) -> bool:
-        """Whether the notebook's program sends the ids of cells."""
-        return any(run.cell_id is not None for run in self.runs)
+    def before_cell(self, info: Any, variables: Mapping[str, Any]) -> None:
+        """Note the variables before the run that IPython describes by its `ExecutionInfo`.
 
-    def before_cell(self, variables: Mapping[str, Any]) -> None:
-        """Note the variables, and warn when the cell has run for as long as grading lets it."""
+        A warning is printed when the cell has run for as long as grading lets it.
+        """
+        self.has_ids |= getattr(info, "cell_id", None) is not None
         if self._before is None and not self.runs:
             self.first_names = frozenset(variables)
         self._before = dict(variables)
@@ -107,7 +109,7 @@ def cell_runs(shell: Any) -> CellRuns:
     """The record of an IPython shell; it is opened at the first call."""
     if shell not in _OPENED:
         runs = _OPENED[shell] = CellRuns()
-        shell.events.register("pre_run_cell", lambda info: runs.before_cell(shell.user_ns))
+        shell.events.register("pre_run_cell", lambda info: runs.before_cell(info, shell.user_ns))
         shell.events.register("post_run_cell", lambda result: runs.after_cell(result, shell.user_ns))
     return _OPENED[shell]
 

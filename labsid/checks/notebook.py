@@ -223,7 +223,7 @@ def _judged(question: Question, ask: "NotebookAsk", cells: QuestionCells | None)
     verdict = question.verdict(ask)
     if cells is None:
         return verdict, ""
-    wrong = next(filter(None, map(cells.wrong_origin, ask.names)), None)
+    wrong = next(filter(None, (cells.wrong_origin(name, verdict.passed) for name in ask.names)), None)
     if wrong is None and verdict.passed:
         wrong = cells.refused() or cells.made_below()
     if wrong is not None:

@@ -81,8 +81,11 @@ class QuestionCells:
                 sources.append(made[-1].source)
         return next((text for source in sources for text in refused_lines(source, self.variables)), None)
 
-    def wrong_origin(self, name: str) -> str | None:
-        """A variable that the check reads is not the one that the cells above it make."""
+    def wrong_origin(self, name: str, is_right: bool) -> str | None:
+        """A variable that the check reads is not the one that the cells above it make.
+
+        A right value that both the answer and a given cell further down make is no concern.
+        """
         made = self.runs.assigning(name)
         if not made or not self.runs.has_ids:
             return None
@@ -94,6 +97,8 @@ class QuestionCells:
         if self._is_below(last):
             where = self._name_of(last)
             if run is not None and name in run.assigned:
+                if is_right and self._is_given(last):
+                    return None
                 return f"`{name}` was set anew further down, by {where}. Run the answer cell again, then this check."
             return (
                 f"`{name}` is made further down, by {where}. Grading runs the cells from top to bottom and looks at "
@@ -140,6 +145,10 @@ class QuestionCells:
     def _is_own(self, run: CellRun) -> bool:
         known = () if self.template is None else self.template.cells
         return run.cell_id is not None and all(cell.id != run.cell_id for cell in known)
+
+    def _is_given(self, run: CellRun) -> bool:
+        known = () if self.template is None else self.template.cells
+        return any(cell.id == run.cell_id and cell.kind in ("given", "demonstration") for cell in known)
 
     def _is_gone(self, run: CellRun) -> bool:
         file = self.file
