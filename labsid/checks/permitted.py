@@ -1,6 +1,7 @@
 """What an answer may use of labsid and of the machine while it is graded, and the lines of a cell that are refused."""
 
 import ast
+import re
 from collections.abc import Iterator, Mapping
 from importlib import import_module
 from types import ModuleType
@@ -29,7 +30,8 @@ RULE = (
 
 WRITE_YOURSELF = "write the step yourself (the start page says what may be used of labsid)"
 
-_INSTALLERS = ("pip", "conda", "mamba", "uv", "apt", "apt-get")
+_PROGRAM = re.compile(r"!|\w+\s*=\s*!|%+(pip|conda|mamba|uv|sx|system|bash|sh|script)\b")
+"""A line that starts a program: a shell escape, or a magic command that installs or runs something."""
 
 
 def is_reference(module: str) -> bool:
@@ -56,13 +58,11 @@ def refused_lines(source: str, variables: Mapping[str, Any]) -> Iterator[str]:
     str
         What the line does, why it fails at grading, and what to do.
     """
-    for line in source.splitlines():
-        words = line.strip().lstrip("!%").split()
-        if line.strip().startswith(("!", "%")) and words and words[0] in _INSTALLERS:
-            yield (
-                f"`{line.strip()}` installs nothing while the notebook is graded: there is no network. Remove the "
-                "line, and use the packages that the notebook imports."
-            )
+    for line in filter(_PROGRAM.match, map(str.strip, source.splitlines())):
+        yield (
+            f"`{line}` stops the cell while the notebook is graded: no program can be started there, and nothing "
+            "installed. Remove the line, and use the packages that the notebook imports."
+        )
     for name in _taught_names(source, variables):
         yield f"it uses `{name}`, which is the taught function itself. Grading refuses it: {WRITE_YOURSELF}."
 

@@ -130,7 +130,7 @@ def test_a_taught_function_and_a_pip_line_are_told_in_the_notebook(jupyter) -> N
     jupyter.edit("prelab-4-function-answer", "from labsid import cut_off")
     assert "`cut_off` is the taught function itself" in jupyter.run("prelab-4-function-answer", "prelab-4-function")
     shown = jupyter.answer(CHECK, f"%pip --version\n{TIME}")
-    assert "`%pip --version` installs nothing while the notebook is graded: there is no network." in shown
+    assert "`%pip --version` stops the cell while the notebook is graded: no program can be started there" in shown
 
 
 def test_an_endless_loop_is_told(jupyter) -> None:
