@@ -13,7 +13,7 @@ from autograder.course.layout import Course, read_template
 from autograder.course.own_secret import shared_file
 from labsid._files import write_file, zip_bytes
 from labsid.checks.notebook import load_assignment
-from labsid.hand_in.start_page import DATA_BESIDE, START_PAGE, start_notebook, start_page
+from labsid.hand_in.start_page import DATA_BESIDE, START_PAGE, start_notebook, start_text
 from labsid.rig import student_plan
 
 _README = """\
@@ -165,7 +165,7 @@ def shared_files(course: Course, data: Mapping[str, bytes], due: Mapping[str, st
     files = {f"{name}/{name}.ipynb": (course.release / name / f"{name}.ipynb").read_bytes() for name in names}
     files |= {**data, START_PAGE: start_notebook(templates, due, said)}
     wheel, content = labsid_wheel(files)
-    page = start_page(templates, due, said)
+    page = start_text(templates, due, said)
     files[wheel] = content
     files["environment.yml"] = _environment(course, wheel).encode()
     files["README.md"] = _README.format(wheel=wheel, page=page).encode()

@@ -3,7 +3,7 @@
 import sys
 import time
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from threading import Timer
 from typing import Any
 from weakref import WeakKeyDictionary
@@ -38,26 +38,20 @@ class CellRun:
     ended: float
 
 
-@dataclass(slots=True, eq=False)
 class CellRuns:
     """Records the runs of cells in an IPython shell, from the moment when it is opened.
 
-    Attributes
-    ----------
-    runs : list of CellRun
-        In the order in which they ended.
-    first_names : frozenset of str
-        The variables that there were before the first recorded run.
-    has_ids : bool
-        Whether the notebook's program sends the ids of cells.
+    `runs` are in the order in which they ended; `first_names` are the variables before the first of them; `has_ids` is
+    whether the notebook's program sends the ids of cells.
     """
 
-    runs: list[CellRun] = field(default_factory=list)
-    first_names: frozenset[str] = frozenset()
-    has_ids: bool = False
-    _before: dict[str, Any] | None = None
-    _started: float = 0.0
-    _warning: Timer | None = None
+    def __init__(self) -> None:
+        self.runs: list[CellRun] = []
+        self.first_names: frozenset[str] = frozenset()
+        self.has_ids = False
+        self._before: dict[str, Any] | None = None
+        self._started = 0.0
+        self._warning: Timer | None = None
 
     def last(self, cell_id: str) -> CellRun | None:
         """The last run of a cell; None if it has not been run."""
@@ -105,7 +99,7 @@ class CellRuns:
 _OPENED: WeakKeyDictionary[Any, CellRuns] = WeakKeyDictionary()
 
 
-def cell_runs(shell: Any) -> CellRuns:
+def runs_in(shell: Any) -> CellRuns:
     """The record of an IPython shell; it is opened at the first call."""
     if shell not in _OPENED:
         runs = _OPENED[shell] = CellRuns()

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from labsid.checks.cell_runs import cell_runs, shell_of
+from labsid.checks.cell_runs import runs_in, shell_of
 from labsid.checks.cells import Cell, is_stub
 from labsid.checks.notebook_file import open_notebook, released_template
 from labsid.checks.origin_of_values import QuestionCells
@@ -27,7 +27,7 @@ from labsid.checks.summary import (
     summary_html,
     summary_text,
 )
-from labsid.checks.time_limit import CALL_SECONDS, OutOfTime, time_limit
+from labsid.checks.time_limit import CALL_SECONDS, OutOfTime, limit_time
 from labsid.checks.values import Value, as_student_object, plain
 from labsid.checks.verdict import NoAnswer, Verdict
 from labsid.records.record import Record, load_record
@@ -90,7 +90,7 @@ class notebook_checks:  # noqa: N801  (called like a function, once, at the top 
         self._set_by_skip: dict[str, Mapping[str, Any]] = {}
         self._states: dict[str, str] = {}
         self._shell = shell_of(variables)
-        self._runs = None if self._shell is None else cell_runs(self._shell)
+        self._runs = None if self._shell is None else runs_in(self._shell)
 
     def __call__(self, question_id: str) -> None:
         """Check one question and print the result; raise `CheckFailed` with the reason if it is wrong."""
@@ -232,13 +232,7 @@ def _judged(question: Question, ask: "NotebookAsk", cells: QuestionCells | None)
 
 
 class NotebookAsk:
-    """Asks the variables of a notebook, in the notebook's own process.
-
-    Attributes
-    ----------
-    names : list of str
-        The variables and functions that were asked for.
-    """
+    """Asks the variables of a notebook, in the notebook's own process; `names` are those that were asked for."""
 
     origin: None = None
 
@@ -272,7 +266,7 @@ class NotebookAsk:
         if not callable(function):
             raise NoAnswer(f"there is no function `{name}` yet. Define it with `def {name}(...):`.")
         try:
-            with time_limit(CALL_SECONDS):
+            with limit_time(CALL_SECONDS):
                 return plain(function(*[np.array(a) if isinstance(a, np.ndarray) else a for a in arguments]))
         except (OutOfTime, KeyboardInterrupt):
             raise NoAnswer(

@@ -21,7 +21,7 @@ class OutOfTime(BaseException):
 
 
 @contextlib.contextmanager
-def time_limit(seconds: float) -> Iterator[None]:
+def limit_time(seconds: float) -> Iterator[None]:
     """Raise `OutOfTime` in the block after so many seconds.
 
     Without effect where the system has no timer signal (Windows), in any thread but the first, and while another

@@ -21,7 +21,7 @@ def lab_command(build: Callable[[], object]) -> Callable[..., None]:
     ) -> None:
         """Copy the notebooks into a work folder without overwriting files, and open JupyterLab in it."""
         from labsid.checks.notebook_file import release_folder
-        from labsid.hand_in.work_folder import copy_release, open_jupyterlab, work_folder
+        from labsid.hand_in.work_folder import copy_release, default_folder, open_jupyterlab
 
         release = release_folder()
         if release is None:
@@ -32,7 +32,7 @@ def lab_command(build: Callable[[], object]) -> Callable[..., None]:
             raise ValueError(
                 "the notebooks are not here. Install labsid from the file in the release that you received."
             )
-        target = folder or work_folder()
+        target = folder or default_folder()
         for line in copy_release(release, target):
             print(line)
         if open_lab:
@@ -49,9 +49,9 @@ def submit_command(
 ) -> None:
     """Run your notebooks from a clean start, show what is right, and zip them for hand-in."""
     from labsid.hand_in.submission_file import find_work, open_questions, pack, run_notebook, run_text
-    from labsid.hand_in.work_folder import work_folder
+    from labsid.hand_in.work_folder import default_folder
 
-    work = find_work(folder or work_folder(), assignment)
+    work = find_work(folder or default_folder(), assignment)
     runs = []
     for notebook in work.to_hand_in:
         print(f"Running {notebook.name} ...", flush=True)

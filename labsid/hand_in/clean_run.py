@@ -9,7 +9,7 @@ import tempfile
 import time
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import ExitStack
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -111,22 +111,21 @@ def _steps(cells: Sequence[Mapping[str, Any]], template: Template) -> Iterator[_
         yield from (_Step(str(cell["id"]), cell["source"], None) for cell in own.get(wanted.id, ()))
 
 
-@dataclass(slots=True)
 class _Runner:
     """Runs steps in a kernel; one that ends is replaced by one that has run the steps before, without the last."""
 
-    folder: Path
-    cell_seconds: float
-    found: dict[str, str] = field(default_factory=dict)
-    reasons: dict[str, str] = field(default_factory=dict)
-    _done: list[tuple[str, str | None]] = field(default_factory=list)
-    _stack: ExitStack = field(default_factory=ExitStack)
-    _kernel: NotebookKernel | None = None
-    _deadline: float = 0.0
-    _lost: str = ""
+    def __init__(self, folder: Path, cell_seconds: float) -> None:
+        self.found: dict[str, str] = {}
+        self.reasons: dict[str, str] = {}
+        self._folder = folder
+        self._cell_seconds = cell_seconds
+        self._done: list[tuple[str, str | None]] = []
+        self._stack = ExitStack()
+        self._kernel: NotebookKernel | None = None
+        self._deadline = time.monotonic() + SUBMISSION_SECONDS
+        self._lost = ""
 
     def __enter__(self) -> "_Runner":
-        self._deadline = time.monotonic() + SUBMISSION_SECONDS
         return self
 
     def __exit__(self, *_: object) -> None:
@@ -142,7 +141,7 @@ class _Runner:
                     question, f"the cells before took longer than {SUBMISSION_SECONDS:g} s, the limit at grading."
                 )
             return
-        allowed = self.cell_seconds if not question else _CHECK_SECONDS
+        allowed = self._cell_seconds if not question else _CHECK_SECONDS
         outcome = self._run(step.source, step.cell_id, min(left, allowed))
         self.found.update((one["question"], one["state"]) for one in outcome.outcomes)
         if not question:
@@ -166,10 +165,10 @@ class _Runner:
         self._stack.close()
         self._kernel = None
         for again, again_id in self._done:
-            self._open().run(again, again_id, self.cell_seconds)
+            self._open().run(again, again_id, self._cell_seconds)
         return outcome
 
     def _open(self) -> NotebookKernel:
         if self._kernel is None:
-            self._kernel = self._stack.enter_context(NotebookKernel(self.folder))
+            self._kernel = self._stack.enter_context(NotebookKernel(self._folder))
         return self._kernel

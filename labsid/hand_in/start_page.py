@@ -55,7 +55,7 @@ and writes `hand-in.zip`, the file to hand in. `labsid submit --assignment NAME`
 that you have not touched are left out."""
 
 
-def start_page(templates: Sequence[Template], due: Mapping[str, str], data: str) -> str:
+def start_text(templates: Sequence[Template], due: Mapping[str, str], data: str) -> str:
     """The start page as Markdown, without the part that only works in Jupyter.
 
     Parameters
@@ -75,7 +75,7 @@ def start_page(templates: Sequence[Template], due: Mapping[str, str], data: str)
 
 
 def start_notebook(templates: Sequence[Template], due: Mapping[str, str], data: str) -> bytes:
-    """The start page as a notebook; see `start_page`."""
+    """The start page as a notebook; see `start_text`."""
     introduction = _INTRODUCTION.format(table=_table(templates, due), data=data)
     texts = {"introduction": introduction, "work": _work(), "progress": _PROGRESS}
     cells: list[dict[str, object]] = [_markdown(name, text) for name, text in texts.items()]

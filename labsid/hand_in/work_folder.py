@@ -12,7 +12,7 @@ from labsid.hand_in.start_page import START_PAGE
 DEFAULT_FOLDER = Path("labsid-work")
 
 
-def work_folder() -> Path:
+def default_folder() -> Path:
     """The folder that the commands use: this one, if it has a start page; otherwise one below it."""
     return Path() if Path(START_PAGE).is_file() else DEFAULT_FOLDER
 

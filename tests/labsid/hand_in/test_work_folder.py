@@ -8,7 +8,7 @@ import pytest
 from autograder.course.layout import RECORD_FILE, Course
 from labsid.checks.notebook import load_assignment
 from labsid.hand_in.start_page import START_PAGE
-from labsid.hand_in.work_folder import copy_release, work_folder
+from labsid.hand_in.work_folder import copy_release, default_folder
 
 PRELAB, LAB = "prelab-sinusoids", "lab-identification"
 
@@ -65,6 +65,6 @@ def test_a_file_in_the_place_of_the_work_folder_is_said(released: Course, tmp_pa
 
 def test_a_folder_with_a_start_page_is_the_work_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
-    assert work_folder() == Path("labsid-work")
+    assert default_folder() == Path("labsid-work")
     Path(START_PAGE).touch()
-    assert work_folder() == Path()
+    assert default_folder() == Path()
