@@ -165,14 +165,12 @@ def test_an_installed_package_is_whole(pyproject: dict[str, Any], package: str) 
     """What is not Python ships only if package-data names it, and a folder only if it has an __init__.py."""
     patterns = pyproject["tool"]["setuptools"]["package-data"]["*"]
     suffixes = {Path(pattern).suffix for pattern in patterns if pattern.startswith("**/*.")}
-    generated = {ROOT / "autograder" / "source", ROOT / "autograder" / "release"}
+    generated = {ROOT / "autograder" / folder for folder in ("source", "release", "data")}
     ignored = {"__pycache__", "README.md", "course-secret"}
     files = [
         path
         for path in (ROOT / package).rglob("*")
-        if path.is_file()
-        and not {"__pycache__", "README.md", "course-secret"} & set(path.parts)
-        and not generated & set(path.parents)
+        if path.is_file() and not ignored & set(path.parts) and not generated & set(path.parents)
     ]
     assert len(files) > 5
     for path in files:
