@@ -9,11 +9,11 @@ from dataclasses import dataclass
 from decimal import Decimal
 from typing import Any
 
-CODE_STUB = "# Your code here\n..."
+CODE_STUB = "# Your code here\npass"
 TEXT_STUB = "*Your answer here*"
 
-# with the indentation of the release, if the answer is the body of a function
-_STUB = re.compile("|".join(r"\n\s*".join(map(re.escape, stub.splitlines())) for stub in (CODE_STUB, TEXT_STUB)))
+# with the indentation of the release, if the answer is the body of a function; `...` stood in earlier releases
+_STUB = re.compile(rf"# Your code here\n\s*(pass|\.\.\.)|{re.escape(TEXT_STUB)}")
 _HEADING = re.compile(r"^(#{1,4})\s+(.+)$", re.M)
 _LETTERS = {r"\hat\theta": "θ̂", r"\hat{\theta}": "θ̂", r"\theta": "θ", r"\Phi": "Φ", r"\tau": "τ"}
 

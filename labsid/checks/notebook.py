@@ -6,6 +6,7 @@ from decimal import Decimal
 from html import escape
 from importlib import import_module
 from pathlib import Path
+from textwrap import wrap
 from typing import Any
 
 import numpy as np
@@ -33,6 +34,7 @@ from labsid.checks.verdict import NoAnswer, Verdict
 from labsid.records.record import Record, load_record
 
 PUBLIC_SEED = 2018
+_LINE = 95  # characters; JupyterLab breaks longer lines in the middle of a word
 OUTCOME = "labsid"
 """Key of the outcome of a check in the metadata of its output: the question and its state."""
 
@@ -45,7 +47,7 @@ class CheckFailed(Exception):
     text : str
         The question and the reason.
     advice : str
-        How to go on, on a line of its own; may be empty.
+        How to go on, on lines of its own; may be empty.
     """
 
     def __init__(self, text: str, advice: str = "") -> None:
@@ -53,8 +55,10 @@ class CheckFailed(Exception):
         self.advice = advice
 
     def _render_traceback_(self) -> list[str]:
-        red = f"\x1b[1;31m{SIGNS[FAILED]}\x1b[0m"
-        return [f"{red} {' '.join(str(self).split())}", *([f"  {self.advice}"] if self.advice else [])]
+        sign = SIGNS[FAILED]
+        first, *others = wrap(f"{sign} {self}", _LINE, subsequent_indent="  ")
+        advice = wrap(self.advice, _LINE, initial_indent="  ", subsequent_indent="  ")
+        return [first.replace(sign, f"\x1b[1;31m{sign}\x1b[0m", 1), *others, *advice]
 
 
 class notebook_checks:  # noqa: N801  (called like a function, once, at the top of a notebook)
@@ -104,7 +108,7 @@ class notebook_checks:  # noqa: N801  (called like a function, once, at the top 
             self._fail(question, not_run, cells)
         waiting = [used for used in question.uses if used not in self._passed and used not in self._skipped]
         if waiting:
-            self._fail(question, f"starts from {waiting[0]}, which is not right yet.", cells, waiting[0])
+            self._fail(question, f"it starts from {self._step(waiting[0])}, which is not right yet.", cells, waiting[0])
         ask = NotebookAsk(self._variables, self._record, self._known(), question_id)
         verdict, remark = _judged(question, ask, cells)
         if not verdict.passed:
@@ -208,9 +212,17 @@ class notebook_checks:  # noqa: N801  (called like a function, once, at the top 
         )  # fmt: skip
 
     def _name(self, question_id: str) -> str:
-        """A question as it is called in messages: its id, its step and its marks."""
-        cell = next((cell for cell in self._questions() if cell.id == question_id and cell.heading), None)
+        """A question as its messages begin: its id, its step and its marks."""
+        cell = self._cell(question_id)
         return question_id if cell is None else f"{question_id} ({cell.heading}; {marks_text(cell.points)})"
+
+    def _step(self, question_id: str) -> str:
+        """A question as other messages call it: its id and its step."""
+        cell = self._cell(question_id)
+        return question_id if cell is None else f"{question_id} ({cell.heading})"
+
+    def _cell(self, question_id: str) -> Cell | None:
+        return next((cell for cell in self._questions() if cell.id == question_id and cell.heading), None)
 
 
 def marks_text(points: Decimal | None) -> str:
