@@ -23,7 +23,8 @@ from autograder.course.own_secret import shared_file
 from labsid._files import write_file, write_text
 from labsid.checks.cells import CODE_STUB, TEXT_STUB, read_cell
 from labsid.checks.notebook import assignment_names, load_assignment, marks_text
-from labsid.hand_in.start_page import DATA_BESIDE, START_PAGE, start_notebook
+from labsid.checks.notebook_file import START_PAGE
+from labsid.hand_in.start_page import DATA_BESIDE, start_notebook
 
 SOLUTION_DELIMITERS = ("### BEGIN SOLUTION", "### END SOLUTION")
 STRAY_DELIMITER = re.compile(

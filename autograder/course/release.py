@@ -13,7 +13,8 @@ from autograder.course.layout import Course, read_template
 from autograder.course.own_secret import shared_file
 from labsid._files import write_file, zip_bytes
 from labsid.checks.notebook import load_assignment
-from labsid.hand_in.start_page import DATA_BESIDE, START_PAGE, start_notebook, start_text
+from labsid.checks.notebook_file import START_PAGE
+from labsid.hand_in.start_page import DATA_BESIDE, start_notebook, start_text
 from labsid.rig import student_plan
 
 _README = """\

@@ -152,8 +152,8 @@ class notebook_checks:  # noqa: N801  (called like a function, once, at the top 
         self._variables.update(objects)
         names = ", ".join(f"`{name}`" for name in objects)
         where = "" if self._record is None else " on your record"
-        now = f"The notebook now has the reference's {names}{where}." if names else "Later steps need no value of it."
-        self._show(SKIPPED, question_id, f"skipped. It earns no marks. {now}")
+        now = f"The notebook now has the reference's {names}{where}" if names else "It sets no variable for later steps"
+        self._show(SKIPPED, question_id, f"skipped. It earns no marks. {now}.")
 
     def summary(self) -> None:
         """Show every question of the assignment: right, not right, skipped or not done, with its marks."""

@@ -9,6 +9,9 @@ from typing import Any
 
 from labsid.checks.cells import Template, template_of
 
+START_PAGE = "start.ipynb"
+"""The page on which a release opens, beside the folders of the assignments."""
+
 
 @dataclass(frozen=True, slots=True)
 class NotebookFile:
@@ -95,4 +98,4 @@ def release_folder() -> Path | None:
     """The released notebooks: those in the package that students install, or those that the checkout has built."""
     package = Path(__file__).resolve().parents[1]
     folders = (package / "release", package.parent / "autograder" / "release")
-    return next((folder for folder in folders if folder.is_dir()), None)
+    return next((folder for folder in folders if (folder / START_PAGE).is_file()), None)

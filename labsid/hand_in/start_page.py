@@ -10,7 +10,6 @@ from labsid.checks.summary import decimal_text
 from labsid.checks.time_limit import CELL_SECONDS
 from labsid.checks.timetable import HOURS
 
-START_PAGE = "start.ipynb"
 DATA_BESIDE = "The data files are beside the notebooks that use them."
 
 _INTRODUCTION = """\

@@ -6,8 +6,8 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from labsid._files import write_file
+from labsid.checks.notebook_file import START_PAGE
 from labsid.checks.timetable import in_course_order
-from labsid.hand_in.start_page import START_PAGE
 
 DEFAULT_FOLDER = Path("labsid-work")
 

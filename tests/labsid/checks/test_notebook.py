@@ -157,7 +157,7 @@ def test_what_a_skipped_question_starts_from_is_skipped_with_it(tiny: dict, caps
     check.skip("q-line")
     assert capsys.readouterr().out.splitlines() == [
         "– q-gain: skipped. It earns no marks. The notebook now has the reference's `a`.",
-        "– q-line: skipped. It earns no marks. Later steps need no value of it.",
+        "– q-line: skipped. It earns no marks. It sets no variable for later steps.",
     ]
 
 

@@ -156,9 +156,8 @@ def test_a_skipped_step_unlocks_the_ones_after_it(jupyter) -> None:
         "y2 = np.cos(0.02 * np.pi * t) + rng.uniform(-0.2, 0.2, t.shape)"
     )
     jupyter.edit("prelab-2-noise-answer", noise)
-    assert jupyter.answer("prelab-2-noise", "y1 = 0").endswith(
-        f"it starts from {CHECK} (1. A column vector of time), which is not right yet."
-    )
+    shown = jupyter.answer("prelab-2-noise", "y1 = 0")
+    assert shown.endswith(f"it starts from {CHECK} (1. A column vector of time), which is not right yet.")
     jupyter.add(CHECK, "skip", f'check.skip("{CHECK}")')
     assert jupyter.run("skip").endswith("skipped. It earns no marks. The notebook now has the reference's `t`.")
     assert jupyter.answer("prelab-2-noise", noise).startswith("✓ prelab-2-noise")

@@ -7,7 +7,7 @@ import pytest
 
 from autograder.course.layout import RECORD_FILE, Course
 from labsid.checks.notebook import load_assignment
-from labsid.hand_in.start_page import START_PAGE
+from labsid.checks.notebook_file import START_PAGE
 from labsid.hand_in.work_folder import copy_release, default_folder
 
 PRELAB, LAB = "prelab-sinusoids", "lab-identification"
