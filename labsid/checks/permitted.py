@@ -21,11 +21,11 @@ ALLOWED_MODULES = (
 of a student's own results and the rigs with withheld effects are not among them."""
 
 RULE = (
-    "Answers may use Python, numpy, scipy, python-control and matplotlib. Of labsid they may use `load_record`, the rig "
-    "of the lab (`labsid.rig`) and the block diagrams (`labsid.plots`: `figure_2` to `figure_4`). The rest of labsid, "
-    "the functions that do a step of the lab or of a lecture and the figures of its results, is the reference: grading "
-    "refuses it, and so do the checks in the notebook. While a notebook is graded nothing can be installed, no program "
-    "can be started and there is no network; a cell may take up to {seconds:g} seconds."
+    "Answers may use Python, numpy, scipy, python-control and matplotlib. Of labsid they may use `load_record`, the "
+    "rig of the lab (`labsid.rig`) and the block diagrams (`labsid.plots`: `figure_2` to `figure_4`). The rest of "
+    "labsid, the functions that do a step of the lab or of a lecture and the figures of its results, is the reference: "
+    "grading refuses it, and so do the checks in the notebook. While a notebook is graded nothing can be installed, no "
+    "program can be started and there is no network; a cell may take up to {seconds:g} seconds."
 )
 """The rule as students read it on the start page."""
 
