@@ -1,6 +1,7 @@
 """Folders of the course, order of its assignments, and the cells of its released notebooks."""
 
 import json
+from collections.abc import Collection
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -64,6 +65,14 @@ class Course:
         """Names of the assignments, in the order of the course."""
         names = {path.parent.name for path in self.notebooks.glob("*/*.md") if path.stem == path.parent.name}
         return sorted(names, key=in_course_order)
+
+    def select(self, wanted: Collection[str]) -> list[str]:
+        """The wanted assignments, all if none is named, in the order of the course; `ValueError` if one is unknown."""
+        names = self.assignments()
+        unknown = [name for name in wanted if name not in names]
+        if unknown:
+            raise ValueError(f"there is no assignment {unknown[0]!r}; there are {', '.join(names)}.")
+        return [name for name in names if name in wanted] if wanted else names
 
 
 def find_course() -> Course:

@@ -3,7 +3,7 @@
 import base64
 import hashlib
 import tomllib
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from importlib.metadata import PackageNotFoundError, distribution
 from pathlib import Path
 
@@ -42,7 +42,9 @@ _SEPARATE = (
 )
 
 
-def write_release(course: Course, out: Path, due: Mapping[str, str] | None = None) -> list[str]:
+def write_release(
+    course: Course, out: Path, assignments: Sequence[str] = (), due: Mapping[str, str] | None = None
+) -> list[str]:
     """Write the release; the same course gives the same bytes.
 
     Parameters
@@ -51,6 +53,8 @@ def write_release(course: Course, out: Path, due: Mapping[str, str] | None = Non
         Built.
     out : Path
         The zip file, written atomically.
+    assignments : sequence of str, optional
+        The assignments to release; default all.
     due : mapping, optional
         When an assignment is due, as text, by its name.
 
@@ -66,16 +70,21 @@ def write_release(course: Course, out: Path, due: Mapping[str, str] | None = Non
     """
     data = {
         f"{name}/{file}": shared_file(course, file).read_bytes()
-        for name in course.assignments()
+        for name in course.select(assignments)
         if (file := load_assignment(name).record_file) is not None
     }
-    files = shared_files(course, data, due or {})
+    files = shared_files(course, assignments, data, due)
     write_file(out, zip_bytes(files))
     return sorted(files)
 
 
 def write_individual_releases(
-    course: Course, out: Path, secret: bytes, students: list[str], due: Mapping[str, str] | None = None
+    course: Course,
+    out: Path,
+    secret: bytes,
+    students: Sequence[str],
+    assignments: Sequence[str] = (),
+    due: Mapping[str, str] | None = None,
 ) -> list[str]:
     """Write the release with individual data: one folder for each student, for the instructor to distribute.
 
@@ -87,8 +96,10 @@ def write_individual_releases(
         The zip file: ``for-everybody/`` contains the shared files, ``students/<ID>/`` the data of one student, each
         file in the folder of its assignment.
     secret : bytes
-    students : list of str
+    students : sequence of str
         IDs.
+    assignments : sequence of str, optional
+        The assignments to release; default all.
     due : mapping, optional
         When an assignment is due, as text, by its name.
 
@@ -102,21 +113,27 @@ def write_individual_releases(
     ValueError
         If the course has not been built, or an ID is unusable.
     """
-    files = {f"for-everybody/{name}": content for name, content in shared_files(course, {}, due or {}).items()}
-    wanted = ((name, load_assignment(name).record_file) for name in course.assignments())
-    data = {name: file for name, file in wanted if file is not None}
+    shared = shared_files(course, assignments, due=due, data_come_apart=True)
+    files = {f"for-everybody/{name}": content for name, content in shared.items()}
     for student in students:
-        student_plan(student, secret)  # reports an invalid ID before any file is generated
-        if "/" in student or "\\" in student or student.startswith("."):
-            raise ValueError(f"the student ID {student!r} cannot be the name of a folder.")
-        individual = {
-            file: individual_file(file, student, secret) for file in set(data.values()) if is_individual(file)
-        }
-        for name, file in data.items():
-            content = individual[file] if file in individual else shared_file(course, file).read_bytes()
-            files[f"students/{student}/{name}/{file}"] = content
+        for name, content in individual_files(course, secret, student, assignments).items():
+            files[f"students/{student}/{name}"] = content
     write_file(out, zip_bytes(files))
     return sorted(files)
+
+
+def individual_files(course: Course, secret: bytes, student: str, assignments: Sequence[str] = ()) -> dict[str, bytes]:
+    """One student's data files: content by ``<assignment>/<file>``; `ValueError` if the ID is unusable."""
+    student_plan(student, secret)  # reports an invalid ID before any file is generated
+    if "/" in student or "\\" in student or student.startswith("."):
+        raise ValueError(f"the student ID {student!r} cannot be the name of a folder.")
+    wanted = ((name, load_assignment(name).record_file) for name in course.select(assignments))
+    data = {name: file for name, file in wanted if file is not None}
+    contents = {
+        file: individual_file(file, student, secret) if is_individual(file) else shared_file(course, file).read_bytes()
+        for file in set(data.values())
+    }
+    return {f"{name}/{file}": contents[file] for name, file in data.items()}
 
 
 def read_students(path: Path) -> list[str]:
@@ -140,17 +157,27 @@ def read_students(path: Path) -> list[str]:
     return students
 
 
-def shared_files(course: Course, data: Mapping[str, bytes], due: Mapping[str, str]) -> dict[str, bytes]:
+def shared_files(
+    course: Course,
+    assignments: Sequence[str] = (),
+    data: Mapping[str, bytes] | None = None,
+    due: Mapping[str, str] | None = None,
+    data_come_apart: bool = False,
+) -> dict[str, bytes]:
     """The files of a release that are the same for all students.
 
     Parameters
     ----------
     course : Course
         Built.
-    data : mapping
-        The data files that all students share, by path; empty if every student receives their own.
-    due : mapping
+    assignments : sequence of str, optional
+        The assignments to release; default all.
+    data : mapping, optional
+        The data files that all students share, by path; without it, every student has their own.
+    due : mapping, optional
         When an assignment is due, as text, by its name.
+    data_come_apart : bool
+        Whether students receive their own data apart from these files, which the start page then says.
 
     Returns
     -------
@@ -158,13 +185,14 @@ def shared_files(course: Course, data: Mapping[str, bytes], due: Mapping[str, st
         Content by path: the start page, the notebooks, `data`, the wheel of labsid, which has the same files, the
         environment and README.md.
     """
-    templates = [read_template(course, name) for name in course.assignments()]
-    names = course.assignments()
+    names = course.select(assignments)
+    templates = [read_template(course, name) for name in names]
+    due = due or {}
     wanted = [f"`{name}/{file}`" for name in names if (file := load_assignment(name).record_file) is not None]
-    separate = _SEPARATE.format(files=", ".join(wanted)) if wanted else _NO_DATA
-    said = DATA_BESIDE if data else separate
+    said = _SEPARATE.format(files=", ".join(wanted)) if data_come_apart else DATA_BESIDE
+    said = said if wanted else _NO_DATA
     files = {f"{name}/{name}.ipynb": (course.release / name / f"{name}.ipynb").read_bytes() for name in names}
-    files |= {**data, START_PAGE: start_notebook(templates, due, said)}
+    files |= {**(data or {}), START_PAGE: start_notebook(templates, due, said)}
     wheel, content = labsid_wheel(files)
     page = start_text(templates, due, said)
     files[wheel] = content

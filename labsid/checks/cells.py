@@ -60,11 +60,14 @@ class Template:
         Its name, and the title of its notebook.
     cells : tuple of Cell
         The cells with nbgrader metadata, in order.
+    texts : frozenset of str
+        The texts of all other cells, without surrounding blanks.
     """
 
     assignment: str
     title: str
     cells: tuple[Cell, ...]
+    texts: frozenset[str] = frozenset()
 
     @property
     def questions(self) -> tuple[Cell, ...]:
@@ -85,6 +88,7 @@ def is_stub(source: str) -> bool:
 def template_of(assignment: str, cells: Iterable[Mapping[str, Any]]) -> Template:
     """The template of an assignment from the cells of its notebook; their source is text, not a list of lines."""
     found: list[Cell] = []
+    texts: set[str] = set()
     title = heading = part = ""
     for raw in cells:
         for level, text in _HEADING.findall(raw["source"] if raw["cell_type"] == "markdown" else ""):
@@ -94,7 +98,33 @@ def template_of(assignment: str, cells: Iterable[Mapping[str, Any]]) -> Template
         cell = read_cell(raw, heading, part)
         if cell is not None:
             found.append(cell)
-    return Template(assignment, title or assignment, tuple(found))
+        else:
+            texts.add(raw["source"].strip())
+    return Template(assignment, title or assignment, tuple(found), frozenset(texts))
+
+
+def has_work(cells: Iterable[tuple[str, str]], template: Template) -> bool:
+    """Whether a notebook has an answer that differs from the released one, or a cell that is not in the release.
+
+    Parameters
+    ----------
+    cells : iterable of (str, str)
+        The grade_id of each cell, empty for one without, and its text.
+    template : Template
+        The assignment as it was released.
+
+    Returns
+    -------
+    bool
+    """
+    released = {cell.id: cell.source.strip() for cell in template.cells}
+    own = {cell.id for cell in template.cells if cell.kind in ("answer", "manual")}
+    for grade_id, source in cells:
+        text = source.strip()
+        is_new = grade_id in own if grade_id in released else text not in template.texts
+        if text and is_new and text != released.get(grade_id):
+            return True
+    return False
 
 
 def read_cell(cell: Mapping[str, Any], heading: str = "", part: str = "") -> Cell | None:

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from labsid.checks.cells import Template, grade_id_of, is_stub, template_of
+from labsid.checks.cells import Template, grade_id_of, has_work, is_stub, template_of
 from labsid.checks.notebook_file import plain_cells, released_template
 from labsid.checks.summary import FAILED, QuestionState, states_of
 from labsid.checks.timetable import in_course_order
@@ -25,12 +25,15 @@ class SavedNotebook:
         Its cells, as `plain_cells` reads them.
     template : Template
         The assignment as it was released; as the notebook itself has it, if there is no release on this machine.
+    is_released_here : bool
+        Whether there is one.
     """
 
     path: Path
     data: bytes
     cells: tuple[Mapping[str, Any], ...]
     template: Template
+    is_released_here: bool
 
     @property
     def name(self) -> str:
@@ -40,15 +43,10 @@ class SavedNotebook:
     @property
     def is_untouched(self) -> bool:
         """Whether it is as it was released: no answer changed, and no cell of the student's own."""
-        released = {cell.id: cell for cell in self.template.cells}
-        for cell in self.cells:
-            known = released.get(grade_id_of(cell))
-            if known is None and cell["cell_type"] == "code" and cell["source"].strip():
-                return False
-            is_answer = known is not None and known.kind in ("answer", "manual")
-            if known is not None and is_answer and not (is_stub(cell["source"]) and _is_same(cell, known.source)):
-                return False
-        return True
+        if self.is_released_here:
+            return not has_work(((grade_id_of(cell), cell["source"]) for cell in self.cells), self.template)
+        own = [cell for cell in self.template.cells if cell.kind in ("answer", "manual")]
+        return all(is_stub(cell.source) for cell in own)
 
     def states(self) -> tuple[QuestionState, ...]:
         """What the checks found when the notebook was last saved."""
@@ -81,11 +79,8 @@ def read_saved(path: Path) -> SavedNotebook:
         ) from None
     if not any(cell.kind in ("answer", "manual") for cell in own.cells):
         raise ValueError(f"{path} contains no cell of the assignment. Hand in the notebook from the release.")
-    return SavedNotebook(path, data, tuple(cells), released_template(path.stem) or own)
-
-
-def _is_same(cell: Mapping[str, Any], released: str) -> bool:
-    return bool(cell["source"].strip() == released.strip())
+    released = released_template(path.stem)
+    return SavedNotebook(path, data, tuple(cells), released or own, released is not None)
 
 
 def _outcomes(cell: Mapping[str, Any]) -> Iterator[Mapping[str, str]]:
