@@ -79,12 +79,19 @@ def build_source(path: Path) -> Any:
     problems = [*lint_source(notebook), *lint_checks(notebook, path.stem)]
     if problems:
         raise ValueError(f"{path} cannot be released: " + "; ".join(problems))
-    for cell in notebook.cells:
+    _write_marks(notebook)
+    notebook.nbformat, notebook.nbformat_minor = 4, 5
+    return notebook
+
+
+def _write_marks(notebook: Any) -> None:
+    """Write the marks of each question beside its check, and under the text of one that is marked by hand."""
+    for above, cell in zip([None, *notebook.cells], notebook.cells, strict=False):
         known = read_cell(cell)
         if known is not None and known.kind == "question":
             cell.source = f"{cell.source.strip()}  # {marks_text(known.points)}"
-    notebook.nbformat, notebook.nbformat_minor = 4, 5
-    return notebook
+        elif known is not None and known.kind == "manual" and above is not None and above.cell_type == "markdown":
+            above.source = f"{above.source.rstrip()}\n\n*({marks_text(known.points)}, marked by hand)*"
 
 
 def nbgrader_metadata(short: dict[str, Any], cell_type: str) -> dict[str, Any]:

@@ -1,6 +1,7 @@
 """The checks in a real kernel, with cells run in the orders in which students run them."""
 
 import json
+from itertools import pairwise
 from pathlib import Path
 
 import nbformat
@@ -177,7 +178,10 @@ def test_every_code_cell_of_a_release_lets_run_all_go_on(released: Course) -> No
 
 def test_marks_stand_at_each_question(released: Course) -> None:
     for name in released.assignments():
-        for cell in nbformat.read(released.release / name / f"{name}.ipynb", as_version=4).cells:
+        cells = nbformat.read(released.release / name / f"{name}.ipynb", as_version=4).cells
+        for above, cell in pairwise(cells):
             meta = cell.metadata.get("nbgrader", {})
-            if meta.get("grade") and not meta["solution"]:
+            if meta.get("grade") and meta["solution"]:
+                assert above.source.endswith(f"\n\n*({meta['points']:g} marks, marked by hand)*")
+            elif meta.get("grade"):
                 assert cell.source == f'check("{cell.id}")  # {meta["points"]:g} marks'
