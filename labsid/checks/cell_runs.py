@@ -41,14 +41,14 @@ class CellRun:
 class CellRuns:
     """Records the runs of cells in an IPython shell, from the moment when it is opened.
 
-    `runs` are in the order in which they ended; `first_names` are the variables before the first of them; `has_ids` is
-    whether the notebook's program sends the ids of cells.
+    `runs` are in the order in which they ended; `first_names` are the variables before the first of them; `cell_ids`
+    are the ids that the notebook's program has sent.
     """
 
     def __init__(self) -> None:
         self.runs: list[CellRun] = []
         self.first_names: frozenset[str] = frozenset()
-        self.has_ids = False
+        self.cell_ids: set[str] = set()
         self._before: dict[str, Any] | None = None
         self._started = 0.0
         self._warning: Timer | None = None
@@ -66,7 +66,8 @@ class CellRuns:
 
         A warning is printed when the cell has run for as long as grading lets it.
         """
-        self.has_ids |= getattr(info, "cell_id", None) is not None
+        cell_id = getattr(info, "cell_id", None)
+        self.cell_ids |= set() if cell_id is None else {cell_id}
         if self._before is None and not self.runs:
             self.first_names = frozenset(variables)
         self._before = dict(variables)

@@ -45,12 +45,18 @@ class QuestionCells:
         """The last run of the answer cell."""
         return self.runs.last(answer_id(self.question_id))
 
+    @property
+    def has_ids(self) -> bool:
+        """Whether the notebook's program sends the ids that the notebook's file has; some send ids of their own."""
+        known = {cell.id for cell in self.template.cells} if self.template is not None else set()
+        return not self.runs.cell_ids.isdisjoint(known | set(self.file.sources if self.file is not None else ()))
+
     def not_run(self) -> str | None:
         """The answer cell failed, took too long, or was not run as it now is."""
         run = self.answer
         saved = None if self.file is None else self.file.sources.get(answer_id(self.question_id))
         if run is None:
-            if not self.runs.has_ids or saved is None or is_stub(saved):
+            if not self.has_ids or saved is None or is_stub(saved):
                 return None
             return "its answer cell has not been run since the kernel was started. Run it, then this check."
         if run.error.startswith("KeyboardInterrupt"):
@@ -87,7 +93,7 @@ class QuestionCells:
         A right value that both the answer and a given cell further down make is no concern.
         """
         made = self.runs.assigning(name)
-        if not made or not self.runs.has_ids:
+        if not made or not self.has_ids:
             return None
         last, run = made[-1], self.answer
         if is_taught(self.variables.get(name)):
@@ -114,7 +120,7 @@ class QuestionCells:
     def made_below(self) -> str | None:
         """The answer uses a variable that only a cell further down makes."""
         run = self.answer
-        for name in () if run is None or not self.runs.has_ids else sorted(used_names(run.source)):
+        for name in () if run is None or not self.has_ids else sorted(used_names(run.source)):
             made = self.runs.assigning(name)
             if made and name not in self.runs.first_names and all(map(self._is_below, made)):
                 return (
@@ -125,7 +131,7 @@ class QuestionCells:
 
     def remark(self, names: Iterable[str]) -> str:
         """A remark for a right answer: it comes from a cell of the student's whose place is not known."""
-        if self.runs.has_ids:
+        if self.has_ids:
             for name in names:
                 made = self.runs.assigning(name)
                 if made and self._is_own(made[-1]) and self._position(made[-1].cell_id) is None:

@@ -219,6 +219,7 @@ def test_a_checkout_builds_its_notebooks_when_they_are_first_asked_for(
     found = iter([None, here.release])
     monkeypatch.setattr("labsid.checks.notebook_file.release_folder", lambda: next(found))
     monkeypatch.setattr("autograder.course.build.build_course", lambda course: iter(course.assignments()))
+    monkeypatch.setattr("autograder.course.own_secret.make_own_secret", lambda course: False)
     assert main(["lab", "--no-open"]) == 0
     assert capsys.readouterr().out.startswith("Building the notebooks (once) ...\n")
     assert Path("labsid-work", "start.ipynb").is_file()

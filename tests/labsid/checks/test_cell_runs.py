@@ -24,7 +24,7 @@ def test_a_run_is_recorded_with_what_it_assigned(shell: Any) -> None:
     assert [run.cell_id for run in runs.runs] == ["one", "two", "three", "one"]
     assert [set(run.assigned) for run in runs.runs] == [{"a"}, {"b"}, set(), {"b"}]
     assert [run.error.split(":")[0] for run in runs.runs] == ["", "NameError", "SyntaxError", ""]
-    assert runs.has_ids
+    assert runs.cell_ids == {"one", "two", "three"}
     last = runs.last("one")
     assert last is not None
     assert last.source == "b[0] = 4"
@@ -38,7 +38,7 @@ def test_variables_from_before_the_record_are_known_as_such(shell: Any) -> None:
     shell.run_cell("late = 1")
     assert "early" in runs.first_names
     assert "late" not in runs.first_names
-    assert not runs.has_ids
+    assert runs.cell_ids == set()
 
 
 def test_a_long_run_is_warned_of_and_a_short_one_is_not(

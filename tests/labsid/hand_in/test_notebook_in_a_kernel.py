@@ -1,6 +1,7 @@
 """The checks in a real kernel, with cells run in the orders in which students run them."""
 
 import json
+import shutil
 from itertools import pairwise
 from pathlib import Path
 
@@ -10,6 +11,7 @@ from nbclient import NotebookClient
 
 from autograder.course.layout import Course
 from labsid.checks.time_limit import CELL_SECONDS
+from labsid.hand_in.kernel import CellOutcome, NotebookKernel
 
 pytestmark = pytest.mark.slow
 
@@ -108,13 +110,25 @@ def test_an_endless_loop_is_told(jupyter) -> None:
     assert f"its answer cell was interrupted after 1 s. Grading stops a cell after {CELL_SECONDS:g} s" in shown
 
 
-def test_a_program_that_sends_no_ids_of_cells_gets_plain_checks(jupyter) -> None:
-    run = jupyter.kernel.run
-    run("t = 3", None, 20)
-    assert "CheckFailed" in run(f'check("{CHECK}")', None, 20).error
-    run(TIME, None, 20)
-    run("t = undefined", None, 20)
-    assert run(f'check("{CHECK}")', None, 20).printed.startswith("✓")
+@pytest.mark.parametrize("prefix", [None, "editor://notebook#"])
+def test_a_program_that_sends_no_ids_or_ids_of_its_own_gets_plain_checks(
+    prefix: str | None, released: Course, tmp_path: Path
+) -> None:
+    shutil.copytree(released.release / "prelab-sinusoids", tmp_path / "work")
+    path = tmp_path / "work" / "prelab-sinusoids.ipynb"
+    cells = {cell.id: cell for cell in nbformat.read(path, as_version=4).cells}
+    path.write_text(path.read_text(encoding="utf-8").replace("pass", TIME, 1), encoding="utf-8")
+    with NotebookKernel(path.parent) as kernel:
+
+        def run(source: str, name: str) -> CellOutcome:
+            return kernel.run(source, None if prefix is None else f"{prefix}{name}", 20)
+
+        run(cells["prelab-setup"].source, "a")
+        run("t = 3", "b")
+        assert run(f'check("{CHECK}")', "c").error == "CheckFailed"
+        run(TIME, "b")
+        run("t = undefined", "b")
+        assert run(f'check("{CHECK}")', "c").printed.startswith("✓")
 
 
 def test_a_skipped_step_unlocks_the_ones_after_it(jupyter) -> None:
