@@ -87,6 +87,8 @@ class notebook_checks:  # noqa: N801  (called like a function, once, at the top 
     def __init__(self, assignment: str, variables: MutableMapping[str, Any], record: str | Path | None = None) -> None:
         self._assignment = load_assignment(assignment)
         path = record or self._assignment.record_file
+        if path is not None and not Path(path).exists():
+            raise ValueError(f"{path} is not in {Path.cwd()}. Copy your data file into the folder of this notebook.")
         self._record = None if path is None else load_record(path)
         self._variables = variables
         self._passed: dict[str, Mapping[str, Value]] = {}

@@ -237,7 +237,8 @@ def test_what_is_not_there_is_said(tmp_path: Path, monkeypatch: pytest.MonkeyPat
     with pytest.raises(ValueError, match=r"no assignment 'lab-1'; there are .*lab-identification.*prelab-sinusoids"):
         notebook_checks("lab-1", {})
     monkeypatch.chdir(tmp_path)
-    with pytest.raises((ValueError, OSError), match=r"SysIdenData_StudentVersion\.mat"):
+    missing = r"SysIdenData_StudentVersion\.mat is not in .*\. Copy your data file into the folder of this notebook\."
+    with pytest.raises(ValueError, match=missing):
         notebook_checks("lab-identification", {})
     Path("SysIdenData_StudentVersion.mat").write_bytes(b"not a record")
     with pytest.raises(ValueError, match=r"SysIdenData_StudentVersion\.mat"):
