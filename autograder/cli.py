@@ -1,4 +1,4 @@
-"""The commands that need Jupyter or nbgrader: ``course``, ``lab``, ``submit`` and ``demo``.
+"""The commands that need Jupyter or nbgrader: ``course`` and ``demo``.
 
 Each command parses its options, calls the package and prints; it imports what it needs when it runs.
 """
@@ -81,16 +81,16 @@ def course_release(
             "--secret and --students go together, for individual data. Give both, or --worksheet in place of "
             "--students."
         )
-    wanted = assignment or []
+    wanted, due = assignment or [], settings.due_texts()
     if secret is None:
-        print(f"Wrote {out}: {len(write_release(here, out, wanted))} files.")
+        print(f"Wrote {out}: {len(write_release(here, out, wanted, due))} files.")
         return
     key = read_secret(secret)
     ids = None if students is None else [student.id for student in read_students(students)]
     if worksheet is None:
-        print(f"Wrote {out}: {len(write_individual_releases(here, out, key, ids or [], wanted))} files.")
+        print(f"Wrote {out}: {len(write_individual_releases(here, out, key, ids or [], wanted, due))} files.")
         return
-    done = write_moodle_release(here, out, key, read_worksheet(worksheet), ids, wanted)
+    done = write_moodle_release(here, out, key, read_worksheet(worksheet), ids, wanted, due)
     for remark in done.remarks:
         print(remark)
     print(
@@ -331,31 +331,6 @@ def course_doctor(
     print(reports_text(found))
     if json_file is not None:
         write_file(json_file, reports_json(found).encode())
-
-
-def lab(
-    folder: Annotated[Path, typer.Option(help="Your work folder.")] = Path("labsid-work"),
-    open_lab: Annotated[bool, typer.Option("--open/--no-open", help="Open JupyterLab in it.")] = True,
-) -> None:
-    """Copy the student release into a work folder without overwriting files, and open JupyterLab in it."""
-    from autograder.course.layout import find_course
-    from autograder.course.student_folder import copy_release, open_jupyterlab
-
-    for line in copy_release(find_course(), folder):
-        print(line)
-    if open_lab:
-        open_jupyterlab(folder)
-
-
-def submit(
-    folder: Annotated[Path, typer.Option(help="Your work folder.")] = Path("labsid-work"),
-    out: Annotated[Path, typer.Option(help="The zip file to hand in.")] = Path("hand-in.zip"),
-) -> None:
-    """Check your notebooks and zip them for hand-in."""
-    from autograder.course.student_folder import pack_submission
-
-    for line in pack_submission(folder, out):
-        print(line)
 
 
 def demo(

@@ -1,10 +1,14 @@
-"""Atomic writing of files."""
+"""Atomic writing of files, and reproducible zip files."""
 
 import errno
+import io
 import json
 import os
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
+
+_ZIP_TIME = (1980, 1, 1, 0, 0, 0)
 
 
 def write_json(path: Path, content: dict[str, Any]) -> None:
@@ -67,3 +71,16 @@ def write_text(path: Path, text: str) -> None:
     """
     path.parent.mkdir(parents=True, exist_ok=True)
     write_file(path, text.encode(errors="backslashreplace"))
+
+
+def zip_bytes(files: Mapping[str, bytes]) -> bytes:
+    """Zip files in the order of their names, with a fixed time; the same content gives the same bytes."""
+    import zipfile  # not at the top: every command imports this module
+
+    packed = io.BytesIO()
+    with zipfile.ZipFile(packed, "w", zipfile.ZIP_DEFLATED) as archive:
+        for name in sorted(files):
+            info = zipfile.ZipInfo(name, _ZIP_TIME)
+            info.external_attr = 0o644 << 16
+            archive.writestr(info, files[name], zipfile.ZIP_DEFLATED)
+    return packed.getvalue()

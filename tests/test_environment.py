@@ -76,7 +76,7 @@ def test_the_dev_extra_holds_every_other_extra(pyproject: dict[str, Any]) -> Non
 def test_conda_asks_for_what_pyproject_asks_for(pyproject: dict[str, Any]) -> None:
     environment = yaml.safe_load((ROOT / "environment.yml").read_text(encoding="utf-8"))
     named = [line for line in environment["dependencies"] if isinstance(line, str)]
-    conda = {line.split()[0]: SpecifierSet("".join(line.split()[1:])) for line in named}
+    conda = {canonicalize_name(line.split()[0]): SpecifierSet("".join(line.split()[1:])) for line in named}
     assert len(conda) == len(named), "a package is named twice"
 
     assert conda.pop("python") == SpecifierSet(pyproject["project"]["requires-python"])
@@ -165,11 +165,12 @@ def test_an_installed_package_is_whole(pyproject: dict[str, Any], package: str) 
     """What is not Python ships only if package-data names it, and a folder only if it has an __init__.py."""
     patterns = pyproject["tool"]["setuptools"]["package-data"]["*"]
     suffixes = {Path(pattern).suffix for pattern in patterns if pattern.startswith("**/*.")}
-    generated = {ROOT / "autograder" / "source", ROOT / "autograder" / "release"}
+    generated = {ROOT / "autograder" / folder for folder in ("source", "release", "data")}
+    ignored = {"__pycache__", "README.md", "course-secret"}
     files = [
         path
         for path in (ROOT / package).rglob("*")
-        if path.is_file() and not {"__pycache__", "README.md"} & set(path.parts) and not generated & set(path.parents)
+        if path.is_file() and not ignored & set(path.parts) and not generated & set(path.parents)
     ]
     assert len(files) > 5
     for path in files:

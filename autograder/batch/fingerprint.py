@@ -9,10 +9,10 @@ from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 
 from autograder.batch.grading_inputs import DataStore, GradingInputs, data_hash
-from autograder.course.layout import Template
 from autograder.course.sources import sources_hash
 from autograder.intake.submission import MAX_NOTEBOOK_BYTES, is_plain_file
 from autograder.results.result_files import StoredResult
+from labsid.checks.cells import Template
 
 JUDGING = (
     "autograder.intake.submission",

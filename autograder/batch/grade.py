@@ -18,7 +18,7 @@ from autograder.batch.hand_ins import HandIn, judge_hand_in
 from autograder.batch.judge_process import JudgePool
 from autograder.batch.selection import Batch
 from autograder.batch.tasks import Executor
-from autograder.course.layout import Course, Template, read_template
+from autograder.course.layout import Course, read_template
 from autograder.intake.submission import Submission, quarantined_submission
 from autograder.judge.outcome import SubmissionResult
 from autograder.results import gradebook, result_files
@@ -28,6 +28,7 @@ from autograder.results.late import ON_TIME, LateRules, late_penalty, read_times
 from autograder.results.result_files import StoredResult
 from autograder.sandbox.isolation import is_weaker
 from labsid._files import write_text
+from labsid.checks.cells import Template
 
 
 @dataclass(frozen=True, slots=True)

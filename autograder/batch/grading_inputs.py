@@ -12,11 +12,12 @@ from pathlib import Path
 from threading import Lock
 
 from autograder.course.individual_data import generator_hash, individual_file, is_individual
-from autograder.course.layout import Course, Template
+from autograder.course.layout import Course
 from autograder.course.own_secret import read_own_secret, shared_file
 from autograder.course.solutions import right_functions
 from autograder.judge.judging import Assets
 from labsid._files import write_file
+from labsid.checks.cells import Template
 from labsid.checks.notebook import load_assignment
 from labsid.checks.question import Origin
 from labsid.records.record import load_record

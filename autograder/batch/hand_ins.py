@@ -9,11 +9,11 @@ from autograder.batch.judge_process import JudgeError, JudgePool, JudgeProcess
 from autograder.batch.judge_worker import CPU_SECONDS
 from autograder.batch.tasks import Executor, Task, refused_result
 from autograder.batch.wrong_record import flag_wrong_record
-from autograder.course.layout import Template
 from autograder.intake.submission import Submission, read_submission
 from autograder.judge.outcome import SubmissionResult, ungraded_result
 from autograder.results.similar import code_fingerprints
 from autograder.sandbox.isolation import MachineError
+from labsid.checks.cells import Template
 
 ATTEMPTS = 2
 """How often a hand-in is tried in one run if the machine fails; the next run tries again."""

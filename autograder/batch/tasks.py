@@ -5,12 +5,12 @@ from dataclasses import dataclass, replace
 from typing import Protocol
 
 from autograder.batch.judge_process import JudgeError, JudgeProcess
-from autograder.course.layout import Template
 from autograder.intake.submission import Submission, quarantined_submission
 from autograder.judge.judging import Assets, judge_submission
 from autograder.judge.outcome import SubmissionResult, ungraded_result
 from autograder.judge.redaction import numbers_in, redact_reason
 from autograder.sandbox.isolation import MachineError, ProcessLauncher, temporary_workdir
+from labsid.checks.cells import Template
 
 _SEARCHED_CHARACTERS = 100_000  # of a cell
 _NEAR = 10  # samples: mistakes with the ends of a record

@@ -1,28 +1,15 @@
-"""Zip files: reproducible writing, and reading from untrusted sources."""
+"""Reading of zip files from untrusted sources."""
 
-import io
 import stat
 import zipfile
 import zlib
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from datetime import datetime
 from typing import IO
 
 MAX_ENTRIES = 20_000
 MAX_FILE_BYTES = 50 * 1024 * 1024
-_TIME = (1980, 1, 1, 0, 0, 0)
-
-
-def zip_bytes(files: Mapping[str, bytes]) -> bytes:
-    """Zip files in the order of their names, with a fixed time; the same content gives the same bytes."""
-    packed = io.BytesIO()
-    with zipfile.ZipFile(packed, "w", zipfile.ZIP_DEFLATED) as archive:
-        for name in sorted(files):
-            info = zipfile.ZipInfo(name, _TIME)
-            info.external_attr = 0o644 << 16
-            archive.writestr(info, files[name], zipfile.ZIP_DEFLATED)
-    return packed.getvalue()
 
 
 @dataclass(frozen=True, slots=True)

@@ -17,19 +17,24 @@ import jupytext
 import nbformat
 from jupytext.myst import MystMetadataParsingError
 
-from autograder.course.layout import Course, read_cell
+from autograder.course.layout import Course, read_template
 from autograder.course.nbgrader_access import COURSE_ID, import_nbgrader_api
 from autograder.course.own_secret import shared_file
-from labsid._files import write_text
-from labsid.checks.notebook import assignment_names, load_assignment
+from labsid._files import write_file, write_text
+from labsid.checks.cells import CODE_STUB, TEXT_STUB, read_cell
+from labsid.checks.notebook import assignment_names, load_assignment, marks_text
+from labsid.checks.notebook_file import START_PAGE
+from labsid.hand_in.start_page import DATA_BESIDE, start_notebook
 
 SOLUTION_DELIMITERS = ("### BEGIN SOLUTION", "### END SOLUTION")
 STRAY_DELIMITER = re.compile(
     r"#\s*#*\s*(BEGIN|END)[ _-]*(SOLUTION|HIDDEN|MARK)|(BEGIN|END)\s+(SOL|HIDDEN|MARK)\w*", re.IGNORECASE
 )
 _REGION = re.compile(f"{SOLUTION_DELIMITERS[0]}(.*?){SOLUTION_DELIMITERS[1]}", re.DOTALL)
-CODE_STUB = "# Your code here\npass"  # at the end of a cell, `...` would print "Ellipsis"
-TEXT_STUB = "*Your answer here*"
+
+
+GO_ON_TAG = "raises-exception"
+"""Jupyter's tag of a cell after which the others are run even if it fails."""
 
 
 def build_course(course: Course) -> Iterator[str]:
@@ -47,6 +52,8 @@ def build_course(course: Course) -> Iterator[str]:
     for name, notebook in built.items():
         _write_notebook(notebook, course.source / name / f"{name}.ipynb")
     yield from build_releases(course, names)
+    templates = [read_template(course, name) for name in names]
+    write_file(course.release / START_PAGE, start_notebook(templates, {}, DATA_BESIDE))
 
 
 def build_source(path: Path) -> Any:
@@ -72,8 +79,19 @@ def build_source(path: Path) -> Any:
     problems = [*lint_source(notebook), *lint_checks(notebook, path.stem)]
     if problems:
         raise ValueError(f"{path} cannot be released: " + "; ".join(problems))
+    _write_marks(notebook)
     notebook.nbformat, notebook.nbformat_minor = 4, 5
     return notebook
+
+
+def _write_marks(notebook: Any) -> None:
+    """Write the marks of each question beside its check, and under the text of one that is marked by hand."""
+    for above, cell in zip([None, *notebook.cells], notebook.cells, strict=False):
+        known = read_cell(cell)
+        if known is not None and known.kind == "question":
+            cell.source = f"{cell.source.strip()}  # {marks_text(known.points)}"
+        elif known is not None and known.kind == "manual" and above is not None and above.cell_type == "markdown":
+            above.source = f"{above.source.rstrip()}\n\n*({marks_text(known.points)}, marked by hand)*"
 
 
 def nbgrader_metadata(short: dict[str, Any], cell_type: str) -> dict[str, Any]:
@@ -165,6 +183,7 @@ def build_releases(course: Course, names: Sequence[str]) -> Iterator[str]:
     with tempfile.TemporaryDirectory(prefix="labsid-") as scratch:
         for name in names:
             notebook = _generate(course, name, Path(scratch))
+            _keep_running(notebook)
             source = nbformat.read(course.source / name / f"{name}.ipynb", as_version=4)
             problems = list(lint_release(notebook, source))
             if problems:
@@ -199,6 +218,13 @@ def _generate(course: Course, name: str, scratch: Path) -> Any:
     except NbGraderException as error:
         raise ValueError(f"{name} cannot be released: {error}") from error
     return nbformat.read(scratch / "release" / "." / name / f"{name}.ipynb", as_version=4)
+
+
+def _keep_running(notebook: Any) -> None:
+    """Let "Run all" go on after a cell with an error, as grading does: of the release alone, which is unfinished."""
+    for cell in notebook.cells:
+        if cell.cell_type == "code":
+            cell.metadata["tags"] = [*cell.metadata.get("tags", ()), GO_ON_TAG]
 
 
 def lint_release(release: Any, source: Any) -> Iterator[str]:

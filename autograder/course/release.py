@@ -3,41 +3,48 @@
 import base64
 import hashlib
 import tomllib
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from importlib.metadata import PackageNotFoundError, distribution
 from pathlib import Path
 
 import labsid
-from autograder.course.archive import zip_bytes
 from autograder.course.individual_data import individual_file, is_individual
-from autograder.course.layout import Course
+from autograder.course.layout import Course, read_template
 from autograder.course.own_secret import shared_file
-from labsid._files import write_file
+from labsid._files import write_file, zip_bytes
 from labsid.checks.notebook import load_assignment
+from labsid.checks.notebook_file import START_PAGE
+from labsid.hand_in.start_page import DATA_BESIDE, start_notebook, start_text
 from labsid.rig import student_plan
 
 _README = """\
-# {course}
+# Set up
 
-1. Create the environment once (conda, mamba or micromamba):
+1. Create the environment once, in this folder (conda, mamba or micromamba):
 
        conda env create -f environment.yml
-       conda activate {course}
+       conda activate labsid
 
    Without conda: python -m pip install "./{wheel}[notebooks]"
 
-2. Open the notebooks:
+2. Open JupyterLab on the start page:
 
-       jupyter lab
+       labsid lab
 
-   {data}
+The start page, `start.ipynb`, says the same as the text below.
 
-3. Work through each notebook from top to bottom and run its checks. Submit the notebooks without renaming the files;
-   a zip of the folders is accepted, too.
-"""
+{page}"""
+
+_NO_DATA = "No notebook needs a data file."
+_SEPARATE = (
+    "Your own data come separately, as a folder of yours. Copy what is in it into this folder before you begin, so "
+    "that each file is beside its notebook: {files}."
+)
 
 
-def write_release(course: Course, out: Path, assignments: Sequence[str] = ()) -> list[str]:
+def write_release(
+    course: Course, out: Path, assignments: Sequence[str] = (), due: Mapping[str, str] | None = None
+) -> list[str]:
     """Write the release; the same course gives the same bytes.
 
     Parameters
@@ -48,6 +55,8 @@ def write_release(course: Course, out: Path, assignments: Sequence[str] = ()) ->
         The zip file, written atomically.
     assignments : sequence of str, optional
         The assignments to release; default all.
+    due : mapping, optional
+        When an assignment is due, as text, by its name.
 
     Returns
     -------
@@ -59,17 +68,23 @@ def write_release(course: Course, out: Path, assignments: Sequence[str] = ()) ->
     ValueError
         If the course has not been built, or has no such assignment.
     """
-    files = shared_files(course, assignments)
-    for name in course.select(assignments):
-        data = load_assignment(name).record_file
-        if data is not None:
-            files[f"{name}/{data}"] = shared_file(course, data).read_bytes()
+    data = {
+        f"{name}/{file}": shared_file(course, file).read_bytes()
+        for name in course.select(assignments)
+        if (file := load_assignment(name).record_file) is not None
+    }
+    files = shared_files(course, assignments, data, due)
     write_file(out, zip_bytes(files))
     return sorted(files)
 
 
 def write_individual_releases(
-    course: Course, out: Path, secret: bytes, students: Sequence[str], assignments: Sequence[str] = ()
+    course: Course,
+    out: Path,
+    secret: bytes,
+    students: Sequence[str],
+    assignments: Sequence[str] = (),
+    due: Mapping[str, str] | None = None,
 ) -> list[str]:
     """Write the release with individual data: one folder for each student, for the instructor to distribute.
 
@@ -85,6 +100,8 @@ def write_individual_releases(
         IDs.
     assignments : sequence of str, optional
         The assignments to release; default all.
+    due : mapping, optional
+        When an assignment is due, as text, by its name.
 
     Returns
     -------
@@ -96,7 +113,8 @@ def write_individual_releases(
     ValueError
         If the course has not been built, it has no such assignment, or an ID is unusable.
     """
-    files = {f"for-everybody/{name}": content for name, content in shared_files(course, assignments).items()}
+    shared = shared_files(course, assignments, due=due, data_come_apart=True)
+    files = {f"for-everybody/{name}": content for name, content in shared.items()}
     for student in students:
         for name, content in individual_files(course, secret, student, assignments).items():
             files[f"students/{student}/{name}"] = content
@@ -118,21 +136,47 @@ def individual_files(course: Course, secret: bytes, student: str, assignments: S
     return {f"{name}/{file}": contents[file] for name, file in data.items()}
 
 
-def shared_files(course: Course, assignments: Sequence[str] = ()) -> dict[str, bytes]:
-    """The files that are the same for everybody: notebooks, labsid, its environment and the instructions."""
-    files: dict[str, bytes] = {}
-    has_data = False
-    for name in course.select(assignments):
-        notebook = course.release / name / f"{name}.ipynb"
-        if not notebook.is_file():
-            raise ValueError(f"{name} has not been built ({notebook} does not exist). Run: labsid course build")
-        files[f"{name}/{name}.ipynb"] = notebook.read_bytes()
-        has_data = has_data or load_assignment(name).record_file is not None
-    wheel, content = labsid_wheel()
+def shared_files(
+    course: Course,
+    assignments: Sequence[str] = (),
+    data: Mapping[str, bytes] | None = None,
+    due: Mapping[str, str] | None = None,
+    data_come_apart: bool = False,
+) -> dict[str, bytes]:
+    """The files of a release that are the same for all students.
+
+    Parameters
+    ----------
+    course : Course
+        Built.
+    assignments : sequence of str, optional
+        The assignments to release; default all.
+    data : mapping, optional
+        The data files that all students share, by path; without it, every student has their own.
+    due : mapping, optional
+        When an assignment is due, as text, by its name.
+    data_come_apart : bool
+        Whether students receive their own data apart from these files, which the start page then says.
+
+    Returns
+    -------
+    dict
+        Content by path: the start page, the notebooks, `data`, the wheel of labsid, which has the same files, the
+        environment and README.md.
+    """
+    names = course.select(assignments)
+    templates = [read_template(course, name) for name in names]
+    due = due or {}
+    wanted = [f"`{name}/{file}`" for name in names if (file := load_assignment(name).record_file) is not None]
+    said = _SEPARATE.format(files=", ".join(wanted)) if data_come_apart else DATA_BESIDE
+    said = said if wanted else _NO_DATA
+    files = {f"{name}/{name}.ipynb": (course.release / name / f"{name}.ipynb").read_bytes() for name in names}
+    files |= {**(data or {}), START_PAGE: start_notebook(templates, due, said)}
+    wheel, content = labsid_wheel(files)
+    page = start_text(templates, due, said)
     files[wheel] = content
     files["environment.yml"] = _environment(course, wheel).encode()
-    data = "The data files are beside the notebooks that use them." if has_data else "No notebook needs a data file."
-    files["README.md"] = _README.format(course="labsid", wheel=wheel, data=data).encode()
+    files["README.md"] = _README.format(wheel=wheel, page=page).encode()
     return files
 
 
@@ -145,8 +189,18 @@ def _environment(course: Course, wheel: str) -> str:
     return "\n".join([*lines, "  - pip:", f"      - ./{wheel}", ""])
 
 
-def labsid_wheel() -> tuple[str, bytes]:
+def labsid_wheel(release: Mapping[str, bytes] | None = None) -> tuple[str, bytes]:
     """Name and content of a reproducible wheel of the installed labsid, without the autograder.
+
+    Parameters
+    ----------
+    release : mapping, optional
+        Released files by path, which ``labsid lab`` copies into the work folder and from which the checks read marks.
+
+    Returns
+    -------
+    tuple
+        File name and content.
 
     Raises
     ------
@@ -156,6 +210,7 @@ def labsid_wheel() -> tuple[str, bytes]:
     package = Path(labsid.__file__).parent
     paths = (path for path in sorted(package.rglob("*")) if path.is_file() and "__pycache__" not in path.parts)
     files = {f"labsid/{path.relative_to(package).as_posix()}": path.read_bytes() for path in paths}
+    files |= {f"labsid/release/{name}": content for name, content in (release or {}).items()}
     stem = f"labsid-{labsid.__version__}"
     try:
         installed = distribution("labsid")

@@ -85,6 +85,13 @@ class CourseSettings:
         """The weights that are set, by assignment."""
         return {name: one.weight for name, one in self.assignments.items() if one.weight is not None}
 
+    def due_texts(self) -> dict[str, str]:
+        """Due dates for students, in the time zone of the course, by assignment."""
+        zone = UTC if self.timezone is None else time_zone(self.timezone)
+        named = f" ({self.timezone or 'UTC'})"
+        dates = {name: one.due for name, one in self.assignments.items() if one.due is not None}
+        return {name: f"{due.astimezone(zone):%d %B %Y, %H:%M}{named}" for name, due in dates.items()}
+
     def due_by(self, now: datetime) -> list[str] | None:
         """The assignments whose due dates have passed; None if there are no due dates."""
         dates = {name: one.due for name, one in self.assignments.items() if one.due is not None}

@@ -7,7 +7,8 @@ from pathlib import Path
 import nbformat
 
 from autograder.course.definitions import defined_functions, definitions_in
-from autograder.course.layout import Course, Template, read_cell
+from autograder.course.layout import Course
+from labsid.checks.cells import Template, read_cell
 
 
 def right_functions(course: Course, template: Template) -> Mapping[str, str]:

@@ -11,7 +11,6 @@ from dataclasses import dataclass, replace
 from decimal import ROUND_HALF_UP, Decimal, InvalidOperation
 from pathlib import Path
 
-from autograder.course.archive import zip_bytes
 from autograder.course.plain_text import one_line, plain_decimal
 from autograder.intake.worksheet import (
     CHANGEABLE,
@@ -27,7 +26,7 @@ from autograder.results import gradebook, grades, result_files
 from autograder.results.feedback import write_feedback
 from autograder.results.grades import Totals, write_grades
 from autograder.results.result_files import StoredResult
-from labsid._files import write_file
+from labsid._files import write_file, zip_bytes
 
 _CENT = Decimal("0.01")
 

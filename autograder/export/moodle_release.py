@@ -1,14 +1,13 @@
 """Individual packages for students, in the layout of Moodle's "Upload multiple feedback files in a zip"."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from autograder.course.archive import zip_bytes
 from autograder.course.layout import Course
 from autograder.course.release import individual_files, shared_files
 from autograder.intake.worksheet import Worksheet, participant_folder, participant_number, possible_ids
-from labsid._files import write_file
+from labsid._files import write_file, zip_bytes
 
 PACKAGE = "my-data.zip"
 """Name of each student's file; its folders are those of the notebooks."""
@@ -42,6 +41,7 @@ def write_moodle_release(
     sheet: Worksheet,
     students: Sequence[str] | None = None,
     assignments: Sequence[str] = (),
+    due: Mapping[str, str] | None = None,
 ) -> MoodleRelease:
     """Write each participant's data files, and the release without data for everybody.
 
@@ -59,6 +59,8 @@ def write_moodle_release(
         IDs; without them, every row of the worksheet is a student, with the ID that ``labsid course collect`` gives.
     assignments : sequence of str, optional
         The assignments to release; default all.
+    due : mapping, optional
+        When an assignment is due, as text, by its name.
 
     Returns
     -------
@@ -70,7 +72,7 @@ def write_moodle_release(
         If no row of the worksheet is a student, the assignments have no data files, the course has not been built, or
         an ID is unusable.
     """
-    shared = shared_files(course, assignments)
+    shared = shared_files(course, assignments, due=due, data_come_apart=True)
     known = None if students is None else {student.casefold(): student for student in students}
     packages: dict[str, bytes] = {}
     found: set[str] = set()

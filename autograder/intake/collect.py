@@ -19,7 +19,7 @@ from pathlib import Path
 from typing import IO, Any
 
 from autograder.course.archive import ArchiveEntry, read_entries
-from autograder.course.layout import Course, Template, read_template
+from autograder.course.layout import Course, read_template
 from autograder.course.plain_text import one_line
 from autograder.course.students import Student, merge_students, read_students, write_students
 from autograder.intake.submission import is_untouched
@@ -33,6 +33,7 @@ from autograder.intake.worksheet import (
     utc_timestamp,
 )
 from labsid._files import write_file
+from labsid.checks.cells import Template
 from labsid.checks.notebook import load_assignment
 
 _MARKER = r"_(?P<number>\d{1,18})_assignsubmission_[a-z]+_?"

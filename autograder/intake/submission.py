@@ -8,8 +8,8 @@ from typing import Any
 
 import nbformat
 
-from autograder.course.layout import Template
 from autograder.intake.untrusted_json import read_json
+from labsid.checks.cells import Template, has_work
 
 MAX_NOTEBOOK_BYTES = 50 * 1024 * 1024
 
@@ -91,7 +91,7 @@ def read_submission(folder: Path, student: str, template: Template) -> Submissio
         return quarantined_submission(student, template.assignment, f"{name} cannot be read: {error}")
     if not {cell["id"] for cell in cells} & {cell.id for cell in template.cells}:
         return quarantined_submission(student, template.assignment, f"{name} contains no cell of {template.assignment}")
-    if not _has_work(cells, template):
+    if not has_work(((cell["id"], cell["source"]) for cell in cells), template):
         return Submission(student, template.assignment, "missing", (), (UNTOUCHED,))
     aligned, repairs = _align_cells(cells, template)
     return Submission(student, template.assignment, "ready", aligned, tuple(notes + repairs))
@@ -104,7 +104,9 @@ def is_untouched(content: bytes, template: Template) -> bool:
     except (ValueError, RecursionError, MemoryError):
         return False
     known = {cell.id for cell in template.cells}
-    return any(cell["id"] in known for cell in cells) and not _has_work(cells, template)
+    return any(cell["id"] in known for cell in cells) and not has_work(
+        ((cell["id"], cell["source"]) for cell in cells), template
+    )
 
 
 def is_handed_in(folder: Path, template: Template) -> bool:
@@ -113,18 +115,6 @@ def is_handed_in(folder: Path, template: Template) -> bool:
     if found is None or not is_plain_file(found[0], MAX_NOTEBOOK_BYTES):
         return found is not None
     return not is_untouched(found[0].read_bytes(), template)
-
-
-def _has_work(cells: list[dict[str, Any]], template: Template) -> bool:
-    """Whether an answer differs from the released one, or there is a cell that is not in the release."""
-    released = {cell.id: cell.source.strip() for cell in template.cells}
-    own = {cell.id for cell in template.cells if cell.kind in ("answer", "manual")}
-    for cell in cells:
-        text = cell["source"].strip()
-        is_new = text not in template.texts if cell["id"] not in released else cell["id"] in own
-        if text and is_new and text != released.get(cell["id"]):
-            return True
-    return False
 
 
 def is_plain_file(path: Path, max_bytes: int) -> bool:

@@ -14,7 +14,6 @@ from dataclasses import dataclass, field, replace
 from decimal import Decimal
 from pathlib import Path
 
-from autograder.course.layout import Template
 from autograder.intake.submission import NotebookCell, Submission
 from autograder.judge.answer import Answer, wrong_steps
 from autograder.judge.ask import AskOpener
@@ -26,6 +25,7 @@ from autograder.judge.outcome import QuestionResult, SubmissionResult, ungraded_
 from autograder.judge.picture import figure_svg
 from autograder.judge.second_run import SecondRun
 from autograder.sandbox.isolation import ProcessLauncher
+from labsid.checks.cells import Template
 from labsid.checks.question import Assignment, Origin
 from labsid.checks.values import Value
 from labsid.plots.figure_values import FigureValue

@@ -4,9 +4,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from decimal import Decimal
 
-from autograder.course.layout import Template
 from autograder.intake.submission import Submission
 from autograder.judge.execution import ExecutedCell
+from labsid.checks.cells import Template
 from labsid.checks.values import Value
 
 

@@ -7,8 +7,10 @@ from dataclasses import dataclass, replace
 from decimal import Decimal
 from pathlib import Path
 
-from autograder.course.layout import Course, in_course_order, read_cell
+from autograder.course.layout import Course
 from autograder.results import gradebook, result_files
+from labsid.checks.cells import read_cell
+from labsid.checks.timetable import in_course_order
 
 STEPS = (Decimal(0), Decimal("0.25"), Decimal("0.5"), Decimal("0.75"), Decimal(1))
 """Shares of the points that the number keys from 0 give."""

@@ -7,7 +7,6 @@ from pathlib import Path
 from typing import Any
 from urllib.parse import quote
 
-from autograder.course.layout import in_course_order
 from autograder.course.plain_text import plain_decimal
 from autograder.results import gradebook, grades, result_files
 from autograder.results.feedback import load_template, printable, write_feedback
@@ -15,6 +14,7 @@ from autograder.results.gradebook import ManualGrades
 from autograder.results.result_files import StoredResult
 from autograder.results.similar import find_equal, find_similar
 from labsid._files import write_text
+from labsid.checks.timetable import in_course_order
 
 BINS = 10
 MAX_MISTAKES = 12

@@ -12,9 +12,10 @@ from decimal import Decimal
 from pathlib import Path
 from typing import Any
 
-from autograder.course.layout import in_course_order, to_json
+from autograder.course.layout import to_json
 from autograder.judge.outcome import QuestionResult, SubmissionResult
 from labsid._files import write_text
+from labsid.checks.timetable import in_course_order
 
 SCHEMA = "labsid.result/2"
 

@@ -4,9 +4,9 @@ import io
 from decimal import Decimal
 from pathlib import Path
 
-from autograder.course.layout import in_course_order
 from autograder.course.plain_text import one_line, plain_decimal
 from autograder.results import gradebook, grades, result_files
+from labsid.checks.timetable import in_course_order
 
 
 def class_table(out: Path) -> str:

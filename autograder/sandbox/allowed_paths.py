@@ -10,16 +10,7 @@ import sysconfig
 from collections.abc import Iterable, Iterator
 from pathlib import Path
 
-ALLOWED_PACKAGES = ("records", "rig.lab")
-"""The packages of labsid that graded code may import with all their modules."""
-
-ALLOWED_MODULES = (
-    "_arrays", "checks", "checks.compare", "checks.notebook", "checks.question", "checks.values", "checks.verdict",
-    "plots", "plots.block_diagrams", "plots.captions", "plots.describe", "plots.diagrams", "plots.figure",
-    "plots.figure_values", "plots.lecture_diagrams", "plots.style", "rig", "rig.seeds",
-)  # fmt: skip
-"""The single modules of labsid that graded code may import: what notebooks use, and the encoding of values. The figures
-of a student's own results and the rigs with withheld effects are not among them."""
+from labsid.checks.permitted import ALLOWED_MODULES, ALLOWED_PACKAGES
 
 _SYSTEM = (
     "/lib", "/lib32", "/lib64", "/usr/lib", "/usr/lib32", "/usr/lib64", "/usr/local/lib", "/nix/store",
@@ -27,15 +18,6 @@ _SYSTEM = (
     "/etc/localtime",
 )  # fmt: skip
 _PACKAGES = ("site-packages", "dist-packages")
-
-
-def is_reference(module: str) -> bool:
-    """Whether a dotted module name belongs to the reference or the grader."""
-    top, _, inner = module.partition(".")
-    if top == "labsid":
-        allowed = inner in ("", *ALLOWED_MODULES) or any(f"{inner}.".startswith(f"{one}.") for one in ALLOWED_PACKAGES)
-        return not allowed
-    return top == "autograder"
 
 
 def allowed_modules() -> list[str]:

@@ -18,7 +18,7 @@ from typing import Any
 
 import numpy as np
 
-from autograder.sandbox.allowed_paths import allowed_modules, is_reference
+from autograder.sandbox.allowed_paths import allowed_modules
 from autograder.sandbox.channel import (
     MAX_OUTPUT_CHARACTERS,
     ChannelClosed,
@@ -29,7 +29,8 @@ from autograder.sandbox.channel import (
     send,
 )
 from autograder.sandbox.confine import make_syscall_filter, set_rlimits
-from labsid.checks.values import plain
+from labsid.checks.permitted import is_reference
+from labsid.checks.values import as_student_object, plain
 
 _SAVED: dict[int, tuple[dict[str, Any], dict[str, int]]] = {}
 _MAX_REPR_CHARACTERS = 100_000
@@ -72,7 +73,7 @@ def block_reference() -> None:
     import labsid
     import labsid.checks
 
-    labsid.checks.notebook_checks = _no_checks  # type: ignore[assignment, misc]
+    labsid.checks.notebook_checks = NoChecks  # type: ignore[assignment, misc]
     for name in [name for name in sys.modules if name.startswith("labsid.") or name.split(".")[0] == "autograder"]:
         if is_reference(name):
             del sys.modules[name]
@@ -81,9 +82,20 @@ def block_reference() -> None:
     sys.meta_path.insert(0, ReferenceFinder())
 
 
-def _no_checks(assignment: str, variables: Any, record: Any = None) -> Any:
-    """Replacement of ``notebook_checks`` while grading: the judge checks instead."""
-    return lambda question_id: None
+class NoChecks:
+    """Replacement of ``notebook_checks`` while grading: the judge checks instead, and nothing is skipped."""
+
+    def __init__(self, assignment: str, variables: Any, record: Any = None) -> None:
+        pass
+
+    def __call__(self, question_id: str) -> None:
+        """Do nothing."""
+
+    def skip(self, question_id: str) -> None:
+        """Do nothing: the reference's values are not in this process."""
+
+    def summary(self) -> None:
+        """Do nothing."""
 
 
 def describe_error(error: BaseException) -> dict[str, Any]:
@@ -163,7 +175,7 @@ def _call(shell: Any, request: dict[str, Any]) -> dict[str, Any]:
 
 def _set(shell: Any, request: dict[str, Any]) -> dict[str, Any]:
     for name, value in request["values"].items():
-        shell.user_ns[name] = _as_student_object(decode(value))
+        shell.user_ns[name] = as_student_object(decode(value))
     return {"ok": True}
 
 
@@ -191,19 +203,6 @@ def _checksums(variables: dict[str, Any]) -> dict[str, int]:
         elif isinstance(value, (list, dict, set)):
             checksums[name] = zlib.crc32(repr(value)[:_MAX_REPR_CHARACTERS].encode(errors="replace"))
     return checksums
-
-
-def _as_student_object(value: Any) -> Any:
-    """Convert a reference value to the object a student would use: systems become python-control's."""
-    import control
-
-    from labsid.checks.values import StateSpaceValue, TransferFunctionValue
-
-    if isinstance(value, TransferFunctionValue):
-        return control.tf(value.num, value.den, value.dt)
-    if isinstance(value, StateSpaceValue):
-        return control.ss(value.A, value.B, value.C, value.D, value.dt)
-    return value
 
 
 _HANDLERS = {"run": _run, "value": _value, "call": _call, "set": _set, "save": _save, "restore": _restore}

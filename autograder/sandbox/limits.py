@@ -2,6 +2,8 @@
 
 from dataclasses import dataclass
 
+from labsid.checks.time_limit import CALL_SECONDS, CELL_SECONDS, SUBMISSION_SECONDS
+
 
 @dataclass(frozen=True, slots=True)
 class Limits:
@@ -26,9 +28,9 @@ class Limits:
     """
 
     start_seconds: float = 60.0
-    cell_seconds: float = 30.0
-    call_seconds: float = 10.0
-    submission_seconds: float = 300.0
+    cell_seconds: float = CELL_SECONDS
+    call_seconds: float = CALL_SECONDS
+    submission_seconds: float = SUBMISSION_SECONDS
     cells: int = 1000
     memory_bytes: int = 2 * 1024**3
     file_bytes: int = 64 * 1024**2

@@ -1,25 +1,64 @@
 """Checks that students run in the cells of a notebook."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, MutableMapping
+from dataclasses import replace
+from decimal import Decimal
+from html import escape
 from importlib import import_module
 from pathlib import Path
+from textwrap import wrap
 from typing import Any
 
 import numpy as np
 
-from labsid.checks.question import Assignment, given_values
-from labsid.checks.values import Value, plain
-from labsid.checks.verdict import NoAnswer
+from labsid.checks.cell_runs import runs_in, shell_of
+from labsid.checks.cells import Cell, is_stub
+from labsid.checks.notebook_file import open_notebook, released_template
+from labsid.checks.origin_of_values import QuestionCells
+from labsid.checks.question import Assignment, Question, given_values
+from labsid.checks.summary import (
+    FAILED,
+    NOT_DONE,
+    PASSED,
+    SIGNS,
+    SKIPPED,
+    decimal_text,
+    sign_html,
+    states_of,
+    summary_html,
+    summary_text,
+)
+from labsid.checks.time_limit import CALL_SECONDS, OutOfTime, limit_time
+from labsid.checks.values import Value, as_student_object, plain
+from labsid.checks.verdict import NoAnswer, Verdict
 from labsid.records.record import Record, load_record
 
 PUBLIC_SEED = 2018
+_LINE = 95  # characters; JupyterLab breaks longer lines in the middle of a word
+OUTCOME = "labsid"
+"""Key of the outcome of a check in the metadata of its output: the question and its state."""
 
 
 class CheckFailed(Exception):
-    """A check that did not pass. Jupyter shows only its text, on one line and without a traceback."""
+    """A check that did not pass. Jupyter shows only its text, without a traceback.
+
+    Parameters
+    ----------
+    text : str
+        The question and the reason.
+    advice : str
+        How to go on, on lines of its own; may be empty.
+    """
+
+    def __init__(self, text: str, advice: str = "") -> None:
+        super().__init__(text)
+        self.advice = advice
 
     def _render_traceback_(self) -> list[str]:
-        return [f"✗ {' '.join(str(self).split())}"]
+        sign = SIGNS[FAILED]
+        first, *others = wrap(f"{sign} {self}", _LINE, subsequent_indent="  ")
+        advice = wrap(self.advice, _LINE, initial_indent="  ", subsequent_indent="  ")
+        return [first.replace(sign, f"\x1b[1;31m{sign}\x1b[0m", 1), *others, *advice]
 
 
 class notebook_checks:  # noqa: N801  (called like a function, once, at the top of a notebook)
@@ -41,34 +80,173 @@ class notebook_checks:  # noqa: N801  (called like a function, once, at the top 
 
     Examples
     --------
-    ``check = notebook_checks("lab-identification", globals())`` once, then ``check("lab-1c-offset")`` after a step.
+    ``check = notebook_checks("lab-identification", globals())`` once, then ``check("lab-1c-offset")`` after a step,
+    ``check.skip("lab-1c-offset")`` to go on without it, and ``check.summary()`` at the end.
     """
 
-    def __init__(self, assignment: str, variables: Mapping[str, Any], record: str | Path | None = None) -> None:
+    def __init__(self, assignment: str, variables: MutableMapping[str, Any], record: str | Path | None = None) -> None:
         self._assignment = load_assignment(assignment)
         path = record or self._assignment.record_file
+        if path is not None and not Path(path).exists():
+            raise ValueError(f"{path} is not in {Path.cwd()}. Copy your data file into the folder of this notebook.")
         self._record = None if path is None else load_record(path)
         self._variables = variables
         self._passed: dict[str, Mapping[str, Value]] = {}
+        self._skipped: dict[str, Mapping[str, Value]] = {}
+        self._set_by_skip: dict[str, Mapping[str, Any]] = {}
+        self._states: dict[str, str] = {}
+        self._shell = shell_of(variables)
+        self._runs = None if self._shell is None else runs_in(self._shell)
 
     def __call__(self, question_id: str) -> None:
         """Check one question and print the result; raise `CheckFailed` with the reason if it is wrong."""
         question = self._assignment.question(question_id)
-        waiting = [used for used in question.uses if used not in self._passed]
+        cells = self._cells(question_id)
+        not_run = cells.not_run() if cells is not None else None
+        if not_run is None and self._still_skipped(question_id):
+            self._show(SKIPPED, question_id, "you went on from the reference's value. It earns no marks.")
+            return
+        if not_run is not None:
+            self._fail(question, not_run, cells)
+        waiting = [used for used in question.uses if used not in self._passed and used not in self._skipped]
         if waiting:
-            raise CheckFailed(f"{question_id} starts from {waiting[0]}: run that check first, until it passes.")
-        known = {name: value for values in self._passed.values() for name, value in values.items()}
-        ask = NotebookAsk(self._variables, self._record, known, question_id)
-        verdict = question.verdict(ask)
+            self._fail(question, f"it starts from {self._step(waiting[0])}, which is not right yet.", cells, waiting[0])
+        ask = NotebookAsk(self._variables, self._record, self._known(), question_id)
+        verdict, remark = _judged(question, ask, cells)
         if not verdict.passed:
-            self._passed.pop(question_id, None)
-            raise CheckFailed(f"{question_id}: {verdict.reason}")
+            self._fail(question, verdict.reason, cells)
         self._passed[question_id] = given_values(question, ask, passed=True)
-        print(f"✓ {question_id}: {verdict.reason}")
+        self._skipped.pop(question_id, None)
+        self._set_by_skip.pop(question_id, None)
+        self._show(PASSED, question_id, " ".join(filter(None, (verdict.reason, remark))))
+
+    def skip(self, question_id: str) -> None:
+        """Go on without a question: the reference's values, on this notebook's record, become the notebook's variables.
+
+        The question earns no marks, here and at grading. Questions from which it starts, and which are not right
+        either, are skipped with it.
+
+        Parameters
+        ----------
+        question_id : str
+
+        Raises
+        ------
+        CheckFailed
+            If the reference's values cannot be had in the notebook.
+        """
+        question = self._assignment.question(question_id)
+        if question_id in self._passed:
+            self._show(PASSED, question_id, "it is right; nothing is skipped.")
+            return
+        for used in question.uses:
+            if used not in self._passed and used not in self._skipped:
+                self.skip(used)
+        values: Mapping[str, Value] = {}
+        if question.gives is not None:
+            try:
+                values = question.gives(NotebookAsk(self._variables, self._record, self._known(), question_id))
+            except (NoAnswer, ValueError, ArithmeticError, LookupError) as error:
+                raise CheckFailed(f"{self._name(question_id)} cannot be skipped: {error}") from None
+        objects = {name: as_student_object(value) for name, value in values.items()}
+        self._skipped[question_id] = values
+        self._set_by_skip[question_id] = objects
+        self._variables.update(objects)
+        names = ", ".join(f"`{name}`" for name in objects)
+        where = "" if self._record is None else " on your record"
+        now = f"The notebook now has the reference's {names}{where}" if names else "It sets no variable for later steps"
+        self._show(SKIPPED, question_id, f"skipped. It earns no marks. {now}.")
+
+    def summary(self) -> None:
+        """Show every question of the assignment: right, not right, skipped or not done, with its marks."""
+        file = open_notebook(self._assignment.name)
+        states = states_of(self._questions(), self._states, {} if file is None else file.sources)
+        title = f"{self._assignment.name}: what the checks found in this run of the notebook"
+        self._display(summary_text(title, states), summary_html(title, states), {})
+
+    def _known(self) -> dict[str, Value]:
+        values = {**self._skipped, **self._passed}
+        in_order = (values[question.id] for question in self._assignment.questions if question.id in values)
+        return {name: value for gives in in_order for name, value in gives.items()}
+
+    def _still_skipped(self, question_id: str) -> bool:
+        """Whether the variables are still those that `skip` set."""
+        objects = self._set_by_skip.get(question_id) or {}
+        return bool(objects) and all(self._variables.get(name) is value for name, value in objects.items())
+
+    def _fail(self, question: Question, reason: str, cells: QuestionCells | None, skip: str = "") -> None:
+        self._passed.pop(question.id, None)
+        run = None if cells is None else cells.answer
+        self._states[question.id] = NOT_DONE if run is not None and is_stub(run.source) else FAILED
+        is_used = any(question.id in other.uses for other in self._assignment.questions)
+        to_skip = skip or (question.id if is_used and question.id not in self._skipped else "")
+        advice = f'To go on without it, run check.skip("{to_skip}") in a new cell below: it earns no marks.'
+        raise CheckFailed(f"{self._name(question.id)}: {reason}", advice if to_skip else "")
+
+    def _show(self, state: str, question_id: str, text: str) -> None:
+        self._states[question_id] = state
+        name = self._name(question_id)
+        html = f"{sign_html(state)} <b>{escape(name)}</b>: {escape(text)}"
+        self._display(f"{SIGNS[state]} {name}: {text}", html, {"question": question_id, "state": state})
+
+    def _display(self, text: str, html: str, outcome: dict[str, str]) -> None:
+        if self._shell is None:
+            print(text)
+            return
+        self._shell.display_pub.publish({"text/plain": text, "text/html": html}, metadata={OUTCOME: outcome})
+
+    def _cells(self, question_id: str) -> QuestionCells | None:
+        if self._runs is None:
+            return None
+        file = open_notebook(self._assignment.name)
+        template = released_template(self._assignment.name) if file is None else file.template
+        return QuestionCells(question_id, self._runs, file, template, self._variables)
+
+    def _questions(self) -> tuple[Cell, ...]:
+        """The questions with their marks, from the notebook's file or the release; without either, with no marks."""
+        file = open_notebook(self._assignment.name)
+        template = released_template(self._assignment.name) if file is None else file.template
+        known = {} if template is None else {cell.id: cell for cell in template.questions}
+        if {question.id for question in self._assignment.questions} <= set(known):
+            return tuple(known.values())
+        return tuple(
+            Cell(question.id, "question", "", True, Decimal(0)) for question in self._assignment.questions
+        )  # fmt: skip
+
+    def _name(self, question_id: str) -> str:
+        """A question as its messages begin: its id, its step and its marks."""
+        cell = self._cell(question_id)
+        return question_id if cell is None else f"{question_id} ({cell.heading}; {marks_text(cell.points)})"
+
+    def _step(self, question_id: str) -> str:
+        """A question as other messages call it: its id and its step."""
+        cell = self._cell(question_id)
+        return question_id if cell is None else f"{question_id} ({cell.heading})"
+
+    def _cell(self, question_id: str) -> Cell | None:
+        return next((cell for cell in self._questions() if cell.id == question_id and cell.heading), None)
+
+
+def marks_text(points: Decimal | None) -> str:
+    """Marks in words."""
+    return "1 mark" if points == 1 else f"{decimal_text(points or Decimal(0))} marks"
+
+
+def _judged(question: Question, ask: "NotebookAsk", cells: QuestionCells | None) -> tuple[Verdict, str]:
+    """The verdict, and a remark for a right answer; what grading would not see or would refuse is not right."""
+    verdict = question.verdict(ask)
+    if cells is None:
+        return verdict, ""
+    wrong = next(filter(None, (cells.wrong_origin(name, verdict.passed) for name in ask.names)), None)
+    if wrong is None and verdict.passed:
+        wrong = cells.refused() or cells.made_below()
+    if wrong is not None:
+        return replace(verdict, passed=False, reason=wrong, slip=None), ""
+    return verdict, cells.remark(ask.names)
 
 
 class NotebookAsk:
-    """Asks the variables of a notebook, in the notebook's own process."""
+    """Asks the variables of a notebook, in the notebook's own process; `names` are those that were asked for."""
 
     origin: None = None
 
@@ -78,6 +256,7 @@ class NotebookAsk:
         self._variables = variables
         self._record = record
         self._known = known
+        self.names: list[str] = []
         self.rng = np.random.default_rng([PUBLIC_SEED, *question_id.encode()])
 
     @property
@@ -89,22 +268,30 @@ class NotebookAsk:
 
     def value(self, name: str) -> Value:
         """The variable as plain data."""
+        self.names.append(name)
         if name not in self._variables:
             raise NoAnswer(f"there is no variable `{name}` yet. Define it with exactly this name.")
         return plain(self._variables[name])
 
     def call(self, name: str, *arguments: Value) -> Value:
         """The result of the function of that name, as plain data."""
+        self.names.append(name)
         function = self._variables.get(name)
         if not callable(function):
             raise NoAnswer(f"there is no function `{name}` yet. Define it with `def {name}(...):`.")
         try:
-            return plain(function(*[np.array(a) if isinstance(a, np.ndarray) else a for a in arguments]))
+            with limit_time(CALL_SECONDS):
+                return plain(function(*[np.array(a) if isinstance(a, np.ndarray) else a for a in arguments]))
+        except (OutOfTime, KeyboardInterrupt):
+            raise NoAnswer(
+                f"`{name}` did not come to an end within {CALL_SECONDS:g} s: look for a loop whose condition never "
+                "becomes false."
+            ) from None
         except Exception as error:
             raise NoAnswer(f"`{name}` stopped with {type(error).__name__}: {error}") from error
 
     def known(self, name: str) -> Value:
-        """A value of an earlier step whose check has passed."""
+        """A value of an earlier step: the student's, or the reference's where that step was skipped."""
         return self._known[name]
 
 

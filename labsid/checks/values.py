@@ -98,6 +98,19 @@ def plain(value: object, depth: int = 0) -> Value:
         return Unreadable(type(value).__name__)
 
 
+def as_student_object(value: Value) -> Any:
+    """The object that a student would use for a value: systems become python-control's, arrays are copied."""
+    if isinstance(value, np.ndarray):
+        return np.array(value)
+    if not isinstance(value, TransferFunctionValue | StateSpaceValue):
+        return value
+    import control
+
+    if isinstance(value, TransferFunctionValue):
+        return control.tf(value.num, value.den, value.dt)
+    return control.ss(value.A, value.B, value.C, value.D, value.dt)
+
+
 def _plain(value: object, depth: int) -> Value:
     if type(value) is int and abs(value) >= MAX_INTEGER:
         return Unreadable("int of too many digits")

@@ -12,8 +12,9 @@ import typer
 from labsid import __version__
 from labsid.cli.gap_commands import gap
 from labsid.cli.options import Columns, JsonFile, Output, RecordPath, SamplingTime
+from labsid.cli.student_commands import lab_command, submit_command
 
-_BUILT_IN = ("check", "identify", "data", "gap")
+_BUILT_IN = ("check", "identify", "data", "gap", "lab", "submit")
 _STATUS_OF_INTERRUPT = 130
 _MAX_LINE = 1000  # characters
 _INSTALL = 'pip install "labsid[autograder]"'
@@ -160,6 +161,8 @@ def _make_app(with_contributed: bool) -> typer.Typer:
     data.command("make")(make_data_command)
     app.add_typer(data, name="data")
     app.add_typer(gap, name="gap")
+    app.command("lab")(lab_command(lambda: _run(["course", "build"])))
+    app.command("submit")(submit_command)
     if with_contributed:
         _add_contributed(app)
     return app

@@ -417,25 +417,24 @@ def test_the_course_is_built(
     assert "cannot be released" in complaint(capsys, ["course", "build"])
 
 
-def test_a_student_gets_the_notebooks_and_hands_them_in(here: Course, capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_student_gets_the_notebooks_and_hands_them_in(
+    here: Course, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("labsid.checks.notebook_file.release_folder", lambda: here.release)
     assert main(["lab", "--no-open"]) == 0
     first = capsys.readouterr().out.splitlines()
     assert len(first) == len(here.assignments())
     assert all(": new: " in line for line in first)
     mine = Path("labsid-work", LAB, f"{LAB}.ipynb")
-    mine.write_text(mine.read_text(encoding="utf-8") + "\n", encoding="utf-8")
+    mine.write_text(mine.read_text(encoding="utf-8").replace("*Your answer here*", "From rest."), encoding="utf-8")
     before = mine.read_bytes()
     assert main(["lab", "--no-open"]) == 0
     assert "kept: " in capsys.readouterr().out
     assert mine.read_bytes() == before
-    assert main(["submit"]) == 0
-    assert capsys.readouterr().out.splitlines()[-1] == "Hand in this file: hand-in.zip"
+    assert main(["submit", "--yes"]) == 0
+    assert capsys.readouterr().out.splitlines()[-1] == f"Hand in this file: hand-in.zip ({LAB})"
     with zipfile.ZipFile("hand-in.zip") as archive:
-        packed = set(archive.namelist())
-    assert {f"{name}/{name}.ipynb" for name in here.assignments()} <= packed
-    assert {Path(name).name for name in packed if not name.endswith(".ipynb")} == {
-        load_assignment(name).record_file for name in here.assignments()
-    } - {None}
+        assert set(archive.namelist()) == {f"{LAB}/{LAB}.ipynb", f"{LAB}/{load_assignment(LAB).record_file}"}
 
 
 def test_a_broken_notebook_is_not_handed_in(here: Course, submitted: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -444,7 +443,22 @@ def test_a_broken_notebook_is_not_handed_in(here: Course, submitted: Path, capsy
     assert list(Path.cwd().iterdir()) == []
 
 
-def test_what_is_in_the_way_is_said(here: Course, capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_checkout_builds_its_notebooks_when_they_are_first_asked_for(
+    here: Course, tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    found = iter([None, here.release])
+    monkeypatch.setattr("labsid.checks.notebook_file.release_folder", lambda: next(found))
+    monkeypatch.setattr("autograder.course.build.build_course", lambda course: iter(course.assignments()))
+    monkeypatch.setattr("autograder.course.own_secret.make_own_secret", lambda course: False)
+    assert main(["lab", "--no-open"]) == 0
+    assert capsys.readouterr().out.startswith("Building the notebooks (once) ...\n")
+    assert Path("labsid-work", "start.ipynb").is_file()
+
+
+def test_what_is_in_the_way_is_said(
+    here: Course, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("labsid.checks.notebook_file.release_folder", lambda: here.release)
     Path("labsid-work").touch()
     assert "labsid-work is a file" in complaint(capsys, ["lab", "--no-open"])
     assert "labsid-work exists and was not made by this command" in complaint(capsys, ["demo", "--out", "labsid-work"])

@@ -14,15 +14,14 @@ import pytest
 from autograder.batch.fingerprint import template_hash
 from autograder.course import build
 from autograder.course.build import (
-    CODE_STUB,
     SOLUTION_DELIMITERS,
-    TEXT_STUB,
     build_course,
     build_source,
     lint_checks,
     lint_release,
 )
-from autograder.course.layout import Cell, Course, Template, find_course, read_cell, read_template
+from autograder.course.layout import Course, find_course, read_template
+from labsid.checks.cells import CODE_STUB, TEXT_STUB, Cell, Template, read_cell
 from labsid.checks.notebook import assignment_names, load_assignment
 
 ASSIGNMENTS = assignment_names()
@@ -157,8 +156,8 @@ def test_a_course_is_built(write: Callable) -> None:
     template = read_template(course, "tiny")
     assert template.title == "Tiny"
     assert template.cells == (
-        Cell("tiny-answer", "answer", f"# name it a\n{CODE_STUB}", True, None, "Tiny"),
-        Cell("tiny-open", "manual", TEXT_STUB, False, Decimal("0.1"), "Tiny"),
+        Cell("tiny-answer", "answer", f"# name it a\n{CODE_STUB}", True, None, "Tiny", "Tiny"),
+        Cell("tiny-open", "manual", TEXT_STUB, False, Decimal("0.1"), "Tiny", "Tiny"),
     )
 
 

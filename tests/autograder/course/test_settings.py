@@ -171,3 +171,11 @@ def test_names_have_two_parts(name: str, parts: tuple[str, str]) -> None:
 def test_the_last_list_with_a_name_counts() -> None:
     first, second = [Student("b", "B"), Student("a", "A")], [Student("b"), Student("a", "Ann", "a@x"), Student("c")]
     assert merge_students(first, second) == [Student("a", "Ann", "a@x"), Student("b", "B"), Student("c")]
+
+
+def test_due_dates_are_said_in_the_time_of_the_course(tmp_path: Path) -> None:
+    course = Course(tmp_path)
+    (tmp_path / "course.toml").write_text(
+        'timezone = "Australia/Sydney"\n[assignments.least-squares]\ndue = 2026-11-30T23:59:00\n', encoding="utf-8"
+    )
+    assert read_settings(course).due_texts() == {"least-squares": "30 November 2026, 23:59 (Australia/Sydney)"}

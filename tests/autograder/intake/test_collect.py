@@ -18,9 +18,10 @@ from hypothesis import strategies as st
 
 from autograder.course import archive
 from autograder.course.layout import Course
-from autograder.course.student_folder import pack_submission
 from autograder.intake.collect import collect_submissions
 from autograder.intake.worksheet import Worksheet, folder_name, read_worksheet
+from labsid.hand_in.saved_work import read_saved
+from labsid.hand_in.submission_file import pack
 
 PRELAB, LAB = "prelab-sinusoids", "lab-identification"
 ADA, BEN = "Ada Lovelace_1001_assignsubmission_file_", "Ben O'Neil_1002_assignsubmission_file_"
@@ -65,7 +66,7 @@ def test_folders_and_flat_names_and_nested_zips(course: Course, notebooks: Mappi
     for name in (PRELAB, LAB):
         (tmp_path / "work" / name).mkdir(parents=True)
         (tmp_path / "work" / name / f"{name}.ipynb").write_bytes(notebooks[name])
-    list(pack_submission(tmp_path / "work", tmp_path / "hand-in.zip"))
+    pack([read_saved(tmp_path / "work" / name / f"{name}.ipynb") for name in (PRELAB, LAB)], tmp_path / "hand-in.zip")
     path = moodle(
         tmp_path / "m.zip",
         [

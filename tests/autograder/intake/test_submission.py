@@ -10,7 +10,7 @@ from typing import Any
 import nbformat
 import pytest
 
-from autograder.course.layout import Cell, Course, Template, read_template
+from autograder.course.layout import Course, read_template
 from autograder.intake.submission import (
     MAX_NOTEBOOK_BYTES,
     UNTOUCHED,
@@ -20,6 +20,7 @@ from autograder.intake.submission import (
     is_untouched,
     read_submission,
 )
+from labsid.checks.cells import Cell, Template
 
 TEMPLATE = Template(
     "tiny",

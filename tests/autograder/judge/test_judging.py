@@ -10,13 +10,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from autograder.course.layout import Cell, Template
 from autograder.intake.submission import NotebookCell, Submission
 from autograder.judge.judging import Assets, judge_submission
 from autograder.judge.outcome import QuestionResult
 from autograder.sandbox.confine import make_syscall_filter
 from autograder.sandbox.isolation import Limits, MachineError, ProcessLauncher, open_launcher
 from autograder.sandbox.process_launchers import SpawningLauncher
+from labsid.checks.cells import Cell, Template
 from labsid.checks.compare import as_number, as_vector, close
 from labsid.checks.notebook import NotebookAsk
 from labsid.checks.question import Ask, Assignment, Question

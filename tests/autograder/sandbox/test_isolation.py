@@ -15,7 +15,6 @@ import numpy as np
 import pytest
 
 from autograder.sandbox import allowed_paths, bubblewrap, doctor, isolation, process_launchers, workdirs
-from autograder.sandbox.allowed_paths import is_reference
 from autograder.sandbox.bubblewrap import SandboxError
 from autograder.sandbox.doctor import LevelReport
 from autograder.sandbox.escapes import ESCAPES, OPEN_WITHOUT_FILTER, OPEN_WITHOUT_ISOLATION, open_escapes
@@ -31,6 +30,7 @@ from autograder.sandbox.isolation import (
 )
 from autograder.sandbox.process_launchers import ForkingLauncher, SpawningLauncher
 from autograder.sandbox.workdirs import remove_stale_workdirs, temporary_workdir
+from labsid.checks.permitted import is_reference
 from labsid.records.record import load_record
 
 ROOT = Path(__file__).resolve().parents[3]

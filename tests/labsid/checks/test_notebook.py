@@ -1,5 +1,6 @@
 """The checks as a student runs them, on variables and a real record."""
 
+import contextlib
 import shutil
 from pathlib import Path
 from typing import Any
@@ -12,6 +13,8 @@ from labsid.checks.notebook import NotebookAsk, assignment_names, load_assignmen
 from labsid.checks.question import Assignment, Question, given_values
 from labsid.checks.verdict import NoAnswer, Slip, Verdict, judge
 from labsid.records.record import Record, load_record
+
+RED = "\x1b[1;31m✗\x1b[0m"
 
 
 @pytest.fixture
@@ -39,13 +42,14 @@ def stops_at_length(x: np.ndarray) -> np.ndarray:
 
 
 def failure(check: notebook_checks, question: str) -> str:
-    """What a failed check shows, which must be one line."""
+    """What a failed check shows: the reason, and after it how to go on."""
     with pytest.raises(CheckFailed) as failed:
         check(question)
-    (line,) = failed.value._render_traceback_()
-    assert line.split() == f"✗ {failed.value}".split()
-    assert "\n" not in line
-    return line
+    lines = failed.value._render_traceback_()
+    assert not any("\n" in shown or len(shown) > 110 for shown in lines)
+    shown = " ".join("\n".join(lines).replace(RED, "✗").split())
+    assert shown == " ".join(f"✗ {failed.value} {failed.value.advice}".split())
+    return f"✗ {' '.join(str(failed.value).split())}"
 
 
 def test_a_right_answer_is_praised(tiny: dict, capsys: pytest.CaptureFixture[str]) -> None:
@@ -75,7 +79,25 @@ def test_jupyter_shows_that_line_and_no_traceback(tiny: dict) -> None:
         result = shell.run_cell("check('q-gain')", store_history=False)
     assert isinstance(result.error_in_exec, CheckFailed)
     shown = (captured.stdout + captured.stderr).strip()
-    assert shown == "✗ q-gain: there is no variable `a` yet. Define it with exactly this name."
+    assert shown.splitlines() == [
+        f"{RED} q-gain: there is no variable `a` yet. Define it with exactly this name.",
+        '  To go on without it, run check.skip("q-gain") in a new cell below: it earns no marks.',
+    ]
+
+
+def test_jupyter_shows_a_right_answer_in_colour(tiny: dict) -> None:
+    from IPython.core.displaypub import CapturingDisplayPublisher
+    from IPython.core.interactiveshell import InteractiveShell
+
+    shell = InteractiveShell()
+    shell.display_pub = CapturingDisplayPublisher()
+    shell.user_ns.update(a=3)
+    shell.user_ns["check"] = notebook_checks("tiny", shell.user_ns)
+    shell.run_cell("check('q-gain')", store_history=False)
+    (shown,) = shell.display_pub.outputs
+    assert shown["data"]["text/plain"] == "✓ q-gain: the gain is right."
+    assert shown["data"]["text/html"].startswith('<span style="color:#1a7f37;font-weight:bold">✓</span> <b>q-gain</b>')
+    assert shown["metadata"] == {"labsid": {"question": "q-gain", "state": "right"}}
 
 
 def test_the_variables_are_read_when_the_check_runs(tiny: dict) -> None:
@@ -88,12 +110,78 @@ def test_the_variables_are_read_when_the_check_runs(tiny: dict) -> None:
 def test_the_order_of_the_questions_is_kept(tiny: dict) -> None:
     tiny.update(a=3, f=lambda x: 2 * x + 3)
     check = notebook_checks("tiny", tiny)
-    assert failure(check, "q-line") == "✗ q-line starts from q-gain: run that check first, until it passes."
+    assert failure(check, "q-line") == "✗ q-line: it starts from q-gain, which is not right yet."
     check("q-gain")
     check("q-line")
     tiny["a"] = 4
     failure(check, "q-gain")
     assert "starts from q-gain" in failure(check, "q-line")
+
+
+def test_a_skipped_question_goes_on_from_the_references_value(tiny: dict, capsys: pytest.CaptureFixture[str]) -> None:
+    tiny.update(a=5, f=lambda x: 2 * x + 3)
+    check = notebook_checks("tiny", tiny)
+    failure(check, "q-gain")
+    with pytest.raises(CheckFailed) as failed:
+        check("q-line")
+    assert 'check.skip("q-gain")' in failed.value.advice
+    check.skip("q-gain")
+    assert tiny["a"] == 3
+    check("q-gain")
+    check("q-line")
+    said = capsys.readouterr().out.splitlines()
+    assert said == [
+        "– q-gain: skipped. It earns no marks. The notebook now has the reference's `a`.",
+        "– q-gain: you went on from the reference's value. It earns no marks.",
+        "✓ q-line: judged on a line.",
+    ]
+    tiny["a"] = 4
+    assert failure(check, "q-gain") == "✗ q-gain: not the gain."
+    check("q-line")
+
+
+def test_an_answer_after_a_skip_earns_its_marks(tiny: dict, capsys: pytest.CaptureFixture[str]) -> None:
+    check = notebook_checks("tiny", tiny)
+    check.skip("q-gain")
+    tiny["a"] = 3.0
+    check("q-gain")
+    check.skip("q-gain")
+    assert capsys.readouterr().out.splitlines()[1:] == [
+        "✓ q-gain: the gain is right.",
+        "✓ q-gain: it is right; nothing is skipped.",
+    ]
+
+
+def test_what_a_skipped_question_starts_from_is_skipped_with_it(tiny: dict, capsys: pytest.CaptureFixture[str]) -> None:
+    check = notebook_checks("tiny", tiny)
+    check.skip("q-line")
+    assert capsys.readouterr().out.splitlines() == [
+        "– q-gain: skipped. It earns no marks. The notebook now has the reference's `a`.",
+        "– q-line: skipped. It earns no marks. It sets no variable for later steps.",
+    ]
+
+
+def test_a_function_without_end_is_stopped(tiny: dict, monkeypatch: pytest.MonkeyPatch) -> None:
+    def f(x: np.ndarray) -> np.ndarray:
+        while True:
+            with contextlib.suppress(Exception):
+                x = x + 0
+
+    monkeypatch.setattr("labsid.checks.notebook.CALL_SECONDS", 0.2)
+    tiny.update(a=3, f=f)
+    check = notebook_checks("tiny", tiny)
+    check("q-gain")
+    assert "`f` did not come to an end within 0.2 s" in failure(check, "q-line")
+
+
+def test_the_summary_without_a_notebook_names_every_question(tiny: dict, capsys: pytest.CaptureFixture[str]) -> None:
+    tiny["a"] = 3
+    check = notebook_checks("tiny", tiny)
+    check("q-gain")
+    check.summary()
+    lines = [line.split() for line in capsys.readouterr().out.splitlines()]
+    assert lines[2][:2] == ["✓", "q-gain"]
+    assert lines[3][:2] == ["·", "q-line"]
 
 
 def test_a_later_step_starts_from_the_value_that_passed(tiny: dict) -> None:
@@ -149,7 +237,8 @@ def test_what_is_not_there_is_said(tmp_path: Path, monkeypatch: pytest.MonkeyPat
     with pytest.raises(ValueError, match=r"no assignment 'lab-1'; there are .*lab-identification.*prelab-sinusoids"):
         notebook_checks("lab-1", {})
     monkeypatch.chdir(tmp_path)
-    with pytest.raises((ValueError, OSError), match=r"SysIdenData_StudentVersion\.mat"):
+    missing = r"SysIdenData_StudentVersion\.mat is not in .*\. Copy your data file into the folder of this notebook\."
+    with pytest.raises(ValueError, match=missing):
         notebook_checks("lab-identification", {})
     Path("SysIdenData_StudentVersion.mat").write_bytes(b"not a record")
     with pytest.raises(ValueError, match=r"SysIdenData_StudentVersion\.mat"):
@@ -227,7 +316,7 @@ def test_the_labs_first_check_on_its_record(record: Record, capsys: pytest.Captu
     assert "there is no variable `t` yet" in failure(check, "lab-1a-extract")
     variables.update(t=record.t, u_act=record.u, y_act=record.y_noise_reduced, y_actm=record.y_measured)
     check("lab-1a-extract")
-    assert capsys.readouterr().out.startswith("✓ lab-1a-extract: ")
+    assert capsys.readouterr().out.startswith("✓ lab-1a-extract")
     variables["y_act"], variables["u_act"] = variables["u_act"], variables["y_act"]
     failure(check, "lab-1a-extract")
 

@@ -359,18 +359,18 @@ def test_contributed_groups_and_commands(contributed, labsid, refused):
     def stop():
         raise typer.Exit(2)
 
-    def lab(folder: Path = Path()):
-        """Open the lab."""
+    def show(folder: Path = Path()):
+        """Show the folder."""
         raise ValueError(f"cannot open\n{folder}")
 
-    contributed(course=course, lab=lab)
+    contributed(course=course, show=show)
     out = labsid("--help")[1]
     assert "course    Run a course." in out
-    assert "lab       Open the lab." in out
+    assert "show      Show the folder." in out
     assert labsid("course", "build", "--jobs", "3") == (0, "built by 3\n", "")
     assert labsid("course", "stop") == (2, "", "")
     assert labsid("course", "--help")[1].startswith("Usage: labsid course")
-    assert refused("lab", "--folder", "x")[0] == "labsid: error: cannot open x\n"
+    assert refused("show", "--folder", "x")[0] == "labsid: error: cannot open x\n"
 
 
 def test_a_group_that_shows_its_help_without_a_command(contributed, labsid):
@@ -384,10 +384,10 @@ def test_a_group_that_shows_its_help_without_a_command(contributed, labsid):
 
 
 def test_a_command_whose_packages_are_missing_says_what_to_install(contributed, labsid, refused):
-    contributed(lab=ModuleNotFoundError("No module named 'jupyterlab'"), course=ImportError("no nbgrader"))
-    assert 'lab       (not installed: pip install "labsid[autograder]")' in labsid("--help")[1]
+    contributed(demo=ModuleNotFoundError("No module named 'jupyterlab'"), course=ImportError("no nbgrader"))
+    assert 'demo      (not installed: pip install "labsid[autograder]")' in labsid("--help")[1]
     line = "this command needs more packages (No module named 'jupyterlab'). Install them: pip install"
-    assert line in refused("lab", "--folder", "x", "y")[0]
+    assert line in refused("demo", "--folder", "x", "y")[0]
     assert "no nbgrader" in refused("course", "build")[0]
 
 

@@ -1,0 +1,57 @@
+"""The names that a cell assigns and those that it uses, read from its source."""
+
+import ast
+import builtins
+import symtable
+from collections.abc import Iterator
+
+from labsid.checks.permitted import without_magic
+
+
+def assigned_names(source: str) -> frozenset[str]:
+    """The variables of the notebook that a cell assigns or changes in place by an assignment, such as ``y[3] = 0``."""
+    tree = _parse(source)
+    return frozenset() if tree is None else frozenset(_assigned(tree))
+
+
+def used_names(source: str) -> frozenset[str]:
+    """The variables of the notebook that a cell uses, also inside its functions, and does not assign itself."""
+    if _parse(source) is None:
+        return frozenset()
+    top = symtable.symtable(without_magic(source), "cell", "exec")
+    own = {symbol.get_name() for symbol in top.get_symbols() if symbol.is_assigned() or symbol.is_imported()}
+    return frozenset(_globals_of(top)) - own - set(dir(builtins))
+
+
+def _parse(source: str) -> ast.Module | None:
+    try:
+        return ast.parse(without_magic(source))
+    except (SyntaxError, ValueError, RecursionError):
+        return None
+
+
+def _globals_of(table: symtable.SymbolTable) -> Iterator[str]:
+    for symbol in table.get_symbols():
+        if symbol.is_referenced() and (table.get_type() == "module" or symbol.is_global()):
+            yield symbol.get_name()
+    for inner in table.get_children():
+        yield from _globals_of(inner)
+
+
+def _assigned(node: ast.AST) -> Iterator[str]:
+    """Names that are assigned outside functions, classes and comprehensions."""
+    if isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef | ast.ClassDef):
+        yield node.name
+        return
+    if isinstance(node, ast.Lambda | ast.ListComp | ast.SetComp | ast.DictComp | ast.GeneratorExp):
+        return
+    if isinstance(node, ast.Import | ast.ImportFrom):
+        yield from (alias.asname or alias.name.partition(".")[0] for alias in node.names)
+    elif isinstance(node, ast.Name | ast.Attribute | ast.Subscript) and isinstance(node.ctx, ast.Store):
+        while isinstance(node, ast.Attribute | ast.Subscript):
+            node = node.value
+        if isinstance(node, ast.Name):
+            yield node.id
+        return
+    for inner in ast.iter_child_nodes(node):
+        yield from _assigned(inner)

@@ -1,0 +1,166 @@
+"""Whether a check looks at what the notebook will give at grading: every cell once, from top to bottom.
+
+In the notebook cells are run in any order, variables outlive the cells that made them, and the reference can be
+imported. Each function returns what is wrong in one or two sentences, and None if nothing is known to be wrong: where
+the notebook's program sends no ids of cells, or the file has not been saved, less is known.
+"""
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from labsid.checks.cell_names import used_names
+from labsid.checks.cell_runs import CellRun, CellRuns
+from labsid.checks.cells import Template, answer_id, is_stub
+from labsid.checks.notebook_file import NotebookFile
+from labsid.checks.permitted import WRITE_YOURSELF, is_taught, refused_lines
+from labsid.checks.time_limit import CELL_SECONDS
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class QuestionCells:
+    """The cells of a question among those of its notebook.
+
+    Attributes
+    ----------
+    question_id : str
+    runs : CellRuns
+        The cells that have been run.
+    file : NotebookFile or None
+        The notebook as last saved.
+    template : Template or None
+        The cells of the assignment, saved or released.
+    variables : mapping
+        The notebook's variables.
+    """
+
+    question_id: str
+    runs: CellRuns
+    file: NotebookFile | None
+    template: Template | None
+    variables: Mapping[str, Any]
+
+    @property
+    def answer(self) -> CellRun | None:
+        """The last run of the answer cell."""
+        return self.runs.last(answer_id(self.question_id))
+
+    @property
+    def has_ids(self) -> bool:
+        """Whether the notebook's program sends the ids that the notebook's file has; some send ids of their own."""
+        known = {cell.id for cell in self.template.cells} if self.template is not None else set()
+        return not self.runs.cell_ids.isdisjoint(known | set(self.file.sources if self.file is not None else ()))
+
+    def not_run(self) -> str | None:
+        """The answer cell failed, took too long, or was not run as it now is."""
+        run = self.answer
+        saved = None if self.file is None else self.file.sources.get(answer_id(self.question_id))
+        if run is None:
+            if not self.has_ids or saved is None or is_stub(saved):
+                return None
+            return "its answer cell has not been run since the kernel was started. Run it, then this check."
+        if run.error.startswith("KeyboardInterrupt"):
+            return (
+                f"its answer cell was interrupted after {run.seconds:.0f} s. Grading stops a cell after "
+                f"{CELL_SECONDS:g} s: look for a loop whose condition never becomes false."
+            )
+        if run.error:
+            return (
+                f"its answer cell stopped with {run.error.rstrip('.')}. Correct that and run the cell, then this check."
+            )
+        is_newer = self.file is not None and self.file.saved > run.ended
+        if is_newer and saved is not None and saved.strip() != run.source.strip():
+            return "its answer cell was changed after it was last run. Run it, then this check."
+        if run.seconds > CELL_SECONDS:
+            return f"its answer cell took {run.seconds:.0f} s; grading stops a cell after {CELL_SECONDS:g} s."
+        return None
+
+    def refused(self) -> str | None:
+        """The answer uses what grading refuses."""
+        run = self.answer
+        sources = [] if run is None else [run.source]
+        for name in () if run is None else sorted(used_names(run.source)):
+            if is_taught(self.variables.get(name)):
+                return f"it uses `{name}`, which is the taught function itself. Grading refuses it: {WRITE_YOURSELF}."
+            made = self.runs.assigning(name)
+            if made and self._is_own(made[-1]):
+                sources.append(made[-1].source)
+        return next((text for source in sources for text in refused_lines(source, self.variables)), None)
+
+    def wrong_origin(self, name: str, is_right: bool) -> str | None:
+        """A variable that the check reads is not the one that the cells above it make.
+
+        A right value that both the answer and a given cell further down make is no concern.
+        """
+        made = self.runs.assigning(name)
+        if not made or not self.has_ids:
+            return None
+        last, run = made[-1], self.answer
+        if is_taught(self.variables.get(name)):
+            return f"`{name}` is the taught function itself. Grading refuses it: {WRITE_YOURSELF}."
+        if run is not None and last.cell_id == run.cell_id and last is not run and name not in run.assigned:
+            return f"`{name}` is from an earlier run of the answer cell; as the cell is now, it does not make `{name}`."
+        if self._is_below(last):
+            where = self._name_of(last)
+            if run is not None and name in run.assigned:
+                if is_right and self._is_given(last):
+                    return None
+                return f"`{name}` was set anew further down, by {where}. Run the answer cell again, then this check."
+            return (
+                f"`{name}` is made further down, by {where}. Grading runs the cells from top to bottom and looks at "
+                f"`{name}` here: move that code into the answer cell above this check."
+            )
+        if self._is_gone(last):
+            return (
+                f"`{name}` was made by a cell that is no longer in the notebook. Make it in the answer cell, and run "
+                "that cell, then this check."
+            )
+        return None
+
+    def made_below(self) -> str | None:
+        """The answer uses a variable that only a cell further down makes."""
+        run = self.answer
+        for name in () if run is None or not self.has_ids else sorted(used_names(run.source)):
+            made = self.runs.assigning(name)
+            if made and name not in self.runs.first_names and all(map(self._is_below, made)):
+                return (
+                    f"the answer uses `{name}`, which only {self._name_of(made[-1])} further down makes. Grading runs "
+                    "the cells from top to bottom: make it above."
+                )
+        return None
+
+    def remark(self, names: Iterable[str]) -> str:
+        """A remark for a right answer: it comes from a cell of the student's whose place is not known."""
+        if self.has_ids:
+            for name in names:
+                made = self.runs.assigning(name)
+                if made and self._is_own(made[-1]) and self._position(made[-1].cell_id) is None:
+                    return f"`{name}` is made in a cell of your own: it counts if that cell stands above this check."
+        return ""
+
+    def _position(self, cell_id: str | None) -> int | None:
+        if self.file is not None:
+            return self.file.position(cell_id)
+        order = [] if self.template is None else [cell.id for cell in self.template.cells]
+        return order.index(cell_id) if cell_id in order else None
+
+    def _is_below(self, run: CellRun) -> bool:
+        place, here = self._position(run.cell_id), self._position(self.question_id)
+        return place is not None and here is not None and place > here
+
+    def _is_own(self, run: CellRun) -> bool:
+        known = () if self.template is None else self.template.cells
+        return run.cell_id is not None and all(cell.id != run.cell_id for cell in known)
+
+    def _is_given(self, run: CellRun) -> bool:
+        known = () if self.template is None else self.template.cells
+        return any(cell.id == run.cell_id and cell.kind in ("given", "demonstration") for cell in known)
+
+    def _is_gone(self, run: CellRun) -> bool:
+        file = self.file
+        return (
+            file is not None and run.cell_id is not None and file.saved > run.ended and run.cell_id not in file.sources
+        )
+
+    def _name_of(self, run: CellRun) -> str:
+        return "a cell of your own" if self._is_own(run) else f"the cell {run.cell_id}"

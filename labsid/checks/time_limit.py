@@ -1,0 +1,46 @@
+"""Limits of time on students' cells and functions, the same in the notebook and at grading."""
+
+import contextlib
+import signal
+import threading
+from collections.abc import Iterator
+from typing import Any
+
+CELL_SECONDS = 30.0
+"""Longest run of one cell, in seconds."""
+
+CALL_SECONDS = 10.0
+"""Longest call of a student's function by a check, in seconds."""
+
+SUBMISSION_SECONDS = 300.0
+"""Longest run of all cells of a notebook, in seconds."""
+
+
+class OutOfTime(BaseException):
+    """A call took longer than its limit; not an `Exception`, which the function may catch."""
+
+
+@contextlib.contextmanager
+def limit_time(seconds: float) -> Iterator[None]:
+    """Raise `OutOfTime` in the block after so many seconds.
+
+    Without effect where the system has no timer signal (Windows), in any thread but the first, and while another
+    program uses that signal.
+    """
+    if not hasattr(signal, "setitimer") or threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    if signal.getsignal(signal.SIGALRM) not in (signal.SIG_DFL, signal.SIG_IGN):
+        yield
+        return
+
+    def stop(number: int, frame: Any) -> None:
+        raise OutOfTime
+
+    previous = signal.signal(signal.SIGALRM, stop)
+    signal.setitimer(signal.ITIMER_REAL, seconds)
+    try:
+        yield
+    finally:
+        signal.setitimer(signal.ITIMER_REAL, 0)
+        signal.signal(signal.SIGALRM, previous)

@@ -1,0 +1,174 @@
+"""A notebook run from a clean start, as grading runs it: every cell once, from top to bottom, on public inputs.
+
+An error costs its own cell. After a wrong step the run goes on from the reference's values, so that a wrong step costs
+only its own marks.
+"""
+
+import shutil
+import tempfile
+import time
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import ExitStack
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from labsid.checks.cells import Cell, Template, answer_id, grade_id_of, is_stub
+from labsid.checks.notebook import load_assignment
+from labsid.checks.summary import FAILED, NOT_DONE, QuestionState, states_of
+from labsid.checks.time_limit import CALL_SECONDS, CELL_SECONDS, SUBMISSION_SECONDS
+from labsid.hand_in.kernel import CellOutcome, NotebookKernel
+
+_CHECK_SECONDS = 3 * CALL_SECONDS
+
+
+@dataclass(frozen=True, slots=True)
+class CleanRun:
+    """What the checks found in a clean run.
+
+    Attributes
+    ----------
+    states : tuple of QuestionState
+        One for each question.
+    reasons : mapping
+        Why a question is not right, by its id.
+    """
+
+    states: tuple[QuestionState, ...]
+    reasons: Mapping[str, str]
+
+
+@dataclass(frozen=True, slots=True)
+class _Step:
+    """A code cell to run, with its template's cell; None for a cell of the student's own."""
+
+    cell_id: str
+    source: str
+    known: Cell | None
+
+
+def run_from_clean_start(
+    cells: Sequence[Mapping[str, Any]], template: Template, notebook: Path, cell_seconds: float = CELL_SECONDS
+) -> CleanRun:
+    """Run the cells of a notebook in a kernel of their own.
+
+    Parameters
+    ----------
+    cells : sequence of mapping
+        The student's cells, as `plain_cells` reads them.
+    template : Template
+        The assignment as it was released.
+    notebook : Path
+        The notebook's file; of the files beside it, the run has the data file alone, as grading does.
+    cell_seconds : float
+        Longest run of a cell, in seconds.
+
+    Returns
+    -------
+    CleanRun
+
+    Raises
+    ------
+    ValueError
+        If no kernel can be started.
+    """
+    steps = list(_steps(cells, template))
+    with tempfile.TemporaryDirectory(prefix="labsid-") as scratch, _Runner(Path(scratch), cell_seconds) as runner:
+        shutil.copyfile(notebook, Path(scratch) / f"{template.assignment}.ipynb")
+        record = load_assignment(template.assignment).record_file
+        if record is not None and (notebook.parent / record).is_file():
+            shutil.copyfile(notebook.parent / record, Path(scratch) / record)
+        for step in steps:
+            runner.run(step)
+        answers = {step.cell_id: step.source for step in steps}
+        for question, state in runner.found.items():
+            if state == FAILED and is_stub(answers.get(answer_id(question), "")):
+                runner.found[question] = NOT_DONE
+        texts = {grade_id_of(cell): cell["source"] for cell in reversed(cells)}
+        return CleanRun(states_of(template.questions, runner.found, texts), runner.reasons)
+
+
+def _steps(cells: Sequence[Mapping[str, Any]], template: Template) -> Iterator[_Step]:
+    """The code cells in the order of the template; given cells and checks as they were released."""
+    known = {cell.id for cell in template.cells}
+    answers: dict[str, Mapping[str, Any]] = {}
+    own: dict[str, list[Mapping[str, Any]]] = {}
+    anchor = ""
+    for cell in cells:
+        grade_id = grade_id_of(cell)
+        if grade_id in known and grade_id not in answers:
+            answers[grade_id] = cell
+            anchor = grade_id
+        elif cell["cell_type"] == "code":
+            own.setdefault(anchor, []).append(cell)
+    yield from (_Step(str(cell["id"]), cell["source"], None) for cell in own.get("", ()))
+    for wanted in template.cells:
+        if wanted.code:
+            mine = answers.get(wanted.id)
+            is_answer = wanted.kind in ("answer", "manual")
+            source = (mine["source"] if mine is not None else "") if is_answer else wanted.source
+            yield _Step(wanted.id if mine is None else str(mine["id"]), source, wanted)
+        yield from (_Step(str(cell["id"]), cell["source"], None) for cell in own.get(wanted.id, ()))
+
+
+class _Runner:
+    """Runs steps in a kernel; one that ends is replaced by one that has run the steps before, without the last."""
+
+    def __init__(self, folder: Path, cell_seconds: float) -> None:
+        self.found: dict[str, str] = {}
+        self.reasons: dict[str, str] = {}
+        self._folder = folder
+        self._cell_seconds = cell_seconds
+        self._done: list[tuple[str, str | None]] = []
+        self._stack = ExitStack()
+        self._kernel: NotebookKernel | None = None
+        self._deadline = time.monotonic() + SUBMISSION_SECONDS
+        self._lost = ""
+
+    def __enter__(self) -> "_Runner":
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self._stack.close()
+
+    def run(self, step: _Step) -> None:
+        """Run a step and note what the checks in it found."""
+        question = step.known.id if step.known is not None and step.known.kind == "question" else ""
+        left = self._deadline - time.monotonic()
+        if left <= 0:
+            if question:
+                self._fail(
+                    question, f"the cells before took longer than {SUBMISSION_SECONDS:g} s, the limit at grading."
+                )
+            return
+        allowed = self._cell_seconds if not question else _CHECK_SECONDS
+        outcome = self._run(step.source, step.cell_id, min(left, allowed))
+        self.found.update((one["question"], one["state"]) for one in outcome.outcomes)
+        if not question:
+            return
+        if outcome.error:
+            said = outcome.text if outcome.error == "CheckFailed" else f"{question}: {outcome.error} {outcome.text}"
+            self._fail(question, f"{question}: {self._lost}" if self._lost else said)
+            self._run(f"check.skip({question!r})", None, _CHECK_SECONDS)
+        self._lost = ""
+
+    def _fail(self, question: str, reason: str) -> None:
+        self.found[question] = FAILED
+        self.reasons[question] = reason
+
+    def _run(self, source: str, cell_id: str | None, seconds: float) -> CellOutcome:
+        outcome = self._open().run(source, cell_id, seconds)
+        if not outcome.lost:
+            self._done.append((source, cell_id))
+            return outcome
+        self._lost = f"its cell was stopped after {seconds:g} s, or ended the kernel ({outcome.text})."
+        self._stack.close()
+        self._kernel = None
+        for again, again_id in self._done:
+            self._open().run(again, again_id, self._cell_seconds)
+        return outcome
+
+    def _open(self) -> NotebookKernel:
+        if self._kernel is None:
+            self._kernel = self._stack.enter_context(NotebookKernel(self._folder))
+        return self._kernel

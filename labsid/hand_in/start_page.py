@@ -1,0 +1,122 @@
+"""The page on which a release opens: the assignments in order, how a notebook works, how far one is, how to hand in."""
+
+import json
+from collections.abc import Mapping, Sequence
+from decimal import Decimal
+
+from labsid.checks.cells import Template
+from labsid.checks.permitted import RULE
+from labsid.checks.summary import decimal_text
+from labsid.checks.time_limit import CELL_SECONDS
+from labsid.checks.timetable import HOURS
+
+DATA_BESIDE = "The data files are beside the notebooks that use them."
+
+_INTRODUCTION = """\
+# System identification: start here
+
+{table}
+
+Work from top to bottom: each assignment uses what the ones before it teach. Open a notebook by its link, or in the file
+browser on the left. The hours are an estimate for a student who reads all of the text.
+
+{data}"""
+
+_WORK = """\
+## How a notebook works
+
+- Write your answer into the cell that asks for it, run it (Shift+Enter), and run the *check* below it. A check answers
+  at once: ✓ if the step is right, ✗ and the reason if it is not. You may run it as often as you like.
+- **Stuck?** `check.skip("name-of-the-check")` in a new cell below goes on from the reference's values on your own data.
+  The step that you skip earns nothing; the steps after it do.
+- `check.summary()`, the last cell of each notebook, lists every question with its marks.
+- *Run > Restart Kernel and Run All Cells* runs a notebook as grading does: from an empty start, every cell once, from
+  top to bottom. It reaches the end even if some steps are not done.
+
+## What your answers may use
+
+{rule}"""
+
+_PROGRESS = """\
+## How far you are
+
+Run the cell below (Shift+Enter). It reads the notebooks as they were last saved."""
+
+_HAND_IN = """\
+## Hand in
+
+Save your notebooks, then run this in a terminal (*File > New > Terminal*), in this folder:
+
+    labsid submit
+
+It runs each notebook that you have changed from a clean start, as grading does, shows what is right and what is not,
+and writes `hand-in.zip`, the file to hand in. `labsid submit --assignment NAME` does so for one assignment. Notebooks
+that you have not touched are left out."""
+
+
+def start_text(templates: Sequence[Template], due: Mapping[str, str], data: str) -> str:
+    """The start page as Markdown, without the part that only works in Jupyter.
+
+    Parameters
+    ----------
+    templates : sequence of Template
+        The released assignments, in order.
+    due : mapping
+        When an assignment is due, as text, by its name; may be empty.
+    data : str
+        A sentence on the data files.
+
+    Returns
+    -------
+    str
+    """
+    return "\n\n".join([_INTRODUCTION.format(table=_table(templates, due), data=data), _work(), _HAND_IN]) + "\n"
+
+
+def start_notebook(templates: Sequence[Template], due: Mapping[str, str], data: str) -> bytes:
+    """The start page as a notebook; see `start_text`."""
+    introduction = _INTRODUCTION.format(table=_table(templates, due), data=data)
+    texts = {"introduction": introduction, "work": _work(), "progress": _PROGRESS}
+    cells: list[dict[str, object]] = [_markdown(name, text) for name, text in texts.items()]
+    cells.append(
+        {
+            "cell_type": "code",
+            "execution_count": None,
+            "id": "how-far",
+            "metadata": {},
+            "outputs": [],
+            "source": ["from labsid.hand_in import show_progress\n", "\n", "show_progress()"],
+        }
+    )
+    cells.append(_markdown("hand-in", _HAND_IN))
+    notebook = {
+        "cells": cells,
+        "metadata": {
+            "kernelspec": {"display_name": "Python 3", "language": "python", "name": "python3"},
+            "language_info": {"name": "python"},
+        },
+        "nbformat": 4,
+        "nbformat_minor": 5,
+    }
+    return (json.dumps(notebook, indent=1, ensure_ascii=False) + "\n").encode()
+
+
+def _markdown(name: str, text: str) -> dict[str, object]:
+    return {"cell_type": "markdown", "id": name, "metadata": {}, "source": text.splitlines(keepends=True)}
+
+
+def _work() -> str:
+    return _WORK.format(rule=RULE.format(seconds=CELL_SECONDS))
+
+
+def _table(templates: Sequence[Template], due: Mapping[str, str]) -> str:
+    has_due = any(template.assignment in due for template in templates)
+    head = ["", "assignment", "hours", "marks", *(["due"] if has_due else [])]
+    rows = [head, [":--", ":--", "--:", "--:", *([":--"] if has_due else [])]]
+    for number, template in enumerate(templates, 1):
+        name = template.assignment
+        marks = sum((cell.points or Decimal(0) for cell in template.questions), Decimal(0))
+        link = f"[{template.title}]({name}/{name}.ipynb)"
+        hours = f"{HOURS[name]:g}" if name in HOURS else ""
+        rows.append([str(number), link, hours, decimal_text(marks), *([due.get(name, "")] if has_due else [])])
+    return "\n".join(f"| {' | '.join(row)} |" for row in rows)

@@ -1,0 +1,114 @@
+"""The file to hand in: notebooks examined in a clean run, and packed."""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from labsid._files import write_file, zip_bytes
+from labsid.checks.notebook import assignment_names, load_assignment
+from labsid.checks.summary import FAILED, NOT_DONE, SIGNS, SKIPPED, summary_text
+from labsid.hand_in.clean_run import CleanRun, run_from_clean_start
+from labsid.hand_in.saved_work import SavedNotebook, notebook_paths, read_saved
+
+_MAX_RECORD_BYTES = 16 * 1024 * 1024
+
+
+@dataclass(frozen=True, slots=True)
+class WorkFound:
+    """The notebooks of a work folder.
+
+    Attributes
+    ----------
+    to_hand_in, untouched : tuple of SavedNotebook
+    remarks : tuple of str
+        On files that are not included.
+    """
+
+    to_hand_in: tuple[SavedNotebook, ...]
+    untouched: tuple[SavedNotebook, ...]
+    remarks: tuple[str, ...]
+
+
+def find_work(folder: Path, assignment: str | None = None) -> WorkFound:
+    """Find the notebooks to hand in.
+
+    Parameters
+    ----------
+    folder : Path
+        The work folder.
+    assignment : str, optional
+        Only this assignment.
+
+    Returns
+    -------
+    WorkFound
+
+    Raises
+    ------
+    ValueError
+        If there is no such notebook, one cannot be read, or all are as they were released.
+    """
+    paths = [path for path in notebook_paths(folder) if assignment in (None, path.parent.name)]
+    notebooks = [read_saved(path) for path in paths if path.stem == path.parent.name]
+    if not notebooks:
+        expected = f"{assignment}/{assignment}.ipynb" if assignment else "<assignment>/<assignment>.ipynb"
+        raise ValueError(f"{folder} contains no notebooks. Expected {expected} below it.")
+    remarks = tuple(
+        f"{path.parent.name}/{path.name} is not included: the notebook of this folder is {path.parent.name}.ipynb"
+        for path in paths
+        if path.stem != path.parent.name
+    )
+    begun = tuple(notebook for notebook in notebooks if not notebook.is_untouched)
+    if not begun:
+        names = ", ".join(notebook.name for notebook in notebooks)
+        raise ValueError(f"there is nothing to hand in: {names} as released, without an answer. Save your notebooks.")
+    return WorkFound(begun, tuple(one for one in notebooks if one.is_untouched), remarks)
+
+
+def run_notebook(notebook: SavedNotebook) -> CleanRun | None:
+    """Run a notebook from a clean start; None if its assignment has no checks."""
+    if notebook.name not in assignment_names():
+        return None
+    return run_from_clean_start(notebook.cells, notebook.template, notebook.path)
+
+
+def run_text(notebook: SavedNotebook, run: CleanRun | None) -> Iterator[str]:
+    """The lines on a clean run: the table of marks, then the reason of each question that is not right."""
+    if run is None:
+        yield f"{notebook.name}: it has no checks, so it was not run."
+        return
+    yield summary_text(f"{notebook.name}, run from a clean start:", run.states)
+    for one in run.states:
+        if one.state == FAILED:
+            yield f"{SIGNS[FAILED]} {run.reasons.get(one.question.id, one.question.id)}"
+
+
+def open_questions(runs: Sequence[CleanRun | None]) -> int:
+    """The number of questions that are not right, skipped or not done."""
+    states = [one.state for run in runs if run is not None for one in run.states]
+    return sum(state in (FAILED, SKIPPED, NOT_DONE) for state in states)
+
+
+def pack(notebooks: Sequence[SavedNotebook], out: Path) -> None:
+    """Zip notebooks with the data files on which they were made.
+
+    Parameters
+    ----------
+    notebooks : sequence of SavedNotebook
+    out : Path
+        The zip file, written atomically; the same work gives the same bytes.
+    """
+    files: dict[str, bytes] = {}
+    for notebook in notebooks:
+        files[f"{notebook.name}/{notebook.path.name}"] = notebook.data
+        record = _record_beside(notebook.path)
+        if record is not None:
+            files[f"{notebook.name}/{record.name}"] = record.read_bytes()
+    write_file(out, zip_bytes(files))
+
+
+def _record_beside(notebook: Path) -> Path | None:
+    """The data file beside a notebook; it is handed in to show on which record the notebook was made."""
+    name = load_assignment(notebook.stem).record_file if notebook.stem in assignment_names() else None
+    path = notebook.parent / (name or "")
+    return path if name is not None and path.is_file() and path.stat().st_size <= _MAX_RECORD_BYTES else None

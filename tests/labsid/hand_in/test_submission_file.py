@@ -1,0 +1,222 @@
+"""What is handed in: notebooks with work in them, run from a clean start, with the words of the notebook."""
+
+import json
+import shutil
+import zipfile
+from pathlib import Path
+
+import nbformat
+import pytest
+
+from autograder.course.layout import RECORD_FILE, Course
+from labsid.cli.commands import main
+from labsid.hand_in.clean_run import run_from_clean_start
+from labsid.hand_in.progress import show_progress
+from labsid.hand_in.saved_work import read_saved
+from labsid.hand_in.submission_file import find_work, pack, run_notebook, run_text
+
+PRELAB, LAB, POSTLAB = "prelab-sinusoids", "lab-identification", "postlab-model-order"
+
+
+@pytest.fixture
+def work(released: Course, tmp_path: Path) -> Path:
+    """A work folder with all assignments as they are released."""
+    shutil.copytree(released.release, tmp_path / "work")
+    return tmp_path / "work"
+
+
+def answer(path: Path, **answers: str) -> None:
+    """Write answers into a notebook, as Jupyter would."""
+    notebook = json.loads(path.read_text(encoding="utf-8"))
+    for cell in notebook["cells"]:
+        text = answers.get(cell["id"].replace("-", "_"))
+        if text is not None:
+            cell["source"] = text.splitlines(keepends=True)
+    path.write_text(json.dumps(notebook), encoding="utf-8")
+
+
+def test_an_untouched_notebook_is_not_handed_in(work: Path) -> None:
+    with pytest.raises(ValueError, match=f"there is nothing to hand in: {PRELAB}, {LAB}, {POSTLAB} as released"):
+        find_work(work)
+    answer(work / LAB / f"{LAB}.ipynb", lab_3b_start="It starts from rest.")
+    found = find_work(work)
+    assert [one.name for one in found.to_hand_in] == [LAB]
+    assert [one.name for one in found.untouched] == [PRELAB, POSTLAB]
+
+
+def test_a_run_and_saved_notebook_without_an_answer_is_untouched(work: Path) -> None:
+    path = work / PRELAB / f"{PRELAB}.ipynb"
+    notebook = nbformat.read(path, as_version=4)
+    for cell in notebook.cells:
+        if cell.cell_type == "code":
+            cell.outputs = [nbformat.v4.new_output("stream", text="Ellipsis")]
+            cell.execution_count = 1
+    notebook.cells.append(nbformat.v4.new_code_cell(""))
+    nbformat.write(notebook, path)
+    assert read_saved(path).is_untouched
+    notebook.cells[-1].source = "t = 3"
+    nbformat.write(notebook, path)
+    assert not read_saved(path).is_untouched
+
+
+def test_the_hand_in_holds_the_notebooks_their_record_and_nothing_else(work: Path, tmp_path: Path) -> None:
+    (work / LAB / ".ipynb_checkpoints").mkdir()
+    (work / LAB / ".ipynb_checkpoints" / f"{LAB}-checkpoint.ipynb").touch()
+    (work / "notes.txt").touch()
+    for name, one in ((LAB, "lab_1a_extract_answer"), (PRELAB, "prelab_1_time_answer")):
+        answer(work / name / f"{name}.ipynb", **{one: "t = 1"})
+    found = find_work(work)
+    assert found.remarks == ()
+    for out in ("one.zip", "two.zip"):
+        pack(found.to_hand_in, tmp_path / out)
+        for path in work.rglob("*.ipynb"):
+            path.touch()
+    with zipfile.ZipFile(tmp_path / "one.zip") as archive:
+        assert archive.testzip() is None
+        expected = [f"{LAB}/{LAB}.ipynb", f"{LAB}/{RECORD_FILE}", f"{PRELAB}/{PRELAB}.ipynb"]
+        assert sorted(archive.namelist()) == sorted(expected)
+        for inside in expected:
+            assert archive.read(inside) == (work / inside).read_bytes()
+    assert (tmp_path / "one.zip").read_bytes() == (tmp_path / "two.zip").read_bytes()
+    assert [one.name for one in find_work(work, LAB).to_hand_in] == [LAB]
+
+
+def test_a_notebook_of_another_name_is_said_to_be_left_out(work: Path) -> None:
+    answer(work / PRELAB / f"{PRELAB}.ipynb", prelab_1_time_answer="t = 1")
+    (work / LAB / f"{LAB}.ipynb").rename(work / LAB / "final version.ipynb")
+    expected = f"{LAB}/final version.ipynb is not included: the notebook of this folder is {LAB}.ipynb"
+    assert find_work(work).remarks == (expected,)
+
+
+@pytest.mark.parametrize(
+    "content",
+    [
+        pytest.param(b"", id="empty"),
+        pytest.param(b'{"cells": [', id="cut off"),
+        pytest.param(b"\x89PNG\xff", id="binary"),
+        pytest.param(b"[]", id="a list"),
+        pytest.param(b"{}", id="no cells"),
+        pytest.param(b'{"cells": 3}', id="cells that are a number"),
+        pytest.param(b'{"cells": [3]}', id="a cell that is a number"),
+        pytest.param(b'{"cells": [{"cell_type": "code", "metadata": {}}]}', id="a cell without source"),
+        pytest.param(
+            b'{"cells": [{"cell_type": "code", "source": "", "metadata":'
+            b'{"nbgrader": {"grade_id": "a", "grade": true, "points": "x"}}}]}',
+            id="points of text",
+        ),
+        pytest.param(b"[" * 100_000, id="nesting without end"),
+    ],
+)
+def test_a_notebook_that_cannot_be_read_is_not_handed_in(work: Path, content: bytes) -> None:
+    (work / PRELAB / f"{PRELAB}.ipynb").write_bytes(content)
+    said = r"prelab-sinusoids.ipynb is not a readable notebook \(\w+\)\. Open it"
+    with pytest.raises(ValueError, match=said) as error:
+        find_work(work)
+    assert "\n" not in str(error.value)
+    assert "is not a readable notebook" in repr(show_progress(work))
+
+
+def test_a_notebook_of_somebody_else_is_not_handed_in(work: Path) -> None:
+    content = '{"cells": [{"cell_type": "code", "source": "a = 3", "metadata": {}}], "nbformat": 4}'
+    (work / LAB / f"{LAB}.ipynb").write_text(content, encoding="utf-8")
+    with pytest.raises(ValueError, match="contains no cell of the assignment"):
+        find_work(work)
+
+
+def test_an_empty_folder_is_said(tmp_path: Path) -> None:
+    for folder in (tmp_path, tmp_path / "nosuch"):
+        with pytest.raises(ValueError, match="contains no notebooks"):
+            find_work(folder)
+    with pytest.raises(ValueError, match=r"Expected step-response/step-response\.ipynb below it"):
+        find_work(tmp_path, "step-response")
+
+
+# ---- the clean run
+
+
+@pytest.mark.slow
+def test_a_wrong_step_costs_its_own_marks_alone(solve) -> None:
+    path = solve(
+        LAB,
+        lab_1c_offsets_answer="y_offset, u_offset = 1.0, 1.0\ny, u = y_act - 1, u_act - 1",
+        lab_2a_phi_answer="Phi = undefined",
+        lab_2b_theta_answer=None,
+    )
+    saved = read_saved(path)
+    run = run_notebook(saved)
+    states = {one.question.id: one.state for one in run.states}
+    wrong = {question: state for question, state in states.items() if state not in ("right", "marked by hand")}
+    assert wrong == {"lab-1c-offsets": "not right", "lab-2a-phi": "not right", "lab-2b-theta": "not done"}
+    shown = "\n".join(run_text(saved, run))
+    assert "Total: 1.4 of 2 marks; 0.1 of them are given by hand" in shown
+    assert (
+        "✗ lab-2a-phi (2a. Build Φ; 0.2 marks): its answer cell stopped with NameError: name 'undefined' is not "
+        "defined. Correct that and run the cell, then this check."
+    ) in shown.splitlines()
+
+
+@pytest.mark.slow
+def test_what_passes_only_in_a_used_notebook_is_found(solve) -> None:
+    """An answer below its check, a variable from further down, and given cells that the student has changed."""
+    path = solve(PRELAB, prelab_1_time_answer=None, prelab_4_matrix_answer="data_new = later")
+    notebook = nbformat.read(path, as_version=4)
+    place = {cell.id: i for i, cell in enumerate(notebook.cells)}
+    notebook.cells[place["prelab-3-cut"]].source = "print('all right')"
+    below = "later = np.hstack([t_new, y1_new, y2_new])"
+    notebook.cells.insert(place["prelab-4-function"] + 1, nbformat.v4.new_code_cell(below))
+    right = "t = np.linspace(0, 100, 1001).reshape(-1, 1)"
+    notebook.cells.insert(place["prelab-1-time"] + 1, nbformat.v4.new_code_cell(right))
+    nbformat.write(notebook, path)
+    states = {one.question.id: one.state for one in run_notebook(read_saved(path)).states}
+    assert states["prelab-1-time"] == "not done"
+    assert states["prelab-4-matrix"] == "not right"
+    assert states["prelab-2-noise"] == states["prelab-3-cut"] == states["prelab-6-cut-off"] == "right"
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("line", ["while True: pass", "import os; os._exit(1)"])
+def test_an_endless_loop_and_a_kernel_that_ends_cost_their_cell_alone(line: str, solve) -> None:
+    path = solve(PRELAB, prelab_4_function_answer=line)
+    saved = read_saved(path)
+    run = run_from_clean_start(saved.cells, saved.template, saved.path, cell_seconds=2)
+    states = {one.question.id: one.state for one in run.states}
+    assert [one for one, state in states.items() if state == "not right"] == ["prelab-4-function"]
+    assert list(states.values()).count("right") == len(states) - 2
+
+
+@pytest.mark.slow
+def test_submit_asks_before_it_writes_what_is_not_right(
+    released: Course, work: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    out = tmp_path / "hand-in.zip"
+    answer(work / PRELAB / f"{PRELAB}.ipynb", prelab_1_time_answer="t = np.linspace(0, 100, 1001).reshape(-1, 1)")
+    command = ["submit", "--folder", str(work), "--out", str(out)]
+    assert main(command) == 2
+    shown = capsys.readouterr()
+    assert "7 questions are not right or not done." in shown.err
+    assert "to write it all the same, add --yes" in shown.err
+    assert not out.exists()
+    assert main([*command, "--yes", "--assignment", PRELAB]) == 0
+    shown = capsys.readouterr()
+    lines = [" ".join(line.split()) for line in shown.out.splitlines()]
+    assert "✓ prelab-1-time 0.1 of 0.1 right 1. A column vector of time" in lines
+    assert "· prelab-3-cut 0 of 0.15 not done 3. Cut off the first 200 samples" in lines
+    assert "Total: 0.1 of 1 marks; 0.05 of them are given by hand" in lines
+    assert lines[-1] == f"Hand in this file: {out} ({PRELAB})"
+    with zipfile.ZipFile(out) as archive:
+        assert archive.namelist() == [f"{PRELAB}/{PRELAB}.ipynb"]
+
+
+@pytest.mark.slow
+def test_the_start_page_tells_how_far_one_is(jupyter) -> None:
+    jupyter.answer("prelab-1-time", "t = np.linspace(0, 100, 1001).reshape(-1, 1)")
+    cell = jupyter.cell("prelab-1-time")
+    outcome = {"labsid": {"question": "prelab-1-time", "state": "right"}}
+    cell["outputs"] = [{"output_type": "display_data", "data": {"text/plain": "✓"}, "metadata": outcome}]
+    failed = jupyter.cell("prelab-2-noise")
+    failed["outputs"] = [{"output_type": "error", "ename": "CheckFailed", "evalue": "no", "traceback": []}]
+    jupyter.save()
+    shown = show_progress(jupyter.path.parent.parent)
+    expected = "0.1 of 1 marks; 0.05 of them are given by hand (1 right, 1 not right, 6 not done)"
+    assert [(row.name, row.said) for row in shown.rows] == [(PRELAB, expected)]
+    assert expected in shown._repr_html_()
