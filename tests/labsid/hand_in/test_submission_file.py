@@ -1,5 +1,6 @@
 """What is handed in: notebooks with work in them, run from a clean start, with the words of the notebook."""
 
+import io
 import json
 import shutil
 import zipfile
@@ -205,6 +206,28 @@ def test_submit_asks_before_it_writes_what_is_not_right(
     assert lines[-1] == f"Hand in this file: {out} ({PRELAB})"
     with zipfile.ZipFile(out) as archive:
         assert archive.namelist() == [f"{PRELAB}/{PRELAB}.ipynb"]
+
+
+class Terminal(io.StringIO):
+    """What a student types."""
+
+    def isatty(self) -> bool:
+        return True
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("typed", "status"), [("n\n", 2), ("y\n", 0)])
+def test_at_a_terminal_submit_asks(
+    typed: str, status: int, work: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys
+) -> None:
+    out = tmp_path / "hand-in.zip"
+    answer(work / PRELAB / f"{PRELAB}.ipynb", prelab_1_time_answer="t = 3")
+    monkeypatch.setattr("sys.stdin", Terminal(typed))
+    assert main(["submit", "--folder", str(work), "--out", str(out)]) == status
+    shown = capsys.readouterr()
+    assert f"8 questions are not right or not done. Write {out} all the same?" in shown.out
+    assert out.exists() == (status == 0)
+    assert (f"{out} was not written." in shown.err) == (status == 2)
 
 
 @pytest.mark.slow
