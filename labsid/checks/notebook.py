@@ -160,7 +160,10 @@ class notebook_checks:  # noqa: N801  (called like a function, once, at the top 
     def summary(self) -> None:
         """Show every question of the assignment: right, not right, skipped or not done, with its marks."""
         file = open_notebook(self._assignment.name)
-        states = states_of(self._questions(), self._states, {} if file is None else file.sources)
+        questions = self._questions()
+        by_hand = {cell.id for cell in questions if cell.kind == "manual"}  # of the others, the cells as run are known
+        saved = {} if file is None else {name: text for name, text in file.sources.items() if name in by_hand}
+        states = states_of(questions, self._states, saved)
         title = f"{self._assignment.name}: what the checks found in this run of the notebook"
         self._display(summary_text(title, states), summary_html(title, states), {})
 

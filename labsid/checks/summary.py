@@ -6,7 +6,7 @@ from decimal import Decimal
 from html import escape
 from itertools import groupby
 
-from labsid.checks.cells import Cell, is_stub
+from labsid.checks.cells import Cell, answer_id, is_stub
 
 PASSED, FAILED, SKIPPED, NOT_DONE, BY_HAND = "right", "not right", "skipped", "not done", "marked by hand"
 SIGNS = {PASSED: "✓", FAILED: "✗", SKIPPED: "–", NOT_DONE: "·", BY_HAND: "✎"}
@@ -50,20 +50,22 @@ def states_of(
     found : mapping
         What the checks found, by question; a question that is missing is not done.
     sources : mapping
-        The text of the notebook's cells, by id: it tells whether a question that is marked by hand is answered.
+        The text of the notebook's answer cells, by id. A question whose cell is as released is not done, rather than
+        not right or marked by hand.
 
     Returns
     -------
     tuple of QuestionState
     """
-    return tuple(
-        QuestionState(cell, found.get(cell.id, NOT_DONE) if cell.kind == "question" else _by_hand(cell, sources))
-        for cell in questions
-    )
+    return tuple(QuestionState(cell, _state(cell, found, sources)) for cell in questions)
 
 
-def _by_hand(question: Cell, sources: Mapping[str, str]) -> str:
-    return NOT_DONE if is_stub(sources.get(question.id, question.source)) else BY_HAND
+def _state(question: Cell, found: Mapping[str, str], sources: Mapping[str, str]) -> str:
+    if question.kind == "manual":
+        return NOT_DONE if is_stub(sources.get(question.id, question.source)) else BY_HAND
+    state = found.get(question.id, NOT_DONE)
+    answer = sources.get(answer_id(question.id))
+    return NOT_DONE if state == FAILED and answer is not None and is_stub(answer) else state
 
 
 def total_text(states: Sequence[QuestionState]) -> str:

@@ -13,9 +13,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from labsid.checks.cells import Cell, Template, answer_id, grade_id_of, is_stub
+from labsid.checks.cells import Cell, Template, grade_id_of
 from labsid.checks.notebook import load_assignment
-from labsid.checks.summary import FAILED, NOT_DONE, QuestionState, states_of
+from labsid.checks.summary import FAILED, QuestionState, states_of
 from labsid.checks.time_limit import CALL_SECONDS, CELL_SECONDS, SUBMISSION_SECONDS
 from labsid.hand_in.kernel import CellOutcome, NotebookKernel
 
@@ -80,10 +80,6 @@ def run_from_clean_start(
             shutil.copyfile(notebook.parent / record, Path(scratch) / record)
         for step in steps:
             runner.run(step)
-        answers = {step.cell_id: step.source for step in steps}
-        for question, state in runner.found.items():
-            if state == FAILED and is_stub(answers.get(answer_id(question), "")):
-                runner.found[question] = NOT_DONE
         texts = {grade_id_of(cell): cell["source"] for cell in reversed(cells)}
         return CleanRun(states_of(template.questions, runner.found, texts), runner.reasons)
 

@@ -24,6 +24,8 @@ def test_the_states() -> None:
     states = states_of(CELLS, FOUND, {"e": "Because it starts from rest."})
     assert [one.state for one in states] == [PASSED, FAILED, SKIPPED, NOT_DONE, BY_HAND]
     assert states_of(CELLS, FOUND, {})[-1].state == NOT_DONE
+    assert states_of(CELLS, FOUND, {"b-answer": "# Your code here\npass"})[1].state == NOT_DONE
+    assert states_of(CELLS, FOUND, {"b-answer": "y = 3"})[1].state == FAILED
 
 
 def test_the_text() -> None:

@@ -80,7 +80,7 @@ def test_a_variable_of_a_deleted_cell_is_told(jupyter) -> None:
     assert "`t` was made by a cell that is no longer in the notebook" in jupyter.run(CHECK)
 
 
-def test_a_helper_variable_made_only_further_down_is_told(jupyter) -> None:
+def test_a_variable_of_the_answer_made_only_further_down_is_told(jupyter) -> None:
     jupyter.add(CHECK, "mine", "count = 1001")
     jupyter.run("mine")
     shown = jupyter.answer(CHECK, TIME.replace("1001", "count"))

@@ -1,5 +1,6 @@
 """What is handed in: notebooks with work in them, run from a clean start, with the words of the notebook."""
 
+import io
 import json
 import shutil
 import zipfile
@@ -207,6 +208,28 @@ def test_submit_asks_before_it_writes_what_is_not_right(
         assert archive.namelist() == [f"{PRELAB}/{PRELAB}.ipynb"]
 
 
+class Terminal(io.StringIO):
+    """What a student types."""
+
+    def isatty(self) -> bool:
+        return True
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("typed", "status"), [("n\n", 2), ("y\n", 0)])
+def test_at_a_terminal_submit_asks(
+    typed: str, status: int, work: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys
+) -> None:
+    out = tmp_path / "hand-in.zip"
+    answer(work / PRELAB / f"{PRELAB}.ipynb", prelab_1_time_answer="t = 3")
+    monkeypatch.setattr("sys.stdin", Terminal(typed))
+    assert main(["submit", "--folder", str(work), "--out", str(out)]) == status
+    shown = capsys.readouterr()
+    assert f"8 questions are not right or not done. Write {out} all the same?" in shown.out
+    assert out.exists() == (status == 0)
+    assert (f"{out} was not written." in shown.err) == (status == 2)
+
+
 @pytest.mark.slow
 def test_the_start_page_tells_how_far_one_is(jupyter) -> None:
     jupyter.answer("prelab-1-time", "t = np.linspace(0, 100, 1001).reshape(-1, 1)")
@@ -215,6 +238,9 @@ def test_the_start_page_tells_how_far_one_is(jupyter) -> None:
     cell["outputs"] = [{"output_type": "display_data", "data": {"text/plain": "✓"}, "metadata": outcome}]
     failed = jupyter.cell("prelab-2-noise")
     failed["outputs"] = [{"output_type": "error", "ename": "CheckFailed", "evalue": "no", "traceback": []}]
+    jupyter.edit("prelab-2-noise-answer", "y1 = 3")
+    untouched = jupyter.cell("prelab-3-cut")
+    untouched["outputs"] = failed["outputs"]
     jupyter.save()
     shown = show_progress(jupyter.path.parent.parent)
     expected = "0.1 of 1 marks; 0.05 of them are given by hand (1 right, 1 not right, 6 not done)"
