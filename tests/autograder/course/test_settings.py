@@ -173,9 +173,8 @@ def test_the_last_list_with_a_name_counts() -> None:
     assert merge_students(first, second) == [Student("a", "Ann", "a@x"), Student("b", "B"), Student("c")]
 
 
-def test_due_dates_are_said_in_the_time_of_the_course(tmp_path: Path) -> None:
-    course = Course(tmp_path)
-    (tmp_path / "course.toml").write_text(
-        'timezone = "Australia/Sydney"\n[assignments.least-squares]\ndue = 2026-11-30T23:59:00\n', encoding="utf-8"
-    )
-    assert read_settings(course).due_texts() == {"least-squares": "30 November 2026, 23:59 (Australia/Sydney)"}
+def test_due_dates_are_said_in_the_time_of_the_course(settings: Callable[[str], CourseSettings]) -> None:
+    assert settings(WHOLE).due_texts() == {
+        "two": "01 December 2026, 19:00 (Australia/Sydney)",
+        "one": "30 November 2026, 23:59 (Australia/Sydney)",
+    }
