@@ -181,7 +181,7 @@ def test_only_plots_imports_matplotlib_and_never_its_global_state(labsid: list[M
 @pytest.mark.parametrize(
     ("folder", "extras"),
     [
-        ("labsid", ["fmu", "notebooks"]),  # fmpy and jupyter_client alone, as the test above says
+        ("labsid", ["cluster", "fmu", "notebooks"]),  # of notebooks jupyter_client alone, as the test above says
         ("autograder", ["notebooks", "autograder", "cluster"]),
         ("tests", ["notebooks", "autograder", "dev"]),
     ],

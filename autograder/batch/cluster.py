@@ -6,16 +6,14 @@ typed channel into the worker, as on a single machine.
 """
 
 import contextlib
-import logging
 import pickle
-import re
 import time
 import uuid
 import warnings
 from collections.abc import Callable, Iterator
-from concurrent.futures import CancelledError, Future, ProcessPoolExecutor
+from concurrent.futures import CancelledError, ProcessPoolExecutor
 from multiprocessing import get_context
-from threading import Event, Lock, Thread
+from threading import Event, Lock
 from typing import Any
 
 from autograder.batch.cluster_worker import (
@@ -31,6 +29,7 @@ from autograder.course.plain_text import one_line
 from autograder.intake.submission import quarantined_submission
 from autograder.judge.outcome import SubmissionResult, ungraded_result
 from autograder.sandbox.isolation import LEVELS, Limits, is_weaker
+from labsid._scheduler import check_address, connect
 
 CONNECT_SECONDS = 10.0
 """Time-out of the scheduler's answer, and of its first worker."""
@@ -73,21 +72,12 @@ def open_cluster(
     requirements = worker_requirements(isolation, limits or Limits())
     with warnings.catch_warnings():
         warnings.filterwarnings("ignore", module="distributed")
-        cluster = ClusterExecutor(_connect(address), address, requirements, notify)
+        cluster = ClusterExecutor(connect(address, CONNECT_SECONDS), address, requirements, notify)
         try:
             cluster.start()
             yield cluster
         finally:
             cluster.close()
-
-
-def check_address(text: str) -> str:
-    """Add the scheme to a scheduler's address; raise `ValueError` if the address is invalid."""
-    address = text if "://" in text else f"tcp://{text}"
-    match = re.fullmatch(r"(?:tcp|tls)://(?:[\w.-]+|\[[0-9a-fA-F:.]+\]):(\d{1,5})", address)
-    if match is None or not 0 < int(match[1]) < 65536:
-        raise ValueError(f"--scheduler: got {text!r}, expected an address such as tcp://HOST:8786")
-    return address
 
 
 class ClusterExecutor:
@@ -274,36 +264,3 @@ class _Call:
 
     def __reduce__(self) -> tuple[Callable[..., Any], tuple[Any, ...]]:
         return self._call
-
-
-def _connect(address: str) -> Any:
-    """Connect to a scheduler, in a daemon thread: a foreign server at that address may never answer."""
-    try:
-        from distributed import Client
-    except ImportError:
-        raise ValueError('--scheduler needs Dask. Install it: pip install "labsid[cluster]"') from None
-    for name in ("distributed", "distributed.client", "tornado", "tornado.application"):
-        for handler in logging.getLogger(name).handlers:
-            handler.setLevel(logging.CRITICAL + 1)  # errors are reported here, in one line
-    found: Future[Any] = Future()
-
-    class Quiet(Client):
-        def start(self, **settings: Any) -> None:
-            try:
-                super().start(**settings)
-            except BaseException:
-                self.status = "closed"  # or closing would wait for the failed connection once more
-                raise
-
-    def connect() -> None:
-        try:
-            found.set_result(Quiet(address, timeout=CONNECT_SECONDS, set_as_default=False))
-        except BaseException as error:
-            found.set_exception(error)
-
-    Thread(target=connect, daemon=True).start()
-    try:
-        return found.result(CONNECT_SECONDS + 0.5)
-    except Exception as error:
-        reason = str(error) or f"no answer within {CONNECT_SECONDS:g} s"
-        raise ValueError(f"no Dask scheduler answers at {address} ({reason}). Start one: dask scheduler") from None

@@ -114,6 +114,10 @@ def diagnose_batch(
     folder: Annotated[Path, typer.Argument(metavar="DIR", help="Folder of records (.csv, .mat).")],
     out: Annotated[Path, typer.Option(metavar="DIR", help="Folder for the reports.")],
     jobs: Annotated[int | None, typer.Option(min=1, help="Number of processes; default: one for each core.")] = None,
+    scheduler: Annotated[
+        str | None,
+        typer.Option(metavar="ADDRESS", help="Run on the workers of a Dask scheduler, such as tcp://HOST:8786."),
+    ] = None,
     seed: Seed = 0,
 ) -> None:
     """Diagnose every record of a folder. Run again to continue an interrupted run."""
@@ -121,7 +125,7 @@ def diagnose_batch(
 
     try:
         with _progress(lines=True) as progress:
-            summary = diagnose_folder(folder, out, jobs=jobs, seed=seed, progress=progress)
+            summary = diagnose_folder(folder, out, jobs, seed, progress, scheduler)
     except KeyboardInterrupt:
         raise ValueError(
             f"interrupted; the finished reports are in {out}. Run the command again to continue."

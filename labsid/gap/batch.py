@@ -9,12 +9,12 @@ from collections import Counter
 from collections.abc import Iterator
 from contextlib import closing
 from dataclasses import dataclass
-from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from labsid import __version__
 from labsid._files import write_file, write_json
+from labsid.gap.scheduler import run_on_scheduler
+from labsid.gap.version import sources_version
 from labsid.gap.workers import ATTEMPTS, run_tasks, serve
 
 if TYPE_CHECKING:  # only the worker processes import the search
@@ -57,7 +57,12 @@ class Job:
 
 
 def diagnose_folder(
-    folder: Path, out: Path, jobs: int | None = None, seed: int = 0, progress: "Progress | None" = None
+    folder: Path,
+    out: Path,
+    jobs: int | None = None,
+    seed: int = 0,
+    progress: "Progress | None" = None,
+    scheduler: str | None = None,
 ) -> str:
     """Diagnose every record of a folder.
 
@@ -75,6 +80,8 @@ def diagnose_folder(
         Random seed of the confidence intervals.
     progress : callable, optional
         Called with a description of the current step and the completed share.
+    scheduler : str, optional
+        Address of a Dask scheduler, such as ``tcp://HOST:8786``, whose workers run the diagnoses.
 
     Returns
     -------
@@ -86,7 +93,7 @@ def diagnose_folder(
     OSError
         If the folder does not exist, or `out` cannot be written.
     ValueError
-        If the folder contains no records, or two with the same stem.
+        If the folder contains no records, or two with the same stem, or the scheduler or its workers fail.
     """
     records = find_records(folder, out)
     out.mkdir(parents=True, exist_ok=True)
@@ -99,7 +106,11 @@ def diagnose_folder(
     tasks = [
         {"record": str(job.record), "sim": _text(job.sim), "holdout": _text(job.holdout), "seed": seed} for job in todo
     ]
-    with closing(run_tasks(__name__, tasks, jobs or _cores())) as results:
+    if scheduler is None:
+        running = run_tasks(__name__, tasks, jobs or _cores())
+    else:
+        running = run_on_scheduler(_diagnose, sources_version(), tasks, scheduler)
+    with closing(running) as results:
         for number, result in results:
             job = todo[number]
             reports[job.stem] = _report(job, result)
@@ -178,7 +189,7 @@ def _report(job: Job, result: dict[str, Any] | None) -> dict[str, Any]:
 
 def _job(record: Path, out: Path, seed: int) -> Job:
     sim, holdout = _companion(record, SIMULATIONS), _companion(record, HOLDOUTS)
-    digest = hashlib.sha256(f"{_version()} {seed}".encode())
+    digest = hashlib.sha256(f"{sources_version()} {seed}".encode())
     for path in (record, sim, holdout):
         digest.update(b"\0" if path is None else f"{path.suffix.lower()} {_hash(path)}".encode())
     return Job(record, sim, holdout, out / f"{record.stem}.json", digest.hexdigest())
@@ -196,15 +207,6 @@ def _hash(path: Path) -> str:
             return hashlib.file_digest(file, "sha256").hexdigest()
     except OSError as error:
         return repr(error)
-
-
-@cache
-def _version() -> str:
-    """Version and hash of the sources, which change during development although the version does not."""
-    digest = hashlib.sha256()
-    for path in sorted(Path(__file__).parent.rglob("*.py")):
-        digest.update(path.read_bytes())
-    return f"{__version__} {digest.hexdigest()}"
 
 
 def _earlier_report(job: Job) -> dict[str, Any] | None:

@@ -158,7 +158,7 @@ def test_another_seed_or_version_starts_anew(copied, counted, monkeypatch):
     assert counted == ["a.csv", "b.csv", "empty.csv", "words.csv"]
     assert json.loads((copied[1] / "b.json").read_text())["seed"] == 1
     counted.clear()
-    monkeypatch.setattr(batch, "_version", lambda: "another")
+    monkeypatch.setattr(batch, "sources_version", lambda: "another")
     diagnose_folder(*copied, seed=1)
     assert len(counted) == 4
 
