@@ -44,7 +44,10 @@ def diagnose(
     order: Annotated[int, typer.Option(help="Order of the fitted model if --sim is not given.")] = 2,
     json_file: Annotated[Path | None, typer.Option("--json", metavar="FILE", help="Write the report as JSON.")] = None,
     html: Annotated[Path | None, typer.Option(metavar="FILE", help="Write the report as HTML.")] = None,
-    export: Annotated[Path | None, typer.Option(metavar="FILE", help="Write the corrected simulation.")] = None,
+    export: Annotated[
+        Path | None,
+        typer.Option(metavar="FILE", help="Write the corrected simulation, as JSON or as a Python module (.py)."),
+    ] = None,
     exclude: Annotated[
         list[str] | None, typer.Option(metavar="T0:T1", help="Times in seconds to exclude; may be repeated.")
     ] = None,
@@ -100,7 +103,11 @@ def diagnose(
         report = with_units(report, *stated)
     if json_file is not None:
         write_json(json_file, report)
-    if export is not None:
+    if export is not None and export.suffix.lower() == ".py":
+        from labsid.gap.python_export import write_python_module
+
+        write_python_module(export, found.model.to_json_dict())
+    elif export is not None:
         write_json(export, found.model.to_json_dict())
     if html is not None:
         from labsid.gap.html_report import write_html_report

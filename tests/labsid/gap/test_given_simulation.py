@@ -1,6 +1,9 @@
 """Diagnosis with a simulation of the user's own: a function, a file, a system of python-control."""
 
 import json
+import runpy
+import subprocess
+import sys
 from collections.abc import Callable
 from pathlib import Path
 
@@ -12,6 +15,7 @@ from scipy.signal import lfilter
 from labsid._arrays import FloatArray
 from labsid.cli.commands import main
 from labsid.gap.diagnosis import diagnose
+from labsid.gap.python_export import write_python_module
 from labsid.records.record import Record
 
 SAMPLES, TS, FINE = 1200, 0.1, 20
@@ -139,6 +143,37 @@ def test_a_file_is_diagnosed_exported_played_and_then_has_no_gap(
     assert "rig.py is named twice" in capsys.readouterr().err
     assert main([*command, "--sim", "rig.py:missing"]) == 2
     assert "rig.py has no function 'missing'; it has simulate." in capsys.readouterr().err
+
+
+def test_an_exported_module_runs_by_itself_and_as_a_simulation(
+    u: FloatArray, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (tmp_path / "rigs").mkdir()
+    (tmp_path / "rigs" / "rig.py").write_text(SOURCE, encoding="utf-8")
+    record = measured(np.clip(u, -0.5, 0.6))
+    record = Record(record.t, u, record.y, TS)
+    np.savetxt(
+        tmp_path / "run.csv", np.column_stack([record.t, u, record.y]), delimiter=",", header="t,u,y", comments=""
+    )
+    monkeypatch.chdir(tmp_path)
+    command = ["gap", "diagnose", "run.csv", "--sim"]
+    assert main([*command, "rigs/rig.py:simulate", "--export", "better.py"]) == 0
+    assert main([*command, "better.py:simulate"]) == 0
+    assert "There is no gap beyond noise" in capsys.readouterr().out
+    code = "import sys, numpy as np; sys.path.insert(0, sys.argv[1]); import better; t = 0.1 * np.arange(1200)\n"
+    code += "print(float(np.abs(better.simulate(t, np.full(1200, 1.0))).max()))"
+    done = subprocess.run(
+        [sys.executable, "-c", code, str(tmp_path)], cwd="/", capture_output=True, text=True, check=True
+    )
+    assert float(done.stdout) == pytest.approx(2.0 * 0.6, rel=0.1)  # the actuator goes no higher than 0.6, gain 2
+
+
+def test_a_model_without_a_file_of_its_own_is_exported_as_a_module_too(u: FloatArray, tmp_path: Path) -> None:
+    found = diagnose(measured(u))
+    write_python_module(tmp_path / "plain.py", found.model.to_json_dict())
+    namespace = runpy.run_path(str(tmp_path / "plain.py"))
+    record = measured(u)
+    np.testing.assert_allclose(namespace["simulate"](record.t, record.u, record.y), found.model.simulate(u, record.y))
 
 
 def test_a_function_that_is_no_file_is_diagnosed_and_not_exported(u: FloatArray) -> None:
