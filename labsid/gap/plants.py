@@ -81,7 +81,9 @@ class Plant(PlantForm):
 
     @property
     def _mode_place(self) -> str:
-        return self.mode_place if self.nonlinear else "ahead" if self.kind == "given" else "behind"
+        if self.kind == "given":
+            return "beside" if self.mode_place == "beside" else "ahead"
+        return self.mode_place if self.nonlinear else "behind"
 
     def _by_name(self, theta: FloatArray) -> dict[str, float]:
         return {parameter.name: value for parameter, value in zip(self.parameters, theta, strict=True)}

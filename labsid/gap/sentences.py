@@ -321,10 +321,10 @@ def _given_sentence(report: dict[str, Any]) -> str | None:
             ]
         )
         texts.append(f"Numbers of your simulation that were fitted: {fitted}.")
-    if simulation.get("closed") and report["verdict"] in ("partial", "unknown") and not simulation["output_only"]:
+    if simulation.get("closed") and report["verdict"] != "none" and not simulation["output_only"]:
         texts.append(
             "Your simulation can only be run as a whole: friction, springs, outflow and drifts within it could not be "
-            "tried; a delay, a lag and a mode were tried at its input."
+            "tried; a delay, a lag and a mode were tried at its input, a mode beside it, too."
         )
     return " ".join(texts) or None
 

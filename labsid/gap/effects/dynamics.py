@@ -31,8 +31,9 @@ class _Placed(PlantEffect):
     before_given = True
 
     def applies(self, context: Context) -> bool:
-        """Variants differ only with a nonlinear state."""
-        return not self.variant or context.parent.hypothesis.plant.nonlinear
+        """Variants differ only with a nonlinear state; a given simulation has one ahead of it, or a mode beside it."""
+        plant = context.parent.hypothesis.plant
+        return not self.variant or plant.nonlinear or (plant.kind == "given" and self.variant == "beside")
 
 
 class ExtraLag(_Placed):

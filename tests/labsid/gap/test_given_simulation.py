@@ -10,7 +10,7 @@ from pathlib import Path
 import control as ct
 import numpy as np
 import pytest
-from scipy.signal import lfilter
+from scipy.signal import cont2discrete, lfilter
 
 from labsid._arrays import FloatArray
 from labsid.cli.commands import main
@@ -77,6 +77,19 @@ def test_a_lag_is_found_at_the_input_of_the_simulation(u: FloatArray) -> None:
     report = diagnose(Record(record.t, u, record.y, TS), simulate).report
     assert named(report) == ["extra-lag"]
     assert report["effects"][0]["parameters"]["tau"]["value"] == pytest.approx(0.5, rel=0.03)
+
+
+def test_a_mode_is_found_beside_the_simulation(u: FloatArray) -> None:
+    fine = np.repeat(u, FINE)
+    step = TS / FINE
+    num, den, _ = cont2discrete(([0.6 * 4.0**2], [1.0, 2 * 0.05 * 4.0, 4.0**2]), step)
+    mode = lfilter(num[0], den, fine)[::FINE]
+    record = measured(u)
+    report = diagnose(Record(record.t, u, record.y + mode, TS), simulate).report
+    assert named(report) == ["resonance"]
+    found = report["effects"][0]["parameters"]
+    assert found["frequency"]["value"] == pytest.approx(4.0 / (2 * np.pi), rel=0.01)
+    assert found["damping"]["value"] == pytest.approx(0.05, abs=0.01)
 
 
 def test_free_numbers_that_are_wrong_are_a_parameter_mismatch(u: FloatArray) -> None:
