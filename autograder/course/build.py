@@ -24,6 +24,7 @@ from labsid._files import write_file, write_text
 from labsid.checks.cells import CODE_STUB, TEXT_STUB, read_cell
 from labsid.checks.notebook import assignment_names, load_assignment, marks_text
 from labsid.checks.notebook_file import START_PAGE
+from labsid.checks.question import Question
 from labsid.hand_in.start_page import DATA_BESIDE, start_notebook
 
 SOLUTION_DELIMITERS = ("### BEGIN SOLUTION", "### END SOLUTION")
@@ -137,19 +138,43 @@ def lint_metadata(cell: Any) -> Iterator[str]:
 
 
 def lint_checks(notebook: Any, assignment: str) -> Iterator[str]:
-    """Differences between the questions of a notebook and the checks of its assignment."""
+    """Differences between the questions of a notebook and the checks of its assignment, each with what to write."""
     known = [read_cell(cell) for cell in notebook.cells]
     asked = [cell.id for cell in known if cell is not None and cell.kind == "question"]
-    checks = load_assignment(assignment).questions if assignment in assignment_names() else ()
-    checked = [question.id for question in checks]
+    package = assignment.replace("-", "_")
+    file = f"labsid/checks/assignments/{package}/__init__.py"
+    questions: tuple[Question, ...] = ()
+    if assignment in assignment_names():
+        try:
+            found = load_assignment(assignment)
+        except Exception as error:  # whatever its author has written wrongly
+            yield f"{file} cannot be imported: {type(error).__name__}: {error}"
+            return
+        if found.name != assignment:
+            yield f"{file}: ASSIGNMENT has the name {found.name!r}; expected {assignment!r}"
+        questions = found.questions
+        where = f"add it to the questions of ASSIGNMENT in {file}"
+    else:
+        where = f"write {file}, with ASSIGNMENT = Assignment({assignment!r}, (...)), and add it there"
+    checked = [question.id for question in questions]
     for question in asked:
         if question not in checked:
-            yield f"{question}: labsid.checks.assignments has no check for it"
+            yield (
+                f"{question}: the notebook has this question, but there is no check for it. Write "
+                f'Question("{question}", judge), with a function judge(ask) that returns a Verdict: {where}'
+            )
     for question in checked:
         if question not in asked:
-            yield f"{question}: labsid.checks.assignments has a check for it, but the notebook has no such question"
+            yield (
+                f"{question}: {file} has a check for it, but the notebook has no such question. Write a code cell "
+                f':nbgrader: {{grade_id: {question}, points: 1}} with check("{question}") in '
+                f"notebooks/{assignment}/{assignment}.md, or delete this Question"
+            )
     if sorted(asked) == sorted(checked) and asked != checked:
-        yield "the checks are in a different order than the questions"
+        yield (
+            f"the checks are in a different order than the questions. Put the questions of ASSIGNMENT in {file} in the "
+            f"order of the notebook: {', '.join(asked)}"
+        )
 
 
 def lint_source(notebook: Any) -> Iterator[str]:

@@ -68,14 +68,21 @@ def write_release(
     ValueError
         If the course has not been built, or has no such assignment.
     """
+    files = release_files(course, assignments, due)
+    write_file(out, zip_bytes(files))
+    return sorted(files)
+
+
+def release_files(
+    course: Course, assignments: Sequence[str] = (), due: Mapping[str, str] | None = None
+) -> dict[str, bytes]:
+    """The files of `write_release`: content by path."""
     data = {
         f"{name}/{file}": shared_file(course, file).read_bytes()
         for name in course.select(assignments)
         if (file := load_assignment(name).record_file) is not None
     }
-    files = shared_files(course, assignments, data, due)
-    write_file(out, zip_bytes(files))
-    return sorted(files)
+    return shared_files(course, assignments, data, due)
 
 
 def write_individual_releases(
