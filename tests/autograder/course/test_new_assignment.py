@@ -97,6 +97,8 @@ def solution(course: Path) -> dict[str, str]:
 @pytest.mark.slow
 def test_a_new_assignment_is_graded_as_it_is(built: Path, labsid: Labsid, tmp_path: Path) -> None:
     submitted, out = tmp_path / "submitted", tmp_path / "out"
+    preview = ["course", "preview", "--assignment", NAME, "--no-open", "--folder", str(submitted / "ada")]
+    assert labsid(*preview).returncode == 0
     write_hand_in(built, submitted / "ada" / NAME, solution(built))
     write_hand_in(built, submitted / "ben" / NAME, {GAIN: "K = 2 / 1.2", RESPONSE: DECAY})
     write_hand_in(built, submitted / "cem" / NAME, {GAIN: "K = 5", RESPONSE: "def step_response(t, K, tau):\n    pass"})
