@@ -21,8 +21,8 @@ from autograder.course.layout import Course, read_template
 from autograder.course.nbgrader_access import COURSE_ID, import_nbgrader_api
 from autograder.course.own_secret import shared_file
 from labsid._files import write_file, write_text
-from labsid.checks.cells import CODE_STUB, TEXT_STUB, read_cell
-from labsid.checks.notebook import assignment_names, load_assignment, marks_text
+from labsid.checks.cells import CODE_STUB, HIDDEN_DELIMITERS, TEXT_STUB, read_cell
+from labsid.checks.notebook import assignment_names, find_assignment, load_assignment, marks_text
 from labsid.checks.notebook_file import START_PAGE
 from labsid.checks.question import Question
 from labsid.hand_in.start_page import DATA_BESIDE, start_notebook
@@ -32,7 +32,11 @@ STRAY_DELIMITER = re.compile(
     r"#\s*#*\s*(BEGIN|END)[ _-]*(SOLUTION|HIDDEN|MARK)|(BEGIN|END)\s+(SOL|HIDDEN|MARK)\w*", re.IGNORECASE
 )
 _REGION = re.compile(f"{SOLUTION_DELIMITERS[0]}(.*?){SOLUTION_DELIMITERS[1]}", re.DOTALL)
+_HIDDEN_REGION = re.compile(f"{HIDDEN_DELIMITERS[0]}(.*?){HIDDEN_DELIMITERS[1]}", re.DOTALL)
+_ASSERTION = re.compile(r"\bassert|\.assert")
 
+_METADATA_OF_NBGRADER = ("cell_type", "checksum", "grade", "locked", "points", "schema_version", "solution", "task")
+_METADATA_OF_JUPYTER = ("collapsed", "deletable", "editable", "jupyter", "scrolled", "slideshow", "trusted")
 
 GO_ON_TAG = "raises-exception"
 """Jupyter's tag of a cell after which the others are run even if it fails."""
@@ -63,6 +67,8 @@ def build_source(path: Path) -> Any:
         notebook = jupytext.read(path, fmt="md:myst")
     except MystMetadataParsingError as error:
         raise ValueError(f"{path} cannot be released: {error}") from None
+    for cell in notebook.cells:
+        _abbreviate_metadata(cell)
     problems = [problem for cell in notebook.cells for problem in lint_metadata(cell)]
     if problems:
         raise ValueError(f"{path} cannot be released: " + "; ".join(problems))
@@ -91,8 +97,26 @@ def _write_marks(notebook: Any) -> None:
         known = read_cell(cell)
         if known is not None and known.kind == "question":
             cell.source = f"{cell.source.strip()}  # {marks_text(known.points)}"
+        elif known is not None and known.kind == "tests":
+            cell.source = f"{cell.source.rstrip()}\n# {marks_text(known.points)}"
         elif known is not None and known.kind == "manual" and above is not None and above.cell_type == "markdown":
             above.source = f"{above.source.rstrip()}\n\n*({marks_text(known.points)}, marked by hand)*"
+
+
+def _abbreviate_metadata(cell: Any) -> None:
+    """Abbreviate metadata that nbgrader wrote, as in a notebook of an existing course, and drop those of Jupyter."""
+    for name in _METADATA_OF_JUPYTER:
+        cell.metadata.pop(name, None)
+    full = cell.metadata.get("nbgrader")
+    if not isinstance(full, dict) or "grade" not in full:
+        return
+    short = {key: value for key, value in full.items() if key not in _METADATA_OF_NBGRADER}
+    short |= {key: True for key in ("locked", "task") if full.get(key)}
+    if full["grade"]:
+        short |= {"points": full.get("points", 0), **({"manual": True} if full.get("solution") else {})}
+    elif full.get("solution"):
+        short["solution"] = True
+    cell.metadata["nbgrader"] = short
 
 
 def nbgrader_metadata(short: dict[str, Any], cell_type: str) -> dict[str, Any]:
@@ -184,6 +208,9 @@ def lint_source(notebook: Any) -> Iterator[str]:
         known = read_cell(cell)
         opened, closed = (cell.source.count(mark) for mark in SOLUTION_DELIMITERS)
         rest = cell.source.replace(SOLUTION_DELIMITERS[0], "").replace(SOLUTION_DELIMITERS[1], "")
+        is_tests = known is not None and known.kind == "tests"
+        if is_tests:
+            rest = _HIDDEN_REGION.sub("", rest)
         name = known.id if known else f"the cell {cell.source[:30]!r}"
         strange = STRAY_DELIMITER.search(rest)
         if strange is not None:
@@ -199,8 +226,12 @@ def lint_source(notebook: Any) -> Iterator[str]:
         seen.add(known.id)
         if known.kind == "answer" and not opened:
             yield f"{known.id}: an answer cell without a solution region"
-        if known.kind == "question" and cell.source.strip() != f'check("{known.id}")':
-            yield f'{known.id}: a question must contain check("{known.id}") and nothing else'
+        is_check = cell.source.strip() == f'check("{known.id}")'
+        if (known.kind == "question" and not is_check) or (is_tests and not _ASSERTION.search(cell.source)):
+            yield (
+                f'{known.id}: a question must contain check("{known.id}") and nothing else, or assertions as the test '
+                "cells of nbgrader do"
+            )
 
 
 def build_releases(course: Course, names: Sequence[str]) -> Iterator[str]:
@@ -214,7 +245,7 @@ def build_releases(course: Course, names: Sequence[str]) -> Iterator[str]:
             if problems:
                 raise ValueError(f"{name} cannot be released: " + "; ".join(problems))
             _write_notebook(notebook, course.release / name / f"{name}.ipynb")
-            data = load_assignment(name).record_file if name in assignment_names() else None
+            data = find_assignment(name).record_file
             if data is not None:
                 shutil.copyfile(shared_file(course, data), course.release / name / data)
             yield name
@@ -253,21 +284,29 @@ def _keep_running(notebook: Any) -> None:
 
 
 def lint_release(release: Any, source: Any) -> Iterator[str]:
-    """Solution text that remains in the release."""
+    """Solutions and hidden tests that remain in the release."""
     texts = {cell.id: cell.source for cell in release.cells}
     for cell in source.cells:
         known = read_cell(cell)
-        if known is None or known.kind not in ("answer", "manual"):
+        if known is None or known.kind not in ("answer", "manual", "tests"):
             continue
         if known.kind == "manual":
             leaked = [cell.source]
+        elif known.kind == "tests":
+            leaked = _lines_inside(_HIDDEN_REGION, cell.source)
         else:
-            starter = _REGION.sub("", cell.source)
-            lines = [line.strip() for region in _REGION.findall(cell.source) for line in region.splitlines()]
-            leaked = [line for line in lines if len(line) > 12 and line not in starter]
+            leaked = _lines_inside(_REGION, cell.source)
         for line in leaked:
             if line in texts.get(known.id, ""):
-                yield f"{known.id}: the release still contains the solution line {line[:40]!r}"
+                what = "hidden test" if known.kind == "tests" else "solution"
+                yield f"{known.id}: the release still contains the {what} line {line[:40]!r}"
+
+
+def _lines_inside(region: re.Pattern[str], source: str) -> list[str]:
+    """The longer lines of the regions of a cell that do not stand outside of them, too."""
+    outside = region.sub("", source)
+    lines = [line.strip() for inside in region.findall(source) for line in inside.splitlines()]
+    return [line for line in lines if len(line) > 12 and line not in outside]
 
 
 def _write_notebook(notebook: Any, path: Path) -> None:
