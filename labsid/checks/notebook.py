@@ -169,7 +169,8 @@ class notebook_checks:  # noqa: N801  (called like a function, once, at the top 
 
     def _states_of_tests(self, questions: Iterable[Cell]) -> dict[str, str]:
         """How the test cells of nbgrader ended that have been run."""
-        tests = [cell.id for cell in questions if cell.kind == "tests"]
+        checked = {question.id for question in self._assignment.questions}
+        tests = [cell.id for cell in questions if cell.kind == "tests" and cell.id not in checked]
         runs = [run for run in map(self._runs.last, tests) if run is not None] if self._runs is not None else []
         return {str(run.cell_id): FAILED if run.error else PASSED for run in runs}
 

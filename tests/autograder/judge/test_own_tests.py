@@ -12,14 +12,21 @@ from course_work import GradeCode
 from autograder.course.build import build_course, lint_release
 from autograder.course.layout import Course, read_template
 from autograder.course.own_secret import make_own_secret
+from autograder.intake.submission import NotebookCell, Submission
+from autograder.judge.judging import Assets, judge_submission
 from autograder.judge.outcome import QuestionResult
 from autograder.sandbox.isolation import Limits, open_launcher
+from labsid.checks.cells import Cell, Template
+from labsid.checks.compare import SAME, as_number, as_vector
+from labsid.checks.question import Ask, Assignment, Question
 from labsid.checks.summary import FAILED, PASSED
+from labsid.checks.verdict import Verdict, judge
 from labsid.cli.commands import main
 from labsid.hand_in.clean_run import run_from_clean_start
+from labsid.hand_in.kernel import NotebookKernel
 from labsid.hand_in.saved_work import read_saved
 
-NAME = "old-course"
+NAME, PRELAB = "old-course", "prelab-sinusoids"
 WHERE = "(Checked in the student's process.)"
 HEAD = "---\njupytext:\n  text_representation:\n    extension: .md\n    format_name: myst\n---\n\n# Old course\n"
 HIDDEN = """
@@ -163,6 +170,59 @@ def test_a_crash_or_an_endless_loop_costs_its_question_only(grade_old: GradeCode
     results = grade_old(NAME, {"cell-square": endless})
     assert (results["test-square"].status, results["test-square"].score) == ("timeout", 0)
     assert results["test-all"].score == Decimal("0.5")
+
+
+def test_tests_and_checks_in_one_notebook(tmp_path: Path) -> None:
+    """A wrong answer to a check costs its question alone; the tests see the student's own values."""
+
+    def gain(ask: Ask) -> Verdict:
+        return judge(as_number("a", ask.value("a")), 3.0, SAME, "Right.", "Not the gain.")
+
+    def line(ask: Ask) -> Verdict:
+        x = ask.rng.normal(size=4)
+        right = 2 * x + as_number("a", ask.known("a"))
+        return judge(as_vector("f(x)", ask.call("f", x), 4), right, SAME, "Right.", "Not the line.")
+
+    sources = {
+        "q-gain-answer": ("answer", "a = 4"),
+        "q-gain": ("question", 'check("q-gain")'),
+        "cell-b": ("answer", "b = 2 * a"),
+        "q-tests": ("tests", "assert b == 2 * a, 'b is twice a'"),
+        "q-line-answer": ("answer", "c = 3\ndef f(x):\n    return 2 * x + c"),
+        "q-line": ("question", 'check("q-line")'),
+    }
+    points = {name: Decimal("0.5") for name in ("q-gain", "q-tests", "q-line")}
+    template = Template(
+        "tiny", "Tiny", tuple(Cell(name, kind, "", True, points.get(name)) for name, (kind, _) in sources.items())
+    )
+    cells = tuple(NotebookCell(name, kind, text, True) for name, (kind, text) in sources.items())
+    gains = Question("q-gain", gain, lambda ask: {"a": 3.0})
+    assets = Assets(template, Assignment("tiny", (gains, Question("q-line", line, uses=("q-gain",)))), None, b"s")
+    with open_launcher(limits=Limits(cell_seconds=5, call_seconds=5)) as launcher:
+        results = judge_submission(Submission("s", "tiny", "ready", cells, ()), assets, launcher, tmp_path).results
+    assert [(one.question, one.score) for one in results] == [
+        ("q-gain", 0), ("q-tests", Decimal("0.5")), ("q-line", Decimal("0.5")),
+    ]  # fmt: skip
+    assert results[1].answer == "b = 2 * a"
+    assert results[2].answer == sources["q-line-answer"][1]
+
+
+@pytest.mark.slow
+def test_the_summary_in_the_notebook_has_the_tests(course: Course, tmp_path: Path) -> None:
+    notebook = json.loads((course.release / PRELAB / f"{PRELAB}.ipynb").read_text(encoding="utf-8"))
+    tests = {"own-right": "assert 1 < 2", "own-wrong": "assert 1 > 2", "own-later": "assert True"}
+    for name, source in tests.items():
+        meta = {"nbgrader": {"grade": True, "grade_id": name, "points": 0.5, "solution": False}}
+        notebook["cells"].append({"cell_type": "code", "id": name, "metadata": meta, "source": source, "outputs": []})
+    (tmp_path / f"{PRELAB}.ipynb").write_text(json.dumps(notebook), encoding="utf-8")
+    setup = next(one for one in notebook["cells"] if one["id"] == "prelab-setup")
+    with NotebookKernel(tmp_path) as kernel:
+        kernel.run("".join(setup["source"]), "prelab-setup", 60)
+        for name in ("own-right", "own-wrong"):
+            kernel.run(tests[name], name, 60)
+        said = kernel.run("check.summary()", None, 60).printed
+    states = {line.split()[1]: line.split()[0] for line in said.splitlines() if "own-" in line}
+    assert states == {"own-right": "✓", "own-wrong": "✗", "own-later": "·"}
 
 
 @pytest.mark.parametrize(
