@@ -3,6 +3,7 @@
 import csv
 import json
 import os
+import re
 import shutil
 import subprocess
 import sys
@@ -20,6 +21,8 @@ ROOT = Path(__file__).resolve().parents[3]
 NAME = "pid-control"
 GAIN, RESPONSE = f"{NAME}-1-gain", f"{NAME}-2-response"
 DECAY = "def step_response(t, K, tau):\n    return K * np.exp(-t / tau)"
+GUIDE = (ROOT / "notebooks" / "README.md").read_text(encoding="utf-8").partition("## A new assignment")[2]
+NEW, BUILD, PREVIEW, TRY, GRADE = (line.split() for line in re.findall(r"^    labsid (.+)$", GUIDE, re.MULTILINE))
 Labsid = Callable[..., subprocess.CompletedProcess[str]]
 
 
@@ -55,7 +58,7 @@ def labsid(checkout: Path) -> Labsid:
         return subprocess.run(
             [sys.executable, "-P", "-c", program, *arguments],
             cwd=checkout.parent,
-            env={**os.environ, "PYTHONPATH": str(checkout)},
+            env={**os.environ, "PYTHONPATH": str(checkout), "TMPDIR": str(checkout.parent)},
             capture_output=True,
             text=True,
             timeout=300,
@@ -67,12 +70,12 @@ def labsid(checkout: Path) -> Labsid:
 @pytest.fixture(scope="module")
 def built(checkout: Path, labsid: Labsid) -> Path:
     """The copy with a new assignment, built."""
-    done = labsid("course", "new", NAME)
+    done = labsid(*NEW)
     assert done.returncode == 0, done.stderr
     assert done.stdout.splitlines()[-1] == (
         f"Next: labsid course build, then labsid course preview --assignment {NAME}"
     )
-    done = labsid("course", "build")
+    done = labsid(*BUILD)
     assert (done.returncode, done.stdout.splitlines()[1]) == (0, f"Built 1 assignments: {NAME}."), done.stderr
     return checkout
 
@@ -97,8 +100,6 @@ def solution(course: Path) -> dict[str, str]:
 @pytest.mark.slow
 def test_a_new_assignment_is_graded_as_it_is(built: Path, labsid: Labsid, tmp_path: Path) -> None:
     submitted, out = tmp_path / "submitted", tmp_path / "out"
-    preview = ["course", "preview", "--assignment", NAME, "--no-open", "--folder", str(submitted / "ada")]
-    assert labsid(*preview).returncode == 0
     write_hand_in(built, submitted / "ada" / NAME, solution(built))
     write_hand_in(built, submitted / "ben" / NAME, {GAIN: "K = 2 / 1.2", RESPONSE: DECAY})
     write_hand_in(built, submitted / "cem" / NAME, {GAIN: "K = 5", RESPONSE: "def step_response(t, K, tau):\n    pass"})
@@ -115,6 +116,19 @@ def test_a_new_assignment_is_graded_as_it_is(built: Path, labsid: Labsid, tmp_pa
     assert "it is 1 minus the exponential" in rows["ben", RESPONSE]["reason"]
     assert rows["cem", GAIN]["reason"] == "`K` is not the gain: see the equation of step 1."
     assert "`step_response` returns nothing" in rows["cem", RESPONSE]["reason"]
+
+
+@pytest.mark.slow
+def test_the_guide_can_be_followed_as_printed(built: Path, labsid: Labsid) -> None:
+    """But for JupyterLab, which is not opened."""
+    for preview in (PREVIEW, TRY):
+        done = labsid(*preview, "--no-open")
+        assert done.returncode == 0, done.stderr
+    assert (NEW[-1], PREVIEW[-1]) == (NAME, NAME)
+    write_hand_in(built, built.parent / "hand-ins" / "try-1" / NAME, solution(built))
+    done = labsid(*GRADE)
+    assert done.returncode == 0, done.stderr
+    assert f"try-1,{NAME},{GAIN},0.4,0.4,graded" in (built.parent / "OUT" / "grades.csv").read_text(encoding="utf-8")
 
 
 @pytest.mark.slow
