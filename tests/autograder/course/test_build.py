@@ -13,14 +13,9 @@ import pytest
 
 from autograder.batch.fingerprint import template_hash
 from autograder.course import build
-from autograder.course.build import (
-    SOLUTION_DELIMITERS,
-    build_course,
-    build_source,
-    lint_checks,
-    lint_release,
-)
+from autograder.course.build import build_course, build_source
 from autograder.course.layout import Course, find_course, read_template
+from autograder.course.lint import SOLUTION_DELIMITERS, lint_checks, lint_release
 from labsid.checks.cells import CODE_STUB, TEXT_STUB, Cell, Template, read_cell
 from labsid.checks.notebook import assignment_names, load_assignment
 

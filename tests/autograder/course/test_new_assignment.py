@@ -13,8 +13,8 @@ from pathlib import Path
 import jupytext
 import pytest
 
-from autograder.course.build import lint_metadata
 from autograder.course.layout import Course
+from autograder.course.lint import lint_metadata
 from autograder.course.new_assignment import MAX_NAME_CHARACTERS, write_new_assignment
 
 ROOT = Path(__file__).resolve().parents[3]

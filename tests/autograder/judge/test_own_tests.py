@@ -9,8 +9,9 @@ from pathlib import Path
 import pytest
 from course_work import GradeCode
 
-from autograder.course.build import build_course, lint_release
+from autograder.course.build import build_course
 from autograder.course.layout import Course, read_template
+from autograder.course.lint import lint_release
 from autograder.course.own_secret import make_own_secret
 from autograder.intake.submission import NotebookCell, Submission
 from autograder.judge.judging import Assets, judge_submission
