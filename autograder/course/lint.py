@@ -121,7 +121,7 @@ def lint_release(release: Any, source: Any) -> Iterator[str]:
         if known.kind == "manual":
             leaked = [cell.source]
         elif known.kind == "tests":
-            leaked = _lines_inside(_HIDDEN_REGION, cell.source)
+            leaked = [*HIDDEN_DELIMITERS, *_lines_inside(_HIDDEN_REGION, cell.source)]
         else:
             leaked = _lines_inside(_REGION, cell.source)
         for line in leaked:
