@@ -5,7 +5,7 @@ import re
 from collections.abc import Iterator
 from typing import Any
 
-from labsid.checks.cells import HIDDEN_DELIMITERS, read_cell
+from labsid.checks.cells import HIDDEN_DELIMITERS, Cell, read_cell
 from labsid.checks.notebook import assignment_names, load_assignment
 from labsid.checks.question import Question
 
@@ -40,8 +40,8 @@ def lint_metadata(cell: Any) -> Iterator[str]:
 
 def lint_checks(notebook: Any, assignment: str) -> Iterator[str]:
     """Differences between the questions of a notebook and the checks of its assignment, each with what to write."""
-    known = [read_cell(cell) for cell in notebook.cells]
-    asked = [cell.id for cell in known if cell is not None and cell.kind == "question"]
+    known = [cell for cell in map(read_cell, notebook.cells) if cell is not None]
+    asked = [cell.id for cell in known if cell.kind in ("question", "tests") and not _has_own_tests(cell)]
     package = assignment.replace("-", "_")
     file = f"labsid/checks/assignments/{package}/__init__.py"
     questions: tuple[Question, ...] = ()
@@ -85,8 +85,7 @@ def lint_source(notebook: Any) -> Iterator[str]:
         known = read_cell(cell)
         opened, closed = (cell.source.count(mark) for mark in SOLUTION_DELIMITERS)
         rest = cell.source.replace(SOLUTION_DELIMITERS[0], "").replace(SOLUTION_DELIMITERS[1], "")
-        is_tests = known is not None and known.kind == "tests"
-        if is_tests:
+        if known is not None and known.kind == "tests":
             rest = _HIDDEN_REGION.sub("", rest)
         name = known.id if known else f"the cell {cell.source[:30]!r}"
         strange = STRAY_DELIMITER.search(rest)
@@ -103,12 +102,16 @@ def lint_source(notebook: Any) -> Iterator[str]:
         seen.add(known.id)
         if known.kind == "answer" and not opened:
             yield f"{known.id}: an answer cell without a solution region"
-        is_check = cell.source.strip() == f'check("{known.id}")'
-        if (known.kind == "question" and not is_check) or (is_tests and not _ASSERTION.search(cell.source)):
+        is_asked = known.kind in ("question", "tests") and not _has_own_tests(known)
+        if is_asked and cell.source.strip() != f'check("{known.id}")':
             yield (
                 f'{known.id}: a question must contain check("{known.id}") and nothing else, or assertions as the test '
                 "cells of nbgrader do"
             )
+
+
+def _has_own_tests(cell: Cell) -> bool:
+    return cell.kind == "tests" and _ASSERTION.search(cell.source) is not None
 
 
 def lint_release(release: Any, source: Any) -> Iterator[str]:
