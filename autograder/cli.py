@@ -13,6 +13,8 @@ from typing import TYPE_CHECKING, Annotated, TypeVar
 
 import typer
 
+from autograder.writing_commands import new_command, preview_command
+
 if TYPE_CHECKING:
     from autograder.course.settings import CourseSettings
     from autograder.course.students import Student
@@ -21,6 +23,7 @@ if TYPE_CHECKING:
 Item = TypeVar("Item")
 
 course = typer.Typer(help="Build the course, grade a class, write feedback and exports.", no_args_is_help=True)
+course.command("new")(new_command)
 
 Out = Annotated[Path, typer.Option("--out", help="Folder of the graded class.")]
 SecretFile = Annotated[
@@ -44,6 +47,9 @@ def course_build() -> None:
     names = list(_progress(build_course(here), len(here.assignments()), "building"))
     print(f"Built {len(names)} assignments: {', '.join(names)}.")
     print(f"Release: {here.release}")
+
+
+course.command("preview")(preview_command)
 
 
 @course.command("release")

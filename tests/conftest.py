@@ -19,7 +19,7 @@ SLOW_FILES = {
     "autograder/batch": "*",
     "autograder/course": "test_build.py",
     "autograder/export": "*",
-    "autograder/judge": "test_[ej]*.py",
+    "autograder/judge": "test_[ej]*.py test_own_tests.py",
     "autograder/sandbox": "*",
     "labsid/blind": "*",
     "labsid/cli": "test_commands.py",

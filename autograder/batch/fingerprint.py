@@ -3,6 +3,7 @@
 import hashlib
 import os
 import sys
+from collections.abc import Mapping
 from decimal import Decimal
 from functools import cache
 from importlib.metadata import PackageNotFoundError, version
@@ -40,17 +41,22 @@ def result_fingerprint(data_store: DataStore, inputs: GradingInputs, folder: Pat
     Returns
     -------
     dict
-        ``submission``, ``release`` (cells and points), ``solution`` (the functions that replace wrong ones), ``check``
-        (source files), ``data`` (record and the seed of hidden inputs) and ``environment`` (versions).
+        ``submission``, ``release`` (cells and points), ``solution`` (the functions that replace wrong ones, and hidden
+        tests), ``check`` (source files), ``data`` (record and the seed of hidden inputs) and ``environment``
+        (versions).
     """
     return {
         "submission": submission_hash(folder, Path(inputs.assets.assignment.record_file or "").suffix),
         "release": template_hash(inputs.assets.template),
-        "solution": hashlib.sha256(repr(sorted(inputs.assets.functions.items())).encode()).hexdigest(),
+        "solution": _solution_hash(inputs.assets.functions, inputs.assets.tests),
         "check": sources_hash(checks_module(inputs.assets.template.assignment), *JUDGING),
         "data": data_hash(data_store, inputs),
         "environment": environment_hash(),
     }
+
+
+def _solution_hash(functions: Mapping[str, str], tests: Mapping[str, str]) -> str:
+    return hashlib.sha256(repr((sorted(functions.items()), sorted(tests.items()))).encode()).hexdigest()
 
 
 def checks_module(assignment: str) -> str:

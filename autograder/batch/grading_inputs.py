@@ -14,11 +14,11 @@ from threading import Lock
 from autograder.course.individual_data import generator_hash, individual_file, is_individual
 from autograder.course.layout import Course
 from autograder.course.own_secret import read_own_secret, shared_file
-from autograder.course.solutions import right_functions
+from autograder.course.solutions import hidden_tests, right_functions
 from autograder.judge.judging import Assets
 from labsid._files import write_file
 from labsid.checks.cells import Template
-from labsid.checks.notebook import load_assignment
+from labsid.checks.notebook import find_assignment
 from labsid.checks.question import Origin
 from labsid.records.record import load_record
 from labsid.rig.switchable.withheld_effects import STAND_IN_STUDENT
@@ -78,13 +78,13 @@ def inputs_for(data_store: DataStore, template: Template, student: str) -> Gradi
     ValueError
         If no record can be generated for that student ID.
     """
-    assignment = load_assignment(template.assignment)
-    functions = right_functions(data_store.course, template)
+    assignment = find_assignment(template.assignment)
+    functions, tests = right_functions(data_store.course, template), hidden_tests(data_store.course, template)
     if assignment.record_file is None:
-        return GradingInputs(Assets(template, assignment, None, data_store.seed, functions=functions), {})
+        return GradingInputs(Assets(template, assignment, None, data_store.seed, functions=functions, tests=tests), {})
     path = record_path(data_store, assignment.record_file, student)
     origin = data_store.shared_origin if data_store.secret is None else Origin(student, data_store.secret)
-    assets = Assets(template, assignment, load_record(path), data_store.seed, origin, functions)
+    assets = Assets(template, assignment, load_record(path), data_store.seed, origin, functions, tests)
     return GradingInputs(assets, {assignment.record_file: path})
 
 

@@ -5,8 +5,6 @@ builds are equal byte for byte, and generates the release with nbgrader.
 """
 
 import logging
-import math
-import re
 import shutil
 import tempfile
 from collections.abc import Iterator, Sequence
@@ -18,20 +16,17 @@ import nbformat
 from jupytext.myst import MystMetadataParsingError
 
 from autograder.course.layout import Course, read_template
+from autograder.course.lint import lint_checks, lint_metadata, lint_release, lint_source
 from autograder.course.nbgrader_access import COURSE_ID, import_nbgrader_api
 from autograder.course.own_secret import shared_file
 from labsid._files import write_file, write_text
 from labsid.checks.cells import CODE_STUB, TEXT_STUB, read_cell
-from labsid.checks.notebook import assignment_names, load_assignment, marks_text
+from labsid.checks.notebook import find_assignment, marks_text
 from labsid.checks.notebook_file import START_PAGE
 from labsid.hand_in.start_page import DATA_BESIDE, start_notebook
 
-SOLUTION_DELIMITERS = ("### BEGIN SOLUTION", "### END SOLUTION")
-STRAY_DELIMITER = re.compile(
-    r"#\s*#*\s*(BEGIN|END)[ _-]*(SOLUTION|HIDDEN|MARK)|(BEGIN|END)\s+(SOL|HIDDEN|MARK)\w*", re.IGNORECASE
-)
-_REGION = re.compile(f"{SOLUTION_DELIMITERS[0]}(.*?){SOLUTION_DELIMITERS[1]}", re.DOTALL)
-
+_METADATA_OF_NBGRADER = ("cell_type", "checksum", "grade", "locked", "points", "schema_version", "solution", "task")
+_METADATA_OF_JUPYTER = ("collapsed", "deletable", "editable", "jupyter", "scrolled", "slideshow", "trusted")
 
 GO_ON_TAG = "raises-exception"
 """Jupyter's tag of a cell after which the others are run even if it fails."""
@@ -62,6 +57,8 @@ def build_source(path: Path) -> Any:
         notebook = jupytext.read(path, fmt="md:myst")
     except MystMetadataParsingError as error:
         raise ValueError(f"{path} cannot be released: {error}") from None
+    for cell in notebook.cells:
+        _abbreviate_metadata(cell)
     problems = [problem for cell in notebook.cells for problem in lint_metadata(cell)]
     if problems:
         raise ValueError(f"{path} cannot be released: " + "; ".join(problems))
@@ -90,8 +87,26 @@ def _write_marks(notebook: Any) -> None:
         known = read_cell(cell)
         if known is not None and known.kind == "question":
             cell.source = f"{cell.source.strip()}  # {marks_text(known.points)}"
+        elif known is not None and known.kind == "tests":
+            cell.source = f"{cell.source.rstrip()}\n# {marks_text(known.points)}"
         elif known is not None and known.kind == "manual" and above is not None and above.cell_type == "markdown":
             above.source = f"{above.source.rstrip()}\n\n*({marks_text(known.points)}, marked by hand)*"
+
+
+def _abbreviate_metadata(cell: Any) -> None:
+    """Abbreviate metadata that nbgrader wrote, as in a notebook of an existing course, and drop those of Jupyter."""
+    for name in _METADATA_OF_JUPYTER:
+        cell.metadata.pop(name, None)
+    full = cell.metadata.get("nbgrader")
+    if not isinstance(full, dict) or "grade" not in full:
+        return
+    short = {key: value for key, value in full.items() if key not in _METADATA_OF_NBGRADER}
+    short |= {key: True for key in ("locked", "task") if full.get(key)}
+    if full["grade"]:
+        short |= {"points": full.get("points", 0), **({"manual": True} if full.get("solution") else {})}
+    elif full.get("solution"):
+        short["solution"] = True
+    cell.metadata["nbgrader"] = short
 
 
 def nbgrader_metadata(short: dict[str, Any], cell_type: str) -> dict[str, Any]:
@@ -116,68 +131,6 @@ def nbgrader_metadata(short: dict[str, Any], cell_type: str) -> dict[str, Any]:
     return full
 
 
-def lint_metadata(cell: Any) -> Iterator[str]:
-    """Problems in the abbreviated metadata of a cell."""
-    name = f"the cell {cell.source[:30]!r}"
-    unknown = set(cell.metadata) - {"nbgrader", "tags"}
-    if unknown:
-        yield f"{name}: unknown metadata {', '.join(sorted(unknown))}"
-    if "nbgrader" not in cell.metadata:
-        return
-    short = cell.metadata["nbgrader"]
-    if not isinstance(short, dict) or not re.fullmatch(r"[\w-]{1,64}", str(short.get("grade_id", "")), re.ASCII):
-        yield f"{name}: needs a grade_id of letters, digits and hyphens, got nbgrader: {short}"
-        return
-    unknown = set(short) - {"grade_id", "locked", "manual", "points", "solution"}
-    if unknown:
-        yield f"{short['grade_id']}: unknown metadata {', '.join(sorted(unknown))}"
-    points = short.get("points", 1)
-    if not isinstance(points, int | float) or not 0 < points < math.inf:
-        yield f"{short['grade_id']}: points must be positive, got {points}"
-
-
-def lint_checks(notebook: Any, assignment: str) -> Iterator[str]:
-    """Differences between the questions of a notebook and the checks of its assignment."""
-    known = [read_cell(cell) for cell in notebook.cells]
-    asked = [cell.id for cell in known if cell is not None and cell.kind == "question"]
-    checks = load_assignment(assignment).questions if assignment in assignment_names() else ()
-    checked = [question.id for question in checks]
-    for question in asked:
-        if question not in checked:
-            yield f"{question}: labsid.checks.assignments has no check for it"
-    for question in checked:
-        if question not in asked:
-            yield f"{question}: labsid.checks.assignments has a check for it, but the notebook has no such question"
-    if sorted(asked) == sorted(checked) and asked != checked:
-        yield "the checks are in a different order than the questions"
-
-
-def lint_source(notebook: Any) -> Iterator[str]:
-    """Problems that prevent the release of a notebook."""
-    seen: set[str] = set()
-    for cell in notebook.cells:
-        known = read_cell(cell)
-        opened, closed = (cell.source.count(mark) for mark in SOLUTION_DELIMITERS)
-        rest = cell.source.replace(SOLUTION_DELIMITERS[0], "").replace(SOLUTION_DELIMITERS[1], "")
-        name = known.id if known else f"the cell {cell.source[:30]!r}"
-        strange = STRAY_DELIMITER.search(rest)
-        if strange is not None:
-            yield f"{name}: a misspelt or unknown delimiter ({strange[0]!r})"
-        if len(_REGION.findall(cell.source)) != opened or opened != closed:
-            yield f"{name}: {opened} BEGIN SOLUTION and {closed} END SOLUTION that do not match"
-        if opened and (known is None or known.kind not in ("answer", "manual")):
-            yield f"{name}: contains a solution but is not an answer cell"
-        if known is None:
-            continue
-        if known.id in seen:
-            yield f"{known.id}: the grade_id is used twice"
-        seen.add(known.id)
-        if known.kind == "answer" and not opened:
-            yield f"{known.id}: an answer cell without a solution region"
-        if known.kind == "question" and cell.source.strip() != f'check("{known.id}")':
-            yield f'{known.id}: a question must contain check("{known.id}") and nothing else'
-
-
 def build_releases(course: Course, names: Sequence[str]) -> Iterator[str]:
     """Generate the release notebooks with nbgrader and check them; yields the name of each one."""
     with tempfile.TemporaryDirectory(prefix="labsid-") as scratch:
@@ -189,7 +142,7 @@ def build_releases(course: Course, names: Sequence[str]) -> Iterator[str]:
             if problems:
                 raise ValueError(f"{name} cannot be released: " + "; ".join(problems))
             _write_notebook(notebook, course.release / name / f"{name}.ipynb")
-            data = load_assignment(name).record_file if name in assignment_names() else None
+            data = find_assignment(name).record_file
             if data is not None:
                 shutil.copyfile(shared_file(course, data), course.release / name / data)
             yield name
@@ -225,24 +178,6 @@ def _keep_running(notebook: Any) -> None:
     for cell in notebook.cells:
         if cell.cell_type == "code":
             cell.metadata["tags"] = [*cell.metadata.get("tags", ()), GO_ON_TAG]
-
-
-def lint_release(release: Any, source: Any) -> Iterator[str]:
-    """Solution text that remains in the release."""
-    texts = {cell.id: cell.source for cell in release.cells}
-    for cell in source.cells:
-        known = read_cell(cell)
-        if known is None or known.kind not in ("answer", "manual"):
-            continue
-        if known.kind == "manual":
-            leaked = [cell.source]
-        else:
-            starter = _REGION.sub("", cell.source)
-            lines = [line.strip() for region in _REGION.findall(cell.source) for line in region.splitlines()]
-            leaked = [line for line in lines if len(line) > 12 and line not in starter]
-        for line in leaked:
-            if line in texts.get(known.id, ""):
-                yield f"{known.id}: the release still contains the solution line {line[:40]!r}"
 
 
 def _write_notebook(notebook: Any, path: Path) -> None:

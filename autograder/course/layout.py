@@ -61,6 +61,10 @@ class Course:
         """The lab's record for students without an individual one."""
         return self.data / RECORD_FILE
 
+    def checks_folder(self, assignment: str) -> Path:
+        """The package with the checks of an assignment."""
+        return self.root / "labsid" / "checks" / "assignments" / assignment.replace("-", "_")
+
     def assignments(self) -> list[str]:
         """Names of the assignments, in the order of the course."""
         names = {path.parent.name for path in self.notebooks.glob("*/*.md") if path.stem == path.parent.name}

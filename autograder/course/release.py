@@ -12,7 +12,7 @@ from autograder.course.individual_data import individual_file, is_individual
 from autograder.course.layout import Course, read_template
 from autograder.course.own_secret import shared_file
 from labsid._files import write_file, zip_bytes
-from labsid.checks.notebook import load_assignment
+from labsid.checks.notebook import find_assignment
 from labsid.checks.notebook_file import START_PAGE
 from labsid.hand_in.start_page import DATA_BESIDE, start_notebook, start_text
 from labsid.rig import student_plan
@@ -68,14 +68,21 @@ def write_release(
     ValueError
         If the course has not been built, or has no such assignment.
     """
+    files = release_files(course, assignments, due)
+    write_file(out, zip_bytes(files))
+    return sorted(files)
+
+
+def release_files(
+    course: Course, assignments: Sequence[str] = (), due: Mapping[str, str] | None = None
+) -> dict[str, bytes]:
+    """The files of `write_release`: content by path."""
     data = {
         f"{name}/{file}": shared_file(course, file).read_bytes()
         for name in course.select(assignments)
-        if (file := load_assignment(name).record_file) is not None
+        if (file := find_assignment(name).record_file) is not None
     }
-    files = shared_files(course, assignments, data, due)
-    write_file(out, zip_bytes(files))
-    return sorted(files)
+    return shared_files(course, assignments, data, due)
 
 
 def write_individual_releases(
@@ -127,7 +134,7 @@ def individual_files(course: Course, secret: bytes, student: str, assignments: S
     student_plan(student, secret)  # reports an invalid ID before any file is generated
     if "/" in student or "\\" in student or student.startswith("."):
         raise ValueError(f"the student ID {student!r} cannot be the name of a folder.")
-    wanted = ((name, load_assignment(name).record_file) for name in course.select(assignments))
+    wanted = ((name, find_assignment(name).record_file) for name in course.select(assignments))
     data = {name: file for name, file in wanted if file is not None}
     contents = {
         file: individual_file(file, student, secret) if is_individual(file) else shared_file(course, file).read_bytes()
@@ -167,7 +174,7 @@ def shared_files(
     names = course.select(assignments)
     templates = [read_template(course, name) for name in names]
     due = due or {}
-    wanted = [f"`{name}/{file}`" for name in names if (file := load_assignment(name).record_file) is not None]
+    wanted = [f"`{name}/{file}`" for name in names if (file := find_assignment(name).record_file) is not None]
     said = _SEPARATE.format(files=", ".join(wanted)) if data_come_apart else DATA_BESIDE
     said = said if wanted else _NO_DATA
     files = {f"{name}/{name}.ipynb": (course.release / name / f"{name}.ipynb").read_bytes() for name in names}

@@ -1,4 +1,7 @@
-"""The functions of the model solution, which replace a student's wrong ones where later steps call them."""
+"""What grading reads from the notebooks with solutions: the right functions, and nbgrader's hidden tests.
+
+The functions of the model solution replace a student's wrong ones where later steps call them.
+"""
 
 from collections.abc import Mapping
 from functools import lru_cache
@@ -8,7 +11,7 @@ import nbformat
 
 from autograder.course.definitions import defined_functions, definitions_in
 from autograder.course.layout import Course
-from labsid.checks.cells import Template, read_cell
+from labsid.checks.cells import HIDDEN_DELIMITERS, Template, read_cell
 
 
 def right_functions(course: Course, template: Template) -> Mapping[str, str]:
@@ -29,6 +32,21 @@ def right_functions(course: Course, template: Template) -> Mapping[str, str]:
     return _read_functions(path, path.stat().st_mtime_ns) if path.is_file() else {}
 
 
+def hidden_tests(course: Course, template: Template) -> Mapping[str, str]:
+    """Source of the test cells of nbgrader with hidden tests, by their question; empty without the solutions."""
+    name = template.assignment
+    path = course.source / name / f"{name}.ipynb"
+    return _read_hidden_tests(path, path.stat().st_mtime_ns) if path.is_file() else {}
+
+
+@lru_cache(maxsize=64)
+def _read_hidden_tests(path: Path, changed_ns: int) -> Mapping[str, str]:
+    """The hidden tests in a notebook with solutions, cached until it changes."""
+    cells = map(read_cell, nbformat.reads(path.read_text(encoding="utf-8"), as_version=4).cells)
+    tests = (cell for cell in cells if cell is not None and cell.kind == "tests")
+    return {cell.id: cell.source for cell in tests if HIDDEN_DELIMITERS[0] in cell.source}
+
+
 @lru_cache(maxsize=64)
 def _read_functions(path: Path, changed_ns: int) -> Mapping[str, str]:
     """The functions in a notebook with solutions, cached until it changes."""
@@ -39,7 +57,7 @@ def _read_functions(path: Path, changed_ns: int) -> Mapping[str, str]:
             continue
         if cell.kind == "answer":
             answers.append(cell.source)
-        elif cell.kind == "question":
+        elif cell.kind in ("question", "tests"):
             source = "\n\n".join(definitions_in(answer) for answer in answers if defined_functions(answer))
             if source:
                 found[cell.id] = source

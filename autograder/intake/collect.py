@@ -34,7 +34,7 @@ from autograder.intake.worksheet import (
 )
 from labsid._files import write_file
 from labsid.checks.cells import Template
-from labsid.checks.notebook import load_assignment
+from labsid.checks.notebook import find_assignment
 
 _MARKER = r"_(?P<number>\d{1,18})_assignsubmission_[a-z]+_?"
 _FOLDER = re.compile(rf"(?P<name>[^/]*){_MARKER}(?P<rest>)", re.ASCII)
@@ -239,7 +239,7 @@ def _add_file(participant: _ParticipantFiles, entry: ArchiveEntry, templates: Ma
 
 @cache
 def _data_files(assignments: tuple[str, ...]) -> frozenset[str | None]:
-    return frozenset(load_assignment(name).record_file for name in assignments)
+    return frozenset(find_assignment(name).record_file for name in assignments)
 
 
 def _assignment_of(entry: ArchiveEntry, templates: Mapping[str, Template]) -> str | None:
@@ -288,7 +288,7 @@ def _write_submission(
             continue
         latest = max(versions, key=_version_key)
         files = {f"{name}.ipynb": latest.data}
-        data = load_assignment(name).record_file
+        data = find_assignment(name).record_file
         if data is not None and data in participant.data:
             files[data] = participant.data[data].data
         if timestamp is not None:

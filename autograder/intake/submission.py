@@ -28,7 +28,7 @@ class NotebookCell:
     ----------
     id : str or None
         The grade_id; None for a cell added by the student.
-    kind : {"given", "demonstration", "answer", "question", "manual", "extra"}
+    kind : {"given", "demonstration", "answer", "question", "tests", "manual", "extra"}
     source : str
         The released text of given cells and questions, the student's text of all others.
     code : bool

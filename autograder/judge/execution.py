@@ -38,10 +38,10 @@ class ExecutedCell:
 
 
 def source_to_run(cell: NotebookCell) -> str:
-    """The code of a cell that is run while grading: of a demonstration its definitions, of a question nothing."""
+    """The code of a cell that is run while grading: of a demonstration its definitions, of a check nothing."""
     if cell.code and cell.kind == "demonstration":
         return definitions_in(cell.source)
-    return cell.source if cell.code and cell.kind in ("given", "answer", "extra") else ""
+    return cell.source if cell.code and cell.kind in ("given", "answer", "extra", "tests") else ""
 
 
 class Execution:

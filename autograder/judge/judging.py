@@ -22,6 +22,7 @@ from autograder.judge.carrying import differ_in_shape, is_usable
 from autograder.judge.examiner import Examination, Examiner
 from autograder.judge.execution import ExecutedCell, Execution
 from autograder.judge.outcome import QuestionResult, SubmissionResult, ungraded_result
+from autograder.judge.own_tests import OwnTests
 from autograder.judge.picture import figure_svg
 from autograder.judge.second_run import SecondRun
 from autograder.sandbox.isolation import ProcessLauncher
@@ -50,6 +51,8 @@ class Assets:
         Origin of the record, for checks that need what is withheld about it.
     functions : mapping
         Source of the right functions, by the question that asks for them.
+    tests : mapping
+        Source of the test cells of nbgrader that have hidden tests, by question.
     """
 
     template: Template
@@ -58,6 +61,7 @@ class Assets:
     secret: bytes = field(repr=False)
     origin: Origin | None = None
     functions: Mapping[str, str] = field(default_factory=dict)
+    tests: Mapping[str, str] = field(default_factory=dict, repr=False)
 
 
 def judge_submission(
@@ -105,7 +109,9 @@ class _SubmissionJudge:
     executed : list of ExecutedCell
         Every cell, with its output in the notebook as it was handed in.
     answers : list of Answer
-        The answers to the questions that are graded automatically.
+        The answers to the questions that checks grade.
+    tests : list of OwnTests
+        The questions that nbgrader's own tests grade.
     """
 
     def __init__(
@@ -123,6 +129,7 @@ class _SubmissionJudge:
         )
         self.executed: list[ExecutedCell] = []
         self.answers: list[Answer] = []
+        self.tests: list[OwnTests] = []
 
     def run(self) -> tuple[QuestionResult, ...]:
         """Run and judge all cells; returns a result for each question."""
@@ -131,17 +138,19 @@ class _SubmissionJudge:
         try:
             entries = self._run_cells(execution, examiner)
             self._judge_the_rest(examiner)
+            for tests in self.tests:
+                tests.run_hidden(execution, self._launcher.limits)
         finally:
             execution.close()
         second_run = SecondRun(
             self.executed, self.answers, self._assets.functions, self._asks, self._launcher, self._folder
         )
         second_run.judge(time.monotonic() + self._launcher.limits.submission_seconds)  # not on the notebook's time
-        return tuple(entry.result() if isinstance(entry, Answer) else entry for entry in entries)
+        return tuple(entry if isinstance(entry, QuestionResult) else entry.result() for entry in entries)
 
-    def _run_cells(self, execution: Execution, examiner: Examiner) -> list[Answer | QuestionResult]:
+    def _run_cells(self, execution: Execution, examiner: Examiner) -> list[Answer | OwnTests | QuestionResult]:
         """Run all cells, and judge at each question what can be judged there."""
-        entries: list[Answer | QuestionResult] = []
+        entries: list[Answer | OwnTests | QuestionResult] = []
         own: dict[str, Value] = {}
         right: dict[str, Value] = {}
         cells: list[ExecutedCell] = []
@@ -161,6 +170,14 @@ class _SubmissionJudge:
                 answer.seconds = time.monotonic() - start
                 self.answers.append(answer)
                 entries.append(answer)
+            elif cell.kind == "tests":
+                hidden = self._assets.tests.get(cell.id or "", "")
+                key = -1 - len(self.tests)  # the keys from 0 are those of the answers
+                tests = OwnTests(key, self._points[cell.id or ""], done, cells, hidden)
+                tests.read_visible(execution)
+                tests.seconds = time.monotonic() - start
+                self.tests.append(tests)
+                entries.append(tests)
             else:
                 continue
             start, cells = time.monotonic(), []

@@ -108,7 +108,7 @@ def code_fingerprints(cells: Sequence[NotebookCell], released: Mapping[str, str]
         if cell.kind in ("answer", "extra") and cell.code:
             if cell.source.strip() != released.get(cell.id or "", "").strip():
                 code.append(cell.source)
-        elif cell.kind == "question":
+        elif cell.kind in ("question", "tests"):
             forms = [normal_form(source) for source in code]
             size = sum(size for _, size in forms)
             if size:

@@ -11,9 +11,12 @@ from typing import Any
 
 CODE_STUB = "# Your code here\npass"
 TEXT_STUB = "*Your answer here*"
+HIDDEN_DELIMITERS = ("### BEGIN HIDDEN TESTS", "### END HIDDEN TESTS")
+"""nbgrader's, around the tests of a test cell that students do not get."""
 
 # with the indentation of the release, if the answer is the body of a function; `...` stood in earlier releases
 _STUB = re.compile(rf"# Your code here\n\s*(pass|\.\.\.)|{re.escape(TEXT_STUB)}")
+_CHECK = re.compile(r"\bcheck\(")
 _HEADING = re.compile(r"^(#{1,4})\s+(.+)$", re.M)
 _LETTERS = {r"\hat\theta": "θ̂", r"\hat{\theta}": "θ̂", r"\theta": "θ", r"\Phi": "Φ", r"\tau": "τ"}
 
@@ -26,9 +29,9 @@ class Cell:
     ----------
     id : str
         Its grade_id.
-    kind : {"given", "demonstration", "answer", "question", "manual"}
+    kind : {"given", "demonstration", "answer", "question", "tests", "manual"}
         Locked code; locked code of which grading runs the definitions alone; a student's answer; a question graded
-        automatically; a question graded by hand.
+        automatically, by ``check(...)``; one graded by tests of nbgrader in the cell itself; a question graded by hand.
     source : str
         Its text.
     code : bool
@@ -134,7 +137,7 @@ def read_cell(cell: Mapping[str, Any], heading: str = "", part: str = "") -> Cel
         return None
     grade, solution = bool(meta.get("grade")), bool(meta.get("solution"))
     if grade:
-        kind = "manual" if solution else "question"
+        kind = "manual" if solution else "question" if _CHECK.search(cell["source"]) else "tests"
     elif solution:
         kind = "answer"
     else:

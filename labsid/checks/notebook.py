@@ -1,6 +1,6 @@
 """Checks that students run in the cells of a notebook."""
 
-from collections.abc import Mapping, MutableMapping
+from collections.abc import Iterable, Mapping, MutableMapping
 from dataclasses import replace
 from decimal import Decimal
 from html import escape
@@ -163,9 +163,16 @@ class notebook_checks:  # noqa: N801  (called like a function, once, at the top 
         questions = self._questions()
         by_hand = {cell.id for cell in questions if cell.kind == "manual"}  # of the others, the cells as run are known
         saved = {} if file is None else {name: text for name, text in file.sources.items() if name in by_hand}
-        states = states_of(questions, self._states, saved)
+        states = states_of(questions, self._states | self._states_of_tests(questions), saved)
         title = f"{self._assignment.name}: what the checks found in this run of the notebook"
         self._display(summary_text(title, states), summary_html(title, states), {})
+
+    def _states_of_tests(self, questions: Iterable[Cell]) -> dict[str, str]:
+        """How the test cells of nbgrader ended that have been run."""
+        checked = {question.id for question in self._assignment.questions}
+        tests = [cell.id for cell in questions if cell.kind == "tests" and cell.id not in checked]
+        runs = [run for run in map(self._runs.last, tests) if run is not None] if self._runs is not None else []
+        return {str(run.cell_id): FAILED if run.error else PASSED for run in runs}
 
     def _known(self) -> dict[str, Value]:
         values = {**self._skipped, **self._passed}
@@ -306,6 +313,11 @@ def load_assignment(name: str) -> Assignment:
     module = import_module(f"labsid.checks.assignments.{name.replace('-', '_')}")
     assignment: Assignment = module.ASSIGNMENT
     return assignment
+
+
+def find_assignment(name: str) -> Assignment:
+    """The automatic questions of an assignment; none if it has no checks, but tests of nbgrader alone."""
+    return load_assignment(name) if name in assignment_names() else Assignment(name, ())
 
 
 def assignment_names() -> list[str]:

@@ -13,14 +13,9 @@ import pytest
 
 from autograder.batch.fingerprint import template_hash
 from autograder.course import build
-from autograder.course.build import (
-    SOLUTION_DELIMITERS,
-    build_course,
-    build_source,
-    lint_checks,
-    lint_release,
-)
+from autograder.course.build import build_course, build_source
 from autograder.course.layout import Course, find_course, read_template
+from autograder.course.lint import SOLUTION_DELIMITERS, lint_checks, lint_release
 from labsid.checks.cells import CODE_STUB, TEXT_STUB, Cell, Template, read_cell
 from labsid.checks.notebook import assignment_names, load_assignment
 
@@ -207,7 +202,9 @@ def question(points: str, source: str = 'check("t")') -> str:
         pytest.param(question("points: 1", 'check("u")'), r't: a question must contain check\("t"\) and nothing else',
                      id="a check of another question"),
         pytest.param(question("points: 1", 'check("t")\na = 3'), "and nothing else", id="more than a check"),
-        pytest.param(question("points: 1"), "t: labsid.checks.assignments has no check for it",
+        pytest.param(question("points: 1"), "t: the notebook has this question, but there is no check for it. "
+                     r"Write Question\(\"t\", judge\), with a function judge\(ask\) that returns a Verdict: write "
+                     r"labsid/checks/assignments/tiny/__init__.py, with ASSIGNMENT = Assignment\('tiny', ",
                      id="a question without a check"),
         pytest.param(question("points: 0"), "t: points must be positive, got 0", id="zero points"),
         pytest.param(question("points: -1"), "t: points must be positive", id="negative points"),
@@ -232,7 +229,7 @@ def test_what_must_not_be_released_is_named_and_nothing_is_written(write: Callab
 
 def test_every_mistake_of_a_notebook_is_said_at_once(write: Callable) -> None:
     course = write(ANSWER + ANSWER + cell("{grade_id: t, points: 1}", "pass"))
-    with pytest.raises(ValueError, match=r"twice; .*nothing else; .*no check"):
+    with pytest.raises(ValueError, match=r"twice; .*nothing else, or .*; .*no check"):
         list(build_course(course))
 
 
@@ -254,16 +251,23 @@ def test_notebook_and_checks_fit_together(name: str, course: Course) -> None:
 
     renamed = source.copy()
     renamed.cells = [cell for cell in source.cells if cell is not asks[0]]
-    assert list(lint_checks(renamed, name)) == [
-        f"{asks[0].id}: labsid.checks.assignments has a check for it, but the notebook has no such question"
-    ]
+    file = f"labsid/checks/assignments/{name.replace('-', '_')}/__init__.py"
+    unasked = (
+        f"{asks[0].id}: {file} has a check for it, but the notebook has no such question. Write a code cell "
+        f':nbgrader: {{grade_id: {asks[0].id}, points: 1}} with check("{asks[0].id}") in notebooks/{name}/{name}.md, '
+        "or delete this Question"
+    )
+    assert list(lint_checks(renamed, name)) == [unasked]
     asks[0].metadata.nbgrader.grade_id = "else"
     assert list(lint_checks(source, name)) == [
-        "else: labsid.checks.assignments has no check for it",
-        f"{asks[0].id}: labsid.checks.assignments has a check for it, but the notebook has no such question",
+        'else: the notebook has this question, but there is no check for it. Write Question("else", judge), with a '
+        f"function judge(ask) that returns a Verdict: add it to the questions of ASSIGNMENT in {file}",
+        unasked,
     ]
     asks[0].metadata.nbgrader.grade_id, asks[1].metadata.nbgrader.grade_id = asks[1].id, asks[0].id
-    assert list(lint_checks(source, name)) == ["the checks are in a different order than the questions"]
+    (problem,) = lint_checks(source, name)
+    assert problem.startswith("the checks are in a different order than the questions. Put the questions of ")
+    assert f"in {file} in the order of the notebook: {asks[1].id}, {asks[0].id}" in problem
 
 
 @pytest.mark.parametrize("name", ASSIGNMENTS)

@@ -1,0 +1,54 @@
+"""The release as a student sees it: its files, unpacked into a folder."""
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+
+from autograder.course.layout import Course
+from autograder.course.release import release_files
+from labsid._files import write_file
+
+
+def write_preview(
+    course: Course, folder: Path, assignments: Sequence[str] = (), due: Mapping[str, str] | None = None
+) -> list[str]:
+    """Write the files of the release, with the data that all students share, into a folder.
+
+    Parameters
+    ----------
+    course : Course
+        Built.
+    folder : Path
+        New, or empty.
+    assignments : sequence of str, optional
+        The assignments of the release; default all.
+    due : mapping, optional
+        When an assignment is due, as text, by its name.
+
+    Returns
+    -------
+    list of str
+        The names of its files.
+
+    Raises
+    ------
+    ValueError
+        If the folder is not empty, the course has not been built, or it has no such assignment.
+    """
+    if folder.exists() and not (folder.is_dir() and next(folder.iterdir(), None) is None):
+        raise ValueError(f"{folder} is not an empty folder. Give --folder another name, or delete it first.")
+    files = release_files(course, assignments, due)
+    for name, content in files.items():
+        path = folder / name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        write_file(path, content)
+    return sorted(files)
+
+
+def changed_since_build(course: Course, assignments: Sequence[str] = ()) -> list[str]:
+    """The assignments whose text was changed after the last build."""
+    return [
+        name
+        for name in course.select(assignments)
+        if (course.notebooks / name / f"{name}.md").stat().st_mtime_ns
+        > (course.release / name / f"{name}.ipynb").stat().st_mtime_ns
+    ]
