@@ -63,3 +63,11 @@ def connect(address: str, seconds: float) -> Any:
     except Exception as error:
         reason = str(error) or f"no answer within {seconds:g} s"
         raise ValueError(f"no Dask scheduler answers at {address} ({reason}). Start one: dask scheduler") from None
+
+
+def wait_for_worker(client: Any, address: str, seconds: float) -> None:
+    """Wait for the first worker of a scheduler; `ValueError` if there is none in time."""
+    try:
+        client.wait_for_workers(1, timeout=seconds)
+    except TimeoutError:
+        raise ValueError(f"the scheduler at {address} has no worker. Start some: dask worker {address}") from None

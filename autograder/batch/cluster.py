@@ -29,7 +29,7 @@ from autograder.course.plain_text import one_line
 from autograder.intake.submission import quarantined_submission
 from autograder.judge.outcome import SubmissionResult, ungraded_result
 from autograder.sandbox.isolation import LEVELS, Limits, is_weaker
-from labsid._scheduler import check_address, connect
+from labsid._scheduler import check_address, connect, wait_for_worker
 
 CONNECT_SECONDS = 10.0
 """Time-out of the scheduler's answer, and of its first worker."""
@@ -101,12 +101,7 @@ class ClusterExecutor:
     def start(self) -> None:
         """Check the workers that are connected; raise `ValueError` if none is usable."""
         with self._scheduler_errors():
-            try:
-                self._client.wait_for_workers(1, timeout=CONNECT_SECONDS)
-            except TimeoutError:
-                raise ValueError(
-                    f"the scheduler at {self._address} has no worker. Start some: dask worker {self._address}"
-                ) from None
+            wait_for_worker(self._client, self._address, CONNECT_SECONDS)
             self._check_new_workers()
             threads = sum(self._threads().values())
         if not self._levels:

@@ -10,7 +10,7 @@ from pathlib import Path
 from queue import Empty, SimpleQueue
 from typing import Any
 
-from labsid._scheduler import check_address, connect
+from labsid._scheduler import check_address, connect, wait_for_worker
 from labsid.gap.version import sources_version
 
 CONNECT_SECONDS = 10.0
@@ -64,10 +64,7 @@ def run_on_scheduler(
 def _run(
     client: Any, address: str, run: Run, version: str, tasks: Sequence[Task]
 ) -> Generator[tuple[int, Task | None], None, None]:
-    try:
-        client.wait_for_workers(1, timeout=CONNECT_SECONDS)
-    except TimeoutError:
-        raise ValueError(f"the scheduler at {address} has no worker. Start some: dask worker {address}") from None
+    wait_for_worker(client, address, CONNECT_SECONDS)
     pending: dict[Any, int] = {}
     done: SimpleQueue[Any] = SimpleQueue()
     todo = iter(range(len(tasks)))
@@ -117,14 +114,12 @@ def _result(future: Any, address: str) -> Task | None:
 
 
 def _packed(task: Task) -> Task:
-    """The task with the contents of its files, or why one cannot be read."""
-    files: dict[str, tuple[str, bytes | str]] = {}
-    for kind in _FILES:
-        if task[kind] is not None:
-            try:
-                files[kind] = (Path(task[kind]).name, Path(task[kind]).read_bytes())
-            except OSError as error:
-                files[kind] = (Path(task[kind]).name, error.strerror or str(error))
+    """The task with the contents of its files; None for one that cannot be read, so that it is missing there, too."""
+    files: dict[str, tuple[str, bytes | None]] = {}
+    for path, kind in ((Path(task[kind]), kind) for kind in _FILES if task[kind] is not None):
+        files[kind] = path.name, None
+        with suppress(OSError):
+            files[kind] = path.name, path.read_bytes()
     return task | {"files": files}
 
 
@@ -137,7 +132,7 @@ def _on_worker(run: Run, version: str, task: Task) -> Task:
         for kind, (name, content) in task["files"].items():
             path = Path(folder) / kind / name
             path.parent.mkdir()
-            if isinstance(content, bytes):
+            if content is not None:
                 path.write_bytes(content)
             paths[kind] = str(path)
         return run(task | paths)

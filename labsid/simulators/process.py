@@ -4,6 +4,7 @@ import subprocess
 import sys
 import weakref
 from collections.abc import Mapping
+from contextlib import suppress
 from queue import Empty, SimpleQueue
 from threading import Thread
 from typing import IO, Any
@@ -13,6 +14,7 @@ from labsid.simulators.messages import read_message, write_message
 from labsid.simulators.simulator import Simulator, SimulatorError
 
 CALL_SECONDS = 60.0  # of one simulation
+END_SECONDS = 2.0
 _ENDED = object()
 
 
@@ -94,7 +96,12 @@ def _receive(stream: IO[bytes], replies: "SimpleQueue[Any]") -> None:
 
 
 def _end(process: "subprocess.Popen[bytes]") -> None:
-    process.kill()
-    process.wait()
-    if process.stdin is not None:
+    """Let the process end by itself, so that it removes its files; kill it if it is busy."""
+    assert process.stdin is not None
+    with suppress(OSError):
         process.stdin.close()
+    try:
+        process.wait(END_SECONDS)
+    except subprocess.TimeoutExpired:
+        process.kill()
+        process.wait()

@@ -1,5 +1,6 @@
 """Co-simulation FMUs, built here: the same output as the equations in them, and what is said of others."""
 
+import gc
 import subprocess
 import sys
 import zipfile
@@ -57,6 +58,18 @@ def test_an_fmu_simulates_with_the_numbers_that_are_asked_for(tank: Path) -> Non
     np.testing.assert_allclose(simulate(T, U), lfilter([0, 0.2], [1, -0.9], U), atol=1e-12)
     np.testing.assert_allclose(simulate(T, U, {"gain": 3.0}), lfilter([0, 0.3], [1, -0.9], U), atol=1e-12)
     np.testing.assert_allclose(simulate(T, U), lfilter([0, 0.2], [1, -0.9], U), atol=1e-12)  # nothing is kept
+
+
+def test_nothing_is_left_of_an_fmu_that_is_not_used_any_more(
+    tank: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("TMPDIR", str(tmp_path))
+    simulate = open_in_process(str(tank))
+    assert simulate(T, U).size == T.size
+    assert list(tmp_path.iterdir()) != []  # it is unpacked there
+    del simulate
+    gc.collect()
+    assert list(tmp_path.iterdir()) == []
 
 
 def test_what_cannot_be_played_is_said_in_one_line(tank: Path, tmp_path: Path) -> None:
