@@ -11,6 +11,7 @@ from labsid._arrays import FloatArray
 from labsid._compiled import compiled
 
 SHARP = (0.0, 0.0, 1.0)  # law of friction without smoothing and without a peak
+SATURATED = 20.0  # argument from which tanh is 1, within rounding
 DIVERGED = 1e6  # a larger state has diverged: every record is smaller
 # Spring force at the mean position of a substep: factor of h^2 times the acceleration, tuned against short substeps.
 CUBIC_CORRECTION = 0.109
@@ -149,6 +150,12 @@ def sliding_friction(v: float, friction: float, peak: float, decay: float) -> fl
 
 
 @compiled()
+def _tanh(x: float) -> float:
+    """Hyperbolic tangent from one exponential, which is faster than that of the library; exact to 1e-16."""
+    return 1.0 - 2.0 / (math.exp(2.0 * x) + 1.0)
+
+
+@compiled()
 def _slide(
     z: float, v: float, force: float, c: float, k: float, friction: float, smooth: float, h: float
 ) -> tuple[float, float]:
@@ -156,7 +163,7 @@ def _slide(
 
     At a change of direction the step is split, so that the friction turns within it.
     """
-    shape = math.tanh(v / smooth)
+    shape = _tanh(v / smooth)
     slope = friction * (1.0 - shape * shape) / smooth
     held = force - friction * shape + slope * v
     f11, f12, f21, f22, g1, g2 = transition(c + slope, k, h)
@@ -170,9 +177,17 @@ def _slide(
 
 
 @compiled()
-def _slide_motor(v: float, drive: float, a: float, friction: float, smooth: float, h: float) -> float:
-    """Step of v' = a (drive - friction tanh(v / smooth) - v), with the friction linearized about v."""
-    shape = math.tanh(v / smooth)
+def _slide_motor(v: float, drive: float, a: float, friction: float, smooth: float, h: float, keep: float) -> float:
+    """Step of v' = a (drive - friction tanh(v / smooth) - v), with the friction linearized about v.
+
+    `keep` is exp(-a h).
+    """
+    if abs(v) > SATURATED * smooth:
+        rest = drive - math.copysign(friction, v)
+        new = rest + (v - rest) * keep
+        if new * v >= 0.0:
+            return new
+    shape = _tanh(v / smooth)
     slope = 1.0 + friction * (1.0 - shape * shape) / smooth
     way = (drive - friction * shape - v) / slope  # to the rest of the linearized motion
     new = v + way * (1.0 - math.exp(-a * slope * h))
@@ -325,7 +340,7 @@ def simulate_motor(
             else:
                 sign = 1.0 if drive > 0.0 else -1.0
             if smooth > 0.0:
-                v = _slide_motor(v, drive, a, friction, smooth, h)
+                v = _slide_motor(v, drive, a, friction, smooth, h, keep_a)
             elif sign != 0.0:
                 rest = drive - sign * sliding_friction(v, friction, peak, decay)
                 v = rest + (v - rest) * keep_a
