@@ -12,7 +12,15 @@ import numpy as np
 from scipy.signal import lfilter
 
 from labsid._arrays import FloatArray
-from labsid.rig.switchable._motion import PARALLEL_MODE, SERIES_MODE, TWO_TANKS
+from labsid.rig.switchable._motion import (
+    HEATED_FAR,
+    HEATED_NEAR,
+    MASS,
+    MOTOR_SPEED,
+    PARALLEL_MODE,
+    SERIES_MODE,
+    TWO_TANKS,
+)
 from labsid.rig.switchable.setup import STEPS_PER_SAMPLE, Profile, Setup
 
 ApplyEffect = Callable[[Setup, float], Setup]
@@ -270,3 +278,55 @@ DRAWS: dict[str, Callable[[np.random.Generator, EffectContext], ApplyEffect]] = 
     "periodic-disturbance": _periodic,
     "coloured-noise": _coloured,
 }
+
+
+def _end_stop(rng: np.random.Generator, at: EffectContext) -> ApplyEffect:
+    """One or two stops, which move towards the rest position as the strength grows, and a nearly plastic impact."""
+    sides = rng.choice(["low", "high", "both"], p=[0.25, 0.25, 0.5])
+    reach_low, reach_high = (0.85 * rng.uniform(0.6, 1.0, 2)).tolist()
+    margin = 0.1 * float(np.ptp(at.y))
+    low, high = min(float(at.y.min()), -margin), max(float(at.y.max()), margin)
+    restitution = float(rng.choice([0.0, rng.uniform(0.05, 0.25)], p=[0.7, 0.3]))
+    stops: dict[str, Callable[[float], Any]] = {}
+    if sides != "high":
+        stops["stop_low"] = lambda s: low * (1 - s * reach_low)
+    if sides != "low":
+        stops["stop_high"] = lambda s: high * (1 - s * reach_high)
+    return _in("motion", restitution=_fixed(restitution), **stops)
+
+
+def _quadratic_drag(rng: np.random.Generator, at: EffectContext) -> ApplyEffect:
+    """At strength 1 the drag at the highest speed takes 1.5 times the whole input range."""
+    if at.setup.motion.kind == MOTOR_SPEED:
+        fastest = float(np.max(np.abs(at.y + at.setup.motion.speed_zero)))
+    else:
+        fastest = float(np.max(np.abs(np.diff(at.y))))
+    return _in("motion", drag=_times(1.5 / fastest**2))
+
+
+def _slow_mode(rng: np.random.Generator, at: EffectContext) -> ApplyEffect:
+    """A time constant of 6 to 30 times the rig's own, and at most a quarter of the record.
+
+    Creep of a spring and a second heat store add to the output; the warming of a motor or the second volume of a tank
+    may also take from it.
+    """
+    longest = min(30.0 * at.time, 0.25 * at.v.size)
+    shortest = min(6.0 * at.time, longest)
+    time = float(np.exp(rng.uniform(np.log(shortest), np.log(longest))))
+    adds = at.setup.motion.kind in (MASS, HEATED_FAR, HEATED_NEAR)
+    sign = 1.0 if adds else float(rng.choice([-1.0, 1.0]))
+    return _in("motion", slow_time=_fixed(time), slow_share=_times(0.6 * sign))
+
+
+def _output_backlash(rng: np.random.Generator, at: EffectContext) -> ApplyEffect:
+    start = float(rng.choice([0.0, rng.uniform(-1.0, 1.0)]))
+    return _in("motion", play=_times(0.6 * float(np.ptp(at.y))), play_start=_fixed(start))
+
+
+FAMILY_DRAWS: dict[str, Callable[[np.random.Generator, EffectContext], ApplyEffect]] = {
+    "end-stop": _end_stop,
+    "quadratic-drag": _quadratic_drag,
+    "slow-mode": _slow_mode,
+    "output-backlash": _output_backlash,
+}
+"""The later effects of the table; they have rows of their own, because the cases of a row depend on its effects."""

@@ -3,15 +3,21 @@
 import numpy as np
 
 from labsid._arrays import FloatArray
-from labsid.rig.switchable._effect_draws import DRAWS, ApplyEffect, EffectContext
+from labsid.rig.switchable._effect_draws import DRAWS, FAMILY_DRAWS, ApplyEffect, EffectContext
 from labsid.rig.switchable._motion import LAGGED_TANK, MASS, MOTOR_POSITION, MOTOR_SPEED, TWO_TANKS
 from labsid.rig.switchable.plants import time_scale
 from labsid.rig.switchable.setup import Setup
 from labsid.rig.switchable.simulation import plant_output
 
-__all__ = ["EFFECTS", "ApplyEffect", "EffectContext", "draw_effect", "effect_context", "supports_effect"]
+__all__ = ["EFFECTS", "FAMILIES", "ApplyEffect", "EffectContext", "draw_effect", "effect_context", "supports_effect"]
 
 EFFECTS = tuple(DRAWS)
+"""Effects that most rows of the sealed check draw from; their order and number determine its cases."""
+
+FAMILIES = tuple(FAMILY_DRAWS)
+"""Further effects of the table, which have a row of their own."""
+
+_ALL_DRAWS = DRAWS | FAMILY_DRAWS
 
 
 def effect_context(setup: Setup, v: FloatArray, rounding: float = 0.0) -> EffectContext:
@@ -51,11 +57,11 @@ def draw_effect(rng: np.random.Generator, name: str, context: EffectContext) -> 
     ValueError
         If there is no such effect, or the rig does not support it.
     """
-    if name not in DRAWS:
-        raise ValueError(f"name must be an effect of the table; got {name!r}. There are {', '.join(DRAWS)}.")
+    if name not in _ALL_DRAWS:
+        raise ValueError(f"name must be an effect of the table; got {name!r}. There are {', '.join(_ALL_DRAWS)}.")
     if not supports_effect(context.setup, name):
         raise ValueError(f"a {context.setup.rig} cannot have {name}. Draw another rig.")
-    return DRAWS[name](rng, context)
+    return _ALL_DRAWS[name](rng, context)
 
 
 def supports_effect(setup: Setup, name: str) -> bool:
@@ -78,4 +84,6 @@ _PLACES = {
     "overflow": (TWO_TANKS, LAGGED_TANK),
     "coulomb-friction": (MOTOR_SPEED, MOTOR_POSITION, MASS),
     "cubic-stiffness": (MASS,),
+    "end-stop": (MOTOR_POSITION, MASS),
+    "quadratic-drag": (MOTOR_SPEED, MOTOR_POSITION, MASS),
 }

@@ -228,6 +228,14 @@ def plain_motion(kind: int, T0: float, T1: float) -> Motion:
         fall_rate=1.0,
         switch_level=inf,
         switch_rate=1.0,
+        drag=0.0,
+        stop_low=-inf,
+        stop_high=inf,
+        restitution=0.0,
+        slow_time=1.0,
+        slow_share=0.0,
+        play=0.0,
+        play_start=0.0,
     )
 
 

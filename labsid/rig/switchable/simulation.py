@@ -6,7 +6,7 @@ import numpy as np
 from scipy.signal import lfilter
 
 from labsid._arrays import FloatArray, as_signal, freeze
-from labsid.rig.switchable._motion import MASS, STATE_COUNT, Motion, move
+from labsid.rig.switchable._motion import MASS, MOTOR_POSITION, STATE_COUNT, Motion, move
 from labsid.rig.switchable.actuator import actuator_output, limited
 from labsid.rig.switchable.setup import STEPS_PER_SAMPLE, Load, Sensor, Setup, profile_values
 
@@ -108,13 +108,21 @@ def plant_output(setup: Setup, v: FloatArray, start: tuple[float, float] = (0.0,
 
     Raises
     ------
+    ValueError
+        If the rig has end stops where there is no position, or beside dry friction.
     UnboundedOutputError
         If the output diverges.
     """
+    m = setup.motion
+    if (m.stop_low, m.stop_high) != (-np.inf, np.inf) and (m.kind not in (MASS, MOTOR_POSITION) or m.dry_friction):
+        raise ValueError(
+            f"end stops need a position without dry friction; got a {setup.rig} with friction {m.dry_friction:g}. "
+            "Leave one of the two effects out."
+        )
     begin, end = actuator_output(setup.actuator, v)
     x0 = np.zeros(STATE_COUNT)
     x0[:2] = start
-    x0[2] = x0[4] = begin[0]
+    x0[2] = x0[4] = x0[6] = begin[0]
     x0[3] = x0[0 if setup.motion.kind == MASS else 1]
     load, rate, leak = _loads(setup.load, v.size)
     y = move(setup.motion, x0, begin, end, load, rate, leak, STEPS_PER_SAMPLE)

@@ -4,7 +4,7 @@ from typing import Any
 
 import numpy as np
 
-from labsid.rig.switchable._motion import MASS, TWO_TANKS
+from labsid.rig.switchable._motion import MASS, MOTOR_SPEED, TWO_TANKS
 from labsid.rig.switchable.plants import Scales
 from labsid.rig.switchable.setup import Setup
 
@@ -24,7 +24,9 @@ def true_parameters(name: str, setup: Setup, scales: Scales, samples: int) -> di
     Returns
     -------
     dict
-        Levels, limits and rates in units of u or y, times in seconds, frequencies in Hz, `drift` relative.
+        Levels, limits, widths and rates in units of u or y, times in seconds, frequencies in Hz, `drift` relative.
+        `drag` is in units of u per square of the speed: of y where y is a speed, otherwise of y per second. `share` of
+        a slow mode is its gain relative to the static gain of the rest.
 
     Raises
     ------
@@ -82,7 +84,16 @@ def true_parameters(name: str, setup: Setup, scales: Scales, samples: int) -> di
             return {"frequency": part.frequency / Ts, "at": "load" if at_load else "sensor"}
         case "coloured-noise":
             return {"amplitude": sensor.colour * abs(ys), "tau": sensor.colour_time * Ts}
-    raise ValueError(f"name must be an effect of the table; got {name!r}. See labsid.rig.switchable.effects.EFFECTS.")
+        case "end-stop":
+            return _limits(m.stop_low, m.stop_high, y0, ys)
+        case "quadratic-drag":
+            speed = abs(ys) if m.kind == MOTOR_SPEED else abs(ys) / Ts
+            return {"drag": m.drag * abs(us) / speed**2}
+        case "slow-mode":
+            return {"tau": m.slow_time * Ts, "share": m.slow_share}
+        case "output-backlash":
+            return {"width": m.play * abs(ys)}
+    raise ValueError(f"name must be an effect of the table; got {name!r}. See labsid.rig.switchable.effects.")
 
 
 def true_linear_model(setup: Setup, scales: Scales, steps: int = 0) -> dict[str, Any]:

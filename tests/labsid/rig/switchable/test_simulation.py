@@ -6,8 +6,19 @@ import control
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
+from scipy.signal import lfilter
 
-from labsid.rig.switchable._motion import MASS, MOTOR_SPEED, PARALLEL_MODE, SERIES_MODE, STATE_COUNT, TWO_TANKS, move
+from labsid.rig.switchable._motion import (
+    HEATED_NEAR,
+    MASS,
+    MOTOR_POSITION,
+    MOTOR_SPEED,
+    PARALLEL_MODE,
+    SERIES_MODE,
+    STATE_COUNT,
+    TWO_TANKS,
+    move,
+)
 from labsid.rig.switchable.inputs import draw_input
 from labsid.rig.switchable.plants import RIGS, Scales, draw_rig, time_scale
 from labsid.rig.switchable.setup import Actuator, Load, Sensor, Setup, plain_motion
@@ -151,6 +162,145 @@ def test_the_lower_tank_leaves_its_brim_as_soon_as_more_runs_out_than_in() -> No
     assert y.max() == 0.5
     assert y[402] == 0.5  # the upper tank delivers 0.4 + 0.6 exp(-k / 1.5), more than 0.5 until k = 2.7
     assert y[403] < 0.5
+
+
+def exact_with_stops(accelerate, v: np.ndarray, low: float, high: float, restitution: float, start: float = 0.0):
+    """Positions at the samples of a motion between two stops, by scipy's adaptive integrator and its events."""
+    p, speed, resting, positions = start, 0.0, False, []
+    for level in v:
+        positions.append(p)
+        now = 0.0
+        while now < 1.0:
+            if resting and accelerate(p, 0.0, level) * (1.0 if p == high else -1.0) >= 0.0:
+                break
+            resting = False
+
+            def motion(t, x, level=level):
+                return [x[1], accelerate(x[0], x[1], level)]
+
+            def at_low(t, x):
+                return x[0] - low
+
+            def at_high(t, x):
+                return high - x[0]
+
+            for event in (at_low, at_high):
+                event.terminal, event.direction = True, -1.0
+            run = solve_ivp(motion, (now, 1.0), [p, speed], events=(at_low, at_high), rtol=1e-11, atol=1e-13)
+            now, (p, speed) = run.t[-1], run.y[:, -1]
+            if run.status == 1:
+                p = low if run.t_events[0].size else high
+                speed = -restitution * speed
+                resting = abs(speed) < 1e-4
+                speed = 0.0 if resting else speed
+    return np.array(positions)
+
+
+@pytest.mark.parametrize("restitution", [0.0, 0.2])
+@pytest.mark.parametrize("zeta", [0.15, 1.2])
+def test_a_mass_between_two_stops_agrees_with_scipy(restitution: float, zeta: float) -> None:
+    T, low, high = 8.0, -0.35, 0.5
+    motion = plain_motion(MASS, T, 1.0)._replace(damping=zeta, stop_low=low, stop_high=high, restitution=restitution)
+    v = levels(hold=25)
+    y = plant_output(Setup("mass", motion), v)
+    expected = exact_with_stops(lambda p, s, w: (w - p - 2 * zeta * T * s) / T**2, v, low, high, restitution)
+    np.testing.assert_allclose(y, expected, atol=1e-5)
+    assert (y.min(), y.max()) == (low, high)
+    assert 0.05 < np.mean((y == low) | (y == high)) < 0.8
+
+
+def test_a_position_axis_between_two_stops_agrees_with_scipy() -> None:
+    T0, T1, low, high = 6.0, 25.0, -0.3, 0.25
+    motion = plain_motion(MOTOR_POSITION, T0, T1)._replace(stop_low=low, stop_high=high)
+    v = levels()
+    y = plant_output(Setup("motor", motion), v)
+    expected = exact_with_stops(lambda p, s, w: (w - p - (T0 + T1) * s) / (T0 * T1), v, low, high, 0.0)
+    np.testing.assert_allclose(y, expected, atol=1e-6)
+    assert (y.min(), y.max()) == (low, high)
+
+
+def test_the_way_back_from_a_stop_starts_when_the_force_turns_and_not_later_as_behind_a_clipping_sensor() -> None:
+    motion = plain_motion(MASS, 8.0, 1.0)._replace(damping=1.0)
+    v = np.repeat([0.0, 1.0, 0.4], 100)
+    stopped = plant_output(Setup("mass", motion._replace(stop_high=0.5)), v)
+    clipped = np.minimum(plant_output(Setup("mass", motion), v), 0.5)
+    assert np.all(stopped[150:201] == 0.5)
+    assert stopped[201] < 0.5
+    assert np.all(clipped[200:210] == 0.5)
+
+
+def test_a_stop_is_left_within_a_step_when_a_ramp_turns_the_force() -> None:
+    """The force of the spring, 0.5, is met halfway down the ramp from 1 to 0, at sample 200."""
+    motion = plain_motion(MASS, 8.0, 1.0)._replace(damping=1.0, stop_high=0.5)
+    slow = Actuator(slew=0.01)
+    y = plant_output(Setup("mass", motion, actuator=slow), np.repeat([1.0, 0.0], [150, 250]))
+    assert np.all(y[149:201] == 0.5)
+    # (p - 0.5)'' = -0.01 t / T^2 at first, so that the mass is 0.01 t^3 / (6 T^2) away after t samples
+    assert 0.5 - y[202] == pytest.approx(0.01 * 2**3 / (6 * 64), rel=0.2)
+
+
+def test_a_motion_that_starts_beyond_a_stop_is_put_on_it() -> None:
+    motion = plain_motion(MASS, 8.0, 1.0)._replace(damping=1.0, stop_low=-0.2)
+    y = plant_output(Setup("mass", motion), np.zeros(100), start=(-0.4, 0.0))
+    assert y[0] == -0.2
+    assert y[-1] == pytest.approx(0.0, abs=1e-3)
+
+
+def test_end_stops_need_a_position_without_dry_friction() -> None:
+    tank = Setup("two tanks", plain_motion(TWO_TANKS, 5.0, 20.0)._replace(stop_high=0.5))
+    mass = Setup("mass", plain_motion(MASS, 5.0, 1.0)._replace(stop_high=0.5, dry_friction=0.1))
+    for setup in (tank, mass):
+        with pytest.raises(ValueError, match="end stops need a position without dry friction; got a"):
+            plant_output(setup, np.zeros(10))
+
+
+@pytest.mark.parametrize("kind", [MASS, MOTOR_POSITION, MOTOR_SPEED])
+def test_quadratic_drag_agrees_with_scipy(kind: int) -> None:
+    T0, T1, drag, zero = 5.0, 18.0, {MASS: 20.0, MOTOR_POSITION: 300.0, MOTOR_SPEED: 0.9}[kind], 0.2
+
+    def moving(t, x, w):
+        if kind == MASS:
+            return [x[1], (w - x[0] - 2 * 0.2 * T0 * x[1] - drag * x[1] * abs(x[1])) / T0**2]
+        speed = (x[0] - x[1]) / T1
+        if kind == MOTOR_POSITION:
+            return [(w - x[0] - drag * speed * abs(speed)) / T0, speed]
+        total = x[1] + zero
+        return [(w - x[0]) / T0, speed - drag * (total * abs(total) - zero * abs(zero)) / T1]
+
+    v = levels()
+    motion = plain_motion(kind, T0, T1)._replace(drag=drag, damping=0.2, speed_zero=zero)
+    y = plant_output(Setup("a rig", motion), v)
+    expected = exact(moving, [0, 0], v)[:, 0 if kind == MASS else 1]
+    np.testing.assert_allclose(y, expected, atol=2e-6)
+    assert np.std(y - plant_output(Setup("a rig", motion._replace(drag=0.0)), v)) > 0.05 * np.std(y)
+
+
+@pytest.mark.parametrize("kind", [HEATED_NEAR, MASS, TWO_TANKS])
+def test_a_slow_mode_adds_its_share(kind: int) -> None:
+    plain = Setup("a rig", plain_motion(kind, 4.0, 20.0)._replace(damping=0.3, loss=0.2))
+    slow = replace(plain, motion=plain.motion._replace(slow_time=150.0, slow_share=-0.3))
+    v = np.concatenate([np.zeros(5), levels()])
+    pole = np.exp(-1 / 150.0)
+    added = lfilter([0.0, 1 - pole], [1, -pole], v)
+    np.testing.assert_allclose(plant_output(slow, v) - plant_output(plain, v), -0.3 * added, atol=1e-9)
+
+
+@pytest.mark.parametrize("start", [0.0, -0.8])
+def test_play_at_the_output_follows_the_process_between_the_samples(start: float) -> None:
+    width, T, zeta, per_sample = 0.3, 2.0, 0.05, 160
+    v = levels()
+    G = control.sample_system(control.tf([1], [T**2, 2 * zeta * T, 1]), 1 / per_sample)
+    fine = np.repeat(v, per_sample)
+    process = control.forced_response(G, np.arange(fine.size) / per_sample, fine).outputs
+    z, expected = 0.5 * width * start, []
+    for value in process:
+        z = min(max(z, value - 0.5 * width), value + 0.5 * width)
+        expected.append(z)
+    motion = plain_motion(MASS, T, 1.0)._replace(damping=zeta, play=width, play_start=start)
+    y = plant_output(Setup("mass", motion), v)
+    # the rig looks at the process 16 times a sample: a peak between is missed by up to 2 (1 - cos(1 / 64)) = 2.4e-4
+    np.testing.assert_allclose(y, expected[::per_sample], atol=5e-4)
+    assert np.mean(np.diff(y) == 0.0) > 0.02
 
 
 def test_delays_of_whole_and_part_samples() -> None:
