@@ -98,7 +98,7 @@ def evaluate_case(case: Case, result: dict[str, Any] | None) -> CaseOutcome:
     -------
     Judged
     """
-    comparable = case.row == "single-clear" and result is not None
+    comparable = case.row in ("single-clear", "families") and result is not None
     share = compare_closure(case, result) if comparable and result is not None else None
     if share is None:
         return CaseOutcome(label_dict(case), result)
@@ -116,7 +116,7 @@ def is_repeatable(case: Case) -> bool:
     -------
     bool
     """
-    single = case.row in ("single-clear", "single-hard")
+    single = case.row in ("single-clear", "single-hard", "families")
     return single and case.holdout is None and case.sim is None and set(case.labels) <= TIME_INVARIANT_EFFECTS
 
 

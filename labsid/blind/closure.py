@@ -25,6 +25,7 @@ CLOSES_NOTHING = {"coloured-noise", "output-outliers"}
 _MOTION = (
     *("T0", "T1", "damping", "coupling", "actuator_lag", "sensor_lag"),
     *("outflow_curvature", "brim_upper", "brim_lower", "dry_friction", "cubic"),
+    *("drag", "stop_low", "stop_high", "restitution", "slow_time", "slow_share", "play"),
 )
 _MODE = ("mode_frequency", "mode_damping", "mode_share")
 _ACTUATOR = ("low", "high", "dead_low", "dead_high", "backlash", "slew", "c2", "c3", "gain_change")

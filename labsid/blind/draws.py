@@ -4,6 +4,7 @@ from dataclasses import replace
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.signal import lfilter
 
 from labsid.blind.experiment import Case, Experiment, input_signal, run_experiment, to_record
@@ -14,6 +15,9 @@ from labsid.rig.switchable.plants import RIGS, draw_rig, draw_scales, time_scale
 from labsid.rig.switchable.setup import Setup
 from labsid.rig.switchable.simulation import Noise
 from labsid.rig.switchable.truth import true_parameters
+
+LIMITS = ("input-saturation", "output-saturation", "end-stop")
+"""Effects whose label holds only the limits that the record reaches."""
 
 
 def draw_experiment(
@@ -99,7 +103,7 @@ def complete_case(
     ratio = linear_model_gap(experiment, setup) / sigma
     if truth is None:
         truth = {e: true_parameters(e, setup, experiment.scales, experiment.samples) for e in labels}
-        truth |= {e: _reached(e, truth[e], experiment, setup) for e in labels if e.endswith("saturation")}
+        truth |= {e: _reached(e, truth[e], experiment, setup) for e in labels if e in LIMITS}
     level = "none" if not labels else "clear" if ratio >= CLEAR_RATIOS[0] else "hard"
     return Case(
         record=to_record(run_experiment(made), experiment.scales, name),
@@ -114,14 +118,24 @@ def complete_case(
     )
 
 
+def on_stops(experiment: Experiment, setup: Setup) -> NDArray[np.bool_]:
+    """Samples in which a motion rests on its low and on its high stop, with shape (2, N)."""
+    y, motion = clean_output(experiment, setup), setup.motion
+    return np.array([y <= motion.stop_low, y >= motion.stop_high])
+
+
 def _reached(effect: str, ends: dict[str, float], experiment: Experiment, setup: Setup) -> dict[str, float]:
     """The limits that are active in at least 1 % of the samples."""
-    if effect == "input-saturation":
-        x = experiment.scales.u0 + experiment.scales.us * input_signal(experiment)
+    scales = experiment.scales
+    if effect == "end-stop":
+        beyond = dict(zip(("low", "high"), on_stops(experiment, setup)[:: 1 if scales.ys > 0 else -1], strict=True))
     else:
-        free = replace(setup, sensor=replace(setup.sensor, low=-np.inf, high=np.inf))
-        x = experiment.scales.y0 + experiment.scales.ys * clean_output(experiment, free)
-    beyond = {"low": x < ends.get("low", -np.inf), "high": x > ends.get("high", np.inf)}
+        if effect == "input-saturation":
+            x = scales.u0 + scales.us * input_signal(experiment)
+        else:
+            free = replace(setup, sensor=replace(setup.sensor, low=-np.inf, high=np.inf))
+            x = scales.y0 + scales.ys * clean_output(experiment, free)
+        beyond = {"low": x < ends.get("low", -np.inf), "high": x > ends.get("high", np.inf)}
     return {name: level for name, level in ends.items() if np.mean(beyond[name]) >= 0.01}
 
 

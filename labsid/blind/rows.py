@@ -16,6 +16,7 @@ from labsid.blind.draws import (
     example_rig,
     log_uniform,
     merge_effects,
+    on_stops,
     with_unexercised_effect,
 )
 from labsid.blind.experiment import Case, Experiment, input_signal, redraw, run_experiment, to_record
@@ -31,7 +32,7 @@ from labsid.blind.strength import (
     output_spread,
     scale_to_ratio,
 )
-from labsid.rig.switchable.effects import EFFECTS, draw_effect, effect_context, supports_effect
+from labsid.rig.switchable.effects import EFFECTS, FAMILIES, draw_effect, effect_context, supports_effect
 from labsid.rig.switchable.inputs import INPUT_KINDS, RICH_INPUTS
 from labsid.rig.switchable.plants import RIGS
 from labsid.rig.switchable.setup import Setup
@@ -47,6 +48,15 @@ EFFECTS_BESIDE_UNLISTED = tuple(
 """Effects that are found by simulation."""
 
 Draw = Callable[[np.random.Generator, int, str], Case | None]
+
+LEAST_TIME_ON_STOPS = 0.03
+"""Share of the samples from which a record exercises an end stop."""
+
+FEWEST_CROSSINGS, LEAST_TIME_MOVING = 6, 0.4
+"""Crossings of the play, and share of the samples in which the sensor moves, from which a record exercises it."""
+
+LEAST_SLOW_SHARE = 0.15
+"""Share of the static gain from which a slow mode counts as one."""
 
 _MANY_LEVELS = (*RICH_INPUTS, "staircase")
 _KEEPS_MOVING = (*RICH_INPUTS, "two-level", "square")
@@ -64,6 +74,10 @@ _SUITABLE_INPUTS: dict[str, tuple[str, ...]] = {
     "cubic-stiffness": _MANY_LEVELS,
     "parameter-drift": _KEEPS_MOVING,
     "output-drift": _KEEPS_MOVING,
+    "end-stop": RICH_INPUTS,
+    "quadratic-drag": RICH_INPUTS,
+    "slow-mode": _MANY_LEVELS,
+    "output-backlash": RICH_INPUTS,
 }
 """Inputs that distinguish an effect from every other; two levels, for example, do not determine a static curve."""
 
@@ -86,6 +100,7 @@ TIME_INVARIANT_EFFECTS = {
     *(name for name in EFFECTS if name.startswith("input-")),
     *("extra-lag", "resonance", "sqrt-outflow", "overflow", "coulomb-friction", "cubic-stiffness"),
     *("output-saturation", "output-nonlinearity", "output-quantization"),
+    *FAMILIES,
 }
 """Effects that do not depend on time and recur in every record of the rig."""
 
@@ -264,6 +279,11 @@ def draw_with_sim(rng: np.random.Generator, i: int, name: str) -> Case | None:
     return replace(case, sim=true_linear_model(wrong, scales), level="clear", ratio=float(np.std(away) / sigma))
 
 
+def draw_families(rng: np.random.Generator, i: int, name: str) -> Case | None:
+    """One clear effect of those that the other rows do not draw."""
+    return _single(rng, FAMILIES[i % len(FAMILIES)], name, "families", CLEAR_RATIOS)
+
+
 ROWS: dict[str, Draw] = {
     "single-clear": draw_single_clear,
     "single-hard": draw_single_hard,
@@ -273,6 +293,7 @@ ROWS: dict[str, Draw] = {
     "unknown": draw_unknown,
     "with-sim": draw_with_sim,
     "partial": draw_partial,
+    "families": draw_families,
 }
 
 _MAY_STAY_UNEXERCISED = ("input-saturation", "input-backlash", "coulomb-friction", "overflow", "output-saturation")
@@ -297,9 +318,19 @@ def _is_distinct(effect: str, experiment: Experiment, setup: Setup) -> bool:
 
     A delay below one sample does not count, nor does a lag or a mode that such a delay reproduces; except in short
     records, neither does one that a longer delay reproduces. A dead zone that the input leaves on one side only is a
-    limit.
+    limit. A slow mode has at least 0.15 of the static gain, and its time constant is at least 6 times the rig's own. A
+    motion rests on its end stops in at least 3 % of the samples. The sensor moves in at least 40 % of the samples and
+    crosses its play at least six times.
     """
-    a = setup.actuator
+    a, m = setup.actuator, setup.motion
+    if effect == "end-stop":
+        return float(np.mean(on_stops(experiment, setup).any(axis=0))) >= LEAST_TIME_ON_STOPS
+    if effect == "output-backlash":
+        moves = np.sign(np.diff(clean_output(experiment, setup)))
+        turns = np.count_nonzero(np.diff(moves[moves != 0]))
+        return bool(turns >= FEWEST_CROSSINGS and np.mean(moves != 0) >= LEAST_TIME_MOVING)
+    if effect == "slow-mode":
+        return abs(m.slow_share) >= LEAST_SLOW_SHARE and m.slow_time >= 6.0 * experiment.time
     if effect == "input-dead-zone":
         v = input_signal(experiment)
         return bool(min(np.mean(v > a.dead_high), np.mean(v < a.dead_low)) > 0.08)

@@ -1,6 +1,7 @@
 """Metrics of the sealed check, computed from results and labels."""
 
 from collections.abc import Iterable, Sequence
+from dataclasses import replace
 from math import sqrt
 from typing import Any
 
@@ -48,6 +49,7 @@ def score_cases(
         rows.setdefault(case.label["row"], []).append(case)
     empty: list[CaseOutcome] = []
     clear, hard, short = (rows.get(name, empty) for name in ("single-clear", "single-hard", "short"))
+    families = rows.get("families", empty)
     pair, none, unknown = (rows.get(name, empty) for name in ("pair", "none", "unknown"))
     bins = calibration_bins(cases)
     metrics = [
@@ -68,7 +70,9 @@ def score_cases(
             0.75,
             0.90,
         ),
+        _rate("end stop, drag, slow mode, play at the output: named, clear", map(all_named, families), 0.93, 0.98),
         *_closure_metrics(clear),
+        replace(_closure_metrics(families)[0], name="end stop, drag, slow mode, play: the same share, median"),
         _rate("95 % interval of the closed share covers fresh records", _covered(replays), (0.93, 0.97), (0.94, 0.96)),
         _calibration_error(bins),
         _rate("load-step onset within 2 % of the record", _onsets(cases), 0.97, 0.995),

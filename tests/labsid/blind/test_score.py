@@ -150,6 +150,15 @@ def test_a_single_effect_scores_only_if_named_alone() -> None:
     assert metric(cases, "right effect named, one effect, hard").count == 0
 
 
+def test_the_families_have_their_own_rate_and_closure() -> None:
+    cases = [CaseOutcome(label("families", "end-stop"), said("end-stop"), diagnosed=0.9, possible=0.95)] * 3
+    cases.append(CaseOutcome(label("families", "slow-mode"), said("extra-lag"), diagnosed=0.5, possible=1.0))
+    assert metric(cases, "end stop, drag, slow mode, play at the output: named").value == 0.75
+    assert metric(cases, "end stop, drag, slow mode, play: the same share").value == pytest.approx(0.9 / 0.95)
+    assert metric(cases, "right effect named, one effect, clear").count == 0
+    assert metric(cases, "  share closed by the diagnosis").count == 0
+
+
 def test_sets_hold_three_names_at_most() -> None:
     case = CaseOutcome(label("short", "overflow"), said("input-saturation", ambiguous=("overflow",)))
     assert not all_named(case)

@@ -15,7 +15,7 @@ from labsid.blind.rows import EFFECTS_BESIDE_UNLISTED, ROWS
 from labsid.blind.strength import CLEAR_RATIOS, HARD_RATIOS, linear_model_gap
 from labsid.blind.suite import label_dict, make_cases, write_suite
 from labsid.records.record import load_record
-from labsid.rig.switchable.effects import EFFECTS
+from labsid.rig.switchable.effects import EFFECTS, FAMILIES
 from labsid.rig.switchable.simulation import poles
 from labsid.rig.switchable.truth import true_linear_model
 from labsid.rig.switchable.unlisted import UNLISTED_EFFECTS
@@ -29,6 +29,7 @@ COUNTS = {
     "unknown": 9,
     "with-sim": 6,
     "partial": 4,
+    "families": 8,
 }
 
 
@@ -67,6 +68,29 @@ def test_the_residual_of_a_linear_model_is_in_the_range_of_the_row(
         assert left == pytest.approx(case.ratio, rel=0.05)
         assert case.level == row.removeprefix("single-")
         assert 1200 <= len(case.record) <= 5000
+
+
+def test_the_families_are_clear_and_exercised(some: list[Case]) -> None:
+    cases = of_row(some, "families")
+    assert [case.labels for case in cases] == [(name,) for name in FAMILIES] * 2
+    for case in cases:
+        assert case.level == "clear"
+        assert CLEAR_RATIOS[0] * 0.95 < left_by_linear(case) < CLEAR_RATIOS[1] * 1.05
+        clean = to_record(run_experiment(case.experiment), case.experiment.scales, "", clean=True).y
+        motion, true = case.experiment.setup.motion, case.truth[case.labels[0]]
+        if case.labels == ("end-stop",):
+            reached = [np.mean(np.isclose(clean, stop, rtol=1e-9)) for stop in true.values()]
+            assert reached
+            assert all(share >= 0.01 for share in reached)
+            assert all(np.isclose(clean.min(), true["low"]) for _ in true if "low" in true)
+            assert sum(reached) >= 0.02
+        elif case.labels == ("slow-mode",):
+            assert true["tau"] >= 6.0 * case.experiment.time * case.record.Ts
+            assert 0.15 <= abs(true["share"]) <= 0.6
+        elif case.labels == ("output-backlash",):
+            assert 0.0 < true["width"] < np.ptp(clean) + true["width"]
+        else:
+            assert motion.drag > 0.0
 
 
 def test_the_noise_is_between_half_a_percent_and_five(some: list[Case]) -> None:
@@ -218,7 +242,7 @@ def test_a_fresh_record_has_the_same_rig_and_other_noise_and_input(some: list[Ca
 
 
 def test_the_true_structure_refitted_leaves_the_noise(some: list[Case]) -> None:
-    for case in [of_row(some, "single-clear")[i] for i in (1, 4, 8, 10, 19)]:
+    for case in [*(of_row(some, "single-clear")[i] for i in (1, 4, 8, 10, 19)), *of_row(some, "families")[:4]]:
         counts = np.ones(len(case.record), dtype=bool)
         counts[len(case.record) // 2 : len(case.record) * 3 // 4] = False
         run = refit_true_structure(case, counts)
@@ -246,7 +270,8 @@ def test_held_out_blocks_are_read_from_the_result(some: list[Case]) -> None:
 
 
 def test_rows_are_those_of_the_bars() -> None:
-    assert list(ROWS) == ["single-clear", "single-hard", "short", "pair", "none", "unknown", "with-sim", "partial"]
+    old = ["single-clear", "single-hard", "short", "pair", "none", "unknown", "with-sim", "partial"]
+    assert list(ROWS) == [*old, "families"]  # the order determines the seeds
 
 
 def test_the_simulation_is_in_the_records_units(some: list[Case]) -> None:
