@@ -26,6 +26,9 @@ PARAMETERS: dict[str, dict[str, dict[str, Any]]] = {
     "overflow": {"level": quantity(10.1, 0.06, "y"), "caught": quantity(0.31, 0.04, "1")},
     "coulomb-friction": {"friction": quantity(1.7018, 0.0032, "u")},
     "cubic-stiffness": {"cubic": quantity(-0.9375, 0.0027, "1/y^2")},
+    "end-stop": {"low": quantity(-0.4998, 0.0006, "y"), "high": quantity(0.4502, 0.0005, "y")},
+    "quadratic-drag": {"drag": quantity(0.166, 0.002, "u s^2/y^2")},
+    "slow-mode": {"tau": quantity(8.15, 0.3, "s"), "share": quantity(0.287, 0.006, "1")},
     "parameter-drift": {"drift": quantity(-0.597, 0.001, "1")},
     "output-drift": {"amplitude": quantity(0.07595, 0.00057, "y")},
     "output-saturation": {"high": quantity(243.712, 0.008, "y")},
@@ -34,6 +37,7 @@ PARAMETERS: dict[str, dict[str, dict[str, Any]]] = {
         "c3": quantity(0.1026, 0.0003, "1/y^2"),
         "centre": quantity(6.964, 0.0, "y"),
     },
+    "output-backlash": {"width": quantity(0.299, 0.001, "y")},
     "output-quantization": {"step": quantity(0.01295, 0.0, "y")},
     "output-outliers": {"share": quantity(0.0072, 0.0, "1")},
     "output-dropout": {"share": quantity(0.1186, 0.0, "1")},
@@ -53,6 +57,9 @@ DYNAMICS = (
     "overflow",
     "coulomb-friction",
     "cubic-stiffness",
+    "end-stop",
+    "quadratic-drag",
+    "slow-mode",
     "parameter-drift",
 )
 

@@ -11,6 +11,7 @@ from labsid._arrays import FloatArray
 from labsid._compiled import compiled
 
 SHARP = (0.0, 0.0, 1.0)  # law of friction without smoothing and without a peak
+NO_STOPS = (-np.inf, np.inf)
 SATURATED = 20.0  # argument from which tanh is 1, within rounding
 DIVERGED = 1e6  # a larger state has diverged: every record is smaller
 # Spring force at the mean position of a substep: factor of h^2 times the acceleration, tuned against short substeps.
@@ -217,12 +218,15 @@ def simulate_mass(
     frequency: float = 0.0,
     pace: FloatArray | None = None,
     law: tuple[float, float, float] = SHARP,
+    drag: float = 0.0,
+    stops: tuple[float, float] = NO_STOPS,
 ) -> FloatArray:
-    """Position and speed of z'' = -c z' - k z - friction sign(z') - cubic z^3 + w, including sticking.
+    """Position and speed of z'' = -c z' - k z - friction sign(z') - drag z' |z'| - cubic z^3 + w, including sticking.
 
     From `onset` on, `load` and a spring of stiffness `leak` times k oppose the input; a sinusoid does at all times.
     `pace`, one value per sample, multiplies k. `law` holds the speed over which friction is smooth
-    about rest (zero for none), and the `peak` and `decay` of `sliding_friction`.
+    about rest (zero for none), and the `peak` and `decay` of `sliding_friction`. At either of the `stops` the mass
+    loses its speed.
     """
     smooth, peak, decay = law
     out = np.empty((w.size, 2))
@@ -245,6 +249,9 @@ def simulate_mass(
             if cubic != 0.0 and friction == 0.0:
                 middle += CUBIC_CORRECTION * h * h * (net_drive - c * v - (k + cubic * z * z) * z)
             force = net_drive - cubic * middle * middle * middle - spring * middle
+            if drag > 0.0:
+                middle_speed = (v + 0.5 * h * (force - c * v - k * z)) / (1.0 + 0.5 * h * drag * abs(v))
+                force -= drag * middle_speed * abs(middle_speed)
             if friction > 0.0 and smooth > 0.0:
                 z, v = _slide(z, v, force, c, k, friction, smooth, h)
             elif friction > 0.0:
@@ -274,6 +281,10 @@ def simulate_mass(
                     z, v = new_z, new_v
             else:
                 z, v = f11 * z + f12 * v + g1 * force, f21 * z + f22 * v + g2 * force
+            if z > stops[1]:
+                z, v = stops[1], min(v, 0.0)
+            elif z < stops[0]:
+                z, v = stops[0], max(v, 0.0)
         if not abs(z) < far:
             out[n:] = np.nan
             break
@@ -299,10 +310,11 @@ def simulate_motor(
     frequency: float = 0.0,
     pace: FloatArray | None = None,
     law: tuple[float, float, float] = SHARP,
+    drag: float = 0.0,
 ) -> FloatArray:
     """Output and speed of a motor with dry friction, and a lag of rate `b` before or after it; unit gain.
 
-    The motion is v' = a (drive - friction sign(v) - v). With `lag_first` the drive is the lagged input,
+    The motion is v' = a (drive - friction sign(v) - v - drag v |v|). With `lag_first` the drive is the lagged input,
     i' = b (w - i); otherwise it is the input, and the lag follows the speed. From `onset` on, `load` plus `leak` times
     the speed oppose the drive; a sinusoid does at all times. `pace`, one value per sample, multiplies the rate of the
     last of the two. `law` holds the speed over which friction is smooth
@@ -331,25 +343,32 @@ def simulate_motor(
                 i = new_i
             drive -= opposing + active * leak * v
             before = v
+            rate, keep, dry, top = a, keep_a, friction, peak
+            if drag > 0.0:  # at the middle speed, drag divides all forces and multiplies the rate
+                factor = 1.0 + drag * abs(v)
+                share = 0.5 * h * a * factor
+                factor = 1.0 + drag * abs((v + share * drive / factor) / (1.0 + share))
+                rate, drive, dry, top = a * factor, drive / factor, friction / factor, peak / factor
+                keep = math.exp(-rate * h)
             if v > 0.0:
                 sign = 1.0
             elif v < 0.0:
                 sign = -1.0
-            elif abs(drive) <= friction + peak:
+            elif abs(drive) <= dry + top:
                 sign = 0.0
             else:
                 sign = 1.0 if drive > 0.0 else -1.0
             if smooth > 0.0:
-                v = _slide_motor(v, drive, a, friction, smooth, h, keep_a)
+                v = _slide_motor(v, drive, rate, dry, smooth, h, keep)
             elif sign != 0.0:
-                rest = drive - sign * sliding_friction(v, friction, peak, decay)
-                v = rest + (v - rest) * keep_a
+                rest = drive - sign * sliding_friction(v, dry, top, decay)
+                v = rest + (v - rest) * keep
                 if v * sign < 0.0:  # the motion ends within this step: stick or reverse
-                    remaining = h - math.log((before - rest) / -rest) / a
+                    remaining = h - math.log((before - rest) / -rest) / rate
                     v = 0.0
-                    if abs(drive) > friction + peak:
-                        onward = drive - (friction + peak) * (1.0 if drive > 0.0 else -1.0)
-                        v = onward * (1.0 - math.exp(-a * remaining))
+                    if abs(drive) > dry + top:
+                        onward = drive - (dry + top) * (1.0 if drive > 0.0 else -1.0)
+                        v = onward * (1.0 - math.exp(-rate * remaining))
             if not lag_first:
                 middle = 0.5 * (before + v)
                 i = middle + (i - middle) * keep_b

@@ -8,7 +8,7 @@ import numpy as np
 
 from labsid._arrays import FloatArray
 from labsid.gap.data import Data
-from labsid.gap.effects import drifts, dynamics, input, output
+from labsid.gap.effects import drifts, dynamics, input, motion, output, play
 from labsid.gap.effects.base import Effect, Fitted, InputEffect, PlantEffect
 from labsid.gap.effects.context import Context
 from labsid.gap.fitting import Fit, Point, finish, minimize, start_cost
@@ -55,12 +55,16 @@ CANDIDATES: tuple[tuple[Effect, ...], ...] = (
     tuple(dynamics.Overflow(which + side) for which in ("upper", "lower") for side in ("", "-flipped")),
     tuple(dynamics.CoulombFriction(which) for which in ("position", "unsprung", "speed", "speed-lag")),
     (dynamics.CubicStiffness(), dynamics.CubicStiffness("sampled")),
+    tuple(motion.EndStop(side + spring) for side in ("high", "low", "both") for spring in ("", "-unsprung")),
+    tuple(motion.QuadraticDrag(place) for place in motion.DRAG_PLACES),
+    (dynamics.SlowMode(),),
     tuple(
         drift(bends) for drift in (drifts.GainDrift, drifts.PoleDrift, drifts.InnerPoleDrift) for bends in ("1", "4")
     ),
     SENSOR_DRIFTS,
     (output.Saturation("high"), output.Saturation("low"), output.Saturation("both")),
     (output.Nonlinearity(), ABSOLUTE),
+    (play.Play(),),
     (LOAD, LEAK, INNER_LOAD),
     (PERIODIC, INNER_PERIODIC),
 )

@@ -99,6 +99,24 @@ EFFECT_GUIDE: dict[str, EffectGuide] = {
         "Small and large displacements to both sides.",
         ("output-nonlinearity", "input-nonlinearity"),
     ),
+    "end-stop": EffectGuide(
+        "dynamics",
+        {"low": "y", "high": "y"},
+        "Motion against the stop, with time for the force to turn and lead away from it.",
+        ("output-saturation", "overflow", "cubic-stiffness"),
+    ),
+    "quadratic-drag": EffectGuide(
+        "dynamics",
+        {"drag": "u s^2/y^2"},
+        "Slow and fast motion: small and large steps, without reaching a limit.",
+        ("sqrt-outflow", "input-nonlinearity", "coulomb-friction"),
+    ),
+    "slow-mode": EffectGuide(
+        "dynamics",
+        {"tau": "s", "share": "1"},
+        "Steps after which the input rests for several of the long time constants, and fast changes as well.",
+        ("extra-lag", "output-drift", "load-step"),
+    ),
     "parameter-drift": EffectGuide(
         "dynamics",
         {"drift": "1", "pole": "1"},
@@ -122,6 +140,12 @@ EFFECT_GUIDE: dict[str, EffectGuide] = {
         {"c2": "1/y", "c3": "1/y^2", "centre": "y", "fold": "y"},
         "Outputs over the whole range, reached slowly and fast.",
         ("input-nonlinearity", "sqrt-outflow", "cubic-stiffness"),
+    ),
+    "output-backlash": EffectGuide(
+        "output",
+        {"width": "y"},
+        "Slow motion with changes of direction at several levels.",
+        ("input-backlash", "coulomb-friction", "output-nonlinearity"),
     ),
     "output-quantization": EffectGuide("output", {"step": "y"}, "Any record: it shows in the samples themselves."),
     "output-outliers": EffectGuide("output", {"share": "1"}, "Any record: it shows in the samples themselves."),

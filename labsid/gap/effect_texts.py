@@ -130,6 +130,35 @@ EFFECT_TEXTS: dict[str, EffectText] = {
         "Far from rest the rig is stiffer, or softer, than near rest. Check springs near the end of their travel and "
         "flexible parts.",
     ),
+    "end-stop": EffectText(
+        "an end stop",
+        (
+            "The motion runs against stops at {low} and at {high}",
+            "The motion runs against a stop at {low}",
+            "The motion runs against a stop at {high}",
+            "The motion runs against a stop",
+        ),
+        "A moving part hits a mechanical stop, loses its speed there, and moves back as soon as the force turns. Look "
+        "for the ends of slides, cylinders and valve stems, and for cables that are too short.",
+    ),
+    "quadratic-drag": EffectText(
+        "a quadratic drag",
+        (
+            "A resistance of {drag} times the square of the speed opposes the motion",
+            "A resistance that grows with the square of the speed opposes the motion",
+        ),
+        "The faster the motion, the more the rig is damped: twice the speed meets four times the resistance. Look for "
+        "fans, propellers, fluid pushed through a narrow passage, and parts that move in air or water.",
+    ),
+    "slow-mode": EffectText(
+        "a slow mode",
+        (
+            "A share of {share:%} of the response comes with a time constant of {tau}",
+            "A part of the response comes much later than the rest",
+        ),
+        "After each step the output goes on creeping when the fast response has ended, or back, if the share is "
+        "negative. Look for parts that warm up, creep of polymers, and a second volume beside the first.",
+    ),
     "parameter-drift": EffectText(
         "a drift of the parameters",
         (
@@ -164,6 +193,15 @@ EFFECT_TEXTS: dict[str, EffectText] = {
         "The same change of the process gives a larger reading in one part of the range than in another. Check the "
         "calibration. A pulse counter, for example, reads the absolute value of a speed. With d the true output minus "
         "the centre of the curve, the sensor reads d + (quadratic coefficient) d² + (cubic coefficient) d³.",
+    ),
+    "output-backlash": EffectText(
+        "a play of the sensor",
+        (
+            "The sensor crosses a play of {width} at each change of direction",
+            "The sensor crosses a play at each change of direction",
+        ),
+        "After each change of direction the process moves through the play before the reading follows. Check the "
+        "coupling of the sensor: gears, levers, cords and floats.",
     ),
     "output-quantization": EffectText(
         "a coarse converter",
@@ -223,7 +261,7 @@ EFFECT_TEXTS: dict[str, EffectText] = {
 UNSIMULATED = ("output-dropout", "output-outliers", "output-quantization", "coloured-noise")
 """Effects that are detected in the samples, not by simulation."""
 
-STOP_EFFECTS = ("output-saturation", "overflow")
+STOP_EFFECTS = ("output-saturation", "overflow", "end-stop")
 """Effects that the record itself may show: the output rests at its extreme."""
 
 _LABELS = {
@@ -241,6 +279,7 @@ _LABELS = {
     "upper": "reading at the brim of the upper tank",
     "caught": "share received by the next tank",
     "friction": "friction, in units of the command",
+    "drag": "drag: command that holds it, over the square of the speed",
     "break_away": "friction at rest, in units of the command",
     "jump_low": "step at the lower edge",
     "jump_high": "step at the upper edge",
@@ -261,6 +300,9 @@ _LABELS = {
 _SPECIFIC_LABELS: dict[tuple[str, ...], str] = {
     ("input-dead-zone", "low"): "lower edge of the band",
     ("input-dead-zone", "high"): "upper edge of the band",
+    ("end-stop", "low"): "lower stop",
+    ("end-stop", "high"): "upper stop",
+    ("slow-mode", "share"): "share of the static gain",
     ("coloured-noise", "pole"): "pole (0: white; near 1: slow)",
     ("coloured-noise", "amplitude"): "rms",
     ("load-step", "size", "1"): "increase of the rate of return to rest",

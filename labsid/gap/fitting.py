@@ -133,9 +133,7 @@ class Problem:
             gains = self._gains(columns, self._seen(reading[:, None])[:, 0])
         best = self._made(theta, gains, design, self.hypothesis.sensor(theta, gains, design))
         for _ in range(3):
-            scaled = columns.copy(order="F")
-            self._bend(scaled, theta, best.gains, design)
-            step = solve_least_squares(self._seen(scaled), best.error)
+            step = solve_least_squares(self._seen(self._by_gains(best)), best.error)
             better = None
             for share in (1.0, 0.3):
                 gains = best.gains + share * step
@@ -147,12 +145,15 @@ class Problem:
             best = better
         return best
 
-    def _bend(self, columns: FloatArray, theta: FloatArray, gains: FloatArray, design: Design) -> None:
-        """Multiply the columns by the slope of the sensor, in place: derivatives of the output by the gains."""
-        whole, added = self.hypothesis.slopes(theta, gains, design)
-        columns[:, : design.n_sensed] *= whole[:, None]
-        columns[:, design.n_sensed :] *= added[:, None]
+    def _by_gains(self, at: Point) -> FloatArray:
+        """Derivatives of the output by the gains."""
+        columns = at.design.columns
+        if self.has_sensor:
+            columns = self.hypothesis.sensed_columns(at.theta, at.gains, at.design)
+        elif self.fixed:
+            columns = columns.copy(order="F")
         columns[:, : self.fixed] = 0.0
+        return columns
 
     def _made(self, theta: FloatArray, gains: FloatArray, design: Design, output: FloatArray) -> Point:
         error = self.y - self._seen(output[:, None])[:, 0]
@@ -169,10 +170,7 @@ class Problem:
             perturbed[i] += step
             design = self.hypothesis.design(perturbed, self.data.u, near=at.design)
             J[:, i] = (self.hypothesis.sensor(perturbed, at.gains, design) - at.output) / step
-        J[:, searched:] = at.design.columns
-        J[:, searched : searched + self.fixed] = 0.0
-        if self.has_sensor:
-            self._bend(J[:, searched:], at.theta, at.gains, at.design)
+        J[:, searched:] = self._by_gains(at)
         J = self._seen(J)
         return J if np.isfinite(J[-1]).all() else None
 

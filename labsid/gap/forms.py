@@ -4,7 +4,7 @@ import numpy as np
 
 from labsid._arrays import FloatArray
 from labsid.gap.data import Data
-from labsid.gap.effects import curves, disturbance, drifts, dynamics, folded, input, output
+from labsid.gap.effects import curves, disturbance, drifts, dynamics, folded, input, motion, output
 from labsid.gap.effects.base import Effect
 from labsid.gap.fitting import Fit, finish, minimize
 from labsid.gap.hypothesis import Hypothesis
@@ -23,6 +23,7 @@ POSITIONS: tuple[tuple[Effect, ...], ...] = (
     LAGS,
     MODES,
     (dynamics.CoulombFriction("speed"), dynamics.CoulombFriction("speed-lag")),
+    (motion.QuadraticDrag("speed"), motion.QuadraticDrag("speed-lag")),
 )
 """Effects with several positions in the chain, which are equivalent for linear dynamics."""
 ACTUATOR_ORDERS: tuple[tuple[Effect, ...], ...] = (
@@ -67,6 +68,12 @@ OTHER_TANK: dict[Effect, Effect] = {
 }
 """Overflow with the order of the tanks reversed."""
 LOW_LIMIT, HIGH_LIMIT, BOTH_LIMITS = output.Saturation("low"), output.Saturation("high"), output.Saturation("both")
+BOTH_STOPS: dict[Effect, Effect] = {
+    motion.EndStop(side + spring): motion.EndStop("both" + spring)
+    for side in ("low", "high")
+    for spring in ("", "-unsprung")
+}
+"""Stops at both ends, by a stop at one."""
 FRICTION_FORMS: dict[Effect, tuple[Effect, ...]] = {
     dynamics.CoulombFriction(place): tuple(dynamics.CoulombFriction(f"{place}-{law}") for law in ("smooth", "peak"))
     for place in dynamics.FRICTION_PLACES
@@ -78,7 +85,9 @@ GENERAL_FORMS: dict[Effect, tuple[Effect, ...]] = (
     | FRICTION_FORMS
     | {
         special: (general,)
-        for special, general in (SPLINE_FORMS | BOTH_BRIMS | {LOW_LIMIT: BOTH_LIMITS, HIGH_LIMIT: BOTH_LIMITS}).items()
+        for special, general in (
+            SPLINE_FORMS | BOTH_BRIMS | {LOW_LIMIT: BOTH_LIMITS, HIGH_LIMIT: BOTH_LIMITS} | BOTH_STOPS
+        ).items()
     }
 )
 """More general forms with the same dynamics."""
@@ -161,6 +170,11 @@ def transfer_theta(fit: Fit, other: Hypothesis) -> FloatArray:
         stops = theta[other.slices[BOTH_LIMITS.key]]
         missing = 0 if HIGH_LIMIT in old.effects else 1
         stops[missing] = np.quantile(fit.output, (LIMIT_SHARE, 1.0 - LIMIT_SHARE)[missing])
+    if len(old.plant.stops) == 1 and len(other.plant.stops) == 2:
+        (missing_side,) = set(other.plant.stops) - set(old.plant.stops)
+        position = (fit.output - fit.gains[1]) / (fit.gains[0] or 1.0)
+        at = other.slices["plant"].start + other.plant.index(f"stop_{missing_side}")
+        theta[at] = np.quantile(position, 1.0 - LIMIT_SHARE if missing_side == "high" else LIMIT_SHARE)
     if old.plant.kind == other.plant.kind == "tanks":
         _set_second_brim(fit, other.plant, theta[other.slices["plant"]])
         _swap_tanks(old.plant, other.plant, theta[other.slices["plant"]])

@@ -219,9 +219,7 @@ class Hypothesis:
 
     def sensor(self, theta: FloatArray, gains: FloatArray, design: Design) -> FloatArray:
         """Sensor output for the columns of a design."""
-        z = self._curved(theta, design.sensed @ gains[: design.n_sensed])
-        if gains.size > design.n_sensed:
-            z = z + design.added @ gains[design.n_sensed :]
+        z = self._before_limits(theta, gains, design)
         for effect in self._limits:
             z = effect.apply(z, theta[self.slices[effect.key]])
         return z
@@ -236,27 +234,40 @@ class Hypothesis:
         """Sensor reading at the steady state `level`, without the limits of the sensor."""
         return float(self._curved(theta, gains[:1] * level + gains[1])[0])
 
+    def _before_limits(self, theta: FloatArray, gains: FloatArray, design: Design) -> FloatArray:
+        z = self._curved(theta, design.sensed @ gains[: design.n_sensed])
+        return z + design.added @ gains[design.n_sensed :] if gains.size > design.n_sensed else z
+
     def _curved(self, theta: FloatArray, z: FloatArray) -> FloatArray:
         for effect in self._curves:
             z = effect.apply(z, theta[self.slices[effect.key]])
         return z
 
-    def slopes(self, theta: FloatArray, gains: FloatArray, design: Design) -> tuple[FloatArray, FloatArray]:
-        """Derivatives of `sensor` by the signal that passes through it and by the signal added to it."""
+    def sensed_columns(self, theta: FloatArray, gains: FloatArray, design: Design) -> FloatArray:
+        """Derivatives of `sensor` by the gains, shape (N, m + q)."""
         z = design.sensed @ gains[: design.n_sensed]
-        whole, added = np.ones_like(z), np.ones_like(z)
+        columns = design.columns.copy(order="F")
         for effect in self._curves:
             own = theta[self.slices[effect.key]]
-            whole = whole * effect.slope(z, own)
+            columns[:, : design.n_sensed] = effect.passed(columns[:, : design.n_sensed], z, own)
             z = effect.apply(z, own)
         if gains.size > design.n_sensed:
             z = z + design.added @ gains[design.n_sensed :]
         for effect in self._limits:
             own = theta[self.slices[effect.key]]
-            slope = effect.slope(z, own)
-            whole, added = whole * slope, added * slope
+            columns = effect.passed(columns, z, own)
             z = effect.apply(z, own)
-        return whole, added
+        return columns
+
+    def within_limits(self, theta: FloatArray, gains: FloatArray, design: Design) -> np.ndarray:
+        """The samples at which no limit of the sensor holds the reading."""
+        z = self._before_limits(theta, gains, design)
+        moves = np.ones(z.size, bool)
+        for effect in self._limits:
+            own = theta[self.slices[effect.key]]
+            moves &= effect.slope(z, own) > 0.0
+            z = effect.apply(z, own)
+        return moves
 
     @property
     def _curves(self) -> tuple[OutputEffect, ...]:

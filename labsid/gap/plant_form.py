@@ -87,6 +87,7 @@ FRICTION_LAWS = {
 }
 """Parameters of friction at small speeds: logarithms of speeds over the one that a unit of the drive gives, and the
 excess of the break-away friction over the sliding one."""
+DRAG = Parameter("drag", 0.0, 200.0, 1e-3)  # scaled
 ONSET = Parameter("onset", 0.0, 1.0, 2e-4, leap=0.004)  # as a share of the record
 DRIFT = Parameter("drift", -3.0, 3.0)
 CYCLES = Parameter("cycles", 2.2, 1e7, 1e-3)  # in the record; a slower sinusoid is a drift
@@ -110,8 +111,12 @@ class PlantForm:
         0 none, 1 upper tank, 2 lower tank, 3 both.
     flipped : bool
         Whether a larger input means less flow.
-    friction, cubic : bool
-        Dry friction, cubic restoring force.
+    friction, drag, cubic : bool
+        Dry friction, resistance with the square of the speed, cubic restoring force.
+    stops : tuple of str
+        Mechanical stops of a mass, of "low" and "high".
+    slow : bool
+        A slow real pole in parallel.
     law : str
         Friction at small speeds: "sharp", "smooth" about rest, or with a "peak" that breaks away.
     sampled : bool
@@ -158,7 +163,10 @@ class PlantForm:
     brim: int = 0
     flipped: bool = False
     friction: bool = False
+    drag: bool = False
     cubic: bool = False
+    stops: tuple[str, ...] = ()
+    slow: bool = False
     law: str = "sharp"
     sampled: bool = False
     unsprung: bool = False
@@ -202,13 +210,17 @@ class PlantForm:
         elif self.kind == "mechanics":
             if self.friction:
                 own += [FRICTION, *FRICTION_LAWS[self.law]]
+            own += [DRAG] if self.drag else []
+            own += [Parameter(f"stop_{side}", -50.0, 50.0, leap=0.05) for side in self.stops]
             if self.cubic:
                 own += [Parameter("cubic", -0.3, 50.0)]
             if self.cubic or self.drifting or self.unsprung:
                 own += [Parameter("centre", -8.0, 8.0)]
             own += [Parameter("z0", -50.0, 50.0, STICKING_STEP, leap=0.05), Parameter("v0", -50.0, 50.0, STICKING_STEP)]
         elif self.kind == "speed":
-            own += [FRICTION, *FRICTION_LAWS[self.law], Parameter("centre", -20.0, 20.0, 1e-3)]
+            own += [FRICTION, *FRICTION_LAWS[self.law]] if self.friction else []
+            own += [DRAG] if self.drag else []
+            own += [Parameter("centre", -20.0, 20.0, 1e-3)]
             own += [Parameter("v0", -50.0, 50.0, STICKING_STEP), Parameter("i0", -50.0, 50.0, STICKING_STEP)]
         elif self.kind == "varying":
             own += [DRIFT, Parameter("share_c", -3.0, 3.0), Parameter("turn", 0.0, 1.0)]
@@ -223,12 +235,12 @@ class PlantForm:
         return (*rates, *own, *self._in_series())
 
     def _in_series(self) -> list[Parameter]:
-        """Parameters of the additional lag and mode."""
+        """Parameters of the additional lag, mode and slow mode."""
         own = [Parameter("log_lag", -4.0, 8.0)] if self.lag else []
         if self.mode:
             own += [Parameter("log_frequency", -6.0, np.log(np.pi))]
             own += [Parameter("log_damping", -7.0, np.log(MAX_DAMPING))]
-        return own
+        return [*own, Parameter("log_slow", 0.0, 12.0)] if self.slow else own
 
     def _bent(self) -> list[Parameter]:
         return [Parameter(f"bend{n}", -3.0, 3.0) for n in range(1, self.extra_degrees + 1)]
@@ -237,6 +249,11 @@ class PlantForm:
     def nonlinear(self) -> bool:
         """Whether a state is nonlinear, so that the order of the elements matters."""
         return self.kind in ("tanks", "mechanics", "speed")
+
+    @property
+    def abrupt(self) -> bool:
+        """Whether the motion of a mass changes within a sample: by friction, drag or a stop."""
+        return self.friction or self.drag or bool(self.stops)
 
     @property
     def in_series(self) -> bool:

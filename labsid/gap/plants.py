@@ -72,6 +72,10 @@ class Plant(PlantForm):
         if self.mode and self._mode_place != "ahead":
             drive = deviation if self._mode_place == "behind" else _kernels.delayed(w - start, 0, late)
             parts.append(section(2.0 * damping * frequency, frequency**2, drive))
+        if self.slow:
+            slow = float(np.exp(-np.exp(-own["log_slow"])))
+            parts.append(_kernels.first_order(_kernels.delayed(w - start, 0, late), slow)[:, None])
+            parts.append(np.asarray(slow ** np.arange(w.size), np.float64)[:, None])
         return beside(parts) if len(parts) > 1 else columns
 
     @property
@@ -112,8 +116,13 @@ class Plant(PlantForm):
             width += 2 if self.kind == "linear" else 1
             own = (*own, width - 1)
         if self.mode and self._mode_place != "ahead":
-            own = (*own, width + 2, width + 3)
-        return own
+            own, width = (*own, width + 2, width + 3), width + 4
+        return (*own, width + 1) if self.slow else own
+
+    @property
+    def slow_column(self) -> int:
+        """Index of the column of the slow mode."""
+        return self.state_columns[-1] - 1
 
     def speed(self, theta: FloatArray, w: FloatArray) -> FloatArray:
         """The speed against which friction acts, shape (N,)."""

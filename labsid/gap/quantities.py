@@ -13,6 +13,8 @@ UNITS = {
     "1/y": "per unit of y",
     "1/u^2": "per (unit of u)²",
     "1/y^2": "per (unit of y)²",
+    "u/y^2": "units of u per (unit of y)²",
+    "u s^2/y^2": "units of u per (unit of y a second)²",
     "1": "",
 }
 UNIT_CODES = {"u": "{u}", "y": "{y}", "u/s": "{u}/s", "y/s": "{y}/s"} | {
@@ -20,6 +22,8 @@ UNIT_CODES = {"u": "{u}", "y": "{y}", "u/s": "{u}/s", "y/s": "{y}/s"} | {
     "1/y": "1/{y}",
     "1/u^2": "1/{u}²",
     "1/y^2": "1/{y}²",
+    "u/y^2": "{u}/{y}²",
+    "u s^2/y^2": "{u} s²/{y}²",
 }
 MIN_PLAIN, MAX_PLAIN = 1e-4, 1e6  # range of magnitudes without an exponent
 

@@ -110,8 +110,7 @@ def _within_limits(data: Data, fit: Fit) -> Data:
     if not any(effect.is_limit for effect in fit.hypothesis.outputs):
         return data
     design = fit.hypothesis.design(fit.theta, data.u)
-    moves = fit.hypothesis.slopes(fit.theta, fit.gains, design)[1] > 0.0
-    rows = data.rows & moves
+    rows = data.rows & fit.hypothesis.within_limits(fit.theta, fit.gains, design)
     return replace(data, rows=rows) if rows.sum() > MIN_UNLIMITED_SHARE * data.rows.sum() else data
 
 

@@ -223,7 +223,7 @@ def _mechanics(
     c, k = np.exp(own["log_c"]), np.exp(own["log_k"])
     unit = max(k, 0.02 * c * c)  # force per unit of position
     drive = w - own.get("centre", reference)
-    substeps = int(min(max(np.ceil(max(c, np.sqrt(k)) / (0.15 if plant.friction else 0.3)), 2), 12))
+    substeps = int(min(max(np.ceil(max(c, np.sqrt(k)) / (0.15 if plant.abrupt else 0.3)), 2), 12))
     substeps *= LAW_SUBSTEPS if plant.law != "sharp" else 1
     cubic = own.get("cubic", 0.0) * unit**3
     pace = _rate_factor(plant, own, w.size, span)
@@ -233,7 +233,13 @@ def _mechanics(
     z0, v0 = rest + own["z0"] / unit, own["v0"] / np.sqrt(unit)
     drive, loads = _apply_load(plant, own, drive, span)
     friction, law = own.get("friction", 0.0), _friction_law(own, float(1.0 / np.sqrt(unit)))
-    return _states.simulate_mass(drive, c, k, friction, cubic, z0, v0, substeps, late, *loads, pace, law) * unit
+    drag = own.get("drag", 0.0) * unit
+    stops = own.get("stop_low", -np.inf) / unit, own.get("stop_high", np.inf) / unit
+    z0 = min(max(z0, stops[0]), stops[1])
+    return (
+        _states.simulate_mass(drive, c, k, friction, cubic, z0, v0, substeps, late, *loads, pace, law, drag, stops)
+        * unit
+    )
 
 
 def _friction_law(own: dict[str, float], speed: float) -> tuple[float, float, float]:
@@ -256,14 +262,16 @@ def _speed(
 ) -> FloatArray:
     a, b = np.exp(own["log_a"]), np.exp(own["log_b"])
     drive = w - own["centre"]
-    friction = own["friction"]
-    v = np.sign(drive[0]) * max(abs(drive[0]) - friction, 0.0) + own["v0"]
+    friction, drag = own.get("friction", 0.0), own.get("drag", 0.0)
+    v = np.sign(drive[0]) * max(abs(drive[0]) - friction, 0.0)
+    v /= 0.5 + np.sqrt(0.25 + drag * abs(v))  # at constant speed, v + drag v |v| is the drive
+    v += own["v0"]
     i = (drive[0] if plant.lag_first else v) + own["i0"]
     drive, loads = _apply_load(plant, own, drive, span)
     pace = _rate_factor(plant, own, w.size, span)
     law = _friction_law(own, 1.0)
     substeps = MOTOR_SUBSTEPS * (LAW_SUBSTEPS if plant.law != "sharp" else 1)
-    return _states.simulate_motor(drive, a, b, friction, plant.lag_first, v, i, substeps, late, *loads, pace, law)
+    return _states.simulate_motor(drive, a, b, friction, plant.lag_first, v, i, substeps, late, *loads, pace, law, drag)
 
 
 def _varying(

@@ -185,8 +185,12 @@ class OutputEffect(Effect):
         raise NotImplementedError
 
     def slope(self, z: FloatArray, own: FloatArray) -> FloatArray:
-        """Derivative of the reading by z."""
+        """Derivative of the reading by z, of an effect without memory."""
         raise NotImplementedError
+
+    def passed(self, columns: FloatArray, z: FloatArray, own: FloatArray) -> FloatArray:
+        """Derivatives of the reading, from the derivatives of z in `columns`, shape (N, m)."""
+        return columns * self.slope(z, own)[:, None]
 
     def undone(self, y: FloatArray, own: FloatArray, columns: FloatArray, rows: np.ndarray) -> FloatArray:
         """Readings from which gains of the `columns`, shape (N, m), can be estimated by linear least squares."""

@@ -8,7 +8,7 @@ from labsid.gap import _kernels
 from labsid.gap.effects.base import RICHER_FORM_BIC, Fitted, PlantEffect, Value
 from labsid.gap.effects.context import Context
 from labsid.gap.plants import Plant
-from labsid.gap.responses import damping_ratio, real_rates, single_pole
+from labsid.gap.responses import damping_ratio, denominator, real_rates, single_pole
 
 BRIM_CODES = {"upper": 1, "lower": 2, "both": 3}
 MAX_START = 15.0  # scaled flow: largest initial deviation of a level, which a brim could hide
@@ -20,7 +20,11 @@ MIN_CYCLES = 4.0  # of a mode, in the record
 MAX_UNSPRUNG_RATE = 40.0  # slow pole times record length, below which the spring is not observable
 SLACK_LOG_STIFFNESS = -6.0  # change of the logarithm of the stiffness for a start without a spring
 MIN_EITHER_DIRECTION = 0.03  # share of the record with motion in each direction
-
+MIN_PARALLEL_SHARE = 0.03  # of the static gain, of a slow mode
+MAX_PARALLEL_SHARE = 0.85  # of poles in series, the slowest has a share of one or more
+MIN_SLOW_TIMES = 1.5  # time constants of a slow mode in the record
+MAX_SLOW_RATIO = 0.8  # rate of a slow mode over the slower one of the other poles
+STATIC_SAMPLES = 20000  # of a step, for the static gain
 
 FRICTION_PLACES = ("position", "unsprung", "speed", "speed-lag")
 
@@ -61,6 +65,8 @@ class ExtraLag(_Placed):
         if plant.lag_ahead:
             return True
         own = fit.theta[fit.hypothesis.slices["plant"]]
+        if plant.kind == "linear" and is_parallel(fit):
+            return False  # a slow mode
         columns = plant.columns(own, fit.hypothesis.actuator(fit.theta, fit.data.u), fit.data.samples)
         parts = columns * fit.gains[: columns.shape[1]]
         at = 0 if plant.kind != "linear" else 5 if plant.zero else 4
@@ -70,6 +76,79 @@ class ExtraLag(_Placed):
     def values(self, fit: Fitted) -> dict[str, Value]:
         """`tau` in seconds."""
         return {"tau": Value(float(np.exp(fit.plant_value("log_lag"))) * fit.data.Ts, "s")}
+
+
+class SlowMode(PlantEffect):
+    """A slow real pole in parallel to the other dynamics, such as creep or warming up."""
+
+    name = "slow-mode"
+    before_given = True
+
+    def extend(self, plant: Plant) -> Plant:
+        """The plant with a slow pole in parallel."""
+        return plant.modified(slow=True)
+
+    def plant_starts(self, context: Context) -> list[dict[str, float]]:
+        """Time constants longer than those of the parent."""
+        slow = real_rates(*context.rates)[0]
+        longest = np.log(context.data.samples / 2.0)
+        times = dict.fromkeys(float(np.clip(np.log(n / slow), 0.0, longest)) for n in (2.0, 6.0, 20.0))
+        # Two poles fitted to dynamics with a slow mode are slower than those of the dynamics alone.
+        faster = {"log_slow": float(np.clip(-np.log(slow), 0.0, longest)), "log_c+": 0.7, "log_k+": 1.4}
+        beside = [{"log_slow": time} for time in times]
+        return [*beside, faster] if context.parent.hypothesis.plant.kind == "linear" else beside
+
+    def is_plausible(self, fit: Fitted) -> bool:
+        """Require a pole that is slower than the others and visible in the record, with a small share of the gain."""
+        rate = float(np.exp(-fit.plant_value("log_slow")))
+        if rate * fit.data.samples < MIN_SLOW_TIMES or rate > MAX_SLOW_RATIO * real_rates(*_main_rates(fit))[0]:
+            return False
+        share = self._share(fit)
+        return bool(abs(share) > MIN_PARALLEL_SHARE and share < MAX_PARALLEL_SHARE and self._is_driven(fit))
+
+    def _is_driven(self, fit: Fitted) -> bool:
+        """Whether the input excites the mode more than its initial state does, which imitates a drift."""
+        plant, at = fit.hypothesis.plant, fit.hypothesis.plant.slow_column
+        w = fit.hypothesis.actuator(fit.theta, fit.data.u)
+        columns = plant.columns(fit.theta[fit.hypothesis.slices["plant"]], w, w.size)[:, at : at + 2]
+        driven, free = np.std(columns * fit.gains[at : at + 2], axis=0)
+        return bool(driven > free)
+
+    def _share(self, fit: Fitted) -> float:
+        """Share of the static gain."""
+        step = np.repeat((0.0, 1.0), STATIC_SAMPLES)
+        rise = fit.hypothesis.output(fit.theta, fit.gains, step)
+        whole = float(rise[-1] - rise[STATIC_SAMPLES - 1])
+        return float(fit.gains[fit.hypothesis.plant.slow_column]) / whole if whole else np.inf
+
+    def values(self, fit: Fitted) -> dict[str, Value]:
+        """`tau` in seconds, and `share` of the static gain."""
+        tau = float(np.exp(fit.plant_value("log_slow"))) * fit.data.Ts
+        return {"tau": Value(tau, "s"), "share": Value(self._share(fit), "1")}
+
+
+def _main_rates(fit: Fitted) -> tuple[float, float]:
+    return fit.hypothesis.plant.linear_rates(fit.theta[fit.hypothesis.slices["plant"]])
+
+
+def is_parallel(fit: Fitted) -> bool:
+    """Whether linear dynamics with a lag are dynamics with a slow mode: by the share of the slowest of three poles.
+
+    For 1 / ((T1 s + 1) (T2 s + 1) (T3 s + 1)) and the largest T1 that share is T1^2 / ((T1 - T2) (T1 - T3)), which is
+    one or more. The mode adds a zero near the pole, and the share is less.
+    """
+    plant, (c, k) = fit.hypothesis.plant, _main_rates(fit)
+    rate = float(np.exp(-fit.plant_value("log_lag")))
+    lag = float(fit.gains[5 if plant.zero else 4])
+    a1, a2 = denominator(c, k)
+    whole = lag + (float(fit.gains[:2].sum()) / (1.0 + a1 + a2) if plant.zero else float(fit.gains[0]))
+    share = lag / (whole or np.inf)
+    if 0.5 * c < rate:  # the main poles, or their envelope, are slower
+        if not plant.zero or c * c <= 4.0 * k:
+            return False
+        slow, fast = np.exp(-np.array(real_rates(c, k)))
+        share = float((fit.gains[0] * slow + fit.gains[1]) / ((slow - fast) * (1.0 - slow) * (whole or np.inf)))
+    return MIN_PARALLEL_SHARE < share < MAX_PARALLEL_SHARE
 
 
 class Resonance(_Placed):
@@ -285,7 +364,8 @@ class CoulombFriction(PlantEffect):
         """A mass or a motor with friction."""
         changes: dict[str, object] = {"friction": True, "law": self.law}
         if self.place in ("position", "unsprung"):
-            return plant.modified(kind="mechanics", unsprung=self.place == "unsprung", **changes)
+            changes["unsprung"] = plant.unsprung or self.place == "unsprung"
+            return plant.modified(kind="mechanics", **changes)
         return plant.modified(kind="speed", lag_first=self.place == "speed", **changes)
 
     def plant_starts(self, context: Context) -> list[dict[str, float]]:

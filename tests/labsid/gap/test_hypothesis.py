@@ -115,7 +115,7 @@ def sensed(theta: FloatArray, *columns: FloatArray) -> Design:
     return Design(np.column_stack(columns), 1, theta, (columns[0], 0.0), columns)
 
 
-def test_the_sensor_bends_then_adds_then_clips_and_its_slopes_are_the_derivatives() -> None:
+def test_the_sensor_bends_then_adds_then_clips_and_its_columns_are_the_derivatives() -> None:
     hypothesis = Hypothesis((output.Saturation("both"), output.Nonlinearity(), output.Drift("1")))
     theta = np.zeros(len(hypothesis.parameters))
     theta[hypothesis.slices["output-nonlinearity"]] = 0.2, 0.05
@@ -131,9 +131,11 @@ def test_the_sensor_bends_then_adds_then_clips_and_its_slopes_are_the_derivative
     assert (np.clip(bent, -0.713, 1.013) + added != expected).sum() > 30  # in another order it is another reading
     np.testing.assert_allclose(read(z, added), expected)
     h = 1e-6
-    whole, part = hypothesis.slopes(theta, gains, sensed(theta, z, added))
-    np.testing.assert_allclose(whole, (read(z + h, added) - read(z - h, added)) / (2.0 * h), atol=1e-6)
-    np.testing.assert_allclose(part, (read(z, added + h) - read(z, added - h)) / (2.0 * h), atol=1e-6)
+    design = sensed(theta, z, added)
+    by_gains = hypothesis.sensed_columns(theta, gains, design)
+    for i, step in enumerate(h * np.eye(2)):
+        ends = [hypothesis.sensor(theta, gains + sign * step, design) for sign in (1.0, -1.0)]
+        np.testing.assert_allclose(by_gains[:, i], (ends[0] - ends[1]) / (2.0 * h), atol=1e-5)
 
 
 def test_without_additive_effects_the_sensor_nonlinearity_and_limits_apply() -> None:

@@ -1,0 +1,110 @@
+"""Effects of a moving mass: mechanical stops, and resistance with the square of the speed."""
+
+from typing import ClassVar
+
+import numpy as np
+
+from labsid.gap.effects.base import RICHER_FORM_BIC, Fitted, PlantEffect, Value
+from labsid.gap.effects.context import Context
+from labsid.gap.effects.dynamics import MAX_UNSPRUNG_RATE, SLACK_LOG_STIFFNESS
+from labsid.gap.plants import Plant
+from labsid.gap.responses import real_rates, response
+
+MIN_STOPPED = 4  # samples at a stop
+AT_STOP = 1e-9  # scaled distance
+DRAG_PLACES = ("position", "speed", "speed-lag")
+
+
+class EndStop(PlantEffect):
+    """A mechanical stop; `variant` low, high or both, and "-unsprung" for a mass without a spring."""
+
+    name = "end-stop"
+    bic_penalty: ClassVar[dict[str, float]] = {"both": RICHER_FORM_BIC, "both-unsprung": RICHER_FORM_BIC}
+
+    @property
+    def sides(self) -> tuple[str, ...]:
+        """The sides with a stop."""
+        side = self.variant.partition("-")[0]
+        return ("low", "high") if side == "both" else (side,)
+
+    @property
+    def unsprung(self) -> bool:
+        """Whether the mass has almost no spring."""
+        return self.variant.endswith("-unsprung")
+
+    def applies(self, context: Context) -> bool:
+        """Allow "-unsprung" only if the record hardly shows a spring."""
+        return not self.unsprung or real_rates(*context.rates)[0] * context.data.samples < MAX_UNSPRUNG_RATE
+
+    def extend(self, plant: Plant) -> Plant:
+        """A mass with stops."""
+        return plant.modified(kind="mechanics", stops=self.sides, unsprung=plant.unsprung or self.unsprung)
+
+    def plant_starts(self, context: Context) -> list[dict[str, float]]:
+        """Stops at the ends of the output, and 8 and 25 % of its range within them."""
+        c, k = context.rates
+        y = context.data.y[context.data.rows]
+        gain = context.gain * k / max(k, 0.02 * c * c)  # of the position as the simulation scales it
+        if not gain:
+            return []
+        low, high = np.quantile(y, (0.01, 0.99))
+        starts = []
+        for part in (0.0, 0.08, 0.25):
+            ends = np.array([low + part * (high - low), high - part * (high - low)])
+            ends = np.sort(np.clip((ends - y[:3].mean()) / gain, -50.0, 50.0))
+            start = {f"stop_{side}": float(ends[int(side == "high")]) for side in self.sides}
+            starts.append(start | ({"log_k+": SLACK_LOG_STIFFNESS} if self.unsprung else {}))
+        return starts
+
+    def active_samples(self, fit: Fitted) -> np.ndarray:
+        """The samples at which the mass is at a stop."""
+        plant = fit.hypothesis.plant
+        own = dict(zip((p.name for p in plant.parameters), fit.theta[fit.hypothesis.slices["plant"]], strict=True))
+        w = fit.hypothesis.actuator(fit.theta, fit.data.u)
+        position = response(plant, own, w, w.size, float(w[0]))[:, 0]
+        return np.any([np.abs(position - own[f"stop_{side}"]) < AT_STOP for side in self.sides], axis=0)
+
+    def is_plausible(self, fit: Fitted) -> bool:
+        """Require that the mass reaches a stop."""
+        return bool(self.active_samples(fit).sum() >= MIN_STOPPED)
+
+    def values(self, fit: Fitted) -> dict[str, Value]:
+        """`low` and `high` as outputs."""
+        gain, offset = (float(x) for x in fit.gains[:2])
+        ends = [fit.y(gain * fit.plant_value(f"stop_{side}") + offset) for side in self.sides]
+        turned = gain < 0.0
+        names = [{"low": "high", "high": "low"}[side] if turned else side for side in self.sides]
+        return {name: Value(end, "y") for name, end in sorted(zip(names, ends, strict=True), reverse=True)}
+
+
+class QuadraticDrag(PlantEffect):
+    """Resistance that grows with the square of the speed; `variant` position, speed, or speed-lag."""
+
+    name = "quadratic-drag"
+
+    def extend(self, plant: Plant) -> Plant:
+        """A mass or a motor with drag."""
+        if self.variant == "position":
+            return plant.modified(kind="mechanics", drag=True)
+        return plant.modified(kind="speed", drag=True, lag_first=self.variant == "speed")
+
+    def plant_starts(self, context: Context) -> list[dict[str, float]]:
+        """Weak to strong drag, and inputs at which a motor rests."""
+        if self.variant == "position":
+            return [{"drag": 0.1}, {"drag": 0.6, "log_c+": -0.5}, {"drag": 3.0, "log_c+": -1.5}]
+        u = context.data.u
+        zero = -context.data.u_scale.centre / context.data.u_scale.unit
+        middles = (float(np.median(u)), float(u[0]), float(u.min()), zero if abs(zero) < 20.0 else float(u[0]))
+        return [
+            {"drag": size, "centre": middle} for size in (0.1, 0.6) for middle in dict.fromkeys(np.round(middles, 3))
+        ]
+
+    def values(self, fit: Fitted) -> dict[str, Value]:
+        """`drag`: input per square of the speed; of a motor, the output is the speed."""
+        per_level = 1.0 / (float(fit.gains[0]) * fit.data.y_scale.unit or 1.0)
+        if self.variant != "position":
+            return {"drag": Value(fit.plant_value("drag") * fit.data.u_scale.unit * per_level**2, "u/y^2")}
+        c, k = np.exp(fit.plant_value("log_c")), np.exp(fit.plant_value("log_k"))
+        unit = max(k, 0.02 * c * c)
+        size = fit.plant_value("drag") * fit.data.u_scale.unit / unit * (fit.data.Ts * per_level) ** 2
+        return {"drag": Value(float(size), "u s^2/y^2")}

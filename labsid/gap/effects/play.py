@@ -1,0 +1,48 @@
+"""Play between the process and the sensor."""
+
+import numpy as np
+
+from labsid._arrays import FloatArray
+from labsid.gap import _kernels
+from labsid.gap.effects.base import Fitted, OutputEffect, Value
+from labsid.gap.effects.context import Context
+from labsid.gap.plant_form import Parameter
+
+MIN_MOVED = 0.02  # share of the record in which the sensor moves each way
+MAX_SHARE = 0.7  # width over the range of the output
+
+
+class Play(OutputEffect):
+    """The sensor follows the process once the play is taken up."""
+
+    name = "output-backlash"
+    position = 2
+
+    @property
+    def parameters(self) -> tuple[Parameter, ...]:
+        """Width of the play, and initial position within it."""
+        return (Parameter("width", 0.0, 4.0, leap=0.05), Parameter("position", 0.0, 1.0, 0.02))
+
+    def starts(self, context: Context) -> list[FloatArray]:
+        """Narrow to wide, with an initial position at either side and in the middle."""
+        span = float(np.ptp(context.data.y[context.data.rows]))
+        return [np.array([part * span, at]) for part in (0.05, 0.15, 0.3) for at in (0.5, 0.0, 1.0)]
+
+    def apply(self, z: FloatArray, own: FloatArray) -> FloatArray:
+        """Follow the process once the play is taken up."""
+        return _kernels.backlash(z, float(own[0]), float(own[1]))
+
+    def passed(self, columns: FloatArray, z: FloatArray, own: FloatArray) -> FloatArray:
+        """Hold each column while the process crosses the play."""
+        return np.asarray(columns[_kernels.last_moved(z, float(own[0]), float(own[1]))])
+
+    def is_plausible(self, fit: Fitted) -> bool:
+        """Require that the play is crossed both ways, and narrower than most of the range."""
+        width, _ = fit.theta_of(self)
+        moves = np.diff(fit.hypothesis.output(fit.theta, fit.gains, fit.data.u))
+        both = min(np.mean(moves > 0.0), np.mean(moves < 0.0)) > MIN_MOVED
+        return bool(both and width < MAX_SHARE * fit.range)
+
+    def values(self, fit: Fitted) -> dict[str, Value]:
+        """`width` in the unit of the output."""
+        return {"width": Value(float(fit.theta_of(self)[0]) * fit.data.y_scale.unit, "y")}
