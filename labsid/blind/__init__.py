@@ -26,6 +26,8 @@ How a record is labelled:
 - The row `families` has one clear effect of those that the other rows do not draw: an end stop on which the motion
   rests in at least 3 % of the samples, quadratic drag, a slow mode with at least 0.15 of the static gain and 6 times
   the time constant of the rig, or play at the output that the sensor crosses at least six times.
+- The row `variants` has, clear, dry friction with another value each way, with a break-away peak and smooth about rest,
+  a dead zone with a jump and a sensor of the absolute value; and end stops that are not reached, which are no effect.
 - Effects outside the table act through the input or the structure. An unmeasured additive input would count as
   `coloured-noise`.
 """

@@ -26,11 +26,12 @@ _MOTION = (
     *("T0", "T1", "damping", "coupling", "actuator_lag", "sensor_lag"),
     *("outflow_curvature", "brim_upper", "brim_lower", "dry_friction", "cubic"),
     *("drag", "stop_low", "stop_high", "restitution", "slow_time", "slow_share", "play"),
+    *("friction_back", "friction_peak", "friction_speed"),
 )
 _MODE = ("mode_frequency", "mode_damping", "mode_share")
-_ACTUATOR = ("low", "high", "dead_low", "dead_high", "backlash", "slew", "c2", "c3", "gain_change")
+_ACTUATOR = ("low", "high", "dead_low", "dead_high", "dead_jump", "backlash", "slew", "c2", "c3", "gain_change")
 _LOAD = ("size", "leak", "amplitude", "frequency", "phase", "pole_change")
-_SENSOR = ("c2", "c3", "drift", "amplitude", "frequency", "phase", "low", "high")
+_SENSOR = ("c2", "c3", "fold", "drift", "amplitude", "frequency", "phase", "low", "high")
 
 
 @dataclass(frozen=True, slots=True)

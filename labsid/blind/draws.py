@@ -150,6 +150,9 @@ def with_unexercised_effect(rng: np.random.Generator, experiment: Experiment, ef
             return replace(setup, actuator=replace(setup.actuator, backlash=float(rng.uniform(0.05, 0.3))))
         case "output-saturation":
             return replace(setup, sensor=replace(setup.sensor, high=float(y.max() + 0.2 * away * np.ptp(y))))
+        case "end-stop":
+            low, high = away * min(float(y.min()), 0.0) - 0.01, away * max(float(y.max()), 0.0) + 0.01
+            return replace(setup, motion=setup.motion._replace(stop_low=low, stop_high=high))
         case "overflow":
             level = float(y.max() + 0.1 * away * np.ptp(y))
             return replace(setup, motion=setup.motion._replace(brim_lower=level))

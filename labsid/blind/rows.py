@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from labsid.blind.distinct import is_distinct
 from labsid.blind.draws import (
     complete_case,
     distance_from_rig,
@@ -16,10 +17,9 @@ from labsid.blind.draws import (
     example_rig,
     log_uniform,
     merge_effects,
-    on_stops,
     with_unexercised_effect,
 )
-from labsid.blind.experiment import Case, Experiment, input_signal, redraw, run_experiment, to_record
+from labsid.blind.experiment import Case, input_signal, redraw, run_experiment, to_record
 from labsid.blind.output_error import discrete_poles, fit_linear
 from labsid.blind.strength import (
     CLEAR_RATIOS,
@@ -35,10 +35,10 @@ from labsid.blind.strength import (
 from labsid.rig.switchable.effects import EFFECTS, FAMILIES, draw_effect, effect_context, supports_effect
 from labsid.rig.switchable.inputs import INPUT_KINDS, RICH_INPUTS
 from labsid.rig.switchable.plants import RIGS
-from labsid.rig.switchable.setup import Setup
 from labsid.rig.switchable.simulation import poles
 from labsid.rig.switchable.truth import true_linear_model
 from labsid.rig.switchable.unlisted import UNLISTED_EFFECTS, draw_unlisted_effect, supports_unlisted_effect
+from labsid.rig.switchable.variants import VARIANTS, draw_variant
 
 EFFECTS_BESIDE_UNLISTED = tuple(
     name
@@ -48,15 +48,6 @@ EFFECTS_BESIDE_UNLISTED = tuple(
 """Effects that are found by simulation."""
 
 Draw = Callable[[np.random.Generator, int, str], Case | None]
-
-LEAST_TIME_ON_STOPS = 0.03
-"""Share of the samples from which a record exercises an end stop."""
-
-FEWEST_CROSSINGS, LEAST_TIME_MOVING = 6, 0.4
-"""Crossings of the play, and share of the samples in which the sensor moves, from which a record exercises it."""
-
-LEAST_SLOW_SHARE = 0.15
-"""Share of the static gain from which a slow mode counts as one."""
 
 _MANY_LEVELS = (*RICH_INPUTS, "staircase")
 _KEEPS_MOVING = (*RICH_INPUTS, "two-level", "square")
@@ -126,7 +117,7 @@ def draw_short(rng: np.random.Generator, i: int, name: str) -> Case | None:
     at = effect_context(plain, input_signal(experiment), rounding=float(rng.uniform(0.01, 0.05)))
     ratio = log_uniform(rng, 3.0, 12.0)
     found = scale_to_ratio(experiment, draw_effect(rng, effect, at), ratio, (0.02, 0.05), rng)
-    if found is None or not _is_distinct(effect, experiment, found[0]):
+    if found is None or not is_distinct(effect, experiment, found[0]):
         return None
     return complete_case(rng, experiment, *found, name, "short", (effect,), draw_partial_colour(rng))
 
@@ -153,11 +144,11 @@ def draw_pair(rng: np.random.Generator, i: int, name: str) -> Case | None:
     if found is None:
         return None
     alone, sigma = found
-    if not _is_distinct(one, experiment, alone):
+    if not is_distinct(one, experiment, alone):
         return None
     share = sigma / output_spread(experiment)
     other = scale_to_ratio(experiment, second, log_uniform(rng, 6.0, 18.0), (0.8 * share, 1.25 * share), rng)
-    if other is None or not _is_distinct(two, experiment, other[0]):
+    if other is None or not is_distinct(two, experiment, other[0]):
         return None
     both = merge_effects(experiment.plain, alone, other[0])
     start = discrete_poles(poles(experiment.plain.motion))
@@ -228,7 +219,7 @@ def draw_partial(rng: np.random.Generator, i: int, name: str) -> Case | None:
     at = effect_context(experiment.plain, input_signal(experiment))
     ratio = log_uniform(rng, 10.0, 40.0)
     found = scale_to_ratio(experiment, draw_effect(rng, listed, at), ratio, (WEAKEST_NOISE, 0.02), rng)
-    if found is None or not _is_distinct(listed, experiment, found[0]):
+    if found is None or not is_distinct(listed, experiment, found[0]):
         return None
     setup, sigma = found
     share = sigma / output_spread(experiment)
@@ -284,6 +275,28 @@ def draw_families(rng: np.random.Generator, i: int, name: str) -> Case | None:
     return _single(rng, FAMILIES[i % len(FAMILIES)], name, "families", CLEAR_RATIOS)
 
 
+def draw_variants(rng: np.random.Generator, i: int, name: str) -> Case | None:
+    """Another form of an effect, clear, or end stops that the motion does not reach."""
+    kind = (*VARIANTS, NOT_REACHED)[i % (len(VARIANTS) + 1)]
+    effect = VARIANTS.get(kind, "end-stop")
+    samples = int(rng.integers(1200, 4001))
+    experiment = draw_experiment(rng, effect, samples, RICH_INPUTS)
+    if kind == NOT_REACHED:
+        sigma = output_spread(experiment) * log_uniform(rng, WEAKEST_NOISE, STRONGEST_NOISE)
+        setup = with_unexercised_effect(rng, experiment, effect)
+        if linear_model_gap(experiment, setup) > NEGLIGIBLE_RATIO * sigma:
+            return None
+        what = {"kind": "not exercised", "hidden": effect}
+        return complete_case(rng, experiment, setup, sigma, name, "variants", (), draw_noise_colour(rng), what)
+    apply = draw_variant(rng, kind, effect_context(experiment.plain, input_signal(experiment)))
+    ratio = log_uniform(rng, *CLEAR_RATIOS)
+    found = scale_to_ratio(experiment, apply, ratio, (WEAKEST_NOISE, STRONGEST_NOISE), rng)
+    if found is None or not is_distinct(effect, experiment, found[0]):
+        return None
+    case = complete_case(rng, experiment, *found, name, "variants", (effect,), draw_noise_colour(rng))
+    return replace(case, truth={**case.truth, "kind": kind})
+
+
 ROWS: dict[str, Draw] = {
     "single-clear": draw_single_clear,
     "single-hard": draw_single_hard,
@@ -294,7 +307,10 @@ ROWS: dict[str, Draw] = {
     "with-sim": draw_with_sim,
     "partial": draw_partial,
     "families": draw_families,
+    "variants": draw_variants,
 }
+
+NOT_REACHED = "end stops, not reached"
 
 _MAY_STAY_UNEXERCISED = ("input-saturation", "input-backlash", "coulomb-friction", "overflow", "output-saturation")
 
@@ -304,47 +320,10 @@ def _single(rng: np.random.Generator, effect: str, name: str, row: str, between:
     experiment = draw_experiment(rng, effect, samples, _SUITABLE_INPUTS.get(effect, INPUT_KINDS))
     apply = draw_effect(rng, effect, effect_context(experiment.plain, input_signal(experiment)))
     found = scale_to_ratio(experiment, apply, log_uniform(rng, *between), (WEAKEST_NOISE, STRONGEST_NOISE), rng)
-    if found is None or not _is_distinct(effect, experiment, found[0]):
+    if found is None or not is_distinct(effect, experiment, found[0]):
         return None
     case = complete_case(rng, experiment, *found, name, row, (effect,), draw_noise_colour(rng))
     if effect in TIME_INVARIANT_EFFECTS and rng.random() < 0.25:
         again = redraw(case.experiment, 1000)
         return replace(case, holdout=to_record(run_experiment(again), experiment.scales, f"{name}.holdout"))
     return case
-
-
-def _is_distinct(effect: str, experiment: Experiment, setup: Setup) -> bool:
-    """Whether a linear model or another effect cannot reproduce most of the effect.
-
-    A delay below one sample does not count, nor does a lag or a mode that such a delay reproduces; except in short
-    records, neither does one that a longer delay reproduces. A dead zone that the input leaves on one side only is a
-    limit. A slow mode has at least 0.15 of the static gain, and its time constant is at least 6 times the rig's own. A
-    motion rests on its end stops in at least 3 % of the samples. The sensor moves in at least 40 % of the samples and
-    crosses its play at least six times.
-    """
-    a, m = setup.actuator, setup.motion
-    if effect == "end-stop":
-        return float(np.mean(on_stops(experiment, setup).any(axis=0))) >= LEAST_TIME_ON_STOPS
-    if effect == "output-backlash":
-        moves = np.sign(np.diff(clean_output(experiment, setup)))
-        turns = np.count_nonzero(np.diff(moves[moves != 0]))
-        return bool(turns >= FEWEST_CROSSINGS and np.mean(moves != 0) >= LEAST_TIME_MOVING)
-    if effect == "slow-mode":
-        return abs(m.slow_share) >= LEAST_SLOW_SHARE and m.slow_time >= 6.0 * experiment.time
-    if effect == "input-dead-zone":
-        v = input_signal(experiment)
-        return bool(min(np.mean(v > a.dead_high), np.mean(v < a.dead_low)) > 0.08)
-    if effect in ("extra-lag", "resonance"):
-        left = linear_model_gap(experiment, setup)
-        if linear_model_gap(experiment, setup, taps=3) <= 0.5 * left:
-            return False
-        return experiment.samples < 1000 or _left_by_delays(experiment, setup) > 0.3 * left
-    return effect != "input-delay" or a.delay >= 1.0
-
-
-def _left_by_delays(experiment: Experiment, setup: Setup) -> float:
-    """Rms error of the best linear model with a delay of up to eight samples; a third tap adds the fraction."""
-    v, y = input_signal(experiment), clean_output(experiment, setup)
-    start = discrete_poles(poles(experiment.plain.motion))
-    late = [np.concatenate([np.full(n, v[0]), v[:-n]]) for n in range(1, 8)]
-    return min(fit_linear(u, y, start, taps=3, thorough=False).rmse for u in late)

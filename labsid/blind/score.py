@@ -49,7 +49,7 @@ def score_cases(
         rows.setdefault(case.label["row"], []).append(case)
     empty: list[CaseOutcome] = []
     clear, hard, short = (rows.get(name, empty) for name in ("single-clear", "single-hard", "short"))
-    families = rows.get("families", empty)
+    families, variants = rows.get("families", empty), rows.get("variants", empty)
     pair, none, unknown = (rows.get(name, empty) for name in ("pair", "none", "unknown"))
     bins = calibration_bins(cases)
     metrics = [
@@ -71,6 +71,7 @@ def score_cases(
             0.90,
         ),
         _rate("end stop, drag, slow mode, play at the output: named, clear", map(all_named, families), 0.93, 0.98),
+        _rate("other forms of friction, dead zone and sensor curve: named", map(all_named, variants)),
         *_closure_metrics(clear),
         replace(_closure_metrics(families)[0], name="end stop, drag, slow mode, play: the same share, median"),
         _rate("95 % interval of the closed share covers fresh records", _covered(replays), (0.93, 0.97), (0.94, 0.96)),
@@ -142,8 +143,8 @@ def calibration_bins(cases: Sequence[CaseOutcome], bins: int = 10) -> tuple[tupl
 def _rate(
     name: str,
     outcomes: Iterable[bool],
-    required: float | tuple[float, float],
-    target: float | tuple[float, float],
+    required: float | tuple[float, float] | None = None,
+    target: float | tuple[float, float] | None = None,
 ) -> Metric:
     counted = [bool(outcome) for outcome in outcomes]
     right, n = sum(counted), len(counted)

@@ -1,6 +1,7 @@
 """Rigs whose unmodelled effects can be switched on one by one, at any strength.
 
-`setup` describes a rig. `plants` draws rigs and `inputs` draws input signals. `effects` and `unlisted` add an
-unmodelled effect: one of GAP.md's table, or one outside it. `simulation` runs a rig and `truth` states its true
-parameters. `withheld` makes the individual rigs of ``sim-to-real-gap``, each with one of the `withheld_effects`.
+`setup` describes a rig. `plants` draws rigs and `inputs` draws input signals. `effects`, `variants` and `unlisted` add
+an unmodelled effect: one of GAP.md's table, another form of one, or one outside it. `simulation` runs a rig and
+`truth` states its true parameters. `withheld` makes the individual rigs of ``sim-to-real-gap``, each with one of the
+`withheld_effects`.
 """

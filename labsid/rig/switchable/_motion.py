@@ -37,7 +37,10 @@ class Motion(NamedTuple):
     square of the speed. ``stop_low`` and ``stop_high`` are the positions of the end stops, and ``restitution`` is the
     share of the speed that a motion keeps in the impact. ``slow_time`` and ``slow_share`` are the time constant and the
     gain of the slow mode. ``play`` is the width of the play between process and sensor, and ``play_start`` the sensor's
-    position in it at the start of the record, from -1 to 1.
+    position in it at the start of the record, from -1 to 1. ``friction_back`` is the share by which dry friction
+    is larger against a motion backwards. With a ``friction_peak``, the friction near rest is higher by
+    this share and falls within ``friction_speed``; without one, a ``friction_speed`` makes the friction smooth about
+    rest.
     """
 
     kind: int
@@ -73,6 +76,9 @@ class Motion(NamedTuple):
     slow_share: float
     play: float
     play_start: float
+    friction_back: float
+    friction_peak: float
+    friction_speed: float
 
 
 @compiled()
@@ -117,6 +123,19 @@ def physical_output(m: Motion, x: FloatArray) -> float:
 
 
 @compiled()
+def smooth_friction(m: Motion) -> bool:
+    """Whether dry friction grows smoothly with the speed, so that nothing sticks."""
+    return m.friction_speed > 0.0 and m.friction_peak == 0.0
+
+
+@compiled()
+def sliding_friction(m: Motion, direction: float) -> float:
+    """Friction against a motion in a direction, from -1 to 1, without the peak near rest."""
+    size = m.dry_friction * direction
+    return size * (1.0 + m.friction_back) if direction < 0.0 else size
+
+
+@compiled()
 def drag_force(m: Motion, speed: float) -> float:
     """Resistance against a speed; a motor that runs at its operating point has the resistance there as its zero."""
     if m.drag == 0.0:
@@ -150,6 +169,12 @@ def derivative(
         d[6] = (w - x[6]) / m.slow_time
     if m.bilinear != 0.0:
         w *= 1.0 + m.bilinear * x[0 if m.kind == MASS else 1]
+    if m.friction_speed > 0.0:
+        relative = (x[friction_state(m.kind)] + m.speed_zero) / m.friction_speed
+        if smooth_friction(m):
+            friction = sliding_friction(m, np.tanh(relative))
+        else:
+            friction *= 1.0 + m.friction_peak * np.exp(-(relative**2))
     drain = leak * (x[1] + m.level_zero)
     if m.kind == TWO_TANKS or m.kind == LAGGED_TANK:
         between = outflow(x[0], m.outflow_curvature) if m.kind == TWO_TANKS else x[0]
@@ -362,7 +387,7 @@ def move(
         if stopped:
             advance_with_stops(m, x, before, h, w, load[j], rate[j], leak[j], k, trial)
             continue
-        if m.dry_friction == 0.0:
+        if m.dry_friction == 0.0 or smooth_friction(m):
             advance(m, x, h, w, load[j], rate[j], leak[j], 0.0, -1, k, trial)
             continue
         left = h
@@ -371,14 +396,14 @@ def move(
             if speed == 0.0:
                 derivative(m, x, w[0], load[j], rate[j], leak[j], 0.0, trial)
                 direction = np.sign(trial[sliding])
-                derivative(m, x, w[0], load[j], rate[j], leak[j], m.dry_friction * direction, trial)
+                derivative(m, x, w[0], load[j], rate[j], leak[j], sliding_friction(m, direction), trial)
                 if trial[sliding] * direction <= 0.0:
                     advance(m, x, left, w, load[j], rate[j], leak[j], 0.0, sliding, k, trial)
                     break
             else:
                 direction = np.sign(speed)
             before[:] = x
-            friction = m.dry_friction * direction
+            friction = sliding_friction(m, direction)
             advance(m, x, left, w, load[j], rate[j], leak[j], friction, -1, k, trial)
             after = x[sliding] + shift
             if after * direction >= 0.0:

@@ -23,6 +23,8 @@ def actuator_output(actuator: Actuator, v: FloatArray) -> tuple[FloatArray, Floa
     """
     command = _delayed(actuator, _skip_failures(actuator, v))
     shaped = _dead_band(command, actuator.dead_low, actuator.dead_high, actuator.rounding)
+    if actuator.dead_jump:
+        shaped = shaped + _jump(command, actuator)
     shaped = limited(shaped, actuator.low, actuator.high, actuator.rounding)
     if actuator.stick_band > 0:
         shaped = _sticking(shaped, actuator.stick_band)
@@ -70,6 +72,11 @@ def _dead_band(v: FloatArray, low: float, high: float, rounding: float) -> Float
     if low == high == 0.0:
         return v
     return _soft_plus(v - high, rounding) - _soft_plus(low - v, rounding)
+
+
+def _jump(v: FloatArray, actuator: Actuator) -> FloatArray:
+    edge = np.where(v > actuator.dead_high, actuator.dead_high, np.where(v < actuator.dead_low, actuator.dead_low, 0.0))
+    return actuator.dead_jump * edge
 
 
 def _skip_failures(actuator: Actuator, v: FloatArray) -> FloatArray:

@@ -38,6 +38,8 @@ class Actuator:
         Limits.
     dead_low, dead_high : float
         Ends of the dead zone.
+    dead_jump : float
+        Share of the dead zone by which the output jumps where the command leaves it.
     rounding : float
         Corner radius of limits and dead zone.
     backlash : float
@@ -68,6 +70,7 @@ class Actuator:
     high: float = inf
     dead_low: float = 0.0
     dead_high: float = 0.0
+    dead_jump: float = 0.0
     rounding: float = 0.0
     backlash: float = 0.0
     slew: float = inf
@@ -123,6 +126,8 @@ class Sensor:
     ----------
     c2, c3 : float
         Static curve ``y + c2 y^2 + c3 y^3``.
+    fold : float
+        Level from which the sensor shows the absolute value; minus infinity if it shows the sign.
     drift, drift_profile : float, Course
         Drift of the zero.
     amplitude, frequency, phase : float
@@ -147,6 +152,7 @@ class Sensor:
 
     c2: float = 0.0
     c3: float = 0.0
+    fold: float = -inf
     drift: float = 0.0
     drift_profile: Profile = STRAIGHT
     amplitude: float = 0.0
@@ -232,10 +238,13 @@ def plain_motion(kind: int, T0: float, T1: float) -> Motion:
         stop_low=-inf,
         stop_high=inf,
         restitution=0.0,
-        slow_time=1.0,
+        slow_time=0.0,
         slow_share=0.0,
         play=0.0,
         play_start=0.0,
+        friction_back=0.0,
+        friction_peak=0.0,
+        friction_speed=0.0,
     )
 
 

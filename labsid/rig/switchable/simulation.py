@@ -227,6 +227,8 @@ def _logged(sensor: Sensor, shown: FloatArray, noise: FloatArray, dropouts: tupl
     y = shown
     if sensor.c2 or sensor.c3:
         y = y + sensor.c2 * y**2 + sensor.c3 * y**3
+    if np.isfinite(sensor.fold):
+        y = sensor.fold + np.abs(y - sensor.fold)
     n = y.size
     k = np.arange(n)
     if sensor.drift:

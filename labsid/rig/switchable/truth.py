@@ -4,7 +4,7 @@ from typing import Any
 
 import numpy as np
 
-from labsid.rig.switchable._motion import MASS, MOTOR_SPEED, TWO_TANKS
+from labsid.rig.switchable._motion import MASS, MOTOR_SPEED, TWO_TANKS, Motion
 from labsid.rig.switchable.plants import Scales
 from labsid.rig.switchable.setup import Setup
 
@@ -41,7 +41,7 @@ def true_parameters(name: str, setup: Setup, scales: Scales, samples: int) -> di
         case "input-saturation":
             return _limits(a.low, a.high, u0, us)
         case "input-dead-zone":
-            return _limits(a.dead_low, a.dead_high, u0, us)
+            return _limits(a.dead_low, a.dead_high, u0, us) | ({"jump": a.dead_jump} if a.dead_jump else {})
         case "input-backlash":
             return {"width": a.backlash * abs(us)}
         case "input-rate-limit":
@@ -58,7 +58,7 @@ def true_parameters(name: str, setup: Setup, scales: Scales, samples: int) -> di
             upper = m.kind == TWO_TANKS and np.isfinite(m.brim_upper)
             return {"level": y0 + ys * min(m.brim_upper, m.brim_lower), "upper": bool(upper)}
         case "coulomb-friction":
-            return {"friction": m.dry_friction * abs(us)}
+            return _friction(m, scales)
         case "cubic-stiffness":
             return {"cubic": m.cubic / ys**2}
         case "parameter-drift":
@@ -69,6 +69,8 @@ def true_parameters(name: str, setup: Setup, scales: Scales, samples: int) -> di
         case "output-saturation":
             return _limits(sensor.low, sensor.high, y0, ys)
         case "output-nonlinearity":
+            if np.isfinite(sensor.fold):
+                return {"fold": y0 + ys * sensor.fold}
             return {"c2": sensor.c2 / ys, "c3": sensor.c3 / ys**2}
         case "output-quantization":
             return {"step": sensor.step * abs(ys)}
@@ -148,6 +150,21 @@ def _state_space(setup: Setup) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         return A, np.array([[1 / m.T0], [0.0]]), C
     A = np.array([[-1 / m.T0, 0.0], [1 / m.T1, -1 / m.T1]])
     return A, np.array([[1 / m.T0], [0.0]]), np.array([[0.0, 1.0]])
+
+
+def _friction(m: Motion, scales: Scales) -> dict[str, float]:
+    """Dry friction; in its other forms also the value against a falling y, the peak and the speed of the change."""
+    unit = abs(scales.us)
+    truth = {"friction": m.dry_friction * unit}
+    if m.friction_back:
+        truth["friction_back"] = m.dry_friction * (1.0 + m.friction_back) * unit
+        if scales.ys < 0:
+            truth = {"friction": truth["friction_back"], "friction_back": truth["friction"]}
+    if m.friction_peak:
+        truth["break_away"] = m.dry_friction * (1.0 + m.friction_peak) * unit
+    if m.friction_speed:
+        truth["speed"] = m.friction_speed * abs(scales.ys) / (scales.Ts if m.kind == MASS else 1.0)
+    return truth
 
 
 def _limits(low: float, high: float, zero: float, scale: float) -> dict[str, float]:

@@ -19,6 +19,7 @@ from labsid.rig.switchable.effects import EFFECTS, FAMILIES
 from labsid.rig.switchable.simulation import poles
 from labsid.rig.switchable.truth import true_linear_model
 from labsid.rig.switchable.unlisted import UNLISTED_EFFECTS
+from labsid.rig.switchable.variants import VARIANTS
 
 COUNTS = {
     "single-clear": 22,
@@ -30,6 +31,7 @@ COUNTS = {
     "with-sim": 6,
     "partial": 4,
     "families": 8,
+    "variants": 6,
 }
 
 
@@ -91,6 +93,19 @@ def test_the_families_are_clear_and_exercised(some: list[Case]) -> None:
             assert 0.0 < true["width"] < np.ptp(clean) + true["width"]
         else:
             assert motion.drag > 0.0
+
+
+def test_the_variants_are_clear_but_for_the_stops_that_are_not_reached(some: list[Case]) -> None:
+    *clear, unreached = of_row(some, "variants")
+    assert [case.truth["kind"] for case in clear] == list(VARIANTS)
+    for case in clear:
+        assert case.labels == (VARIANTS[case.truth["kind"]],)
+        assert CLEAR_RATIOS[0] * 0.95 < left_by_linear(case) < CLEAR_RATIOS[1] * 1.05
+        assert case.level == "clear"
+    assert unreached.labels == ()
+    assert unreached.truth == {"kind": "not exercised", "hidden": "end-stop"}
+    assert np.isfinite(unreached.experiment.setup.motion.stop_high)
+    assert left_by_linear(unreached) <= 0.1
 
 
 def test_the_noise_is_between_half_a_percent_and_five(some: list[Case]) -> None:
@@ -242,7 +257,8 @@ def test_a_fresh_record_has_the_same_rig_and_other_noise_and_input(some: list[Ca
 
 
 def test_the_true_structure_refitted_leaves_the_noise(some: list[Case]) -> None:
-    for case in [*(of_row(some, "single-clear")[i] for i in (1, 4, 8, 10, 19)), *of_row(some, "families")[:4]]:
+    cases = [of_row(some, "single-clear")[i] for i in (1, 4, 8, 10, 19)]
+    for case in [*cases, *of_row(some, "families")[:4], *of_row(some, "variants")[:5]]:
         counts = np.ones(len(case.record), dtype=bool)
         counts[len(case.record) // 2 : len(case.record) * 3 // 4] = False
         run = refit_true_structure(case, counts)
@@ -271,7 +287,7 @@ def test_held_out_blocks_are_read_from_the_result(some: list[Case]) -> None:
 
 def test_rows_are_those_of_the_bars() -> None:
     old = ["single-clear", "single-hard", "short", "pair", "none", "unknown", "with-sim", "partial"]
-    assert list(ROWS) == [*old, "families"]  # the order determines the seeds
+    assert list(ROWS) == [*old, "families", "variants"]  # the order determines the seeds
 
 
 def test_the_simulation_is_in_the_records_units(some: list[Case]) -> None:

@@ -31,6 +31,12 @@ def test_limits_dead_band_and_curve() -> None:
     np.testing.assert_allclose(ends(Actuator(c2=0.2, c3=-0.1)), V + 0.2 * V**2 - 0.1 * V**3)
 
 
+def test_a_dead_band_with_a_jump() -> None:
+    jumping = Actuator(dead_low=-0.2, dead_high=0.3, dead_jump=0.5)
+    expected = np.where(V > 0.3, V - 0.15, np.where(V < -0.2, V + 0.1, 0.0))
+    np.testing.assert_allclose(ends(jumping), expected, atol=1e-15)
+
+
 def test_rounded_corners_change_only_the_corners() -> None:
     v = np.linspace(-2, 2, 401)
     soft, sharp = limited(v, -1, 1, 0.05), limited(v, -1, 1, 0.0)

@@ -137,6 +137,45 @@ def test_a_motor_with_dry_friction_does_not_start_below_it() -> None:
     assert y[-1] == pytest.approx(0.5, abs=1e-3)
 
 
+def test_friction_with_another_value_each_way_takes_two_of_each_from_the_swings() -> None:
+    friction, back, T = 0.1, 0.04, 10.0
+    motion = plain_motion(MASS, T, 1.0)._replace(dry_friction=friction, friction_back=back / friction - 1.0)
+    y = plant_output(Setup("mass", motion), np.zeros(400), start=(1.03, 0.0))
+    swings = [abs(y[round(np.pi * T * k)]) for k in range(1, 5)]  # the first swing is backwards
+    expected = 1.03 - 2 * np.cumsum([back, friction, back, friction])
+    np.testing.assert_allclose(swings, expected, atol=2e-3)
+
+
+def test_a_motor_with_a_break_away_peak_starts_above_it_and_then_slides_with_less() -> None:
+    motion = plain_motion(MOTOR_SPEED, 1.5, 20.0)._replace(dry_friction=0.3, friction_peak=0.5, friction_speed=0.05)
+    y = plant_output(Setup("motor", motion), np.repeat([0.0, 0.44, 0.46, 0.9], 200))
+    assert np.all(y[:401] == 0.0)  # 0.44 is below 0.3 (1 + 0.5)
+    assert y[599] == pytest.approx(0.16, abs=1e-3)
+    assert y[799] == pytest.approx(0.6, abs=1e-3)
+
+
+@pytest.mark.parametrize("kind", [MASS, MOTOR_POSITION, MOTOR_SPEED])
+def test_friction_smooth_about_rest_agrees_with_scipy(kind: int) -> None:
+    T0, T1, friction, back = 5.0, 18.0, 0.25, 0.4
+    speed = 0.005 if kind == MASS else 0.03
+
+    def moving(t, x, w):
+        moved = x[0 if kind == MOTOR_POSITION else 1]
+        resisted = friction * np.tanh(moved / speed) * (1 + back if moved < 0 else 1)
+        if kind == MASS:
+            return [x[1], (w - x[0] - 2 * 0.2 * T0 * x[1] - resisted) / T0**2]
+        if kind == MOTOR_POSITION:
+            return [(w - x[0] - resisted) / T0, (x[0] - x[1]) / T1]
+        return [(w - x[0]) / T0, (x[0] - x[1] - resisted) / T1]
+
+    v = levels(200)
+    motion = plain_motion(kind, T0, T1)._replace(
+        damping=0.2, dry_friction=friction, friction_back=back, friction_speed=speed
+    )
+    expected = exact(moving, [0, 0], v)[:, 0 if kind == MASS else 1]
+    np.testing.assert_allclose(plant_output(Setup("a rig", motion), v), expected, atol=2e-5)
+
+
 @pytest.mark.parametrize("rate", [0.6, 1.0, 1.7])
 def test_a_motor_breaks_away_at_its_friction(rate: float) -> None:
     motion = plain_motion(MOTOR_SPEED, 1.5, 20.0)._replace(dry_friction=0.3)
@@ -343,6 +382,14 @@ def test_the_converter_leaves_its_lattice_and_the_sensor_its_plateaus() -> None:
     assert clipped.min() == -0.2
     assert clipped.max() == 0.3
     assert np.sum(clipped == 0.3) > 20
+
+
+def test_an_absolute_value_sensor_folds_the_output_at_its_zero() -> None:
+    plain = Setup("motor", plain_motion(MOTOR_SPEED, 2.0, 10.0))
+    y = simulate_setup(plain, levels(), QUIET).clean
+    folded = simulate_setup(replace(plain, sensor=Sensor(fold=-0.1)), levels(), QUIET).clean
+    np.testing.assert_allclose(folded, np.where(y > -0.1, y, -0.2 - y), atol=1e-12)
+    assert np.mean(y < -0.1) > 0.1
 
 
 def test_held_stretches_are_held_and_apart() -> None:
