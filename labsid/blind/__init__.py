@@ -24,8 +24,9 @@ How a record is labelled:
   0.4 times the gap ratio, so it stays visible; naming it is not possible, so the right answer is the listed effect with
   a probability above 0.5, and no other effect with one.
 - The row `families` has one clear effect of those that the other rows do not draw: an end stop on which the motion
-  rests in at least 3 % of the samples, quadratic drag, a slow mode with at least 0.15 of the static gain and 6 times
-  the time constant of the rig, or play at the output that the sensor crosses at least six times.
+  rests in at least 3 % of the samples and that no overflow imitates, quadratic drag, a slow mode with at least 0.15 of
+  the static gain and 6 times the time constant of the rig, or play at the output that the sensor crosses at least six
+  times.
 - The row `variants` has, clear, dry friction with another value each way, with a break-away peak and smooth about rest,
   a dead zone with a jump and a sensor of the absolute value; and end stops that are not reached, which are no effect.
 - Effects outside the table act through the input or the structure. An unmeasured additive input would count as

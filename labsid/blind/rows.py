@@ -117,7 +117,7 @@ def draw_short(rng: np.random.Generator, i: int, name: str) -> Case | None:
     at = effect_context(plain, input_signal(experiment), rounding=float(rng.uniform(0.01, 0.05)))
     ratio = log_uniform(rng, 3.0, 12.0)
     found = scale_to_ratio(experiment, draw_effect(rng, effect, at), ratio, (0.02, 0.05), rng)
-    if found is None or not is_distinct(effect, experiment, found[0]):
+    if found is None or not is_distinct(effect, experiment, *found):
         return None
     return complete_case(rng, experiment, *found, name, "short", (effect,), draw_partial_colour(rng))
 
@@ -144,11 +144,11 @@ def draw_pair(rng: np.random.Generator, i: int, name: str) -> Case | None:
     if found is None:
         return None
     alone, sigma = found
-    if not is_distinct(one, experiment, alone):
+    if not is_distinct(one, experiment, alone, sigma):
         return None
     share = sigma / output_spread(experiment)
     other = scale_to_ratio(experiment, second, log_uniform(rng, 6.0, 18.0), (0.8 * share, 1.25 * share), rng)
-    if other is None or not is_distinct(two, experiment, other[0]):
+    if other is None or not is_distinct(two, experiment, *other):
         return None
     both = merge_effects(experiment.plain, alone, other[0])
     start = discrete_poles(poles(experiment.plain.motion))
@@ -219,7 +219,7 @@ def draw_partial(rng: np.random.Generator, i: int, name: str) -> Case | None:
     at = effect_context(experiment.plain, input_signal(experiment))
     ratio = log_uniform(rng, 10.0, 40.0)
     found = scale_to_ratio(experiment, draw_effect(rng, listed, at), ratio, (WEAKEST_NOISE, 0.02), rng)
-    if found is None or not is_distinct(listed, experiment, found[0]):
+    if found is None or not is_distinct(listed, experiment, *found):
         return None
     setup, sigma = found
     share = sigma / output_spread(experiment)
@@ -291,7 +291,7 @@ def draw_variants(rng: np.random.Generator, i: int, name: str) -> Case | None:
     apply = draw_variant(rng, kind, effect_context(experiment.plain, input_signal(experiment)))
     ratio = log_uniform(rng, *CLEAR_RATIOS)
     found = scale_to_ratio(experiment, apply, ratio, (WEAKEST_NOISE, STRONGEST_NOISE), rng)
-    if found is None or not is_distinct(effect, experiment, found[0]):
+    if found is None or not is_distinct(effect, experiment, *found):
         return None
     case = complete_case(rng, experiment, *found, name, "variants", (effect,), draw_noise_colour(rng))
     return replace(case, truth={**case.truth, "kind": kind})
@@ -320,7 +320,7 @@ def _single(rng: np.random.Generator, effect: str, name: str, row: str, between:
     experiment = draw_experiment(rng, effect, samples, _SUITABLE_INPUTS.get(effect, INPUT_KINDS))
     apply = draw_effect(rng, effect, effect_context(experiment.plain, input_signal(experiment)))
     found = scale_to_ratio(experiment, apply, log_uniform(rng, *between), (WEAKEST_NOISE, STRONGEST_NOISE), rng)
-    if found is None or not is_distinct(effect, experiment, found[0]):
+    if found is None or not is_distinct(effect, experiment, *found):
         return None
     case = complete_case(rng, experiment, *found, name, row, (effect,), draw_noise_colour(rng))
     if effect in TIME_INVARIANT_EFFECTS and rng.random() < 0.25:
