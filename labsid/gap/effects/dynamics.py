@@ -24,6 +24,7 @@ MIN_PARALLEL_SHARE = 0.03  # of the static gain, of a slow mode
 MAX_PARALLEL_SHARE = 0.85  # of poles in series, the slowest has a share of one or more
 MIN_SLOW_TIMES = 1.5  # time constants of a slow mode in the record
 MAX_SLOW_RATIO = 0.8  # rate of a slow mode over the slower one of the other poles
+MIN_DRIVEN = 0.25  # standard deviation of a slow mode's response to the input over that of its free response
 STATIC_SAMPLES = 20000  # of a step, for the static gain
 
 FRICTION_PLACES = ("position", "unsprung", "speed", "speed-lag")
@@ -107,12 +108,12 @@ class SlowMode(PlantEffect):
         return bool(abs(share) > MIN_PARALLEL_SHARE and share < MAX_PARALLEL_SHARE and self._is_driven(fit))
 
     def _is_driven(self, fit: Fitted) -> bool:
-        """Whether the input excites the mode more than its initial state does, which imitates a drift."""
+        """Whether the input excites the mode, and not its initial state alone, which imitates a drift."""
         plant, at = fit.hypothesis.plant, fit.hypothesis.plant.slow_column
         w = fit.hypothesis.actuator(fit.theta, fit.data.u)
         columns = plant.columns(fit.theta[fit.hypothesis.slices["plant"]], w, w.size)[:, at : at + 2]
         driven, free = np.std(columns * fit.gains[at : at + 2], axis=0)
-        return bool(driven > free)
+        return bool(driven > MIN_DRIVEN * free)
 
     def _share(self, fit: Fitted) -> float:
         """Share of the static gain."""
@@ -143,12 +144,13 @@ def is_parallel(fit: Fitted) -> bool:
     a1, a2 = denominator(c, k)
     whole = lag + (float(fit.gains[:2].sum()) / (1.0 + a1 + a2) if plant.zero else float(fit.gains[0]))
     share = lag / (whole or np.inf)
-    if 0.5 * c < rate:  # the main poles, or their envelope, are slower
-        if not plant.zero or c * c <= 4.0 * k:
+    oscillates = c * c <= 4.0 * k
+    if (0.5 * c if oscillates else real_rates(c, k)[0]) < rate:  # one of the main poles is the slowest, or both
+        if oscillates or not plant.zero:
             return False
         slow, fast = np.exp(-np.array(real_rates(c, k)))
         share = float((fit.gains[0] * slow + fit.gains[1]) / ((slow - fast) * (1.0 - slow) * (whole or np.inf)))
-    return MIN_PARALLEL_SHARE < share < MAX_PARALLEL_SHARE
+    return share < MAX_PARALLEL_SHARE
 
 
 class Resonance(_Placed):
