@@ -6,6 +6,8 @@ from pathlib import Path
 
 import pytest
 
+import autograder  # noqa: F401  before nbformat, whose import it makes a second shorter
+
 ROOT = Path(__file__).resolve().parent.parent
 
 # Tests run side by side: one thread each, before numpy loads. More only wait for each other.

@@ -11,6 +11,7 @@ import socket
 import sqlite3
 import stat
 import tempfile
+from collections.abc import Iterable
 from dataclasses import dataclass
 from decimal import Decimal
 from pathlib import Path
@@ -31,9 +32,9 @@ from autograder.sandbox.isolation import Limits, open_launcher
 
 NAME = "prelab-sinusoids"
 ATTACKS: tuple[Attack, ...] = (*processes.ATTACKS, *answers.ATTACKS, *reach.ATTACKS, *hand_ins.ATTACKS)
-ON = {"best": ATTACKS, "landlock": (*processes.ATTACKS, *reach.ATTACKS), "none": ATTACKS}
-"""What is tried on each level. On Landlock, where it is not the best, that is what reaches for files, the network,
-signals and processes: in these it differs from both others. What comes over the channel, or is handed in, does not."""
+ON_ITS_PROCESS: tuple[Attack, ...] = (*processes.ATTACKS, *reach.ATTACKS)
+"""What reaches for files, the network, signals and processes: in these the levels differ. What comes over the channel,
+or is handed in, does not depend on the level."""
 HONEST = ("honest-ada", "honest-ben")
 SECRET = b"the secret of this course"
 _MAX_READ = 1 << 30  # a sparse file may be larger than any disk
@@ -92,7 +93,7 @@ def as_graded(result: StoredResult) -> list[tuple[Any, ...]]:
     return [(one.question, one.score, one.status, one.reason, one.output, one.figures) for one in result.questions]
 
 
-def fight(course: Course, folder: Path, isolation: str) -> Outcome:
+def fight(course: Course, folder: Path, isolation: str, attacks: Iterable[Attack] = ATTACKS) -> Outcome:
     """Grade the honest alone, then with the attackers, on a level of the ladder; `course` is built, `folder` empty."""
     submitted, earlier = folder / "submitted", folder / "earlier"
     mark = f"attack{os.getpid()}"  # others may fight on this machine at the same time
@@ -125,7 +126,7 @@ def fight(course: Course, folder: Path, isolation: str) -> Outcome:
                 "mark": mark,
                 "port": listener.getsockname()[1],
             }
-            for attack in ON[isolation]:
+            for attack in attacks:
                 lay_out(attack, submitted / student_of(attack) / NAME, notebook, here)
             before = {place: digest(place) for place in (course.root, submitted, earlier, folder / "alone")}
             batch = find_batch(course, submitted, NAME)
