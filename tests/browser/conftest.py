@@ -28,11 +28,21 @@ if TYPE_CHECKING:
 
 PRELAB, LAB = "prelab-sinusoids", "lab-identification"
 _NAMES = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable")
-_FLAGS = (
-    "--no-sandbox --disable-gpu --disable-quic --no-first-run --disable-background-networking "
-    "--disable-component-update --disable-sync"
-).split()
+_FLAGS = [
+    *"--no-sandbox --disable-gpu --disable-quic --no-first-run --disable-background-networking".split(),
+    *"--disable-component-update --disable-sync".split(),
+    "--host-resolver-rules=MAP * ~NOTFOUND, EXCLUDE 127.0.0.1",  # pages may ask this machine only
+]
 _WAIT = 60_000  # milliseconds; only a broken page takes as long
+_INSTRUCTOR = """
+import sys
+from pathlib import Path
+import autograder.course.layout
+here = autograder.course.layout.Course(Path(sys.argv.pop(1)))
+autograder.course.layout.find_course = lambda: here
+from labsid.cli.commands import main
+sys.exit(main())
+"""
 _STUDENT = """
 import sys
 sys.modules["autograder"] = sys.modules["nbgrader"] = None
@@ -87,9 +97,12 @@ def browser() -> "Iterator[Browser]":
 
 @pytest.fixture(scope="session")
 def context(browser: "Browser") -> "Iterator[BrowserContext]":
-    """A browser window; pages may ask this machine only."""
+    """A browser window."""
+    from playwright.sync_api import expect
+
     opened = browser.new_context(viewport={"width": 1280, "height": 900})
     opened.set_default_timeout(_WAIT)
+    expect.set_options(timeout=_WAIT)
     yield opened
     opened.close()
 
@@ -153,3 +166,42 @@ def jupyterlab(student: Student) -> Iterator[str]:
         found = re.search(r'href="([^"]+)"', page.read_text(encoding="utf-8"))
         assert found is not None
         yield unescape(found[1])
+
+
+@dataclass(frozen=True)
+class Instructor:
+    """An instructor with a checkout of the course.
+
+    Attributes
+    ----------
+    course : Course
+    home : Path
+        Where the commands are run.
+    environment : mapping
+        As of `Student`.
+    """
+
+    course: Course
+    home: Path
+    environment: dict[str, str]
+
+    @property
+    def command(self) -> list[str]:
+        """The beginning of each command."""
+        return [sys.executable, "-c", _INSTRUCTOR, str(self.course.root)]
+
+    def labsid(self, *arguments: str) -> str:
+        """Run a command that succeeds; what it printed."""
+        done = subprocess.run(
+            [*self.command, *arguments], cwd=self.home, env=self.environment, capture_output=True, encoding="utf-8"
+        )
+        assert done.returncode == 0, done.stdout + done.stderr
+        return done.stdout
+
+
+@pytest.fixture(scope="session")
+def instructor(
+    checkout: Course, jupyter_folders: dict[str, str], tmp_path_factory: pytest.TempPathFactory
+) -> Instructor:
+    """The instructor, in an empty folder."""
+    return Instructor(checkout, tmp_path_factory.mktemp("instructor"), jupyter_folders)

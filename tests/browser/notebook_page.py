@@ -4,8 +4,6 @@ from dataclasses import dataclass
 
 from playwright.sync_api import Locator, Page, expect
 
-_RUN_MILLISECONDS = 60_000
-
 
 @dataclass(frozen=True)
 class NotebookPage:
@@ -83,7 +81,7 @@ class NotebookPage:
         self.page.get_by_role("menuitem", name="Run", exact=True).click()
         self.page.get_by_role("menuitem", name="Restart Kernel and Run All Cells…").click()
         self.page.get_by_role("button", name="Confirm Kernel Restart").click()
-        expect(code.last.locator(".jp-InputPrompt")).to_have_text(f"[{code.count()}]:", timeout=_RUN_MILLISECONDS)
+        expect(code.last.locator(".jp-InputPrompt")).to_have_text(f"[{code.count()}]:")
         return code.last.locator(".jp-OutputArea")
 
     def save(self) -> None:

@@ -1,13 +1,22 @@
 """A student and an instructor in a real browser, and every kind of page at the width of a screen and of a telephone."""
 
+import csv
+import io
+import json
 import os
+import re
+import sys
 import zipfile
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import pytest
 
-from browser.conftest import LAB, PRELAB, Student
+from autograder.course.layout import Course
+from browser.conftest import LAB, PRELAB, Instructor, Student
+from browser.processes import served
+from gap_reports import report, with_experiment, with_holdout, with_rest
+from labsid.gap.html_report import write_html_report
 
 if TYPE_CHECKING:
     from playwright.sync_api import BrowserContext
@@ -45,7 +54,8 @@ def test_a_student_works_in_jupyterlab_and_submits(
     page.locator(".lm-TabBar-tab", has_text="start.ipynb").click()
     work.notebook.get_by_role("link", name="Lab: identify a second-order model").click()
     work.wait_until_open("1a. Load the record")
-    work.restart_and_run_all()
+    for given in (work.notebook.locator(".jp-CodeCell").nth(place) for place in (0, 1)):
+        work.run(given)
     signals = 't, u_act, y = (LogData["time"], LogData["signals"][1]["values"], LogData["signals"][0]["values"])\n'
     swapped, right = "y_act, y_actm = y[:, 0], y[:, 1]", "y_act, y_actm = y[:, 1], y[:, 0]"
     work.answer("lab-1a-extract", signals + swapped, "✗ lab-1a-extract")
@@ -60,7 +70,7 @@ def test_a_student_works_in_jupyterlab_and_submits(
     page.screenshot(path="build/x/lab2.png")
     page.close()
 
-    said = student.labsid("submit")
+    said = student.labsid("submit", "--assignment", PRELAB)
     assert "questions are not right or not done. hand-in.zip was not written" in said
     said = student.labsid("submit", "--yes")
     assert f"{PRELAB}, run from a clean start:" in said
@@ -70,3 +80,108 @@ def test_a_student_works_in_jupyterlab_and_submits(
     assert said.splitlines()[-1] == f"Hand in this file: hand-in.zip ({PRELAB}, {LAB})"
     with zipfile.ZipFile(student.home / "hand-in.zip") as archive:
         assert {Path(name).name for name in archive.namelist()} >= {f"{PRELAB}.ipynb", f"{LAB}.ipynb"}
+
+
+def hand_ins(course: Course) -> bytes:
+    """Moodle's zip file: Ann has solved both notebooks but one function, Bob the pre-lab."""
+    texts = {
+        "Ann Öz_101": "The sine starts at $\\sin(0.4\\pi) = 0.95$.\n\n- because *20 s* are cut off",
+        "Bob Ek_102": "It starts elsewhere.",
+    }
+    packed = io.BytesIO()
+    with zipfile.ZipFile(packed, "w") as archive:
+        for owner, text in texts.items():
+            replaced = {"prelab-6-clock": text, "prelab-4-function-answer": "def cut_off(data, n):\n    return data[n:]"}
+            for name in (PRELAB, LAB) if owner.startswith("Ann") else (PRELAB,):
+                notebook = json.loads((course.source / name / f"{name}.ipynb").read_text(encoding="utf-8"))
+                for cell in notebook["cells"]:
+                    cell["source"] = replaced.get(cell["id"], cell["source"])
+                archive.writestr(f"{owner}_assignsubmission_file_/{name}.ipynb", json.dumps(notebook))
+    return packed.getvalue()
+
+
+WORKSHEET = """\
+Identifier,Full name,Email address,ID number,Status,Grade,Maximum Grade,Last modified (submission),Feedback comments
+Participant 101,Ann Öz,ann@x.edu,ann,Submitted for grading,,1.00,"Friday, 20 November 2026, 10:00 AM",
+Participant 102,Bob Ek,bob@x.edu,bob,Submitted for grading,,1.00,"Friday, 20 November 2026, 10:00 AM",
+Participant 103,Cat Ny,cat@x.edu,cat,No submission,,1.00,-,
+"""
+
+
+def test_an_instructor_grades_marks_and_exports(context: "BrowserContext", instructor: Instructor) -> None:
+    from browser.accessibility import problems
+    from playwright.sync_api import expect
+
+    home = instructor.home
+    (home / "moodle.zip").write_bytes(hand_ins(instructor.course))
+    (home / "worksheet.csv").write_text(WORKSHEET, encoding="utf-8-sig")
+    said = instructor.labsid("course", "collect", "moodle.zip", "--out", "in", "--worksheet", "worksheet.csv")
+    assert f"{PRELAB} 2, {LAB} 1" in said
+    grade = ["course", "grade", "--submitted", "in", "--out", "OUT", "--assignment", PRELAB, "--assignment", LAB]
+    assert "4 submissions graded" in instructor.labsid(*grade)
+
+    found = []
+    page = context.new_page()
+    mark = [*instructor.command, "course", "mark", "--out", "OUT", "--no-open", "--marker", "Eve"]
+    with served(mark, home, instructor.environment, r"http://127\.0\.0\.1:\d+/[\w-]+/") as address:
+        page.goto(address)
+        found += problems(page, "open-questions")
+        page.keyboard.press("Tab")
+        page.keyboard.press("Enter")
+        answers = page.get_by_role("article")
+        expect(answers).to_have_count(2)
+        expect(answers.first).to_be_focused()
+        found += problems(page, "mark")
+        page.keyboard.press("p")
+        page.keyboard.insert_text("0.02")
+        page.keyboard.press("Enter")
+        expect(answers.first).to_contain_text("marked by Eve")
+        expect(answers.last).to_be_focused()
+        page.keyboard.press("c")
+        page.keyboard.insert_text("Which value?")
+        page.keyboard.press("Escape")
+        page.keyboard.press("1")
+        expect(answers.last).to_contain_text("marked by Eve")
+        expect(page.locator("#waiting")).to_have_text("0")
+        found += problems(page, "marked")
+
+    formgrader = [sys.executable, "-m", "jupyter_server"]
+    with served(formgrader, home / "OUT", instructor.environment, r"http://127\.0\.0\.1:\d+/\S*\?token=\w+") as address:
+        page.goto(address.replace("/?", f"/formgrader/gradebook/{PRELAB}/{PRELAB}?").replace("/tree?", "/?"))
+        page.get_by_role("link", name="Submission #1").click()
+        expect(page.locator("#prelab-6-clock")).to_have_value(re.compile(r"^0\.02$|^0\.0125$"))
+        page.screenshot(path="build/browser/formgrader.png")
+
+    assert "Wrote" in instructor.labsid("course", "report", "--out", "OUT")
+    instructor.labsid("course", "feedback", "--out", "OUT")
+    page.goto((home / "OUT" / "report.html").as_uri())
+    found += problems(page, "report")
+    page.get_by_role("link", name="0.82").click()
+    section = page.locator("#prelab-6-clock")
+    expect(section).to_contain_text("0.02 / 0.05")
+    found += problems(page, "feedback-prelab")
+    page.goto((home / "OUT" / "feedback" / "ann" / f"{LAB}.html").as_uri())
+    found += problems(page, "feedback-lab")
+    page.close()
+    assert found == []
+
+    export = ["course", "export", "--out", "OUT", "--worksheet", "worksheet.csv", "--format", "moodle"]
+    said = instructor.labsid(*export, "--assignment", PRELAB)
+    with (home / "OUT" / "moodle" / "worksheet.csv").open(encoding="utf-8-sig", newline="") as file:
+        grades = {row["ID number"]: row["Grade"] for row in csv.DictReader(file)}
+    assert grades == {"ann": "0.82", "bob": "0.8125", "cat": ""}
+
+
+def test_pages_of_the_gap_diagnosis(context: "BrowserContext", tmp_path: Path) -> None:
+    from browser.accessibility import problems
+
+    found = []
+    page = context.new_page()
+    with_all = with_experiment(with_holdout(with_rest(report("input-delay", "load-step"), "linear")))
+    for name, shown in {"effects": with_all, "none": report(verdict="none")}.items():
+        path = tmp_path / f"{name}.html"
+        write_html_report(path, shown)
+        page.goto(path.as_uri())
+        found += problems(page, f"gap-{name}")
+    page.close()
+    assert found == []
