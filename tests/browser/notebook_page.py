@@ -4,6 +4,10 @@ from dataclasses import dataclass
 
 from playwright.sync_api import Locator, Page, expect
 
+_IN_FRONT = ".jp-NotebookPanel:not(.lm-mod-hidden) .jp-Notebook"
+OWN_PARTS = (f"{_IN_FRONT} .jp-RenderedMarkdown", f"{_IN_FRONT} .jp-OutputArea-output")
+"""What is the course's own in the notebook in front: its texts, and what its cells show."""
+
 
 @dataclass(frozen=True)
 class NotebookPage:
@@ -19,7 +23,7 @@ class NotebookPage:
     @property
     def notebook(self) -> Locator:
         """The cells that can be seen, apart from those of other tabs."""
-        return self.page.locator(".jp-NotebookPanel:not(.lm-mod-hidden) .jp-Notebook")
+        return self.page.locator(_IN_FRONT)
 
     def check_cell(self, question: str) -> Locator:
         """The cell with the check of a question."""
@@ -30,16 +34,21 @@ class NotebookPage:
         """The cell above the check."""
         return self.check_cell(question).locator('xpath=preceding-sibling::*[contains(@class, "jp-CodeCell")][1]')
 
-    def wait_until_open(self, heading: str) -> None:
-        """Wait until the notebook is shown to its end and its kernel can run cells."""
+    def wait_until_open(self, heading: str, last_code: str = "check.summary()") -> None:
+        """Wait until the notebook is shown to its last code and its kernel can run cells."""
         expect(self.notebook.get_by_role("heading", name=heading, exact=True)).to_be_visible()
-        expect(self.notebook.locator(".jp-CodeCell", has_text="check.summary()")).to_be_attached()
+        expect(self.notebook.locator(".jp-CodeCell", has_text=last_code)).to_be_attached()
         expect(self.page.locator("#jp-main-statusbar")).to_contain_text("Python 3 (ipykernel) | Idle")
 
     def run(self, cell: Locator) -> None:
         """Run a cell with Shift+Enter."""
         cell.locator(".cm-content").click()
         self.page.keyboard.press("Shift+Enter")
+
+    def run_first(self, cells: int = 1) -> None:
+        """Run the first code cells."""
+        for place in range(cells):
+            self.run(self.notebook.locator(".jp-CodeCell").nth(place))
 
     def write(self, cell: Locator, source: str) -> None:
         """Replace the text of a cell."""

@@ -9,6 +9,7 @@ import sys
 import zipfile
 from pathlib import Path
 from typing import TYPE_CHECKING
+from urllib.parse import urljoin
 
 import pytest
 
@@ -27,15 +28,20 @@ pytestmark = [pytest.mark.slow, pytest.mark.skipif(os.name != "posix", reason="s
 def test_a_student_works_in_jupyterlab_and_submits(
     context: "BrowserContext", jupyterlab: str, student: Student
 ) -> None:
-    from browser.notebook_page import NotebookPage
+    from browser.accessibility import problems
+    from browser.notebook_page import OWN_PARTS, NotebookPage
     from playwright.sync_api import expect
 
     page = context.new_page()
     page.goto(jupyterlab)
     work = NotebookPage(page)
+    work.wait_until_open("System identification: start here", "show_progress()")
+    work.run_first()
+    expect(work.notebook).to_contain_text("not begun")
+    found = problems(page, "start-page", OWN_PARTS)
     work.notebook.get_by_role("link", name="Pre-lab: two noisy sinusoids").click()
     work.wait_until_open("1. A column vector of time")
-    work.run(work.notebook.locator(".jp-CodeCell").first)
+    work.run_first()
     work.answer("prelab-1-time", "t = np.linspace(0, 100, 1001)", "✗ prelab-1-time")
     expect(work.check_cell("prelab-1-time")).to_contain_text('check.skip("prelab-1-time")')
     work.answer("prelab-1-time", "t = np.linspace(0, 100, 1001).reshape(-1, 1)", "✓ prelab-1-time")
@@ -49,13 +55,12 @@ def test_a_student_works_in_jupyterlab_and_submits(
         row = summary.get_by_role("row").filter(has_text=f"prelab-{question}")
         expect(row.get_by_role("cell").last).to_have_text(state)
     work.save()
-    page.screenshot(path="build/x/prelab2.png")
+    found += problems(page, "notebook-prelab", OWN_PARTS)
 
     page.locator(".lm-TabBar-tab", has_text="start.ipynb").click()
     work.notebook.get_by_role("link", name="Lab: identify a second-order model").click()
     work.wait_until_open("1a. Load the record")
-    for given in (work.notebook.locator(".jp-CodeCell").nth(place) for place in (0, 1)):
-        work.run(given)
+    work.run_first(2)
     signals = 't, u_act, y = (LogData["time"], LogData["signals"][1]["values"], LogData["signals"][0]["values"])\n'
     swapped, right = "y_act, y_actm = y[:, 0], y[:, 1]", "y_act, y_actm = y[:, 1], y[:, 0]"
     work.answer("lab-1a-extract", signals + swapped, "✗ lab-1a-extract")
@@ -67,8 +72,9 @@ def test_a_student_works_in_jupyterlab_and_submits(
     summary = work.restart_and_run_all()
     expect(summary).to_contain_text("Total0.25 of 2 marks")
     work.save()
-    page.screenshot(path="build/x/lab2.png")
+    found += problems(page, "notebook-lab", OWN_PARTS)
     page.close()
+    assert found == []
 
     said = student.labsid("submit", "--assignment", PRELAB)
     assert "questions are not right or not done. hand-in.zip was not written" in said
@@ -109,7 +115,7 @@ Participant 103,Cat Ny,cat@x.edu,cat,No submission,,1.00,-,
 
 
 def test_an_instructor_grades_marks_and_exports(context: "BrowserContext", instructor: Instructor) -> None:
-    from browser.accessibility import problems
+    from browser.accessibility import PICTURES, problems
     from playwright.sync_api import expect
 
     home = instructor.home
@@ -147,10 +153,11 @@ def test_an_instructor_grades_marks_and_exports(context: "BrowserContext", instr
 
     formgrader = [sys.executable, "-m", "jupyter_server"]
     with served(formgrader, home / "OUT", instructor.environment, r"http://127\.0\.0\.1:\d+/\S*\?token=\w+") as address:
-        page.goto(address.replace("/?", f"/formgrader/gradebook/{PRELAB}/{PRELAB}?").replace("/tree?", "/?"))
+        page.goto(address)  # which logs in
+        page.goto(urljoin(address, f"/formgrader/gradebook/{PRELAB}/{PRELAB}"))
         page.get_by_role("link", name="Submission #1").click()
         expect(page.locator("#prelab-6-clock")).to_have_value(re.compile(r"^0\.02$|^0\.0125$"))
-        page.screenshot(path="build/browser/formgrader.png")
+        page.screenshot(path=PICTURES / "formgrader.png")
 
     assert "Wrote" in instructor.labsid("course", "report", "--out", "OUT")
     instructor.labsid("course", "feedback", "--out", "OUT")
