@@ -16,12 +16,12 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import pytest
+from browser.processes import served
 from course_work import ROOT, copy_course
 
 from autograder.course.build import build_course
 from autograder.course.layout import Course
 from autograder.course.release import release_files
-from browser.processes import served
 
 if TYPE_CHECKING:
     from playwright.sync_api import Browser, BrowserContext
@@ -29,8 +29,8 @@ if TYPE_CHECKING:
 PRELAB, LAB = "prelab-sinusoids", "lab-identification"
 _NAMES = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable")
 _FLAGS = [
-    *"--no-sandbox --disable-gpu --disable-quic --no-first-run --disable-background-networking".split(),
-    *"--disable-component-update --disable-sync".split(),
+    *["--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run", "--disable-background-networking"],
+    *["--disable-component-update", "--disable-sync"],
     "--host-resolver-rules=MAP * ~NOTFOUND, EXCLUDE 127.0.0.1",  # pages may ask this machine only
 ]
 _WAIT = 60_000  # milliseconds; only a broken page takes as long

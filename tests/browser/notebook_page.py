@@ -40,6 +40,13 @@ class NotebookPage:
         expect(self.notebook.locator(".jp-CodeCell", has_text=last_code)).to_be_attached()
         expect(self.page.locator("#jp-main-statusbar")).to_contain_text("Python 3 (ipykernel) | Idle")
 
+    def hide_files(self) -> None:
+        """Close the list of files, which would leave no room for the notebook on a narrow screen."""
+        files = self.page.locator("#filebrowser")
+        files.wait_for()
+        self.page.keyboard.press("ControlOrMeta+b")
+        files.wait_for(state="hidden")
+
     def run(self, cell: Locator) -> None:
         """Run a cell with Shift+Enter."""
         cell.locator(".cm-content").click()

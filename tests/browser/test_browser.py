@@ -12,11 +12,11 @@ from typing import TYPE_CHECKING
 from urllib.parse import urljoin
 
 import pytest
-
-from autograder.course.layout import Course
 from browser.conftest import LAB, PRELAB, Instructor, Student
 from browser.processes import served
 from gap_reports import report, with_experiment, with_holdout, with_rest
+
+from autograder.course.layout import Course
 from labsid.gap.html_report import write_html_report
 
 if TYPE_CHECKING:
@@ -35,6 +35,7 @@ def test_a_student_works_in_jupyterlab_and_submits(
     page = context.new_page()
     page.goto(jupyterlab)
     work = NotebookPage(page)
+    work.hide_files()
     work.wait_until_open("System identification: start here", "show_progress()")
     work.run_first()
     expect(work.notebook).to_contain_text("not begun")
@@ -74,7 +75,7 @@ def test_a_student_works_in_jupyterlab_and_submits(
     work.save()
     found += problems(page, "notebook-lab", OWN_PARTS)
     page.close()
-    assert found == []
+    assert not found, "\n".join(found)
 
     said = student.labsid("submit", "--assignment", PRELAB)
     assert "questions are not right or not done. hand-in.zip was not written" in said
@@ -97,7 +98,8 @@ def hand_ins(course: Course) -> bytes:
     packed = io.BytesIO()
     with zipfile.ZipFile(packed, "w") as archive:
         for owner, text in texts.items():
-            replaced = {"prelab-6-clock": text, "prelab-4-function-answer": "def cut_off(data, n):\n    return data[n:]"}
+            wrong = "def cut_off(data, n):\n    return data[n:]"
+            replaced = {"prelab-6-clock": text, "prelab-4-function-answer": wrong}
             for name in (PRELAB, LAB) if owner.startswith("Ann") else (PRELAB,):
                 notebook = json.loads((course.source / name / f"{name}.ipynb").read_text(encoding="utf-8"))
                 for cell in notebook["cells"]:
@@ -170,7 +172,7 @@ def test_an_instructor_grades_marks_and_exports(context: "BrowserContext", instr
     page.goto((home / "OUT" / "feedback" / "ann" / f"{LAB}.html").as_uri())
     found += problems(page, "feedback-lab")
     page.close()
-    assert found == []
+    assert not found, "\n".join(found)
 
     export = ["course", "export", "--out", "OUT", "--worksheet", "worksheet.csv", "--format", "moodle"]
     said = instructor.labsid(*export, "--assignment", PRELAB)
@@ -191,4 +193,4 @@ def test_pages_of_the_gap_diagnosis(context: "BrowserContext", tmp_path: Path) -
         page.goto(path.as_uri())
         found += problems(page, f"gap-{name}")
     page.close()
-    assert found == []
+    assert not found, "\n".join(found)
