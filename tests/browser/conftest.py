@@ -12,6 +12,7 @@ import zipfile
 from collections.abc import Iterator
 from dataclasses import dataclass
 from html import unescape
+from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -29,8 +30,8 @@ if TYPE_CHECKING:
 PRELAB, LAB = "prelab-sinusoids", "lab-identification"
 _NAMES = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable")
 _FLAGS = [
-    *["--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run", "--disable-background-networking"],
-    *["--disable-component-update", "--disable-sync"],
+    *("--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run", "--disable-sync"),
+    *("--disable-background-networking", "--disable-component-update"),
     "--host-resolver-rules=MAP * ~NOTFOUND, EXCLUDE 127.0.0.1",  # pages may ask this machine only
 ]
 _WAIT = 60_000  # milliseconds; only a broken page takes as long
@@ -82,14 +83,17 @@ class Student:
 @pytest.fixture(scope="session")
 def browser() -> "Iterator[Browser]":
     """The system's Chromium. Without one the test is skipped; in CI, where it could be installed, it fails."""
-    playwright = pytest.importorskip("playwright.sync_api", reason="Playwright is not installed")
     program = next(filter(None, map(shutil.which, _NAMES)), None)
-    if program is None:
-        reason = f"no Chromium on this machine: none of {', '.join(_NAMES)} is a command"
+    if program is None or find_spec("playwright") is None or find_spec("axe_playwright_python") is None:
+        missing = (
+            "the packages playwright and axe-playwright-python" if program else f"Chromium ({' or '.join(_NAMES)})"
+        )
         if os.environ.get("CI") == "true" and shutil.which("apt-get"):
-            pytest.fail(f"{reason}. .ci/run installs it.")
-        pytest.skip(reason)
-    with playwright.sync_playwright() as started:
+            pytest.fail(f"this machine lacks {missing}, which .ci/run installs")
+        pytest.skip(f"this machine lacks {missing}")
+    from playwright.sync_api import sync_playwright
+
+    with sync_playwright() as started:
         opened = started.chromium.launch(executable_path=program, args=_FLAGS)
         yield opened
         opened.close()
