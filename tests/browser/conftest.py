@@ -17,7 +17,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import pytest
-from browser.processes import served
+from browser.processes import served, wait_until_reachable
 from course_work import ROOT, copy_course
 
 from autograder.course.build import build_course
@@ -169,7 +169,7 @@ def jupyterlab(student: Student) -> Iterator[str]:
         (page,) = runtime.glob("jpserver-file-to-run-*-open.html")  # what Jupyter opens in the browser
         found = re.search(r'href="([^"]+)"', page.read_text(encoding="utf-8"))
         assert found is not None
-        yield unescape(found[1])
+        yield wait_until_reachable(unescape(found[1]))
 
 
 @dataclass(frozen=True)

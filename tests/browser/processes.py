@@ -3,13 +3,17 @@
 import os
 import re
 import signal
+import socket
 import subprocess
+import time
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from pathlib import Path
 from threading import Thread, Timer
+from urllib.parse import urlsplit
 
 _START_SECONDS = 60
+_POLL_SECONDS = 0.05
 _END_SECONDS = 15  # for a server to shut down its kernels
 
 
@@ -62,6 +66,37 @@ def served(command: Sequence[str], folder: Path, environment: Mapping[str, str],
                 rest.join(_END_SECONDS)  # until every process that it started has ended
                 if not rest.is_alive():
                     break
+
+
+def wait_until_reachable(address: str) -> str:
+    """Wait until a server accepts connections: Jupyter prints its address before it listens.
+
+    Parameters
+    ----------
+    address : str
+        URL.
+
+    Returns
+    -------
+    str
+        The same.
+
+    Raises
+    ------
+    OSError
+        If it does not within a minute.
+    """
+    parts = urlsplit(address)
+    deadline = time.monotonic() + _START_SECONDS
+    while True:
+        try:
+            socket.create_connection((parts.hostname, parts.port)).close()
+        except OSError:
+            if time.monotonic() > deadline:
+                raise
+            time.sleep(_POLL_SECONDS)
+        else:
+            return address
 
 
 def _signal(process: "subprocess.Popen[str]", number: signal.Signals) -> None:

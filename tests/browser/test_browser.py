@@ -13,7 +13,7 @@ from urllib.parse import urljoin
 
 import pytest
 from browser.conftest import LAB, PRELAB, Instructor, Student
-from browser.processes import served
+from browser.processes import served, wait_until_reachable
 from gap_reports import report, with_experiment, with_holdout, with_rest
 
 from autograder.course.layout import Course
@@ -155,7 +155,7 @@ def test_an_instructor_grades_marks_and_exports(context: "BrowserContext", instr
 
     formgrader = [sys.executable, "-m", "jupyter_server"]
     with served(formgrader, home / "OUT", instructor.environment, r"http://127\.0\.0\.1:\d+/\S*\?token=\w+") as address:
-        page.goto(address)  # which logs in
+        page.goto(wait_until_reachable(address))  # which logs in
         page.goto(urljoin(address, f"/formgrader/gradebook/{PRELAB}/{PRELAB}"))
         page.get_by_role("link", name="Submission #1").click()
         mark_of_formgrader = page.locator("#prelab-6-clock")  # the order of the submissions is nbgrader's
