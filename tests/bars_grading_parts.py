@@ -5,14 +5,16 @@ import subprocess
 import sys
 import time
 from collections.abc import Callable, Iterator
-from concurrent.futures import ThreadPoolExecutor
+from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
 from dataclasses import dataclass
 from datetime import datetime
 from decimal import Decimal
+from multiprocessing import get_context
 from pathlib import Path
 from typing import Any
 
 import nbformat
+import wrong_draws
 from attacks import Attack
 from attacks.arena import ATTACKS, NAME, Outcome, due_to, fight, scores_of, student_of
 from bars_grading_figures import Metric, at_least, at_most, every, none
@@ -24,14 +26,16 @@ from autograder.course.build import build_course
 from autograder.course.layout import Course
 from autograder.judge.outcome import QuestionResult
 from autograder.sandbox.isolation import Limits, open_launcher
+from labsid.checks.notebook import assignment_names, load_assignment
 
 
 @dataclass(frozen=True, slots=True)
 class Size:
-    """How much is measured: hand-ins beside nbgrader, kills, and what runs at a time."""
+    """How much is measured: hand-ins beside nbgrader, kills, draws of the trials, and what runs at a time."""
 
     submissions: int
     kills: int
+    draws: int
     jobs: int
 
 
@@ -70,6 +74,26 @@ def answers(folder: Path, size: Size, say: Say) -> Iterator[Metric]:
     name = f"{wrong} wrong answers: with full marks / affecting another question"
     yield none(name, rewarded, spoiled)
     yield at_least("wrong answers whose mistake the feedback names", 100 * named / wrong, 80, 95, "%")
+
+
+def draws(folder: Path, size: Size, say: Say) -> Iterator[Metric]:
+    """The trials of the checks drawn anew for each planted wrong answer."""
+    names = assignment_names()
+    questions = [[question.id for question in load_assignment(name).questions] for name in names]
+    passed: list[str] = []
+    tried = 0
+    with ProcessPoolExecutor(size.jobs, mp_context=get_context("spawn")) as pool:
+        results = pool.map(wrong_draws.draw, names, questions, [size.draws] * len(names))
+        for name, (lucky, count) in zip(names, results, strict=True):
+            say(f"{name}: {count} verdicts, {len(lucky)} answers passed")
+            for line in lucky:
+                say(f"  {line}")
+            passed += lucky
+            tried += count
+    yield none(
+        f"{tried} verdicts on wrong answers, each with {size.draws} draws of its trials: answers that passed",
+        len(passed),
+    )
 
 
 def attacks(folder: Path, size: Size, say: Say) -> Iterator[Metric]:
@@ -179,4 +203,11 @@ def first_answer(notebook: Any) -> float:
     return taken(opened) + taken(next(filter(is_check, notebook.cells)))
 
 
-PARTS: dict[str, Part] = {"answers": answers, "attacks": attacks, "speed": speed, "kills": kills, "course": course}
+PARTS: dict[str, Part] = {
+    "answers": answers,
+    "draws": draws,
+    "attacks": attacks,
+    "speed": speed,
+    "kills": kills,
+    "course": course,
+}
