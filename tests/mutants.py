@@ -159,12 +159,13 @@ def main() -> int:
     options.add_argument("--question", default="", help="only questions with this in their id")
     options.add_argument("--seed", type=int, default=1)
     chosen = options.parse_args()
-    known, left = equivalent(), 0
+    known, left, seen = equivalent(), 0, set[str]()
     for name in chosen.only or assignment_names():
         began, solved = time.monotonic(), solve(name)
         mutants = [one for one in mutants_of(solved) if chosen.question in one.question]
         alive = [one for one in mutants if survives(solved, one, chosen.seed)]
         new = [one for one in alive if one.name not in known]
+        seen.update(one.name for one in alive)
         left += len(new)
         print(
             f"{name}: {len(mutants)} mutants, {len(mutants) - len(alive)} fail, {len(alive) - len(new)} equivalent, "
@@ -172,7 +173,9 @@ def main() -> int:
             flush=True,
         )
         print("".join(f"  {one.name}\n" for one in new), end="", flush=True)
-    return 1 if left else 0
+    stale = [] if chosen.only or chosen.question else sorted(set(known) - seen)
+    print("".join(f"{EQUIVALENT.name} lists what does not pass, or is no mutant: {name}\n" for name in stale), end="")
+    return 1 if left or stale else 0
 
 
 if __name__ == "__main__":
