@@ -24,25 +24,34 @@ def put_back(released: str, handed_in: str) -> tuple[str, tuple[str, ...]]:
     Returns
     -------
     source : str
-        The cell with these lines, each before or after the answer as in the release.
+        The cell with these lines, each before what follows it in the release.
     lines : tuple of str
         The lines that were put back; empty also if one of the cells cannot be parsed.
     """
     if is_stub(handed_in) or len(handed_in) > MAX_CHARACTERS:
         return handed_in, ()
     try:
-        given, own = parse_python(released).body, _names(parse_python(handed_in))
+        given, own = parse_python(released).body, parse_python(handed_in)
     except (SyntaxError, ValueError, RecursionError, MemoryError):
         return handed_in, ()
-    answer = next((place for place, node in enumerate(given) if _is_for_answer(node)), len(given))
-    missing = {
-        place: ast.unparse(node)
-        for place, node in enumerate(given)
-        if isinstance(node, ast.Assign) and own.isdisjoint(_targets(node))
-    }
-    before = [line for place, line in missing.items() if place < answer]
-    after = [line for place, line in missing.items() if place > answer]
-    return "\n".join([*before, handed_in, *after]), tuple(before + after)
+    names, here = _names(own), {_identity(node): node for node in reversed(own.body)}
+    lines = handed_in.split("\n")
+    put: list[tuple[int, str]] = []
+    for place, node in enumerate(given):
+        if isinstance(node, ast.Assign) and names.isdisjoint(_targets(node)):
+            before, after = ([here.get(_identity(other)) for other in part] for part in (given[:place], given[place:]))
+            at = next((kept.lineno - 1 for kept in after if kept is not None), len(lines))
+            if at == len(lines) and any(map(_is_for_answer, given[place:])):  # the answer goes on after this line
+                at = next((kept.end_lineno or 0 for kept in reversed(before) if kept is not None), 0)
+            put.append((at, ast.get_source_segment(released, node) or ast.unparse(node)))
+    for at, line in reversed(sorted(put, key=lambda one: one[0])):
+        lines.insert(at, line)
+    return "\n".join(lines), tuple(line for _, line in put)
+
+
+def _identity(node: ast.stmt) -> str:
+    """By which a statement is found again: a function by its name, others by their text."""
+    return node.name if isinstance(node, ast.FunctionDef) else ast.unparse(node)
 
 
 def _is_for_answer(node: ast.stmt) -> bool:
