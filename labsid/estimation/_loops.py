@@ -1,7 +1,8 @@
 """The recursions as loops: interpreted for short records, compiled otherwise, because numba takes long to load.
 
-Call `prepare` before one of them. They get the number of parameters as the length of the tuple `unroll`: a length the compiler knows, so that it unrolls
-the small loops. Every array that a loop only reads comes in read-only, or it would be compiled twice.
+Call `prepare` before one of them. They get the number of parameters as the length of the tuple `unroll`: a length the
+compiler knows, so that it unrolls the small loops. Every array that a loop only reads comes in read-only, or it would
+be compiled twice.
 """
 
 import sys
