@@ -524,7 +524,7 @@ VARIANTS: list[Right | Wrong] = [
     wrong(
         ORDER,
         "a constant",
-        order().replace("    Phi, Y = ", "    c.append(np.ones(N - s))\n    Phi, Y = "),
+        order().replace("Phi, Y = ", "c.append(np.ones(N - s)); Phi, Y = "),
         "a constant fitted along",
         "column of ones",
     ),

@@ -591,7 +591,7 @@ VARIANTS: list[Right | Wrong] = [
         "zero compared exactly",
         "rounding",
     ),
-    wrong(LAYOUT, "another text", define("layout(beacons)", "return 'yes'"), None, "one of the texts"),
+    wrong(LAYOUT, "another text", define("layout(beacons)", "return 'yes'"), "another text", "one of the texts"),
     # 8. the step response
     right(STEP, "fun and jac", step()),
     right(

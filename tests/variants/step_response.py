@@ -297,7 +297,7 @@ VARIANTS: list[Right | Wrong] = [
         "one curve",
         "fig_a2, ax = plt.subplots()\nax.plot(t_step, y_step, label='y')\n"
         "ax.set(xlabel='Time (s)', ylabel='Output (V)')\nax.legend()\n",
-        None,
+        "no curve",
         "no curve shows the response `y_approx`",
     ),
     wrong(
@@ -833,6 +833,10 @@ VARIANTS: list[Right | Wrong] = [
         "opposite",
     ),
     wrong(
-        UNIQUE, "the rank itself", define("is_unique(Phi)", "return np.linalg.matrix_rank(Phi)"), None, "True or False"
+        UNIQUE,
+        "the rank itself",
+        define("is_unique(Phi)", "return np.linalg.matrix_rank(Phi)"),
+        "not True or False",
+        "True or False",
     ),
 ]

@@ -290,5 +290,7 @@ def _layout(ask: Ask, beacons: FloatArray) -> str:
     value = returned(ask, "layout", beacons)
     if not isinstance(value, str) or value.strip().lower() not in LAYOUTS:
         what = repr(value[:40]) if isinstance(value, str) else kind_of(value)
-        raise NoAnswer(f"`layout` should return one of the texts {', '.join(LAYOUTS)}; it returns {what}.")
+        raise NoAnswer(
+            f"`layout` should return one of the texts {', '.join(LAYOUTS)}; it returns {what}.", "another text"
+        )
     return value.strip().lower()
