@@ -5,6 +5,7 @@ from decimal import Decimal
 import pytest
 from attacks.figures import Figures
 from bars_grading_figures import Metric, at_least, at_most, every, markdown, none
+from bars_grading_parts import of_attacks
 
 
 @pytest.mark.parametrize(
