@@ -9,9 +9,10 @@ PYTHON ?=
 PYTEST_ARGS ?=
 BARS_ARGS ?=
 FUZZ_ARGS ?=
+MUTANTS_ARGS ?=
 
 .DEFAULT_GOAL := help
-.PHONY: help demo test check lint format bars fuzz bench lock clean set-up
+.PHONY: help demo test check lint format bars mutants fuzz bench lock clean set-up
 
 help:  ## this list
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  make %-8s %s\n", $$1, $$2 }' Makefile
@@ -36,6 +37,9 @@ format: set-up  ## rewrite the code in the project's format
 
 bars: set-up  ## every bar of the grading, measured here: marks, slips, attacks, speed beside nbgrader, kills (minutes)
 	@.venv/bin/python -P tests/bars_grading.py $(BARS_ARGS)
+
+mutants: set-up  ## every single change of a model solution, and whether the checks notice it (minutes)
+	@.venv/bin/python -P tests/mutants.py $(MUTANTS_ARGS)
 
 fuzz: set-up  ## hostile values, and mutated hand-ins, zip files, records and models (minutes)
 	@.venv/bin/python -P tests/fuzz.py $(FUZZ_ARGS)

@@ -248,8 +248,12 @@ def course_export(
         ),
     ] = None,
     scale: Annotated[bool, typer.Option("--scale", help="Convert the marks to the worksheet's maximum.")] = False,
+    zero: Annotated[
+        bool, typer.Option("--zero", help="Give 0 marks in the rows of the worksheet without a hand-in.")
+    ] = False,
 ) -> None:
     """Export the grades, including manual grades, as CSV or to Moodle."""
+    from autograder.course.students import read_students
     from autograder.export.grades_csv import export_csv
     from autograder.export.moodle import export_moodle
     from autograder.intake.worksheet import read_worksheet
@@ -260,14 +264,15 @@ def course_export(
     if format not in ("csv", "moodle"):
         raise typer.BadParameter(f"got {format!r}, expected csv or moodle", param_hint="--format")
     if format == "csv":
-        if worksheet is not None or assignment or scale:
-            raise ValueError("--worksheet, --assignment and --scale are for --format moodle.")
-        print(f"Wrote {export_csv(out)} and {out / 'grades.csv'}.")
+        if worksheet is not None or assignment or scale or zero:
+            raise ValueError("--worksheet, --assignment, --scale and --zero are for --format moodle.")
+        students = [] if settings.students is None else [one.id for one in read_students(settings.students)]
+        print(f"Wrote {export_csv(out, students)} and {out / 'grades.csv'}.")
         return
     if worksheet is None:
         raise ValueError("--format moodle needs --worksheet: Moodle's offline grading worksheet, as downloaded.")
     weights = settings.weights
-    done = export_moodle(out, read_worksheet(worksheet), *(assignment or ()), weights=weights, scale=scale)
+    done = export_moodle(out, read_worksheet(worksheet), *(assignment or ()), weights=weights, scale=scale, zero=zero)
     for remark in done.remarks:
         print(remark)
     print(f"Filled in {done.filled} rows. Upload {done.worksheet} and {done.feedback}.")

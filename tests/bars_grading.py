@@ -22,10 +22,11 @@ def main() -> None:
     parser.add_argument("--only", choices=list(PARTS), action="append", help="this part; may be given again")
     parser.add_argument("--submissions", type=int, default=60, help="hand-ins that are graded beside nbgrader")
     parser.add_argument("--kills", type=int, default=20, help="times that grading is killed and restarted")
+    parser.add_argument("--draws", type=int, default=200, help="draws of the trials for each wrong answer")
     parser.add_argument("--jobs", type=int, default=os.cpu_count() or 1, help="at a time")
     parser.add_argument("--markdown", metavar="FILE", type=Path, help="also write the table here")
     options = parser.parse_args()
-    size = Size(options.submissions, options.kills, options.jobs)
+    size = Size(options.submissions, options.kills, options.draws, options.jobs)
     began = time.monotonic()
 
     def say(text: str) -> None:

@@ -1,41 +1,48 @@
 """What is measured for each bar of the grading. Every part says how far it is, and yields its metrics."""
 
+import os
 import statistics
 import subprocess
 import sys
 import time
 from collections.abc import Callable, Iterator
-from concurrent.futures import ThreadPoolExecutor
+from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
 from dataclasses import dataclass
 from datetime import datetime
 from decimal import Decimal
+from multiprocessing import get_context
 from pathlib import Path
 from typing import Any
 
 import nbformat
-from attacks import Attack
-from attacks.arena import ATTACKS, NAME, Outcome, due_to, fight, scores_of, student_of
+import wrong_draws
+from attacks.arena import ATTACKS
+from attacks.figures import Figures, fight_as
 from bars_grading_figures import Metric, at_least, at_most, every, none
 from bench_grading import OURS, compare, disturb
 from course_work import GradeCode, copy_course, execute_solution
 from variants import Right, Wrong, questions_lost, variants_of
 
 from autograder.course.build import build_course
-from autograder.course.layout import Course
 from autograder.judge.outcome import QuestionResult
-from autograder.sandbox.isolation import Limits, open_launcher
+from autograder.sandbox.isolation import LEVELS, Limits, open_launcher
+from labsid.checks.notebook import assignment_names, load_assignment
 
 
 @dataclass(frozen=True, slots=True)
 class Size:
-    """How much is measured: hand-ins beside nbgrader, kills, and what runs at a time."""
+    """How much is measured: hand-ins beside nbgrader, kills, draws of the trials, and what runs at a time."""
 
     submissions: int
     kills: int
+    draws: int
     jobs: int
 
 
 Say = Callable[[str], None]
+PLAIN = (65534, 65534)
+"""User and group of the attacks as a plain user, where this is run as root: nobody, who owns no files."""
+
 Part = Callable[[Path, Size, Say], Iterator[Metric]]
 """Measures in an empty folder."""
 
@@ -72,35 +79,58 @@ def answers(folder: Path, size: Size, say: Say) -> Iterator[Metric]:
     yield at_least("wrong answers whose mistake the feedback names", 100 * named / wrong, 80, 95, "%")
 
 
+def draws(folder: Path, size: Size, say: Say) -> Iterator[Metric]:
+    """The trials of the checks drawn anew for each planted wrong answer."""
+    names = assignment_names()
+    questions = [[question.id for question in load_assignment(name).questions] for name in names]
+    passed: list[str] = []
+    tried = 0
+    with ProcessPoolExecutor(size.jobs, mp_context=get_context("spawn")) as pool:
+        results = pool.map(wrong_draws.draw, names, questions, [size.draws] * len(names))
+        for name, (lucky, count) in zip(names, results, strict=True):
+            say(f"{name}: {count} verdicts, {len(lucky)} answers passed")
+            for line in lucky:
+                say(f"  {line}")
+            passed += lucky
+            tried += count
+    yield none(
+        f"{tried} verdicts on wrong answers, each with {size.draws} draws of its trials: answers that passed",
+        len(passed),
+    )
+
+
 def attacks(folder: Path, size: Size, say: Say) -> Iterator[Metric]:
-    """The attack suite on both ends of the ladder."""
-    course = copy_course(folder / "course", NAME)
-    list(build_course(course))
+    """The attack suite on every level of the ladder, with a secret and without, as each user that there is."""
+    is_root = hasattr(os, "geteuid") and os.geteuid() == 0
+    users: dict[str, tuple[int, int] | None] = {"as root": None, "as a plain user": PLAIN} if is_root else {"": None}
+    folder.chmod(0o755)
+    for user, ids in users.items():
+        for level in LEVELS:
+            for with_secret in (True, False):
+                setting = " ".join(filter(None, (level, user, "with a secret" if with_secret else "without a secret")))
+                say(f"{len(ATTACKS)} attacks, {setting}")
+                own = folder / setting.replace(" ", "-")
+                own.mkdir()
+                if ids is not None:
+                    os.chown(own, *ids)
+                found = fight_as(ids, own, level, with_secret)
+                yield from of_attacks(found, setting, say)
+
+
+def of_attacks(found: Figures, setting: str, say: Say) -> Iterator[Metric]:
+    """The metrics of a batch of attacks."""
     what = "undeserved points / batch aborted / others' grades or files touched"
-    for isolation in ("best", "none"):
-        say(f"{len(ATTACKS)} attacks with --isolation {isolation}")
-        (folder / isolation).mkdir()
-        try:
-            outcome = fight(course, folder / isolation, isolation)
-        except Exception as error:  # whatever an attack can bring about
-            say(f"  {type(error).__name__}: {error}")
-            yield Metric(f"attacks with --isolation {isolation}: {what}", "- / 1 / -", "0 / 0 / 0", "", "missed")
-            continue
-        known = [attack for attack in ATTACKS if outcome.level == "none" and attack.open_on_none]
-        gains = [gain(outcome, course, attack) for attack in ATTACKS if attack not in known]
-        touched = len(outcome.touched()) + len(outcome.harmed())
-        yield none(f"{len(gains)} attacks, isolation {outcome.level}: {what}", sum(gains), 0, touched)
-        if known:
-            name = f"{len(known)} attacks on files without isolation, which only a sandbox stops: the same"
-            points = sum(gain(outcome, course, attack) for attack in known)
-            files = sum(not outcome.untouched[place] for place in {attack.spares for attack in known} - {""})
-            yield Metric(name, f"{float(points):g} / 0 / {files}", status="warned when grading")
-
-
-def gain(outcome: Outcome, course: Course, attack: Attack) -> Decimal:
-    """Points that an attack got and should not have."""
-    got, due = scores_of(outcome.results[student_of(attack)]), due_to(attack, course)
-    return sum((max((got[key] or Decimal(0)) - (due[key] or Decimal(0)), Decimal(0)) for key in got), Decimal(0))
+    if found.problem:
+        say(f"  {found.problem}")
+        status = "missed" if found.aborted else "not tried"
+        yield Metric(f"attacks, {setting}: {what}", f"- / {int(found.aborted)} / -", "0 / 0 / 0", "", status)
+        return
+    for place in found.touched:
+        say(f"  touched: {place}")
+    yield none(f"{found.tried} attacks, {setting}: {what}", Decimal(str(found.undeserved)), 0, len(found.touched))
+    if found.open:
+        name = f"{found.open} attacks, {setting}, which only a sandbox stops: undeserved points"
+        yield Metric(name, f"{found.open_undeserved:g}", status="warned when grading")
 
 
 def speed(folder: Path, size: Size, say: Say) -> Iterator[Metric]:
@@ -179,4 +209,11 @@ def first_answer(notebook: Any) -> float:
     return taken(opened) + taken(next(filter(is_check, notebook.cells)))
 
 
-PARTS: dict[str, Part] = {"answers": answers, "attacks": attacks, "speed": speed, "kills": kills, "course": course}
+PARTS: dict[str, Part] = {
+    "answers": answers,
+    "draws": draws,
+    "attacks": attacks,
+    "speed": speed,
+    "kills": kills,
+    "course": course,
+}

@@ -3,7 +3,9 @@
 from decimal import Decimal
 
 import pytest
+from attacks.figures import Figures
 from bars_grading_figures import Metric, at_least, at_most, every, markdown, none
+from bars_grading_parts import of_attacks
 
 
 @pytest.mark.parametrize(
@@ -34,3 +36,24 @@ def test_the_table_in_markdown() -> None:
         "| attacks: points / files | 0.05 / 0 | 0 / 0 | 0 / 0 | missed |",
         "| a check | 0.123 s | 0.5 s | 0.2 s | target |",
     ]
+
+
+@pytest.mark.parametrize(
+    ("found", "measured", "status"),
+    [
+        (Figures("landlock", tried=93), "0 / 0 / 0", "target"),
+        (Figures("landlock", tried=93, undeserved=0.15), "0.15 / 0 / 0", "missed"),
+        (Figures("landlock", tried=93, touched=("gradebook",)), "0 / 0 / 1", "missed"),
+        (Figures("landlock", problem="stopped", aborted=True), "- / 1 / -", "missed"),
+        (Figures("landlock", problem="not on this machine"), "- / 0 / -", "not tried"),
+    ],
+)
+def test_attacks(found: Figures, measured: str, status: str) -> None:
+    (metric,) = of_attacks(found, "landlock", lambda text: None)
+    assert (metric.measured, metric.status) == (measured, status)
+
+
+def test_attacks_that_only_a_sandbox_stops_have_no_bar() -> None:
+    closed, opened = of_attacks(Figures("none", tried=85, open=8, open_undeserved=0.9), "none", lambda text: None)
+    assert closed.status == "target"
+    assert (opened.measured, opened.status) == ("0.9", "warned when grading")

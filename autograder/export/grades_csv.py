@@ -1,5 +1,7 @@
 """Export of the marks as CSV."""
 
+from collections.abc import Iterable
+from decimal import Decimal
 from pathlib import Path
 
 from autograder.course.plain_text import plain_decimal
@@ -9,13 +11,15 @@ from autograder.results.grades import write_grades
 COLUMNS = ("student", "assignment", "score", "max_score", "waiting", "status", "late_penalty")
 
 
-def export_csv(out: Path) -> Path:
+def export_csv(out: Path, students: Iterable[str] = ()) -> Path:
     """Write ``OUT/export.csv``, one row for each student and assignment, and update ``OUT/grades.csv``.
 
     Parameters
     ----------
     out : Path
         A folder that ``labsid course grade`` wrote.
+    students : iterable of str, optional
+        IDs of the class. Who is in it and has no result at all has 0 marks and the status ``missing``.
 
     Returns
     -------
@@ -40,7 +44,20 @@ def export_csv(out: Path) -> Path:
                 "late_penalty": plain_decimal(marks.penalty),
             }
         )
+    most: dict[str, Decimal] = {}
+    for row in rows:
+        most[row["assignment"]] = max(Decimal(row["max_score"]), most.get(row["assignment"], Decimal(0)))
+    known = {row["student"].casefold() for row in rows}
+    for student in students:
+        if student.casefold() not in known:
+            rows += [_without_hand_in(student, name, marks) for name, marks in most.items()]
     write_grades(out)
     path = out / "export.csv"
     grades.write_csv(path, COLUMNS, rows)
     return path
+
+
+def _without_hand_in(student: str, assignment: str, max_score: Decimal) -> dict[str, str]:
+    nothing = dict.fromkeys(("score", "waiting", "late_penalty"), "0")
+    identity = {"student": student, "assignment": assignment}
+    return {**identity, "max_score": plain_decimal(max_score), "status": "missing", **nothing}

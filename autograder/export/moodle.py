@@ -29,6 +29,7 @@ from autograder.results.result_files import StoredResult
 from labsid._files import write_file, zip_bytes
 
 _CENT = Decimal("0.01")
+_NOTHING = "Nothing was handed in."
 
 
 @dataclass(frozen=True, slots=True)
@@ -55,6 +56,7 @@ def export_moodle(
     *assignments: str,
     weights: Mapping[str, Decimal] | None = None,
     scale: bool = False,
+    zero: bool = False,
 ) -> MoodleExport:
     """Write ``OUT/moodle/worksheet.csv`` and ``OUT/moodle/feedback.zip``.
 
@@ -70,6 +72,8 @@ def export_moodle(
         Marks in the sum, by assignment; default those of the notebook. One assignment alone has no weight.
     scale : bool
         Whether to convert the marks to the worksheet's maximum.
+    zero : bool
+        Whether rows without a hand-in and without a grade get 0 marks; otherwise they are not changed.
 
     Returns
     -------
@@ -106,11 +110,14 @@ def export_moodle(
     rows: list[dict[str, str]] = []
     files: dict[str, bytes] = {}
     found: set[str] = set()
+    without: list[str] = []
     remarks: list[str] = []
     for row in sheet.rows:
         student = next((names[one.casefold()] for one in possible_ids(row) if one.casefold() in names), None)
         if student is None:
-            rows.append(row)
+            is_empty = not row[GRADE].strip(" -") and not _is_locked(row)
+            without += [next(possible_ids(row), "")] if is_empty else []
+            rows.append({**row, GRADE: "0", FEEDBACK: _NOTHING} if zero and is_empty else row)
             continue
         found.add(student)
         marks = _sum_totals([(grades.totals(one, manual), factors[one.assignment][1]) for one in by_student[student]])
@@ -123,6 +130,9 @@ def export_moodle(
             page = "feedback.html" if len(mine) == 1 else f"feedback-{name}.html"
             files[f"{folder}/{page}"] = pages[student, name]
     remarks += [f"{student}: not in the worksheet" for student in by_student if student not in found]
+    if without:
+        given = "0 marks were given" if zero else "the grade is left empty; --zero gives 0 marks"
+        remarks.append(f"nothing handed in ({given}): {', '.join(without)}")
     target = out / "moodle"
     target.mkdir(parents=True, exist_ok=True)
     write_file(target / "worksheet.csv", worksheet_text(sheet, rows).encode(errors="backslashreplace"))
@@ -175,7 +185,7 @@ def _sum_totals(totals: Sequence[tuple[Totals, Decimal]]) -> Totals:
 
 def _fill_in(row: Mapping[str, str], marks: Totals, stored: Sequence[StoredResult]) -> tuple[dict[str, str], str]:
     """A row with its grade on the worksheet's scale, and a remark."""
-    if row.get(CHANGEABLE, "Yes").strip().casefold() == "no":
+    if _is_locked(row):
         return dict(row), "the grade is locked in Moodle and was not changed"
     maximum = _maximum_grade(row.get(MAXIMUM, ""))
     score, remark = marks.score, ""
@@ -187,6 +197,10 @@ def _fill_in(row: Mapping[str, str], marks: Totals, stored: Sequence[StoredResul
         waiting = f"{plain_decimal(marks.waiting)} marks not yet graded by hand"
         remark = f"{remark}; {waiting}" if remark else waiting
     return {**row, GRADE: plain_decimal(score), FEEDBACK: _comment(marks, stored)}, remark
+
+
+def _is_locked(row: Mapping[str, str]) -> bool:
+    return row.get(CHANGEABLE, "Yes").strip().casefold() == "no"
 
 
 def _comment(marks: Totals, stored: Sequence[StoredResult]) -> str:

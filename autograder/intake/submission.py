@@ -8,6 +8,7 @@ from typing import Any
 
 import nbformat
 
+from autograder.intake.given_lines import put_back
 from autograder.intake.untrusted_json import read_json
 from labsid.checks.cells import Template, has_work
 
@@ -218,6 +219,10 @@ def _align_cells(cells: list[dict[str, Any]], template: Template) -> tuple[tuple
         elif wanted.id not in answers or (wanted.id not in own and answers[wanted.id].strip() != released[wanted.id]):
             notes.append(f"the cell {wanted.id} was restored to the released version")
         source = answers.get(wanted.id, "") if wanted.id in own else wanted.source
+        if wanted.kind == "answer" and wanted.code:
+            source, given = put_back(wanted.source, source)
+            if given:
+                notes.append(f"given lines of the cell {wanted.id} were put back: {'; '.join(given)}")
         aligned.append(NotebookCell(wanted.id, wanted.kind, source, wanted.code))
         aligned.extend(extras.get(wanted.id, []))
     return tuple(aligned), notes

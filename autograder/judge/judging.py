@@ -25,6 +25,7 @@ from autograder.judge.outcome import QuestionResult, SubmissionResult, ungraded_
 from autograder.judge.own_tests import OwnTests
 from autograder.judge.picture import figure_svg
 from autograder.judge.second_run import SecondRun
+from autograder.judge.used_demonstrations import with_used_demonstrations
 from autograder.sandbox.isolation import ProcessLauncher
 from labsid.checks.cells import Template
 from labsid.checks.question import Assignment, Origin
@@ -87,6 +88,7 @@ def judge_submission(
     """
     if submission.status != "ready":
         return ungraded_result(submission, assets.template, launcher.level)
+    submission = replace(submission, cells=with_used_demonstrations(submission.cells))
     judge = _SubmissionJudge(submission, assets, launcher, folder, pictures)
     results = judge.run()
     wrong = {answer.question.id: answer.own for answer in judge.answers if not answer.is_right and answer.own}

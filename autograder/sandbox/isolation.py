@@ -117,13 +117,16 @@ def is_weaker(level: str, other: str) -> bool:
 
 def probe_levels(limits: Limits | None = None) -> list[IsolationLevel]:
     """Probe every isolation level on this machine."""
-    found = []
-    for name in LEVELS:
-        launcher, unavailable = _open_strongest((name,), limits or Limits())
-        if launcher is not None:
-            launcher.close()
-        found.append(IsolationLevel(name, "" if launcher is not None else unavailable[0].problem))
-    return found
+    if not hasattr(os, "fork"):
+        return [IsolationLevel(name, "" if name == "none" else _UNSUPPORTED) for name in LEVELS]
+    try:
+        launcher = ForkingLauncher(limits or Limits())
+    except MachineError as error:
+        return [IsolationLevel(name, str(error)) for name in LEVELS]
+    try:
+        return [IsolationLevel(name, _probe_level(launcher, name)) for name in LEVELS]
+    finally:
+        launcher.close()
 
 
 def _open_strongest(permitted: tuple[str, ...], limits: Limits) -> tuple[ProcessLauncher | None, list[IsolationLevel]]:
@@ -138,17 +141,25 @@ def _open_strongest(permitted: tuple[str, ...], limits: Limits) -> tuple[Process
     failed = []
     try:
         for name in permitted:
-            problem = _UNSUPPORTED
-            for setup in _setups(name):
-                problem = _probe(launcher, setup)
-                if not problem:
-                    return launcher, failed
+            problem = _probe_level(launcher, name)
+            if not problem:
+                return launcher, failed
             failed.append(IsolationLevel(name, problem))
     except BaseException:
         launcher.close()
         raise
     launcher.close()
     return None, failed
+
+
+def _probe_level(launcher: ForkingLauncher, name: str) -> str:
+    """Configure the launcher with the first setup of a level that passes its probe; the problem if none does."""
+    problem = _UNSUPPORTED
+    for setup in _setups(name):
+        problem = _probe(launcher, setup)
+        if not problem:
+            break
+    return problem
 
 
 def _setups(name: str) -> list[IsolationSetup]:

@@ -16,6 +16,7 @@ HIDDEN_DELIMITERS = ("### BEGIN HIDDEN TESTS", "### END HIDDEN TESTS")
 
 # with the indentation of the release, if the answer is the body of a function; `...` stood in earlier releases
 _STUB = re.compile(rf"# Your code here\n\s*(pass|\.\.\.)|{re.escape(TEXT_STUB)}")
+_FUNCTION = re.compile(r"^def (\w+)\(", re.M)
 _CHECK = re.compile(r"\bcheck\(")
 _HEADING = re.compile(r"^(#{1,4})\s+(.+)$", re.M)
 _LETTERS = {r"\hat\theta": "θ̂", r"\hat{\theta}": "θ̂", r"\theta": "θ", r"\Phi": "Φ", r"\tau": "τ"}
@@ -104,6 +105,18 @@ def template_of(assignment: str, cells: Iterable[Mapping[str, Any]]) -> Template
         else:
             texts.add(raw["source"].strip())
     return Template(assignment, title or assignment, tuple(found), frozenset(texts))
+
+
+def functions_asked_for(template: Template, question_id: str) -> tuple[str, ...]:
+    """Names of the functions that the released answer cell of a question begins, for the student to complete."""
+    asked = (cell.source for cell in template.cells if cell.id == answer_id(question_id) and is_stub(cell.source))
+    return tuple(name for source in asked for name in _FUNCTION.findall(source))
+
+
+def steps_that_call(template: Template, function: str) -> tuple[str, ...]:
+    """Headings of the steps whose given code calls a function of the student's, in order."""
+    call = re.compile(rf"(?<!def )\b{re.escape(function)}\(")
+    return tuple(dict.fromkeys(cell.heading for cell in template.cells if cell.code and call.search(cell.source)))
 
 
 def has_work(cells: Iterable[tuple[str, str]], template: Template) -> bool:

@@ -18,7 +18,10 @@ def one_figure(name: str, value: Value) -> AxesValue:
     the x-axis of the lowest.
     """
     if not isinstance(value, FigureValue):
-        raise NoAnswer(f"`{name}` should be the figure itself, as `plt.figure()` returns it; it is {kind_of(value)}.")
+        raise NoAnswer(
+            f"`{name}` should be the figure itself, as `plt.figure()` returns it; it is {kind_of(value)}.",
+            "not the figure",
+        )
     panels = [axes for axes in value.axes if axes.curves]
     if not panels:
         raise NoAnswer(f"`{name}` is empty: draw in its axes.", "empty axes")
@@ -63,7 +66,7 @@ def require_curve(axes: AxesValue, where: str, what: str, y: ArrayLike, x: Array
             "against time: give the time vector as the first argument.",
             "drawn against the sample number" if counted else "drawn against another vector",
         )
-    raise NoAnswer(f"In {where} no curve shows {what}. Plot it against time.")
+    raise NoAnswer(f"In {where} no curve shows {what}. Plot it against time.", "no curve")
 
 
 def require_labels(axes: AxesValue, where: str, units: tuple[str, str]) -> None:

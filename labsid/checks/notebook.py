@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from labsid.checks.cell_runs import runs_in, shell_of
-from labsid.checks.cells import Cell, is_stub
+from labsid.checks.cells import Cell, functions_asked_for, is_stub, steps_that_call
 from labsid.checks.notebook_file import open_notebook, released_template
 from labsid.checks.origin_of_values import QuestionCells
 from labsid.checks.question import Assignment, Question, given_values
@@ -155,7 +155,21 @@ class notebook_checks:  # noqa: N801  (called like a function, once, at the top 
         names = ", ".join(f"`{name}`" for name in objects)
         where = "" if self._record is None else " on your record"
         now = f"The notebook now has the reference's {names}{where}" if names else "It sets no variable for later steps"
-        self._show(SKIPPED, question_id, f"skipped. It earns no marks. {now}.")
+        beside = self._on_functions(question_id, objects)
+        self._show(SKIPPED, question_id, " ".join(filter(None, (f"skipped. It earns no marks. {now}.", beside))))
+
+    def _on_functions(self, question_id: str, given: Iterable[str]) -> str:
+        """What a skipped step asks for and does not get: functions, which would be the solution. Empty without any."""
+        file = open_notebook(self._assignment.name)
+        template = released_template(self._assignment.name) or (None if file is None else file.template)
+        asked = () if template is None else functions_asked_for(template, question_id)
+        missing = [name for name in asked if name not in given]
+        if template is None or not missing:
+            return ""
+        steps = dict.fromkeys(step for name in missing for step in steps_that_call(template, name))
+        where = f" (here: {'; '.join(steps)})" if steps else ""
+        names = " and ".join(f"`{name}`" for name in missing)
+        return f"A function is not given: code that calls {names}{where} needs one of your own."
 
     def summary(self) -> None:
         """Show every question of the assignment: right, not right, skipped or not done, with its marks."""

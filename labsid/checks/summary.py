@@ -131,10 +131,10 @@ def _marks(one: QuestionState) -> str:
 
 
 def _row(cell: str, sign: str, step: str, marks: str, state: str) -> str:
-    left = ' style="text-align:left"'
+    left, whole = ' style="text-align:left"', ' style="text-align:left;white-space:nowrap"'
     return (
         f"<tr><{cell}>{sign}</{cell}><{cell}{left}>{step}</{cell}><{cell}{left}>{marks}</{cell}>"
-        f"<{cell}{left}>{state}</{cell}></tr>"
+        f"<{cell}{whole}>{state}</{cell}></tr>"
     )
 
 

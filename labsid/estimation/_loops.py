@@ -1,13 +1,57 @@
-"""The recursions as compiled loops. Import it where it is used: numba takes most of a second to load.
+"""The recursions as loops: interpreted for short records, compiled otherwise, because numba takes long to load.
 
-They get the number of parameters as the length of the tuple `unroll`: a length the compiler knows, so that it unrolls
-the small loops. Every array that a loop only reads comes in read-only, or it would be compiled twice.
+Call `prepare` before one of them. They get the number of parameters as the length of the tuple `unroll`: a length the
+compiler knows, so that it unrolls the small loops. Every array that a loop only reads comes in read-only, or it would
+be compiled twice.
 """
+
+import sys
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
 from labsid._arrays import FloatArray
-from labsid._compiled import compiled
+
+LONGEST_INTERPRETED = 2_000
+"""Samples that the slowest loop interprets in a tenth of a second; numba takes half a second to load."""
+
+
+@dataclass(frozen=True, slots=True)
+class Loop:
+    """A loop that is not compiled yet.
+
+    Attributes
+    ----------
+    function : callable
+    relaxed : tuple of str
+        As `compiled` takes them.
+    """
+
+    function: Callable[..., Any]
+    relaxed: tuple[str, ...]
+
+    def __call__(self, *arguments: Any) -> Any:
+        """Interpret it; like the compiled one, it divides by zero without a word."""
+        with np.errstate(all="ignore"):
+            return self.function(*arguments)
+
+
+def compiled(*relaxed: str) -> Callable[[Callable[..., Any]], Any]:
+    """Mark a loop that `prepare` compiles."""
+    return lambda function: Loop(function, relaxed)
+
+
+def prepare(samples: int) -> None:
+    """Compile the loops if the record is long, or numba is loaded already."""
+    if samples <= LONGEST_INTERPRETED and "numba" not in sys.modules:
+        return
+    waiting = {name: one for name, one in globals().items() if isinstance(one, Loop)}
+    if waiting:
+        from labsid import _compiled
+
+        globals().update({name: _compiled.compiled(*one.relaxed)(one.function) for name, one in waiting.items()})
 
 
 @compiled("contract")

@@ -58,6 +58,7 @@ def recursive_least_squares(
     theta, P, _ = resume(start, p, 0)
     history, errors, traces = room(Y.size, p)
     Phi, Y = read_only(Phi), read_only(Y)
+    _loops.prepare(Y.size)
     _loops.rls(Phi, Y, theta, P, forgetting, start.trace_bound, (0,) * p, history, errors, traces)
     # A NaN or an infinity never leaves theta again: only then is it worth reading the data to see whose it is.
     if not np.isfinite(theta).all():
@@ -112,6 +113,7 @@ def recursive_armax(
     start = diffuse_start(p) if start is None else start
     theta, P, phi = resume(start, p, p)
     history, errors, traces = room(y.size, p)
+    _loops.prepare(y.size)
     _loops.extended_rls(
         u,
         y,
@@ -176,6 +178,7 @@ def recursive_instrumental(
     theta, P, memory = resume(start, p, 3 * p)
     phi, z, stable = memory.reshape(3, p)
     history, errors, traces = room(y.size, p)
+    _loops.prepare(y.size)
     kept_back = _loops.recursive_iv(
         u, y, structure.na, theta, P, phi, z, stable, own_instruments, history, errors, traces
     )

@@ -109,7 +109,7 @@ def read_transfer_function(content: dict[str, Any], Ts: float) -> TransferFuncti
         raise ValueError(
             f"the model has no {error.args[0]!r}; it needs num, den and dt (u0 and y0 default to 0)."
         ) from None
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         raise ValueError(
             "num and den must be lists of numbers in descending powers of z; dt, u0 and y0 must be numbers."
         ) from None

@@ -11,6 +11,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass
 from pathlib import Path
+from textwrap import shorten
 from typing import Any
 
 from labsid.checks.cells import Cell, Template, grade_id_of
@@ -32,10 +33,13 @@ class CleanRun:
         One for each question.
     reasons : mapping
         Why a question is not right, by its id.
+    remarks : tuple of str
+        On the student's own cells that failed.
     """
 
     states: tuple[QuestionState, ...]
     reasons: Mapping[str, str]
+    remarks: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -81,7 +85,7 @@ def run_from_clean_start(
         for step in steps:
             runner.run(step)
         texts = {grade_id_of(cell): cell["source"] for cell in reversed(cells)}
-        return CleanRun(states_of(template.questions, runner.found, texts), runner.reasons)
+        return CleanRun(states_of(template.questions, runner.found, texts), runner.reasons, tuple(runner.remarks))
 
 
 def _steps(cells: Sequence[Mapping[str, Any]], template: Template) -> Iterator[_Step]:
@@ -107,12 +111,23 @@ def _steps(cells: Sequence[Mapping[str, Any]], template: Template) -> Iterator[_
         yield from (_Step(str(cell["id"]), cell["source"], None) for cell in own.get(wanted.id, ()))
 
 
+def _remark(source: str, outcome: CellOutcome) -> str:
+    """What to do about a student's own cell that failed."""
+    first = next((line.strip() for line in source.splitlines() if line.strip()), "")
+    return (
+        f"Your own cell that begins with `{shorten(first, 60)}` stopped with {outcome.error}: "
+        f"{shorten(outcome.text, 200)}. The cells after it were run all the same. In JupyterLab, Run All Cells ends "
+        "at it: correct it or delete it."
+    )
+
+
 class _Runner:
     """Runs steps in a kernel; one that ends is replaced by one that has run the steps before, without the last."""
 
     def __init__(self, folder: Path, cell_seconds: float) -> None:
         self.found: dict[str, str] = {}
         self.reasons: dict[str, str] = {}
+        self.remarks: list[str] = []
         self._folder = folder
         self._cell_seconds = cell_seconds
         self._done: list[tuple[str, str | None]] = []
@@ -141,6 +156,8 @@ class _Runner:
         allowed = _CHECK_SECONDS if kind == "question" else self._cell_seconds
         outcome = self._run(step.source, step.cell_id, min(left, allowed))
         self.found.update((one["question"], one["state"]) for one in outcome.outcomes)
+        if step.known is None and outcome.error:
+            self.remarks.append(_remark(step.source, outcome))
         if not question:
             return
         if outcome.error:

@@ -31,7 +31,8 @@ _WORK = """\
   The step that you skip earns nothing; the steps after it do.
 - `check.summary()`, the last cell of each notebook, lists every question with its marks.
 - *Run > Restart Kernel and Run All Cells* runs a notebook as grading does: from an empty start, every cell once, from
-  top to bottom. It reaches the end even if some steps are not done.
+  top to bottom. It reaches the end even if some steps are not done or wrong. Only a cell that you have added yourself
+  stops it, if that cell fails: correct or delete it. `labsid submit` names such cells, and goes on after them.
 
 ## What your answers may use
 

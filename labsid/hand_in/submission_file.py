@@ -73,7 +73,7 @@ def run_notebook(notebook: SavedNotebook) -> CleanRun | None:
 
 
 def run_text(notebook: SavedNotebook, run: CleanRun | None) -> Iterator[str]:
-    """The lines on a clean run: the table of marks, then the reason of each question that is not right."""
+    """The lines on a clean run: the table of marks, the reason of each question that is not right, and remarks."""
     if run is None:
         yield f"{notebook.name}: it has no checks, so it was not run."
         return
@@ -81,6 +81,7 @@ def run_text(notebook: SavedNotebook, run: CleanRun | None) -> Iterator[str]:
     for one in run.states:
         if one.state == FAILED:
             yield f"{SIGNS[FAILED]} {run.reasons.get(one.question.id, one.question.id)}"
+    yield from run.remarks
 
 
 def open_questions(runs: Sequence[CleanRun | None]) -> int:

@@ -11,6 +11,7 @@ import socket
 import sqlite3
 import stat
 import tempfile
+from collections.abc import Sequence
 from dataclasses import dataclass
 from decimal import Decimal
 from pathlib import Path
@@ -24,6 +25,7 @@ from autograder.batch.executors import LocalExecutor
 from autograder.batch.grade import grade_batch
 from autograder.batch.selection import Batch, find_batch
 from autograder.course.layout import Course, read_template
+from autograder.course.own_secret import read_own_secret
 from autograder.results import result_files
 from autograder.results.feedback import write_feedback
 from autograder.results.result_files import StoredResult
@@ -31,9 +33,9 @@ from autograder.sandbox.isolation import Limits, open_launcher
 
 NAME = "prelab-sinusoids"
 ATTACKS: tuple[Attack, ...] = (*processes.ATTACKS, *answers.ATTACKS, *reach.ATTACKS, *hand_ins.ATTACKS)
-ON = {"best": ATTACKS, "landlock": (*processes.ATTACKS, *reach.ATTACKS), "none": ATTACKS}
-"""What is tried on each level. On Landlock, where it is not the best, that is what reaches for files, the network,
-signals and processes: in these it differs from both others. What comes over the channel, or is handed in, does not."""
+ON_ITS_PROCESS: tuple[Attack, ...] = (*processes.ATTACKS, *reach.ATTACKS)
+"""What reaches for files, the network, signals and processes: in these the levels differ. What comes over the channel,
+or is handed in, does not depend on the level."""
 HONEST = ("honest-ada", "honest-ben")
 SECRET = b"the secret of this course"
 _MAX_READ = 1 << 30  # a sparse file may be larger than any disk
@@ -92,8 +94,27 @@ def as_graded(result: StoredResult) -> list[tuple[Any, ...]]:
     return [(one.question, one.score, one.status, one.reason, one.output, one.figures) for one in result.questions]
 
 
-def fight(course: Course, folder: Path, isolation: str) -> Outcome:
-    """Grade the honest alone, then with the attackers, on a level of the ladder; `course` is built, `folder` empty."""
+def fight(
+    course: Course,
+    folder: Path,
+    isolation: str,
+    attacks: Sequence[Attack] = ATTACKS,
+    secret: bytes | None = SECRET,
+) -> Outcome:
+    """Grade the honest alone, then with the attackers, on a level of the ladder.
+
+    Parameters
+    ----------
+    course : Course
+        Built.
+    folder : Path
+        Empty.
+    isolation : str
+    attacks : sequence of Attack
+    secret : bytes or None
+        Secret of individual data; None for a course without, whose own secret is the one to find then.
+    """
+    withheld = read_own_secret(course) if secret is None else secret
     submitted, earlier = folder / "submitted", folder / "earlier"
     mark = f"attack{os.getpid()}"  # others may fight on this machine at the same time
     left = Path("/dev/shm" if os.path.isdir("/dev/shm") else "/tmp", mark)
@@ -113,11 +134,11 @@ def fight(course: Course, folder: Path, isolation: str) -> Outcome:
     with socket.create_server(("127.0.0.1", 0)) as listener, same:
         listener.setblocking(False)
         with open_launcher(isolation, LIMITS) as launcher:
-            alone = run(course, find_batch(course, submitted, NAME), folder / "alone", launcher)
+            alone = run(course, find_batch(course, submitted, NAME), folder / "alone", launcher, secret)
             here = {
                 "grader": os.getpid(),
                 "parent": getattr(launcher, "fork_server_pid", 0),
-                "secret": SECRET.decode(),
+                "secret": withheld.decode(),
                 "solution": str(course.source / NAME / f"{NAME}.ipynb"),
                 "other": str(submitted / HONEST[0] / NAME / f"{NAME}.ipynb"),
                 "gradebook": str(earlier / "gradebook.db"),
@@ -125,11 +146,11 @@ def fight(course: Course, folder: Path, isolation: str) -> Outcome:
                 "mark": mark,
                 "port": listener.getsockname()[1],
             }
-            for attack in ON[isolation]:
+            for attack in attacks:
                 lay_out(attack, submitted / student_of(attack) / NAME, notebook, here)
             before = {place: digest(place) for place in (course.root, submitted, earlier, folder / "alone")}
             batch = find_batch(course, submitted, NAME)
-            found = run(course, batch, folder / "out", launcher, jobs=6)
+            found = run(course, batch, folder / "out", launcher, secret, jobs=6)
             level = launcher.level
         try:
             listener.accept()[0].close()
@@ -150,8 +171,10 @@ def fight(course: Course, folder: Path, isolation: str) -> Outcome:
     return Outcome(level, folder / "out", found, pages, alone, untouched, running(mark), workdirs_now)
 
 
-def run(course: Course, batch: Batch, out: Path, launcher: Any, jobs: int = 1) -> dict[str, StoredResult]:
-    done = list(grade_batch(course, batch, out, LocalExecutor(launcher, jobs), SECRET))
+def run(
+    course: Course, batch: Batch, out: Path, launcher: Any, secret: bytes | None, jobs: int = 1
+) -> dict[str, StoredResult]:
+    done = list(grade_batch(course, batch, out, LocalExecutor(launcher, jobs), secret))
     assert sorted(one.student for one in done) == sorted(batch.students)
     return {one.student: one for one in result_files.load_all(out)}
 

@@ -134,18 +134,23 @@ def add_a_cell(path: Path) -> None:
     path.write_text(json.dumps(notebook), encoding="utf-8")
 
 
-@pytest.fixture
-def both(course: Course, launcher: ProcessLauncher, server: Server, tmp_path: Path) -> Both:
+def grade_both(course: Course, launcher: ProcessLauncher, server: Server, folder: Path) -> Both:
     """Ada's pre-lab is right, ben's lab half right, finn's file is cut off, gil's pre-lab a remark."""
-    write_samples(course, tmp_path / "samples")
+    write_samples(course, folder / "samples")
     for student, name in (("ada", PRELAB), ("ben", LAB), ("finn", LAB)):
-        shutil.copytree(tmp_path / "samples" / student / name, tmp_path / "submitted" / student / name)
-    shutil.copytree(course.release / PRELAB, tmp_path / "submitted" / "gil" / PRELAB)
-    add_a_cell(tmp_path / "submitted" / "gil" / PRELAB / f"{PRELAB}.ipynb")
-    file, database = out_folder(tmp_path / "file"), out_folder(tmp_path / "database", server.database(tmp_path.name))
-    made = Both(course, tmp_path / "submitted", file, database)
+        shutil.copytree(folder / "samples" / student / name, folder / "submitted" / student / name)
+    shutil.copytree(course.release / PRELAB, folder / "submitted" / "gil" / PRELAB)
+    add_a_cell(folder / "submitted" / "gil" / PRELAB / f"{PRELAB}.ipynb")
+    file, database = out_folder(folder / "file"), out_folder(folder / "database", server.database(folder.name))
+    made = Both(course, folder / "submitted", file, database)
     assert len(made.grade(launcher, file)) == len(made.grade(launcher, database)) == 8
     return made
+
+
+@pytest.fixture(scope="module")
+def both(course: Course, launcher: ProcessLauncher, server: Server, tmp_path_factory: pytest.TempPathFactory) -> Both:
+    """The class as it was graded first, to be read only."""
+    return grade_both(course, launcher, server, tmp_path_factory.mktemp("both"))
 
 
 def test_the_gradebook_is_the_same(both: Both, launcher: ProcessLauncher) -> None:
@@ -177,7 +182,10 @@ def lists_of_formgrader(out: Path) -> list[dict[str, Any]]:
     return sorted(plain, key=str)
 
 
-def test_what_was_given_by_hand_outlives_a_new_grading(both: Both, launcher: ProcessLauncher) -> None:
+def test_what_was_given_by_hand_outlives_a_new_grading(
+    course: Course, launcher: ProcessLauncher, server: Server, tmp_path: Path
+) -> None:
+    both = grade_both(course, launcher, server, tmp_path)
     path = both.submitted / "ada" / PRELAB / f"{PRELAB}.ipynb"
     add_a_cell(path)
     (both.submitted / "gil" / PRELAB / f"{PRELAB}.ipynb").write_text("{", encoding="utf-8")

@@ -110,15 +110,15 @@ VARIANTS: list[Right | Wrong] = [
         FIGURE_5,
         "the axes in place of the figure",
         panels("fig_5", OUTPUTS, INPUT) + "fig_5 = a\n",
-        None,
+        "not the figure",
         "the figure itself",
     ),
-    wrong(FIGURE_5, "one panel", "fig_5, a = plt.subplots()\n" + OUTPUTS, None, "2 subplots; it has 1"),
+    wrong(FIGURE_5, "one panel", "fig_5, a = plt.subplots()\n" + OUTPUTS, "number of panels", "2 subplots; it has 1"),
     wrong(
         FIGURE_5,
         "measured output forgotten",
         panels("fig_5", "a.plot(t, y_act, label='y')", INPUT),
-        None,
+        "no curve",
         "no curve shows `y_actm`",
     ),
     wrong(
@@ -302,7 +302,7 @@ VARIANTS: list[Right | Wrong] = [
         FIGURE_6,
         "with the offsets",
         panels("fig_6", "a.plot(t, y_act)", "b.plot(t, u_act)", legend=""),
-        None,
+        "no curve",
         "no curve shows `y`",
     ),
     wrong(

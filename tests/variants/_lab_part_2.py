@@ -213,6 +213,13 @@ VARIANTS: list[Right | Wrong] = [
         "a constant fitted along",
         "no constant",
     ),
+    wrong(
+        THETA,
+        "a constant, left out of the result",
+        "theta_hat = np.linalg.lstsq(np.c_[Phi, np.ones(len(Y))], Y)[0][:4]",
+        "a constant fitted along",
+        "column of ones beside Phi",
+    ),
     wrong(THETA, "inverse forgotten", "theta_hat = Phi.T @ Y", "inverse left out", "inverse"),
     wrong(THETA, "inverse not taken", "theta_hat = (Phi.T @ Phi) @ Phi.T @ Y", "inverse left out", "should be"),
     wrong(
@@ -227,6 +234,9 @@ VARIANTS: list[Right | Wrong] = [
         "a1, a2 = [-float(x) for x in theta_hat[:2]]\nb1, b2 = map(float, theta_hat[2:])",
     ),
     wrong(PARAMETERS, "sign of a", "a1, a2, b1, b2 = theta_hat", "sign of a", "-a1 and -a2"),
+    wrong(
+        PARAMETERS, "rounded", "a1, a2, b1, b2 = np.round(theta_hat * [-1, -1, 1, 1], 3)", "rounded", "all the digits"
+    ),
     wrong(PARAMETERS, "all All signs", "a1, a2, b1, b2 = -theta_hat", "sign of b", "keep their signs"),
     wrong(PARAMETERS, "sign of a2", "a1, a2, b1, b2 = theta_hat * [-1, 1, 1, 1]", "sign of a", "a2"),
     wrong(PARAMETERS, "b first", "b1, b2, a1, a2 = theta_hat * [1, 1, -1, -1]", "a and b swapped", "swapped"),

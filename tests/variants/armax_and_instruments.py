@@ -465,7 +465,7 @@ VARIANTS: list[Right | Wrong] = [
     wrong(FIGURE, "no legend", figure(legend=""), "no legend", "legend"),
     wrong(FIGURE, "no label", figure(rest="pass\n"), "axis without a label", "xlabel"),
     wrong(FIGURE, "names swapped", figure(legend="ax.legend(['b', 'a', 'c'])"), "legend entries swapped", "swapped"),
-    wrong(FIGURE, "empty", figure("", ""), None, "empty"),
+    wrong(FIGURE, "empty", figure("", ""), "empty axes", "empty"),
     # 7. iterated instrumental variables
     right(ITERATED, "sums over the samples, a list", ITERATED_WITH_SUMS),
     right(ITERATED, "inverse", iterated(theta="np.linalg.inv(Z.T @ Phi) @ (Z.T @ y[1:])", result="theta[:, None]")),

@@ -165,7 +165,7 @@ VARIANTS: list[Right | Wrong] = [
         None,
         "is wrong for",
     ),
-    wrong(KIND, "another text", define("kind(M)", "return 'a bowl'"), None, "one of: positive definite"),
+    wrong(KIND, "another text", define("kind(M)", "return 'a bowl'"), "another text", "one of: positive definite"),
     # 2. Example 2-3
     right(
         DELAYS,

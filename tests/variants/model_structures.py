@@ -521,6 +521,13 @@ VARIANTS: list[Right | Wrong] = [
         order(criteria="L = N * np.log(V)\nreturn [L + 2 * p, L + p * np.log(N), V * (N + p) / (N - p)]"),
     ),
     wrong(ORDER, "rows of its own", order(start="n"), "rows of its own for each order", "different outputs"),
+    wrong(
+        ORDER,
+        "a constant",
+        order().replace("Phi, Y = ", "c.append(np.ones(N - s)); Phi, Y = "),
+        "a constant fitted along",
+        "column of ones",
+    ),
     wrong(ORDER, "sum", order(loss="E @ E"), "sum in place of the mean", "1/N"),
     wrong(ORDER, "half", order(loss="np.mean(E**2) / 2"), "half the loss", "half"),
     wrong(ORDER, "all samples", order(loss="E @ E / len(y)"), "divided by all samples", "rows"),

@@ -443,7 +443,8 @@ VARIANTS: list[Right | Wrong] = [
             "fit_frequency(t, y, low, high)",
             "def errors(th):\n    return th[1] * np.sin(th[0] * t + th[2]) - y\n"
             "fits = [scipy.optimize.least_squares(errors, [w, 1.5, p]) for w in np.arange(low, high, 0.15) "
-            "for p in (0, 2, 4)]\nreturn abs(min(fits, key=lambda fit: fit.cost).x[0])",
+            "for p in (0, 2, 4)]\nfits = [fit for fit in fits if low <= abs(fit.x[0]) <= high]\n"
+            "return abs(min(fits, key=lambda fit: fit.cost).x[0])",
         ),
     ),
     wrong(FREQUENCY, "one start", frequency(start="(low + high) / 2"), "local minimum", "far away"),
@@ -451,6 +452,16 @@ VARIANTS: list[Right | Wrong] = [
     wrong(FREQUENCY, "Hz", frequency(result="refined.x[0] / (2 * np.pi)"), "Hz for rad/s", "rad/s"),
     wrong(FREQUENCY, "all three", frequency(result="refined.x"), "all three parameters", "alone"),
     wrong(FREQUENCY, "below the low end", frequency(result="low / 2"), "outside the range", "outside"),
+    *(
+        wrong(
+            FREQUENCY,
+            f"a range of its own, {name}",
+            frequency(f"np.linspace({scan}, 900)"),
+            "outside the range",
+            "between",
+        )
+        for name, scan in (("both ends", "0.3, 9"), ("low not used", "0.3, high"), ("high not used", "low, 9"))
+    ),
     wrong(
         FREQUENCY,
         "ten points",
@@ -573,7 +584,14 @@ VARIANTS: list[Right | Wrong] = [
         "zero compared exactly",
         "rounding",
     ),
-    wrong(LAYOUT, "another text", define("layout(beacons)", "return 'yes'"), None, "one of the texts"),
+    wrong(
+        LAYOUT,
+        "rank without a tolerance",
+        layout("np.linalg.matrix_rank(beacons - beacons[0], tol=0)"),
+        "zero compared exactly",
+        "rounding",
+    ),
+    wrong(LAYOUT, "another text", define("layout(beacons)", "return 'yes'"), "another text", "one of the texts"),
     # 8. the step response
     right(STEP, "fun and jac", step()),
     right(

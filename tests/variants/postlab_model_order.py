@@ -356,7 +356,7 @@ VARIANTS: list[Right | Wrong] = [
         FIGURE,
         "first-order model forgotten",
         figure(curves="ax.plot(t, y, label='Actual')\nax.plot(t, y_sim_2, label='Model')"),
-        None,
+        "no curve",
         "no curve shows `y_sim_1`",
     ),
     wrong(FIGURE, "no legend", figure(legend=""), "no legend", "legend"),

@@ -322,7 +322,13 @@ VARIANTS: list[Right | Wrong] = [
         "values set back to zero",
         "keeps its values",
     ),
-    wrong(CUT, "cut at 20 samples", cut("t[20:] - t[20]", "y1[20:]", "y2[20:]"), None, "without its first 200 samples"),
+    wrong(
+        CUT,
+        "cut at 20 samples",
+        cut("t[20:] - t[20]", "y1[20:]", "y2[20:]"),
+        "20 samples cut off",
+        "20 s are 200 samples",
+    ),
     # 4. matrix
     right(MATRIX, "concatenate", "data_new = np.concatenate([t_new, y1_new, y2_new], axis=1)"),
     right(MATRIX, "column_stack of flat ones", "data_new = np.column_stack([t_new.ravel(), y1_new, y2_new])"),
@@ -580,7 +586,7 @@ VARIANTS: list[Right | Wrong] = [
         FIGURE_A,
         "the sine without its noise",
         panel("ax_a", sine="ax_a.plot(t, np.sin(0.02 * np.pi * t), color='red', label='sin(0.02πt)')"),
-        None,
+        "no curve",
         "no curve shows `y1`",
     ),
     # 6. Fig. 1(b)
@@ -631,7 +637,7 @@ VARIANTS: list[Right | Wrong] = [
         FIGURE_B,
         "one curve only",
         panel("ax_b", cosine="pass"),
-        None,
+        "no curve",
         "no curve shows `y2_new`",
     ),
 ]

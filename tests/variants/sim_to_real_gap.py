@@ -242,6 +242,13 @@ OF_LINEAR = [
     wrong(
         LINEAR, "run of the estimate", linear(run="free_run(theta_arx, u)"), "run of the lab's estimate", "theta_hat"
     ),
+    wrong(
+        LINEAR,
+        "a constant",
+        linear(arx="np.linalg.lstsq(np.c_[Phi, np.ones(h - 2)], y[2:h])[0][:4]"),
+        "a constant fitted along",
+        "column of ones",
+    ),
     wrong(LINEAR, "half the run", linear(run="free_run(theta_hat, u[:half])"), "half the record", "whole input"),
     wrong(LINEAR, "offset back", linear(run="free_run(theta_hat, u) + y_offset"), "offset put back", "has none"),
     wrong(
@@ -290,6 +297,13 @@ OF_TIME = [
         time(squares="np.sum(np.abs(np.reshape(e, (parts, -1))), axis=1)"),
         "errors not squared",
         "Squares",
+    ),
+    wrong(
+        TIME,
+        "last sample of each stretch",
+        time(squares="np.sum(np.reshape(e, (parts, -1))[:, :-1] ** 2, axis=1)"),
+        "a sample lost",
+        "a slice ends",
     ),
     wrong(TIME, "no division", time(shares="squares"), "not shares", "divide"),
     wrong(

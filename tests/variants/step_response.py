@@ -99,6 +99,13 @@ VARIANTS: list[Right | Wrong] = [
     wrong(READ, "amplitude left in K", reading(K="y_end"), "amplitude not divided out", "divide it by the amplitude"),
     wrong(READ, "gain inverted", reading(K="amplitude / y_end"), "gain inverted", "output over input"),
     wrong(READ, "tau from the step on", reading(tau="t_63", td="0.94"), "tau measured from the step", "from t_d"),
+    wrong(
+        READ,
+        "50 % from the step",
+        reading(tau="t_step[np.argmax(y_step >= 0.5 * y_end)]", td="t_63 - tau"),
+        "50 % taken for 63.2 %",
+        "50 %",
+    ),
     wrong(READ, "no delay", reading(tau="t_63", td="0"), "no delay", "has a delay"),
     wrong(READ, "factor 3/2 forgotten", reading(tau="t_63 - t_28"), "the factor 3/2 forgotten", "two thirds"),
     wrong(
@@ -290,7 +297,7 @@ VARIANTS: list[Right | Wrong] = [
         "one curve",
         "fig_a2, ax = plt.subplots()\nax.plot(t_step, y_step, label='y')\n"
         "ax.set(xlabel='Time (s)', ylabel='Output (V)')\nax.legend()\n",
-        None,
+        "no curve",
         "no curve shows the response `y_approx`",
     ),
     wrong(
@@ -826,6 +833,10 @@ VARIANTS: list[Right | Wrong] = [
         "opposite",
     ),
     wrong(
-        UNIQUE, "the rank itself", define("is_unique(Phi)", "return np.linalg.matrix_rank(Phi)"), None, "True or False"
+        UNIQUE,
+        "the rank itself",
+        define("is_unique(Phi)", "return np.linalg.matrix_rank(Phi)"),
+        "not True or False",
+        "True or False",
     ),
 ]

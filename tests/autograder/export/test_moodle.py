@@ -114,6 +114,7 @@ def test_the_worksheet_comes_back_with_grades_and_nothing_else_changed(out: Path
     assert done.remarks == (
         "1004: 0.6 marks not yet graded by hand",
         "eve: the grade is locked in Moodle and was not changed",
+        "nothing handed in (the grade is left empty; --zero gives 0 marks): fay",
     )
     assert read_worksheet(done.worksheet).columns == sheet.columns  # and it can be read again
 
@@ -160,6 +161,26 @@ def test_several_assignments_add_up_exactly_or_one_is_chosen(out: Path, sheet: W
 def test_a_student_who_is_not_in_the_worksheet_is_named(out: Path, sheet: Worksheet) -> None:
     result_files.store(out, stored("zoe", "tiny", question("a", "0.6", "0.6")))
     assert "zoe: not in the worksheet" in export_moodle(out, sheet).remarks
+
+
+def test_who_handed_in_nothing_is_named_and_gets_0_only_if_asked(out: Path, sheet: Worksheet) -> None:
+    done = export_moodle(out, sheet)
+    assert "nothing handed in (the grade is left empty; --zero gives 0 marks): fay" in done.remarks
+    done = export_moodle(out, sheet, zero=True)
+    assert "nothing handed in (0 marks were given): fay" in done.remarks
+    *others, fay = csv.DictReader(io.StringIO(done.worksheet.read_text(encoding="utf-8-sig"), newline=""))
+    assert (fay["Grade"], fay["Feedback comments"]) == ("0", "Nothing was handed in.")
+    assert [row["Grade"] for row in others] == ["2", "1.2", "0", "1.4", "1.00"]
+
+
+def test_the_csv_has_a_row_of_0_for_who_of_the_class_handed_in_nothing(out: Path) -> None:
+    def rows(*students: str) -> list[dict[str, str]]:
+        return list(csv.DictReader(io.StringIO(export_csv(out, students).read_text(encoding="utf-8"))))
+
+    *others, fay = rows("ADA", "fay")
+    assert others == rows()
+    expected = {"student": "fay", "assignment": "tiny", "score": "0", "max_score": "2", "status": "missing"}
+    assert fay == {**expected, "waiting": "0", "late_penalty": "0"}
 
 
 def test_a_worksheet_without_the_columns_is_said(out: Path) -> None:

@@ -88,6 +88,18 @@ RIGHT_THETA = r"\(Judged on the right values of lab-2b-theta\.\)$"
             id="a name that a demonstration defines",
         ),
         pytest.param(
+            "least-squares",
+            answers(
+                ls_2_delays=define(
+                    "delayed_inputs(u, n)",
+                    "return scipy.linalg.toeplitz(u, np.zeros(n)) + 0 * bowl[0, 0]",
+                ).replace("def", "import scipy.linalg\ndef")
+            ),
+            set(),
+            {},
+            id="a value that a demonstration computes",
+        ),
+        pytest.param(
             "step-response",
             APPENDIX | answers(step_8_error=define("error_vector(Phi, Y, theta)", "return Phi @ theta")),
             {"step-8-error"},

@@ -486,3 +486,31 @@ def test_forgetting_outside_its_range(forgetting):
 def test_bad_input_says_what_is_wrong(call, message):
     with pytest.raises(ValueError, match=message):
         call()
+
+
+INTERPRETED = """
+import sys
+import numpy as np
+from labsid.estimation.recursive import recursive_armax, recursive_instrumental, recursive_least_squares
+from labsid.model_structures.structures import Structure
+
+def estimates():
+    rng = np.random.default_rng(3)
+    Phi = rng.standard_normal((150, 3))
+    u, y = rng.standard_normal((2, 150))
+    return np.column_stack([
+        recursive_least_squares(Phi, Phi @ [1.0, 2.0, 3.0] + y, 0.95).theta,
+        recursive_armax(Structure(1, 1, 1), u, y).theta,
+        recursive_instrumental(Structure(1, 1), u, y, 30).theta,
+    ])
+
+interpreted = estimates()
+assert "numba" not in sys.modules
+recursive_least_squares(np.ones((3000, 1)), np.ones(3000))
+assert "numba" in sys.modules
+assert np.max(np.abs(interpreted - estimates())) < 1e-9
+"""
+
+
+def test_short_records_need_no_compiler_and_give_the_same():
+    subprocess.run([sys.executable, "-W", "error", "-c", INTERPRETED], check=True)

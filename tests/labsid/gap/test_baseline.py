@@ -57,6 +57,7 @@ def test_the_initial_state_is_estimated_from_the_measured_output(levels):
         ({"num": None}, "num and den must be lists of"),
         ({"num": []}, "lists of finite numbers"),
         ({"den": [[1.0, 0.5]]}, "lists of finite numbers"),
+        ({"num": [10**400]}, "lists of numbers in descending powers of z"),
         ({"num": ["a"]}, "lists of numbers in descending powers of z"),
         ({"num": [1.0, np.inf]}, "lists of finite numbers"),
         ({"u0": "x"}, "lists of numbers in descending powers of z; dt, u0 and y0 must be numbers"),

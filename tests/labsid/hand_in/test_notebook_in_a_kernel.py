@@ -131,6 +131,13 @@ def test_a_program_that_sends_no_ids_or_ids_of_its_own_gets_plain_checks(
         assert run(f'check("{CHECK}")', "c").printed.startswith("✓")
 
 
+def test_skipping_a_function_says_what_needs_one(jupyter) -> None:
+    jupyter.add("prelab-4-function", "skip", 'check.skip("prelab-4-function")')
+    assert jupyter.run("skip").endswith(
+        "It sets no variable for later steps. A function is not given: code that calls `cut_off` needs one of your own."
+    )
+
+
 def test_a_skipped_step_unlocks_the_ones_after_it(jupyter) -> None:
     jupyter.answer(CHECK, "t = 3")
     noise = (

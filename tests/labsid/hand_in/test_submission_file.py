@@ -175,6 +175,23 @@ def test_what_passes_only_in_a_used_notebook_is_found(solve) -> None:
 
 
 @pytest.mark.slow
+def test_a_students_own_cell_that_fails_is_named_and_the_cells_after_it_are_run(solve) -> None:
+    path = solve(PRELAB)
+    notebook = nbformat.read(path, as_version=4)
+    place = next(i for i, cell in enumerate(notebook.cells) if cell.id == "prelab-2-noise") + 1
+    notebook.cells.insert(place, nbformat.v4.new_code_cell("\n# a try\nprint(undefined)"))
+    notebook.cells.insert(place, nbformat.v4.new_code_cell("mean = np.mean(y1)"))
+    nbformat.write(notebook, path)
+    saved = read_saved(path)
+    run = run_notebook(saved)
+    assert [one.state for one in run.states].count("right") == len(run.states) - 1  # the open question
+    (remark,) = run.remarks
+    assert remark.startswith("Your own cell that begins with `# a try` stopped with NameError: name 'undefined' is not")
+    assert list(run_text(saved, run))[-1] == remark
+    assert "correct it or delete it" in remark
+
+
+@pytest.mark.slow
 @pytest.mark.parametrize("line", ["while True: pass", "import os; os._exit(1)"])
 def test_an_endless_loop_and_a_kernel_that_ends_cost_their_cell_alone(line: str, solve) -> None:
     path = solve(PRELAB, prelab_4_function_answer=line)

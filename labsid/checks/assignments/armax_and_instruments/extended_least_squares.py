@@ -176,7 +176,7 @@ def check_figure_14(ask: Ask) -> Verdict:
     axes = as_figure("fig_14", ask.value("fig_14"), axes=1).axes[0]
     history = as_array("theta_rels", ask.known("theta_rels"))
     if not axes.curves:
-        raise NoAnswer("`fig_14` is empty: draw in its axes, with `plot`.")
+        raise NoAnswer("`fig_14` is empty: draw in its axes, with `plot`.", "empty axes")
     found = [find_curve(axes, column) for column in history.T]
     missing = [name for name, curve in zip("abc", found, strict=True) if curve is None]
     if len(missing) == 3 and any(find_curve(axes, row) for row in history[-5:]):

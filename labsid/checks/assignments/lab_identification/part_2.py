@@ -4,7 +4,12 @@ import numpy as np
 
 from labsid._arrays import FloatArray
 from labsid.checks.assignments.lab_identification.lab_data import known_data, known_model, known_vector
-from labsid.checks.assignments.lab_identification.phi_and_theta import judge_equations, judge_theta, right_equations
+from labsid.checks.assignments.lab_identification.phi_and_theta import (
+    judge_equations,
+    judge_theta,
+    right_equations,
+    rounded,
+)
 from labsid.checks.compare import SystemValue, as_number, as_system, close, same_response
 from labsid.checks.question import Ask
 from labsid.checks.values import StateSpaceValue, TransferFunctionValue, Value
@@ -84,6 +89,7 @@ def check_parameters(ask: Ask) -> Verdict:
             "The parameters are in reverse order: theta = [-a1, -a2, b1, b2].",
             lambda: np.array([a2, a1, b2, b1]),
         ),
+        *rounded(values, "The parameters are rounded: keep all the digits of theta_hat."),
     ]
     otherwise = "a1, a2, b1, b2 do not agree with theta_hat: theta = [-a1, -a2, b1, b2]."
     return judge(got, values, close(1e-9), "The parameters have the right signs.", otherwise, slips)

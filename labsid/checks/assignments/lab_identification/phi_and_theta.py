@@ -122,6 +122,12 @@ def judge_theta(ask: Ask, name: str, Phi: FloatArray, Y: FloatArray, data: LabDa
             "`/` and `*` work element by element. Use `@` and `np.linalg.solve` or `np.linalg.inv`.",
             lambda: (Phi.T @ Y) / np.diag(Phi.T @ Phi),
         ),
+        Slip(
+            "a constant fitted along",
+            f"`{name}` was fitted with a column of ones beside Phi. The model has no constant, because the signals are "
+            "offset-free.",
+            lambda: solve_least_squares(np.column_stack([Phi, np.ones(len(Y))]), Y).theta[:-1],
+        ),
         *rounded(right, f"`{name}` is rounded: keep all its digits."),
         *_wrong_fits(name, data, order),
     ]

@@ -154,7 +154,7 @@ def _kind(ask: Ask, M: FloatArray) -> str:
         raise NoAnswer(f"`kind` should return one of the five texts; it returns {kind_of(value)}.")
     text = " ".join(value.lower().replace("-", " ").split()).replace("semi definite", "semidefinite")
     if text not in KINDS:
-        raise NoAnswer(f"`kind` returns {value[:40]!r}; it should return one of: {', '.join(KINDS)}.")
+        raise NoAnswer(f"`kind` returns {value[:40]!r}; it should return one of: {', '.join(KINDS)}.", "another text")
     return text
 
 

@@ -137,7 +137,18 @@ def _square(value: Value) -> Value:
 def check_equations(ask: Ask) -> Verdict:
     """`equations(u, y, na, nb, d)`, for ARX of several delays, AR and FIR."""
     verdict = Verdict(False, "")
-    sizes = ((1, 1, 1), (2, 2, 1), (2, 1, 3), (1, 3, 0), (3, 2, 2), (0, 3, 0), (2, 0, 1), (2, 0, 4), (0, 1, 2))
+    sizes = (
+        (1, 1, 1),
+        (2, 2, 1),
+        (2, 1, 3),
+        (1, 3, 0),
+        (3, 2, 2),
+        (3, 1, 1),
+        (0, 3, 0),
+        (2, 0, 1),
+        (2, 0, 4),
+        (0, 1, 2),
+    )
     for na, nb, d in sizes:
         u, y = ask.rng.uniform(1, 3, (2, int(ask.rng.integers(12, 18))))
         verdict = _judge_equations(ask, u, y, Structure(na, nb, 0, d))

@@ -9,8 +9,9 @@ from labsid._arrays import FloatArray
 from labsid.checks.compare import SAME, as_vector
 from labsid.checks.question import Ask, returned, returned_parts
 from labsid.checks.verdict import Slip, Verdict, first_failure, judge
+from labsid.least_squares.solve import solve_least_squares
 from labsid.model_structures.prediction import free_run
-from labsid.model_structures.structures import PolynomialModel, Structure, fit_structure
+from labsid.model_structures.structures import PolynomialModel, Structure, build_equations, fit_structure
 
 
 @first_failure
@@ -31,6 +32,12 @@ def check_order(ask: Ask) -> Iterator[Verdict]:
 def _losses(u: FloatArray, y: FloatArray, orders: Sequence[int], starts: Sequence[int]) -> FloatArray:
     fits = [fit_structure(Structure(n, n), u, y, start=k).fit for n, k in zip(orders, starts, strict=True)]
     return np.array([np.mean(fit.residual**2) for fit in fits])
+
+
+def _loss_with_constant(u: FloatArray, y: FloatArray, order: int, start: int) -> float:
+    rows = build_equations(Structure(order, order), u, y, start=start)
+    fit = solve_least_squares(np.column_stack([rows.Phi, np.ones(rows.Y.size)]), rows.Y)
+    return float(np.mean(fit.residual**2))
 
 
 def _judge_losses(ask: Ask, u: FloatArray, y: FloatArray, orders: tuple[int, ...]) -> Verdict:
@@ -82,6 +89,11 @@ def _judge_losses(ask: Ask, u: FloatArray, y: FloatArray, orders: tuple[int, ...
                 "variance of y",
                 "`losses` returns the mean square of y: square the errors y - Phi theta.",
                 lambda: np.full(m, np.mean(y[start:] ** 2)),
+            ),
+            Slip(
+                "a constant fitted along",
+                "`losses` fits a constant with each model, through a column of ones; the ARX model has none.",
+                lambda: np.array([_loss_with_constant(u, y, n, start) for n in orders]),
             ),
             Slip(
                 "u and y swapped",

@@ -32,6 +32,9 @@ def check_frequency(ask: Ask) -> Iterator[Verdict]:
         w = low + (high - low) * (interval + 0.5 + float(ask.rng.uniform(-0.05, 0.05))) / 9
         truth = np.array([w, sign_A * ask.rng.uniform(1, 2), sign_B * ask.rng.uniform(1, 2)])
         y = _wave(t, truth) + 0.4 * ask.rng.standard_normal(t.size)
+        if trial >= 2:  # a larger oscillation outside the range, for those who scan a range of their own
+            outside = np.array([low - 2 if trial == 2 else high + 2, *ask.rng.uniform(2, 2.5, 2)])
+            y += _wave(t, outside)
         fit = levenberg_marquardt(partial(_wave, t), partial(_wave_jacobian, t), y, truth)
         yield _judge_frequency(as_number(*_frequency_of(ask, t, y, low, high)), fit, t, y, low, high)
     yield Verdict(True, "the lowest of many valleys, wherever it lies.")
@@ -70,7 +73,12 @@ def _judge_frequency(w: float, fit: NonlinearFit, t: FloatArray, y: FloatArray, 
             False, "`fit_frequency` returns Hz: asked for is the angular frequency in rad/s.", "Hz for rad/s"
         )
     if not low <= abs(w) <= high:
-        return Verdict(False, "`fit_frequency` returns a frequency outside low and high.", "outside the range")
+        return Verdict(
+            False,
+            "`fit_frequency` returns a frequency outside low and high, where the SSE may be smaller still. Compare "
+            "only those between its two arguments.",
+            "outside the range",
+        )
     if any(same([w], [_alone(t, y, column, right, valley)]) for column in (np.sin, np.cos)):
         return Verdict(
             False,
@@ -232,7 +240,7 @@ def check_layout(ask: Ask) -> Verdict:
         if answers == wrong:
             return Verdict(False, f"`layout` {hint}", slip)
     first = next(i for i, (answer, kind) in enumerate(zip(answers, truth, strict=True)) if answer != kind)
-    if all(answers[i] == truth[i] or order[i] in ROUNDED for i in range(len(trials))):
+    if all(answers[i] == truth[i] or order[i] in SLANTING for i in range(len(trials))):
         return Verdict(
             False,
             "`layout` misses beacons on a slanting line: through rounding, what should be zero is about 1e-16. Compare "
@@ -246,8 +254,8 @@ def check_layout(ask: Ask) -> Verdict:
 
 
 _SAID = {"unique": "span the plane", "mirror": "lie on one line", "undetermined": "are in one place"}
-ROUNDED = (6, 7)
-"""Those of the trial layouts whose coordinates are rounded."""
+SLANTING = (2, 4, 6, 7)
+"""Those of the trial layouts that lie on a line along neither axis; the last two have rounded coordinates."""
 
 
 def _of_rank(rank: int) -> str:
@@ -282,5 +290,7 @@ def _layout(ask: Ask, beacons: FloatArray) -> str:
     value = returned(ask, "layout", beacons)
     if not isinstance(value, str) or value.strip().lower() not in LAYOUTS:
         what = repr(value[:40]) if isinstance(value, str) else kind_of(value)
-        raise NoAnswer(f"`layout` should return one of the texts {', '.join(LAYOUTS)}; it returns {what}.")
+        raise NoAnswer(
+            f"`layout` should return one of the texts {', '.join(LAYOUTS)}; it returns {what}.", "another text"
+        )
     return value.strip().lower()

@@ -28,9 +28,12 @@ DISTINCT_COLOURS = 0.25
 def panels(value: Value) -> tuple[AxesValue, ...]:
     """The axes of `fig_1`, from top to bottom."""
     if not isinstance(value, FigureValue):
-        raise NoAnswer(f"`fig_1` should be the figure itself, as `plt.subplots` returns it; it is {kind_of(value)}.")
+        raise NoAnswer(
+            f"`fig_1` should be the figure itself, as `plt.subplots` returns it; it is {kind_of(value)}.",
+            "not the figure",
+        )
     if not value.axes:
-        raise NoAnswer("`fig_1` is empty: draw in its axes, `ax_a` and `ax_b`.")
+        raise NoAnswer("`fig_1` is empty: draw in its axes, `ax_a` and `ax_b`.", "empty axes")
     return value.axes
 
 

@@ -1,6 +1,7 @@
 """Known mistakes in the pre-lab with time, cutting and stacking, and the values that they give."""
 
 from collections.abc import Callable, Sequence
+from functools import partial
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -45,6 +46,14 @@ def new_time_slips(t: FloatArray) -> Slips:
     """Mistakes of step 3, the remaining time."""
     return [
         Slip("time not set back to zero", "`t_new` starts at 20 s: set its start to zero.", lambda: t[CUT:]),
+        *(
+            Slip(
+                "20 samples cut off",
+                "`t_new` lacks 20 samples: 20 s are 200 samples, as they are 0.1 s apart.",
+                partial(np.subtract, t[CUT // 10 :], start),
+            )
+            for start in (0.0, t[CUT // 10], t[CUT])
+        ),
         Slip("not cut", "`t_new` is still the whole of `t`.", lambda: t),
         Slip("the wrong part kept", "`t_new` holds the 200 samples that should be removed.", lambda: t[:CUT]),
         *_off_by_one("t_new", lambda first: t[first:] - t[first]),

@@ -1,6 +1,7 @@
 """Steps 3 to 5 of the gap: shares of the squared error in time, in frequency and in the operating range."""
 
 from collections.abc import Iterator
+from functools import partial
 
 import numpy as np
 
@@ -57,6 +58,14 @@ def _time_slips(e: FloatArray, parts: int) -> list[Slip[FloatArray]]:
             "square of the sum",
             "`time_shares` squares the sum of the errors, in which they cancel. Square first, then add up.",
             lambda: _normed(np.sum(blocks, axis=1) ** 2),
+        ),
+        *(
+            Slip(
+                "a sample lost",
+                "`time_shares` leaves one sample of each stretch out: a slice ends before its second index.",
+                partial(lambda part: _normed(np.sum(blocks[:, part] ** 2, axis=1)), part),
+            )
+            for part in (slice(None, -1), slice(1, None))
         ),
         Slip(
             "mean taken out",

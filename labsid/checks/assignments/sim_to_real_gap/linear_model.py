@@ -13,7 +13,9 @@ from labsid.checks.question import Ask
 from labsid.checks.values import Value
 from labsid.checks.verdict import NoAnswer, Slip, Verdict, first_failure, judge
 from labsid.lab.arx import arx_from_theta, fit_arx
+from labsid.lab.regressor import build_phi
 from labsid.lab.simulation import predict_one_step, simulate
+from labsid.least_squares.solve import solve_least_squares
 
 LATEST_START = 60
 """Latest first row of the equations, in samples: the lab's notebook allows rows from "a little later" than k = 2."""
@@ -96,6 +98,11 @@ def check_linear(ask: Ask) -> Iterator[Verdict]:
     )
 
 
+def _with_constant(u: FloatArray, y: FloatArray, half: int) -> FloatArray:
+    rows = build_phi(u, y, stop=half)
+    return solve_least_squares(np.column_stack([rows.Phi, np.ones(rows.Y.size)]), rows.Y).theta[:-1]
+
+
 def _lab_estimate(ask: Ask, u: FloatArray, y: FloatArray, half: int) -> Verdict:
     Ts = ask.record.Ts
     got = as_vector("theta_arx", ask.value("theta_arx"), 4)
@@ -128,6 +135,12 @@ def _lab_estimate(ask: Ask, u: FloatArray, y: FloatArray, half: int) -> Verdict:
             "offset left in",
             "`theta_arx` is fitted on signals with their offsets. Use `u` and `y`.",
             lambda: fit_arx(ask.record.u, ask.record.y, Ts, start=2, stop=half).model.theta,
+        )
+        yield Slip(
+            "a constant fitted along",
+            "`theta_arx` was fitted with a column of ones beside Phi. The model has no constant, because the signals "
+            "are offset-free.",
+            lambda: _with_constant(u, y, half),
         )
 
     return judge(

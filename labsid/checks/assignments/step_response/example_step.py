@@ -131,12 +131,14 @@ def check_function(ask: Ask) -> Iterator[Verdict]:
 
 
 def _trial_steps(rng: np.random.Generator) -> list[Step]:
-    """Steps from zero, from another level, downwards, and with noise."""
+    """Steps from zero, from another level, downwards, with noise, and without a delay."""
     steps = []
-    for level, sign, noise in ((0.0, 1, 0.0), (1.0, 1, 0.0), (1.0, -1, 0.0), (1.0, -1, 0.003)):
+    for level, sign, noise, delays in (
+        (0.0, 1, 0.0, 1), (1.0, 1, 0.0, 1), (1.0, -1, 0.0, 1), (1.0, -1, 0.003, 1), (1.0, 1, 0.0, 0)
+    ):  # fmt: skip
         # gains well above 1 and many samples per second: each mistake then gives a value of its own
         tau = float(rng.uniform(2, 7))
-        model = FirstOrderDelay(float(rng.uniform(1.6, 4)), tau, tau * float(rng.uniform(0.25, 0.6)))
+        model = FirstOrderDelay(float(rng.uniform(1.6, 4)), tau, delays * tau * float(rng.uniform(0.25, 0.6)))
         amplitude = sign * float(rng.uniform(1.3, 5))
         change = model.K * amplitude
         t: FloatArray = tau / 40 * np.arange(rng.integers(340, 420), dtype=np.float64)

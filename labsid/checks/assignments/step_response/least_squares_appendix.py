@@ -198,7 +198,7 @@ def _truth(ask: Ask, Phi: FloatArray) -> bool:
         value = value.reshape(-1)[0].item()
     if isinstance(value, (bool, int, float)) and value in (0, 1):
         return bool(value)
-    raise NoAnswer(f"`is_unique` should return True or False; it returns {kind_of(value)}.")
+    raise NoAnswer(f"`is_unique` should return True or False; it returns {kind_of(value)}.", "not True or False")
 
 
 @first_failure

@@ -130,6 +130,8 @@ def _suspects(step: Step, fit: StepResponseFit) -> Iterator[_Suspect]:
     t_50 = float(step.t[np.argmax(way >= 0.5)])
     half = "tau is measured to 50 % of the change; the time constant is the time to 63.2 %."
     yield _Suspect("50 % taken for 63.2 %", "tau", t_50 - right.td, grid, half)
+    if abs(t_50 - right.tau) > 2 * SAME_VALUE * right.tau + grid:
+        yield _Suspect("50 % taken for 63.2 %", "tau", t_50, grid, half)
     late = "td is the time to 63.2 %, which is t_d + tau: subtract tau."
     yield _Suspect("63.2 % taken for the delay", "td", fit.t_632, grid, late)
     if Ts <= COARSE:

@@ -1,0 +1,193 @@
+"""Grade one answer in this process: quick enough for thousands of answers, without a sandbox and for our own code only.
+
+The model solution is run once; before each cell for answers, its variables are kept. An answer is then run on the
+variables that stood before it, and its question judged with inputs of any seed.
+"""
+
+import contextlib
+import os
+import pickle
+import tempfile
+import warnings
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+from functools import lru_cache
+from pathlib import Path
+from typing import Any
+
+import jupytext
+import matplotlib
+import numpy as np
+
+from autograder.course.individual_data import individual_file
+from labsid.checks.notebook import NotebookAsk, load_assignment
+from labsid.checks.question import Assignment, Origin, given_values
+from labsid.checks.time_limit import OutOfTime, limit_time
+from labsid.checks.values import Value
+from labsid.checks.verdict import Verdict
+from labsid.records.record import Record, load_record
+
+matplotlib.use("Agg")
+import matplotlib.pyplot as plt
+
+NOTEBOOKS = Path(__file__).resolve().parent.parent / "notebooks"
+SECRET = b"a secret of the tests"
+SECONDS = 5.0
+"""Time of an answer and its check."""
+
+
+@dataclass(frozen=True, slots=True)
+class Kept:
+    """The variables at one place of a notebook; `data` are those that an answer may change, as `pickle` writes them."""
+
+    data: bytes
+    others: dict[str, Any]
+
+    @classmethod
+    def of(cls, variables: Mapping[str, Any]) -> "Kept":
+        data = {name: value for name, value in variables.items() if _may_change(name, value)}
+        return cls(pickle.dumps(data), {name: value for name, value in variables.items() if name not in data})
+
+    def variables(self) -> dict[str, Any]:
+        return {**self.others, **pickle.loads(self.data)}
+
+
+def _may_change(name: str, value: Any) -> bool:
+    """Whether a variable is data: arrays, figures with their axes, generators, and what contains them."""
+    if isinstance(value, np.ndarray) and type(value) is not np.ndarray:
+        return False  # python-control's own signals cannot be pickled
+    if name.startswith("__") or callable(value) or type(value).__module__.partition(".")[0] == "labsid":
+        return False
+    try:
+        pickle.dumps(value)
+    except Exception:
+        return False
+    return True
+
+
+@dataclass(frozen=True)
+class Solved:
+    """The model solution of an assignment, run on a record.
+
+    Attributes
+    ----------
+    assignment : Assignment
+    record : Record or None
+    origin : Origin or None
+    cells : mapping
+        Source of each cell that is run or judged, in their order, by grade_id.
+    kept : mapping
+        Variables before each of them.
+    known : mapping
+        Right values of earlier steps, by question.
+    """
+
+    assignment: Assignment
+    record: Record | None
+    origin: Origin | None
+    cells: Mapping[str, str]
+    kept: dict[str, Kept] = field(default_factory=dict)
+    known: dict[str, dict[str, Value]] = field(default_factory=dict)
+
+    def answer_cells(self, question: str) -> tuple[str, ...]:
+        """The cells for answers that belong to a question: those between the question before and its own."""
+        ids = list(self.cells)
+        questions = {one.id for one in self.assignment.questions}
+        at = ids.index(question)
+        first = next((i + 1 for i in range(at - 1, -1, -1) if ids[i] in questions), 0)
+        return tuple(one for one in ids[first:at] if one.endswith("-answer"))
+
+    def run(self, question: str, replaced: Mapping[str, str]) -> dict[str, Any]:
+        """The variables when a question is judged, with some cells replaced; raises what a cell raises."""
+        ids = list(self.cells)
+        first = min(map(ids.index, replaced), default=ids.index(question))
+        variables = self.kept[ids[first]].variables()
+        questions = {one.id for one in self.assignment.questions}
+        for one in ids[first : ids.index(question)]:
+            if one not in questions:
+                exec(compile(replaced.get(one, self.cells[one]), one, "exec"), variables)
+        return variables
+
+    def verdict(self, question: str, variables: Mapping[str, Any], seed: int) -> Verdict:
+        """The verdict on a question, with the trials of a seed."""
+        return self.verdict_and_draws(question, variables, seed)[0]
+
+    def verdict_and_draws(self, question: str, variables: Mapping[str, Any], seed: int) -> tuple[Verdict, bool]:
+        """The verdict on a question, and whether its check drew any trials."""
+        ask = self._ask(question, variables)
+        ask.rng = np.random.default_rng([seed, *question.encode()])
+        before = ask.rng.bit_generator.state
+        return self.assignment.question(question).verdict(ask), ask.rng.bit_generator.state != before
+
+    def judge(self, question: str, replaced: Mapping[str, str], seed: int = 0) -> Verdict:
+        """The verdict on a question with some cells replaced; an answer that stops, or does not end, is wrong."""
+        try:
+            with quietly(), limit_time(SECONDS):
+                return self.verdict(question, self.run(question, replaced), seed)
+        except OutOfTime:
+            return Verdict(False, f"longer than {SECONDS:g} s")
+        except Exception as error:
+            return Verdict(False, f"stopped with {type(error).__name__}: {error}")
+
+    def _ask(self, question: str, variables: Mapping[str, Any]) -> NotebookAsk:
+        ask = NotebookAsk(variables, self.record, self.known[question], question)
+        ask.origin = self.origin  # type: ignore[assignment]
+        return ask
+
+
+@lru_cache(maxsize=2)
+def solve(name: str, student: str = "z5000001") -> Solved:
+    """Run the model solution of an assignment on a student's record; demonstrations are left out."""
+    assignment = load_assignment(name)
+    notebook = jupytext.read(NOTEBOOKS / name / f"{name}.md", fmt="md:myst")
+    cells = {
+        str(cell.metadata["nbgrader"]["grade_id"]): cell.source
+        for cell in notebook.cells
+        if cell.cell_type == "code" and "demonstration" not in cell.metadata.get("tags", [])
+    }
+    with work_folder() as folder, quietly():
+        record = None
+        if assignment.record_file is not None:
+            path = folder / assignment.record_file
+            path.write_bytes(individual_file(path.name, student, SECRET))
+            record = load_record(path)
+        solved = Solved(assignment, record, Origin(student, SECRET), cells)
+        variables: dict[str, Any] = {}
+        known: dict[str, Value] = {}
+        questions = {question.id: question for question in assignment.questions}
+        for one, source in cells.items():
+            solved.kept[one] = Kept.of(variables)
+            if one in questions:
+                solved.known[one] = dict(known)
+                known.update(given_values(questions[one], solved._ask(one, variables), passed=True))
+            else:
+                exec(compile(source, one, "exec"), variables)
+    return solved
+
+
+@contextlib.contextmanager
+def work_folder() -> Iterator[Path]:
+    """Work in a new folder."""
+    before = Path.cwd()
+    with tempfile.TemporaryDirectory() as folder:
+        os.chdir(folder)
+        try:
+            yield Path(folder)
+        finally:
+            os.chdir(before)
+
+
+@contextlib.contextmanager
+def quietly() -> Iterator[None]:
+    """Print nothing, warn of nothing, and leave no figure open."""
+    with (
+        warnings.catch_warnings(),
+        np.errstate(all="ignore"),
+        open(os.devnull, "w") as nowhere,
+        contextlib.redirect_stdout(nowhere),
+    ):
+        warnings.simplefilter("ignore")
+        try:
+            yield
+        finally:
+            plt.close("all")
