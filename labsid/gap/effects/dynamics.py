@@ -150,7 +150,7 @@ def is_parallel(fit: Fitted) -> bool:
             return False
         slow, fast = np.exp(-np.array(real_rates(c, k)))
         share = float((fit.gains[0] * slow + fit.gains[1]) / ((slow - fast) * (1.0 - slow) * (whole or np.inf)))
-    return share < MAX_PARALLEL_SHARE
+    return abs(share) > MIN_PARALLEL_SHARE and share < MAX_PARALLEL_SHARE
 
 
 class Resonance(_Placed):
