@@ -125,6 +125,7 @@ def diagnose_batch(
         str | None,
         typer.Option(metavar="ADDRESS", help="Run on the workers of a Dask scheduler, such as tcp://HOST:8786."),
     ] = None,
+    html: Annotated[bool, typer.Option("--html", help="Also write the report of each record as HTML.")] = False,
     seed: Seed = 0,
 ) -> None:
     """Diagnose every record of a folder. Run again to continue an interrupted run."""
@@ -132,7 +133,7 @@ def diagnose_batch(
 
     try:
         with _progress(lines=True) as progress:
-            summary = diagnose_folder(folder, out, jobs, seed, progress, scheduler)
+            summary = diagnose_folder(folder, out, jobs, seed, progress, scheduler, html)
     except KeyboardInterrupt:
         raise ValueError(
             f"interrupted; the finished reports are in {out}. Run the command again to continue."

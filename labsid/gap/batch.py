@@ -1,18 +1,16 @@
 """Diagnose the records of a folder on all cores; a later run continues an interrupted one."""
 
-import csv
 import hashlib
-import io
 import json
 import os
-from collections import Counter
-from collections.abc import Iterator
 from contextlib import closing
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from labsid._files import write_file, write_json
+from labsid._files import write_json, write_text
+from labsid.gap.batch_page import write_batch_page, write_record_pages
+from labsid.gap.batch_summary import csv_summary, text_summary
 from labsid.gap.scheduler import run_on_scheduler
 from labsid.gap.version import sources_version
 from labsid.gap.workers import ATTEMPTS, run_tasks, serve
@@ -26,8 +24,7 @@ SIMULATIONS = (".sim.json", ".sim.csv")  # after the stem of the record
 HOLDOUTS = (".holdout.csv", ".holdout.mat")
 KEY = "made_from"  # entry of a report that identifies its input files, version and seed
 SUMMARY = "summary.csv"
-COLUMNS = ("stem", "verdict", "effects", "probability", "closed", "error")
-MAX_ERRORS = 5  # in the printed summary
+PAGE = "summary.html"
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -63,6 +60,7 @@ def diagnose_folder(
     seed: int = 0,
     progress: "Progress | None" = None,
     scheduler: str | None = None,
+    html: bool = False,
 ) -> str:
     """Diagnose every record of a folder.
 
@@ -72,8 +70,8 @@ def diagnose_folder(
         Files ``.csv`` and ``.mat`` are records; ``<stem>.sim.json`` (or ``.sim.csv``) and ``<stem>.holdout.csv`` are
         the simulation and the holdout of a record.
     out : Path
-        Folder for ``<stem>.json`` and ``summary.csv``, created if missing. The reports of an earlier run with the same
-        files, version and seed are kept.
+        Folder for ``<stem>.json``, ``summary.csv`` and ``summary.html``, created if missing. The reports of an earlier
+        run with the same files, version and seed are kept.
     jobs : int, optional
         Number of processes; by default the number of cores.
     seed : int
@@ -82,6 +80,8 @@ def diagnose_folder(
         Called with a description of the current step and the completed share.
     scheduler : str, optional
         Address of a Dask scheduler, such as ``tcp://HOST:8786``, whose workers run the diagnoses.
+    html : bool
+        Also write ``<stem>.html`` for each record, on this machine.
 
     Returns
     -------
@@ -93,9 +93,13 @@ def diagnose_folder(
     OSError
         If the folder does not exist, or `out` cannot be written.
     ValueError
-        If the folder contains no records, or two with the same stem, or the scheduler or its workers fail.
+        If the folder contains no records, or two with the same stem, or the scheduler or its workers fail, or the page
+        of a record would be ``summary.html``.
     """
     records = find_records(folder, out)
+    for record in records if html else ():
+        if record.stem.lower() == Path(PAGE).stem:
+            raise ValueError(f"the page of {record.name} would replace {PAGE}. Rename the record, or omit --html.")
     out.mkdir(parents=True, exist_ok=True)
     all_jobs = [_job(record, out, seed) for record in records]
     reports = {job.stem: report for job in all_jobs if (report := _earlier_report(job)) is not None}
@@ -117,8 +121,11 @@ def diagnose_folder(
             write_json(job.report, reports[job.stem])
             if progress is not None:
                 progress(f"{len(reports)} of {len(records)} records", len(reports) / len(records))
-    write_file(out / SUMMARY, _table(reports).encode())
-    return _summary(reports, before, out / SUMMARY)
+    write_text(out / SUMMARY, csv_summary(reports))
+    failed = write_record_pages(out, reports, jobs or _cores(), progress) if html else {}
+    write_batch_page(out / PAGE, folder.resolve().name, reports)
+    failures = [f"\n  no page of {stem}: {reason}" for stem, reason in failed.items()]
+    return text_summary(reports, before, out / SUMMARY) + "".join(failures)
 
 
 def find_records(folder: Path, out: Path) -> list[Path]:
@@ -216,38 +223,6 @@ def _earlier_report(job: Job) -> dict[str, Any] | None:
     except (OSError, ValueError):
         return None
     return content if isinstance(content, dict) and content.get(KEY) == job.key else None
-
-
-def _table(reports: dict[str, dict[str, Any]]) -> str:
-    text = io.StringIO()
-    writer = csv.writer(text, lineterminator="\n")
-    writer.writerow(COLUMNS)
-    writer.writerows(_row(stem, reports[stem]) for stem in sorted(reports))
-    return text.getvalue()
-
-
-def _row(stem: str, report: dict[str, Any]) -> Iterator[str]:
-    effects = report.get("effects", [])
-    probability = effects[0]["probability"] if effects else None
-    closed = report.get("gap", {}).get("closed")
-    yield from (stem, report["verdict"], "+".join(effect["name"] for effect in effects))
-    yield from ("" if value is None else f"{value:.6g}" for value in (probability, closed))
-    yield report.get("message", "")
-
-
-def _summary(reports: dict[str, dict[str, Any]], kept: int, table: Path) -> str:
-    verdicts = Counter(report["verdict"] for report in reports.values())
-    counts = ", ".join(f"{verdict} {verdicts[verdict]}" for verdict in sorted(verdicts))
-    earlier = f" ({kept} from an earlier run)" if kept else ""
-    lines = [f"{len(reports)} records: {counts}{earlier}"]
-    found = [report["effects"] for report in reports.values() if report.get("effects")]
-    names = Counter("+".join(effect["name"] for effect in effects) for effects in found)
-    lines += [f"  {count:4d}  {name}" for name, count in names.most_common()]
-    errors = [f"  {stem}: {reports[stem]['message']}" for stem in sorted(reports) if "message" in reports[stem]]
-    lines += errors[:MAX_ERRORS]
-    if len(errors) > MAX_ERRORS:
-        lines.append(f"  and {len(errors) - MAX_ERRORS} more errors")
-    return "\n".join([*lines, f"Summary: {table}"])
 
 
 def _cores() -> int:

@@ -3,6 +3,7 @@
 import csv
 import json
 import os
+import re
 import shutil
 import signal
 import subprocess
@@ -11,6 +12,7 @@ import time
 
 import numpy as np
 import pytest
+from gap_reports import report as gap_report
 
 from labsid.gap import batch
 from labsid.gap.batch import diagnose_folder, find_records
@@ -53,7 +55,7 @@ def counted(monkeypatch):
         for number, task in enumerate(tasks):
             name = os.path.basename(task["record"])
             asked.append(name)
-            report = {"verdict": "none", "effects": [], "gap": {"closed": None}, "seed": task["seed"]}
+            report = gap_report(verdict="none") | {"seed": task["seed"]}
             yield number, None if name.startswith("killed") else {"report": report, "keep": True}
 
     monkeypatch.setattr(batch, "run_tasks", run_tasks)
@@ -75,6 +77,7 @@ def test_every_record_gets_a_report(finished):
         "b.json",
         "empty.json",
         "summary.csv",
+        "summary.html",
         "words.json",
     ]
     answers = {path.stem: json.loads(path.read_text()) for path in out.glob("*.json")}
@@ -116,6 +119,14 @@ def test_a_report_equals_that_of_diagnose(finished, folder, tmp_path):
     assert answer == alone
 
 
+def test_the_summary_page_lists_every_record(finished):
+    out, _, _ = finished
+    page = (out / "summary.html").read_text(encoding="utf-8")
+    assert "4 records: 2 without a gap, 2 not diagnosed" in page
+    assert sorted(re.findall(r'href="([^"]*)"', page)) == ["a.json", "b.json", "empty.json", "words.json"]
+    assert json.loads((out / "empty.json").read_text())["message"] in page
+
+
 # What a second run keeps ----------------------------------------------------------------------------------
 
 
@@ -153,6 +164,21 @@ def test_records_with_changed_files_are_diagnosed_again(copied, counted, change,
     assert counted == again
 
 
+def test_a_second_run_adds_the_pages_of_the_records(copied, counted):
+    records, out = copied
+    diagnose_folder(records, out, jobs=1, html=True)
+    assert counted == []
+    assert sorted(path.name for path in out.glob("*.html")) == ["a.html", "b.html", "summary.html"]
+    links = re.findall(r'href="([^"]*)"', (out / "summary.html").read_text(encoding="utf-8"))
+    assert sorted(links) == ["a.html", "b.html", "empty.json", "words.json"]
+
+
+def test_a_record_whose_page_would_be_the_summary(tmp_path):
+    (tmp_path / "Summary.mat").touch()
+    with pytest.raises(ValueError, match=r"page of Summary\.mat would replace summary\.html\. Rename the record"):
+        diagnose_folder(tmp_path, tmp_path / "out", html=True)
+
+
 def test_another_seed_or_version_starts_anew(copied, counted, monkeypatch):
     diagnose_folder(*copied, seed=1)
     assert counted == ["a.csv", "b.csv", "empty.csv", "words.csv"]
@@ -181,7 +207,8 @@ def test_a_killed_record_is_an_error_that_the_next_run_tries_again(tmp_path, cou
 def test_effects_and_figures_in_the_table(tmp_path, monkeypatch):
     (tmp_path / "pair.csv").touch()
     effects = [{"name": "input-delay", "probability": 0.98765432}, {"name": "load-step", "probability": 0.5}]
-    report = {"verdict": "effect", "effects": effects, "gap": {"closed": 0.75}}
+    report = gap_report("input-delay") | {"effects": effects}
+    report["gap"]["closed"] = 0.75
     monkeypatch.setattr(batch, "run_tasks", lambda *_: (x for x in [(0, {"report": report, "keep": True})]))
     printed = diagnose_folder(tmp_path, tmp_path / "out")
     assert (tmp_path / "out" / "summary.csv").read_text().splitlines()[1] == (
