@@ -118,17 +118,19 @@ def diagnose(
 
 @gap.command("batch")
 def diagnose_batch(
-    folder: Annotated[Path, typer.Argument(metavar="DIR", help="Folder of records (.csv, .mat).")],
+    folder: Annotated[
+        Path, typer.Argument(metavar="DIR", help="Folder of records (.csv, .mat), and of folders of runs of one rig.")
+    ],
     out: Annotated[Path, typer.Option(metavar="DIR", help="Folder for the reports.")],
     jobs: Annotated[int | None, typer.Option(min=1, help="Number of processes; default: one for each core.")] = None,
     scheduler: Annotated[
         str | None,
         typer.Option(metavar="ADDRESS", help="Run on the workers of a Dask scheduler, such as tcp://HOST:8786."),
     ] = None,
-    html: Annotated[bool, typer.Option("--html", help="Also write the report of each record as HTML.")] = False,
+    html: Annotated[bool, typer.Option("--html", help="Also write each report as HTML.")] = False,
     seed: Seed = 0,
 ) -> None:
-    """Diagnose every record of a folder. Run again to continue an interrupted run."""
+    """Diagnose every record of a folder, and each sub-folder as one rig. Run again to continue an interrupted run."""
     from labsid.gap.batch import diagnose_folder
 
     try:

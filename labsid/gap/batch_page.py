@@ -28,10 +28,13 @@ VERDICTS = {
     "none": ("Without a gap", "floor"),
     "error": ("Not diagnosed", "error"),
 }  # labels and colours, in the order of the page
+RECORD = ("record", "records")
 _SCRIPT = Path(__file__).parent / "templates" / "sort.js"
 
 
-def write_batch_page(path: Path, name: str, reports: Mapping[str, dict[str, Any]]) -> None:
+def write_batch_page(
+    path: Path, name: str, reports: Mapping[str, dict[str, Any]], nouns: tuple[str, str] = RECORD
+) -> None:
     """Write the summary page of a batch, with links to the pages of its records, or to reports that have no page.
 
     Parameters
@@ -42,6 +45,8 @@ def write_batch_page(path: Path, name: str, reports: Mapping[str, dict[str, Any]
         Of the folder of records.
     reports : mapping of str to dict
         Reports in the layout ``labsid.gap/2`` by stem; those with the verdict "error" have a message instead.
+    nouns : tuple of str
+        What one and several of them are called.
 
     Raises
     ------
@@ -49,18 +54,22 @@ def write_batch_page(path: Path, name: str, reports: Mapping[str, dict[str, Any]
         If the file cannot be written.
     """
     links = {stem: f"{stem}.html" if _has_page(path.parent, stem) else f"{stem}.json" for stem in reports}
-    write_text(path, render_batch_page(name, reports, links))
+    write_text(path, render_batch_page(name, reports, links, nouns))
 
 
-def render_batch_page(name: str, reports: Mapping[str, dict[str, Any]], links: Mapping[str, str]) -> str:
+def render_batch_page(
+    name: str, reports: Mapping[str, dict[str, Any]], links: Mapping[str, str], nouns: tuple[str, str] = RECORD
+) -> str:
     """The summary page as HTML that loads nothing. The largest error remaining, relative to the noise, is first."""
     script = _SCRIPT.read_text(encoding="utf-8")
     digest = base64.b64encode(hashlib.sha256(script.encode()).digest()).decode("ascii")
-    page = batch_page_content(name, reports, links)
+    page = batch_page_content(name, reports, links, nouns)
     return load_template("batch.html.j2").render(page=page, script=script, digest=digest)
 
 
-def batch_page_content(name: str, reports: Mapping[str, dict[str, Any]], links: Mapping[str, str]) -> dict[str, Any]:
+def batch_page_content(
+    name: str, reports: Mapping[str, dict[str, Any]], links: Mapping[str, str], nouns: tuple[str, str] = RECORD
+) -> dict[str, Any]:
     """The content of the page as plain text, by the names that the template uses."""
     verdicts = Counter(report["verdict"] for report in reports.values())
     effects = Counter(effect["name"] for report in reports.values() for effect in report.get("effects", ()))
@@ -69,7 +78,9 @@ def batch_page_content(name: str, reports: Mapping[str, dict[str, Any]], links: 
     rows = [_row(stem, report) | {"href": hrefs[stem]} for stem, report in reports.items() if stem not in errors]
     return {
         "name": name,
-        "count": counted(len(reports), "record", "records"),
+        "count": counted(len(reports), *nouns),
+        "one": nouns[0],
+        "several": nouns[1],
         "headline": ", ".join(f"{verdicts[key]} {VERDICTS[key][0].lower()}" for key in VERDICTS if verdicts[key]),
         "verdicts": _bars((*VERDICTS[key], verdicts[key]) for key in VERDICTS if verdicts[key]),
         "effects": _bars((_title(effect), "after", count) for effect, count in effects.most_common()),
@@ -96,6 +107,7 @@ def _row(stem: str, report: dict[str, Any]) -> dict[str, Any]:
     chance = effects[0]["probability"] if effects else None
     return {
         "stem": stem,
+        "runs": len(report.get("records", ())),
         "verdict": VERDICTS[report["verdict"]][0],
         "colour": VERDICTS[report["verdict"]][1],
         "severity": list(VERDICTS).index(report["verdict"]),

@@ -29,7 +29,7 @@ def _row(stem: str, report: dict[str, Any]) -> Iterator[str]:
     yield report.get("message", "")
 
 
-def text_summary(reports: Mapping[str, dict[str, Any]], kept: int, table: Path) -> str:
+def text_summary(reports: Mapping[str, dict[str, Any]], kept: int, table: Path, noun: str = "records") -> str:
     """Number of reports by verdict and by effects, and the first errors.
 
     Parameters
@@ -40,11 +40,13 @@ def text_summary(reports: Mapping[str, dict[str, Any]], kept: int, table: Path) 
         Number of reports from an earlier run.
     table : Path
         The summary as CSV, to be named.
+    noun : str
+        What several of them are called.
     """
     verdicts = Counter(report["verdict"] for report in reports.values())
     counts = ", ".join(f"{verdict} {verdicts[verdict]}" for verdict in sorted(verdicts))
     earlier = f" ({kept} from an earlier run)" if kept else ""
-    lines = [f"{len(reports)} records: {counts}{earlier}"]
+    lines = [f"{len(reports)} {noun}: {counts}{earlier}"]
     found = [report["effects"] for report in reports.values() if report.get("effects")]
     names = Counter("+".join(effect["name"] for effect in effects) for effects in found)
     lines += [f"  {count:4d}  {name}" for name, count in names.most_common()]

@@ -226,7 +226,8 @@ def command(report: dict[str, Any]) -> str:
     given = report.get("command")
     if given:
         return str(given)
-    words = ["labsid", "gap", "diagnose", report["record"]["name"] or "RECORD"]
+    names = [row["name"] for row in report.get("records", ())] or [report["record"]["name"] or "RECORD"]
+    words = ["labsid", "gap", "diagnose", *names]
     if report["simulation"]["given"]:
         words += ["--sim", "MODEL"]
     if report["holdout_traces"] is not None:
