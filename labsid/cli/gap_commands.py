@@ -283,12 +283,12 @@ def _progress(lines: bool = False) -> Iterator[Callable[[str, float], None] | No
 
 
 def _line_printer() -> Callable[[str, float], None]:
-    """Print a line on stderr for each 5 % of progress."""
+    """Print a line on stderr for each 5 % of progress of each step."""
     printed = -1
 
     def show(what: str, share: float) -> None:
         nonlocal printed
-        if int(20 * share) > printed:
+        if int(20 * share) != printed:
             printed = int(20 * share)
             print(what, file=sys.stderr, flush=True)
 

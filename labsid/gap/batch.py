@@ -94,8 +94,8 @@ def diagnose_folder(
     write_text(out / SUMMARY, csv_summary(reports))
     failed = write_record_pages(out, reports, jobs or _cores(), progress) if html else {}
     write_batch_page(out / PAGE, folder.resolve().name, reports, (one, several))
-    failures = [f"\n  no page of {stem}: {reason}" for stem, reason in failed.items()]
-    return text_summary(reports, before, out / SUMMARY, several) + "".join(failures)
+    failures = [f"  no page of {stem}: {reason}" for stem, reason in failed.items()]
+    return "\n".join([text_summary(reports, before, out / SUMMARY, several), f"Page: {out / PAGE}", *failures])
 
 
 def run_worker() -> None:

@@ -218,10 +218,10 @@ def test_the_summary_of_a_batch_is_sorted_by_a_click(context: "BrowserContext", 
     page.on("console", lambda message: refused.append(message.text))
     page.on("pageerror", lambda failure: refused.append(str(failure)))
     page.goto(path.as_uri())
-    orders = [page.locator("#records tbody tr td:first-child").all_inner_texts()]
+    orders = [page.locator("#records tbody a").all_inner_texts()]
     for title in ("Gap closed", "Gap closed", "Record"):
         page.get_by_role("button", name=title).click()
-        orders.append(page.locator("#records tbody tr td:first-child").all_inner_texts())
+        orders.append(page.locator("#records tbody a").all_inner_texts())
     assert orders == [
         ["input-delay", "load-step", "extra-lag", "none"],
         ["input-delay", "load-step", "extra-lag", "none"],

@@ -103,7 +103,7 @@ def test_the_table_and_what_is_printed(finished):
     assert rows[2]["error"] == json.loads((out / "empty.json").read_text())["message"]
     assert printed.startswith("4 records: error 2, none 2\n")
     assert f"  empty: {rows[2]['error']}\n" in printed
-    assert printed.endswith(f"Summary: {out / 'summary.csv'}")
+    assert printed.endswith(f"Summary: {out / 'summary.csv'}\nPage: {out / 'summary.html'}")
     assert told[0] == ("0 of 4 records", 0.0)
     assert told[-1] == ("4 of 4 records", 1.0)
 
