@@ -118,21 +118,24 @@ def diagnose(
 
 @gap.command("batch")
 def diagnose_batch(
-    folder: Annotated[Path, typer.Argument(metavar="DIR", help="Folder of records (.csv, .mat).")],
+    folder: Annotated[
+        Path, typer.Argument(metavar="DIR", help="Folder of records (.csv, .mat), and of folders of runs of one rig.")
+    ],
     out: Annotated[Path, typer.Option(metavar="DIR", help="Folder for the reports.")],
     jobs: Annotated[int | None, typer.Option(min=1, help="Number of processes; default: one for each core.")] = None,
     scheduler: Annotated[
         str | None,
         typer.Option(metavar="ADDRESS", help="Run on the workers of a Dask scheduler, such as tcp://HOST:8786."),
     ] = None,
+    html: Annotated[bool, typer.Option("--html", help="Also write each report as HTML.")] = False,
     seed: Seed = 0,
 ) -> None:
-    """Diagnose every record of a folder. Run again to continue an interrupted run."""
+    """Diagnose every record of a folder, and each sub-folder as one rig. Run again to continue an interrupted run."""
     from labsid.gap.batch import diagnose_folder
 
     try:
         with _progress(lines=True) as progress:
-            summary = diagnose_folder(folder, out, jobs, seed, progress, scheduler)
+            summary = diagnose_folder(folder, out, jobs, seed, progress, scheduler, html)
     except KeyboardInterrupt:
         raise ValueError(
             f"interrupted; the finished reports are in {out}. Run the command again to continue."
@@ -280,12 +283,12 @@ def _progress(lines: bool = False) -> Iterator[Callable[[str, float], None] | No
 
 
 def _line_printer() -> Callable[[str, float], None]:
-    """Print a line on stderr for each 5 % of progress."""
+    """Print a line on stderr for each 5 % of progress of each step."""
     printed = -1
 
     def show(what: str, share: float) -> None:
         nonlocal printed
-        if int(20 * share) > printed:
+        if int(20 * share) != printed:
             printed = int(20 * share)
             print(what, file=sys.stderr, flush=True)
 

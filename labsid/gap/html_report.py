@@ -46,7 +46,7 @@ def write_html_report(path: Path, report: dict[str, Any]) -> None:
 
 def render_html(report: dict[str, Any]) -> str:
     """The report as HTML, without scripts or external resources."""
-    return _template().render(page=page_content(report), pictures=encoded_figures(report))
+    return load_template("gap.html.j2").render(page=page_content(report), pictures=encoded_figures(report))
 
 
 def page_content(report: dict[str, Any]) -> dict[str, Any]:
@@ -226,7 +226,8 @@ def command(report: dict[str, Any]) -> str:
     given = report.get("command")
     if given:
         return str(given)
-    words = ["labsid", "gap", "diagnose", report["record"]["name"] or "RECORD"]
+    names = [row["name"] for row in report.get("records", ())] or [report["record"]["name"] or "RECORD"]
+    words = ["labsid", "gap", "diagnose", *names]
     if report["simulation"]["given"]:
         words += ["--sim", "MODEL"]
     if report["holdout_traces"] is not None:
@@ -244,14 +245,15 @@ def encoded_figures(report: dict[str, Any]) -> dict[str, dict[str, str]]:
     }
 
 
-def _template() -> "jinja2.Template":
+def load_template(name: str) -> "jinja2.Template":
+    """A template of this package; values are escaped, and numbers stay on one line with their units."""
     import jinja2
 
     loader = jinja2.FileSystemLoader(Path(__file__).parent / "templates")
     environment = jinja2.Environment(
         loader=loader, autoescape=True, undefined=jinja2.StrictUndefined, trim_blocks=True, finalize=_no_break
     )
-    return environment.get_template("gap.html.j2")
+    return environment.get_template(name)
 
 
 def _no_break(value: Any) -> Any:

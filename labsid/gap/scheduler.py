@@ -19,7 +19,6 @@ _POLL_SECONDS = 2.0
 _PENDING_PER_THREAD = 3  # tasks on the scheduler for each thread of its workers
 _MIN_PENDING = 16
 _RESUME = "Finished reports are kept; run the same command again for the rest."
-_FILES = ("record", "sim", "holdout")
 
 Task = dict[str, Any]
 Run = Callable[[Task], Task]
@@ -37,7 +36,7 @@ def run_on_scheduler(
     version : str
         Of this machine's labsid, which every worker must have.
     tasks : sequence of dict
-        Their files are paths of this machine.
+        The entry "files" holds lists of paths of this machine by kind.
     address : str
         Such as ``tcp://HOST:8786``.
 
@@ -114,13 +113,16 @@ def _result(future: Any, address: str) -> Task | None:
 
 
 def _packed(task: Task) -> Task:
-    """The task with the contents of its files; None for one that cannot be read, so that it is missing there, too."""
-    files: dict[str, tuple[str, bytes | None]] = {}
-    for path, kind in ((Path(task[kind]), kind) for kind in _FILES if task[kind] is not None):
-        files[kind] = path.name, None
-        with suppress(OSError):
-            files[kind] = path.name, path.read_bytes()
-    return task | {"files": files}
+    """The task with the names and contents of its files."""
+    return task | {"files": {kind: [_content(Path(path)) for path in paths] for kind, paths in task["files"].items()}}
+
+
+def _content(path: Path) -> tuple[str, bytes | None]:
+    """Name and content of a file; None for one that cannot be read, so that it is missing on the worker, too."""
+    try:
+        return path.name, path.read_bytes()
+    except OSError:
+        return path.name, None
 
 
 def _on_worker(run: Run, version: str, task: Task) -> Task:
@@ -128,11 +130,11 @@ def _on_worker(run: Run, version: str, task: Task) -> Task:
     if sources_version() != version:
         return {"refused": "has another labsid than this machine: install the same version there, and restart it"}
     with tempfile.TemporaryDirectory(prefix="labsid-") as folder:
-        paths: dict[str, str | None] = dict.fromkeys(_FILES)
-        for kind, (name, content) in task["files"].items():
-            path = Path(folder) / kind / name
-            path.parent.mkdir()
-            if content is not None:
-                path.write_bytes(content)
-            paths[kind] = str(path)
-        return run(task | paths)
+        paths: dict[str, list[str]] = {}
+        for kind, files in task["files"].items():
+            Path(folder, kind).mkdir()
+            paths[kind] = [str(Path(folder, kind, name)) for name, _ in files]
+            for name, content in files:
+                if content is not None:
+                    Path(folder, kind, name).write_bytes(content)
+        return run(task | {"files": paths})

@@ -17,6 +17,7 @@ from browser.processes import served, wait_until_reachable
 from gap_reports import report, with_experiment, with_holdout, with_rest
 
 from autograder.course.layout import Course
+from labsid.gap.batch_page import write_batch_page
 from labsid.gap.html_report import write_html_report
 
 if TYPE_CHECKING:
@@ -199,4 +200,36 @@ def test_pages_of_the_gap_diagnosis(context: "BrowserContext", tmp_path: Path) -
         page.goto(path.as_uri())
         found += problems(page, f"gap-{name}")
     page.close()
+    assert not found, "\n".join(found)
+
+
+def test_the_summary_of_a_batch_is_sorted_by_a_click(context: "BrowserContext", tmp_path: Path) -> None:
+    from browser.accessibility import problems
+
+    reports = {name: report(name) for name in ("load-step", "input-delay", "extra-lag")}
+    for stem, closed in {"load-step": 0.5, "input-delay": 0.1, "extra-lag": 0.9}.items():
+        reports[stem]["gap"] |= {"closed": closed, "after": 0.064 - 0.05 * closed}
+    reports["none"] = report(verdict="none")
+    reports["broken"] = {"schema": "labsid.gap/2", "verdict": "error", "message": "broken.csv is empty"}
+    path = tmp_path / "summary.html"
+    write_batch_page(path, "bench", reports)
+    page = context.new_page()
+    refused: list[str] = []
+    page.on("console", lambda message: refused.append(message.text))
+    page.on("pageerror", lambda failure: refused.append(str(failure)))
+    page.goto(path.as_uri())
+    orders = [page.locator("#records tbody a").all_inner_texts()]
+    for title in ("Gap closed", "Gap closed", "Record"):
+        page.get_by_role("button", name=title).click()
+        orders.append(page.locator("#records tbody a").all_inner_texts())
+    assert orders == [
+        ["input-delay", "load-step", "extra-lag", "none"],
+        ["input-delay", "load-step", "extra-lag", "none"],
+        ["extra-lag", "load-step", "input-delay", "none"],  # without a closed share: last in both orders
+        ["extra-lag", "input-delay", "load-step", "none"],
+    ]
+    assert page.locator("th[aria-sort]").all_inner_texts() == ["Record"]
+    found = problems(page, "batch")
+    page.close()
+    assert not refused
     assert not found, "\n".join(found)

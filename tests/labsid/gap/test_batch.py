@@ -1,8 +1,9 @@
-"""Batches: which files are records, invalid records, second runs, and interrupts."""
+"""Batches: invalid records, second runs, folders of runs, and interrupts."""
 
 import csv
 import json
 import os
+import re
 import shutil
 import signal
 import subprocess
@@ -11,9 +12,10 @@ import time
 
 import numpy as np
 import pytest
+from gap_reports import report as gap_report
 
 from labsid.gap import batch
-from labsid.gap.batch import diagnose_folder, find_records
+from labsid.gap.batch import diagnose_folder
 
 LABSID = [sys.executable, "-c", "import sys; from labsid.cli.commands import main; sys.exit(main())"]
 SAMPLES = 150
@@ -51,9 +53,9 @@ def counted(monkeypatch):
     def run_tasks(module, tasks, jobs):
         assert module == "labsid.gap.batch"
         for number, task in enumerate(tasks):
-            name = os.path.basename(task["record"])
+            name = "+".join(os.path.basename(path) for path in task["files"]["records"])
             asked.append(name)
-            report = {"verdict": "none", "effects": [], "gap": {"closed": None}, "seed": task["seed"]}
+            report = gap_report(verdict="none") | {"seed": task["seed"]}
             yield number, None if name.startswith("killed") else {"report": report, "keep": True}
 
     monkeypatch.setattr(batch, "run_tasks", run_tasks)
@@ -75,6 +77,7 @@ def test_every_record_gets_a_report(finished):
         "b.json",
         "empty.json",
         "summary.csv",
+        "summary.html",
         "words.json",
     ]
     answers = {path.stem: json.loads(path.read_text()) for path in out.glob("*.json")}
@@ -100,7 +103,7 @@ def test_the_table_and_what_is_printed(finished):
     assert rows[2]["error"] == json.loads((out / "empty.json").read_text())["message"]
     assert printed.startswith("4 records: error 2, none 2\n")
     assert f"  empty: {rows[2]['error']}\n" in printed
-    assert printed.endswith(f"Summary: {out / 'summary.csv'}")
+    assert printed.endswith(f"Summary: {out / 'summary.csv'}\nPage: {out / 'summary.html'}")
     assert told[0] == ("0 of 4 records", 0.0)
     assert told[-1] == ("4 of 4 records", 1.0)
 
@@ -114,6 +117,14 @@ def test_a_report_equals_that_of_diagnose(finished, folder, tmp_path):
     alone = json.loads((tmp_path / "b.json").read_text())
     assert alone.pop("command") == "labsid gap diagnose b.csv --html report.html"
     assert answer == alone
+
+
+def test_the_summary_page_lists_every_record(finished):
+    out, _, _ = finished
+    page = (out / "summary.html").read_text(encoding="utf-8")
+    assert "4 records: 2 without a gap, 2 not diagnosed" in page
+    assert sorted(re.findall(r'href="([^"]*)"', page)) == ["a.json", "b.json", "empty.json", "words.json"]
+    assert json.loads((out / "empty.json").read_text())["message"] in page
 
 
 # What a second run keeps ----------------------------------------------------------------------------------
@@ -153,6 +164,21 @@ def test_records_with_changed_files_are_diagnosed_again(copied, counted, change,
     assert counted == again
 
 
+def test_a_second_run_adds_the_pages_of_the_records(copied, counted):
+    records, out = copied
+    diagnose_folder(records, out, jobs=1, html=True)
+    assert counted == []
+    assert sorted(path.name for path in out.glob("*.html")) == ["a.html", "b.html", "summary.html"]
+    links = re.findall(r'href="([^"]*)"', (out / "summary.html").read_text(encoding="utf-8"))
+    assert sorted(links) == ["a.html", "b.html", "empty.json", "words.json"]
+
+
+def test_a_record_whose_page_would_be_the_summary(tmp_path):
+    (tmp_path / "Summary.mat").touch()
+    with pytest.raises(ValueError, match=r"page of Summary would replace summary\.html\. Rename the record"):
+        diagnose_folder(tmp_path, tmp_path / "out", html=True)
+
+
 def test_another_seed_or_version_starts_anew(copied, counted, monkeypatch):
     diagnose_folder(*copied, seed=1)
     assert counted == ["a.csv", "b.csv", "empty.csv", "words.csv"]
@@ -181,7 +207,8 @@ def test_a_killed_record_is_an_error_that_the_next_run_tries_again(tmp_path, cou
 def test_effects_and_figures_in_the_table(tmp_path, monkeypatch):
     (tmp_path / "pair.csv").touch()
     effects = [{"name": "input-delay", "probability": 0.98765432}, {"name": "load-step", "probability": 0.5}]
-    report = {"verdict": "effect", "effects": effects, "gap": {"closed": 0.75}}
+    report = gap_report("input-delay") | {"effects": effects}
+    report["gap"]["closed"] = 0.75
     monkeypatch.setattr(batch, "run_tasks", lambda *_: (x for x in [(0, {"report": report, "keep": True})]))
     printed = diagnose_folder(tmp_path, tmp_path / "out")
     assert (tmp_path / "out" / "summary.csv").read_text().splitlines()[1] == (
@@ -190,30 +217,66 @@ def test_effects_and_figures_in_the_table(tmp_path, monkeypatch):
     assert "     1  input-delay+load-step\n" in printed
 
 
-# What is a record -----------------------------------------------------------------------------------------
+# Folders of runs ------------------------------------------------------------------------------------------
 
 
-def test_find_records(tmp_path):
-    names = "b.csv B2.CSV a.mat a.sim.json a.sim.csv a.holdout.csv c.holdout.mat .hidden.csv notes.txt summary.csv"
-    for name in names.split():
-        (tmp_path / name).touch()
-    (tmp_path / "folder.csv").mkdir()
-    assert [path.name for path in find_records(tmp_path, tmp_path / "out")] == [
-        "B2.CSV",
-        "a.mat",
-        "b.csv",
-        "summary.csv",
-    ]
-    assert [path.name for path in find_records(tmp_path, tmp_path)] == ["B2.CSV", "a.mat", "b.csv"]
+@pytest.fixture(scope="module")
+def fleet(tmp_path_factory, rig_record, write_rig_record):
+    """A record, a rig with two runs and a simulation, a rig with one run, and one with an invalid run."""
+    folder = tmp_path_factory.mktemp("fleet")
+    write_rig_record(folder / "alone.csv", rig_record("none", SAMPLES))
+    for name, seeds in {"rig-01": (4, 5), "rig.2": (6,), "rig-03": (7,)}.items():
+        (folder / name).mkdir()
+        for seed in seeds:
+            write_rig_record(folder / name / f"run-{seed}.csv", rig_record("none", SAMPLES, seed=seed))
+    (folder / "rig-03" / "words.csv").write_text("t,u,y\n1,2,three\n")
+    return folder
 
 
-def test_two_records_of_one_name_and_none_at_all(tmp_path):
-    with pytest.raises(ValueError, match=r"holds no records \(\.csv or \.mat\)"):
-        find_records(tmp_path, tmp_path)
-    (tmp_path / "a.csv").touch()
-    (tmp_path / "a.mat").touch()
-    with pytest.raises(ValueError, match=r"a\.csv and a\.mat would share the report a\.json\. Rename"):
-        find_records(tmp_path, tmp_path)
+@pytest.fixture(scope="module")
+def fleet_out(fleet, tmp_path_factory):
+    """The folder of reports, and the summary printed."""
+    out = tmp_path_factory.mktemp("fleet-out")
+    return out, diagnose_folder(fleet, out, jobs=2)
+
+
+def test_a_folder_of_runs_is_one_rig(fleet, fleet_out, tmp_path):
+    from labsid.cli.commands import main
+
+    out, printed = fleet_out
+    assert [row["stem"] for row in summary_of(out)] == ["alone", "rig-01", "rig-03", "rig.2"]
+    assert printed.startswith("4 records and rigs: error 1, none 3\n")
+    runs = [str(fleet / "rig-01" / f"run-{seed}.csv") for seed in (4, 5)]
+    assert main(["gap", "diagnose", *runs, "--json", str(tmp_path / "rig.json")]) == 0
+    together, alone = (json.loads(path.read_text()) for path in (out / "rig-01.json", tmp_path / "rig.json"))
+    assert [row["name"] for row in together["records"]] == ["run-4", "run-5"]
+    del together["made_from"], alone["command"]
+    assert together == alone
+    assert "records" not in json.loads((out / "rig.2.json").read_text())
+    assert json.loads((out / "rig-03.json").read_text())["message"].startswith("words.csv: ")
+    page = (out / "summary.html").read_text(encoding="utf-8")
+    assert "4 records and rigs: 3 without a gap, 1 not diagnosed" in page
+    assert page.count("2 runs") == 1
+
+
+@pytest.mark.parametrize(
+    ("change", "again"),
+    [
+        (lambda fleet: None, []),
+        (lambda fleet: (fleet / "rig-01" / "run-5.csv").open("a").write("\n"), ["run-4.csv+run-5.csv"]),
+        (lambda fleet: (fleet / "rig-01" / "run-5.csv").unlink(), ["run-4.csv"]),
+        (lambda fleet: (fleet / "rig-01" / "run-4.csv").rename(fleet / "rig-01" / "x.csv"), ["run-5.csv+x.csv"]),
+        (lambda fleet: (fleet / "rig-01.sim.json").touch(), ["run-4.csv+run-5.csv"]),
+        (lambda fleet: (fleet / "rig.2.holdout.csv").touch(), ["run-6.csv"]),
+    ],
+)
+@pytest.mark.filterwarnings("ignore::ResourceWarning")
+def test_rigs_with_changed_files_are_diagnosed_again(fleet, fleet_out, tmp_path, counted, change, again):
+    shutil.copytree(fleet, tmp_path / "fleet")
+    shutil.copytree(fleet_out[0], tmp_path / "out")
+    change(tmp_path / "fleet")
+    diagnose_folder(tmp_path / "fleet", tmp_path / "out")
+    assert counted == again
 
 
 # Ctrl-C ---------------------------------------------------------------------------------------------------

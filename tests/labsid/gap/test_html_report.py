@@ -164,6 +164,8 @@ def test_the_command_is_safe_to_paste():
         "labsid gap diagnose 'my rig; rm -rf $HOME' --sim MODEL --json report.json --html report.html"
     )
     assert "--holdout RECORD2" in command(with_holdout(base))
+    base["records"] = [{"name": "run 1"}, {"name": "run-2"}]
+    assert command(base).startswith("labsid gap diagnose 'run 1' run-2 --sim MODEL")
     base["command"] = "labsid gap diagnose dryer.dat --columns 1,2 --Ts 0.08"
     assert command(base) == base["command"]
 

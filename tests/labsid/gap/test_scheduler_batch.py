@@ -29,11 +29,14 @@ def folder(
     rig_record: Callable[..., Record],
     write_rig_record: Callable[[Path, Record], Path],
 ) -> Path:
-    """Six records, one of them with a holdout, and one that is none."""
+    """Six records, one of them with a holdout, one that is none, and a rig with two runs."""
     folder = tmp_path_factory.mktemp("records")
     for number in range(RECORDS):
         write_rig_record(folder / f"run-{number}.csv", rig_record("none", SAMPLES, seed=number))
     write_rig_record(folder / "run-0.holdout.csv", rig_record("none", SAMPLES, seed=99))
+    (folder / "rig").mkdir()
+    for number in range(2):
+        write_rig_record(folder / "rig" / f"run-{number}.csv", rig_record("none", SAMPLES, seed=20 + number))
     (folder / "words.csv").write_text("t,u,y\n1,2,three\n", encoding="utf-8")
     return folder
 
@@ -54,7 +57,7 @@ def test_a_worker_that_is_killed_costs_nothing_and_the_reports_are_those_of_this
             machines.workers[0].kill()
 
     said = diagnose_folder(folder, tmp_path / "cluster", progress=progress, scheduler=machines.address)
-    assert said.startswith("7 records: error 1, none 6")
+    assert said.startswith("8 records and rigs: error 1, none 7")
     diagnose_folder(folder, tmp_path / "here", jobs=2)
     here, there = reports(tmp_path / "here"), reports(tmp_path / "cluster")
     assert here.keys() == there.keys()
@@ -63,7 +66,7 @@ def test_a_worker_that_is_killed_costs_nothing_and_the_reports_are_those_of_this
     assert here == there
     machines.workers[1].kill()
     again = diagnose_folder(folder, tmp_path / "cluster", scheduler=machines.address)  # nothing is left to do
-    assert "(7 from an earlier run)" in again
+    assert "(8 from an earlier run)" in again
 
 
 def test_what_is_wrong_with_the_cluster_is_said_in_one_line(
