@@ -95,6 +95,7 @@ class notebook_checks:  # noqa: N801  (called like a function, once, at the top 
         self._skipped: dict[str, Mapping[str, Value]] = {}
         self._set_by_skip: dict[str, Mapping[str, Any]] = {}
         self._states: dict[str, str] = {}
+        self._wrong: dict[str, set[tuple[str, ...]]] = {}
         self._shell = shell_of(variables)
         self._runs = None if self._shell is None else runs_in(self._shell)
 
@@ -114,7 +115,8 @@ class notebook_checks:  # noqa: N801  (called like a function, once, at the top 
         ask = NotebookAsk(self._variables, self._record, self._known(), question_id)
         verdict, remark = _judged(question, ask, cells)
         if not verdict.passed:
-            self._fail(question, verdict.reason, cells)
+            is_second = self._is_second_answer(question_id, ask.names)
+            self._fail(question, verdict.whole_reason if is_second else verdict.reason, cells)
         self._passed[question_id] = given_values(question, ask, passed=True)
         self._skipped.pop(question_id, None)
         self._set_by_skip.pop(question_id, None)
@@ -220,6 +222,18 @@ class notebook_checks:  # noqa: N801  (called like a function, once, at the top 
             print(text)
             return
         self._shell.display_pub.publish({"text/plain": text, "text/html": html}, metadata={OUTCOME: outcome})
+
+    def _is_second_answer(self, question_id: str, names: Iterable[str]) -> bool:
+        """Note a wrong answer, made by the cells that assign these names; whether another one was wrong before.
+
+        Without IPython, nothing tells two answers apart, and each counts as another one.
+        """
+        if self._runs is None:
+            return True
+        made = tuple(run.source for name in names for run in self._runs.assigning(name)[-1:])
+        wrong = self._wrong.setdefault(question_id, set())
+        wrong.add(made)
+        return len(wrong) > 1
 
     def _cells(self, question_id: str) -> QuestionCells | None:
         if self._runs is None:

@@ -61,10 +61,10 @@ def _errors_after_the_update(u: FloatArray, y: FloatArray, forgetting: float, LN
 
 
 _FAULTS = {
-    "1 in the denominator": "has 1 + phi'P phi in the denominator of P: with forgetting the 1 becomes lambda.",
-    "not divided by lambda": "does not divide P by lambda: without that, nothing is forgotten.",
-    "multiplied by lambda": "multiplies P by lambda: divide.",
-    "gain from the old P": "takes the gain from the P before the sample: K(n) = P(n) phi(n), with the new one.",
+    "1 in the denominator": ("has 1 + phi'P phi in the denominator of P.", "With forgetting the 1 becomes lambda."),
+    "not divided by lambda": ("does not divide P by lambda: without that, nothing is forgotten.", ""),
+    "multiplied by lambda": ("multiplies P by lambda.", "Divide."),
+    "gain from the old P": ("takes the gain from the P before the sample.", "K(n) = P(n) phi(n), with the new one."),
 }
 
 
@@ -89,9 +89,9 @@ def _require_finite(call: str, got: FloatArray, u: FloatArray, y: FloatArray, fo
     if np.all(np.isfinite(got)):
         return
     last = int(np.argmax(~np.all(np.isfinite(got), axis=1)))
-    for name, text in _FAULTS.items():
+    for name, (what, _) in _FAULTS.items():
         if last > 2 and np.allclose(got[:last], _faulty(u, y, forgetting, LN, name)[:last], rtol=1e-3):
-            raise NoAnswer(f"`{call}` {text} The estimate then grows without limit.", name)
+            raise NoAnswer(f"`{call}` {what} The estimate then grows without limit.", name)
     raise NoAnswer(
         f"the estimate of `{call}` grows without limit, and is no number from sample {last} on: compare your lines "
         "with those of step 6.",
@@ -127,8 +127,8 @@ def _judge_history(ask: Ask, u: FloatArray, y: FloatArray, forgetting: float, LN
         else f"`{call}` is off, though with forgetting = 1 it is right: look at the two places of lambda in P(n).",
         [
             *(
-                Slip(name, f"`{call}` {text}", partial(_faulty, u, y, forgetting, LN, name))
-                for name, text in _FAULTS.items()
+                Slip(name, f"`{call}` {what}", partial(_faulty, u, y, forgetting, LN, name), mend)
+                for name, (what, mend) in _FAULTS.items()
             ),
             Slip(
                 "errors after the update",

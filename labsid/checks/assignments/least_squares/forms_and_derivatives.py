@@ -285,8 +285,9 @@ def _jacobian(ask: Ask, x: FloatArray) -> Verdict:
             Slip("product rule", product, lambda: 2 * outer),
             Slip(
                 "the 2 forgotten",
-                "`jacobian_cubic` has x x' once; the derivative of x'x is 2x'.",
+                "`jacobian_cubic` has x x' once.",
                 lambda: square + outer,
+                mend="The derivative of x'x is 2x'.",
             ),
             Slip(
                 "3 x'x as for a number",
@@ -300,8 +301,9 @@ def _jacobian(ask: Ask, x: FloatArray) -> Verdict:
             ),
             Slip(
                 "x'x added to every entry",
-                "`jacobian_cubic` adds x'x to every entry: add it only to the diagonal, with `np.eye(n)`.",
+                "`jacobian_cubic` adds x'x to every entry.",
                 lambda: x @ x + 2 * outer,
+                mend="Add it only to the diagonal, with `np.eye(n)`.",
             ),
         ],
     )
