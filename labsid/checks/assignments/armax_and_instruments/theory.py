@@ -59,6 +59,11 @@ def _judge_limit(ask: Ask, a: float, b: float, c: float, var_u: float, var_e: fl
                 lambda: np.array([-c * var_e / var_y, 0.0]),
                 mend="Add it to [a, b].",
             ),
+            Slip(
+                "c doubled",
+                "`limit_of_least_squares` pulls a twice as far as it should: y(t-1) and v(t) share only e(t-1).",
+                lambda: pulled(2 * c * var_e / var_y),
+            ),
             Slip("cross term", cross, lambda: pulled(c * var_e / (signal + (1 + c**2) * var_e / short))),
             Slip("cross term", cross, lambda: pulled(c * var_e / (signal + (1 + c**2 + 2 * a * c) * var_e / short))),
             Slip(

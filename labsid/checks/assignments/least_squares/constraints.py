@@ -223,6 +223,11 @@ def _judge_constrained(ask: Ask, Phi: FloatArray, Y: FloatArray, A: FloatArray, 
                 lambda: free + pseudo_inverse(A) @ (b - A @ free),
             ),
             Slip(
+                "sign of b",
+                "`constrained_fit` satisfies A theta = -b: check the sign of b in your equations.",
+                lambda: least_squares_with_equations(Phi, Y, A, -b).theta,
+            ),
+            Slip(
                 "data not used",
                 "`constrained_fit` satisfies the constraint but ignores the data.",
                 lambda: pseudo_inverse(A) @ b,

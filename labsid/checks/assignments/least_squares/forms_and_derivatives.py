@@ -256,6 +256,11 @@ def _gradient(ask: Ask, A: FloatArray, x: FloatArray) -> Verdict:
                 lambda: A.T @ x,
             ),
             Slip(
+                "sign of one term",
+                "`gradient_form` subtracts one of the two terms: both count with a plus.",
+                lambda: A @ x - A.T @ x,
+            ),
+            Slip(
                 "half of the gradient",
                 "`gradient_form` is half of the gradient: do not divide by two.",
                 lambda: gradient_quadratic(A, x) / 2,

@@ -58,6 +58,12 @@ def _judge_projector(ask: Ask, Phi: FloatArray) -> Verdict:
                 lambda: Phi @ Phi.T @ Phi @ Phi.T,
             ),
             Slip(
+                "divided by a norm",
+                "`projector` divides Phi Phi' by the square of a norm, which is right for a single column only.",
+                lambda: Phi @ Phi.T / np.linalg.norm(Phi) ** 2,
+                mend="(Phi'Phi)^-1 belongs in the middle.",
+            ),
+            Slip(
                 "identity",
                 "`projector` returns the identity, which has rank n; P has the rank of Phi.",
                 lambda: np.eye(n),

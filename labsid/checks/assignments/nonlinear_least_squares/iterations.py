@@ -211,6 +211,7 @@ def _judge_step(ask: Ask, J: FloatArray, e: FloatArray, mu: float) -> Verdict:
                 "`damped_step` goes uphill: J'e stands on the right with a plus.",
                 lambda: -solve(JJ + mu * D),
             ),
+            Slip("mu squared", "`damped_step` uses the square of mu: it is mu D.", lambda: solve(JJ + mu**2 * D)),
             Slip("mu only", "`damped_step` leaves J'J itself out.", lambda: solve(mu * D)),
         ],
     )
