@@ -4,7 +4,7 @@ import ast
 from collections import Counter
 from functools import lru_cache
 
-from autograder.course.sources import parse_python
+from labsid.checks.cell_names import parse_python
 
 
 @lru_cache(maxsize=1024)

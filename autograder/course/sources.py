@@ -6,12 +6,11 @@ from collections.abc import Iterator
 from functools import cache
 from importlib.util import find_spec
 from pathlib import Path
-from threading import Lock
+
+from labsid.checks.cell_names import parse_python
 
 PACKAGES = ("labsid", "autograder")
 """Packages whose source can change without a new version."""
-
-_PARSING = Lock()
 
 
 @cache
@@ -54,12 +53,6 @@ def _imports(name: str) -> tuple[str, ...]:
     path = source_path(name)
     assert path is not None
     return tuple(_imported(parse_python(path.read_bytes())))
-
-
-def parse_python(source: str | bytes) -> ast.Module:
-    """Parse Python in one thread at a time, because Python 3.11 counts the recursion depth of all threads together."""
-    with _PARSING:
-        return ast.parse(source)
 
 
 def _imported(tree: ast.Module) -> Iterator[str]:

@@ -8,9 +8,9 @@ from typing import Any
 
 import nbformat
 
-from autograder.intake.given_lines import put_back
 from autograder.intake.untrusted_json import read_json
 from labsid.checks.cells import Template, has_work
+from labsid.checks.given_lines import put_back
 
 MAX_NOTEBOOK_BYTES = 50 * 1024 * 1024
 

@@ -52,6 +52,7 @@ class Attempt:
 
 def judged(verdict: Verdict, cells: Iterable[ExecutedCell], got_nothing: bool = False, broken: bool = False) -> Attempt:
     """An attempt with a verdict; the error that stopped a cell is told first, because it has to be corrected first."""
+    verdict = replace(verdict, reason=verdict.whole_reason, mend="")
     error = next((done.reply.error for done in cells if done.reply.error is not None), None)
     if error is not None and not verdict.passed:
         line = f" in line {error['line']}" if error.get("line") else ""

@@ -5,8 +5,8 @@ from collections.abc import Iterable, Sequence
 from dataclasses import replace
 
 from autograder.course.definitions import definitions_in
-from autograder.course.sources import parse_python
 from autograder.intake.submission import NotebookCell
+from labsid.checks.cell_names import parse_python
 
 MAX_CHARACTERS = 200_000
 """Longest code of all cells that is looked at."""

@@ -5,6 +5,8 @@ from typing import TYPE_CHECKING, Any
 
 import markupsafe
 
+from autograder.results.formulas import formula_html
+
 if TYPE_CHECKING:
     from markdown_it import MarkdownIt
 
@@ -13,7 +15,7 @@ MAX_CHARACTERS = 50_000
 
 
 def prose_html(text: str) -> markupsafe.Markup:
-    """Render Markdown; formulas are shown as they were typed.
+    """Render Markdown, with its formulas.
 
     Parameters
     ----------
@@ -38,7 +40,7 @@ def _renderer() -> "MarkdownIt":
     from markdown_it import MarkdownIt
     from mdit_py_plugins.dollarmath import dollarmath_plugin
 
-    def as_typed(formula: str, _: dict[str, Any]) -> str:
-        return str(markupsafe.escape(formula))
+    def formula(latex: str, options: dict[str, Any]) -> str:
+        return str(formula_html(latex, "block" if options.get("display_mode") else "inline"))
 
-    return MarkdownIt("js-default", {"html": False}).disable("image").use(dollarmath_plugin, renderer=as_typed)
+    return MarkdownIt("js-default", {"html": False}).disable("image").use(dollarmath_plugin, renderer=formula)

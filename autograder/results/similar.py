@@ -12,9 +12,9 @@ from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
-from autograder.course.sources import parse_python
 from autograder.intake.submission import NotebookCell
 from autograder.results.result_files import StoredResult
+from labsid.checks.cell_names import parse_python
 
 MIN_NODES = 25
 """Code with fewer syntax tree nodes is ignored in pairs."""

@@ -4,8 +4,17 @@ import ast
 import builtins
 import symtable
 from collections.abc import Iterator
+from threading import Lock
 
 from labsid.checks.permitted import without_magic
+
+_PARSING = Lock()
+
+
+def parse_python(source: str | bytes) -> ast.Module:
+    """Parse Python in one thread at a time, because Python 3.11 counts the recursion depth of all threads together."""
+    with _PARSING:
+        return ast.parse(source)
 
 
 def assigned_names(source: str) -> frozenset[str]:
@@ -25,7 +34,7 @@ def used_names(source: str) -> frozenset[str]:
 
 def _parse(source: str) -> ast.Module | None:
     try:
-        return ast.parse(without_magic(source))
+        return parse_python(without_magic(source))
     except (SyntaxError, ValueError, RecursionError):
         return None
 

@@ -95,6 +95,7 @@ class notebook_checks:  # noqa: N801  (called like a function, once, at the top 
         self._skipped: dict[str, Mapping[str, Value]] = {}
         self._set_by_skip: dict[str, Mapping[str, Any]] = {}
         self._states: dict[str, str] = {}
+        self._wrong: dict[str, set[tuple[str, ...]]] = {}
         self._shell = shell_of(variables)
         self._runs = None if self._shell is None else runs_in(self._shell)
 
@@ -114,7 +115,8 @@ class notebook_checks:  # noqa: N801  (called like a function, once, at the top 
         ask = NotebookAsk(self._variables, self._record, self._known(), question_id)
         verdict, remark = _judged(question, ask, cells)
         if not verdict.passed:
-            self._fail(question, verdict.reason, cells)
+            is_second = self._is_second_answer(question_id, ask.names)
+            self._fail(question, verdict.whole_reason if is_second else verdict.reason, cells)
         self._passed[question_id] = given_values(question, ask, passed=True)
         self._skipped.pop(question_id, None)
         self._set_by_skip.pop(question_id, None)
@@ -205,7 +207,9 @@ class notebook_checks:  # noqa: N801  (called like a function, once, at the top 
         is_used = any(question.id in other.uses for other in self._assignment.questions)
         to_skip = skip or (question.id if is_used and question.id not in self._skipped else "")
         advice = f'To go on without it, run check.skip("{to_skip}") in a new cell below: it earns no marks.'
-        raise CheckFailed(f"{self._name(question.id)}: {reason}", advice if to_skip else "")
+        deleted = None if cells is None else cells.deleted_lines()
+        told = " ".join(filter(None, (reason, deleted)))
+        raise CheckFailed(f"{self._name(question.id)}: {told}", advice if to_skip else "")
 
     def _show(self, state: str, question_id: str, text: str) -> None:
         self._states[question_id] = state
@@ -219,12 +223,25 @@ class notebook_checks:  # noqa: N801  (called like a function, once, at the top 
             return
         self._shell.display_pub.publish({"text/plain": text, "text/html": html}, metadata={OUTCOME: outcome})
 
+    def _is_second_answer(self, question_id: str, names: Iterable[str]) -> bool:
+        """Note a wrong answer, made by the cells that assign these names; whether another one was wrong before.
+
+        Without IPython, nothing tells two answers apart, and each counts as another one.
+        """
+        if self._runs is None:
+            return True
+        made = tuple(run.source for name in names for run in self._runs.assigning(name)[-1:])
+        wrong = self._wrong.setdefault(question_id, set())
+        wrong.add(made)
+        return len(wrong) > 1
+
     def _cells(self, question_id: str) -> QuestionCells | None:
         if self._runs is None:
             return None
         file = open_notebook(self._assignment.name)
-        template = released_template(self._assignment.name) if file is None else file.template
-        return QuestionCells(question_id, self._runs, file, template, self._variables)
+        release = released_template(self._assignment.name)
+        template = release if file is None else file.template
+        return QuestionCells(question_id, self._runs, file, template, self._variables, release)
 
     def _questions(self) -> tuple[Cell, ...]:
         """The questions with their marks, from the notebook's file or the release; without either, with no marks."""

@@ -12,6 +12,7 @@ from typing import Any
 from labsid.checks.cell_names import used_names
 from labsid.checks.cell_runs import CellRun, CellRuns
 from labsid.checks.cells import Template, answer_id, is_stub
+from labsid.checks.given_lines import put_back
 from labsid.checks.notebook_file import NotebookFile
 from labsid.checks.permitted import WRITE_YOURSELF, is_taught, refused_lines
 from labsid.checks.time_limit import CELL_SECONDS
@@ -32,6 +33,8 @@ class QuestionCells:
         The cells of the assignment, saved or released.
     variables : mapping
         The notebook's variables.
+    release : Template or None
+        The assignment as it was released, if the release is on this machine.
     """
 
     question_id: str
@@ -39,6 +42,7 @@ class QuestionCells:
     file: NotebookFile | None
     template: Template | None
     variables: Mapping[str, Any]
+    release: Template | None = None
 
     @property
     def answer(self) -> CellRun | None:
@@ -74,6 +78,19 @@ class QuestionCells:
         if run.seconds > CELL_SECONDS:
             return f"its answer cell took {run.seconds:.0f} s; grading stops a cell after {CELL_SECONDS:g} s."
         return None
+
+    def deleted_lines(self) -> str | None:
+        """Lines that the release gives in the answer cell were deleted, and nothing in the cell replaces them."""
+        run, cell_id = self.answer, answer_id(self.question_id)
+        saved = "" if self.file is None else self.file.sources.get(cell_id, "")
+        cells = () if self.release is None else self.release.cells
+        released = next((cell.source for cell in cells if cell.id == cell_id and cell.code), "")
+        lines = put_back(released, saved if run is None else run.source)[1]
+        if not lines:
+            return None
+        what = "the line" if len(lines) == 1 else "the lines"
+        quoted = ", ".join(f"`{' '.join(line.split())}`" for line in lines)
+        return f"Its answer cell lacks {what} {quoted} of the release: undo the deletion, or copy from the release."
 
     def refused(self) -> str | None:
         """The answer uses what grading refuses."""

@@ -23,11 +23,20 @@ class Verdict:
         One or two sentences for the student; never contains the right answer or a hidden input.
     slip : str or None
         Name of the known mistake that the answer matches.
+    mend : str
+        How to correct it, where `reason` says only what is wrong. The notebook shows it from the second wrong answer
+        to the question on; at grading it is part of the reason.
     """
 
     passed: bool
     reason: str
     slip: str | None = None
+    mend: str = ""
+
+    @property
+    def whole_reason(self) -> str:
+        """The reason, and how to correct it."""
+        return f"{self.reason} {self.mend}".rstrip()
 
 
 def first_failure(check: Callable[P, Iterator[Verdict]]) -> Callable[P, Verdict]:
@@ -69,11 +78,14 @@ class Slip(Generic[Answer]):
         What to check, with the step of the lab; never the answer.
     wrong : callable
         Computes the value that this mistake gives; called only if an answer is wrong.
+    mend : str
+        How to correct it, where the hint alone would leave something to find out; see `Verdict`.
     """
 
     name: str
     hint: str
     wrong: Callable[[], Answer]
+    mend: str = ""
 
 
 def judge(
@@ -111,5 +123,5 @@ def judge(
         except (ValueError, IndexError, ArithmeticError):
             continue
         if same(got, wrong) and not same(wrong, right):
-            return Verdict(False, slip.hint, slip.name)
+            return Verdict(False, slip.hint, slip.name, slip.mend)
     return Verdict(False, otherwise)

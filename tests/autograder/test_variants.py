@@ -120,6 +120,11 @@ def test_most_wrong_variants_are_named_by_their_slip(name: str) -> None:
     assert sum(variant.slip is not None for variant in wrong) >= 0.8 * len(wrong)
 
 
+def test_95_per_cent_of_all_wrong_variants_are_named_by_their_slip() -> None:
+    wrong = [variant for name in ASSIGNMENTS for variant in variants_of(name) if isinstance(variant, Wrong)]
+    assert sum(variant.slip is not None for variant in wrong) >= 0.95 * len(wrong)
+
+
 @pytest.mark.parametrize(("name", "variants"), CASES)
 def test_variant(name: str, variants: list[Right | Wrong], grade_code) -> None:
     """Right variants keep every mark, wrong ones lose their own question only; those in doubt are graded again."""

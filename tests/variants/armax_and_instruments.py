@@ -254,7 +254,7 @@ VARIANTS: list[Right | Wrong] = [
         "about the mean",
     ),
     wrong(BIAS, "no root of M", bias(stderr="spread"), "spread for standard error", "root of M"),
-    wrong(BIAS, "divided by M", bias(stderr="spread / len(estimates)"), "divided by M", "variances add"),
+    wrong(BIAS, "divided by M", bias(stderr="spread / len(estimates)"), "divided by M", "Variances add"),
     wrong(
         BIAS, "number of parameters", bias(stderr="spread / len(truth) ** 0.5"), "number of parameters for M", "rows"
     ),
@@ -270,7 +270,7 @@ VARIANTS: list[Right | Wrong] = [
     ),
     wrong(LIMIT, "wrong way", limit(result="a + c * var_e / var_y, b"), "sign of the pull", "wrong way"),
     wrong(LIMIT, "no bias", limit(result="a, b"), "no bias", "true values"),
-    wrong(LIMIT, "the bias alone", limit(result="-c * var_e / var_y, 0"), "bias alone", "add it"),
+    wrong(LIMIT, "the bias alone", limit(result="-c * var_e / var_y, 0"), "bias alone", "Add it"),
     wrong(
         LIMIT, "no cross term", limit("(b**2 * var_u + (1 + c**2) * var_e) / (1 - a**2)"), "cross term", "correlated"
     ),
@@ -290,7 +290,7 @@ VARIANTS: list[Right | Wrong] = [
         "contains a\\^2",
     ),
     wrong(LIMIT, "noise-free", limit("b**2 * var_u / (1 - a**2)"), "variance without noise", "noisy one"),
-    wrong(LIMIT, "two times c", limit(result="a - 2 * c * var_e / var_y, b"), None, "c = 0"),
+    wrong(LIMIT, "two times c", limit(result="a - 2 * c * var_e / var_y, b"), "c doubled", "twice as far"),
     # 4. covariance in coloured noise
     right(
         COVARIANCE,
@@ -385,7 +385,7 @@ VARIANTS: list[Right | Wrong] = [
         "prediction",
         armax("y - scipy.signal.lfilter([1], [1, c], np.r_[0, y[1:] + a * y[:-1] - b * u[:-1]])"),
         "prediction for its error",
-        "take it off",
+        "Take it off",
     ),
     wrong(ARMAX, "whole step", armax(step="new"), "share not used", "whole way"),
     wrong(ARMAX, "errors kept", armax(made_with="first"), "errors not renewed", "latest theta"),
@@ -444,8 +444,8 @@ VARIANTS: list[Right | Wrong] = [
         RELS,
         "divided by lambda twice",
         rels(P="(P - np.outer(P @ phi, phi @ P) / (forgetting + phi @ P @ phi)) / forgetting**2"),
-        None,
-        "two places of lambda",
+        "divided by lambda twice",
+        "lambda squared",
     ),
     wrong(RELS, "used on other data", rels(used="theta_rels = rels(u_2, y_2, 1.0, 1e6)\n"), None, "theta_rels"),
     # 6. Fig. 14
@@ -573,7 +573,7 @@ VARIANTS: list[Right | Wrong] = [
         "warm-up not used",
         "use the argument `warm_up`",
     ),
-    wrong(RECURSIVE, "minus", recursive(update(theta="theta - K * e")), "sign of the update", "add it"),
+    wrong(RECURSIVE, "minus", recursive(update(theta="theta - K * e")), "sign of the update", "Add it"),
     wrong(RECURSIVE, "nothing", recursive("pass"), "theta not updated", "never moves"),
     wrong(RECURSIVE, "last estimate", recursive(update(), "theta"), "only the last estimate", "whole history"),
     # 9. likelihood
@@ -590,7 +590,7 @@ VARIANTS: list[Right | Wrong] = [
     *(
         wrong(LIKELIHOOD, name, likelihood(f"-N / 2 * np.log({inside}) - E @ E / {below}"), slip, says)
         for name, inside, below, slip, says in (
-            ("sigma", "2 * np.pi * var_e", "(2 * var_e**0.5)", "sigma for sigma^2", "2 sigma:"),
+            ("sigma", "2 * np.pi * var_e", "(2 * var_e**0.5)", "sigma for sigma^2", "2 sigma\\."),
             ("sigma^4", "2 * np.pi * var_e", "(2 * var_e**2)", "var_e squared", "2 sigma\\^4"),
         )
     ),

@@ -279,7 +279,7 @@ VARIANTS: list[Right | Wrong] = [
         "x'x added to every entry",
         "diagonal",
     ),
-    wrong(DERIVATIVES, "sign", derivatives("A @ x - A.T @ x"), None, "differences"),
+    wrong(DERIVATIVES, "sign", derivatives("A @ x - A.T @ x"), "sign of one term", "plus"),
     # 4. sums of powers
     right(FITS, "normal equations", fits("np.linalg.inv(Phi.T @ Phi) @ Phi.T @ y", "y @ y - y @ Phi @ theta")),
     right(FITS, "list of both, pinv", fits("np.linalg.pinv(Phi) @ y", result="[theta, sse]")),
@@ -410,7 +410,13 @@ VARIANTS: list[Right | Wrong] = [
         "p by p matrix instead of the projector",
         "2 by 2",
     ),
-    wrong(PROJECTOR, "normalised", projector("Phi @ Phi.T / np.linalg.norm(Phi) ** 2"), None, "P P"),
+    wrong(
+        PROJECTOR,
+        "normalised",
+        projector("Phi @ Phi.T / np.linalg.norm(Phi) ** 2"),
+        "divided by a norm",
+        "in the middle",
+    ),
     # 6. all solutions
     right(
         SOLUTIONS,
@@ -483,7 +489,7 @@ VARIANTS: list[Right | Wrong] = [
         "known",
     ),
     wrong(KNOWN, "known term forgotten", known(target="y[3:]"), "known term left out", "Subtract it"),
-    wrong(KNOWN, "added", known(target="y[3:] + u[2:-1]"), "known term with the wrong sign", "subtract it"),
+    wrong(KNOWN, "added", known(target="y[3:] + u[2:-1]"), "known term with the wrong sign", "Subtract it"),
     wrong(KNOWN, "lag of y", known("-y[2:-1], u[:-3]"), "lag off by one", "k = 4"),
     wrong(KNOWN, "lag of u", known("-y[1:-2], u[1:-2]"), "lag off by one", "k = 4"),
     wrong(KNOWN, "u(k) taken off", known(target="y[3:] - u[3:]"), "lag off by one", "k = 4"),
@@ -584,8 +590,8 @@ VARIANTS: list[Right | Wrong] = [
         CONSTRAINED,
         "sign of b",
         constrained(KKT.replace("Y, b]", "Y, -b]") + "[: Phi.shape[1]]"),
-        None,
-        "whether yours satisfies",
+        "sign of b",
+        "= -b",
     ),
     # 10. confidence
     right(

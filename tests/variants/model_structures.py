@@ -77,7 +77,7 @@ VARIANTS: list[Right | Wrong] = [
         "first samples left at zero",
         "before",
     ),
-    wrong(SHIFT, "first coefficient only", shift("return P[0] * x"), None, "table above"),
+    wrong(SHIFT, "first coefficient only", shift("return P[0] * x"), "first coefficient only", "each coefficient"),
     wrong(SHIFT, "no return", shift("np.convolve(P, x)"), "no return", "return"),
     # 3. state space
     right(STATES, "scipy's tf2ss", define("state_space(num, den)", "return scipy.signal.tf2ss(num, den)")),

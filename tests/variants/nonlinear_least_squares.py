@@ -349,7 +349,7 @@ VARIANTS: list[Right | Wrong] = [
     ),
     wrong(DAMPING, "never moves", damping(decide="mu = mu * 2", trials="30"), "no step taken", "stays"),
     wrong(DAMPING, "path", damping(result="np.array([theta, theta])"), "path for theta", "path"),
-    wrong(DAMPING, "squared mu", damping(STEP_OF.replace("mu *", "mu**2 *")), None, "does not solve"),
+    wrong(DAMPING, "squared mu", damping(STEP_OF.replace("mu *", "mu**2 *")), "mu squared", "mu D"),
     # 5. the exponential, both ways
     right(
         EXPONENTIAL,

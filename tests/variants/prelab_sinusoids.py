@@ -258,8 +258,8 @@ VARIANTS: list[Right | Wrong] = [
         NOISE,
         "half the amplitude",
         sinusoids(y1="0.5 * np.sin(0.02 * np.pi * t)"),
-        None,
-        "amplitude 1 and period 100 s",
+        "amplitude of a half",
+        "amplitude is 0.5",
     ),
     wrong(
         NOISE,

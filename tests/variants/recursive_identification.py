@@ -225,7 +225,7 @@ VARIANTS: list[Right | Wrong] = [
     wrong(MEAN, "sign", mean("theta - (y - theta) / n"), "sign of the error", "away"),
     wrong(MEAN, "half and half", mean("(theta + y) / 2"), "half and half", "n - 1 samples"),
     wrong(MEAN, "y over n", mean("theta + y / n"), "y in place of the error", "error"),
-    wrong(MEAN, "no gain", mean("y"), "gain forgotten", "divide it by n"),
+    wrong(MEAN, "no gain", mean("y"), "gain forgotten", "Divide it by n"),
     wrong(
         MEAN, "nothing returned", define("update_mean(theta, n, y)", "theta + (y - theta) / n"), "no return", "return"
     ),

@@ -260,10 +260,10 @@ VARIANTS: list[Right | Wrong] = [
         MSE,
         "step of one",
         "y_approx = first_order_response(t_step, K, tau, td, 1)\nmse_approx = np.mean((y_step - y_approx) ** 2)",
-        None,
-        "step of amplitude 2",
+        "amplitude of one",
+        "step of amplitude 1",
     ),
-    wrong(MSE, "the original itself", "y_approx = y_step\nmse_approx = 0", None, "not the response of your model"),
+    wrong(MSE, "the original itself", "y_approx = y_step\nmse_approx = 0", "the record itself", "`y_step` itself"),
     right(
         FIGURE,
         "pyplot",
@@ -662,7 +662,11 @@ VARIANTS: list[Right | Wrong] = [
         ERROR, "Phi transposed", of_theta("error_vector", "return Y - Phi.T @ theta"), "transposed Phi", "transposed"
     ),
     wrong(
-        ERROR, "element by element", of_theta("error_vector", "return Y - (Phi * theta)[:, 0]"), None, "see \\(A4\\)"
+        ERROR,
+        "element by element",
+        of_theta("error_vector", "return Y - (Phi * theta)[:, 0]"),
+        "product entry by entry",
+        "entry by entry",
     ),
     right(LOSS, "sum of squares", of_theta("loss", "return sum((Y - Phi @ theta) ** 2) / 2")),
     right(
@@ -683,8 +687,8 @@ VARIANTS: list[Right | Wrong] = [
         "transposed Phi",
         "transposed",
     ),
-    wrong(LOSS, "a vector", of_theta("loss", "return 0.5 * (Y - Phi @ theta) ** 2"), None, "should be one number"),
-    wrong(LOSS, "zero", of_theta("loss", "return 0"), None, "half the sum"),
+    wrong(LOSS, "a vector", of_theta("loss", "return 0.5 * (Y - Phi @ theta) ** 2"), "not added up", "add them up"),
+    wrong(LOSS, "zero", of_theta("loss", "return 0"), "zeros", "has errors"),
     right(GRADIENT, "through the error", of_theta("gradient", "return -Phi.T @ (Y - Phi @ theta)")),
     right(
         GRADIENT,
@@ -738,7 +742,7 @@ VARIANTS: list[Right | Wrong] = [
         "transposed Phi",
         "transposed",
     ),
-    wrong(GRADIENT, "zero everywhere", of_theta("gradient", "return np.zeros(len(theta))"), None, "not the derivative"),
+    wrong(GRADIENT, "zero everywhere", of_theta("gradient", "return np.zeros(len(theta))"), "zeros", "slope"),
     # 9. minimum, uniqueness
     right(MINIMUM, "solve", define("best_theta(Phi, Y)", "return np.linalg.solve(Phi.T @ Phi, Phi.T @ Y)")),
     right(MINIMUM, "lstsq", define("best_theta(Phi, Y)", "return np.linalg.lstsq(Phi, Y, rcond=None)[0]")),
@@ -780,7 +784,7 @@ VARIANTS: list[Right | Wrong] = [
         "powers element by element",
         "np.linalg.inv",
     ),
-    wrong(MINIMUM, "zeros", define("best_theta(Phi, Y)", "return np.zeros(Phi.shape[1])"), None, "smallest loss"),
+    wrong(MINIMUM, "zeros", define("best_theta(Phi, Y)", "return np.zeros(Phi.shape[1])"), "zeros", "smaller loss"),
     right(
         UNIQUE, "determinant within rounding", define("is_unique(Phi)", "return abs(np.linalg.det(Phi.T @ Phi)) > 1e-9")
     ),

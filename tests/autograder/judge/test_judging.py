@@ -513,6 +513,13 @@ def test_errors_tell_nothing_of_right_values(forked: ProcessLauncher, tmp_path: 
     )
 
 
+def test_the_reason_says_how_to_correct_a_mistake(forked: ProcessLauncher, tmp_path: Path) -> None:
+    """In the notebook only a second wrong answer is told; after the hand-in there is no second one."""
+    line = Question("q-line", lambda ask: Verdict(False, "Not the line.", "a slip", "Turn it."))
+    other = Assignment("tiny", (Question("q-gain", gain, lambda ask: {"a": 3}), line))
+    assert grade(forked, tmp_path, "a = 3", "f = 2", assignment=other)[1].reason == "Not the line. Turn it."
+
+
 def test_calls_do_not_tell_on_what_follows(forked: ProcessLauncher, tmp_path: Path) -> None:
     """A function that counts its calls has not been called when the next cell runs."""
     function = "calls = 0\ndef f(x):\n    global calls\n    calls += 1\n    return 2 * x + a"

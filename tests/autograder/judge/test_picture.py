@@ -6,6 +6,7 @@ import re
 import xml.etree.ElementTree as ElementTree
 
 import numpy as np
+import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
@@ -45,6 +46,25 @@ def test_a_figure_shows_its_curves_labels_and_legend() -> None:
         assert text in shown
     assert curves(root)[0] == "M62 208L345 26L628 208"  # from corner to the middle of the top to the other corner
     assert curves(root)[1].startswith("M62 208H")
+
+
+@pytest.mark.parametrize(
+    ("label", "shown"),
+    [
+        (r"$\sin(0.02\pi t)$", "sin(0.02π t)"),
+        (r"$\cos(0.02 \pi t)$", "cos(0.02 π t)"),
+        (r"$\hat{\theta}_{1}$, $\mathrm{rms}$", "θ_1, rms"),
+        (r"$\lambda = 0.98 \pm 0.01\,\%$", "λ = 0.98 ± 0.01 %"),
+        (r"$\Delta\omega \leq \epsilon$", "Δω ≤ ε"),
+        (r"C:\data", r"C:\data"),
+        (r"$<\script>$", "<script>"),
+        ("$\\", "\\"),
+    ],
+)
+def test_formulas_in_labels_are_written_in_plain_text(label: str, shown: str) -> None:
+    curve = CurveValue(np.arange(2.0), np.arange(2.0), (0, 0, 0), steps=False, label=label)
+    axes = AxesValue(label, label, "", (0, 1), (0, 1), True, (label,), (), (curve,))
+    assert texts(drawn(FigureValue((axes,)))).count(shown) == 3
 
 
 def test_a_curve_that_is_not_finite_is_drawn_where_it_is() -> None:

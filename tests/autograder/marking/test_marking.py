@@ -28,6 +28,7 @@ from autograder.marking.answers import open_questions
 from autograder.marking.server import MAX_BODY, MarkingApp, make_server
 from autograder.results import gradebook
 from autograder.results.feedback import write_feedback
+from autograder.results.formulas import formula_html
 from autograder.results.gradebook import Mark
 from autograder.results.grades import write_grades
 from autograder.results.prose import MAX_CHARACTERS, prose_html
@@ -329,6 +330,8 @@ def test_the_command_serves_on_loopback_and_writes_the_table_when_it_ends(out: P
         "$<script>alert(1)</script>$",
         "$$\n</div><script>alert(1)</script>\n$$",
         "```html\n<script>alert(1)</script>\n```",
+        r"$\text{<script>alert(1)</script>&lt;script>}$",
+        r"$\href{javascript:alert(1)}{x} \color{red\"onload=alert(1)}{y} \style{color:red}{z}$",
         '```"onclick=alert(1)\nx\n```',
         '<https://a.example/"onclick=alert(1)>',
         "x" * MAX_CHARACTERS + "<script>",
@@ -336,14 +339,29 @@ def test_the_command_serves_on_loopback_and_writes_the_table_when_it_ends(out: P
 )
 def test_no_markdown_makes_html_of_its_own(text: str) -> None:
     page = str(prose_html(text))
-    assert not re.search(r"<(?!/?(p|a|em|strong|code|pre|ul|ol|li|div|span)\b)", page)
+    assert not re.search(r"<(?!/?(p|a|em|strong|code|pre|ul|ol|li|div|span|math|m[a-z]+)\b)", page)
     for tag in re.findall(r"<[^>]*>", page):
         assert not re.search(r"\bon\w+\s*=(?![^\"]*\"[^\"]*$)", re.sub(r'"[^"]*"', '""', tag))
         assert not re.search(r"(javascript|data):", tag, re.IGNORECASE)
 
 
+@pytest.mark.parametrize("formula", [r"\frac", "x^", "{" * 900, "x" * 2000, r"\begin{matrix} 1"])
+def test_a_formula_that_cannot_be_read_is_shown_as_typed(formula: str) -> None:
+    assert formula_html(formula, "inline") == formula
+
+
+def test_a_formula_keeps_nothing_that_is_not_of_formulas() -> None:
+    page = str(formula_html(r"\hspace{999em} \href{https://a.example}{x} \color{red}{y} \quad z", "block"))
+    assert "999em" not in page
+    assert "a.example" not in page
+    assert "red" not in page
+    assert '<math display="block">' in page
+    assert 'width="1em"' in page
+
+
 def test_formulas_and_tables_are_shown() -> None:
     page = str(prose_html("$a_1 * b_2 * c < d$\n\n|a|b|\n|-|-|\n|1|2|\n\n[x](https://a.example)"))
-    assert '<span class="math inline">a_1 * b_2 * c &lt; d</span>' in page
+    assert '<span class="math inline"><math display="inline"><mrow><msub><mi>a</mi><mn>1</mn></msub><mo>*</mo>' in page
+    assert "<mo>&lt;</mo><mi>d</mi>" in page
     assert "<td>1</td>" in page
     assert '<a href="https://a.example" rel="noopener noreferrer nofollow">' in page

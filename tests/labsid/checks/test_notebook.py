@@ -85,6 +85,34 @@ def test_jupyter_shows_that_line_and_no_traceback(tiny: dict) -> None:
     ]
 
 
+def test_a_second_wrong_answer_is_told_how_to_correct_it(monkeypatch: pytest.MonkeyPatch) -> None:
+    from IPython.core.interactiveshell import InteractiveShell
+    from IPython.utils.capture import capture_output
+
+    def gain(ask: Any) -> Verdict:
+        slips = [Slip("sign", "the sign is wrong.", lambda: -3, "Turn it."), Slip("half", "it is half.", lambda: 1.5)]
+        return judge(ask.value("a"), 3, lambda x, y: x == y, "right.", "not the gain.", slips)
+
+    monkeypatch.setattr(
+        "labsid.checks.notebook.load_assignment", lambda name: Assignment("tiny", (Question("q-gain", gain),))
+    )
+    shell = InteractiveShell()
+    shell.user_ns["check"] = notebook_checks("tiny", shell.user_ns)
+
+    def said(answer: str) -> str:
+        with capture_output():
+            shell.run_cell(answer)
+            return str(shell.run_cell("check('q-gain')").error_in_exec)
+
+    assert [said(answer) for answer in ("a = -3", "a = -3", "a = 1.5", "a = -3", "a = 3")] == [
+        "q-gain: the sign is wrong.",
+        "q-gain: the sign is wrong.",
+        "q-gain: it is half.",
+        "q-gain: the sign is wrong. Turn it.",
+        "None",
+    ]
+
+
 def test_jupyter_shows_a_right_answer_in_colour(tiny: dict) -> None:
     from IPython.core.displaypub import CapturingDisplayPublisher
     from IPython.core.interactiveshell import InteractiveShell

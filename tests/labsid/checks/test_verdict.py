@@ -19,6 +19,13 @@ def test_the_first_failure_is_the_verdict_and_nothing_after_it_is_run() -> None:
     assert check(True, True) == Verdict(True, "part 1")
 
 
+def test_how_to_correct_a_slip_is_told_apart_from_what_is_wrong() -> None:
+    slips = [Slip("sign", "the sign.", lambda: -2, "Turn it."), Slip("half", "half of it.", lambda: 1)]
+    sign, half = (judge(got, 2, lambda a, b: a == b, "right", "wrong", slips) for got in (-2, 1))
+    assert (sign.reason, sign.mend, sign.whole_reason) == ("the sign.", "Turn it.", "the sign. Turn it.")
+    assert half.whole_reason == half.reason == "half of it."
+
+
 def test_a_slip_is_named_unless_it_gives_the_right_value_or_none() -> None:
     slips = [
         Slip("not computable", "never", lambda: int("x")),

@@ -103,6 +103,19 @@ def test_a_taught_function_and_a_pip_line_are_told_in_the_notebook(jupyter) -> N
     assert "`%pip --version` stops the cell while the notebook is graded: no program can be started there" in shown
 
 
+def test_deleted_given_lines_are_told(released: Course, jupyter) -> None:
+    """Grading puts them back; in the notebook the check names them."""
+    release = f"lambda: __import__('pathlib').Path({str(released.release)!r})"
+    jupyter.kernel.run(f"import labsid.checks.notebook_file as file\nfile.release_folder = {release}", None, 20)
+    given = 'fig_1, (ax_a, ax_b) = plt.subplots(2, 1, figsize=(8, 7), layout="constrained")'
+    told = f"Its answer cell lacks the line `{given}` of the release: undo the deletion, or copy from the release."
+    shown = jupyter.answer("prelab-5-original", "ax_a.plot([0, 1], [0, 1])")
+    assert "its answer cell stopped with NameError: name 'ax_a' is not defined." in shown
+    assert shown.endswith(told)
+    assert jupyter.answer("prelab-5-original", "print(1)").endswith(told)
+    assert "lacks" not in jupyter.answer("prelab-5-original", "fig_1, (ax_a, ax_b) = plt.subplots(2)")
+
+
 def test_an_endless_loop_is_told(jupyter) -> None:
     jupyter.edit(ANSWER, "while True:\n    pass")
     assert "KeyboardInterrupt" in jupyter.run(ANSWER, seconds=1)

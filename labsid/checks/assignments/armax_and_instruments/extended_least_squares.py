@@ -61,10 +61,11 @@ def _errors_after_the_update(u: FloatArray, y: FloatArray, forgetting: float, LN
 
 
 _FAULTS = {
-    "1 in the denominator": "has 1 + phi'P phi in the denominator of P: with forgetting the 1 becomes lambda.",
-    "not divided by lambda": "does not divide P by lambda: without that, nothing is forgotten.",
-    "multiplied by lambda": "multiplies P by lambda: divide.",
-    "gain from the old P": "takes the gain from the P before the sample: K(n) = P(n) phi(n), with the new one.",
+    "1 in the denominator": ("has 1 + phi'P phi in the denominator of P.", "With forgetting the 1 becomes lambda."),
+    "not divided by lambda": ("does not divide P by lambda: without that, nothing is forgotten.", ""),
+    "divided by lambda twice": ("divides P by lambda squared.", "It is divided by lambda once."),
+    "multiplied by lambda": ("multiplies P by lambda.", "Divide."),
+    "gain from the old P": ("takes the gain from the P before the sample.", "K(n) = P(n) phi(n), with the new one."),
 }
 
 
@@ -73,7 +74,8 @@ def _faulty(u: FloatArray, y: FloatArray, forgetting: float, LN: float, fault: s
     """History of the notebook's loop with one of the faults in it."""
     theta, P, e, history = np.zeros(3), LN * np.eye(3), 0.0, np.zeros((y.size, 3))
     one = 1.0 if fault == "1 in the denominator" else forgetting
-    factor = {"not divided by lambda": 1.0, "multiplied by lambda": forgetting}.get(fault, 1 / forgetting)
+    powers = {"not divided by lambda": 0, "multiplied by lambda": 1, "divided by lambda twice": -2}
+    factor = forgetting ** powers.get(fault, -1)
     for n in range(1, y.size):
         phi = np.array([-y[n - 1], u[n - 1], e])
         e = float(y[n] - phi @ theta)
@@ -89,9 +91,9 @@ def _require_finite(call: str, got: FloatArray, u: FloatArray, y: FloatArray, fo
     if np.all(np.isfinite(got)):
         return
     last = int(np.argmax(~np.all(np.isfinite(got), axis=1)))
-    for name, text in _FAULTS.items():
+    for name, (what, _) in _FAULTS.items():
         if last > 2 and np.allclose(got[:last], _faulty(u, y, forgetting, LN, name)[:last], rtol=1e-3):
-            raise NoAnswer(f"`{call}` {text} The estimate then grows without limit.", name)
+            raise NoAnswer(f"`{call}` {what} The estimate then grows without limit.", name)
     raise NoAnswer(
         f"the estimate of `{call}` grows without limit, and is no number from sample {last} on: compare your lines "
         "with those of step 6.",
@@ -127,8 +129,8 @@ def _judge_history(ask: Ask, u: FloatArray, y: FloatArray, forgetting: float, LN
         else f"`{call}` is off, though with forgetting = 1 it is right: look at the two places of lambda in P(n).",
         [
             *(
-                Slip(name, f"`{call}` {text}", partial(_faulty, u, y, forgetting, LN, name))
-                for name, text in _FAULTS.items()
+                Slip(name, f"`{call}` {what}", partial(_faulty, u, y, forgetting, LN, name), mend)
+                for name, (what, mend) in _FAULTS.items()
             ),
             Slip(
                 "errors after the update",

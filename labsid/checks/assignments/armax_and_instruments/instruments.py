@@ -92,13 +92,15 @@ def _judge_iterated(ask: Ask, u: FloatArray, y: FloatArray, rounds: int) -> Verd
             ),
             Slip(
                 "instrument not renewed",
-                f"`{call}` simulates the first model in every round: use the latest [a, b].",
+                f"`{call}` simulates the first model in every round.",
                 partial(_rounds, u, y, rounds, _Way(renewed=False)),
+                mend="Use the latest [a, b].",
             ),
             Slip(
                 "regressed on the instrument",
-                f"`{call}` uses Z instead of Phi throughout, (Z'Z)^-1 Z'Y: it is (Z'Phi)^-1 Z'Y.",
+                f"`{call}` uses Z instead of Phi throughout, (Z'Z)^-1 Z'Y.",
                 partial(_rounds, u, y, rounds, _Way(regressed_on_z=True)),
+                mend="It is (Z'Phi)^-1 Z'Y.",
             ),
             Slip(
                 "Phi'Z for Z'Phi",
@@ -107,15 +109,17 @@ def _judge_iterated(ask: Ask, u: FloatArray, y: FloatArray, rounds: int) -> Verd
             ),
             Slip(
                 "Phi and Z exchanged",
-                f"`{call}` has Phi and Z exchanged, (Phi'Z)^-1 Phi'Y: it is (Z'Phi)^-1 Z'Y.",
+                f"`{call}` has Phi and Z exchanged, (Phi'Z)^-1 Phi'Y.",
                 partial(_rounds, u, y, rounds, _Way(exchanged=True)),
+                mend="It is (Z'Phi)^-1 Z'Y.",
             ),
             *(
                 Slip(
                     "instrument of old outputs",
-                    f"`{call}` takes an older measured output for its instrument, y(t-2): that holds noise of which "
-                    "v(t) is not free. Simulate y_M from u alone.",
+                    f"`{call}` takes an older measured output for its instrument, y(t-2): that holds"
+                    " noise of which v(t) is not free.",
                     partial(_rounds, u, y, max(rounds, 1), _Way(start=start, delayed=True)),
+                    mend="Simulate y_M from u alone.",
                 )
                 for start in (1, 2)
             ),
@@ -158,8 +162,8 @@ def _judge_recursive(ask: Ask, u: FloatArray, y: FloatArray, warm_up: int) -> Ve
         f"`{call}` is off: hold your four lines against those of step 8, term by term.",
         [
             *(
-                Slip(slip.split(" above")[0], f"`recursive_iv` {text}", partial(_loop, u, y, warm_up, slip))
-                for slip, text in _HINTS.items()
+                Slip(slip.split(" above")[0], f"`recursive_iv` {what}", partial(_loop, u, y, warm_up, slip), mend)
+                for slip, (what, mend) in _HINTS.items()
             ),
             *(
                 Slip(
@@ -177,10 +181,10 @@ def _judge_recursive(ask: Ask, u: FloatArray, y: FloatArray, warm_up: int) -> Ve
 def _runaway(got: FloatArray, u: FloatArray, y: FloatArray, warm_up: int) -> Verdict:
     """An estimate that grew beyond all numbers, told by the samples before."""
     last = int(np.argmax(~np.all(np.isfinite(got), axis=1)))
-    for slip, text in _HINTS.items():
+    for slip, (what, mend) in _HINTS.items():
         wrong = _loop(u, y, warm_up, slip)[:last]
         if last > 2 and np.allclose(got[:last], wrong, rtol=1e-3):
-            return Verdict(False, f"`recursive_iv` {text} The estimate then grows without limit.", slip)
+            return Verdict(False, f"`recursive_iv` {what} The estimate then grows without limit.", slip, mend)
     return Verdict(
         False,
         f"the estimate of `recursive_iv` grows without limit, and is nan from sample {last} on: hold your four lines "
@@ -189,16 +193,16 @@ def _runaway(got: FloatArray, u: FloatArray, y: FloatArray, warm_up: int) -> Ver
     )
 
 
-_EXCHANGED = "has z and phi exchanged in the update of P, which is not symmetric: P z left, phi' P right."
+_EXCHANGED = ("has z and phi exchanged in the update of P, which is not symmetric.", "P z left, phi' P right.")
 _HINTS = {
-    "z z' for z phi'": "updates P with z twice: it is P z phi' P / (1 + phi' P z).",
-    "phi for z in the gain": "multiplies P by phi for the gain: K = P z. With phi it is least squares again.",
-    "phi throughout": "never uses z: with phi in its place it is least squares.",
-    "z for phi in the error": "predicts with z: the error is y - phi'theta, with the measured past.",
+    "z z' for z phi'": ("updates P with z twice.", "It is P z phi' P / (1 + phi' P z)."),
+    "phi for z in the gain": ("multiplies P by phi for the gain. With phi it is least squares again.", "K = P z."),
+    "phi throughout": ("never uses z: with phi in its place it is least squares.", ""),
+    "z for phi in the error": ("predicts with z.", "The error is y - phi'theta, with the measured past."),
     "transposed": _EXCHANGED,
     "transposed above only": _EXCHANGED,
-    "gain from the P before": "takes the gain from the P before its update: P(n) first, then K(n) = P(n) z(n).",
-    "sign of the update": "takes K epsilon off theta: add it.",
+    "gain from the P before": ("takes the gain from the P before its update.", "P(n) first, then K(n) = P(n) z(n)."),
+    "sign of the update": ("takes K epsilon off theta.", "Add it."),
 }
 
 

@@ -146,13 +146,17 @@ def _judge_bias(ask: Ask, estimates: FloatArray, truth: FloatArray) -> Iterator[
     sizes = [as_array(f"{name} of bias_of", part).size for name, part in zip(names, parts, strict=True)]
     if runs in sizes:
         yield Verdict(
-            False, "`bias_of` works along the rows: means go over the records, `axis=0`.", "mean over the wrong axis"
+            False,
+            "`bias_of` works along the rows.",
+            "mean over the wrong axis",
+            mend="Means go over the records, `axis=0`.",
         )
     if 1 in sizes:
         yield Verdict(
             False,
-            "`bias_of` throws all parameters together into one number: give `np.mean` and `np.std` the `axis=0`.",
+            "`bias_of` throws all parameters together into one number.",
             "mean over everything",
+            mend="Give `np.mean` and `np.std` the `axis=0`.",
         )
     got = [as_vector(f"{name} of bias_of", part, p) for name, part in zip(names, parts, strict=True)]
     off = estimates.mean(axis=0) - truth
@@ -221,13 +225,15 @@ def _judge_bias(ask: Ask, estimates: FloatArray, truth: FloatArray) -> Iterator[
         [
             Slip(
                 "spread for standard error",
-                "the third part of `bias_of` is the spread again: a mean of M is better by the root of M.",
+                "the third part of `bias_of` is the spread again.",
                 spread.copy,
+                mend="A mean of M is better by the root of M.",
             ),
             Slip(
                 "divided by M",
-                "the standard error of `bias_of` is divided by M: variances add up, so it is the root of M.",
+                "the standard error of `bias_of` is divided by M.",
                 partial(np.divide, spread, runs),
+                mend="Variances add up, so it is the root of M.",
             ),
             Slip(
                 "number of parameters for M",

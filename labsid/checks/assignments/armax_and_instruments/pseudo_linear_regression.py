@@ -54,15 +54,19 @@ def _judge_errors(ask: Ask, theta: FloatArray, u: FloatArray, y: FloatArray) -> 
             ),
             Slip(
                 "sign of c",
-                "`prediction_errors` has the other sign of c: the prediction holds +c epsilon(t-1), so the error -c.",
+                "`prediction_errors` has the other sign of c.",
                 lambda: errors(c=-c),
+                mend="The prediction holds +c epsilon(t-1), so the error -c.",
             ),
             Slip(
                 "sign of a",
-                "`prediction_errors` has the other sign of a: the prediction holds -a y(t-1), so the error +a.",
+                "`prediction_errors` has the other sign of a.",
                 lambda: errors(a=-a),
+                mend="The prediction holds -a y(t-1), so the error +a.",
             ),
-            Slip("sign of b", "`prediction_errors` adds b u(t-1); it is to be taken off.", lambda: errors(b=-b)),
+            Slip(
+                "sign of b", "`prediction_errors` adds b u(t-1).", lambda: errors(b=-b), mend="It is to be taken off."
+            ),
             Slip(
                 "lag off by one",
                 "`prediction_errors` takes u(t) where the equation has u(t-1).",
@@ -80,8 +84,9 @@ def _judge_errors(ask: Ask, theta: FloatArray, u: FloatArray, y: FloatArray) -> 
             ),
             Slip(
                 "prediction for its error",
-                "`prediction_errors` returns the prediction itself: take it off y.",
+                "`prediction_errors` returns the prediction itself.",
                 lambda: y - errors(),
+                mend="Take it off y.",
             ),
             Slip("sign of the errors", "`prediction_errors` has prediction less measurement.", lambda: -errors()),
         ],
@@ -136,8 +141,9 @@ def _judge_rounds(ask: Ask, u: FloatArray, y: FloatArray, share: float, rounds: 
             ),
             Slip(
                 "start from zero",
-                f"`{call}` begins with theta = 0: the start is the least-squares [a, b], with c = 0.",
+                f"`{call}` begins with theta = 0.",
                 partial(rounds_of, u, y, share, rounds, from_zero=True),
+                mend="The start is the least-squares [a, b], with c = 0.",
             ),
             Slip("rounds miscounted", count, partial(rounds_of, u, y, share, rounds + 1)),
             Slip("rounds miscounted", count, partial(rounds_of, u, y, share, max(rounds - 1, 0))),
@@ -151,8 +157,9 @@ def _judge_rounds(ask: Ask, u: FloatArray, y: FloatArray, share: float, rounds: 
             *(
                 Slip(
                     "lag off by one",
-                    f"`{call}` pairs the error with its own sample: the regressor of y(t) holds epsilon(t-1).",
+                    f"`{call}` pairs the error with its own sample.",
                     partial(_same_time, u, y, share, rounds, renew),
+                    mend="The regressor of y(t) holds epsilon(t-1).",
                 )
                 for renew in (True, False)
             ),

@@ -55,8 +55,14 @@ def _judge_limit(ask: Ask, a: float, b: float, c: float, var_u: float, var_e: fl
             ),
             Slip(
                 "bias alone",
-                "`limit_of_least_squares` returns the bias alone: add it to [a, b].",
+                "`limit_of_least_squares` returns the bias alone.",
                 lambda: np.array([-c * var_e / var_y, 0.0]),
+                mend="Add it to [a, b].",
+            ),
+            Slip(
+                "c doubled",
+                "`limit_of_least_squares` pulls a twice as far as it should: y(t-1) and v(t) share only e(t-1).",
+                lambda: pulled(2 * c * var_e / var_y),
             ),
             Slip("cross term", cross, lambda: pulled(c * var_e / (signal + (1 + c**2) * var_e / short))),
             Slip("cross term", cross, lambda: pulled(c * var_e / (signal + (1 + c**2 + 2 * a * c) * var_e / short))),
@@ -67,8 +73,9 @@ def _judge_limit(ask: Ask, a: float, b: float, c: float, var_u: float, var_e: fl
             ),
             Slip(
                 "1 - a^2 forgotten",
-                "`limit_of_least_squares` has a wrong variance of y: it contains a^2 times itself; divide by 1 - a^2.",
+                "`limit_of_least_squares` has a wrong variance of y: it contains a^2 times itself.",
                 lambda: pulled(c * var_e / (var_y * short)),
+                mend="Divide by 1 - a^2.",
             ),
             Slip(
                 "variance without noise",
@@ -126,8 +133,9 @@ def _judge_covariance(ask: Ask, Phi: FloatArray, c: float, var_e: float) -> Verd
             Slip("as if white", as_if_white, lambda: (1 + c**2) * white),
             Slip(
                 "diagonal of white noise",
-                "`covariance` has 1 on the diagonal of E(vv'): v(t) is a sum of two, with variance 1 + c^2.",
+                "`covariance` has 1 on the diagonal of E(vv').",
                 lambda: sandwich(diagonal + c * beside),
+                mend="v(t) is a sum of two, with variance 1 + c^2.",
             ),
             Slip(
                 "c on one side only",
@@ -141,8 +149,9 @@ def _judge_covariance(ask: Ask, Phi: FloatArray, c: float, var_e: float) -> Verd
             ),
             Slip(
                 "c squared beside the diagonal",
-                "`covariance` has c^2 beside the diagonal: v(t) and v(t-1) share e(t-1), once with c and once with 1.",
+                "`covariance` has c^2 beside the diagonal.",
                 lambda: sandwich((1 + c**2) * diagonal + c**2 * beside),
+                mend="v(t) and v(t-1) share e(t-1), once with c and once with 1.",
             ),
             Slip(
                 "first sample without a past",
@@ -233,8 +242,9 @@ def _judge_likelihood(ask: Ask, theta: FloatArray, var_e: float, Phi: FloatArray
             ),
             Slip(
                 "sigma for sigma^2",
-                "`log_likelihood` divides the SSE by 2 sigma: it is 2 sigma^2, and var_e is sigma^2.",
+                "`log_likelihood` divides the SSE by 2 sigma.",
                 lambda: constant - sse / (2 * float(np.sqrt(var_e))),
+                mend="It is 2 sigma^2, and var_e is sigma^2.",
             ),
             Slip(
                 "half forgotten",

@@ -66,28 +66,33 @@ def check_parameters(ask: Ask) -> Verdict:
         ),
         Slip(
             "a and b swapped",
-            "a and b are swapped: theta = [-a1, -a2, b1, b2].",
+            "a and b are swapped.",
             lambda: np.array([-b1, -b2, -a1, -a2]),
+            mend="theta = [-a1, -a2, b1, b2].",
         ),
         Slip(
             "a and b swapped",
-            "a and b are swapped: theta = [-a1, -a2, b1, b2].",
+            "a and b are swapped.",
             lambda: np.array([b1, b2, a1, a2]),
+            mend="theta = [-a1, -a2, b1, b2].",
         ),
         Slip(
             "a1 and a2 swapped",
-            "a1 and a2 are swapped: theta = [-a1, -a2, b1, b2].",
+            "a1 and a2 are swapped.",
             lambda: np.array([a2, a1, b1, b2]),
+            mend="theta = [-a1, -a2, b1, b2].",
         ),
         Slip(
             "b1 and b2 swapped",
-            "b1 and b2 are swapped: theta = [-a1, -a2, b1, b2].",
+            "b1 and b2 are swapped.",
             lambda: np.array([a1, a2, b2, b1]),
+            mend="theta = [-a1, -a2, b1, b2].",
         ),
         Slip(
             "order of theta",
-            "The parameters are in reverse order: theta = [-a1, -a2, b1, b2].",
+            "The parameters are in reverse order.",
             lambda: np.array([a2, a1, b2, b1]),
+            mend="theta = [-a1, -a2, b1, b2].",
         ),
         *rounded(values, "The parameters are rounded: keep all the digits of theta_hat."),
     ]

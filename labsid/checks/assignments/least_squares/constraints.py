@@ -39,9 +39,9 @@ def _judge_known(ask: Ask, u: FloatArray, y: FloatArray) -> Verdict:
     if isinstance(value, np.ndarray) and value.size == 3:
         return Verdict(
             False,
-            "`example_1` estimates three parameters. The coefficient 1 of u(k-1) is known: move this term to the "
-            "left side and remove its column from Phi.",
+            "`example_1` estimates three parameters. The coefficient 1 of u(k-1) is known.",
             "known parameter estimated",
+            mend="Move this term to the left side and remove its column from Phi.",
         )
     k = np.arange(3, u.size)
     Phi, Y = np.column_stack([-y[k - 2], u[k - 1], u[k - 3]]), y[k]
@@ -77,8 +77,9 @@ def _judge_known(ask: Ask, u: FloatArray, y: FloatArray) -> Verdict:
             Slip("a and b swapped", "`example_1` returns b before a.", lambda: right[::-1]),
             Slip(
                 "known term left out",
-                "`example_1` omits u(k-1): its coefficient is known to be 1, not 0. Subtract it from y(k).",
+                "`example_1` omits u(k-1): its coefficient is known to be 1, not 0.",
                 lambda: fit(two, Y),
+                mend="Subtract it from y(k).",
             ),
             Slip(
                 "known term left out",
@@ -87,8 +88,9 @@ def _judge_known(ask: Ask, u: FloatArray, y: FloatArray) -> Verdict:
             ),
             Slip(
                 "known term with the wrong sign",
-                "`example_1` adds u(k-1) on the left side: subtract it there.",
+                "`example_1` adds u(k-1) on the left side.",
                 lambda: fit(two, Y + Phi[:, 1]),
+                mend="Subtract it there.",
             ),
             Slip(
                 "known parameter estimated",
@@ -134,41 +136,47 @@ def _judge_weighted(ask: Ask, Phi: FloatArray, Y: FloatArray, sigma: FloatArray)
         [
             Slip(
                 "weights not used",
-                "`weighted_fit` does not use sigma: divide each row by it.",
+                "`weighted_fit` does not use sigma.",
                 lambda: solve_least_squares(Phi, Y).theta,
+                mend="Divide each row by it.",
             ),
             Slip(
                 "standard deviation for variance",
-                "`weighted_fit` weights the squared errors by 1/sigma; use 1/sigma^2. (Divide rows by sigma, their "
-                "squares by sigma^2.)",
+                "`weighted_fit` weights the squared errors by 1/sigma.",
                 lambda: fit(1 / sigma),
+                mend="Use 1/sigma^2. (Divide rows by sigma, their squares by sigma^2.)",
             ),
             Slip(
                 "weights squared",
-                "`weighted_fit` applies the weights twice: divide each row by sigma, not by sigma^2.",
+                "`weighted_fit` applies the weights twice.",
                 lambda: fit(1 / sigma**4),
+                mend="Divide each row by sigma, not by sigma^2.",
             ),
             Slip("weights inverted", inverted, lambda: fit(sigma**2)),
             Slip("weights inverted", inverted, lambda: fit(sigma)),
             Slip(
                 "only one side weighted",
-                "`weighted_fit` divides Phi by sigma but not Y: divide both sides of each equation.",
+                "`weighted_fit` divides Phi by sigma but not Y.",
                 lambda: solve_least_squares(Phi / sigma[:, np.newaxis], Y).theta,
+                mend="Divide both sides of each equation.",
             ),
             Slip(
                 "only one side weighted",
-                "`weighted_fit` divides Y by sigma but not Phi: divide both sides of each equation.",
+                "`weighted_fit` divides Y by sigma but not Phi.",
                 lambda: solve_least_squares(Phi, Y / sigma).theta,
+                mend="Divide both sides of each equation.",
             ),
             Slip(
                 "only one side weighted",
-                "`weighted_fit` uses W once; (Phi'W Phi)^-1 Phi'W Y contains it twice.",
+                "`weighted_fit` uses W once.",
                 lambda: pseudo_inverse(Phi.T @ Phi) @ Phi.T @ (Y / sigma**2),
+                mend="(Phi'W Phi)^-1 Phi'W Y contains it twice.",
             ),
             Slip(
                 "only one side weighted",
-                "`weighted_fit` uses W once; (Phi'W Phi)^-1 Phi'W Y contains it twice.",
+                "`weighted_fit` uses W once.",
                 lambda: np.asarray(np.linalg.solve(Phi.T @ (Phi / sigma[:, np.newaxis] ** 2), Phi.T @ Y), float),
+                mend="(Phi'W Phi)^-1 Phi'W Y contains it twice.",
             ),
         ],
     )
@@ -189,8 +197,9 @@ def _judge_constrained(ask: Ask, Phi: FloatArray, Y: FloatArray, A: FloatArray, 
     if isinstance(value, np.ndarray) and value.size == p + r and r > 0:
         return Verdict(
             False,
-            "`constrained_fit` returns the multipliers together with theta: return only the first p entries.",
+            "`constrained_fit` returns the multipliers together with theta.",
             "multipliers returned too",
+            mend="Return only the first p entries.",
         )
     free = solve_least_squares(Phi, Y).theta
     return judge(
@@ -212,6 +221,11 @@ def _judge_constrained(ask: Ask, Phi: FloatArray, Y: FloatArray, A: FloatArray, 
                 "`constrained_fit` projects the free solution onto the constraint. This theta is nearest to the "
                 "free one, but does not have the smallest error: the direction depends on Phi'Phi.",
                 lambda: free + pseudo_inverse(A) @ (b - A @ free),
+            ),
+            Slip(
+                "sign of b",
+                "`constrained_fit` satisfies A theta = -b: check the sign of b in your equations.",
+                lambda: least_squares_with_equations(Phi, Y, A, -b).theta,
             ),
             Slip(
                 "data not used",

@@ -256,6 +256,11 @@ def _gradient(ask: Ask, A: FloatArray, x: FloatArray) -> Verdict:
                 lambda: A.T @ x,
             ),
             Slip(
+                "sign of one term",
+                "`gradient_form` subtracts one of the two terms: both count with a plus.",
+                lambda: A @ x - A.T @ x,
+            ),
+            Slip(
                 "half of the gradient",
                 "`gradient_form` is half of the gradient: do not divide by two.",
                 lambda: gradient_quadratic(A, x) / 2,
@@ -285,8 +290,9 @@ def _jacobian(ask: Ask, x: FloatArray) -> Verdict:
             Slip("product rule", product, lambda: 2 * outer),
             Slip(
                 "the 2 forgotten",
-                "`jacobian_cubic` has x x' once; the derivative of x'x is 2x'.",
+                "`jacobian_cubic` has x x' once.",
                 lambda: square + outer,
+                mend="The derivative of x'x is 2x'.",
             ),
             Slip(
                 "3 x'x as for a number",
@@ -300,8 +306,9 @@ def _jacobian(ask: Ask, x: FloatArray) -> Verdict:
             ),
             Slip(
                 "x'x added to every entry",
-                "`jacobian_cubic` adds x'x to every entry: add it only to the diagonal, with `np.eye(n)`.",
+                "`jacobian_cubic` adds x'x to every entry.",
                 lambda: x @ x + 2 * outer,
+                mend="Add it only to the diagonal, with `np.eye(n)`.",
             ),
         ],
     )

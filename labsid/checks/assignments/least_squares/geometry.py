@@ -29,9 +29,10 @@ def _judge_projector(ask: Ask, Phi: FloatArray) -> Verdict:
         what = "pseudo-inverse" if shape == (p, n) else "p by p matrix Phi'Phi or its inverse"
         return Verdict(
             False,
-            f"`projector` returns a {shape[0]} by {shape[1]} matrix: this is the shape of the {what}. P maps Y to "
-            f"Y_hat = Phi theta, both with {n} entries: multiply by Phi from the left.",
+            f"`projector` returns a {shape[0]} by {shape[1]} matrix: this is the shape of "
+            f"the {what}. P maps Y to Y_hat = Phi theta, both with {n} entries.",
             "pseudo-inverse instead of the projector" if shape == (p, n) else "p by p matrix instead of the projector",
+            mend="Multiply by Phi from the left.",
         )
     return judge(
         as_matrix("projector(Phi)", value, (n, n)),
@@ -42,8 +43,9 @@ def _judge_projector(ask: Ask, Phi: FloatArray) -> Verdict:
         [
             Slip(
                 "inverse left out",
-                "`projector` returns Phi Phi': (Phi'Phi)^-1 in the middle is missing, so P P is not P.",
+                "`projector` returns Phi Phi': then P P is not P.",
                 lambda: Phi @ Phi.T,
+                mend="(Phi'Phi)^-1 in the middle is missing.",
             ),
             Slip(
                 "projects onto the residual",
@@ -54,6 +56,12 @@ def _judge_projector(ask: Ask, Phi: FloatArray) -> Verdict:
                 "inverse forgotten",
                 "`projector` has Phi'Phi in the middle instead of its inverse.",
                 lambda: Phi @ Phi.T @ Phi @ Phi.T,
+            ),
+            Slip(
+                "divided by a norm",
+                "`projector` divides Phi Phi' by the square of a norm, which is right for a single column only.",
+                lambda: Phi @ Phi.T / np.linalg.norm(Phi) ** 2,
+                mend="(Phi'Phi)^-1 belongs in the middle.",
             ),
             Slip(
                 "identity",
@@ -107,9 +115,9 @@ def _solutions(ask: Ask, Phi: FloatArray, Y: FloatArray) -> Verdict:
     if N.shape == (p, right.rank) and free != right.rank:
         return Verdict(
             False,
-            f"N of `all_solutions` has rank(Phi) columns. The null space has p - rank = {free} directions: the other "
-            "columns of V.",
+            f"N of `all_solutions` has rank(Phi) columns. The null space has p - rank = {free} directions.",
             "directions outside the null space",
+            mend="They are the other columns of V.",
         )
     return _directions(as_matrix("N of all_solutions(Phi, Y)", N, (p, None)), Phi, free)
 
@@ -121,15 +129,16 @@ def _directions(N: FloatArray, Phi: FloatArray, free: int) -> Verdict:
         if SAME(N, Vt[:, Vt.shape[0] - free :]):
             return Verdict(
                 False,
-                "N of `all_solutions` has columns of V'. numpy's `svd` returns V transposed: take its last *rows*.",
+                "N of `all_solutions` has columns of V'. numpy's `svd` returns V transposed.",
                 "V and V transposed confused",
+                mend="Take its last *rows*.",
             )
         if N.shape[1] == free and np.linalg.matrix_rank(np.hstack([N, parts.V[:, :free]]), tol=1e-6) == free:
             return Verdict(
                 False,
-                "N of `all_solutions` contains the directions of the largest singular values; those of the null "
-                "space belong to the zero ones, the last.",
+                "N of `all_solutions` contains the directions of the largest singular values.",
                 "directions outside the null space",
+                mend="Those of the null space belong to the zero ones, the last.",
             )
         return Verdict(
             False, "N of `all_solutions` changes Phi theta: Phi N should be zero. Check which columns of V it needs."

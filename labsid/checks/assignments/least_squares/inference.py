@@ -62,20 +62,21 @@ def _width_slips(fit: LeastSquares, n: int, p: int, level: float) -> list[Slip[F
     return [
         Slip(
             "one-sided quantile",
-            "`confidence` uses the quantile at `level`. The remaining probability is split between *two* sides: use "
-            "(1 + level)/2.",
+            "`confidence` uses the quantile at `level`. The remaining probability is split between *two* sides.",
             lambda: float(stdtrit(n - p, level)) * spread,
+            mend="Use (1 + level)/2.",
         ),
         Slip(
             "normal quantile",
-            "`confidence` uses the quantile of the normal distribution. sigma^2 is an estimate: use Student's t "
-            "with n - p degrees of freedom.",
+            "`confidence` uses the quantile of the normal distribution. sigma^2 is an estimate.",
             lambda: float(ndtri((1 + level) / 2)) * spread,
+            mend="Use Student's t with n - p degrees of freedom.",
         ),
         Slip(
             "divided by n",
-            "`confidence` divides the SSE by n. With p fitted parameters, divide by n - p.",
+            "`confidence` divides the SSE by n.",
             lambda: t * wrong_n * spread,
+            mend="With p fitted parameters, divide by n - p.",
         ),
         Slip(
             "level not used",
@@ -84,33 +85,39 @@ def _width_slips(fit: LeastSquares, n: int, p: int, level: float) -> list[Slip[F
         ),
         Slip(
             "quantile forgotten",
-            "`confidence` returns intervals of one standard error: multiply by the quantile.",
+            "`confidence` returns intervals of one standard error.",
             lambda: spread,
+            mend="Multiply by the quantile.",
         ),
         Slip(
             "variance for standard error",
-            "`confidence` multiplies the quantile by the variances: use their square roots.",
+            "`confidence` multiplies the quantile by the variances.",
             lambda: t * spread**2,
+            mend="Use their square roots.",
         ),
         Slip(
             "degrees of freedom",
-            "the quantile of `confidence` has n degrees of freedom; use n - p.",
+            "the quantile of `confidence` has n degrees of freedom.",
             lambda: float(stdtrit(n, (1 + level) / 2)) * spread,
+            mend="Use n - p.",
         ),
         Slip(
             "degrees of freedom",
-            "the quantile of `confidence` has n - 1 degrees of freedom; use n - p.",
+            "the quantile of `confidence` has n - 1 degrees of freedom.",
             lambda: float(stdtrit(n - 1, (1 + level) / 2)) * spread,
+            mend="Use n - p.",
         ),
         Slip(
             "sigma^2 forgotten",
-            "`confidence` omits sigma^2: the covariance is sigma^2 times the inverse of Phi'Phi.",
+            "`confidence` omits sigma^2.",
             lambda: t * spread / np.sqrt(fit.sigma2),
+            mend="The covariance is sigma^2 times the inverse of Phi'Phi.",
         ),
         Slip(
             "sigma for sigma^2",
-            "`confidence` multiplies the inverse of Phi'Phi by sigma; multiply by sigma^2.",
+            "`confidence` multiplies the inverse of Phi'Phi by sigma.",
             lambda: t * spread / fit.sigma2**0.25,
+            mend="Multiply by sigma^2.",
         ),
     ]
 
@@ -155,8 +162,9 @@ def _judge_weights(ask: Ask, A: FloatArray) -> Verdict:
             ),
             Slip(
                 "sign of the weights",
-                "`inverse_weights` has the wrong sign: move c_n I to the other side.",
+                "`inverse_weights` has the wrong sign.",
                 lambda: c[::-1] / last,
+                mend="Move c_n I to the other side.",
             ),
             Slip("not divided by c_n", "`inverse_weights` lacks the division by c_n.", lambda: -c[::-1]),
             Slip(
@@ -167,8 +175,9 @@ def _judge_weights(ask: Ask, A: FloatArray) -> Verdict:
             ),
             Slip(
                 "divided by the first coefficient",
-                "`inverse_weights` divides by the first coefficient, which is 1; divide by c_n, the last.",
+                "`inverse_weights` divides by the first coefficient, which is 1.",
                 lambda: -np.concatenate([c[1:], [last]])[::-1],
+                mend="Divide by c_n, the last.",
             ),
         ],
     )

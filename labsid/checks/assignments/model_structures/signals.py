@@ -56,6 +56,11 @@ def _judge_shift(ask: Ask, P: FloatArray, x: FloatArray) -> Verdict:
                 lambda: np.array([P @ forward[k : k + n] for k in range(x.size)]),
             ),
             Slip(
+                "first coefficient only",
+                "`apply` uses P[0] alone: each coefficient multiplies a sample of its own.",
+                lambda: P[0] * x,
+            ),
+            Slip(
                 "index wraps around",
                 "`apply` takes the last samples for those before the first: `np.roll` and negative indices go round. "
                 "Before the first sample the signal is zero.",

@@ -47,8 +47,9 @@ def _judge_logarithm(ask: Ask, x: FloatArray, y: FloatArray) -> Verdict:
             Slip("a and b swapped", "`fit_logarithm` returns b before a.", lambda: right[::-1]),
             Slip(
                 "b left as a logarithm",
-                "b of `fit_logarithm` is still a logarithm: the line gives c = ln b, so b = e^c.",
+                "b of `fit_logarithm` is still a logarithm.",
                 lambda: np.array([fit.a, np.log(fit.b)]),
+                mend="The line gives c = ln b, so b = e^c.",
             ),
             Slip(
                 "logarithm to base 10",

@@ -191,15 +191,15 @@ def _judge_step(ask: Ask, J: FloatArray, e: FloatArray, mu: float) -> Verdict:
             Slip("mu not used", "`damped_step` does not use mu: it is the whole step.", lambda: solve(JJ)),
             Slip(
                 "all of J'J enlarged",
-                "`damped_step` multiplies all of J'J by 1 + mu, which only shortens the step. D is its diagonal alone: "
-                "`np.diag(np.diag(...))`.",
+                "`damped_step` multiplies all of J'J by 1 + mu, which only shortens the step.",
                 lambda: solve((1 + mu) * JJ),
+                mend="D is its diagonal alone: `np.diag(np.diag(...))`.",
             ),
             Slip(
                 "number added to every entry",
-                "`damped_step` adds to every entry of J'J: D is a *matrix* with zeros off its diagonal. "
-                "`np.diag(M)` is a vector; `np.diag` of that is the matrix.",
+                "`damped_step` adds to every entry of J'J: D is a *matrix* with zeros off its diagonal.",
                 lambda: solve(JJ + mu * np.diag(JJ)),
+                mend="`np.diag(M)` is a vector; `np.diag` of that is the matrix.",
             ),
             Slip(
                 "number added to every entry",
@@ -211,6 +211,7 @@ def _judge_step(ask: Ask, J: FloatArray, e: FloatArray, mu: float) -> Verdict:
                 "`damped_step` goes uphill: J'e stands on the right with a plus.",
                 lambda: -solve(JJ + mu * D),
             ),
+            Slip("mu squared", "`damped_step` uses the square of mu: it is mu D.", lambda: solve(JJ + mu**2 * D)),
             Slip("mu only", "`damped_step` leaves J'J itself out.", lambda: solve(mu * D)),
         ],
     )

@@ -115,8 +115,9 @@ def _judge_step(ask: Ask, t: FloatArray, y: FloatArray, amplitude: float, fit: N
             ),
             Slip(
                 "divided by n",
-                "`fit_step` divides the SSE by n for s^2. Three parameters have been fitted to it: divide by n - 3.",
+                "`fit_step` divides the SSE by n for s^2.",
                 lambda: spread * np.sqrt((n - p) / n),
+                mend="Three parameters have been fitted to it: divide by n - 3.",
             ),
             Slip(
                 "half the SSE",

@@ -72,6 +72,11 @@ _WRONG_WAVES: tuple[tuple[str, str, Callable[[Wave, FloatArray], FloatArray]], .
         lambda wave, t: wave(200 * np.pi * t),
     ),
     (
+        "amplitude of a half",
+        "its amplitude is 0.5; it should be 1",
+        lambda wave, t: 0.5 * wave(0.02 * np.pi * t),
+    ),
+    (
         "sample number in place of time",
         "its period is 10 s: use the time in seconds, not the sample number",
         lambda wave, t: wave(0.2 * np.pi * t),

@@ -43,8 +43,9 @@ def _one_mean(ask: Ask, theta: float, n: int, y: float) -> Verdict:
             ),
             Slip(
                 "sign of the error",
-                "`update_mean` moves away from the new sample: the error is y - theta.",
+                "`update_mean` moves away from the new sample.",
                 lambda: theta - error / n,
+                mend="The error is y - theta.",
             ),
             Slip(
                 "half and half",
@@ -54,10 +55,13 @@ def _one_mean(ask: Ask, theta: float, n: int, y: float) -> Verdict:
             ),
             Slip(
                 "y in place of the error",
-                "`update_mean` adds y/n to the old mean: what is added is the error y - theta, divided by n.",
+                "`update_mean` adds y/n to the old mean.",
                 lambda: theta + y / n,
+                mend="What is added is the error y - theta, divided by n.",
             ),
-            Slip("gain forgotten", "`update_mean` adds the whole error: divide it by n.", lambda: theta + error),
+            Slip(
+                "gain forgotten", "`update_mean` adds the whole error.", lambda: theta + error, mend="Divide it by n."
+            ),
         ],
     )
 
@@ -85,9 +89,12 @@ def _one_sum(ask: Ask, M: FloatArray, v: FloatArray, phi: FloatArray, y: float) 
         [
             Slip(
                 "phi'phi for phi phi'",
-                "`add_sample` adds the number phi'phi to every entry of M. Asked for is the matrix phi phi', "
-                "`np.outer(phi, phi)`: for one-dimensional arrays `phi @ phi.T` is the number.",
+                "`add_sample` adds the number phi'phi to every entry of M.",
                 lambda: M + phi @ phi,
+                mend=(
+                    "Asked for is the matrix phi phi', `np.outer(phi, phi)`: for one-dimensional "
+                    "arrays `phi @ phi.T` is the number."
+                ),
             ),
             Slip(
                 "entry by entry",
@@ -189,8 +196,9 @@ def _judge_covariance(got: Value, P: FloatArray, phi: FloatArray) -> Verdict:
             ),
             Slip(
                 "phi'phi for phi phi'",
-                "`rls_step` has a number where the matrix P phi phi'P belongs: `np.outer(P @ phi, P @ phi)`.",
+                "`rls_step` has a number where the matrix P phi phi'P belongs.",
                 lambda: P - P_phi @ P_phi / (1 + q),
+                mend="In numpy it is `np.outer(P @ phi, P @ phi)`.",
             ),
             Slip(
                 "entry by entry",
@@ -199,8 +207,9 @@ def _judge_covariance(got: Value, P: FloatArray, phi: FloatArray) -> Verdict:
             ),
             Slip(
                 "P only once",
-                "the numerator in `rls_step` is phi phi'; it is P phi phi'P, with P on both sides.",
+                "the numerator in `rls_step` is phi phi'.",
                 lambda: P - np.outer(phi, phi) / (1 + q),
+                mend="It is P phi phi'P, with P on both sides.",
             ),
             Slip(
                 "inverse of P handed back",
@@ -219,12 +228,13 @@ def _judge_theta(got: Value, theta: FloatArray, P: FloatArray, phi: FloatArray, 
         after,
         SAME,
         "old estimate plus gain times prediction error, without a matrix inverse.",
-        "P of `rls_step` is right, theta is not: it is theta + K (y - phi'theta).",
+        "P of `rls_step` is right, theta is not: look at the gain and at the error that it multiplies.",
         [
             Slip(
                 "gain from the old P",
-                "`rls_step` takes the gain from the P before the sample; K = P phi takes the P after it.",
+                "`rls_step` takes the gain from the P before the sample.",
                 lambda: theta + P @ phi * error,
+                mend="K = P phi takes the P after it.",
             ),
             Slip(
                 "divided twice",
@@ -233,18 +243,21 @@ def _judge_theta(got: Value, theta: FloatArray, P: FloatArray, phi: FloatArray, 
             ),
             Slip(
                 "divided twice",
-                "`rls_step` divides the gain by 1 + phi'P phi, with the new P in it. The new P needs no division.",
+                "`rls_step` divides the gain by 1 + phi'P phi, with the new P in it.",
                 lambda: theta + new_P @ phi * error / (1 + phi @ new_P @ phi),
+                mend="The new P needs no division.",
             ),
             Slip(
                 "sign of the error",
-                "`rls_step` moves away from the sample: the error is y - phi'theta.",
+                "`rls_step` moves away from the sample.",
                 lambda: theta - new_P @ phi * error,
+                mend="The error is y - phi'theta.",
             ),
             Slip(
                 "y in place of the error",
-                "`rls_step` corrects by K y; it is the error y - phi'theta that corrects.",
+                "`rls_step` corrects by K y.",
                 lambda: theta + new_P @ phi * y,
+                mend="It is the error y - phi'theta that corrects.",
             ),
             Slip("old estimate forgotten", "`rls_step` returns the correction alone.", lambda: after - theta),
             Slip("theta not updated", "`rls_step` hands theta back as it was.", lambda: theta),

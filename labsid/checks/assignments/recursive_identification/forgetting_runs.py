@@ -187,8 +187,9 @@ def _one_run(ask: Ask, n: int, p: int, lam: float, large: float) -> Verdict:
             ),
             Slip(
                 "1 in the denominator",
-                "the denominator of `rls` is 1 + phi'P phi: with forgetting the 1 becomes lambda.",
+                "the denominator of `rls` is 1 + phi'P phi.",
                 lambda: wrong(denominator=1.0),
+                mend="With forgetting the 1 becomes lambda.",
             ),
             Slip(
                 "not divided by lambda",
@@ -197,13 +198,15 @@ def _one_run(ask: Ask, n: int, p: int, lam: float, large: float) -> Verdict:
             ),
             Slip(
                 "multiplied by lambda",
-                "`rls` multiplies P by lambda: old samples would count more and more. Divide.",
+                "`rls` multiplies P by lambda: old samples would count more and more.",
                 lambda: wrong(factor=lam),
+                mend="Divide.",
             ),
             Slip(
                 "gain from the old P",
-                "`rls` takes the gain from the P before the sample: update P first.",
+                "`rls` takes the gain from the P before the sample.",
                 lambda: wrong(old_gain=True),
+                mend="Update P first.",
             ),
             Slip("sign of the error", "`rls` moves away from the samples.", lambda: wrong(sign=-1.0)),
             Slip(

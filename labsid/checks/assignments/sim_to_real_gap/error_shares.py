@@ -50,9 +50,9 @@ def _time_slips(e: FloatArray, parts: int) -> list[Slip[FloatArray]]:
         *_common_slips("time_shares", np.sum(blocks**2, axis=1), np.sum(np.abs(blocks), axis=1)),
         Slip(
             "every so many samples",
-            "`time_shares` puts every n-th sample together. A stretch is a run of neighbours: `reshape(parts, -1)` has "
-            "one in each row.",
+            "`time_shares` puts every n-th sample together. A stretch is a run of neighbours.",
             lambda: _normed(np.sum(e.reshape(-1, parts) ** 2, axis=0)),
+            mend="`reshape(parts, -1)` has one in each row.",
         ),
         Slip(
             "square of the sum",
@@ -222,8 +222,9 @@ def _cell_slips(x: FloatArray, e: FloatArray, edges: FloatArray) -> list[Slip[Fl
         ),
         Slip(
             "shares of the samples",
-            "`cell_shares` counts samples. Each counts with its squared error: `weights=e**2`.",
+            "`cell_shares` counts samples.",
             lambda: _normed(counts),
+            mend="Each counts with its squared error: `weights=e**2`.",
         ),
         Slip(
             "mean for sum",

@@ -125,7 +125,9 @@ def _lab_estimate(ask: Ask, u: FloatArray, y: FloatArray, half: int) -> Verdict:
             "`theta_arx` is fitted on the second half, which is held out. Fit on the first.",
             lambda: fit_arx(u, y, Ts, start=half).model.theta,
         )
-        yield Slip("sign of a", "`theta_arx` has the other sign of a: it is [-a1, -a2, b1, b2].", lambda: right * SIGNS)
+        yield Slip(
+            "sign of a", "`theta_arx` has the other sign of a.", lambda: right * SIGNS, mend="It is [-a1, -a2, b1, b2]."
+        )
         yield Slip(
             "y and u columns swapped",
             "`theta_arx` has b before a: in Phi the outputs come first.",
@@ -176,8 +178,9 @@ def _not_nearest(theta: FloatArray, u: FloatArray, y: FloatArray, half: int, Ts:
         ),
         Slip(
             "sign of a",
-            "`theta_hat` has the other sign of a: it is [-a1, -a2, b1, b2], as `free_run` takes it.",
+            "`theta_hat` has the other sign of a.",
             lambda: nearest_free_run(u[:half], y[:half], Ts) * SIGNS,
+            mend="It is [-a1, -a2, b1, b2], as `free_run` takes it.",
         ),
         Slip(
             "wrong half",

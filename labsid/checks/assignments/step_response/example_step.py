@@ -53,9 +53,24 @@ def check_approximation(ask: Ask) -> Verdict:
         simulated = next((run for run in _delayed_steps(t, K, tau, td) if _same(got, run)), None)
         carried = carried if simulated is None else simulated
         if carried is None or not _same(got, carried) or np.ptp(carried) == 0:
-            return Verdict(
-                False,
+            return judge(
+                got,
+                right,
+                _same,
+                "",
                 "`y_approx` is not the response of your model to the step of amplitude 2 at the times `t_step`.",
+                [
+                    Slip(
+                        "amplitude of one",
+                        "`y_approx` is the response to a step of amplitude 1; the recorded step has amplitude 2.",
+                        lambda: right / AMPLITUDE,
+                    ),
+                    Slip(
+                        "the record itself",
+                        "`y_approx` is `y_step` itself: compute the response of your model, with its K, tau and td.",
+                        lambda: y,
+                    ),
+                ],
             )
         right = carried
     error = y - right

@@ -12,15 +12,19 @@ from labsid.checks.assignments.step_response.slips import (
     minimum_slips,
     two_slips,
 )
-from labsid.checks.compare import as_number, as_vector, close, kind_of
+from labsid.checks.compare import as_array, as_number, as_vector, close, kind_of
 from labsid.checks.question import Ask, returned
-from labsid.checks.verdict import NoAnswer, Verdict, first_failure, judge
+from labsid.checks.verdict import Answer, NoAnswer, Slip, Verdict, first_failure, judge
 from labsid.least_squares.solve import loss, loss_gradient, solve_least_squares, two_equations
 
 _same = close(1e-8)
 
 # The square one comes first: with it, a transposed Phi still multiplies and can be recognised.
 _SHAPES = ((3, 3), (5, 2), (8, 3), (4, 1))
+
+
+def _zeros(name: str, because: str, wrong: Answer) -> Slip[Answer]:
+    return Slip("zeros", f"`{name}` returns zeros: {because}.", lambda: wrong)
 
 
 def check_solve_two(ask: Ask) -> Verdict:
@@ -74,13 +78,16 @@ def check_loss_function(ask: Ask) -> Verdict:
     """(A5)."""
 
     def one(Phi: FloatArray, Y: FloatArray, theta: FloatArray) -> Verdict:
+        value = returned(ask, "loss", Phi, Y, theta)
+        if as_array("loss(Phi, Y, theta)", value).size == Y.size:
+            return Verdict(False, "`loss` returns one number for each equation: add them up.", "not added up")
         return judge(
-            as_number("loss(Phi, Y, theta)", returned(ask, "loss", Phi, Y, theta)),
+            as_number("loss(Phi, Y, theta)", value),
             loss(Phi, Y, theta),
             _same,
             "half the sum of the squared errors.",
             "`loss` is not half the sum of the squared errors: see (A5).",
-            loss_slips(Phi, Y, theta),
+            [*loss_slips(Phi, Y, theta), _zeros("loss", "this theta has errors", 0.0)],
         )
 
     return _on_all(ask, one)
@@ -96,7 +103,10 @@ def check_gradient(ask: Ask) -> Verdict:
             _same,
             "it is the derivative of the loss with respect to each parameter.",
             "`gradient` is not the derivative of V: compare it with differences of the loss, as in the hint.",
-            gradient_slips(Phi, Y, theta),
+            [
+                *gradient_slips(Phi, Y, theta),
+                _zeros("gradient", "away from the minimum the loss has a slope", np.zeros_like(theta)),
+            ],
         )
 
     return _on_all(ask, one)
@@ -112,7 +122,10 @@ def check_minimum(ask: Ask) -> Verdict:
             close(1e-6),
             "no other theta has a smaller loss.",
             "`best_theta` does not give the theta with the smallest loss: see eq. (8).",
-            minimum_slips(Phi, Y),
+            [
+                *minimum_slips(Phi, Y),
+                _zeros("best_theta", "another theta has a smaller loss", np.zeros(Phi.shape[1])),
+            ],
         )
 
     return _on_all(ask, one)

@@ -54,6 +54,11 @@ def error_slips(Phi: FloatArray, Y: FloatArray, theta: FloatArray) -> Slips:
     """Mistakes in (A4)."""
     return [
         Slip(
+            "product entry by entry",
+            "`error_vector` multiplies Phi and theta entry by entry (`*`): their product is `Phi @ theta`.",
+            lambda: Y - (Phi * theta)[:, 0],
+        ),
+        Slip(
             "sign of the error",
             "`error_vector` has the wrong sign: E is Y - Phi theta.",
             lambda: Phi @ theta - Y,

@@ -2,7 +2,7 @@
 
 import pytest
 
-from autograder.intake.given_lines import MAX_CHARACTERS, put_back
+from labsid.checks.given_lines import MAX_CHARACTERS, put_back
 
 RELEASED = """u = np.array([1.0, 2])
 theta = np.ones(2)

@@ -2,7 +2,7 @@
 
 import ast
 
-from autograder.course.sources import parse_python
+from labsid.checks.cell_names import parse_python
 from labsid.checks.cells import is_stub
 
 MAX_CHARACTERS = 20_000
