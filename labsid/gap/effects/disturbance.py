@@ -208,6 +208,13 @@ def _inside(onset: float, samples: int) -> bool:
     return edge < onset < 1.0 - edge
 
 
+def explained_energy(columns: FloatArray, e: FloatArray) -> float:
+    """Sum of squares of `e` that two columns explain; they may be in proportion."""
+    gram = columns.T @ columns + 1e-9 * np.eye(2)
+    cross = columns.T @ e
+    return float(cross @ np.linalg.lstsq(gram, cross, rcond=None)[0])
+
+
 def load_onsets(context: Context, count: int, grows_with: FloatArray | None = None) -> list[float]:
     """Onsets, as shares of the record, at which a load through the dynamics reduces the residual most.
 
@@ -229,9 +236,7 @@ def load_onsets(context: Context, count: int, grows_with: FloatArray | None = No
         load_signal = np.where(np.arange(samples) >= k, load, 0.0)
         step = plant.load_response(rates, load_signal)[rows]
         step -= basis @ (basis.T @ step)
-        gram = step.T @ step + 1e-9 * np.eye(2)
-        cross = step.T @ e
-        gains.append(float(cross @ np.linalg.solve(gram, cross)))
+        gains.append(explained_energy(step, e))
     height = np.array(gains)
     found = []
     for _ in range(count):

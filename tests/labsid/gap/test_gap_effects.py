@@ -726,3 +726,11 @@ def test_a_tank_does_not_overflow_while_off() -> None:
         theta[at : at + 2] = np.log([0.5, 0.1])
         theta[at + hypothesis.plant.index("brim")] = 0.5
         assert hypothesis.effects[0].is_plausible(Fitted(hypothesis, theta, np.zeros(2), data)) is expected
+
+
+@pytest.mark.parametrize("size", [1.0, 1e6])
+def test_the_energy_of_columns_in_proportion_is_that_of_one_of_them(size: float) -> None:
+    """As of a load whose response only one counted row shows, and that is large because the dynamics integrate."""
+    e = np.array([0.3, -0.2, 0.5])
+    columns = size * np.array([[0.0, 0.0], [0.0, 0.0], [3.0, 2.0]])
+    assert disturbance.explained_energy(columns, e) == pytest.approx(0.25, rel=1e-6)
