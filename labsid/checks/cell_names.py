@@ -25,11 +25,14 @@ def assigned_names(source: str) -> frozenset[str]:
 
 def used_names(source: str) -> frozenset[str]:
     """The variables of the notebook that a cell uses, also inside its functions, and does not assign itself."""
-    if _parse(source) is None:
-        return frozenset()
-    top = symtable.symtable(without_magic(source), "cell", "exec")
-    own = {symbol.get_name() for symbol in top.get_symbols() if symbol.is_assigned() or symbol.is_imported()}
-    return frozenset(_globals_of(top)) - own - set(dir(builtins))
+    top = _symbols(source)
+    return frozenset() if top is None else frozenset(_globals_of(top)) - _bound(top) - set(dir(builtins))
+
+
+def bound_names(source: str) -> frozenset[str]:
+    """The variables, functions, classes and modules that a cell gives a name, outside its functions."""
+    top = _symbols(source)
+    return frozenset() if top is None else _bound(top)
 
 
 def _parse(source: str) -> ast.Module | None:
@@ -37,6 +40,18 @@ def _parse(source: str) -> ast.Module | None:
         return parse_python(without_magic(source))
     except (SyntaxError, ValueError, RecursionError):
         return None
+
+
+def _symbols(source: str) -> symtable.SymbolTable | None:
+    try:
+        with _PARSING:
+            return symtable.symtable(without_magic(source), "cell", "exec")
+    except (SyntaxError, ValueError, RecursionError, MemoryError):
+        return None
+
+
+def _bound(top: symtable.SymbolTable) -> frozenset[str]:
+    return frozenset(one.get_name() for one in top.get_symbols() if one.is_assigned() or one.is_imported())
 
 
 def _globals_of(table: symtable.SymbolTable) -> Iterator[str]:

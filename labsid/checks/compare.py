@@ -139,14 +139,14 @@ def as_system(name: str, value: Value) -> SystemValue:
     return value
 
 
-def as_figure(name: str, value: Value, axes: int) -> FigureValue:
-    """Read a figure with the given number of axes."""
+def as_figure(name: str, value: Value, axes: int | None = None) -> FigureValue:
+    """Read a figure, with the given number of axes."""
     if not isinstance(value, FigureValue):
         raise NoAnswer(
             f"`{name}` should be the figure itself, as `plt.figure()` returns it; it is {kind_of(value)}.",
             "not the figure",
         )
-    if len(value.axes) != axes:
+    if axes is not None and len(value.axes) != axes:
         raise NoAnswer(f"`{name}` should have {axes} subplots; it has {len(value.axes)}.", "number of panels")
     return value
 

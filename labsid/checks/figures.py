@@ -5,10 +5,10 @@ import re
 import numpy as np
 from numpy.typing import ArrayLike
 
-from labsid.checks.compare import kind_of
+from labsid.checks.compare import as_figure
 from labsid.checks.values import Value
 from labsid.checks.verdict import NoAnswer
-from labsid.plots.figure_values import AxesValue, CurveValue, FigureValue
+from labsid.plots.figure_values import AxesValue, CurveValue
 
 
 def one_figure(name: str, value: Value) -> AxesValue:
@@ -17,12 +17,7 @@ def one_figure(name: str, value: Value) -> AxesValue:
     An axis counts as labelled if it is labelled wherever it needs to be: the y-axis of each panel that shows something,
     the x-axis of the lowest.
     """
-    if not isinstance(value, FigureValue):
-        raise NoAnswer(
-            f"`{name}` should be the figure itself, as `plt.figure()` returns it; it is {kind_of(value)}.",
-            "not the figure",
-        )
-    panels = [axes for axes in value.axes if axes.curves]
+    panels = [axes for axes in as_figure(name, value).axes if axes.curves]
     if not panels:
         raise NoAnswer(f"`{name}` is empty: draw in its axes.", "empty axes")
     ylabels = [axes.ylabel for axes in panels]

@@ -207,7 +207,7 @@ class notebook_checks:  # noqa: N801  (called like a function, once, at the top 
         is_used = any(question.id in other.uses for other in self._assignment.questions)
         to_skip = skip or (question.id if is_used and question.id not in self._skipped else "")
         advice = f'To go on without it, run check.skip("{to_skip}") in a new cell below: it earns no marks.'
-        deleted = None if cells is None else cells.deleted_lines()
+        deleted = None if cells is None else cells.deleted_lines(released_template(self._assignment.name))
         told = " ".join(filter(None, (reason, deleted)))
         raise CheckFailed(f"{self._name(question.id)}: {told}", advice if to_skip else "")
 
@@ -239,9 +239,8 @@ class notebook_checks:  # noqa: N801  (called like a function, once, at the top 
         if self._runs is None:
             return None
         file = open_notebook(self._assignment.name)
-        release = released_template(self._assignment.name)
-        template = release if file is None else file.template
-        return QuestionCells(question_id, self._runs, file, template, self._variables, release)
+        template = released_template(self._assignment.name) if file is None else file.template
+        return QuestionCells(question_id, self._runs, file, template, self._variables)
 
     def _questions(self) -> tuple[Cell, ...]:
         """The questions with their marks, from the notebook's file or the release; without either, with no marks."""

@@ -33,8 +33,6 @@ class QuestionCells:
         The cells of the assignment, saved or released.
     variables : mapping
         The notebook's variables.
-    release : Template or None
-        The assignment as it was released, if the release is on this machine.
     """
 
     question_id: str
@@ -42,7 +40,6 @@ class QuestionCells:
     file: NotebookFile | None
     template: Template | None
     variables: Mapping[str, Any]
-    release: Template | None = None
 
     @property
     def answer(self) -> CellRun | None:
@@ -79,11 +76,14 @@ class QuestionCells:
             return f"its answer cell took {run.seconds:.0f} s; grading stops a cell after {CELL_SECONDS:g} s."
         return None
 
-    def deleted_lines(self) -> str | None:
-        """Lines that the release gives in the answer cell were deleted, and nothing in the cell replaces them."""
+    def deleted_lines(self, release: Template | None) -> str | None:
+        """Lines that the release gives in the answer cell were deleted, and nothing in the cell replaces them.
+
+        `release` is the assignment as it was released, if it is on this machine.
+        """
         run, cell_id = self.answer, answer_id(self.question_id)
         saved = "" if self.file is None else self.file.sources.get(cell_id, "")
-        cells = () if self.release is None else self.release.cells
+        cells = () if release is None else release.cells
         released = next((cell.source for cell in cells if cell.id == cell_id and cell.code), "")
         lines = put_back(released, saved if run is None else run.source)[1]
         if not lines:

@@ -75,21 +75,6 @@ def backlash(w: FloatArray, width: float, position: float) -> FloatArray:
 
 
 @compiled()
-def last_moved(w: FloatArray, width: float, position: float) -> np.ndarray:
-    """For each sample, the last one up to it at which `backlash` follows `w`; the first sample before that."""
-    half = 0.5 * width
-    out = np.empty(w.size, np.int64)
-    now, last = w[0] + (position - 0.5) * width, 0
-    for k in range(w.size):
-        if w[k] - half > now:
-            now, last = w[k] - half, k
-        elif w[k] + half < now:
-            now, last = w[k] + half, k
-        out[k] = last
-    return out
-
-
-@compiled()
 def rate_limit(w: FloatArray, rate: float, start: float) -> tuple[FloatArray, FloatArray]:
     """Mean and first moment about the middle of each sample, of an actuator slewing to `w` at `rate` per sample."""
     mean, moment = np.empty(w.size), np.empty(w.size)

@@ -124,10 +124,13 @@ class Plant(PlantForm):
         """Index of the column of the slow mode."""
         return self.state_columns[-1] - 1
 
+    def motion(self, theta: FloatArray, w: FloatArray) -> FloatArray:
+        """Output and speed of a mass or a motor, shape (N, 2)."""
+        return response(self, self._by_name(theta), w, w.size, float(w[0]))
+
     def speed(self, theta: FloatArray, w: FloatArray) -> FloatArray:
         """The speed against which friction acts, shape (N,)."""
-        own = self._by_name(theta)
-        return response(self, own, w, w.size, float(w[0]))[:, 1]
+        return self.motion(theta, w)[:, 1]
 
     def load_response(self, theta: FloatArray, signal: FloatArray) -> FloatArray:
         """Columns of the linearized response to an unmeasured load `signal`, shape (N, 2)."""

@@ -83,6 +83,11 @@ def damping_ratio(c: float, k: float) -> float:
     return float(0.5 * c / np.sqrt(k))
 
 
+def force_unit(c: float, k: float) -> float:
+    """Force per unit of position by which the motion of a mass is scaled; also without a spring it is not zero."""
+    return float(max(k, 0.02 * c * c))
+
+
 def single_pole(rate: float) -> tuple[float, float]:
     """c and k of a single pole of `rate` per sample: the other pole is too fast to matter."""
     return rate + ABSENT_POLE_RATE, rate * ABSENT_POLE_RATE
@@ -221,7 +226,7 @@ def _mechanics(
     plant: PlantForm, own: dict[str, float], w: FloatArray, span: int, reference: float, late: float
 ) -> FloatArray:
     c, k = np.exp(own["log_c"]), np.exp(own["log_k"])
-    unit = max(k, 0.02 * c * c)  # force per unit of position
+    unit = force_unit(c, k)
     drive = w - own.get("centre", reference)
     substeps = int(min(max(np.ceil(max(c, np.sqrt(k)) / (0.15 if plant.abrupt else 0.3)), 2), 12))
     substeps *= LAW_SUBSTEPS if plant.law != "sharp" else 1

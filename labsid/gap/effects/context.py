@@ -117,20 +117,18 @@ class Context:
     @property
     def gain(self) -> float:
         """Static gain of the parent; zero if it is not finite."""
-        return _rise(self._step)
+        return rise(self._step)
 
     @property
     def response_time(self) -> float:
         """Mean delay in samples of the parent's step response; zero without static gain."""
         step = self._step
-        gain = _rise(step)
+        gain = rise(step)
         return max(float(np.sum((step[-1] - step[1:]) / gain)) - 0.5, 0.0) if gain else 0.0
 
     @property
     def _step(self) -> FloatArray:
-        fit, step = self.parent, np.repeat((0.0, 1.0), LONG_STEP)
-        outputs = [fit.hypothesis.output(fit.theta, fit.gains, u) for u in (step, np.zeros_like(step))]
-        return np.asarray(outputs[0] - outputs[1])[LONG_STEP - 1 :]  # the difference cancels loads and drifts
+        return unit_step_response(self.parent.hypothesis, self.parent.theta, self.parent.gains, LONG_STEP)
 
     @property
     def highpass_rates(self) -> tuple[float, float]:
@@ -138,6 +136,14 @@ class Context:
         return (self.highpass or self.parent).rates
 
 
-def _rise(step: FloatArray) -> float:
+def unit_step_response(hypothesis: Structure, theta: FloatArray, gains: FloatArray, samples: int) -> FloatArray:
+    """Response to a unit step from rest, from one sample before the step on, without loads and drifts."""
+    step = np.repeat((0.0, 1.0), samples)
+    outputs = [hypothesis.output(theta, gains, u) for u in (step, np.zeros_like(step))]
+    return np.asarray(outputs[0] - outputs[1])[samples - 1 :]  # the difference cancels loads and drifts
+
+
+def rise(step: FloatArray) -> float:
+    """Static gain from a step response; zero if it is not finite."""
     gain = float(step[-1] - step[0])
     return gain if np.isfinite(gain) else 0.0

@@ -6,7 +6,7 @@ import numpy as np
 
 from labsid.gap import _kernels
 from labsid.gap.effects.base import RICHER_FORM_BIC, Fitted, PlantEffect, Value
-from labsid.gap.effects.context import Context
+from labsid.gap.effects.context import Context, rise, unit_step_response
 from labsid.gap.plants import Plant
 from labsid.gap.responses import damping_ratio, denominator, real_rates, single_pole
 
@@ -117,9 +117,7 @@ class SlowMode(PlantEffect):
 
     def _share(self, fit: Fitted) -> float:
         """Share of the static gain."""
-        step = np.repeat((0.0, 1.0), STATIC_SAMPLES)
-        rise = fit.hypothesis.output(fit.theta, fit.gains, step)
-        whole = float(rise[-1] - rise[STATIC_SAMPLES - 1])
+        whole = rise(unit_step_response(fit.hypothesis, fit.theta, fit.gains, STATIC_SAMPLES))
         return float(fit.gains[fit.hypothesis.plant.slow_column]) / whole if whole else np.inf
 
     def values(self, fit: Fitted) -> dict[str, Value]:

@@ -8,7 +8,7 @@ from labsid.gap.effects.base import RICHER_FORM_BIC, Fitted, PlantEffect, Value
 from labsid.gap.effects.context import Context
 from labsid.gap.effects.dynamics import MAX_UNSPRUNG_RATE, SLACK_LOG_STIFFNESS
 from labsid.gap.plants import Plant
-from labsid.gap.responses import real_rates, response
+from labsid.gap.responses import force_unit, real_rates
 
 MIN_STOPPED = 4  # samples at a stop
 AT_STOP = 1e-9  # scaled distance
@@ -44,7 +44,7 @@ class EndStop(PlantEffect):
         """Stops at the ends of the output, and 8 and 25 % of its range within them."""
         c, k = context.rates
         y = context.data.y[context.data.rows]
-        gain = context.gain * k / max(k, 0.02 * c * c)  # of the position as the simulation scales it
+        gain = context.gain * k / force_unit(c, k)  # of the position as the simulation scales it
         if not gain:
             return []
         low, high = np.quantile(y, (0.01, 0.99))
@@ -58,11 +58,9 @@ class EndStop(PlantEffect):
 
     def active_samples(self, fit: Fitted) -> np.ndarray:
         """The samples at which the mass is at a stop."""
-        plant = fit.hypothesis.plant
-        own = dict(zip((p.name for p in plant.parameters), fit.theta[fit.hypothesis.slices["plant"]], strict=True))
         w = fit.hypothesis.actuator(fit.theta, fit.data.u)
-        position = response(plant, own, w, w.size, float(w[0]))[:, 0]
-        return np.any([np.abs(position - own[f"stop_{side}"]) < AT_STOP for side in self.sides], axis=0)
+        position = fit.hypothesis.plant.motion(fit.theta[fit.hypothesis.slices["plant"]], w)[:, 0]
+        return np.any([np.abs(position - fit.plant_value(f"stop_{side}")) < AT_STOP for side in self.sides], axis=0)
 
     def is_plausible(self, fit: Fitted) -> bool:
         """Require that the mass reaches a stop."""
@@ -104,7 +102,6 @@ class QuadraticDrag(PlantEffect):
         per_level = 1.0 / (float(fit.gains[0]) * fit.data.y_scale.unit or 1.0)
         if self.variant != "position":
             return {"drag": Value(fit.plant_value("drag") * fit.data.u_scale.unit * per_level**2, "u/y^2")}
-        c, k = np.exp(fit.plant_value("log_c")), np.exp(fit.plant_value("log_k"))
-        unit = max(k, 0.02 * c * c)
+        unit = force_unit(np.exp(fit.plant_value("log_c")), np.exp(fit.plant_value("log_k")))
         size = fit.plant_value("drag") * fit.data.u_scale.unit / unit * (fit.data.Ts * per_level) ** 2
         return {"drag": Value(float(size), "u s^2/y^2")}

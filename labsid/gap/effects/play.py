@@ -34,7 +34,9 @@ class Play(OutputEffect):
 
     def passed(self, columns: FloatArray, z: FloatArray, own: FloatArray) -> FloatArray:
         """Hold each column while the process crosses the play."""
-        return np.asarray(columns[_kernels.last_moved(z, float(own[0]), float(own[1]))])
+        reading = self.apply(z, own)
+        moved = np.diff(reading, prepend=reading[0]) != 0.0
+        return columns[np.maximum.accumulate(np.where(moved, np.arange(z.size), 0))]
 
     def is_plausible(self, fit: Fitted) -> bool:
         """Require that the play is crossed both ways, and narrower than most of the range."""
