@@ -140,7 +140,7 @@ def test_a_wrong_step_costs_its_own_marks_alone(solve) -> None:
     path = solve(
         LAB,
         lab_1c_offsets_answer="y_offset, u_offset = 1.0, 1.0\ny, u = y_act - 1, u_act - 1",
-        lab_2a_phi_answer="Phi = undefined",
+        lab_2a_phi_answer="half = len(y) // 2\nPhi = undefined",
         lab_2b_theta_answer=None,
     )
     saved = read_saved(path)
