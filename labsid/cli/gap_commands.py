@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from textwrap import fill
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
 import typer
 
@@ -46,7 +46,9 @@ def diagnose(
     html: Annotated[Path | None, typer.Option(metavar="FILE", help="Write the report as HTML.")] = None,
     export: Annotated[
         Path | None,
-        typer.Option(metavar="FILE", help="Write the corrected simulation, as JSON or as a Python module (.py)."),
+        typer.Option(
+            metavar="FILE", help="Write the corrected simulation: JSON, a Python module (.py), or an FMU (.fmu)."
+        ),
     ] = None,
     exclude: Annotated[
         list[str] | None, typer.Option(metavar="T0:T1", help="Times in seconds to exclude; may be repeated.")
@@ -80,6 +82,10 @@ def diagnose(
             f"{sim} holds the output of a simulation, so a correction of it cannot be exported. Omit --export, or give "
             "the model itself."
         )
+    if export is not None and export.suffix.lower() == ".fmu":
+        from labsid.gap.fmu_export import check_fmu_export
+
+        check_fmu_export()
     stated = None if units is None else _units(units)
     excluded = [_time_range(text) for text in exclude or ()]
     loaded = [load_record(path, output=output, columns=columns, Ts=Ts, allow_jitter=True) for path in records]
@@ -103,12 +109,8 @@ def diagnose(
         report = with_units(report, *stated)
     if json_file is not None:
         write_json(json_file, report)
-    if export is not None and export.suffix.lower() == ".py":
-        from labsid.gap.python_export import write_python_module
-
-        write_python_module(export, found.model.to_json_dict())
-    elif export is not None:
-        write_json(export, found.model.to_json_dict())
+    if export is not None:
+        _write_simulation(export, found.model.to_json_dict())
     if html is not None:
         from labsid.gap.html_report import write_html_report
 
@@ -145,7 +147,9 @@ def diagnose_batch(
 
 @gap.command()
 def simulate(
-    model: Annotated[Path, typer.Argument(metavar="MODEL", help="MODEL.json or an exported simulation.")],
+    model: Annotated[
+        Path, typer.Argument(metavar="MODEL", help="MODEL.json, an exported simulation, FILE.py:FUNCTION or FILE.fmu.")
+    ],
     record: RecordPath,
     out: Annotated[Path | None, typer.Option(metavar="FILE", help="Write t,u,y,y_sim as CSV.")] = None,
     output: Output = "noise-reduced",
@@ -227,6 +231,23 @@ def sealed_check(
     raise typer.Exit(
         run_sealed_check(suite=suite, per_row=per_row, rows=row, jobs=jobs, replays=replays, report=report)
     )
+
+
+def _write_simulation(path: Path, content: dict[str, Any]) -> None:
+    """Write an exported simulation in the form that the name of its file asks for."""
+    from labsid._files import write_json
+
+    kind = path.suffix.lower()
+    if kind == ".py":
+        from labsid.gap.python_export import write_python_module
+
+        write_python_module(path, content)
+    elif kind == ".fmu":
+        from labsid.gap.fmu_export import write_fmu
+
+        write_fmu(path, content)
+    else:
+        write_json(path, content)
 
 
 def _command_line(context: typer.Context) -> str:

@@ -1,6 +1,7 @@
 """Exported simulations: a fitted hypothesis as JSON and as a callable."""
 
 import json
+from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from itertools import product
 from pathlib import Path
@@ -22,6 +23,7 @@ from labsid.simulators.process import open_in_process
 
 SCHEMA = "labsid.model/1"
 REST_SAMPLES = 5000  # at constant input before a simulation from rest
+BEFORE_ANY_CHANGE = 10**9  # samples: with a record so long, loads and drifts do not change within REST_SAMPLES
 START_SAMPLES = 50  # for the estimate of the initial state
 STATE_OFFSETS = (0.0, -0.5, 0.5, -1.0, 1.0, -2.0, 2.0, -3.0, 3.0)  # scaled start values of initial states
 INPUT_PARTS = 16  # of a record
@@ -76,7 +78,7 @@ class ExportedModel:
     elsewhere: "ExportedModel | None" = None
     offset_weight: float = 0.0
 
-    def simulate(self, u: FloatArray, y: FloatArray | None = None) -> FloatArray:
+    def simulate(self, u: FloatArray, y: FloatArray | None = None, of_record: bool | None = None) -> FloatArray:
         """Free-run output for an input in the record's unit.
 
         Parameters
@@ -84,20 +86,23 @@ class ExportedModel:
         u : ndarray, shape (N,)
         y : ndarray, shape (N,), optional
             Its first samples determine the initial state; without it the simulation starts from rest.
+        of_record : bool, optional
+            Whether loads, sinusoids and drifts of the fitted record act; by default, if `u` is the input of that
+            record.
 
         Returns
         -------
         ndarray, shape (N,)
         """
-        model = self if self._fitted_to(u) else (self.elsewhere or self)._without_time_courses()
+        of_record = self._fitted_to(u) if of_record is None else of_record
+        model = self if of_record else (self.elsewhere or self)._without_time_courses()
         return model._simulate(u, y)
 
     def _simulate(self, u: FloatArray, y: FloatArray | None) -> FloatArray:
         data = Data(self.u_scale.of(u), np.zeros(u.size), np.ones(u.size, bool), self.Ts, self.u_scale, self.y_scale)
         theta, gains = self._at_rest()
         if y is None:
-            rest = np.full(REST_SAMPLES, data.u[0])
-            output = self._output(theta, gains, np.concatenate([rest, data.u]))[REST_SAMPLES:]
+            output = self._from_rest(theta, gains, data.u)
         else:
             theta, gains = self._started(theta, gains, data.u[:START_SAMPLES], self.y_scale.of(y[:START_SAMPLES]))
             output = self._output(theta, gains, data.u)
@@ -117,6 +122,23 @@ class ExportedModel:
         added = sum(effect.width for effect in self.hypothesis.additive)
         gains[gains.size - added :] = 0.0
         return replace(self, theta=theta, gains=gains)
+
+    def _from_rest(self, theta: FloatArray, gains: FloatArray, u: FloatArray) -> FloatArray:
+        """Output after a long time at the first input; loads, sinusoids and drifts begin with `u`."""
+        hypothesis = self.hypothesis
+        rest = np.full(REST_SAMPLES, u[0])
+        if any(theta[i] for i, one in enumerate(hypothesis.parameters) if one.name.startswith(_OF_ONE_RECORD)):
+            level = hypothesis.output(theta, gains, rest, BEFORE_ANY_CHANGE, self.reference)[-1]
+            started = self._started(theta, gains, rest[:START_SAMPLES], np.full(START_SAMPLES, level))
+            return self._output(*started, u)
+        design = hypothesis.design(theta, np.concatenate([rest, u]), self.span, self.reference)
+        if hypothesis.additive:
+            added = slice(design.parts[0].shape[1] + 1, None)
+            own = hypothesis.design(theta, u, self.span, self.reference).columns[:, added]
+            columns = design.columns.copy(order="F")
+            columns[:REST_SAMPLES, added], columns[REST_SAMPLES:, added] = own[0], own
+            design = replace(design, columns=columns)
+        return hypothesis.sensor(theta, gains, design)[REST_SAMPLES:]
 
     def _output(self, theta: FloatArray, gains: FloatArray, u: FloatArray) -> FloatArray:
         return self.hypothesis.output(theta, gains, u, self.span, self.reference)
@@ -353,6 +375,21 @@ def from_json_dict(content: dict[str, Any]) -> ExportedModel:
     if means.shape not in ((0,), (INPUT_PARTS,)):
         raise ValueError(wrong.format(f"input_means must hold {INPUT_PARTS} numbers"))
     return ExportedModel(hypothesis, theta, gains, Ts, span, reference, u_scale, y_scale, means, other, weight)
+
+
+def with_sources(content: dict[str, Any], change: Callable[[str], str]) -> dict[str, Any]:
+    """An exported simulation, the source of each given simulation in it changed."""
+    changed = dict(content)
+    if content.get("simulator") is not None:
+        changed["simulator"] = content["simulator"] | {"source": change(content["simulator"]["source"])}
+    if content.get("elsewhere") is not None:
+        changed["elsewhere"] = with_sources(content["elsewhere"], change)
+    return changed
+
+
+def in_folder(content: dict[str, Any], folder: Path) -> dict[str, Any]:
+    """An exported simulation whose files are named relative to `folder`."""
+    return with_sources(content, lambda source: str(folder / source))
 
 
 def _read_given(content: Any, scales: tuple[Scale, Scale], Ts: float) -> Plant:

@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from labsid._files import write_file
+from labsid.gap.model_file import with_sources
 from labsid.simulators.sources import source_file
 
 _MODULE = '''\
@@ -17,19 +18,18 @@ _MODULE = '''\
 import json
 from pathlib import Path
 
-from labsid.gap.model_file import from_json_dict
+from labsid.gap.model_file import from_json_dict, in_folder
 
 _CONTENT = json.loads(r"""
 {content}
 """)
-{place}_MODEL = from_json_dict(_CONTENT)
+_MODEL = from_json_dict(in_folder(_CONTENT, Path(__file__).resolve().parent))
 
 
 def simulate(t, u, y=None):
     """Output of the corrected simulation; the times `t` must have the sampling time of the record, {Ts:g} s."""
     return _MODEL.simulate(u, y)
 '''
-_PLACE = '_CONTENT["simulator"]["source"] = str(Path(__file__).resolve().parent / _CONTENT["simulator"]["source"])\n'
 
 
 def write_python_module(path: Path, content: dict[str, Any]) -> None:
@@ -41,12 +41,12 @@ def write_python_module(path: Path, content: dict[str, Any]) -> None:
     content : dict
         From `ExportedModel.to_json_dict`. The file of a given simulation is named relative to `path`.
     """
-    needs = place = ""
-    if "simulator" in content:
-        source = content["simulator"]["source"]
+
+    def near(source: str) -> str:
         file = source_file(Path(source))
-        near = os.path.relpath(file.resolve(), path.resolve().parent)
-        content = content | {"simulator": content["simulator"] | {"source": source.replace(str(file), near, 1)}}
-        needs, place = f" and {near}", _PLACE
-    text = _MODULE.format(content=json.dumps(content, indent=1), needs=needs, place=place, Ts=content["Ts"])
+        return source.replace(str(file), os.path.relpath(file.resolve(), path.resolve().parent), 1)
+
+    content = with_sources(content, near)
+    needs = f" and {source_file(Path(content['simulator']['source']))}" if "simulator" in content else ""
+    text = _MODULE.format(content=json.dumps(content, indent=1), needs=needs, Ts=content["Ts"])
     write_file(path, text.encode())

@@ -8,12 +8,15 @@ import numpy as np
 
 from labsid._arrays import FloatArray
 from labsid._files import write_file
-from labsid.gap.baseline import Simulation, check_bounded, read_transfer_function
+from labsid.gap.baseline import Simulation, check_bounded, make_baseline, read_transfer_function
 from labsid.gap.clock import at_sampling_time, stated_sampling_time
+from labsid.gap.data import scaled
+from labsid.gap.fmu_export import read_fmu_content
 from labsid.gap.model_file import SCHEMA, START_SAMPLES, load_model, read_exported_model
 from labsid.gap.record_findings import filtered_input
 from labsid.records.record import Record
 from labsid.simulators.process import open_in_process
+from labsid.simulators.simulator import Simulator
 from labsid.simulators.sources import is_source
 
 
@@ -40,16 +43,16 @@ def load_simulation(source: str | Path, record: Record, several: bool = False) -
     """Read the argument of `--sim`.
 
     It is MODEL.json, an exported simulation, FILE.py:FUNCTION, FILE.fmu, or a .csv with the header t,y. A function and
-    an FMU run in a process of their own.
+    an FMU run in a process of their own; of an FMU that ``--export`` wrote, the simulation in it is read.
 
     Raises
     ------
     ValueError
         If the file is none of these, its times differ from those of the record, or there are `several` records.
     """
-    if is_source(str(source)):
-        return open_in_process(str(source))
     path = Path(source)
+    if is_source(str(source)):
+        return read_fmu_content(path) or open_in_process(str(source))
     if path.suffix.lower() == ".csv":
         if several:
             raise ValueError(
@@ -75,23 +78,36 @@ def _read_output(path: Path, record: Record) -> FloatArray:
     return y
 
 
-def replay(path: Path, record: Record) -> Replay:
+def replay(source: Path, record: Record) -> Replay:
     """Run a simulation with the input of a record; the first output samples determine the initial state.
 
     Raises
     ------
     ValueError
-        If the file contains no simulation, or one with another sampling time.
+        If the source is no simulation that can be run, or one with another sampling time.
     """
-    content = load_model(path)
-    record = at_sampling_time(record, stated_sampling_time(content))
-    if content.get("schema") == SCHEMA:
-        y = read_exported_model(content, record.Ts).simulate(filtered_input(record), record.y)
+    content = read_fmu_content(source)
+    if content is None and is_source(str(source)):
+        y = _play(open_in_process(str(source)), record)
     else:
-        y = read_transfer_function(content, record.Ts).simulate(record.u, record.y)
+        content = content or load_model(source)
+        record = at_sampling_time(record, stated_sampling_time(content))
+        if content.get("schema") == SCHEMA:
+            y = read_exported_model(content, record.Ts).simulate(filtered_input(record), record.y)
+        else:
+            y = read_transfer_function(content, record.Ts).simulate(record.u, record.y)
     check_bounded(y, record.y)
     first = START_SAMPLES if len(record) > 2 * START_SAMPLES else 0
     return Replay(y, float(np.sqrt(np.mean((record.y - y)[first:] ** 2))), first)
+
+
+def _play(simulate: Simulator, record: Record) -> FloatArray:
+    """Output of a simulator; responses of a linear model of the rig stand for its initial state."""
+    record = Record(record.t, filtered_input(record), record.y, record.Ts)
+    data = scaled(record.u, record.y, np.ones(len(record), bool), record.Ts, float(record.t[0]))
+    baseline = make_baseline(data, record.t, simulate)
+    assert baseline.simulate_record is not None
+    return baseline.simulate_record(record)
 
 
 def write_replay(path: Path, record: Record, y: FloatArray) -> None:

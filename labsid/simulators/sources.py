@@ -1,7 +1,11 @@
-"""Open simulations that are files: a function in a Python file, or an FMU."""
+"""Open simulations that are files: a function in a Python file, an FMU, or one of these in the resources of an FMU."""
 
+import atexit
 import importlib.util
+import shutil
 import sys
+import tempfile
+import zipfile
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -16,8 +20,28 @@ def is_source(text: str) -> bool:
 
 def source_file(source: Path) -> Path:
     """The file that `source` names: that of ``rig.py:simulate`` is ``rig.py``."""
+    packed = _packed(str(source))
+    if packed is not None:
+        return packed[0]
     split = _split(str(source))
     return source if split is None else split[0]
+
+
+def read_source(source: str) -> tuple[str, bytes]:
+    """The source without its folder, as ``rig.py:simulate``, and the content of its file.
+
+    Raises
+    ------
+    OSError
+        If the file cannot be read.
+    """
+    packed = _packed(source)
+    if packed is None:
+        file = source_file(Path(source))
+        return source.replace(str(file), file.name, 1), file.read_bytes()
+    archive, inner = packed
+    with zipfile.ZipFile(archive) as opened:
+        return inner, opened.read(f"resources/{source_file(Path(inner))}")
 
 
 def open_source(text: str) -> Simulator:
@@ -26,13 +50,16 @@ def open_source(text: str) -> Simulator:
     Parameters
     ----------
     text : str
-        ``FILE.py:FUNCTION`` or ``FILE.fmu``.
+        ``FILE.py:FUNCTION`` or ``FILE.fmu``; in the resources of an FMU ``OTHER.fmu:FILE.py:FUNCTION`` or
+        ``OTHER.fmu:FILE.fmu``.
 
     Raises
     ------
     ValueError
         If the file or the function does not exist, or cannot be used.
     """
+    if _packed(text) is not None:
+        return open_source(_unpacked(text))
     split = _split(text)
     if split is None:
         from labsid.simulators.fmu import open_fmu
@@ -40,6 +67,24 @@ def open_source(text: str) -> Simulator:
         return open_fmu(Path(text))
     path, name = split
     return function_simulator(_load_function(path, name), f"{path.name}:{name}")
+
+
+def _packed(text: str) -> tuple[Path, str] | None:
+    """The FMU, and the source in its resources, that ``OTHER.fmu:FILE.py:FUNCTION`` names."""
+    at = text.lower().find(".fmu:")
+    return (Path(text[: at + 4]), text[at + 5 :]) if at >= 0 else None
+
+
+def _unpacked(text: str) -> str:
+    """Write a source in the resources of an FMU to a file that is removed with this process."""
+    try:
+        name, content = read_source(text)
+    except (OSError, KeyError, zipfile.BadZipFile) as error:
+        raise ValueError(f"{text} cannot be read: {error}") from None
+    folder = tempfile.mkdtemp(prefix="labsid-")
+    atexit.register(shutil.rmtree, folder, ignore_errors=True)
+    (Path(folder) / source_file(Path(name))).write_bytes(content)
+    return str(Path(folder) / name)
 
 
 def _split(text: str) -> tuple[Path, str] | None:
