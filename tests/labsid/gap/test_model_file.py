@@ -180,6 +180,15 @@ def test_a_time_course_is_left_out_on_other_records(key, levels):
     np.testing.assert_allclose(model.simulate(own[:300]), by_hand(levels[:300], True, np.inf), atol=1e-6)
 
 
+@pytest.mark.parametrize("key", TIME_COURSES)
+def test_a_time_course_begins_with_the_record_and_not_with_the_rest_before_it(key, levels):
+    """A run from rest is the run from the initial state that its own first samples show."""
+    model, _ = with_time_course(key, levels)
+    own = 2.0 + 3.0 * levels
+    y = model.simulate(own)
+    np.testing.assert_allclose(model.simulate(own, y), y, atol=1e-3 * np.std(y))
+
+
 def test_files_of_earlier_versions_play_their_time_courses_on_every_record(levels):
     model, unknown_record = with_time_course("load-step", levels)
     written = model.to_json_dict()

@@ -1,13 +1,12 @@
 """Co-simulation FMUs, built here: the same output as the equations in them, and what is said of others."""
 
 import gc
-import subprocess
-import sys
 import zipfile
 from pathlib import Path
 
 import numpy as np
 import pytest
+from fmu_rigs import build_tank
 from scipy.signal import lfilter
 
 from labsid.simulators.process import open_in_process
@@ -15,41 +14,13 @@ from labsid.simulators.process import open_in_process
 pytest.importorskip("fmpy", reason="pip install 'labsid[fmu]'")
 pytest.importorskip("pythonfmu", reason="builds the FMU")
 
-SLAVE = """
-from pythonfmu import Fmi2Causality, Fmi2Slave, Fmi2Variability, Real
-
-class Tank(Fmi2Slave):
-    def __init__(self, **kwargs):
-        super().__init__(**kwargs)
-        self.inflow = 0.0
-        self.level = 0.0
-        self.gain = 2.0
-        self.pole = 0.9
-        self.register_variable(Real("inflow", causality=Fmi2Causality.input))
-        self.register_variable(Real("level", causality=Fmi2Causality.output))
-        for name in ("gain", "pole"):
-            tunable = Fmi2Variability.tunable
-            self.register_variable(Real(name, causality=Fmi2Causality.parameter, variability=tunable))
-{more}
-    def do_step(self, time, step):
-        self.level = self.pole * self.level + self.gain * (1.0 - self.pole) * self.inflow
-        return True
-"""
 T = 0.75 * np.arange(301)
 U = np.repeat(np.random.default_rng(1).uniform(-1, 1, 31), 10)[:301]
 
 
-def build(folder: Path, more: str = "") -> Path:
-    folder.mkdir()
-    (folder / "tank.py").write_text(SLAVE.format(more=more), encoding="utf-8")
-    command = [sys.executable, "-m", "pythonfmu", "build", "-f", "tank.py"]
-    subprocess.run(command, cwd=folder, check=True, capture_output=True)
-    return folder / "Tank.fmu"
-
-
 @pytest.fixture(scope="module")
 def tank(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    return build(tmp_path_factory.mktemp("fmu") / "tank")
+    return build_tank(tmp_path_factory.mktemp("fmu") / "tank")
 
 
 def test_an_fmu_simulates_with_the_numbers_that_are_asked_for(tank: Path) -> None:
@@ -85,4 +56,4 @@ def test_what_cannot_be_played_is_said_in_one_line(tank: Path, tmp_path: Path) -
         open_in_process(str(tmp_path / "empty.fmu"))
     more = '        self.second = 0.0\n        self.register_variable(Real("second", causality=Fmi2Causality.input))\n'
     with pytest.raises(ValueError, match=r"Tank.fmu has 2 \(inflow, second\) as real input, expected one"):
-        open_in_process(str(build(tmp_path / "two", more)))
+        open_in_process(str(build_tank(tmp_path / "two", more)))
