@@ -13,6 +13,15 @@ _OF_JUPYTERLAB = ("image-alt", "scrollable-region-focusable")
 """JupyterLab itself makes the elements around texts, which scroll, and around images, without an alternative text."""
 
 
+def problems_in_either_scheme(page: Page, name: str) -> list[str]:
+    """What `problems` finds in light and in dark colours."""
+    found = problems(page, name)
+    page.emulate_media(color_scheme="dark")
+    found += problems(page, f"{name}-dark")
+    page.emulate_media(color_scheme="light")
+    return found
+
+
 def problems(page: Page, name: str, parts: Sequence[str] = ()) -> list[str]:
     """Serious findings of axe-core, and horizontal scrolling, at each width; the page keeps its first size.
 

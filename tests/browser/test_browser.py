@@ -189,7 +189,7 @@ def test_an_instructor_grades_marks_and_exports(context: "BrowserContext", instr
 
 
 def test_pages_of_the_gap_diagnosis(context: "BrowserContext", tmp_path: Path) -> None:
-    from browser.accessibility import problems
+    from browser.accessibility import problems_in_either_scheme
 
     found = []
     page = context.new_page()
@@ -198,13 +198,13 @@ def test_pages_of_the_gap_diagnosis(context: "BrowserContext", tmp_path: Path) -
         path = tmp_path / f"{name}.html"
         write_html_report(path, shown)
         page.goto(path.as_uri())
-        found += problems(page, f"gap-{name}")
+        found += problems_in_either_scheme(page, f"gap-{name}")
     page.close()
     assert not found, "\n".join(found)
 
 
 def test_the_summary_of_a_batch_is_sorted_by_a_click(context: "BrowserContext", tmp_path: Path) -> None:
-    from browser.accessibility import problems
+    from browser.accessibility import problems_in_either_scheme
 
     reports = {name: report(name) for name in ("load-step", "input-delay", "extra-lag")}
     for stem, closed in {"load-step": 0.5, "input-delay": 0.1, "extra-lag": 0.9}.items():
@@ -229,7 +229,12 @@ def test_the_summary_of_a_batch_is_sorted_by_a_click(context: "BrowserContext", 
         ["extra-lag", "input-delay", "load-step", "none"],
     ]
     assert page.locator("th[aria-sort]").all_inner_texts() == ["Record"]
-    found = problems(page, "batch")
+    background = "getComputedStyle(document.body).backgroundColor"
+    light = page.evaluate(background)
+    page.emulate_media(color_scheme="dark")
+    assert page.evaluate(background) != light
+    page.emulate_media(color_scheme="light")
+    found = problems_in_either_scheme(page, "batch")
     page.close()
     assert not refused
     assert not found, "\n".join(found)
