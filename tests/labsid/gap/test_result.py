@@ -43,6 +43,13 @@ def test_it_says_what_was_found(result: Diagnosis) -> None:
     assert result.ranking[0]["name"] == "input-saturation"
 
 
+def test_the_ranking_is_a_table_in_pandas(result: Diagnosis) -> None:
+    pandas = pytest.importorskip("pandas")
+    table = pandas.DataFrame(result.ranking)
+    assert {"name", "probability", "rmse", "closed"} <= set(table.columns)
+    assert list(table["probability"]) == [one["probability"] for one in result.report["ranking"]]
+
+
 def test_a_notebook_shows_the_page(result: Diagnosis) -> None:
     shown = result._repr_html_()
     (page,) = re.findall(r'srcdoc="([^"]*)"', shown)
