@@ -23,6 +23,7 @@ _SEVERAL = "import json, sys\nfrom labsid.cli.commands import main\nfor line in 
 SECONDS_TO_START = 60.0
 SECONDS_A_RECORD = 60.0
 """Time limits (s); a result that is missing after them counts as wrong."""
+MOST_RECORDS = 100  # of a folder, for the time limit
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -59,12 +60,36 @@ def run_batch(
         Results by name, without missing, unreadable or late ones, and the time per record and core (s).
     """
     with TemporaryDirectory(prefix="labsid-blind-") as scratch:
-        records, out = Path(scratch, "records"), Path(scratch, "out")
+        records = Path(scratch, "records")
         records.mkdir()
         for case in cases:
             write_case(records, case)
+        return run_folder(records, jobs, on_progress, len(cases))
+
+
+def run_folder(
+    records: Path, jobs: int, on_progress: Callable[[int], None] | None = None, count: int = MOST_RECORDS
+) -> tuple[dict[str, dict[str, Any]], float]:
+    """Diagnose the records of a folder with ``labsid gap batch``.
+
+    Parameters
+    ----------
+    records : Path
+    jobs : int
+    on_progress : callable, optional
+        Called with the number of finished records.
+    count : int
+        Number of records, which determines the time limit.
+
+    Returns
+    -------
+    tuple of dict and float
+        Results by name, without missing and unreadable ones, and the time per record and core (s).
+    """
+    with TemporaryDirectory(prefix="labsid-blind-") as scratch:
+        out = Path(scratch, "out")
         begun = time.monotonic()
-        limit = begun + SECONDS_TO_START + SECONDS_A_RECORD * len(cases) / jobs
+        limit = begun + SECONDS_TO_START + SECONDS_A_RECORD * count / jobs
         command = [sys.executable, "-c", _MAIN, "gap", "batch", str(records), "--out", str(out), "--jobs", str(jobs)]
         process = subprocess.Popen(command, cwd=scratch, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
         try:
@@ -76,9 +101,9 @@ def run_batch(
             if process.poll() is None:
                 process.terminate()
             process.wait()
-        seconds = (time.monotonic() - begun) * jobs / max(len(cases), 1)
-        found = {case.name: _read_json(out / f"{case.name}.json") for case in cases}
-    return {name: result for name, result in found.items() if result is not None}, seconds
+        seconds = time.monotonic() - begun
+        found = {path.stem: _read_json(path) for path in sorted(out.glob("*.json"))}
+    return {name: result for name, result in found.items() if result is not None}, seconds * jobs / max(len(found), 1)
 
 
 def run_replays(

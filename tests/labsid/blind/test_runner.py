@@ -61,7 +61,7 @@ def test_the_batch_process_has_access_to_the_records_only(some: list[Case], monk
     expected |= {f"{case.name}.holdout.csv" for case in some if case.holdout is not None}
     for case in some:
         assert set(results[case.name]["files"]) == expected
-        assert results[case.name]["here"] == ["out", "records"]
+        assert results[case.name]["here"] == ["records"]
         assert results[case.name]["header"] == "t,u,y"
 
 
