@@ -174,7 +174,7 @@ def test_gap_and_rig_do_not_know_each_other(labsid: list[Module]) -> None:
 def test_only_plots_imports_matplotlib_and_never_its_global_state(labsid: list[Module]) -> None:
     plots = [module for module in labsid if f"{module.name}.".startswith("labsid.plots.")]
     assert broken(plots, "matplotlib") != []
-    assert broken([module for module in labsid if module not in plots], "matplotlib|pylab") == []
+    assert broken([module for module in labsid if module not in plots], "matplotlib|pylab|bokeh|PIL") == []
     assert broken(plots, r"matplotlib\.(pyplot|rcParams|rc|use)|pylab") == []
 
 
@@ -221,7 +221,7 @@ def test_help_needs_no_heavy_import() -> None:
     *shown, loaded = done.stdout.splitlines()
     for command in ("identify", "check", "demo", "course"):
         assert any(command in line for line in shown), f"{command} is not in the help"
-    heavy = {"numpy", "scipy", "control", "matplotlib", "numba", "rich", "jinja2", "nbgrader", "nbformat", "IPython"}
+    heavy = {"numpy", "scipy", "control", "matplotlib", "bokeh", "numba", "rich", "jinja2", "nbgrader", "nbformat", "IPython"}
     assert (heavy | {"dask"}) & set(loaded.split()) == set()
 
 

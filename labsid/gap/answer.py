@@ -61,6 +61,8 @@ class Answer:
         The simulation of other records, if it is another one.
     share_left : float
         Share of the gap that is left.
+    fits : dict
+        By sorted names: the fit of every combination tried.
     """
 
     explanation: Explanation
@@ -75,6 +77,7 @@ class Answer:
     closed: tuple[float | None, ...]
     elsewhere: Fit | None
     share_left: float
+    fits: dict[tuple[str, ...], Fit]
 
     @property
     def outputs(self) -> tuple[FloatArray, FloatArray]:
@@ -219,6 +222,7 @@ def _answer(found: _Comparison, decision: Decision, search: HeldOutSearch | None
         elsewhere=_elsewhere(found, decision, search),
         closed=_closed_by_step(found, search),
         share_left=1.0 - (decision.closed if search is None else score.closed or 0.0),
+        fits=dict(item for level in explanation.levels for item in level.items()) if search is None else search.fits,
     )
 
 

@@ -1,7 +1,5 @@
 """The summary of a batch as one HTML page, made from the JSON reports alone, and the pages of its records."""
 
-import base64
-import hashlib
 import json
 import math
 import os
@@ -13,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 from urllib.parse import quote
 
 from labsid._files import write_text
-from labsid.gap.html_report import load_template, write_html_report
+from labsid.gap.html_report import digest, load_template, write_html_report
 from labsid.gap.quantities import closed_percent, counted, number, probability
 from labsid.gap.sentences import capitalised, noun_without_article
 from labsid.gap.workers import run_tasks, serve
@@ -62,9 +60,8 @@ def render_batch_page(
 ) -> str:
     """The summary page as HTML that loads nothing. The largest error remaining, relative to the noise, is first."""
     script = _SCRIPT.read_text(encoding="utf-8")
-    digest = base64.b64encode(hashlib.sha256(script.encode()).digest()).decode("ascii")
     page = batch_page_content(name, reports, links, nouns)
-    return load_template("batch.html.j2").render(page=page, script=script, digest=digest)
+    return load_template("batch.html.j2").render(page=page, script=script, digest=digest(script))
 
 
 def batch_page_content(

@@ -15,6 +15,7 @@ from labsid.gap.explanation import Explanation, explain
 from labsid.gap.long_record import shorten_holdout, shorten_record, shorten_records
 from labsid.gap.model_file import ExportedModel, export_model
 from labsid.gap.record_findings import filtered_input, findings_from_errors, findings_from_record, plateau_gap
+from labsid.gap.replay_data import replay_content
 from labsid.gap.report import build_report
 from labsid.gap.result import Diagnosis
 from labsid.gap.several_records import (
@@ -228,6 +229,7 @@ def _report(prepared: _Prepared, explanation: Explanation, seed: int, progress: 
     if holdout is not None:
         outputs = (data.y_scale.back(output) for output in answer.score.outputs)
         report["holdout_traces"] = figure_traces(holdout.t, holdout.u, holdout.y, *map(np.asarray, outputs))
+    report["replay"] = replay_content(record, inside, answer, holdout)
     return Diagnosis(report, model)
 
 

@@ -6,7 +6,7 @@ kept only if it pays there: if the error without it, part by part of those sampl
 """
 
 from collections.abc import Iterable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -94,12 +94,15 @@ class HeldOutSearch:
         The best fit without effects whose time course belongs to this record, if some of `steps` are such effects.
     mismatch : Reduction or None
         Of a given simulation: what other values of its parameters reduce, if that pays.
+    fits : dict
+        By sorted names: the fit of every combination tried.
     """
 
     steps: tuple[Step, ...]
     tried: dict[tuple[str, ...], float]
     elsewhere: Fit | None
     mismatch: Reduction | None = None
+    fits: dict[tuple[str, ...], Fit] = field(default_factory=dict)
 
 
 class _Pool:
@@ -195,7 +198,8 @@ def search_held_out(
     if best.names & OF_ONE_RECORD:
         lasting = (one for names, one in pool.best.items() if not names & OF_ONE_RECORD)
         elsewhere = _paying(pool, min(lasting, key=lambda one: one.total)).fit
-    return HeldOutSearch(_steps(pool, best), tried, elsewhere, mismatch if mismatch.pays else None)
+    every = {tuple(sorted(names)): one.fit for names, one in pool.best.items()}
+    return HeldOutSearch(_steps(pool, best), tried, elsewhere, mismatch if mismatch.pays else None, every)
 
 
 def _paying(pool: _Pool, candidate: Candidate) -> Candidate:

@@ -1,6 +1,7 @@
 """The HTML report: one self-contained file, made from the JSON report alone."""
 
 import base64
+import hashlib
 import re
 import shlex
 from pathlib import Path
@@ -15,6 +16,7 @@ from labsid.gap.quantities import closed_percent, number, percent, probability
 if TYPE_CHECKING:
     import jinja2
 
+_SCRIPT = Path(__file__).parent / "templates" / "replay.js"
 VISIBLE_ROWS = 8  # rows of the ranking outside the collapsed part
 _UNBREAKABLE = r" %( \[-?\d+, -?\d+\])?|(?<=\d) (s|Hz)\b|\bp [=<>] (?=\d)"
 LOOP = (
@@ -27,7 +29,7 @@ LOOP = (
 
 
 def write_html_report(path: Path, report: dict[str, Any]) -> None:
-    """Write the report as one HTML file without scripts or external resources.
+    """Write the report as one HTML file without external resources.
 
     Parameters
     ----------
@@ -45,8 +47,9 @@ def write_html_report(path: Path, report: dict[str, Any]) -> None:
 
 
 def render_html(report: dict[str, Any]) -> str:
-    """The report as HTML, without scripts or external resources."""
-    return load_template("gap.html.j2").render(page=page_content(report), pictures=encoded_figures(report))
+    """The report as HTML without external resources; its scripts replace the figure of the simulations by panels."""
+    content = {"page": page_content(report), "pictures": encoded_figures(report), "scripts": scripts(report)}
+    return load_template("gap.html.j2").render(content)
 
 
 def page_content(report: dict[str, Any]) -> dict[str, Any]:
@@ -243,6 +246,25 @@ def encoded_figures(report: dict[str, Any]) -> dict[str, dict[str, str]]:
         name: {screen: base64.b64encode(png).decode("ascii") for screen, png in screens.items()}
         for name, screens in figures_as_png(report).items()
     }
+
+
+def scripts(report: dict[str, Any]) -> dict[str, Any]:
+    """The scripts of the page, their digests for its security policy, and their data."""
+    from labsid.gap.replay_page import page_data, page_script
+    from labsid.plots.gap_panels import panel_script
+
+    texts = [panel_script(), page_script(report, _SCRIPT.read_text(encoding="utf-8"))]
+    return {
+        "texts": texts,
+        "digests": [digest(text) for text in texts],
+        "data": page_data(report),
+        "switches": bool(report.get("replay")),
+    }
+
+
+def digest(script: str) -> str:
+    """The digest by which a security policy allows an inline script."""
+    return base64.b64encode(hashlib.sha256(script.encode()).digest()).decode("ascii")
 
 
 def load_template(name: str) -> "jinja2.Template":

@@ -30,7 +30,7 @@ INPUT_PARTS = 16  # of a record
 SAME_INPUT = 1e-6  # scaled: numbers in text files have ten digits
 OFFSET_SPREAD = 0.3  # scaled: expected difference of the offsets of two records of a rig, as if seen on one record
 _OF_ONE_RECORD = ("load", "leak", "drift", "bend", "shape", "shake_")  # sizes of loads, drifts and sinusoids
-_STATES = ("h1", "h2", "z0", "v0", "i0", "position", "before")
+STATES = ("h1", "h2", "z0", "v0", "i0", "position", "before")
 _ALL = (
     *CANDIDATES,
     *POSITIONS,
@@ -98,6 +98,18 @@ class ExportedModel:
         model = self if of_record else (self.elsewhere or self)._without_time_courses()
         return model._simulate(u, y)
 
+    def started_on(self, u: FloatArray, y: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Theta and gains with which another record of the rig is simulated: without loads, sinusoids and drifts, and
+        with the initial state estimated from its first samples.
+
+        Parameters
+        ----------
+        u, y : ndarray, shape (N,)
+        """
+        first = slice(START_SAMPLES)
+        own = self._without_time_courses()
+        return own._started(*own._at_rest(), own.u_scale.of(u[first]), own.y_scale.of(y[first]))
+
     def _simulate(self, u: FloatArray, y: FloatArray | None) -> FloatArray:
         data = Data(self.u_scale.of(u), np.zeros(u.size), np.ones(u.size, bool), self.Ts, self.u_scale, self.y_scale)
         theta, gains = self._at_rest()
@@ -146,7 +158,7 @@ class ExportedModel:
     def _states(self) -> tuple[list[int], list[int]]:
         """Indices of the initial state in theta and in the gains."""
         names = [parameter.name for parameter in self.hypothesis.parameters]
-        in_theta = [i for i, name in enumerate(names) if name in _STATES]
+        in_theta = [i for i, name in enumerate(names) if name in STATES]
         in_gains = list(self.hypothesis.plant.state_columns)
         return in_theta, [*in_gains, self._offset] if self.offset_weight else in_gains
 

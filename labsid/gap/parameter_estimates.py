@@ -18,7 +18,6 @@ def estimate_parameters(data: Data, fit: Fit, effect: Effect) -> dict[str, dict[
     likelihood of the onset is added.
     """
     cov = covariance(data, fit)
-    searched = fit.theta.size
 
     def values(theta: FloatArray, gains: FloatArray) -> dict[str, Value]:
         return effect.values(Fitted(fit.hypothesis, theta, gains, data))
@@ -33,14 +32,7 @@ def estimate_parameters(data: Data, fit: Fit, effect: Effect) -> dict[str, dict[
             estimates = [values(point.theta, point.gains) for point in likelihood.points]
             for name, best in at.items():
                 scatter[name] = float(likelihood.weights @ [(one[name].value - best.value) ** 2 for one in estimates])
-    slopes = {name: np.zeros(searched + fit.gains.size) for name in at}
-    for i in range(searched + fit.gains.size):
-        theta, gains = fit.theta.copy(), fit.gains.copy()
-        part, j = (theta, i) if i < searched else (gains, i - searched)
-        step = 1e-5 * max(abs(part[j]), 1e-2)
-        part[j] += step
-        for name, perturbed in values(theta, gains).items():
-            slopes[name][i] = (perturbed.value - at[name].value) / step
+    slopes = value_slopes(data, fit, effect)
     return {
         name: {
             "value": value.value,
@@ -49,6 +41,21 @@ def estimate_parameters(data: Data, fit: Fit, effect: Effect) -> dict[str, dict[
         }
         for name, value in at.items()
     }
+
+
+def value_slopes(data: Data, fit: Fit, effect: Effect) -> dict[str, FloatArray]:
+    """Derivatives of the parameters of an effect by theta and the gains, in this order."""
+    at = effect.values(Fitted(fit.hypothesis, fit.theta, fit.gains, data))
+    searched = fit.theta.size
+    slopes = {name: np.zeros(searched + fit.gains.size) for name in at}
+    for i in range(searched + fit.gains.size):
+        theta, gains = fit.theta.copy(), fit.gains.copy()
+        part, j = (theta, i) if i < searched else (gains, i - searched)
+        step = 1e-5 * max(abs(part[j]), 1e-2)
+        part[j] += step
+        for name, perturbed in effect.values(Fitted(fit.hypothesis, theta, gains, data)).items():
+            slopes[name][i] = (perturbed.value - at[name].value) / step
+    return slopes
 
 
 def estimate_numbers(data: Data, fit: Fit) -> dict[str, dict[str, object]]:

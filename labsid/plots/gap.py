@@ -29,6 +29,8 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 WIDE, NARROW = 9.5, 4.4  # inches: for a desktop and for a telephone
+DPI = 144  # one and a half times the width of the page
+COLOURS = 256  # of a picture
 ZOOM = 0.1  # of the record, shown in the zoom
 MIN_ZOOM_SAMPLES = 40  # samples in the zoom
 OUTPUT = "Output $y$ (units of y)"
@@ -227,9 +229,14 @@ def figures_as_png(report: dict[str, Any]) -> dict[str, dict[str, bytes]]:
 
 
 def _png(figure: Figure) -> bytes:
-    file = BytesIO()
-    save_png(figure, file, dpi=144)
-    return file.getvalue()
+    """The figure as PNG with a palette, a third of the size of one without."""
+    from PIL import Image
+
+    drawn, reduced = BytesIO(), BytesIO()
+    save_png(figure, drawn, dpi=DPI)
+    with Image.open(drawn) as image:
+        image.convert("RGB").quantize(COLOURS, Image.Quantize.MEDIANCUT, dither=Image.Dither.NONE).save(reduced, "png")
+    return reduced.getvalue()
 
 
 def _new_figure(narrow: bool, wide_height: float, narrow_height: float) -> Figure:

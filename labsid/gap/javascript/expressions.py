@@ -25,9 +25,9 @@ _FIELDS = {"name"}  # of objects whose class is unknown
 class Expressions:
     """Expressions of one function.
 
-    ``refer(function, member)`` gives the name in JavaScript of a function, of a member of a class, or of a constant that
-    is no plain number. With `of_numbers` operators act on numbers, as in a compiled loop; otherwise each may act on
-    arrays, and the functions of ``templates/arrays.js`` decide.
+    ``refer(function, member)`` gives the name in JavaScript of a function, of a member of a class, or of a constant
+    that is no plain number. With `of_numbers` operators act on numbers, as in a compiled loop; otherwise each may act
+    on arrays, and the functions of ``templates/arrays.js`` decide.
     """
 
     def __init__(

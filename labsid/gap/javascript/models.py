@@ -6,8 +6,8 @@ from typing import Any
 
 from labsid.gap.effects.base import Effect
 from labsid.gap.hypothesis import Hypothesis
-from labsid.gap.plants import Plant
 from labsid.gap.javascript.library import TEMPLATES, Library
+from labsid.gap.plants import Plant
 
 
 def script(hypotheses: Iterable[Hypothesis]) -> str:

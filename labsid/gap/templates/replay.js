@@ -1,0 +1,184 @@
+// The page: panels that zoom, sliders and switches of effects, which replay the simulations. Signals are scaled.
+const read = (id) => JSON.parse(document.getElementById(id).textContent);
+const element = (id) => document.getElementById(id);
+const decoded = (text, kind) => new kind(Uint8Array.from(atob(text), (letter) => letter.charCodeAt(0)).buffer);
+const made = (tag, properties, ...children) => {
+  const node = Object.assign(document.createElement(tag), properties);
+  node.append(...children);
+  return node;
+};
+const written = (value, digits = 3) => {
+  if (!Number.isFinite(value) || value === 0) return String(value);
+  const size = Math.abs(value);
+  if (size < 1e-4 || size >= 1e6) return value.toExponential(digits - 1);
+  return value.toFixed(Math.max(digits - 1 - Math.floor(Math.log10(Number(size.toPrecision(digits)))), 0));
+};
+
+const data = read("replay-data");
+const SIGNALS = { u: Float64Array, y: Float32Array, before: Float32Array, after: Float32Array };
+const parts = Object.entries(data.parts).map(([name, part]) => {
+  const signals = Object.fromEntries(Object.entries(SIGNALS).map(([key, kind]) => [key, Float64Array.from(decoded(part[key], kind))]));
+  const t = part.t ? decoded(part.t, Float64Array) : signals.u.map((_, k) => part.start + k * part.Ts);
+  return { ...part, ...signals, t, name };
+});
+const back = (signal, scale) => signal.map((x) => scale.centre + scale.unit * x);
+for (const one of data.combinations) {
+  for (const kind of ["inputs", "outputs", "additive"]) for (const effect of one.model[kind]) effect.run = RUN[effect.run];
+  if (one.constant) one.model.constant = Float64Array.from(decoded(one.constant, Float32Array));
+  one.positions = one.sliders.map((slider) => slider.fitted);
+}
+let chosen = data.combinations.find((one) => one.accepted) ?? null;
+
+// Output of the chosen combination on a part, scaled; that of the simulation before without effects; null if unknown.
+function played(part) {
+  if (!chosen) return part.before;
+  const isRecord = part.name === "record";
+  const start = isRecord ? chosen : chosen.holdout;
+  if (!start) return chosen.accepted ? part.after : null;
+  const theta = Float64Array.from(start.theta), gains = Float64Array.from(start.gains);
+  chosen.sliders.forEach((slider, i) => {
+    if (!isRecord && slider.of_one_record) return;
+    const move = slider.moves[chosen.positions[i]];
+    for (const [at, by] of slider.theta) theta[at] += move * by;
+    for (const [at, by] of slider.gains) gains[at] += move * by;
+  });
+  const [lower, upper] = chosen.model.bounds;
+  const output = simulate(chosen.model, theta.map((x, i) => Math.min(Math.max(x, lower[i]), upper[i])), gains, part.u);
+  return output.map((x, k) => (Number.isNaN(part.y[k]) ? NaN : x));  // nothing between several records
+}
+
+function rms(part, output, runs) {
+  let total = 0, count = 0;
+  for (const [start, stop] of runs) {
+    for (let k = start; k < stop; k++) { total += (part.y[k] - output[k]) ** 2; count += 1; }
+  }
+  return Math.sqrt(total / count) * data.y_scale.unit;
+}
+
+function errors(outputs) {
+  const values = [];
+  parts.forEach((part, i) => {
+    if (!outputs[i]) return;
+    const place = part.name === "holdout" ? "holdout record" : "whole record";
+    for (const [name, runs] of [[part.name === "holdout" ? place : "scored samples", part.scored], [place, part.fitted]]) {
+      if (runs.length) values.push([name, rms(part, outputs[i], runs), rms(part, part.before, runs)]);
+    }
+  });
+  return values;
+}
+
+function describe(outputs) {
+  element("rms").replaceChildren(...errors(outputs).flatMap(([place, now, before]) => (
+    [made("dt", {}, `Rms error, ${place}`), made("dd", {}, `${written(now)} ${data.unit}`), made("dd", {}, `before ${written(before)}`)])));
+  const moved = chosen?.positions.some((at, i) => at !== chosen.sliders[i].fitted);
+  element("state").textContent = `${chosen ? chosen.title : data.plain}${moved ? ", changed by hand" : ""}. ${chosen?.closed ?? ""}`;
+  element("fitted").disabled = !moved;
+}
+
+const sources = {};
+function show() {
+  const outputs = parts.map(played);
+  parts.forEach((part, i) => {
+    const after = outputs[i] ?? part.y.map(() => NaN);
+    const source = sources[part.name];
+    source.data = { ...source.data, after: back(after, data.y_scale), e_after: part.y.map((y, k) => (y - after[k]) * data.y_scale.unit) };
+  });
+  if (data.combinations.length) describe(outputs);
+}
+
+function sliders() {
+  const rows = (chosen?.sliders ?? []).map((slider, i) => {
+    const id = `slider-${i}`;
+    const output = made("output", { htmlFor: id });
+    const range = made("input", { type: "range", id, min: 0, max: slider.moves.length - 1, step: 1 });
+    const write = () => {
+      output.textContent = slider.texts[chosen.positions[i]];
+      range.setAttribute("aria-valuetext", output.textContent);
+    };
+    range.value = chosen.positions[i];
+    range.addEventListener("input", () => { chosen.positions[i] = Number(range.value); write(); show(); });
+    write();
+    return made("div", { className: "slider" }, made("label", { htmlFor: id }, slider.label), range, output);
+  });
+  element("sliders").replaceChildren(...rows);
+  element("fitted").hidden = !rows.length;
+  element("still").textContent = chosen?.still ?? "";
+}
+
+// Only some combinations are fitted: of those with the effect as it was switched, the nearest to the others as they are.
+function switched(name, on) {
+  const wanted = new Set(data.effects.map((effect) => effect.name).filter((one) => (one === name ? on : element(`on-${one}`).checked)));
+  const distance = (one) => data.effects.filter((effect) => wanted.has(effect.name) !== one.names.includes(effect.name)).length;
+  const possible = [...data.combinations, { names: [] }].filter((one) => one.names.includes(name) === on);
+  const nearest = possible.reduce((a, b) => (distance(b) < distance(a) ? b : a));
+  chosen = nearest.names.length ? nearest : null;
+  for (const effect of data.effects) element(`on-${effect.name}`).checked = nearest.names.includes(effect.name);
+  sliders();
+  show();
+}
+
+function controls() {
+  element("effects").append(...data.effects.map((effect) => {
+    const box = made("input", { type: "checkbox", id: `on-${effect.name}`, checked: chosen?.names.includes(effect.name) ?? false });
+    box.addEventListener("change", () => switched(effect.name, box.checked));
+    return made("label", { className: "switch" }, box, effect.label);
+  }));
+  element("fitted").addEventListener("click", () => {
+    chosen.positions = chosen.sliders.map((slider) => slider.fitted);
+    sliders();
+    show();
+  });
+  sliders();
+  element("controls").hidden = false;
+}
+
+// The tags of a model are pairs of a property and a colour of the page.
+function paint(models) {
+  const style = getComputedStyle(document.documentElement);
+  for (const model of models) for (const [property, colour] of model.tags) model[property] = style.getPropertyValue(colour).trim();
+}
+
+// A finger scrolls the page; it zooms after one of the buttons above the panels.
+function withoutDrag(models) {
+  for (const model of models) {
+    if (model.type === "Toolbar") model.active_drag = null;
+    if (model.type === "BoxZoomTool") model.active = false;
+  }
+}
+
+// Either the panels or the figure without a script.
+function reveal(live) {
+  for (const node of document.querySelectorAll(".live")) node.hidden = !live;
+  for (const node of document.querySelectorAll(".still")) node.hidden = live;
+}
+
+async function begin() {
+  Bokeh.set_log_level("error");
+  for (const node of document.querySelectorAll(".live")) node.hidden = false;  // its width is that of the panels
+  const dark = matchMedia("(prefers-color-scheme: dark)");
+  for (const part of parts) {
+    if (part.name === "holdout") element("panels-holdout").before(made("h3", {}, "Holdout record"));
+    const views = await Bokeh.embed.embed_item(data.panels[part.name], `panels-${part.name}`);
+    const grid = views.roots[0].model;
+    const models = [...grid.references()];
+    if (matchMedia("(pointer: coarse)").matches) withoutDrag(models);
+    const source = models.find((model) => model.name === part.name);
+    const y = back(part.y, data.y_scale);
+    sources[part.name] = source;
+    const before = part.y.map((x, k) => (x - part.before[k]) * data.y_scale.unit);
+    source.data = { t: part.t, u: back(part.u, data.u_scale), y, before: back(part.before, data.y_scale), after: y, e_before: before, e_after: before };
+    paint(models);
+    dark.addEventListener("change", () => paint(models));
+    element(`panels-${part.name}`).addEventListener("dblclick", () => {
+      for (const model of models) if (model.type === "Figure") model.reset.emit();
+    });
+  }
+  if (data.combinations.length) controls();
+  show();
+  reveal(true);
+}
+
+begin().catch((failure) => {
+  reveal(false);
+  throw failure;
+});
