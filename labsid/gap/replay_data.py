@@ -11,7 +11,7 @@ import numpy as np
 
 from labsid._arrays import FloatArray
 from labsid.gap.answer import Answer
-from labsid.gap.data import Scale
+from labsid.gap.data import Data, Scale
 from labsid.gap.decision import MISMATCH
 from labsid.gap.effects.base import AdditiveEffect, Effect, OutputEffect
 from labsid.gap.effects.restarts import Restarts
@@ -52,7 +52,7 @@ def replay_content(record: Record, inside: np.ndarray, answer: Answer, holdout: 
         "u_scale": _scale(data.u_scale),
         "y_scale": _scale(data.y_scale),
         "record": _signals(record, (data.u, y, before, after))
-        | {"fitted": _runs(data.rows), "scored": [] if holdout else _runs(score.scored)},
+        | {"fitted": _runs(data.rows), "scored": [] if holdout or data.pieces else _runs(score.scored)},
         "holdout": None
         if holdout is None
         else _signals(holdout, (data.u_scale.of(holdout.u), data.y_scale.of(holdout.y), *score.outputs))
@@ -112,7 +112,7 @@ def _ranked(answer: Answer) -> list[tuple[Names, Fit]]:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class _Played:
+class PlayedPart:
     """What of a fit a page simulates: the rest of its output is constant.
 
     Attributes
@@ -133,9 +133,9 @@ class _Played:
     constant: FloatArray | None
 
 
-def _played(answer: Answer, fit: Fit) -> _Played:
+def played_part(data: Data, fit: Fit) -> PlayedPart:
     """Leave out a given simulation, which only its simulator can run, and what belongs to one of several records."""
-    old, data = fit.hypothesis, answer.explanation.data
+    old = fit.hypothesis
     design = old.design(fit.theta, data.u)
     is_given = old.plant.kind == "given"
     gains_from, constant = np.arange(fit.gains.size), None
@@ -161,12 +161,12 @@ def _played(answer: Answer, fit: Fit) -> _Played:
         if key != "plant" or not is_given:
             theta_from[place] = np.arange(fit.theta.size)[old.slices[key]]
     theta = np.where(theta_from < 0, theta, fit.theta[theta_from])
-    return _Played(effects, theta, fit.gains[gains_from], theta_from, gains_from, constant)
+    return PlayedPart(effects, theta, fit.gains[gains_from], theta_from, gains_from, constant)
 
 
 def _combination(answer: Answer, fit: Fit, holdout: Record | None) -> dict[str, Any]:
     data, model = answer.explanation.data, export_model(answer.explanation.data, fit)
-    played = _played(answer, fit)
+    played = played_part(data, fit)
     simulated = fit.hypothesis.plant.kind != "given"
     found = [one for effect in fit.hypothesis.found for one in parameter_sliders(data, fit, effect)]
     started = None
@@ -186,7 +186,7 @@ def _combination(answer: Answer, fit: Fit, holdout: Record | None) -> dict[str, 
     }
 
 
-def _slider(slider: Slider, played: _Played) -> dict[str, Any] | None:
+def _slider(slider: Slider, played: PlayedPart) -> dict[str, Any] | None:
     """A slider of entries that the page simulates; None for others."""
     theta, gains = (
         {i: float(whole[old]) for i, old in enumerate(places.tolist()) if old >= 0 and whole[old] != 0.0}

@@ -11,7 +11,10 @@ from labsid.gap.html_report import render_html
 from labsid.gap.model_file import ExportedModel
 from labsid.gap.text_report import format_report
 
-_PAGE = '<iframe srcdoc="{}" style="width: 100%; height: 48rem; border: 0" title="Diagnosis of the gap"></iframe>'
+_PAGE = (
+    '<iframe srcdoc="{}" style="width: 100%; height: 48rem; border: 0" title="Diagnosis of the gap"'
+    ' sandbox="allow-scripts allow-downloads"></iframe>'
+)  # the scripts of the page have no access to the notebook
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)

@@ -68,7 +68,8 @@ def parameter_sliders(data: Data, fit: Fit, effect: Effect) -> list[Slider]:
         reach = _reach(data, effect, name, value.unit, value.value)
         moves = _moves(fit, direction, reach)
         few = moves[:: STEPS // EVALUATED]
-        computed = np.array([_value(data, fit, effect, name, move * direction) for move in few])
+        reached = [_values(data, fit, effect, move * direction) for move in few]
+        computed = np.array([one.get(name, np.nan) for one in reached])
         kept = _increasing(few, computed)
         if kept.sum() < 2:
             continue
@@ -81,11 +82,15 @@ def parameter_sliders(data: Data, fit: Fit, effect: Effect) -> list[Slider]:
     return found
 
 
-def _value(data: Data, fit: Fit, effect: Effect, name: str, change: FloatArray) -> float:
-    """The parameter after a change of theta and gains; NaN if the effect then has none of this name."""
+def _values(data: Data, fit: Fit, effect: Effect, change: FloatArray) -> dict[str, float]:
+    """The parameters of the effect after a change of theta and gains; none if its limits have changed places."""
     theta, gains = np.split(np.concatenate([fit.theta, fit.gains]) + change, [fit.theta.size])
-    values = effect.values(Fitted(fit.hypothesis, np.clip(theta, *fit.hypothesis.bounds), gains, data))
-    return values[name].value if name in values else np.nan
+    at = Fitted(fit.hypothesis, np.clip(theta, *fit.hypothesis.bounds), gains, data)
+    if [one.name for one in effect.parameters[:2]] == ["low", "high"]:
+        width, fitted = (np.diff(whole[fit.hypothesis.slices[effect.key]][:2]) for whole in (at.theta, fit.theta))
+        if width * fitted < 0.0:
+            return {}
+    return {name: one.value for name, one in effect.values(at).items()}
 
 
 def _increasing(moves: FloatArray, values: FloatArray) -> np.ndarray:

@@ -202,3 +202,13 @@ def test_ten_times_as_many_samples_fit_the_page(found: Diagnosis, tmp_path: Path
     report |= {"replay": report["replay"] | {"record": record | longer}, "traces": traces}
     write_html_report(tmp_path / "page.html", report)
     assert (tmp_path / "page.html").stat().st_size < MOST_BYTES
+
+
+def test_a_notebook_shows_the_same_page(context: "BrowserContext", found: Diagnosis) -> None:
+    """In a frame whose scripts have no access to the notebook."""
+    page = context.new_page()
+    page.set_content(f"<!doctype html><title>Notebook</title>{found._repr_html_()}")
+    frame = page.frame_locator("iframe")
+    frame.get_by_role("slider", name="Upper limit").wait_for(state="visible")
+    assert frame.locator("#rms dd").first.inner_text() == number(found.report["gap"]["after"])
+    page.close()
