@@ -1,6 +1,7 @@
 """Diagnose the gap between a record and a simulation."""
 
 from collections.abc import Sequence
+from contextlib import ExitStack
 from dataclasses import asdict, dataclass, replace
 
 import numpy as np
@@ -14,6 +15,7 @@ from labsid.gap.data import Data, scaled
 from labsid.gap.explanation import Explanation, explain
 from labsid.gap.long_record import shorten_holdout, shorten_record, shorten_records
 from labsid.gap.model_file import ExportedModel, export_model
+from labsid.gap.notebook_progress import runs_in_notebook, show_in_notebook
 from labsid.gap.record_findings import filtered_input, findings_from_errors, findings_from_record, plateau_gap
 from labsid.gap.replay_data import replay_content
 from labsid.gap.report import build_report
@@ -69,7 +71,7 @@ def diagnose(
     seed : int
         Random seed of the confidence intervals and the proposed input.
     progress : callable, optional
-        Called with a description of the current step and the completed share.
+        Called with a description of the current step and the completed share. By default a notebook shows a bar.
 
     Returns
     -------
@@ -86,7 +88,9 @@ def diagnose(
     """
     records = [record] if isinstance(record, Record) else record
     simulation = as_simulation(simulation, records[0].Ts if records else 1.0, free)
-    with threadpool_limits(1, "blas"):
+    with threadpool_limits(1, "blas"), ExitStack() as stack:
+        if progress is None and runs_in_notebook():
+            progress = stack.enter_context(show_in_notebook())
         if len(records) == 1:
             (one,) = records
             prepared = _prepare(one, simulation, holdout, order, exclude)
