@@ -41,6 +41,10 @@ def diagnose(
         str | None,
         typer.Option(metavar="NAME,...", help="Numbers of FILE.py:FUNCTION or FILE.fmu that may be fitted."),
     ] = None,
+    evaluations: Annotated[
+        int | None,
+        typer.Option(min=1, metavar="N", help="End the search after N runs of FILE.py:FUNCTION or FILE.fmu."),
+    ] = None,
     order: Annotated[int, typer.Option(help="Order of the fitted model if --sim is not given.")] = 2,
     json_file: Annotated[Path | None, typer.Option("--json", metavar="FILE", help="Write the report as JSON.")] = None,
     html: Annotated[Path | None, typer.Option(metavar="FILE", help="Write the report as HTML.")] = None,
@@ -102,6 +106,7 @@ def diagnose(
             order=order,
             exclude=excluded,
             seed=seed,
+            evaluations=evaluations,
             progress=progress,
         )
     report = found.report | {"command": _command_line(context)}

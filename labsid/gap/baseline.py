@@ -21,6 +21,7 @@ from labsid.gap.plants import Plant
 from labsid.gap.responses import free_responses
 from labsid.records.record import Record
 from labsid.simulators.control_systems import is_control_system, read_control_system
+from labsid.simulators.meter import RunMeter
 from labsid.simulators.simulator import Simulator, function_simulator
 
 UNSTABLE_RATIO = 1e6  # distance from the mean, in ranges of the measured output
@@ -59,6 +60,11 @@ class Baseline:
     output_only: bool = False
     simulate_record: Callable[[Record], FloatArray] | None = None
     start: FloatArray | None = None
+
+    @property
+    def meter(self) -> RunMeter | None:
+        """Counts the runs of a given simulation; None if none is run."""
+        return self.structure.plant.meter
 
 
 @dataclass(frozen=True, slots=True, eq=False)

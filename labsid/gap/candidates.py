@@ -149,10 +149,9 @@ def best_fit(data: Data, trials: list[Trial], kept: int = 3) -> Fit | None:
     """The best plausible fit after minimizing a few trials to convergence; None if none is plausible."""
     found: list[Fit] = []
     for trial in _two_variants(reranked(data, trials, 2 * kept), kept):
-        end = minimize(data, trial.hypothesis, trial.point.theta, trial.point.gains, iterations=25, tolerance=1e-5)
-        if end is None:
-            continue
-        fit = finish(data, trial.hypothesis, end)
+        start = trial.point
+        end = minimize(data, trial.hypothesis, start.theta, start.gains, iterations=25, tolerance=1e-5)
+        fit = finish(data, trial.hypothesis, end or start)  # None if the budget of runs of a given simulation is spent
         found += [one for one in (fit, _as_leak(data, fit)) if one is not None and is_plausible(data, one)]
     return best_form(found) if found else None
 

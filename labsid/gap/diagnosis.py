@@ -1,7 +1,7 @@
 """Diagnose the gap between a record and a simulation."""
 
 from collections.abc import Sequence
-from contextlib import ExitStack
+from contextlib import ExitStack, nullcontext
 from dataclasses import asdict, dataclass, replace
 
 import numpy as np
@@ -31,8 +31,10 @@ from labsid.gap.several_records import (
 from labsid.gap.traces import figure_traces
 from labsid.lab.findings import Finding
 from labsid.records.record import Record
+from labsid.simulators.meter import RunMeter
 
 MIN_SAMPLES = 100  # samples
+SEARCH_SHARE = 0.75  # of a budget of runs, for the beam search; the rest is for the search on held-out samples
 
 
 def diagnose(
@@ -44,6 +46,7 @@ def diagnose(
     order: int = 2,
     exclude: Sequence[tuple[float, float]] = (),
     seed: int = 0,
+    evaluations: int | None = None,
     progress: Progress | None = None,
 ) -> Diagnosis:
     """Find where a simulation and a rig disagree, which effects cause it, and the share of the gap that they close.
@@ -70,6 +73,9 @@ def diagnose(
         Time ranges, in seconds, that are neither fitted nor scored.
     seed : int
         Random seed of the confidence intervals and the proposed input.
+    evaluations : int, optional
+        Largest number of runs of a given simulation, after which the search ends with what it has found; scoring that
+        takes a few dozen more. No limit by default: a search usually takes one to ten thousand.
     progress : callable, optional
         Called with a description of the current step and the completed share. By default a notebook shows a bar.
 
@@ -80,7 +86,8 @@ def diagnose(
     Raises
     ------
     ValueError
-        If the record is too short, its input or output is constant, or the simulation does not match the record.
+        If the record is too short, its input or output is constant, or the simulation does not match the record; if
+        there is a number of evaluations, but no simulation that is run.
 
     Notes
     -----
@@ -96,11 +103,34 @@ def diagnose(
             prepared = _prepare(one, simulation, holdout, order, exclude)
         else:
             prepared = _prepare_several(records, simulation, holdout, order, exclude)
+        meter = prepared.base.meter
+        _begin(meter, evaluations)
+        if progress is not None and meter is not None:
+            progress = _with_runs(progress, meter)
         return _diagnose(prepared, seed, progress)
 
 
+def _begin(meter: RunMeter | None, evaluations: int | None) -> None:
+    if evaluations is not None and evaluations < 1:
+        raise ValueError(f"the number of evaluations must be at least 1; got {evaluations}. Omit it for no limit.")
+    if meter is not None:
+        meter.begin(evaluations)
+    elif evaluations is not None:
+        raise ValueError(
+            f"got {evaluations} evaluations, but no simulation that is run: they limit the runs of a function, an FMU "
+            "or a nonlinear system given as the simulation. Omit them."
+        )
+
+
+def _with_runs(progress: Progress, meter: RunMeter) -> Progress:
+    """Progress that also says how often the given simulation has been run, and its share of the time."""
+    return lambda what, share: progress(f"{what}, {meter}", share)
+
+
 def _diagnose(prepared: "_Prepared", seed: int, progress: Progress | None) -> Diagnosis:
-    explanation = explain(prepared.data, prepared.base.structure, prepared.base.start, progress=progress)
+    data, base = prepared.data, prepared.base
+    with nullcontext() if base.meter is None else base.meter.searching(SEARCH_SHARE):
+        explanation = explain(data, base.structure, base.start, progress=progress)
     return _report(prepared, explanation, seed, progress)
 
 
@@ -234,6 +264,7 @@ def _report(prepared: _Prepared, explanation: Explanation, seed: int, progress: 
         outputs = (data.y_scale.back(output) for output in answer.score.outputs)
         report["holdout_traces"] = figure_traces(holdout.t, holdout.u, holdout.y, *map(np.asarray, outputs))
     report["replay"] = replay_content(record, inside, answer, holdout)
+    report["simulation"]["evaluations"] = None if base.meter is None else base.meter.counts()
     return Diagnosis(report, model)
 
 

@@ -15,6 +15,7 @@ from labsid.gap.linear_fits import LINEAR, fit_baseline
 from labsid.gap.residual_tests import SLOW_CORRELATION, slow_autocorrelation
 from labsid.gap.sample_faults import SampleFaults, find_bad_start, find_lattice, find_spikes
 from labsid.records.signal_quality import find_held
+from labsid.simulators.meter import BudgetSpentError
 
 CONVERTER_LIMITED = 1.3**2  # rounding variance over other noise variance, from which the converter limits the record
 CONVERTER_LIMITED_HELD = 0.7  # the same if the logger holds values: on a coarse lattice not every hold is detected
@@ -102,7 +103,8 @@ def explain(
     clean, spikes, levels, path = _search_without_spikes(data, usable, off, structure, start, most, progress)
     faults = SampleFaults(held, stretches, spikes, None if lattice is None else step)
     if residual_is_slow(clean, path[-1]):
-        other_levels, other = search_effects(replace(clean, by_free_run=True), structure, start, min(most, 2), progress)
+        slow = replace(clean, by_free_run=True)
+        other_levels, other = _search_again(slow, structure, start, min(most, 2), progress) or (levels, path[:1])
         if mean_square(clean, other[-1]) > COLOUR_RATIO**2 * other[-1].noise.sigma2:
             other = cross_validated(clean, other)  # an explanation with nearly white residuals needs no validation
         if len(other) > 1 and mean_square(clean, other[-1]) < 0.5 * mean_square(clean, path[-1]):
@@ -134,7 +136,7 @@ def _search_without_spikes(
     hidden, made = (again & ~spikes).sum(), (spikes & ~again).sum()  # because of the baseline's error
     if hidden > 0.2 * max(again.sum(), 10) or made > MAX_FALSE_SPIKES * data.samples:
         clean = replace(data, rows=usable & ~again)
-        levels, path = search_effects(clean, structure, start, most, progress)
+        levels, path = _search_again(clean, structure, start, most, progress) or (levels, path)
         spikes, again = again, off | find_spikes(data.y - path[-1].output, usable, data.lattice)
     if (again ^ spikes).any():
         clean = replace(data, rows=usable & ~again)
@@ -142,6 +144,18 @@ def _search_without_spikes(
         levels = tuple({names: new[fit] for names, fit in level.items()} for level in levels)
         return clean, again, levels, best_path(clean, levels)
     return clean, spikes, levels, path
+
+
+def _search_again(
+    data: Data, structure: Hypothesis, start: FloatArray | None, most: int, progress: Progress | None
+) -> tuple[Levels, tuple[Fit, ...]] | None:
+    """Another search; None if it spends the budget of runs, for its result is then less complete than the first one."""
+    try:
+        found = search_effects(data, structure, start, most, progress)
+    except BudgetSpentError:
+        return None
+    meter = structure.plant.meter
+    return None if meter is not None and meter.exhausted else found
 
 
 def is_nuisance(data: Data, level: dict[tuple[str, ...], Fit], path: tuple[Fit, ...]) -> bool:

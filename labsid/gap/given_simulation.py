@@ -8,6 +8,7 @@ from labsid._arrays import FloatArray
 from labsid.gap.data import Scale
 from labsid.gap.plant_form import free_number
 from labsid.gap.plants import Plant
+from labsid.simulators.meter import BudgetSpentError
 from labsid.simulators.simulator import Simulator, SimulatorError
 
 CACHED_RUNS = 64  # the search often repeats an input
@@ -41,20 +42,33 @@ def given_plant(
     free = tuple(free_number(name, simulate.nominal[name]) for name in simulate.free)
 
     def run(w: FloatArray, values: FloatArray) -> FloatArray:
-        """NaN where the simulation fails with this input or these numbers: it has worked with those of the record."""
+        """NaN where the simulation fails with this input or these numbers: it has worked with those of the record.
+
+        NaN, too, where a search has spent its budget, so that it ends with what it has found.
+        """
         u, t = np.asarray(u_scale.back(w)), np.asarray(start + Ts * np.arange(w.size), np.float64)
         numbers = {one.given_name: one.number(value) for one, value in zip(free, values.tolist(), strict=True)}
         joined = pieces if pieces and w.size == pieces[-1][1] else ()
         try:
             output = by_record(w.size, joined, lambda at: simulate(t[: u[at].size], u[at], numbers))
+        except BudgetSpentError:
+            return np.full(w.size, np.nan)
         except SimulatorError as error:
             if error.ended:
                 raise
+            simulate.meter.note_failure(str(error))
             return np.full(w.size, np.nan)
         return y_scale.of(output)
 
-    source = simulate.source
-    return Plant(kind="given", run=_cached(run), free=free, source=source, takes_input=True, given_rates=rates)
+    return Plant(
+        kind="given",
+        run=_cached(run),
+        free=free,
+        source=simulate.source,
+        meter=simulate.meter,
+        takes_input=True,
+        given_rates=rates,
+    )
 
 
 def by_record(samples: int, pieces: Sequence[tuple[int, int]], run: Callable[[slice], FloatArray]) -> FloatArray:
@@ -69,15 +83,18 @@ def by_record(samples: int, pieces: Sequence[tuple[int, int]], run: Callable[[sl
 
 
 def _cached(run: Callable[[FloatArray, FloatArray], FloatArray]) -> Callable[[FloatArray, FloatArray], FloatArray]:
-    """Keep the last outputs of a simulation."""
+    """Keep the last outputs of a simulation, but no failure: it may be that of a budget."""
     kept: dict[tuple[bytes, bytes], FloatArray] = {}
 
     def cached(w: FloatArray, values: FloatArray) -> FloatArray:
         key = w.tobytes(), values.tobytes()
-        if key not in kept:
+        if key in kept:
+            return kept[key]
+        output = run(w, values)
+        if np.isfinite(output[-1]):
             if len(kept) == CACHED_RUNS:
                 del kept[next(iter(kept))]
-            kept[key] = run(w, values)
-        return kept[key]
+            kept[key] = output
+        return output
 
     return cached

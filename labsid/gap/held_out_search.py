@@ -116,8 +116,11 @@ class _Pool:
         self.extended = {start.names}  # combinations to which every further effect has been added
 
     def add(self, fits: Iterable[Fit]) -> None:
-        """Keep the fits that are the best of their names."""
+        """Keep the fits that are the best of their names; none where the budget of runs did not suffice for its fit."""
+        meter = self.start.fit.hypothesis.plant.meter
         for fit in fits:
+            if meter is not None and meter.exhausted:
+                break
             if self.held_out.elsewhere and OF_ONE_RECORD & set(fit.hypothesis.names):
                 continue  # not in the other record
             candidate = Candidate(fit, self.held_out.errors(fit))

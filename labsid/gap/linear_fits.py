@@ -10,6 +10,7 @@ from labsid.gap.fitting import Fit, Point, finish, minimize
 from labsid.gap.hypothesis import Hypothesis
 from labsid.gap.responses import single_pole
 from labsid.gap.undriven_poles import has_undriven_pole
+from labsid.simulators.meter import BudgetSpentError, RunMeter
 
 LINEAR = Hypothesis()
 SINGLE_POLE_RATES = 0.005, 0.02, 0.1, 0.4, 1.5  # per sample: start values for a rig with a single pole
@@ -19,6 +20,11 @@ def fit_baseline(data: Data, hypothesis: Hypothesis = LINEAR, start: FloatArray 
     """Fit a structure by output error; the default is second order and strictly proper.
 
     `start` is an additional start value of theta.
+
+    Raises
+    ------
+    ValueError
+        If no start can be simulated; `BudgetSpentError` if the budget of runs of a given simulation is spent.
     """
     best = None if start is None else minimize(data, hypothesis, start, iterations=12)
     poles = ((0.02, 0.3), (0.1, 0.5), (0.005, 0.05), (0.3, 1.5))
@@ -27,9 +33,17 @@ def fit_baseline(data: Data, hypothesis: Hypothesis = LINEAR, start: FloatArray 
     for theta in starts if hypothesis.plant.kind != "given" else starts[:1]:  # a given simulation has no rates
         best = _better(best, minimize(data, hypothesis, theta, iterations=12))
     if best is None:
-        raise ValueError("no second-order model can be simulated on this record.")
+        raise _no_fit(hypothesis.plant.meter)
     best = minimize(data, hypothesis, best.theta, iterations=30, tolerance=1e-8) or best
     return finish(data, hypothesis, best)
+
+
+def _no_fit(meter: RunMeter | None) -> ValueError:
+    """Why no start can be simulated."""
+    if meter is not None and meter.exhausted:
+        return BudgetSpentError(meter.budget)
+    failure = "" if meter is None else meter.failure
+    return ValueError(failure or "no second-order model can be simulated on this record.")
 
 
 def fit_driven_pole(data: Data, hypothesis: Hypothesis) -> Fit | None:

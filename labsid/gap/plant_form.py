@@ -7,6 +7,7 @@ from typing import Self
 import numpy as np
 
 from labsid._arrays import FloatArray
+from labsid.simulators.meter import RunMeter
 
 SLOWEST, FASTEST = np.log(1e-5), np.log(100.0)
 MAX_DAMPING = 0.5  # of a mode
@@ -146,6 +147,8 @@ class PlantForm:
         Numbers of a given simulation that may be fitted.
     source : str
         The file of a given simulation, as ``rig.py:simulate``, for export; empty without one.
+    meter : RunMeter, optional
+        Counts the runs of a given simulation.
     takes_input : bool
         Whether that simulation can be run with another input.
     given_rates : tuple of float
@@ -183,6 +186,7 @@ class PlantForm:
     run: Callable[[FloatArray, FloatArray], FloatArray] | None = field(default=None, compare=False)
     free: tuple[FreeNumber, ...] = ()
     source: str = ""
+    meter: RunMeter | None = field(default=None, compare=False)
     takes_input: bool = False
     given_rates: tuple[float, float] = (0.5, 0.05)
     parameters: tuple[Parameter, ...] = field(init=False, repr=False, compare=False)

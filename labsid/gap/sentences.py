@@ -326,7 +326,23 @@ def _given_sentence(report: dict[str, Any]) -> str | None:
             "Your simulation can only be run as a whole: friction, springs, outflow and drifts within it could not be "
             "tried; a delay, a lag and a mode were tried at its input, a mode beside it, too."
         )
+    texts += _evaluation_sentences(simulation.get("evaluations"))
     return " ".join(texts) or None
+
+
+def _evaluation_sentences(runs: dict[str, Any] | None) -> list[str]:
+    """Whether a limit of the runs of a given simulation has ended the search, and how many of them failed."""
+    texts = []
+    if runs is not None and runs["spent"]:
+        texts.append(
+            f"The search was ended by the limit of {runs['budget']:,} runs of your simulation, a quarter of which is "
+            f"kept for the error on held-out samples; {runs['runs']:,} were used. What is not in the ranking may "
+            "not have been tried. Allow more runs."
+        )
+    if runs is not None and runs["failed"]:
+        share = f"{runs['failed']:,} of {runs['runs']:,}"
+        texts.append(f"{share} runs of your simulation failed; the first: {runs['failure']}")
+    return texts
 
 
 def record_rows(report: dict[str, Any]) -> list[tuple[str, str, str, str, str]]:

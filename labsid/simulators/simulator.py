@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from labsid._arrays import FloatArray
+from labsid.simulators.meter import BudgetSpentError, RunMeter
 
 Run = Callable[[FloatArray, FloatArray, Mapping[str, float]], Any]
 
@@ -38,6 +39,8 @@ class Simulator:
         The numbers that may be fitted.
     source : str
         The file from which it can be opened again, as ``rig.py:simulate``; empty without one.
+    meter : RunMeter
+        Counts its runs.
     """
 
     run: Run
@@ -45,6 +48,7 @@ class Simulator:
     nominal: dict[str, float] = field(default_factory=dict)
     free: tuple[str, ...] = ()
     source: str = ""
+    meter: RunMeter = field(default_factory=RunMeter)
 
     def __call__(self, t: FloatArray, u: FloatArray, numbers: Mapping[str, float] | None = None) -> FloatArray:
         """Simulated output, shape (N,), with other values of some numbers.
@@ -53,11 +57,13 @@ class Simulator:
         ------
         SimulatorError
             If the simulation stops with an error, or does not return one finite number for each sample.
+        BudgetSpentError
+            If a search has spent its budget of runs.
         """
         wanted = self.nominal | dict(numbers or {})
         try:
-            returned = self.run(t, u, wanted)
-        except SimulatorError:
+            returned = self.meter.measured(lambda: self.run(t, u, wanted))
+        except (SimulatorError, BudgetSpentError):
             raise
         except Exception as error:
             raise SimulatorError(f"{self.label} stopped with {type(error).__name__}: {error}{_place(error)}") from error

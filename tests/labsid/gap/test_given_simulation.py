@@ -1,6 +1,7 @@
 """Diagnosis with a simulation of the user's own: a function, a file, a system of python-control."""
 
 import json
+import re
 import runpy
 import subprocess
 import sys
@@ -16,6 +17,7 @@ from labsid._arrays import FloatArray
 from labsid.cli.commands import main
 from labsid.gap.diagnosis import diagnose
 from labsid.gap.python_export import write_python_module
+from labsid.gap.text_report import format_report
 from labsid.records.record import Record
 
 SAMPLES, TS, FINE = 1200, 0.1, 20
@@ -130,6 +132,73 @@ def test_free_numbers_that_nothing_has_are_refused(u: FloatArray) -> None:
         diagnose(record, simulate, free=["k"])
 
 
+class Runs:
+    """A simulation that counts its runs; from the run `sound` on, it fails."""
+
+    def __init__(self, sound: float = float("inf")) -> None:
+        self.count, self.sound = 0, sound
+
+    def __call__(self, t: FloatArray, u: FloatArray, tau: float = 1.0) -> FloatArray:
+        self.count += 1
+        if self.count > self.sound:
+            raise RuntimeError("the solver diverged")
+        return simulate(t, u, tau=tau)
+
+
+@pytest.mark.parametrize("evaluations", [1, 12, 150, 600])
+def test_a_budget_ends_the_search_with_what_it_has_found(u: FloatArray, evaluations: int) -> None:
+    record = measured(np.clip(u, -0.5, 0.6))
+    runs, said = Runs(), []
+    report = diagnose(
+        Record(record.t, u, record.y, TS), runs, evaluations=evaluations, progress=lambda what, share: said.append(what)
+    ).report
+    counted = report["simulation"]["evaluations"]
+    assert counted["spent"]
+    assert counted["budget"] == evaluations
+    assert counted["runs"] == runs.count - 1  # the first one checks the simulation, before the search
+    assert runs.count < evaluations + 50
+    assert f"the limit of {evaluations} runs of your simulation" in format_report(report).replace("\n           ", " ")
+    if evaluations >= 150:
+        assert named(report) == ["input-saturation"]
+    assert any(re.fullmatch(r"one effect, \d+ simulations, \d+ % of the time", what) for what in said)
+
+
+def test_a_budget_that_is_not_reached_changes_nothing(u: FloatArray) -> None:
+    record = measured(np.clip(u, -0.5, 0.6))
+    record = Record(record.t, u, record.y, TS)
+    free, held = (diagnose(record, Runs(), evaluations=most).report for most in (None, 50_000))
+    assert free["simulation"]["evaluations"]["budget"] is None
+    assert held["simulation"]["evaluations"]["spent"] is False
+    for report in (free, held):
+        report["simulation"].pop("evaluations")
+    assert free == held
+
+
+def test_budgets_that_cannot_be_are_said(u: FloatArray) -> None:
+    record = measured(u)
+    with pytest.raises(ValueError, match="must be at least 1; got 0"):
+        diagnose(record, simulate, evaluations=0)
+    with pytest.raises(ValueError, match="got 5 evaluations, but no simulation that is run"):
+        diagnose(record, evaluations=5)
+    with pytest.raises(ValueError, match="got 5 evaluations, but no simulation that is run"):
+        diagnose(record, record.y, evaluations=5)
+    with pytest.raises(ValueError, match="2 evaluations are too few to fit the simulation"):
+        diagnose([record, measured(u), measured(u)], simulate, evaluations=2)
+
+
+def test_a_simulation_that_begins_to_fail_is_said(u: FloatArray) -> None:
+    record = measured(np.clip(u, -0.5, 0.6))
+    record = Record(record.t, u, record.y, TS)
+    report = diagnose(record, Runs(sound=100)).report
+    runs = report["simulation"]["evaluations"]
+    assert runs["failed"] == runs["runs"] - 99
+    assert "of your simulation failed; the first: Runs stopped with RuntimeError: the solver diverged" in (
+        format_report(report).replace("\n           ", " ")
+    )
+    with pytest.raises(ValueError, match="Runs stopped with RuntimeError: the solver diverged"):
+        diagnose(record, Runs(sound=1))  # in the first run all is well
+
+
 def test_a_file_is_diagnosed_exported_played_and_then_has_no_gap(
     u: FloatArray, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -154,6 +223,9 @@ def test_a_file_is_diagnosed_exported_played_and_then_has_no_gap(
     assert "rig.py:simulate has changed: tau is 1.1, and was 1" in capsys.readouterr().err
     assert main([*command, "--sim", "rig.py:simulate", "--json", "rig.py"]) == 2
     assert "rig.py is named twice" in capsys.readouterr().err
+    for evaluations in ("0", "-1", "many"):
+        assert main([*command, "--sim", "rig.py:simulate", "--evaluations", evaluations]) == 2
+        assert "Invalid value for '--evaluations'" in capsys.readouterr().err
     assert main([*command, "--sim", "rig.py:missing"]) == 2
     assert "rig.py has no function 'missing'; it has simulate." in capsys.readouterr().err
 
