@@ -2,6 +2,7 @@
 
 import atexit
 import shutil
+import zipfile
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -11,13 +12,13 @@ import numpy as np
 from labsid._arrays import FloatArray
 from labsid.simulators.simulator import Simulator
 
-_REAL = ("Real", "Float64")
+_REAL = ("Real", "Float32", "Float64")
 
 
 def open_fmu(path: Path) -> Simulator:
     """Open a co-simulation FMU with one input and one output, in this process.
 
-    Its real parameters with a start value are its numbers. The input is held between samples.
+    Its real parameters with a start value are its numbers, arrays excepted. The input is held between samples.
 
     Parameters
     ----------
@@ -30,8 +31,9 @@ def open_fmu(path: Path) -> Simulator:
     """
     fmpy, description = _read(path)
     driven, seen = _ends(path, description)
+    _check_platform(path, fmpy, description)
     real = [one for one in description.modelVariables if one.type in _REAL and one.causality == "parameter"]
-    nominal = {one.name: float(one.start) for one in real if one.start is not None}
+    nominal = {one.name: float(one.start) for one in real if one.start is not None and not one.dimensions}
     folder = fmpy.extract(str(path))
     atexit.register(shutil.rmtree, folder, ignore_errors=True)
 
@@ -72,18 +74,35 @@ def _read(path: Path) -> tuple[Any, Any]:
         description = fmpy.read_model_description(str(path))
     except Exception as error:
         raise ValueError(f"{path.name} is not an FMU that can be read: {error}") from None
+    if description.fmiVersion.split(".")[0] not in ("2", "3"):
+        raise ValueError(f"{path.name} is an FMU of FMI {description.fmiVersion}. Export it as FMI 2.0 or 3.0.")
     if description.coSimulation is None:
-        raise ValueError(f"{path.name} is for model exchange only. Export it for co-simulation.")
+        kind = "model exchange" if description.modelExchange is not None else "scheduled execution"
+        raise ValueError(f"{path.name} is for {kind} only. Export it for co-simulation.")
     return fmpy, description
+
+
+def _check_platform(path: Path, fmpy: Any, description: Any) -> None:
+    """Reject an FMU without a binary for this machine."""
+    here = fmpy.platform if description.fmiVersion == "2.0" else fmpy.platform_tuple
+    with zipfile.ZipFile(path) as archive:
+        folders = [Path(name).parts[:2] for name in archive.namelist() if name.startswith("binaries/")]
+        library = f"binaries/{here}/{description.coSimulation.modelIdentifier}{fmpy.sharedLibraryExtension}"
+        found = library in archive.namelist()
+    if not found:
+        others = ", ".join(sorted({parts[1] for parts in folders if len(parts) > 1})) or "none"
+        raise ValueError(f"{path.name} has no binary for {here}, only for {others}. Export it for this platform.")
 
 
 def _ends(path: Path, description: Any) -> tuple[str, str]:
     """Names of the input and the output."""
     ends = []
     for causality in ("input", "output"):
-        names = [one.name for one in description.modelVariables if one.type in _REAL and one.causality == causality]
-        if len(names) != 1:
-            found = f"{len(names)} ({', '.join(names)})" if names else "none"
-            raise ValueError(f"{path.name} has {found} as real {causality}, expected one.")
-        ends += names
+        found = [one for one in description.modelVariables if one.type in _REAL and one.causality == causality]
+        if len(found) != 1:
+            named = f"{len(found)} ({', '.join(one.name for one in found)})" if found else "none"
+            raise ValueError(f"{path.name} has {named} as real {causality}, expected one.")
+        if found[0].dimensions:
+            raise ValueError(f"the {causality} {found[0].name} of {path.name} is an array, expected one number.")
+        ends.append(found[0].name)
     return ends[0], ends[1]
