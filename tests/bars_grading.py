@@ -1,6 +1,8 @@
-"""Every bar of the grading, measured here, as one table. Exit status 1 where one that must be reached is missed.
+"""Every bar of the grading, and of batches on a cluster, measured here, as one table.
 
-`make bars` runs it, which takes some minutes; ``make bars BARS_ARGS="--only attacks"`` runs a part.
+Exit status 1 where one that must be reached is missed.
+
+`make bars` runs it, which takes half an hour; ``make bars BARS_ARGS="--only attacks"`` runs a part.
 """
 
 import argparse
@@ -18,15 +20,18 @@ from bars_grading_parts import PARTS, Size
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(description="every bar of the grading, measured on this machine")
+    parser = argparse.ArgumentParser(
+        description="every bar of the grading and of batches on a cluster, measured on this machine"
+    )
     parser.add_argument("--only", choices=list(PARTS), action="append", help="this part; may be given again")
     parser.add_argument("--submissions", type=int, default=60, help="hand-ins that are graded beside nbgrader")
     parser.add_argument("--kills", type=int, default=20, help="times that grading is killed and restarted")
     parser.add_argument("--draws", type=int, default=200, help="draws of the trials for each wrong answer")
+    parser.add_argument("--records", type=int, default=1000, help="records that are diagnosed on two Dask workers")
     parser.add_argument("--jobs", type=int, default=os.cpu_count() or 1, help="at a time")
     parser.add_argument("--markdown", metavar="FILE", type=Path, help="also write the table here")
     options = parser.parse_args()
-    size = Size(options.submissions, options.kills, options.draws, options.jobs)
+    size = Size(options.submissions, options.kills, options.draws, options.jobs, options.records)
     began = time.monotonic()
 
     def say(text: str) -> None:

@@ -1,4 +1,7 @@
-"""What is measured for each bar of the grading. Every part says how far it is, and yields its metrics."""
+"""What is measured for each bar of the grading, and of batches on a cluster.
+
+Every part says how far it is, and yields its metrics.
+"""
 
 import os
 import statistics
@@ -14,6 +17,7 @@ from multiprocessing import get_context
 from pathlib import Path
 from typing import Any
 
+import bars_fleet
 import nbformat
 import wrong_draws
 from attacks.arena import ATTACKS
@@ -31,12 +35,13 @@ from labsid.checks.notebook import assignment_names, load_assignment
 
 @dataclass(frozen=True, slots=True)
 class Size:
-    """How much is measured: hand-ins beside nbgrader, kills, draws of the trials, and what runs at a time."""
+    """How much is measured: hand-ins beside nbgrader, kills, draws of the trials, what runs at a time, and records."""
 
     submissions: int
     kills: int
     draws: int
     jobs: int
+    records: int
 
 
 Say = Callable[[str], None]
@@ -209,6 +214,12 @@ def first_answer(notebook: Any) -> float:
     return taken(opened) + taken(next(filter(is_check, notebook.cells)))
 
 
+def fleet(folder: Path, size: Size, say: Say) -> Iterator[Metric]:
+    """Records diagnosed on two Dask workers, one of which is killed midway."""
+    say(f"{size.records} records, about half a second to two for each")
+    yield from bars_fleet.measure(folder, size.records, say)
+
+
 PARTS: dict[str, Part] = {
     "answers": answers,
     "draws": draws,
@@ -216,4 +227,5 @@ PARTS: dict[str, Part] = {
     "speed": speed,
     "kills": kills,
     "course": course,
+    "fleet": fleet,
 }

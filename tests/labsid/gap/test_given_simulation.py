@@ -233,24 +233,31 @@ def test_a_file_is_diagnosed_exported_played_and_then_has_no_gap(
 def test_an_exported_module_runs_by_itself_and_as_a_simulation(
     u: FloatArray, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    (tmp_path / "rigs").mkdir()
-    (tmp_path / "rigs" / "rig.py").write_text(SOURCE, encoding="utf-8")
+    """With the function's file in another folder, also after both have moved."""
+    here = tmp_path / "project"
+    for folder in ("rigs", "out"):
+        (here / folder).mkdir(parents=True)
+    (here / "rigs" / "rig.py").write_text(SOURCE, encoding="utf-8")
     record = measured(np.clip(u, -0.5, 0.6))
     record = Record(record.t, u, record.y, TS)
-    np.savetxt(
-        tmp_path / "run.csv", np.column_stack([record.t, u, record.y]), delimiter=",", header="t,u,y", comments=""
-    )
-    monkeypatch.chdir(tmp_path)
-    command = ["gap", "diagnose", "run.csv", "--sim"]
-    assert main([*command, "rigs/rig.py:simulate", "--export", "better.py"]) == 0
-    assert main([*command, "better.py:simulate"]) == 0
+    np.savetxt(here / "run.csv", np.column_stack([record.t, u, record.y]), delimiter=",", header="t,u,y", comments="")
+    monkeypatch.chdir(here)
+    command = ["gap", "diagnose", "run.csv", "--evaluations", "500", "--sim"]
+    assert main([*command, "rigs/rig.py:simulate", "--export", "out/better.py"]) == 0
+    assert '"source": "../rigs/rig.py:simulate"' in Path("out/better.py").read_text(encoding="utf-8")
+    assert main([*command, "out/better.py:simulate"]) == 0
     assert "There is no gap beyond noise" in capsys.readouterr().out
+    monkeypatch.chdir(tmp_path)
+    moved = here.rename(tmp_path / "moved")
     code = "import sys, numpy as np; sys.path.insert(0, sys.argv[1]); import better; t = 0.1 * np.arange(1200)\n"
     code += "print(float(np.abs(better.simulate(t, np.full(1200, 1.0))).max()))"
     done = subprocess.run(
-        [sys.executable, "-c", code, str(tmp_path)], cwd="/", capture_output=True, text=True, check=True
+        [sys.executable, "-c", code, str(moved / "out")], cwd="/", capture_output=True, text=True, check=True
     )
     assert float(done.stdout) == pytest.approx(2.0 * 0.6, rel=0.1)  # the actuator goes no higher than 0.6, gain 2
+    (moved / "rigs" / "rig.py").unlink()
+    done = subprocess.run([sys.executable, "-c", code, str(moved / "out")], cwd="/", capture_output=True, text=True)
+    assert "rig.py does not exist" in done.stderr
 
 
 def test_a_model_without_a_file_of_its_own_is_exported_as_a_module_too(u: FloatArray, tmp_path: Path) -> None:
