@@ -8,7 +8,7 @@ import numpy as np
 
 from labsid._arrays import FloatArray
 from labsid.gap.data import Data
-from labsid.gap.effects import drifts, dynamics, input, motion, output, play
+from labsid.gap.effects import drifts, dynamics, input, motion, output, play, reactions
 from labsid.gap.effects.base import Effect, Fitted, InputEffect, PlantEffect
 from labsid.gap.effects.context import Context
 from labsid.gap.fitting import Fit, Point, finish, minimize, start_cost
@@ -53,8 +53,11 @@ CANDIDATES: tuple[tuple[Effect, ...], ...] = (
     MODES,
     tuple(dynamics.SqrtOutflow(which + side) for which in ("both", "upper", "lower") for side in ("", "-flipped")),
     tuple(dynamics.Overflow(which + side) for which in ("upper", "lower") for side in ("", "-flipped")),
-    tuple(dynamics.CoulombFriction(which) for which in ("position", "unsprung", "speed", "speed-lag")),
-    (dynamics.CubicStiffness(), dynamics.CubicStiffness("sampled")),
+    (
+        *(dynamics.CoulombFriction(which) for which in ("position", "unsprung", "speed", "speed-lag")),
+        *(reactions.Friction(which) for which in ("given", "given-speed")),
+    ),
+    (dynamics.CubicStiffness(), dynamics.CubicStiffness("sampled"), reactions.Spring("given")),
     tuple(motion.EndStop(side + spring) for side in ("high", "low", "both") for spring in ("", "-unsprung")),
     tuple(motion.QuadraticDrag(place) for place in motion.DRAG_PLACES),
     (dynamics.SlowMode(),),
@@ -231,6 +234,8 @@ def is_compatible(parent: Fit, effect: Effect) -> bool:
         return old.takes_input and effect.before_given
     if not isinstance(effect, PlantEffect):
         return True
+    if effect.only_given:
+        return False
     new = effect.extend(old)
     if old.kind == "varying" and old.course == "slow" and new.nonlinear:
         return True

@@ -8,6 +8,7 @@ from labsid._arrays import FloatArray
 from labsid.gap.data import Scale
 from labsid.gap.plant_form import free_number
 from labsid.gap.plants import Plant
+from labsid.gap.reactions import Reaction, output_with
 from labsid.simulators.meter import BudgetSpentError
 from labsid.simulators.simulator import Simulator, SimulatorError
 
@@ -60,9 +61,34 @@ def given_plant(
             return np.full(w.size, np.nan)
         return y_scale.of(output)
 
+    cached = _cached(run)
+    pulses: dict[bytes, FloatArray] = {}
+    longest = max((end - begin for begin, end in pieces), default=None)
+
+    def pulse(values: FloatArray, samples: int) -> FloatArray:
+        samples = samples if longest is None else min(samples, longest)  # a longer input would be that of all records
+        key = values.tobytes()
+        if key not in pulses or pulses[key].size < samples:
+            at_zero = np.zeros(samples)
+            response = run(at_zero + (np.arange(samples) == 0), values) - run(at_zero, values)
+            if not np.isfinite(response).all():
+                return response
+            pulses[key] = response
+        return pulses[key][:samples]
+
+    def react(w: FloatArray, values: FloatArray, reaction: Reaction) -> FloatArray:
+        def one_record(at: slice) -> FloatArray:
+            part = w[at]
+            return output_with(lambda driven: cached(driven, values), part, pulse(values, part.size), reaction)
+
+        return by_record(w.size, pieces if pieces and w.size == pieces[-1][1] else (), one_record)
+
     return Plant(
         kind="given",
-        run=_cached(run),
+        run=cached,
+        pulse=pulse,
+        react=react,
+        standstill=-y_scale.centre / y_scale.unit,
         free=free,
         source=simulate.source,
         meter=simulate.meter,

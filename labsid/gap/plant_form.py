@@ -7,6 +7,7 @@ from typing import Self
 import numpy as np
 
 from labsid._arrays import FloatArray
+from labsid.gap.reactions import Reaction
 from labsid.simulators.meter import RunMeter
 
 SLOWEST, FASTEST = np.log(1e-5), np.log(100.0)
@@ -88,6 +89,7 @@ FRICTION_LAWS = {
 }
 """Parameters of friction at small speeds: logarithms of speeds over the one that a unit of the drive gives, and the
 excess of the break-away friction over the sliding one."""
+SPRING = Parameter("spring", -50.0, 50.0)  # scaled: force at the input of a given simulation over its output cubed
 DRAG = Parameter("drag", 0.0, 200.0, 1e-3)  # scaled
 ONSET = Parameter("onset", 0.0, 1.0, 2e-4, leap=0.004)  # as a share of the record
 DRIFT = Parameter("drift", -3.0, 3.0)
@@ -149,6 +151,15 @@ class PlantForm:
         The file of a given simulation, as ``rig.py:simulate``, for export; empty without one.
     meter : RunMeter, optional
         Counts the runs of a given simulation.
+    pulse : callable, optional
+        ``pulse(values, samples) -> y``: response of a given simulation to a unit pulse of its input at sample 0.
+    react : callable, optional
+        ``react(w, values, reaction) -> y``: output of a given simulation with forces at its input that react to it.
+    reactions : tuple of str
+        Forces at the input of a given simulation that react to its output: "friction" of a position, "speed" for that
+        of a speed, "cubic".
+    standstill : float
+        Scaled output of a given simulation at which it reads zero.
     takes_input : bool
         Whether that simulation can be run with another input.
     given_rates : tuple of float
@@ -187,6 +198,10 @@ class PlantForm:
     free: tuple[FreeNumber, ...] = ()
     source: str = ""
     meter: RunMeter | None = field(default=None, compare=False)
+    pulse: Callable[[FloatArray, int], FloatArray] | None = field(default=None, compare=False)
+    react: Callable[[FloatArray, FloatArray, Reaction], FloatArray] | None = field(default=None, compare=False)
+    reactions: tuple[str, ...] = ()
+    standstill: float = 0.0
     takes_input: bool = False
     given_rates: tuple[float, float] = (0.5, 0.05)
     parameters: tuple[Parameter, ...] = field(init=False, repr=False, compare=False)
@@ -196,11 +211,13 @@ class PlantForm:
 
     def _searched(self) -> tuple[Parameter, ...]:
         if self.kind == "given":
-            return (*self.free, *self._in_series())
+            own: list[Parameter] = [FRICTION] if {"friction", "speed"} & set(self.reactions) else []
+            own += [SPRING] if "cubic" in self.reactions else []
+            return (*self.free, *own, *self._in_series())
         rates = [Parameter("log_c", -14.0, 3.5), Parameter("log_k", -22.0, 4.0)]
         if self.kind in ("tanks", "speed"):
             rates = [Parameter("log_a", SLOWEST, FASTEST), Parameter("log_b", SLOWEST, FASTEST)]
-        own: list[Parameter] = []
+        own = []
         if self.kind == "tanks":
             if self.upper_root or self.lower_root:
                 own += [Parameter("zero", -200.0, 3.0)]
@@ -263,6 +280,10 @@ class PlantForm:
     def in_series(self) -> bool:
         """Whether there are two states in series, with a possible load on either."""
         return self.kind == "tanks" or (self.kind == "speed" and self.lag_first)
+
+    def free_values(self, theta: FloatArray) -> FloatArray:
+        """The part of theta that belongs to the free numbers of a given simulation."""
+        return theta[: len(self.free)]
 
     def index(self, name: str) -> int:
         """Index of a parameter in theta."""

@@ -6,6 +6,7 @@ from numpy.polynomial.chebyshev import chebval
 from labsid._arrays import FloatArray, beside
 from labsid.gap import _kernels, _rates, _states
 from labsid.gap.plant_form import PlantForm
+from labsid.gap.reactions import Reaction
 
 NO_BRIM = np.inf
 STIFFNESS_BOUNDS = 1e-11, 90.0  # of k, per sample squared
@@ -319,7 +320,13 @@ def _given(
     plant: PlantForm, own: dict[str, float], w: FloatArray, span: int, reference: float, late: float
 ) -> FloatArray:
     assert plant.run is not None
-    output = plant.run(w, np.array([own[parameter.name] for parameter in plant.free]))[:, None]
+    values = np.array([own[parameter.name] for parameter in plant.free])
+    if plant.reactions:
+        assert plant.react is not None
+        at_rest, spring = "speed" in plant.reactions, own.get("spring", 0.0)
+        output = plant.react(w, values, Reaction(own.get("friction", 0.0), at_rest, spring, plant.standstill))[:, None]
+    else:
+        output = plant.run(w, values)[:, None]
     return beside([output, free_responses(w.size, *plant.given_rates)]) if plant.takes_input else output
 
 

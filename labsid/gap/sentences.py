@@ -322,12 +322,20 @@ def _given_sentence(report: dict[str, Any]) -> str | None:
         )
         texts.append(f"Numbers of your simulation that were fitted: {fitted}.")
     if simulation.get("closed") and report["verdict"] != "none" and not simulation["output_only"]:
-        texts.append(
-            "Your simulation can only be run as a whole: friction, springs, outflow and drifts within it could not be "
-            "tried; a delay, a lag and a mode were tried at its input, a mode beside it, too."
-        )
+        texts.append(_limits_sentence({name for row in report["ranking"] for name in row["name"].split("+")}))
     texts += _evaluation_sentences(simulation.get("evaluations"))
     return " ".join(texts) or None
+
+
+def _limits_sentence(tried: set[str]) -> str:
+    """What could be tried around a given simulation, and what could not."""
+    inside = ["friction"] * ("coulomb-friction" not in tried) + ["a spring"] * ("cubic-stiffness" not in tried)
+    outside = [what for what in ("friction", "a spring") if what not in inside]
+    reacting = f"; {joined(outside)} as a force at its input that reacts to its output" if outside else ""
+    return (
+        "Your simulation can only be run as a whole: a delay, a lag and a mode were tried at its input, a mode beside "
+        f"it, too{reacting}; {joined([*inside, 'outflow', 'drag', 'stops', 'drifts'])} within it could not be tried."
+    )
 
 
 def _evaluation_sentences(runs: dict[str, Any] | None) -> list[str]:

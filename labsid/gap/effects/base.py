@@ -159,10 +159,14 @@ class InputEffect(Effect):
 
 
 class PlantEffect(Effect):
-    """An effect that changes the dynamics; some can act on the input of a given simulation instead (`before_given`)."""
+    """An effect that changes the dynamics.
+
+    Some can act on the input of a given simulation instead (`before_given`), some of them only there (`only_given`).
+    """
 
     path = "dynamics"
     before_given: ClassVar[bool] = False
+    only_given: ClassVar[bool] = False
 
     def extend(self, plant: Plant) -> Plant:
         """The plant with this effect."""

@@ -75,7 +75,7 @@ PARAMETERS = {
     "load-step": {"onset", "size"},
     "periodic-disturbance": {"frequency", "amplitude"},
 }
-ALL = [effect for group in CANDIDATES for effect in group]
+ALL = [effect for group in CANDIDATES for effect in group if not getattr(effect, "only_given", False)]
 SAMPLES, TS = 100, 0.2
 Response = Callable[..., FloatArray]
 

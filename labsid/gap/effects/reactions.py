@@ -1,0 +1,82 @@
+"""Effects that react to the motion of a given simulation, at its input: dry friction and a cubic spring."""
+
+import numpy as np
+
+from labsid.gap.effects.base import Fitted, PlantEffect, Value
+from labsid.gap.effects.context import Context
+from labsid.gap.plants import Plant
+from labsid.gap.reactions import is_collocated
+
+MIN_EITHER_DIRECTION = 0.03  # share of the record with motion in each direction
+SETTLED_SHARE = 0.02  # of the largest value, to which the pulse response of a simulation with a spring decays
+
+
+class _AroundGiven(PlantEffect):
+    """A reaction to the output of a given simulation."""
+
+    only_given = True
+    before_given = True
+
+    def applies(self, context: Context) -> bool:
+        """Whether the force at the input moves the output at once, in the sense of a mechanism."""
+        plant = context.parent.hypothesis.plant
+        if plant.pulse is None or self.name in {effect.name for effect in context.parent.hypothesis.effects}:
+            return False
+        return is_collocated(plant.pulse(plant.free_values(context.parent.plant_theta), context.data.samples))
+
+
+class Friction(_AroundGiven):
+    """Dry friction against the motion; `variant` "given" of a position, "given-speed" of a speed."""
+
+    name = "coulomb-friction"
+
+    def extend(self, plant: Plant) -> Plant:
+        """The simulation with friction."""
+        return plant.modified(reactions=(*plant.reactions, "speed" if self.variant == "given-speed" else "friction"))
+
+    def plant_starts(self, context: Context) -> list[dict[str, float]]:
+        """Weak to strong friction."""
+        return [{"friction": size} for size in (0.05, 0.25, 0.8)]
+
+    def is_plausible(self, fit: Fitted) -> bool:
+        """Require motion in both directions: in one direction friction is a constant."""
+        output = fit.hypothesis.output(fit.theta, fit.gains, fit.data.u)
+        scale = fit.data.y_scale
+        moving = output + scale.centre / scale.unit if self.variant == "given-speed" else np.diff(output)
+        return bool(min(np.mean(moving > 0), np.mean(moving < 0)) > MIN_EITHER_DIRECTION)
+
+    def values(self, fit: Fitted) -> dict[str, Value]:
+        """`friction` in units of the input."""
+        return {"friction": Value(fit.plant_value("friction") * fit.data.u_scale.unit, "u")}
+
+
+class Spring(_AroundGiven):
+    """Hardening or softening restoring force beside a spring of the simulation; `variant` "given"."""
+
+    name = "cubic-stiffness"
+
+    def applies(self, context: Context) -> bool:
+        """The simulation must have a spring, so that it returns from a pulse."""
+        if not super().applies(context):
+            return False
+        plant = context.parent.hypothesis.plant
+        assert plant.pulse is not None
+        pulse = np.abs(plant.pulse(plant.free_values(context.parent.plant_theta), context.data.samples))
+        return bool(pulse[-pulse.size // 10 :].max() < SETTLED_SHARE * pulse.max())
+
+    def extend(self, plant: Plant) -> Plant:
+        """The simulation with a cubic spring."""
+        return plant.modified(reactions=(*plant.reactions, "cubic"))
+
+    def plant_starts(self, context: Context) -> list[dict[str, float]]:
+        """Hardening and softening springs."""
+        return [{"cubic": size} for size in (0.01, 0.05, 0.4, -0.02)]
+
+    def values(self, fit: Fitted) -> dict[str, Value]:
+        """`cubic`: relative increase of the restoring force, per square of the output."""
+        plant = fit.hypothesis.plant
+        assert plant.pulse is not None
+        values = plant.free_values(fit.theta[fit.hypothesis.slices["plant"]])
+        gain = float(np.sum(plant.pulse(values, fit.data.samples)))  # of the simulation: its spring has 1 / gain
+        per_level = 1.0 / (float(fit.gains[0]) * fit.data.y_scale.unit or 1.0)
+        return {"cubic": Value(fit.plant_value("spring") * gain * per_level**2, "1/y^2")}
