@@ -1,4 +1,4 @@
-"""Every bar of the grading, and of batches on a cluster, measured here, as one table.
+"""Every bar of the grading, of batches on a cluster and of simulations in MuJoCo, measured here, as one table.
 
 Exit status 1 where one that must be reached is missed.
 
@@ -20,9 +20,7 @@ from bars_grading_parts import PARTS, Size
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(
-        description="every bar of the grading and of batches on a cluster, measured on this machine"
-    )
+    parser = argparse.ArgumentParser(description="every bar, measured on this machine")
     parser.add_argument("--only", choices=list(PARTS), action="append", help="this part; may be given again")
     parser.add_argument("--submissions", type=int, default=60, help="hand-ins that are graded beside nbgrader")
     parser.add_argument("--kills", type=int, default=20, help="times that grading is killed and restarted")

@@ -1,4 +1,4 @@
-"""What is measured for each bar of the grading, and of batches on a cluster.
+"""What is measured for each bar of the grading, of batches on a cluster, and of simulations in MuJoCo.
 
 Every part says how far it is, and yields its metrics.
 """
@@ -18,6 +18,7 @@ from pathlib import Path
 from typing import Any
 
 import bars_fleet
+import bars_mujoco
 import nbformat
 import wrong_draws
 from attacks.arena import ATTACKS
@@ -220,6 +221,11 @@ def fleet(folder: Path, size: Size, say: Say) -> Iterator[Metric]:
     yield from bars_fleet.measure(folder, size.records, say)
 
 
+def mujoco(folder: Path, size: Size, say: Say) -> Iterator[Metric]:
+    """Rigs in MuJoCo diagnosed with a model of theirs that lacks the effect."""
+    yield from bars_mujoco.measure(say)
+
+
 PARTS: dict[str, Part] = {
     "answers": answers,
     "draws": draws,
@@ -228,4 +234,5 @@ PARTS: dict[str, Part] = {
     "kills": kills,
     "course": course,
     "fleet": fleet,
+    "mujoco": mujoco,
 }

@@ -183,7 +183,7 @@ def test_only_plots_imports_matplotlib_and_never_its_global_state(labsid: list[M
     [
         ("labsid", ["cluster", "fmu", "notebooks"]),  # of notebooks jupyter_client alone, as the test above says
         ("autograder", ["notebooks", "autograder", "cluster"]),
-        ("tests", ["notebooks", "autograder", "fmu", "dev"]),
+        ("tests", ["notebooks", "autograder", "fmu", "mujoco", "dev"]),
     ],
 )
 def test_what_is_imported_is_declared(folder: str, extras: list[str]) -> None:
