@@ -6,12 +6,14 @@ import numpy as np
 
 from labsid._arrays import FloatArray
 from labsid.gap.beam_search import MIN_CHANGE, Levels, Progress, best_path, differ, rms_difference, search_effects
+from labsid.gap.candidates import trial_fits
 from labsid.gap.data import Data
 from labsid.gap.effects.base import AdditiveEffect
 from labsid.gap.fitting import Fit, mean_square, refit, rms
+from labsid.gap.forms import SENSOR_DRIFTS
 from labsid.gap.holdout import BLOCKS, held_out_samples
 from labsid.gap.hypothesis import Hypothesis
-from labsid.gap.linear_fits import LINEAR, fit_baseline
+from labsid.gap.linear_fits import LINEAR, fit_baseline, fit_highpass
 from labsid.gap.residual_tests import SLOW_CORRELATION, slow_autocorrelation
 from labsid.gap.sample_faults import SampleFaults, find_bad_start, find_lattice, find_spikes
 from labsid.records.signal_quality import find_held
@@ -102,7 +104,7 @@ def explain(
     usable = data.rows & ~held
     clean, spikes, levels, path = _search_without_spikes(data, usable, off, structure, start, most, progress)
     faults = SampleFaults(held, stretches, spikes, None if lattice is None else step)
-    if residual_is_slow(clean, path[-1]):
+    if residual_is_slow(clean, path[-1]) and halved_by_drift(clean, path):
         slow = replace(clean, by_free_run=True)
         other_levels, other = _search_again(slow, structure, start, min(most, 2), progress) or (levels, path[:1])
         if mean_square(clean, other[-1]) > COLOUR_RATIO**2 * other[-1].noise.sigma2:
@@ -171,6 +173,14 @@ def residual_is_slow(data: Data, fit: Fit) -> bool:
         mean_square(data, fit) > SLOW_RESIDUAL_RATIO**2 * fit.noise.sigma2
         and slow_autocorrelation(e, data.rows) > SLOW_CORRELATION
     )
+
+
+def halved_by_drift(data: Data, path: tuple[Fit, ...]) -> bool:
+    """Whether a drift of the sensor halves the error; a search by innovations need not find it beside other effects."""
+    if SENSOR_DRIFTS[0].name in path[-1].hypothesis.names:
+        return False
+    trials = trial_fits(data, path[-1], SENSOR_DRIFTS, fit_highpass(data, path[0]), brief=True)
+    return bool(trials) and trials[0].point.cost < 0.5 * mean_square(data, path[-1])
 
 
 def cross_validated(data: Data, path: tuple[Fit, ...]) -> tuple[Fit, ...]:
