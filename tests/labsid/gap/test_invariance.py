@@ -98,6 +98,7 @@ def test_a_simulation_that_has_the_effect_already_leaves_no_gap(answers, rig_rec
         "given": True,
         "output_only": False,
         "closed": False,
+        "evaluations": None,
         "model": None,
         "numbers": {},
     }
