@@ -29,6 +29,12 @@ def freeze(instance: object, **arrays: Any) -> None:
         object.__setattr__(instance, name, frozen_array(values))
 
 
+def stretches_of(mask: NDArray[np.bool_]) -> list[list[int]]:
+    """First index of each stretch of True, and the one after its last."""
+    edges = np.flatnonzero(np.diff(np.concatenate([[0], mask.astype(int), [0]])))
+    return edges.reshape(-1, 2).tolist()
+
+
 def as_signal(name: str, values: ArrayLike, at_least: int = 1) -> FloatArray:
     """Check that `values` is one finite signal and return it with shape (N,).
 

@@ -265,6 +265,12 @@ def _in_outer_form(hypothesis: Hypothesis) -> Hypothesis:
     return Hypothesis(tuple(outer.get(e, e) for e in hypothesis.effects), hypothesis.n_given, hypothesis.given)
 
 
+def remove_named_effect(data: Data, fit: Fit, name: str) -> Fit | None:
+    """Refit without the effect of this name that was found; None if the result cannot be simulated."""
+    hypothesis = fit.hypothesis
+    return remove_effect(data, fit, [effect.name for effect in hypothesis.found].index(name) + hypothesis.n_given)
+
+
 def remove_effect(data: Data, fit: Fit, which: int) -> Fit | None:
     """Refit without the effect of index `which`; None if the result cannot be simulated."""
     old = fit.hypothesis

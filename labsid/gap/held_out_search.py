@@ -14,7 +14,7 @@ from labsid._arrays import FloatArray
 from labsid.gap.beam_search import Progress, extended_fits
 from labsid.gap.explanation import Explanation
 from labsid.gap.fitting import Fit, mean_square
-from labsid.gap.forms import remove_effect
+from labsid.gap.forms import remove_named_effect
 from labsid.gap.held_out_errors import HeldOut, Reduction, compare_errors
 from labsid.gap.linear_fits import fit_highpass
 
@@ -132,9 +132,7 @@ class _Pool:
         """The best candidate with one effect less."""
         names = candidate.names - {name}
         if names:
-            hypothesis = candidate.fit.hypothesis
-            at = [effect.name for effect in hypothesis.found].index(name) + hypothesis.n_given
-            fewer = remove_effect(self.held_out.data, candidate.fit, at)
+            fewer = remove_named_effect(self.held_out.data, candidate.fit, name)
             self.add([] if fewer is None else [fewer])
         return self.best.get(names, self.start)
 

@@ -57,10 +57,14 @@ def with_units(report: dict[str, Any], u: str, y: str) -> dict[str, Any]:
     return report | {"effects": effects, "units": {"u": u, "y": y}}
 
 
+def in_units(unit: str, u: str, y: str) -> str:
+    """A unit in terms of u and y, in the units of the record."""
+    return UNIT_CODES.get(unit, unit).format(u=u, y=y)
+
+
 def _with_units(parameters: dict[str, dict[str, Any]], u: str, y: str) -> dict[str, dict[str, Any]]:
     return {
-        name: entry | {"unit": UNIT_CODES.get(entry["unit"], entry["unit"]).format(u=u, y=y), "of": entry["unit"]}
-        for name, entry in parameters.items()
+        name: entry | {"unit": in_units(entry["unit"], u, y), "of": entry["unit"]} for name, entry in parameters.items()
     }
 
 

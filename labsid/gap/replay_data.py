@@ -3,23 +3,23 @@
 Signals are scaled, and written in base64 as numbers of 64 or 32 bits.
 """
 
-import base64
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
-from labsid._arrays import FloatArray
+from labsid._arrays import FloatArray, stretches_of
 from labsid.gap.answer import Answer
 from labsid.gap.data import Data, Scale
 from labsid.gap.decision import MISMATCH
 from labsid.gap.effects.base import AdditiveEffect, Effect, OutputEffect
 from labsid.gap.effects.restarts import Restarts
 from labsid.gap.fitting import Fit
-from labsid.gap.forms import remove_effect
+from labsid.gap.forms import remove_named_effect
 from labsid.gap.hypothesis import Hypothesis
 from labsid.gap.model_file import export_model
 from labsid.gap.sliders import Slider, parameter_sliders
+from labsid.gap.traces import packed
 from labsid.records.record import Record
 
 MOST_COMBINATIONS = 8
@@ -52,11 +52,11 @@ def replay_content(record: Record, inside: np.ndarray, answer: Answer, holdout: 
         "u_scale": _scale(data.u_scale),
         "y_scale": _scale(data.y_scale),
         "record": _signals(record, (data.u, y, before, after))
-        | {"fitted": _runs(data.rows), "scored": [] if holdout or data.pieces else _runs(score.scored)},
+        | {"fitted": stretches_of(data.rows), "scored": [] if holdout or data.pieces else stretches_of(score.scored)},
         "holdout": None
         if holdout is None
         else _signals(holdout, (data.u_scale.of(holdout.u), data.y_scale.of(holdout.y), *score.outputs))
-        | {"fitted": [], "scored": _runs(score.scored)},
+        | {"fitted": [], "scored": stretches_of(score.scored)},
         "accepted": list(accepted_names(answer)),
         "combinations": [
             _combination(answer, fit, holdout) | {"names": list(names)} for names, fit in combinations.items()
@@ -86,21 +86,15 @@ def _combinations(answer: Answer) -> dict[Names, Fit]:
 
 def _parts(answer: Answer, accepted: Names) -> dict[Names, Fit]:
     """Each part of the accepted combination: the fit at hand, or one without the other effects."""
-    found: dict[Names, Fit] = {}
-    whole = {accepted: answer.score.after_fit} | found
+    whole = {accepted: answer.score.after_fit}
     for size in range(len(accepted) - 1, 0, -1):
         for parent, fit in [item for item in whole.items() if len(item[0]) == size + 1]:
             for name in parent:
                 names = tuple(other for other in parent if other != name)
                 if names not in whole:
-                    part = answer.fits.get(names) or _without(answer, fit, name)
+                    part = answer.fits.get(names) or remove_named_effect(answer.explanation.data, fit, name)
                     whole |= {} if part is None else {names: part}
     return {names: fit for names, fit in whole.items() if names != accepted}
-
-
-def _without(answer: Answer, fit: Fit, name: str) -> Fit | None:
-    which = [effect.name for effect in fit.hypothesis.found].index(name) + fit.hypothesis.n_given
-    return remove_effect(answer.explanation.data, fit, which)
 
 
 def _ranked(answer: Answer) -> list[tuple[Names, Fit]]:
@@ -179,7 +173,7 @@ def _combination(answer: Answer, fit: Fit, holdout: Record | None) -> dict[str, 
         "gains": played.gains.tolist(),
         "span": model.span,
         "reference": model.reference,
-        "constant": None if played.constant is None else _packed(played.constant),
+        "constant": None if played.constant is None else packed(played.constant),
         "simulated": simulated,
         "holdout": started,
         "sliders": [one for slider in found if (one := _slider(slider, played)) is not None],
@@ -208,20 +202,9 @@ def _slider(slider: Slider, played: PlayedPart) -> dict[str, Any] | None:
 
 def _signals(record: Record, signals: tuple[FloatArray, ...]) -> dict[str, Any]:
     u, *others = signals
-    named = dict(zip(("y", "before", "after"), (_packed(np.asarray(one)) for one in others), strict=True))
-    wide = base64.b64encode(np.asarray(u, "<f8").tobytes()).decode("ascii")
-    return {"start": float(record.t[0]), "Ts": record.Ts, "u": wide} | named
-
-
-def _packed(signal: FloatArray) -> str:
-    return base64.b64encode(signal.astype("<f4").tobytes()).decode("ascii")
+    named = dict(zip(("y", "before", "after"), map(packed, others), strict=True))
+    return {"start": float(record.t[0]), "Ts": record.Ts, "u": packed(u, "<f8")} | named
 
 
 def _scale(scale: Scale) -> dict[str, float]:
     return {"centre": scale.centre, "unit": scale.unit}
-
-
-def _runs(mask: np.ndarray) -> list[list[int]]:
-    """First sample of each run of True, and the one after its last."""
-    edges = np.flatnonzero(np.diff(np.concatenate([[0], mask.astype(int), [0]])))
-    return edges.reshape(-1, 2).tolist()

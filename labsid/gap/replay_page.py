@@ -1,6 +1,5 @@
 """The script of a page that replays simulations, and its data: made from the JSON report alone."""
 
-import base64
 import json
 import re
 from typing import Any
@@ -12,7 +11,8 @@ from labsid.gap.effect_texts import EFFECT_TEXTS, UNSIMULATED, parameter_label, 
 from labsid.gap.hypothesis import Hypothesis
 from labsid.gap.javascript.models import script, structure
 from labsid.gap.model_file import EFFECTS_BY_KEY
-from labsid.gap.quantities import UNIT_CODES, closed_percent
+from labsid.gap.quantities import closed_percent, in_units
+from labsid.gap.traces import packed
 
 NOTHING = 1e-6  # of the fitted value: a smaller one is shown as zero
 _IDENTITY = {"centre": 0.0, "unit": 1.0}
@@ -62,10 +62,7 @@ def _replay(report: dict[str, Any]) -> dict[str, Any]:
 
 def _from_traces(traces: dict[str, list[float]]) -> dict[str, Any]:
     kinds = {"t": "<f8", "u": "<f8", "y": "<f4", "before": "<f4", "after": "<f4"}
-    signals = {
-        name: base64.b64encode(np.array(traces[name], kind).tobytes()).decode("ascii") for name, kind in kinds.items()
-    }
-    return signals | {"fitted": [], "scored": []}
+    return {name: packed(np.array(traces[name]), kind) for name, kind in kinds.items()} | {"fitted": [], "scored": []}
 
 
 def _hypothesis(combination: dict[str, Any]) -> Hypothesis:
@@ -120,8 +117,7 @@ def _still(one: dict[str, Any], names: list[str]) -> str:
 def _slider(report: dict[str, Any], slider: dict[str, Any], several: bool) -> dict[str, Any]:
     """A slider with a label, and the text of each position."""
     effect, parameter, unit = slider["effect"], slider["parameter"], slider["unit"]
-    units = report.get("units")
-    stated = unit if units is None else UNIT_CODES.get(unit, unit).format(**units)
+    stated = in_units(unit, **report["units"]) if "units" in report else unit
     fitted = int(np.argmin(np.abs(slider["moves"])))
     least = NOTHING * abs(slider["values"][fitted])
     texts = []

@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 from scipy.stats import chi2
 
-from labsid._arrays import FloatArray
+from labsid._arrays import FloatArray, stretches_of
 from labsid.gap import location
 from labsid.gap._kernels import whiten
 from labsid.gap.answer import Answer
@@ -210,10 +210,7 @@ def _acting_samples(explanation: Explanation, decision: Decision) -> np.ndarray:
 
 
 def _stretches(record: Record, scored: np.ndarray) -> list[list[float]]:
-    edges = np.flatnonzero(np.diff(np.concatenate([[0], scored.astype(int), [0]])))
-    return [
-        [float(record.t[a]), float(record.t[b - 1] + record.Ts)] for a, b in zip(edges[::2], edges[1::2], strict=True)
-    ]
+    return [[float(record.t[a]), float(record.t[b - 1] + record.Ts)] for a, b in stretches_of(scored)]
 
 
 def _unexplained(answer: Answer) -> dict[str, Any]:

@@ -1,5 +1,7 @@
 """Signals for the figures of a report, reduced to local extremes if the record is long."""
 
+import base64
+
 import numpy as np
 
 from labsid._arrays import FloatArray
@@ -48,3 +50,8 @@ def figure_traces(
     pick = extreme_samples([y, y - before, y - after])
     named = {"t": t, "u": u, "y": y, "before": before, "after": after}
     return {name: x[pick].tolist() for name, x in named.items()}
+
+
+def packed(signal: FloatArray, kind: str = "<f4") -> str:
+    """A signal in base64, as numbers of 32 bits (``"<f4"``) or 64 (``"<f8"``)."""
+    return base64.b64encode(np.asarray(signal, kind).tobytes()).decode("ascii")
