@@ -57,6 +57,7 @@ class Evidence(NamedTuple):
 PRIOR = 3.5
 EVIDENCE_WEIGHTS = Evidence(colour=-5.2, repeats=-6.0, activity=-3.0, tails=-4.0, short=-4.0)
 SEVERAL_EFFECTS = -1.7  # for two effects or more
+COLOURED_BESIDE = -1.5  # for coloured noise beside effects: an effect outside the table often leaves a residual like it
 ERROR_REDUCTION = 0.33
 CHANCE_SHORTFALL = 0.1  # share of the gap left open by chance
 CHANCE_PREDICTION = 0.07  # share of coloured noise that past inputs may predict by chance
@@ -264,7 +265,8 @@ def confidence_in(
     shrunk = 0.5 * float(
         np.log(mean_square(explanation.data, path[0]) / max(mean_square(explanation.data, path[-1]), 1e-300))
     )
-    score = PRIOR + SEVERAL_EFFECTS * (steps >= 2) + ERROR_REDUCTION * min(max(shrunk, 0.0), 4.0)
+    score = PRIOR + SEVERAL_EFFECTS * (steps >= 2) + COLOURED_BESIDE * slow_noise
+    score += ERROR_REDUCTION * min(max(shrunk, 0.0), 4.0)
     score += sum(weight * value for weight, value in zip(EVIDENCE_WEIGHTS, evidence, strict=True))
     confidence = float(1.0 / (1.0 + np.exp(-score)))
     return (

@@ -188,6 +188,17 @@ def test_fast_coloured_noise_does_not_reduce_confidence(plain: Explanation) -> N
     assert confidence_in(plain, replace(left, colour=5.0, slow=0.9)) < 0.5
 
 
+def test_coloured_noise_beside_an_effect_makes_an_explanation_less_likely(banded: Explanation) -> None:
+    """An effect outside the table often leaves an effect of the table and a residual like coloured noise."""
+    coloured = replace(banded, unsimulated=("coloured-noise",))
+    left = left_of(banded)
+    alone, beside = confidence_in(banded, left), confidence_in(coloured, left)
+    assert 0.5 < beside < alone
+    assert 1.0 - beside > 3.0 * (1.0 - alone)
+    again = replace(left, repeats=0.2, repeats_z=5.0)  # no noise, and then not one cause more
+    assert confidence_in(coloured, again) == confidence_in(banded, again)
+
+
 def test_chance_correlation_of_coloured_noise_does_not_reduce_confidence(banded: Explanation) -> None:
     """The share of strongly coloured noise that the past input predicts is never exactly zero."""
     left = replace(left_of(banded), colour=3.0, slow=0.8, explained=0.0)
