@@ -35,7 +35,7 @@ format: set-up  ## rewrite the code in the project's format
 	@.venv/bin/ruff check --fix .
 	@.venv/bin/ruff format .
 
-bars: set-up  ## every bar, measured here: marks, slips, attacks, speed beside nbgrader, kills, Dask, MuJoCo (half an hour)
+bars: set-up  ## every bar, measured here: marks, slips, attacks, speed beside nbgrader, kills, Dask, simulators (an hour)
 	@.venv/bin/python -P tests/bars_grading.py $(BARS_ARGS)
 
 mutants: set-up  ## every single change of a model solution, and whether the checks notice it (minutes)

@@ -1,8 +1,8 @@
-"""Every bar of the grading, of batches on a cluster and of simulations in MuJoCo, measured here, as one table.
+"""Every bar of the grading, of batches on a cluster and of given simulations, measured here, as one table.
 
 Exit status 1 where one that must be reached is missed.
 
-`make bars` runs it, which takes half an hour; ``make bars BARS_ARGS="--only attacks"`` runs a part.
+`make bars` runs it, which takes an hour; ``make bars BARS_ARGS="--only attacks"`` runs a part.
 """
 
 import argparse

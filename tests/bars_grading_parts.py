@@ -19,6 +19,7 @@ from typing import Any
 
 import bars_fleet
 import bars_mujoco
+import bars_simulators
 import nbformat
 import wrong_draws
 from attacks.arena import ATTACKS
@@ -226,6 +227,12 @@ def mujoco(folder: Path, size: Size, say: Say) -> Iterator[Metric]:
     yield from bars_mujoco.measure(say)
 
 
+def simulators(folder: Path, size: Size, say: Say) -> Iterator[Metric]:
+    """One simulation given in three ways: what the diagnosis names with each."""
+    say("a quarter of an hour, nearly all of it the runs of python-control and of the FMU")
+    yield from bars_simulators.measure(folder, say)
+
+
 PARTS: dict[str, Part] = {
     "answers": answers,
     "draws": draws,
@@ -235,4 +242,5 @@ PARTS: dict[str, Part] = {
     "course": course,
     "fleet": fleet,
     "mujoco": mujoco,
+    "simulators": simulators,
 }

@@ -1,0 +1,128 @@
+"""The true linear model of a rig as a function, a system of python-control and an FMU: what is named with each."""
+
+import subprocess
+import sys
+from collections.abc import Callable, Iterator, Sequence
+from pathlib import Path
+from typing import Any
+
+import control as ct
+import numpy as np
+from bars_grading_figures import Metric, every
+from scipy.signal import lfilter
+
+from labsid._arrays import FloatArray
+from labsid.blind.experiment import Case
+from labsid.blind.rows import EFFECTS
+from labsid.blind.suite import make_cases
+from labsid.gap.baseline import AnySimulation
+from labsid.gap.diagnosis import diagnose
+from labsid.records.record import Record
+from labsid.simulators.fmu import open_fmu
+
+INSIDE = {"sqrt-outflow", "overflow", "coulomb-friction", "cubic-stiffness"}  # within the simulation
+IN_SAMPLES = {
+    "output-quantization",
+    "output-outliers",
+    "output-dropout",
+    "coloured-noise",
+}  # found without one
+SAMPLES = 1000
+NO_EFFECT, FIRST_EFFECT, EVERY = 1, 2, 3  # cases of the row "with-sim": its kinds take turns
+GAIN = 1.25  # of a simulation with a wrong number
+
+_SLAVE = """
+from pythonfmu import Fmi2Causality, Fmi2Slave, Fmi2Variability, Real
+
+class Rig(Fmi2Slave):
+    def __init__(self, **kwargs):
+        super().__init__(**kwargs)
+        self.u, self.y, self.gain, self.x1, self.x2 = <u0>, <y0>, <gain>, 0.0, 0.0
+        self.register_variable(Real("u", causality=Fmi2Causality.input))
+        self.register_variable(Real("y", causality=Fmi2Causality.output))
+        self.register_variable(Real("gain", causality=Fmi2Causality.parameter, variability=Fmi2Variability.tunable))
+
+    def do_step(self, time, step):
+        self.x1, self.x2 = -<a1> * self.x1 - <a2> * self.x2 + self.u - <u0>, self.x1
+        self.y = self.gain * (<b1> * self.x1 + <b2> * self.x2) + <y0>
+        return True
+"""
+Model = dict[str, Any]
+
+
+def as_function(sim: Model, gain: float, folder: Path) -> AnySimulation:
+    """A Python function."""
+    wrong = gain
+
+    def simulate(t: FloatArray, u: FloatArray, gain: float = wrong) -> FloatArray:
+        return gain * np.asarray(lfilter(sim["num"], sim["den"], u - sim["u0"])) + sim["y0"]
+
+    return simulate
+
+
+def as_control_system(sim: Model, gain: float, folder: Path) -> AnySimulation:
+    """A nonlinear system of python-control: a linear one has no offsets."""
+    A = np.array([[-sim["den"][1], -sim["den"][2]], [1.0, 0.0]])
+
+    def update(t: float, x: FloatArray, u: FloatArray, params: dict[str, float]) -> FloatArray:
+        return np.asarray(A @ x + [u[0] - sim["u0"], 0.0])
+
+    def output(t: float, x: FloatArray, u: FloatArray, params: dict[str, float]) -> float:
+        return float(params["gain"] * (np.array(sim["num"][1:]) @ x) + sim["y0"])
+
+    return ct.nlsys(update, output, inputs=1, outputs=1, states=2, dt=sim["dt"], params={"gain": gain})
+
+
+def as_fmu(sim: Model, gain: float, folder: Path) -> AnySimulation:
+    """An FMU of FMI 2.0 for co-simulation."""
+    (_, b1, b2), (_, a1, a2) = sim["num"], sim["den"]
+    numbers = {"u0": sim["u0"], "y0": sim["y0"], "gain": gain, "a1": a1, "a2": a2, "b1": b1, "b2": b2}
+    text = _SLAVE
+    for name, value in numbers.items():
+        text = text.replace(f"<{name}>", repr(float(value)))
+    folder.mkdir(parents=True)
+    (folder / "rig.py").write_text(text, encoding="utf-8")
+    command = [sys.executable, "-m", "pythonfmu", "build", "-f", "rig.py"]
+    subprocess.run(command, cwd=folder, check=True, capture_output=True)
+    return open_fmu(folder / "Rig.fmu")
+
+
+KINDS: dict[str, Callable[[Model, float, Path], AnySimulation]] = {
+    "a function": as_function,
+    "a system of python-control": as_control_system,
+    "an FMU": as_fmu,
+}
+
+
+def measure(folder: Path, say: Callable[[str], None]) -> Iterator[Metric]:
+    """Diagnose a record of each effect outside the simulation, one without an effect, and one with a wrong number."""
+    cases = list(make_cases("dev", FIRST_EFFECT + EVERY * len(EFFECTS), ["with-sim"]))
+    plain = cases[NO_EFFECT]
+    outside = [case for case in cases[FIRST_EFFECT::EVERY] if not (INSIDE | IN_SAMPLES) & set(case.labels)]
+    with_model = [_names(case.record, _model(case)) for case in outside]
+    for what, make in KINDS.items():
+        named = []
+        for case in outside:
+            found = _names(case.record, make(_model(case), 1.0, folder / make.__name__ / case.name))
+            say(f"  {what}, {'+'.join(case.labels)}: {'+'.join(found) or 'nothing'}")
+            named.append(found)
+        right = sum(found == case.labels for found, case in zip(named, outside, strict=True))
+        yield every(f"simulation as {what}: the effect named, and nothing else", right, len(outside))
+        same = sum(one == other for one, other in zip(named, with_model, strict=True))
+        yield every("the same: named as with MODEL.json", same, len(outside))
+        none = _names(plain.record, make(_model(plain), 1.0, folder / make.__name__ / "none"))
+        wrong = _names(plain.record, make(_model(plain), GAIN, folder / make.__name__ / "wrong"), free=["gain"])
+        right = (none == ()) + (wrong == ("parameter-mismatch",))
+        yield every("the same: none without an effect, and parameter-mismatch with a wrong gain that is free", right, 2)
+
+
+def _model(case: Case) -> Model:
+    assert case.sim is not None
+    return case.sim
+
+
+def _names(record: Record, simulation: AnySimulation, free: Sequence[str] = ()) -> tuple[str, ...]:
+    at = slice(SAMPLES)
+    record = Record(record.t[at], record.u[at], record.y[at], record.Ts)
+    effects = diagnose(record, simulation, free=free).report["effects"]
+    return tuple(effect["name"] for effect in effects)
