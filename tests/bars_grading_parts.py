@@ -229,7 +229,7 @@ def mujoco(folder: Path, size: Size, say: Say) -> Iterator[Metric]:
 
 def simulators(folder: Path, size: Size, say: Say) -> Iterator[Metric]:
     """One simulation given in three ways: what the diagnosis names with each."""
-    say("a quarter of an hour, nearly all of it the runs of python-control and of the FMU")
+    say("half an hour, nearly all of it the runs of python-control and of the FMU")
     yield from bars_simulators.measure(folder, say)
 
 
