@@ -16,6 +16,7 @@ from labsid.gap.linear_fits import LINEAR
 from labsid.gap.responses import real_rates, single_pole
 
 OBSERVED_TIME_CONSTANTS = 6.0  # in the record: a slower pole is not identified
+INTEGRATOR_SHARE = 0.25  # of the error of every other model: a pole too slow to be seen is then that of an integrator
 PREFERENCE = 0.97  # error of another model over that of output error of the given order, from which it is chosen
 FASTEST_RATE = 3.0  # per sample
 LEAST_SQUARES, FIRST_ORDER, OUTPUT_ERROR = "least squares", "output error of first order", "output error"
@@ -46,7 +47,8 @@ def choose_linear_model(held_out: HeldOut, output_error: Fit) -> LinearModel:
     """Choose the linear model with the smallest free-run error on held-out samples.
 
     Output error of the given order is kept unless another model is clearly better. A model whose slowest pole has a
-    time constant of more than a sixth of the record is not chosen: the record is too short to show that pole.
+    time constant of more than a sixth of the record is not chosen, because the record is too short to show that pole;
+    unless every other model leaves several times its error, as for a rig that integrates its input.
 
     Parameters
     ----------
@@ -64,13 +66,15 @@ def choose_linear_model(held_out: HeldOut, output_error: Fit) -> LinearModel:
         return not observed[method], errors[method] * (PREFERENCE if method == OUTPUT_ERROR else 1.0)
 
     best = min(fits, key=order)
+    if errors[OUTPUT_ERROR] < INTEGRATOR_SHARE * errors[best]:
+        best = OUTPUT_ERROR
     return LinearModel(best, fits[best], observed[OUTPUT_ERROR], errors)
 
 
 def is_observed(data: Data, fit: Fit) -> bool:
     """Whether the record is long enough to show the slowest pole of a linear fit."""
     c, k = fit.rates
-    slowest = real_rates(c, k)[0] if 0.25 * c * c > k else 0.5 * c
+    slowest = real_rates(c, k)[0] if 0.25 * c * c > k else np.sqrt(k)  # per sample; of a pair, its natural frequency
     return bool(slowest * data.longest >= OBSERVED_TIME_CONSTANTS)
 
 

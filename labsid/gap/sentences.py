@@ -293,20 +293,26 @@ def baseline_sentence(report: dict[str, Any]) -> str | None:
     model = report["simulation"].get("model")
     if model is None or (model["method"] == OUTPUT_ERROR and model["observed"]):
         return None
-    texts = []
+    if not model["observed"]:
+        return _unobserved_sentence(model["method"])
     if model["method"] == FIRST_ORDER:
-        texts.append(
+        return (
             "The record does not support a linear model of the order asked for: one of first order has the smaller "
             "error on held-out samples."
         )
-    elif model["method"] != OUTPUT_ERROR:
-        texts.append(
-            f"The linear model was fitted by {model['method']}, one step ahead: on held-out samples its free run has a "
-            "smaller error than that of the output-error fit."
-        )
-    if not model["observed"]:
-        texts.append("Its slowest pole is too slow for this record to show. Use a longer record.")
-    return " ".join(texts)
+    return (
+        f"The linear model was fitted by {model['method']}, one step ahead: on held-out samples its free run has a "
+        "smaller error than that of the output-error fit."
+    )
+
+
+def _unobserved_sentence(method: str) -> str:
+    """Which linear model is used where the slowest pole of the one that was asked for cannot be identified."""
+    slow = "The slowest pole of the linear model of the order asked for is too slow for this record to show"
+    if method == OUTPUT_ERROR:
+        return f"{slow}: the rig integrates its input, or nearly so."
+    used = "one of first order" if method == FIRST_ORDER else f"one fitted by {method}, one step ahead,"
+    return f"{slow}: {used} is used. Use a longer record."
 
 
 def _given_sentence(report: dict[str, Any]) -> str | None:

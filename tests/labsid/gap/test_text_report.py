@@ -253,8 +253,9 @@ def test_the_methods_of_the_linear_model_are_those_of_its_choice():
     [
         ("output error of first order", True, "The record does not support a linear model of the order asked for"),
         ("least squares", True, "The linear model was fitted by least squares, one step ahead"),
-        ("output error", False, "Its slowest pole is too slow for this record to show."),
-        ("least squares", False, "output-error fit. Its slowest pole is too slow"),
+        ("output error", False, "is too slow for this record to show: the rig integrates its input, or nearly so."),
+        ("output error of first order", False, "too slow for this record to show: one of first order is used. Use"),
+        ("least squares", False, "to show: one fitted by least squares, one step ahead, is used. Use a longer record."),
     ],
 )
 def test_a_linear_model_other_than_asked_for_is_said(method, observed, words):
