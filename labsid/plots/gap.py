@@ -33,9 +33,7 @@ DPI = 144  # one and a half times the width of the page
 COLOURS = 256  # of a picture
 ZOOM = 0.1  # of the record, shown in the zoom
 MIN_ZOOM_SAMPLES = 40  # samples in the zoom
-OUTPUT = "Output $y$ (units of y)"
-ERROR = "Simulation error (units of y)"
-SIGNALS = {"u": "Input $u$ (units of u)", "y": OUTPUT, "dy": "Rate of $y$ (units of y a second)"}
+BREAK = 10.0  # median distances of the samples drawn, from which there is no line: between several records
 
 
 def figure_simulations(report: dict[str, Any], narrow: bool = False) -> Figure:
@@ -60,24 +58,36 @@ def figure_simulations(report: dict[str, Any], narrow: bool = False) -> Figure:
     rows = 2 + zoom + (other is not None)
     figure = _new_figure(narrow, 3.1 * rows, 2.75 * rows)
     panels = list(figure.subplots(rows, 1))
+    output, error = _signals(report)["y"], f"Simulation error ({_unit(report)})"
     _overlay(panels[0], trace, curves, slice(None))
-    finish(panels[0], "The whole record", TIME, OUTPUT, legend_columns=2 if narrow else len(curves) + 1)
+    finish(panels[0], "The whole record", TIME, output, legend_columns=2 if narrow else len(curves) + 1)
     make_headroom(panels[0], 0.27 if narrow else 0.18)
     if zoom:
         part = largest_error(trace)
         panels[0].axvspan(trace["t"][part][0], trace["t"][part][-1], color=GREY, alpha=0.35, linewidth=0, zorder=0)
         _overlay(panels[1], trace, curves, part)
-        finish(panels[1], "Zoom on the shaded part", TIME, OUTPUT, legend_columns=0)
+        finish(panels[1], "Zoom on the shaded part", TIME, output, legend_columns=0)
     own = panels[1 + zoom]
     _errors(own, report, trace, curves)
     if other is not None:
-        finish(own, "Simulation error", TIME, ERROR, legend_columns=0)
+        finish(own, "Simulation error", TIME, error, legend_columns=0)
         _errors(panels[-1], report, {name: np.asarray(values, float) for name, values in other.items()}, curves)
     _shade_scored(panels[-1], report["gap"]["holdout"])
     title = "Simulation error" if other is None else "Simulation error on the holdout record"
-    finish(panels[-1], title, TIME, ERROR, legend_columns=2 if narrow else 4)
+    finish(panels[-1], title, TIME, error, legend_columns=2 if narrow else 4)
     make_headroom(panels[-1], 0.27 if narrow else 0.18)
     return figure
+
+
+def _unit(report: dict[str, Any], signal: str = "y") -> str:
+    return str(report.get("units", {}).get(signal, f"units of {signal}"))
+
+
+def _signals(report: dict[str, Any]) -> dict[str, str]:
+    """Labels of the signals, with the units that the report states."""
+    u, y = _unit(report, "u"), _unit(report)
+    rate = f"{y}/s" if "units" in report else f"{y} a second"
+    return {"u": f"Input $u$ ({u})", "y": f"Output $y$ ({y})", "dy": f"Rate of $y$ ({rate})"}
 
 
 def _curves(report: dict[str, Any]) -> list[tuple[str, str, str, str]]:
@@ -97,10 +107,18 @@ def largest_error(trace: dict[str, FloatArray]) -> slice:
 
 
 def _overlay(ax: Axes, trace: dict[str, FloatArray], curves: list[tuple[str, str, str, str]], part: slice) -> None:
-    ax.plot(trace["t"][part], trace["y"][part], color=BLACK, linewidth=2.8, alpha=0.6, label="Measured")
+    t = trace["t"][part]
+    ax.plot(*_broken(t, trace["y"][part]), color=BLACK, linewidth=2.8, alpha=0.6, label="Measured")
     for name, text, colour, style in curves:
-        ax.plot(trace["t"][part], trace[name][part], color=colour, linestyle=style, linewidth=1.3, label=text)
+        ax.plot(*_broken(t, trace[name][part]), color=colour, linestyle=style, linewidth=1.3, label=text)
     ax.margins(x=0)
+
+
+def _broken(t: FloatArray, x: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """A line without a connection across times at which there are no samples."""
+    steps = np.diff(t)
+    after = np.flatnonzero(steps > BREAK * np.median(steps)) + 1
+    return np.insert(t, after, t[after]), np.insert(x, after, np.nan)
 
 
 def _errors(
@@ -108,7 +126,7 @@ def _errors(
 ) -> None:
     """Draw the errors of the simulations and the noise band."""
     for name, text, colour, _ in curves:
-        ax.plot(trace["t"], trace["y"] - trace[name], color=colour, linewidth=1.0, label=text)
+        ax.plot(*_broken(trace["t"], trace["y"] - trace[name]), color=colour, linewidth=1.0, label=text)
     noise = 2.0 * report["gap"]["noise_floor"]
     for side, text in ((-noise, "Noise, ±2 s.d."), (noise, "")):
         ax.axhline(side, color=GREEN, linestyle=":", linewidth=1.6, label=text)
@@ -134,7 +152,7 @@ def figure_location(report: dict[str, Any], narrow: bool = False) -> Figure:
     -------
     matplotlib.figure.Figure
     """
-    where = report["where"]
+    where, labels = report["where"], _signals(report)
     signals = list(dict.fromkeys(cell["signal"] for cell in where["operating"]))
     parts = ["frequency", *signals, "map"]
     if narrow:
@@ -147,8 +165,9 @@ def figure_location(report: dict[str, Any], narrow: bool = False) -> Figure:
     _time_strip(panels["time"], where["time"])
     _bands(panels["frequency"], where["band_hz"])
     for signal in signals:
-        _cells(panels[signal], [cell for cell in where["operating"] if cell["signal"] == signal], narrow)
-    _operating_map(panels["map"], where["map"], "bottom" if narrow else "right")
+        cells = [cell for cell in where["operating"] if cell["signal"] == signal]
+        _cells(panels[signal], cells, labels.get(signal, signal), narrow)
+    _operating_map(panels["map"], report, "bottom" if narrow else "right")
     return figure
 
 
@@ -172,27 +191,27 @@ def _bands(ax: Axes, bands: list[list[float]]) -> None:
     finish(ax, "Gap over frequency", "Frequency (Hz)", "Share of the gap (%)", legend_columns=0)
 
 
-def _cells(ax: Axes, cells: list[dict[str, Any]], beside: bool) -> None:
+def _cells(ax: Axes, cells: list[dict[str, Any]], label: str, beside: bool) -> None:
     """Draw the shares of gap and time over the range of a signal; `beside` puts the legend in one row."""
     low = np.array([cell["low"] for cell in cells])
     high = np.array([cell["high"] for cell in cells])
     share = 100.0 * np.array([cell["share"] for cell in cells])
-    signal = cells[0]["signal"]
     ax.bar(low, share, high - low, align="edge", color=BLUE, edgecolor="white", linewidth=0.8, label="Gap")
     time = 100.0 * np.array([cell["time"] for cell in cells])
     ax.stairs(time, np.append(low, high[-1]), color=BLACK, linewidth=1.6, label="Time")
     top = float(max(share.max(), time.max()))
     ax.set_ylim(0.0, max(top, 1e-9) * (1.3 if beside else 1.45))
-    finish(ax, "Gap over the range", SIGNALS.get(signal, signal), "Share (%)", legend_columns=2 if beside else 1)
+    finish(ax, "Gap over the range", label, "Share (%)", legend_columns=2 if beside else 1)
 
 
-def _operating_map(ax: Axes, seen: dict[str, list[Any]], bar_place: Literal["bottom", "right"]) -> None:
+def _operating_map(ax: Axes, report: dict[str, Any], bar_place: Literal["bottom", "right"]) -> None:
     """Draw the rms error of the simulation before in each cell of input and output that the record visits."""
+    seen, labels = report["where"]["map"], _signals(report)
     rms = np.array(seen["rms"], float)  # None becomes NaN, which is not drawn
     mesh = ax.pcolormesh(seen["u"], seen["y"], rms.T, cmap="cividis", vmin=0.0)
-    finish(ax, "Operating map", SIGNALS["u"], OUTPUT, legend_columns=0)
+    finish(ax, "Operating map", labels["u"], labels["y"], legend_columns=0)
     bar = ax.figure.colorbar(mesh, ax=ax, location=bar_place)
-    bar.set_label("Rms error (units of y)", fontsize=SMALL_TEXT_SIZE)
+    bar.set_label(f"Rms error ({_unit(report)})", fontsize=SMALL_TEXT_SIZE)
     bar.ax.tick_params(labelsize=SMALL_TEXT_SIZE)
 
 
@@ -215,7 +234,7 @@ def figure_experiment(report: dict[str, Any], narrow: bool = False) -> Figure:
     ax = figure.subplots()
     ax.step(planned["t"], planned["u"], where="post", color=BLUE, linewidth=1.2)
     ax.margins(x=0)
-    finish(ax, "Proposed input", TIME, SIGNALS["u"], legend_columns=0)
+    finish(ax, "Proposed input", TIME, _signals(report)["u"], legend_columns=0)
     return figure
 
 

@@ -43,6 +43,24 @@ def test_measured_and_both_simulations_over_the_record_and_close_up(narrow, cove
     assert covered(figure) == []
 
 
+def test_the_units_of_the_record_are_on_the_axes():
+    base = report("input-delay") | {"units": {"u": "V", "y": "mm"}}
+    assert {ax.get_ylabel() for ax in figure_simulations(base).axes} == {"Output $y$ (mm)", "Simulation error (mm)"}
+    labels = {text for ax in figure_location(base).axes for text in (ax.get_xlabel(), ax.get_ylabel())}
+    assert {"Input $u$ (V)", "Output $y$ (mm)", "Rms error (mm)"} <= labels
+    assert not any("units of" in label for label in labels)
+
+
+def test_lines_do_not_connect_two_records():
+    base = report("input-delay")
+    t = np.asarray(base["traces"]["t"])
+    later = np.where(np.arange(t.size) < t.size // 2, t, t + 300.0)
+    whole = figure_simulations(base | {"traces": base["traces"] | {"t": later.tolist()}}).axes[0]
+    y = _curve(whole, "Measured").get_ydata()
+    assert np.flatnonzero(np.isnan(y)).tolist() == [t.size // 2]
+    np.testing.assert_array_equal(y[~np.isnan(y)], base["traces"]["y"])
+
+
 def test_the_samples_held_back_are_shaded():
     errors = figure_simulations(report("input-delay")).axes[-1]
     spans = [(patch.get_x(), patch.get_x() + patch.get_width()) for patch in errors.patches]
