@@ -15,7 +15,7 @@ from labsid.gap.holdout import BLOCKS, held_out_samples
 from labsid.gap.hypothesis import Hypothesis
 from labsid.gap.linear_fits import LINEAR, fit_baseline, fit_highpass
 from labsid.gap.residual_tests import SLOW_CORRELATION, slow_autocorrelation
-from labsid.gap.sample_faults import SampleFaults, find_bad_start, find_lattice, find_spikes
+from labsid.gap.sample_faults import SampleFaults, find_bad_start, find_lattice, find_spikes, without_responses
 from labsid.records.signal_quality import find_held
 from labsid.simulators.meter import BudgetSpentError
 
@@ -130,16 +130,19 @@ def _search_without_spikes(
 
     Samples `off` the lattice of the others are always spikes.
     """
-    first = fit_baseline(replace(data, rows=usable), structure, start)
-    spikes = off | find_spikes(data.y - first.output, usable, data.lattice)
+
+    def spikes_of(fit: Fit) -> np.ndarray:
+        return off | without_responses(find_spikes(data.y - fit.output, usable, data.lattice), data.u)
+
+    spikes = spikes_of(fit_baseline(replace(data, rows=usable), structure, start))
     clean = replace(data, rows=usable & ~spikes)
     levels, path = search_effects(clean, structure, start, most, progress)
-    again = off | find_spikes(data.y - path[-1].output, usable, data.lattice)
+    again = spikes_of(path[-1])
     hidden, made = (again & ~spikes).sum(), (spikes & ~again).sum()  # because of the baseline's error
     if hidden > 0.2 * max(again.sum(), 10) or made > MAX_FALSE_SPIKES * data.samples:
         clean = replace(data, rows=usable & ~again)
         levels, path = _search_again(clean, structure, start, most, progress) or (levels, path)
-        spikes, again = again, off | find_spikes(data.y - path[-1].output, usable, data.lattice)
+        spikes, again = again, spikes_of(path[-1])
     if (again ^ spikes).any():
         clean = replace(data, rows=usable & ~again)
         new = {fit: refit(clean, fit) for level in levels for fit in level.values()}

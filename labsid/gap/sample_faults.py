@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.stats import binom
 
 from labsid._arrays import FloatArray
 from labsid.records.signal_quality import lattice_step, runs
@@ -15,6 +16,7 @@ FIRST_JUMP = 0.25  # of the range of the other samples, from which the first sam
 FIRST_JUMP_RATIO = 5.0  # of that jump over nearly the largest change elsewhere
 NEARLY_ALL = 0.99  # of the samples
 MIN_REPEATED = 0.9  # share of the samples whose value recurs
+CHANCE = 1e-4  # probability that so many spikes are where the input changes
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -133,3 +135,21 @@ def find_spikes(
                 continue
             spikes[at[start : start + length]] = True
     return spikes
+
+
+def without_responses(spikes: np.ndarray, u: FloatArray) -> np.ndarray:
+    """Spikes of the sensor, without those at changes of the input if more of them are there than by chance.
+
+    A rig that responds within the sample in which its input changes leaves such spikes in the residual of a strictly
+    proper simulation.
+
+    Parameters
+    ----------
+    spikes : ndarray of bool, shape (N,)
+    u : ndarray, shape (N,)
+        The input.
+    """
+    changes = np.diff(u, prepend=u[:1]) != 0.0
+    count, there = int(spikes.sum()), int((spikes & changes).sum())
+    by_chance = binom.sf(there - 1, count, changes.mean()) > CHANCE
+    return spikes if by_chance else spikes & ~changes

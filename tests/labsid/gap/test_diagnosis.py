@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
+from scipy.signal import lfilter
 from threadpoolctl import threadpool_info, threadpool_limits
 
 from labsid._arrays import FloatArray
@@ -286,3 +287,20 @@ def test_blas_uses_one_thread_and_as_many_as_before_afterwards(u: FloatArray, tw
         assert blas_threads() == before
     assert during == [{1}]
     assert before == {2}
+
+
+def test_a_rig_that_responds_within_the_sample_has_no_spikes(u: FloatArray) -> None:
+    y = lfilter([1.0, -0.9], [1.0, -0.8], u) + NOISE * np.random.default_rng(7).standard_normal(SAMPLES)
+    report = diagnose(record_of(u, y, "direct")).report
+    assert report["verdict"] == "unknown"
+    assert not report["screen"]
+    assert any("responds within one sample" in finding["text"] for finding in report["record_findings"])
+
+
+@pytest.mark.parametrize("poles", [[1.0, -1.0], [1.0, -1.8, 0.8]])
+def test_a_rig_that_integrates_its_input_has_no_gap(u: FloatArray, poles: list[float]) -> None:
+    x = lfilter([0.0, 0.1], poles, u - u.mean())
+    noise = NOISE * x.std() * np.random.default_rng(7).standard_normal(SAMPLES)
+    report = diagnose(record_of(u, x + noise, "position")).report
+    assert report["verdict"] == "none"
+    assert report["gap"]["before"] == pytest.approx(noise.std(), rel=0.1)

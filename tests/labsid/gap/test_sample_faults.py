@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.signal import lfilter
 
-from labsid.gap.sample_faults import SampleFaults, find_bad_start, find_lattice, find_spikes
+from labsid.gap.sample_faults import SampleFaults, find_bad_start, find_lattice, find_spikes, without_responses
 from labsid.records.signal_quality import find_held, lattice_step
 
 
@@ -263,3 +263,28 @@ def test_a_first_sample_that_the_rig_cannot_have_left_is_bad(first: float, expec
     found = find_bad_start(y)
     assert found[0] == expected
     assert not found[1:].any()
+
+
+def test_spikes_at_changes_of_the_input_are_a_response() -> None:
+    """A rig that passes its input on within the sample, and two spikes of the sensor elsewhere."""
+    rng = np.random.default_rng(3)
+    u = np.repeat(rng.uniform(-1.0, 1.0, 40), 20)
+    passed = np.diff(u, prepend=u[:1])  # what a strictly proper simulation leaves
+    e = passed + 0.01 * rng.standard_normal(u.size)
+    e[[110, 333]] += 1.0
+    everywhere = np.ones(u.size, bool)
+    found = find_spikes(e, everywhere)
+    assert found[20::20].sum() > 30
+    assert np.flatnonzero(without_responses(found, u)).tolist() == [110, 333]
+
+
+@pytest.mark.parametrize("hold", [1, 2, 20])
+@pytest.mark.parametrize("seed", range(5))
+def test_spikes_that_meet_changes_of_the_input_by_chance_stay(hold: int, seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    u = np.repeat(rng.uniform(-1.0, 1.0, 800 // hold), hold)
+    spikes = np.zeros(u.size, bool)
+    spikes[rng.choice(u.size, 12, replace=False)] = True
+    np.testing.assert_array_equal(without_responses(spikes, u), spikes)
+    nothing = np.zeros(u.size, bool)
+    np.testing.assert_array_equal(without_responses(nothing, u), nothing)
