@@ -7,9 +7,10 @@ variables that stood before it, and its question judged with inputs of any seed.
 import contextlib
 import os
 import pickle
+import re
 import tempfile
 import warnings
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from functools import lru_cache
 from pathlib import Path
@@ -38,31 +39,49 @@ SECONDS = 5.0
 
 @dataclass(frozen=True, slots=True)
 class Kept:
-    """The variables at one place of a notebook; `data` are those that an answer may change, as `pickle` writes them."""
+    """The variables at one place of a notebook.
+
+    `data` and `drawn` are those that an answer may change, as `pickle` writes them: arrays, generators and what
+    contains them; and figures with their axes, which take much longer to read.
+    """
 
     data: bytes
+    drawn: bytes
+    names_drawn: tuple[str, ...]
     others: dict[str, Any]
 
     @classmethod
     def of(cls, variables: Mapping[str, Any]) -> "Kept":
-        data = {name: value for name, value in variables.items() if _may_change(name, value)}
-        return cls(pickle.dumps(data), {name: value for name, value in variables.items() if name not in data})
+        pickled = {name: _pickled(name, value) for name, value in variables.items()}
+        drawn = {name: variables[name] for name, text in pickled.items() if b"matplotlib" in text}
+        data = {name: variables[name] for name, text in pickled.items() if text and name not in drawn}
+        others = {name: value for name, value in variables.items() if not pickled[name]}
+        return cls(pickle.dumps(data), pickle.dumps(drawn), tuple(drawn), others)
 
-    def variables(self) -> dict[str, Any]:
-        return {**self.others, **pickle.loads(self.data)}
+    def variables(self, sources: Iterable[str]) -> dict[str, Any]:
+        """The variables for these cells to be run on: figures of their own where a cell names one, or pyplot's."""
+        named = {word for source in sources for word in re.findall(r"\w+", source)}
+        touched = not named.isdisjoint({*self.names_drawn, "plt", "matplotlib"})
+        drawn = pickle.loads(self.drawn) if touched else _figures(self.drawn)
+        return {**self.others, **pickle.loads(self.data), **drawn}
 
 
-def _may_change(name: str, value: Any) -> bool:
-    """Whether a variable is data: arrays, figures with their axes, generators, and what contains them."""
+@lru_cache(maxsize=64)
+def _figures(drawn: bytes) -> dict[str, Any]:
+    """Figures that nobody changes."""
+    return dict(pickle.loads(drawn))
+
+
+def _pickled(name: str, value: Any) -> bytes:
+    """A variable that an answer may change; nothing for functions, modules and what else it does not change."""
     if isinstance(value, np.ndarray) and type(value) is not np.ndarray:
-        return False  # python-control's own signals cannot be pickled
+        return b""  # python-control's own signals cannot be pickled
     if name.startswith("__") or callable(value) or type(value).__module__.partition(".")[0] == "labsid":
-        return False
+        return b""
     try:
-        pickle.dumps(value)
+        return pickle.dumps(value)
     except Exception:
-        return False
-    return True
+        return b""
 
 
 @dataclass(frozen=True)
@@ -101,11 +120,12 @@ class Solved:
         """The variables when a question is judged, with some cells replaced; raises what a cell raises."""
         ids = list(self.cells)
         first = min(map(ids.index, replaced), default=ids.index(question))
-        variables = self.kept[ids[first]].variables()
         questions = {one.id for one in self.assignment.questions}
-        for one in ids[first : ids.index(question)]:
-            if one not in questions:
-                exec(compile(replaced.get(one, self.cells[one]), one, "exec"), variables)
+        to_run = [one for one in ids[first : ids.index(question)] if one not in questions]
+        sources = {one: replaced.get(one, self.cells[one]) for one in to_run}
+        variables = self.kept[ids[first]].variables(sources.values())
+        for one, source in sources.items():
+            exec(compile(source, one, "exec"), variables)
         return variables
 
     def verdict(self, question: str, variables: Mapping[str, Any], seed: int) -> Verdict:

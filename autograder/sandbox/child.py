@@ -34,6 +34,7 @@ from labsid.checks.values import as_student_object, plain
 
 _SAVED: dict[int, tuple[dict[str, Any], dict[str, int]]] = {}
 _MAX_REPR_CHARACTERS = 100_000
+_MAX_ITEMS, _MAX_DEPTH = 20, 4  # of lists and dicts whose arrays are looked at one by one
 
 
 class ReferenceFinder(MetaPathFinder):
@@ -194,15 +195,32 @@ def _restore(shell: Any, request: dict[str, Any]) -> dict[str, Any]:
 
 
 def _checksums(variables: dict[str, Any]) -> dict[str, int]:
-    checksums = {}
-    for name, value in list(variables.items()):
-        if name.startswith("_") or name in ("In", "Out"):
-            continue
-        if isinstance(value, np.ndarray) and not value.dtype.hasobject:
-            checksums[name] = zlib.crc32(np.ascontiguousarray(value).tobytes())
-        elif isinstance(value, (list, dict, set)):
-            checksums[name] = zlib.crc32(repr(value)[:_MAX_REPR_CHARACTERS].encode(errors="replace"))
-    return checksums
+    """Checksum of each variable that can be modified in place: arrays, lists, dicts and sets."""
+    return {
+        name: _checksum(value)
+        for name, value in list(variables.items())
+        if not (name.startswith("_") or name in ("In", "Out"))
+        and ((isinstance(value, np.ndarray) and not value.dtype.hasobject) or isinstance(value, (list, dict, set)))
+    }
+
+
+def _checksum(value: Any, so_far: int = 0, depth: int = 0) -> int:
+    """CRC of the bytes of arrays, also of those in short lists and dicts, and of the repr of everything else.
+
+    A record that `loadmat` read is a dict of arrays, whose repr would take longer than most cells.
+    """
+    if isinstance(value, np.ndarray) and not value.dtype.hasobject:
+        return zlib.crc32(np.ascontiguousarray(value).tobytes(), so_far)
+    inner: list[Any] = []
+    if type(value) is dict and len(value) <= _MAX_ITEMS:
+        inner = [*value.keys(), *value.values()]
+    elif type(value) is list and len(value) <= _MAX_ITEMS:
+        inner = value
+    if inner and depth < _MAX_DEPTH:
+        for item in inner:
+            so_far = _checksum(item, so_far, depth + 1)
+        return zlib.crc32(str(len(inner)).encode(), so_far)
+    return zlib.crc32(repr(value)[:_MAX_REPR_CHARACTERS].encode(errors="replace"), so_far)
 
 
 _HANDLERS = {"run": _run, "value": _value, "call": _call, "set": _set, "save": _save, "restore": _restore}

@@ -555,6 +555,15 @@ def test_a_function_is_judged_as_it_was_at_its_question(either: ProcessLauncher,
     assert second.score == Decimal("0.2"), second.reason
 
 
+def test_a_function_is_judged_with_the_arrays_that_it_read(forked: ProcessLauncher, tmp_path: Path) -> None:
+    """Whatever a later cell does to one number of them."""
+    function = "import numpy as np\nread = {'log': [{'values': np.full(3000, 2.0)}], 'offset': 3}\n"
+    function += "def f(x):\n    return read['log'][0]['values'][1500] * x + read['offset']"
+    for after in ("read['log'][0]['values'][1500] = 5", "read['offset'] = 4"):
+        _, second, _ = walk(forked, tmp_path, "a = 3", function, after)
+        assert second.score == Decimal("0.2"), second.reason
+
+
 def test_two_functions_of_one_name_are_judged_each_at_its_question(forked: ProcessLauncher, tmp_path: Path) -> None:
     assignment = Assignment("tiny", (Question("q-gain", line_of_3), Question("q-line", line_of_3)))
     for first, second in (("+ 3", "+ 4"), ("+ 4", "+ 3")):

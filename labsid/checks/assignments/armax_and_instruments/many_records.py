@@ -1,7 +1,7 @@
 """Checks of the lecture's start: Tables 2 and 3 by many records, and bias with its standard error."""
 
-from collections.abc import Iterator
-from functools import partial
+from collections.abc import Callable, Iterator
+from functools import cache, partial
 
 import numpy as np
 
@@ -13,7 +13,7 @@ from labsid.checks.values import Value
 from labsid.checks.verdict import Slip, Verdict, first_failure, judge
 from labsid.estimation.monte_carlo import MonteCarlo, run_monte_carlo
 from labsid.least_squares.solve import solve_least_squares
-from labsid.model_structures.lecture_systems import system_1, system_2
+from labsid.model_structures.lecture_systems import LectureRecord, system_1, system_2
 from labsid.model_structures.structures import build_equations, fit_structure
 
 TRUTH = np.array([-0.8, 1.0])
@@ -38,9 +38,10 @@ def right_tables(_: Ask) -> dict[str, Value]:
     return {"estimates_1": _reference(system_1).estimates, "estimates_2": _reference(system_2).estimates}
 
 
-def _reference(system: object) -> MonteCarlo:
+@cache
+def _reference(system: Callable[[np.random.Generator], LectureRecord]) -> MonteCarlo:
     def estimate(rng: np.random.Generator) -> FloatArray:
-        r = system(rng)  # type: ignore[operator]
+        r = system(rng)
         return fit_structure(ARX, r.u, r.y).model.theta
 
     return run_monte_carlo(estimate, TRUTH, 200, seed=62)

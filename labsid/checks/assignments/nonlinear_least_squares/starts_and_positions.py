@@ -111,7 +111,9 @@ def _judge_frequency(w: float, fit: NonlinearFit, t: FloatArray, y: FloatArray, 
 def _alone(t: FloatArray, y: FloatArray, column: np.ufunc, right: float, valley: float) -> float:
     """The frequency that fits best without the other of sine and cosine."""
     grid = np.linspace(right - valley, right + valley, 801)
-    return float(grid[np.argmin([solve_least_squares(column(w * t)[:, np.newaxis], y).loss for w in grid])])
+    waves = column(np.outer(grid, t))
+    power = np.maximum(np.einsum("ij,ij->i", waves, waves), np.finfo(float).tiny)
+    return float(grid[np.argmax((waves @ y) ** 2 / power)])  # the part of y that the wave explains
 
 
 @first_failure

@@ -1,6 +1,7 @@
 """Steps 2 and 3 of the gap: the linear model whose free run is nearest, and how far off that is."""
 
 from collections.abc import Iterator
+from functools import lru_cache
 
 import numpy as np
 from scipy.optimize import least_squares
@@ -32,12 +33,19 @@ def right_linear(ask: Ask) -> dict[str, Value]:
 
 def nearest_free_run(u: FloatArray, y: FloatArray, Ts: float) -> FloatArray:
     """The theta whose free run from rest is nearest to y, searched from the lab's least squares."""
+    return np.array(_search_nearest(np.asarray(u, float).tobytes(), np.asarray(y, float).tobytes(), Ts))
+
+
+@lru_cache(maxsize=16)  # a record is asked about at each attempt and each later step
+def _search_nearest(u_bytes: bytes, y_bytes: bytes, Ts: float) -> tuple[float, ...]:
+    u, y = np.frombuffer(u_bytes), np.frombuffer(y_bytes)
 
     def errors(theta: FloatArray) -> FloatArray:
         return np.asarray(np.nan_to_num(_free_run(theta, u) - y, nan=1e3, posinf=1e3, neginf=-1e3).clip(-1e3, 1e3))
 
     start = fit_arx(u, y, Ts).model.theta
-    return np.asarray(least_squares(errors, start, x_scale=np.maximum(np.abs(start), 0.02), xtol=1e-12).x)
+    found = least_squares(errors, start, x_scale=np.maximum(np.abs(start), 0.02), xtol=1e-12)
+    return tuple(found.x.tolist())
 
 
 def _free_run(theta: FloatArray, u: FloatArray) -> FloatArray:
