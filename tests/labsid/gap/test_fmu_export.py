@@ -142,7 +142,7 @@ def test_an_fmu_is_diagnosed_exported_as_an_fmu_and_then_has_no_gap(
     y += 0.01 * np.std(y) * rng.standard_normal(u.size)
     rows = np.column_stack([TS * np.arange(u.size), u, y])
     np.savetxt("run.csv", rows, delimiter=",", header="t,u,y", comments="")
-    command = ["gap", "diagnose", "run.csv", "--sim"]
+    command = ["gap", "diagnose", "run.csv", "--evaluations", "300", "--sim"]  # a run of an FMU takes long
     assert main([*command, "rig/Tank.fmu", "--export", "better.fmu"]) == 0
     assert "a limit of the actuator" in capsys.readouterr().out
     assert input_and_output(Path("better.fmu")) == ("inflow", "level")

@@ -208,7 +208,9 @@ def test_a_file_is_diagnosed_exported_played_and_then_has_no_gap(
     rows = np.column_stack([record.t, u, record.y])
     np.savetxt("run.csv", rows, delimiter=",", header="t,u,y", comments="")
     command = ["gap", "diagnose", "run.csv"]
-    assert main([*command, "--sim", "rig.py:simulate", "--free", "tau, gain", "--export", "better.json"]) == 0
+    budget = ["--evaluations", "600"]
+    arguments = [*command, *budget, "--sim", "rig.py:simulate", "--free", "tau, gain", "--export", "better.json"]
+    assert main(arguments) == 0
     said = capsys.readouterr().out
     assert "a limit of the actuator" in said
     assert "tau = 1.3" in said
@@ -216,7 +218,7 @@ def test_a_file_is_diagnosed_exported_played_and_then_has_no_gap(
     assert content["simulator"]["source"] == "rig.py:simulate"
     assert main(["gap", "simulate", "better.json", "run.csv"]) == 0
     assert "rmse 0.00" in capsys.readouterr().out
-    assert main([*command, "--sim", "better.json"]) == 0
+    assert main([*command, *budget, "--sim", "better.json"]) == 0
     assert "There is no gap beyond noise" in capsys.readouterr().out
     Path("rig.py").write_text(SOURCE.replace("tau=1.0", "tau=1.1"), encoding="utf-8")
     assert main(["gap", "simulate", "better.json", "run.csv"]) == 2
