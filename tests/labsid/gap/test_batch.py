@@ -237,7 +237,7 @@ def fleet(tmp_path_factory, rig_record, write_rig_record):
 def fleet_out(fleet, tmp_path_factory):
     """The folder of reports, and the summary printed."""
     out = tmp_path_factory.mktemp("fleet-out")
-    return out, diagnose_folder(fleet, out, jobs=2)
+    return out, diagnose_folder(fleet, out, jobs=1)
 
 
 def test_a_folder_of_runs_is_one_rig(fleet, fleet_out, tmp_path):

@@ -22,12 +22,17 @@ from labsid.records.record import Record
 
 SAMPLES, TS, FINE = 1200, 0.1, 20
 SOURCE = """
-import numpy as np
+from functools import lru_cache
 from scipy.signal import cont2discrete, lfilter
 
+@lru_cache(maxsize=100)
+def _sampled(tau, zeta, Ts):
+    num, den, _ = cont2discrete(([1.0], [tau**2, 2 * zeta * tau, 1.0]), Ts)
+    return num[0], den
+
 def simulate(t, u, tau=1.0, zeta=0.7, gain=2.0, bias=0.0):
-    num, den, _ = cont2discrete(([gain], [tau**2, 2 * zeta * tau, 1.0]), t[1] - t[0])
-    return lfilter(num[0], den, u) + bias
+    num, den = _sampled(tau, zeta, t[1] - t[0])
+    return gain * lfilter(num, den, u) + bias
 """
 _namespace: dict[str, Callable[..., FloatArray]] = {}
 exec(SOURCE, _namespace)
