@@ -149,9 +149,9 @@ def levenberg_marquardt(
         if _stationary(J, residual, y):
             break
         D = np.maximum(D, np.sum(J**2, axis=0))
-        damping = np.sqrt(mu * np.where(D > 0, D, 1.0))
-        rows, right = np.vstack([J, np.diag(damping)]), np.append(residual, np.zeros(theta.size))
-        step = np.linalg.lstsq(rows, right, rcond=None)[0]
+        scale = np.sqrt(np.where(D > 0, D, 1.0))  # of the columns: theta may be of any units
+        rows = np.vstack([J / scale, np.sqrt(mu) * np.eye(theta.size)])
+        step = np.linalg.lstsq(rows, np.append(residual, np.zeros(theta.size)), rcond=None)[0] / scale
         trial, trial_J, finite = _linearise(g, jacobian, y, theta + step)
         foretold = float((J @ step) @ (2 * residual - J @ step))
         gain = sse - float(trial @ trial) if finite else -np.inf
