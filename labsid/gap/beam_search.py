@@ -7,7 +7,6 @@ import numpy as np
 
 from labsid._arrays import FloatArray
 from labsid.gap.candidates import (
-    CANDIDATES,
     Trial,
     best_fit,
     best_form,
@@ -17,8 +16,10 @@ from labsid.gap.candidates import (
     trial_fits,
 )
 from labsid.gap.data import Data
+from labsid.gap.effects.disturbance import Leak, LoadStep
+from labsid.gap.effects.families import CANDIDATES
 from labsid.gap.fitting import Fit, finish, mean_square, minimize, refit, rms
-from labsid.gap.forms import LEAK, LOAD, alternative_forms, remove_effect, transfer_theta
+from labsid.gap.forms import alternative_forms, remove_effect, transfer_theta
 from labsid.gap.hypothesis import Hypothesis
 from labsid.gap.linear_fits import fit_baseline, fit_driven_pole, fit_highpass
 from labsid.gap.pole_replacement import replace_undriven_pole
@@ -189,9 +190,9 @@ def with_constant_load(data: Data, parent: Fit) -> Fit:
     The dynamics of a state-dependent load cannot be combined with a nonlinear state.
     """
     old = parent.hypothesis
-    if LEAK not in old.effects:
+    other = old.with_effects(tuple(LoadStep() if isinstance(effect, Leak) else effect for effect in old.effects))
+    if other == old:
         return parent
-    other = Hypothesis(tuple(LOAD if effect == LEAK else effect for effect in old.effects), old.n_given, old.given)
     point = minimize(data, other, transfer_theta(parent, other))
     return parent if point is None else finish(data, other, point)
 

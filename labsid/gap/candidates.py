@@ -8,24 +8,11 @@ import numpy as np
 
 from labsid._arrays import FloatArray
 from labsid.gap.data import Data
-from labsid.gap.effects import drifts, dynamics, input, motion, output, play, reactions
 from labsid.gap.effects.base import Effect, Fitted, InputEffect, PlantEffect
 from labsid.gap.effects.context import Context
+from labsid.gap.effects.dynamics import Placed
 from labsid.gap.fitting import Fit, Point, finish, minimize, start_cost
-from labsid.gap.forms import (
-    ABSOLUTE,
-    INNER_LOAD,
-    INNER_PERIODIC,
-    LAGS,
-    LEAK,
-    LOAD,
-    MODES,
-    PERIODIC,
-    SENSOR_DRIFTS,
-    extended_hypotheses,
-    leak_form,
-    leak_starts,
-)
+from labsid.gap.forms import extended_hypotheses, transfer_theta
 from labsid.gap.hypothesis import Hypothesis
 from labsid.gap.plants import Plant
 from labsid.gap.responses import real_rates, single_pole
@@ -37,40 +24,8 @@ RESTART_RATE = 0.5  # per sample: start value for such a pole
 MASS_FREQUENCIES = 0.1, 0.4  # radians per sample: start values of a mass with friction
 MIN_STIFFNESS_RATIO = 4.0  # stiffness of such a start over that of the parent
 MAX_SINGLE_RATE = 1.0  # per sample: nonlinearity of a faster state is hardly observable
-SINUSOID_STEP = 0.1  # amplitude for the numerical derivative by a sinusoid within the dynamics
-MAX_SINUSOID = 3.0  # largest start value of its amplitude
 SLOW_RATIO = 4.0  # mean square error over the variance of its innovations, from which a residual is slow
 QUICK_STARTS = 4  # start points of all variants of a second or third effect
-
-CANDIDATES: tuple[tuple[Effect, ...], ...] = (
-    (input.Delay(), input.Delay("no-zero")),
-    (input.Saturation("high"), input.Saturation("low"), input.Saturation("both")),
-    (input.DeadZone(),),
-    (input.Backlash(),),
-    (input.RateLimit(),),
-    (input.Nonlinearity(),),
-    LAGS,
-    MODES,
-    tuple(dynamics.SqrtOutflow(which + side) for which in ("both", "upper", "lower") for side in ("", "-flipped")),
-    tuple(dynamics.Overflow(which + side) for which in ("upper", "lower") for side in ("", "-flipped")),
-    (
-        *(dynamics.CoulombFriction(which) for which in ("position", "unsprung", "speed", "speed-lag")),
-        *(reactions.Friction(which) for which in ("given", "given-speed")),
-    ),
-    (dynamics.CubicStiffness(), dynamics.CubicStiffness("sampled"), reactions.Spring("given")),
-    tuple(motion.EndStop(side + spring) for side in ("high", "low", "both") for spring in ("", "-unsprung")),
-    tuple(motion.QuadraticDrag(place) for place in motion.DRAG_PLACES),
-    (dynamics.SlowMode(),),
-    tuple(
-        drift(bends) for drift in (drifts.GainDrift, drifts.PoleDrift, drifts.InnerPoleDrift) for bends in ("1", "4")
-    ),
-    SENSOR_DRIFTS,
-    (output.Saturation("high"), output.Saturation("low"), output.Saturation("both")),
-    (output.Nonlinearity(), ABSOLUTE),
-    (play.Play(),),
-    (LOAD, LEAK, INNER_LOAD),
-    (PERIODIC, INNER_PERIODIC),
-)
 
 _Start = tuple[float, Hypothesis, FloatArray]
 
@@ -155,7 +110,7 @@ def best_fit(data: Data, trials: list[Trial], kept: int = 3) -> Fit | None:
         start = trial.point
         end = minimize(data, trial.hypothesis, start.theta, start.gains, iterations=25, tolerance=1e-5)
         fit = finish(data, trial.hypothesis, end or start)  # None if the budget of runs of a given simulation is spent
-        found += [one for one in (fit, _as_leak(data, fit)) if one is not None and is_plausible(data, one)]
+        found += [one for one in (fit, _grown(data, fit)) if one is not None and is_plausible(data, one)]
     return best_form(found) if found else None
 
 
@@ -190,19 +145,20 @@ def is_plausible(data: Data, fit: Fit, last: int = 1) -> bool:
     """Whether the fitted parameters of the `last` effects are plausible."""
     fitted = Fitted(fit.hypothesis, fit.theta, fit.gains, data)
     effects = fit.hypothesis.effects[-last:]
-    if any(effect in (*LAGS, *MODES) for effect in effects) and has_undriven_pole(data, fit):
+    if any(isinstance(effect, Placed) for effect in effects) and has_undriven_pole(data, fit):
         return False  # the new pole models the rig, and one of the others a drift or a sinusoid
     return all(effect.is_plausible(fitted) for effect in effects)
 
 
-def _as_leak(data: Data, fit: Fit) -> Fit | None:
-    """Refit a final load step as a leak; None if the last effect is no load step or the dynamics allow no leak."""
+def _grown(data: Data, fit: Fit) -> Fit | None:
+    """Refit with the richer form into which the last effect grows; None if there is none."""
     old = fit.hypothesis
-    grown = leak_form(old.plant)
-    if old.effects[-1] != LOAD or grown is None:
+    grown = old.effects[-1].grown(old.plant)
+    if grown is None:
         return None
-    other = Hypothesis((*old.effects[:-1], grown), old.n_given, old.given)
-    points = (minimize(data, other, start, iterations=12, tolerance=1e-5) for start in leak_starts(fit, other))
+    other = old.with_effects((*old.effects[:-1], grown))
+    starts = grown.grown_starts(fit, other, transfer_theta(fit, other))
+    points = (minimize(data, other, start, iterations=12, tolerance=1e-5) for start in starts)
     return min((finish(data, other, point) for point in points if point is not None), key=penalized_bic, default=None)
 
 
@@ -212,7 +168,7 @@ def penalized_bic(fit: Fit) -> float:
 
 
 def _penalty(fit: Fit) -> float:
-    return sum(effect.bic_penalty.get(effect.variant, 0.0) for effect in fit.hypothesis.effects)
+    return sum(effect.bic_penalty for effect in fit.hypothesis.effects)
 
 
 def _two_variants(trials: list[Trial], kept: int) -> list[Trial]:
@@ -252,9 +208,9 @@ def start_points(context: Context, hypothesis: Hypothesis, effect: Effect) -> It
         if key != "plant" and key in hypothesis.slices:
             common[hypothesis.slices[key]] = parent.theta[place]
     place = hypothesis.slices["plant"]
-    load = _inner_load_start(context) if INNER_LOAD in hypothesis.effects and LOAD in parent.hypothesis.effects else {}
-    new_sinusoid = INNER_PERIODIC in hypothesis.effects and INNER_PERIODIC not in parent.hypothesis.effects
-    load |= _inner_cycles(context) if new_sinusoid and effect != INNER_PERIODIC else {}
+    moved = [one for one in parent.hypothesis.effects if one not in hypothesis.effects]
+    inner = {name: value for one in moved for name, value in one.inner_start(context).items()}
+    new = [one for one in hypothesis.effects if one not in parent.hypothesis.effects]
     in_plant = isinstance(effect, PlantEffect)
     named_starts = effect.plant_starts(context) if isinstance(effect, PlantEffect) else [{}]
     own_starts = [np.zeros(0)] if in_plant else effect.starts(context)
@@ -262,44 +218,12 @@ def start_points(context: Context, hypothesis: Hypothesis, effect: Effect) -> It
         for named in named_starts:
             for own in own_starts:
                 full = common.copy()
-                full[place] = _updated(hypothesis.plant, base, load | named)
+                full[place] = _updated(hypothesis.plant, base, inner | named)
                 if not in_plant:
                     full[hypothesis.slices[effect.key]] = own
-                yield _with_linear_sinusoid(context.data, hypothesis, full) if new_sinusoid else full
-
-
-def _inner_load_start(context: Context) -> dict[str, float]:
-    """Onset of the parent's load step, and its size as an equivalent change of the input."""
-    fit = context.parent
-    size = LOAD.change(Fitted(fit.hypothesis, fit.theta, fit.gains, context.data))
-    gain = context.gain
-    onset = float(fit.theta[fit.hypothesis.slices[LOAD.key]][0])
-    return {"onset": onset, "load": float(np.clip(-size / gain, -20.0, 20.0)) if gain else 0.0}
-
-
-def _inner_cycles(context: Context) -> dict[str, float]:
-    """Cycles in the record of the parent's periodic disturbance."""
-    fit = context.parent
-    periodic = next(effect for effect in fit.hypothesis.effects if effect.name == INNER_PERIODIC.name)
-    return {"cycles": float(fit.theta[fit.hypothesis.slices[periodic.key]][0])}
-
-
-def _with_linear_sinusoid(data: Data, hypothesis: Hypothesis, theta: FloatArray) -> FloatArray:
-    """Set amplitude and phase of a sinusoid within the dynamics by linear least squares."""
-    at = [hypothesis.slices["plant"].start + hypothesis.plant.index(name) for name in ("shake_cos", "shake_sin")]
-    base_columns = hypothesis.design(theta, data.u).columns
-    derivatives = []
-    for i in at:
-        one = theta.copy()
-        one[i] = SINUSOID_STEP
-        derivatives.append((hypothesis.design(one, data.u).columns[:, 0] - base_columns[:, 0]) / SINUSOID_STEP)
-    columns = np.column_stack([base_columns, *derivatives])[data.rows]
-    if not np.isfinite(columns).all():
-        return theta
-    gains = np.linalg.lstsq(columns, data.y[data.rows])[0]
-    out = theta.copy()
-    out[at] = np.clip(gains[-2:] / (gains[0] or np.inf), -MAX_SINUSOID, MAX_SINUSOID)
-    return out
+                for one in new:
+                    full = one.with_linear_gains(context.data, hypothesis, full)
+                yield full
 
 
 def _plant_starts(context: Context, new: Plant, others: list[tuple[float, float]]) -> list[FloatArray]:

@@ -9,8 +9,8 @@ from labsid.gap.beam_search import MIN_CHANGE, Levels, Progress, best_path, diff
 from labsid.gap.candidates import trial_fits
 from labsid.gap.data import Data
 from labsid.gap.effects.base import AdditiveEffect
+from labsid.gap.effects.output import Drift
 from labsid.gap.fitting import Fit, mean_square, refit, rms
-from labsid.gap.forms import SENSOR_DRIFTS
 from labsid.gap.holdout import BLOCKS, held_out_samples
 from labsid.gap.hypothesis import Hypothesis
 from labsid.gap.linear_fits import LINEAR, fit_baseline, fit_highpass
@@ -180,9 +180,9 @@ def residual_is_slow(data: Data, fit: Fit) -> bool:
 
 def halved_by_drift(data: Data, path: tuple[Fit, ...]) -> bool:
     """Whether a drift of the sensor halves the error; a search by innovations need not find it beside other effects."""
-    if SENSOR_DRIFTS[0].name in path[-1].hypothesis.names:
+    if Drift.name in path[-1].hypothesis.names:
         return False
-    trials = trial_fits(data, path[-1], SENSOR_DRIFTS, fit_highpass(data, path[0]), brief=True)
+    trials = trial_fits(data, path[-1], Drift.searched(), fit_highpass(data, path[0]), brief=True)
     return bool(trials) and trials[0].point.cost < 0.5 * mean_square(data, path[-1])
 
 

@@ -137,7 +137,11 @@ class Hypothesis:
 
     def plus(self, effect: Effect) -> "Hypothesis":
         """The hypothesis with one more effect."""
-        return Hypothesis((*self.effects, effect), self.n_given, self.given)
+        return self.with_effects((*self.effects, effect))
+
+    def with_effects(self, effects: tuple[Effect, ...]) -> "Hypothesis":
+        """The hypothesis with other effects."""
+        return Hypothesis(effects, self.n_given, self.given)
 
     @property
     def delay_is_an_effect(self) -> bool:

@@ -10,12 +10,10 @@ from typing import Any
 import numpy as np
 
 from labsid._arrays import FloatArray
-from labsid.gap.candidates import CANDIDATES
 from labsid.gap.data import Data, Scale
-from labsid.gap.effects.base import Effect
+from labsid.gap.effects.families import EFFECTS_BY_KEY
 from labsid.gap.effects.restarts import COLUMNS, Restarts
 from labsid.gap.fitting import Fit
-from labsid.gap.forms import ACTUATOR_ORDERS, GENERAL_FORMS, PERIODIC_LOAD, POSITIONS, UPSTREAM_LOAD, UPSTREAM_PERIODIC
 from labsid.gap.given_simulation import given_plant
 from labsid.gap.hypothesis import Hypothesis
 from labsid.gap.plants import Plant
@@ -31,15 +29,6 @@ SAME_INPUT = 1e-6  # scaled: numbers in text files have ten digits
 OFFSET_SPREAD = 0.3  # scaled: expected difference of the offsets of two records of a rig, as if seen on one record
 _OF_ONE_RECORD = ("load", "leak", "drift", "bend", "shape", "shake_")  # sizes of loads, drifts and sinusoids
 STATES = ("h1", "h2", "z0", "v0", "i0", "position", "before")
-_ALL = (
-    *CANDIDATES,
-    *POSITIONS,
-    *ACTUATOR_ORDERS,
-    *GENERAL_FORMS.values(),
-    (PERIODIC_LOAD, UPSTREAM_PERIODIC, UPSTREAM_LOAD),
-)
-EFFECTS_BY_KEY: dict[str, Effect] = {effect.key: effect for group in _ALL for effect in group}
-"""Every effect that an exported simulation may contain."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -219,7 +219,7 @@ class PlantForm:
             rates = [Parameter("log_a", SLOWEST, FASTEST), Parameter("log_b", SLOWEST, FASTEST)]
         own = []
         if self.kind == "tanks":
-            if self.upper_root or self.lower_root:
+            if self.has_root:
                 own += [Parameter("zero", -200.0, 3.0)]
             if self.brim:
                 own += [Parameter("brim", -5.0, 400.0, leap=0.05)]
@@ -270,6 +270,11 @@ class PlantForm:
     def nonlinear(self) -> bool:
         """Whether a state is nonlinear, so that the order of the elements matters."""
         return self.kind in ("tanks", "mechanics", "speed")
+
+    @property
+    def has_root(self) -> bool:
+        """Whether the outflow of a tank is that of a square root."""
+        return self.upper_root or self.lower_root
 
     @property
     def abrupt(self) -> bool:

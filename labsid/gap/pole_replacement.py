@@ -3,8 +3,11 @@
 import numpy as np
 
 from labsid.gap.data import Data
+from labsid.gap.effects.base import Effect
+from labsid.gap.effects.disturbance import Periodic
+from labsid.gap.effects.output import Drift
 from labsid.gap.fitting import Fit, finish, minimize
-from labsid.gap.forms import PERIODIC, SENSOR_DRIFTS, transfer_theta
+from labsid.gap.forms import transfer_theta
 from labsid.gap.linear_fits import SINGLE_POLE_RATES
 from labsid.gap.refinement import converge, polish
 from labsid.gap.responses import real_rates, single_pole
@@ -19,7 +22,7 @@ def replace_undriven_pole(data: Data, fit: Fit) -> tuple[Fit, Fit] | None:
     c, k = fit.rates
     complex_pair = c**2 < 4.0 * k
     cycles = float(np.sqrt(max(k - 0.25 * c**2, 0.0))) * data.samples / (2.0 * np.pi)
-    effects = (PERIODIC,) if complex_pair else SENSOR_DRIFTS
+    effects: tuple[Effect, ...] = Periodic.searched() if complex_pair else Drift.searched()
     best: Fit | None = None
     for effect in effects:
         if effect.name in fit.hypothesis.names:

@@ -8,9 +8,9 @@ import numpy as np
 
 from labsid.gap import sentences
 from labsid.gap.effect_texts import EFFECT_TEXTS, UNSIMULATED, parameter_label, parameter_value
+from labsid.gap.effects.families import EFFECTS_BY_KEY
 from labsid.gap.hypothesis import Hypothesis
 from labsid.gap.javascript.models import script, structure
-from labsid.gap.model_file import EFFECTS_BY_KEY
 from labsid.gap.quantities import closed_percent, in_units
 from labsid.gap.traces import packed
 

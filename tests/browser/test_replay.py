@@ -5,9 +5,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import pytest
 
+from labsid.gap.effects.families import EFFECTS_BY_KEY
 from labsid.gap.hypothesis import Hypothesis
 from labsid.gap.javascript.models import script, structure
-from labsid.gap.model_file import EFFECTS_BY_KEY
 
 if TYPE_CHECKING:
     from playwright.sync_api import BrowserContext

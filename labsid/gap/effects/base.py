@@ -1,13 +1,15 @@
 """Base classes of effects: name, path, parameters and start values."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import ClassVar
+from itertools import chain
+from typing import Any, ClassVar, Self
 
 import numpy as np
 
 from labsid._arrays import FloatArray
 from labsid.gap.data import Data
-from labsid.gap.effects.context import Context, Structure
+from labsid.gap.effects.context import Context, ParentFit, Structure
 from labsid.gap.plant_form import Parameter
 from labsid.gap.plants import Plant
 
@@ -25,16 +27,34 @@ class Effect:
     ----------
     name, path : str
         From the table of effects.
-    bic_penalty : dict
-        Smallest BIC gain of a variant over a simpler form, by variant.
+    variants : tuple of str
+        Forms that the search adds to a simulation.
+    further, richer : dict
+        By variant, the other ones that are tried once it is found; `richer` ones must gain `RICHER_FORM_BIC`.
+    places : tuple of str
+        Variants that differ in their position in the chain only, where `place_matters`.
     variant : str
         Form of the effect, if there are several.
     """
 
     name: ClassVar[str]
     path: ClassVar[str]
-    bic_penalty: ClassVar[dict[str, float]] = {}
+    variants: ClassVar[tuple[str, ...]] = ("",)
+    further: ClassVar[Mapping[str, tuple[str, ...]]] = {}
+    richer: ClassVar[Mapping[str, tuple[str, ...]]] = {}
+    places: ClassVar[tuple[str, ...]] = ()
     variant: str = ""
+
+    @classmethod
+    def searched(cls) -> tuple[Self, ...]:
+        """The forms that the search adds to a simulation."""
+        return tuple(cls(variant) for variant in cls.variants)
+
+    @classmethod
+    def forms(cls) -> tuple[Self, ...]:
+        """All forms."""
+        others = chain(*cls.further.values(), *cls.richer.values(), cls.places)
+        return tuple(cls(variant) for variant in dict.fromkeys((*cls.variants, *others)))
 
     @property
     def key(self) -> str:
@@ -45,6 +65,49 @@ class Effect:
     def parameters(self) -> tuple[Parameter, ...]:
         """Parameters of the effect; those of a plant effect belong to the plant."""
         return ()
+
+    @property
+    def bic_penalty(self) -> float:
+        """Smallest BIC gain over a simpler form; zero for the simplest one."""
+        return RICHER_FORM_BIC if self.variant in chain(*self.richer.values()) else 0.0
+
+    def alternatives(self, hypothesis: Structure) -> list["Effect"]:
+        """Other forms of this effect in a hypothesis that contains it."""
+        others = (*self.further.get(self.variant, ()), *self.richer.get(self.variant, ()))
+        if self.variant in self.places and self.place_matters(hypothesis):
+            others += tuple(place for place in self.places if place != self.variant)
+        return [type(self)(variant) for variant in others]
+
+    def place_matters(self, hypothesis: Structure) -> bool:
+        """Whether `places` differ in a hypothesis: beside a nonlinear state."""
+        return hypothesis.plant.nonlinear
+
+    def inner_forms(self) -> tuple["Effect", ...]:
+        """Forms of this effect that are tried beside a nonlinear state."""
+        return (self,)
+
+    def outer_form(self) -> "Effect":
+        """Form of this effect on linear dynamics."""
+        return self
+
+    def grown(self, plant: Plant) -> "Effect | None":
+        """A richer form that is tried as soon as this effect is fitted; None if there is none."""
+        return None
+
+    def carry_over(self, fit: ParentFit, hypothesis: Structure, theta: FloatArray) -> None:
+        """Set in `theta` of a hypothesis with this effect, in place, what a fit with another form of it tells."""
+
+    def grown_starts(self, fit: ParentFit, hypothesis: Structure, theta: FloatArray) -> list[FloatArray]:
+        """Start values of a hypothesis whose last effect has `grown` into this one; `theta` is carried over."""
+        return [theta]
+
+    def inner_start(self, context: Context) -> dict[str, float]:
+        """Start values of the plant's parameters where the parent's effect becomes an inner form."""
+        return {}
+
+    def with_linear_gains(self, data: Data, hypothesis: Any, theta: FloatArray) -> FloatArray:
+        """Theta with the nonlinear parameters of a new effect set that are nearly linear."""
+        return theta
 
     def extend(self, plant: Plant) -> Plant:
         """The plant with this effect."""
@@ -148,6 +211,10 @@ class InputEffect(Effect):
     def order(self) -> int:
         """Position of the variant in the actuator's chain."""
         return self.variant_positions.get(self.variant, self.position)
+
+    def place_matters(self, hypothesis: Structure) -> bool:
+        """Whether `places` differ in a hypothesis: beside another input effect that is no delay."""
+        return sum(effect.name != "input-delay" for effect in hypothesis.inputs) > 1
 
     def apply(self, w: FloatArray, own: FloatArray, span: int) -> FloatArray:
         """Transform the signal `w`, shape (N,); `span` is the length of the fitted record."""

@@ -25,6 +25,14 @@ class Structure(Protocol):
         """In the order in which they were added."""
 
     @property
+    def inputs(self) -> tuple[Any, ...]:
+        """Input effects in the order of the actuator's chain."""
+
+    @property
+    def outputs(self) -> tuple[Any, ...]:
+        """Output effects in the order of the sensor's chain."""
+
+    @property
     def delay_is_an_effect(self) -> bool:
         """Whether the delay is an effect rather than a nuisance parameter."""
 

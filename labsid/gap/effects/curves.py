@@ -4,11 +4,12 @@ import numpy as np
 
 from labsid._arrays import FloatArray
 from labsid.gap import _kernels
-from labsid.gap.effects.base import Value
+from labsid.gap.effects.base import Effect, Value
+from labsid.gap.effects.context import ParentFit, Structure
 from labsid.gap.plant_form import Parameter
 
-SPLINE_VARIANT = "rich"
-"""Variant with a spline."""
+RICHER = {"": ("rich",)}
+"""The spline as a variant that is richer than the cubic."""
 CUBIC = (Parameter("c2", -3.0, 3.0), Parameter("c3", -2.0, 2.0))
 KNOTS = np.array([-2.8, -1.9, -1.4, -0.8, 0.0, 0.8, 1.4, 1.9, 2.8])  # scaled
 SPLINE = tuple(Parameter(f"s{k}", -10.0, 10.0) for k in range(1, KNOTS.size - 1))
@@ -17,7 +18,7 @@ _GRID = np.linspace(-2.2, 2.2, 45)  # scaled: points at which a spline is fitted
 
 def parameters(variant: str) -> tuple[Parameter, ...]:
     """Coefficients in scaled units."""
-    return SPLINE if variant == SPLINE_VARIANT else CUBIC
+    return SPLINE if variant == "rich" else CUBIC
 
 
 def evaluate(x: FloatArray, own: FloatArray) -> FloatArray:
@@ -44,6 +45,13 @@ def spline_coefficients(own: FloatArray) -> FloatArray:
     """Coefficients of the spline nearest to a cubic."""
     each = [_kernels.piecewise(_GRID, KNOTS, powers) for powers in _SPLINES]
     return np.asarray(np.linalg.lstsq(np.column_stack(each), evaluate(_GRID, own) - _GRID, rcond=None)[0])
+
+
+def carry_over(effect: Effect, fit: ParentFit, hypothesis: Structure, theta: FloatArray) -> None:
+    """Set the spline of an effect to the cubic of a fit with its simpler form, in place."""
+    plain = type(effect)()
+    if effect.variant == "rich" and plain in fit.hypothesis.effects:
+        theta[hypothesis.slices[effect.key]] = spline_coefficients(fit.theta[fit.hypothesis.slices[plain.key]])
 
 
 def coefficients(own: FloatArray, unit: float, signal: str) -> dict[str, Value]:

@@ -1,19 +1,24 @@
 """Disturbances: effects that are independent of the input."""
 
-from typing import ClassVar
+from typing import Any
 
 import numpy as np
 
 from labsid._arrays import FloatArray
-from labsid.gap.effects.base import MAX_RANGES, RICHER_FORM_BIC, AdditiveEffect, Fitted, PlantEffect, Value
-from labsid.gap.effects.context import Context
+from labsid.gap.data import Data
+from labsid.gap.effects.base import MAX_RANGES, RICHER_FORM_BIC, AdditiveEffect, Effect, Fitted, PlantEffect, Value
+from labsid.gap.effects.context import Context, ParentFit, Structure
 from labsid.gap.effects.dynamics import peaks
 from labsid.gap.plant_form import CYCLES, ONSET, Parameter
 from labsid.gap.plants import Plant
-from labsid.gap.responses import denominator, step_signal
+from labsid.gap.responses import denominator, real_rates, step_signal
 
 MIN_ONSET = 8  # samples from either end of the record
 MAX_EXTRAPOLATION = 3.0  # ranges of the output, beyond which the final change is not reported
+RESTART_POLE = 10.0  # per record: start value of a pole that was fitted as an integrator
+FAST_POLE_RATIO = 10.0  # start value of the second pole over the first, if one was fitted as an integrator
+SINUSOID_STEP = 0.1  # amplitude for the numerical derivative by a sinusoid within the dynamics
+MAX_SINUSOID = 3.0  # largest start value of its amplitude
 MIN_LASTING = 0.1  # final change of the output over its largest change: below, a load step is a pulse
 
 
@@ -21,6 +26,28 @@ class LoadStep(AdditiveEffect):
     """An unmeasured load step."""
 
     name = "load-step"
+
+    def grown(self, plant: Plant) -> Effect | None:
+        """A load that depends on the state."""
+        if plant.nonlinear:
+            return InnerLoad("inside")
+        return Leak("leak") if plant.kind == "linear" else None
+
+    def alternatives(self, hypothesis: Structure) -> list[Effect]:
+        """The grown one."""
+        grown = self.grown(hypothesis.plant)
+        return [] if grown is None else [grown]
+
+    def inner_forms(self) -> tuple[Effect, ...]:
+        """A load within the dynamics."""
+        return (InnerLoad("inside"),)
+
+    def inner_start(self, context: Context) -> dict[str, float]:
+        """The onset, and the size as an equivalent change of the input."""
+        fit, gain = context.parent, context.gain
+        size = self.change(Fitted(fit.hypothesis, fit.theta, fit.gains, context.data))
+        onset = float(fit.theta[fit.hypothesis.slices[self.key]][0])
+        return {"onset": onset, "load": float(np.clip(-size / gain, -20.0, 20.0)) if gain else 0.0}
 
     @property
     def at_load(self) -> bool:
@@ -103,7 +130,24 @@ class _PlantLoad(PlantEffect):
 class Leak(_PlantLoad):
     """A leak: a load proportional to the state that starts at an instant."""
 
-    bic_penalty: ClassVar[dict[str, float]] = {"leak": RICHER_FORM_BIC}
+    variants = ("leak",)
+    bic_penalty = RICHER_FORM_BIC
+
+    def alternatives(self, hypothesis: Structure) -> list[Effect]:
+        """A constant load."""
+        return [LoadStep()]
+
+    def grown_starts(self, fit: ParentFit, hypothesis: Structure, theta: FloatArray) -> list[FloatArray]:
+        """From a load step: with its poles, and with others if one of these integrates the load."""
+        own, samples = hypothesis.slices["plant"], fit.output.size
+        theta[own][hypothesis.plant.index("turn")] = 0.5
+        starts = [theta]
+        slow, fast = real_rates(*fit.rates)
+        if slow * samples < 1.0:
+            for slow, quick in ((RESTART_POLE / samples, fast), (fast, FAST_POLE_RATIO * fast)):
+                starts.append(theta.copy())
+                starts[-1][own][:2] = np.log((slow + quick, slow * quick))
+        return starts
 
     def extend(self, plant: Plant) -> Plant:
         """Dynamics whose restoring rate steps at the onset."""
@@ -128,6 +172,33 @@ class InnerPeriodic(PlantEffect):
 
     name = "periodic-disturbance"
     path = "disturbance"
+    variants = ("inside",)
+    places = ("inside", "ahead")
+
+    def alternatives(self, hypothesis: Structure) -> list[Effect]:
+        """The other positions."""
+        return [other for other in _periodic_forms(hypothesis) if other != self]
+
+    def outer_form(self) -> Effect:
+        """A sinusoid at the sensor."""
+        return Periodic()
+
+    def with_linear_gains(self, data: Data, hypothesis: Any, theta: FloatArray) -> FloatArray:
+        """Set amplitude and phase by linear least squares."""
+        at = [hypothesis.slices["plant"].start + hypothesis.plant.index(name) for name in ("shake_cos", "shake_sin")]
+        base_columns = hypothesis.design(theta, data.u).columns
+        derivatives = []
+        for i in at:
+            one = theta.copy()
+            one[i] = SINUSOID_STEP
+            derivatives.append((hypothesis.design(one, data.u).columns[:, 0] - base_columns[:, 0]) / SINUSOID_STEP)
+        columns = np.column_stack([base_columns, *derivatives])[data.rows]
+        if not np.isfinite(columns).all():
+            return theta
+        gains = np.linalg.lstsq(columns, data.y[data.rows])[0]
+        out = theta.copy()
+        out[at] = np.clip(gains[-2:] / (gains[0] or np.inf), -MAX_SINUSOID, MAX_SINUSOID)
+        return out
 
     def extend(self, plant: Plant) -> Plant:
         """The dynamics with a sinusoidal load."""
@@ -159,6 +230,17 @@ class InnerLoad(_PlantLoad):
     `variant` "inside" may include a leak; "ahead" acts on the first of two states in series.
     """
 
+    variants = ("inside",)
+    places = ("inside", "ahead")
+
+    def place_matters(self, hypothesis: Structure) -> bool:
+        """Whether there are two states in series."""
+        return hypothesis.plant.in_series
+
+    def outer_form(self) -> Effect:
+        """A load on linear dynamics."""
+        return LoadStep()
+
     def extend(self, plant: Plant) -> Plant:
         """The dynamics with a load."""
         return plant.modified(has_load=True, load_upstream=self.variant == "ahead")
@@ -189,6 +271,15 @@ def _change(fit: Fitted, *names: str) -> FloatArray:
         if parameter.name in names:
             without[place + i] = 0.0
     return np.subtract(*(fit.hypothesis.output(theta, fit.gains, fit.data.u) for theta in (fit.theta, without)))
+
+
+def _periodic_forms(hypothesis: Structure) -> list[Effect]:
+    """Periodic disturbances at all positions that differ for this hypothesis."""
+    forms: list[Effect] = [Periodic()]
+    forms += [Periodic("load")] if any(not effect.is_limit for effect in hypothesis.outputs) else []
+    forms += [InnerPeriodic("inside")] if hypothesis.plant.nonlinear else []
+    forms += [InnerPeriodic("ahead")] if hypothesis.plant.in_series else []
+    return forms
 
 
 def residual_cycles(context: Context) -> list[float]:
@@ -250,6 +341,20 @@ class Periodic(AdditiveEffect):
     """A sinusoid added after the sensor's curve; with `variant` "load", before it."""
 
     name = "periodic-disturbance"
+    places = ("", "load")
+
+    def alternatives(self, hypothesis: Structure) -> list[Effect]:
+        """The other positions."""
+        return [other for other in _periodic_forms(hypothesis) if other != self]
+
+    def inner_forms(self) -> tuple[Effect, ...]:
+        """At the sensor, or within the dynamics."""
+        return (self, InnerPeriodic("inside"))
+
+    def inner_start(self, context: Context) -> dict[str, float]:
+        """The cycles."""
+        fit = context.parent
+        return {"cycles": float(fit.theta[fit.hypothesis.slices[self.key]][0])}
 
     @property
     def at_load(self) -> bool:

@@ -6,8 +6,8 @@ import numpy as np
 
 from labsid._arrays import FloatArray
 from labsid.gap import _kernels
-from labsid.gap.effects.base import Fitted, InputEffect, PlantEffect, Value
-from labsid.gap.effects.context import Context, ParentFit
+from labsid.gap.effects.base import Effect, Fitted, InputEffect, PlantEffect, Value
+from labsid.gap.effects.context import Context, ParentFit, Structure
 from labsid.gap.plant_form import Parameter
 from labsid.gap.plants import Plant
 from labsid.gap.responses import chebyshev_course, denominator
@@ -19,11 +19,16 @@ class PoleDrift(PlantEffect):
     """A slow drift of a pole, possibly with the gain."""
 
     name = "parameter-drift"
+    variants = ("1", "4")
 
     @property
     def key(self) -> str:
         """Name, "pole" and variant."""
         return f"{self.name}/pole-{self.variant}"
+
+    def inner_forms(self) -> tuple[Effect, ...]:
+        """A drift of the last nonlinear state."""
+        return (InnerPoleDrift(self.variant),)
 
     def extend(self, plant: Plant) -> Plant:
         """Dynamics with slowly varying rates."""
@@ -54,6 +59,14 @@ class InnerPoleDrift(PoleDrift):
         """Name, "pole", variant and "inside"."""
         return f"{self.name}/pole-{self.variant}-inside"
 
+    def alternatives(self, hypothesis: Structure) -> list[Effect]:
+        """A drift of the gain."""
+        return [GainDrift(self.variant)]
+
+    def outer_form(self) -> Effect:
+        """A drift of a pole."""
+        return PoleDrift(self.variant)
+
     def extend(self, plant: Plant) -> Plant:
         """The dynamics with a drifting rate."""
         return plant.modified(drifting=True, extra_degrees=int(self.variant) - 1)
@@ -75,12 +88,17 @@ class GainDrift(InputEffect):
 
     name = "parameter-drift"
     path = "dynamics"
+    variants = ("1", "4")
     position: ClassVar[int] = 8
 
     @property
     def key(self) -> str:
         """Name, "gain" and variant."""
         return f"{self.name}/gain-{self.variant}"
+
+    def alternatives(self, hypothesis: Structure) -> list[Effect]:
+        """Beside a nonlinear state, a drift of its rate."""
+        return [InnerPoleDrift(self.variant)] if hypothesis.plant.nonlinear else []
 
     @property
     def parameters(self) -> tuple[Parameter, ...]:

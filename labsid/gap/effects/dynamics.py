@@ -4,15 +4,11 @@ from typing import ClassVar
 
 import numpy as np
 
-from labsid.gap import _kernels
-from labsid.gap.effects.base import RICHER_FORM_BIC, Fitted, PlantEffect, Value
+from labsid.gap.effects.base import Fitted, PlantEffect, Value
 from labsid.gap.effects.context import Context, rise, unit_step_response
 from labsid.gap.plants import Plant
 from labsid.gap.responses import damping_ratio, denominator, real_rates, single_pole
 
-BRIM_CODES = {"upper": 1, "lower": 2, "both": 3}
-MAX_START = 15.0  # scaled flow: largest initial deviation of a level, which a brim could hide
-MAX_TANK_RATE = 1.0  # per sample: a faster tank follows its inflow within a sample
 LEAST_DAMPING = 2e-3  # of a mode
 MAX_MODE_DAMPING = 0.2  # of parent dynamics that may be a mode
 SINGLE_POLE_RATIO = 3.0  # frequency of such a mode over the pole that is tried for the rig
@@ -27,10 +23,8 @@ MAX_SLOW_RATIO = 0.8  # rate of a slow mode over the slower one of the other pol
 MIN_DRIVEN = 0.25  # standard deviation of a slow mode's response to the input over that of its free response
 STATIC_SAMPLES = 20000  # of a step, for the static gain
 
-FRICTION_PLACES = ("position", "unsprung", "speed", "speed-lag")
 
-
-class _Placed(PlantEffect):
+class Placed(PlantEffect):
     """Additional linear dynamics whose position `variant` states."""
 
     before_given = True
@@ -41,10 +35,11 @@ class _Placed(PlantEffect):
         return not self.variant or plant.nonlinear or (plant.kind == "given" and self.variant == "beside")
 
 
-class ExtraLag(_Placed):
+class ExtraLag(Placed):
     """An additional real pole; with `variant` "ahead" it precedes a nonlinear state."""
 
     name = "extra-lag"
+    variants = places = ("", "ahead")
 
     def extend(self, plant: Plant) -> Plant:
         """The plant with an additional real pole."""
@@ -151,10 +146,11 @@ def is_parallel(fit: Fitted) -> bool:
     return abs(share) > MIN_PARALLEL_SHARE and share < MAX_PARALLEL_SHARE
 
 
-class Resonance(_Placed):
+class Resonance(Placed):
     """An unmodelled, lightly damped mode; `variant` "ahead" or "beside" states its position to a nonlinear state."""
 
     name = "resonance"
+    variants = places = ("", "ahead", "beside")
 
     def extend(self, plant: Plant) -> Plant:
         """The plant with an additional pair of poles."""
@@ -213,127 +209,6 @@ def peaks(context: Context, count: int, slowest: float) -> list[float]:
     return found
 
 
-class SqrtOutflow(PlantEffect):
-    """Torricelli outflow, proportional to the root of the level; `variant` both, upper or lower, and "-flipped"."""
-
-    name = "sqrt-outflow"
-
-    def extend(self, plant: Plant) -> Plant:
-        """Tanks with square-root outflow as the variant states."""
-        which, _, flipped = self.variant.partition("-")
-        return plant.modified(
-            kind="tanks", upper_root=which != "lower", lower_root=which != "upper", flipped=flipped == "flipped"
-        )
-
-    def plant_starts(self, context: Context) -> list[dict[str, float]]:
-        """Zero-flow inputs slightly, and one full range, below the record."""
-        u = -context.data.u if self.variant.endswith("flipped") else context.data.u
-        span = float(np.ptp(u))
-        starts = []
-        for below in (0.15, 1.0):
-            zero = float(u.min()) - below * span
-            middle = -zero  # the mean of the scaled input is zero
-            start = {"zero": zero}
-            if self.variant.partition("-")[0] != "lower":
-                start["log_a+"] = float(np.log(2.0 * middle))
-            if self.variant.partition("-")[0] != "upper":
-                start["log_b+"] = float(np.log(2.0 * middle))
-            starts.append(start | self._brim(context, zero))
-        return starts
-
-    def _brim(self, context: Context, zero: float) -> dict[str, float]:
-        """Brims of a parent with linear outflow, converted to the levels at the same flow."""
-        plant = context.parent.hypothesis.plant
-        if not plant.brim or plant.upper_root or plant.lower_root:
-            return {}
-        own = context.parent.plant_theta
-        which = self.variant.partition("-")[0]
-        names = {1: ("brim",), 2: ("brim",), 3: ("brim", "brim2")}[plant.brim]
-        rooted = {1: (which != "lower",), 2: (which != "upper",), 3: (which != "lower", which != "upper")}[plant.brim]
-        flows = [max(float(own[plant.index(name)]) - zero, 0.0) for name in names]
-        return {name: flow**2 if root else flow for name, flow, root in zip(names, flows, rooted, strict=True)}
-
-    def values(self, fit: Fitted) -> dict[str, Value]:
-        """`zero`, the input at zero flow, and `empty`, the output of the empty tank."""
-        zero = fit.plant_value("zero")
-        return {
-            "zero": Value(fit.u(-zero if self.variant.endswith("flipped") else zero), "u"),
-            "empty": Value(fit.y(float(fit.gains[1])), "y"),
-        }
-
-
-class Overflow(PlantEffect):
-    """Overflow of a tank at its brim; `variant` upper, lower or both, and "-flipped"."""
-
-    name = "overflow"
-
-    def extend(self, plant: Plant) -> Plant:
-        """Tanks with a brim."""
-        which, _, flipped = self.variant.partition("-")
-        return plant.modified(kind="tanks", brim=BRIM_CODES[which], flipped=plant.flipped or flipped == "flipped")
-
-    def plant_starts(self, context: Context) -> list[dict[str, float]]:
-        """Brims at 8, 25 and 50 % below the highest level, as shares of its range."""
-        plant = context.parent.hypothesis.plant
-        u = -context.actuator if self.variant.endswith("flipped") or plant.flipped else context.actuator
-        slow, fast = real_rates(*context.rates)
-        zero = 0.0
-        if plant.kind == "tanks" and (plant.upper_root or plant.lower_root):
-            own = context.parent.theta[context.parent.hypothesis.slices["plant"]]
-            zero = float(own[plant.index("zero")])
-        level = _kernels.first_order(u - zero, float(np.exp(-fast)))
-        level[: min(5, level.size)] = level[min(5, level.size - 1)]
-        root = plant.upper_root if self.variant.startswith("upper") else plant.lower_root
-        if self.variant.startswith("lower"):
-            level = _kernels.first_order(level, float(np.exp(-slow)))
-        low, high = float(level.min()), float(level.max())
-        starts = []
-        for part in (0.08, 0.25, 0.5):
-            brim = high - part * (high - low)
-            start = {"brim": brim**2 if root and brim > 0 else brim}
-            starts.append(start | {"share": 0.3} if self.variant.startswith("upper") else start)
-        return starts
-
-    def is_plausible(self, fit: Fitted) -> bool:
-        """Reject a tank that fills within a sample (a limit of the actuator or the sensor) and an impossible start."""
-        slopes = fit.hypothesis.plant.level_slopes(fit.theta[fit.hypothesis.slices["plant"]])
-        if any(abs(fit.plant_value(h)) > MAX_START * slope for h, slope in zip(("h1", "h2"), slopes, strict=True)):
-            return False
-        if fit.starts_at_rest and self._overflows_at_first(fit):
-            return False
-        rates = np.exp([fit.plant_value("log_a"), fit.plant_value("log_b")]) / slopes
-        brims = {"upper": rates[:1], "lower": rates[1:], "both": rates}[self.variant.partition("-")[0]]
-        return bool(np.all(brims < MAX_TANK_RATE))
-
-    def _overflows_at_first(self, fit: Fitted) -> bool:
-        """Whether the flow of the first command overflows in steady state."""
-        plant = fit.hypothesis.plant
-        w = float(fit.hypothesis.actuator(fit.theta, fit.data.u)[0])
-        zero = fit.plant_value("zero") if plant.upper_root or plant.lower_root else 0.0
-        brim = fit.plant_value("brim")
-        root = plant.lower_root if plant.brim == BRIM_CODES["lower"] else plant.upper_root
-        return (-w if plant.flipped else w) - zero > (np.sqrt(max(brim, 0.0)) if root else brim)
-
-    def values(self, fit: Fitted) -> dict[str, Value]:
-        """`level` of the brim as a reading; for the upper tank also `caught`, the share of overflow to the lower tank.
-
-        With two brims, `level` is that of the lower, measured tank and `upper` that of the upper one.
-        """
-        which, plant = self.variant.partition("-")[0], fit.hypothesis.plant
-        if which == "lower":
-            return {"level": self._reading(fit, fit.plant_value("brim"))}
-        brim = fit.plant_value("brim")  # convert to the steady level of the lower tank
-        flow = np.sqrt(max(brim, 0.0)) if plant.upper_root else brim
-        upper = self._reading(fit, flow**2 if plant.lower_root else flow)
-        caught = Value(fit.plant_value("share"), "1")
-        if which == "upper":
-            return {"level": upper, "caught": caught}
-        return {"level": self._reading(fit, fit.plant_value("brim2")), "upper": upper, "caught": caught}
-
-    def _reading(self, fit: Fitted, level: float) -> Value:
-        return Value(fit.y(fit.hypothesis.reading(fit.theta, fit.gains, level)), "y")
-
-
 class CoulombFriction(PlantEffect):
     """Dry friction.
 
@@ -342,13 +217,13 @@ class CoulombFriction(PlantEffect):
     """
 
     name = "coulomb-friction"
-    bic_penalty: ClassVar[dict[str, float]] = {
-        f"{place}-{law}": RICHER_FORM_BIC for place in FRICTION_PLACES for law in ("smooth", "peak")
-    }
+    variants = ("position", "unsprung", "speed", "speed-lag")
+    richer: ClassVar[dict[str, tuple[str, ...]]] = {place: (f"{place}-smooth", f"{place}-peak") for place in variants}
+    places = ("speed", "speed-lag")
 
     @property
     def place(self) -> str:
-        """Position of the friction, one of `FRICTION_PLACES`."""
+        """Position of the friction, one of `variants`."""
         return self.variant.removesuffix("-smooth").removesuffix("-peak")
 
     @property
@@ -410,6 +285,7 @@ class CubicStiffness(PlantEffect):
     """Hardening or softening restoring force; `variant` "sampled" for an input that is not held between samples."""
 
     name = "cubic-stiffness"
+    variants = ("", "sampled")
 
     def applies(self, context: Context) -> bool:
         """Allow "sampled" only with underdamped dynamics: others do not distinguish it from a held input."""

@@ -20,6 +20,7 @@ class Absolute(OutputEffect):
     """A sensor that shows the absolute value: readings below the fold are reflected to above it."""
 
     name = "output-nonlinearity"
+    variants = ("absolute",)
     position = 1
 
     @property

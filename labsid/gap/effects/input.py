@@ -7,8 +7,8 @@ import numpy as np
 from labsid._arrays import FloatArray
 from labsid.gap import _kernels
 from labsid.gap.effects import curves
-from labsid.gap.effects.base import REST_SAMPLES, RICHER_FORM_BIC, Fitted, InputEffect, Value
-from labsid.gap.effects.context import Context
+from labsid.gap.effects.base import REST_SAMPLES, Fitted, InputEffect, Value
+from labsid.gap.effects.context import Context, ParentFit, Structure
 from labsid.gap.plant_form import Parameter
 from labsid.gap.plants import Plant
 
@@ -25,6 +25,11 @@ class Delay(InputEffect):
     """
 
     name = "input-delay"
+    variants = ("", "no-zero")
+    further: ClassVar[dict[str, tuple[str, ...]]] = {
+        "": ("switched", "no-zero switched"),
+        "no-zero": ("no-zero switched",),
+    }
     position = 9
 
     def extend(self, plant: Plant) -> Plant:
@@ -59,6 +64,7 @@ class Saturation(InputEffect):
     """The actuator saturates inside the commanded range; `variant` low, high or both."""
 
     name = "input-saturation"
+    variants = ("high", "low", "both")
     position = 1
 
     @property
@@ -122,7 +128,7 @@ class DeadZone(InputEffect):
 
     name = "input-dead-zone"
     position = 4
-    bic_penalty: ClassVar[dict[str, float]] = {"jump": RICHER_FORM_BIC, "gain": RICHER_FORM_BIC}
+    richer: ClassVar[dict[str, tuple[str, ...]]] = {"": ("jump", "gain")}
 
     @property
     def parameters(self) -> tuple[Parameter, ...]:
@@ -234,6 +240,8 @@ class RateLimit(InputEffect):
     name = "input-rate-limit"
     position = 2
     variant_positions: ClassVar[dict[str, int]] = {"behind": 6}
+    further: ClassVar[dict[str, tuple[str, ...]]] = {"": ("switched", "timed")}
+    places = ("", "behind")
 
     @property
     def parameters(self) -> tuple[Parameter, ...]:
@@ -269,8 +277,9 @@ class Nonlinearity(InputEffect):
 
     name = "input-nonlinearity"
     position = 7
-    bic_penalty: ClassVar[dict[str, float]] = {curves.SPLINE_VARIANT: RICHER_FORM_BIC}
     variant_positions: ClassVar[dict[str, int]] = {"first": 0}
+    richer = curves.RICHER
+    places = ("", "first")
 
     @property
     def parameters(self) -> tuple[Parameter, ...]:
@@ -284,6 +293,10 @@ class Nonlinearity(InputEffect):
     def starts(self, context: Context) -> list[FloatArray]:
         """Small positive and negative values of either coefficient."""
         return [np.array(pair) for pair in ((0.1, 0.0), (-0.1, 0.0), (0.0, 0.1), (0.0, -0.1))]
+
+    def carry_over(self, fit: ParentFit, hypothesis: Structure, theta: FloatArray) -> None:
+        """Begin a spline at the cubic."""
+        curves.carry_over(self, fit, hypothesis, theta)
 
     def apply(self, w: FloatArray, own: FloatArray, span: int) -> FloatArray:
         """Value of the curve."""

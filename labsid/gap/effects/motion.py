@@ -4,22 +4,26 @@ from typing import ClassVar
 
 import numpy as np
 
-from labsid.gap.effects.base import RICHER_FORM_BIC, Fitted, PlantEffect, Value
-from labsid.gap.effects.context import Context
+from labsid._arrays import FloatArray
+from labsid.gap.effects.base import Fitted, PlantEffect, Value
+from labsid.gap.effects.context import Context, ParentFit, Structure
 from labsid.gap.effects.dynamics import MAX_UNSPRUNG_RATE, SLACK_LOG_STIFFNESS
 from labsid.gap.plants import Plant
 from labsid.gap.responses import force_unit, real_rates
 
 MIN_STOPPED = 4  # samples at a stop
 AT_STOP = 1e-9  # scaled distance
-DRAG_PLACES = ("position", "speed", "speed-lag")
+RARE = 0.03  # share of the samples beyond the start value of a second stop
 
 
 class EndStop(PlantEffect):
     """A mechanical stop; `variant` low, high or both, and "-unsprung" for a mass without a spring."""
 
     name = "end-stop"
-    bic_penalty: ClassVar[dict[str, float]] = {"both": RICHER_FORM_BIC, "both-unsprung": RICHER_FORM_BIC}
+    variants = tuple(side + spring for side in ("high", "low", "both") for spring in ("", "-unsprung"))
+    richer: ClassVar[dict[str, tuple[str, ...]]] = {
+        side + spring: ("both" + spring,) for side in ("low", "high") for spring in ("", "-unsprung")
+    }
 
     @property
     def sides(self) -> tuple[str, ...]:
@@ -56,6 +60,15 @@ class EndStop(PlantEffect):
             starts.append(start | ({"log_k+": SLACK_LOG_STIFFNESS} if self.unsprung else {}))
         return starts
 
+    def carry_over(self, fit: ParentFit, hypothesis: Structure, theta: FloatArray) -> None:
+        """Begin a second stop where the mass seldom is."""
+        before, now = fit.hypothesis.plant.stops, hypothesis.plant.stops
+        if len(before) == 1 and len(now) == 2:
+            (missing,) = set(now) - set(before)
+            position = (fit.output - fit.gains[1]) / (fit.gains[0] or 1.0)
+            at = hypothesis.slices["plant"].start + hypothesis.plant.index(f"stop_{missing}")
+            theta[at] = np.quantile(position, 1.0 - RARE if missing == "high" else RARE)
+
     def active_samples(self, fit: Fitted) -> np.ndarray:
         """The samples at which the mass is at a stop."""
         w = fit.hypothesis.actuator(fit.theta, fit.data.u)
@@ -79,6 +92,8 @@ class QuadraticDrag(PlantEffect):
     """Resistance that grows with the square of the speed; `variant` position, speed, or speed-lag."""
 
     name = "quadratic-drag"
+    variants = ("position", "speed", "speed-lag")
+    places = ("speed", "speed-lag")
 
     def extend(self, plant: Plant) -> Plant:
         """A mass or a motor with drag."""

@@ -10,18 +10,18 @@ from labsid.gap.effects import curves
 from labsid.gap.effects.base import (
     MAX_RANGES,
     REST_SAMPLES,
-    RICHER_FORM_BIC,
     ZERO,
     AdditiveEffect,
     Fitted,
     OutputEffect,
     Value,
 )
-from labsid.gap.effects.context import Context
+from labsid.gap.effects.context import Context, ParentFit, Structure
 from labsid.gap.plant_form import Parameter
 from labsid.gap.plants import Plant
 from labsid.gap.responses import normalized_time
 
+RARE = 0.03  # share of the samples beyond the start value of a second limit
 HIDDEN = 20.0  # scaled: largest excursion beyond a limit; without it, an initial state could hide there for any time
 CURVE_RANGE = (-20.0, 20.0)  # scaled output; outside it the curve continues with slope one
 
@@ -30,6 +30,8 @@ class Saturation(OutputEffect):
     """The sensor saturates; `variant` low, high or both."""
 
     name = "output-saturation"
+    variants = ("high", "low", "both")
+    further: ClassVar[dict[str, tuple[str, ...]]] = {"low": ("both",), "high": ("both",)}
     position = 2
     is_limit = True
 
@@ -47,6 +49,12 @@ class Saturation(OutputEffect):
         if self.variant == "both":
             return [np.array([low, high]) for low, high in zip(lows, highs, strict=True)]
         return [np.array([limit]) for limit in (lows if self.variant == "low" else highs)]
+
+    def carry_over(self, fit: ParentFit, hypothesis: Structure, theta: FloatArray) -> None:
+        """Begin a second limit where the output seldom is."""
+        if self.variant == "both" and self not in fit.hypothesis.effects:
+            missing = 0 if Saturation("high") in fit.hypothesis.effects else 1
+            theta[hypothesis.slices[self.key]][missing] = np.quantile(fit.output, (RARE, 1.0 - RARE)[missing])
 
     def _limits(self, own: FloatArray) -> tuple[float, float]:
         low = float(own[0]) if self.variant != "high" else -np.inf
@@ -89,7 +97,7 @@ class Nonlinearity(OutputEffect):
 
     name = "output-nonlinearity"
     position = 1
-    bic_penalty: ClassVar[dict[str, float]] = {curves.SPLINE_VARIANT: RICHER_FORM_BIC}
+    richer = curves.RICHER
 
     @property
     def parameters(self) -> tuple[Parameter, ...]:
@@ -99,6 +107,10 @@ class Nonlinearity(OutputEffect):
     def starts(self, context: Context) -> list[FloatArray]:
         """Small positive and negative values of either coefficient."""
         return [np.array(pair) for pair in ((0.05, 0.0), (-0.05, 0.0), (0.0, 0.03), (0.0, -0.03))]
+
+    def carry_over(self, fit: ParentFit, hypothesis: Structure, theta: FloatArray) -> None:
+        """Begin a spline at the cubic."""
+        curves.carry_over(self, fit, hypothesis, theta)
 
     def apply(self, z: FloatArray, own: FloatArray) -> FloatArray:
         """Value of the curve; far outside the record it continues with slope one."""
@@ -119,6 +131,7 @@ class Drift(AdditiveEffect):
 
     name = "output-drift"
     path = "output"
+    variants = ("1", "3", "6", "10", "16", "settle")
 
     @property
     def width(self) -> int:

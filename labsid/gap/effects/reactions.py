@@ -29,6 +29,7 @@ class Friction(_AroundGiven):
     """Dry friction against the motion; `variant` "given" of a position, "given-speed" of a speed."""
 
     name = "coulomb-friction"
+    variants = ("given", "given-speed")
 
     def extend(self, plant: Plant) -> Plant:
         """The simulation with friction."""
@@ -54,6 +55,7 @@ class Spring(_AroundGiven):
     """Hardening or softening restoring force beside a spring of the simulation; `variant` "given"."""
 
     name = "cubic-stiffness"
+    variants = ("given",)
 
     def applies(self, context: Context) -> bool:
         """The simulation must have a spring, so that it returns from a pulse."""

@@ -23,14 +23,16 @@ from labsid.gap.beam_search import (
 )
 from labsid.gap.candidates import is_compatible
 from labsid.gap.data import Data, scaled
-from labsid.gap.effects import dynamics, input, output
+from labsid.gap.effects import disturbance, dynamics, input, output
 from labsid.gap.effects.base import Fitted
 from labsid.gap.explanation import Explanation, explain
 from labsid.gap.fitting import Fit, finish, minimize, rms
-from labsid.gap.forms import LEAK, LOAD
 from labsid.gap.hypothesis import Hypothesis
 from labsid.gap.linear_fits import fit_baseline, fit_highpass
 from labsid.gap.refinement import polish
+
+LOAD = disturbance.LoadStep()
+LEAK = disturbance.Leak("leak")
 
 Response = Callable[..., FloatArray]
 RATE = 0.15  # of the input, a sample

@@ -10,7 +10,6 @@ from scipy.signal import cont2discrete, lfilter
 from labsid._arrays import FloatArray
 from labsid.gap._kernels import delayed
 from labsid.gap.candidates import (
-    CANDIDATES,
     best_fit,
     is_compatible,
     is_plausible,
@@ -20,16 +19,21 @@ from labsid.gap.candidates import (
     trial_fits,
 )
 from labsid.gap.data import Data, scaled
-from labsid.gap.effects import disturbance, drifts, dynamics, input, output
+from labsid.gap.effects import disturbance, drifts, dynamics, input, output, tanks
 from labsid.gap.effects.base import Effect
 from labsid.gap.effects.context import Context
+from labsid.gap.effects.families import CANDIDATES
 from labsid.gap.explanation import Explanation, explain
 from labsid.gap.fitting import Fit, finish, minimize, rms, start_cost
-from labsid.gap.forms import INNER_PERIODIC, PERIODIC, PERIODIC_LOAD, extended_hypotheses
+from labsid.gap.forms import extended_hypotheses
 from labsid.gap.hypothesis import Hypothesis
 from labsid.gap.linear_fits import LINEAR, fit_baseline, fit_highpass
 from labsid.gap.plants import Plant
 from labsid.gap.responses import real_rates
+
+INNER_PERIODIC = disturbance.InnerPeriodic("inside")
+PERIODIC_LOAD = disturbance.Periodic("load")
+PERIODIC = disturbance.Periodic()
 
 Response = Callable[..., FloatArray]
 
@@ -77,15 +81,15 @@ def linear_fit(hypothesis: Hypothesis, data: Data) -> Fit:
 @pytest.mark.parametrize(
     ("effects", "effect", "expected"),
     [
-        ((), dynamics.SqrtOutflow("both"), True),
-        ((dynamics.SqrtOutflow("both"),), dynamics.Overflow("upper"), True),
-        ((dynamics.SqrtOutflow("both"),), dynamics.Overflow("upper-flipped"), False),
-        ((dynamics.SqrtOutflow("both-flipped"),), dynamics.Overflow("upper"), True),
-        ((dynamics.SqrtOutflow("both"),), dynamics.CoulombFriction("position"), False),
+        ((), tanks.SqrtOutflow("both"), True),
+        ((tanks.SqrtOutflow("both"),), tanks.Overflow("upper"), True),
+        ((tanks.SqrtOutflow("both"),), tanks.Overflow("upper-flipped"), False),
+        ((tanks.SqrtOutflow("both-flipped"),), tanks.Overflow("upper"), True),
+        ((tanks.SqrtOutflow("both"),), dynamics.CoulombFriction("position"), False),
         ((dynamics.CoulombFriction("position"),), dynamics.CubicStiffness(), True),
         ((dynamics.CoulombFriction("speed"),), dynamics.CubicStiffness(), False),
-        ((dynamics.SqrtOutflow("both"),), dynamics.ExtraLag(), True),
-        ((dynamics.SqrtOutflow("both"),), input.DeadZone(), True),
+        ((tanks.SqrtOutflow("both"),), dynamics.ExtraLag(), True),
+        ((tanks.SqrtOutflow("both"),), input.DeadZone(), True),
         ((dynamics.CubicStiffness(),), output.Saturation("low"), True),
     ],
 )
@@ -226,9 +230,9 @@ def test_the_overflow_level_is_converted_for_torricelli_tanks(
 ) -> None:
     """At equilibrium the level of a linear tank equals its inflow, that of a Torricelli tank its square."""
     data = data_of(levels, two_poles(levels))
-    old = LINEAR.plus(dynamics.Overflow(brim))
+    old = LINEAR.plus(tanks.Overflow(brim))
     parent = parent_of(data, old, log_a=np.log(0.3), log_b=np.log(0.2), brim=0.7, share=0.25)
-    effect = dynamics.SqrtOutflow(variant)
+    effect = tanks.SqrtOutflow(variant)
     hypothesis = old.plus(effect)
     rooted = variant in ("both", brim)
     found = set()
@@ -243,9 +247,9 @@ def test_the_overflow_level_is_converted_for_torricelli_tanks(
 
 def test_overflow_levels_of_torricelli_tanks_are_kept(levels: FloatArray, two_poles: Response) -> None:
     data = data_of(levels, two_poles(levels))
-    old = LINEAR.plus(dynamics.SqrtOutflow("both")).plus(dynamics.Overflow("lower"))
+    old = LINEAR.plus(tanks.SqrtOutflow("both")).plus(tanks.Overflow("lower"))
     parent = parent_of(data, old, log_a=1.0, log_b=1.0, zero=-3.0, brim=9.5)
-    effect = dynamics.SqrtOutflow("upper")
+    effect = tanks.SqrtOutflow("upper")
     (start, *_) = start_points(Context(data, parent, parent), old.plus(effect), effect)
     assert start[old.plus(effect).slices["plant"]][old.plant.index("brim")] == 9.5
 
@@ -320,7 +324,7 @@ def test_tank_starts_include_a_single_dominant_state(levels: FloatArray, two_pol
     """One state with time constant c / k (area above the step response), and each single pole unlike it."""
     data = data_of(levels, two_poles(levels))
     parent = parent_of(data, LINEAR, log_c=np.log(0.62), log_k=np.log(0.012))
-    effect = dynamics.SqrtOutflow("both")
+    effect = tanks.SqrtOutflow("both")
     hypothesis = LINEAR.plus(effect)
     thetas = start_points(Context(data, parent), hypothesis, effect)
     rates = [real_rates(*hypothesis.plant.linear_rates(theta[hypothesis.slices["plant"]])) for theta in thetas]
@@ -354,7 +358,7 @@ def test_the_right_effect_is_found_although_its_start_ranks_fourth(banded: Expla
     ("effect", "moves"),
     [
         (dynamics.CubicStiffness(), True),
-        (dynamics.SqrtOutflow("both"), True),
+        (tanks.SqrtOutflow("both"), True),
         (dynamics.CoulombFriction("speed"), True),
         (dynamics.ExtraLag(), False),
         (input.DeadZone(), False),
@@ -378,7 +382,7 @@ def test_a_periodic_disturbance_may_move_to_the_state_with_a_nonlinear_effect(wa
     assert [home.effects for home in extended_hypotheses(old, input.DeadZone())] == [(*old.effects, input.DeadZone())]
 
 
-@pytest.mark.parametrize("effect", [dynamics.CubicStiffness(), dynamics.SqrtOutflow("both"), INNER_PERIODIC], ids=str)
+@pytest.mark.parametrize("effect", [dynamics.CubicStiffness(), tanks.SqrtOutflow("both"), INNER_PERIODIC], ids=str)
 def test_a_periodic_disturbance_on_a_state_starts_at_the_linear_amplitude_and_phase(
     levels: FloatArray, two_poles: Response, effect: Effect
 ) -> None:
@@ -406,7 +410,7 @@ def test_a_periodic_disturbance_on_a_state_starts_at_the_linear_amplitude_and_ph
 def test_a_pole_drift_moves_to_the_state_with_its_course(levels: FloatArray, two_poles: Response, bends: str) -> None:
     """The course found on linear dynamics is the start value."""
     data = data_of(levels, two_poles(levels))
-    drift, inner, brim = drifts.PoleDrift(bends), drifts.InnerPoleDrift(bends), dynamics.Overflow("lower")
+    drift, inner, brim = drifts.PoleDrift(bends), drifts.InnerPoleDrift(bends), tanks.Overflow("lower")
     parent = parent_of(data, Hypothesis((drift,)), log_c=-0.7, log_k=-3.0, drift=0.3, bend1=-0.1)
     assert is_compatible(parent, brim)
     (hypothesis,) = extended_hypotheses(parent.hypothesis, brim)

@@ -5,8 +5,8 @@ import re
 import pytest
 from gap_reports import PARAMETERS, effect
 
-from labsid.gap.candidates import CANDIDATES
 from labsid.gap.effect_texts import EFFECT_TEXTS, clause, noun, parameter_label, parameter_value
+from labsid.gap.effects.families import CANDIDATES
 
 CLAUSES = {
     "input-delay": "The rig responds to each command 0.4339 s late",

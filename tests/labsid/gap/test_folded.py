@@ -11,9 +11,10 @@ from labsid.gap.effects.base import Fitted
 from labsid.gap.effects.context import Context
 from labsid.gap.effects.folded import Absolute, unfolded
 from labsid.gap.fitting import rms
-from labsid.gap.forms import ABSOLUTE
 from labsid.gap.linear_fits import fit_baseline
 from labsid.gap.model_file import export_model, from_json_dict
+
+ABSOLUTE = Absolute("absolute")
 
 LOWEST = 3.0  # reading at the fold
 NOISE = 0.01

@@ -11,21 +11,12 @@ from labsid._arrays import FloatArray
 from labsid.gap.beam_search import plausible_forms
 from labsid.gap.candidates import best_fit, best_form, trial_fits
 from labsid.gap.data import Data, scaled
-from labsid.gap.effects import disturbance, drifts, dynamics, input, output
+from labsid.gap.effects import disturbance, drifts, dynamics, input, output, tanks
 from labsid.gap.effects.base import Effect, Fitted
 from labsid.gap.explanation import Explanation, explain
 from labsid.gap.fitting import Fit, finish, minimize, rms
 from labsid.gap.forms import (
-    INNER_LOAD,
-    INNER_PERIODIC,
-    LEAK,
-    LOAD,
-    PERIODIC,
-    PERIODIC_LOAD,
-    UPSTREAM_LOAD,
-    UPSTREAM_PERIODIC,
     alternative_forms,
-    leak_form,
     remove_effect,
     transfer_theta,
 )
@@ -34,6 +25,15 @@ from labsid.gap.linear_fits import LINEAR, fit_baseline, fit_highpass
 from labsid.gap.model_file import export_model
 from labsid.gap.plants import Plant
 from labsid.gap.refinement import converge
+
+INNER_LOAD = disturbance.InnerLoad("inside")
+UPSTREAM_LOAD = disturbance.InnerLoad("ahead")
+INNER_PERIODIC = disturbance.InnerPeriodic("inside")
+UPSTREAM_PERIODIC = disturbance.InnerPeriodic("ahead")
+PERIODIC_LOAD = disturbance.Periodic("load")
+PERIODIC = disturbance.Periodic()
+LOAD = disturbance.LoadStep()
+LEAK = disturbance.Leak("leak")
 
 Response = Callable[..., FloatArray]
 
@@ -106,9 +106,9 @@ def test_an_overflow_is_tried_at_both_tanks() -> None:
     for side in ("", "-flipped"):
         for which in ("upper", "lower"):
             other = {"upper": "lower", "lower": "upper"}[which]
-            both, turned = alternative_forms(Hypothesis((dynamics.Overflow(which + side),)))
-            assert both.effects == (dynamics.Overflow("both" + side),)
-            assert turned.effects == (dynamics.Overflow(other + side),)
+            both, turned = alternative_forms(Hypothesis((tanks.Overflow(which + side),)))
+            assert both.effects == (tanks.Overflow("both" + side),)
+            assert turned.effects == (tanks.Overflow(other + side),)
             assert both.plant.flipped == turned.plant.flipped == (side != "")
         assert alternative_forms(both) == []
 
@@ -118,7 +118,7 @@ def test_a_tank_with_a_brim_keeps_its_rate_before_and_behind_the_other_one(
 ) -> None:
     """Where the other one is quick, it makes little difference."""
     data = data_of(levels, two_poles(levels))
-    old = Hypothesis((dynamics.Overflow("lower"),))
+    old = Hypothesis((tanks.Overflow("lower"),))
     numbers = {"log_a": np.log(5.0), "log_b": np.log(0.1), "brim": 0.7, "h1": 0.2, "h2": -0.3}
     theta = np.array([numbers.get(p.name, 0.0) for p in old.parameters])
     point = minimize(data, old, theta, iterations=0)
@@ -131,26 +131,26 @@ def test_a_tank_with_a_brim_keeps_its_rate_before_and_behind_the_other_one(
     assert own == pytest.approx(expected | {"delay": 0.0})
     again = turned.output(found, fit.gains, levels)
     assert np.sqrt(np.mean((again - fit.output)[60:] ** 2)) < 0.2 * np.std(fit.output)
-    rooted = Hypothesis((dynamics.SqrtOutflow("both"), dynamics.Overflow("lower")))
+    rooted = Hypothesis((tanks.SqrtOutflow("both"), tanks.Overflow("lower")))
     assert not any(other.plant.brim == 1 for other in alternative_forms(rooted))
 
 
 @pytest.mark.parametrize("bends", ["1", "4"])
 def test_a_drift_beside_a_nonlinear_state_may_be_of_a_gain_or_a_pole(bends: str) -> None:
-    gain, pole, brim = drifts.GainDrift(bends), drifts.InnerPoleDrift(bends), dynamics.Overflow("lower")
+    gain, pole, brim = drifts.GainDrift(bends), drifts.InnerPoleDrift(bends), tanks.Overflow("lower")
     for one, other in ((gain, pole), (pole, gain)):
         assert any(form.effects == (brim, other) for form in alternative_forms(Hypothesis((brim, one))))
     assert alternative_forms(Hypothesis((gain,))) == []
 
 
-@pytest.mark.parametrize("root", [(), (dynamics.SqrtOutflow("both"),), (dynamics.SqrtOutflow("lower"),)])
+@pytest.mark.parametrize("root", [(), (tanks.SqrtOutflow("both"),), (tanks.SqrtOutflow("lower"),)])
 @pytest.mark.parametrize("which", ["upper", "lower"])
 def test_the_other_brim_begins_a_little_below_the_highest_level(
     levels: FloatArray, two_poles: Response, which: str, root: tuple[Effect, ...]
 ) -> None:
     """Of the upper tank at the level from which as much flows out; the brim that is known stays where it is."""
     data = data_of(levels, two_poles(levels))
-    old = Hypothesis((*root, dynamics.Overflow(which)))
+    old = Hypothesis((*root, tanks.Overflow(which)))
     numbers = {"log_a": 0.0, "log_b": -0.5, "zero": -3.0, "brim": 40.0, "share": 0.3}
     theta = np.array([numbers.get(p.name, 0.0) for p in old.parameters])
     point = minimize(data, old, theta, iterations=0)
@@ -181,7 +181,7 @@ def test_the_other_brim_begins_a_little_below_the_highest_level(
     ],
 )
 def test_forms_of_one_effect_share_its_name_and_numbers(group: tuple[Effect, ...]) -> None:
-    first, *others = (Hypothesis((effect, dynamics.SqrtOutflow("both"))) for effect in group)
+    first, *others = (Hypothesis((effect, tanks.SqrtOutflow("both"))) for effect in group)
     if group[0].name == "coulomb-friction":
         first, *others = (Hypothesis((effect,)) for effect in group)
     for other in others:
@@ -195,7 +195,7 @@ def test_forms_of_one_effect_share_its_name_and_numbers(group: tuple[Effect, ...
     [
         (None, LEAK),
         (dynamics.ExtraLag(), LEAK),
-        (dynamics.SqrtOutflow("both"), INNER_LOAD),
+        (tanks.SqrtOutflow("both"), INNER_LOAD),
         (dynamics.CubicStiffness(), INNER_LOAD),
         (dynamics.CoulombFriction("speed"), INNER_LOAD),
         (drifts.PoleDrift("1"), None),
@@ -203,13 +203,13 @@ def test_forms_of_one_effect_share_its_name_and_numbers(group: tuple[Effect, ...
 )
 def test_a_load_grows_with_the_state_as_its_dynamics_hold_it(effect: Effect | None, expected: Effect | None) -> None:
     hypothesis = LINEAR if effect is None else LINEAR.plus(effect)
-    assert leak_form(hypothesis.plant) == expected
+    assert LOAD.grown(hypothesis.plant) == expected
     found = [other.effects[-1] for other in alternative_forms(hypothesis.plus(LOAD)) if other.effects[-1] != LOAD]
     assert found == [effect for effect in (expected,) if effect is not None]
 
 
 def test_a_given_simulation_has_no_leak_form() -> None:
-    assert leak_form(Plant(kind="given", run=lambda w, values: w)) is None
+    assert LOAD.grown(Plant(kind="given", run=lambda w, values: w)) is None
 
 
 def test_a_load_that_grows_on_linear_dynamics_is_also_tried_as_one_that_does_not() -> None:
@@ -232,7 +232,7 @@ def test_numbers_are_carried_to_another_form(banded: Explanation) -> None:
 
 
 def test_an_inner_load_has_the_onset_of_the_plain_one(banded: Explanation) -> None:
-    old = Hypothesis((dynamics.SqrtOutflow("both"), LOAD))
+    old = Hypothesis((tanks.SqrtOutflow("both"), LOAD))
     fit = replace(banded.path[0], hypothesis=old, theta=np.arange(1.0, len(old.parameters) + 1.0))
     (grown,) = (other for other in alternative_forms(old) if other.effects[0] == old.effects[0])
     assert grown.effects[-1] == INNER_LOAD
@@ -274,7 +274,7 @@ def test_removing_an_effect_keeps_the_other_parameters(limited: tuple[Data, Fit]
 
 def test_without_its_roots_a_tank_is_a_linear_plant_again(limited: tuple[Data, Fit]) -> None:
     data, _ = limited
-    hypothesis = Hypothesis((input.Saturation("high"), dynamics.SqrtOutflow("both")))
+    hypothesis = Hypothesis((input.Saturation("high"), tanks.SqrtOutflow("both")))
     theta = np.zeros(len(hypothesis.parameters))
     theta[1] = (0.8 - data.u_scale.centre) / data.u_scale.unit
     theta[hypothesis.slices["plant"]][:3] = np.log(6.0), np.log(2.0), -8.0
@@ -332,8 +332,8 @@ def test_a_constant_load_on_linear_dynamics_stays_constant(levels: FloatArray, t
 def test_roots_are_tried_at_the_other_outflows_at_the_rates_of_before(
     banded: Explanation, which: str, side: str, brims: dict[str, str]
 ) -> None:
-    over = [dynamics.Overflow("both" if len(brims) == 2 else brim) for brim in list(brims)[:1]]
-    hypothesis = Hypothesis((dynamics.SqrtOutflow(which + side), *over))
+    over = [tanks.Overflow("both" if len(brims) == 2 else brim) for brim in list(brims)[:1]]
+    hypothesis = Hypothesis((tanks.SqrtOutflow(which + side), *over))
     numbers = {"log_a": np.log(0.6), "log_b": np.log(0.2), "zero": -3.0, "h1": 0.3, "h2": 0.2}
     numbers |= {"brim": 2.0, "brim2": 2.0, "share": 0.4}
     theta = np.array([numbers.get(p.name, 0.0) for p in hypothesis.parameters])
@@ -379,7 +379,7 @@ def test_one_stop_of_a_sensor_is_also_tried_as_two(banded: Explanation, which: s
         ((input.DeadZone(), output.Saturation("both")), ()),
         ((output.Nonlinearity(),), (PERIODIC_LOAD,)),
         ((dynamics.CubicStiffness(),), (INNER_PERIODIC,)),
-        ((dynamics.SqrtOutflow("both"), output.Nonlinearity()), (PERIODIC_LOAD, INNER_PERIODIC, UPSTREAM_PERIODIC)),
+        ((tanks.SqrtOutflow("both"), output.Nonlinearity()), (PERIODIC_LOAD, INNER_PERIODIC, UPSTREAM_PERIODIC)),
         ((dynamics.CoulombFriction("speed"),), (INNER_PERIODIC, UPSTREAM_PERIODIC)),
         ((dynamics.CoulombFriction("speed-lag"),), (INNER_PERIODIC,)),
     ],
@@ -397,8 +397,8 @@ def test_a_periodic_disturbance_is_tried_at_every_distinct_position(
 @pytest.mark.parametrize(
     ("effect", "in_a_row"),
     [
-        (dynamics.SqrtOutflow("both"), True),
-        (dynamics.Overflow("upper"), True),
+        (tanks.SqrtOutflow("both"), True),
+        (tanks.Overflow("upper"), True),
         (dynamics.CoulombFriction("speed"), True),
         (dynamics.CoulombFriction("speed-lag"), False),
         (dynamics.CoulombFriction("position"), False),

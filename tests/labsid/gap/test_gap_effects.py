@@ -11,11 +11,11 @@ from scipy.signal import cont2discrete, lfilter
 
 from labsid._arrays import FloatArray
 from labsid.gap import report
-from labsid.gap.candidates import CANDIDATES
 from labsid.gap.data import Data, Scale, scaled
-from labsid.gap.effects import curves, disturbance, drifts, dynamics, input, output
+from labsid.gap.effects import curves, disturbance, drifts, dynamics, input, output, tanks
 from labsid.gap.effects.base import AdditiveEffect, Effect, Fitted, InputEffect, OutputEffect, PlantEffect
 from labsid.gap.effects.context import Context
+from labsid.gap.effects.families import CANDIDATES
 from labsid.gap.fitting import finish, minimize
 from labsid.gap.hypothesis import Hypothesis
 from labsid.gap.linear_fits import LINEAR, fit_baseline
@@ -327,12 +327,12 @@ def test_values_are_in_the_units_of_the_record(
         ),
         (dynamics.CoulombFriction("position"), {"friction": 0.3}, {"friction": (0.15, "u")}),
         (dynamics.CoulombFriction("speed"), {"friction": 0.3}, {"friction": (0.15, "u")}),
-        (dynamics.SqrtOutflow("both"), {"zero": -3.0}, {"zero": (0.5, "u"), "empty": (7.0, "y")}),
-        (dynamics.SqrtOutflow("both-flipped"), {"zero": -3.0}, {"zero": (3.5, "u"), "empty": (7.0, "y")}),
-        (dynamics.Overflow("lower"), {"brim": 1.5}, {"level": (16.0, "y")}),
-        (dynamics.Overflow("upper"), {"brim": 1.5, "share": 0.3}, {"level": (16.0, "y"), "caught": (0.3, "1")}),
+        (tanks.SqrtOutflow("both"), {"zero": -3.0}, {"zero": (0.5, "u"), "empty": (7.0, "y")}),
+        (tanks.SqrtOutflow("both-flipped"), {"zero": -3.0}, {"zero": (3.5, "u"), "empty": (7.0, "y")}),
+        (tanks.Overflow("lower"), {"brim": 1.5}, {"level": (16.0, "y")}),
+        (tanks.Overflow("upper"), {"brim": 1.5, "share": 0.3}, {"level": (16.0, "y"), "caught": (0.3, "1")}),
         (
-            dynamics.Overflow("both"),
+            tanks.Overflow("both"),
             {"brim": 2.0, "brim2": 1.5, "share": 0.3},
             {"level": (16.0, "y"), "upper": (19.0, "y"), "caught": (0.3, "1")},
         ),
@@ -380,7 +380,7 @@ def test_a_pole_drift_on_a_nonlinear_state_is_reported_as_on_linear_dynamics() -
         ),
         (dynamics.CoulombFriction("speed"), {"log_a": np.log(0.6), "log_b": np.log(0.3)}, lambda s: 0.6 / (s + 0.6)),
         (
-            dynamics.Overflow("lower"),
+            tanks.Overflow("lower"),
             {"log_a": np.log(0.6), "log_b": np.log(0.3), "brim": 99.0},
             lambda s: 0.3 / (s + 0.3),
         ),
@@ -545,7 +545,7 @@ def test_a_tank_faster_than_the_sampling_is_implausible(
 ) -> None:
     """About the mean flow, here four: there the root of the level runs off an eighth as fast as the level."""
     side = "-flipped" if variant.endswith("flipped") else ""
-    effect, beside = dynamics.Overflow(variant), () if root is None else (dynamics.SqrtOutflow(root + side),)
+    effect, beside = tanks.Overflow(variant), () if root is None else (tanks.SqrtOutflow(root + side),)
     hypothesis = Hypothesis((*beside, effect))
     factors = [8.0 if root in ("both", which) else 1.0 for which in ("upper", "lower")]
     numbers = dict(zip(("log_a", "log_b"), np.log(np.multiply(rates, factors)), strict=True)) | {"zero": -4.0}
@@ -720,7 +720,7 @@ def test_a_tank_does_not_overflow_while_off() -> None:
     u = np.repeat([0.0, 1.0, 2.0, 0.5], 20)
     for start, expected in ((0.0, False), (0.3, True)):
         data = scaled(u + start, u, np.ones(u.size, bool), TS)
-        hypothesis = Hypothesis((dynamics.Overflow("lower-flipped"),))
+        hypothesis = Hypothesis((tanks.Overflow("lower-flipped"),))
         theta = np.zeros(len(hypothesis.parameters))
         at = hypothesis.slices["plant"].start
         theta[at : at + 2] = np.log([0.5, 0.1])

@@ -5,7 +5,7 @@ import pytest
 
 from labsid._arrays import FloatArray
 from labsid.gap._kernels import delayed
-from labsid.gap.effects import disturbance, drifts, dynamics, input, output
+from labsid.gap.effects import disturbance, drifts, dynamics, input, output, tanks
 from labsid.gap.hypothesis import Design, Hypothesis
 from labsid.gap.plants import Plant
 
@@ -64,7 +64,7 @@ def test_the_input_of_a_spring_may_be_sampled_and_not_held() -> None:
             ("spring", dynamics.CubicStiffness("sampled")),
             ("held", dynamics.CubicStiffness()),
             ("friction", dynamics.CoulombFriction("position")),
-            ("tanks", dynamics.SqrtOutflow("both")),
+            ("tanks", tanks.SqrtOutflow("both")),
         )
     }
     assert least == {"spring": -0.5, "held": 0.0, "friction": 0.0, "tanks": 0.0}
@@ -176,7 +176,7 @@ def test_a_load_passes_the_whole_sensor_and_a_drift_only_its_limits(levels: Floa
     np.testing.assert_allclose(FULL.output(full_theta(), GAINS, levels), expected, atol=1e-12)
 
 
-@pytest.mark.parametrize("hypothesis", [FULL, FULL.plus(input.Delay()), FULL.plus(dynamics.SqrtOutflow("both"))])
+@pytest.mark.parametrize("hypothesis", [FULL, FULL.plus(input.Delay()), FULL.plus(tanks.SqrtOutflow("both"))])
 def test_a_reused_design_equals_a_new_one(hypothesis: Hypothesis, levels: FloatArray) -> None:
     theta = np.full(len(hypothesis.parameters), 0.3)
     own = dict(zip([p.name for p in Plant(lag=True).parameters], full_theta()[FULL.slices["plant"]], strict=True))

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 from labsid._compiled import compiled
-from labsid.gap.candidates import CANDIDATES
 from labsid.gap.effects.dynamics import CoulombFriction
+from labsid.gap.effects.families import CANDIDATES
 from labsid.gap.hypothesis import Hypothesis
 from labsid.gap.javascript.library import Library
 from labsid.gap.javascript.models import script, structure

@@ -5,10 +5,10 @@ import pytest
 
 from labsid._arrays import FloatArray
 from labsid.gap.data import Data, scaled
+from labsid.gap.effects.families import EFFECTS_BY_KEY
 from labsid.gap.effects.restarts import Restarts
 from labsid.gap.fitting import Fit
 from labsid.gap.hypothesis import Hypothesis
-from labsid.gap.model_file import EFFECTS_BY_KEY
 from labsid.gap.noise_model import Noise
 from labsid.gap.plants import Plant
 from labsid.gap.replay_data import PlayedPart, played_part

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 from gap_reports import report, with_holdout
 
+from labsid.gap.effects.families import EFFECTS_BY_KEY
 from labsid.gap.hypothesis import Hypothesis
-from labsid.gap.model_file import EFFECTS_BY_KEY
 from labsid.gap.quantities import with_units
 from labsid.gap.replay_page import page_data, page_script
 

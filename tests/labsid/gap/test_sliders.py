@@ -7,9 +7,9 @@ import pytest
 
 from labsid.gap.data import Data, scaled
 from labsid.gap.effects.base import Effect, Fitted
+from labsid.gap.effects.families import EFFECTS_BY_KEY
 from labsid.gap.fitting import Fit
 from labsid.gap.hypothesis import Hypothesis
-from labsid.gap.model_file import EFFECTS_BY_KEY
 from labsid.gap.noise_model import Noise
 from labsid.gap.sliders import Slider, parameter_sliders
 

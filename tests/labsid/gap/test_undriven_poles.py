@@ -10,7 +10,7 @@ from labsid._arrays import FloatArray
 from labsid.gap.beam_search import search_effects
 from labsid.gap.data import Data, scaled
 from labsid.gap.diagnosis import Diagnosis, diagnose
-from labsid.gap.effects import dynamics, input, output
+from labsid.gap.effects import dynamics, input, output, tanks
 from labsid.gap.fitting import Fit, finish, minimize, rms
 from labsid.gap.hypothesis import Hypothesis
 from labsid.gap.linear_fits import LINEAR, fit_baseline, fit_driven_pole
@@ -109,7 +109,7 @@ def test_an_integrator_is_excited_by_the_input() -> None:
 
 def test_nonlinear_dynamics_are_not_tested_for_undriven_poles() -> None:
     fit, data = fitted(OWN["ramp"])
-    for effect in (dynamics.SqrtOutflow("both"), dynamics.CubicStiffness()):
+    for effect in (tanks.SqrtOutflow("both"), dynamics.CubicStiffness()):
         hypothesis = Hypothesis((effect,))
         other = replace(fit, hypothesis=hypothesis, theta=np.zeros(len(hypothesis.parameters)))
         assert not has_undriven_pole(data, other)

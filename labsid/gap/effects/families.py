@@ -1,0 +1,45 @@
+"""The effects that the search combines."""
+
+from labsid.gap.effects import disturbance, drifts, dynamics, folded, input, motion, output, play, reactions, tanks
+from labsid.gap.effects.base import Effect
+
+FAMILIES: tuple[type[Effect], ...] = (
+    input.Delay,
+    input.Saturation,
+    input.DeadZone,
+    input.Backlash,
+    input.RateLimit,
+    input.Nonlinearity,
+    dynamics.ExtraLag,
+    dynamics.Resonance,
+    tanks.SqrtOutflow,
+    tanks.Overflow,
+    dynamics.CoulombFriction,
+    reactions.Friction,
+    dynamics.CubicStiffness,
+    reactions.Spring,
+    motion.EndStop,
+    motion.QuadraticDrag,
+    dynamics.SlowMode,
+    drifts.GainDrift,
+    drifts.PoleDrift,
+    drifts.InnerPoleDrift,
+    output.Drift,
+    output.Saturation,
+    output.Nonlinearity,
+    folded.Absolute,
+    play.Play,
+    disturbance.LoadStep,
+    disturbance.Leak,
+    disturbance.InnerLoad,
+    disturbance.Periodic,
+    disturbance.InnerPeriodic,
+)
+"""In the order of the search."""
+CANDIDATES: tuple[tuple[Effect, ...], ...] = tuple(
+    tuple(effect for family in FAMILIES if family.name == name for effect in family.searched())
+    for name in dict.fromkeys(family.name for family in FAMILIES)
+)
+"""Forms that the search adds to a simulation, in a group for each name."""
+EFFECTS_BY_KEY: dict[str, Effect] = {effect.key: effect for family in FAMILIES for effect in family.forms()}
+"""Every effect that an exported simulation may contain."""
