@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Collection, Iterable
 from dataclasses import replace
+from operator import attrgetter
 
 import numpy as np
 
@@ -18,7 +19,7 @@ from labsid.gap.candidates import (
 from labsid.gap.data import Data
 from labsid.gap.effects.disturbance import Leak, LoadStep
 from labsid.gap.effects.families import CANDIDATES
-from labsid.gap.fitting import Fit, finish, mean_square, minimize, refit, rms
+from labsid.gap.fitting import Fit, finish, fit_from, mean_square, minimize, refit, rms
 from labsid.gap.forms import alternative_forms, remove_effect, transfer_theta
 from labsid.gap.hypothesis import Hypothesis
 from labsid.gap.linear_fits import fit_baseline, fit_driven_pole, fit_highpass
@@ -125,7 +126,7 @@ def _search_from(
             break
         if step == 1:
             keep_best(levels[1], retried_without_one(data, best))
-        beam = select_parents(data, level) if step == 0 else [min(level.values(), key=_bic)]
+        beam = select_parents(data, level) if step == 0 else [min(level.values(), key=attrgetter("bic"))]
     return tuple(levels), _pruned(data, levels, path)
 
 
@@ -146,7 +147,7 @@ def select_parents(data: Data, level: Level) -> list[Fit]:
 
     Free-run error counts if the residual is slow: the innovations then say little about one effect of a pair.
     """
-    ranked = sorted(level.values(), key=_bic)
+    ranked = sorted(level.values(), key=attrgetter("bic"))
     free = sorted(ranked[BEAM_WIDTH:], key=lambda fit: mean_square(data, fit))
     slow = mean_square(data, ranked[0]) > SLOW_RATIO * ranked[0].noise.sigma2
     return [*ranked[:BEAM_WIDTH], *(free[:EXTRA_PARENTS] if slow else [])]
@@ -193,8 +194,7 @@ def with_constant_load(data: Data, parent: Fit) -> Fit:
     other = old.with_effects(tuple(LoadStep() if isinstance(effect, Leak) else effect for effect in old.effects))
     if other == old:
         return parent
-    point = minimize(data, other, transfer_theta(parent, other))
-    return parent if point is None else finish(data, other, point)
+    return fit_from(data, other, transfer_theta(parent, other)) or parent
 
 
 def _refined_groups(data: Data, tried: list[list[Trial]], count: int) -> list[list[Trial]]:
@@ -230,7 +230,7 @@ def _pruned(data: Data, levels: list[Level], path: list[Fit]) -> tuple[Fit, ...]
             parent = remove_effect(data, best, i)
             if parent is not None:
                 fewer.append(_in_best_form(data, parent))
-        simpler = min(fewer, key=_bic, default=None)
+        simpler = min(fewer, key=attrgetter("bic"), default=None)
         if simpler is None or (is_improvement(data, simpler, best) and not within_rounding(data, simpler)):
             break
         keep_best(levels[len(path) - 2], [simpler])
@@ -253,20 +253,19 @@ def _in_best_form(data: Data, fit: Fit) -> Fit:
 
 def plausible_forms(data: Data, fit: Fit) -> list[Fit]:
     """The fit, and fits of the same effects in other forms."""
-    points = [
-        (other, minimize(data, other, transfer_theta(fit, other), iterations=8))
-        for other in alternative_forms(fit.hypothesis)
-    ]
-    forms = [finish(data, other, point) for other, point in points if point is not None]
-    found = len(fit.hypothesis.effects) - fit.hypothesis.n_given
-    return [fit, *(form for form in forms if is_plausible(data, form, found))]
+    others = alternative_forms(fit.hypothesis)
+    forms = (fit_from(data, other, transfer_theta(fit, other), iterations=8) for other in others)
+    found = len(fit.hypothesis.found)
+    return [fit, *(form for form in forms if form is not None and is_plausible(data, form, found))]
 
 
 def _best_accepted(data: Data, simpler: Fit, level: Level) -> Fit | None:
     """The best fit of a level that improves on `simpler`; None if there is none."""
     if within_rounding(data, simpler):
         return None
-    return next((fit for fit in sorted(level.values(), key=_bic) if is_improvement(data, simpler, fit)), None)
+    return next(
+        (fit for fit in sorted(level.values(), key=attrgetter("bic")) if is_improvement(data, simpler, fit)), None
+    )
 
 
 def best_path(data: Data, levels: Levels) -> tuple[Fit, ...]:
@@ -278,10 +277,6 @@ def best_path(data: Data, levels: Levels) -> tuple[Fit, ...]:
             break
         path.append(best)
     return tuple(path)
-
-
-def _bic(fit: Fit) -> float:
-    return fit.bic
 
 
 def residual_is_white(data: Data, fit: Fit) -> bool:

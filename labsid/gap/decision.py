@@ -17,9 +17,7 @@ from labsid.gap.residual_tests import SLOW_CORRELATION, ResidualMeasures, is_noi
 TEMPERATURE = 4.0  # divides BIC differences: models are never exact
 MIN_RIVAL_PROBABILITY = 0.03  # of an alternative to be reported as ambiguous
 MAX_RIVALS = 3
-MAX_UNREPEATED = (
-    0.15  # share of the scatter between plateaus left unexplained; a true drift or load leaves a few hundredths
-)
+MAX_UNREPEATED = 0.15  # share of the scatter between plateaus left open; a true drift or load leaves a few hundredths
 UNREPEATED_FACTOR = 0.4  # factor on the confidence if more is left
 MIN_CONFIDENCE = 0.5  # below which the verdict is `unknown`
 MISMATCH = "parameter-mismatch"
@@ -110,11 +108,7 @@ def decide(explanation: Explanation, left: ResidualMeasures, given: Fit | None, 
     weights = _weights(explanation, len(simulated))
     noise = is_noise(left, "output-quantization" in explanation.unsimulated)
     # A residual that repeats with the input is not sensor noise, however slow it is.
-    added = (
-        explanation.unsimulated
-        if noise
-        else tuple(name for name in explanation.unsimulated if name != "coloured-noise")
-    )
+    added = tuple(name for name in explanation.unsimulated if noise or name != "coloured-noise")
     shares: defaultdict[str, float] = defaultdict(float)
     for tried, weight in weights.items():
         for name in tried:
@@ -209,6 +203,10 @@ def _gain(reduction: Reduction) -> float:
 def partial_probability(evidence: PartialEvidence) -> float:
     """Probability that an effect acts that is found beside others; fitted by `labsid.blind.calibration`."""
     score = PARTIAL_PRIOR + sum(w * value for w, value in zip(PARTIAL_WEIGHTS, evidence, strict=True))
+    return _logistic(score)
+
+
+def _logistic(score: float) -> float:
     return float(1.0 / (1.0 + np.exp(-score)))
 
 
@@ -268,10 +266,9 @@ def confidence_in(
     score = PRIOR + SEVERAL_EFFECTS * (steps >= 2) + COLOURED_BESIDE * slow_noise
     score += ERROR_REDUCTION * min(max(shrunk, 0.0), 4.0)
     score += sum(weight * value for weight, value in zip(EVIDENCE_WEIGHTS, evidence, strict=True))
-    confidence = float(1.0 / (1.0 + np.exp(-score)))
-    return (
-        confidence * UNREPEATED_FACTOR if unrepeated > MAX_UNREPEATED and not (converted or slow_noise) else confidence
-    )
+    confidence = _logistic(score)
+    differs = unrepeated > MAX_UNREPEATED and not (converted or slow_noise)
+    return confidence * UNREPEATED_FACTOR if differs else confidence
 
 
 def _shortfall(explanation: Explanation, closed: float | None) -> float:
@@ -295,4 +292,4 @@ def closed_on_fit(explanation: Explanation, left: ResidualMeasures, added: tuple
 
 def mismatch_probability(given: Fit, free: Fit) -> float:
     """Probability that the parameters of the given simulation are wrong."""
-    return float(1.0 / (1.0 + np.exp(-max(given.bic - free.bic, 0.0) / (2.0 * TEMPERATURE))))
+    return _logistic(max(given.bic - free.bic, 0.0) / (2.0 * TEMPERATURE))

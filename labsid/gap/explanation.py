@@ -189,6 +189,7 @@ def halved_by_drift(data: Data, path: tuple[Fit, ...]) -> bool:
 def cross_validated(data: Data, path: tuple[Fit, ...]) -> tuple[Fit, ...]:
     """The steps of a path that also reduce the error on blocks left out of their refits."""
     blocks = held_out_samples(data.samples)
+    parts = np.array_split(np.flatnonzero(blocks), BLOCKS)
     fitted = replace(data, rows=data.rows & ~blocks)
     kept = [path[0]]
     simpler = refit(fitted, path[0])
@@ -196,13 +197,8 @@ def cross_validated(data: Data, path: tuple[Fit, ...]) -> tuple[Fit, ...]:
         if any(isinstance(effect, AdditiveEffect) for effect in fit.hypothesis.found):
             continue
         fuller = refit(fitted, fit)
-        errors = [
-            [
-                float(np.mean((data.y - one.output)[part] ** 2))
-                for part in np.array_split(np.flatnonzero(blocks), BLOCKS)
-            ]
-            for one in (simpler, fuller)
-        ]
+        left = [data.y - one.output for one in (simpler, fuller)]
+        errors = [[float(np.mean(e[part] ** 2)) for part in parts] for e in left]
         better = sum(after < before for before, after in zip(*errors, strict=True))
         if better < BLOCKS - 1 or sum(errors[1]) > MAX_ERROR_RATIO * sum(errors[0]):
             continue

@@ -252,9 +252,17 @@ def finish(data: Data, hypothesis: Hypothesis, point: Point) -> Fit:
     return Fit(hypothesis, theta, point.gains, point.output, point.cost, noise, float(bic), free_run)
 
 
-def refit(data: Data, fit: Fit) -> Fit:
+def fit_from(
+    data: Data, hypothesis: Hypothesis, theta: FloatArray, iterations: int = 15, tolerance: float = 1e-5
+) -> Fit | None:
+    """Fit by output error from `theta`; None if it cannot be simulated."""
+    point = minimize(data, hypothesis, theta, iterations=iterations, tolerance=tolerance)
+    return None if point is None else finish(data, hypothesis, point)
+
+
+def refit(data: Data, fit: Fit, tolerance: float = 1e-6) -> Fit:
     """Refit the hypothesis to the rows of `data`."""
-    point = minimize(data, fit.hypothesis, fit.theta, fit.gains, iterations=20, tolerance=1e-6)
+    point = minimize(data, fit.hypothesis, fit.theta, fit.gains, iterations=20, tolerance=tolerance)
     return fit if point is None else finish(data, fit.hypothesis, point)
 
 

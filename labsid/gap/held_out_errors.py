@@ -7,7 +7,7 @@ import numpy as np
 
 from labsid._arrays import FloatArray
 from labsid.gap.data import Data
-from labsid.gap.fitting import Fit, finish, minimize, refit
+from labsid.gap.fitting import Fit, refit
 from labsid.gap.holdout import held_out_samples
 from labsid.gap.model_file import START_SAMPLES, export_model
 
@@ -81,8 +81,7 @@ class HeldOut:
 
 def _refit_nearby(data: Data, fit: Fit) -> Fit:
     """Refit in a few steps: without one of several records the minimum has usually moved little."""
-    point = minimize(data, fit.hypothesis, fit.theta, fit.gains, iterations=20, tolerance=TOLERANCE_IN_TURN)
-    return fit if point is None else finish(data, fit.hypothesis, point)
+    return refit(data, fit, TOLERANCE_IN_TURN)
 
 
 def _outputs_in_turn(data: Data, fit: Fit, again: Refit) -> FloatArray:

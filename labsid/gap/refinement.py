@@ -1,5 +1,7 @@
 """Refine a fit: escape local minima, and maximize the likelihood under coloured noise."""
 
+from operator import attrgetter
+
 import numpy as np
 
 from labsid._arrays import FloatArray
@@ -31,7 +33,7 @@ def converge(data: Data, fit: Fit) -> Fit:
             for leap in LEAP_FACTORS:
                 far = np.clip(at.theta[i] + leap * distance, lower[i], upper[i]) - at.theta[i]
                 leaps = [_leap(problem, at, far * along) for along in (valleys[i], direction)] if far else []
-                start = min((one for one in leaps if one is not None), key=_cost, default=at)
+                start = min((one for one in leaps if one is not None), key=attrgetter("cost"), default=at)
                 if start is not at and start.cost < MAX_START_COST * at.cost:
                     other = minimize(data, hypothesis, start.theta, start.gains, iterations=4, tolerance=1e-3)
                     if other is not None and other.cost < (1.0 - 1e-4) * at.cost:
@@ -56,10 +58,6 @@ def retried_without_one(data: Data, fit: Fit) -> list[Fit]:
 
 def _leap(problem: Problem, at: Point, step: FloatArray) -> Point | None:
     return problem.point(np.clip(at.theta + step, *problem.hypothesis.bounds), at.gains if problem.has_sensor else None)
-
-
-def _cost(point: Point) -> float:
-    return point.cost
 
 
 def valley_directions(problem: Problem, at: Point) -> FloatArray:
