@@ -11,7 +11,7 @@ from labsid.gap.data import Data
 from labsid.gap.effects.base import Effect, Fitted, InputEffect, PlantEffect
 from labsid.gap.effects.context import Context
 from labsid.gap.effects.dynamics import Placed
-from labsid.gap.fitting import Fit, Point, finish, minimize, start_cost
+from labsid.gap.fitting import Fit, Point, finish, fit_from, minimize, start_cost
 from labsid.gap.forms import extended_hypotheses, transfer_theta
 from labsid.gap.hypothesis import Hypothesis
 from labsid.gap.plants import Plant
@@ -110,7 +110,7 @@ def best_fit(data: Data, trials: list[Trial], kept: int = 3) -> Fit | None:
         start = trial.point
         end = minimize(data, trial.hypothesis, start.theta, start.gains, iterations=25, tolerance=1e-5)
         fit = finish(data, trial.hypothesis, end or start)  # None if the budget of runs of a given simulation is spent
-        found += [one for one in (fit, _grown(data, fit)) if one is not None and is_plausible(data, one)]
+        found += [one for one in (fit, *_grown(data, fit)) if is_plausible(data, one)]
     return best_form(found) if found else None
 
 
@@ -143,23 +143,20 @@ def _continued(data: Data, trial: Trial, iterations: int) -> Trial:
 
 def is_plausible(data: Data, fit: Fit, last: int = 1) -> bool:
     """Whether the fitted parameters of the `last` effects are plausible."""
-    fitted = Fitted(fit.hypothesis, fit.theta, fit.gains, data)
     effects = fit.hypothesis.effects[-last:]
     if any(isinstance(effect, Placed) for effect in effects) and has_undriven_pole(data, fit):
         return False  # the new pole models the rig, and one of the others a drift or a sinusoid
-    return all(effect.is_plausible(fitted) for effect in effects)
+    return all(effect.is_plausible(Fitted.of(fit, data)) for effect in effects)
 
 
-def _grown(data: Data, fit: Fit) -> Fit | None:
-    """Refit with the richer form into which the last effect grows; None if there is none."""
-    old = fit.hypothesis
-    grown = old.effects[-1].grown(old.plant)
-    if grown is None:
-        return None
-    other = old.with_effects((*old.effects[:-1], grown))
-    starts = grown.grown_starts(fit, other, transfer_theta(fit, other))
-    points = (minimize(data, other, start, iterations=12, tolerance=1e-5) for start in starts)
-    return min((finish(data, other, point) for point in points if point is not None), key=penalized_bic, default=None)
+def _grown(data: Data, fit: Fit) -> list[Fit]:
+    """The best refit with an alternative of the last effect, if it grows."""
+    last, found = fit.hypothesis.effects[-1], []
+    for form in last.alternatives(fit.hypothesis) if last.grows else ():
+        other = fit.hypothesis.with_effects((*fit.hypothesis.effects[:-1], form))
+        starts = form.grown_starts(fit, other, transfer_theta(fit, other))
+        found += [one for start in starts if (one := fit_from(data, other, start, iterations=12)) is not None]
+    return [min(found, key=penalized_bic)] if found else []
 
 
 def penalized_bic(fit: Fit) -> float:

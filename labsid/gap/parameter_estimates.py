@@ -45,7 +45,7 @@ def estimate_parameters(data: Data, fit: Fit, effect: Effect) -> dict[str, dict[
 
 def value_slopes(data: Data, fit: Fit, effect: Effect) -> dict[str, FloatArray]:
     """Derivatives of the parameters of an effect by theta and the gains, in this order."""
-    at = effect.values(Fitted(fit.hypothesis, fit.theta, fit.gains, data))
+    at = effect.values(Fitted.of(fit, data))
     searched = fit.theta.size
     slopes = {name: np.zeros(searched + fit.gains.size) for name in at}
     for i in range(searched + fit.gains.size):
@@ -85,4 +85,4 @@ def _conditional(cov: FloatArray, place: int) -> FloatArray:
 def active_samples(data: Data, fit: Fit, effect: Effect) -> np.ndarray:
     """Mask of the samples at which an effect acts; all False if it acts everywhere."""
     act: Callable[[Fitted], np.ndarray] = effect.active_samples
-    return act(Fitted(fit.hypothesis, fit.theta, fit.gains, data))
+    return act(Fitted.of(fit, data))

@@ -80,15 +80,20 @@ def free_number(name: str, nominal: float) -> FreeNumber:
 STICKING_STEP = 1e-2  # scaled: derivative step that spans the jumps of stick-slip motion
 FRICTION = Parameter("friction", 0.0, 20.0, 1e-3, leap=0.03)
 FRICTION_LAWS = {
-    "sharp": (),
-    "smooth": (Parameter("log_smooth", -5.0, 0.0, 1e-3, start=-2.3),),
+    "": (),
+    "sharp": (FRICTION,),
+    "smooth": (
+        FRICTION,
+        Parameter("log_smooth", -5.0, 0.0, 1e-3, start=-2.3),
+    ),
     "peak": (
+        FRICTION,
         Parameter("peak", 0.0, 1.5, 1e-3, start=0.05),
         Parameter("log_decay", -5.0, -1.0, 1e-3, start=-2.0),
     ),
 }
-"""Parameters of friction at small speeds: logarithms of speeds over the one that a unit of the drive gives, and the
-excess of the break-away friction over the sliding one."""
+"""Parameters of friction, and of its law at small speeds: logarithms of speeds over the one that a unit of the drive
+gives, and the excess of the break-away friction over the sliding one."""
 SPRING = Parameter("spring", -50.0, 50.0)  # scaled: force at the input of a given simulation over its output cubed
 DRAG = Parameter("drag", 0.0, 200.0, 1e-3)  # scaled
 ONSET = Parameter("onset", 0.0, 1.0, 2e-4, leap=0.004)  # as a share of the record
@@ -106,32 +111,29 @@ class PlantForm:
         "linear", "tanks", "mechanics", "speed", "varying", or "given" for an external simulation.
     zero : bool
         Whether linear dynamics have a numerator zero. Without it they have one gain.
-    lag, mode : bool
-        An additional real pole; an additional lightly damped pair.
+    lag, mode : str
+        Position of an additional real pole and of a lightly damped pair relative to a nonlinear state: "behind",
+        "ahead", or for a mode "beside" (in parallel); empty without one.
     upper_root, lower_root : bool
         Square-root outflow of the upper and of the lower tank.
     brim : int
         0 none, 1 upper tank, 2 lower tank, 3 both.
     flipped : bool
         Whether a larger input means less flow.
-    friction, drag, cubic : bool
-        Dry friction, resistance with the square of the speed, cubic restoring force.
+    friction : str
+        Dry friction: "sharp", "smooth" about rest, or with a "peak" that breaks away; empty without it.
+    drag, cubic : bool
+        Resistance with the square of the speed, cubic restoring force.
     stops : tuple of str
         Mechanical stops of a mass, of "low" and "high".
     slow : bool
         A slow real pole in parallel.
-    law : str
-        Friction at small speeds: "sharp", "smooth" about rest, or with a "peak" that breaks away.
     sampled : bool
         Whether the input may lead the held input by up to half a sample.
     unsprung : bool
         Whether a mass with friction has almost no spring, so that a constant force is no shift of its position.
     lag_first : bool
         Whether the lag of "speed" precedes the friction.
-    lag_upstream : bool
-        Whether the additional lag precedes the nonlinear state.
-    mode_place : str
-        Position of the mode relative to a nonlinear state: "behind", "ahead" or "beside" (in parallel).
     course : str
         Change of a varying pole: "slow", or "step" at an instant. The output is continuous across the step; the
         parameter `turn`, 0 to 1, is the share of the change that acts as a jump of the speed.
@@ -139,10 +141,9 @@ class PlantForm:
         Whether the rate of the second nonlinear state, or the spring, drifts slowly.
     extra_degrees : int
         Degree of the polynomial of a slow drift, minus one.
-    has_load, has_sinusoid : bool
-        Whether a load step or a sinusoid acts on the nonlinear state.
-    load_upstream, sinusoid_upstream : bool
-        Whether it acts on the first of two states in series instead of the second. It then has no leak.
+    load, sinusoid : str
+        Where a load step and a sinusoid act: "inside", on the nonlinear state, or "ahead", on the first of two states
+        in series, where a load has no leak; empty without one.
     run : callable, optional
         ``run(w, values) -> y`` of a given simulation, in scaled units, for values of its free numbers.
     free : tuple of FreeNumber
@@ -170,30 +171,25 @@ class PlantForm:
 
     kind: str = "linear"
     zero: bool = True
-    lag: bool = False
-    mode: bool = False
+    lag: str = ""
+    mode: str = ""
     upper_root: bool = False
     lower_root: bool = False
     brim: int = 0
     flipped: bool = False
-    friction: bool = False
+    friction: str = ""
     drag: bool = False
     cubic: bool = False
     stops: tuple[str, ...] = ()
     slow: bool = False
-    law: str = "sharp"
     sampled: bool = False
     unsprung: bool = False
     lag_first: bool = True
-    lag_upstream: bool = False
-    mode_place: str = "behind"
     course: str = "slow"
     drifting: bool = False
     extra_degrees: int = 0
-    has_load: bool = False
-    has_sinusoid: bool = False
-    load_upstream: bool = False
-    sinusoid_upstream: bool = False
+    load: str = ""
+    sinusoid: str = ""
     run: Callable[[FloatArray, FloatArray], FloatArray] | None = field(default=None, compare=False)
     free: tuple[FreeNumber, ...] = ()
     source: str = ""
@@ -229,8 +225,7 @@ class PlantForm:
                 own += [Parameter("brim2", -5.0, 400.0, leap=0.05)]
             own += [Parameter("h1", -50.0, 50.0), Parameter("h2", -50.0, 50.0)]
         elif self.kind == "mechanics":
-            if self.friction:
-                own += [FRICTION, *FRICTION_LAWS[self.law]]
+            own += FRICTION_LAWS[self.friction]
             own += [DRAG] if self.drag else []
             own += [Parameter(f"stop_{side}", -50.0, 50.0, leap=0.05) for side in self.stops]
             if self.cubic:
@@ -239,7 +234,7 @@ class PlantForm:
                 own += [Parameter("centre", -8.0, 8.0)]
             own += [Parameter("z0", -50.0, 50.0, STICKING_STEP, leap=0.05), Parameter("v0", -50.0, 50.0, STICKING_STEP)]
         elif self.kind == "speed":
-            own += [FRICTION, *FRICTION_LAWS[self.law]] if self.friction else []
+            own += FRICTION_LAWS[self.friction]
             own += [DRAG] if self.drag else []
             own += [Parameter("centre", -20.0, 20.0, 1e-3)]
             own += [Parameter("v0", -50.0, 50.0, STICKING_STEP), Parameter("i0", -50.0, 50.0, STICKING_STEP)]
@@ -248,10 +243,10 @@ class PlantForm:
             own += [ONSET] if self.course == "step" else self._bent()
         if self.drifting:
             own += [DRIFT, *self._bent()]
-        if self.has_load:
+        if self.load:
             own += [Parameter("load", -20.0, 20.0)]
-            own += [ONSET] if self.load_upstream else [Parameter("leak", -0.9, 20.0), ONSET]
-        if self.has_sinusoid:
+            own += [ONSET] if self.load == "ahead" else [Parameter("leak", -0.9, 20.0), ONSET]
+        if self.sinusoid:
             own += [CYCLES, Parameter("shake_cos", -20.0, 20.0), Parameter("shake_sin", -20.0, 20.0)]
         return (*rates, *own, *self._in_series())
 
@@ -279,7 +274,7 @@ class PlantForm:
     @property
     def abrupt(self) -> bool:
         """Whether the motion of a mass changes within a sample: by friction, drag or a stop."""
-        return self.friction or self.drag or bool(self.stops)
+        return bool(self.friction) or self.drag or bool(self.stops)
 
     @property
     def in_series(self) -> bool:

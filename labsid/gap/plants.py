@@ -44,7 +44,7 @@ class Plant(PlantForm):
         """
         own = self._by_name(theta)
         start = float(w[0]) if reference is None else reference
-        if late and (not self.nonlinear or self.lag_ahead or (self.mode and self._mode_place == "ahead")):
+        if late and (not self.nonlinear or self.lag_ahead or self._mode_place == "ahead"):
             w, late = _kernels.delayed(w, 0, late), 0.0  # mean over each sample
         driven = w
         if self.lag:
@@ -81,13 +81,13 @@ class Plant(PlantForm):
     @property
     def lag_ahead(self) -> bool:
         """Whether the additional lag acts on the input of the other dynamics."""
-        return self.kind == "given" or (self.lag_upstream and self.nonlinear)
+        return self.kind == "given" or (self.lag == "ahead" and self.nonlinear)
 
     @property
     def _mode_place(self) -> str:
-        if self.kind == "given":
-            return "beside" if self.mode_place == "beside" else "ahead"
-        return self.mode_place if self.nonlinear else "behind"
+        if self.kind == "given" and self.mode == "behind":
+            return "ahead"
+        return self.mode if self.nonlinear or self.kind == "given" else self.mode and "behind"
 
     def _by_name(self, theta: FloatArray) -> dict[str, float]:
         return {parameter.name: value for parameter, value in zip(self.parameters, theta, strict=True)}
@@ -100,19 +100,15 @@ class Plant(PlantForm):
     @property
     def state_columns(self) -> tuple[int, ...]:
         """Indices of the columns whose gains are the initial state."""
+        own: tuple[int, ...] = ()
+        width = 1
         if self.kind == "linear":
-            width = 5 if self.zero else 4
-            own: tuple[int, ...] = (width - 3, width - 2)
+            own, width = ((2, 3), 5) if self.zero else ((1, 2), 4)
         elif self.kind == "varying":
-            width = 6 if self.course == "step" else 8
-            own = (width - 2, width - 1)
-        elif self.kind == "given":
-            own, width = ((1, 2), 3) if self.takes_input else ((), 1)
-            if self.lag:
-                own, width = (*own, width), width + 1
-        else:
-            own, width = (), 1
-        if self.lag and not self.lag_ahead:
+            own, width = ((4, 5), 6) if self.course == "step" else ((6, 7), 8)
+        elif self.kind == "given" and self.takes_input:
+            own, width = (1, 2), 3
+        if self.lag and (self.kind == "given" or not self.lag_ahead):
             width += 2 if self.kind == "linear" else 1
             own = (*own, width - 1)
         if self.mode and self._mode_place != "ahead":
@@ -163,12 +159,8 @@ class Plant(PlantForm):
         """Start values of theta from the rates of a linear fit; other parameters are zero."""
         if self.kind == "given":
             return [np.zeros(len(self.parameters))]
-        with_defaults = []
-        for rates in self._rates(c, k):
-            theta = np.zeros(len(self.parameters))
-            theta[:2] = rates
-            with_defaults.append(theta)
-        return with_defaults
+        others = np.zeros(len(self.parameters) - 2)
+        return [np.array([*rates, *others]) for rates in self._rates(c, k)]
 
     def _rates(self, c: float, k: float) -> list[tuple[float, float]]:
         if self.kind not in ("tanks", "speed"):

@@ -4,9 +4,9 @@ import numpy as np
 
 from labsid.gap.data import Data
 from labsid.gap.effects.base import Effect
-from labsid.gap.effects.disturbance import Periodic
 from labsid.gap.effects.output import Drift
-from labsid.gap.fitting import Fit, finish, minimize
+from labsid.gap.effects.periodic import Periodic
+from labsid.gap.fitting import Fit, fit_from
 from labsid.gap.forms import transfer_theta
 from labsid.gap.linear_fits import SINGLE_POLE_RATES
 from labsid.gap.refinement import converge, polish
@@ -33,13 +33,12 @@ def replace_undriven_pole(data: Data, fit: Fit) -> tuple[Fit, Fit] | None:
             theta[other.slices["plant"]][:2] = np.log(single_pole(rate))
             if complex_pair:
                 theta[other.slices[effect.key]] = cycles
-            point = minimize(data, other, theta, iterations=25, tolerance=1e-5)
-            one = None if point is None else finish(data, other, point)
+            one = fit_from(data, other, theta, iterations=25)
             if one is not None and (best is None or one.bic < best.bic) and not has_undriven_pole(data, one):
                 best = one
     if best is None:
         return None
     end = polish(data, converge(data, best))
     best = best if has_undriven_pole(data, end) else end
-    without = minimize(data, fit.hypothesis, transfer_theta(best, fit.hypothesis), iterations=0)
-    return None if without is None else (finish(data, fit.hypothesis, without), best)
+    without = fit_from(data, fit.hypothesis, transfer_theta(best, fit.hypothesis), iterations=0)
+    return None if without is None else (without, best)

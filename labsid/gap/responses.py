@@ -204,9 +204,9 @@ def _apply_load(
     load, leak, onset = own.get("load", 0.0), own.get("leak", 0.0), own.get("onset", np.inf) * span
     cosine, sine = own.get("shake_cos", 0.0), own.get("shake_sin", 0.0)
     frequency = 2.0 * np.pi * own.get("cycles", 0.0) / span
-    if plant.load_upstream:
+    if plant.load == "ahead":
         w, load = w - load * step_signal(own["onset"], w.size, span), 0.0
-    if plant.sinusoid_upstream:
+    if plant.sinusoid == "ahead":
         phase = frequency * (np.arange(w.size) + 0.5)
         w, cosine, sine = w - cosine * np.cos(phase) - sine * np.sin(phase), 0.0, 0.0
     return w, (load, leak, onset, cosine, sine, frequency)
@@ -230,7 +230,7 @@ def _mechanics(
     unit = force_unit(c, k)
     drive = w - own.get("centre", reference)
     substeps = int(min(max(np.ceil(max(c, np.sqrt(k)) / (0.15 if plant.abrupt else 0.3)), 2), 12))
-    substeps *= LAW_SUBSTEPS if plant.law != "sharp" else 1
+    substeps *= LAW_SUBSTEPS if plant.friction in ("smooth", "peak") else 1
     cubic = own.get("cubic", 0.0) * unit**3
     pace = _rate_factor(plant, own, w.size, span)
     # Without a centre the initial position is absolute: the spring may be too weak for an equilibrium.
@@ -276,7 +276,7 @@ def _speed(
     drive, loads = _apply_load(plant, own, drive, span)
     pace = _rate_factor(plant, own, w.size, span)
     law = _friction_law(own, 1.0)
-    substeps = MOTOR_SUBSTEPS * (LAW_SUBSTEPS if plant.law != "sharp" else 1)
+    substeps = MOTOR_SUBSTEPS * (LAW_SUBSTEPS if plant.friction in ("smooth", "peak") else 1)
     return _states.simulate_motor(drive, a, b, friction, plant.lag_first, v, i, substeps, late, *loads, pace, law, drag)
 
 

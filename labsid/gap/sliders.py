@@ -56,7 +56,7 @@ class Slider:
 
 def parameter_sliders(data: Data, fit: Fit, effect: Effect) -> list[Slider]:
     """The parameters of an effect that change the simulation, each with the others of the effect held."""
-    at = effect.values(Fitted(fit.hypothesis, fit.theta, fit.gains, data))
+    at = effect.values(Fitted.of(fit, data))
     slopes = value_slopes(data, fit, effect)
     own, entries = _own_entries(fit, effect), np.concatenate([fit.theta, fit.gains])
     found = []

@@ -33,6 +33,8 @@ class Effect:
         By variant, the other ones that are tried once it is found; `richer` ones must gain `RICHER_FORM_BIC`.
     places : tuple of str
         Variants that differ in their position in the chain only, where `place_matters`.
+    grows : bool
+        Whether its alternatives are tried as soon as it is fitted, not only for the best fits.
     variant : str
         Form of the effect, if there are several.
     """
@@ -43,6 +45,7 @@ class Effect:
     further: ClassVar[Mapping[str, tuple[str, ...]]] = {}
     richer: ClassVar[Mapping[str, tuple[str, ...]]] = {}
     places: ClassVar[tuple[str, ...]] = ()
+    grows: ClassVar[bool] = False
     variant: str = ""
 
     @classmethod
@@ -90,15 +93,11 @@ class Effect:
         """Form of this effect on linear dynamics."""
         return self
 
-    def grown(self, plant: Plant) -> "Effect | None":
-        """A richer form that is tried as soon as this effect is fitted; None if there is none."""
-        return None
-
     def carry_over(self, fit: ParentFit, hypothesis: Structure, theta: FloatArray) -> None:
         """Set in `theta` of a hypothesis with this effect, in place, what a fit with another form of it tells."""
 
     def grown_starts(self, fit: ParentFit, hypothesis: Structure, theta: FloatArray) -> list[FloatArray]:
-        """Start values of a hypothesis whose last effect has `grown` into this one; `theta` is carried over."""
+        """Start values of a hypothesis whose last effect has grown into this one; `theta` is carried over."""
         return [theta]
 
     def inner_start(self, context: Context) -> dict[str, float]:
@@ -170,14 +169,43 @@ class Fitted:
     gains: FloatArray
     data: Data
 
+    @classmethod
+    def of(cls, fit: ParentFit, data: Data) -> Self:
+        """A fit and its record."""
+        return cls(fit.hypothesis, fit.theta, fit.gains, data)
+
+    @property
+    def plant_theta(self) -> FloatArray:
+        """The plant's part of theta."""
+        return self.theta[self.hypothesis.slices["plant"]]
+
+    @property
+    def actuator(self) -> FloatArray:
+        """The signal that reaches the dynamics, shape (N,)."""
+        return self.hypothesis.actuator(self.theta, self.data.u)
+
+    @property
+    def output(self) -> FloatArray:
+        """Free-run output, shape (N,)."""
+        return self.hypothesis.output(self.theta, self.gains, self.data.u)
+
     def theta_of(self, effect: Effect) -> FloatArray:
         """Part of theta that belongs to an effect."""
         return self.theta[self.hypothesis.slices[effect.key]]
 
     def plant_value(self, name: str) -> float:
         """Value of a plant parameter."""
-        part = self.theta[self.hypothesis.slices["plant"]]
-        return float(part[self.hypothesis.plant.index(name)])
+        return float(self.plant_theta[self.hypothesis.plant.index(name)])
+
+    def change_by(self, *names: str) -> FloatArray:
+        """Change of the output by the named plant parameters, shape (N,)."""
+        place = self.hypothesis.slices["plant"].start
+        without = self.theta.copy()
+        for name in names:
+            if name in [parameter.name for parameter in self.hypothesis.plant.parameters]:
+                without[place + self.hypothesis.plant.index(name)] = 0.0
+        outputs = [self.hypothesis.output(theta, self.gains, self.data.u) for theta in (self.theta, without)]
+        return np.subtract(*outputs)
 
     @property
     def range(self) -> float:
@@ -201,9 +229,13 @@ class Fitted:
 
 
 class InputEffect(Effect):
-    """An effect that transforms the command before it reaches the dynamics."""
+    """An effect that transforms the command before it reaches the dynamics.
+
+    It needs `least_levels` of the input: gain and offset absorb a static curve of two, and backlash leaves two or one.
+    """
 
     path = "input"
+    least_levels: ClassVar[int] = 1
     position: ClassVar[int] = 0
     variant_positions: ClassVar[dict[str, int]] = {}
 
@@ -211,6 +243,10 @@ class InputEffect(Effect):
     def order(self) -> int:
         """Position of the variant in the actuator's chain."""
         return self.variant_positions.get(self.variant, self.position)
+
+    def applies(self, context: Context) -> bool:
+        """Whether the input has enough levels."""
+        return context.levels.size >= self.least_levels
 
     def place_matters(self, hypothesis: Structure) -> bool:
         """Whether `places` differ in a hypothesis: beside another input effect that is no delay."""
@@ -228,12 +264,18 @@ class InputEffect(Effect):
 class PlantEffect(Effect):
     """An effect that changes the dynamics.
 
-    Some can act on the input of a given simulation instead (`before_given`), some of them only there (`only_given`).
+    Some can act on the input of a given simulation instead (`before_given`), some of them only there (`only_given`);
+    others need a nonlinear state (`only_inner`).
     """
 
     path = "dynamics"
     before_given: ClassVar[bool] = False
     only_given: ClassVar[bool] = False
+    only_inner: ClassVar[bool] = False
+
+    def applies(self, context: Context) -> bool:
+        """Whether the parent has a nonlinear state, if it is needed."""
+        return context.parent.hypothesis.plant.nonlinear or not self.only_inner
 
     def extend(self, plant: Plant) -> Plant:
         """The plant with this effect."""

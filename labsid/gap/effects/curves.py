@@ -1,24 +1,49 @@
 """Smooth static curves of actuators and sensors: a cubic, or a natural cubic spline."""
 
+from typing import ClassVar
+
 import numpy as np
 
 from labsid._arrays import FloatArray
 from labsid.gap import _kernels
-from labsid.gap.effects.base import Effect, Value
+from labsid.gap.effects.base import Effect, Fitted, Value
 from labsid.gap.effects.context import ParentFit, Structure
 from labsid.gap.plant_form import Parameter
 
-RICHER = {"": ("rich",)}
-"""The spline as a variant that is richer than the cubic."""
 CUBIC = (Parameter("c2", -3.0, 3.0), Parameter("c3", -2.0, 2.0))
 KNOTS = np.array([-2.8, -1.9, -1.4, -0.8, 0.0, 0.8, 1.4, 1.9, 2.8])  # scaled
 SPLINE = tuple(Parameter(f"s{k}", -10.0, 10.0) for k in range(1, KNOTS.size - 1))
 _GRID = np.linspace(-2.2, 2.2, 45)  # scaled: points at which a spline is fitted to a cubic and vice versa
 
 
-def parameters(variant: str) -> tuple[Parameter, ...]:
-    """Coefficients in scaled units."""
-    return SPLINE if variant == "rich" else CUBIC
+class Curve(Effect):
+    """A curve of the input or the output, `signal` "u" or "y"; the `variant` "rich" is a spline."""
+
+    signal: ClassVar[str]
+    richer: ClassVar[dict[str, tuple[str, ...]]] = {"": ("rich",)}
+
+    @property
+    def parameters(self) -> tuple[Parameter, ...]:
+        """Coefficients in scaled units."""
+        return SPLINE if self.variant == "rich" else CUBIC
+
+    def carry_over(self, fit: ParentFit, hypothesis: Structure, theta: FloatArray) -> None:
+        """Begin a spline at the cubic."""
+        plain = type(self)()
+        if self.variant == "rich" and plain in fit.hypothesis.effects:
+            theta[hypothesis.slices[self.key]] = spline_coefficients(fit.theta[fit.hypothesis.slices[plain.key]])
+
+    def values(self, fit: Fitted) -> dict[str, Value]:
+        """`c2` and `c3` about `centre`, the mean of the signal; of a spline, those of the nearest cubic."""
+        own = fit.theta_of(self)
+        cubic = np.linalg.lstsq(np.column_stack([_GRID**2, _GRID**3]), evaluate(_GRID, own) - _GRID, rcond=None)[0]
+        c2, c3 = (float(x) for x in cubic)
+        scale = fit.data.u_scale if self.signal == "u" else fit.data.y_scale
+        return {
+            "c2": Value(c2 / scale.unit, f"1/{self.signal}"),
+            "c3": Value(c3 / scale.unit**2, f"1/{self.signal}^2"),
+            "centre": Value(float(scale.back(0.0)), self.signal),
+        }
 
 
 def evaluate(x: FloatArray, own: FloatArray) -> FloatArray:
@@ -45,20 +70,6 @@ def spline_coefficients(own: FloatArray) -> FloatArray:
     """Coefficients of the spline nearest to a cubic."""
     each = [_kernels.piecewise(_GRID, KNOTS, powers) for powers in _SPLINES]
     return np.asarray(np.linalg.lstsq(np.column_stack(each), evaluate(_GRID, own) - _GRID, rcond=None)[0])
-
-
-def carry_over(effect: Effect, fit: ParentFit, hypothesis: Structure, theta: FloatArray) -> None:
-    """Set the spline of an effect to the cubic of a fit with its simpler form, in place."""
-    plain = type(effect)()
-    if effect.variant == "rich" and plain in fit.hypothesis.effects:
-        theta[hypothesis.slices[effect.key]] = spline_coefficients(fit.theta[fit.hypothesis.slices[plain.key]])
-
-
-def coefficients(own: FloatArray, unit: float, signal: str) -> dict[str, Value]:
-    """`c2` and `c3` in the signal's unit; for a spline, those of the nearest cubic."""
-    cubic = np.linalg.lstsq(np.column_stack([_GRID**2, _GRID**3]), evaluate(_GRID, own) - _GRID, rcond=None)[0]
-    c2, c3 = (float(x) for x in cubic)
-    return {"c2": Value(c2 / unit, f"1/{signal}"), "c3": Value(c3 / unit**2, f"1/{signal}^2")}
 
 
 def _splines() -> FloatArray:

@@ -54,6 +54,8 @@ class PoleDrift(PlantEffect):
 class InnerPoleDrift(PoleDrift):
     """A slow drift of the rate of the last nonlinear state, or of the spring."""
 
+    only_inner = True
+
     @property
     def key(self) -> str:
         """Name, "pole", variant and "inside"."""
@@ -70,10 +72,6 @@ class InnerPoleDrift(PoleDrift):
     def extend(self, plant: Plant) -> Plant:
         """The dynamics with a drifting rate."""
         return plant.modified(drifting=True, extra_degrees=int(self.variant) - 1)
-
-    def applies(self, context: Context) -> bool:
-        """Only with a nonlinear state; `PoleDrift` covers linear dynamics."""
-        return context.parent.hypothesis.plant.nonlinear
 
     def plant_starts(self, context: Context) -> list[dict[str, float]]:
         """A rising, falling or curved rate."""

@@ -43,7 +43,7 @@ class ExtraLag(Placed):
 
     def extend(self, plant: Plant) -> Plant:
         """The plant with an additional real pole."""
-        return plant.modified(lag=True, lag_upstream=self.variant == "ahead")
+        return plant.modified(lag=self.variant or "behind")
 
     def plant_starts(self, context: Context) -> list[dict[str, float]]:
         """Time constants shorter and longer than those of the parent."""
@@ -60,10 +60,9 @@ class ExtraLag(Placed):
         plant = fit.hypothesis.plant
         if plant.lag_ahead:
             return True
-        own = fit.theta[fit.hypothesis.slices["plant"]]
         if plant.kind == "linear" and is_parallel(fit):
             return False  # a slow mode
-        columns = plant.columns(own, fit.hypothesis.actuator(fit.theta, fit.data.u), fit.data.samples)
+        columns = plant.columns(fit.plant_theta, fit.actuator, fit.data.samples)
         parts = columns * fit.gains[: columns.shape[1]]
         at = 0 if plant.kind != "linear" else 5 if plant.zero else 4
         passed, free = at, at + 1
@@ -105,8 +104,7 @@ class SlowMode(PlantEffect):
     def _is_driven(self, fit: Fitted) -> bool:
         """Whether the input excites the mode, and not its initial state alone, which imitates a drift."""
         plant, at = fit.hypothesis.plant, fit.hypothesis.plant.slow_column
-        w = fit.hypothesis.actuator(fit.theta, fit.data.u)
-        columns = plant.columns(fit.theta[fit.hypothesis.slices["plant"]], w, w.size)[:, at : at + 2]
+        columns = plant.columns(fit.plant_theta, fit.actuator, fit.data.samples)[:, at : at + 2]
         driven, free = np.std(columns * fit.gains[at : at + 2], axis=0)
         return bool(driven > MIN_DRIVEN * free)
 
@@ -122,7 +120,7 @@ class SlowMode(PlantEffect):
 
 
 def _main_rates(fit: Fitted) -> tuple[float, float]:
-    return fit.hypothesis.plant.linear_rates(fit.theta[fit.hypothesis.slices["plant"]])
+    return fit.hypothesis.plant.linear_rates(fit.plant_theta)
 
 
 def is_parallel(fit: Fitted) -> bool:
@@ -154,7 +152,7 @@ class Resonance(Placed):
 
     def extend(self, plant: Plant) -> Plant:
         """The plant with an additional pair of poles."""
-        return plant.modified(mode=True, mode_place=self.variant or "behind")
+        return plant.modified(mode=self.variant or "behind")
 
     def plant_starts(self, context: Context) -> list[dict[str, float]]:
         """Peaks in the spectrum of the residual, two fixed frequencies, and the poles of a lightly damped parent."""
@@ -237,11 +235,10 @@ class CoulombFriction(PlantEffect):
 
     def extend(self, plant: Plant) -> Plant:
         """A mass or a motor with friction."""
-        changes: dict[str, object] = {"friction": True, "law": self.law}
         if self.place in ("position", "unsprung"):
-            changes["unsprung"] = plant.unsprung or self.place == "unsprung"
-            return plant.modified(kind="mechanics", **changes)
-        return plant.modified(kind="speed", lag_first=self.place == "speed", **changes)
+            unsprung = plant.unsprung or self.place == "unsprung"
+            return plant.modified(kind="mechanics", friction=self.law, unsprung=unsprung)
+        return plant.modified(kind="speed", friction=self.law, lag_first=self.place == "speed")
 
     def plant_starts(self, context: Context) -> list[dict[str, float]]:
         """Weak to strong friction, and initial positions or neutral inputs."""
@@ -257,9 +254,7 @@ class CoulombFriction(PlantEffect):
 
     def is_plausible(self, fit: Fitted) -> bool:
         """Require motion in both directions: in one direction friction is a constant."""
-        speed = fit.hypothesis.plant.speed(
-            fit.theta[fit.hypothesis.slices["plant"]], fit.hypothesis.actuator(fit.theta, fit.data.u)
-        )
+        speed = fit.hypothesis.plant.speed(fit.plant_theta, fit.actuator)
         return bool(min(np.mean(speed > 0), np.mean(speed < 0)) > MIN_EITHER_DIRECTION)
 
     def values(self, fit: Fitted) -> dict[str, Value]:

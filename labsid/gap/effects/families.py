@@ -1,6 +1,18 @@
 """The effects that the search combines."""
 
-from labsid.gap.effects import disturbance, drifts, dynamics, folded, input, motion, output, play, reactions, tanks
+from labsid.gap.effects import (
+    disturbance,
+    drifts,
+    dynamics,
+    folded,
+    input,
+    motion,
+    output,
+    periodic,
+    play,
+    reactions,
+    tanks,
+)
 from labsid.gap.effects.base import Effect
 
 FAMILIES: tuple[type[Effect], ...] = (
@@ -32,8 +44,8 @@ FAMILIES: tuple[type[Effect], ...] = (
     disturbance.LoadStep,
     disturbance.Leak,
     disturbance.InnerLoad,
-    disturbance.Periodic,
-    disturbance.InnerPeriodic,
+    periodic.Periodic,
+    periodic.InnerPeriodic,
 )
 """In the order of the search."""
 CANDIDATES: tuple[tuple[Effect, ...], ...] = tuple(

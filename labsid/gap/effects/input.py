@@ -8,7 +8,8 @@ from labsid._arrays import FloatArray
 from labsid.gap import _kernels
 from labsid.gap.effects import curves
 from labsid.gap.effects.base import REST_SAMPLES, Fitted, InputEffect, Value
-from labsid.gap.effects.context import Context, ParentFit, Structure
+from labsid.gap.effects.context import Context
+from labsid.gap.effects.limits import Limits
 from labsid.gap.plant_form import Parameter
 from labsid.gap.plants import Plant
 
@@ -60,18 +61,12 @@ class Delay(InputEffect):
         return {"delay": Value(float(fit.theta_of(self)[0]) * fit.data.Ts, "s")}
 
 
-class Saturation(InputEffect):
+class Saturation(Limits, InputEffect):
     """The actuator saturates inside the commanded range; `variant` low, high or both."""
 
     name = "input-saturation"
-    variants = ("high", "low", "both")
+    signal, leap = "u", 0.05
     position = 1
-
-    @property
-    def parameters(self) -> tuple[Parameter, ...]:
-        """Limits in the scaled input."""
-        names = {"low": ("low",), "high": ("high",), "both": ("low", "high")}[self.variant]
-        return tuple(Parameter(name, -8.0, 8.0, leap=0.05) for name in names)
 
     def applies(self, context: Context) -> bool:
         """Require more levels than the gain and offset can absorb."""
@@ -79,13 +74,9 @@ class Saturation(InputEffect):
 
     def starts(self, context: Context) -> list[FloatArray]:
         """Limits at 8, 22 and 40 % of the range from its ends."""
-        u = context.data.u
-        lows, highs = _inner_limits(u, -1), _inner_limits(u, 1)
-        if self.variant == "low":
-            return [np.array([low]) for low in lows]
-        if self.variant == "high":
-            return [np.array([high]) for high in highs]
-        return [np.array([low, high]) for low, high in zip(lows, highs, strict=True)]
+        low, high = float(context.data.u.min()), float(context.data.u.max())
+        within = np.array([0.08, 0.22, 0.4]) * (high - low)
+        return self.between(low + within, high - within)
 
     def apply(self, w: FloatArray, own: FloatArray, span: int) -> FloatArray:
         """Clip at the limits."""
@@ -104,16 +95,6 @@ class Saturation(InputEffect):
         """The samples at which the command exceeds a limit."""
         return np.asarray(self.apply(fit.data.u, fit.theta_of(self), fit.data.samples) != fit.data.u)
 
-    def values(self, fit: Fitted) -> dict[str, Value]:
-        """`low` and `high` as inputs."""
-        return {p.name: Value(fit.u(float(x)), "u") for p, x in zip(self.parameters, fit.theta_of(self), strict=True)}
-
-
-def _inner_limits(u: FloatArray, side: int) -> list[float]:
-    """Limits at 8, 22 and 40 % of the range from its upper (`side` > 0) or lower end."""
-    low, high = float(u.min()), float(u.max())
-    return [(high - part * (high - low)) if side > 0 else (low + part * (high - low)) for part in (0.08, 0.22, 0.4)]
-
 
 def _jump(name: str) -> Parameter:
     return Parameter(name, 0.0, 8.0, leap=0.1)
@@ -127,6 +108,7 @@ class DeadZone(InputEffect):
     """
 
     name = "input-dead-zone"
+    least_levels = 3
     position = 4
     richer: ClassVar[dict[str, tuple[str, ...]]] = {"": ("jump", "gain")}
 
@@ -136,10 +118,6 @@ class DeadZone(InputEffect):
         ends = (Parameter("low", -8.0, 8.0, leap=0.1), Parameter("high", -8.0, 8.0, leap=0.1))
         richer = {"jump": (_jump("jump_low"), _jump("jump_high")), "gain": (Parameter("log_ratio", -3.0, 3.0),)}
         return (*ends, *richer.get(self.variant, ()))
-
-    def applies(self, context: Context) -> bool:
-        """Require three levels: gain and offset absorb any static curve of two."""
-        return context.levels.size > 2
 
     def starts(self, context: Context) -> list[FloatArray]:
         """Narrow and wide bands around the first input, the mid-range and the median."""
@@ -204,16 +182,13 @@ class Backlash(InputEffect):
     """Backlash of a given width."""
 
     name = "input-backlash"
+    least_levels = 3
     position = 5
 
     @property
     def parameters(self) -> tuple[Parameter, ...]:
         """Width of the backlash, and initial position within it."""
         return (Parameter("width", 0.0, 8.0, leap=0.05), Parameter("position", 0.0, 1.0, 0.02))
-
-    def applies(self, context: Context) -> bool:
-        """Require three levels: after backlash, two levels remain two levels or become one."""
-        return context.levels.size > 2
 
     def starts(self, context: Context) -> list[FloatArray]:
         """Narrow to wide, with an initial position in the middle."""
@@ -268,7 +243,7 @@ class RateLimit(InputEffect):
         return {"rate": Value(rate, "u/s")}
 
 
-class Nonlinearity(InputEffect):
+class Nonlinearity(curves.Curve, InputEffect):
     """A smooth static actuator curve: w = u + c2 u^2 + c3 u^3 about the mean input of the record.
 
     It is the last element of the actuator, as of a valve or pump; with `variant` "first" it is the first one. "rich" is
@@ -276,32 +251,16 @@ class Nonlinearity(InputEffect):
     """
 
     name = "input-nonlinearity"
+    least_levels = 3
     position = 7
     variant_positions: ClassVar[dict[str, int]] = {"first": 0}
-    richer = curves.RICHER
+    signal = "u"
     places = ("", "first")
-
-    @property
-    def parameters(self) -> tuple[Parameter, ...]:
-        """Coefficients in the scaled input."""
-        return curves.parameters(self.variant)
-
-    def applies(self, context: Context) -> bool:
-        """Require three levels: gain and offset absorb any static curve of two."""
-        return context.levels.size > 2
 
     def starts(self, context: Context) -> list[FloatArray]:
         """Small positive and negative values of either coefficient."""
         return [np.array(pair) for pair in ((0.1, 0.0), (-0.1, 0.0), (0.0, 0.1), (0.0, -0.1))]
 
-    def carry_over(self, fit: ParentFit, hypothesis: Structure, theta: FloatArray) -> None:
-        """Begin a spline at the cubic."""
-        curves.carry_over(self, fit, hypothesis, theta)
-
     def apply(self, w: FloatArray, own: FloatArray, span: int) -> FloatArray:
         """Value of the curve."""
         return curves.evaluate(w, own)
-
-    def values(self, fit: Fitted) -> dict[str, Value]:
-        """`c2` and `c3` about `centre`, the mean input."""
-        return curves.coefficients(fit.theta_of(self), fit.data.u_scale.unit, "u") | {"centre": Value(fit.u(0.0), "u")}

@@ -71,8 +71,7 @@ class EndStop(PlantEffect):
 
     def active_samples(self, fit: Fitted) -> np.ndarray:
         """The samples at which the mass is at a stop."""
-        w = fit.hypothesis.actuator(fit.theta, fit.data.u)
-        position = fit.hypothesis.plant.motion(fit.theta[fit.hypothesis.slices["plant"]], w)[:, 0]
+        position = fit.hypothesis.plant.motion(fit.plant_theta, fit.actuator)[:, 0]
         return np.any([np.abs(position - fit.plant_value(f"stop_{side}")) < AT_STOP for side in self.sides], axis=0)
 
     def is_plausible(self, fit: Fitted) -> bool:

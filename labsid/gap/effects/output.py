@@ -17,6 +17,7 @@ from labsid.gap.effects.base import (
     Value,
 )
 from labsid.gap.effects.context import Context, ParentFit, Structure
+from labsid.gap.effects.limits import Limits
 from labsid.gap.plant_form import Parameter
 from labsid.gap.plants import Plant
 from labsid.gap.responses import normalized_time
@@ -26,29 +27,19 @@ HIDDEN = 20.0  # scaled: largest excursion beyond a limit; without it, an initia
 CURVE_RANGE = (-20.0, 20.0)  # scaled output; outside it the curve continues with slope one
 
 
-class Saturation(OutputEffect):
+class Saturation(Limits, OutputEffect):
     """The sensor saturates; `variant` low, high or both."""
 
     name = "output-saturation"
-    variants = ("high", "low", "both")
+    signal, leap = "y", 0.03
     further: ClassVar[dict[str, tuple[str, ...]]] = {"low": ("both",), "high": ("both",)}
     position = 2
     is_limit = True
 
-    @property
-    def parameters(self) -> tuple[Parameter, ...]:
-        """Limits in the scaled output."""
-        names = {"low": ("low",), "high": ("high",), "both": ("low", "high")}[self.variant]
-        return tuple(Parameter(name, -8.0, 8.0, leap=0.03) for name in names)
-
     def starts(self, context: Context) -> list[FloatArray]:
         """Quantiles of the output."""
         y = context.data.y[context.data.rows]
-        lows = np.quantile(y, (0.02, 0.1, 0.25))
-        highs = np.quantile(y, (0.98, 0.9, 0.75))
-        if self.variant == "both":
-            return [np.array([low, high]) for low, high in zip(lows, highs, strict=True)]
-        return [np.array([limit]) for limit in (lows if self.variant == "low" else highs)]
+        return self.between(np.quantile(y, (0.02, 0.1, 0.25)), np.quantile(y, (0.98, 0.9, 0.75)))
 
     def carry_over(self, fit: ParentFit, hypothesis: Structure, theta: FloatArray) -> None:
         """Begin a second limit where the output seldom is."""
@@ -81,15 +72,11 @@ class Saturation(OutputEffect):
     def active_samples(self, fit: Fitted) -> np.ndarray:
         """The samples at which the simulated reading is at a limit."""
         low, high = self._limits(fit.theta_of(self))
-        output = fit.hypothesis.output(fit.theta, fit.gains, fit.data.u)
+        output = fit.output
         return np.asarray((output <= low) | (output >= high))
 
-    def values(self, fit: Fitted) -> dict[str, Value]:
-        """`low` and `high` as outputs."""
-        return {p.name: Value(fit.y(float(x)), "y") for p, x in zip(self.parameters, fit.theta_of(self), strict=True)}
 
-
-class Nonlinearity(OutputEffect):
+class Nonlinearity(curves.Curve, OutputEffect):
     """A smooth static sensor curve: y = z + c2 z^2 + c3 z^3 about the mean output of the record.
 
     The `variant` "rich" is a spline.
@@ -97,20 +84,11 @@ class Nonlinearity(OutputEffect):
 
     name = "output-nonlinearity"
     position = 1
-    richer = curves.RICHER
-
-    @property
-    def parameters(self) -> tuple[Parameter, ...]:
-        """Coefficients in the scaled output."""
-        return curves.parameters(self.variant)
+    signal = "y"
 
     def starts(self, context: Context) -> list[FloatArray]:
         """Small positive and negative values of either coefficient."""
         return [np.array(pair) for pair in ((0.05, 0.0), (-0.05, 0.0), (0.0, 0.03), (0.0, -0.03))]
-
-    def carry_over(self, fit: ParentFit, hypothesis: Structure, theta: FloatArray) -> None:
-        """Begin a spline at the cubic."""
-        curves.carry_over(self, fit, hypothesis, theta)
 
     def apply(self, z: FloatArray, own: FloatArray) -> FloatArray:
         """Value of the curve; far outside the record it continues with slope one."""
@@ -120,10 +98,6 @@ class Nonlinearity(OutputEffect):
     def slope(self, z: FloatArray, own: FloatArray) -> FloatArray:
         """Derivative of the curve."""
         return curves.slope(np.clip(z, *CURVE_RANGE), own)
-
-    def values(self, fit: Fitted) -> dict[str, Value]:
-        """`c2` and `c3` about `centre`, the mean output."""
-        return curves.coefficients(fit.theta_of(self), fit.data.y_scale.unit, "y") | {"centre": Value(fit.y(0.0), "y")}
 
 
 class Drift(AdditiveEffect):

@@ -41,7 +41,7 @@ class Friction(_AroundGiven):
 
     def is_plausible(self, fit: Fitted) -> bool:
         """Require motion in both directions: in one direction friction is a constant."""
-        output = fit.hypothesis.output(fit.theta, fit.gains, fit.data.u)
+        output = fit.output
         scale = fit.data.y_scale
         moving = output + scale.centre / scale.unit if self.variant == "given-speed" else np.diff(output)
         return bool(min(np.mean(moving > 0), np.mean(moving < 0)) > MIN_EITHER_DIRECTION)
@@ -78,7 +78,7 @@ class Spring(_AroundGiven):
         """`cubic`: relative increase of the restoring force, per square of the output."""
         plant = fit.hypothesis.plant
         assert plant.pulse is not None
-        values = plant.free_values(fit.theta[fit.hypothesis.slices["plant"]])
+        values = plant.free_values(fit.plant_theta)
         gain = float(np.sum(plant.pulse(values, fit.data.samples)))  # of the simulation: its spring has 1 / gain
         per_level = 1.0 / (float(fit.gains[0]) * fit.data.y_scale.unit or 1.0)
         return {"cubic": Value(fit.plant_value("spring") * gain * per_level**2, "1/y^2")}

@@ -137,7 +137,7 @@ class Overflow(PlantEffect):
         slow, fast = real_rates(*context.rates)
         zero = 0.0
         if plant.has_root:
-            own = context.parent.theta[context.parent.hypothesis.slices["plant"]]
+            own = context.parent.plant_theta
             zero = float(own[plant.index("zero")])
         level = _kernels.first_order(u - zero, float(np.exp(-fast)))
         level[: min(5, level.size)] = level[min(5, level.size - 1)]
@@ -154,7 +154,7 @@ class Overflow(PlantEffect):
 
     def is_plausible(self, fit: Fitted) -> bool:
         """Reject a tank that fills within a sample (a limit of the actuator or the sensor) and an impossible start."""
-        slopes = fit.hypothesis.plant.level_slopes(fit.theta[fit.hypothesis.slices["plant"]])
+        slopes = fit.hypothesis.plant.level_slopes(fit.plant_theta)
         if any(abs(fit.plant_value(h)) > MAX_START * slope for h, slope in zip(("h1", "h2"), slopes, strict=True)):
             return False
         if fit.starts_at_rest and self._overflows_at_first(fit):
@@ -166,7 +166,7 @@ class Overflow(PlantEffect):
     def _overflows_at_first(self, fit: Fitted) -> bool:
         """Whether the flow of the first command overflows in steady state."""
         plant = fit.hypothesis.plant
-        w = float(fit.hypothesis.actuator(fit.theta, fit.data.u)[0])
+        w = float(fit.actuator[0])
         zero = fit.plant_value("zero") if plant.has_root else 0.0
         brim = fit.plant_value("brim")
         root = plant.lower_root if plant.brim == BRIM_CODES["lower"] else plant.upper_root

@@ -19,7 +19,7 @@ from labsid.gap.candidates import (
     trial_fits,
 )
 from labsid.gap.data import Data, scaled
-from labsid.gap.effects import disturbance, drifts, dynamics, input, output, tanks
+from labsid.gap.effects import disturbance, drifts, dynamics, input, output, periodic, tanks
 from labsid.gap.effects.base import Effect
 from labsid.gap.effects.context import Context
 from labsid.gap.effects.families import CANDIDATES
@@ -31,9 +31,9 @@ from labsid.gap.linear_fits import LINEAR, fit_baseline, fit_highpass
 from labsid.gap.plants import Plant
 from labsid.gap.responses import real_rates
 
-INNER_PERIODIC = disturbance.InnerPeriodic("inside")
-PERIODIC_LOAD = disturbance.Periodic("load")
-PERIODIC = disturbance.Periodic()
+INNER_PERIODIC = periodic.InnerPeriodic("inside")
+PERIODIC_LOAD = periodic.Periodic("load")
+PERIODIC = periodic.Periodic()
 
 Response = Callable[..., FloatArray]
 
@@ -275,7 +275,7 @@ def test_motor_friction_starts_at_several_centres_within_the_input_range(
 
 def test_friction_with_an_off_centre_reversal_is_found(levels: FloatArray) -> None:
     """A servo driven mostly one way: neither the median of the input nor its first value is its rest position."""
-    plant = Plant(kind="speed", friction=True)
+    plant = Plant(kind="speed", friction="sharp")
     u = np.concatenate([np.full(8, 1.4), levels[8:400]])
     u = np.where(u < 0.0, 0.4 * u, u)
     numbers = {"log_a": np.log(0.15), "log_b": np.log(0.8), "friction": 0.2, "centre": -0.25}

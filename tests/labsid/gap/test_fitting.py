@@ -10,7 +10,7 @@ from scipy.signal import lfilter
 from labsid._arrays import FloatArray
 from labsid.gap._kernels import delayed
 from labsid.gap.data import Data, Scale
-from labsid.gap.effects import disturbance, input, output
+from labsid.gap.effects import disturbance, input, output, periodic
 from labsid.gap.fitting import Fit, covariance, finish, minimize, refit, rms, start_cost
 from labsid.gap.hypothesis import Hypothesis
 from labsid.gap.noise_model import complete_rows
@@ -66,7 +66,7 @@ def test_known_parameters_are_recovered_from_distant_starts(levels: FloatArray) 
         (input.Delay(), [3.4], [3.3]),
         (output.Saturation("high"), [0.5], [0.52]),
         (output.Nonlinearity(), [0.15, -0.05], [0.05, 0.0]),
-        (disturbance.Periodic(), [11.3], [11.0]),
+        (periodic.Periodic(), [11.3], [11.0]),
     ],
     ids=lambda value: value.key if hasattr(value, "key") else None,
 )
@@ -126,7 +126,7 @@ def test_a_wave_that_the_sensor_clips_with_the_rest_is_fitted_to_rounding(
     k = np.arange(levels.size)
     y = np.clip(two_poles(levels) + 0.25 * np.sin(2.0 * np.pi * 23.4 / k.size * k + 0.4), 0.75, 1.75)
     assert 30 < ((y == 0.75) | (y == 1.75)).sum() < 300
-    hypothesis = Hypothesis((output.Saturation("both"), disturbance.Periodic()))
+    hypothesis = Hypothesis((output.Saturation("both"), periodic.Periodic()))
     start = np.array([0.1, np.log(0.6), np.log(0.06), 0.8, 1.7, 23.2])
     fit = fit_of(data_of(levels, y), hypothesis, start, iterations=80)
     np.testing.assert_allclose(fit.output, y, atol=1e-6)

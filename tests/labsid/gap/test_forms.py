@@ -11,15 +11,12 @@ from labsid._arrays import FloatArray
 from labsid.gap.beam_search import plausible_forms
 from labsid.gap.candidates import best_fit, best_form, trial_fits
 from labsid.gap.data import Data, scaled
-from labsid.gap.effects import disturbance, drifts, dynamics, input, output, tanks
-from labsid.gap.effects.base import Effect, Fitted
+from labsid.gap.effects import disturbance, drifts, dynamics, input, output, periodic, tanks
+from labsid.gap.effects.base import Effect, Fitted, PlantEffect
+from labsid.gap.effects.families import EFFECTS_BY_KEY
 from labsid.gap.explanation import Explanation, explain
 from labsid.gap.fitting import Fit, finish, minimize, rms
-from labsid.gap.forms import (
-    alternative_forms,
-    remove_effect,
-    transfer_theta,
-)
+from labsid.gap.forms import alternative_forms, extended_hypotheses, remove_effect, transfer_theta
 from labsid.gap.hypothesis import Hypothesis
 from labsid.gap.linear_fits import LINEAR, fit_baseline, fit_highpass
 from labsid.gap.model_file import export_model
@@ -28,10 +25,10 @@ from labsid.gap.refinement import converge
 
 INNER_LOAD = disturbance.InnerLoad("inside")
 UPSTREAM_LOAD = disturbance.InnerLoad("ahead")
-INNER_PERIODIC = disturbance.InnerPeriodic("inside")
-UPSTREAM_PERIODIC = disturbance.InnerPeriodic("ahead")
-PERIODIC_LOAD = disturbance.Periodic("load")
-PERIODIC = disturbance.Periodic()
+INNER_PERIODIC = periodic.InnerPeriodic("inside")
+UPSTREAM_PERIODIC = periodic.InnerPeriodic("ahead")
+PERIODIC_LOAD = periodic.Periodic("load")
+PERIODIC = periodic.Periodic()
 LOAD = disturbance.LoadStep()
 LEAK = disturbance.Leak("leak")
 
@@ -203,13 +200,12 @@ def test_forms_of_one_effect_share_its_name_and_numbers(group: tuple[Effect, ...
 )
 def test_a_load_grows_with_the_state_as_its_dynamics_hold_it(effect: Effect | None, expected: Effect | None) -> None:
     hypothesis = LINEAR if effect is None else LINEAR.plus(effect)
-    assert LOAD.grown(hypothesis.plant) == expected
     found = [other.effects[-1] for other in alternative_forms(hypothesis.plus(LOAD)) if other.effects[-1] != LOAD]
     assert found == [effect for effect in (expected,) if effect is not None]
 
 
 def test_a_given_simulation_has_no_leak_form() -> None:
-    assert LOAD.grown(Plant(kind="given", run=lambda w, values: w)) is None
+    assert LOAD.alternatives(Hypothesis((LOAD,), given=Plant(kind="given", run=lambda w, values: w))) == []
 
 
 def test_a_load_that_grows_on_linear_dynamics_is_also_tried_as_one_that_does_not() -> None:
@@ -583,3 +579,15 @@ def test_friction_at_small_speeds(
     assert found["friction"] == pytest.approx(0.5, abs=0.03)
     assert found.get("break_away", 0.8) == pytest.approx(0.8, abs=0.06)
     assert rms(data, fit) < 0.013
+
+
+@pytest.mark.parametrize("beside", [None, dynamics.CubicStiffness(), tanks.SqrtOutflow("both"), input.DeadZone()])
+def test_every_form_that_the_search_can_reach_can_be_exported(beside: Effect | None) -> None:
+    host = LINEAR if beside is None else LINEAR.plus(beside)
+    for effect in EFFECTS_BY_KEY.values():
+        if effect.name in host.names or (isinstance(effect, PlantEffect) and effect.only_given):
+            continue
+        hypotheses = extended_hypotheses(host, effect)
+        for other in [form for one in hypotheses for form in (one, *alternative_forms(one))]:
+            assert all(EFFECTS_BY_KEY[form.key] == form for form in other.effects)
+            assert set(other.names) == {*host.names, effect.name}

@@ -12,7 +12,7 @@ from scipy.signal import cont2discrete, lfilter
 from labsid._arrays import FloatArray
 from labsid.gap import report
 from labsid.gap.data import Data, Scale, scaled
-from labsid.gap.effects import curves, disturbance, drifts, dynamics, input, output, tanks
+from labsid.gap.effects import curves, disturbance, drifts, dynamics, input, output, periodic, tanks
 from labsid.gap.effects.base import AdditiveEffect, Effect, Fitted, InputEffect, OutputEffect, PlantEffect
 from labsid.gap.effects.context import Context
 from labsid.gap.effects.families import CANDIDATES
@@ -275,7 +275,7 @@ def test_columns_of_a_drift() -> None:
 def test_columns_of_a_sinusoid_count_cycles_in_the_span() -> None:
     phase = 2.0 * np.pi * 3.0 * np.arange(20) / 12.0
     expected = np.column_stack([np.cos(phase), np.sin(phase)])
-    np.testing.assert_allclose(columns(disturbance.Periodic(), [3.0], 20, 12), expected, atol=1e-12)
+    np.testing.assert_allclose(columns(periodic.Periodic(), [3.0], 20, 12), expected, atol=1e-12)
 
 
 def test_columns_of_a_load_are_the_step_response_from_its_onset() -> None:
@@ -389,7 +389,7 @@ def test_a_pole_drift_on_a_nonlinear_state_is_reported_as_on_linear_dynamics() -
 def test_a_periodic_load_is_reported_by_its_amplitude_at_the_output(
     effect: Effect, plant: dict[str, float], answer: Callable[[complex], complex]
 ) -> None:
-    wave = disturbance.InnerPeriodic("inside")
+    wave = periodic.InnerPeriodic("inside")
     hypothesis = Hypothesis((effect, wave))
     assert hypothesis.names == (effect.name, "periodic-disturbance")
     u, cycles = np.repeat(np.random.default_rng(5).uniform(-1.5, 1.5, 200), 8), 50.0
@@ -406,7 +406,7 @@ def test_a_wave_at_the_load_is_bent_by_the_curve_of_the_sensor(levels: FloatArra
     x = two_poles(levels) + 0.3 * np.sin(2.0 * np.pi * 23.4 / levels.size * np.arange(levels.size) + 0.4)
     data = scaled(levels, x + 0.25 * x**2 - 0.05 * x**3, np.ones(levels.size, bool), 1.0)
     missed = []
-    for wave in (disturbance.Periodic("load"), disturbance.Periodic()):
+    for wave in (periodic.Periodic("load"), periodic.Periodic()):
         hypothesis = Hypothesis((output.Nonlinearity(), wave))
         numbers = {"log_c": np.log(0.5), "log_k": np.log(0.05), "c2": 0.1, "cycles": 23.4}
         theta = np.array([numbers.get(parameter.name, 0.0) for parameter in hypothesis.parameters])
@@ -436,7 +436,7 @@ def test_a_load_step_without_final_change_is_implausible() -> None:
 
 
 def test_amplitudes_of_additive_effects() -> None:
-    wave = values(fitted(disturbance.Periodic(), np.array([0.0, 0.0, 0.3, 0.4]), None, 5.0))
+    wave = values(fitted(periodic.Periodic(), np.array([0.0, 0.0, 0.3, 0.4]), None, 5.0))
     assert wave == {"frequency": (pytest.approx(5.0 / (SAMPLES * TS)), "Hz"), "amplitude": (pytest.approx(1.5), "y")}
     gains = np.array([0.0, 0.0, 0.4, -0.3, 0.2])
     found = values(fitted(output.Drift("3"), gains))
@@ -651,7 +651,7 @@ def test_pole_and_output_drifts_include_high_degrees(levels: FloatArray) -> None
 
 @pytest.mark.parametrize(
     "effect",
-    [disturbance.LoadStep(), disturbance.Periodic(), output.Drift("1")],
+    [disturbance.LoadStep(), periodic.Periodic(), output.Drift("1")],
     ids=lambda effect: effect.key,
 )
 def test_nothing_is_larger_than_the_record_could_show(effect: AdditiveEffect) -> None:

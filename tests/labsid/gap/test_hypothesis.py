@@ -5,14 +5,14 @@ import pytest
 
 from labsid._arrays import FloatArray
 from labsid.gap._kernels import delayed
-from labsid.gap.effects import disturbance, drifts, dynamics, input, output, tanks
+from labsid.gap.effects import disturbance, drifts, dynamics, input, output, periodic, tanks
 from labsid.gap.hypothesis import Design, Hypothesis
 from labsid.gap.plants import Plant
 
 FULL = Hypothesis(
     (
         output.Nonlinearity(),
-        disturbance.Periodic(),
+        periodic.Periodic(),
         input.DeadZone(),
         disturbance.LoadStep(),
         dynamics.ExtraLag(),
@@ -82,15 +82,15 @@ def test_effects_that_the_simulation_already_had_are_no_finding() -> None:
     more = given.plus(input.Saturation("low"))
     assert more.names == ("input-saturation",)
     assert more.keys == ("input-saturation/low",)
-    assert more.plant == Plant(lag=True)
+    assert more.plant == Plant(lag="behind")
     twice = Hypothesis((disturbance.LoadStep(), disturbance.Leak("leak")))
     assert twice.names == ("load-step",)
     assert twice.keys == ("load-step", "load-step/leak")
 
 
 def test_effects_are_added_to_a_given_plant() -> None:
-    hypothesis = Hypothesis((dynamics.Resonance(),), given=Plant(lag=True))
-    assert hypothesis.plant == Plant(lag=True, mode=True)
+    hypothesis = Hypothesis((dynamics.Resonance(),), given=Plant(lag="behind"))
+    assert hypothesis.plant == Plant(lag="behind", mode="behind")
     assert hypothesis.plus(output.Saturation("low")).plant == hypothesis.plant
 
 
@@ -179,7 +179,7 @@ def test_a_load_passes_the_whole_sensor_and_a_drift_only_its_limits(levels: Floa
 @pytest.mark.parametrize("hypothesis", [FULL, FULL.plus(input.Delay()), FULL.plus(tanks.SqrtOutflow("both"))])
 def test_a_reused_design_equals_a_new_one(hypothesis: Hypothesis, levels: FloatArray) -> None:
     theta = np.full(len(hypothesis.parameters), 0.3)
-    own = dict(zip([p.name for p in Plant(lag=True).parameters], full_theta()[FULL.slices["plant"]], strict=True))
+    own = dict(zip([p.name for p in Plant(lag="behind").parameters], full_theta()[FULL.slices["plant"]], strict=True))
     own |= {"log_a": np.log(0.3), "log_b": np.log(0.2), "zero": -3.0}
     for key, place in FULL.slices.items():
         numbers = full_theta()[place] if key != "plant" else [own.get(p.name, 0.1) for p in hypothesis.plant.parameters]

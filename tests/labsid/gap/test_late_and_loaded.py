@@ -10,15 +10,15 @@ from labsid.gap.plants import Plant
 LATE = 0.3  # of a sample
 LINEAR_KINDS = [
     Plant(),
-    Plant(zero=False, lag=True),
-    Plant(mode=True),
+    Plant(zero=False, lag="behind"),
+    Plant(mode="behind"),
     Plant(kind="varying", extra_degrees=2),
     Plant(kind="varying", course="step"),
     Plant(kind="given", run=lambda w, values: np.cumsum(w)),
 ]
 AHEAD = [
-    Plant(kind="tanks", upper_root=True, lag=True, lag_upstream=True),
-    Plant(kind="mechanics", friction=True, mode=True, mode_place="ahead", lag=True, lag_upstream=True),
+    Plant(kind="tanks", upper_root=True, lag="ahead"),
+    Plant(kind="mechanics", friction="sharp", mode="ahead", lag="ahead"),
 ]
 NUMBERS = {
     "log_c": np.log(0.5),
@@ -53,10 +53,10 @@ def test_a_linear_plant_is_driven_by_the_mean_over_each_sample(plant: Plant, lev
     "plant",
     [
         Plant(kind="tanks", upper_root=True, lower_root=True, brim=1),
-        Plant(kind="mechanics", cubic=True, friction=True),
-        Plant(kind="mechanics", cubic=True, lag=True),
-        Plant(kind="speed", friction=True, lag_first=True),
-        Plant(kind="speed", friction=True, lag_first=False),
+        Plant(kind="mechanics", cubic=True, friction="sharp"),
+        Plant(kind="mechanics", cubic=True, lag="behind"),
+        Plant(kind="speed", friction="sharp", lag_first=True),
+        Plant(kind="speed", friction="sharp", lag_first=False),
     ],
 )
 def test_a_nonlinear_state_sees_the_change_within_a_sample(plant: Plant, levels: FloatArray) -> None:
@@ -83,14 +83,14 @@ def test_a_lag_ahead_of_a_nonlinear_state_receives_the_sample_mean(plant: Plant,
 @pytest.mark.parametrize(
     "plant",
     [
-        Plant(kind="tanks", upper_root=True, lower_root=True, has_load=True),
-        Plant(kind="mechanics", cubic=True, has_load=True),
-        Plant(kind="speed", friction=True, has_load=True),
+        Plant(kind="tanks", upper_root=True, lower_root=True, load="inside"),
+        Plant(kind="mechanics", cubic=True, load="inside"),
+        Plant(kind="speed", friction="sharp", load="inside"),
     ],
 )
 def test_a_load_begins_at_its_onset_and_a_leak_takes_more_where_there_is_more(plant: Plant, levels: FloatArray) -> None:
     w = np.concatenate([levels[:300], np.full(300, 2.0)])
-    bare = plant.modified(has_load=False)
+    bare = plant.modified(load="")
     without = bare.columns(some_theta(bare), w, w.size)[:, 0]
     for own in ({"load": 0.3}, {"leak": 0.2}):
         loaded = plant.columns(some_theta(plant, **own), w, w.size)[:, 0]
@@ -106,7 +106,7 @@ def test_a_load_begins_at_its_onset_and_a_leak_takes_more_where_there_is_more(pl
     [
         Plant(kind="tanks", upper_root=True, brim=2),
         Plant(kind="tanks", lower_root=True, flipped=True),
-        Plant(kind="speed", friction=True),
+        Plant(kind="speed", friction="sharp"),
     ],
 )
 def test_a_load_ahead_of_the_first_state_equals_less_input(plant: Plant, levels: FloatArray) -> None:
@@ -114,9 +114,9 @@ def test_a_load_ahead_of_the_first_state_equals_less_input(plant: Plant, levels:
     k, side = np.arange(levels.size), -1.0 if plant.flipped else 1.0
     bare = some_theta(plant)
     pulls = {
-        "load": (plant.modified(has_load=True, load_upstream=True), np.clip(k + 1.0 - 0.4 * k.size, 0.0, 1.0)),
+        "load": (plant.modified(load="ahead"), np.clip(k + 1.0 - 0.4 * k.size, 0.0, 1.0)),
         "shake_sin": (
-            plant.modified(has_sinusoid=True, sinusoid_upstream=True),
+            plant.modified(sinusoid="ahead"),
             np.sin(2.0 * np.pi * 9.0 / k.size * (k + 0.5)),
         ),
     }

@@ -7,7 +7,7 @@ import pytest
 
 from labsid._arrays import FloatArray
 from labsid.gap.data import Data, Scale
-from labsid.gap.effects import disturbance, input
+from labsid.gap.effects import disturbance, input, periodic
 from labsid.gap.effects.base import Effect
 from labsid.gap.fitting import Fit, finish, minimize
 from labsid.gap.hypothesis import Hypothesis
@@ -42,7 +42,7 @@ def maker(effect: Effect, own: list[float], extra: list[float], u: FloatArray) -
 CASES = {
     "dead zone": (input.DeadZone(), [-0.4, 0.3], [], {"low": 1.8, "high": 2.15}),
     "saturation": (input.Saturation("high"), [0.8], [], {"high": 2.4}),
-    "sinusoid": (disturbance.Periodic(), [11.3], [0.1, 0.05], {"frequency": 11.3 / 80.0, "amplitude": 3.0 * 0.1118034}),
+    "sinusoid": (periodic.Periodic(), [11.3], [0.1, 0.05], {"frequency": 11.3 / 80.0, "amplitude": 3.0 * 0.1118034}),
     "curve": (input.Nonlinearity(), [0.2, 0.1], [], {"c2": 0.4, "c3": 0.4}),
 }
 

@@ -19,21 +19,21 @@ C, K = 0.5, 0.05
 KINDS = [
     Plant(),
     Plant(zero=False),
-    Plant(zero=False, lag=True),
-    Plant(lag=True),
-    Plant(mode=True),
-    Plant(lag=True, mode=True),
+    Plant(zero=False, lag="behind"),
+    Plant(lag="behind"),
+    Plant(mode="behind"),
+    Plant(lag="behind", mode="behind"),
     Plant(kind="tanks"),
     Plant(kind="tanks", upper_root=True, lower_root=True, brim=1),
-    Plant(kind="tanks", lower_root=True, brim=2, lag=True),
-    Plant(kind="mechanics", friction=True),
-    Plant(kind="mechanics", cubic=True, mode=True),
-    Plant(kind="mechanics", cubic=True, mode=True, mode_place="beside"),
-    Plant(kind="mechanics", friction=True, mode=True, mode_place="ahead", lag=True, lag_upstream=True),
-    Plant(kind="speed", friction=True, lag_first=False),
+    Plant(kind="tanks", lower_root=True, brim=2, lag="behind"),
+    Plant(kind="mechanics", friction="sharp"),
+    Plant(kind="mechanics", cubic=True, mode="behind"),
+    Plant(kind="mechanics", cubic=True, mode="beside"),
+    Plant(kind="mechanics", friction="sharp", mode="ahead", lag="ahead"),
+    Plant(kind="speed", friction="sharp", lag_first=False),
     Plant(kind="varying", extra_degrees=2),
     Plant(kind="varying", course="step"),
-    Plant(kind="tanks", upper_root=True, has_load=True),
+    Plant(kind="tanks", upper_root=True, load="inside"),
     Plant(kind="given", run=lambda w, values: 2.0 * w),
 ]
 
@@ -66,10 +66,10 @@ def test_linear_columns_span_the_sampled_system(levels: FloatArray, c: float, k:
 @pytest.mark.parametrize("state", [0.0, 0.7])
 def test_a_further_lag_and_a_further_mode_are_in_the_span(levels: FloatArray, state: float) -> None:
     lag, mode = np.polymul([1.0, C, K], [4.0, 1.0]), [1.0, 0.06, 0.36]
-    plant = Plant(lag=True)
+    plant = Plant(lag="behind")
     columns = plant.columns(theta_of(plant, log_c=np.log(C), log_k=np.log(K), log_lag=np.log(4.0)), levels, 600, 0.0)
     assert left(columns, sampled([K], list(lag), levels, state)) < 1e-9
-    plant = Plant(mode=True)
+    plant = Plant(mode="behind")
     numbers = {"log_frequency": np.log(0.6), "log_damping": np.log(0.05)}
     columns = plant.columns(theta_of(plant, log_c=np.log(C), log_k=np.log(K), **numbers), levels, 600, 0.0)
     assert left(columns, sampled([K], list(np.polymul([1.0, C, K], mode)), levels, state)) < 1e-9
@@ -149,7 +149,7 @@ def test_a_cubic_spring_in_units_of_its_linear_deflection(levels: FloatArray, he
 
 
 def test_a_mass_sticks_within_the_friction_band() -> None:
-    plant = Plant(kind="mechanics", friction=True)
+    plant = Plant(kind="mechanics", friction="sharp")
     theta = theta_of(plant, log_c=np.log(0.3), log_k=np.log(0.2), friction=0.4)
     w = np.concatenate([np.zeros(20), np.full(40, 0.35), np.full(120, 1.4), np.full(60, 1.1)])
     x = plant.columns(theta, w, w.size, 0.0)[:, 0]
@@ -163,7 +163,7 @@ def test_a_mass_sticks_within_the_friction_band() -> None:
 
 @pytest.mark.parametrize("lag_first", [True, False])
 def test_speed_settles_at_the_drive_less_the_friction(lag_first: bool) -> None:
-    plant = Plant(kind="speed", friction=True, lag_first=lag_first)
+    plant = Plant(kind="speed", friction="sharp", lag_first=lag_first)
     theta = theta_of(plant, log_a=np.log(0.3), log_b=np.log(0.5), friction=0.2, centre=0.1)
     w = np.repeat([0.1, 1.1, -0.9, 0.2], 80)
     v = plant.columns(theta, w, w.size)[:, 0]
@@ -171,7 +171,7 @@ def test_speed_settles_at_the_drive_less_the_friction(lag_first: bool) -> None:
 
 
 def test_a_lag_behind_a_nonlinear_state_takes_its_place(levels: FloatArray) -> None:
-    bare, lagged = Plant(kind="tanks"), Plant(kind="tanks", lag=True)
+    bare, lagged = Plant(kind="tanks"), Plant(kind="tanks", lag="behind")
     numbers = {"log_a": np.log(0.3), "log_b": np.log(0.2)}
     columns = lagged.columns(theta_of(lagged, log_lag=np.log(4.0), **numbers), levels, levels.size)
     start = bare.columns(theta_of(bare, **numbers), levels[:1], 1)[0, 0]
@@ -190,7 +190,7 @@ def fine_response(system: tuple[list[float], list[float]], levels: FloatArray) -
 
 
 def test_a_lag_ahead_of_a_nonlinear_state_drives_it_with_its_mean(levels: FloatArray) -> None:
-    bare, lagged = Plant(kind="tanks"), Plant(kind="tanks", lag=True, lag_upstream=True)
+    bare, lagged = Plant(kind="tanks"), Plant(kind="tanks", lag="ahead")
     numbers = {"log_a": np.log(0.3), "log_b": np.log(0.2)}
     driven = fine_response(([1.0], [4.0, 1.0]), levels)
     expected = bare.columns(theta_of(bare, **numbers), driven, levels.size)
@@ -200,7 +200,7 @@ def test_a_lag_ahead_of_a_nonlinear_state_drives_it_with_its_mean(levels: FloatA
 
 
 def test_a_mode_ahead_of_a_nonlinear_state_drives_it_with_its_mean(levels: FloatArray) -> None:
-    bare, swinging = Plant(kind="tanks"), Plant(kind="tanks", mode=True, mode_place="ahead")
+    bare, swinging = Plant(kind="tanks"), Plant(kind="tanks", mode="ahead")
     numbers = {"log_a": np.log(0.3), "log_b": np.log(0.2)}
     driven = fine_response(([0.09], [1.0, 2 * 0.1 * 0.3, 0.09]), levels)
     expected = bare.columns(theta_of(bare, **numbers), driven, levels.size)
@@ -210,7 +210,7 @@ def test_a_mode_ahead_of_a_nonlinear_state_drives_it_with_its_mean(levels: Float
 
 
 def test_a_mode_beside_a_nonlinear_state_answers_the_input(levels: FloatArray) -> None:
-    plant = Plant(kind="tanks", mode=True, mode_place="beside")
+    plant = Plant(kind="tanks", mode="beside")
     mode = {"log_frequency": np.log(0.3), "log_damping": np.log(0.1)}
     columns = plant.columns(theta_of(plant, log_a=np.log(0.3), log_b=np.log(0.2), **mode), levels, levels.size)
     np.testing.assert_allclose(columns[:, 1:], section(2 * 0.1 * 0.3, 0.09, levels - levels[0]), atol=1e-12)
@@ -228,7 +228,12 @@ def test_a_given_simulation_is_one_column(levels: FloatArray) -> None:
 def test_a_given_simulation_that_can_be_run_has_responses_to_its_initial_state(levels: FloatArray) -> None:
     free = (free_number("tau", 2.0), free_number("bias", 0.0))
     plant = Plant(
-        kind="given", run=lambda w, v: v[0] * w + v[1], free=free, takes_input=True, given_rates=(0.7, 0.1), lag=True
+        kind="given",
+        run=lambda w, v: v[0] * w + v[1],
+        free=free,
+        takes_input=True,
+        given_rates=(0.7, 0.1),
+        lag="behind",
     )
     theta = np.array([0.5, 0.25, np.log(3.0)])
     columns = plant.columns(theta, levels, levels.size)
@@ -294,8 +299,8 @@ def test_a_leak_found_on_one_record_is_that_of_another_one(
 
 def test_state_columns_behind_a_nonlinear_state() -> None:
     assert Plant(kind="tanks").state_columns == ()
-    assert Plant(kind="tanks", lag=True).state_columns == (1,)
-    assert Plant(kind="mechanics", cubic=True, mode=True).state_columns == (3, 4)
+    assert Plant(kind="tanks", lag="behind").state_columns == (1,)
+    assert Plant(kind="mechanics", cubic=True, mode="behind").state_columns == (3, 4)
     for plant in KINDS:
         numbers = np.clip(np.zeros(len(plant.parameters)), [p.lower for p in plant.parameters], None)
         width = plant.columns(numbers, np.linspace(0.0, 1.0, 40), 40).shape[1]
@@ -342,9 +347,9 @@ def test_parameters_are_named_once_and_bounded(plant: Plant) -> None:
 
 
 def test_changing_a_plant_updates_its_parameters() -> None:
-    plant = Plant(lag=True).modified(mode=True)
-    assert plant == Plant(lag=True, mode=True)
-    assert plant.parameters == Plant(lag=True, mode=True).parameters
+    plant = Plant(lag="behind").modified(mode="behind")
+    assert plant == Plant(lag="behind", mode="behind")
+    assert plant.parameters == Plant(lag="behind", mode="behind").parameters
     assert "log_damping" in [parameter.name for parameter in plant.parameters]
 
 
@@ -376,7 +381,7 @@ def test_an_offset_of_the_input_of_an_integrator_is_in_the_span(
 def test_a_lag_behind_a_mass_follows_its_position_between_the_samples(tau: float) -> None:
     """The position is curved within a sample."""
     w = np.repeat(np.random.default_rng(1).normal(size=20), 6)
-    plant = Plant(kind="mechanics", cubic=True, lag=True)
+    plant = Plant(kind="mechanics", cubic=True, lag="behind")
     numbers = {"log_c": np.log(0.3), "log_k": np.log(0.2), "log_lag": np.log(tau)}
     found = plant.columns(theta_of(plant, **numbers), w, w.size * 100)[:, 0]
     chain = np.array([[0.0, 1.0, 0.0], [-0.2, -0.3, 0.0], [1.0 / tau, 0.0, -1.0 / tau]])
@@ -387,7 +392,7 @@ def test_a_lag_behind_a_mass_follows_its_position_between_the_samples(tau: float
 
 def test_a_mass_on_a_weak_spring_starts_at_its_own_position() -> None:
     """The equilibrium of such a weak spring at another input is out of reach."""
-    plant = Plant(kind="mechanics", friction=True)
+    plant = Plant(kind="mechanics", friction="sharp")
     theta = theta_of(plant, log_c=np.log(0.3), log_k=np.log(1e-9), friction=0.1, z0=0.2)
     w = np.full(50, 0.5)
     same, other = (plant.columns(theta, w, w.size, reference)[:, 0] for reference in (0.5, 0.45))

@@ -4,13 +4,13 @@ import numpy as np
 import pytest
 
 from labsid.gap.data import Data, scaled
-from labsid.gap.effects import disturbance, dynamics
+from labsid.gap.effects import dynamics, periodic
 from labsid.gap.fitting import UNFILTERED, Fit, Problem, finish, minimize
 from labsid.gap.forms import transfer_theta
 from labsid.gap.hypothesis import Hypothesis
 from labsid.gap.refinement import converge, retried_without_one, valley_directions
 
-INNER_PERIODIC = disturbance.InnerPeriodic("inside")
+INNER_PERIODIC = periodic.InnerPeriodic("inside")
 
 STICKING = Hypothesis((dynamics.CoulombFriction("position"), dynamics.ExtraLag()))
 NAMES = [parameter.name for parameter in STICKING.parameters]

@@ -1,0 +1,34 @@
+"""Limits of a signal, of the actuator or of the sensor."""
+
+from typing import ClassVar
+
+import numpy as np
+
+from labsid._arrays import FloatArray
+from labsid.gap.effects.base import Effect, Fitted, Value
+from labsid.gap.plant_form import Parameter
+
+
+class Limits(Effect):
+    """Limits of the input or the output, `signal` "u" or "y"; `variant` low, high or both."""
+
+    signal: ClassVar[str]
+    leap: ClassVar[float]
+    variants = ("high", "low", "both")
+
+    @property
+    def parameters(self) -> tuple[Parameter, ...]:
+        """Limits in the scaled signal."""
+        names = ("low", "high") if self.variant == "both" else (self.variant,)
+        return tuple(Parameter(name, -8.0, 8.0, leap=self.leap) for name in names)
+
+    def between(self, lows: FloatArray, highs: FloatArray) -> list[FloatArray]:
+        """Start values from some of either limit."""
+        ends = {"low": lows, "high": highs}
+        return [np.array(values) for values in zip(*(ends[one.name] for one in self.parameters), strict=True)]
+
+    def values(self, fit: Fitted) -> dict[str, Value]:
+        """`low` and `high` in the unit of the signal."""
+        scale = fit.data.u_scale if self.signal == "u" else fit.data.y_scale
+        ends = zip(self.parameters, fit.theta_of(self), strict=True)
+        return {p.name: Value(float(scale.back(float(x))), self.signal) for p, x in ends}

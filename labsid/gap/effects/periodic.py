@@ -1,0 +1,144 @@
+"""Periodic disturbances."""
+
+from typing import Any
+
+import numpy as np
+
+from labsid._arrays import FloatArray
+from labsid.gap.data import Data
+from labsid.gap.effects.base import MAX_RANGES, AdditiveEffect, Effect, Fitted, PlantEffect, Value
+from labsid.gap.effects.context import Context, Structure
+from labsid.gap.effects.dynamics import peaks
+from labsid.gap.plant_form import CYCLES, Parameter
+from labsid.gap.plants import Plant
+
+SINUSOID_STEP = 0.1  # amplitude for the numerical derivative by a sinusoid within the dynamics
+MAX_SINUSOID = 3.0  # largest start value of its amplitude
+
+
+class _Sinusoid(Effect):
+    """A sinusoid anywhere behind the actuator."""
+
+    name = "periodic-disturbance"
+    path = "disturbance"
+
+    def alternatives(self, hypothesis: Structure) -> list[Effect]:
+        """The other positions, where they differ."""
+        forms: list[Effect] = [Periodic()]
+        forms += [Periodic("load")] if any(not effect.is_limit for effect in hypothesis.outputs) else []
+        forms += [InnerPeriodic("inside")] if hypothesis.plant.nonlinear else []
+        forms += [InnerPeriodic("ahead")] if hypothesis.plant.in_series else []
+        return [form for form in forms if form != self]
+
+    def _cycles(self, fit: Fitted) -> float:
+        """In the record."""
+        raise NotImplementedError
+
+    def _amplitude(self, fit: Fitted) -> float:
+        """In the scaled output."""
+        raise NotImplementedError
+
+    def values(self, fit: Fitted) -> dict[str, Value]:
+        """`frequency`, and `amplitude` in the output."""
+        frequency = self._cycles(fit) / (fit.data.samples * fit.data.Ts)
+        return {
+            "frequency": Value(frequency, "Hz"),
+            "amplitude": Value(self._amplitude(fit) * fit.data.y_scale.unit, "y"),
+        }
+
+
+def residual_cycles(context: Context) -> list[float]:
+    """Cycles in the record of the highest narrow peaks in the spectrum of the residual."""
+    samples = context.data.samples
+    slowest = 2.0 * np.pi * CYCLES.lower / samples
+    return [w * samples / (2.0 * np.pi) for w in peaks(context, 3, slowest)]
+
+
+class InnerPeriodic(_Sinusoid, PlantEffect):
+    """A sinusoidal load on a nonlinear state; `variant` "inside", or "ahead" for the first of two states in series."""
+
+    only_inner = True
+    variants = ("inside",)
+    places = ("inside", "ahead")
+
+    def outer_form(self) -> Effect:
+        """A sinusoid at the sensor."""
+        return Periodic()
+
+    def with_linear_gains(self, data: Data, hypothesis: Any, theta: FloatArray) -> FloatArray:
+        """Set amplitude and phase by linear least squares."""
+        at = [hypothesis.slices["plant"].start + hypothesis.plant.index(name) for name in ("shake_cos", "shake_sin")]
+        base_columns = hypothesis.design(theta, data.u).columns
+        derivatives = []
+        for i in at:
+            one = theta.copy()
+            one[i] = SINUSOID_STEP
+            derivatives.append((hypothesis.design(one, data.u).columns[:, 0] - base_columns[:, 0]) / SINUSOID_STEP)
+        columns = np.column_stack([base_columns, *derivatives])[data.rows]
+        if not np.isfinite(columns).all():
+            return theta
+        gains = np.linalg.lstsq(columns, data.y[data.rows])[0]
+        out = theta.copy()
+        out[at] = np.clip(gains[-2:] / (gains[0] or np.inf), -MAX_SINUSOID, MAX_SINUSOID)
+        return out
+
+    def extend(self, plant: Plant) -> Plant:
+        """The dynamics with a sinusoidal load."""
+        return plant.modified(sinusoid=self.variant)
+
+    def plant_starts(self, context: Context) -> list[dict[str, float]]:
+        """The highest narrow peaks in the spectrum of the residual."""
+        return [{"cycles": at} for at in residual_cycles(context)]
+
+    def _cycles(self, fit: Fitted) -> float:
+        return fit.plant_value("cycles")
+
+    def _amplitude(self, fit: Fitted) -> float:
+        """Of its component in the change of the output."""
+        change = fit.change_by("shake_cos", "shake_sin")
+        wave = np.exp(-2j * np.pi * self._cycles(fit) / change.size * np.arange(change.size))
+        return float(2.0 * abs(np.mean(change * wave)))
+
+
+class Periodic(_Sinusoid, AdditiveEffect):
+    """A sinusoid added after the sensor's curve; with `variant` "load", before it."""
+
+    places = ("", "load")
+
+    def inner_forms(self) -> tuple[Effect, ...]:
+        """At the sensor, or within the dynamics."""
+        return (self, InnerPeriodic("inside"))
+
+    def inner_start(self, context: Context) -> dict[str, float]:
+        """The cycles."""
+        fit = context.parent
+        return {"cycles": float(fit.theta[fit.hypothesis.slices[self.key]][0])}
+
+    @property
+    def at_load(self) -> bool:
+        """Whether the sinusoid is added before the sensor's curve."""
+        return self.variant == "load"
+
+    @property
+    def parameters(self) -> tuple[Parameter, ...]:
+        """Number of cycles in the record."""
+        return (CYCLES,)
+
+    def starts(self, context: Context) -> list[FloatArray]:
+        """The highest narrow peaks in the spectrum of the residual."""
+        return [np.array([at]) for at in residual_cycles(context)]
+
+    def columns(self, own: FloatArray, samples: int, span: int, plant: Plant, rates: FloatArray) -> FloatArray:
+        """Cosine and sine."""
+        phase = 2.0 * np.pi * own[0] / span * np.arange(samples)
+        return np.column_stack([np.cos(phase), np.sin(phase)])
+
+    def is_plausible(self, fit: Fitted) -> bool:
+        """Reject amplitudes larger than the record could show."""
+        return self._amplitude(fit) < MAX_RANGES * fit.range
+
+    def _amplitude(self, fit: Fitted) -> float:
+        return float(np.hypot(*fit.hypothesis.gains_of(fit.gains, self)))
+
+    def _cycles(self, fit: Fitted) -> float:
+        return float(fit.theta_of(self)[0])
