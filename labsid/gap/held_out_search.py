@@ -61,8 +61,6 @@ class Step:
         With this effect, to the rows that are not held out.
     errors : ndarray
         Mean square errors in the parts of the held-out samples.
-    reduction : Reduction
-        Compared with the step before.
     missed : Reduction
         The whole combination compared with the same without this effect.
     alone : Reduction or None
@@ -74,7 +72,6 @@ class Step:
     name: str
     fit: Fit
     errors: FloatArray
-    reduction: Reduction
     missed: Reduction
     alone: Reduction | None
     rivals: tuple[tuple[str, Reduction], ...] = ()
@@ -226,11 +223,10 @@ def _steps(pool: _Pool, best: Candidate) -> tuple[Step, ...]:
     whole = best
     while best.names:
         name, fewer = _least_missed(pool, best)
-        reduction = compare_errors(fewer.errors, best.errors)
         missed = compare_errors(pool.without(whole, name).errors, whole.errors)
         single = pool.best.get(frozenset({name}))
         alone = None if single is None else compare_errors(pool.start.errors, single.errors)
-        steps.append(Step(name, best.fit, best.errors, reduction, missed, alone, _rivals(pool, whole, name)))
+        steps.append(Step(name, best.fit, best.errors, missed, alone, _rivals(pool, whole, name)))
         best = fewer
     return tuple(reversed(steps))
 

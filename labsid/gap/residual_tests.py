@@ -42,8 +42,6 @@ class ResidualMeasures:
         The same two of the absolute residual: the size of noise does not depend on the input.
     tails : float
         Kurtosis of the innovations; 3 for a normal distribution.
-    uneven : float
-        Variation of the innovations' power between blocks of the record, over that of white noise.
     """
 
     rms: float
@@ -55,7 +53,6 @@ class ResidualMeasures:
     activity: float
     activity_z: float
     tails: float
-    uneven: float
 
 
 def is_noise(measures: ResidualMeasures, converted: bool) -> bool:
@@ -86,9 +83,6 @@ def measure_residual(data: Data, fit: Fit) -> ResidualMeasures:
     white = _kernels.whiten(e[:, None], fit.noise.ar)[:, 0][data.complete]
     innovation = float(np.mean(white**2))
     white = white / np.std(white)
-    blocks = np.array_split(white**2, 12)
-    spread = np.std([block.mean() for block in blocks])
-    chance = np.sqrt(2.0 / (white.size / 12))
     repeats, repeats_z = repeatability(data, fit, e)
     activity, activity_z = repeatability(data, fit, np.abs(e))
     return ResidualMeasures(
@@ -101,7 +95,6 @@ def measure_residual(data: Data, fit: Fit) -> ResidualMeasures:
         activity=activity,
         activity_z=activity_z,
         tails=float(np.mean(white**4)),
-        uneven=float(spread / chance),
     )
 
 

@@ -230,7 +230,7 @@ def step(fit: Fit, name: str, factor: float = 0.4, rivals: dict[str, float] | No
     """An effect that leaves `factor` of the error; in its place, each rival leaves so many times its error."""
     others = tuple((rival, Reduction(times, 5.0)) for rival, times in (rivals or {}).items())
     reduction = Reduction(factor, 5.0)
-    return Step(name, fit, np.ones(PARTS), reduction, reduction, reduction, others)
+    return Step(name, fit, np.ones(PARTS), reduction, reduction, others)
 
 
 @pytest.fixture
