@@ -51,19 +51,14 @@ def fit_driven_pole(data: Data, hypothesis: Hypothesis) -> Fit | None:
 
     None if the input does not excite the pole of any fit.
     """
-    points = []
-    for rate in SINGLE_POLE_RATES:
-        point = minimize(data, hypothesis, _start_theta(hypothesis, *single_pole(rate)), iterations=30)
-        if point is not None:
-            points.append(point)
+    starts = (_start_theta(hypothesis, *single_pole(rate)) for rate in SINGLE_POLE_RATES)
+    points = [point for theta in starts if (point := minimize(data, hypothesis, theta, iterations=30)) is not None]
     fits = (finish(data, hypothesis, point) for point in sorted(points, key=lambda point: point.cost))
     return next((fit for fit in fits if not has_undriven_pole(data, fit)), None)
 
 
 def _start_theta(hypothesis: Hypothesis, c: float, k: float) -> FloatArray:
     """Start values at given rates; an additional pole or mode is slightly faster."""
-    theta = np.zeros(len(hypothesis.parameters))
-    names = [parameter.name for parameter in hypothesis.parameters]
     guess = {
         "delay": 0.2,
         "log_c": np.log(c),
@@ -72,9 +67,7 @@ def _start_theta(hypothesis: Hypothesis, c: float, k: float) -> FloatArray:
         "log_frequency": 0.5 * np.log(k) + 0.7,
         "log_damping": -1.5,
     }
-    for i, name in enumerate(names):
-        theta[i] = guess.get(name, 0.0)
-    return theta
+    return np.array([guess.get(parameter.name, 0.0) for parameter in hypothesis.parameters])
 
 
 def fit_highpass(data: Data, base: Fit) -> Fit:

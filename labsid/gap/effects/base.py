@@ -16,6 +16,7 @@ from labsid.gap.plants import Plant
 MAX_RANGES = 1.5  # of the output: largest signal that an effect may add, because the record shows nothing larger
 REST_SAMPLES = 5  # leading samples with equal input of a rig at rest
 ZERO = 1e-6  # of the spread of a signal: smaller values are zero
+RARE = 0.03  # share of the samples beyond the start value of a second limit, stop or brim
 RICHER_FORM_BIC = 12.0  # smallest BIC gain of a richer form over a simpler one
 
 
@@ -27,6 +28,8 @@ class Effect:
     ----------
     name, path : str
         From the table of effects.
+    key_form : str
+        Of the variant in the key.
     variants : tuple of str
         Forms that the search adds to a simulation.
     further, richer : dict
@@ -41,6 +44,7 @@ class Effect:
 
     name: ClassVar[str]
     path: ClassVar[str]
+    key_form: ClassVar[str] = "{}"
     variants: ClassVar[tuple[str, ...]] = ("",)
     further: ClassVar[Mapping[str, tuple[str, ...]]] = {}
     richer: ClassVar[Mapping[str, tuple[str, ...]]] = {}
@@ -62,7 +66,7 @@ class Effect:
     @property
     def key(self) -> str:
         """Name and variant, as ranking and export write them."""
-        return f"{self.name}/{self.variant}" if self.variant else self.name
+        return f"{self.name}/{self.key_form.format(self.variant)}" if self.variant else self.name
 
     @property
     def parameters(self) -> tuple[Parameter, ...]:

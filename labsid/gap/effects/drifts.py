@@ -19,12 +19,8 @@ class PoleDrift(PlantEffect):
     """A slow drift of a pole, possibly with the gain."""
 
     name = "parameter-drift"
+    key_form = "pole-{}"
     variants = ("1", "4")
-
-    @property
-    def key(self) -> str:
-        """Name, "pole" and variant."""
-        return f"{self.name}/pole-{self.variant}"
 
     def inner_forms(self) -> tuple[Effect, ...]:
         """A drift of the last nonlinear state."""
@@ -54,12 +50,8 @@ class PoleDrift(PlantEffect):
 class InnerPoleDrift(PoleDrift):
     """A slow drift of the rate of the last nonlinear state, or of the spring."""
 
+    key_form = "pole-{}-inside"
     only_inner = True
-
-    @property
-    def key(self) -> str:
-        """Name, "pole", variant and "inside"."""
-        return f"{self.name}/pole-{self.variant}-inside"
 
     def alternatives(self, hypothesis: Structure) -> list[Effect]:
         """A drift of the gain."""
@@ -86,13 +78,9 @@ class GainDrift(InputEffect):
 
     name = "parameter-drift"
     path = "dynamics"
+    key_form = "gain-{}"
     variants = ("1", "4")
     position: ClassVar[int] = 8
-
-    @property
-    def key(self) -> str:
-        """Name, "gain" and variant."""
-        return f"{self.name}/gain-{self.variant}"
 
     def alternatives(self, hypothesis: Structure) -> list[Effect]:
         """Beside a nonlinear state, a drift of its rate."""

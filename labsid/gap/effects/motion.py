@@ -5,7 +5,7 @@ from typing import ClassVar
 import numpy as np
 
 from labsid._arrays import FloatArray
-from labsid.gap.effects.base import Fitted, PlantEffect, Value
+from labsid.gap.effects.base import RARE, Fitted, PlantEffect, Value
 from labsid.gap.effects.context import Context, ParentFit, Structure
 from labsid.gap.effects.dynamics import MAX_UNSPRUNG_RATE, SLACK_LOG_STIFFNESS
 from labsid.gap.plants import Plant
@@ -13,7 +13,6 @@ from labsid.gap.responses import force_unit, real_rates
 
 MIN_STOPPED = 4  # samples at a stop
 AT_STOP = 1e-9  # scaled distance
-RARE = 0.03  # share of the samples beyond the start value of a second stop
 
 
 class EndStop(PlantEffect):

@@ -9,6 +9,7 @@ from labsid._arrays import FloatArray
 from labsid.gap.effects import curves
 from labsid.gap.effects.base import (
     MAX_RANGES,
+    RARE,
     REST_SAMPLES,
     ZERO,
     AdditiveEffect,
@@ -22,7 +23,6 @@ from labsid.gap.plant_form import Parameter
 from labsid.gap.plants import Plant
 from labsid.gap.responses import normalized_time
 
-RARE = 0.03  # share of the samples beyond the start value of a second limit
 HIDDEN = 20.0  # scaled: largest excursion beyond a limit; without it, an initial state could hide there for any time
 CURVE_RANGE = (-20.0, 20.0)  # scaled output; outside it the curve continues with slope one
 

@@ -6,7 +6,7 @@ import numpy as np
 
 from labsid._arrays import FloatArray
 from labsid.gap import _kernels
-from labsid.gap.effects.base import Effect, Fitted, PlantEffect, Value
+from labsid.gap.effects.base import RARE, Effect, Fitted, PlantEffect, Value
 from labsid.gap.effects.context import Context, ParentFit, Structure
 from labsid.gap.plants import Plant
 from labsid.gap.responses import real_rates
@@ -14,7 +14,6 @@ from labsid.gap.responses import real_rates
 BRIM_CODES = {"upper": 1, "lower": 2, "both": 3}
 MAX_START = 15.0  # scaled flow: largest initial deviation of a level, which a brim could hide
 MAX_TANK_RATE = 1.0  # per sample: a faster tank follows its inflow within a sample
-RARE = 0.03  # share of the samples beyond the start value of a second brim
 SIDES = ("", "-flipped")
 
 
