@@ -29,6 +29,7 @@ def run_sealed_check(
     jobs: int = 1,
     replays: int | None = None,
     report: Path | None = None,
+    keep: Path | None = None,
 ) -> int:
     """Run the sealed check and print its table.
 
@@ -45,6 +46,8 @@ def run_sealed_check(
         Number of records whose exported simulation is run on 20 fresh records; by default `per_row`.
     report : Path, optional
         Markdown file to which the table is also written.
+    keep : Path, optional
+        Folder in which the results stay, so that a second run continues an interrupted one.
 
     Returns
     -------
@@ -69,7 +72,7 @@ def run_sealed_check(
             progress.update(making, completed=len(made))
         progress.update(making, total=len(made))
         running = progress.add_task("diagnosing", total=len(made))
-        results, seconds = run_batch(made, jobs, lambda n: progress.update(running, completed=n))
+        results, seconds = run_batch(made, jobs, lambda n: progress.update(running, completed=n), keep)
         refitting = progress.add_task("refitting the true structures", total=len(made))
         outcomes = []
         for case in made:

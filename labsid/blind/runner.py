@@ -43,7 +43,7 @@ class Replay:
 
 
 def run_batch(
-    cases: Sequence[Case], jobs: int, on_progress: Callable[[int], None] | None = None
+    cases: Sequence[Case], jobs: int, on_progress: Callable[[int], None] | None = None, keep: Path | None = None
 ) -> tuple[dict[str, dict[str, Any]], float]:
     """Diagnose the records of all cases with ``labsid gap batch``.
 
@@ -53,6 +53,8 @@ def run_batch(
     jobs : int
     on_progress : callable, optional
         Called with the number of finished records.
+    keep : Path, optional
+        Folder in which the results stay, so that a second run continues an interrupted one.
 
     Returns
     -------
@@ -64,11 +66,15 @@ def run_batch(
         records.mkdir()
         for case in cases:
             write_case(records, case)
-        return run_folder(records, jobs, on_progress, len(cases))
+        return run_folder(records, jobs, on_progress, len(cases), keep)
 
 
 def run_folder(
-    records: Path, jobs: int, on_progress: Callable[[int], None] | None = None, count: int = MOST_RECORDS
+    records: Path,
+    jobs: int,
+    on_progress: Callable[[int], None] | None = None,
+    count: int = MOST_RECORDS,
+    keep: Path | None = None,
 ) -> tuple[dict[str, dict[str, Any]], float]:
     """Diagnose the records of a folder with ``labsid gap batch``.
 
@@ -80,6 +86,8 @@ def run_folder(
         Called with the number of finished records.
     count : int
         Number of records, which determines the time limit.
+    keep : Path, optional
+        Folder in which the results stay; those that are there already are not made again.
 
     Returns
     -------
@@ -87,7 +95,8 @@ def run_folder(
         Results by name, without missing and unreadable ones, and the time per record and core (s).
     """
     with TemporaryDirectory(prefix="labsid-blind-") as scratch:
-        out = Path(scratch, "out")
+        out = Path(scratch, "out") if keep is None else keep.resolve()
+        before = len(list(out.glob("*.json")))
         begun = time.monotonic()
         limit = begun + SECONDS_TO_START + SECONDS_A_RECORD * count / jobs
         command = [sys.executable, "-c", _MAIN, "gap", "batch", str(records), "--out", str(out), "--jobs", str(jobs)]
@@ -103,7 +112,9 @@ def run_folder(
             process.wait()
         seconds = time.monotonic() - begun
         found = {path.stem: _read_json(path) for path in sorted(out.glob("*.json"))}
-    return {name: result for name, result in found.items() if result is not None}, seconds * jobs / max(len(found), 1)
+    return {name: result for name, result in found.items() if result is not None}, seconds * jobs / max(
+        len(found) - before, 1
+    )
 
 
 def run_replays(

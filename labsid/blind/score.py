@@ -199,9 +199,9 @@ def _calibration_error(bins: Sequence[tuple[float, float, int]]) -> Metric:
 
 
 def _found_parameters(case: CaseOutcome, effect: str) -> dict[str, Any] | None:
-    """Parameter values of an effect that is present and was named."""
+    """Parameter values of an effect that is present with known parameters and was named."""
     for said in (case.result or {}).get("effects") or []:
-        if effect == said.get("name") and effect in case.label["labels"]:
+        if effect == said.get("name") and effect in case.label["labels"] and effect in case.label["truth"]:
             given = said.get("parameters") or {}
             return {name: p.get("value") if isinstance(p, dict) else p for name, p in given.items()}
     return None

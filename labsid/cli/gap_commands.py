@@ -229,12 +229,15 @@ def sealed_check(
         int | None, typer.Option(min=0, help="Records whose exported simulation is run on new records.")
     ] = None,
     report: Annotated[Path | None, typer.Option(metavar="FILE", help="Also write the table to a file.")] = None,
+    keep: Annotated[
+        Path | None, typer.Option(metavar="DIR", help="Keep the results here; a second run continues from them.")
+    ] = None,
 ) -> None:
     """Test the diagnosis on simulated rigs. Their effects are withheld from the diagnosis."""
     from labsid.blind.check import run_sealed_check
 
     raise typer.Exit(
-        run_sealed_check(suite=suite, per_row=per_row, rows=row, jobs=jobs, replays=replays, report=report)
+        run_sealed_check(suite=suite, per_row=per_row, rows=row, jobs=jobs, replays=replays, report=report, keep=keep)
     )
 
 

@@ -251,6 +251,9 @@ def test_onsets_within_two_percent_of_the_record() -> None:
         for onset in (41.9, 38.1, 42.1)
     ]
     cases.append(CaseOutcome(label("single-clear", "load-step", truth=truth), said("output-drift")))
+    cases.append(
+        CaseOutcome(label("partial", "load-step", truth={"kind": "swinging-delay"}), said("load-step", onset=1.0))
+    )
     found = metric(cases, "load-step onset")
     assert (found.value, found.count) == (pytest.approx(2 / 3), 3)
 
