@@ -4,7 +4,6 @@ The MyST text contains abbreviated nbgrader metadata. The build completes it, us
 builds are equal byte for byte, and generates the release with nbgrader.
 """
 
-import contextlib
 import logging
 import shutil
 import tempfile
@@ -18,7 +17,7 @@ from jupytext.myst import MystMetadataParsingError
 
 from autograder.course.layout import Course, read_template
 from autograder.course.lint import lint_checks, lint_metadata, lint_release, lint_source
-from autograder.course.nbgrader_access import COURSE_ID, import_nbgrader_api
+from autograder.course.nbgrader_access import COURSE_ID, import_nbgrader_api, without_disk_sync
 from autograder.course.own_secret import shared_file
 from labsid._files import write_file, write_text
 from labsid.checks.cells import CODE_STUB, TEXT_STUB, read_cell
@@ -168,27 +167,11 @@ def _generate(course: Course, name: str, scratch: Path) -> Any:
     converter.log = logging.getLogger("labsid.build")
     converter.log.setLevel(logging.ERROR)
     try:
-        with _fast_databases():
+        with without_disk_sync():  # a build throws its database away
             converter.start()
     except NbGraderException as error:
         raise ValueError(f"{name} cannot be released: {error}") from error
     return nbformat.read(scratch / "release" / "." / name / f"{name}.ipynb", as_version=4)
-
-
-@contextlib.contextmanager
-def _fast_databases() -> Iterator[None]:
-    """Let databases that are opened here not wait for the disk after each cell: a build throws its database away."""
-    from sqlalchemy import Engine, event
-
-    def configure(connection: Any, _: Any) -> None:
-        connection.execute("PRAGMA synchronous = OFF")
-        connection.execute("PRAGMA journal_mode = MEMORY")
-
-    event.listen(Engine, "connect", configure)
-    try:
-        yield
-    finally:
-        event.remove(Engine, "connect", configure)
 
 
 def _keep_running(notebook: Any) -> None:

@@ -53,7 +53,7 @@ def open_gradebook(url: str) -> Any:
 
 @contextlib.contextmanager
 def without_disk_sync() -> Iterator[None]:
-    """Open SQLite databases without waiting for the disk, to create a new gradebook quickly."""
+    """Open SQLite databases without waiting for the disk: new gradebooks, and databases that are thrown away."""
     from sqlalchemy import event
     from sqlalchemy.engine import Engine
 
