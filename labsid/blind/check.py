@@ -14,7 +14,7 @@ from labsid.blind.output_error import discrete_poles, fit_linear
 from labsid.blind.rows import TIME_INVARIANT_EFFECTS
 from labsid.blind.runner import Replay, run_batch, run_replays
 from labsid.blind.score import score_cases
-from labsid.blind.suite import PER_ROW, label_dict, make_cases
+from labsid.blind.suite import PER_ROW, diagnosis_hash, label_dict, make_cases
 from labsid.blind.table import markdown, print_scores
 from labsid.records.record import Record
 from labsid.rig.switchable.simulation import poles
@@ -47,7 +47,8 @@ def run_sealed_check(
     report : Path, optional
         Markdown file to which the table is also written.
     keep : Path, optional
-        Folder in which the results stay, so that a second run continues an interrupted one.
+        Folder in which the results stay, in one of its own for each version of the diagnosis, so that a second run
+        continues an interrupted one.
 
     Returns
     -------
@@ -61,6 +62,7 @@ def run_sealed_check(
     """
     if jobs < 1:
         raise ValueError(f"jobs must be at least 1; got {jobs}. Give the number of processes.")
+    folder = None if keep is None else keep / f"{diagnosis_hash():x}"
     from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 
     layout = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn())
@@ -72,7 +74,7 @@ def run_sealed_check(
             progress.update(making, completed=len(made))
         progress.update(making, total=len(made))
         running = progress.add_task("diagnosing", total=len(made))
-        results, seconds = run_batch(made, jobs, lambda n: progress.update(running, completed=n), keep)
+        results, seconds = run_batch(made, jobs, lambda n: progress.update(running, completed=n), folder)
         refitting = progress.add_task("refitting the true structures", total=len(made))
         outcomes = []
         for case in made:

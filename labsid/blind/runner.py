@@ -112,9 +112,8 @@ def run_folder(
             process.wait()
         seconds = time.monotonic() - begun
         found = {path.stem: _read_json(path) for path in sorted(out.glob("*.json"))}
-    return {name: result for name, result in found.items() if result is not None}, seconds * jobs / max(
-        len(found) - before, 1
-    )
+    made = max(len(found) - before, 1)
+    return {name: result for name, result in found.items() if result is not None}, seconds * jobs / made
 
 
 def run_replays(

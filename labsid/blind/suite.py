@@ -50,7 +50,7 @@ def make_cases(
     unknown = [row for row in rows or () if row not in ROWS]
     if unknown:
         raise ValueError(f"rows must be of {', '.join(ROWS)}; got {unknown[0]!r}. Name some of these.")
-    entropy = _DEV if suite == "dev" else _diagnosis_hash()
+    entropy = _DEV if suite == "dev" else diagnosis_hash()
     count = PER_ROW[suite] if per_row is None else per_row
     wanted = [(entropy, row, i) for row in ROWS if rows is None or row in rows for i in range(count)]
     if jobs == 1:
@@ -163,7 +163,7 @@ def label_dict(case: Case) -> dict[str, Any]:
     }
 
 
-def _diagnosis_hash() -> int:
+def diagnosis_hash() -> int:
     """Hash of the source code of the diagnosis."""
     folder = Path(__file__).resolve().parent.parent / "gap"
     digest = hashlib.sha256()
