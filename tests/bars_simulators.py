@@ -1,7 +1,5 @@
 """The true linear model of a rig as a function, a system of python-control and an FMU: what is named with each."""
 
-import subprocess
-import sys
 from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 from typing import Any
@@ -9,6 +7,7 @@ from typing import Any
 import control as ct
 import numpy as np
 from bars_grading_figures import Metric, every
+from fmu_rigs import build_slave
 from scipy.signal import lfilter
 
 from labsid._arrays import FloatArray
@@ -80,11 +79,7 @@ def as_fmu(sim: Model, gain: float, folder: Path) -> AnySimulation:
     text = _SLAVE
     for name, value in numbers.items():
         text = text.replace(f"<{name}>", repr(float(value)))
-    folder.mkdir(parents=True)
-    (folder / "rig.py").write_text(text, encoding="utf-8")
-    command = [sys.executable, "-m", "pythonfmu", "build", "-f", "rig.py"]
-    subprocess.run(command, cwd=folder, check=True, capture_output=True)
-    return open_fmu(folder / "Rig.fmu")
+    return open_fmu(build_slave(folder, "Rig", text))
 
 
 KINDS: dict[str, Callable[[Model, float, Path], AnySimulation]] = {

@@ -31,11 +31,16 @@ class Tank(Fmi2Slave):
 
 def build_tank(folder: Path, more: str = "") -> Path:
     """``Tank.fmu`` in a new folder: a sampled first-order lag from `inflow` to `level`; `more` ends its constructor."""
-    folder.mkdir()
-    (folder / "tank.py").write_text(_SLAVE.format(more=more), encoding="utf-8")
-    command = [sys.executable, "-m", "pythonfmu", "build", "-f", "tank.py"]
+    return build_slave(folder, "Tank", _SLAVE.format(more=more))
+
+
+def build_slave(folder: Path, name: str, source: str) -> Path:
+    """``NAME.fmu`` in a new folder, of the class `name` of pythonfmu in `source`."""
+    folder.mkdir(parents=True)
+    (folder / "slave.py").write_text(source, encoding="utf-8")
+    command = [sys.executable, "-m", "pythonfmu", "build", "-f", "slave.py"]
     subprocess.run(command, cwd=folder, check=True, capture_output=True)
-    return folder / "Tank.fmu"
+    return folder / f"{name}.fmu"
 
 
 _OSCILLATOR = """

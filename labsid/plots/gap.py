@@ -58,7 +58,7 @@ def figure_simulations(report: dict[str, Any], narrow: bool = False) -> Figure:
     rows = 2 + zoom + (other is not None)
     figure = _new_figure(narrow, 3.1 * rows, 2.75 * rows)
     panels = list(figure.subplots(rows, 1))
-    output, error = _signals(report)["y"], f"Simulation error ({_unit(report)})"
+    output, error = _signals(report)["y"], f"Simulation error ({unit_of(report)})"
     _overlay(panels[0], trace, curves, slice(None))
     finish(panels[0], "The whole record", TIME, output, legend_columns=2 if narrow else len(curves) + 1)
     make_headroom(panels[0], 0.27 if narrow else 0.18)
@@ -79,13 +79,14 @@ def figure_simulations(report: dict[str, Any], narrow: bool = False) -> Figure:
     return figure
 
 
-def _unit(report: dict[str, Any], signal: str = "y") -> str:
+def unit_of(report: dict[str, Any], signal: str = "y") -> str:
+    """Unit of "u" or "y" as the report states it."""
     return str(report.get("units", {}).get(signal, f"units of {signal}"))
 
 
 def _signals(report: dict[str, Any]) -> dict[str, str]:
     """Labels of the signals, with the units that the report states."""
-    u, y = _unit(report, "u"), _unit(report)
+    u, y = unit_of(report, "u"), unit_of(report)
     rate = f"{y}/s" if "units" in report else f"{y} a second"
     return {"u": f"Input $u$ ({u})", "y": f"Output $y$ ({y})", "dy": f"Rate of $y$ ({rate})"}
 
@@ -211,7 +212,7 @@ def _operating_map(ax: Axes, report: dict[str, Any], bar_place: Literal["bottom"
     mesh = ax.pcolormesh(seen["u"], seen["y"], rms.T, cmap="cividis", vmin=0.0)
     finish(ax, "Operating map", labels["u"], labels["y"], legend_columns=0)
     bar = ax.figure.colorbar(mesh, ax=ax, location=bar_place)
-    bar.set_label(f"Rms error ({_unit(report)})", fontsize=SMALL_TEXT_SIZE)
+    bar.set_label(f"Rms error ({unit_of(report)})", fontsize=SMALL_TEXT_SIZE)
     bar.ax.tick_params(labelsize=SMALL_TEXT_SIZE)
 
 

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
+from labsid.plots.gap import unit_of
 from labsid.plots.style import TIME
 
 if TYPE_CHECKING:
@@ -50,10 +51,9 @@ def panels(report: dict[str, Any], name: str) -> dict[str, Any]:
     t = report["holdout_traces" if other else "traces"]["t"]
     times = Range1d(t[0], t[-1], bounds="auto")
     source = ColumnDataSource({column: [] for column in COLUMNS}, name=name)
-    units = report.get("units", {"u": "units of u", "y": "units of y"})
-    output = _panel("output", "Measured and simulated output", f"Output y ({units['y']})", times)
-    error = _panel("error", "Simulation error", f"Error ({units['y']})", times)
-    command = _panel("input", "Input", f"Input u ({units['u']})", times)
+    output = _panel("output", "Measured and simulated output", f"Output y ({unit_of(report)})", times)
+    error = _panel("error", "Simulation error", f"Error ({unit_of(report)})", times)
+    command = _panel("input", "Input", f"Input u ({unit_of(report, 'u')})", times)
     _line(output, source, "y", "--ink", line_width=2.8, line_alpha=0.55)
     for curve, dash in (("before", "dashed"), ("after", "solid")):
         _line(output, source, curve, f"--{curve}", line_width=1.5, line_dash=dash)
