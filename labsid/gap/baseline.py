@@ -1,7 +1,7 @@
 """The simulation under test: its output on the record, and the structure from which the search starts."""
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -274,9 +274,9 @@ def _exported(data: Data, model: ExportedModel) -> Baseline:
 
 def _simulator(data: Data, t: FloatArray, simulate: Simulator) -> Baseline:
     u, y = _unscaled(data)
-    rates = fit_baseline(data).rates
-    output = by_record(data.samples, data.pieces, lambda at: simulate(t[: u[at].size], u[at]))
-    before = _estimate_given(check_bounded(output, y), free_responses(data.samples, *rates), rates)
+    output = check_bounded(by_record(data.samples, data.pieces, lambda at: simulate(t[: u[at].size], u[at])), y)
+    rates = fit_baseline(data).rates if simulate.free else _linear_rates(data, output)
+    before = _estimate_given(output, free_responses(data.samples, *rates), rates)
     plant = given_plant(simulate, (data.u_scale, data.y_scale), data.Ts, rates, float(t[0]), data.pieces)
     structure = with_restarts(Hypothesis((), 0, plant), data)
 
@@ -284,6 +284,11 @@ def _simulator(data: Data, t: FloatArray, simulate: Simulator) -> Baseline:
         return _started(simulate(record.t, record.u), free_responses(len(record), *rates), record.y)
 
     return Baseline(before, structure, given=True, simulate_record=simulate_record)
+
+
+def _linear_rates(data: Data, output: FloatArray) -> tuple[float, float]:
+    """c and k of a linear model of a simulation, from its output on the record: neither noise nor a load is in it."""
+    return fit_baseline(replace(data, y=data.y_scale.of(output))).rates
 
 
 def _started(forced: FloatArray, states: FloatArray, y: FloatArray) -> FloatArray:
@@ -299,7 +304,7 @@ def _output_series(data: Data, series: FloatArray) -> Baseline:
     if series.shape != data.u.shape:
         raise ValueError(f"the simulated output must have the record's {data.samples} samples; got {series.size}.")
     scaled_series = data.y_scale.of(check_bounded(series, _unscaled(data)[1]))
-    rates = fit_baseline(data).rates
+    rates = _linear_rates(data, series)
     structure = Hypothesis((), 0, Plant(kind="given", run=lambda w, values: scaled_series, given_rates=rates))
     return Baseline(_estimate_given(series, NO_STATES, rates), structure, given=True, output_only=True)
 

@@ -109,6 +109,15 @@ def test_a_given_simulation_plays_on_another_record(data, record, true, rig_reco
         assert np.std(error) < 0.03 * np.std(other.y)
 
 
+def test_the_poles_for_loads_are_those_of_the_simulation(record, true):
+    """A load step would make those of a linear model of the record slower or faster."""
+    y = record.y + np.where(np.arange(len(record)) > 120, 0.8, 0.0)
+    data = scaled(record.u, y, np.ones(len(record), bool), record.Ts)
+    simulator = function_simulator(lambda t, u: read_transfer_function(true, record.Ts).response(u))
+    c, k = make_baseline(data, record.t, simulator).structure.plant.given_rates
+    np.testing.assert_allclose(np.exp(np.roots([1.0, c, k])), [0.8, 0.95], rtol=1e-3)
+
+
 def test_without_one_it_is_the_labs_structure(data, record):
     base = make_baseline(data, record.t, None)
     assert base.before is None
