@@ -79,6 +79,8 @@ def kill_process_groups(leaders: Iterable[int], wait: bool) -> None:
         Whether to wait for the leaders, which are then children of the caller.
     """
     leaders = list(leaders)
+    if not leaders:  # and no list of all processes is needed, which takes longer than a fork
+        return
     stopped: set[int] = set()
     deadline = time.monotonic() + _KILL_SECONDS
     while time.monotonic() < deadline:
