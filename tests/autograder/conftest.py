@@ -4,10 +4,29 @@ from collections.abc import Iterator
 
 import pytest
 from course_work import GradeCode, copy_course
+from kept_processes import Kept
 
 from autograder.course.build import build_course
 from autograder.course.layout import Course
 from autograder.sandbox.isolation import Limits, ProcessLauncher, open_launcher
+
+
+@pytest.fixture(scope="session")
+def kept() -> Iterator[Kept]:
+    """The processes that a grading run leaves to the next one."""
+    processes = Kept()
+    yield processes
+    processes.end()
+
+
+@pytest.fixture(scope="module", autouse=True)
+def kept_processes(request: pytest.FixtureRequest, kept: Kept) -> Iterator[None]:
+    """Runs take over the processes of earlier ones, but where starting and ending them is what is tested."""
+    if request.path.parent.name == "sandbox":
+        yield
+    else:
+        with kept.used():
+            yield
 
 
 @pytest.fixture(scope="session")
