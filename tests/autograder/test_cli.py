@@ -313,8 +313,7 @@ def test_a_term_is_as_the_readme_prints_it(
     here: Course, tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Each command of the guide, exactly as printed and in its order, with the course.toml that it shows."""
-    own = Course(tmp_path / "own")
-    shutil.copytree(here.root, own.root)
+    own = copy_course(tmp_path / "own", PRELAB, LAB)
     shutil.copyfile(ROOT / "pyproject.toml", own.root / "pyproject.toml")
     monkeypatch.setattr("autograder.course.layout.find_course", lambda: own)
     guide = (ROOT / "autograder" / "README.md").read_text(encoding="utf-8")
@@ -327,7 +326,7 @@ def test_a_term_is_as_the_readme_prints_it(
     row = 'Participant 1,Ada Öz,z1,"Sunday, 15 November 2026, 1:00 AM",,1.00,'
     Path("worksheet.csv").write_text(f"{columns}\r\n{row}\r\n", encoding="utf-8")
     with zipfile.ZipFile("submissions.zip", "w") as packed:
-        packed.write(own.source / PRELAB / f"{PRELAB}.ipynb", f"Ada Öz_1_assignsubmission_file_/{PRELAB}.ipynb")
+        packed.write(here.source / PRELAB / f"{PRELAB}.ipynb", f"Ada Öz_1_assignsubmission_file_/{PRELAB}.ipynb")
 
     class Later(datetime):
         @classmethod

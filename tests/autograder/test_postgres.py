@@ -134,23 +134,35 @@ def add_a_cell(path: Path) -> None:
     path.write_text(json.dumps(notebook), encoding="utf-8")
 
 
-def grade_both(course: Course, launcher: ProcessLauncher, server: Server, folder: Path) -> Both:
-    """Ada's pre-lab is right, ben's lab half right, finn's file is cut off, gil's pre-lab a remark."""
+@pytest.fixture(scope="module")
+def both(course: Course, launcher: ProcessLauncher, server: Server, tmp_path_factory: pytest.TempPathFactory) -> Both:
+    """The class as it was graded first, to be read only.
+
+    Ada's pre-lab is right, ben's lab half right, finn's file is cut off, gil's pre-lab a remark.
+    """
+    folder = tmp_path_factory.mktemp("both")
     write_samples(course, folder / "samples")
     for student, name in (("ada", PRELAB), ("ben", LAB), ("finn", LAB)):
         shutil.copytree(folder / "samples" / student / name, folder / "submitted" / student / name)
     shutil.copytree(course.release / PRELAB, folder / "submitted" / "gil" / PRELAB)
     add_a_cell(folder / "submitted" / "gil" / PRELAB / f"{PRELAB}.ipynb")
-    file, database = out_folder(folder / "file"), out_folder(folder / "database", server.database(folder.name))
+    file, database = out_folder(folder / "file"), out_folder(folder / "database", server.database("both"))
     made = Both(course, folder / "submitted", file, database)
     assert len(made.grade(launcher, file)) == len(made.grade(launcher, database)) == 8
     return made
 
 
-@pytest.fixture(scope="module")
-def both(course: Course, launcher: ProcessLauncher, server: Server, tmp_path_factory: pytest.TempPathFactory) -> Both:
-    """The class as it was graded first, to be read only."""
-    return grade_both(course, launcher, server, tmp_path_factory.mktemp("both"))
+@pytest.fixture
+def again(both: Both, launcher: ProcessLauncher, server: Server, tmp_path: Path) -> Both:
+    """The same class, to change: the results are copied, and entered into a database of its own."""
+    for folder in (both.submitted, both.file):
+        shutil.copytree(folder, tmp_path / folder.name)
+    database = out_folder(tmp_path / "database", server.database("again"))
+    shutil.copytree(both.database / "results", database / "results")
+    copied = Both(both.course, tmp_path / "submitted", tmp_path / "file", database)
+    assert copied.grade(launcher, database) == []
+    assert scores_in_gradebook(database) == scores_in_gradebook(both.file)
+    return copied
 
 
 def test_the_gradebook_is_the_same(both: Both, launcher: ProcessLauncher) -> None:
@@ -182,27 +194,24 @@ def lists_of_formgrader(out: Path) -> list[dict[str, Any]]:
     return sorted(plain, key=str)
 
 
-def test_what_was_given_by_hand_outlives_a_new_grading(
-    course: Course, launcher: ProcessLauncher, server: Server, tmp_path: Path
-) -> None:
-    both = grade_both(course, launcher, server, tmp_path)
-    path = both.submitted / "ada" / PRELAB / f"{PRELAB}.ipynb"
+def test_what_was_given_by_hand_outlives_a_new_grading(again: Both, launcher: ProcessLauncher) -> None:
+    path = again.submitted / "ada" / PRELAB / f"{PRELAB}.ipynb"
     add_a_cell(path)
-    (both.submitted / "gil" / PRELAB / f"{PRELAB}.ipynb").write_text("{", encoding="utf-8")
-    for out in (both.file, both.database):
+    (again.submitted / "gil" / PRELAB / f"{PRELAB}.ipynb").write_text("{", encoding="utf-8")
+    for out in (again.file, again.database):
         give_by_hand(out, PRELAB, "ada", OPEN, "Nearly: “see” 3a.", manual_score=0.04)
         give_by_hand(out, PRELAB, "ada", "prelab-1-time", extra_credit=0.2)
-        assert both.grade(launcher, out) == [("ada", PRELAB), ("gil", PRELAB)]
+        assert again.grade(launcher, out) == [("ada", PRELAB), ("gil", PRELAB)]
         assert main(["course", "export", "--out", str(out)]) == 0
-    assert scores_in_gradebook(both.database) == scores_in_gradebook(both.file)
-    given = gradebook.read_manual_grades(both.database)
-    assert given == gradebook.read_manual_grades(both.file)
+    assert scores_in_gradebook(again.database) == scores_in_gradebook(again.file)
+    given = gradebook.read_manual_grades(again.database)
+    assert given == gradebook.read_manual_grades(again.file)
     assert given.scores == {("ada", PRELAB, OPEN): Decimal("0.04"), ("ada", PRELAB, "prelab-1-time"): Decimal("0.3")}
     assert given.comments == {("ada", PRELAB, OPEN): "Nearly: “see” 3a."}
     for name in ("grades.csv", "export.csv"):
-        one, other = both.texts(name)
+        one, other = again.texts(name)
         assert one == other
-    assert f"ada,{PRELAB},1.19,1,0,complete,0" in both.texts("export.csv")[1]
+    assert f"ada,{PRELAB},1.19,1,0,complete,0" in again.texts("export.csv")[1]
 
 
 def test_a_run_that_is_killed_while_entering_enters_nothing(
