@@ -5,6 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from gap_reports import undrawn_figures
 from scipy.integrate import solve_ivp
 from scipy.signal import cont2discrete, lfilter
 
@@ -103,3 +104,9 @@ def plain(levels: FloatArray, two_poles: Callable[..., FloatArray]) -> Explanati
     y = two_poles(u)
     y = y + 0.05 * y.std() * np.random.default_rng(2).standard_normal(u.size)
     return explain(scaled(u, y, np.ones(u.size, bool), 1.0))
+
+
+@pytest.fixture
+def undrawn(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Pages without the figures, for what does not depend on them."""
+    monkeypatch.setattr("labsid.gap.html_report.encoded_figures", undrawn_figures)

@@ -16,6 +16,7 @@ from gap_reports import report as gap_report
 
 from labsid.gap import batch
 from labsid.gap.batch import diagnose_folder
+from labsid.gap.html_report import render_html
 
 LABSID = [sys.executable, "-c", "import sys; from labsid.cli.commands import main; sys.exit(main())"]
 SAMPLES = 150
@@ -171,6 +172,8 @@ def test_a_second_run_adds_the_pages_of_the_records(copied, counted):
     assert sorted(path.name for path in out.glob("*.html")) == ["a.html", "b.html", "summary.html"]
     links = re.findall(r'href="([^"]*)"', (out / "summary.html").read_text(encoding="utf-8"))
     assert sorted(links) == ["a.html", "b.html", "empty.json", "words.json"]
+    answer = json.loads((out / "b.json").read_text())
+    assert (out / "b.html").read_text(encoding="utf-8") == render_html(answer)
 
 
 def test_a_record_whose_page_would_be_the_summary(tmp_path):

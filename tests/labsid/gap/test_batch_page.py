@@ -10,6 +10,7 @@ import re
 import pytest
 from gap_reports import report, with_rest
 
+from labsid.gap import batch_page
 from labsid.gap.batch_page import batch_page_content, render_batch_page, write_batch_page, write_record_pages
 from labsid.gap.html_report import render_html
 
@@ -121,6 +122,18 @@ def out(tmp_path):
     return tmp_path
 
 
+@pytest.fixture
+def written_here(monkeypatch, undrawn):
+    """Pages are written by this process, without figures; `test_batch.py` has them written by another."""
+
+    def run_tasks(module, tasks, jobs):
+        assert module == "labsid.gap.batch_page"
+        return ((number, batch_page._write_record_page(task)) for number, task in enumerate(tasks))
+
+    monkeypatch.setattr(batch_page, "run_tasks", run_tasks)
+
+
+@pytest.mark.usefixtures("written_here")
 def test_pages_are_written_once_and_again_after_a_new_report(out):
     reports = {stem: REPORTS[stem] for stem in ("a", "d", "f")}
     write_batch_page(out / "summary.html", "bench", reports)
@@ -142,6 +155,7 @@ def test_pages_are_written_once_and_again_after_a_new_report(out):
     assert told == ["2 of 2 pages"]
 
 
+@pytest.mark.usefixtures("written_here")
 def test_a_page_that_cannot_be_written_is_reported(out):
     (out / "a.json").write_text("{}", encoding="utf-8")
     assert write_record_pages(out, {"a": REPORTS["a"], "d": REPORTS["d"]}, 1) == {"a": "KeyError: 'gap'"}

@@ -10,7 +10,7 @@ import re
 from html.parser import HTMLParser
 
 import pytest
-from gap_reports import PARAMETERS, report, with_experiment, with_holdout, with_plateaus, with_rest
+from gap_reports import PARAMETERS, report, undrawn_figures, with_experiment, with_holdout, with_plateaus, with_rest
 
 from labsid.gap import sentences
 from labsid.gap.effect_texts import EFFECT_TEXTS
@@ -49,17 +49,6 @@ class Page(HTMLParser):
         return " ".join(" ".join(self.text).split())
 
 
-def _undrawn(report):
-    """In place of the figures, for what does not depend on them."""
-    return {name: {"wide": "", "narrow": ""} for name in ("simulations", "where", "experiment")}
-
-
-@pytest.fixture
-def undrawn(monkeypatch):
-    """Pages without the figures, which take most of the time."""
-    monkeypatch.setattr("labsid.gap.html_report.encoded_figures", _undrawn)
-
-
 def _read(path, content):
     """Write the page of a report and read it back as a browser would."""
     write_html_report(path, content)
@@ -89,7 +78,7 @@ def pages(tmp_path_factory):
     folder = tmp_path_factory.mktemp("pages")
     with pytest.MonkeyPatch.context() as patched:
         made = {"ambiguous": _read(folder / "ambiguous.html", KINDS["ambiguous"])}
-        patched.setattr("labsid.gap.html_report.encoded_figures", _undrawn)
+        patched.setattr("labsid.gap.html_report.encoded_figures", undrawn_figures)
         return made | {kind: _read(folder / f"{kind}.html", KINDS[kind]) for kind in KINDS if kind not in made}
 
 

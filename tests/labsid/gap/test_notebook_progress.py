@@ -1,7 +1,6 @@
 """A diagnosis in the kernel of a notebook: a bar while it works, then its page."""
 
 from collections.abc import Iterator
-from queue import Empty
 from typing import Any
 
 import pytest
@@ -28,14 +27,10 @@ def messages() -> Iterator[list[dict[str, Any]]]:
     """What the kernel shows for the cell."""
     manager, client = start_new_kernel()
     try:
-        client.execute(DIAGNOSIS)
-        assert client.get_shell_msg(timeout=120)["content"]["status"] == "ok"
-        found = []
-        try:
-            while True:
-                found.append(client.get_iopub_msg(timeout=2))
-        except Empty:
-            yield found
+        found: list[dict[str, Any]] = []
+        reply = client.execute_interactive(DIAGNOSIS, timeout=120, output_hook=found.append)
+        assert reply["content"]["status"] == "ok"
+        yield found
     finally:
         client.stop_channels()
         manager.shutdown_kernel(now=True)

@@ -50,6 +50,7 @@ def test_the_ranking_is_a_table_in_pandas(result: Diagnosis) -> None:
     assert list(table["probability"]) == [one["probability"] for one in result.report["ranking"]]
 
 
+@pytest.mark.usefixtures("undrawn")
 def test_a_notebook_shows_the_page(result: Diagnosis) -> None:
     shown = result._repr_html_()
     (page,) = re.findall(r'srcdoc="([^"]*)"', shown)
