@@ -3,6 +3,7 @@
 import gc
 import os
 import signal
+from functools import cache
 from pathlib import Path
 
 import pytest
@@ -54,6 +55,7 @@ def pytest_xdist_auto_num_workers(config: pytest.Config) -> int | None:
     return 1 + (len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1)
 
 
+@cache
 def in_slow_file(path: Path) -> bool:
     folder = path.parent.relative_to(ROOT / "tests").as_posix()
     return any(path.match(pattern) for pattern in SLOW_FILES.get(folder, "").split())

@@ -7,13 +7,14 @@ import shutil
 import tempfile
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from functools import cache
 from pathlib import Path
 from typing import Any
 
 import nbformat
 from nbclient import NotebookClient
 
-from autograder.batch.grading_inputs import DataStore, inputs_for
+from autograder.batch.grading_inputs import DataStore, GradingInputs, inputs_for
 from autograder.course.layout import Course, read_template
 from autograder.course.nbgrader_access import open_gradebook
 from autograder.intake.submission import NotebookCell, Submission
@@ -21,6 +22,7 @@ from autograder.judge.judging import judge_submission
 from autograder.judge.outcome import QuestionResult
 from autograder.results.gradebook import database_url
 from autograder.sandbox.isolation import ProcessLauncher
+from labsid.checks.cells import Template
 from labsid.checks.notebook import load_assignment
 from labsid.records.record import load_record
 
@@ -36,6 +38,19 @@ def copy_course(root: Path, *names: str) -> Course:
     return Course(root)
 
 
+@cache
+def read_solved(course: Course, name: str) -> tuple[Template, Mapping[str, str]]:
+    """An assignment of a built course, and the source of each of its cells with the model solution."""
+    source = nbformat.read(course.source / name / f"{name}.ipynb", as_version=4)
+    return read_template(course, name), {cell.id: cell.source for cell in source.cells}
+
+
+@cache
+def shared_inputs(course: Course, name: str) -> GradingInputs:
+    """What a submission is graded with where everybody works on the course's own record."""
+    return inputs_for(DataStore(course, None, course.root), read_solved(course, name)[0], "s")
+
+
 @dataclass(frozen=True)
 class GradeCode:
     """Grade the model solution with some cells replaced: ``grade_code(assignment, {cell id: source}, record=path)``."""
@@ -46,9 +61,8 @@ class GradeCode:
     def __call__(
         self, name: str, replaced: Mapping[str, str], record: Path | None = None, student: str = "s"
     ) -> dict[str, QuestionResult]:
-        template = read_template(self.course, name)
-        source = nbformat.read(self.course.source / name / f"{name}.ipynb", as_version=4)
-        texts = {cell.id: cell.source for cell in source.cells} | dict(replaced)
+        template, solution = read_solved(self.course, name)
+        texts = {**solution, **replaced}
         unknown = set(replaced) - {cell.id for cell in template.cells}
         assert not unknown, f"{name} has no cells {unknown}"
         steps = tuple(
@@ -57,7 +71,7 @@ class GradeCode:
             )
             for cell in template.cells
         )
-        inputs = inputs_for(DataStore(self.course, None, self.course.root), template, student)
+        inputs = shared_inputs(self.course, name)
         assets = inputs.assets if record is None else replace(inputs.assets, record=load_record(record))
         with tempfile.TemporaryDirectory() as bench:
             for file, path in inputs.files.items():

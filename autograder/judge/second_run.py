@@ -172,21 +172,24 @@ class SecondRun:
 
     def _wrong_before(self, key: int) -> Iterator[Answer]:
         """The earlier answers that are not sound, if a name that is replaced for them occurs on the way to this one."""
-        for other in self._answers[:key]:
+        for other, names in zip(self._answers[:key], self._names, strict=False):
             between = self._mentioned[self._positions[other.asked.key] + 1 : self._positions[key]]
-            if not other.is_sound and not all(map(set(self._names_of(other)).isdisjoint, between)):
+            if not other.is_sound and not all(map(names.isdisjoint, between)):
                 yield other
 
     @cached_property
     def _mentioned(self) -> list[set[str]]:
         """Which of the names that may be replaced occur in each code cell."""
-        names = {name for answer in self._answers for name in self._names_of(answer)}
+        names = frozenset().union(*self._names)
         sources = (done.cell.source if done.cell.code else "" for done in self._first_run)
         return [{word[0] for word in re.finditer(r"\b[^\W\d]\w*", source) if word[0] in names} for source in sources]
 
-    def _names_of(self, answer: Answer) -> tuple[str, ...]:
-        """The names that are replaced for later steps."""
-        return *wrong_names(answer.own, answer.right), *self._functions_of(answer)
+    @cached_property
+    def _names(self) -> list[frozenset[str]]:
+        """The names that are replaced for later steps, by answer."""
+        return [
+            frozenset((*wrong_names(answer.own, answer.right), *self._functions_of(answer))) for answer in self._answers
+        ]
 
     def _functions_of(self, answer: Answer) -> tuple[str, ...]:
         return defined_functions(self._functions.get(answer.question.id, ""))
