@@ -29,6 +29,7 @@ __all__ = [
     "StudentProcess",
     "StudentProcessError",
     "is_weaker",
+    "launchers_by_level",
     "open_launcher",
     "probe_levels",
     "temporary_workdir",
@@ -115,18 +116,35 @@ def is_weaker(level: str, other: str) -> bool:
     return level in LEVELS and other in LEVELS and LEVELS.index(level) > LEVELS.index(other)
 
 
-def probe_levels(limits: Limits | None = None) -> list[IsolationLevel]:
-    """Probe every isolation level on this machine."""
+def launchers_by_level(limits: Limits | None = None) -> Iterator[tuple[IsolationLevel, ProcessLauncher | None]]:
+    """Every isolation level, strongest first, with a launcher if this machine supports it.
+
+    The launcher has this level until the next one is asked for.
+    """
+    limits = limits or Limits()
+    remove_stale_workdirs()
+    hide_memory()
     if not hasattr(os, "fork"):
-        return [IsolationLevel(name, "" if name == "none" else _UNSUPPORTED) for name in LEVELS]
+        for name in LEVELS:
+            known = name == "none"
+            yield IsolationLevel(name, "" if known else _UNSUPPORTED), SpawningLauncher(limits) if known else None
+        return
     try:
-        launcher = ForkingLauncher(limits or Limits())
+        launcher = ForkingLauncher(limits)
     except MachineError as error:
-        return [IsolationLevel(name, str(error)) for name in LEVELS]
+        yield from ((IsolationLevel(name, str(error)), None) for name in LEVELS)
+        return
     try:
-        return [IsolationLevel(name, _probe_level(launcher, name)) for name in LEVELS]
+        for name in LEVELS:
+            problem = _probe_level(launcher, name)
+            yield IsolationLevel(name, problem), None if problem else launcher
     finally:
         launcher.close()
+
+
+def probe_levels(limits: Limits | None = None) -> list[IsolationLevel]:
+    """Probe every isolation level on this machine."""
+    return [level for level, _ in launchers_by_level(limits)]
 
 
 def _open_strongest(permitted: tuple[str, ...], limits: Limits) -> tuple[ProcessLauncher | None, list[IsolationLevel]]:
