@@ -31,3 +31,14 @@ def test_an_answer_that_passes_by_luck_is_found(monkeypatch: pytest.MonkeyPatch)
     passed, tried = wrong_draws.draw("least-squares", ["ls-1-kind"], 3)
     assert passed == ["ls-1-kind: right passes with 3 of 3 seeds, as 0"]
     assert tried == 6
+
+
+def test_a_fault_with_which_an_estimate_runs_away_is_named_on_every_draw() -> None:
+    """Rounding differs between the student's lines and the check's, and grows with the estimate."""
+    name, question, fault = "armax-and-instruments", "ai-6-rels", "gain from the old P"
+    (wrong,) = (one for one in wrong_draws.variants_of(name) if (one.question, one.name) == (question, fault))
+    solved = wrong_draws.solve(name)
+    with wrong_draws.quietly():
+        variables = solved.run(question, wrong.code)
+        verdicts = [solved.verdict_and_draws(question, variables, seed)[0] for seed in range(20)]
+    assert {verdict.slip for verdict in verdicts} == {fault}

@@ -74,6 +74,10 @@ _FAULTS = {
 }
 
 
+_ROUNDING_SHOWS = 1e50
+"""Size of an estimate that squares itself at each sample, from which on equal formulas may differ in every digit."""
+
+
 @np.errstate(all="ignore")  # some of them run away
 def _faulty(u: FloatArray, y: FloatArray, forgetting: float, LN: float, fault: str) -> FloatArray:
     """History of the notebook's loop with one of the faults in it."""
@@ -92,12 +96,12 @@ def _faulty(u: FloatArray, y: FloatArray, forgetting: float, LN: float, fault: s
 
 
 def _require_finite(call: str, got: FloatArray, u: FloatArray, y: FloatArray, forgetting: float, LN: float) -> None:
-    """Name the fault of a history that grew beyond all numbers, by its samples before."""
+    """Name the fault of a history that grew beyond all numbers, by the samples before rounding grew with them."""
     if np.all(np.isfinite(got)):
         return
-    last = int(np.argmax(~np.all(np.isfinite(got), axis=1)))
+    last, sound = (int(np.argmax(~np.all(np.abs(got) < most, axis=1))) for most in (np.inf, _ROUNDING_SHOWS))
     for name, (what, _) in _FAULTS.items():
-        if last > 2 and np.allclose(got[:last], _faulty(u, y, forgetting, LN, name)[:last], rtol=1e-3):
+        if sound > 2 and np.allclose(got[:sound], _faulty(u, y, forgetting, LN, name)[:sound], rtol=1e-3):
             raise NoAnswer(f"`{call}` {what} The estimate then grows without limit.", name)
     raise NoAnswer(
         f"the estimate of `{call}` grows without limit, and is no number from sample {last} on: compare your lines "
