@@ -36,7 +36,7 @@ PRELAB = "prelab-sinusoids"
 SECRET = b"sixteen bytes, and a secret of the course"
 LIMITS = Limits(cell_seconds=2)
 CHANGED = {
-    "loops": {"prelab-4-matrix-answer": "while True:\n    pass"},
+    "loops": {"prelab-4-matrix-answer": "import time\nwhile True:\n    time.sleep(9)"},
     "exits": {"prelab-2-noise-answer": "import os\nos._exit(3)"},
     "wrong": {"prelab-3-cut-answer": "y1 = y2 = 0"},
 }

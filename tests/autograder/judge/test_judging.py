@@ -578,7 +578,7 @@ def line_of_3(ask: Ask) -> Verdict:
 
 
 def test_a_function_that_hangs_costs_its_question_only(hasty: ProcessLauncher, tmp_path: Path) -> None:
-    endless = "def f(x):\n    while True:\n        pass"
+    endless = "import time\ndef f(x):\n    while True:\n        time.sleep(9)"
     first, second, last = walk(hasty, tmp_path, "a = 3", endless, "a = 3")
     assert (second.score, second.status) == (0, "timeout")
     assert (first.score, last.score) == (Decimal("0.1"), Decimal("0.1"))
