@@ -143,6 +143,19 @@ def transition(c: float, k: float, h: float) -> tuple[float, float, float, float
 
 
 @compiled()
+def simulate_linear(w: FloatArray, c: float, k: float) -> FloatArray:
+    """Position and speed of z'' = -c z' - k z + w from rest, shape (N, 2)."""
+    out = np.empty((w.size, 2))
+    f11, f12, f21, f22, g1, g2 = transition(c, k, 1.0)
+    z = v = 0.0
+    for n in range(w.size):
+        out[n, 0] = z
+        out[n, 1] = v
+        z, v = f11 * z + f12 * v + g1 * w[n], f21 * z + f22 * v + g2 * w[n]
+    return out
+
+
+@compiled()
 def sliding_friction(v: float, friction: float, peak: float, decay: float) -> float:
     """Friction at the speed v: it falls from `friction` + `peak` at rest to `friction`, over the speed `decay`."""
     if peak == 0.0:

@@ -68,14 +68,14 @@ class Plant(PlantForm):
             else:
                 columns[:, 0] = lag_output(deviation, np.gradient(deviation) if slope is None else slope, tau)
         if self.lag and (self.kind == "given" or not self.lag_ahead):
-            parts.append(np.asarray(pole ** np.arange(w.size), np.float64)[:, None])
+            parts.append(np.exp(-np.arange(w.size) / tau)[:, None])
         if self.mode and self._mode_place != "ahead":
             drive = deviation if self._mode_place == "behind" else _kernels.delayed(w - start, 0, late)
             parts.append(section(2.0 * damping * frequency, frequency**2, drive))
         if self.slow:
-            slow = float(np.exp(-np.exp(-own["log_slow"])))
-            parts.append(_kernels.first_order(_kernels.delayed(w - start, 0, late), slow)[:, None])
-            parts.append(np.asarray(slow ** np.arange(w.size), np.float64)[:, None])
+            rate = float(np.exp(-own["log_slow"]))
+            parts.append(_kernels.first_order(_kernels.delayed(w - start, 0, late), float(np.exp(-rate)))[:, None])
+            parts.append(np.exp(-rate * np.arange(w.size))[:, None])
         return beside(parts) if len(parts) > 1 else columns
 
     @property

@@ -125,7 +125,7 @@ def lag_output(y: FloatArray, slope: FloatArray, tau: float) -> FloatArray:
 def mode_mean(w: FloatArray, frequency: float, damping_ratio: float) -> FloatArray:
     """Mean over each sample of a lightly damped mode of unit gain driven by `w` from rest."""
     c, k = 2.0 * damping_ratio * frequency, frequency**2
-    motion = _states.simulate_mass(w - w[0], c, k, 0.0, 0.0, 0.0, 0.0, 1, 0.0)
+    motion = _states.simulate_linear(w - w[0], c, k)
     change = np.diff(motion, axis=0, append=motion[-1:])  # the mean follows from z'' = -c z' - k z + w, integrated
     return np.asarray(w - change @ [c, 1.0])
 
@@ -137,7 +137,7 @@ def _linear(
     ramp = _offset_ramp(c, k, w.size, span)
     if plant.zero:
         return beside([section(c, k, w - reference), ramp])
-    exact = _states.simulate_mass(w - reference, c, k, 0.0, 0.0, 0.0, 0.0, 1, 0.0)[:, :1] * k
+    exact = _states.simulate_linear(w - reference, c, k)[:, :1] * k
     return beside([exact, section(c, k, np.zeros(w.size))[:, 2:], ramp])
 
 
