@@ -12,7 +12,7 @@ from labsid.gap.data import Data
 from labsid.gap.effects.dynamics import ExtraLag, Resonance
 from labsid.gap.effects.restarts import Restarts
 from labsid.gap.fitting import Fit
-from labsid.gap.given_simulation import by_record, given_plant
+from labsid.gap.given_simulation import GivenSimulation, by_record, given_simulation
 from labsid.gap.hypothesis import Hypothesis
 from labsid.gap.linear_fits import fit_baseline
 from labsid.gap.model_file import SCHEMA, START_SAMPLES, ExportedModel, read_exported_model
@@ -64,7 +64,7 @@ class Baseline:
     @property
     def meter(self) -> RunMeter | None:
         """Counts the runs of a given simulation; None if none is run."""
-        return self.structure.plant.meter
+        return self.structure.plant.simulation.meter
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -277,8 +277,9 @@ def _simulator(data: Data, t: FloatArray, simulate: Simulator) -> Baseline:
     output = check_bounded(by_record(data.samples, data.pieces, lambda at: simulate(t[: u[at].size], u[at])), y)
     rates = fit_baseline(data).rates if simulate.free else _linear_rates(data, output)
     before = _estimate_given(output, free_responses(data.samples, *rates), rates)
-    plant = given_plant(simulate, (data.u_scale, data.y_scale), data.Ts, rates, float(t[0]), data.pieces)
-    structure = with_restarts(Hypothesis((), 0, plant), data)
+    scales = data.u_scale, data.y_scale
+    given = given_simulation(simulate, scales, data.Ts, rates, float(t[0]), data.pieces)
+    structure = with_restarts(Hypothesis((), 0, Plant(kind="given", simulation=given)), data)
 
     def simulate_record(record: Record) -> FloatArray:
         return _started(simulate(record.t, record.u), free_responses(len(record), *rates), record.y)
@@ -305,7 +306,8 @@ def _output_series(data: Data, series: FloatArray) -> Baseline:
         raise ValueError(f"the simulated output must have the record's {data.samples} samples; got {series.size}.")
     scaled_series = data.y_scale.of(check_bounded(series, _unscaled(data)[1]))
     rates = _linear_rates(data, series)
-    structure = Hypothesis((), 0, Plant(kind="given", run=lambda w, values: scaled_series, given_rates=rates))
+    given = GivenSimulation(lambda w, numbers: scaled_series, rates)
+    structure = Hypothesis((), 0, Plant(kind="given", simulation=given))
     return Baseline(_estimate_given(series, NO_STATES, rates), structure, given=True, output_only=True)
 
 
@@ -337,5 +339,6 @@ def _given_fit(data: Data, output: FloatArray, states: FloatArray, rates: tuple[
     noise = fit_noise(data.y - fitted, data.complete, data.lags)
     cost = float(np.mean((data.y - fitted)[data.rows] ** 2))
     bic = noise.score + gains.size * np.log(noise.rows)
-    hypothesis = Hypothesis((), 0, Plant(kind="given", given_rates=rates))
+    given = GivenSimulation(lambda w, numbers: data.y_scale.of(output), rates)
+    hypothesis = Hypothesis((), 0, Plant(kind="given", simulation=given))
     return Fit(hypothesis, np.zeros(0), gains, fitted, cost, noise, float(bic))

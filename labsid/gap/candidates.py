@@ -183,8 +183,8 @@ def is_compatible(parent: Fit, effect: Effect) -> bool:
     old = parent.hypothesis.plant
     if old.kind == "given":
         if not isinstance(effect, PlantEffect):
-            return old.takes_input or not isinstance(effect, InputEffect)
-        return old.takes_input and effect.before_given
+            return old.simulation.takes_input or not isinstance(effect, InputEffect)
+        return old.simulation.takes_input and effect.before_given
     if not isinstance(effect, PlantEffect):
         return True
     if effect.only_given:

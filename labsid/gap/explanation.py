@@ -159,7 +159,7 @@ def _search_again(
         found = search_effects(data, structure, start, most, progress)
     except BudgetSpentError:
         return None
-    meter = structure.plant.meter
+    meter = structure.plant.simulation.meter
     return None if meter is not None and meter.exhausted else found
 
 

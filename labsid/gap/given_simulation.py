@@ -1,126 +1,154 @@
-"""The dynamics of a given simulation: its output, its free numbers, and responses to its initial state."""
+"""A given simulation as dynamics: its output, its free numbers, and forces that react to its motion."""
 
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
 
 import numpy as np
 
 from labsid._arrays import FloatArray
 from labsid.gap.data import Scale
-from labsid.gap.plant_form import free_number
-from labsid.gap.plants import Plant
 from labsid.gap.reactions import Reaction, output_with
-from labsid.simulators.meter import BudgetSpentError
+from labsid.simulators.meter import BudgetSpentError, RunMeter
 from labsid.simulators.simulator import Simulator, SimulatorError
 
 CACHED_RUNS = 64  # the search often repeats an input
 
+Pieces = Sequence[tuple[int, int]]
 
-def given_plant(
-    simulate: Simulator,
+
+@dataclass(frozen=True, slots=True, eq=False)
+class GivenSimulation:
+    """A given simulation, in scaled units.
+
+    Attributes
+    ----------
+    simulate : callable
+        ``simulate(w, numbers) -> y``, both signals of shape (N,), for values of its free numbers by name; NaN where it
+        fails.
+    rates : tuple of float
+        c and k of a linear model of the rig, for responses to the initial state and to loads.
+    takes_input : bool
+        Whether it can be run with another input.
+    nominal : dict
+        The numbers that may be fitted, by name, with their nominal values.
+    standstill : float
+        Output at which it reads zero.
+    pieces : sequence of (int, int)
+        Several records that are joined end to end: each is simulated by itself.
+    source : str
+        Its file, as ``rig.py:simulate``, for export; empty without one.
+    meter : RunMeter or None
+        Counts its runs.
+    """
+
+    simulate: Callable[[FloatArray, dict[str, float]], FloatArray]
+    rates: tuple[float, float] = (0.5, 0.05)
+    takes_input: bool = False
+    nominal: dict[str, float] = field(default_factory=dict)
+    standstill: float = 0.0
+    pieces: Pieces = ()
+    source: str = ""
+    meter: RunMeter | None = None
+    _outputs: dict[tuple[bytes, tuple[float, ...]], FloatArray] = field(default_factory=dict, init=False, repr=False)
+    _pulses: dict[tuple[float, ...], FloatArray] = field(default_factory=dict, init=False, repr=False)
+
+    def run(self, w: FloatArray, numbers: dict[str, float]) -> FloatArray:
+        """Output for the input `w`. The last outputs are kept, but no failure: it may be that of a budget."""
+        key = w.tobytes(), tuple(numbers.values())
+        if key in self._outputs:
+            return self._outputs[key]
+        output = self.simulate(w, numbers)
+        if np.isfinite(output[-1]):
+            if len(self._outputs) == CACHED_RUNS:
+                del self._outputs[next(iter(self._outputs))]
+            self._outputs[key] = output
+        return output
+
+    def pulse(self, numbers: dict[str, float], samples: int) -> FloatArray:
+        """Response to a unit pulse of the input at sample 0, at most as long as a record."""
+        samples = min(samples, max((end - begin for begin, end in self.pieces), default=samples))
+        key = tuple(numbers.values())
+        if key not in self._pulses or self._pulses[key].size < samples:
+            at_zero = np.zeros(samples)
+            response = self.simulate(at_zero + (np.arange(samples) == 0), numbers) - self.simulate(at_zero, numbers)
+            if not np.isfinite(response).all():
+                return response
+            self._pulses[key] = response
+        return self._pulses[key][:samples]
+
+    def react(self, w: FloatArray, numbers: dict[str, float], reaction: Reaction) -> FloatArray:
+        """Output with forces at the input that react to it."""
+
+        def one_record(at: slice) -> FloatArray:
+            part = w[at]
+            return output_with(lambda driven: self.run(driven, numbers), part, self.pulse(numbers, part.size), reaction)
+
+        return by_record(w.size, self.pieces, one_record)
+
+
+def given_simulation(
+    simulator: Simulator,
     scales: tuple[Scale, Scale],
     Ts: float,
     rates: tuple[float, float],
     start: float = 0.0,
-    pieces: Sequence[tuple[int, int]] = (),
-) -> Plant:
-    """The dynamics of a simulator.
+    pieces: Pieces = (),
+) -> GivenSimulation:
+    """A simulator in the scales of input and output.
 
     Parameters
     ----------
-    simulate : Simulator
+    simulator : Simulator
     scales : tuple of Scale
         Of input and output.
     Ts : float
         Sampling time, in seconds.
     rates : tuple of float
-        c and k of a linear model of the rig, for responses to the initial state and to loads.
+        c and k of a linear model of the rig.
     start : float
         Time of the first sample, in seconds.
     pieces : sequence of (int, int)
-        Several records that are joined end to end: each is simulated by itself.
+        Several records that are joined end to end.
     """
     u_scale, y_scale = scales
-    free = tuple(free_number(name, simulate.nominal[name]) for name in simulate.free)
 
-    def run(w: FloatArray, values: FloatArray) -> FloatArray:
+    def simulate(w: FloatArray, numbers: dict[str, float]) -> FloatArray:
         """NaN where the simulation fails with this input or these numbers: it has worked with those of the record.
 
         NaN, too, where a search has spent its budget, so that it ends with what it has found.
         """
         u, t = np.asarray(u_scale.back(w)), np.asarray(start + Ts * np.arange(w.size), np.float64)
-        numbers = {one.given_name: one.number(value) for one, value in zip(free, values.tolist(), strict=True)}
-        joined = pieces if pieces and w.size == pieces[-1][1] else ()
         try:
-            output = by_record(w.size, joined, lambda at: simulate(t[: u[at].size], u[at], numbers))
+            return y_scale.of(by_record(w.size, pieces, lambda at: simulator(t[: u[at].size], u[at], numbers)))
         except BudgetSpentError:
             return np.full(w.size, np.nan)
         except SimulatorError as error:
             if error.ended:
                 raise
-            simulate.meter.note_failure(str(error))
+            simulator.meter.note_failure(str(error))
             return np.full(w.size, np.nan)
-        return y_scale.of(output)
 
-    cached = _cached(run)
-    pulses: dict[bytes, FloatArray] = {}
-    longest = max((end - begin for begin, end in pieces), default=None)
-
-    def pulse(values: FloatArray, samples: int) -> FloatArray:
-        samples = samples if longest is None else min(samples, longest)  # a longer input would be that of all records
-        key = values.tobytes()
-        if key not in pulses or pulses[key].size < samples:
-            at_zero = np.zeros(samples)
-            response = run(at_zero + (np.arange(samples) == 0), values) - run(at_zero, values)
-            if not np.isfinite(response).all():
-                return response
-            pulses[key] = response
-        return pulses[key][:samples]
-
-    def react(w: FloatArray, values: FloatArray, reaction: Reaction) -> FloatArray:
-        def one_record(at: slice) -> FloatArray:
-            part = w[at]
-            return output_with(lambda driven: cached(driven, values), part, pulse(values, part.size), reaction)
-
-        return by_record(w.size, pieces if pieces and w.size == pieces[-1][1] else (), one_record)
-
-    return Plant(
-        kind="given",
-        run=cached,
-        pulse=pulse,
-        react=react,
-        standstill=-y_scale.centre / y_scale.unit,
-        free=free,
-        source=simulate.source,
-        meter=simulate.meter,
+    return GivenSimulation(
+        simulate,
+        rates,
         takes_input=True,
-        given_rates=rates,
+        nominal={name: simulator.nominal[name] for name in simulator.free},
+        standstill=-y_scale.centre / y_scale.unit,
+        pieces=pieces,
+        source=simulator.source,
+        meter=simulator.meter,
     )
 
 
-def by_record(samples: int, pieces: Sequence[tuple[int, int]], run: Callable[[slice], FloatArray]) -> FloatArray:
-    """Outputs of a given simulation on each of several records; between two, the first value of the next one."""
+def by_record(samples: int, pieces: Pieces, run: Callable[[slice], FloatArray]) -> FloatArray:
+    """Outputs of a given simulation on each of several records; between two, the first value of the next one.
+
+    Another number of samples than that of all records is one record.
+    """
     output = np.empty(samples)
     stop = 0
-    for start, end in pieces or ((0, samples),):
+    for start, end in pieces if pieces and samples == pieces[-1][1] else ((0, samples),):
         output[start:end] = run(slice(start, end))
         output[stop:start] = output[start]
         stop = end
     return output
-
-
-def _cached(run: Callable[[FloatArray, FloatArray], FloatArray]) -> Callable[[FloatArray, FloatArray], FloatArray]:
-    """Keep the last outputs of a simulation, but no failure: it may be that of a budget."""
-    kept: dict[tuple[bytes, bytes], FloatArray] = {}
-
-    def cached(w: FloatArray, values: FloatArray) -> FloatArray:
-        key = w.tobytes(), values.tobytes()
-        if key in kept:
-            return kept[key]
-        output = run(w, values)
-        if np.isfinite(output[-1]):
-            if len(kept) == CACHED_RUNS:
-                del kept[next(iter(kept))]
-            kept[key] = output
-        return output
-
-    return cached

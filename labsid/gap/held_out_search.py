@@ -114,7 +114,7 @@ class _Pool:
 
     def add(self, fits: Iterable[Fit]) -> None:
         """Keep the fits that are the best of their names; none where the budget of runs did not suffice for its fit."""
-        meter = self.start.fit.hypothesis.plant.meter
+        meter = self.start.fit.hypothesis.plant.simulation.meter
         for fit in fits:
             if meter is not None and meter.exhausted:
                 break

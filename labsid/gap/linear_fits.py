@@ -33,7 +33,7 @@ def fit_baseline(data: Data, hypothesis: Hypothesis = LINEAR, start: FloatArray 
     for theta in starts if hypothesis.plant.kind != "given" else starts[:1]:  # a given simulation has no rates
         best = _better(best, minimize(data, hypothesis, theta, iterations=12))
     if best is None:
-        raise _no_fit(hypothesis.plant.meter)
+        raise _no_fit(hypothesis.plant.simulation.meter)
     best = minimize(data, hypothesis, best.theta, iterations=30, tolerance=1e-8) or best
     return finish(data, hypothesis, best)
 

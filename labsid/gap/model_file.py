@@ -14,7 +14,7 @@ from labsid.gap.data import Data, Scale
 from labsid.gap.effects.families import EFFECTS_BY_KEY
 from labsid.gap.effects.restarts import COLUMNS, Restarts
 from labsid.gap.fitting import Fit
-from labsid.gap.given_simulation import given_plant
+from labsid.gap.given_simulation import given_simulation
 from labsid.gap.hypothesis import Hypothesis
 from labsid.gap.plants import Plant
 from labsid.simulators.process import open_in_process
@@ -263,13 +263,13 @@ class ExportedModel:
             "y_scale": {"centre": self.y_scale.centre, "unit": self.y_scale.unit},
         }
         if plant.kind == "given":
-            if not plant.source:
+            if not plant.simulation.source:
                 raise ValueError(
                     "the given simulation cannot be exported: it is no file that can be run again. Give a model, "
                     "FILE.py:FUNCTION or FILE.fmu instead."
                 )
-            nominal = {one.given_name: one.nominal for one in plant.free}
-            content["simulator"] = {"source": plant.source, "free": nominal, "rates": list(plant.given_rates)}
+            given = plant.simulation
+            content["simulator"] = {"source": given.source, "free": given.nominal, "rates": list(given.rates)}
         return content if self.elsewhere is None else content | {"elsewhere": self.elsewhere.to_json_dict()}
 
 
@@ -407,7 +407,7 @@ def _read_given(content: Any, scales: tuple[Scale, Scale], Ts: float) -> Plant:
             f"{source} has changed: {changed[0]} is {simulate.nominal[changed[0]]:g}, and was {nominal[changed[0]]:g} "
             "when the simulation was exported. Export it again."
         )
-    return given_plant(simulate, scales, Ts, rates)
+    return Plant(kind="given", simulation=given_simulation(simulate, scales, Ts, rates))
 
 
 def read_exported_model(content: dict[str, Any], Ts: float) -> ExportedModel:

@@ -1,14 +1,12 @@
 """Form of the dynamics between actuator and sensor, and their parameters."""
 
-from collections.abc import Callable
+from collections.abc import Iterable
 from dataclasses import dataclass, field, replace
 from typing import Self
 
 import numpy as np
 
-from labsid._arrays import FloatArray
-from labsid.gap.reactions import Reaction
-from labsid.simulators.meter import RunMeter
+from labsid.gap.given_simulation import GivenSimulation
 
 SLOWEST, FASTEST = np.log(1e-5), np.log(100.0)
 MAX_DAMPING = 0.5  # of a mode
@@ -98,6 +96,7 @@ SPRING = Parameter("spring", -50.0, 50.0)  # scaled: force at the input of a giv
 DRAG = Parameter("drag", 0.0, 200.0, 1e-3)  # scaled
 ONSET = Parameter("onset", 0.0, 1.0, 2e-4, leap=0.004)  # as a share of the record
 DRIFT = Parameter("drift", -3.0, 3.0)
+NOT_GIVEN = GivenSimulation(lambda w, numbers: np.full(w.size, np.nan))
 CYCLES = Parameter("cycles", 2.2, 1e7, 1e-3)  # in the record; a slower sinusoid is a drift
 
 
@@ -144,27 +143,11 @@ class PlantForm:
     load, sinusoid : str
         Where a load step and a sinusoid act: "inside", on the nonlinear state, or "ahead", on the first of two states
         in series, where a load has no leak; empty without one.
-    run : callable, optional
-        ``run(w, values) -> y`` of a given simulation, in scaled units, for values of its free numbers.
-    free : tuple of FreeNumber
-        Numbers of a given simulation that may be fitted.
-    source : str
-        The file of a given simulation, as ``rig.py:simulate``, for export; empty without one.
-    meter : RunMeter, optional
-        Counts the runs of a given simulation.
-    pulse : callable, optional
-        ``pulse(values, samples) -> y``: response of a given simulation to a unit pulse of its input at sample 0.
-    react : callable, optional
-        ``react(w, values, reaction) -> y``: output of a given simulation with forces at its input that react to it.
+    simulation : GivenSimulation
+        The simulation of the kind "given".
     reactions : tuple of str
         Forces at the input of a given simulation that react to its output: "friction" of a position, "speed" for that
         of a speed, "cubic".
-    standstill : float
-        Scaled output of a given simulation at which it reads zero.
-    takes_input : bool
-        Whether that simulation can be run with another input.
-    given_rates : tuple of float
-        c and k of a linear model of the same record, for the response to loads.
     parameters : tuple of Parameter
         In their order in theta.
     """
@@ -190,16 +173,8 @@ class PlantForm:
     extra_degrees: int = 0
     load: str = ""
     sinusoid: str = ""
-    run: Callable[[FloatArray, FloatArray], FloatArray] | None = field(default=None, compare=False)
-    free: tuple[FreeNumber, ...] = ()
-    source: str = ""
-    meter: RunMeter | None = field(default=None, compare=False)
-    pulse: Callable[[FloatArray, int], FloatArray] | None = field(default=None, compare=False)
-    react: Callable[[FloatArray, FloatArray, Reaction], FloatArray] | None = field(default=None, compare=False)
+    simulation: GivenSimulation = NOT_GIVEN
     reactions: tuple[str, ...] = ()
-    standstill: float = 0.0
-    takes_input: bool = False
-    given_rates: tuple[float, float] = (0.5, 0.05)
     parameters: tuple[Parameter, ...] = field(init=False, repr=False, compare=False)
 
     def __post_init__(self) -> None:
@@ -281,9 +256,14 @@ class PlantForm:
         """Whether there are two states in series, with a possible load on either."""
         return self.kind == "tanks" or (self.kind == "speed" and self.lag_first)
 
-    def free_values(self, theta: FloatArray) -> FloatArray:
-        """The part of theta that belongs to the free numbers of a given simulation."""
-        return theta[: len(self.free)]
+    @property
+    def free(self) -> tuple[FreeNumber, ...]:
+        """Numbers of a given simulation that may be fitted, the first ones in theta."""
+        return tuple(free_number(name, nominal) for name, nominal in self.simulation.nominal.items())
+
+    def numbers(self, theta: Iterable[float]) -> dict[str, float]:
+        """The free numbers of a given simulation, by their names in it."""
+        return {one.given_name: one.number(value) for one, value in zip(self.free, theta, strict=False)}
 
     def index(self, name: str) -> int:
         """Index of a parameter in theta."""

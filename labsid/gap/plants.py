@@ -106,7 +106,7 @@ class Plant(PlantForm):
             own, width = ((2, 3), 5) if self.zero else ((1, 2), 4)
         elif self.kind == "varying":
             own, width = ((4, 5), 6) if self.course == "step" else ((6, 7), 8)
-        elif self.kind == "given" and self.takes_input:
+        elif self.kind == "given" and self.simulation.takes_input:
             own, width = (1, 2), 3
         if self.lag and (self.kind == "given" or not self.lag_ahead):
             width += 2 if self.kind == "linear" else 1
@@ -138,7 +138,7 @@ class Plant(PlantForm):
     def linear_rates(self, theta: FloatArray) -> tuple[float, float]:
         """Coefficients c and k of s^2 + c s + k: of the linear part, or linearized at the mean flow."""
         if self.kind == "given":
-            return self.given_rates
+            return self.simulation.rates
         first, second = np.exp(theta[0]), np.exp(theta[1])
         if self.kind in ("tanks", "speed"):
             upper, lower = self.level_slopes(theta)

@@ -148,7 +148,7 @@ def played_part(data: Data, fit: Fit) -> PlayedPart:
     theta = np.array([parameter.start for parameter in new.parameters])
     theta_from = np.full(theta.size, -1)
     if is_given:
-        theta[new.slices["plant"]][:2] = np.log(old.plant.given_rates)
+        theta[new.slices["plant"]][:2] = np.log(old.plant.simulation.rates)
     else:
         theta_from[: new.slices["plant"].start] = np.arange(new.slices["plant"].start)
     for key, place in new.slices.items():

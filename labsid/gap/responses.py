@@ -319,15 +319,14 @@ def _changed_rates(own: dict[str, float], change: FloatArray) -> tuple[FloatArra
 def _given(
     plant: PlantForm, own: dict[str, float], w: FloatArray, span: int, reference: float, late: float
 ) -> FloatArray:
-    assert plant.run is not None
-    values = np.array([own[parameter.name] for parameter in plant.free])
+    given, numbers = plant.simulation, plant.numbers(own.values())
     if plant.reactions:
-        assert plant.react is not None
         at_rest, spring = "speed" in plant.reactions, own.get("spring", 0.0)
-        output = plant.react(w, values, Reaction(own.get("friction", 0.0), at_rest, spring, plant.standstill))[:, None]
+        reaction = Reaction(own.get("friction", 0.0), at_rest, spring, given.standstill)
+        output = given.react(w, numbers, reaction)[:, None]
     else:
-        output = plant.run(w, values)[:, None]
-    return beside([output, free_responses(w.size, *plant.given_rates)]) if plant.takes_input else output
+        output = given.run(w, numbers)[:, None]
+    return beside([output, free_responses(w.size, *given.rates)]) if given.takes_input else output
 
 
 def free_responses(samples: int, c: float, k: float) -> FloatArray:

@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from labsid._arrays import FloatArray
 from labsid.gap.effects.base import Fitted, PlantEffect, Value
 from labsid.gap.effects.context import Context
 from labsid.gap.plants import Plant
@@ -20,9 +21,16 @@ class _AroundGiven(PlantEffect):
     def applies(self, context: Context) -> bool:
         """Whether the force at the input moves the output at once, in the sense of a mechanism."""
         plant = context.parent.hypothesis.plant
-        if plant.pulse is None or self.name in {effect.name for effect in context.parent.hypothesis.effects}:
+        if not plant.simulation.takes_input or self.name in {
+            effect.name for effect in context.parent.hypothesis.effects
+        }:
             return False
-        return is_collocated(plant.pulse(plant.free_values(context.parent.plant_theta), context.data.samples))
+        return is_collocated(_pulse(plant, context.parent.plant_theta, context.data.samples))
+
+
+def _pulse(plant: Plant, theta: FloatArray, samples: int) -> FloatArray:
+    """Response of a given simulation to a unit pulse of its input."""
+    return plant.simulation.pulse(plant.numbers(theta), samples)
 
 
 class Friction(_AroundGiven):
@@ -61,9 +69,7 @@ class Spring(_AroundGiven):
         """The simulation must have a spring, so that it returns from a pulse."""
         if not super().applies(context):
             return False
-        plant = context.parent.hypothesis.plant
-        assert plant.pulse is not None
-        pulse = np.abs(plant.pulse(plant.free_values(context.parent.plant_theta), context.data.samples))
+        pulse = np.abs(_pulse(context.parent.hypothesis.plant, context.parent.plant_theta, context.data.samples))
         return bool(pulse[-pulse.size // 10 :].max() < SETTLED_SHARE * pulse.max())
 
     def extend(self, plant: Plant) -> Plant:
@@ -76,9 +82,7 @@ class Spring(_AroundGiven):
 
     def values(self, fit: Fitted) -> dict[str, Value]:
         """`cubic`: relative increase of the restoring force, per square of the output."""
-        plant = fit.hypothesis.plant
-        assert plant.pulse is not None
-        values = plant.free_values(fit.plant_theta)
-        gain = float(np.sum(plant.pulse(values, fit.data.samples)))  # of the simulation: its spring has 1 / gain
+        pulse = _pulse(fit.hypothesis.plant, fit.plant_theta, fit.data.samples)
+        gain = float(np.sum(pulse))  # of the simulation: its spring has 1 / gain
         per_level = 1.0 / (float(fit.gains[0]) * fit.data.y_scale.unit or 1.0)
         return {"cubic": Value(fit.plant_value("spring") * gain * per_level**2, "1/y^2")}

@@ -66,7 +66,7 @@ def _effect(hypothesis: Hypothesis, effect: Effect) -> dict[str, Any]:
 
 def _plant(plant: Plant) -> dict[str, Any]:
     """The fields of a plant, its parameters by name."""
-    own = {one.name: getattr(plant, one.name) for one in fields(plant) if one.name not in ("run", "free", "parameters")}
+    own = {one.name: getattr(plant, one.name) for one in fields(plant) if one.name not in ("simulation", "parameters")}
     return own | {"parameters": [{"name": one.name} for one in plant.parameters]}
 
 

@@ -26,6 +26,7 @@ from labsid.gap.effects.families import CANDIDATES
 from labsid.gap.explanation import Explanation, explain
 from labsid.gap.fitting import Fit, finish, minimize, rms, start_cost
 from labsid.gap.forms import extended_hypotheses
+from labsid.gap.given_simulation import GivenSimulation
 from labsid.gap.hypothesis import Hypothesis
 from labsid.gap.linear_fits import LINEAR, fit_baseline, fit_highpass
 from labsid.gap.plants import Plant
@@ -104,7 +105,7 @@ def test_only_dynamics_of_one_kind_are_compatible(
 def test_a_given_simulation_takes_a_lag_at_its_input_and_no_other_dynamics(
     levels: FloatArray, two_poles: Response, takes_input: bool
 ) -> None:
-    given = Plant(kind="given", run=lambda w, values: w, takes_input=takes_input)
+    given = Plant(kind="given", simulation=GivenSimulation(lambda w, numbers: w, takes_input=takes_input))
     parent = linear_fit(Hypothesis(given=given), data_of(levels, two_poles(levels)))
     assert not is_compatible(parent, dynamics.CoulombFriction("speed"))
     assert is_compatible(parent, dynamics.ExtraLag()) is takes_input

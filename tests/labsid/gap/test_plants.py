@@ -9,7 +9,7 @@ from scipy.signal import lsim
 
 from labsid._arrays import FloatArray
 from labsid.gap.fast_least_squares import solve_least_squares
-from labsid.gap.plant_form import free_number
+from labsid.gap.given_simulation import GivenSimulation
 from labsid.gap.plants import Plant
 from labsid.gap.responses import lag_mean, section
 
@@ -218,7 +218,7 @@ def test_a_mode_beside_a_nonlinear_state_answers_the_input(levels: FloatArray) -
 
 
 def test_a_given_simulation_is_one_column(levels: FloatArray) -> None:
-    plant = Plant(kind="given", run=lambda w, values: 2.0 * w, given_rates=(0.7, 0.1))
+    plant = Plant(kind="given", simulation=GivenSimulation(lambda w, numbers: 2.0 * w, (0.7, 0.1)))
     assert plant.parameters == ()
     np.testing.assert_array_equal(plant.columns(np.zeros(0), levels, levels.size), 2.0 * levels[:, None])
     assert plant.linear_rates(np.zeros(0)) == (0.7, 0.1)
@@ -226,24 +226,22 @@ def test_a_given_simulation_is_one_column(levels: FloatArray) -> None:
 
 
 def test_a_given_simulation_that_can_be_run_has_responses_to_its_initial_state(levels: FloatArray) -> None:
-    free = (free_number("tau", 2.0), free_number("bias", 0.0))
-    plant = Plant(
-        kind="given",
-        run=lambda w, v: v[0] * w + v[1],
-        free=free,
+    given = GivenSimulation(
+        lambda w, numbers: numbers["tau"] * w + numbers["bias"],
+        (0.7, 0.1),
         takes_input=True,
-        given_rates=(0.7, 0.1),
-        lag="behind",
+        nominal={"tau": 2.0, "bias": 0.0},
     )
-    theta = np.array([0.5, 0.25, np.log(3.0)])
+    plant = Plant(kind="given", simulation=given, lag="behind")
+    theta = np.array([np.log(0.25), 0.25, np.log(3.0)])
     columns = plant.columns(theta, levels, levels.size)
     np.testing.assert_allclose(columns[:, 0], 0.5 * lag_mean(levels, 3.0) + 0.25)  # the lag acts on its input
     np.testing.assert_allclose(columns[:, 1:3], section(0.7, 0.1, np.zeros(levels.size))[:, 2:])
     np.testing.assert_allclose(columns[:, 3], np.exp(-np.arange(levels.size) / 3.0))
     assert plant.state_columns == (1, 2, 3)
     assert plant.has_fixed_gain
-    assert [one.number(0.5) for one in free] == pytest.approx([2.0 * np.exp(0.5), 0.5])
-    assert [one.given_name for one in free] == ["tau", "bias"]
+    assert [one.number(0.5) for one in plant.free] == pytest.approx([2.0 * np.exp(0.5), 0.5])
+    assert [one.given_name for one in plant.free] == ["tau", "bias"]
 
 
 @pytest.mark.parametrize("plant", [plant for plant in KINDS if plant.kind in ("linear", "varying")])

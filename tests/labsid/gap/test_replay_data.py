@@ -8,6 +8,7 @@ from labsid.gap.data import Data, scaled
 from labsid.gap.effects.families import EFFECTS_BY_KEY
 from labsid.gap.effects.restarts import Restarts
 from labsid.gap.fitting import Fit
+from labsid.gap.given_simulation import GivenSimulation
 from labsid.gap.hypothesis import Hypothesis
 from labsid.gap.noise_model import Noise
 from labsid.gap.plants import Plant
@@ -54,7 +55,8 @@ def test_a_fit_of_one_record_is_replayed_whole() -> None:
 
 def test_the_output_of_a_given_simulation_is_a_constant() -> None:
     """And what acts on its input is in it."""
-    given = Plant(kind="given", run=lambda w, values: np.cumsum(w), takes_input=True, given_rates=(0.4, 0.03))
+    simulation = GivenSimulation(lambda w, numbers: np.cumsum(w), (0.4, 0.03), takes_input=True)
+    given = Plant(kind="given", simulation=simulation)
     before = (EFFECTS_BY_KEY["input-backlash"], EFFECTS_BY_KEY["extra-lag"])
     fit = fit_of(RECORD, Hypothesis((*before, *ADDED), given=given))
     played = played_part(RECORD, fit)
