@@ -190,7 +190,7 @@ def is_compatible(parent: Fit, effect: Effect) -> bool:
     if effect.only_given:
         return False
     new = effect.extend(old)
-    if old.kind == "varying" and old.course == "slow" and new.nonlinear:
+    if old.kind == "varying" and new.nonlinear:
         return True
     return old.kind == "linear" or (new.kind == old.kind and new.flipped == old.flipped)
 

@@ -95,7 +95,6 @@ gives, and the excess of the break-away friction over the sliding one."""
 SPRING = Parameter("spring", -50.0, 50.0)  # scaled: force at the input of a given simulation over its output cubed
 DRAG = Parameter("drag", 0.0, 200.0, 1e-3)  # scaled
 ONSET = Parameter("onset", 0.0, 1.0, 2e-4, leap=0.004)  # as a share of the record
-DRIFT = Parameter("drift", -3.0, 3.0)
 NOT_GIVEN = GivenSimulation(lambda w, numbers: np.full(w.size, np.nan))
 CYCLES = Parameter("cycles", 2.2, 1e7, 1e-3)  # in the record; a slower sinusoid is a drift
 
@@ -107,7 +106,9 @@ class PlantForm:
     Attributes
     ----------
     kind : str
-        "linear", "tanks", "mechanics", "speed", "varying", or "given" for an external simulation.
+        "linear", "tanks", "mechanics", "speed", "varying" for linear dynamics with a drifting pole, "leak" for those
+        whose pole steps at an instant, or "given" for an external simulation. The output is continuous across a step;
+        the parameter `turn`, 0 to 1, is the share of the change that acts as a jump of the speed.
     zero : bool
         Whether linear dynamics have a numerator zero. Without it they have one gain.
     lag, mode : str
@@ -133,13 +134,8 @@ class PlantForm:
         Whether a mass with friction has almost no spring, so that a constant force is no shift of its position.
     lag_first : bool
         Whether the lag of "speed" precedes the friction.
-    course : str
-        Change of a varying pole: "slow", or "step" at an instant. The output is continuous across the step; the
-        parameter `turn`, 0 to 1, is the share of the change that acts as a jump of the speed.
-    drifting : bool
-        Whether the rate of the second nonlinear state, or the spring, drifts slowly.
-    extra_degrees : int
-        Degree of the polynomial of a slow drift, minus one.
+    drift_degree : int
+        Degree of the slow drift of the last state's rate, or of the spring; zero without one.
     load, sinusoid : str
         Where a load step and a sinusoid act: "inside", on the nonlinear state, or "ahead", on the first of two states
         in series, where a load has no leak; empty without one.
@@ -168,9 +164,7 @@ class PlantForm:
     sampled: bool = False
     unsprung: bool = False
     lag_first: bool = True
-    course: str = "slow"
-    drifting: bool = False
-    extra_degrees: int = 0
+    drift_degree: int = 0
     load: str = ""
     sinusoid: str = ""
     simulation: GivenSimulation = NOT_GIVEN
@@ -205,7 +199,7 @@ class PlantForm:
             own += [Parameter(f"stop_{side}", -50.0, 50.0, leap=0.05) for side in self.stops]
             if self.cubic:
                 own += [Parameter("cubic", -0.3, 50.0)]
-            if self.cubic or self.drifting or self.unsprung:
+            if self.cubic or self.drift_degree or self.unsprung:
                 own += [Parameter("centre", -8.0, 8.0)]
             own += [Parameter("z0", -50.0, 50.0, STICKING_STEP, leap=0.05), Parameter("v0", -50.0, 50.0, STICKING_STEP)]
         elif self.kind == "speed":
@@ -213,11 +207,12 @@ class PlantForm:
             own += [DRAG] if self.drag else []
             own += [Parameter("centre", -20.0, 20.0, 1e-3)]
             own += [Parameter("v0", -50.0, 50.0, STICKING_STEP), Parameter("i0", -50.0, 50.0, STICKING_STEP)]
-        elif self.kind == "varying":
-            own += [DRIFT, Parameter("share_c", -3.0, 3.0), Parameter("turn", 0.0, 1.0)]
-            own += [ONSET] if self.course == "step" else self._bent()
-        if self.drifting:
-            own += [DRIFT, *self._bent()]
+        if self.drift_degree or self.kind == "leak":
+            own += [Parameter("drift", -3.0, 3.0)]
+        if self.kind in ("varying", "leak"):
+            own += [Parameter("share_c", -3.0, 3.0), Parameter("turn", 0.0, 1.0)]
+        own += [ONSET] if self.kind == "leak" else []
+        own += [Parameter(f"bend{n}", -3.0, 3.0) for n in range(1, self.drift_degree)]
         if self.load:
             own += [Parameter("load", -20.0, 20.0)]
             own += [ONSET] if self.load == "ahead" else [Parameter("leak", -0.9, 20.0), ONSET]
@@ -232,9 +227,6 @@ class PlantForm:
             own += [Parameter("log_frequency", -6.0, np.log(np.pi))]
             own += [Parameter("log_damping", -7.0, np.log(MAX_DAMPING))]
         return [*own, Parameter("log_slow", 0.0, 12.0)] if self.slow else own
-
-    def _bent(self) -> list[Parameter]:
-        return [Parameter(f"bend{n}", -3.0, 3.0) for n in range(1, self.extra_degrees + 1)]
 
     @property
     def nonlinear(self) -> bool:

@@ -105,7 +105,9 @@ class Plant(PlantForm):
         if self.kind == "linear":
             own, width = ((2, 3), 5) if self.zero else ((1, 2), 4)
         elif self.kind == "varying":
-            own, width = ((4, 5), 6) if self.course == "step" else ((6, 7), 8)
+            own, width = (6, 7), 8
+        elif self.kind == "leak":
+            own, width = (4, 5), 6
         elif self.kind == "given" and self.simulation.takes_input:
             own, width = (1, 2), 3
         if self.lag and (self.kind == "given" or not self.lag_ahead):

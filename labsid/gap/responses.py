@@ -214,12 +214,12 @@ def _apply_load(
 
 def _rate_factor(plant: PlantForm, own: dict[str, float], samples: int, span: int) -> FloatArray | None:
     """Factor of the drifting rate of the second state, or of the spring; None without drift."""
-    return np.exp(_course(plant, own, samples, span)) if plant.drifting else None
+    return np.exp(_course(plant, own, samples, span)) if plant.drift_degree else None
 
 
 def _course(plant: PlantForm, own: dict[str, float], samples: int, span: int) -> FloatArray:
     """Logarithm of the factor of a drifting rate."""
-    shape = np.array([own["drift"], *(own[f"bend{n}"] for n in range(1, plant.extra_degrees + 1))])
+    shape = np.array([own["drift"], *(own[f"bend{n}"] for n in range(1, plant.drift_degree))])
     return np.clip(chebyshev_course(shape, samples, span), -6.0, 6.0)
 
 
@@ -283,8 +283,6 @@ def _speed(
 def _varying(
     plant: PlantForm, own: dict[str, float], w: FloatArray, span: int, reference: float, late: float
 ) -> FloatArray:
-    if plant.course == "step":
-        return _varying_step(own, w - reference, span)
     course = _course(plant, own, w.size, span)
     change = np.expm1(course)  # of one lag of two, or of a spring
     c, k = _changed_rates(own, change)
@@ -296,7 +294,9 @@ def _varying(
     return beside([out[:, :5] * unit, out[:, 6:7] * unit, out[:, [8, 10]]])
 
 
-def _varying_step(own: dict[str, float], deviation: FloatArray, span: int) -> FloatArray:
+def _leak(
+    plant: PlantForm, own: dict[str, float], w: FloatArray, span: int, reference: float, late: float
+) -> FloatArray:
     """A leak that starts at an instant: c and k step, and the gain at the input stays."""
     change = np.array([0.0, np.expm1(own["drift"])])
     c, k = _changed_rates(own, change)
@@ -304,8 +304,8 @@ def _varying_step(own: dict[str, float], deviation: FloatArray, span: int) -> Fl
     unit = np.exp(own["log_k"])
     ends = (float(c[0]), float(c[1])), (float(k[0]), float(k[1]))
     # If the plant settles, the load and constant columns already include the response to a constant force.
-    constant = np.full(deviation.size, 0.0 if _comes_to_rest(c[0], k[0], span) else 1.0)
-    forces = np.column_stack([deviation, constant])
+    constant = np.full(w.size, 0.0 if _comes_to_rest(c[0], k[0], span) else 1.0)
+    forces = np.column_stack([w - reference, constant])
     out = _rates.simulate_stepped(forces, *ends, own["onset"] * span, turned * change[1], turned / unit)
     return beside([out[:, :3] * unit, out[:, 4:5] * unit, out[:, [6, 8]]])
 
@@ -341,4 +341,5 @@ _KINDS = {
     "mechanics": _mechanics,
     "speed": _speed,
     "varying": _varying,
+    "leak": _leak,
 }

@@ -137,7 +137,7 @@ class Leak(_Load, PlantEffect):
 
     def extend(self, plant: Plant) -> Plant:
         """Dynamics whose restoring rate steps at the onset."""
-        return plant.modified(kind="varying", course="step")
+        return plant.modified(kind="leak")
 
     def plant_starts(self, context: Context) -> list[dict[str, float]]:
         """Onsets at which a leak reduces the residual most; either sign, with and without a change of damping."""

@@ -28,7 +28,7 @@ class PoleDrift(PlantEffect):
 
     def extend(self, plant: Plant) -> Plant:
         """Dynamics with slowly varying rates."""
-        return plant.modified(kind="varying", extra_degrees=int(self.variant) - 1)
+        return plant.modified(kind="varying", drift_degree=int(self.variant))
 
     def plant_starts(self, context: Context) -> list[dict[str, float]]:
         """A rising, falling or curved restoring rate, with and without a change of damping."""
@@ -63,7 +63,7 @@ class InnerPoleDrift(PoleDrift):
 
     def extend(self, plant: Plant) -> Plant:
         """The dynamics with a drifting rate."""
-        return plant.modified(drifting=True, extra_degrees=int(self.variant) - 1)
+        return plant.modified(drift_degree=int(self.variant))
 
     def plant_starts(self, context: Context) -> list[dict[str, float]]:
         """A rising, falling or curved rate."""

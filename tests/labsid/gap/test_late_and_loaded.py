@@ -12,8 +12,8 @@ LINEAR_KINDS = [
     Plant(),
     Plant(zero=False, lag="behind"),
     Plant(mode="behind"),
-    Plant(kind="varying", extra_degrees=2),
-    Plant(kind="varying", course="step"),
+    Plant(kind="varying", drift_degree=3),
+    Plant(kind="leak"),
     Plant(kind="given", run=lambda w, values: np.cumsum(w)),
 ]
 AHEAD = [

@@ -31,8 +31,8 @@ KINDS = [
     Plant(kind="mechanics", cubic=True, mode="beside"),
     Plant(kind="mechanics", friction="sharp", mode="ahead", lag="ahead"),
     Plant(kind="speed", friction="sharp", lag_first=False),
-    Plant(kind="varying", extra_degrees=2),
-    Plant(kind="varying", course="step"),
+    Plant(kind="varying", drift_degree=3),
+    Plant(kind="leak"),
     Plant(kind="tanks", upper_root=True, load="inside"),
     Plant(kind="given", run=lambda w, values: 2.0 * w),
 ]
@@ -244,7 +244,7 @@ def test_a_given_simulation_that_can_be_run_has_responses_to_its_initial_state(l
     assert [one.given_name for one in plant.free] == ["tau", "bias"]
 
 
-@pytest.mark.parametrize("plant", [plant for plant in KINDS if plant.kind in ("linear", "varying")])
+@pytest.mark.parametrize("plant", [plant for plant in KINDS if plant.kind in ("linear", "varying", "leak")])
 def test_state_columns_are_those_that_move_without_an_input(plant: Plant) -> None:
     numbers = {
         "log_c": np.log(C),
@@ -286,7 +286,7 @@ def test_a_leak_found_on_one_record_is_that_of_another_one(
         )[:, 0 if place == "on a spring" else 1]
         for w in (levels[:400], other)
     )
-    plant = Plant(kind="varying", course="step")
+    plant = Plant(kind="leak")
     rates = {"log_c": np.log(0.5), "log_k": np.log(0.06), "onset": 0.5, "drift": np.log1p(leak)}
     theta = theta_of(plant, **rates, share_c=share_c, turn=turn)
     columns = plant.columns(theta, levels[:400], 400, 0.0)

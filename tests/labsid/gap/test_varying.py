@@ -30,7 +30,7 @@ def left(columns: FloatArray, y: FloatArray) -> float:
 
 
 def test_rates_that_do_not_vary_give_the_linear_columns(levels: FloatArray) -> None:
-    plant = Plant(kind="varying", extra_degrees=1)
+    plant = Plant(kind="varying", drift_degree=2)
     columns = plant.columns(theta_of(plant, log_c=np.log(C), log_k=np.log(K)), levels, levels.size, 0.0)
     sampled = control.c2d(control.ss(control.tf([0.3, K], [1.0, C, K])), 1.0)
     expected = control.forced_response(sampled, np.arange(levels.size), levels, np.full(2, 0.7)).outputs
@@ -42,12 +42,12 @@ def test_varying_rates_follow_their_course(levels: FloatArray, course: str) -> N
     """Against the matrix exponential from sample to sample: k goes with r, c with a share of it."""
     w, samples = levels[:240], 240
     if course == "slow":
-        plant = Plant(kind="varying", extra_degrees=2)
+        plant = Plant(kind="varying", drift_degree=3)
         x = np.linspace(-1.0, 1.0, samples)
         log_r = 0.4 * x + 0.3 * (2.0 * x**2 - 1.0) - 0.2 * (4.0 * x**3 - 3.0 * x)
         own = {"bend1": 0.3, "bend2": -0.2}
     else:
-        plant = Plant(kind="varying", course="step")
+        plant = Plant(kind="leak")
         log_r = np.where(np.arange(samples) >= 96, 0.4, 0.0)
         own = {"onset": 0.4}
     r = np.exp(log_r)
@@ -86,7 +86,7 @@ def test_the_rate_of_the_latter_of_two_lags_turns_the_spring_by_its_derivative(l
         return b * float(np.exp(0.5 * x - 0.4 * (2.0 * x**2 - 1.0)))
 
     y = balances(w, a, rate)
-    plant = Plant(kind="varying", extra_degrees=1)
+    plant = Plant(kind="varying", drift_degree=2)
     own = {"log_c": np.log(a + b), "log_k": np.log(a * b), "drift": 0.5, "bend1": -0.4, "share_c": b / (a + b)}
     missed = [
         left(np.column_stack([plant.columns(theta_of(plant, turn=turn, **own), w, samples), np.ones(samples)]), y)
