@@ -19,15 +19,6 @@ CUBIC_CORRECTION = 0.109
 
 
 @compiled()
-def _sinusoid(cosine: float, sine: float, frequency: float, k: int) -> float:
-    """A sinusoid at the middle of sample k; `frequency` in radians per sample."""
-    if frequency == 0.0:
-        return 0.0
-    phase = frequency * (k + 0.5)
-    return cosine * math.cos(phase) + sine * math.sin(phase)
-
-
-@compiled()
 def simulate_tanks(
     w: FloatArray,
     a1: float,
@@ -41,27 +32,23 @@ def simulate_tanks(
     h2: float,
     substeps: int,
     late: float = 0.0,
-    load: float = 0.0,
-    leak: float = 0.0,
-    onset: float = np.inf,
-    cosine: float = 0.0,
-    sine: float = 0.0,
-    frequency: float = 0.0,
+    opposing: FloatArray | None = None,
+    leak: FloatArray | None = None,
     pace: FloatArray | None = None,
 ) -> FloatArray:
     """Level of the lower of two tanks in series, each with linear or square-root outflow and a brim.
 
-    The lower tank receives the `share` of the upper tank's overflow. From `onset` on it loses `load` plus `leak` times
-    its level, and a sinusoidal flow at all times. `pace`, one value per sample, multiplies its rate.
+    The lower tank receives the `share` of the upper tank's overflow. It loses the flow `opposing`, and `leak` times its
+    level; `pace` multiplies its rate. These three have one value per sample.
     """
     out = np.empty(w.size)
     h = 1.0 / substeps
     keep1 = math.exp(-a1 * h)
     for k in range(w.size):
         out[k] = h2
-        active = min(max(k + 1.0 - onset, 0.0), 1.0)
-        opposing = active * load + _sinusoid(cosine, sine, frequency, k)
-        restoring = 1.0 + active * leak
+        load = 0.0 if opposing is None else opposing[k]
+        leaking = 0.0 if leak is None else leak[k]
+        restoring = 1.0 + leaking
         rate2 = a2 if pace is None else a2 * pace[k]
         keep2 = math.exp(-rate2 * restoring * h)
         for j in range(substeps):
@@ -77,12 +64,12 @@ def simulate_tanks(
             else:
                 h1, inflow = step_linear_tank(h1, flow, a1, keep1, brim1, share, h)
             if root2:
-                net = inflow - math.sqrt(max(h2, 0.0)) - opposing - active * leak * h2
+                net = inflow - math.sqrt(max(h2, 0.0)) - load - leaking * h2
                 half2 = max(min(h2 + 0.5 * h * rate2 * net, brim2), 0.0)
-                h2 += h * rate2 * (inflow - math.sqrt(half2) - opposing - active * leak * half2)
+                h2 += h * rate2 * (inflow - math.sqrt(half2) - load - leaking * half2)
                 h2 = max(h2, 0.0)
             else:
-                end = (inflow - opposing) / restoring
+                end = (inflow - load) / restoring
                 h2 = end + (h2 - end) * keep2
             h2 = min(h2, brim2)
         if not (abs(h2) < DIVERGED and abs(h1) < DIVERGED):
@@ -223,12 +210,8 @@ def simulate_mass(
     v: float,
     substeps: int,
     late: float = 0.0,
-    load: float = 0.0,
-    leak: float = 0.0,
-    onset: float = np.inf,
-    cosine: float = 0.0,
-    sine: float = 0.0,
-    frequency: float = 0.0,
+    opposing: FloatArray | None = None,
+    leak: FloatArray | None = None,
     pace: FloatArray | None = None,
     law: tuple[float, float, float] = SHARP,
     drag: float = 0.0,
@@ -236,10 +219,9 @@ def simulate_mass(
 ) -> FloatArray:
     """Position and speed of z'' = -c z' - k z - friction sign(z') - drag z' |z'| - cubic z^3 + w, including sticking.
 
-    From `onset` on, `load` and a spring of stiffness `leak` times k oppose the input; a sinusoid does at all times.
-    `pace`, one value per sample, multiplies k. `law` holds the speed over which friction is smooth
-    about rest (zero for none), and the `peak` and `decay` of `sliding_friction`. At either of the `stops` the mass
-    loses its speed.
+    The force `opposing` and a spring of stiffness `leak` times k oppose the input; `pace` multiplies k. These three
+    have one value per sample. `law` holds the speed over which friction is smooth about rest (zero for none), and the
+    `peak` and `decay` of `sliding_friction`. At either of the `stops` the mass loses its speed.
     """
     smooth, peak, decay = law
     out = np.empty((w.size, 2))
@@ -253,11 +235,10 @@ def simulate_mass(
             f11, f12, f21, f22, g1, g2 = transition(c, k, h)
         out[n, 0] = z
         out[n, 1] = v
-        active = min(max(n + 1.0 - onset, 0.0), 1.0)
-        opposing = active * load + _sinusoid(cosine, sine, frequency, n)
-        spring = active * leak * k
+        load = 0.0 if opposing is None else opposing[n]
+        spring = 0.0 if leak is None else leak[n] * k
         for j in range(substeps):
-            net_drive = _held_input(w, n, late * substeps - j) - opposing
+            net_drive = _held_input(w, n, late * substeps - j) - load
             middle = z + 0.5 * h * v
             if cubic != 0.0 and friction == 0.0:
                 middle += CUBIC_CORRECTION * h * h * (net_drive - c * v - (k + cubic * z * z) * z)
@@ -315,12 +296,8 @@ def simulate_motor(
     i: float,
     substeps: int,
     late: float = 0.0,
-    load: float = 0.0,
-    leak: float = 0.0,
-    onset: float = np.inf,
-    cosine: float = 0.0,
-    sine: float = 0.0,
-    frequency: float = 0.0,
+    opposing: FloatArray | None = None,
+    leak: FloatArray | None = None,
     pace: FloatArray | None = None,
     law: tuple[float, float, float] = SHARP,
     drag: float = 0.0,
@@ -328,10 +305,10 @@ def simulate_motor(
     """Output and speed of a motor with dry friction, and a lag of rate `b` before or after it; unit gain.
 
     The motion is v' = a (drive - friction sign(v) - v - drag v |v|). With `lag_first` the drive is the lagged input,
-    i' = b (w - i); otherwise it is the input, and the lag follows the speed. From `onset` on, `load` plus `leak` times
-    the speed oppose the drive; a sinusoid does at all times. `pace`, one value per sample, multiplies the rate of the
-    last of the two. `law` holds the speed over which friction is smooth
-    about rest (zero for none), and the `peak` and `decay` of `sliding_friction`.
+    i' = b (w - i); otherwise it is the input, and the lag follows the speed. The load `opposing` plus `leak` times the
+    speed oppose the drive; `pace` multiplies the rate of the last of the two. These three have one value per sample.
+    `law` holds the speed over which friction is smooth about rest (zero for none), and the `peak` and `decay` of
+    `sliding_friction`.
     """
     smooth, peak, decay = law
     out = np.empty((w.size, 2))
@@ -346,15 +323,15 @@ def simulate_motor(
             keep_b = math.exp(-b * pace[n] * h)
         out[n, 0] = v if lag_first else i
         out[n, 1] = v
-        active = min(max(n + 1.0 - onset, 0.0), 1.0)
-        opposing = active * load + _sinusoid(cosine, sine, frequency, n)
+        load = 0.0 if opposing is None else opposing[n]
+        leaking = 0.0 if leak is None else leak[n]
         for j in range(substeps):
             drive = _held_input(w, n, late * substeps - j)
             if lag_first:
                 new_i = drive + (i - drive) * keep_b
                 drive -= (new_i - i) / (b * h)  # its mean over the step
                 i = new_i
-            drive -= opposing + active * leak * v
+            drive -= load + leaking * v
             before = v
             rate, keep, dry, top = a, keep_a, friction, peak
             if drag > 0.0:  # at the middle speed, drag divides all forces and multiplies the rate

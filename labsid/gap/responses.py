@@ -196,20 +196,19 @@ def _tanks(
 
 def _apply_load(
     plant: PlantForm, own: dict[str, float], w: FloatArray, span: int
-) -> tuple[FloatArray, tuple[float, ...]]:
-    """Subtract upstream loads from the drive; return it with the loads that act within the simulation.
-
-    These are load, leak, onset in samples, and cosine, sine and frequency of the sinusoid.
-    """
-    load, leak, onset = own.get("load", 0.0), own.get("leak", 0.0), own.get("onset", np.inf) * span
-    cosine, sine = own.get("shake_cos", 0.0), own.get("shake_sin", 0.0)
-    frequency = 2.0 * np.pi * own.get("cycles", 0.0) / span
+) -> tuple[FloatArray, tuple[FloatArray | None, FloatArray | None]]:
+    """The drive less the loads ahead of the dynamics; and the load and the leak within them, one value per sample."""
+    if not plant.load and not plant.sinusoid:
+        return w, (None, None)
+    active = step_signal(own.get("onset", np.inf), w.size, span)
+    load = own.get("load", 0.0) * active
+    phase = 2.0 * np.pi * own.get("cycles", 0.0) / span * (np.arange(w.size) + 0.5)
+    wave = own.get("shake_cos", 0.0) * np.cos(phase) + own.get("shake_sin", 0.0) * np.sin(phase)
     if plant.load == "ahead":
-        w, load = w - load * step_signal(own["onset"], w.size, span), 0.0
+        w, load = w - load, np.zeros(w.size)
     if plant.sinusoid == "ahead":
-        phase = frequency * (np.arange(w.size) + 0.5)
-        w, cosine, sine = w - cosine * np.cos(phase) - sine * np.sin(phase), 0.0, 0.0
-    return w, (load, leak, onset, cosine, sine, frequency)
+        w, wave = w - wave, np.zeros(w.size)
+    return w, (load + wave, own.get("leak", 0.0) * active)
 
 
 def _rate_factor(plant: PlantForm, own: dict[str, float], samples: int, span: int) -> FloatArray | None:

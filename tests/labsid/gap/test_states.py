@@ -11,7 +11,7 @@ from scipy.signal import lfilter
 from labsid._arrays import FloatArray
 from labsid.gap import _rates, _states
 
-UNLOADED = (0.0, 0.0, 0.0, np.inf, 0.0, 0.0, 0.0, None)
+UNLOADED = (0.0, None, None, None)
 """Arguments of a loop for an input that changes at the samples, without loads and drifts."""
 
 Held = Callable[[FloatArray, FloatArray, Callable[[FloatArray, float], list[float]]], FloatArray]
@@ -327,6 +327,12 @@ ONSET = 50
 LOADS = [(0.2, 0.0), (0.0, 0.4), (0.15, -0.3)]  # load, leak
 
 
+def begun(w: FloatArray, load: float, leak: float, at: float = ONSET) -> tuple[FloatArray, FloatArray]:
+    """A load and a leak from the sample `at` on."""
+    active = np.clip(np.arange(1, w.size + 1) - at, 0.0, 1.0)
+    return load * active, leak * active
+
+
 @pytest.mark.parametrize(("load", "leak"), LOADS)
 @pytest.mark.parametrize("root", [False, True])
 def test_a_load_on_the_lower_tank(w: FloatArray, held: Held, root: bool, load: float, leak: float) -> None:
@@ -339,7 +345,7 @@ def test_a_load_on_the_lower_tank(w: FloatArray, held: Held, root: bool, load: f
 
     expected = held(np.arange(w.size, dtype=float), np.array([0.6, 0.5]), filling)[:, 1]
     brims = (np.inf, np.inf, 0.0)
-    found = _states.simulate_tanks(flow, 0.3, 0.2, root, root, *brims, 0.6, 0.5, 16, 0.0, load, leak, float(ONSET))
+    found = _states.simulate_tanks(flow, 0.3, 0.2, root, root, *brims, 0.6, 0.5, 16, 0.0, *begun(w, load, leak))
     without = _states.simulate_tanks(flow, 0.3, 0.2, root, root, *brims, 0.6, 0.5, 16)
     np.testing.assert_array_equal(found[: ONSET + 1], without[: ONSET + 1])
     np.testing.assert_allclose(found, expected, atol=4e-3)
@@ -355,7 +361,7 @@ def test_a_load_on_a_mass(w: FloatArray, held: Held, load: float, leak: float) -
         return [x[1], 0.4 * w[int(sample)] - c * x[1] - k * x[0] - cubic * x[0] ** 3 - lost]
 
     expected = held(np.arange(w.size, dtype=float), np.array([0.3, -0.1]), spring)
-    found = _states.simulate_mass(0.4 * w, c, k, 0.0, cubic, 0.3, -0.1, 16, 0.0, load, leak, float(ONSET))
+    found = _states.simulate_mass(0.4 * w, c, k, 0.0, cubic, 0.3, -0.1, 16, 0.0, *begun(w, load, leak))
     np.testing.assert_allclose(found, expected, atol=2e-3)
     assert np.abs(found - _states.simulate_mass(0.4 * w, c, k, 0.0, cubic, 0.3, -0.1, 16)).max() > 0.05
 
@@ -371,14 +377,14 @@ def test_a_load_on_a_mass_and_on_a_motor_that_stick(w: FloatArray, load: float, 
         return float(w[int(sample)] - c * x[1] - k * x[0] - lost(sample, k * x[0]))
 
     expected = stick_slip(samples, np.array([0.4, 0.2]), friction, force, 1)[:, 0]
-    found = _states.simulate_mass(w, c, k, friction, 0.0, 0.4, 0.2, 48, 0.0, load, leak, float(ONSET))[:, 0]
+    found = _states.simulate_mass(w, c, k, friction, 0.0, 0.4, 0.2, 48, 0.0, *begun(w, load, leak))[:, 0]
     assert np.abs(found - expected).max() < 0.01 * expected.std()
 
     def drive(v: FloatArray, sample: float) -> float:
         return float(0.4 * (w[int(sample)] - v[0] - lost(sample, v[0])))
 
     expected = stick_slip(samples, np.array([0.3]), 0.4 * friction, drive, 0)[:, 0]
-    found = _states.simulate_motor(w, 0.4, 0.7, friction, False, 0.3, 0.3, 24, 0.0, load, leak, float(ONSET))[:, 1]
+    found = _states.simulate_motor(w, 0.4, 0.7, friction, False, 0.3, 0.3, 24, 0.0, *begun(w, load, leak))[:, 1]
     np.testing.assert_allclose(found, expected, atol=4e-3)
     assert np.abs(found - _states.simulate_motor(w, 0.4, 0.7, friction, False, 0.3, 0.3, 24)[:, 1]).max() > 0.03
 
@@ -387,20 +393,22 @@ def test_the_sample_in_which_a_load_begins_counts_in_part(w: FloatArray) -> None
     """A load on a mass or on a motor without a lag ahead is that much less input."""
     at = 50.25
     less = w - 0.3 * np.clip(np.arange(1, w.size + 1) - at, 0.0, 1.0)
-    found = _states.simulate_mass(w, 0.3, 0.2, 0.1, 0.05, 0.4, 0.2, 4, 0.0, 0.3, 0.0, at)
+    found = _states.simulate_mass(w, 0.3, 0.2, 0.1, 0.05, 0.4, 0.2, 4, 0.0, *begun(w, 0.3, 0.0, at))
     np.testing.assert_allclose(found, _states.simulate_mass(less, 0.3, 0.2, 0.1, 0.05, 0.4, 0.2, 4), atol=1e-12)
-    found = _states.simulate_motor(w, 0.4, 0.7, 0.1, False, 0.3, 0.3, 3, 0.0, 0.3, 0.0, at)
+    found = _states.simulate_motor(w, 0.4, 0.7, 0.1, False, 0.3, 0.3, 3, 0.0, *begun(w, 0.3, 0.0, at))
     np.testing.assert_allclose(found, _states.simulate_motor(less, 0.4, 0.7, 0.1, False, 0.3, 0.3, 3), atol=1e-12)
 
 
 WAVE = 0.2, -0.1, 0.37  # cosine, sine, radians a sample
-SWINGING = 0.0, 0.0, 0.0, np.inf, *WAVE  # not late, no load
 
 
 def swing(sample: float) -> float:
     """The wave in the middle of a sample."""
     phase = WAVE[2] * (int(sample) + 0.5)
     return float(WAVE[0] * np.cos(phase) + WAVE[1] * np.sin(phase))
+
+
+SWINGING = 0.0, np.array([swing(sample) for sample in range(120)])  # not late
 
 
 @pytest.mark.parametrize("root", [False, True])
