@@ -116,8 +116,8 @@ class PlantForm:
         "ahead", or for a mode "beside" (in parallel); empty without one.
     upper_root, lower_root : bool
         Square-root outflow of the upper and of the lower tank.
-    brim : int
-        0 none, 1 upper tank, 2 lower tank, 3 both.
+    brims : tuple of str
+        Tanks with a brim, of "upper" and "lower".
     flipped : bool
         Whether a larger input means less flow.
     friction : str
@@ -154,7 +154,7 @@ class PlantForm:
     mode: str = ""
     upper_root: bool = False
     lower_root: bool = False
-    brim: int = 0
+    brims: tuple[str, ...] = ()
     flipped: bool = False
     friction: str = ""
     drag: bool = False
@@ -186,11 +186,11 @@ class PlantForm:
         if self.kind == "tanks":
             if self.has_root:
                 own += [Parameter("zero", -200.0, 3.0)]
-            if self.brim:
+            if self.brims:
                 own += [Parameter("brim", -5.0, 400.0, leap=0.05)]
-            if self.brim != 2 and self.brim:
+            if "upper" in self.brims:
                 own += [Parameter("share", 0.0, 1.0)]
-            if self.brim == 3:
+            if len(self.brims) == 2:
                 own += [Parameter("brim2", -5.0, 400.0, leap=0.05)]
             own += [Parameter("h1", -50.0, 50.0), Parameter("h2", -50.0, 50.0)]
         elif self.kind == "mechanics":
@@ -256,6 +256,10 @@ class PlantForm:
     def numbers(self, theta: Iterable[float]) -> dict[str, float]:
         """The free numbers of a given simulation, by their names in it."""
         return {one.given_name: one.number(value) for one, value in zip(self.free, theta, strict=False)}
+
+    def brim_name(self, tank: str) -> str:
+        """Name of the parameter of a tank's brim."""
+        return "brim2" if tank == "lower" and "upper" in self.brims else "brim"
 
     def index(self, name: str) -> int:
         """Index of a parameter in theta."""

@@ -11,13 +11,28 @@ from labsid.gap.effects.context import Context, ParentFit, Structure
 from labsid.gap.plants import Plant
 from labsid.gap.responses import real_rates
 
-BRIM_CODES = {"upper": 1, "lower": 2, "both": 3}
 MAX_START = 15.0  # scaled flow: largest initial deviation of a level, which a brim could hide
 MAX_TANK_RATE = 1.0  # per sample: a faster tank follows its inflow within a sample
 SIDES = ("", "-flipped")
+RATES = {"upper": "log_a", "lower": "log_b"}
 
 
-class SqrtOutflow(PlantEffect):
+class _OfTanks(PlantEffect):
+    """An effect of one of two tanks in series, or of both."""
+
+    @property
+    def tanks(self) -> tuple[str, ...]:
+        """The tanks: "upper" and "lower"."""
+        which = self.variant.removesuffix("-flipped")
+        return ("upper", "lower") if which == "both" else (which,)
+
+    @property
+    def is_flipped(self) -> bool:
+        """Whether a larger input means less flow."""
+        return self.variant.endswith("-flipped")
+
+
+class SqrtOutflow(_OfTanks):
     """Torricelli outflow, proportional to the root of the level; `variant` both, upper or lower, and "-flipped"."""
 
     name = "sqrt-outflow"
@@ -30,25 +45,19 @@ class SqrtOutflow(PlantEffect):
 
     def extend(self, plant: Plant) -> Plant:
         """Tanks with square-root outflow as the variant states."""
-        which, _, flipped = self.variant.partition("-")
-        return plant.modified(
-            kind="tanks", upper_root=which != "lower", lower_root=which != "upper", flipped=flipped == "flipped"
-        )
+        upper, lower = "upper" in self.tanks, "lower" in self.tanks
+        return plant.modified(kind="tanks", upper_root=upper, lower_root=lower, flipped=self.is_flipped)
 
     def plant_starts(self, context: Context) -> list[dict[str, float]]:
         """Zero-flow inputs slightly, and one full range, below the record."""
-        u = -context.data.u if self.variant.endswith("flipped") else context.data.u
+        u = -context.data.u if self.is_flipped else context.data.u
         span = float(np.ptp(u))
         starts = []
         for below in (0.15, 1.0):
             zero = float(u.min()) - below * span
             middle = -zero  # the mean of the scaled input is zero
-            start = {"zero": zero}
-            if self.variant.partition("-")[0] != "lower":
-                start["log_a+"] = float(np.log(2.0 * middle))
-            if self.variant.partition("-")[0] != "upper":
-                start["log_b+"] = float(np.log(2.0 * middle))
-            starts.append(start | self._brim(context, zero))
+            faster = {RATES[tank] + "+": float(np.log(2.0 * middle)) for tank in self.tanks}
+            starts.append({"zero": zero} | faster | self._brim(context, zero))
         return starts
 
     def carry_over(self, fit: ParentFit, hypothesis: Structure, theta: FloatArray) -> None:
@@ -59,12 +68,10 @@ class SqrtOutflow(PlantEffect):
         own = theta[hypothesis.slices["plant"]]
         slope = new.root_slope(own)
         changed = (int(new.upper_root) - int(old.upper_root), int(new.lower_root) - int(old.lower_root))
-        for sign, rate, brims in zip(
-            changed, ("log_a", "log_b"), ((1, "brim"), (2, "brim" if new.brim == 2 else "brim2")), strict=True
-        ):
+        for sign, (tank, rate) in zip(changed, RATES.items(), strict=True):
             own[new.index(rate)] += sign * np.log(slope)
-            if sign and new.brim in (brims[0], 3):
-                at = new.index(brims[1])
+            if sign and tank in new.brims:
+                at = new.index(new.brim_name(tank))
                 own[at] = max(own[at], 0.0) ** (2.0 if sign > 0 else 0.5)
         if any(changed):
             own[new.index("h1")] = own[new.index("h2")] = 0.0
@@ -72,25 +79,25 @@ class SqrtOutflow(PlantEffect):
     def _brim(self, context: Context, zero: float) -> dict[str, float]:
         """Brims of a parent with linear outflow, converted to the levels at the same flow."""
         plant = context.parent.hypothesis.plant
-        if not plant.brim or plant.has_root:
+        if plant.has_root:
             return {}
-        own = context.parent.plant_theta
-        which = self.variant.partition("-")[0]
-        names = {1: ("brim",), 2: ("brim",), 3: ("brim", "brim2")}[plant.brim]
-        rooted = {1: (which != "lower",), 2: (which != "upper",), 3: (which != "lower", which != "upper")}[plant.brim]
-        flows = [max(float(own[plant.index(name)]) - zero, 0.0) for name in names]
-        return {name: flow**2 if root else flow for name, flow, root in zip(names, flows, rooted, strict=True)}
+        found = {}
+        for tank in plant.brims:
+            name = plant.brim_name(tank)
+            flow = max(float(context.parent.plant_theta[plant.index(name)]) - zero, 0.0)
+            found[name] = flow**2 if tank in self.tanks else flow
+        return found
 
     def values(self, fit: Fitted) -> dict[str, Value]:
         """`zero`, the input at zero flow, and `empty`, the output of the empty tank."""
         zero = fit.plant_value("zero")
         return {
-            "zero": Value(fit.u(-zero if self.variant.endswith("flipped") else zero), "u"),
+            "zero": Value(fit.u(-zero if self.is_flipped else zero), "u"),
             "empty": Value(fit.y(float(fit.gains[1])), "y"),
         }
 
 
-class Overflow(PlantEffect):
+class Overflow(_OfTanks):
     """Overflow of a tank at its brim; `variant` upper, lower or both, and "-flipped"."""
 
     name = "overflow"
@@ -101,23 +108,24 @@ class Overflow(PlantEffect):
 
     def alternatives(self, hypothesis: Structure) -> list[Effect]:
         """Overflow of both tanks, and of linear ones with their order reversed."""
-        which, dash, side = self.variant.partition("-")
-        other = {"upper": "lower", "lower": "upper"}.get(which)
-        turned = [] if other is None or hypothesis.plant.has_root else [Overflow(other + dash + side)]
-        return [*super().alternatives(hypothesis), *turned]
+        others = super().alternatives(hypothesis)
+        if len(self.tanks) == 2 or hypothesis.plant.has_root:
+            return others
+        other = "lower" if self.tanks == ("upper",) else "upper"
+        return [*others, Overflow(f"{other}-flipped" if self.is_flipped else other)]
 
     def carry_over(self, fit: ParentFit, hypothesis: Structure, theta: FloatArray) -> None:
         """Begin a second brim slightly below the highest level; swap rates and levels if the order is reversed."""
         old, new = fit.hypothesis.plant, hypothesis.plant
         own = theta[hypothesis.slices["plant"]]
-        if {old.brim, new.brim} == {1, 2}:
+        if {old.brims, new.brims} == {("upper",), ("lower",)}:
             own[:2] = own[1::-1].copy()
             own[new.index("h1")], own[new.index("h2")] = own[new.index("h2")], own[new.index("h1")]
-        if new.brim != 3 or old.brim not in (1, 2):
+        if len(new.brims) < 2 or len(old.brims) != 1:
             return
         level = (fit.output - fit.gains[1]) / (fit.gains[0] or 1.0)
         top = float(np.quantile(level, 1.0 - RARE))
-        if old.brim == 1:
+        if old.brims == ("upper",):
             own[new.index("brim2")] = top
             return
         own[new.index("brim2")] = fit.plant_theta[old.index("brim")]
@@ -126,13 +134,12 @@ class Overflow(PlantEffect):
 
     def extend(self, plant: Plant) -> Plant:
         """Tanks with a brim."""
-        which, _, flipped = self.variant.partition("-")
-        return plant.modified(kind="tanks", brim=BRIM_CODES[which], flipped=plant.flipped or flipped == "flipped")
+        return plant.modified(kind="tanks", brims=self.tanks, flipped=plant.flipped or self.is_flipped)
 
     def plant_starts(self, context: Context) -> list[dict[str, float]]:
         """Brims at 8, 25 and 50 % below the highest level, as shares of its range."""
         plant = context.parent.hypothesis.plant
-        u = -context.actuator if self.variant.endswith("flipped") or plant.flipped else context.actuator
+        u = -context.actuator if self.is_flipped or plant.flipped else context.actuator
         slow, fast = real_rates(*context.rates)
         zero = 0.0
         if plant.has_root:
@@ -140,15 +147,15 @@ class Overflow(PlantEffect):
             zero = float(own[plant.index("zero")])
         level = _kernels.first_order(u - zero, float(np.exp(-fast)))
         level[: min(5, level.size)] = level[min(5, level.size - 1)]
-        root = plant.upper_root if self.variant.startswith("upper") else plant.lower_root
-        if self.variant.startswith("lower"):
+        root = plant.upper_root if self.tanks == ("upper",) else plant.lower_root
+        if self.tanks == ("lower",):
             level = _kernels.first_order(level, float(np.exp(-slow)))
         low, high = float(level.min()), float(level.max())
         starts = []
         for part in (0.08, 0.25, 0.5):
             brim = high - part * (high - low)
             start = {"brim": brim**2 if root and brim > 0 else brim}
-            starts.append(start | {"share": 0.3} if self.variant.startswith("upper") else start)
+            starts.append(start | {"share": 0.3} if self.tanks == ("upper",) else start)
         return starts
 
     def is_plausible(self, fit: Fitted) -> bool:
@@ -159,8 +166,7 @@ class Overflow(PlantEffect):
         if fit.starts_at_rest and self._overflows_at_first(fit):
             return False
         rates = np.exp([fit.plant_value("log_a"), fit.plant_value("log_b")]) / slopes
-        brims = {"upper": rates[:1], "lower": rates[1:], "both": rates}[self.variant.partition("-")[0]]
-        return bool(np.all(brims < MAX_TANK_RATE))
+        return all(rate < MAX_TANK_RATE for tank, rate in zip(RATES, rates, strict=True) if tank in self.tanks)
 
     def _overflows_at_first(self, fit: Fitted) -> bool:
         """Whether the flow of the first command overflows in steady state."""
@@ -168,7 +174,7 @@ class Overflow(PlantEffect):
         w = float(fit.actuator[0])
         zero = fit.plant_value("zero") if plant.has_root else 0.0
         brim = fit.plant_value("brim")
-        root = plant.lower_root if plant.brim == BRIM_CODES["lower"] else plant.upper_root
+        root = plant.lower_root if plant.brims == ("lower",) else plant.upper_root
         return (-w if plant.flipped else w) - zero > (np.sqrt(max(brim, 0.0)) if root else brim)
 
     def values(self, fit: Fitted) -> dict[str, Value]:
@@ -176,14 +182,14 @@ class Overflow(PlantEffect):
 
         With two brims, `level` is that of the lower, measured tank and `upper` that of the upper one.
         """
-        which, plant = self.variant.partition("-")[0], fit.hypothesis.plant
-        if which == "lower":
+        plant = fit.hypothesis.plant
+        if self.tanks == ("lower",):
             return {"level": self._reading(fit, fit.plant_value("brim"))}
         brim = fit.plant_value("brim")  # convert to the steady level of the lower tank
         flow = np.sqrt(max(brim, 0.0)) if plant.upper_root else brim
         upper = self._reading(fit, flow**2 if plant.lower_root else flow)
         caught = Value(fit.plant_value("share"), "1")
-        if which == "upper":
+        if self.tanks == ("upper",):
             return {"level": upper, "caught": caught}
         return {"level": self._reading(fit, fit.plant_value("brim2")), "upper": upper, "caught": caught}
 

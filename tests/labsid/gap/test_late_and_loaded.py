@@ -52,7 +52,7 @@ def test_a_linear_plant_is_driven_by_the_mean_over_each_sample(plant: Plant, lev
 @pytest.mark.parametrize(
     "plant",
     [
-        Plant(kind="tanks", upper_root=True, lower_root=True, brim=1),
+        Plant(kind="tanks", upper_root=True, lower_root=True, brims=("upper",)),
         Plant(kind="mechanics", cubic=True, friction="sharp"),
         Plant(kind="mechanics", cubic=True, lag="behind"),
         Plant(kind="speed", friction="sharp", lag_first=True),
@@ -104,7 +104,7 @@ def test_a_load_begins_at_its_onset_and_a_leak_takes_more_where_there_is_more(pl
 @pytest.mark.parametrize(
     "plant",
     [
-        Plant(kind="tanks", upper_root=True, brim=2),
+        Plant(kind="tanks", upper_root=True, brims=("lower",)),
         Plant(kind="tanks", lower_root=True, flipped=True),
         Plant(kind="speed", friction="sharp"),
     ],

@@ -24,8 +24,8 @@ KINDS = [
     Plant(mode="behind"),
     Plant(lag="behind", mode="behind"),
     Plant(kind="tanks"),
-    Plant(kind="tanks", upper_root=True, lower_root=True, brim=1),
-    Plant(kind="tanks", lower_root=True, brim=2, lag="behind"),
+    Plant(kind="tanks", upper_root=True, lower_root=True, brims=("upper",)),
+    Plant(kind="tanks", lower_root=True, brims=("lower",), lag="behind"),
     Plant(kind="mechanics", friction="sharp"),
     Plant(kind="mechanics", cubic=True, mode="behind"),
     Plant(kind="mechanics", cubic=True, mode="beside"),
@@ -104,7 +104,7 @@ def test_tanks_start_at_the_equilibrium_of_their_first_flow(
 
 
 def test_the_brim_of_the_lower_tank_is_the_highest_level(levels: FloatArray) -> None:
-    plant = Plant(kind="tanks", brim=2)
+    plant = Plant(kind="tanks", brims=("lower",))
     free = theta_of(plant, log_a=np.log(0.3), log_b=np.log(0.2), brim=400.0)
     cut = theta_of(plant, log_a=np.log(0.3), log_b=np.log(0.2), brim=0.5)
     full = plant.columns(free, levels, levels.size)[:, 0]
@@ -117,7 +117,7 @@ def test_the_brim_of_the_lower_tank_is_the_highest_level(levels: FloatArray) -> 
 
 def test_overflow_of_the_upper_tank_is_lost_or_enters_the_lower_one(levels: FloatArray) -> None:
     """Caught in full, the lower tank gets the whole flow; its level lies between."""
-    plant = Plant(kind="tanks", brim=1)
+    plant = Plant(kind="tanks", brims=("upper",))
     heights = []
     for share in (0.0, 0.5, 1.0):
         theta = theta_of(plant, log_a=np.log(0.3), log_b=np.log(0.2), brim=0.5, share=share)
