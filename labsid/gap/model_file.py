@@ -25,6 +25,8 @@ BEFORE_ANY_CHANGE = 10**9  # samples: with a record so long, loads and drifts do
 START_SAMPLES = 50  # for the estimate of the initial state
 STATE_OFFSETS = (0.0, -0.5, 0.5, -1.0, 1.0, -2.0, 2.0, -3.0, 3.0)  # scaled start values of initial states
 INPUT_PARTS = 16  # of a record
+STATE_STEP = 1e-3  # scaled: of the derivative by an initial state
+STATE_ITERATIONS = 12
 SAME_INPUT = 1e-6  # scaled: numbers in text files have ten digits
 OFFSET_SPREAD = 0.3  # scaled: expected difference of the offsets of two records of a rig, as if seen on one record
 _OF_ONE_RECORD = ("load", "leak", "drift", "bend", "shape", "shake_")  # sizes of loads, drifts and sinusoids
@@ -95,18 +97,15 @@ class ExportedModel:
         ----------
         u, y : ndarray, shape (N,)
         """
-        first = slice(START_SAMPLES)
         own = self._without_time_courses()
-        return own._started(*own._at_rest(), own.u_scale.of(u[first]), own.y_scale.of(y[first]))
+        return own._started(*own._at_rest(), own.u_scale.of(u), own.y_scale.of(y))
 
     def _simulate(self, u: FloatArray, y: FloatArray | None) -> FloatArray:
-        data = Data(self.u_scale.of(u), np.zeros(u.size), np.ones(u.size, bool), self.Ts, self.u_scale, self.y_scale)
-        theta, gains = self._at_rest()
+        w, (theta, gains) = self.u_scale.of(u), self._at_rest()
         if y is None:
-            output = self._from_rest(theta, gains, data.u)
+            output = self._from_rest(theta, gains, w)
         else:
-            theta, gains = self._started(theta, gains, data.u[:START_SAMPLES], self.y_scale.of(y[:START_SAMPLES]))
-            output = self._output(theta, gains, data.u)
+            output = self._output(*self._started(theta, gains, w, self.y_scale.of(y)), w)
         return np.asarray(self.y_scale.back(output))
 
     def _fitted_to(self, u: FloatArray) -> bool:
@@ -130,8 +129,7 @@ class ExportedModel:
         rest = np.full(REST_SAMPLES, u[0])
         if any(theta[i] for i, one in enumerate(hypothesis.parameters) if one.name.startswith(_OF_ONE_RECORD)):
             level = hypothesis.output(theta, gains, rest, BEFORE_ANY_CHANGE, self.reference)[-1]
-            started = self._started(theta, gains, rest[:START_SAMPLES], np.full(START_SAMPLES, level))
-            return self._output(*started, u)
+            return self._output(*self._started(theta, gains, rest, np.full(REST_SAMPLES, level)), u)
         design = hypothesis.design(theta, np.concatenate([rest, u]), self.span, self.reference)
         if hypothesis.additive:
             added = slice(design.parts[0].shape[1] + 1, None)
@@ -165,79 +163,45 @@ class ExportedModel:
         gains[self._offset] = self.gains[self._offset]
         return theta, gains
 
-    def _start_error(self, theta: FloatArray, gains: FloatArray, u: FloatArray, y: FloatArray) -> FloatArray:
-        """Error on the first samples; if the offset is estimated, also its weighted distance from that of the model."""
-        away = self.offset_weight * (self.gains[self._offset] - gains[self._offset])
-        e = y - self._output(theta, gains, u)
-        return np.append(e, away) if self.offset_weight else e
-
     def _started(
         self, theta: FloatArray, gains: FloatArray, u: FloatArray, y: FloatArray
     ) -> tuple[FloatArray, FloatArray]:
-        """Estimate the initial state by least squares on the first samples.
+        """Theta and gains with the initial state that fits the first samples best; with the offset, if it is estimated.
 
-        Unlike `fitting.minimize` this Levenberg-Marquardt iteration varies the initial state alone, with fixed gains.
+        The minimization starts from the best point of a grid: at a brim, a limit or in friction the error has several
+        minima.
         """
+        u, y = u[:START_SAMPLES], y[:START_SAMPLES]
         in_theta, in_gains = self._states()
-        lower, upper = self.hypothesis.bounds
         if not in_theta and not in_gains:
             return theta, gains
-        theta = self._nearest(theta, gains, u, y)
-        best = self._start_error(theta, gains, u, y)
-        if not np.isfinite(best).all():
-            return theta, gains
-        damping = 1e-6
-        for _ in range(12):
-            columns = []
-            for i in in_theta:
-                perturbed = theta.copy()
-                perturbed[i] += 1e-3 if perturbed[i] + 1e-3 <= upper[i] else -1e-3
-                columns.append((best - self._start_error(perturbed, gains, u, y)) / (perturbed[i] - theta[i]))
-            for i in in_gains:
-                perturbed = gains.copy()
-                perturbed[i] += 1e-3
-                columns.append((best - self._start_error(theta, perturbed, u, y)) / 1e-3)
-            J = np.column_stack(columns)
-            gram = J.T @ J
-            gram[np.diag_indices_from(gram)] += damping * (1e-9 + np.diag(gram))
-            step = np.linalg.lstsq(gram, J.T @ best, rcond=None)[0]
+
+        def with_state(x: FloatArray) -> tuple[FloatArray, FloatArray]:
             new_theta, new_gains = theta.copy(), gains.copy()
-            new_theta[in_theta] = np.clip(theta[in_theta] + step[: len(in_theta)], lower[in_theta], upper[in_theta])
-            new_gains[in_gains] += step[len(in_theta) :]
-            error = self._start_error(new_theta, new_gains, u, y)
-            if not np.isfinite(error).all() or error @ error >= best @ best * (1.0 - 1e-9):
-                damping = max(damping, 1e-6) * 30.0
-                if damping > 1e6:
-                    break
-                continue
-            theta, gains, best = new_theta, new_gains, error
-            damping = max(damping / 10.0, 1e-9)
-        return theta, gains
+            new_theta[in_theta], new_gains[in_gains] = np.split(x, [len(in_theta)])
+            return new_theta, new_gains
 
-    def _nearest(self, theta: FloatArray, gains: FloatArray, u: FloatArray, y: FloatArray) -> FloatArray:
-        """The best initial state of a grid: at a brim, a limit or in friction the error has several minima."""
-        in_theta, _ = self._states()
-        if not in_theta:
-            return theta
-        lower, upper = (bound[in_theta] for bound in self.hypothesis.bounds)
-        ranges = self._ranges()[in_theta]
-        best, least = theta, np.inf
-        for offset in product(STATE_OFFSETS, repeat=len(in_theta)):
-            candidate = theta.copy()
-            candidate[in_theta] = np.clip(theta[in_theta] + offset * ranges, lower, upper)
-            error = y - self._output(candidate, gains, u)
-            if np.isfinite(error).all() and (power := float(error @ error)) < least:
-                best, least = candidate, power
-        return best
+        def error(x: FloatArray) -> FloatArray:
+            """Error of the output, and the weighted distance of an estimated offset from that of the model."""
+            new_theta, new_gains = with_state(x)
+            away = self.offset_weight * (self.gains[self._offset] - new_gains[self._offset])
+            e = y - self._output(new_theta, new_gains, u)
+            return np.append(e, away) if self.offset_weight else e
 
-    def _ranges(self) -> FloatArray:
-        """Grid unit of each parameter in theta that is part of the initial state."""
-        plant = self.hypothesis.plant
-        ranges = np.array([0.25 if p.name == "position" else 1.0 for p in self.hypothesis.parameters])
-        if plant.kind == "tanks":
-            own = self.hypothesis.slices["plant"]
-            ranges[own][[plant.index("h1"), plant.index("h2")]] = plant.level_slopes(self.theta[own])
-        return ranges
+        lower, upper = (end[in_theta] for end in self.hypothesis.bounds)
+        units = np.array([self._grid_unit(i) for i in in_theta])
+        offsets = (np.multiply(offset, units) for offset in product(STATE_OFFSETS, repeat=len(in_theta)))
+        grid = (np.append(np.clip(theta[in_theta] + offset, lower, upper), gains[in_gains]) for offset in offsets)
+        start = min(grid, key=lambda x: _power(error(x)))
+        free = np.full(len(in_gains), np.inf)
+        return with_state(_minimized(error, start, np.append(lower, -free), np.append(upper, free)))
+
+    def _grid_unit(self, at: int) -> float:
+        """Distance by which an initial state, at the index `at` of theta, is varied first."""
+        name, plant = self.hypothesis.parameters[at].name, self.hypothesis.plant
+        if plant.kind == "tanks" and name in ("h1", "h2"):
+            return plant.level_slopes(self.theta[self.hypothesis.slices["plant"]])[name == "h2"]
+        return 0.25 if name == "position" else 1.0
 
     def to_json_dict(self) -> dict[str, Any]:
         """Return the JSON object that `--export` writes.
@@ -271,6 +235,32 @@ class ExportedModel:
             given = plant.simulation
             content["simulator"] = {"source": given.source, "free": given.nominal, "rates": list(given.rates)}
         return content if self.elsewhere is None else content | {"elsewhere": self.elsewhere.to_json_dict()}
+
+
+def _power(e: FloatArray) -> float:
+    """Sum of squares; infinity where a simulation diverges."""
+    return float(e @ e) if np.isfinite(e).all() else np.inf
+
+
+def _minimized(
+    error: Callable[[FloatArray], FloatArray], x: FloatArray, lower: FloatArray, upper: FloatArray
+) -> FloatArray:
+    """Minimize the sum of squares of `error` from x, within bounds, by Levenberg-Marquardt."""
+    best, damping = error(x), 1e-6
+    for _ in range(STATE_ITERATIONS if np.isfinite(best).all() else 0):
+        steps = np.where(x + STATE_STEP <= upper, STATE_STEP, -STATE_STEP)
+        J = np.column_stack([(best - error(x + step)) / step.sum() for step in np.diag(steps)])
+        gram = J.T @ J
+        gram[np.diag_indices_from(gram)] += damping * (1e-9 + np.diag(gram))
+        new = np.clip(x + np.linalg.lstsq(gram, J.T @ best, rcond=None)[0], lower, upper)
+        e = error(new)
+        if _power(e) < _power(best) * (1.0 - 1e-9):
+            x, best, damping = new, e, max(damping / 10.0, 1e-9)
+        else:
+            damping = max(damping, 1e-6) * 30.0
+            if damping > 1e6:
+                break
+    return x
 
 
 def export_model(data: Data, fit: Fit, elsewhere: Fit | None = None) -> ExportedModel:

@@ -12,6 +12,7 @@ from labsid.gap._kernels import delayed
 from labsid.gap.data import Data, Scale
 from labsid.gap.effects import disturbance, input, output, periodic
 from labsid.gap.fitting import Fit, covariance, finish, minimize, refit, rms, start_cost
+from labsid.gap.given_simulation import GivenSimulation
 from labsid.gap.hypothesis import Hypothesis
 from labsid.gap.noise_model import complete_rows
 from labsid.gap.plants import Plant
@@ -218,7 +219,8 @@ def test_bounds_are_kept(levels: FloatArray, two_poles: Response) -> None:
 
 def test_a_simulation_that_diverges_is_no_point(levels: FloatArray) -> None:
     data = data_of(levels, levels)
-    nowhere = Hypothesis(given=Plant(kind="given", run=lambda w, values: np.full(w.size, np.nan)))
+    failing = GivenSimulation(lambda w, numbers: np.full(w.size, np.nan))
+    nowhere = Hypothesis(given=Plant(kind="given", simulation=failing))
     assert minimize(data, nowhere, np.array([0.0])) is None
     assert start_cost(data, nowhere, np.array([0.0])) == np.inf
     assert start_cost(data, LINEAR, TRUTH) < 1.0

@@ -17,6 +17,7 @@ from labsid.gap.effects.families import EFFECTS_BY_KEY
 from labsid.gap.explanation import Explanation, explain
 from labsid.gap.fitting import Fit, finish, minimize, rms
 from labsid.gap.forms import alternative_forms, extended_hypotheses, remove_effect, transfer_theta
+from labsid.gap.given_simulation import GivenSimulation
 from labsid.gap.hypothesis import Hypothesis
 from labsid.gap.linear_fits import LINEAR, fit_baseline, fit_highpass
 from labsid.gap.model_file import export_model
@@ -205,7 +206,8 @@ def test_a_load_grows_with_the_state_as_its_dynamics_hold_it(effect: Effect | No
 
 
 def test_a_given_simulation_has_no_leak_form() -> None:
-    assert LOAD.alternatives(Hypothesis((LOAD,), given=Plant(kind="given", run=lambda w, values: w))) == []
+    given = Plant(kind="given", simulation=GivenSimulation(lambda w, numbers: w))
+    assert LOAD.alternatives(Hypothesis((LOAD,), given=given)) == []
 
 
 def test_a_load_that_grows_on_linear_dynamics_is_also_tried_as_one_that_does_not() -> None:

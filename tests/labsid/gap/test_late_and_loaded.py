@@ -5,6 +5,7 @@ import pytest
 
 from labsid._arrays import FloatArray
 from labsid.gap._kernels import delayed
+from labsid.gap.given_simulation import GivenSimulation
 from labsid.gap.plants import Plant
 
 LATE = 0.3  # of a sample
@@ -14,7 +15,7 @@ LINEAR_KINDS = [
     Plant(mode="behind"),
     Plant(kind="varying", drift_degree=3),
     Plant(kind="leak"),
-    Plant(kind="given", run=lambda w, values: np.cumsum(w)),
+    Plant(kind="given", simulation=GivenSimulation(lambda w, numbers: np.cumsum(w))),
 ]
 AHEAD = [
     Plant(kind="tanks", upper_root=True, lag="ahead"),

@@ -34,7 +34,7 @@ KINDS = [
     Plant(kind="varying", drift_degree=3),
     Plant(kind="leak"),
     Plant(kind="tanks", upper_root=True, load="inside"),
-    Plant(kind="given", run=lambda w, values: 2.0 * w),
+    Plant(kind="given", simulation=GivenSimulation(lambda w, numbers: 2.0 * w)),
 ]
 
 
