@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -25,7 +26,6 @@ from labsid.simulators.meter import RunMeter
 from labsid.simulators.simulator import Simulator, function_simulator
 
 UNSTABLE_RATIO = 1e6  # distance from the mean, in ranges of the measured output
-NO_STATES = np.zeros((0, 0))
 
 
 Simulation = dict[str, Any] | ExportedModel | FloatArray | Simulator
@@ -43,10 +43,6 @@ class Baseline:
         from the rows of `data`; None without one.
     structure : Hypothesis
         The structure from which the search starts.
-    given : bool
-        Whether a simulation was given.
-    output_only : bool
-        Whether only its output is known, so that only effects at the output can be added.
     simulate_record : callable, optional
         ``simulate_record(record) -> y``: the output of a given simulation on another record, shape (N,), with its
         initial state estimated from the first samples.
@@ -56,10 +52,18 @@ class Baseline:
 
     before: Callable[[Data], Fit] | None
     structure: Hypothesis
-    given: bool
-    output_only: bool = False
     simulate_record: Callable[[Record], FloatArray] | None = None
     start: FloatArray | None = None
+
+    @property
+    def given(self) -> bool:
+        """Whether a simulation was given."""
+        return self.before is not None
+
+    @property
+    def output_only(self) -> bool:
+        """Whether only its output is known, so that only effects at the output can be added."""
+        return self.structure.given is not None and not self.structure.given.simulation.takes_input
 
     @property
     def meter(self) -> RunMeter | None:
@@ -183,7 +187,7 @@ def make_baseline(data: Data, t: FloatArray, simulation: Simulation | None, orde
     if simulation is None:
         if order > 4:
             raise ValueError(f"--order must be at most 4; got {order}. Give a larger model with --sim.")
-        return Baseline(None, with_restarts(linear_structure(order), data), given=False)
+        return Baseline(None, with_restarts(linear_structure(order), data))
     simulation = read_exported(simulation, data.Ts)
     if isinstance(simulation, ExportedModel):
         return _exported(data, simulation)
@@ -253,30 +257,27 @@ def check_bounded(y: FloatArray, measured: FloatArray) -> FloatArray:
 def _transfer_function(data: Data, model: TransferFunction) -> Baseline:
     u, y = _unscaled(data)
     output = check_bounded(model.response(u), y)
-    before = _estimate_given(output, model.free_response(u.size), fit_baseline(data).rates)
+    before = partial(_fit_given, output, model.free_response(u.size), fit_baseline(data).rates)
     structure = with_restarts(linear_structure(max(model.den.size - 1, 1)), data)
-    return Baseline(before, structure, given=True, simulate_record=lambda record: model.simulate(record.u, record.y))
+    return Baseline(before, structure, lambda record: model.simulate(record.u, record.y))
 
 
 def _exported(data: Data, model: ExportedModel) -> Baseline:
     u, y = _unscaled(data)
     output = check_bounded(by_record(data.samples, data.pieces, lambda at: model.simulate(u[at], y[at])), y)
-    plant = model.hypothesis.plant
-    before = _estimate_given(output, NO_STATES, plant.linear_rates(model.theta[model.hypothesis.slices["plant"]]))
-    structure = with_restarts(
-        Hypothesis(model.hypothesis.effects, len(model.hypothesis.effects), model.hypothesis.given), data
-    )
+    hypothesis = model.hypothesis
+    rates = hypothesis.plant.linear_rates(model.theta[hypothesis.slices["plant"]])
+    before = partial(_fit_given, output, np.zeros((data.samples, 0)), rates)
+    structure = with_restarts(Hypothesis(hypothesis.effects, len(hypothesis.effects), hypothesis.given), data)
     start = model.theta if (model.u_scale, model.y_scale) == (data.u_scale, data.y_scale) else None
-    return Baseline(
-        before, structure, True, simulate_record=lambda record: model.simulate(record.u, record.y), start=start
-    )
+    return Baseline(before, structure, lambda record: model.simulate(record.u, record.y), start)
 
 
 def _simulator(data: Data, t: FloatArray, simulate: Simulator) -> Baseline:
     u, y = _unscaled(data)
     output = check_bounded(by_record(data.samples, data.pieces, lambda at: simulate(t[: u[at].size], u[at])), y)
     rates = fit_baseline(data).rates if simulate.free else _linear_rates(data, output)
-    before = _estimate_given(output, free_responses(data.samples, *rates), rates)
+    before = partial(_fit_given, output, free_responses(data.samples, *rates), rates)
     scales = data.u_scale, data.y_scale
     given = given_simulation(simulate, scales, data.Ts, rates, float(t[0]), data.pieces)
     structure = with_restarts(Hypothesis((), 0, Plant(kind="given", simulation=given)), data)
@@ -284,7 +285,7 @@ def _simulator(data: Data, t: FloatArray, simulate: Simulator) -> Baseline:
     def simulate_record(record: Record) -> FloatArray:
         return _started(simulate(record.t, record.u), free_responses(len(record), *rates), record.y)
 
-    return Baseline(before, structure, given=True, simulate_record=simulate_record)
+    return Baseline(before, structure, simulate_record)
 
 
 def _linear_rates(data: Data, output: FloatArray) -> tuple[float, float]:
@@ -308,7 +309,7 @@ def _output_series(data: Data, series: FloatArray) -> Baseline:
     rates = _linear_rates(data, series)
     given = GivenSimulation(lambda w, numbers: scaled_series, rates)
     structure = Hypothesis((), 0, Plant(kind="given", simulation=given))
-    return Baseline(_estimate_given(series, NO_STATES, rates), structure, given=True, output_only=True)
+    return Baseline(partial(_fit_given, series, np.zeros((data.samples, 0)), rates), structure)
 
 
 def _unscaled(data: Data) -> tuple[FloatArray, FloatArray]:
@@ -316,16 +317,11 @@ def _unscaled(data: Data) -> tuple[FloatArray, FloatArray]:
     return np.asarray(data.u_scale.back(data.u)), np.asarray(data.y_scale.back(data.y))
 
 
-def _estimate_given(output: FloatArray, states: FloatArray, rates: tuple[float, float]) -> Callable[[Data], Fit]:
-    return lambda data: _given_fit(data, output, states, rates)
-
-
-def _given_fit(data: Data, output: FloatArray, states: FloatArray, rates: tuple[float, float]) -> Fit:
+def _fit_given(output: FloatArray, states: FloatArray, rates: tuple[float, float], data: Data) -> Fit:
     """The given simulation as a fit in which only the offset and the initial state are estimated.
 
     `rates` are those of a linear model of the rig.
     """
-    states = states if states.size else np.zeros((data.samples, 0))
     columns = np.column_stack([np.ones(data.samples), states])
     own = [np.zeros_like(columns) for _ in data.pieces[1:]]
     for block, (start, stop) in zip(own, data.pieces[1:], strict=True):

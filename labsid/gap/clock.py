@@ -1,7 +1,6 @@
 """Records with clock jitter: findings, and agreement on one sampling time."""
 
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 
@@ -35,9 +34,11 @@ def clock_findings(record: Record, holdout: Record | None = None) -> list[Findin
     return found
 
 
-def stated_sampling_time(simulation: dict[str, Any]) -> object:
-    """The sampling time in the content of a model file, not validated."""
-    return simulation.get("dt", simulation.get("Ts"))
+def stated_sampling_time(simulation: object) -> object:
+    """The sampling time of a simulation or in the content of a model file, not validated; None without one."""
+    if isinstance(simulation, dict):
+        return simulation.get("dt", simulation.get("Ts"))
+    return getattr(simulation, "Ts", None)
 
 
 def at_sampling_time(record: Record, Ts: object) -> Record:

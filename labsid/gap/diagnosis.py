@@ -209,10 +209,7 @@ def _prepare_several(
         raise ValueError("of several records each in turn is held out. Omit the holdout, or give it as one of them.")
     if len(exclude):
         raise ValueError("--exclude refers to the times of one record. Cut the records instead.")
-    stated: object = simulation.Ts if isinstance(simulation, ExportedModel) else None
-    if isinstance(simulation, dict):
-        stated = stated_sampling_time(simulation)
-    records = at_one_sampling_time(records, stated)
+    records = at_one_sampling_time(records, stated_sampling_time(simulation))
     for number, record in enumerate(records, 1):
         _check_record(record, label(record, number))
     clocks = [
@@ -289,10 +286,7 @@ def _common_sampling_time(
 
     It is that of the simulation if it has one, else that of a holdout without jitter, else that of the record.
     """
-    if isinstance(simulation, ExportedModel):
-        record = at_sampling_time(record, simulation.Ts)
-    elif isinstance(simulation, dict):
-        record = at_sampling_time(record, stated_sampling_time(simulation))
+    record = at_sampling_time(record, stated_sampling_time(simulation))
     if holdout is None:
         return record, None
     if not holdout.jitter:

@@ -157,9 +157,9 @@ class Hypothesis:
             undetermined += count
         return full, undetermined
 
-    def actuator(self, theta: FloatArray, u: FloatArray, span: int | None = None) -> FloatArray:
+    def actuator(self, theta: FloatArray, u: FloatArray) -> FloatArray:
         """The signal that reaches the dynamics: the input after all actuator effects, interpolated to its delay."""
-        w, late = self._delayed_input(theta, u, span or u.size)
+        w, late = self._delayed_input(theta, u, u.size)
         return _kernels.delayed(w, 0, late)
 
     def _delayed_input(self, theta: FloatArray, u: FloatArray, span: int) -> tuple[FloatArray, float]:

@@ -1,7 +1,5 @@
 """Parameters of the effects found, in the record's units, with standard errors."""
 
-from collections.abc import Callable
-
 import numpy as np
 
 from labsid._arrays import FloatArray
@@ -80,9 +78,3 @@ def _conditional(cov: FloatArray, place: int) -> FloatArray:
     """Conditional covariance of the other parameters, given the one at `place`."""
     own = cov[place, place]
     return cov - np.outer(cov[:, place], cov[place]) / own if own > 0.0 else cov
-
-
-def active_samples(data: Data, fit: Fit, effect: Effect) -> np.ndarray:
-    """Mask of the samples at which an effect acts; all False if it acts everywhere."""
-    act: Callable[[Fitted], np.ndarray] = effect.active_samples
-    return act(Fitted.of(fit, data))

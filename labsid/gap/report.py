@@ -12,11 +12,11 @@ from labsid.gap.answer import Answer
 from labsid.gap.baseline import Baseline
 from labsid.gap.data import Data
 from labsid.gap.decision import MISMATCH, Decision
-from labsid.gap.effects.base import Effect
+from labsid.gap.effects.base import Effect, Fitted
 from labsid.gap.experiment import Experiment, next_experiment
 from labsid.gap.explanation import Explanation
 from labsid.gap.fitting import Fit, mean_square, rms
-from labsid.gap.parameter_estimates import active_samples, estimate_numbers, estimate_parameters
+from labsid.gap.parameter_estimates import estimate_numbers, estimate_parameters
 from labsid.gap.quantities import counted, percent
 from labsid.gap.scores import closed_share
 from labsid.gap.traces import figure_traces
@@ -199,7 +199,7 @@ def _acting_samples(explanation: Explanation, decision: Decision) -> np.ndarray:
     """Samples on which the first effect acts that is confined to a part of the record."""
     fit = explanation.best
     for effect in fit.hypothesis.effects[fit.hypothesis.n_given :]:
-        at = active_samples(explanation.data, fit, effect)
+        at = effect.active_samples(Fitted.of(fit, explanation.data))
         if effect.name in decision.names and at.any() and not at.all():
             return at
     if "output-dropout" in decision.names:

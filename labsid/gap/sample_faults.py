@@ -39,11 +39,6 @@ class SampleFaults:
     spikes: np.ndarray
     lattice: float | None
 
-    @property
-    def bad(self) -> np.ndarray:
-        """Samples that the fits exclude."""
-        return self.held | self.spikes
-
 
 def find_lattice(y: FloatArray) -> tuple[float | None, np.ndarray]:
     """Find the converter step, and the samples off its lattice: spikes added after the conversion.
@@ -91,9 +86,7 @@ def find_bad_start(y: FloatArray) -> np.ndarray:
     return bad
 
 
-def find_spikes(
-    e: FloatArray, usable: np.ndarray, lattice: float = 0.0, threshold: float = SPIKE_THRESHOLD
-) -> np.ndarray:
+def find_spikes(e: FloatArray, usable: np.ndarray, lattice: float = 0.0) -> np.ndarray:
     """Find isolated samples of the residual `e` far from their neighbours on both sides.
 
     Parameters
@@ -103,8 +96,6 @@ def find_spikes(
         Samples that are true readings.
     lattice : float
         Converter step; smaller distances are rounding.
-    threshold : float
-        In robust standard deviations of the distance from the median of the neighbourhood.
     """
     spikes = np.zeros(e.size, bool)
     at = np.flatnonzero(usable)
@@ -120,7 +111,7 @@ def find_spikes(
     spread = 1.4826 * float(np.median(away)) if away.size else 0.0
     if spread == 0.0:
         spread = float(np.std(off)) or 1.0
-    least = max(threshold * spread, lattice)
+    least = max(SPIKE_THRESHOLD * spread, lattice)
     far = np.abs(off) > least
     starts, lengths = runs(far.astype(float))
     for start, length in zip(starts, lengths, strict=True):

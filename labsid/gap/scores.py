@@ -34,8 +34,8 @@ class GapScore:
         The samples on which the gap is scored.
     outputs : tuple of ndarray
         Outputs before and after on the record with these samples.
-    before_fit, after_fit : Fit
-        The scored fits of the baseline and of the explanation.
+    after_fit : Fit
+        The scored fit of the explanation.
     """
 
     before: float
@@ -45,7 +45,6 @@ class GapScore:
     ci95: tuple[float, float] | None
     scored: np.ndarray
     outputs: tuple[FloatArray, FloatArray]
-    before_fit: Fit
     after_fit: Fit
 
 
@@ -82,7 +81,6 @@ def score_fits(
         else _closure_interval(e0[scored], e1[scored], fitted[data.rows], floor, after, rng),
         scored=scored,
         outputs=(first, last),
-        before_fit=before,
         after_fit=after,
     )
 

@@ -37,7 +37,7 @@ def test_a_linear_record_has_no_effect(plain: Explanation) -> None:
     assert plain.names == ()
     assert len(plain.path) == 1
     assert residual_is_white(plain.data, plain.best)
-    assert not plain.faults.bad.any()
+    assert not (plain.faults.held | plain.faults.spikes).any()
     assert plain.faults.lattice is None
     assert plain.data.lattice == 0.0
 
@@ -68,7 +68,7 @@ def test_progress_is_reported_and_the_number_of_effects_is_limited(banded: Expla
 def spoilt(fit: Fit, explained: Explanation, faults: SampleFaults, y: np.ndarray) -> tuple[str, ...]:
     """`unsimulated_effects` with other samples."""
     data = replace(explained.data, y=y)
-    return unsimulated_effects(data, replace(data, rows=data.rows & ~faults.bad), faults, fit)
+    return unsimulated_effects(data, replace(data, rows=data.rows & ~faults.held & ~faults.spikes), faults, fit)
 
 
 def test_sample_faults_are_effects_if_they_cause_the_gap(plain: Explanation) -> None:

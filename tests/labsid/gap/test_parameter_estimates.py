@@ -8,10 +8,10 @@ import pytest
 from labsid._arrays import FloatArray
 from labsid.gap.data import Data, Scale
 from labsid.gap.effects import disturbance, input, periodic
-from labsid.gap.effects.base import Effect
+from labsid.gap.effects.base import Effect, Fitted
 from labsid.gap.fitting import Fit, finish, minimize
 from labsid.gap.hypothesis import Hypothesis
-from labsid.gap.parameter_estimates import active_samples, estimate_parameters
+from labsid.gap.parameter_estimates import estimate_parameters
 from labsid.gap.refinement import converge
 
 RECORDS = 50
@@ -118,6 +118,6 @@ def test_the_error_of_an_instant_is_no_smaller_than_it_is(case: str) -> None:
 
 def test_marked_is_where_the_effect_acts(levels: FloatArray) -> None:
     data, fit = maker(disturbance.LoadStep(), [0.5], [0.05, 0.02], levels[:400])(0)
-    at = np.flatnonzero(active_samples(data, fit, fit.hypothesis.effects[0]))
+    at = np.flatnonzero(fit.hypothesis.effects[0].active_samples(Fitted.of(fit, data)))
     assert at[-1] == 399
     assert at.size == pytest.approx(200, abs=2)

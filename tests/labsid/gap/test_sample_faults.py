@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.signal import lfilter
 
-from labsid.gap.sample_faults import SampleFaults, find_bad_start, find_lattice, find_spikes, without_responses
+from labsid.gap.sample_faults import find_bad_start, find_lattice, find_spikes, without_responses
 from labsid.records.signal_quality import find_held, lattice_step
 
 
@@ -171,12 +171,6 @@ def test_too_few_samples_have_no_spikes() -> None:
 def test_a_lattice_is_found_and_a_fine_scale_is_none(noise: np.ndarray) -> None:
     assert lattice_step(np.round(noise / 0.25) * 0.25) == pytest.approx(0.25)
     assert lattice_step(noise) is None
-
-
-def test_bad_samples_are_the_held_and_the_spikes() -> None:
-    held, spikes = np.zeros(5, bool), np.zeros(5, bool)
-    held[1], spikes[3] = True, True
-    assert SampleFaults(held, ((1, 2),), spikes, None).bad.tolist() == [False, True, False, True, False]
 
 
 def test_an_initial_rest_is_no_held_stretch(noise: np.ndarray) -> None:

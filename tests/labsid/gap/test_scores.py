@@ -72,11 +72,10 @@ def amount_of(explained: Explanation, seed: int = 0) -> GapScore:
 def test_the_gap_closes_on_held_out_samples(banded: Explanation) -> None:
     amount = amount_of(banded)
     np.testing.assert_array_equal(amount.scored, held_out_samples(banded.data.samples))
-    for fit, rmse in ((amount.before_fit, amount.before), (amount.after_fit, amount.after)):
-        error = banded.data.y - fit.output
+    for output, rmse in zip(amount.outputs, (amount.before, amount.after), strict=True):
+        error = banded.data.y - output
         assert rmse == pytest.approx(np.sqrt(np.mean(error[amount.scored] ** 2)))
-        assert fit.noise.rows < (~amount.scored).sum()  # no fit has seen them
-    assert amount.before_fit.hypothesis.names == ()
+    assert amount.after_fit.noise.rows < (~amount.scored).sum()  # no fit has seen them
     assert amount.after_fit.hypothesis.names == ("input-dead-zone",)
     assert amount.closed is not None
     assert amount.closed == pytest.approx(closed_share(amount.before**2, amount.after**2, amount.floor**2))
@@ -123,7 +122,7 @@ def test_a_given_simulation_is_scored_as_it_is(banded: Explanation) -> None:
     given = replace(banded.path[0], output=0.8 * banded.path[0].output)
     held_out = hold_out(banded.data, None)
     amount = score_fits(held_out, given, held_out.refit(banded.best), np.random.default_rng(0))
-    assert amount.before_fit is given
+    assert amount.outputs[0] is given.output
     assert amount.before > amount_of(banded).before
     other = held_out.measured + 3.0
     amount = score_fits(held_out, given, held_out.refit(banded.best), np.random.default_rng(0), other)
