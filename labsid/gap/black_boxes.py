@@ -10,7 +10,7 @@ from labsid._arrays import FloatArray
 from labsid.gap import _kernels
 from labsid.gap.data import Data
 from labsid.gap.fitting import Fit
-from labsid.gap.residual_tests import input_history
+from labsid.gap.residual_tests import input_history, previous_input, standardized
 from labsid.gap.responses import normalized_time, real_rates, section
 
 FOLDS = 10  # contiguous parts of the record, each predicted from the others
@@ -103,17 +103,11 @@ class _Regression:
         at = np.flatnonzero(data.complete)
         target = e[at] - np.mean(e[at])
         self.power = float(np.mean(target**2))
-        columns: list[FloatArray] = []
-        self.places: dict[str, np.ndarray] = {}
-        for name, box in boxes.items():
-            self.places[name] = np.arange(len(columns), len(columns) + box.shape[1])
-            columns += list(box.T)
-        X = np.clip(np.column_stack(columns), -MAX_VALUE, MAX_VALUE)[at]
-        spread = X.std(axis=0)
-        X = (X - X.mean(axis=0)) / np.where(spread > 0.0, spread, 1.0)
+        ends = np.cumsum([box.shape[1] for box in boxes.values()])
+        self.places = dict(zip(boxes, np.split(np.arange(ends[-1]), ends[:-1]), strict=True))
+        X = standardized(np.clip(np.column_stack(list(boxes.values())), -MAX_VALUE, MAX_VALUE)[at])
         folds = np.array_split(np.arange(at.size), FOLDS)
-        self.grams = np.array([X[fold].T @ X[fold] for fold in folds])
-        self.crosses = np.array([X[fold].T @ target[fold] for fold in folds])
+        self.grams, self.crosses = (np.array([X[fold].T @ one[fold] for fold in folds]) for one in (X, target))
         self.squares = np.array([target[fold] @ target[fold] for fold in folds])
         self.count = at.size
 
@@ -134,7 +128,7 @@ class _Regression:
 
 def _features(data: Data, fit: Fit) -> dict[str, FloatArray]:
     """Columns of each box, beyond those of the boxes before it; the present input cannot act yet."""
-    u = np.concatenate([data.u[:1], data.u[:-1]])
+    u = previous_input(data)
     z = fit.output
     c, k = fit.rates
     slow = real_rates(c, k)[0] if 0.25 * c * c > k else 0.5 * c
@@ -177,9 +171,7 @@ def _through(c: float, k: float, signal: FloatArray) -> list[FloatArray]:
 def _random(signals: Sequence[FloatArray]) -> FloatArray:
     """Cosines of random combinations of signals: a basis for any smooth function of them."""
     rng = np.random.default_rng(0)
-    X = np.column_stack(signals)
-    spread = X.std(axis=0)
-    X = (X - X.mean(axis=0)) / np.where(spread > 0.0, spread, 1.0)
+    X = standardized(np.column_stack(signals))
     weights = RANDOM_SCALE * rng.standard_normal((X.shape[1], RANDOM_FEATURES))
     return np.cos(X @ weights + rng.uniform(0.0, 2.0 * np.pi, RANDOM_FEATURES)).T
 

@@ -8,6 +8,8 @@ import numpy as np
 
 from labsid.gap.given_simulation import GivenSimulation
 
+Named = dict[str, float]
+"""Values of parameters by name."""
 SLOWEST, FASTEST = np.log(1e-5), np.log(100.0)
 MAX_DAMPING = 0.5  # of a mode
 

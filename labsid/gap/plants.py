@@ -10,7 +10,7 @@ import numpy as np
 
 from labsid._arrays import FloatArray, beside
 from labsid.gap import _kernels
-from labsid.gap.plant_form import PlantForm
+from labsid.gap.plant_form import Named, PlantForm
 from labsid.gap.responses import denominator, lag_mean, lag_output, mode_mean, real_rates, response, section
 
 MIN_TIME_CONSTANTS = 12  # of a lag in a record: a slower lag would imitate a drift
@@ -89,7 +89,7 @@ class Plant(PlantForm):
             return "ahead"
         return self.mode if self.nonlinear or self.kind == "given" else self.mode and "behind"
 
-    def _by_name(self, theta: FloatArray) -> dict[str, float]:
+    def _by_name(self, theta: FloatArray) -> Named:
         return {parameter.name: value for parameter, value in zip(self.parameters, theta, strict=True)}
 
     @property

@@ -11,6 +11,7 @@ from labsid.gap.data import Data
 from labsid.gap.fitting import Fit
 
 FOLDS = 5
+RIDGE = 0.01  # relative to the mean square of a column
 NEIGHBOURS = 60
 MAX_POINTS = 3000
 MIN_UNLIMITED_SHARE = 0.3  # smallest share of rows within the sensor's limits
@@ -122,29 +123,26 @@ def slow_autocorrelation(e: FloatArray, rows: np.ndarray) -> float:
 
 def explained_share(data: Data, fit: Fit, e: FloatArray) -> float:
     """Share of the power of `e` that nonlinear features of the input explain, by cross-validation over blocks."""
-    X = nonlinear_features(data, fit)
-    rows = data.complete
-    at = np.flatnonzero(rows)
-    X, target = X[at], e[at]
-    scale = X.std(axis=0)
-    X = (X - X.mean(axis=0)) / np.where(scale > 0, scale, 1.0)
-    target = target - target.mean()
-    remaining = 0.0
-    total = float(target @ target)
-    grams, crosses, parts = [], [], np.array_split(np.arange(at.size), FOLDS * 2)
-    for part in parts:
-        grams.append(X[part].T @ X[part])
-        crosses.append(X[part].T @ target[part])
+    at = np.flatnonzero(data.complete)
+    X = standardized(nonlinear_features(data, fit)[at])
+    target = e[at] - e[at].mean()
+    remaining, total = 0.0, float(target @ target)
+    parts = np.array_split(np.arange(at.size), FOLDS * 2)
+    grams, crosses = (np.array([X[part].T @ one[part] for part in parts]) for one in (X, target))
     for fold in range(FOLDS):
         out = [fold, fold + FOLDS]
-        gram = sum(grams[i] for i in range(2 * FOLDS) if i not in out)
-        cross = sum(crosses[i] for i in range(2 * FOLDS) if i not in out)
-        gram = gram + 0.01 * at.size * np.eye(X.shape[1])
-        gains = np.linalg.solve(gram, cross)
-        for i in out:
-            rest = target[parts[i]] - X[parts[i]] @ gains
+        gram, cross = (np.delete(one, out, axis=0).sum(axis=0) for one in (grams, crosses))
+        gains = np.linalg.solve(gram + RIDGE * at.size * np.eye(X.shape[1]), cross)
+        for part in (parts[i] for i in out):
+            rest = target[part] - X[part] @ gains
             remaining += float(rest @ rest)
     return 1.0 - remaining / total if total > 0.0 else 0.0
+
+
+def standardized(X: FloatArray) -> FloatArray:
+    """Columns less their mean, over their standard deviation."""
+    spread = X.std(axis=0)
+    return np.asarray((X - X.mean(axis=0)) / np.where(spread > 0.0, spread, 1.0))
 
 
 def repeatability(data: Data, fit: Fit, e: FloatArray) -> tuple[float, float]:
@@ -180,7 +178,7 @@ def repeatability(data: Data, fit: Fit, e: FloatArray) -> tuple[float, float]:
 
 def input_history(data: Data, fit: Fit) -> FloatArray:
     """Features of past inputs: filtered inputs at several rates, and the direction of the last change."""
-    change = np.diff(_previous_input(data), prepend=data.u[0])
+    change = np.diff(previous_input(data), prepend=data.u[0])
     last = np.sign(change)
     index = np.maximum.accumulate(np.where(last != 0.0, np.arange(last.size), 0))
     return np.column_stack([*_filtered_input(data, fit), 0.5 * last[index]])
@@ -194,10 +192,10 @@ def _filtered_input(data: Data, fit: Fit) -> list[FloatArray]:
     fast = float(np.clip(max(c, np.sqrt(k)), 2.0 * slow, 2.0))
     deviation = data.u - data.u[0]
     lagged = [_kernels.first_order(deviation, float(np.exp(-rate))) for rate in np.geomspace(slow, fast, 4)]
-    return [*lagged, _previous_input(data) - data.u[0]]
+    return [*lagged, previous_input(data) - data.u[0]]
 
 
-def _previous_input(data: Data) -> FloatArray:
+def previous_input(data: Data) -> FloatArray:
     """The previous input: the present one cannot act yet, and under feedback it depends on the output."""
     return np.concatenate([data.u[:1], data.u[:-1]])
 

@@ -5,7 +5,7 @@ from numpy.polynomial.chebyshev import chebval
 
 from labsid._arrays import FloatArray, beside
 from labsid.gap import _kernels, _rates, _states
-from labsid.gap.plant_form import PlantForm
+from labsid.gap.plant_form import Named, PlantForm
 from labsid.gap.reactions import Reaction
 
 NO_BRIM = np.inf
@@ -18,9 +18,7 @@ LAW_SUBSTEPS = 2  # times as many for friction that varies with the speed: it is
 ABSENT_POLE_RATE = 30.0  # per sample, of a pole without influence
 
 
-def response(
-    plant: PlantForm, own: dict[str, float], w: FloatArray, span: int, reference: float, late: float = 0.0
-) -> FloatArray:
+def response(plant: PlantForm, own: Named, w: FloatArray, span: int, reference: float, late: float = 0.0) -> FloatArray:
     """Columns of the dynamics without additional lag or mode; NaN where the simulation diverges.
 
     Parameters
@@ -130,9 +128,7 @@ def mode_mean(w: FloatArray, frequency: float, damping_ratio: float) -> FloatArr
     return np.asarray(w - change @ [c, 1.0])
 
 
-def _linear(
-    plant: PlantForm, own: dict[str, float], w: FloatArray, span: int, reference: float, late: float
-) -> FloatArray:
+def _linear(plant: PlantForm, own: Named, w: FloatArray, span: int, reference: float, late: float) -> FloatArray:
     c, k = float(np.exp(own["log_c"])), float(np.exp(own["log_k"]))
     ramp = _offset_ramp(c, k, w.size, span)
     if plant.zero:
@@ -155,9 +151,7 @@ def _comes_to_rest(c: float, k: float, span: int) -> bool:
     return real_rates(c, k)[0] * span > REST_TIME_CONSTANTS
 
 
-def _tanks(
-    plant: PlantForm, own: dict[str, float], w: FloatArray, span: int, reference: float, late: float
-) -> FloatArray:
+def _tanks(plant: PlantForm, own: Named, w: FloatArray, span: int, reference: float, late: float) -> FloatArray:
     a, b = np.exp(own["log_a"]), np.exp(own["log_b"])
     flow = (-w if plant.flipped else w) - own.get("zero", 0.0)
     level = max(flow[0], 0.0) if plant.upper_root else flow[0]
@@ -195,7 +189,7 @@ def _tanks(
 
 
 def _apply_load(
-    plant: PlantForm, own: dict[str, float], w: FloatArray, span: int
+    plant: PlantForm, own: Named, w: FloatArray, span: int
 ) -> tuple[FloatArray, tuple[FloatArray | None, FloatArray | None]]:
     """The drive less the loads ahead of the dynamics; and the load and the leak within them, one value per sample."""
     if not plant.load and not plant.sinusoid:
@@ -211,20 +205,18 @@ def _apply_load(
     return w, (load + wave, own.get("leak", 0.0) * active)
 
 
-def _rate_factor(plant: PlantForm, own: dict[str, float], samples: int, span: int) -> FloatArray | None:
+def _rate_factor(plant: PlantForm, own: Named, samples: int, span: int) -> FloatArray | None:
     """Factor of the drifting rate of the second state, or of the spring; None without drift."""
     return np.exp(_course(plant, own, samples, span)) if plant.drift_degree else None
 
 
-def _course(plant: PlantForm, own: dict[str, float], samples: int, span: int) -> FloatArray:
+def _course(plant: PlantForm, own: Named, samples: int, span: int) -> FloatArray:
     """Logarithm of the factor of a drifting rate."""
     shape = np.array([own["drift"], *(own[f"bend{n}"] for n in range(1, plant.drift_degree))])
     return np.clip(chebyshev_course(shape, samples, span), -6.0, 6.0)
 
 
-def _mechanics(
-    plant: PlantForm, own: dict[str, float], w: FloatArray, span: int, reference: float, late: float
-) -> FloatArray:
+def _mechanics(plant: PlantForm, own: Named, w: FloatArray, span: int, reference: float, late: float) -> FloatArray:
     c, k = np.exp(own["log_c"]), np.exp(own["log_k"])
     unit = force_unit(c, k)
     drive = w - own.get("centre", reference)
@@ -247,7 +239,7 @@ def _mechanics(
     )
 
 
-def _friction_law(own: dict[str, float], speed: float) -> tuple[float, float, float]:
+def _friction_law(own: Named, speed: float) -> tuple[float, float, float]:
     """Law of friction of `_states`, with speeds in the unit `speed`."""
     smooth = float(np.exp(own["log_smooth"])) if "log_smooth" in own else 0.0
     peak = own.get("peak", 0.0) * own.get("friction", 0.0)
@@ -262,9 +254,7 @@ def _equilibrium(force: float, k: float, cubic: float) -> float:
     return float(real[np.argmin(np.abs(real - linear))]) if real.size else linear
 
 
-def _speed(
-    plant: PlantForm, own: dict[str, float], w: FloatArray, span: int, reference: float, late: float
-) -> FloatArray:
+def _speed(plant: PlantForm, own: Named, w: FloatArray, span: int, reference: float, late: float) -> FloatArray:
     a, b = np.exp(own["log_a"]), np.exp(own["log_b"])
     drive = w - own["centre"]
     friction, drag = own.get("friction", 0.0), own.get("drag", 0.0)
@@ -279,9 +269,7 @@ def _speed(
     return _states.simulate_motor(drive, a, b, friction, plant.lag_first, v, i, substeps, late, *loads, pace, law, drag)
 
 
-def _varying(
-    plant: PlantForm, own: dict[str, float], w: FloatArray, span: int, reference: float, late: float
-) -> FloatArray:
+def _varying(plant: PlantForm, own: Named, w: FloatArray, span: int, reference: float, late: float) -> FloatArray:
     course = _course(plant, own, w.size, span)
     change = np.expm1(course)  # of one lag of two, or of a spring
     c, k = _changed_rates(own, change)
@@ -293,9 +281,7 @@ def _varying(
     return beside([out[:, :5] * unit, out[:, 6:7] * unit, out[:, [8, 10]]])
 
 
-def _leak(
-    plant: PlantForm, own: dict[str, float], w: FloatArray, span: int, reference: float, late: float
-) -> FloatArray:
+def _leak(plant: PlantForm, own: Named, w: FloatArray, span: int, reference: float, late: float) -> FloatArray:
     """A leak that starts at an instant: c and k step, and the gain at the input stays."""
     change = np.array([0.0, np.expm1(own["drift"])])
     c, k = _changed_rates(own, change)
@@ -309,15 +295,13 @@ def _leak(
     return beside([out[:, :3] * unit, out[:, 4:5] * unit, out[:, [6, 8]]])
 
 
-def _changed_rates(own: dict[str, float], change: FloatArray) -> tuple[FloatArray, FloatArray]:
+def _changed_rates(own: Named, change: FloatArray) -> tuple[FloatArray, FloatArray]:
     """The rates c and k after a relative `change` of the restoring rate."""
     c = np.clip(np.exp(own["log_c"]) * (1.0 + own["share_c"] * change), 1e-6, 50.0)
     return c, np.clip(np.exp(own["log_k"]) * (1.0 + change), *STIFFNESS_BOUNDS)
 
 
-def _given(
-    plant: PlantForm, own: dict[str, float], w: FloatArray, span: int, reference: float, late: float
-) -> FloatArray:
+def _given(plant: PlantForm, own: Named, w: FloatArray, span: int, reference: float, late: float) -> FloatArray:
     given, numbers = plant.simulation, plant.numbers(own.values())
     if plant.reactions:
         at_rest, spring = "speed" in plant.reactions, own.get("spring", 0.0)
