@@ -2,7 +2,7 @@
 
 import json
 from collections.abc import Callable
-from dataclasses import dataclass, field, replace
+from dataclasses import astuple, dataclass, field, replace
 from itertools import product
 from pathlib import Path
 from typing import Any
@@ -86,27 +86,20 @@ class ExportedModel:
         ndarray, shape (N,)
         """
         of_record = self._fitted_to(u) if of_record is None else of_record
-        model = self if of_record else (self.elsewhere or self)._without_time_courses()
-        return model._simulate(u, y)
+        model = (self if of_record else (self.elsewhere or self)._without_time_courses())._at_rest()
+        w = model.u_scale.of(u)
+        output = model._from_rest(w) if y is None else model._started(w, model.y_scale.of(y))._output(w)
+        return np.asarray(model.y_scale.back(output))
 
-    def started_on(self, u: FloatArray, y: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Theta and gains with which another record of the rig is simulated: without loads, sinusoids and drifts, and
-        with the initial state estimated from its first samples.
+    def started_on(self, u: FloatArray, y: FloatArray) -> "ExportedModel":
+        """The model with which another record of the rig is simulated: without loads, sinusoids and drifts, and with
+        the initial state estimated from its first samples.
 
         Parameters
         ----------
         u, y : ndarray, shape (N,)
         """
-        own = self._without_time_courses()
-        return own._started(*own._at_rest(), own.u_scale.of(u), own.y_scale.of(y))
-
-    def _simulate(self, u: FloatArray, y: FloatArray | None) -> FloatArray:
-        w, (theta, gains) = self.u_scale.of(u), self._at_rest()
-        if y is None:
-            output = self._from_rest(theta, gains, w)
-        else:
-            output = self._output(*self._started(theta, gains, w, self.y_scale.of(y)), w)
-        return np.asarray(self.y_scale.back(output))
+        return self._without_time_courses()._at_rest()._started(self.u_scale.of(u), self.y_scale.of(y))
 
     def _fitted_to(self, u: FloatArray) -> bool:
         """Whether `u` is the input of the fitted record, as far as known."""
@@ -123,13 +116,13 @@ class ExportedModel:
         gains[gains.size - added :] = 0.0
         return replace(self, theta=theta, gains=gains)
 
-    def _from_rest(self, theta: FloatArray, gains: FloatArray, u: FloatArray) -> FloatArray:
+    def _from_rest(self, u: FloatArray) -> FloatArray:
         """Output after a long time at the first input; loads, sinusoids and drifts begin with `u`."""
-        hypothesis = self.hypothesis
+        hypothesis, theta = self.hypothesis, self.theta
         rest = np.full(REST_SAMPLES, u[0])
         if any(theta[i] for i, one in enumerate(hypothesis.parameters) if one.name.startswith(_OF_ONE_RECORD)):
-            level = hypothesis.output(theta, gains, rest, BEFORE_ANY_CHANGE, self.reference)[-1]
-            return self._output(*self._started(theta, gains, rest, np.full(REST_SAMPLES, level)), u)
+            level = hypothesis.output(theta, self.gains, rest, BEFORE_ANY_CHANGE, self.reference)[-1]
+            return self._started(rest, np.full(REST_SAMPLES, level))._output(u)
         design = hypothesis.design(theta, np.concatenate([rest, u]), self.span, self.reference)
         if hypothesis.additive:
             added = slice(design.parts[0].shape[1] + 1, None)
@@ -137,10 +130,10 @@ class ExportedModel:
             columns = design.columns.copy(order="F")
             columns[:REST_SAMPLES, added], columns[REST_SAMPLES:, added] = own[0], own
             design = replace(design, columns=columns)
-        return hypothesis.sensor(theta, gains, design)[REST_SAMPLES:]
+        return hypothesis.sensor(theta, self.gains, design)[REST_SAMPLES:]
 
-    def _output(self, theta: FloatArray, gains: FloatArray, u: FloatArray) -> FloatArray:
-        return self.hypothesis.output(theta, gains, u, self.span, self.reference)
+    def _output(self, u: FloatArray) -> FloatArray:
+        return self.hypothesis.output(self.theta, self.gains, u, self.span, self.reference)
 
     def _states(self) -> tuple[list[int], list[int]]:
         """Indices of the initial state in theta and in the gains."""
@@ -154,19 +147,17 @@ class ExportedModel:
         """Index of the offset in the gains."""
         return self.gains.size - sum(effect.width for effect in self.hypothesis.additive) - 1
 
-    def _at_rest(self) -> tuple[FloatArray, FloatArray]:
+    def _at_rest(self) -> "ExportedModel":
         theta, gains = self.theta.copy(), self.gains.copy()
         in_theta, in_gains = self._states()
         for i in in_theta:
             theta[i] = 0.5 if self.hypothesis.parameters[i].name == "position" else 0.0
         gains[in_gains] = 0.0
         gains[self._offset] = self.gains[self._offset]
-        return theta, gains
+        return replace(self, theta=theta, gains=gains)
 
-    def _started(
-        self, theta: FloatArray, gains: FloatArray, u: FloatArray, y: FloatArray
-    ) -> tuple[FloatArray, FloatArray]:
-        """Theta and gains with the initial state that fits the first samples best; with the offset, if it is estimated.
+    def _started(self, u: FloatArray, y: FloatArray) -> "ExportedModel":
+        """The model with the initial state that fits the first samples best; with the offset, if it is estimated.
 
         The minimization starts from the best point of a grid: at a brim, a limit or in friction the error has several
         minima.
@@ -174,24 +165,25 @@ class ExportedModel:
         u, y = u[:START_SAMPLES], y[:START_SAMPLES]
         in_theta, in_gains = self._states()
         if not in_theta and not in_gains:
-            return theta, gains
+            return self
 
-        def with_state(x: FloatArray) -> tuple[FloatArray, FloatArray]:
-            new_theta, new_gains = theta.copy(), gains.copy()
-            new_theta[in_theta], new_gains[in_gains] = np.split(x, [len(in_theta)])
-            return new_theta, new_gains
+        def with_state(x: FloatArray) -> ExportedModel:
+            theta, gains = self.theta.copy(), self.gains.copy()
+            theta[in_theta], gains[in_gains] = np.split(x, [len(in_theta)])
+            return replace(self, theta=theta, gains=gains)
 
         def error(x: FloatArray) -> FloatArray:
-            """Error of the output, and the weighted distance of an estimated offset from that of the model."""
-            new_theta, new_gains = with_state(x)
-            away = self.offset_weight * (self.gains[self._offset] - new_gains[self._offset])
-            e = y - self._output(new_theta, new_gains, u)
+            """Error of the output, and the weighted distance of an estimated offset from that of this model."""
+            model = with_state(x)
+            away = self.offset_weight * (self.gains[self._offset] - model.gains[self._offset])
+            e = y - model._output(u)
             return np.append(e, away) if self.offset_weight else e
 
+        state, linear = self.theta[in_theta], self.gains[in_gains]
         lower, upper = (end[in_theta] for end in self.hypothesis.bounds)
         units = np.array([self._grid_unit(i) for i in in_theta])
         offsets = (np.multiply(offset, units) for offset in product(STATE_OFFSETS, repeat=len(in_theta)))
-        grid = (np.append(np.clip(theta[in_theta] + offset, lower, upper), gains[in_gains]) for offset in offsets)
+        grid = (np.append(np.clip(state + offset, lower, upper), linear) for offset in offsets)
         start = min(grid, key=lambda x: _power(error(x)))
         free = np.full(len(in_gains), np.inf)
         return with_state(_minimized(error, start, np.append(lower, -free), np.append(upper, free)))
@@ -349,14 +341,7 @@ def from_json_dict(content: dict[str, Any]) -> ExportedModel:
         raise ValueError(wrong.format(f"its parameters must be {', '.join(names)}"))
     if theta.shape != lower.shape or not np.all((theta >= lower) & (theta <= upper)):
         raise ValueError(wrong.format(f"theta must hold {lower.size} numbers within their bounds"))
-    numbers = [
-        *gains.ravel(),
-        *means.ravel(),
-        Ts,
-        reference,
-        weight,
-        *(x for scale in (u_scale, y_scale) for x in (scale.centre, scale.unit)),
-    ]
+    numbers = [*gains.ravel(), *means.ravel(), Ts, reference, weight, *astuple(u_scale), *astuple(y_scale)]
     if not np.isfinite(numbers).all() or min(Ts, span, u_scale.unit, y_scale.unit) <= 0 or weight < 0.0:
         raise ValueError(wrong.format("its numbers must be finite; Ts, span and the units must be positive"))
     design = hypothesis.design(theta, np.zeros(START_SAMPLES), span, reference)

@@ -165,8 +165,8 @@ def _combination(answer: Answer, fit: Fit, holdout: Record | None) -> dict[str, 
     found = [one for effect in fit.hypothesis.found for one in parameter_sliders(data, fit, effect)]
     started = None
     if holdout is not None and simulated:
-        theta, gains = model.started_on(holdout.u, holdout.y)
-        started = {"theta": theta[played.theta_from].tolist(), "gains": gains[played.gains_from].tolist()}
+        other = model.started_on(holdout.u, holdout.y)
+        started = {"theta": other.theta[played.theta_from].tolist(), "gains": other.gains[played.gains_from].tolist()}
     return {
         "effects": [effect.key for effect in played.effects],
         "theta": played.theta.tolist(),
