@@ -197,11 +197,12 @@ def _apply_load(
     active = step_signal(own.get("onset", np.inf), w.size, span)
     load = own.get("load", 0.0) * active
     phase = 2.0 * np.pi * own.get("cycles", 0.0) / span * (np.arange(w.size) + 0.5)
-    wave = own.get("shake_cos", 0.0) * np.cos(phase) + own.get("shake_sin", 0.0) * np.sin(phase)
+    cosine, sine = own.get("shake_cos", 0.0) * np.cos(phase), own.get("shake_sin", 0.0) * np.sin(phase)
+    wave = cosine + sine
     if plant.load == "ahead":
         w, load = w - load, np.zeros(w.size)
     if plant.sinusoid == "ahead":
-        w, wave = w - wave, np.zeros(w.size)
+        w, wave = w - cosine - sine, np.zeros(w.size)
     return w, (load + wave, own.get("leak", 0.0) * active)
 
 

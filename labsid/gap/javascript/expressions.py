@@ -19,7 +19,7 @@ _OF_LISTS = {"append": "push", "index": "indexOf"}
 _BUILTINS = {"float", "int", "len", "range", "zip", "enumerate", "sum", "bool", "list", "tuple"}
 _OF_NUMBERS = {"float": "+", "int": "Math.trunc", "min": "Math.min", "max": "Math.max", "abs": "Math.abs"}
 _NUMPY_CONSTANTS = {"float64": "null", "inf": "Infinity", "nan": "NaN", "pi": "Math.PI"}
-_FIELDS = {"name"}  # of objects whose class is unknown
+_FIELDS = {"name", "rates"}  # of objects whose class is unknown
 
 
 class Expressions:
