@@ -16,20 +16,17 @@ def simulate_varying(w: FloatArray, c: FloatArray, k: FloatArray) -> FloatArray:
     samples, driven = w.shape
     columns = driven + 2
     out = np.empty((samples, 2 * columns))
-    state = np.zeros(2 * columns)
-    state[2 * driven] = state[2 * driven + 3] = 1.0
-    f11, f12, f21, f22, g1, g2 = transition(c[0], k[0], 1.0)
+    z, v = np.zeros(columns), np.zeros(columns)
+    z[driven] = v[driven + 1] = 1.0
+    step = transition(c[0], k[0], 1.0)
     for n in range(samples):
         if n > 0 and (c[n] != c[n - 1] or k[n] != k[n - 1]):
-            f11, f12, f21, f22, g1, g2 = transition(c[n], k[n], 1.0)
+            step = transition(c[n], k[n], 1.0)
         for j in range(columns):
-            z, v = state[2 * j], state[2 * j + 1]
-            out[n, 2 * j] = z
-            out[n, 2 * j + 1] = v
-            force = w[n, j] if j < driven else 0.0
-            state[2 * j] = f11 * z + f12 * v + g1 * force
-            state[2 * j + 1] = f21 * z + f22 * v + g2 * force
-        if not abs(state[0]) < 1e12:
+            out[n, 2 * j] = z[j]
+            out[n, 2 * j + 1] = v[j]
+        _advance(z, v, w, n, 0.0, step)
+        if not abs(z[0]) < 1e12:
             out[n:] = np.nan
             break
     return out

@@ -168,7 +168,7 @@ def _complete(setting: _Setting, explanation: Explanation) -> tuple[_Comparison,
     after = before.fit if unchanged else before.held_out.refit(explanation.best)
     score = score_fits(before.held_out, before.fit, after, setting.rng, setting.given_output)
     if len(explanation.path) > 1 and score.after >= score.before and _acts_in_every_record(explanation):
-        found, confidence = _complete(setting, explanation.up_to(0))
+        found, confidence = _complete(setting, replace(explanation, path=explanation.path[:1]))
         gap = not setting.base.given and found.score.before > NO_GAP * found.score.floor
         return found, 0.0 if gap else confidence
     found = _Comparison(explanation, before, score, measure_residual(explanation.data, explanation.best))

@@ -10,7 +10,7 @@ from labsid._arrays import FloatArray
 from labsid.gap import _kernels
 from labsid.gap.data import Data
 from labsid.gap.fitting import Fit
-from labsid.gap.residual_tests import input_history, previous_input, standardized
+from labsid.gap.residual_tests import input_history, lagged, previous_input, standardized
 from labsid.gap.responses import normalized_time, real_rates, section
 
 FOLDS = 10  # contiguous parts of the record, each predicted from the others
@@ -134,7 +134,7 @@ def _features(data: Data, fit: Fit) -> dict[str, FloatArray]:
     slow = real_rates(c, k)[0] if 0.25 * c * c > k else 0.5 * c
     slow = float(np.clip(slow, 3.0 / data.samples, 1.0))
     rates = np.geomspace(max(0.3 * slow, 2.0 / data.samples), 2.0, RATES)
-    filtered = _filtered(u, rates)
+    filtered = lagged(u, rates)
     linear = [*filtered, *_delayed(u, (0, 1, 2, 4, 8, 16)), *_through(c, k, u)]
     span = float(np.ptp(u))
     curves = [*_bends(u), u**2, u**3]
@@ -143,7 +143,7 @@ def _features(data: Data, fit: Fit) -> dict[str, FloatArray]:
     levels = np.quantile(u, RELAYS)
     curves += [_kernels.relay(u, low, high) for i, low in enumerate(levels) for high in levels[i + 1 :]]
     ahead = [column for curve in curves for column in (curve, *_through(c, k, curve))]
-    behind = [z, *_bends(z), z**2, np.clip(z, -4.0, 4.0) ** 3, *_filtered(z, rates[-2:])]
+    behind = [z, *_bends(z), z**2, np.clip(z, -4.0, 4.0) ** 3, *lagged(z, rates[-2:])]
     slope = np.gradient(z)
     slope = slope / (np.std(slope) or 1.0)
     states = list(input_history(data, fit).T)
@@ -182,10 +182,6 @@ def _modulated(e: FloatArray, signal: FloatArray) -> list[FloatArray]:
     spectrum[:MIN_CYCLES] = 0.0
     phase = 2.0 * np.pi * np.argmax(spectrum) * np.arange(e.size) / e.size
     return [signal * np.cos(phase), signal * np.sin(phase)]
-
-
-def _filtered(signal: FloatArray, rates: FloatArray) -> list[FloatArray]:
-    return [_kernels.first_order(signal - signal[0], float(np.exp(-rate))) for rate in rates]
 
 
 def _delayed(signal: FloatArray, lags: Sequence[int]) -> list[FloatArray]:

@@ -151,8 +151,6 @@ class _Prepared:
         Sentences on what was left out.
     joined : JoinedRecords or None
         With several records, how `record` was made of them.
-    parts : list of Record
-        The several records, shortened.
     """
 
     whole: Record
@@ -163,7 +161,6 @@ class _Prepared:
     clocks: list[Finding]
     notes: tuple[str, ...]
     joined: JoinedRecords | None = None
-    parts: tuple[Record, ...] = ()
 
 
 def _prepare(
@@ -225,7 +222,7 @@ def _prepare_several(
     scales = (simulation.u_scale, simulation.y_scale) if isinstance(simulation, ExportedModel) else None
     data = joined.data(scales)
     base = make_baseline(data, joined.record.t, simulation, order)
-    return _Prepared(joined.record, joined.record, None, data, base, clocks, notes, joined, tuple(parts))
+    return _Prepared(joined.record, joined.record, None, data, base, clocks, notes, joined)
 
 
 def _report(prepared: _Prepared, explanation: Explanation, seed: int, progress: Progress | None) -> Diagnosis:
@@ -243,7 +240,7 @@ def _report(prepared: _Prepared, explanation: Explanation, seed: int, progress: 
         found = findings_from_record(prepared.whole, plateau)
     else:
         inside = joined.inside
-        found, plateau = findings_by_record(joined, prepared.parts, answer.outputs, data.rows)
+        found, plateau = findings_by_record(joined, answer.outputs, data.rows)
         y = np.where(inside, record.y, answer.outputs[0])  # no error between the records
         record = Record(record.t, record.u, y, record.Ts, name=record.name)
     report = build_report(record, answer, base, rng, holdout)

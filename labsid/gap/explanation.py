@@ -61,10 +61,6 @@ class Explanation:
         """The accepted fit."""
         return self.path[-1]
 
-    def up_to(self, level: int) -> "Explanation":
-        """The explanation cut to the first `level` effects."""
-        return replace(self, path=self.path[: level + 1])
-
     @property
     def names(self) -> tuple[str, ...]:
         """Names of all effects."""

@@ -10,7 +10,7 @@ method for time-domain analysis of large scale integrated circuits", IEEE Trans.
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -24,8 +24,7 @@ SETTLED = 1e-7  # of the largest value of a pulse response, below which it has d
 DIRECT = 1e-6  # response at once over that after one sample, above which the force acts on itself
 
 
-@dataclass(frozen=True, slots=True)
-class Reaction:
+class Reaction(NamedTuple):
     """A force that is subtracted from the input, in scaled units.
 
     Attributes
@@ -76,11 +75,10 @@ def output_with(
     if not is_collocated(pulse):
         return np.full(w.size, np.nan)
     output, force = run(w), np.zeros(w.size)
-    law = (reaction.friction, reaction.at_rest, reaction.cubic, reaction.centre)
     for _ in range(ROUNDS):
         if not np.isfinite(output).all():
             break
-        wanted, force = _solve(w, output, force, pulse, *law)
+        wanted, force = _solve(w, output, force, pulse, *reaction)
         if not np.isfinite(wanted).all():
             break
         output = run(w - force)

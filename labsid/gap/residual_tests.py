@@ -190,9 +190,12 @@ def _filtered_input(data: Data, fit: Fit) -> list[FloatArray]:
     slow = 0.5 * c - np.sqrt(0.25 * c * c - k) if 0.25 * c * c > k else 0.5 * c
     slow = float(np.clip(slow, 1e-3, 1.0))
     fast = float(np.clip(max(c, np.sqrt(k)), 2.0 * slow, 2.0))
-    deviation = data.u - data.u[0]
-    lagged = [_kernels.first_order(deviation, float(np.exp(-rate))) for rate in np.geomspace(slow, fast, 4)]
-    return [*lagged, previous_input(data) - data.u[0]]
+    return [*lagged(data.u, np.geomspace(slow, fast, 4)), previous_input(data) - data.u[0]]
+
+
+def lagged(signal: FloatArray, rates: FloatArray) -> list[FloatArray]:
+    """The deviation of a signal from its first sample after first-order lags of these rates per sample."""
+    return [_kernels.first_order(signal - signal[0], float(np.exp(-rate))) for rate in rates]
 
 
 def previous_input(data: Data) -> FloatArray:

@@ -39,12 +39,15 @@ class JoinedRecords:
         First sample of each record and the one after its last.
     names : tuple of str
         Distinct names of the records.
+    records : tuple of Record
+        The records.
     """
 
     record: Record
     u: FloatArray
     pieces: tuple[tuple[int, int], ...]
     names: tuple[str, ...]
+    records: tuple[Record, ...]
 
     @property
     def inside(self) -> np.ndarray:
@@ -119,7 +122,7 @@ def join_records(records: Sequence[Record]) -> JoinedRecords:
     Ts = records[0].Ts
     t = np.asarray(Ts * np.arange(samples), np.float64)
     joined = Record(t, np.concatenate(u), np.concatenate(y), Ts, name=", ".join(names))
-    return JoinedRecords(joined, np.concatenate(filtered), tuple(pieces), tuple(names))
+    return JoinedRecords(joined, np.concatenate(filtered), tuple(pieces), tuple(names), tuple(records))
 
 
 def _bridge_length(records: Sequence[Record]) -> int:
@@ -166,15 +169,13 @@ def score_by_record(joined: JoinedRecords, data: Data, score: GapScore) -> list[
 
 
 def findings_by_record(
-    joined: JoinedRecords, records: Sequence[Record], outputs: tuple[FloatArray, FloatArray], rows: np.ndarray
+    joined: JoinedRecords, outputs: tuple[FloatArray, FloatArray], rows: np.ndarray
 ) -> tuple[list[Finding], PlateauGap | None]:
     """Findings from each record, those that all have in common once, and the plateaus that matter most.
 
     Parameters
     ----------
     joined : JoinedRecords
-    records : sequence of Record
-        As joined.
     outputs : tuple of ndarray, shape (N,)
         Of the simulation and of the explanation on the joined records.
     rows : ndarray of bool, shape (N,)
@@ -182,7 +183,7 @@ def findings_by_record(
     """
     named: defaultdict[Finding, list[str]] = defaultdict(list)
     plateaus: dict[str, PlateauGap] = {}
-    for name, record, (start, stop) in zip(joined.names, records, joined.pieces, strict=True):
+    for name, record, (start, stop) in zip(joined.names, joined.records, joined.pieces, strict=True):
         before, after = (output[start:stop] for output in outputs)
         plateau = plateau_gap(record.u, record.y, before, after, rows[start:stop])
         if plateau is not None and plateau.matters:
@@ -194,6 +195,6 @@ def findings_by_record(
     for finding, names in named.items():
         if finding.topic == "plateaus" and worst not in names:
             continue
-        every = len(names) == len(records)
+        every = len(names) == len(joined.records)
         found.append(finding if every else replace(finding, text=f"{', '.join(names)}: {finding.text}"))
     return found, None if worst is None else plateaus[worst]

@@ -4,6 +4,7 @@ from typing import ClassVar
 
 import numpy as np
 
+from labsid._arrays import FloatArray
 from labsid.gap.effects.base import Fitted, PlantEffect, Value
 from labsid.gap.effects.context import Context, rise, unit_step_response
 from labsid.gap.plants import Plant
@@ -254,8 +255,7 @@ class CoulombFriction(PlantEffect):
 
     def is_plausible(self, fit: Fitted) -> bool:
         """Require motion in both directions: in one direction friction is a constant."""
-        speed = fit.hypothesis.plant.speed(fit.plant_theta, fit.actuator)
-        return bool(min(np.mean(speed > 0), np.mean(speed < 0)) > MIN_EITHER_DIRECTION)
+        return moves_both_ways(fit.hypothesis.plant.speed(fit.plant_theta, fit.actuator))
 
     def values(self, fit: Fitted) -> dict[str, Value]:
         """`friction` in units of the input, and with a peak, `break_away`."""
@@ -264,6 +264,11 @@ class CoulombFriction(PlantEffect):
         if self.law == "peak":
             found["break_away"] = Value(friction * (1.0 + fit.plant_value("peak")) * unit, "u")
         return found
+
+
+def moves_both_ways(speed: FloatArray) -> bool:
+    """Whether a motion has either direction for long enough."""
+    return bool(min(np.mean(speed > 0), np.mean(speed < 0)) > MIN_EITHER_DIRECTION)
 
 
 def initial_offset(context: Context) -> float:

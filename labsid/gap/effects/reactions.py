@@ -5,10 +5,10 @@ import numpy as np
 from labsid._arrays import FloatArray
 from labsid.gap.effects.base import Fitted, PlantEffect, Value
 from labsid.gap.effects.context import Context
+from labsid.gap.effects.dynamics import moves_both_ways
 from labsid.gap.plants import Plant
 from labsid.gap.reactions import is_collocated
 
-MIN_EITHER_DIRECTION = 0.03  # share of the record with motion in each direction
 SETTLED_SHARE = 0.02  # of the largest value, to which the pulse response of a simulation with a spring decays
 
 
@@ -52,7 +52,7 @@ class Friction(_AroundGiven):
         output = fit.output
         scale = fit.data.y_scale
         moving = output + scale.centre / scale.unit if self.variant == "given-speed" else np.diff(output)
-        return bool(min(np.mean(moving > 0), np.mean(moving < 0)) > MIN_EITHER_DIRECTION)
+        return moves_both_ways(moving)
 
     def values(self, fit: Fitted) -> dict[str, Value]:
         """`friction` in units of the input."""
