@@ -9,19 +9,6 @@ from labsid._compiled import compiled
 
 
 @compiled()
-def second_order(w: FloatArray, a1: float, a2: float) -> FloatArray:
-    """Response x(k) = w(k-1) - a1 x(k-1) - a2 x(k-2) with zero initial state."""
-    x = np.empty(w.size)
-    last, before = 0.0, 0.0
-    x[0] = 0.0
-    for k in range(1, w.size):
-        new = w[k - 1] - a1 * last - a2 * before
-        before, last = last, new
-        x[k] = new
-    return x
-
-
-@compiled()
 def section(w: FloatArray, a1: float, a2: float) -> FloatArray:
     """Columns of a second-order section: two for its numerator, two for its initial state; shape (N, 4)."""
     out = np.zeros((4, w.size))

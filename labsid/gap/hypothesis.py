@@ -224,8 +224,8 @@ class Hypothesis:
     def sensor(self, theta: FloatArray, gains: FloatArray, design: Design) -> FloatArray:
         """Sensor output for the columns of a design."""
         z = self._before_limits(theta, gains, design)
-        for effect in self._limits:
-            z = effect.apply(z, theta[self.slices[effect.key]])
+        for effect, own in self._sensor_part(theta, limits=True):
+            z = effect.apply(z, own)
         return z
 
     def undone(self, theta: FloatArray, y: FloatArray, design: Design, rows: np.ndarray) -> FloatArray:
@@ -243,22 +243,24 @@ class Hypothesis:
         return z + design.added @ gains[design.n_sensed :] if gains.size > design.n_sensed else z
 
     def _curved(self, theta: FloatArray, z: FloatArray) -> FloatArray:
-        for effect in self._curves:
-            z = effect.apply(z, theta[self.slices[effect.key]])
+        for effect, own in self._sensor_part(theta, limits=False):
+            z = effect.apply(z, own)
         return z
+
+    def _sensor_part(self, theta: FloatArray, limits: bool) -> list[tuple[OutputEffect, FloatArray]]:
+        """The limits of the sensor, or the effects ahead of them, with their parameters."""
+        return [(one, theta[self.slices[one.key]]) for one in self.outputs if one.is_limit == limits]
 
     def sensed_columns(self, theta: FloatArray, gains: FloatArray, design: Design) -> FloatArray:
         """Derivatives of `sensor` by the gains, shape (N, m + q)."""
         z = design.sensed @ gains[: design.n_sensed]
         columns = design.columns.copy(order="F")
-        for effect in self._curves:
-            own = theta[self.slices[effect.key]]
+        for effect, own in self._sensor_part(theta, limits=False):
             columns[:, : design.n_sensed] = effect.passed(columns[:, : design.n_sensed], z, own)
             z = effect.apply(z, own)
         if gains.size > design.n_sensed:
             z = z + design.added @ gains[design.n_sensed :]
-        for effect in self._limits:
-            own = theta[self.slices[effect.key]]
+        for effect, own in self._sensor_part(theta, limits=True):
             columns = effect.passed(columns, z, own)
             z = effect.apply(z, own)
         return columns
@@ -267,19 +269,10 @@ class Hypothesis:
         """The samples at which no limit of the sensor holds the reading."""
         z = self._before_limits(theta, gains, design)
         moves = np.ones(z.size, bool)
-        for effect in self._limits:
-            own = theta[self.slices[effect.key]]
+        for effect, own in self._sensor_part(theta, limits=True):
             moves &= effect.slope(z, own) > 0.0
             z = effect.apply(z, own)
         return moves
-
-    @property
-    def _curves(self) -> tuple[OutputEffect, ...]:
-        return tuple(effect for effect in self.outputs if not effect.is_limit)
-
-    @property
-    def _limits(self) -> tuple[OutputEffect, ...]:
-        return tuple(effect for effect in self.outputs if effect.is_limit)
 
     def output(
         self,

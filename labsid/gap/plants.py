@@ -11,7 +11,7 @@ import numpy as np
 from labsid._arrays import FloatArray, beside
 from labsid.gap import _kernels
 from labsid.gap.plant_form import Named, PlantForm
-from labsid.gap.responses import denominator, lag_mean, lag_output, mode_mean, real_rates, response, section
+from labsid.gap.responses import lag_mean, lag_output, mode_mean, real_rates, response, section
 
 MIN_TIME_CONSTANTS = 12  # of a lag in a record: a slower lag would imitate a drift
 MIN_FLOW = 0.25  # scaled: smallest mean flow at which square-root outflow is linearized
@@ -123,19 +123,13 @@ class Plant(PlantForm):
         return self.state_columns[-1] - 1
 
     def motion(self, theta: FloatArray, w: FloatArray) -> FloatArray:
-        """Output and speed of a mass or a motor, shape (N, 2)."""
+        """Output of a mass or a motor, and the speed against which friction acts, shape (N, 2)."""
         return response(self, self._by_name(theta), w, w.size, float(w[0]))
-
-    def speed(self, theta: FloatArray, w: FloatArray) -> FloatArray:
-        """The speed against which friction acts, shape (N,)."""
-        return self.motion(theta, w)[:, 1]
 
     def load_response(self, theta: FloatArray, signal: FloatArray) -> FloatArray:
         """Columns of the linearized response to an unmeasured load `signal`, shape (N, 2)."""
         c, k = self.linear_rates(theta)
-        a1, a2 = denominator(c, k)
-        x = _kernels.second_order(signal, a1, a2)
-        return np.column_stack([x, np.concatenate([[0.0], x[:-1]])])
+        return section(c, k, signal)[:, :2].copy()
 
     def linear_rates(self, theta: FloatArray) -> tuple[float, float]:
         """Coefficients c and k of s^2 + c s + k: of the linear part, or linearized at the mean flow."""

@@ -144,7 +144,7 @@ def _offset_ramp(c: float, k: float, samples: int, span: int) -> FloatArray:
     """
     if _comes_to_rest(c, k, span):
         return np.zeros((samples, 1))
-    return _kernels.second_order(np.ones(samples), *denominator(c, k))[:, None]
+    return section(c, k, np.ones(samples))[:, :1]
 
 
 def _comes_to_rest(c: float, k: float, span: int) -> bool:

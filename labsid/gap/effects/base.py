@@ -197,9 +197,9 @@ class Fitted:
         """Part of theta that belongs to an effect."""
         return self.theta[self.hypothesis.slices[effect.key]]
 
-    def plant_value(self, name: str) -> float:
-        """Value of a plant parameter."""
-        return float(self.plant_theta[self.hypothesis.plant.index(name)])
+    def value(self, name: str) -> float:
+        """Value of a parameter whose name no other effect has."""
+        return float(self.theta[[parameter.name for parameter in self.hypothesis.parameters].index(name)])
 
     def change_by(self, *names: str) -> FloatArray:
         """Change of the output by the named plant parameters, shape (N,)."""

@@ -12,6 +12,7 @@ import numpy as np
 
 from labsid._arrays import FloatArray
 from labsid.gap.data import Data
+from labsid.gap.plant_form import Parameter
 from labsid.gap.plants import Plant
 
 LONG_STEP = 2000  # samples of a simulated step response
@@ -31,6 +32,10 @@ class Structure(Protocol):
     @property
     def outputs(self) -> tuple[Any, ...]:
         """Output effects in the order of the sensor's chain."""
+
+    @property
+    def parameters(self) -> tuple[Parameter, ...]:
+        """Parameters in theta."""
 
     @property
     def plant(self) -> Plant:

@@ -22,25 +22,21 @@ class _Load(Effect):
     name = "load-step"
     path = "disturbance"
 
-    def _onset(self, fit: Fitted) -> float:
-        """As a share of the record."""
-        return fit.plant_value("onset")
-
     def _size(self, fit: Fitted) -> Value:
         raise NotImplementedError
 
     def is_plausible(self, fit: Fitted) -> bool:
         """Reject onsets near either end of the record: an offset, or a spike."""
         edge = max(MIN_ONSET / fit.data.samples, 0.005)
-        return edge < self._onset(fit) < 1.0 - edge
+        return edge < fit.value("onset") < 1.0 - edge
 
     def active_samples(self, fit: Fitted) -> np.ndarray:
         """The samples after the onset."""
-        return np.asarray(np.arange(fit.data.samples) >= self._onset(fit) * fit.data.samples)
+        return np.asarray(np.arange(fit.data.samples) >= fit.value("onset") * fit.data.samples)
 
     def values(self, fit: Fitted) -> dict[str, Value]:
         """`onset` in seconds, and `size`."""
-        onset = self._onset(fit) * fit.data.samples * fit.data.Ts + fit.data.start
+        onset = fit.value("onset") * fit.data.samples * fit.data.Ts + fit.data.start
         return {"onset": Value(onset, "s"), "size": self._size(fit)}
 
 
@@ -89,9 +85,6 @@ class LoadStep(_Load, AdditiveEffect):
         most = float(np.abs(self._response(fit)).max())
         lasts = abs(self.change(fit)) > MIN_LASTING * most
         return lasts and most < MAX_RANGES * fit.range and super().is_plausible(fit)
-
-    def _onset(self, fit: Fitted) -> float:
-        return float(fit.theta_of(self)[0])
 
     def _response(self, fit: Fitted) -> FloatArray:
         """Change of the scaled output by the load, shape (N,)."""
@@ -150,7 +143,7 @@ class Leak(_Load, PlantEffect):
 
     def _size(self, fit: Fitted) -> Value:
         """Relative change of the restoring rate."""
-        return Value(float(np.expm1(fit.plant_value("drift"))), "1")
+        return Value(float(np.expm1(fit.value("drift"))), "1")
 
 
 class InnerLoad(_Load, PlantEffect):

@@ -5,12 +5,11 @@ from typing import ClassVar
 import numpy as np
 
 from labsid._arrays import FloatArray
-from labsid.gap import _kernels
 from labsid.gap.effects.base import Effect, Fitted, InputEffect, PlantEffect, Value
 from labsid.gap.effects.context import Context, ParentFit, Structure
 from labsid.gap.plant_form import Parameter
 from labsid.gap.plants import Plant
-from labsid.gap.responses import chebyshev_course, denominator
+from labsid.gap.responses import chebyshev_course, section
 
 MIN_COSINE = 0.05  # smallest cosine of the neutral-input angle: the neutral input lies within 20 scaled units
 
@@ -40,9 +39,7 @@ class PoleDrift(PlantEffect):
 
     def values(self, fit: Fitted) -> dict[str, Value]:
         """`pole`: relative change of the restoring rate over the record."""
-        shape = np.array(
-            [fit.plant_value("drift"), *(fit.plant_value(f"bend{n}") for n in range(1, int(self.variant)))]
-        )
+        shape = np.array([fit.value("drift"), *(fit.value(f"bend{n}") for n in range(1, int(self.variant)))])
         course = chebyshev_course(shape, 101, 101)
         return {"pole": Value(float(np.exp(course[-1] - course[0])) - 1.0, "1")}
 
@@ -137,4 +134,4 @@ class GainDrift(InputEffect):
 
 def _linear_response(fit: ParentFit, w: FloatArray) -> FloatArray:
     """Response of the linear dynamics of a fit to a signal, up to a gain."""
-    return _kernels.second_order(w - w[0], *denominator(*fit.rates))
+    return section(*fit.rates, w - w[0])[:, 0]

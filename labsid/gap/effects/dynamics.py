@@ -71,7 +71,7 @@ class ExtraLag(Placed):
 
     def values(self, fit: Fitted) -> dict[str, Value]:
         """`tau` in seconds."""
-        return {"tau": Value(float(np.exp(fit.plant_value("log_lag"))) * fit.data.Ts, "s")}
+        return {"tau": Value(float(np.exp(fit.value("log_lag"))) * fit.data.Ts, "s")}
 
 
 class SlowMode(PlantEffect):
@@ -96,7 +96,7 @@ class SlowMode(PlantEffect):
 
     def is_plausible(self, fit: Fitted) -> bool:
         """Require a pole that is slower than the others and visible in the record, with a small share of the gain."""
-        rate = float(np.exp(-fit.plant_value("log_slow")))
+        rate = float(np.exp(-fit.value("log_slow")))
         if rate * fit.data.samples < MIN_SLOW_TIMES or rate > MAX_SLOW_RATIO * real_rates(*_main_rates(fit))[0]:
             return False
         share = self._share(fit)
@@ -116,7 +116,7 @@ class SlowMode(PlantEffect):
 
     def values(self, fit: Fitted) -> dict[str, Value]:
         """`tau` in seconds, and `share` of the static gain."""
-        tau = float(np.exp(fit.plant_value("log_slow"))) * fit.data.Ts
+        tau = float(np.exp(fit.value("log_slow"))) * fit.data.Ts
         return {"tau": Value(tau, "s"), "share": Value(self._share(fit), "1")}
 
 
@@ -131,7 +131,7 @@ def is_parallel(fit: Fitted) -> bool:
     one or more. The mode adds a zero near the pole, and the share is less.
     """
     plant, (c, k) = fit.hypothesis.plant, _main_rates(fit)
-    rate = float(np.exp(-fit.plant_value("log_lag")))
+    rate = float(np.exp(-fit.value("log_lag")))
     lag = float(fit.gains[5 if plant.zero else 4])
     a1, a2 = denominator(c, k)
     whole = lag + (float(fit.gains[:2].sum()) / (1.0 + a1 + a2) if plant.zero else float(fit.gains[0]))
@@ -170,15 +170,15 @@ class Resonance(Placed):
 
     def is_plausible(self, fit: Fitted) -> bool:
         """Reject a few cycles per record (a drift) and no damping (a periodic disturbance)."""
-        swings = float(np.exp(fit.plant_value("log_frequency"))) * fit.data.samples / (2.0 * np.pi)
-        return swings > MIN_CYCLES and float(np.exp(fit.plant_value("log_damping"))) > LEAST_DAMPING
+        swings = float(np.exp(fit.value("log_frequency"))) * fit.data.samples / (2.0 * np.pi)
+        return swings > MIN_CYCLES and float(np.exp(fit.value("log_damping"))) > LEAST_DAMPING
 
     def values(self, fit: Fitted) -> dict[str, Value]:
         """`frequency` in hertz, and `damping`."""
-        frequency = float(np.exp(fit.plant_value("log_frequency"))) / (2.0 * np.pi * fit.data.Ts)
+        frequency = float(np.exp(fit.value("log_frequency"))) / (2.0 * np.pi * fit.data.Ts)
         return {
             "frequency": Value(frequency, "Hz"),
-            "damping": Value(float(np.exp(fit.plant_value("log_damping"))), "1"),
+            "damping": Value(float(np.exp(fit.value("log_damping"))), "1"),
         }
 
 
@@ -255,14 +255,14 @@ class CoulombFriction(PlantEffect):
 
     def is_plausible(self, fit: Fitted) -> bool:
         """Require motion in both directions: in one direction friction is a constant."""
-        return moves_both_ways(fit.hypothesis.plant.speed(fit.plant_theta, fit.actuator))
+        return moves_both_ways(fit.hypothesis.plant.motion(fit.plant_theta, fit.actuator)[:, 1])
 
     def values(self, fit: Fitted) -> dict[str, Value]:
         """`friction` in units of the input, and with a peak, `break_away`."""
-        unit, friction = fit.data.u_scale.unit, fit.plant_value("friction")
+        unit, friction = fit.data.u_scale.unit, fit.value("friction")
         found = {"friction": Value(friction * unit, "u")}
         if self.law == "peak":
-            found["break_away"] = Value(friction * (1.0 + fit.plant_value("peak")) * unit, "u")
+            found["break_away"] = Value(friction * (1.0 + fit.value("peak")) * unit, "u")
         return found
 
 
@@ -303,4 +303,4 @@ class CubicStiffness(PlantEffect):
     def values(self, fit: Fitted) -> dict[str, Value]:
         """`cubic`: relative increase of the restoring force, per square of the output."""
         per_level = 1.0 / (float(fit.gains[0]) * fit.data.y_scale.unit or 1.0)
-        return {"cubic": Value(fit.plant_value("cubic") * per_level**2, "1/y^2")}
+        return {"cubic": Value(fit.value("cubic") * per_level**2, "1/y^2")}

@@ -71,7 +71,7 @@ class EndStop(PlantEffect):
     def active_samples(self, fit: Fitted) -> np.ndarray:
         """The samples at which the mass is at a stop."""
         position = fit.hypothesis.plant.motion(fit.plant_theta, fit.actuator)[:, 0]
-        return np.any([np.abs(position - fit.plant_value(f"stop_{side}")) < AT_STOP for side in self.sides], axis=0)
+        return np.any([np.abs(position - fit.value(f"stop_{side}")) < AT_STOP for side in self.sides], axis=0)
 
     def is_plausible(self, fit: Fitted) -> bool:
         """Require that the mass reaches a stop."""
@@ -80,7 +80,7 @@ class EndStop(PlantEffect):
     def values(self, fit: Fitted) -> dict[str, Value]:
         """`low` and `high` as outputs."""
         gain, offset = (float(x) for x in fit.gains[:2])
-        ends = [fit.y(gain * fit.plant_value(f"stop_{side}") + offset) for side in self.sides]
+        ends = [fit.y(gain * fit.value(f"stop_{side}") + offset) for side in self.sides]
         turned = gain < 0.0
         names = [{"low": "high", "high": "low"}[side] if turned else side for side in self.sides]
         return {name: Value(end, "y") for name, end in sorted(zip(names, ends, strict=True), reverse=True)}
@@ -114,7 +114,7 @@ class QuadraticDrag(PlantEffect):
         """`drag`: input per square of the speed; of a motor, the output is the speed."""
         per_level = 1.0 / (float(fit.gains[0]) * fit.data.y_scale.unit or 1.0)
         if self.variant != "position":
-            return {"drag": Value(fit.plant_value("drag") * fit.data.u_scale.unit * per_level**2, "u/y^2")}
-        unit = force_unit(np.exp(fit.plant_value("log_c")), np.exp(fit.plant_value("log_k")))
-        size = fit.plant_value("drag") * fit.data.u_scale.unit / unit * (fit.data.Ts * per_level) ** 2
+            return {"drag": Value(fit.value("drag") * fit.data.u_scale.unit * per_level**2, "u/y^2")}
+        unit = force_unit(np.exp(fit.value("log_c")), np.exp(fit.value("log_k")))
+        size = fit.value("drag") * fit.data.u_scale.unit / unit * (fit.data.Ts * per_level) ** 2
         return {"drag": Value(float(size), "u s^2/y^2")}

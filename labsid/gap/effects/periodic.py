@@ -30,17 +30,13 @@ class _Sinusoid(Effect):
         forms += [InnerPeriodic("ahead")] if hypothesis.plant.in_series else []
         return [form for form in forms if form != self]
 
-    def _cycles(self, fit: Fitted) -> float:
-        """In the record."""
-        raise NotImplementedError
-
     def _amplitude(self, fit: Fitted) -> float:
         """In the scaled output."""
         raise NotImplementedError
 
     def values(self, fit: Fitted) -> dict[str, Value]:
         """`frequency`, and `amplitude` in the output."""
-        frequency = self._cycles(fit) / (fit.data.samples * fit.data.Ts)
+        frequency = fit.value("cycles") / (fit.data.samples * fit.data.Ts)
         return {
             "frequency": Value(frequency, "Hz"),
             "amplitude": Value(self._amplitude(fit) * fit.data.y_scale.unit, "y"),
@@ -90,13 +86,10 @@ class InnerPeriodic(_Sinusoid, PlantEffect):
         """The highest narrow peaks in the spectrum of the residual."""
         return [{"cycles": at} for at in residual_cycles(context)]
 
-    def _cycles(self, fit: Fitted) -> float:
-        return fit.plant_value("cycles")
-
     def _amplitude(self, fit: Fitted) -> float:
         """Of its component in the change of the output."""
         change = fit.change_by("shake_cos", "shake_sin")
-        wave = np.exp(-2j * np.pi * self._cycles(fit) / change.size * np.arange(change.size))
+        wave = np.exp(-2j * np.pi * fit.value("cycles") / change.size * np.arange(change.size))
         return float(2.0 * abs(np.mean(change * wave)))
 
 
@@ -139,6 +132,3 @@ class Periodic(_Sinusoid, AdditiveEffect):
 
     def _amplitude(self, fit: Fitted) -> float:
         return float(np.hypot(*fit.hypothesis.gains_of(fit.gains, self)))
-
-    def _cycles(self, fit: Fitted) -> float:
-        return float(fit.theta_of(self)[0])

@@ -56,7 +56,7 @@ class Friction(_AroundGiven):
 
     def values(self, fit: Fitted) -> dict[str, Value]:
         """`friction` in units of the input."""
-        return {"friction": Value(fit.plant_value("friction") * fit.data.u_scale.unit, "u")}
+        return {"friction": Value(fit.value("friction") * fit.data.u_scale.unit, "u")}
 
 
 class Spring(_AroundGiven):
@@ -85,4 +85,4 @@ class Spring(_AroundGiven):
         pulse = _pulse(fit.hypothesis.plant, fit.plant_theta, fit.data.samples)
         gain = float(np.sum(pulse))  # of the simulation: its spring has 1 / gain
         per_level = 1.0 / (float(fit.gains[0]) * fit.data.y_scale.unit or 1.0)
-        return {"cubic": Value(fit.plant_value("spring") * gain * per_level**2, "1/y^2")}
+        return {"cubic": Value(fit.value("spring") * gain * per_level**2, "1/y^2")}

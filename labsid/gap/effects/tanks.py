@@ -90,7 +90,7 @@ class SqrtOutflow(_OfTanks):
 
     def values(self, fit: Fitted) -> dict[str, Value]:
         """`zero`, the input at zero flow, and `empty`, the output of the empty tank."""
-        zero = fit.plant_value("zero")
+        zero = fit.value("zero")
         return {
             "zero": Value(fit.u(-zero if self.is_flipped else zero), "u"),
             "empty": Value(fit.y(float(fit.gains[1])), "y"),
@@ -161,19 +161,19 @@ class Overflow(_OfTanks):
     def is_plausible(self, fit: Fitted) -> bool:
         """Reject a tank that fills within a sample (a limit of the actuator or the sensor) and an impossible start."""
         slopes = fit.hypothesis.plant.level_slopes(fit.plant_theta)
-        if any(abs(fit.plant_value(h)) > MAX_START * slope for h, slope in zip(("h1", "h2"), slopes, strict=True)):
+        if any(abs(fit.value(h)) > MAX_START * slope for h, slope in zip(("h1", "h2"), slopes, strict=True)):
             return False
         if fit.starts_at_rest and self._overflows_at_first(fit):
             return False
-        rates = np.exp([fit.plant_value("log_a"), fit.plant_value("log_b")]) / slopes
+        rates = np.exp([fit.value("log_a"), fit.value("log_b")]) / slopes
         return all(rate < MAX_TANK_RATE for tank, rate in zip(RATES, rates, strict=True) if tank in self.tanks)
 
     def _overflows_at_first(self, fit: Fitted) -> bool:
         """Whether the flow of the first command overflows in steady state."""
         plant = fit.hypothesis.plant
         w = float(fit.actuator[0])
-        zero = fit.plant_value("zero") if plant.has_root else 0.0
-        brim = fit.plant_value("brim")
+        zero = fit.value("zero") if plant.has_root else 0.0
+        brim = fit.value("brim")
         root = plant.lower_root if plant.brims == ("lower",) else plant.upper_root
         return (-w if plant.flipped else w) - zero > (np.sqrt(max(brim, 0.0)) if root else brim)
 
@@ -184,14 +184,14 @@ class Overflow(_OfTanks):
         """
         plant = fit.hypothesis.plant
         if self.tanks == ("lower",):
-            return {"level": self._reading(fit, fit.plant_value("brim"))}
-        brim = fit.plant_value("brim")  # convert to the steady level of the lower tank
+            return {"level": self._reading(fit, fit.value("brim"))}
+        brim = fit.value("brim")  # convert to the steady level of the lower tank
         flow = np.sqrt(max(brim, 0.0)) if plant.upper_root else brim
         upper = self._reading(fit, flow**2 if plant.lower_root else flow)
-        caught = Value(fit.plant_value("share"), "1")
+        caught = Value(fit.value("share"), "1")
         if self.tanks == ("upper",):
             return {"level": upper, "caught": caught}
-        return {"level": self._reading(fit, fit.plant_value("brim2")), "upper": upper, "caught": caught}
+        return {"level": self._reading(fit, fit.value("brim2")), "upper": upper, "caught": caught}
 
     def _reading(self, fit: Fitted, level: float) -> Value:
         return Value(fit.y(fit.hypothesis.reading(fit.theta, fit.gains, level)), "y")

@@ -15,11 +15,6 @@ def w() -> FloatArray:
     return np.repeat(np.random.default_rng(3).uniform(-1.0, 1.0, 20), 6)
 
 
-def test_second_order_is_the_filter_with_a_sample_of_delay(w: FloatArray) -> None:
-    expected = lfilter([0.0, 1.0], [1.0, -1.5, 0.6], w)
-    np.testing.assert_allclose(_kernels.second_order(w, -1.5, 0.6), expected, atol=1e-12)
-
-
 def test_section_columns_are_two_numerator_terms_and_two_initial_states(w: FloatArray) -> None:
     columns = _kernels.section(w, -1.5, 0.6)
     once = lfilter([0.0, 1.0], [1.0, -1.5, 0.6], w)

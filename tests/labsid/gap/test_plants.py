@@ -156,7 +156,7 @@ def test_a_mass_sticks_within_the_friction_band() -> None:
     assert np.all(x[:61] == 0.0)
     assert 1.0 <= x[179] <= 1.4 + 0.4  # where it comes to rest: within the band about the new balance
     assert np.all(x[200:] == x[179])
-    speed = plant.speed(theta, w)
+    speed = plant.motion(theta, w)[:, 1]
     assert np.all(speed[:61] == 0.0)
     assert speed[65] > 0.0
 
