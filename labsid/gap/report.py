@@ -12,6 +12,7 @@ from labsid.gap.answer import Answer
 from labsid.gap.baseline import Baseline
 from labsid.gap.data import Data
 from labsid.gap.decision import MISMATCH, Decision
+from labsid.gap.effect_guide import EFFECT_GUIDE
 from labsid.gap.effects.base import Effect, Fitted
 from labsid.gap.experiment import Experiment, next_experiment
 from labsid.gap.explanation import Explanation
@@ -25,13 +26,6 @@ from labsid.records.record import Record
 
 SCHEMA = "labsid.gap/2"
 LAGS = 20
-PATHS = {
-    "output-dropout": "output",
-    "output-outliers": "output",
-    "output-quantization": "output",
-    "coloured-noise": "disturbance",
-    MISMATCH: "parameters",
-}
 
 
 def build_report(
@@ -115,7 +109,7 @@ def _effects(answer: Answer) -> list[dict[str, Any]]:
         found.append(
             {
                 "name": name,
-                "path": PATHS[name] if effect is None else effect.path,
+                "path": EFFECT_GUIDE[name].path,
                 "parameters": estimate_parameters(explanation.data, explanation.best, effect)
                 if effect is not None
                 else estimate_numbers(explanation.data, explanation.best)

@@ -26,7 +26,7 @@ class Effect:
 
     Attributes
     ----------
-    name, path : str
+    name : str
         From the table of effects.
     key_form : str
         Of the variant in the key.
@@ -43,7 +43,6 @@ class Effect:
     """
 
     name: ClassVar[str]
-    path: ClassVar[str]
     key_form: ClassVar[str] = "{}"
     variants: ClassVar[tuple[str, ...]] = ("",)
     further: ClassVar[Mapping[str, tuple[str, ...]]] = {}
@@ -238,7 +237,6 @@ class InputEffect(Effect):
     It needs `least_levels` of the input: gain and offset absorb a static curve of two, and backlash leaves two or one.
     """
 
-    path = "input"
     least_levels: ClassVar[int] = 1
     position: ClassVar[int] = 0
     variant_positions: ClassVar[dict[str, int]] = {}
@@ -272,7 +270,6 @@ class PlantEffect(Effect):
     others need a nonlinear state (`only_inner`).
     """
 
-    path = "dynamics"
     before_given: ClassVar[bool] = False
     only_given: ClassVar[bool] = False
     only_inner: ClassVar[bool] = False
@@ -293,7 +290,6 @@ class PlantEffect(Effect):
 class OutputEffect(Effect):
     """An effect that transforms the output in the sensor; limits (`is_limit`) also clip signals added there."""
 
-    path = "output"
     position: ClassVar[int] = 0
     is_limit: ClassVar[bool] = False
 
@@ -316,8 +312,6 @@ class OutputEffect(Effect):
 
 class AdditiveEffect(Effect):
     """An effect that adds signals independent of the input; their amplitudes are linear parameters."""
-
-    path = "disturbance"
 
     @property
     def at_load(self) -> bool:

@@ -20,7 +20,6 @@ class _Load(Effect):
     """A load that begins at an instant."""
 
     name = "load-step"
-    path = "disturbance"
 
     def _size(self, fit: Fitted) -> Value:
         raise NotImplementedError

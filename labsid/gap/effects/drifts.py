@@ -74,7 +74,6 @@ class GainDrift(InputEffect):
     """
 
     name = "parameter-drift"
-    path = "dynamics"
     key_form = "gain-{}"
     variants = ("1", "4")
     position: ClassVar[int] = 8

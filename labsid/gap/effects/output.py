@@ -104,7 +104,6 @@ class Drift(AdditiveEffect):
     """A slow drift of the sensor zero: a polynomial of the degree in `variant`, or an exponential decay, "settle"."""
 
     name = "output-drift"
-    path = "output"
     variants = ("1", "3", "6", "10", "16", "settle")
 
     @property

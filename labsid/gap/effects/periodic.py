@@ -20,7 +20,6 @@ class _Sinusoid(Effect):
     """A sinusoid anywhere behind the actuator."""
 
     name = "periodic-disturbance"
-    path = "disturbance"
 
     def alternatives(self, hypothesis: Structure) -> list[Effect]:
         """The other positions, where they differ."""
