@@ -34,6 +34,10 @@ class Structure(Protocol):
         """Output effects in the order of the sensor's chain."""
 
     @property
+    def delay_is_an_effect(self) -> bool:
+        """Whether the delay is an effect rather than a nuisance parameter."""
+
+    @property
     def parameters(self) -> tuple[Parameter, ...]:
         """Parameters in theta."""
 

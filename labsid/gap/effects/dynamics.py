@@ -13,6 +13,7 @@ from labsid.gap.responses import damping_ratio, denominator, real_rates, single_
 LEAST_DAMPING = 2e-3  # of a mode
 MAX_MODE_DAMPING = 0.2  # of parent dynamics that may be a mode
 SINGLE_POLE_RATIO = 3.0  # frequency of such a mode over the pole that is tried for the rig
+PEAKS = 3  # of a spectrum, from which a mode or a sinusoid starts
 MIN_CYCLES = 4.0  # of a mode, in the record
 MAX_UNSPRUNG_RATE = 40.0  # slow pole times record length, below which the spring is not observable
 SLACK_LOG_STIFFNESS = -6.0  # change of the logarithm of the stiffness for a start without a spring
@@ -157,7 +158,7 @@ class Resonance(Placed):
 
     def plant_starts(self, context: Context) -> list[dict[str, float]]:
         """Peaks in the spectrum of the residual, two fixed frequencies, and the poles of a lightly damped parent."""
-        beside = [_mode(w, 0.08) for w in peaks(context, 3, 0.02)] + [_mode(w, 0.15) for w in (0.15, 0.5)]
+        beside = [_mode(w, 0.08) for w in peaks(context, 0.02)] + [_mode(w, 0.15) for w in (0.15, 0.5)]
         w, damped = float(np.sqrt(context.rates[1])), damping_ratio(*context.rates)
         if (
             context.parent.hypothesis.plant.kind != "linear"
@@ -187,7 +188,7 @@ def _mode(frequency: float, damped: float) -> dict[str, float]:
     return {"log_frequency": float(np.log(frequency)), "log_damping": float(np.log(damped))}
 
 
-def peaks(context: Context, count: int, slowest: float) -> list[float]:
+def peaks(context: Context, slowest: float) -> list[float]:
     """Frequencies (rad per sample) of the highest narrow peaks in the spectrum of the residual."""
     e = context.residual
     padded = 1 << int(np.ceil(np.log2(4 * e.size)))
@@ -199,7 +200,7 @@ def peaks(context: Context, count: int, slowest: float) -> list[float]:
     smooth = np.convolve(log_power, np.ones(width) / width, mode="same")
     height = np.where(w > slowest, log_power - smooth, -np.inf)
     found: list[float] = []
-    for _ in range(count):
+    for _ in range(PEAKS):
         i = int(np.argmax(height))
         if not np.isfinite(height[i]):
             break

@@ -46,7 +46,7 @@ def residual_cycles(context: Context) -> list[float]:
     """Cycles in the record of the highest narrow peaks in the spectrum of the residual."""
     samples = context.data.samples
     slowest = 2.0 * np.pi * CYCLES.lower / samples
-    return [w * samples / (2.0 * np.pi) for w in peaks(context, 3, slowest)]
+    return [w * samples / (2.0 * np.pi) for w in peaks(context, slowest)]
 
 
 class InnerPeriodic(_Sinusoid, PlantEffect):

@@ -574,7 +574,7 @@ def test_a_lag_has_to_pass_the_input_on(levels: FloatArray) -> None:
 def test_peaks_finds_a_wave_in_the_residual(levels: FloatArray, two_poles: Response) -> None:
     y = two_poles(levels) + 0.1 * np.sin(0.37 * np.arange(levels.size))
     context = context_of(levels, y + 0.01 * np.random.default_rng(1).standard_normal(levels.size))
-    found = dynamics.peaks(context, 3, 0.02)
+    found = dynamics.peaks(context, 0.02)
     assert found[0] == pytest.approx(0.37, abs=2.0 * np.pi / levels.size)
     assert min(abs(a - b) for i, a in enumerate(found) for b in found[:i]) > 0.02
 
