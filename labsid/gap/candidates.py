@@ -246,7 +246,7 @@ def _plant_starts(context: Context, new: Plant, others: list[tuple[float, float]
                     base[i] = kept[parameter.name]
             bases.append(base)
             if old.kind == new.kind:
-                if new.kind == "tanks" and not (old.upper_root or old.lower_root):
+                if new.kind == "tanks" and not old.has_root:
                     swapped = base.copy()  # linear tanks may be in either order
                     swapped[:2] = base[1::-1]
                     bases.append(swapped)

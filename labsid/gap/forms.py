@@ -62,7 +62,7 @@ def remove_effect(data: Data, fit: Fit, which: int) -> Fit | None:
         other = other.with_effects(tuple(effect.outer_form() for effect in other.effects))
     starts = [transfer_theta(fit, other)]
     place, before, now = other.slices["plant"], old.plant, other.plant
-    if (before.kind, before.upper_root, before.lower_root) != (now.kind, now.upper_root, now.lower_root):
+    if (before.kind, before.roots) != (now.kind, now.roots):
         rates = [base[:2] for base in now.starts(*fit.rates)]
         starts = [starts[0].copy() for _ in rates]
         for start, pair in zip(starts, rates, strict=True):

@@ -116,10 +116,8 @@ class PlantForm:
     lag, mode : str
         Position of an additional real pole and of a lightly damped pair relative to a nonlinear state: "behind",
         "ahead", or for a mode "beside" (in parallel); empty without one.
-    upper_root, lower_root : bool
-        Square-root outflow of the upper and of the lower tank.
-    brims : tuple of str
-        Tanks with a brim, of "upper" and "lower".
+    roots, brims : tuple of str
+        Tanks with square-root outflow, and tanks with a brim, of "upper" and "lower".
     flipped : bool
         Whether a larger input means less flow.
     friction : str
@@ -154,8 +152,7 @@ class PlantForm:
     zero: bool = True
     lag: str = ""
     mode: str = ""
-    upper_root: bool = False
-    lower_root: bool = False
+    roots: tuple[str, ...] = ()
     brims: tuple[str, ...] = ()
     flipped: bool = False
     friction: str = ""
@@ -238,7 +235,7 @@ class PlantForm:
     @property
     def has_root(self) -> bool:
         """Whether the outflow of a tank is that of a square root."""
-        return self.upper_root or self.lower_root
+        return bool(self.roots)
 
     @property
     def abrupt(self) -> bool:

@@ -148,7 +148,7 @@ class Plant(PlantForm):
 
     def level_slopes(self, theta: FloatArray) -> tuple[float, float]:
         """Derivatives of the upper and lower levels by the flow; one for linear outflow."""
-        upper, lower = (self.root_slope(theta) if root else 1.0 for root in (self.upper_root, self.lower_root))
+        upper, lower = (self.root_slope(theta) if tank in self.roots else 1.0 for tank in ("upper", "lower"))
         return upper, lower
 
     def starts(self, c: float, k: float) -> list[FloatArray]:

@@ -154,19 +154,20 @@ def _comes_to_rest(c: float, k: float, span: int) -> bool:
 def _tanks(plant: PlantForm, own: Named, w: FloatArray, span: int, reference: float, late: float) -> FloatArray:
     a, b = np.exp(own["log_a"]), np.exp(own["log_b"])
     flow = (-w if plant.flipped else w) - own.get("zero", 0.0)
-    level = max(flow[0], 0.0) if plant.upper_root else flow[0]
-    h1 = level**2 if plant.upper_root else level
-    h2 = level**2 if plant.lower_root else level
+    upper_root, lower_root = "upper" in plant.roots, "lower" in plant.roots
+    level = max(flow[0], 0.0) if upper_root else flow[0]
+    h1 = level**2 if upper_root else level
+    h2 = level**2 if lower_root else level
     brim = own.get("brim", NO_BRIM)
     level_slope = max(2.0 * float(np.mean(flow)), 0.5)  # derivative of a level by the flow, at the mean flow
-    a = min(a, MAX_ROOT_RATE * level_slope) if plant.upper_root else a
-    b = min(b, MAX_ROOT_RATE * level_slope) if plant.lower_root else b
-    upper, lower = a / level_slope if plant.upper_root else a, b / level_slope if plant.lower_root else b
+    a = min(a, MAX_ROOT_RATE * level_slope) if upper_root else a
+    b = min(b, MAX_ROOT_RATE * level_slope) if lower_root else b
+    upper, lower = a / level_slope if upper_root else a, b / level_slope if lower_root else b
     pace = _rate_factor(plant, own, w.size, span)
     if pace is not None:
-        pace = np.minimum(pace, MAX_ROOT_RATE * level_slope / b) if plant.lower_root else pace
+        pace = np.minimum(pace, MAX_ROOT_RATE * level_slope / b) if lower_root else pace
         lower *= float(pace.max())
-    root_rates = [rate for rate, root in ((upper, plant.upper_root), (lower, plant.lower_root)) if root]
+    root_rates = [rate for rate, root in ((upper, upper_root), (lower, lower_root)) if root]
     fastest = max(root_rates, default=0.0)  # linear tanks are integrated exactly at any rate
     substeps = int(max(np.ceil(fastest / 0.3), np.ceil(min(upper, lower) / 0.2), 2))
     flow, loads = _apply_load(plant, own, flow, span)
@@ -174,8 +175,8 @@ def _tanks(plant: PlantForm, own: Named, w: FloatArray, span: int, reference: fl
         flow,
         a,
         b,
-        plant.upper_root,
-        plant.lower_root,
+        upper_root,
+        lower_root,
         brim if "upper" in plant.brims else NO_BRIM,
         own.get("brim2", brim) if "lower" in plant.brims else NO_BRIM,
         own.get("share", 0.0),

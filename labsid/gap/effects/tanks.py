@@ -45,8 +45,7 @@ class SqrtOutflow(_OfTanks):
 
     def extend(self, plant: Plant) -> Plant:
         """Tanks with square-root outflow as the variant states."""
-        upper, lower = "upper" in self.tanks, "lower" in self.tanks
-        return plant.modified(kind="tanks", upper_root=upper, lower_root=lower, flipped=self.is_flipped)
+        return plant.modified(kind="tanks", roots=self.tanks, flipped=self.is_flipped)
 
     def plant_starts(self, context: Context) -> list[dict[str, float]]:
         """Zero-flow inputs slightly, and one full range, below the record."""
@@ -67,13 +66,13 @@ class SqrtOutflow(_OfTanks):
             return
         own = theta[hypothesis.slices["plant"]]
         slope = new.root_slope(own)
-        changed = (int(new.upper_root) - int(old.upper_root), int(new.lower_root) - int(old.lower_root))
-        for sign, (tank, rate) in zip(changed, RATES.items(), strict=True):
+        for tank, rate in RATES.items():
+            sign = (tank in new.roots) - (tank in old.roots)
             own[new.index(rate)] += sign * np.log(slope)
             if sign and tank in new.brims:
                 at = new.index(new.brim_name(tank))
                 own[at] = max(own[at], 0.0) ** (2.0 if sign > 0 else 0.5)
-        if any(changed):
+        if new.roots != old.roots:
             own[new.index("h1")] = own[new.index("h2")] = 0.0
 
     def _brim(self, context: Context, zero: float) -> dict[str, float]:
@@ -129,8 +128,8 @@ class Overflow(_OfTanks):
             own[new.index("brim2")] = top
             return
         own[new.index("brim2")] = fit.plant_theta[old.index("brim")]
-        flow = np.sqrt(max(top, 0.0)) if old.lower_root else top
-        own[new.index("brim")] = flow**2 if old.upper_root else flow
+        flow = np.sqrt(max(top, 0.0)) if "lower" in old.roots else top
+        own[new.index("brim")] = flow**2 if "upper" in old.roots else flow
 
     def extend(self, plant: Plant) -> Plant:
         """Tanks with a brim."""
@@ -147,7 +146,7 @@ class Overflow(_OfTanks):
             zero = float(own[plant.index("zero")])
         level = _kernels.first_order(u - zero, float(np.exp(-fast)))
         level[: min(5, level.size)] = level[min(5, level.size - 1)]
-        root = plant.upper_root if self.tanks == ("upper",) else plant.lower_root
+        root = self.tanks[-1] in plant.roots
         if self.tanks == ("lower",):
             level = _kernels.first_order(level, float(np.exp(-slow)))
         low, high = float(level.min()), float(level.max())
@@ -174,7 +173,7 @@ class Overflow(_OfTanks):
         w = float(fit.actuator[0])
         zero = fit.value("zero") if plant.has_root else 0.0
         brim = fit.value("brim")
-        root = plant.lower_root if plant.brims == ("lower",) else plant.upper_root
+        root = plant.brims[0] in plant.roots
         return (-w if plant.flipped else w) - zero > (np.sqrt(max(brim, 0.0)) if root else brim)
 
     def values(self, fit: Fitted) -> dict[str, Value]:
@@ -186,8 +185,8 @@ class Overflow(_OfTanks):
         if self.tanks == ("lower",):
             return {"level": self._reading(fit, fit.value("brim"))}
         brim = fit.value("brim")  # convert to the steady level of the lower tank
-        flow = np.sqrt(max(brim, 0.0)) if plant.upper_root else brim
-        upper = self._reading(fit, flow**2 if plant.lower_root else flow)
+        flow = np.sqrt(max(brim, 0.0)) if "upper" in plant.roots else brim
+        upper = self._reading(fit, flow**2 if "lower" in plant.roots else flow)
         caught = Value(fit.value("share"), "1")
         if self.tanks == ("upper",):
             return {"level": upper, "caught": caught}

@@ -162,8 +162,8 @@ def test_the_other_brim_begins_a_little_below_the_highest_level(
     assert found[known] == numbers["brim"]
     unit, offset = fit.gains[:2]
     level = (fit.output - offset) / unit
-    flow = np.sqrt(np.maximum(level, 0.0)) if old.plant.lower_root else level
-    expected = level if which == "upper" else flow**2 if old.plant.upper_root else flow
+    flow = np.sqrt(np.maximum(level, 0.0)) if "lower" in old.plant.roots else level
+    expected = level if which == "upper" else flow**2 if "upper" in old.plant.roots else flow
     assert 0.02 < np.mean(expected > found[new]) < 0.04
     np.testing.assert_allclose(both.plant.linear_rates(transfer_theta(fit, both)[both.slices["plant"]]), fit.rates)
 

@@ -18,7 +18,7 @@ LINEAR_KINDS = [
     Plant(kind="given", simulation=GivenSimulation(lambda w, numbers: np.cumsum(w))),
 ]
 AHEAD = [
-    Plant(kind="tanks", upper_root=True, lag="ahead"),
+    Plant(kind="tanks", roots=("upper",), lag="ahead"),
     Plant(kind="mechanics", friction="sharp", mode="ahead", lag="ahead"),
 ]
 NUMBERS = {
@@ -53,7 +53,7 @@ def test_a_linear_plant_is_driven_by_the_mean_over_each_sample(plant: Plant, lev
 @pytest.mark.parametrize(
     "plant",
     [
-        Plant(kind="tanks", upper_root=True, lower_root=True, brims=("upper",)),
+        Plant(kind="tanks", roots=("upper", "lower"), brims=("upper",)),
         Plant(kind="mechanics", cubic=True, friction="sharp"),
         Plant(kind="mechanics", cubic=True, lag="behind"),
         Plant(kind="speed", friction="sharp", lag_first=True),
@@ -84,7 +84,7 @@ def test_a_lag_ahead_of_a_nonlinear_state_receives_the_sample_mean(plant: Plant,
 @pytest.mark.parametrize(
     "plant",
     [
-        Plant(kind="tanks", upper_root=True, lower_root=True, load="inside"),
+        Plant(kind="tanks", roots=("upper", "lower"), load="inside"),
         Plant(kind="mechanics", cubic=True, load="inside"),
         Plant(kind="speed", friction="sharp", load="inside"),
     ],
@@ -105,8 +105,8 @@ def test_a_load_begins_at_its_onset_and_a_leak_takes_more_where_there_is_more(pl
 @pytest.mark.parametrize(
     "plant",
     [
-        Plant(kind="tanks", upper_root=True, brims=("lower",)),
-        Plant(kind="tanks", lower_root=True, flipped=True),
+        Plant(kind="tanks", roots=("upper",), brims=("lower",)),
+        Plant(kind="tanks", roots=("lower",), flipped=True),
         Plant(kind="speed", friction="sharp"),
     ],
 )

@@ -1,6 +1,7 @@
 """Every kind of dynamics as columns: against python-control's sampled systems and scipy's integrators."""
 
 from collections.abc import Callable
+from itertools import compress
 
 import control
 import numpy as np
@@ -24,8 +25,8 @@ KINDS = [
     Plant(mode="behind"),
     Plant(lag="behind", mode="behind"),
     Plant(kind="tanks"),
-    Plant(kind="tanks", upper_root=True, lower_root=True, brims=("upper",)),
-    Plant(kind="tanks", lower_root=True, brims=("lower",), lag="behind"),
+    Plant(kind="tanks", roots=("upper", "lower"), brims=("upper",)),
+    Plant(kind="tanks", roots=("lower",), brims=("lower",), lag="behind"),
     Plant(kind="mechanics", friction="sharp"),
     Plant(kind="mechanics", cubic=True, mode="behind"),
     Plant(kind="mechanics", cubic=True, mode="beside"),
@@ -33,7 +34,7 @@ KINDS = [
     Plant(kind="speed", friction="sharp", lag_first=False),
     Plant(kind="varying", drift_degree=3),
     Plant(kind="leak"),
-    Plant(kind="tanks", upper_root=True, load="inside"),
+    Plant(kind="tanks", roots=("upper",), load="inside"),
     Plant(kind="given", simulation=GivenSimulation(lambda w, numbers: 2.0 * w)),
 ]
 
@@ -87,7 +88,7 @@ def test_linear_columns_are_relative_to_the_first_input_by_default(levels: Float
 def test_tanks_start_at_the_equilibrium_of_their_first_flow(
     levels: FloatArray, held: Held, roots: tuple[bool, bool], flipped: bool
 ) -> None:
-    plant = Plant(kind="tanks", upper_root=roots[0], lower_root=roots[1], flipped=flipped)
+    plant = Plant(kind="tanks", roots=tuple(compress(("upper", "lower"), roots)), flipped=flipped)
     w, side = levels[:160], -1.0 if flipped else 1.0
     flow = side * w + 2.5
     start = np.array([flow[0] ** 2 if root else flow[0] for root in roots])
