@@ -71,7 +71,7 @@ class Hypothesis:
     outputs : tuple of OutputEffect
         In the order of the sensor's chain.
     additive : tuple of AdditiveEffect
-        Effects that add columns.
+        Effects that add columns, those at the load first.
     parameters : tuple of Parameter
         Parameters in theta.
     slices : dict
@@ -112,7 +112,7 @@ class Hypothesis:
             "plant": plant,
             "inputs": tuple(inputs),
             "outputs": tuple(outputs),
-            "additive": tuple(additive),
+            "additive": tuple(sorted(additive, key=lambda e: not e.at_load)),
             "parameters": tuple(parameters),
             "slices": places,
             "bounds": bounds,
@@ -206,19 +206,13 @@ class Hypothesis:
                 parts.append(near.parts[i])
             else:
                 parts.append(effect.columns(theta[part], u.size, span, plant, own))
-        sensed = [parts[0], np.ones((u.size, 1))]
-        sensed += [part for part, effect in zip(parts[1:], self.additive, strict=True) if effect.at_load]
-        added = [part for part, effect in zip(parts[1:], self.additive, strict=True) if not effect.at_load]
-        return Design(beside([*sensed, *added]), sum(part.shape[1] for part in sensed), theta, actuator, tuple(parts))
+        columns = beside([parts[0], np.ones((u.size, 1)), *parts[1:]])
+        n_sensed = columns.shape[1] - sum(effect.width for effect in self.additive if not effect.at_load)
+        return Design(columns, n_sensed, theta, actuator, tuple(parts))
 
     def gains_of(self, gains: FloatArray, effect: AdditiveEffect) -> FloatArray:
-        """Gains of one additive effect; effects at the load precede those at the sensor."""
-        ordered = [e for e in self.additive if e.at_load] + [e for e in self.additive if not e.at_load]
-        at = gains.size - sum(e.width for e in ordered)
-        for other in ordered:
-            if other == effect:
-                break
-            at += other.width
+        """Gains of one additive effect."""
+        at = gains.size - sum(other.width for other in self.additive[self.additive.index(effect) :])
         return gains[at : at + effect.width]
 
     def sensor(self, theta: FloatArray, gains: FloatArray, design: Design) -> FloatArray:
