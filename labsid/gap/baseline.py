@@ -13,7 +13,7 @@ from labsid.gap.data import Data
 from labsid.gap.effects.dynamics import ExtraLag, Resonance
 from labsid.gap.effects.restarts import Restarts
 from labsid.gap.fitting import Fit
-from labsid.gap.given_simulation import GivenSimulation, by_record, given_simulation
+from labsid.gap.given_simulation import GivenSimulation, by_record
 from labsid.gap.hypothesis import Hypothesis
 from labsid.gap.linear_fits import fit_baseline
 from labsid.gap.model_file import SCHEMA, START_SAMPLES, ExportedModel, read_exported_model
@@ -279,7 +279,7 @@ def _simulator(data: Data, t: FloatArray, simulate: Simulator) -> Baseline:
     rates = fit_baseline(data).rates if simulate.free else _linear_rates(data, output)
     before = partial(_fit_given, output, free_responses(data.samples, *rates), rates)
     scales = data.u_scale, data.y_scale
-    given = given_simulation(simulate, scales, data.Ts, rates, float(t[0]), data.pieces)
+    given = GivenSimulation.of(simulate, scales, data.Ts, rates, float(t[0]), data.pieces)
     structure = with_restarts(Hypothesis((), 0, Plant(kind="given", simulation=given)), data)
 
     def simulate_record(record: Record) -> FloatArray:

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
+from typing import Self
 
 import numpy as np
 
@@ -39,6 +40,8 @@ class GivenSimulation:
         Its file, as ``rig.py:simulate``, for export; empty without one.
     meter : RunMeter or None
         Counts its runs.
+    _outputs, _pulses : dict
+        The last outputs, and the responses to a unit pulse.
     """
 
     simulate: Callable[[FloatArray, dict[str, float]], FloatArray]
@@ -51,6 +54,61 @@ class GivenSimulation:
     meter: RunMeter | None = None
     _outputs: dict[tuple[bytes, tuple[float, ...]], FloatArray] = field(default_factory=dict, init=False, repr=False)
     _pulses: dict[tuple[float, ...], FloatArray] = field(default_factory=dict, init=False, repr=False)
+
+    @classmethod
+    def of(
+        cls,
+        simulator: Simulator,
+        scales: tuple[Scale, Scale],
+        Ts: float,
+        rates: tuple[float, float],
+        start: float = 0.0,
+        pieces: Pieces = (),
+    ) -> Self:
+        """A simulator in the scales of input and output.
+
+        Parameters
+        ----------
+        simulator : Simulator
+        scales : tuple of Scale
+            Of input and output.
+        Ts : float
+            Sampling time, in seconds.
+        rates : tuple of float
+            c and k of a linear model of the rig.
+        start : float
+            Time of the first sample, in seconds.
+        pieces : sequence of (int, int)
+            Several records that are joined end to end.
+        """
+        u_scale, y_scale = scales
+
+        def simulate(w: FloatArray, numbers: dict[str, float]) -> FloatArray:
+            """NaN where the simulation fails with this input or these numbers: it has worked with those of the record.
+
+            NaN, too, where a search has spent its budget, so that it ends with what it has found.
+            """
+            u, t = np.asarray(u_scale.back(w)), np.asarray(start + Ts * np.arange(w.size), np.float64)
+            try:
+                return y_scale.of(by_record(w.size, pieces, lambda at: simulator(t[: u[at].size], u[at], numbers)))
+            except BudgetSpentError:
+                return np.full(w.size, np.nan)
+            except SimulatorError as error:
+                if error.ended:
+                    raise
+                simulator.meter.note_failure(str(error))
+                return np.full(w.size, np.nan)
+
+        return cls(
+            simulate,
+            rates,
+            takes_input=True,
+            nominal={name: simulator.nominal[name] for name in simulator.free},
+            standstill=-y_scale.centre / y_scale.unit,
+            pieces=pieces,
+            source=simulator.source,
+            meter=simulator.meter,
+        )
 
     def run(self, w: FloatArray, numbers: dict[str, float]) -> FloatArray:
         """Output for the input `w`. The last outputs are kept, but no failure: it may be that of a budget."""
@@ -84,60 +142,6 @@ class GivenSimulation:
             return output_with(lambda driven: self.run(driven, numbers), part, self.pulse(numbers, part.size), reaction)
 
         return by_record(w.size, self.pieces, one_record)
-
-
-def given_simulation(
-    simulator: Simulator,
-    scales: tuple[Scale, Scale],
-    Ts: float,
-    rates: tuple[float, float],
-    start: float = 0.0,
-    pieces: Pieces = (),
-) -> GivenSimulation:
-    """A simulator in the scales of input and output.
-
-    Parameters
-    ----------
-    simulator : Simulator
-    scales : tuple of Scale
-        Of input and output.
-    Ts : float
-        Sampling time, in seconds.
-    rates : tuple of float
-        c and k of a linear model of the rig.
-    start : float
-        Time of the first sample, in seconds.
-    pieces : sequence of (int, int)
-        Several records that are joined end to end.
-    """
-    u_scale, y_scale = scales
-
-    def simulate(w: FloatArray, numbers: dict[str, float]) -> FloatArray:
-        """NaN where the simulation fails with this input or these numbers: it has worked with those of the record.
-
-        NaN, too, where a search has spent its budget, so that it ends with what it has found.
-        """
-        u, t = np.asarray(u_scale.back(w)), np.asarray(start + Ts * np.arange(w.size), np.float64)
-        try:
-            return y_scale.of(by_record(w.size, pieces, lambda at: simulator(t[: u[at].size], u[at], numbers)))
-        except BudgetSpentError:
-            return np.full(w.size, np.nan)
-        except SimulatorError as error:
-            if error.ended:
-                raise
-            simulator.meter.note_failure(str(error))
-            return np.full(w.size, np.nan)
-
-    return GivenSimulation(
-        simulate,
-        rates,
-        takes_input=True,
-        nominal={name: simulator.nominal[name] for name in simulator.free},
-        standstill=-y_scale.centre / y_scale.unit,
-        pieces=pieces,
-        source=simulator.source,
-        meter=simulator.meter,
-    )
 
 
 def by_record(samples: int, pieces: Pieces, run: Callable[[slice], FloatArray]) -> FloatArray:

@@ -14,7 +14,7 @@ from labsid.gap.data import Data, Scale
 from labsid.gap.effects.families import EFFECTS_BY_KEY
 from labsid.gap.effects.restarts import COLUMNS, Restarts
 from labsid.gap.fitting import Fit
-from labsid.gap.given_simulation import given_simulation
+from labsid.gap.given_simulation import GivenSimulation
 from labsid.gap.hypothesis import Hypothesis
 from labsid.gap.plants import Plant
 from labsid.simulators.process import open_in_process
@@ -382,7 +382,7 @@ def _read_given(content: Any, scales: tuple[Scale, Scale], Ts: float) -> Plant:
             f"{source} has changed: {changed[0]} is {simulate.nominal[changed[0]]:g}, and was {nominal[changed[0]]:g} "
             "when the simulation was exported. Export it again."
         )
-    return Plant(kind="given", simulation=given_simulation(simulate, scales, Ts, rates))
+    return Plant(kind="given", simulation=GivenSimulation.of(simulate, scales, Ts, rates))
 
 
 def read_exported_model(content: dict[str, Any], Ts: float) -> ExportedModel:

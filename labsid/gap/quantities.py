@@ -1,6 +1,7 @@
 """Format numbers for the report: standard errors, percentages, units."""
 
 import math
+import re
 from dataclasses import dataclass
 from typing import Any
 
@@ -16,14 +17,6 @@ UNITS = {
     "u/y^2": "units of u per (unit of y)²",
     "u s^2/y^2": "units of u per (unit of y a second)²",
     "1": "",
-}
-UNIT_CODES = {"u": "{u}", "y": "{y}", "u/s": "{u}/s", "y/s": "{y}/s"} | {
-    "1/u": "1/{u}",
-    "1/y": "1/{y}",
-    "1/u^2": "1/{u}²",
-    "1/y^2": "1/{y}²",
-    "u/y^2": "{u}/{y}²",
-    "u s^2/y^2": "{u} s²/{y}²",
 }
 MIN_PLAIN, MAX_PLAIN = 1e-4, 1e6  # range of magnitudes without an exponent
 
@@ -59,7 +52,9 @@ def with_units(report: dict[str, Any], u: str, y: str) -> dict[str, Any]:
 
 def in_units(unit: str, u: str, y: str) -> str:
     """A unit in terms of u and y, in the units of the record."""
-    return UNIT_CODES.get(unit, unit).format(u=u, y=y)
+    if unit not in UNITS:
+        return unit
+    return re.sub("[uy]", lambda signal: {"u": u, "y": y}[signal[0]], unit.replace("^2", "²"))
 
 
 def _with_units(parameters: dict[str, dict[str, Any]], u: str, y: str) -> dict[str, dict[str, Any]]:

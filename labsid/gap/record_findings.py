@@ -16,9 +16,7 @@ from labsid.records.signal_quality import moving_mean_length
 FEEDBACK_F = 10.0  # F statistic: 39 on the lab's closed loop, at most 5 on rigs in open loop
 CLOCK_PARTS = 8  # parts of a record for which the delay is estimated
 MIN_SLIP = 1.0  # samples
-MIN_LINEARITY = (
-    0.95  # share of the delay variance that a constant rate explains: 0.996 with two clocks, < 0.8 otherwise
-)
+MIN_LINEARITY = 0.95  # share of the delay variance due to a constant rate: 0.996 with two clocks, < 0.8 otherwise
 UNRELATED_OUTPUT = 0.9  # rms error over standard deviation of the output, from which they are reported as unrelated
 MIN_PLATEAU_SHARE = 0.3  # of the scatter of the plateaus and of the gap, from which unrepeated plateaus matter
 

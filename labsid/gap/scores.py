@@ -67,7 +67,7 @@ def score_fits(
     first = held_out.output(before) if before_output is None else before_output
     last = held_out.output(after)
     e0, e1 = held_out.measured - first, held_out.measured - last
-    fitted = data.y - after.output
+    fitted = (data.y - after.output)[data.rows]
     floor = noise_power(data, after)
     m0, m1 = float(np.mean(e0[scored] ** 2)), float(np.mean(e1[scored] ** 2))
     closed = None if m0 <= NO_GAP * floor else closed_share(m0, m1, floor)
@@ -76,9 +76,7 @@ def score_fits(
         after=float(np.sqrt(m1)),
         floor=float(np.sqrt(floor)),
         closed=closed,
-        ci95=None
-        if closed is None
-        else _closure_interval(e0[scored], e1[scored], fitted[data.rows], floor, after, rng),
+        ci95=None if closed is None else _closure_interval(e0[scored], e1[scored], fitted, floor, after, rng),
         scored=scored,
         outputs=(first, last),
         after_fit=after,
