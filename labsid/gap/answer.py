@@ -1,6 +1,5 @@
 """From the fits of a record to the answer: the simulation before, the verdict, and the effects that improve it."""
 
-from contextlib import nullcontext
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -186,8 +185,7 @@ def _partial(
     held_out = before.held_out
     output = held_out.output(before.fit) if setting.given_output is None else setting.given_output
     errors = held_out.in_parts(held_out.measured - output)
-    meter = setting.base.meter
-    with nullcontext() if meter is None else meter.searching():
+    with setting.base.meter.searching():
         search = search_held_out(held_out, explanation, before.start, errors, before.linear is None, progress)
     first = explanation.path[0] if before.linear is None else before.fit  # a given simulation cannot be exported
     partly = replace(explanation, path=(first, *(step.fit for step in search.steps)))

@@ -66,8 +66,13 @@ class Baseline:
         return self.structure.given is not None and not self.structure.given.simulation.takes_input
 
     @property
-    def meter(self) -> RunMeter | None:
-        """Counts the runs of a given simulation; None if none is run."""
+    def is_run(self) -> bool:
+        """Whether a given simulation is run by the search."""
+        return self.structure.plant.simulation.takes_input
+
+    @property
+    def meter(self) -> RunMeter:
+        """Counts the runs of a given simulation."""
         return self.structure.plant.simulation.meter
 
 

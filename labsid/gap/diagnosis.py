@@ -1,7 +1,7 @@
 """Diagnose the gap between a record and a simulation."""
 
 from collections.abc import Sequence
-from contextlib import ExitStack, nullcontext
+from contextlib import ExitStack
 from dataclasses import asdict, dataclass, replace
 
 import numpy as np
@@ -103,23 +103,21 @@ def diagnose(
             prepared = _prepare(one, simulation, holdout, order, exclude)
         else:
             prepared = _prepare_several(records, simulation, holdout, order, exclude)
-        meter = prepared.base.meter
-        _begin(meter, evaluations)
-        if progress is not None and meter is not None:
-            progress = _with_runs(progress, meter)
+        _begin(prepared.base, evaluations)
+        if progress is not None and prepared.base.is_run:
+            progress = _with_runs(progress, prepared.base.meter)
         return _diagnose(prepared, seed, progress)
 
 
-def _begin(meter: RunMeter | None, evaluations: int | None) -> None:
+def _begin(base: Baseline, evaluations: int | None) -> None:
     if evaluations is not None and evaluations < 1:
         raise ValueError(f"the number of evaluations must be at least 1; got {evaluations}. Omit it for no limit.")
-    if meter is not None:
-        meter.begin(evaluations)
-    elif evaluations is not None:
+    if evaluations is not None and not base.is_run:
         raise ValueError(
             f"got {evaluations} evaluations, but no simulation that is run: they limit the runs of a function, an FMU "
             "or a nonlinear system given as the simulation. Omit them."
         )
+    base.meter.begin(evaluations)
 
 
 def _with_runs(progress: Progress, meter: RunMeter) -> Progress:
@@ -129,7 +127,7 @@ def _with_runs(progress: Progress, meter: RunMeter) -> Progress:
 
 def _diagnose(prepared: "_Prepared", seed: int, progress: Progress | None) -> Diagnosis:
     data, base = prepared.data, prepared.base
-    with nullcontext() if base.meter is None else base.meter.searching(SEARCH_SHARE):
+    with base.meter.searching(SEARCH_SHARE):
         explanation = explain(data, base.structure, base.start, progress=progress)
     return _report(prepared, explanation, seed, progress)
 
@@ -258,7 +256,7 @@ def _report(prepared: _Prepared, explanation: Explanation, seed: int, progress: 
         outputs = (data.y_scale.back(output) for output in answer.score.outputs)
         report["holdout_traces"] = figure_traces(holdout.t, holdout.u, holdout.y, *map(np.asarray, outputs))
     report["replay"] = replay_content(record, inside, answer, holdout)
-    report["simulation"]["evaluations"] = None if base.meter is None else base.meter.counts()
+    report["simulation"]["evaluations"] = base.meter.counts() if base.is_run else None
     return Diagnosis(report, model)
 
 

@@ -155,8 +155,7 @@ def _search_again(
         found = search_effects(data, structure, start, most, progress)
     except BudgetSpentError:
         return None
-    meter = structure.plant.simulation.meter
-    return None if meter is not None and meter.exhausted else found
+    return None if structure.plant.simulation.meter.exhausted else found
 
 
 def is_nuisance(data: Data, level: dict[tuple[str, ...], Fit], path: tuple[Fit, ...]) -> bool:

@@ -38,7 +38,7 @@ class GivenSimulation:
         Several records that are joined end to end: each is simulated by itself.
     source : str
         Its file, as ``rig.py:simulate``, for export; empty without one.
-    meter : RunMeter or None
+    meter : RunMeter
         Counts its runs.
     _outputs, _pulses : dict
         The last outputs, and the responses to a unit pulse.
@@ -51,7 +51,7 @@ class GivenSimulation:
     standstill: float = 0.0
     pieces: Pieces = ()
     source: str = ""
-    meter: RunMeter | None = None
+    meter: RunMeter = field(default_factory=RunMeter)
     _outputs: dict[tuple[bytes, tuple[float, ...]], FloatArray] = field(default_factory=dict, init=False, repr=False)
     _pulses: dict[tuple[float, ...], FloatArray] = field(default_factory=dict, init=False, repr=False)
 

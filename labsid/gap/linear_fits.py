@@ -38,12 +38,11 @@ def fit_baseline(data: Data, hypothesis: Hypothesis = LINEAR, start: FloatArray 
     return finish(data, hypothesis, best)
 
 
-def _no_fit(meter: RunMeter | None) -> ValueError:
+def _no_fit(meter: RunMeter) -> ValueError:
     """Why no start can be simulated."""
-    if meter is not None and meter.exhausted:
+    if meter.exhausted:
         return BudgetSpentError(meter.budget)
-    failure = "" if meter is None else meter.failure
-    return ValueError(failure or "no second-order model can be simulated on this record.")
+    return ValueError(meter.failure or "no second-order model can be simulated on this record.")
 
 
 def fit_driven_pole(data: Data, hypothesis: Hypothesis) -> Fit | None:
