@@ -1,5 +1,8 @@
 """Linear fits of a record: the baseline for all effects."""
 
+from collections.abc import Iterable
+from operator import attrgetter
+
 import numpy as np
 
 from labsid._arrays import FloatArray
@@ -26,12 +29,12 @@ def fit_baseline(data: Data, hypothesis: Hypothesis = LINEAR, start: FloatArray 
     ValueError
         If no start can be simulated; `BudgetSpentError` if the budget of runs of a given simulation is spent.
     """
-    best = None if start is None else minimize(data, hypothesis, start, iterations=12)
     poles = ((0.02, 0.3), (0.1, 0.5), (0.005, 0.05), (0.3, 1.5))
     rates = [(slow + fast, slow * fast) for slow, fast in poles] + [(0.4 * w, w**2) for w in (0.05, 0.2, 0.8)]
     starts = [_start_theta(hypothesis, c, k) for c, k in rates]
-    for theta in starts if hypothesis.plant.kind != "given" else starts[:1]:  # a given simulation has no rates
-        best = _better(best, minimize(data, hypothesis, theta, iterations=12))
+    starts = starts[:1] if hypothesis.plant.kind == "given" else starts  # a given simulation has no rates
+    starts = starts if start is None else [start, *starts]
+    best = _least(minimize(data, hypothesis, theta, iterations=12) for theta in starts)
     if best is None:
         raise _no_fit(hypothesis.plant.simulation.meter)
     best = minimize(data, hypothesis, best.theta, iterations=30, tolerance=1e-8) or best
@@ -74,15 +77,13 @@ def fit_highpass(data: Data, base: Fit) -> Fit:
     own = tuple(effect for effect in base.hypothesis.effects if isinstance(effect, Restarts))
     hypothesis = Hypothesis((*own, output.Drift("10")), len(own))
     ar = np.array([0.9])
-    best: Point | None = None
     same = base.hypothesis.parameters == hypothesis.parameters
     start = base.theta if same else _start_theta(hypothesis, *base.rates)
-    for theta in (start, _start_theta(hypothesis, 0.3, 0.01), _start_theta(hypothesis, 1.0, 0.1)):
-        best = _better(best, minimize(data, hypothesis, theta, iterations=12, ar=ar))
+    starts = (start, _start_theta(hypothesis, 0.3, 0.01), _start_theta(hypothesis, 1.0, 0.1))
+    best = _least(minimize(data, hypothesis, theta, iterations=12, ar=ar) for theta in starts)
     return base if best is None else finish(data, hypothesis, best)
 
 
-def _better(a: Point | None, b: Point | None) -> Point | None:
-    if a is None or (b is not None and b.cost < a.cost):
-        return b
-    return a
+def _least(points: Iterable[Point | None]) -> Point | None:
+    """The point of least cost; None if there is none."""
+    return min((point for point in points if point is not None), key=attrgetter("cost"), default=None)

@@ -20,8 +20,8 @@ from labsid.gap.plants import Plant
 from labsid.simulators.process import open_in_process
 
 SCHEMA = "labsid.model/1"
-REST_SAMPLES = 5000  # at constant input before a simulation from rest
-BEFORE_ANY_CHANGE = 10**9  # samples: with a record so long, loads and drifts do not change within REST_SAMPLES
+SETTLING_SAMPLES = 5000  # at constant input before a simulation from rest
+BEFORE_ANY_CHANGE = 10**9  # samples: with a record so long, loads and drifts do not change within SETTLING_SAMPLES
 START_SAMPLES = 50  # for the estimate of the initial state
 STATE_OFFSETS = (0.0, -0.5, 0.5, -1.0, 1.0, -2.0, 2.0, -3.0, 3.0)  # scaled start values of initial states
 INPUT_PARTS = 16  # of a record
@@ -119,18 +119,18 @@ class ExportedModel:
     def _from_rest(self, u: FloatArray) -> FloatArray:
         """Output after a long time at the first input; loads, sinusoids and drifts begin with `u`."""
         hypothesis, theta = self.hypothesis, self.theta
-        rest = np.full(REST_SAMPLES, u[0])
+        rest = np.full(SETTLING_SAMPLES, u[0])
         if any(theta[i] for i, one in enumerate(hypothesis.parameters) if one.name.startswith(_OF_ONE_RECORD)):
             level = hypothesis.output(theta, self.gains, rest, BEFORE_ANY_CHANGE, self.reference)[-1]
-            return self._started(rest, np.full(REST_SAMPLES, level))._output(u)
+            return self._started(rest, np.full(SETTLING_SAMPLES, level))._output(u)
         design = hypothesis.design(theta, np.concatenate([rest, u]), self.span, self.reference)
         if hypothesis.additive:
             added = slice(design.parts[0].shape[1] + 1, None)
             own = hypothesis.design(theta, u, self.span, self.reference).columns[:, added]
             columns = design.columns.copy(order="F")
-            columns[:REST_SAMPLES, added], columns[REST_SAMPLES:, added] = own[0], own
+            columns[:SETTLING_SAMPLES, added], columns[SETTLING_SAMPLES:, added] = own[0], own
             design = replace(design, columns=columns)
-        return hypothesis.sensor(theta, self.gains, design)[REST_SAMPLES:]
+        return hypothesis.sensor(theta, self.gains, design)[SETTLING_SAMPLES:]
 
     def _output(self, u: FloatArray) -> FloatArray:
         return self.hypothesis.output(self.theta, self.gains, u, self.span, self.reference)

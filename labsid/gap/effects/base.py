@@ -200,6 +200,11 @@ class Fitted:
         """Value of a parameter whose name no other effect has."""
         return float(self.theta[[parameter.name for parameter in self.hypothesis.parameters].index(name)])
 
+    @property
+    def state_per_output(self) -> float:
+        """Nonlinear state per unit of the record's output."""
+        return 1.0 / (float(self.gains[0]) * self.data.y_scale.unit or 1.0)
+
     def change_by(self, *names: str) -> FloatArray:
         """Change of the output by the named plant parameters, shape (N,)."""
         place = self.hypothesis.slices["plant"].start

@@ -303,5 +303,4 @@ class CubicStiffness(PlantEffect):
 
     def values(self, fit: Fitted) -> dict[str, Value]:
         """`cubic`: relative increase of the restoring force, per square of the output."""
-        per_level = 1.0 / (float(fit.gains[0]) * fit.data.y_scale.unit or 1.0)
-        return {"cubic": Value(fit.value("cubic") * per_level**2, "1/y^2")}
+        return {"cubic": Value(fit.value("cubic") * fit.state_per_output**2, "1/y^2")}

@@ -112,9 +112,8 @@ class QuadraticDrag(PlantEffect):
 
     def values(self, fit: Fitted) -> dict[str, Value]:
         """`drag`: input per square of the speed; of a motor, the output is the speed."""
-        per_level = 1.0 / (float(fit.gains[0]) * fit.data.y_scale.unit or 1.0)
         if self.variant != "position":
-            return {"drag": Value(fit.value("drag") * fit.data.u_scale.unit * per_level**2, "u/y^2")}
+            return {"drag": Value(fit.value("drag") * fit.data.u_scale.unit * fit.state_per_output**2, "u/y^2")}
         unit = force_unit(np.exp(fit.value("log_c")), np.exp(fit.value("log_k")))
-        size = fit.value("drag") * fit.data.u_scale.unit / unit * (fit.data.Ts * per_level) ** 2
+        size = fit.value("drag") * fit.data.u_scale.unit / unit * (fit.data.Ts * fit.state_per_output) ** 2
         return {"drag": Value(float(size), "u s^2/y^2")}

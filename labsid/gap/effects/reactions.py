@@ -84,5 +84,4 @@ class Spring(_AroundGiven):
         """`cubic`: relative increase of the restoring force, per square of the output."""
         pulse = _pulse(fit.hypothesis.plant, fit.plant_theta, fit.data.samples)
         gain = float(np.sum(pulse))  # of the simulation: its spring has 1 / gain
-        per_level = 1.0 / (float(fit.gains[0]) * fit.data.y_scale.unit or 1.0)
-        return {"cubic": Value(fit.value("spring") * gain * per_level**2, "1/y^2")}
+        return {"cubic": Value(fit.value("spring") * gain * fit.state_per_output**2, "1/y^2")}
