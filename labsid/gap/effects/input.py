@@ -80,11 +80,8 @@ class Saturation(Limits, InputEffect):
 
     def apply(self, w: FloatArray, own: FloatArray, span: int) -> FloatArray:
         """Clip at the limits."""
-        if self.variant == "low":
-            return np.maximum(w, own[0])
-        if self.variant == "high":
-            return np.minimum(w, own[0])
-        return np.clip(w, min(own), max(own))
+        low, high = self.ends(own)
+        return np.clip(w, np.minimum(low, high), np.maximum(low, high))
 
     def is_plausible(self, fit: Fitted) -> bool:
         """Reject a limit that the command exceeds while the rig is off: this is a dead zone."""

@@ -22,6 +22,12 @@ class Limits(Effect):
         names = ("low", "high") if self.variant == "both" else (self.variant,)
         return tuple(Parameter(name, -8.0, 8.0, leap=self.leap) for name in names)
 
+    def ends(self, own: FloatArray) -> tuple[float, float]:
+        """The lower and the upper limit; infinite without one."""
+        low = float(own[0]) if self.variant != "high" else -np.inf
+        high = float(own[-1]) if self.variant != "low" else np.inf
+        return low, high
+
     def between(self, lows: FloatArray, highs: FloatArray) -> list[FloatArray]:
         """Start values from some of either limit."""
         ends = {"low": lows, "high": highs}

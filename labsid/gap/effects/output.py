@@ -47,19 +47,14 @@ class Saturation(Limits, OutputEffect):
             missing = 0 if Saturation("high") in fit.hypothesis.effects else 1
             theta[hypothesis.slices[self.key]][missing] = np.quantile(fit.output, (RARE, 1.0 - RARE)[missing])
 
-    def _limits(self, own: FloatArray) -> tuple[float, float]:
-        low = float(own[0]) if self.variant != "high" else -np.inf
-        high = float(own[-1]) if self.variant != "low" else np.inf
-        return low, high
-
     def apply(self, z: FloatArray, own: FloatArray) -> FloatArray:
         """Clip at the limits; far beyond them, where nothing can be hidden, the reading continues with slope one."""
-        low, high = self._limits(own)
+        low, high = self.ends(own)
         return np.clip(z, low, high) + (z - np.clip(z, low - HIDDEN, high + HIDDEN))
 
     def slope(self, z: FloatArray, own: FloatArray) -> FloatArray:
         """One between the limits and far beyond them, zero outside."""
-        low, high = self._limits(own)
+        low, high = self.ends(own)
         return ((z > low) & (z < high) | (z < low - HIDDEN) | (z > high + HIDDEN)).astype(float)
 
     def is_plausible(self, fit: Fitted) -> bool:
@@ -71,7 +66,7 @@ class Saturation(Limits, OutputEffect):
 
     def active_samples(self, fit: Fitted) -> np.ndarray:
         """The samples at which the simulated reading is at a limit."""
-        low, high = self._limits(fit.theta_of(self))
+        low, high = self.ends(fit.theta_of(self))
         output = fit.output
         return np.asarray((output <= low) | (output >= high))
 
