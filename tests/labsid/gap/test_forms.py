@@ -346,7 +346,7 @@ def test_roots_are_tried_at_the_other_outflows_at_the_rates_of_before(
         found = dict(zip([p.name for p in other.plant.parameters], own, strict=True))
         assert (found["zero"], found["h1"], found["h2"], found.get("share", 0.4)) == (-3.0, 0.0, 0.0, 0.4)
         for brim, name in brims.items():  # the level of the same flow
-            before, now = (getattr(one.plant, f"{brim}_root") for one in (hypothesis, other))
+            before, now = (brim in one.plant.roots for one in (hypothesis, other))
             assert found[name] == pytest.approx(2.0 ** (1.0 + now - before if before <= now else 0.5))
 
 
