@@ -99,12 +99,13 @@ class _Setting:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Before:
-    """The simulation before, and the fit to which effects are added, without the held-out samples."""
+    """The simulation before with its output, and the fit to which effects are added, without the held-out samples."""
 
     held_out: HeldOut
     start: Fit
     linear: LinearModel | None
     fit: Fit
+    output: FloatArray
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -165,7 +166,7 @@ def _complete(setting: _Setting, explanation: Explanation) -> tuple[_Comparison,
     before = _before(setting, explanation, explanation.best.onset)
     unchanged = before.linear is not None and len(explanation.path) == 1
     after = before.fit if unchanged else before.held_out.refit(explanation.best)
-    score = score_fits(before.held_out, before.fit, after, setting.rng, setting.given_output)
+    score = score_fits(before.held_out, before.output, after, setting.rng)
     if len(explanation.path) > 1 and score.after >= score.before and _acts_in_every_record(explanation):
         found, confidence = _complete(setting, replace(explanation, path=explanation.path[:1]))
         gap = not setting.base.given and found.score.before > NO_GAP * found.score.floor
@@ -183,24 +184,23 @@ def _partial(
     """The effects that each reduce the error on held-out samples."""
     before = _before(setting, explanation)
     held_out = before.held_out
-    output = held_out.output(before.fit) if setting.given_output is None else setting.given_output
-    errors = held_out.in_parts(held_out.measured - output)
+    errors = held_out.in_parts(held_out.measured - before.output)
     with setting.base.meter.searching():
         search = search_held_out(held_out, explanation, before.start, errors, before.linear is None, progress)
     first = explanation.path[0] if before.linear is None else before.fit  # a given simulation cannot be exported
     partly = replace(explanation, path=(first, *(step.fit for step in search.steps)))
     after = before.start if before.linear is None and not search.steps else partly.best
-    score = score_fits(held_out, before.fit, after, setting.rng, setting.given_output)
+    score = score_fits(held_out, before.output, after, setting.rng)
     return _Comparison(partly, before, score, measure_residual(partly.data, partly.best)), search
 
 
 def _before(setting: _Setting, explanation: Explanation, onset: float | None = None) -> _Before:
     held_out = hold_out(explanation.data, setting.other, onset)
     start = held_out.refit(explanation.path[0])
-    if setting.base.given:
-        return _Before(held_out, start, None, setting.given or start)
-    linear = choose_linear_model(held_out, start)
-    return _Before(held_out, start, linear, linear.fit)
+    linear = None if setting.base.given else choose_linear_model(held_out, start)
+    fit = setting.given or (start if linear is None else linear.fit)
+    output = held_out.output(fit) if setting.given_output is None else setting.given_output
+    return _Before(held_out, start, linear, fit, output)
 
 
 def _acts_in_every_record(explanation: Explanation) -> bool:

@@ -48,25 +48,22 @@ class GapScore:
     after_fit: Fit
 
 
-def score_fits(
-    held_out: HeldOut, before: Fit, after: Fit, rng: np.random.Generator, before_output: FloatArray | None = None
-) -> GapScore:
-    """Score two fits on the held-out samples, which neither was fitted to.
+def score_fits(held_out: HeldOut, before: FloatArray, after: Fit, rng: np.random.Generator) -> GapScore:
+    """Score two simulations on the held-out samples, which neither was fitted to.
 
     Parameters
     ----------
     held_out : HeldOut
-    before, after : Fit
-        The simulation before, and the explanation.
+    before : ndarray
+        Output of the simulation before on the record with these samples, in scaled units.
+    after : Fit
+        The explanation.
     rng : Generator
         For the resampling.
-    before_output : ndarray, optional
-        Output of a given simulation on the other record, in scaled units.
     """
     data, scored = held_out.data, held_out.scored
-    first = held_out.output(before) if before_output is None else before_output
     last = held_out.output(after)
-    e0, e1 = held_out.measured - first, held_out.measured - last
+    e0, e1 = held_out.measured - before, held_out.measured - last
     fitted = (data.y - after.output)[data.rows]
     floor = noise_power(data, after)
     m0, m1 = float(np.mean(e0[scored] ** 2)), float(np.mean(e1[scored] ** 2))
@@ -78,7 +75,7 @@ def score_fits(
         closed=closed,
         ci95=None if closed is None else _closure_interval(e0[scored], e1[scored], fitted, floor, after, rng),
         scored=scored,
-        outputs=(first, last),
+        outputs=(before, last),
         after_fit=after,
     )
 

@@ -66,7 +66,7 @@ def amount_of(explained: Explanation, seed: int = 0) -> GapScore:
     """The closure on blocks of the record."""
     held_out = hold_out(explained.data, None)
     before, after = (held_out.refit(fit) for fit in (explained.path[0], explained.best))
-    return score_fits(held_out, before, after, np.random.default_rng(seed))
+    return score_fits(held_out, before.output, after, np.random.default_rng(seed))
 
 
 def test_the_gap_closes_on_held_out_samples(banded: Explanation) -> None:
@@ -121,11 +121,11 @@ def test_closure_is_undefined_without_a_gap(plain: Explanation) -> None:
 def test_a_given_simulation_is_scored_as_it_is(banded: Explanation) -> None:
     given = replace(banded.path[0], output=0.8 * banded.path[0].output)
     held_out = hold_out(banded.data, None)
-    amount = score_fits(held_out, given, held_out.refit(banded.best), np.random.default_rng(0))
+    amount = score_fits(held_out, given.output, held_out.refit(banded.best), np.random.default_rng(0))
     assert amount.outputs[0] is given.output
     assert amount.before > amount_of(banded).before
     other = held_out.measured + 3.0
-    amount = score_fits(held_out, given, held_out.refit(banded.best), np.random.default_rng(0), other)
+    amount = score_fits(held_out, other, held_out.refit(banded.best), np.random.default_rng(0))
     assert amount.before == pytest.approx(3.0)
     np.testing.assert_array_equal(amount.outputs[0], other)
 
@@ -139,7 +139,7 @@ def test_a_holdout_is_scored_after_its_first_samples(banded: Explanation, two_po
     bend = [np.maximum(x - 0.3, 0.0) + np.minimum(x + 0.4, 0.0) for x in (u[0], data.u_scale.back(data.u[0]))]
     y = y + bend[0] - bend[1] + 0.01 * np.random.default_rng(3).standard_normal(u.size)
     held_out = hold_out(data, (u, y))
-    amount = score_fits(held_out, banded.path[0], banded.best, np.random.default_rng(0))
+    amount = score_fits(held_out, held_out.output(banded.path[0]), banded.best, np.random.default_rng(0))
     assert amount.scored.tolist() == [False] * 50 + [True] * (u.size - 50)
     assert amount.after_fit is banded.best
     assert amount.after * data.y_scale.unit < 0.02
