@@ -114,7 +114,7 @@ def test_the_poles_for_loads_are_those_of_the_simulation(record, true):
     y = record.y + np.where(np.arange(len(record)) > 120, 0.8, 0.0)
     data = scaled(record.u, y, np.ones(len(record), bool), record.Ts)
     simulator = function_simulator(lambda t, u: read_transfer_function(true, record.Ts).response(u))
-    c, k = make_baseline(data, record.t, simulator).structure.plant.given_rates
+    c, k = make_baseline(data, record.t, simulator).structure.plant.simulation.rates
     np.testing.assert_allclose(np.exp(np.roots([1.0, c, k])), [0.8, 0.95], rtol=1e-3)
 
 
