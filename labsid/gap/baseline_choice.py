@@ -8,11 +8,10 @@ from scipy.signal import lfilter
 
 from labsid._arrays import FloatArray
 from labsid.gap.data import Data
-from labsid.gap.effects.restarts import Restarts
 from labsid.gap.fitting import UNFILTERED, Fit, Problem, finish
 from labsid.gap.held_out_errors import HeldOut, Refit
 from labsid.gap.hypothesis import Hypothesis
-from labsid.gap.linear_fits import LINEAR
+from labsid.gap.linear_fits import LINEAR, linear_structure_of
 from labsid.gap.responses import real_rates, single_pole
 
 OBSERVED_TIME_CONSTANTS = 6.0  # in the record: a slower pole is not identified
@@ -83,7 +82,7 @@ def fit_first_order(data: Data, like: Fit | None = None) -> Fit:
 
     `like` states what belongs to each of several records.
     """
-    structure = _second_order(like)
+    structure = LINEAR if like is None else linear_structure_of(like)
     problem = Problem(data, structure, UNFILTERED)
     slowest = np.log(OBSERVED_TIME_CONSTANTS / data.longest)
     grid = np.linspace(slowest, np.log(FASTEST_RATE), 20)
@@ -105,7 +104,7 @@ def fit_arx_poles(data: Data, like: Fit | None = None) -> Fit:
     A pole on the negative real axis has no equivalent in continuous time; it is replaced by a fast one. `like` states
     what belongs to each of several records.
     """
-    structure = _second_order(like)
+    structure = LINEAR if like is None else linear_structure_of(like)
     u, y = data.u, data.y
     used = data.rows[2:] & data.rows[1:-1] & data.rows[:-2]
     Phi = np.column_stack([y[1:-1], y[:-2], u[1:-1], u[:-2], np.ones(u.size - 2)])
@@ -133,12 +132,6 @@ def fit_arx_poles(data: Data, like: Fit | None = None) -> Fit:
     return finish(
         data, structure, replace(free, gains=own, output=simulated, error=error, cost=float(np.mean(error**2)))
     )
-
-
-def _second_order(like: Fit | None) -> Hypothesis:
-    """Second order, with the offsets and initial states of several records where another fit has them."""
-    given = () if like is None else [effect for effect in like.hypothesis.effects if isinstance(effect, Restarts)]
-    return Hypothesis(tuple(given), len(given))
 
 
 def _theta(c: float, k: float) -> FloatArray:

@@ -106,7 +106,9 @@ def diagnose(
         _begin(prepared.base, evaluations)
         if progress is not None and prepared.base.is_run:
             progress = _with_runs(progress, prepared.base.meter)
-        return _diagnose(prepared, seed, progress)
+        with prepared.base.meter.searching(SEARCH_SHARE):
+            explanation = explain(prepared.data, prepared.base.structure, prepared.base.start, progress=progress)
+        return _report(prepared, explanation, seed, progress)
 
 
 def _begin(base: Baseline, evaluations: int | None) -> None:
@@ -123,13 +125,6 @@ def _begin(base: Baseline, evaluations: int | None) -> None:
 def _with_runs(progress: Progress, meter: RunMeter) -> Progress:
     """Progress that also says how often the given simulation has been run, and its share of the time."""
     return lambda what, share: progress(f"{what}, {meter}", share)
-
-
-def _diagnose(prepared: "_Prepared", seed: int, progress: Progress | None) -> Diagnosis:
-    data, base = prepared.data, prepared.base
-    with base.meter.searching(SEARCH_SHARE):
-        explanation = explain(data, base.structure, base.start, progress=progress)
-    return _report(prepared, explanation, seed, progress)
 
 
 @dataclass(frozen=True, slots=True, eq=False)

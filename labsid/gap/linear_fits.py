@@ -74,14 +74,19 @@ def _start_theta(hypothesis: Hypothesis, c: float, k: float) -> FloatArray:
 
 def fit_highpass(data: Data, base: Fit) -> Fit:
     """Fit the structure to the high-pass filtered record, in which drifts and load steps are small."""
-    own = tuple(effect for effect in base.hypothesis.effects if isinstance(effect, Restarts))
-    hypothesis = Hypothesis((*own, output.Drift("10")), len(own))
+    hypothesis = linear_structure_of(base).plus(output.Drift("10"))
     ar = np.array([0.9])
     same = base.hypothesis.parameters == hypothesis.parameters
     start = base.theta if same else _start_theta(hypothesis, *base.rates)
     starts = (start, _start_theta(hypothesis, 0.3, 0.01), _start_theta(hypothesis, 1.0, 0.1))
     best = _least(minimize(data, hypothesis, theta, iterations=12, ar=ar) for theta in starts)
     return base if best is None else finish(data, hypothesis, best)
+
+
+def linear_structure_of(fit: Fit) -> Hypothesis:
+    """Second order, with the offsets and initial states of several records where a fit has them."""
+    own = tuple(effect for effect in fit.hypothesis.effects if isinstance(effect, Restarts))
+    return Hypothesis(own, len(own))
 
 
 def _least(points: Iterable[Point | None]) -> Point | None:
