@@ -117,7 +117,7 @@ def _search_from(
         if best is None:
             break
         if step == 1:
-            known = set(map(id, level.values()))
+            known = set(level.values())
             keep_best(level, _replacements(data, best, highpass))
             _polish_best(data, level, known)
             best = _best_accepted(data, path[-1], level) or best
@@ -238,10 +238,10 @@ def _pruned(data: Data, levels: list[Level], path: list[Fit]) -> tuple[Fit, ...]
     return tuple(path)
 
 
-def _polish_best(data: Data, level: Level, done: Collection[int] = ()) -> None:
-    """Polish the best fits of a level in their best form, except those in `done` (by identity)."""
+def _polish_best(data: Data, level: Level, done: Collection[Fit] = ()) -> None:
+    """Polish the best fits of a level in their best form, except those in `done`."""
     for names, fit in sorted(level.items(), key=lambda item: item[1].bic)[:POLISHED_FITS]:
-        if id(fit) in done:
+        if fit in done:
             continue
         level[names] = _in_best_form(data, fit)
 
