@@ -1,6 +1,9 @@
 """The true linear model of a rig as a function, a system of python-control and an FMU: what is named with each."""
 
 from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import ProcessPoolExecutor
+from functools import partial
+from multiprocessing import get_context
 from pathlib import Path
 from typing import Any
 
@@ -94,21 +97,24 @@ def measure(folder: Path, say: Callable[[str], None]) -> Iterator[Metric]:
     cases = list(make_cases("dev", FIRST_EFFECT + EVERY * len(EFFECTS), ["with-sim"]))
     plain = cases[NO_EFFECT]
     outside = [case for case in cases[FIRST_EFFECT::EVERY] if not (INSIDE | IN_SAMPLES) & set(case.labels)]
-    with_model = [_names(case.record, _model(case)) for case in outside]
-    for what, make in KINDS.items():
-        named = []
-        for case in outside:
-            found = _names(case.record, make(_model(case), 1.0, folder / make.__name__ / case.name))
-            say(f"  {what}, {'+'.join(case.labels)}: {'+'.join(found) or 'nothing'}")
-            named.append(found)
-        right = sum(found == case.labels for found, case in zip(named, outside, strict=True))
-        yield every(f"simulation as {what}: the effect named, and nothing else", right, len(outside))
-        same = sum(one == other for one, other in zip(named, with_model, strict=True))
-        yield every("the same: named as with MODEL.json", same, len(outside))
-        none = _names(plain.record, make(_model(plain), 1.0, folder / make.__name__ / "none"))
-        wrong = _names(plain.record, make(_model(plain), GAIN, folder / make.__name__ / "wrong"), free=["gain"])
-        right = (none == ()) + (wrong == ("parameter-mismatch",))
-        yield every("the same: none without an effect, and parameter-mismatch with a wrong gain that is free", right, 2)
+    # A process for each: pythonfmu imports the class of an FMU once, also where another FMU has the same name for it.
+    with ProcessPoolExecutor(mp_context=get_context("spawn"), max_tasks_per_child=1) as pool:
+        with_model = list(pool.map(partial(_names, "MODEL.json", folder), outside))
+        for what in KINDS:
+            named = []
+            for case, found in zip(outside, pool.map(partial(_names, what, folder), outside), strict=True):
+                say(f"  {what}, {'+'.join(case.labels)}: {'+'.join(found) or 'nothing'}")
+                named.append(found)
+            right = sum(found == case.labels for found, case in zip(named, outside, strict=True))
+            yield every(f"simulation as {what}: the effect named, and nothing else", right, len(outside))
+            same = sum(one == other for one, other in zip(named, with_model, strict=True))
+            yield every("the same: named as with MODEL.json", same, len(outside))
+            none = pool.submit(_names, what, folder, plain)
+            wrong = pool.submit(_names, what, folder, plain, GAIN, ["gain"])
+            right = (none.result() == ()) + (wrong.result() == ("parameter-mismatch",))
+            yield every(
+                "the same: none without an effect, and parameter-mismatch with a wrong gain that is free", right, 2
+            )
 
 
 def _model(case: Case) -> Model:
@@ -116,8 +122,11 @@ def _model(case: Case) -> Model:
     return case.sim
 
 
-def _names(record: Record, simulation: AnySimulation, free: Sequence[str] = ()) -> tuple[str, ...]:
+def _names(what: str, folder: Path, case: Case, gain: float = 1.0, free: Sequence[str] = ()) -> tuple[str, ...]:
+    """The effects named with one kind of simulation; MODEL.json is taken as it is."""
+    own = folder / f"{case.name}-{gain}"
+    simulation = KINDS[what](_model(case), gain, own) if what in KINDS else _model(case)
     at = slice(SAMPLES)
-    record = Record(record.t[at], record.u[at], record.y[at], record.Ts)
+    record = Record(case.record.t[at], case.record.u[at], case.record.y[at], case.record.Ts)
     effects = diagnose(record, simulation, free=free).report["effects"]
     return tuple(effect["name"] for effect in effects)
