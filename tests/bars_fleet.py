@@ -12,7 +12,7 @@ from bars_grading_figures import Metric, none
 from dask_machines import machines_in
 from scipy.signal import lfilter
 
-from labsid.gap.batch import diagnose_folder
+from labsid.gap.batches.batch import diagnose_folder
 
 SAMPLES, TS, HOLD, NOISE = 1000, 0.1, 20, 0.01
 REPEATED = 10  # records that are also diagnosed on this machine

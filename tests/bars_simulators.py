@@ -17,8 +17,8 @@ from labsid._arrays import FloatArray
 from labsid.blind.experiment import Case
 from labsid.blind.rows import EFFECTS
 from labsid.blind.suite import make_cases
-from labsid.gap.baseline import AnySimulation
 from labsid.gap.diagnosis import diagnose
+from labsid.gap.simulations.baseline import AnySimulation
 from labsid.records.record import Record
 from labsid.simulators.fmu import open_fmu
 

@@ -32,10 +32,15 @@ SLOW_FILES = {
     "labsid/cli": "test_commands.py",
     "labsid/checks": "test_*_checks.py test_s*.py test_lab_identification.py",
     "labsid/estimation": "test_likelihood.py test_monte_carlo.py test_recursive.py",
-    "labsid/gap": (
-        "test_b*.py test_c[al]*.py test_diagnosis.py test_explanation.py test_forms.py test_gap_cli.py test_html*.py "
-        "test_invariance.py test_l[ao][tn]*.py test_re[acf]*.py test_s[it]*.py test_undriven*.py test_varying.py"
-    ),
+    "labsid/gap": "test_diagnosis.py test_gap_cli.py test_invariance.py test_real_rigs.py",
+    "labsid/gap/batches": "test_b*.py test_scheduler_batch.py",
+    "labsid/gap/dynamics": "test_reactions.py test_states.py test_varying.py",
+    "labsid/gap/fits": "test_residual_tests.py test_undriven_poles.py",
+    "labsid/gap/record": "test_c*.py test_record_findings.py",
+    "labsid/gap/reports": "test_html*.py test_location.py test_re[ps]*.py",
+    "labsid/gap/search": "test_[bcfrl]*.py test_explanation.py",
+    "labsid/gap/simulations": "test_[bls]*.py",
+    "labsid/gap/verdict": "test_b*.py",
     "labsid/nonlinear": "test_ranges.py",
     "labsid/rig/lab": "*",
     "labsid/rig/switchable": "*",

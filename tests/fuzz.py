@@ -30,7 +30,7 @@ from autograder.results.similar import code_fingerprints
 from autograder.sandbox.channel import ChannelError, decode
 from labsid.checks.compare import as_array, as_matrix, as_number, as_system, as_vector, kind_of
 from labsid.checks.verdict import NoAnswer
-from labsid.gap.simulation_files import replay
+from labsid.gap.simulations.simulation_files import replay
 from labsid.records.record import Record, load_record
 
 ROOT = Path(__file__).resolve().parent.parent

@@ -377,6 +377,18 @@ def test_neither_files_nor_rooms_import_in_a_circle(package: str) -> None:
     assert circle(import_graph(modules, room_of)) == []
 
 
+def test_folders_of_the_diagnosis_import_in_the_order_of_its_readme() -> None:
+    """A folder imports those above it in the table; beside them, the modules that exported files import by name."""
+    table = re.findall(r"^\| (`\w+/`) \|", (ROOT / "labsid/gap/README.md").read_text(encoding="utf-8"), flags=re.M)
+    order = [f"labsid.gap.{name.strip('`/')}" for name in table]
+    modules = [module for module in modules_of(ROOT / "labsid") if module.name.startswith("labsid.gap.")]
+    graph = import_graph(modules, lambda module: ".".join(module.split(".")[:3]))
+    assert circle(graph) == []
+    assert {folder for folder in graph if (ROOT / folder.replace(".", "/")).is_dir()} == set(order)
+    for place, folder in enumerate(order):
+        assert graph[folder] & set(order) <= set(order[: place + 1]), folder
+
+
 def test_rooms_import_in_the_order_of_the_readme() -> None:
     table = re.findall(r"^\| (`.*?) \|", (ROOT / "labsid" / "README.md").read_text(encoding="utf-8"), flags=re.M)
     order = [{f"labsid.{name}" for name in re.findall(r"`(\w+)/`", cell)} for cell in table]

@@ -2,7 +2,7 @@
 
 The diagnosis runs on the `dev` records of the rows below. Every effect of every partial explanation is one observation:
 its evidence, as the report gives it, and whether the rig has that effect. A logistic regression with a weak ridge gives
-the constants of `labsid.gap.decision`, which this module prints and does not import.
+the constants of `labsid.gap.verdict.decision`, which this module prints and does not import.
 """
 
 import argparse

@@ -71,9 +71,9 @@ def diagnose(
     """Locate the gap and find its cause. Reports the share of the gap that a correction closes."""
     from labsid._files import check_writable, write_json
     from labsid.gap import diagnosis
-    from labsid.gap.quantities import with_units
-    from labsid.gap.simulation_files import load_simulation
-    from labsid.gap.text_report import format_report
+    from labsid.gap.reports.quantities import with_units
+    from labsid.gap.reports.text_report import format_report
+    from labsid.gap.simulations.simulation_files import load_simulation
     from labsid.records.record import load_record
     from labsid.simulators.sources import source_file
 
@@ -87,7 +87,7 @@ def diagnose(
             "the model itself."
         )
     if export is not None and export.suffix.lower() == ".fmu":
-        from labsid.gap.fmu_export import check_fmu_export
+        from labsid.gap.simulations.fmu_export import check_fmu_export
 
         check_fmu_export()
     stated = None if units is None else _units(units)
@@ -117,7 +117,7 @@ def diagnose(
     if export is not None:
         _write_simulation(export, found.model.to_json_dict())
     if html is not None:
-        from labsid.gap.html_report import write_html_report
+        from labsid.gap.reports.html_report import write_html_report
 
         write_html_report(html, report)
     print(format_report(report))
@@ -138,7 +138,7 @@ def diagnose_batch(
     seed: Seed = 0,
 ) -> None:
     """Diagnose every record of a folder, and each sub-folder as one rig. Run again to continue an interrupted run."""
-    from labsid.gap.batch import diagnose_folder
+    from labsid.gap.batches.batch import diagnose_folder
 
     try:
         with _progress(lines=True) as progress:
@@ -162,8 +162,8 @@ def simulate(
     Ts: SamplingTime = None,
 ) -> None:
     """Simulate a model on a record's input. Its initial state is estimated from the first 50 samples."""
-    from labsid.gap.clock import clock_findings
-    from labsid.gap.simulation_files import replay, write_replay
+    from labsid.gap.record.clock import clock_findings
+    from labsid.gap.simulations.simulation_files import replay, write_replay
     from labsid.records.record import load_record
 
     loaded = load_record(record, output=output, columns=columns, Ts=Ts, allow_jitter=True)
@@ -183,7 +183,7 @@ def list_effects(
 ) -> None:
     """List the effects that the diagnosis can name, their parameters, and the records that show them."""
     from labsid.cli.gap_tables import print_effects
-    from labsid.gap.effect_guide import effect_page
+    from labsid.gap.reports.effect_guide import effect_page
 
     if name is None:
         print_effects()
@@ -247,11 +247,11 @@ def _write_simulation(path: Path, content: dict[str, Any]) -> None:
 
     kind = path.suffix.lower()
     if kind == ".py":
-        from labsid.gap.python_export import write_python_module
+        from labsid.gap.simulations.python_export import write_python_module
 
         write_python_module(path, content)
     elif kind == ".fmu":
-        from labsid.gap.fmu_export import write_fmu
+        from labsid.gap.simulations.fmu_export import write_fmu
 
         write_fmu(path, content)
     else:

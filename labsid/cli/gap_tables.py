@@ -5,10 +5,10 @@ from collections.abc import Sequence
 from rich.console import Console
 from rich.table import Table
 
-from labsid.gap.effect_guide import EFFECT_GUIDE
-from labsid.gap.quantities import number
+from labsid.gap.reports.effect_guide import EFFECT_GUIDE
+from labsid.gap.reports.quantities import number
+from labsid.gap.reports.sentences import noun_without_article
 from labsid.gap.rigs import RigResult
-from labsid.gap.sentences import noun_without_article
 
 WIDTH = 130  # characters of a table that is written to a file
 

@@ -10,7 +10,7 @@ from typing import Any
 
 __all__ = ["Diagnosis", "diagnose"]
 
-_MODULE_OF = {"diagnose": "labsid.gap.diagnosis", "Diagnosis": "labsid.gap.result"}
+_MODULE_OF = {"diagnose": "labsid.gap.diagnosis", "Diagnosis": "labsid.gap.reports.result"}
 
 
 def __getattr__(name: str) -> Any:

@@ -7,20 +7,28 @@ from dataclasses import asdict, dataclass, replace
 import numpy as np
 from threadpoolctl import threadpool_limits
 
-from labsid.gap.answer import answer_from
-from labsid.gap.baseline import AnySimulation, Baseline, Simulation, as_simulation, make_baseline, read_exported
-from labsid.gap.beam_search import Progress
-from labsid.gap.clock import at_sampling_time, clock_findings, stated_sampling_time
-from labsid.gap.data import Data, scaled
-from labsid.gap.explanation import Explanation, explain
-from labsid.gap.long_record import shorten_holdout, shorten_record, shorten_records
 from labsid.gap.model_file import ExportedModel, export_model
-from labsid.gap.notebook_progress import runs_in_notebook, show_in_notebook
-from labsid.gap.record_findings import filtered_input, findings_from_errors, findings_from_record, plateau_gap
-from labsid.gap.replay_data import replay_content
-from labsid.gap.report import build_report
-from labsid.gap.result import Diagnosis
-from labsid.gap.several_records import (
+from labsid.gap.record.clock import at_sampling_time, clock_findings, stated_sampling_time
+from labsid.gap.record.data import Data, scaled
+from labsid.gap.record.record_findings import filtered_input, findings_from_errors, findings_from_record, plateau_gap
+from labsid.gap.reports.notebook_progress import runs_in_notebook, show_in_notebook
+from labsid.gap.reports.replay_data import replay_content
+from labsid.gap.reports.report import build_report
+from labsid.gap.reports.result import Diagnosis
+from labsid.gap.reports.traces import figure_traces
+from labsid.gap.search.beam_search import Progress
+from labsid.gap.search.explanation import Explanation, explain
+from labsid.gap.simulations.baseline import (
+    AnySimulation,
+    Baseline,
+    Simulation,
+    as_simulation,
+    make_baseline,
+    read_exported,
+)
+from labsid.gap.simulations.long_record import shorten_holdout, shorten_record, shorten_records
+from labsid.gap.verdict.answer import answer_from
+from labsid.gap.verdict.several_records import (
     JoinedRecords,
     at_one_sampling_time,
     findings_by_record,
@@ -28,7 +36,6 @@ from labsid.gap.several_records import (
     label,
     score_by_record,
 )
-from labsid.gap.traces import figure_traces
 from labsid.lab.findings import Finding
 from labsid.records.record import Record
 from labsid.simulators.meter import RunMeter

@@ -10,13 +10,13 @@ from typing import Any
 import numpy as np
 
 from labsid._arrays import FloatArray
-from labsid.gap.data import Data, Scale
+from labsid.gap.dynamics.given_simulation import GivenSimulation
+from labsid.gap.dynamics.plants import Plant
 from labsid.gap.effects.families import EFFECTS_BY_KEY
 from labsid.gap.effects.restarts import COLUMNS, Restarts
-from labsid.gap.fitting import Fit
-from labsid.gap.given_simulation import GivenSimulation
-from labsid.gap.hypothesis import Hypothesis
-from labsid.gap.plants import Plant
+from labsid.gap.fits.fitting import Fit
+from labsid.gap.fits.hypothesis import Hypothesis
+from labsid.gap.record.data import Data, Scale
 from labsid.simulators.process import open_in_process
 
 SCHEMA = "labsid.model/1"

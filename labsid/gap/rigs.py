@@ -7,10 +7,10 @@ from time import process_time
 
 import numpy as np
 
-from labsid.gap.baseline_choice import FIRST_ORDER, LEAST_SQUARES
 from labsid.gap.diagnosis import diagnose
 from labsid.gap.model_file import START_SAMPLES
-from labsid.gap.record_findings import filtered_input
+from labsid.gap.record.record_findings import filtered_input
+from labsid.gap.verdict.baseline_choice import FIRST_ORDER, LEAST_SQUARES
 from labsid.records.record import load_record
 
 HOLDOUT = ".holdout"

@@ -17,8 +17,8 @@ from browser.processes import served, wait_until_reachable
 from gap_reports import report, with_experiment, with_holdout, with_rest
 
 from autograder.course.layout import Course
-from labsid.gap.batch_page import write_batch_page
-from labsid.gap.html_report import write_html_report
+from labsid.gap.batches.batch_page import write_batch_page
+from labsid.gap.reports.html_report import write_html_report
 
 if TYPE_CHECKING:
     from playwright.sync_api import BrowserContext

@@ -9,9 +9,9 @@ import pytest
 from scipy.signal import lfilter
 
 from labsid.gap.diagnosis import diagnose
-from labsid.gap.html_report import write_html_report
-from labsid.gap.quantities import number, with_units
-from labsid.gap.result import Diagnosis
+from labsid.gap.reports.html_report import write_html_report
+from labsid.gap.reports.quantities import number, with_units
+from labsid.gap.reports.result import Diagnosis
 from labsid.records.record import Record
 
 if TYPE_CHECKING:

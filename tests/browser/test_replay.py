@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from labsid.gap.effects.families import EFFECTS_BY_KEY
-from labsid.gap.hypothesis import Hypothesis
-from labsid.gap.javascript.models import script, structure
+from labsid.gap.fits.hypothesis import Hypothesis
+from labsid.gap.reports.javascript.models import script, structure
 
 if TYPE_CHECKING:
     from playwright.sync_api import BrowserContext

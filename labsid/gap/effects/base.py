@@ -8,10 +8,10 @@ from typing import Any, ClassVar, Self
 import numpy as np
 
 from labsid._arrays import FloatArray
-from labsid.gap.data import Data
+from labsid.gap.dynamics.plant_form import Parameter
+from labsid.gap.dynamics.plants import Plant
 from labsid.gap.effects.context import Context, ParentFit, Structure
-from labsid.gap.plant_form import Parameter
-from labsid.gap.plants import Plant
+from labsid.gap.record.data import Data
 
 MAX_RANGES = 1.5  # of the output: largest signal that an effect may add, because the record shows nothing larger
 REST_SAMPLES = 5  # leading samples with equal input of a rig at rest

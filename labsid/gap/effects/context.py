@@ -1,7 +1,7 @@
 """The record and the parent fit from which effects choose their start values.
 
-The protocols `Structure` and `ParentFit` are implemented by `labsid.gap.hypothesis.Hypothesis` and
-`labsid.gap.fitting.Fit`, which in turn import the effects.
+The protocols `Structure` and `ParentFit` are implemented by `labsid.gap.fits.hypothesis.Hypothesis` and
+`labsid.gap.fits.fitting.Fit`, which in turn import the effects.
 """
 
 from collections.abc import Mapping
@@ -11,9 +11,9 @@ from typing import Any, Protocol
 import numpy as np
 
 from labsid._arrays import FloatArray
-from labsid.gap.data import Data
-from labsid.gap.plant_form import Parameter
-from labsid.gap.plants import Plant
+from labsid.gap.dynamics.plant_form import Parameter
+from labsid.gap.dynamics.plants import Plant
+from labsid.gap.record.data import Data
 
 LONG_STEP = 2000  # samples of a simulated step response
 

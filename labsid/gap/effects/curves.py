@@ -5,10 +5,10 @@ from typing import ClassVar
 import numpy as np
 
 from labsid._arrays import FloatArray
-from labsid.gap import _kernels
+from labsid.gap.dynamics import _kernels
+from labsid.gap.dynamics.plant_form import Parameter
 from labsid.gap.effects.base import Effect, Fitted, Value
 from labsid.gap.effects.context import ParentFit, Structure
-from labsid.gap.plant_form import Parameter
 
 CUBIC = (Parameter("c2", -3.0, 3.0), Parameter("c3", -2.0, 2.0))
 KNOTS = np.array([-2.8, -1.9, -1.4, -0.8, 0.0, 0.8, 1.4, 1.9, 2.8])  # scaled

@@ -3,11 +3,11 @@
 import numpy as np
 
 from labsid._arrays import FloatArray
+from labsid.gap.dynamics.plant_form import ONSET, Parameter
+from labsid.gap.dynamics.plants import Plant
+from labsid.gap.dynamics.responses import denominator, real_rates, step_signal
 from labsid.gap.effects.base import MAX_RANGES, RICHER_FORM_BIC, AdditiveEffect, Effect, Fitted, PlantEffect, Value
 from labsid.gap.effects.context import Context, ParentFit, Structure
-from labsid.gap.plant_form import ONSET, Parameter
-from labsid.gap.plants import Plant
-from labsid.gap.responses import denominator, real_rates, step_signal
 
 MIN_ONSET = 8  # samples from either end of the record
 MAX_EXTRAPOLATION = 3.0  # ranges of the output, beyond which the final change is not reported

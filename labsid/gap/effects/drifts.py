@@ -5,11 +5,11 @@ from typing import ClassVar
 import numpy as np
 
 from labsid._arrays import FloatArray
+from labsid.gap.dynamics.plant_form import Parameter
+from labsid.gap.dynamics.plants import Plant
+from labsid.gap.dynamics.responses import chebyshev_course, section
 from labsid.gap.effects.base import Effect, Fitted, InputEffect, PlantEffect, Value
 from labsid.gap.effects.context import Context, ParentFit, Structure
-from labsid.gap.plant_form import Parameter
-from labsid.gap.plants import Plant
-from labsid.gap.responses import chebyshev_course, section
 
 MIN_COSINE = 0.05  # smallest cosine of the neutral-input angle: the neutral input lies within 20 scaled units
 

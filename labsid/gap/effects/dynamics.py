@@ -5,10 +5,10 @@ from typing import ClassVar
 import numpy as np
 
 from labsid._arrays import FloatArray
+from labsid.gap.dynamics.plants import Plant
+from labsid.gap.dynamics.responses import damping_ratio, denominator, real_rates, single_pole
 from labsid.gap.effects.base import Fitted, PlantEffect, Value
 from labsid.gap.effects.context import Context, rise, unit_step_response
-from labsid.gap.plants import Plant
-from labsid.gap.responses import damping_ratio, denominator, real_rates, single_pole
 
 LEAST_DAMPING = 2e-3  # of a mode
 MAX_MODE_DAMPING = 0.2  # of parent dynamics that may be a mode

@@ -3,9 +3,9 @@
 import numpy as np
 
 from labsid._arrays import FloatArray
+from labsid.gap.dynamics.plant_form import Parameter
 from labsid.gap.effects.base import Fitted, OutputEffect, Value
 from labsid.gap.effects.context import Context
-from labsid.gap.plant_form import Parameter
 
 FREQUENCIES = np.geomspace(0.02, 1.2, 8)  # radians per sample: natural frequencies of the trial dynamics
 DAMPING_RATIOS = 0.15, 0.5, 1.5

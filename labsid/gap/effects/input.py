@@ -5,13 +5,13 @@ from typing import ClassVar
 import numpy as np
 
 from labsid._arrays import FloatArray
-from labsid.gap import _kernels
+from labsid.gap.dynamics import _kernels
+from labsid.gap.dynamics.plant_form import Parameter
+from labsid.gap.dynamics.plants import Plant
 from labsid.gap.effects import curves
 from labsid.gap.effects.base import REST_SAMPLES, Fitted, InputEffect, Value
 from labsid.gap.effects.context import Context
 from labsid.gap.effects.limits import Limits
-from labsid.gap.plant_form import Parameter
-from labsid.gap.plants import Plant
 
 LONGEST_DELAY = 250.0  # samples
 LONGEST_SHARE = 0.25  # of the record

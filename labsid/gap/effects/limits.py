@@ -5,8 +5,8 @@ from typing import ClassVar
 import numpy as np
 
 from labsid._arrays import FloatArray
+from labsid.gap.dynamics.plant_form import Parameter
 from labsid.gap.effects.base import Effect, Fitted, Value
-from labsid.gap.plant_form import Parameter
 
 
 class Limits(Effect):

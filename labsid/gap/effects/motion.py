@@ -5,11 +5,11 @@ from typing import ClassVar
 import numpy as np
 
 from labsid._arrays import FloatArray
+from labsid.gap.dynamics.plants import Plant
+from labsid.gap.dynamics.responses import force_unit, real_rates
 from labsid.gap.effects.base import RARE, Fitted, PlantEffect, Value
 from labsid.gap.effects.context import Context, ParentFit, Structure
 from labsid.gap.effects.dynamics import MAX_UNSPRUNG_RATE, SLACK_LOG_STIFFNESS
-from labsid.gap.plants import Plant
-from labsid.gap.responses import force_unit, real_rates
 
 MIN_STOPPED = 4  # samples at a stop
 AT_STOP = 1e-9  # scaled distance

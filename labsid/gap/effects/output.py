@@ -6,6 +6,9 @@ import numpy as np
 from numpy.polynomial.chebyshev import chebvander
 
 from labsid._arrays import FloatArray
+from labsid.gap.dynamics.plant_form import Parameter
+from labsid.gap.dynamics.plants import Plant
+from labsid.gap.dynamics.responses import normalized_time
 from labsid.gap.effects import curves
 from labsid.gap.effects.base import (
     MAX_RANGES,
@@ -19,9 +22,6 @@ from labsid.gap.effects.base import (
 )
 from labsid.gap.effects.context import Context, ParentFit, Structure
 from labsid.gap.effects.limits import Limits
-from labsid.gap.plant_form import Parameter
-from labsid.gap.plants import Plant
-from labsid.gap.responses import normalized_time
 
 HIDDEN = 20.0  # scaled: largest excursion beyond a limit; without it, an initial state could hide there for any time
 CURVE_RANGE = (-20.0, 20.0)  # scaled output; outside it the curve continues with slope one

@@ -5,12 +5,12 @@ from typing import Any
 import numpy as np
 
 from labsid._arrays import FloatArray
-from labsid.gap.data import Data
+from labsid.gap.dynamics.plant_form import CYCLES, Parameter
+from labsid.gap.dynamics.plants import Plant
 from labsid.gap.effects.base import MAX_RANGES, AdditiveEffect, Effect, Fitted, PlantEffect, Value
 from labsid.gap.effects.context import Context, Structure
 from labsid.gap.effects.dynamics import peaks
-from labsid.gap.plant_form import CYCLES, Parameter
-from labsid.gap.plants import Plant
+from labsid.gap.record.data import Data
 
 SINUSOID_STEP = 0.1  # amplitude for the numerical derivative by a sinusoid within the dynamics
 MAX_SINUSOID = 3.0  # largest start value of its amplitude

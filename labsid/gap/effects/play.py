@@ -3,10 +3,10 @@
 import numpy as np
 
 from labsid._arrays import FloatArray
-from labsid.gap import _kernels
+from labsid.gap.dynamics import _kernels
+from labsid.gap.dynamics.plant_form import Parameter
 from labsid.gap.effects.base import Fitted, OutputEffect, Value
 from labsid.gap.effects.context import Context
-from labsid.gap.plant_form import Parameter
 
 MIN_MOVED = 0.02  # share of the record in which the sensor moves each way
 MAX_SHARE = 0.7  # width over the range of the output

@@ -3,11 +3,11 @@
 import numpy as np
 
 from labsid._arrays import FloatArray
+from labsid.gap.dynamics.plants import Plant
+from labsid.gap.dynamics.reactions import is_collocated
 from labsid.gap.effects.base import Fitted, PlantEffect, Value
 from labsid.gap.effects.context import Context
 from labsid.gap.effects.dynamics import moves_both_ways
-from labsid.gap.plants import Plant
-from labsid.gap.reactions import is_collocated
 
 SETTLED_SHARE = 0.02  # of the largest value, to which the pulse response of a simulation with a spring decays
 

@@ -6,9 +6,9 @@ from typing import ClassVar
 import numpy as np
 
 from labsid._arrays import FloatArray
+from labsid.gap.dynamics.plants import Plant
+from labsid.gap.dynamics.responses import free_responses
 from labsid.gap.effects.base import AdditiveEffect
-from labsid.gap.plants import Plant
-from labsid.gap.responses import free_responses
 
 COLUMNS = 3  # of each record: its offset, and the two free responses of the linear dynamics
 

@@ -5,11 +5,11 @@ from typing import ClassVar
 import numpy as np
 
 from labsid._arrays import FloatArray
-from labsid.gap import _kernels
+from labsid.gap.dynamics import _kernels
+from labsid.gap.dynamics.plants import Plant
+from labsid.gap.dynamics.responses import real_rates
 from labsid.gap.effects.base import RARE, Effect, Fitted, PlantEffect, Value
 from labsid.gap.effects.context import Context, ParentFit, Structure
-from labsid.gap.plants import Plant
-from labsid.gap.responses import real_rates
 
 MAX_START = 15.0  # scaled flow: largest initial deviation of a level, which a brim could hide
 MAX_TANK_RATE = 1.0  # per sample: a faster tank follows its inflow within a sample

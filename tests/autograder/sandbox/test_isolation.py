@@ -651,7 +651,7 @@ got += " ".join(os.listdir("."))
         ("labsid.checks", False),
         ("labsid.checks.values", False),
         ("labsid.lab.arx", True),
-        ("labsid.gap.explanation", True),
+        ("labsid.gap.search.explanation", True),
         ("labsid.checks.assignments", True),
         ("labsid.checks.assignments.prelab_sinusoids", True),
         ("autograder", True),

@@ -10,8 +10,8 @@ from scipy.integrate import solve_ivp
 from scipy.signal import cont2discrete, lfilter
 
 from labsid._arrays import FloatArray
-from labsid.gap.data import scaled
-from labsid.gap.explanation import Explanation, explain
+from labsid.gap.record.data import scaled
+from labsid.gap.search.explanation import Explanation, explain
 from labsid.records.record import Record
 
 Flow = Callable[[FloatArray, float], list[float]]
@@ -109,4 +109,4 @@ def plain(levels: FloatArray, two_poles: Callable[..., FloatArray]) -> Explanati
 @pytest.fixture
 def undrawn(monkeypatch: pytest.MonkeyPatch) -> None:
     """Pages without the figures, for what does not depend on them."""
-    monkeypatch.setattr("labsid.gap.html_report.encoded_figures", undrawn_figures)
+    monkeypatch.setattr("labsid.gap.reports.html_report.encoded_figures", undrawn_figures)

@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 from scipy.signal import lfilter
 
-from labsid.gap.data import Scale
 from labsid.gap.effects.families import EFFECTS_BY_KEY
 from labsid.gap.effects.input import Delay, RateLimit
 from labsid.gap.effects.tanks import Overflow, SqrtOutflow
-from labsid.gap.hypothesis import Hypothesis
+from labsid.gap.fits.hypothesis import Hypothesis
 from labsid.gap.model_file import ExportedModel, from_json_dict, load_model
+from labsid.gap.record.data import Scale
 
 C, K = 0.5, 0.05
 POLES = np.exp(np.roots([1.0, C, K]))

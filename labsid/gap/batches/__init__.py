@@ -1,0 +1,1 @@
+"""Diagnosis of every record of a folder."""

@@ -1,0 +1,1 @@
+"""Simulation of the dynamics between actuator and sensor."""

@@ -1,0 +1,269 @@
+"""Form of the dynamics between actuator and sensor, and their parameters."""
+
+from collections.abc import Iterable
+from dataclasses import dataclass, field, replace
+from typing import Self
+
+import numpy as np
+
+from labsid.gap.dynamics.given_simulation import GivenSimulation
+
+Named = dict[str, float]
+"""Values of parameters by name."""
+SLOWEST, FASTEST = np.log(1e-5), np.log(100.0)
+MAX_DAMPING = 0.5  # of a mode
+
+
+@dataclass(frozen=True, slots=True)
+class Parameter:
+    """A nonlinear parameter.
+
+    Attributes
+    ----------
+    name : str
+    lower, upper : float
+        Bounds.
+    step : float
+        Step of the numerical derivative.
+    leap : float
+        Distance over which the error may have several minima; zero for a single minimum.
+    start : float
+        Start value where nothing else is known.
+    """
+
+    name: str
+    lower: float
+    upper: float
+    step: float = 1e-4
+    leap: float = 0.0
+    start: float = 0.0
+
+
+FREE_RANGE = float(np.log(10.0))  # a number is searched up to ten times its nominal value, and down to a tenth
+FREE_STEP = 1e-2  # derivative step of its logarithm: more than the tolerance of a solver
+
+
+@dataclass(frozen=True, slots=True)
+class FreeNumber(Parameter):
+    """A number of a given simulation in theta: the logarithm of its ratio to the nominal value, or itself if that is 0.
+
+    Attributes
+    ----------
+    nominal : float
+    """
+
+    nominal: float = 1.0
+
+    def number(self, theta: float) -> float:
+        """The number for a value in theta."""
+        return self.nominal * float(np.exp(theta)) if self.nominal else float(theta)
+
+    def scale(self, theta: float) -> float:
+        """Derivative of the number by the value in theta."""
+        return abs(self.number(theta)) if self.nominal else 1.0
+
+    @property
+    def given_name(self) -> str:
+        """The name in the simulation."""
+        return self.name.removeprefix(_FREE)
+
+
+_FREE = "number "  # ahead of a name that a user has chosen
+
+
+def free_number(name: str, nominal: float) -> FreeNumber:
+    """A number of a given simulation that may be fitted."""
+    reach = FREE_RANGE if nominal else 1.0
+    return FreeNumber(f"{_FREE}{name}", -reach, reach, FREE_STEP, nominal=nominal)
+
+
+STICKING_STEP = 1e-2  # scaled: derivative step that spans the jumps of stick-slip motion
+FRICTION = Parameter("friction", 0.0, 20.0, 1e-3, leap=0.03)
+FRICTION_LAWS = {
+    "": (),
+    "sharp": (FRICTION,),
+    "smooth": (
+        FRICTION,
+        Parameter("log_smooth", -5.0, 0.0, 1e-3, start=-2.3),
+    ),
+    "peak": (
+        FRICTION,
+        Parameter("peak", 0.0, 1.5, 1e-3, start=0.05),
+        Parameter("log_decay", -5.0, -1.0, 1e-3, start=-2.0),
+    ),
+}
+"""Parameters of friction, and of its law at small speeds: logarithms of speeds over the one that a unit of the drive
+gives, and the excess of the break-away friction over the sliding one."""
+SPRING = Parameter("spring", -50.0, 50.0)  # scaled: force at the input of a given simulation over its output cubed
+DRAG = Parameter("drag", 0.0, 200.0, 1e-3)  # scaled
+ONSET = Parameter("onset", 0.0, 1.0, 2e-4, leap=0.004)  # as a share of the record
+NOT_GIVEN = GivenSimulation(lambda w, numbers: np.full(w.size, np.nan))
+CYCLES = Parameter("cycles", 2.2, 1e7, 1e-3)  # in the record; a slower sinusoid is a drift
+
+
+@dataclass(frozen=True, slots=True)
+class PlantForm:
+    """Form of the dynamics: two poles, and the additions of the effects of a hypothesis.
+
+    Attributes
+    ----------
+    kind : str
+        "linear", "tanks", "mechanics", "speed", "varying" for linear dynamics with a drifting pole, "leak" for those
+        whose pole steps at an instant, or "given" for an external simulation. The output is continuous across a step;
+        the parameter `turn`, 0 to 1, is the share of the change that acts as a jump of the speed.
+    zero : bool
+        Whether linear dynamics have a numerator zero. Without it they have one gain.
+    lag, mode : str
+        Position of an additional real pole and of a lightly damped pair relative to a nonlinear state: "behind",
+        "ahead", or for a mode "beside" (in parallel); empty without one.
+    roots, brims : tuple of str
+        Tanks with square-root outflow, and tanks with a brim, of "upper" and "lower".
+    flipped : bool
+        Whether a larger input means less flow.
+    friction : str
+        Dry friction: "sharp", "smooth" about rest, or with a "peak" that breaks away; empty without it.
+    drag, cubic : bool
+        Resistance with the square of the speed, cubic restoring force.
+    stops : tuple of str
+        Mechanical stops of a mass, of "low" and "high".
+    slow : bool
+        A slow real pole in parallel.
+    sampled : bool
+        Whether the input may lead the held input by up to half a sample.
+    unsprung : bool
+        Whether a mass with friction has almost no spring, so that a constant force is no shift of its position.
+    lag_first : bool
+        Whether the lag of "speed" precedes the friction.
+    drift_degree : int
+        Degree of the slow drift of the last state's rate, or of the spring; zero without one.
+    load, sinusoid : str
+        Where a load step and a sinusoid act: "inside", on the nonlinear state, or "ahead", on the first of two states
+        in series, where a load has no leak; empty without one.
+    simulation : GivenSimulation
+        The simulation of the kind "given".
+    reactions : tuple of str
+        Forces at the input of a given simulation that react to its output: "friction" of a position, "speed" for that
+        of a speed, "cubic".
+    parameters : tuple of Parameter
+        In their order in theta.
+    """
+
+    kind: str = "linear"
+    zero: bool = True
+    lag: str = ""
+    mode: str = ""
+    roots: tuple[str, ...] = ()
+    brims: tuple[str, ...] = ()
+    flipped: bool = False
+    friction: str = ""
+    drag: bool = False
+    cubic: bool = False
+    stops: tuple[str, ...] = ()
+    slow: bool = False
+    sampled: bool = False
+    unsprung: bool = False
+    lag_first: bool = True
+    drift_degree: int = 0
+    load: str = ""
+    sinusoid: str = ""
+    simulation: GivenSimulation = NOT_GIVEN
+    reactions: tuple[str, ...] = ()
+    parameters: tuple[Parameter, ...] = field(init=False, repr=False, compare=False)
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "parameters", self._searched())
+
+    def _searched(self) -> tuple[Parameter, ...]:
+        if self.kind == "given":
+            own: list[Parameter] = [FRICTION] if {"friction", "speed"} & set(self.reactions) else []
+            own += [SPRING] if "cubic" in self.reactions else []
+            return (*self.free, *own, *self._in_series())
+        rates = [Parameter("log_c", -14.0, 3.5), Parameter("log_k", -22.0, 4.0)]
+        if self.kind in ("tanks", "speed"):
+            rates = [Parameter("log_a", SLOWEST, FASTEST), Parameter("log_b", SLOWEST, FASTEST)]
+        own = []
+        if self.kind == "tanks":
+            if self.has_root:
+                own += [Parameter("zero", -200.0, 3.0)]
+            if self.brims:
+                own += [Parameter("brim", -5.0, 400.0, leap=0.05)]
+            if "upper" in self.brims:
+                own += [Parameter("share", 0.0, 1.0)]
+            if len(self.brims) == 2:
+                own += [Parameter("brim2", -5.0, 400.0, leap=0.05)]
+            own += [Parameter("h1", -50.0, 50.0), Parameter("h2", -50.0, 50.0)]
+        elif self.kind == "mechanics":
+            own += FRICTION_LAWS[self.friction]
+            own += [DRAG] if self.drag else []
+            own += [Parameter(f"stop_{side}", -50.0, 50.0, leap=0.05) for side in self.stops]
+            if self.cubic:
+                own += [Parameter("cubic", -0.3, 50.0)]
+            if self.cubic or self.drift_degree or self.unsprung:
+                own += [Parameter("centre", -8.0, 8.0)]
+            own += [Parameter("z0", -50.0, 50.0, STICKING_STEP, leap=0.05), Parameter("v0", -50.0, 50.0, STICKING_STEP)]
+        elif self.kind == "speed":
+            own += FRICTION_LAWS[self.friction]
+            own += [DRAG] if self.drag else []
+            own += [Parameter("centre", -20.0, 20.0, 1e-3)]
+            own += [Parameter("v0", -50.0, 50.0, STICKING_STEP), Parameter("i0", -50.0, 50.0, STICKING_STEP)]
+        if self.drift_degree or self.kind == "leak":
+            own += [Parameter("drift", -3.0, 3.0)]
+        if self.kind in ("varying", "leak"):
+            own += [Parameter("share_c", -3.0, 3.0), Parameter("turn", 0.0, 1.0)]
+        own += [ONSET] if self.kind == "leak" else []
+        own += [Parameter(f"bend{n}", -3.0, 3.0) for n in range(1, self.drift_degree)]
+        if self.load:
+            own += [Parameter("load", -20.0, 20.0)]
+            own += [ONSET] if self.load == "ahead" else [Parameter("leak", -0.9, 20.0), ONSET]
+        if self.sinusoid:
+            own += [CYCLES, Parameter("shake_cos", -20.0, 20.0), Parameter("shake_sin", -20.0, 20.0)]
+        return (*rates, *own, *self._in_series())
+
+    def _in_series(self) -> list[Parameter]:
+        """Parameters of the additional lag, mode and slow mode."""
+        own = [Parameter("log_lag", -4.0, 8.0)] if self.lag else []
+        if self.mode:
+            own += [Parameter("log_frequency", -6.0, np.log(np.pi))]
+            own += [Parameter("log_damping", -7.0, np.log(MAX_DAMPING))]
+        return [*own, Parameter("log_slow", 0.0, 12.0)] if self.slow else own
+
+    @property
+    def nonlinear(self) -> bool:
+        """Whether a state is nonlinear, so that the order of the elements matters."""
+        return self.kind in ("tanks", "mechanics", "speed")
+
+    @property
+    def has_root(self) -> bool:
+        """Whether the outflow of a tank is that of a square root."""
+        return bool(self.roots)
+
+    @property
+    def abrupt(self) -> bool:
+        """Whether the motion of a mass changes within a sample: by friction, drag or a stop."""
+        return bool(self.friction) or self.drag or bool(self.stops)
+
+    @property
+    def in_series(self) -> bool:
+        """Whether there are two states in series, with a possible load on either."""
+        return self.kind == "tanks" or (self.kind == "speed" and self.lag_first)
+
+    @property
+    def free(self) -> tuple[FreeNumber, ...]:
+        """Numbers of a given simulation that may be fitted, the first ones in theta."""
+        return tuple(free_number(name, nominal) for name, nominal in self.simulation.nominal.items())
+
+    def numbers(self, theta: Iterable[float]) -> dict[str, float]:
+        """The free numbers of a given simulation, by their names in it."""
+        return {one.given_name: one.number(value) for one, value in zip(self.free, theta, strict=False)}
+
+    def brim_name(self, tank: str) -> str:
+        """Name of the parameter of a tank's brim."""
+        return "brim2" if tank == "lower" and "upper" in self.brims else "brim"
+
+    def index(self, name: str) -> int:
+        """Index of a parameter in theta."""
+        return [parameter.name for parameter in self.parameters].index(name)
+
+    def modified(self, **changes: object) -> Self:
+        """A copy with some attributes changed."""
+        return replace(self, **changes)  # type: ignore[arg-type]

@@ -1,0 +1,165 @@
+"""The dynamics between actuator and sensor: linear, or with a nonlinear state.
+
+Time is in samples. A plant maps the actuator's signal w to columns whose linear combination is the output, so that the
+gain, the numerator and the linear initial state are linear parameters.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from labsid._arrays import FloatArray, beside
+from labsid.gap.dynamics import _kernels
+from labsid.gap.dynamics.plant_form import Named, PlantForm
+from labsid.gap.dynamics.responses import lag_mean, lag_output, mode_mean, real_rates, response, section
+
+MIN_TIME_CONSTANTS = 12  # of a lag in a record: a slower lag would imitate a drift
+MIN_FLOW = 0.25  # scaled: smallest mean flow at which square-root outflow is linearized
+
+
+@dataclass(frozen=True, slots=True)
+class Plant(PlantForm):
+    """Dynamics with their simulation and linearization."""
+
+    def columns(
+        self, theta: FloatArray, w: FloatArray, span: int, reference: float | None = None, late: float = 0.0
+    ) -> FloatArray:
+        """Columns whose linear combination is the output; NaN where the simulation diverges.
+
+        Parameters
+        ----------
+        theta : ndarray, shape (len(parameters),)
+        w : ndarray, shape (N,)
+            Scaled signal of the actuator.
+        span : int
+            Length of the fitted record, the time unit of slow changes.
+        reference : float, optional
+            Operating point of w for a linear plant: the first sample of the fitted record; w[0] by default.
+        late : float
+            Fraction of each sample at which w changes, 0 to 1.
+
+        Returns
+        -------
+        ndarray, shape (N, m)
+        """
+        own = self._by_name(theta)
+        start = float(w[0]) if reference is None else reference
+        if late and (not self.nonlinear or self.lag_ahead or self._mode_place == "ahead"):
+            w, late = _kernels.delayed(w, 0, late), 0.0  # mean over each sample
+        driven = w
+        if self.lag:
+            tau = float(min(np.exp(own["log_lag"]), span / MIN_TIME_CONSTANTS))
+            pole = float(np.exp(-1.0 / tau))
+            if self.lag_ahead:
+                driven = lag_mean(driven, tau)
+        if self.mode:
+            frequency, damping = np.exp(own["log_frequency"]), np.exp(own["log_damping"])
+            if self._mode_place == "ahead":
+                driven = mode_mean(driven, frequency, damping)
+        columns = response(self, own, driven, span, start, late)
+        slope = columns[:, 1] if self.kind == "mechanics" else None
+        if self.kind in ("mechanics", "speed"):
+            columns = columns[:, :1].copy()
+        parts: list[FloatArray] = [columns]
+        deviation = w - start if self.kind == "linear" else columns[:, 0].copy()
+        if self.lag and not self.lag_ahead:
+            if self.kind == "linear":
+                parts.append(_kernels.first_order(deviation, pole)[:, None])
+            else:
+                columns[:, 0] = lag_output(deviation, np.gradient(deviation) if slope is None else slope, tau)
+        if self.lag and (self.kind == "given" or not self.lag_ahead):
+            parts.append(np.exp(-np.arange(w.size) / tau)[:, None])
+        if self.mode and self._mode_place != "ahead":
+            drive = deviation if self._mode_place == "behind" else _kernels.delayed(w - start, 0, late)
+            parts.append(section(2.0 * damping * frequency, frequency**2, drive))
+        if self.slow:
+            rate = float(np.exp(-own["log_slow"]))
+            parts.append(_kernels.first_order(_kernels.delayed(w - start, 0, late), float(np.exp(-rate)))[:, None])
+            parts.append(np.exp(-rate * np.arange(w.size))[:, None])
+        return beside(parts) if len(parts) > 1 else columns
+
+    @property
+    def lag_ahead(self) -> bool:
+        """Whether the additional lag acts on the input of the other dynamics."""
+        return self.kind == "given" or (self.lag == "ahead" and self.nonlinear)
+
+    @property
+    def _mode_place(self) -> str:
+        if self.kind == "given" and self.mode == "behind":
+            return "ahead"
+        return self.mode if self.nonlinear or self.kind == "given" else self.mode and "behind"
+
+    def _by_name(self, theta: FloatArray) -> Named:
+        return {parameter.name: value for parameter, value in zip(self.parameters, theta, strict=True)}
+
+    @property
+    def has_fixed_gain(self) -> bool:
+        """Whether the output is the first column itself: a given simulation that is fitted by numbers of its own."""
+        return bool(self.free)
+
+    @property
+    def state_columns(self) -> tuple[int, ...]:
+        """Indices of the columns whose gains are the initial state."""
+        own: tuple[int, ...] = ()
+        width = 1
+        if self.kind == "linear":
+            own, width = ((2, 3), 5) if self.zero else ((1, 2), 4)
+        elif self.kind == "varying":
+            own, width = (6, 7), 8
+        elif self.kind == "leak":
+            own, width = (4, 5), 6
+        elif self.kind == "given" and self.simulation.takes_input:
+            own, width = (1, 2), 3
+        if self.lag and (self.kind == "given" or not self.lag_ahead):
+            width += 2 if self.kind == "linear" else 1
+            own = (*own, width - 1)
+        if self.mode and self._mode_place != "ahead":
+            own, width = (*own, width + 2, width + 3), width + 4
+        return (*own, width + 1) if self.slow else own
+
+    @property
+    def slow_column(self) -> int:
+        """Index of the column of the slow mode."""
+        return self.state_columns[-1] - 1
+
+    def motion(self, theta: FloatArray, w: FloatArray) -> FloatArray:
+        """Output of a mass or a motor, and the speed against which friction acts, shape (N, 2)."""
+        return response(self, self._by_name(theta), w, w.size, float(w[0]))
+
+    def load_response(self, theta: FloatArray, signal: FloatArray) -> FloatArray:
+        """Columns of the linearized response to an unmeasured load `signal`, shape (N, 2)."""
+        c, k = self.linear_rates(theta)
+        return section(c, k, signal)[:, :2].copy()
+
+    def linear_rates(self, theta: FloatArray) -> tuple[float, float]:
+        """Coefficients c and k of s^2 + c s + k: of the linear part, or linearized at the mean flow."""
+        if self.kind == "given":
+            return self.simulation.rates
+        first, second = np.exp(theta[0]), np.exp(theta[1])
+        if self.kind in ("tanks", "speed"):
+            upper, lower = self.level_slopes(theta)
+            a, b = first / upper, second / lower
+            return float(a + b), float(a * b)
+        return float(first), float(second)
+
+    def root_slope(self, theta: FloatArray) -> float:
+        """Derivative of the level by the flow at the mean flow, for square-root outflow."""
+        return 2.0 * max(-float(theta[self.index("zero")]), MIN_FLOW)
+
+    def level_slopes(self, theta: FloatArray) -> tuple[float, float]:
+        """Derivatives of the upper and lower levels by the flow; one for linear outflow."""
+        upper, lower = (self.root_slope(theta) if tank in self.roots else 1.0 for tank in ("upper", "lower"))
+        return upper, lower
+
+    def starts(self, c: float, k: float) -> list[FloatArray]:
+        """Start values of theta from the rates of a linear fit; other parameters are zero."""
+        if self.kind == "given":
+            return [np.zeros(len(self.parameters))]
+        others = np.zeros(len(self.parameters) - 2)
+        return [np.array([*rates, *others]) for rates in self._rates(c, k)]
+
+    def _rates(self, c: float, k: float) -> list[tuple[float, float]]:
+        if self.kind not in ("tanks", "speed"):
+            return [(np.log(c), np.log(k))]
+        slow, fast = real_rates(c, k)
+        return [(np.log(slow), np.log(fast)), (np.log(fast), np.log(slow))]

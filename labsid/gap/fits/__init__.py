@@ -1,0 +1,1 @@
+"""A hypothesis fitted to a record, and what is left of the record then."""

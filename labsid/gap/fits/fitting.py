@@ -1,0 +1,289 @@
+"""Fit a hypothesis to a record by output error: Levenberg-Marquardt over theta, with the gains projected out."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from labsid._arrays import FloatArray
+from labsid.gap.dynamics._kernels import whiten
+from labsid.gap.fits.fast_least_squares import RIDGE, scaled_gram, solve_least_squares, solve_positive_definite
+from labsid.gap.fits.hypothesis import Design, Hypothesis
+from labsid.gap.fits.noise_model import Noise, fit_noise
+from labsid.gap.record.data import Data
+
+UNFILTERED = np.zeros(0)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Fit:
+    """A hypothesis fitted to a record.
+
+    Attributes
+    ----------
+    hypothesis : Hypothesis
+    theta : ndarray
+        Nonlinear parameters.
+    gains : ndarray
+        Linear parameters.
+    output : ndarray, shape (N,)
+        Free-run output over the whole record, including samples that do not count.
+    cost : float
+        Mean square of the (whitened) error over the rows that count; infinity where the simulation diverges.
+    noise : Noise
+        Model of the residual.
+    bic : float
+        Of the whitened residual; lower is better.
+    free_run : float
+        Mean square of the free-run error over the rows that count.
+    """
+
+    hypothesis: Hypothesis
+    theta: FloatArray
+    gains: FloatArray
+    output: FloatArray
+    cost: float
+    noise: Noise
+    bic: float
+    free_run: float = np.nan
+
+    @property
+    def plant_theta(self) -> FloatArray:
+        """The plant's part of theta."""
+        return self.theta[self.hypothesis.slices["plant"]]
+
+    @property
+    def rates(self) -> tuple[float, float]:
+        """Coefficients c and k of the linear dynamics s^2 + c s + k, in samples."""
+        return self.hypothesis.plant.linear_rates(self.plant_theta)
+
+    @property
+    def onset(self) -> float | None:
+        """Onset of a load as a share of the record; None without a load."""
+        names = [parameter.name for parameter in self.hypothesis.parameters]
+        return float(self.theta[names.index("onset")]) if "onset" in names else None
+
+    @property
+    def n_free(self) -> int:
+        """Number of fitted parameters."""
+        return self.theta.size + int(np.count_nonzero(self.gains))
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Point:
+    """One point of the minimization.
+
+    Attributes
+    ----------
+    theta, gains : ndarray
+        Nonlinear and linear parameters.
+    design : Design
+    output : ndarray, shape (N,)
+        Free-run output.
+    error : ndarray
+        The (whitened) error on the rows that count.
+    cost : float
+        Mean square of the error.
+    """
+
+    theta: FloatArray
+    gains: FloatArray
+    design: Design
+    output: FloatArray
+    error: FloatArray
+    cost: float
+
+
+class Problem:
+    """Least-squares problem of one hypothesis on one record with one whitening filter."""
+
+    def __init__(self, data: Data, hypothesis: Hypothesis, ar: FloatArray) -> None:
+        self.data, self.hypothesis, self.ar = data, hypothesis, ar
+        counted = data.rows
+        if ar.size:  # the filter sees zeros before the record: its first rows determine the initial state
+            counted = data.complete.copy()
+            counted[: data.lags] = data.rows[: data.lags].all()
+        self.rows = slice(None) if counted.all() else np.flatnonzero(counted)
+        self.count = int(counted.sum())
+        self.has_sensor = bool(hypothesis.outputs)
+        self.fixed = int(hypothesis.plant.has_fixed_gain)  # gains, the first ones, that are 1
+        self.y = self._seen(data.y[:, None])[:, 0]
+
+    def _seen(self, columns: FloatArray) -> FloatArray:
+        return (whiten(columns, self.ar) if self.ar.size else columns)[self.rows]
+
+    def _gains(self, columns: FloatArray, y: FloatArray) -> FloatArray:
+        """Gains by linear least squares."""
+        seen = self._seen(columns)
+        if not self.fixed:
+            return solve_least_squares(seen, y)
+        found = solve_least_squares(seen[:, self.fixed :], y - seen[:, : self.fixed].sum(axis=1))
+        return np.concatenate([np.ones(self.fixed), found])
+
+    def point(self, theta: FloatArray, gains: FloatArray | None = None, near: Design | None = None) -> Point | None:
+        """The best gains at theta and their error; None if the simulation diverges."""
+        design = self.hypothesis.design(theta, self.data.u, near=near)
+        columns = design.columns
+        if not np.isfinite(columns[-1]).all():  # a diverged simulation is NaN up to the end
+            return None
+        if not self.has_sensor:
+            gains = self._gains(columns, self.y)
+            return self._made(theta, gains, design, columns @ gains)
+        if gains is None or gains.size != columns.shape[1]:
+            reading = self.hypothesis.undone(theta, self.data.y, design, self.data.rows)
+            gains = self._gains(columns, self._seen(reading[:, None])[:, 0])
+        best = self._made(theta, gains, design, self.hypothesis.sensor(theta, gains, design))
+        for _ in range(3):
+            step = solve_least_squares(self._seen(self._by_gains(best)), best.error)
+            better = None
+            for share in (1.0, 0.3):
+                gains = best.gains + share * step
+                better = self._made(theta, gains, design, self.hypothesis.sensor(theta, gains, design))
+                if better.cost < best.cost:
+                    break
+            if better is None or better.cost >= best.cost * (1.0 - 1e-6):
+                break
+            best = better
+        return best
+
+    def _by_gains(self, at: Point) -> FloatArray:
+        """Derivatives of the output by the gains."""
+        columns = at.design.columns
+        if self.has_sensor:
+            columns = self.hypothesis.sensed_columns(at.theta, at.gains, at.design)
+        elif self.fixed:
+            columns = columns.copy(order="F")
+        columns[:, : self.fixed] = 0.0
+        return columns
+
+    def _made(self, theta: FloatArray, gains: FloatArray, design: Design, output: FloatArray) -> Point:
+        error = self.y - self._seen(output[:, None])[:, 0]
+        return Point(theta, gains, design, output, error, float(error @ error) / self.count)
+
+    def jacobian(self, at: Point) -> FloatArray | None:
+        """Derivatives of the (whitened) output by theta and the gains, in this order."""
+        upper = self.hypothesis.bounds[1]
+        searched = at.theta.size
+        J = np.empty((self.data.samples, searched + at.gains.size), order="F")
+        for i, parameter in enumerate(self.hypothesis.parameters):
+            step = parameter.step if at.theta[i] + parameter.step <= upper[i] else -parameter.step
+            perturbed = at.theta.copy()
+            perturbed[i] += step
+            design = self.hypothesis.design(perturbed, self.data.u, near=at.design)
+            J[:, i] = (self.hypothesis.sensor(perturbed, at.gains, design) - at.output) / step
+        J[:, searched:] = self._by_gains(at)
+        J = self._seen(J)
+        return J if np.isfinite(J[-1]).all() else None
+
+
+def minimize(
+    data: Data,
+    hypothesis: Hypothesis,
+    theta: FloatArray,
+    gains: FloatArray | None = None,
+    iterations: int = 15,
+    ar: FloatArray = UNFILTERED,
+    tolerance: float = 1e-5,
+) -> Point | None:
+    """Minimize the output error by Levenberg-Marquardt from `theta`; None if the start cannot be simulated."""
+    problem = Problem(data, hypothesis, ar)
+    lower, upper = hypothesis.bounds
+    at = problem.point(np.clip(theta, lower, upper), gains)
+    if at is None:
+        return None
+    searched = theta.size
+    damping = 1e-3
+    for _ in range(iterations):
+        J = problem.jacobian(at)
+        if J is None:
+            break
+        gram, scale = scaled_gram(J)
+        slope = (J.T @ at.error) / scale
+        better = None
+        # Hold a parameter that is at its bound and whose gradient points outside.
+        held = np.zeros(gram.shape[0], bool)
+        push = slope[:searched]
+        held[:searched] = ((at.theta <= lower) & (push < 0)) | ((at.theta >= upper) & (push > 0))
+        gram[held, :] = gram[:, held] = slope[held] = 0.0
+        ridge = np.where(held, 1.0, RIDGE)
+        for _ in range(6):
+            lhs = gram.copy()
+            diagonal = lhs.flat[:: gram.shape[0] + 1]
+            diagonal += ridge
+            diagonal[:searched] += damping
+            lhs.flat[:: gram.shape[0] + 1] = diagonal
+            step = solve_positive_definite(lhs, slope) / scale
+            new = np.clip(at.theta + step[:searched], lower, upper)
+            better = problem.point(new, at.gains + step[searched:] if problem.has_sensor else None)
+            if better is not None and better.cost < at.cost:
+                break
+            damping = min(damping * 8.0, 1e6)
+            better = None
+        if better is None:
+            break
+        gain = 1.0 - better.cost / at.cost
+        at = better
+        damping = max(damping / 6.0, 1e-9)
+        if gain < tolerance:
+            break
+    return at
+
+
+def start_cost(data: Data, hypothesis: Hypothesis, theta: FloatArray) -> float:
+    """Cost at `theta` with the best gains; infinity if it cannot be simulated."""
+    point = Problem(data, hypothesis, UNFILTERED).point(np.clip(theta, *hypothesis.bounds))
+    return float("inf") if point is None else point.cost
+
+
+def finish(data: Data, hypothesis: Hypothesis, point: Point) -> Fit:
+    """Fit the noise model of the residual and compute the BIC.
+
+    A slow residual leaves only sensor noise in its innovations, so that the whitened error cannot rank simulations.
+    `Data.by_free_run` then adds the power of the free-run error, weighted by its number of independent samples.
+    """
+    e = data.y - point.output
+    noise = fit_noise(e, data.complete, data.lags)
+    theta, undetermined = hypothesis.completed(point.theta, data.u)
+    free = point.theta.size - undetermined + int(np.count_nonzero(point.gains))
+    bic = noise.score + free * np.log(noise.rows)
+    free_run = float(np.mean(e[data.rows] ** 2))
+    if data.by_free_run:
+        mean_square = max(free_run, noise.sigma2)
+        bic += noise.rows * np.sqrt(noise.sigma2 / mean_square) * np.log(mean_square) + free * np.log(noise.rows)
+    return Fit(hypothesis, theta, point.gains, point.output, point.cost, noise, float(bic), free_run)
+
+
+def fit_from(
+    data: Data, hypothesis: Hypothesis, theta: FloatArray, iterations: int = 15, tolerance: float = 1e-5
+) -> Fit | None:
+    """Fit by output error from `theta`; None if it cannot be simulated."""
+    point = minimize(data, hypothesis, theta, iterations=iterations, tolerance=tolerance)
+    return None if point is None else finish(data, hypothesis, point)
+
+
+def refit(data: Data, fit: Fit, tolerance: float = 1e-6) -> Fit:
+    """Refit the hypothesis to the rows of `data`."""
+    point = minimize(data, fit.hypothesis, fit.theta, fit.gains, iterations=20, tolerance=tolerance)
+    return fit if point is None else finish(data, fit.hypothesis, point)
+
+
+def covariance(data: Data, fit: Fit) -> FloatArray:
+    """Least-squares covariance of theta and the gains, in this order, from the whitened error."""
+    problem = Problem(data, fit.hypothesis, fit.noise.ar)
+    at = problem.point(fit.theta, fit.gains)
+    J = None if at is None else problem.jacobian(at)
+    size = fit.theta.size + fit.gains.size
+    if J is None:
+        return np.full((size, size), np.nan)
+    gram, scale = scaled_gram(J)
+    inverse = np.asarray(np.linalg.pinv(gram, rcond=1e-10, hermitian=True), np.float64) * fit.noise.sigma2
+    return np.asarray(inverse / np.outer(scale, scale))
+
+
+def mean_square(data: Data, fit: Fit) -> float:
+    """Mean square of the free-run error over the rows that count."""
+    return float(np.mean((data.y - fit.output)[data.rows] ** 2))
+
+
+def rms(data: Data, fit: Fit) -> float:
+    """Root mean square of the free-run error over the rows that count."""
+    return float(np.sqrt(mean_square(data, fit)))

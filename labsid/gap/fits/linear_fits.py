@@ -1,0 +1,94 @@
+"""Linear fits of a record: the baseline for all effects."""
+
+from collections.abc import Iterable
+from operator import attrgetter
+
+import numpy as np
+
+from labsid._arrays import FloatArray
+from labsid.gap.dynamics.responses import single_pole
+from labsid.gap.effects import output
+from labsid.gap.effects.restarts import Restarts
+from labsid.gap.fits.fitting import Fit, Point, finish, minimize
+from labsid.gap.fits.hypothesis import Hypothesis
+from labsid.gap.fits.undriven_poles import has_undriven_pole
+from labsid.gap.record.data import Data
+from labsid.simulators.meter import BudgetSpentError, RunMeter
+
+LINEAR = Hypothesis()
+SINGLE_POLE_RATES = 0.005, 0.02, 0.1, 0.4, 1.5  # per sample: start values for a rig with a single pole
+
+
+def fit_baseline(data: Data, hypothesis: Hypothesis = LINEAR, start: FloatArray | None = None) -> Fit:
+    """Fit a structure by output error; the default is second order and strictly proper.
+
+    `start` is an additional start value of theta.
+
+    Raises
+    ------
+    ValueError
+        If no start can be simulated; `BudgetSpentError` if the budget of runs of a given simulation is spent.
+    """
+    poles = ((0.02, 0.3), (0.1, 0.5), (0.005, 0.05), (0.3, 1.5))
+    rates = [(slow + fast, slow * fast) for slow, fast in poles] + [(0.4 * w, w**2) for w in (0.05, 0.2, 0.8)]
+    starts = [_start_theta(hypothesis, c, k) for c, k in rates]
+    starts = starts[:1] if hypothesis.plant.kind == "given" else starts  # a given simulation has no rates
+    starts = starts if start is None else [start, *starts]
+    best = _least(minimize(data, hypothesis, theta, iterations=12) for theta in starts)
+    if best is None:
+        raise _no_fit(hypothesis.plant.simulation.meter)
+    best = minimize(data, hypothesis, best.theta, iterations=30, tolerance=1e-8) or best
+    return finish(data, hypothesis, best)
+
+
+def _no_fit(meter: RunMeter) -> ValueError:
+    """Why no start can be simulated."""
+    if meter.exhausted:
+        return BudgetSpentError(meter.budget)
+    return ValueError(meter.failure or "no second-order model can be simulated on this record.")
+
+
+def fit_driven_pole(data: Data, hypothesis: Hypothesis) -> Fit | None:
+    """Fit the structure with a single pole that the input excites.
+
+    None if the input does not excite the pole of any fit.
+    """
+    starts = (_start_theta(hypothesis, *single_pole(rate)) for rate in SINGLE_POLE_RATES)
+    points = [point for theta in starts if (point := minimize(data, hypothesis, theta, iterations=30)) is not None]
+    fits = (finish(data, hypothesis, point) for point in sorted(points, key=lambda point: point.cost))
+    return next((fit for fit in fits if not has_undriven_pole(data, fit)), None)
+
+
+def _start_theta(hypothesis: Hypothesis, c: float, k: float) -> FloatArray:
+    """Start values at given rates; an additional pole or mode is slightly faster."""
+    guess = {
+        "delay": 0.2,
+        "log_c": np.log(c),
+        "log_k": np.log(k),
+        "log_lag": 0.0,
+        "log_frequency": 0.5 * np.log(k) + 0.7,
+        "log_damping": -1.5,
+    }
+    return np.array([guess.get(parameter.name, 0.0) for parameter in hypothesis.parameters])
+
+
+def fit_highpass(data: Data, base: Fit) -> Fit:
+    """Fit the structure to the high-pass filtered record, in which drifts and load steps are small."""
+    hypothesis = linear_structure_of(base).plus(output.Drift("10"))
+    ar = np.array([0.9])
+    same = base.hypothesis.parameters == hypothesis.parameters
+    start = base.theta if same else _start_theta(hypothesis, *base.rates)
+    starts = (start, _start_theta(hypothesis, 0.3, 0.01), _start_theta(hypothesis, 1.0, 0.1))
+    best = _least(minimize(data, hypothesis, theta, iterations=12, ar=ar) for theta in starts)
+    return base if best is None else finish(data, hypothesis, best)
+
+
+def linear_structure_of(fit: Fit) -> Hypothesis:
+    """Second order, with the offsets and initial states of several records where a fit has them."""
+    own = tuple(effect for effect in fit.hypothesis.effects if isinstance(effect, Restarts))
+    return Hypothesis(own, len(own))
+
+
+def _least(points: Iterable[Point | None]) -> Point | None:
+    """The point of least cost; None if there is none."""
+    return min((point for point in points if point is not None), key=attrgetter("cost"), default=None)

@@ -1,0 +1,78 @@
+"""Autoregressive model of coloured residuals, and its contribution to the BIC."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from labsid._arrays import FloatArray
+from labsid.gap.record.data import MAX_LAGS
+
+MIN_SAMPLES = 20  # rows for a noise model
+MIN_VARIANCE = 1e-26  # relative to that of the record: below is rounding
+ORDERS = (0, 1, 2, 3, 4, 6, 8)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Noise:
+    """Autoregressive model of a residual: e(k) = ar[0] e(k-1) + ... + white noise of variance `sigma2`.
+
+    Attributes
+    ----------
+    ar : ndarray, shape (p,)
+    sigma2 : float
+        Variance of the innovations.
+    score : float
+        n log(sigma2) + p log(n), the contribution to the BIC.
+    rows : int
+        n, the number of samples of the fit.
+    """
+
+    ar: FloatArray
+    sigma2: float
+    score: float
+    rows: int
+
+
+def fit_noise(e: FloatArray, complete: np.ndarray, lags: int = MAX_LAGS) -> Noise:
+    """Fit autoregressive models of several orders on the rows `complete` and select one by BIC.
+
+    Parameters
+    ----------
+    e : ndarray, shape (N,)
+        The residual on all rows.
+    complete : ndarray of bool, shape (N,)
+        From `complete_rows`.
+    lags : int
+        The largest order.
+
+    Raises
+    ------
+    ValueError
+        If too few rows are complete.
+    """
+    at = np.flatnonzero(complete)
+    if at.size < MIN_SAMPLES:
+        raise ValueError(
+            f"only {at.size} samples follow {lags} used samples; at least {MIN_SAMPLES} must. Exclude fewer samples; "
+            "if the log repeats readings of the output, keep only the new ones."
+        )
+    target = e[at]
+    lagged = np.column_stack([e[at - lag] for lag in range(1, lags + 1)])
+    n = at.size
+    gram, cross, power = lagged.T @ lagged, lagged.T @ target, float(target @ target)
+    if power <= MIN_VARIANCE * n:
+        return Noise(np.zeros(0), MIN_VARIANCE, n * float(np.log(MIN_VARIANCE)), n)
+    best: Noise | None = None
+    for order in (order for order in ORDERS if order <= lags):
+        ar = np.zeros(0)
+        remaining = power
+        if order:
+            ridge = 1e-9 * np.trace(gram) / lags * np.eye(order)
+            ar = np.linalg.solve(gram[:order, :order] + ridge, cross[:order])
+            remaining = power - float(2.0 * ar @ cross[:order] - ar @ gram[:order, :order] @ ar)
+        sigma2 = max(remaining / n, MIN_VARIANCE)
+        score = n * np.log(sigma2) + order * np.log(n)
+        if best is None or score < best.score:
+            best = Noise(ar, sigma2, float(score), n)
+    assert best is not None
+    return best

@@ -1,0 +1,87 @@
+"""Profile likelihood of an instant."""
+
+from copy import copy
+from dataclasses import dataclass
+
+import numpy as np
+
+from labsid._arrays import FloatArray
+from labsid.gap.fits.fitting import Fit, Point, minimize
+from labsid.gap.fits.hypothesis import Hypothesis
+from labsid.gap.record.data import Data
+
+FIRST_STEP = 0.5  # samples
+STEP_GROWTH = 1.5  # of successive steps
+MAX_LOSS = 12.0  # twice the loss of log likelihood at which the profile ends
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Profile:
+    """Fits at fixed values of one parameter.
+
+    Attributes
+    ----------
+    points : tuple of Point
+        In ascending order of the parameter.
+    weights : ndarray
+        Their probabilities, with sum 1.
+    """
+
+    points: tuple[Point, ...]
+    weights: FloatArray
+
+
+def profile_likelihood(data: Data, fit: Fit, place: int) -> Profile | None:
+    """Profile the likelihood of the instant `theta[place]`, a share of the record, on both sides of its estimate.
+
+    The error hardly depends on an instant within a sample, and not at all where the input is constant: linear
+    propagation of errors does not apply.
+
+    Parameters
+    ----------
+    data : Data
+    fit : Fit
+    place : int
+
+    Returns
+    -------
+    Profile or None
+        None if the fit cannot be reproduced.
+    """
+    best = _held(data, fit, place, float(fit.theta[place]), fit)
+    if best is None:
+        return None
+    points = [best]
+    for side in (-1.0, 1.0):
+        step, at, last = FIRST_STEP / data.samples, float(fit.theta[place]), best
+        while 0.0 < at + side * step < 1.0:
+            at += side * step
+            held = _held(data, fit, place, at, last)
+            if held is None:
+                break
+            points.append(held)
+            if _loss(fit, held, best) > MAX_LOSS:
+                break
+            step, last = STEP_GROWTH * step, held
+    points.sort(key=lambda point: float(point.theta[place]))
+    loss = np.array([_loss(fit, point, best) for point in points])
+    instants = np.array([point.theta[place] for point in points])
+    weights = np.exp(-0.5 * (loss - loss.min())) * np.gradient(instants)
+    return Profile(tuple(points), weights / weights.sum())
+
+
+def _held(data: Data, fit: Fit, place: int, value: float, near: Fit | Point) -> Point | None:
+    """Refit with one parameter fixed, starting from a neighbouring point."""
+    theta = near.theta.copy()
+    theta[place] = value
+    bounds = tuple(side.copy() for side in fit.hypothesis.bounds)
+    for side in bounds:
+        side[place] = value
+    hypothesis: Hypothesis = copy(fit.hypothesis)
+    object.__setattr__(hypothesis, "bounds", bounds)  # of the copy
+    return minimize(data, hypothesis, theta, near.gains, iterations=5, ar=fit.noise.ar, tolerance=1e-4)
+
+
+def _loss(fit: Fit, point: Point, best: Point) -> float:
+    """Twice the loss of log likelihood."""
+    return float(fit.noise.rows * (point.cost - best.cost) / fit.noise.sigma2)

@@ -1,0 +1,1 @@
+"""The record of a diagnosis: its sampling time, faulty samples, scale and held-out blocks."""

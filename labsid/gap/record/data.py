@@ -1,0 +1,143 @@
+"""The record as the search uses it: scaled, time in samples, with the rows that the fits may use."""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from labsid._arrays import FloatArray
+
+MAX_LAGS = 8  # of the model of the noise
+MIN_COMPLETE_SHARE = 0.1  # of the rows that count, with all lags
+
+
+@dataclass(frozen=True, slots=True)
+class Scale:
+    """From the record's units to the search's: value = centre + unit * scaled.
+
+    Attributes
+    ----------
+    centre, unit : float
+        In the record's unit.
+    """
+
+    centre: float
+    unit: float
+
+    def of(self, values: FloatArray) -> FloatArray:
+        """Into scaled units."""
+        return (values - self.centre) / self.unit
+
+    def back(self, scaled: FloatArray | float) -> FloatArray | float:
+        """Into the record's unit."""
+        return self.centre + self.unit * scaled
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Data:
+    """Scaled signals and the rows that count.
+
+    Attributes
+    ----------
+    u, y : ndarray, shape (N,)
+        Scaled input and output.
+    rows : ndarray of bool, shape (N,)
+        Samples that the cost counts.
+    Ts : float
+        Sampling time in seconds.
+    u_scale, y_scale : Scale
+        Back to the record's units.
+    start : float
+        Time of the first sample in seconds.
+    by_free_run : bool
+        Whether the score of a fit also counts its free-run error: where the innovations say too little about it.
+    lattice : float
+        Converter step in the scaled output; zero where there is none.
+    pieces : tuple of (int, int)
+        With several records, joined end to end: first sample of each and the one after its last; else empty.
+    lags : int
+        The longest autoregression that the noise may have.
+    complete : ndarray of bool, shape (N,)
+        Rows that count together with so many before them.
+    """
+
+    u: FloatArray
+    y: FloatArray
+    rows: np.ndarray
+    Ts: float
+    u_scale: Scale
+    y_scale: Scale
+    start: float = 0.0
+    by_free_run: bool = False
+    lattice: float = 0.0
+    pieces: tuple[tuple[int, int], ...] = ()
+    lags: int = field(init=False, repr=False)
+    complete: np.ndarray = field(init=False, repr=False)
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "lags", usable_lags(self.rows))
+        object.__setattr__(self, "complete", complete_rows(self.rows, self.lags))
+
+    @property
+    def samples(self) -> int:
+        """N."""
+        return int(self.u.size)
+
+    @property
+    def longest(self) -> int:
+        """Samples of the longest record."""
+        return max((stop - start for start, stop in self.pieces), default=self.samples)
+
+
+def scaled(
+    u: FloatArray,
+    y: FloatArray,
+    rows: np.ndarray,
+    Ts: float,
+    start: float = 0.0,
+    scales: tuple[Scale, Scale] | None = None,
+) -> Data:
+    """Centre both signals and divide them by their spread.
+
+    Parameters
+    ----------
+    u, y : ndarray, shape (N,)
+        Input and output in the record's units; neither is constant.
+    rows : ndarray of bool, shape (N,)
+        Samples that the cost counts.
+    Ts : float
+        Sampling time in seconds.
+    start : float
+        Time of the first sample in seconds.
+    scales : tuple of Scale, optional
+        Those of input and output that a simulation counts in, in the place of the record's own.
+
+    Returns
+    -------
+    Data
+    """
+    own = Scale(float(np.mean(u)), _spread(u)), Scale(float(np.mean(y)), _spread(y))
+    u_scale, y_scale = scales or own
+    return Data(u_scale.of(u), y_scale.of(y), rows, Ts, u_scale, y_scale, start)
+
+
+def _spread(values: FloatArray) -> float:
+    """Standard deviation, also of numbers whose squares are too small or too large for floating point."""
+    span = float(np.ptp(values))
+    return span * float(np.std(values / span))
+
+
+def usable_lags(rows: np.ndarray) -> int:
+    """Largest order of the noise model: `MAX_LAGS`, or less if too few rows have as many counted rows before them."""
+    lags = MAX_LAGS
+    while lags > 1 and complete_rows(rows, lags).sum() < MIN_COMPLETE_SHARE * rows.sum():
+        lags //= 2
+    return lags
+
+
+def complete_rows(rows: np.ndarray, lags: int = MAX_LAGS) -> np.ndarray:
+    """Rows that count together with the `lags` rows before them."""
+    complete = rows.copy()
+    complete[:lags] = False
+    for lag in range(1, lags + 1):
+        complete[lag:] &= rows[:-lag]
+    return complete

@@ -1,0 +1,1 @@
+"""The report as JSON, text, page and notebook output."""

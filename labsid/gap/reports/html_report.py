@@ -1,0 +1,291 @@
+"""The HTML report: one self-contained file, made from the JSON report alone."""
+
+import base64
+import hashlib
+import re
+import shlex
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from labsid._files import write_file
+from labsid.gap.reports import sentences
+from labsid.gap.reports.effect_texts import (
+    EFFECT_TEXTS,
+    REMAINING_ERRORS,
+    UNSIMULATED,
+    parameter_label,
+    parameter_value,
+)
+from labsid.gap.reports.location_text import location_sentences
+from labsid.gap.reports.quantities import closed_percent, number, percent, probability
+
+if TYPE_CHECKING:
+    import jinja2
+
+TEMPLATES = Path(__file__).parent / "templates"
+VISIBLE_ROWS = 8  # rows of the ranking outside the collapsed part
+_UNBREAKABLE = r" %( \[-?\d+, -?\d+\])?|(?<=\d) (s|Hz)\b|\bp [=<>] (?=\d)"
+LOOP = (
+    ("input", "Actuator", "command to process"),
+    ("dynamics", "Process", "dynamics of the rig"),
+    ("output", "Sensor", "process to record"),
+    ("disturbance", "Environment", "loads and noise"),
+    ("parameters", "Simulation", "its parameters"),
+)
+
+
+def write_html_report(path: Path, report: dict[str, Any]) -> None:
+    """Write the report as one HTML file without external resources.
+
+    Parameters
+    ----------
+    path : Path
+        An existing file is replaced.
+    report : dict
+        In the layout ``labsid.gap/2``.
+
+    Raises
+    ------
+    OSError
+        If the file cannot be written.
+    """
+    write_file(path, render_html(report).encode())
+
+
+def render_html(report: dict[str, Any]) -> str:
+    """The report as HTML without external resources; its scripts replace the figure of the simulations by panels."""
+    content = {"page": page_content(report), "pictures": encoded_figures(report), "scripts": scripts(report)}
+    return load_template("gap.html.j2").render(content)
+
+
+def page_content(report: dict[str, Any]) -> dict[str, Any]:
+    """The content of the page as plain text, by the names that the template uses."""
+    gap, record = report["gap"], report["record"]
+    return {
+        "verdict": report["verdict"],
+        "sentence": sentences.verdict_sentence(report),
+        "headline": sentences.headline(report),
+        "remaining": sentences.remaining_sentence(report),
+        "name": record["name"] or "record",
+        "samples": record["samples"],
+        "Ts": f"{record['Ts']:.6g}",
+        "duration": f"{record['samples'] * record['Ts']:.4g}",
+        "simulation": _simulation(report),
+        "closed": None
+        if gap["closed"] is None or sentences.is_unchanged(report)
+        else closed_percent(gap["closed"], gap["ci95"]),
+        "bars": _bars(report),
+        "gap": sentences.gap_sentence(report),
+        "baseline": sentences.baseline_sentence(report),
+        "records": sentences.record_rows(report),
+        "records_text": sentences.records_sentence(report),
+        "kinds": _kinds(report),
+        "effects": [_effect(effect) for effect in report["effects"]],
+        "alternatives": sentences.ambiguity_sentence(report),
+        "record": sentences.record_sentences(report),
+        "screen": report["screen"],
+        "holdout": report["holdout_traces"] is not None,
+        "correction": sentences.correction(report),
+        "plateaus": sentences.plateaus_matter(report),
+        "ranking_text": sentences.ranking_sentence(report),
+        "has_probabilities": _has_probabilities(report),
+        "loop": _loop(report),
+        "place": sentences.place_sentence(report),
+        "where": location_sentences(report),
+        "fitted_baseline": sentences.fitted_baseline_sentence(report),
+        "ranking": _ranking(report),
+        "shown": VISIBLE_ROWS,
+        "tried": [sentences.noun_without_article(name) for name in sentences.effects_tried(report)],
+        "residual": sentences.residual_sentences(report),
+        "experiment": _experiment(report),
+        "look": sentences.look_sentence(report),
+        "command": command(report),
+        "exact": "command" in report,
+    }
+
+
+def _simulation(report: dict[str, Any]) -> str:
+    """The simulation that was compared with the record."""
+    if not report["simulation"]["given"]:
+        return "No simulation was given, so a linear model fitted to the record takes its place."
+    if report["simulation"]["output_only"]:
+        return "Only the output of your simulation was given, so only effects at the output could be tried."
+    return "The record is compared with the simulation that you gave, unchanged."
+
+
+def _bars(report: dict[str, Any]) -> list[dict[str, Any]]:
+    """Rms errors as bars, with lengths in per cent of the longest."""
+    gap = report["gap"]
+    if sentences.is_unchanged(report):
+        rows = [("Simulation", gap["before"], "after")]
+    else:
+        rows = [("Before", gap["before"], "before"), (f"After {sentences.correction(report)}", gap["after"], "after")]
+    rows.append(
+        ("Noise alone" if _has_probabilities(report) else "Noise, with disturbances", gap["noise_floor"], "floor")
+    )
+    longest = max(value for _, value, _ in rows) or 1.0
+    return [
+        {"label": text, "value": number(value), "width": f"{100.0 * value / longest:.1f}", "colour": colour}
+        for text, value, colour in rows
+    ]
+
+
+def _effect(effect: dict[str, Any]) -> dict[str, Any]:
+    text = EFFECT_TEXTS.get(effect["name"])
+    closed = effect["closed"]
+    parameters = []
+    for name, entry in effect["parameters"].items():
+        value, unit = parameter_value(effect["name"], name, entry)
+        parameters.append(
+            {
+                "label": parameter_label(effect["name"], name, entry),
+                "value": value,
+                "unit": unit,
+            }
+        )
+    return {
+        "title": sentences.capitalised(sentences.noun_without_article(effect["name"])),
+        "name": effect["name"],
+        "meaning": "" if text is None else text.meaning,
+        "probability": probability(effect["probability"]),
+        "closed": None if closed is None or effect["name"] in UNSIMULATED else closed_percent(closed),
+        "parameters": parameters,
+    }
+
+
+def _loop(report: dict[str, Any]) -> list[dict[str, Any]]:
+    """The blocks of the control loop, with marks on those of the causes; the simulation only if it was given."""
+    causes = {effect["path"] for effect in report["effects"] if sentences.is_probable(effect)}
+    possible = {effect["path"] for effect in report["effects"]}
+    rest = report["unexplained"]["path"] if report["verdict"] in ("partial", "unknown") else None
+    return [
+        {
+            "path": path,
+            "title": title,
+            "what": what,
+            "cause": path in possible,
+            "tags": [
+                *(["cause"] if path in causes else ["possible cause"] if path in possible else []),
+                *([f"main part of the {'rest' if possible else 'error'}"] if path == rest else []),
+            ],
+        }
+        for path, title, what in LOOP
+        if path != "parameters" or report["simulation"]["given"]
+    ]
+
+
+def _ranking(report: dict[str, Any]) -> list[dict[str, Any]]:
+    """Rows of the ranking; that of the accepted explanation includes its closed share on held-out samples."""
+    gap = report["gap"]
+    accepted = {effect["name"] for effect in report["effects"]} - {*UNSIMULATED, "parameter-mismatch"}
+    rows = []
+    for row in report["ranking"]:
+        names, closed = row["name"].split("+"), row["closed"]
+        ours = report["verdict"] in ("effect", "partial") and set(names) == accepted
+        rows.append(
+            {
+                "name": sentences.capitalised(
+                    sentences.joined([sentences.noun_without_article(name) for name in names])
+                ),
+                "probability": probability(row["probability"]),
+                "closed": "–" if closed is None else closed_percent(closed),
+                "width": "" if closed is None else f"{100.0 * min(max(closed, 0.0), 1.0):.0f}",
+                "rmse": number(row["rmse"]),
+                "accepted": ours,
+                "held_out": closed_percent(gap["closed"], gap["ci95"])
+                if ours and gap["closed"] is not None and _has_probabilities(report)
+                else "",
+            }
+        )
+    return rows
+
+
+def _has_probabilities(report: dict[str, Any]) -> bool:
+    """Whether the candidates are compared by their probabilities, not by their errors on held-out samples."""
+    return report["verdict"] in ("none", "effect")
+
+
+def _kinds(report: dict[str, Any]) -> list[dict[str, str]]:
+    """Shares of the remaining error by the kind of model that reduces it, as bars."""
+    kinds = report["unexplained"]["kinds"] if sentences.has_kinds(report) else {}
+    return [
+        {
+            "label": sentences.capitalised(REMAINING_ERRORS[name].label),
+            "value": percent(share),
+            "width": f"{100.0 * share:.1f}" if share > 0.0 else "",
+        }
+        for name, share in kinds.items()
+    ]
+
+
+def _experiment(report: dict[str, Any]) -> dict[str, Any] | None:
+    """The sentence on the proposed input, and the input as CSV in base64."""
+    planned = report["next_experiment"]
+    if planned is None:
+        return None
+    rows = "".join(f"{t!r},{u!r}\n" for t, u in zip(planned["t"], planned["u"], strict=True))
+    return {
+        "text": sentences.experiment_sentence(report),
+        "csv": base64.b64encode(f"t,u\n{rows}".encode()).decode("ascii"),
+    }
+
+
+def command(report: dict[str, Any]) -> str:
+    """The command that reproduces this page, for a POSIX shell."""
+    given = report.get("command")
+    if given:
+        return str(given)
+    names = [row["name"] for row in report.get("records", ())] or [report["record"]["name"] or "RECORD"]
+    words = ["labsid", "gap", "diagnose", *names]
+    if report["simulation"]["given"]:
+        words += ["--sim", "MODEL"]
+    if report["holdout_traces"] is not None:
+        words += ["--holdout", "RECORD2"]
+    return shlex.join([*words, "--json", "report.json", "--html", "report.html"])
+
+
+def encoded_figures(report: dict[str, Any]) -> dict[str, dict[str, str]]:
+    """The figures as PNG in base64, each for a wide and for a narrow screen."""
+    from labsid.plots.gap import figures_as_png
+
+    return {
+        name: {screen: base64.b64encode(png).decode("ascii") for screen, png in screens.items()}
+        for name, screens in figures_as_png(report).items()
+    }
+
+
+def scripts(report: dict[str, Any]) -> dict[str, Any]:
+    """The scripts of the page, their digests for its security policy, and their data."""
+    from labsid.gap.reports.replay_page import page_data, page_script
+    from labsid.plots.gap_panels import panel_script
+
+    texts = [panel_script(), page_script(report, (TEMPLATES / "replay.js").read_text(encoding="utf-8"))]
+    return {
+        "texts": texts,
+        "digests": [digest(text) for text in texts],
+        "data": page_data(report),
+        "switches": bool(report.get("replay")),
+    }
+
+
+def digest(script: str) -> str:
+    """The digest by which a security policy allows an inline script."""
+    return base64.b64encode(hashlib.sha256(script.encode()).digest()).decode("ascii")
+
+
+def load_template(name: str) -> "jinja2.Template":
+    """A template of this package; values are escaped, and numbers stay on one line with their units."""
+    import jinja2
+
+    loader = jinja2.FileSystemLoader(TEMPLATES)
+    environment = jinja2.Environment(
+        loader=loader, autoescape=True, undefined=jinja2.StrictUndefined, trim_blocks=True, finalize=_no_break
+    )
+    return environment.get_template(name)
+
+
+def _no_break(value: Any) -> Any:
+    """Keep numbers with their units and intervals on one line."""
+    if not isinstance(value, str) or hasattr(value, "__html__"):  # markup: its parts have been processed already
+        return value
+    return re.sub(_UNBREAKABLE, lambda found: found[0].replace(" ", "\u00a0"), value)

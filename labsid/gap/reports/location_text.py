@@ -1,0 +1,85 @@
+"""Sentences on the location of the gap in time, frequency and operating range."""
+
+from typing import Any
+
+from labsid.gap.reports.quantities import between, number, percent
+
+HALF = 0.5  # of the gap, that a reported band or range contains
+DENSE_RATIO = 1.5  # error power over the average of the record, in a dense stretch
+MIN_DENSE_SHARE = 0.4  # of the gap, that dense stretches must contain to be reported
+MIN_EXCESS = 0.1  # share of the gap less share of the time, to report a range
+
+
+def location_sentences(report: dict[str, Any]) -> list[str]:
+    """Sentences on where the gap lies in time, frequency and operating range."""
+    where = report["where"]
+    texts = [_in_time(where["time"]), _in_frequency(where["band_hz"]), *_in_range(report)]
+    return [text for text in texts if text]
+
+
+def _in_time(segments: list[list[float]]) -> str:
+    if not segments:
+        return ""
+    whole = segments[-1][1] - segments[0][0]
+    dense: list[list[float]] = []  # [start, stop, share], adjacent segments merged
+    for start, stop, share in segments:
+        if share * whole <= DENSE_RATIO * (stop - start):
+            continue
+        if dense and start - dense[-1][1] < 1e-6 * whole:
+            dense[-1] = [dense[-1][0], stop, dense[-1][2] + share]
+        else:
+            dense.append([start, stop, share])
+    total, time = sum(s[2] for s in dense), sum(s[1] - s[0] for s in dense) / whole
+    if total < MIN_DENSE_SHARE:
+        return "The gap is spread over the whole record."
+    low, high = between(*max(dense, key=lambda s: s[2])[:2])
+    if len(dense) == 1:
+        return f"{percent(total)} of the gap lies between {low} and {high} s, {percent(time)} of the record."
+    return (
+        f"{percent(total)} of the gap lies in {len(dense)} stretches that make up {percent(time)} of the record; "
+        f"the largest is {low} to {high} s."
+    )
+
+
+def _in_frequency(bands: list[list[float]]) -> str:
+    run = _narrowest_half([band[2] for band in bands])
+    if run is None:
+        return ""
+    low, high = bands[run[0]][0], bands[run[1] - 1][1]
+    share = percent(sum(band[2] for band in bands[run[0] : run[1]]))
+    if low == 0.0:
+        return f"{share} of it lies below {number(high)} Hz."
+    return f"{share} of it lies between {number(low)} and {number(high)} Hz."
+
+
+def _in_range(report: dict[str, Any]) -> list[str]:
+    texts = []
+    cells: dict[str, list[dict[str, Any]]] = {}
+    for cell in report["where"]["operating"]:
+        cells.setdefault(cell["signal"], []).append(cell)
+    for signal, own in cells.items():
+        run = _narrowest_half([cell["share"] for cell in own])
+        if run is None:
+            continue
+        inside = own[run[0] : run[1]]
+        share, time = (sum(cell[name] for cell in inside) for name in ("share", "time"))
+        what = "the rate of y" if signal == "dy" else signal
+        if share < time + MIN_EXCESS:
+            texts.append(f"Over the range of {what}, the gap is in proportion to the time spent at each value.")
+            continue
+        low, high = between(inside[0]["low"], inside[-1]["high"])
+        texts.append(
+            f"{percent(share)} of it lies where {what} is between {low} and {high}, "
+            f"in which the record spends {percent(time)} of its time."
+        )
+    return texts
+
+
+def _narrowest_half(shares: list[float]) -> tuple[int, int] | None:
+    """The shortest run of cells that contains half of the total, as a half-open range; the largest such run."""
+    for width in range(1, len(shares)):
+        starts = range(len(shares) - width + 1)
+        best = max(starts, key=lambda i: sum(shares[i : i + width]))
+        if sum(shares[best : best + width]) >= HALF:
+            return best, best + width
+    return None

@@ -1,0 +1,289 @@
+"""The JSON report (layout ``labsid.gap/2``), from which the text and HTML reports are made."""
+
+from typing import Any
+
+import numpy as np
+from scipy.stats import chi2
+
+from labsid._arrays import FloatArray, stretches_of
+from labsid.gap.dynamics._kernels import whiten
+from labsid.gap.effects.base import Effect, Fitted
+from labsid.gap.fits.fitting import Fit, mean_square, rms
+from labsid.gap.fits.parameter_estimates import estimate_numbers, estimate_parameters
+from labsid.gap.record.data import Data
+from labsid.gap.reports import location
+from labsid.gap.reports.effect_guide import EFFECT_GUIDE
+from labsid.gap.reports.experiment import Experiment, next_experiment
+from labsid.gap.reports.quantities import counted, percent
+from labsid.gap.reports.traces import figure_traces
+from labsid.gap.search.explanation import Explanation
+from labsid.gap.simulations.baseline import Baseline
+from labsid.gap.verdict.answer import Answer
+from labsid.gap.verdict.decision import MISMATCH, Decision
+from labsid.gap.verdict.scores import closed_share
+from labsid.model_structures.residuals import ljung_box
+from labsid.records.record import Record
+
+SCHEMA = "labsid.gap/2"
+LAGS = 20
+
+
+def build_report(
+    record: Record, answer: Answer, base: Baseline, rng: np.random.Generator, holdout: Record | None = None
+) -> dict[str, Any]:
+    """Assemble the report, in the units of the record.
+
+    Parameters
+    ----------
+    record : Record
+    answer : Answer
+    base : Baseline
+    rng : Generator
+        For the proposed input.
+    holdout : Record, optional
+        The record on which the gap was scored, if it is another one.
+
+    Returns
+    -------
+    dict
+        JSON-ready, in the layout ``labsid.gap/2``.
+    """
+    explanation, decision, score = answer.explanation, answer.decision, answer.score
+    unit = explanation.data.y_scale.unit
+    effects = _effects(answer)
+    before, after = answer.outputs
+    e = record.y - before
+    return {
+        "schema": SCHEMA,
+        "verdict": decision.verdict,
+        "effects": effects,
+        "ambiguous": list(decision.ambiguous),
+        "ranking": _ranking(answer),
+        "where": {
+            "path": effects[0]["path"] if effects else decision.verdict,
+            "time": location.share_by_time(record.t, e, record.Ts, _acting_samples(explanation, decision)),
+            "band_hz": location.share_by_frequency(e, record.Ts),
+            "operating": location.most_uneven_signal(record.u, record.y, record.Ts, e),
+            "map": location.operating_map(record.u, record.y, e),
+        },
+        "gap": {
+            "before": score.before * unit,
+            "after": score.after * unit,
+            "noise_floor": score.floor * unit,
+            "closed": score.closed,
+            "ci95": None if score.ci95 is None else list(score.ci95),
+            "holdout": _stretches(holdout or record, score.scored),
+        },
+        "unexplained": _unexplained(answer),
+        "next_experiment": _experiment(record, explanation, decision, rng),
+        "record": {"name": record.name, "samples": len(record), "Ts": record.Ts},
+        "simulation": {
+            "given": base.given,
+            "output_only": base.output_only,
+            "closed": base.structure.given is not None,
+            "model": _linear_model(answer),
+            "numbers": estimate_numbers(explanation.data, explanation.best),
+        },
+        "screen": screen_sentences(explanation),
+        "traces": figure_traces(record.t, record.u, record.y, before, after),
+    }
+
+
+def _linear_model(answer: Answer) -> dict[str, Any] | None:
+    """How the linear model was fitted; None for a given simulation."""
+    linear, unit = answer.linear, answer.explanation.data.y_scale.unit
+    if linear is None:
+        return None
+    errors = {method: error * unit for method, error in linear.errors.items()}
+    return {"method": linear.method, "observed": linear.observed, "errors": errors}
+
+
+def _effects(answer: Answer) -> list[dict[str, Any]]:
+    explanation, decision, closed = answer.explanation, answer.decision, answer.closed
+    found = []
+    by_name: dict[str, Effect] = {
+        e.name: e for e in explanation.best.hypothesis.effects[explanation.best.hypothesis.n_given :]
+    }
+    for name in decision.names:
+        effect = by_name.get(name)
+        found.append(
+            {
+                "name": name,
+                "path": EFFECT_GUIDE[name].path,
+                "parameters": estimate_parameters(explanation.data, explanation.best, effect)
+                if effect is not None
+                else estimate_numbers(explanation.data, explanation.best)
+                if name == MISMATCH
+                else _sample_parameters(explanation, name),
+                "probability": float(decision.probability[name]),
+                "closed": closed[_step(explanation, name)],
+                "evidence": answer.evidence[name]._asdict() if name in answer.evidence else None,
+            }
+        )
+    return found
+
+
+def _step(explanation: Explanation, name: str) -> int:
+    """Step of the path at which an effect is added; the last one for effects found in the samples."""
+    for number, fit in enumerate(explanation.path):
+        if name in fit.hypothesis.names:
+            return number
+    return 0 if name == MISMATCH else len(explanation.path) - 1
+
+
+def _sample_parameters(explanation: Explanation, name: str) -> dict[str, dict[str, Any]]:
+    faults, data = explanation.faults, explanation.data
+    exact = {"stderr": 0.0}
+    if name == "output-dropout":
+        return {"share": {"value": float(faults.held.mean()), "unit": "1", **exact}}
+    if name == "output-outliers":
+        return {"share": {"value": float(faults.spikes.mean()), "unit": "1", **exact}}
+    if name == "output-quantization":
+        return {"step": {"value": float(faults.lattice or 0.0) * data.y_scale.unit, "unit": "y", **exact}}
+    if name == "coloured-noise":
+        e = (data.y - explanation.best.output)[data.rows]
+        amplitude = float(np.sqrt(max(np.mean(e**2) - explanation.best.noise.sigma2, 0.0))) * data.y_scale.unit
+        pole = (
+            float(np.abs(np.roots([1.0, *-explanation.best.noise.ar])).max()) if explanation.best.noise.ar.size else 0.0
+        )
+        n = e.size
+        return {
+            "amplitude": {
+                "value": amplitude,
+                "stderr": amplitude / np.sqrt(2.0 * n * max(1.0 - pole, 1e-3)),
+                "unit": "y",
+            },
+            "pole": {"value": pole, "stderr": float(np.sqrt(max(1.0 - pole**2, 0.0) / n)), "unit": "1"},
+        }
+    return {}
+
+
+def _ranking(answer: Answer) -> list[dict[str, Any]]:
+    """Every combination tried, best first: by the free-run error if that decided, else by probability and BIC."""
+    explanation, decision, unit = answer.explanation, answer.decision, answer.explanation.data.y_scale.unit
+    if decision.verdict in ("partial", "unknown"):
+        start, floor = answer.score.before**2, answer.score.floor**2
+        rows = [
+            {
+                "name": "+".join(names),
+                "probability": decision.weights.get(names, 0.0),
+                "rmse": float(np.sqrt(mse)) * unit,
+                "closed": closed_share(start, mse, floor),
+            }
+            for names, mse in answer.tried.items()
+        ]
+        accepted = "+".join(sorted(set(decision.names) - {MISMATCH}))
+        return sorted(rows, key=lambda row: (row["name"] != accepted, row["rmse"]))
+    start, floor = mean_square(explanation.data, answer.before), float(explanation.best.noise.sigma2)
+    fits = [(names, fit) for level in explanation.levels[1:] for names, fit in level.items()]
+    ordered = sorted(fits, key=lambda item: (-decision.weights.get(item[0], 0.0), item[1].bic))
+    return [
+        {
+            "name": "+".join(names),
+            "probability": decision.weights.get(names, 0.0),
+            "rmse": rms(explanation.data, fit) * unit,
+            "closed": closed_share(start, mean_square(explanation.data, fit), floor),
+            "bic": fit.bic - explanation.path[0].bic,
+        }
+        for names, fit in ordered
+    ]
+
+
+def _acting_samples(explanation: Explanation, decision: Decision) -> np.ndarray:
+    """Samples on which the first effect acts that is confined to a part of the record."""
+    fit = explanation.best
+    for effect in fit.hypothesis.effects[fit.hypothesis.n_given :]:
+        at = effect.active_samples(Fitted.of(fit, explanation.data))
+        if effect.name in decision.names and at.any() and not at.all():
+            return at
+    if "output-dropout" in decision.names:
+        return explanation.faults.held
+    if "output-outliers" in decision.names:
+        return explanation.faults.spikes
+    return np.zeros(explanation.data.samples, bool)
+
+
+def _stretches(record: Record, scored: np.ndarray) -> list[list[float]]:
+    return [[float(record.t[a]), float(record.t[b - 1] + record.Ts)] for a, b in stretches_of(scored)]
+
+
+def _unexplained(answer: Answer) -> dict[str, Any]:
+    explanation, left, remaining = answer.explanation, answer.left, answer.remaining
+    data, fit = explanation.data, explanation.best
+    e = np.where(data.rows, data.y - fit.output, 0.0)
+    return {
+        "share": answer.share_left,
+        "whiteness_p": _whiteness(e, data),
+        "input_correlation_p": _input_correlation(e, data, fit),
+        "path": None if remaining is None else remaining.path,
+        "kinds": None if remaining is None else remaining.kinds,
+        "rms": (answer.score.after if answer.tried else left.rms) * data.y_scale.unit,
+        "colour": left.colour,
+        "repeats": left.repeats,
+    }
+
+
+def _whiteness(e: FloatArray, data: Data) -> float:
+    """P-value of the Ljung-Box test on the residual."""
+    x = e - e[data.rows].mean() * data.rows
+    energy = float(x @ x)
+    r = [float(x[lag:] @ x[:-lag]) / energy for lag in range(1, LAGS + 1)]
+    return ljung_box(r, int(data.rows.sum())).p_value
+
+
+def _input_correlation(e: FloatArray, data: Data, fit: Fit) -> float:
+    """P-value of a test that the whitened residual is uncorrelated with past values of the equally filtered input."""
+    white = whiten(np.column_stack([e, data.u - data.u.mean()]), fit.noise.ar)
+    x, u = white[:, 0], white[:, 1]
+    sound = data.complete
+    past = np.column_stack([np.concatenate([np.zeros(lag), u[:-lag]]) for lag in range(1, LAGS + 1)])[sound]
+    past = past - past.mean(axis=0)
+    target = x[sound] - x[sound].mean()
+    q, r = np.linalg.qr(past)
+    independent = np.abs(np.diag(r)) > 1e-6 * np.abs(np.diag(r)).max()
+    predicted = float(((q.T @ target)[independent] ** 2).sum())
+    return float(chi2.sf(predicted / (float(target @ target) / target.size), int(independent.sum())))
+
+
+def _experiment(
+    record: Record, explanation: Explanation, decision: Decision, rng: np.random.Generator
+) -> dict[str, Any] | None:
+    """The input that best distinguishes the accepted explanation from its best rival, if there is one."""
+    count = len(explanation.best.hypothesis.names)
+    if not decision.ambiguous or not 0 < count < len(explanation.levels):
+        return None
+    level = explanation.levels[count]
+    accepted = set(explanation.best.hypothesis.names)
+    rivals = [fit for names, fit in level.items() if set(names) != accepted and set(names) & set(decision.ambiguous)]
+    if not rivals:
+        return None
+    rival = min(rivals, key=lambda fit: fit.bic)
+    found: Experiment | None = next_experiment(explanation.data, explanation.best, rival, rng)
+    if found is None:
+        return None
+    return {
+        "separates": list(found.separates),
+        "why": f"On {found.why}, {found.separates[1]} cannot reproduce the response of {found.separates[0]}.",
+        "t": (np.arange(found.u.size) * record.Ts).tolist(),
+        "u": found.u.tolist(),
+        "margin": found.margin,
+    }
+
+
+def screen_sentences(explanation: Explanation) -> list[str]:
+    """Faults found in the samples, in sentences."""
+    faults = explanation.faults
+    texts = []
+    if faults.lattice is not None:
+        texts.append(
+            f"All output values are multiples of one step of {faults.lattice * explanation.data.y_scale.unit:.4g}."
+        )
+    if faults.stretches:
+        share, places = percent(float(faults.held.mean())), counted(len(faults.stretches), "stretch", "stretches")
+        texts.append(f"The output repeats its last value in {places}, {share} of the record.")
+    spikes = int(faults.spikes.sum())
+    if spikes == 1:
+        texts.append("1 sample is an isolated spike; the fits exclude it.")
+    elif spikes:
+        texts.append(f"{spikes} samples are isolated spikes; the fits exclude them.")
+    return texts

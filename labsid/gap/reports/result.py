@@ -1,0 +1,102 @@
+"""The result of a diagnosis, as scripts and notebooks use it."""
+
+import html
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from labsid._arrays import FloatArray
+from labsid.gap.model_file import ExportedModel
+from labsid.gap.reports.html_report import render_html
+from labsid.gap.reports.text_report import format_report
+
+_PAGE = (
+    '<iframe srcdoc="{}" style="width: 100%; height: 48rem; border: 0" title="Diagnosis of the gap"'
+    ' sandbox="allow-scripts allow-downloads"></iframe>'
+)  # the scripts of the page have no access to the notebook
+
+
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
+class Diagnosis:
+    """Result of `diagnose`.
+
+    JupyterLab shows it as the page of ``--html``; `print` shows the text of the command line.
+
+    Attributes
+    ----------
+    report : dict
+        In the layout ``labsid.gap/2``; ``--json`` writes it.
+    model : ExportedModel
+        The simulation with the effects added; ``--export`` writes it.
+    """
+
+    report: dict[str, Any]
+    model: ExportedModel
+
+    @property
+    def verdict(self) -> str:
+        """``"none"``, ``"effect"``, ``"partial"`` or ``"unknown"``."""
+        return str(self.report["verdict"])
+
+    @property
+    def effects(self) -> dict[str, dict[str, dict[str, Any]]]:
+        """Parameters of the effects found, by name: ``{name: {parameter: {value, stderr, unit}}}``."""
+        return {effect["name"]: effect["parameters"] for effect in self.report["effects"]}
+
+    @property
+    def ranking(self) -> list[dict[str, Any]]:
+        """Every combination of effects tried, best first; ``pandas.DataFrame(result.ranking)`` is its table."""
+        return list(self.report["ranking"])
+
+    def better(self, t: FloatArray, u: FloatArray, y: FloatArray | None = None) -> FloatArray:
+        """Output of the simulation with the effects added.
+
+        Parameters
+        ----------
+        t : array_like, shape (N,)
+            Times in seconds, with the sampling time of the record.
+        u : array_like, shape (N,)
+            Input.
+        y : array_like, shape (N,), optional
+            Measured output, of which the first samples determine the initial state; without it, the simulation starts
+            from rest.
+
+        Returns
+        -------
+        ndarray, shape (N,)
+
+        Raises
+        ------
+        ValueError
+            If the lengths differ, or the times have another sampling time.
+        """
+        times, inputs = np.asarray(t, float), np.asarray(u, float)
+        measured = None if y is None else np.asarray(y, float)
+        shapes = [one.shape for one in (times, inputs, measured) if one is not None]
+        if times.ndim != 1 or times.size < 2 or len(set(shapes)) > 1:
+            raise ValueError(f"t, u and y must be vectors of one length, two samples or more; got shapes {shapes}.")
+        if not np.allclose(np.diff(times), self.model.Ts, rtol=1e-3):
+            raise ValueError(
+                f"the simulation runs at {self.model.Ts:g} s, the times at {np.diff(times).mean():g} s. Resample them."
+            )
+        return self.model.simulate(inputs, measured)
+
+    def plot(self) -> Any:
+        """A matplotlib figure of the measured output and of the simulations before and after, with their errors."""
+        from labsid.plots.gap import figure_simulations
+
+        return figure_simulations(self.report)
+
+    def __str__(self) -> str:
+        return format_report(self.report)
+
+    def __repr__(self) -> str:
+        gap = self.report["gap"]
+        named = ", ".join(f"{one['name']} (p = {one['probability']:.2f})" for one in self.report["effects"])
+        found = f"{self.verdict}: {named}" if named else self.verdict
+        closed = "" if gap["closed"] is None else f", {gap['closed']:.0%} of the gap closed"
+        return f"<Diagnosis: {found}; rms error {gap['before']:.3g} before, {gap['after']:.3g} after{closed}>"
+
+    def _repr_html_(self) -> str:
+        return _PAGE.format(html.escape(render_html(self.report)))

@@ -1,0 +1,481 @@
+"""Sentences of the text and HTML reports, made from the JSON report alone."""
+
+import re
+from typing import Any
+
+from labsid.gap.reports.effect_texts import REMAINING_ERRORS, UNSIMULATED, clause, noun
+from labsid.gap.reports.quantities import closed_percent, number, p_value, percent, probability, with_error
+
+PLACES = {
+    "input": "between the command and the process",
+    "dynamics": "in the process",
+    "output": "between the process and the record",
+    "disturbance": "outside the signal path, independent of the command",
+    "parameters": "in the parameters of the simulation, not in its structure",
+}
+SURE, LIKELY = 0.9, 0.6  # probabilities from which an effect is stated without qualification, and as probable
+SIGNIFICANT = 0.01  # p-value below which a residual test is reported as significant
+RELIABLE_MARGIN = 20.0  # margin of an experiment from which its decision was right in 995 of 1000 trials
+NO_GAP = 1.1  # rms error over noise, up to which there is no gap
+HALF = 0.5  # of a share or a probability
+TIME_VARYING = {"load-step", "parameter-drift"}
+OUTPUT_ERROR, FIRST_ORDER = "output error", "output error of first order"  # methods of `baseline_choice`
+KIND_PATHS = {"linear": "dynamics", "nonlinear": "dynamics"} | {
+    name: name for name in ("input", "output", "time", "disturbance")
+}  # as in `black_boxes`
+MIN_KIND = 0.05  # share of the remaining error from which a kind is mentioned
+MAX_UNACCOUNTED = 0.3  # of the variation between plateaus, that an explanation of it may leave
+
+
+def verdict_sentence(report: dict[str, Any]) -> str:
+    """The verdict in one sentence, and what remains in another one."""
+    return " ".join(text for text in (headline(report), remaining_sentence(report)) if text)
+
+
+def headline(report: dict[str, Any]) -> str:
+    """The verdict without what remains."""
+    if report["verdict"] == "effect":
+        return _effect_sentence(report)
+    if report["verdict"] == "partial":
+        return _partial_sentence(report)
+    return _none_sentence(report) if report["verdict"] == "none" else _unknown_sentence(report)
+
+
+def _effect_sentence(report: dict[str, Any]) -> str:
+    effects, gap = report["effects"], report["gap"]
+    several = len(effects) > 1
+    clauses = [_qualified(effect) + (f" ({noun(effect['name'])})" if several else "") for effect in effects]
+    causes = joined([clauses[0], *(uncapitalised(text) for text in clauses[1:])], comma=True)
+    subject = "together they" if several else noun(effects[0]["name"])
+    s = "" if several else "s"
+    before, closed = number(gap["before"]), gap["closed"]
+    if all(effect["name"] in UNSIMULATED for effect in effects):
+        name = "" if several else f": {subject}"
+        if gap["before"] <= NO_GAP * gap["noise_floor"]:
+            return f"{causes}{name}; apart from this, there is no gap beyond noise."
+        noise = number(gap["noise_floor"])
+        return f"{causes}{name}; apart from this, the rms simulation error is {before}, and the noise alone is {noise}."
+    if closed is None and gap["after"] < gap["before"] and _is_mismatch(report):
+        return (
+            f"{causes}: {subject}. Refitting reduces the rms simulation error from {before} to {number(gap['after'])}."
+        )
+    if closed is None:
+        return f"{causes}: {subject} reduce{s} the error on the fitted samples, but held-out samples show no gap."
+    share = closed_percent(closed, gap["ci95"])
+    if closed <= 0.0:
+        return f"{causes}: {subject} improve{s} the fit, but close{s} none of the gap on held-out samples ({share})."
+    only = "only " if closed < HALF else ""
+    doubt = ", possibly none of it" if gap["ci95"] is not None and gap["ci95"][0] <= 0.0 else ""
+    return f"{causes}: {subject} explain{s} {only}{share} of the gap{doubt}."
+
+
+def _partial_sentence(report: dict[str, Any]) -> str:
+    """Verdict that explains a part of the gap: its causes and their share.
+
+    Effects that are less probable than not are listed after the causes.
+    """
+    effects, gap = report["effects"], report["gap"]
+    causes = [effect for effect in effects if is_probable(effect)]
+    others = [effect for effect in effects if not is_probable(effect)]
+    gain = (
+        f"explain* {closed_percent(gap['closed'], gap['ci95'])} of the gap"
+        if gap["closed"] is not None
+        else f"reduce* the rms simulation error from {number(gap['before'])} to {number(gap['after'])}"
+    )
+    one, several = gain.replace("*", "s"), gain.replace("*", "")
+    if not causes:
+        doubt = "but the true cause may be another one"
+        listed = joined([_with_chance(effect) for effect in others])
+        subject = f"{listed} together {several}" if len(others) > 1 else f"{listed} {one}"
+        return f"{capitalised(subject)}, {doubt}."
+    if len(effects) == 1:
+        return f"{_qualified(causes[0])}: {noun(causes[0]['name'])} {one}."
+    clauses = [f"{_qualified(effect)} ({_with_chance(effect)})" for effect in causes]
+    said = joined([clauses[0], *(uncapitalised(text) for text in clauses[1:])], comma=True)
+    if not others:
+        return f"{said}. Together they {several}."
+    listed = joined([_with_chance(effect) for effect in others])
+    less = "which is less certain" if len(others) == 1 else "which are less certain"
+    subject = f"this {one}" if len(causes) == 1 else f"they {several}"
+    return f"{said}. Together with {listed}, {less}, {subject}."
+
+
+def is_probable(effect: dict[str, Any]) -> bool:
+    """Whether an effect is more probable than not."""
+    return bool(effect["probability"] >= HALF)
+
+
+def _with_chance(effect: dict[str, Any]) -> str:
+    """The noun of an effect, with its probability if it is not stated without qualification."""
+    p = effect["probability"]
+    if p >= SURE:
+        return noun(effect["name"])
+    return f"{noun(effect['name'])}, {probability(p)}" if p >= HALF else f"{noun(effect['name'])} ({probability(p)})"
+
+
+def remaining_sentence(report: dict[str, Any]) -> str | None:
+    """The main part of the error that no named effect explains; None if all but noise is explained."""
+    if report["verdict"] not in ("partial", "unknown"):
+        return None
+    kind, partial = main_kind(report), report["verdict"] == "partial"
+    if kind is None:
+        return "Something else remains." if partial else None
+    share, path = percent(_predicted_share(report, kind)), report["unexplained"]["path"]
+    start = f"Something else remains: {share} of it" if partial else f"Of the error beyond white noise, {share}"
+    return f"{start} {REMAINING_ERRORS[kind].what} (path: {path})."
+
+
+def main_kind(report: dict[str, Any]) -> str | None:
+    """The kind of model that the remaining error is attributed to; None if noise alone remains."""
+    kinds, path = report["unexplained"]["kinds"], report["unexplained"]["path"]
+    if not kinds:
+        return None
+    return max((kind for kind in kinds if KIND_PATHS[kind] == path), key=lambda kind: float(kinds[kind]))
+
+
+def _predicted_share(report: dict[str, Any], kind: str) -> float:
+    """Share of the remaining error that a model of this kind predicts: it contains the simpler ones."""
+    kinds = report["unexplained"]["kinds"]
+    if kind == "disturbance":
+        return float(kinds[kind])
+    names = list(kinds)
+    return float(sum(kinds[name] for name in names[: names.index(kind) + 1]))
+
+
+def _qualified(effect: dict[str, Any]) -> str:
+    """The clause of an effect, with "probably" or "possibly" according to its probability."""
+    p = effect["probability"]
+    if p >= SURE:
+        return clause(effect)
+    return f"{'Probably' if p >= LIKELY else 'Possibly'} {uncapitalised(clause(effect))}"
+
+
+def _none_sentence(report: dict[str, Any]) -> str:
+    gap = report["gap"]
+    which = "your simulation" if report["simulation"]["given"] else "a linear model fitted to the record"
+    return (
+        f"There is no gap beyond noise: the rms error of {which} is {number(gap['before'])}, "
+        f"and the noise alone is {number(gap['noise_floor'])}."
+    )
+
+
+def _unknown_sentence(report: dict[str, Any]) -> str:
+    start = f"None of the {len(effects_tried(report))} effects tried explains the gap"
+    reason = "none reduces it on held-out samples by more than chance"
+    if plateaus_matter(report):
+        reason = "for the same input, the output settles at different levels"
+    return f"{start}: {reason}."
+
+
+def is_unchanged(report: dict[str, Any]) -> bool:
+    """Whether the simulations before and after are the same."""
+    return report["verdict"] in ("none", "unknown") or report["gap"]["after"] == report["gap"]["before"]
+
+
+def _is_mismatch(report: dict[str, Any]) -> bool:
+    return [effect["name"] for effect in report["effects"]] == ["parameter-mismatch"]
+
+
+def correction(report: dict[str, Any]) -> str:
+    """What distinguishes the simulation after from the one before, as a gerund."""
+    if _is_mismatch(report):
+        return "refitting the parameters"
+    noun_of_one = "effect" if report["verdict"] == "partial" else "cause"
+    return f"adding the {noun_of_one}{'s' if len(report['effects']) > 1 else ''}"
+
+
+def effects_tried(report: dict[str, Any]) -> list[str]:
+    """Every effect that was tried on this record; those detected in the samples come last."""
+    names = {name for row in report["ranking"] for name in row["name"].split("+")}
+    return [*sorted(names - set(UNSIMULATED)), *UNSIMULATED]
+
+
+def ambiguity_sentence(report: dict[str, Any]) -> str | None:
+    """Alternatives that the record does not rule out."""
+    rivals = joined([noun(name) for name in report["ambiguous"]], "or")
+    if not rivals:
+        return None
+    if not report["effects"]:
+        return f"The record does not rule out {rivals}."
+    chances = joined([f"{noun(e['name'])} {probability(e['probability'])}" for e in report["effects"]])
+    several = report["verdict"] == "partial" and len(report["effects"]) > 1
+    instead = "in the place of one of the effects" if several else "instead"
+    return f"The record does not rule out {rivals} {instead}. Probability: {chances}."
+
+
+def plateaus_matter(report: dict[str, Any]) -> bool:
+    """Whether levels that do not repeat make up much of the gap."""
+    return any(finding["topic"] == "plateaus" for finding in report["record_findings"])
+
+
+def record_sentences(report: dict[str, Any]) -> list[str]:
+    """Findings from the record itself, one string a finding."""
+    texts = []
+    for finding in report["record_findings"]:
+        text = re.sub(r"(?<=\d)%", " %", capitalised(re.sub("^y ", "the output ", finding["text"])))
+        texts.append(f"{text} {_plateaus(report)}" if finding["topic"] == "plateaus" else text)
+    return texts
+
+
+def _plateaus(report: dict[str, Any]) -> str:
+    """How much of the simulation error is variation between plateaus of the same input, before and after."""
+    seen = report["plateaus"]
+    size = (
+        f"Between these levels the simulation error varies by {number(seen['missed'])} rms; "
+        f"over the whole record it is {number(seen['missed'] / seen['of_gap'])} rms."
+    )
+    left = f"{number(seen['left'] * seen['missed'])} rms" if seen["left"] else "no larger than noise"
+    rest = "" if is_unchanged(report) else f" After {correction(report)}, this variation is {left}."
+    return f"{size} No effect tried explains this.{rest}" if seen["left"] > MAX_UNACCOUNTED else f"{size}{rest}"
+
+
+def ranking_sentence(report: dict[str, Any]) -> str:
+    """How the candidates were compared, and which are accepted."""
+    if report["verdict"] in ("none", "effect"):
+        start = "Each candidate was added to the simulation, and all parameters were refitted."
+        end = " On this record none is needed." if report["verdict"] == "none" else ""
+        return f"{start} The probabilities compare the candidates with each other.{end}"
+    where = "the holdout record" if report["holdout_traces"] is not None else "held-out samples"
+    start = (
+        f"Each candidate was added to the simulation, and all parameters were refitted; its error is that on {where}."
+    )
+    if report["verdict"] == "unknown":
+        return f"{start} None reduces this error by more than chance."
+    every = "Each of the accepted effects reduces" if len(report["effects"]) > 1 else "The accepted effect reduces"
+    names = {effect["name"] for effect in report["effects"]}
+    accepted = min((row["rmse"] for row in report["ranking"] if set(row["name"].split("+")) == names), default=0.0)
+    less = any(row["rmse"] < accepted for row in report["ranking"])
+    except_for = " Candidates with a smaller error contain an effect that does not." if less else ""
+    return f"{start} {every} this error by more than chance.{except_for}"
+
+
+def gap_sentence(report: dict[str, Any]) -> str:
+    """The size of the gap before and after, and the samples on which it is scored."""
+    gap = report["gap"]
+    where = "held-out samples" if report["holdout_traces"] is None else "holdout record"
+    where = "each record left out in turn" if report.get("records") else where
+    unit = report.get("units", {}).get("y", "units of y")
+    noise = "noise alone" if report["verdict"] in ("none", "effect") else "noise, with disturbances,"
+    end = f"the {noise} is {number(gap['noise_floor'])} ({unit}, {where})."
+    if is_unchanged(report):
+        return f"The rms simulation error is {number(gap['before'])}; {end}"
+    return (
+        f"The rms simulation error is {number(gap['before'])} before and {number(gap['after'])} after "
+        f"{correction(report)}; {end}"
+    )
+
+
+def has_kinds(report: dict[str, Any]) -> bool:
+    """Whether the report attributes a remaining error to kinds of models."""
+    return main_kind(report) is not None and not (report["verdict"] in ("none", "effect") and _is_white(report))
+
+
+def kinds_sentence(report: dict[str, Any]) -> str | None:
+    """Shares of the remaining error by the kind of model that reduces it."""
+    if not has_kinds(report):
+        return None
+    kinds = report["unexplained"]["kinds"]
+    large = sorted((item for item in kinds.items() if item[1] >= MIN_KIND), key=lambda item: -item[1])
+    parts = joined([f"{REMAINING_ERRORS[name].label} {percent(share)}" for name, share in large])
+    return f"The error beyond white noise by kind: {parts}."
+
+
+def look_sentence(report: dict[str, Any]) -> str | None:
+    """Where on the rig to look for the cause of the remaining error."""
+    kind = main_kind(report)
+    return None if kind is None or report["verdict"] in ("none", "effect") else REMAINING_ERRORS[kind].look
+
+
+def baseline_sentence(report: dict[str, Any]) -> str | None:
+    """How the linear model was fitted, if not as asked; the fitted numbers of a given simulation, and its limits."""
+    if report["simulation"]["given"]:
+        return _given_sentence(report)
+    model = report["simulation"].get("model")
+    if model is None or (model["method"] == OUTPUT_ERROR and model["observed"]):
+        return None
+    if not model["observed"]:
+        return _unobserved_sentence(model["method"])
+    if model["method"] == FIRST_ORDER:
+        return (
+            "The record does not support a linear model of the order asked for: one of first order has the smaller "
+            "error on held-out samples."
+        )
+    return (
+        f"The linear model was fitted by {model['method']}, one step ahead: on held-out samples its free run has a "
+        "smaller error than that of the output-error fit."
+    )
+
+
+def _unobserved_sentence(method: str) -> str:
+    """Which linear model is used where the slowest pole of the one that was asked for cannot be identified."""
+    slow = "The slowest pole of the linear model of the order asked for is too slow for this record to show"
+    if method == OUTPUT_ERROR:
+        return f"{slow}: the rig integrates its input, or nearly so."
+    used = "one of first order" if method == FIRST_ORDER else f"one fitted by {method}, one step ahead,"
+    return f"{slow}: {used} is used. Use a longer record."
+
+
+def _given_sentence(report: dict[str, Any]) -> str | None:
+    """The fitted numbers of a given simulation, and which effects could not be tried within it."""
+    simulation, texts = report["simulation"], []
+    numbers = {} if _is_mismatch(report) else simulation.get("numbers", {})
+    if numbers:
+        fitted = joined(
+            [
+                f"{name} = {with_error(one['value'], one['stderr'])} (nominally {number(one['nominal'])})"
+                for name, one in numbers.items()
+            ]
+        )
+        texts.append(f"Numbers of your simulation that were fitted: {fitted}.")
+    if simulation.get("closed") and report["verdict"] != "none" and not simulation["output_only"]:
+        texts.append(_limits_sentence({name for row in report["ranking"] for name in row["name"].split("+")}))
+    texts += _evaluation_sentences(simulation.get("evaluations"))
+    return " ".join(texts) or None
+
+
+def _limits_sentence(tried: set[str]) -> str:
+    """What could be tried around a given simulation, and what could not."""
+    inside = ["friction"] * ("coulomb-friction" not in tried) + ["a spring"] * ("cubic-stiffness" not in tried)
+    outside = [what for what in ("friction", "a spring") if what not in inside]
+    reacting = f"; {joined(outside)} as a force at its input that reacts to its output" if outside else ""
+    return (
+        "Your simulation can only be run as a whole: a delay, a lag and a mode were tried at its input, a mode beside "
+        f"it, too{reacting}; {joined([*inside, 'outflow', 'drag', 'stops', 'drifts'])} within it could not be tried."
+    )
+
+
+def _evaluation_sentences(runs: dict[str, Any] | None) -> list[str]:
+    """Whether a limit of the runs of a given simulation has ended the search, and how many of them failed."""
+    texts = []
+    if runs is not None and runs["spent"]:
+        texts.append(
+            f"The search was ended by the limit of {runs['budget']:,} runs of your simulation, a quarter of which is "
+            f"kept for the error on held-out samples; {runs['runs']:,} were used. What is not in the ranking may "
+            "not have been tried. Allow more runs."
+        )
+    if runs is not None and runs["failed"]:
+        share = f"{runs['failed']:,} of {runs['runs']:,}"
+        texts.append(f"{share} runs of your simulation failed; the first: {runs['failure']}")
+    return texts
+
+
+def record_rows(report: dict[str, Any]) -> list[tuple[str, str, str, str, str]]:
+    """Name, error before and after, noise and closed share of each of several records; empty for one."""
+    return [
+        (
+            row["name"],
+            number(row["before"]),
+            number(row["after"]),
+            number(row["noise_floor"]),
+            "–" if row["closed"] is None else closed_percent(row["closed"]),
+        )
+        for row in report.get("records", [])
+    ]
+
+
+def records_sentence(report: dict[str, Any]) -> str | None:
+    """How several records were treated."""
+    if not report.get("records"):
+        return None
+    return (
+        "The records share the parameters and the effects; each has its own offset and initial state. Each record was "
+        "simulated with fits to the others, its offset and initial state estimated from its first 50 samples. Times "
+        "run on from one record to the next, with a pause between them."
+    )
+
+
+def place_sentence(report: dict[str, Any]) -> str | None:
+    """Where in the control loop the causes are."""
+    effects = report["effects"]
+    if not effects:
+        return None
+    places = [PLACES.get(effect["path"], effect["path"]) for effect in effects]
+    if len(set(places)) == 1:
+        return f"The cause{'s are' if len(effects) > 1 else ' is'} {places[0]}."
+    listed = (f"{noun(effect['name'])}: {place}" for effect, place in zip(effects, places, strict=True))
+    return f"{capitalised('; '.join(listed))}."
+
+
+def fitted_baseline_sentence(report: dict[str, Any]) -> str:
+    """Why the gap of a fitted baseline precedes a change within the record; empty for other gaps."""
+    if report["simulation"]["given"] or not {effect["name"] for effect in report["effects"]} & TIME_VARYING:
+        return ""
+    return (
+        "The linear model was fitted to the record before and after the change, so it has errors on both sides of it."
+    )
+
+
+def residual_sentences(report: dict[str, Any]) -> list[str]:
+    """How much of the gap remains, and the results of the residual tests."""
+    left = report["unexplained"]
+    white, correlated = left["whiteness_p"] >= SIGNIFICANT, left["input_correlation_p"] < SIGNIFICANT
+    whiteness, correlation = p_value(left["whiteness_p"]), p_value(left["input_correlation_p"])
+    texts = []
+    if _is_white(report) and report["verdict"] in ("none", "effect"):
+        texts.append("Only white noise remains.")
+    elif left["share"] > 0.0 and report["verdict"] != "none":
+        texts.append(f"{percent(left['share'])} of the gap remains; with the noise, {number(left['rms'])} rms.")
+    if white:
+        texts.append(f"The residual is not autocorrelated (whiteness test, {whiteness}).")
+    else:
+        texts.append(
+            f"The residual is autocorrelated (whiteness test, {whiteness}), as from coloured noise or a slow effect."
+        )
+    if not correlated:
+        texts.append(f"It does not depend linearly on past inputs ({correlation}).")
+    elif has_kinds(report) and left["kinds"]["disturbance"] > HALF:
+        texts.append(f"It depends on past inputs ({correlation}), but they predict only a small part of it.")
+    else:
+        texts.append(f"It depends on past inputs ({correlation}): part of the dynamics is missing.")
+    if left.get("repeats", 0.0) > 0.1:
+        texts.append(f"It repeats when the input repeats (correlation {left['repeats']:.2f}), unlike noise.")
+    return texts
+
+
+def _is_white(report: dict[str, Any]) -> bool:
+    """Whether the residual is neither autocorrelated nor correlated with past inputs."""
+    left = report["unexplained"]
+    return bool(left["whiteness_p"] >= SIGNIFICANT and left["input_correlation_p"] >= SIGNIFICANT)
+
+
+def experiment_sentence(report: dict[str, Any]) -> str | None:
+    """Which explanations the proposed input distinguishes, and how reliably."""
+    planned = report["next_experiment"]
+    if planned is None:
+        return None
+    ours, rival = distinguishing_effects(planned["separates"])
+    why = str(planned["why"])
+    for name in sorted(planned["separates"], key=len, reverse=True):
+        why = why.replace(name, ours if name == planned["separates"][0] else rival)
+    margin = planned["margin"]
+    quality = "reliable" if margin >= RELIABLE_MARGIN else "probably correct"
+    return f"It distinguishes {ours} from {rival}. {why} Expected margin {margin:.0f}: the decision would be {quality}."
+
+
+def distinguishing_effects(separates: list[str]) -> tuple[str, str]:
+    """The effects of each of two explanations that the other does not contain."""
+    first, second = (name.split("+") for name in separates[:2])
+    ours, rival = [n for n in first if n not in second], [n for n in second if n not in first]
+    return joined([noun(n) for n in ours or first]), joined([noun(n) for n in rival or second])
+
+
+def joined(words: list[str], last: str = "and", comma: bool = False) -> str:
+    """``a, b and c``; with `comma`, ``a, b, and c``."""
+    if len(words) < 2:
+        return "".join(words)
+    return f"{', '.join(words[:-1])}{',' if comma else ''} {last} {words[-1]}"
+
+
+def noun_without_article(name: str) -> str:
+    """The noun of an effect without its article."""
+    return noun(name).removeprefix("a ").removeprefix("an ")
+
+
+def capitalised(text: str) -> str:
+    """`text` with an upper-case first letter."""
+    return text[:1].upper() + text[1:]
+
+
+def uncapitalised(text: str) -> str:
+    """`text` with a lower-case first letter."""
+    return text[:1].lower() + text[1:]

@@ -1,0 +1,103 @@
+"""The text report for the terminal, made from the JSON report alone."""
+
+import textwrap
+from typing import Any
+
+from labsid.gap.reports import sentences
+from labsid.gap.reports.effect_texts import noun, parameter_label, parameter_value
+from labsid.gap.reports.location_text import location_sentences
+from labsid.gap.reports.quantities import probability
+
+WIDTH = 96  # characters of a line
+INDENT = 11  # characters of the column of titles
+RECORD_COLUMNS = ("rms error on", "before", "after", "noise", "closed")
+
+
+def format_report(report: dict[str, Any]) -> str:
+    """Format the report as text.
+
+    Parameters
+    ----------
+    report : dict
+        In the layout ``labsid.gap/2``.
+
+    Returns
+    -------
+    str
+        Lines of at most 96 characters: the verdict; the causes with their parameters and standard errors; findings from
+        the record; alternatives; the gap before and after; its location; the residual; faults in the samples; and the
+        next experiment or the part of the rig to inspect.
+    """
+    lines = [*_row("", sentences.verdict_sentence(report), indent=0), ""]
+    for effect in report["effects"]:
+        lines += _effect(effect)
+    for number, finding in enumerate(sentences.record_sentences(report)):
+        lines += _row("" if number else "record", _printable(finding))
+    rows = [
+        ("ambiguous", [sentences.ambiguity_sentence(report)]),
+        ("gap", [sentences.gap_sentence(report), sentences.baseline_sentence(report)]),
+        ("where", [sentences.place_sentence(report), *location_sentences(report)]),
+        ("residual", [*sentences.residual_sentences(report), sentences.kinds_sentence(report)]),
+        ("samples", report["screen"]),
+        ("next", [_experiment(report), sentences.look_sentence(report)]),
+    ]
+    if report["verdict"] == "none":
+        rows = [row for row in rows if row[0] != "where"]  # the location of noise is not informative
+    if report["verdict"] == "unknown":
+        tried = sentences.joined([sentences.noun_without_article(name) for name in sentences.effects_tried(report)])
+        rows.insert(1, ("tried", [f"{sentences.capitalised(tried)}."]))
+    for title, texts in rows:
+        lines += _row(title, " ".join(_printable(text) for text in texts if text))
+        lines += _records(report) if title == "gap" else []
+    return "\n".join(lines)
+
+
+def _effect(effect: dict[str, Any]) -> list[str]:
+    """One cause, with its parameters in columns below."""
+    chance = probability(effect["probability"])
+    title = "cause" if sentences.is_probable(effect) else "possible"
+    lines = _row(title, f"{noun(effect['name'])} ({effect['name']}), probability {chance}")
+    rows = [
+        (
+            parameter_label(effect["name"], name, entry),
+            *parameter_value(effect["name"], name, entry),
+        )
+        for name, entry in effect["parameters"].items()
+    ]
+    wide = [max((len(row[i]) for row in rows), default=0) for i in range(2)]
+    blank = " " * INDENT
+    return lines + [f"{blank}  {a:<{wide[0]}}  {b:<{wide[1]}}  {c}".rstrip() for a, b, c in rows]
+
+
+def _records(report: dict[str, Any]) -> list[str]:
+    """The gap on each of several records, in columns."""
+    rows = sentences.record_rows(report)
+    if not rows:
+        return []
+    table = [RECORD_COLUMNS, *(tuple(_printable(cell) for cell in row) for row in rows)]
+    wide = [max(len(row[i]) for row in table) for i in range(len(RECORD_COLUMNS))]
+    lines = []
+    for number, row in enumerate(table):
+        title = "" if number else "records"
+        cells = [f"{cell:>{width}}" for cell, width in zip(row[1:], wide[1:], strict=True)]
+        lines.append("  ".join([f"{title:<{INDENT}}{row[0]:<{wide[0]}}", *cells]))
+    return [*lines, *_row("", sentences.records_sentence(report) or "")]
+
+
+def _experiment(report: dict[str, Any]) -> str | None:
+    text = sentences.experiment_sentence(report)
+    return None if text is None else f"Apply the input that --json writes as next_experiment. {text}"
+
+
+def _row(title: str, text: str, indent: int = INDENT) -> list[str]:
+    if not text:
+        return []
+    for unit in "%±":  # no line break between a number and its unit
+        text = text.replace(f" {unit}", f"\u00a0{unit}")
+    lines = textwrap.wrap(text, WIDTH, initial_indent=f"{title:<{indent}}", subsequent_indent=" " * indent)
+    return [line.replace("\u00a0", " ") for line in lines]
+
+
+def _printable(text: str) -> str:
+    """`text` with control characters replaced by spaces: a file must not control the terminal."""
+    return "".join(c if c.isprintable() else " " for c in text)

@@ -1,0 +1,318 @@
+"""Beam search over combinations of effects: add up to three effects one by one, replace single ones, then prune."""
+
+from collections.abc import Callable, Collection, Iterable
+from dataclasses import replace
+from operator import attrgetter
+
+import numpy as np
+
+from labsid._arrays import FloatArray
+from labsid.gap.effects.disturbance import Leak, LoadStep
+from labsid.gap.effects.families import CANDIDATES
+from labsid.gap.fits.fitting import Fit, finish, fit_from, mean_square, minimize, refit, rms
+from labsid.gap.fits.hypothesis import Hypothesis
+from labsid.gap.fits.linear_fits import fit_baseline, fit_driven_pole, fit_highpass
+from labsid.gap.fits.residual_tests import explained_share
+from labsid.gap.fits.undriven_poles import has_undriven_pole, lag_became_mode
+from labsid.gap.record.data import Data
+from labsid.gap.search.candidates import (
+    Trial,
+    best_fit,
+    best_form,
+    is_compatible,
+    is_plausible,
+    refine_first,
+    trial_fits,
+)
+from labsid.gap.search.forms import alternative_forms, remove_effect, transfer_theta
+from labsid.gap.search.pole_replacement import replace_undriven_pole
+from labsid.gap.search.refinement import converge, polish, retried_without_one
+
+Progress = Callable[[str, float], None]
+Level = dict[tuple[str, ...], Fit]
+Levels = tuple[Level, ...]
+
+BEAM_WIDTH = 3  # best one-effect fits to which a second effect is added; only the best pair gets a third
+FREE_RUN_TOLERANCE = 1.2  # free-run error over that of the baseline, up to which a whiter baseline is accepted
+EXTRA_PARENTS = 2  # further one-effect fits: those with the smallest free-run error
+SLOW_RATIO = 4.0  # mean square error over the variance of its innovations, from which the residual is slow
+REFINED_EFFECTS = 12  # second and third effects per parent whose trials are refined
+FITTED_EFFECTS = 6  # second and third effects per parent that are fitted completely
+FITTED_REPLACEMENTS = 3  # effects fitted completely in place of another one
+POLISHED_FITS = 6  # best fits of a level
+BIC_MARGIN = 12.0  # smallest BIC gain of one more effect
+ROUNDING_ERROR = 1e-6  # scaled units: smaller differences are rounding, of the file included
+ROUNDING_ONLY = 0.06  # rms excess over half a converter step, in half steps, below which the residual is rounding
+NOT_ROUNDING = 0.3  # the same excess, above which refitting cannot bring the residual within rounding
+ROUNDING_PASSES = 4  # refits towards the interval that rounding allows
+MIN_CHANGE = 0.3  # smallest change of the output, over the standard deviation of the residual
+
+
+def search_effects(
+    data: Data, structure: Hypothesis, start: FloatArray | None, most: int, progress: Progress | None
+) -> tuple[Levels, tuple[Fit, ...]]:
+    """Search for the effects that explain a record.
+
+    Parameters
+    ----------
+    data : Data
+    structure : Hypothesis
+        Structure of the simulation under test, with the effects it already contains.
+    start : ndarray, optional
+        Parameters of that structure, if known.
+    most : int
+        Largest number of effects.
+    progress : callable, optional
+        Called with a description of the current step and the completed share of it.
+
+    Returns
+    -------
+    levels : tuple of dict
+        The best fit of every combination tried, by number of effects.
+    path : tuple of Fit
+        From the baseline to the accepted fit, one effect more at each step.
+    """
+    base = fit_baseline(data, structure, start)
+    highpass = fit_highpass(data, base)
+    base = whiter_baseline(data, polish(data, base), highpass)
+    levels, path = _search_from(data, base, highpass, most, progress)
+    if not has_undriven_pole(data, path[-1]):
+        return levels, path
+    if len(path) == 1:
+        other = fit_driven_pole(data, structure)
+        if other is not None:
+            other_levels, other_path = _search_from(data, polish(data, other), highpass, most, progress, driven=True)
+            if len(other_path) > 1 and other_path[-1].bic < base.bic + BIC_MARGIN:
+                return other_levels, other_path
+    elif len(path) <= most:
+        steps = replace_undriven_pole(data, path[-1])
+        if steps is not None and steps[-1].bic < path[-1].bic + BIC_MARGIN:
+            found = ({tuple(sorted(fit.hypothesis.names)): fit} for fit in steps)
+            return (*levels[: len(path) - 1], *found), (*path[:-1], *steps)
+    return levels, path
+
+
+def _search_from(
+    data: Data, base: Fit, highpass: Fit, most: int, progress: Progress | None, driven: bool = False
+) -> tuple[Levels, tuple[Fit, ...]]:
+    """Levels and accepted path of the search from one baseline; if `driven`, the input must excite every pole."""
+
+    def disguised(fit: Fit) -> bool:
+        return lag_became_mode(base, fit) or (driven and has_undriven_pole(data, fit))
+
+    levels: list[Level] = [{(): base}]
+    path = [base]
+    beam = [base]
+    for step in range(most):
+        level: Level = {}
+        for number, parent in enumerate(beam):
+            tried = _extensions(data, parent, highpass, step, progress, (number, len(beam)))
+            fits = [best_fit(data, few, kept=3) for few in tried]
+            keep_best(level, (fit for fit in fits if fit is not None and not disguised(fit)))
+        if not level:
+            break
+        _polish_best(data, level)
+        levels.append(level)
+        best = _best_accepted(data, path[-1], level)
+        if best is None:
+            break
+        if step == 1:
+            known = set(level.values())
+            keep_best(level, _replacements(data, best, highpass))
+            _polish_best(data, level, known)
+            best = _best_accepted(data, path[-1], level) or best
+        path.append(best)
+        if residual_is_white(data, best):
+            break
+        if step == 1:
+            keep_best(levels[1], retried_without_one(data, best))
+        beam = select_parents(data, level) if step == 0 else [min(level.values(), key=attrgetter("bic"))]
+    return tuple(levels), _pruned(data, levels, path)
+
+
+def whiter_baseline(data: Data, base: Fit, highpass: Fit) -> Fit:
+    """The baseline, or its refit from the differenced record if that leaves whiter residuals.
+
+    Strongly coloured noise biases the rates of a free-run fit.
+    """
+    if highpass.hypothesis.parameters != base.hypothesis.parameters:
+        return base
+    point = minimize(data, base.hypothesis, highpass.theta, iterations=12, ar=highpass.noise.ar)
+    other = base if point is None else polish(data, finish(data, base.hypothesis, point))
+    return other if other.bic < base.bic and rms(data, other) < FREE_RUN_TOLERANCE * rms(data, base) else base
+
+
+def select_parents(data: Data, level: Level) -> list[Fit]:
+    """One-effect fits to which a second effect is added: those of lowest BIC, and those of lowest free-run error.
+
+    Free-run error counts if the residual is slow: the innovations then say little about one effect of a pair.
+    """
+    ranked = sorted(level.values(), key=attrgetter("bic"))
+    free = sorted(ranked[BEAM_WIDTH:], key=lambda fit: mean_square(data, fit))
+    slow = mean_square(data, ranked[0]) > SLOW_RATIO * ranked[0].noise.sigma2
+    return [*ranked[:BEAM_WIDTH], *(free[:EXTRA_PARENTS] if slow else [])]
+
+
+def keep_best(level: Level, fits: Iterable[Fit | None]) -> None:
+    """Keep the fit of lowest BIC for each combination of names."""
+    for fit in fits:
+        if fit is not None:
+            names = tuple(sorted(fit.hypothesis.names))
+            if names not in level or fit.bic < level[names].bic:
+                level[names] = fit
+
+
+def _extensions(
+    data: Data, parent: Fit, highpass: Fit, step: int, progress: Progress | None, place: tuple[int, int]
+) -> list[list[Trial]]:
+    """Sketches of the fits with one more effect, grouped by effect; from the second effect on, only the best groups."""
+    tried = []
+    plain = with_constant_load(data, parent)
+    for number, group in enumerate(CANDIDATES):
+        if progress is not None:
+            done = (place[0] + number / len(CANDIDATES)) / place[1]
+            progress("one effect" if step == 0 else f"{step + 1} effects", done)
+        if group[0].name not in parent.hypothesis.names:
+            host = parent if any(is_compatible(parent, effect) for effect in group) else plain
+            tried.append(trial_fits(data, host, group, highpass, brief=step > 0))
+    return tried if step == 0 else _refined_groups(data, tried, FITTED_EFFECTS)
+
+
+def extended_fits(data: Data, parent: Fit, highpass: Fit, step: int, progress: Progress | None) -> list[Fit]:
+    """The best fit with each further effect; from the second effect on, only of the effects with the best trials."""
+    tried = _extensions(data, parent, highpass, step, progress, (0, 1))
+    fits = [best_fit(data, few, kept=2) for few in tried]
+    return [converge(data, fit) for fit in fits if fit is not None]
+
+
+def with_constant_load(data: Data, parent: Fit) -> Fit:
+    """The parent with a constant load in place of a state-dependent one.
+
+    The dynamics of a state-dependent load cannot be combined with a nonlinear state.
+    """
+    old = parent.hypothesis
+    other = old.with_effects(tuple(LoadStep() if isinstance(effect, Leak) else effect for effect in old.effects))
+    if other == old:
+        return parent
+    return fit_from(data, other, transfer_theta(parent, other)) or parent
+
+
+def _refined_groups(data: Data, tried: list[list[Trial]], count: int) -> list[list[Trial]]:
+    return _best_groups([refine_first(data, few) for few in _best_groups(tried, REFINED_EFFECTS)], count)
+
+
+def _best_groups(tried: list[list[Trial]], count: int) -> list[list[Trial]]:
+    """The groups with the best trials, best first."""
+    return sorted(filter(None, tried), key=lambda sketched: sketched[0].score)[:count]
+
+
+def _replacements(data: Data, fit: Fit, highpass: Fit) -> Iterable[Fit | None]:
+    """Fits with one of the effects replaced by another, started from the parameters of the remaining effects."""
+    for i in range(fit.hypothesis.n_given, len(fit.hypothesis.effects)):
+        parent = remove_effect(data, fit, i)
+        if parent is not None:
+            names = fit.hypothesis.names
+            tried = [
+                trial_fits(data, parent, group, highpass, brief=True)
+                for group in CANDIDATES
+                if group[0].name not in names
+            ]
+            for few in _refined_groups(data, tried, FITTED_REPLACEMENTS):
+                yield best_fit(data, few, kept=1)
+
+
+def _pruned(data: Data, levels: list[Level], path: list[Fit]) -> tuple[Fit, ...]:
+    """The path without effects that a later one has made redundant."""
+    while len(path) > 2:
+        best = path[-1]
+        fewer = []
+        for i in range(best.hypothesis.n_given, len(best.hypothesis.effects)):
+            parent = remove_effect(data, best, i)
+            if parent is not None:
+                fewer.append(_in_best_form(data, parent))
+        simpler = min(fewer, key=attrgetter("bic"), default=None)
+        if simpler is None or (is_improvement(data, simpler, best) and not within_rounding(data, simpler)):
+            break
+        keep_best(levels[len(path) - 2], [simpler])
+        path = [*path[:-2], simpler]
+    return tuple(path)
+
+
+def _polish_best(data: Data, level: Level, done: Collection[Fit] = ()) -> None:
+    """Polish the best fits of a level in their best form, except those in `done`."""
+    for names, fit in sorted(level.items(), key=lambda item: item[1].bic)[:POLISHED_FITS]:
+        if fit in done:
+            continue
+        level[names] = _in_best_form(data, fit)
+
+
+def _in_best_form(data: Data, fit: Fit) -> Fit:
+    """The polished fit, in the best of its equivalent forms."""
+    return polish(data, best_form([converge(data, one) for one in plausible_forms(data, fit)]))
+
+
+def plausible_forms(data: Data, fit: Fit) -> list[Fit]:
+    """The fit, and fits of the same effects in other forms."""
+    others = alternative_forms(fit.hypothesis)
+    forms = (fit_from(data, other, transfer_theta(fit, other), iterations=8) for other in others)
+    found = len(fit.hypothesis.found)
+    return [fit, *(form for form in forms if form is not None and is_plausible(data, form, found))]
+
+
+def _best_accepted(data: Data, simpler: Fit, level: Level) -> Fit | None:
+    """The best fit of a level that improves on `simpler`; None if there is none."""
+    if within_rounding(data, simpler):
+        return None
+    return next(
+        (fit for fit in sorted(level.values(), key=attrgetter("bic")) if is_improvement(data, simpler, fit)), None
+    )
+
+
+def best_path(data: Data, levels: Levels) -> tuple[Fit, ...]:
+    """The accepted path through levels whose fits have been repeated."""
+    path = list(levels[0].values())
+    for level in levels[1:]:
+        best = _best_accepted(data, path[-1], level)
+        if best is None:
+            break
+        path.append(best)
+    return tuple(path)
+
+
+def residual_is_white(data: Data, fit: Fit) -> bool:
+    """Whether the residual is white and independent of the input, so that no further effect can gain anything."""
+    if within_rounding(data, fit):
+        return True
+    return mean_square(data, fit) < 1.03 * fit.noise.sigma2 and explained_share(data, fit, data.y - fit.output) < 0.01
+
+
+def is_improvement(data: Data, simpler: Fit, fit: Fit) -> bool:
+    """Whether `fit` gains enough BIC over `simpler` and changes the output by more than the noise hides."""
+    return bool(simpler.bic - fit.bic > BIC_MARGIN and differ(data, simpler, fit, MIN_CHANGE))
+
+
+def within_rounding(data: Data, fit: Fit) -> bool:
+    """Whether the residual may be quantization alone, so that any further gain would fit the rounding.
+
+    The true output lies within half a step of each reading; the fit is repeated on the nearest such output.
+    """
+    half = 0.5 * data.lattice
+    for _ in range(ROUNDING_PASSES):
+        beyond = np.maximum(np.abs(data.y - fit.output)[data.rows] - half, 0.0)
+        share = float(np.sqrt(np.mean(beyond**2))) / half if half else np.inf
+        if share < ROUNDING_ONLY:
+            return True
+        if share > NOT_ROUNDING:
+            return False
+        fit = refit(replace(data, y=np.clip(fit.output, data.y - half, data.y + half)), fit)
+    return False
+
+
+def differ(data: Data, simpler: Fit, fit: Fit, size: float) -> bool:
+    """Whether two outputs differ by more than `size` standard deviations of the residual of the second."""
+    return bool(rms_difference(data, simpler, fit) > max(size * rms(data, fit), ROUNDING_ERROR))
+
+
+def rms_difference(data: Data, simpler: Fit, fit: Fit) -> float:
+    """Rms difference of two outputs over the counted rows."""
+    return float(np.sqrt(np.mean((fit.output - simpler.output)[data.rows] ** 2)))

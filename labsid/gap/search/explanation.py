@@ -1,0 +1,258 @@
+"""The explanation of a record: screen its samples, run the beam search, keep the effects large enough to be named."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from labsid._arrays import FloatArray
+from labsid.gap.effects.base import AdditiveEffect
+from labsid.gap.effects.output import Drift
+from labsid.gap.fits.fitting import Fit, mean_square, refit, rms
+from labsid.gap.fits.hypothesis import Hypothesis
+from labsid.gap.fits.linear_fits import LINEAR, fit_baseline, fit_highpass
+from labsid.gap.fits.residual_tests import SLOW_CORRELATION, slow_autocorrelation
+from labsid.gap.record.data import Data
+from labsid.gap.record.holdout import BLOCKS, held_out_samples
+from labsid.gap.record.sample_faults import SampleFaults, find_bad_start, find_lattice, find_spikes, without_responses
+from labsid.gap.search.beam_search import (
+    MIN_CHANGE,
+    Levels,
+    Progress,
+    best_path,
+    differ,
+    rms_difference,
+    search_effects,
+)
+from labsid.gap.search.candidates import trial_fits
+from labsid.records.signal_quality import find_held
+from labsid.simulators.meter import BudgetSpentError
+
+CONVERTER_LIMITED = 1.3**2  # rounding variance over other noise variance, from which the converter limits the record
+CONVERTER_LIMITED_HELD = 0.7  # the same if the logger holds values: on a coarse lattice not every hold is detected
+MAX_FALSE_SPIKES = 0.03  # share of the samples: spikes due to the baseline's error, above which the search is repeated
+MIN_NAMED_CHANGE = (MIN_CHANGE, 1.0, 2.0)  # for a first, second and third effect to be named
+MIN_SHARE_OF_GAP = 0.07  # change of the output over the baseline's error, for further effects; true ones reach 0.14
+MIN_UNRIVALLED_CHANGE = 0.6  # for a first effect that has rivals of nearly the same BIC
+UNDECIDED_BIC = 6.0  # BIC difference below which two fits are not distinguished
+BAD_SAMPLE_RATIO = 1.3  # mean square error with the bad samples over that without them
+COLOUR_RATIO = 1.3  # standard deviation of the noise over that of its innovations, above which noise is coloured
+ROUNDING_RATIO = 1.3  # mean square error over that of the converter alone, above which it is more than rounding
+SLOW_RESIDUAL_RATIO = 4.0  # standard deviation of the residual over that of its innovations
+MAX_ERROR_RATIO = 0.8  # error on the blocks left out, with an effect over without it
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Explanation:
+    """All fits of a record, and the accepted ones.
+
+    Attributes
+    ----------
+    data : Data
+        With the rows that were fitted.
+    faults : SampleFaults
+    levels : tuple of dict
+        Level n holds the best fit of every combination of n effects tried, by sorted names; level 0 is the baseline.
+    path : tuple of Fit
+        From the baseline to the accepted fit, one effect more at each step.
+    unsimulated : tuple of str
+        Effects found in the samples, not by simulation: held samples, spikes, quantization, coloured noise.
+    """
+
+    data: Data
+    faults: SampleFaults
+    levels: Levels
+    path: tuple[Fit, ...]
+    unsimulated: tuple[str, ...]
+
+    @property
+    def best(self) -> Fit:
+        """The accepted fit."""
+        return self.path[-1]
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Names of all effects."""
+        return (*self.best.hypothesis.names, *self.unsimulated)
+
+
+def explain(
+    data: Data,
+    structure: Hypothesis = LINEAR,
+    start: FloatArray | None = None,
+    most: int = 3,
+    progress: Progress | None = None,
+) -> Explanation:
+    """Search for the effects that explain a record.
+
+    Parameters
+    ----------
+    data : Data
+    structure : Hypothesis
+        Structure of the simulation under test, with the effects it already contains.
+    start : ndarray, optional
+        Parameters of that structure, if known.
+    most : int
+        Largest number of effects.
+    progress : callable, optional
+        Called with a description of the current step and the completed share of it.
+    """
+    y = np.asarray(data.y_scale.back(data.y))
+    lattice, off = find_lattice(y)
+    off = off | find_bad_start(y)
+    stretches = find_held(y, lattice)
+    step = 0.0 if lattice is None else lattice / data.y_scale.unit
+    data = replace(data, lattice=step)
+    held = np.zeros(data.samples, bool)
+    for stretch in stretches:
+        held[slice(*stretch)] = True
+    usable = data.rows & ~held
+    clean, spikes, levels, path = _search_without_spikes(data, usable, off, structure, start, most, progress)
+    faults = SampleFaults(held, stretches, spikes, None if lattice is None else step)
+    if residual_is_slow(clean, path[-1]) and halved_by_drift(clean, path):
+        slow = replace(clean, by_free_run=True)
+        other_levels, other = _search_again(slow, structure, start, min(most, 2), progress) or (levels, path[:1])
+        if mean_square(clean, other[-1]) > COLOUR_RATIO**2 * other[-1].noise.sigma2:
+            other = cross_validated(clean, other)  # an explanation with nearly white residuals needs no validation
+        if len(other) > 1 and mean_square(clean, other[-1]) < 0.5 * mean_square(clean, path[-1]):
+            levels, path = other_levels, other
+    path = without_small_steps(clean, path)
+    if len(path) == 2 and is_nuisance(clean, levels[1], path):
+        path = path[:1]
+    return Explanation(clean, faults, levels, path, unsimulated_effects(data, clean, faults, path[-1]))
+
+
+def _search_without_spikes(
+    data: Data,
+    usable: np.ndarray,
+    off: np.ndarray,
+    structure: Hypothesis,
+    start: FloatArray | None,
+    most: int,
+    progress: Progress | None,
+) -> tuple[Data, np.ndarray, Levels, tuple[Fit, ...]]:
+    """Run the beam search without the spikes, and detect the spikes again on the residual of the best fit.
+
+    Samples `off` the lattice of the others are always spikes.
+    """
+
+    def spikes_of(fit: Fit) -> np.ndarray:
+        return off | without_responses(find_spikes(data.y - fit.output, usable, data.lattice), data.u)
+
+    spikes = spikes_of(fit_baseline(replace(data, rows=usable), structure, start))
+    clean = replace(data, rows=usable & ~spikes)
+    levels, path = search_effects(clean, structure, start, most, progress)
+    again = spikes_of(path[-1])
+    hidden, made = (again & ~spikes).sum(), (spikes & ~again).sum()  # because of the baseline's error
+    if hidden > 0.2 * max(again.sum(), 10) or made > MAX_FALSE_SPIKES * data.samples:
+        clean = replace(data, rows=usable & ~again)
+        levels, path = _search_again(clean, structure, start, most, progress) or (levels, path)
+        spikes, again = again, spikes_of(path[-1])
+    if (again ^ spikes).any():
+        clean = replace(data, rows=usable & ~again)
+        new = {fit: refit(clean, fit) for level in levels for fit in level.values()}
+        levels = tuple({names: new[fit] for names, fit in level.items()} for level in levels)
+        return clean, again, levels, best_path(clean, levels)
+    return clean, spikes, levels, path
+
+
+def _search_again(
+    data: Data, structure: Hypothesis, start: FloatArray | None, most: int, progress: Progress | None
+) -> tuple[Levels, tuple[Fit, ...]] | None:
+    """Another search; None if it spends the budget of runs, for its result is then less complete than the first one."""
+    try:
+        found = search_effects(data, structure, start, most, progress)
+    except BudgetSpentError:
+        return None
+    return None if structure.plant.simulation.meter.exhausted else found
+
+
+def is_nuisance(data: Data, level: dict[tuple[str, ...], Fit], path: tuple[Fit, ...]) -> bool:
+    """Whether a single effect is small compared with the noise and has a rival of similar BIC."""
+    rivals = [fit for fit in level.values() if fit is not path[1] and fit.bic - path[1].bic < UNDECIDED_BIC]
+    return bool(rivals) and not differ(data, path[0], path[1], MIN_UNRIVALLED_CHANGE)
+
+
+def residual_is_slow(data: Data, fit: Fit) -> bool:
+    """Whether most of the residual is slow, so that the innovations say little about the free run."""
+    e = data.y - fit.output
+    return (
+        mean_square(data, fit) > SLOW_RESIDUAL_RATIO**2 * fit.noise.sigma2
+        and slow_autocorrelation(e, data.rows) > SLOW_CORRELATION
+    )
+
+
+def halved_by_drift(data: Data, path: tuple[Fit, ...]) -> bool:
+    """Whether a drift of the sensor halves the error; a search by innovations need not find it beside other effects."""
+    if Drift.name in path[-1].hypothesis.names:
+        return False
+    trials = trial_fits(data, path[-1], Drift.searched(), fit_highpass(data, path[0]), brief=True)
+    return bool(trials) and trials[0].point.cost < 0.5 * mean_square(data, path[-1])
+
+
+def cross_validated(data: Data, path: tuple[Fit, ...]) -> tuple[Fit, ...]:
+    """The steps of a path that also reduce the error on blocks left out of their refits."""
+    blocks = held_out_samples(data.samples)
+    parts = np.array_split(np.flatnonzero(blocks), BLOCKS)
+    fitted = replace(data, rows=data.rows & ~blocks)
+    kept = [path[0]]
+    simpler = refit(fitted, path[0])
+    for fit in path[1:]:
+        if any(isinstance(effect, AdditiveEffect) for effect in fit.hypothesis.found):
+            continue
+        fuller = refit(fitted, fit)
+        left = [data.y - one.output for one in (simpler, fuller)]
+        errors = [[float(np.mean(e[part] ** 2)) for part in parts] for e in left]
+        better = sum(after < before for before, after in zip(*errors, strict=True))
+        if better < BLOCKS - 1 or sum(errors[1]) > MAX_ERROR_RATIO * sum(errors[0]):
+            continue
+        kept.append(fit)
+        simpler = fuller
+    return tuple(kept)
+
+
+def without_small_steps(data: Data, path: tuple[Fit, ...]) -> tuple[Fit, ...]:
+    """The path without the significant but small steps at its end.
+
+    Such a step usually corrects an error in the model of another effect.
+    """
+    last = len(path) - 1
+    patch = MIN_SHARE_OF_GAP * rms(data, path[0])
+    while last > 0:
+        named = differ(data, path[last - 1], path[last], MIN_NAMED_CHANGE[min(last, len(MIN_NAMED_CHANGE)) - 1])
+        if named and (last == 1 or rms_difference(data, path[last - 1], path[last]) > patch):
+            break
+        last -= 1
+    return path[: last + 1]
+
+
+def unsimulated_effects(data: Data, clean: Data, faults: SampleFaults, best: Fit) -> tuple[str, ...]:
+    """Effects that cause a gap without changing the simulated output: sample faults, quantization, coloured noise."""
+    e = data.y - best.output
+    floor = float(np.mean(e[clean.rows] ** 2))
+    found = []
+    for name, bad in (("output-dropout", faults.held), ("output-outliers", faults.spikes)):
+        bad = bad & data.rows
+        if bad.any() and float(np.mean(e[clean.rows | bad] ** 2)) > BAD_SAMPLE_RATIO * floor:
+            found.append(name)
+    white = best.noise.sigma2
+    rounding = 0.0 if faults.lattice is None else faults.lattice**2 / 12.0
+    beside = CONVERTER_LIMITED_HELD if "output-dropout" in found else CONVERTER_LIMITED
+    if rounding > beside * max(white - rounding, 1e-3 * rounding) and white < 3.0 * rounding:
+        found.append("output-quantization")
+        if "output-dropout" in found and _held_by_rounding(data, clean, faults, best):
+            found.remove("output-dropout")
+    else:
+        rounding = 0.0
+    wanders = {"output-drift", "parameter-drift"} & set(best.hypothesis.names)
+    coloured = np.sqrt(floor / white) > COLOUR_RATIO and slow_autocorrelation(e, clean.rows) > SLOW_CORRELATION
+    if coloured and floor > ROUNDING_RATIO * rounding and not wanders:  # drift and rounding leave a slow residual, too
+        found.append("coloured-noise")
+    return tuple(found)
+
+
+def _held_by_rounding(data: Data, clean: Data, faults: SampleFaults, best: Fit) -> bool:
+    """Whether the held values are explained by slow motion within one converter step."""
+    assert faults.lattice is not None
+    held = faults.held & data.rows
+    e = data.y - refit(replace(clean, rows=clean.rows | held), best).output
+    return float(np.mean(e[held] ** 2)) < 0.5 * faults.lattice**2

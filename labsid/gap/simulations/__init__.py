@@ -1,0 +1,1 @@
+"""Simulations that users give, and files of corrected simulations."""

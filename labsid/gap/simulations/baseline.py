@@ -1,0 +1,345 @@
+"""The simulation under test: its output on the record, and the structure from which the search starts."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from functools import partial
+from typing import Any
+
+import numpy as np
+from scipy.signal import lfilter
+
+from labsid._arrays import FloatArray
+from labsid.gap.dynamics.given_simulation import GivenSimulation, by_record
+from labsid.gap.dynamics.plants import Plant
+from labsid.gap.dynamics.responses import free_responses
+from labsid.gap.effects.dynamics import ExtraLag, Resonance
+from labsid.gap.effects.restarts import Restarts
+from labsid.gap.fits.fitting import Fit
+from labsid.gap.fits.hypothesis import Hypothesis
+from labsid.gap.fits.linear_fits import fit_baseline
+from labsid.gap.fits.noise_model import fit_noise
+from labsid.gap.model_file import SCHEMA, START_SAMPLES, ExportedModel, read_exported_model
+from labsid.gap.record.data import Data
+from labsid.records.record import Record
+from labsid.simulators.control_systems import is_control_system, read_control_system
+from labsid.simulators.meter import RunMeter
+from labsid.simulators.simulator import Simulator, function_simulator
+
+UNSTABLE_RATIO = 1e6  # distance from the mean, in ranges of the measured output
+
+
+Simulation = dict[str, Any] | ExportedModel | FloatArray | Simulator
+AnySimulation = Simulation | Callable[..., Any] | Any
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Baseline:
+    """The simulation whose error is the gap.
+
+    Attributes
+    ----------
+    before : callable or None
+        ``before(data) -> Fit``: the given simulation on the record, with only its offset and initial state estimated
+        from the rows of `data`; None without one.
+    structure : Hypothesis
+        The structure from which the search starts.
+    simulate_record : callable, optional
+        ``simulate_record(record) -> y``: the output of a given simulation on another record, shape (N,), with its
+        initial state estimated from the first samples.
+    start : ndarray, optional
+        Initial parameters for the search, if the given simulation defines them.
+    """
+
+    before: Callable[[Data], Fit] | None
+    structure: Hypothesis
+    simulate_record: Callable[[Record], FloatArray] | None = None
+    start: FloatArray | None = None
+
+    @property
+    def given(self) -> bool:
+        """Whether a simulation was given."""
+        return self.before is not None
+
+    @property
+    def output_only(self) -> bool:
+        """Whether only its output is known, so that only effects at the output can be added."""
+        return self.structure.given is not None and not self.structure.given.simulation.takes_input
+
+    @property
+    def is_run(self) -> bool:
+        """Whether a given simulation is run by the search."""
+        return self.structure.plant.simulation.takes_input
+
+    @property
+    def meter(self) -> RunMeter:
+        """Counts the runs of a given simulation."""
+        return self.structure.plant.simulation.meter
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class TransferFunction:
+    """MODEL.json: a discrete transfer function about an operating point."""
+
+    num: FloatArray
+    den: FloatArray
+    dt: float
+    u0: float
+    y0: float
+
+    def response(self, u: FloatArray) -> FloatArray:
+        """Response from rest at u0, shape (N,)."""
+        padded = np.concatenate([np.zeros(self.den.size - self.num.size), self.num])
+        return np.asarray(lfilter(padded / self.den[0], self.den / self.den[0], u - self.u0)) + self.y0
+
+    def simulate(self, u: FloatArray, y: FloatArray) -> FloatArray:
+        """Free-run output, shape (N,), with the initial state estimated from the first samples of `y`."""
+        first = slice(0, min(START_SAMPLES, u.size))
+        forced, states = self.response(u), self.free_response(u.size)
+        if not np.isfinite(forced[first]).all() or not np.isfinite(states[first]).all():
+            return np.full(u.size, np.nan)
+        return _started(forced, states, y)
+
+    def free_response(self, samples: int) -> FloatArray:
+        """Free responses to the unit initial states, shape (samples, n)."""
+        n = self.den.size - 1
+        if n == 0:
+            return np.zeros((samples, 0))
+        return np.column_stack(
+            [lfilter([1.0], self.den / self.den[0], np.zeros(samples), zi=state)[0] for state in np.eye(n)]
+        )
+
+
+def read_transfer_function(content: dict[str, Any], Ts: float) -> TransferFunction:
+    """Read and check MODEL.json.
+
+    Raises
+    ------
+    ValueError
+        If it is not a proper transfer function with the record's sampling time.
+    """
+    try:
+        num, den = np.atleast_1d(np.array(content["num"], float)), np.atleast_1d(np.array(content["den"], float))
+        dt, u0, y0 = float(content["dt"]), float(content.get("u0", 0.0)), float(content.get("y0", 0.0))
+    except KeyError as error:
+        raise ValueError(
+            f"the model has no {error.args[0]!r}; it needs num, den and dt (u0 and y0 default to 0)."
+        ) from None
+    except (TypeError, ValueError, OverflowError):
+        raise ValueError(
+            "num and den must be lists of numbers in descending powers of z; dt, u0 and y0 must be numbers."
+        ) from None
+    if (
+        num.ndim != 1
+        or den.ndim != 1
+        or not den.size
+        or not num.size
+        or not np.isfinite([*num, *den, dt, u0, y0]).all()
+    ):
+        raise ValueError("num and den must be lists of finite numbers in descending powers of z.")
+    if den[0] == 0.0:
+        raise ValueError("den must begin with the highest power of z, not with 0. Remove leading zeros.")
+    num = np.trim_zeros(num, "f") if np.any(num) else np.zeros(1)
+    if num.size > den.size:
+        raise ValueError(f"num has degree {num.size - 1}, den {den.size - 1}: the model must be proper.")
+    if abs(dt - Ts) > 1e-6 * Ts:
+        raise ValueError(f"dt must be the record's sampling time {Ts:g} s; got {dt:g} s. Resample the model.")
+    return TransferFunction(num, den, dt, u0, y0)
+
+
+def linear_structure(order: int) -> Hypothesis:
+    """Linear structure of a given order.
+
+    Orders 1 and 2 use the two poles of the plant, order 3 adds a lag, and orders from 4 add a second-order mode, so a
+    given model of higher order is refitted with four poles.
+
+    Raises
+    ------
+    ValueError
+        If the order is not positive.
+    """
+    if order < 1:
+        raise ValueError(f"--order must be at least 1; got {order}. The lab's model has order 2.")
+    effects = (ExtraLag(),) if order == 3 else (Resonance(),) if order > 3 else ()
+    return Hypothesis(effects, n_given=len(effects))
+
+
+def with_restarts(structure: Hypothesis, data: Data) -> Hypothesis:
+    """The structure with the offsets and initial states of several records; unchanged for one."""
+    if not data.pieces:
+        return structure
+    return Hypothesis((Restarts(records=data.pieces[1:]), *structure.effects), structure.n_given + 1, structure.given)
+
+
+def make_baseline(data: Data, t: FloatArray, simulation: Simulation | None, order: int = 2) -> Baseline:
+    """Make the baseline of a record.
+
+    Parameters
+    ----------
+    data : Data
+    t : ndarray, shape (N,)
+        Times, for a callable simulation.
+    simulation : dict, ExportedModel, ndarray, Simulator or None
+        MODEL.json or an exported simulation, as content or as a model; the output of any simulator on the record; or
+        a simulator.
+    order : int
+        Order of the fitted model if no simulation is given, 1 to 4.
+
+    Raises
+    ------
+    ValueError
+        If the simulation does not match the record, or the order is out of range.
+    """
+    if simulation is None:
+        if order > 4:
+            raise ValueError(f"--order must be at most 4; got {order}. Give a larger model with --sim.")
+        return Baseline(None, with_restarts(linear_structure(order), data))
+    simulation = read_exported(simulation, data.Ts)
+    if isinstance(simulation, ExportedModel):
+        return _exported(data, simulation)
+    if isinstance(simulation, dict):
+        return _transfer_function(data, read_transfer_function(simulation, data.Ts))
+    if isinstance(simulation, Simulator):
+        return _simulator(data, t, simulation)
+    return _output_series(data, np.asarray(simulation, float))
+
+
+def as_simulation(simulation: AnySimulation | None, Ts: float, free: Sequence[str] = ()) -> Simulation | None:
+    """Convert a function or a system of python-control to a simulation, with some of its numbers free.
+
+    Parameters
+    ----------
+    simulation : dict, ExportedModel, ndarray, callable, Simulator, system of python-control or None
+    Ts : float
+        Sampling time of the record, in seconds.
+    free : sequence of str
+
+    Raises
+    ------
+    ValueError
+        If it is none of these, or has no such numbers.
+    """
+    if is_control_system(simulation):
+        simulation = read_control_system(simulation, Ts)
+    elif callable(simulation) and not isinstance(simulation, Simulator):
+        simulation = function_simulator(simulation)
+    if isinstance(simulation, Simulator):
+        return simulation.with_free(free) if free else simulation
+    if free:
+        what = "the fitted model" if simulation is None else "this simulation"
+        raise ValueError(
+            f"got free numbers ({', '.join(free)}), but {what} has none by name. Give a function with keyword defaults "
+            "or an FMU as the simulation, or omit them."
+        )
+    return simulation
+
+
+def read_exported(simulation: Simulation | None, Ts: float) -> Simulation | None:
+    """Convert the content of an exported simulation to a model; return any other simulation unchanged.
+
+    Raises
+    ------
+    ValueError
+        If the content is invalid, or its sampling time is not `Ts`.
+    """
+    if isinstance(simulation, dict) and simulation.get("schema") == SCHEMA:
+        return read_exported_model(simulation, Ts)
+    return simulation
+
+
+def check_bounded(y: FloatArray, measured: FloatArray) -> FloatArray:
+    """Return a simulated output unless it diverges from the measured one.
+
+    Raises
+    ------
+    ValueError
+        If it diverges or is not finite.
+    """
+    if not np.all(np.abs(y - np.mean(measured)) <= UNSTABLE_RATIO * np.ptp(measured)):  # NaN is rejected, too
+        raise ValueError("the simulation is unstable on this record: its output diverges. Check its poles.")
+    return y
+
+
+def _transfer_function(data: Data, model: TransferFunction) -> Baseline:
+    u, y = _unscaled(data)
+    output = check_bounded(model.response(u), y)
+    before = partial(_fit_given, output, model.free_response(u.size), fit_baseline(data).rates)
+    structure = with_restarts(linear_structure(max(model.den.size - 1, 1)), data)
+    return Baseline(before, structure, lambda record: model.simulate(record.u, record.y))
+
+
+def _exported(data: Data, model: ExportedModel) -> Baseline:
+    u, y = _unscaled(data)
+    output = check_bounded(by_record(data.samples, data.pieces, lambda at: model.simulate(u[at], y[at])), y)
+    hypothesis = model.hypothesis
+    rates = hypothesis.plant.linear_rates(model.theta[hypothesis.slices["plant"]])
+    before = partial(_fit_given, output, np.zeros((data.samples, 0)), rates)
+    structure = with_restarts(Hypothesis(hypothesis.effects, len(hypothesis.effects), hypothesis.given), data)
+    start = model.theta if (model.u_scale, model.y_scale) == (data.u_scale, data.y_scale) else None
+    return Baseline(before, structure, lambda record: model.simulate(record.u, record.y), start)
+
+
+def _simulator(data: Data, t: FloatArray, simulate: Simulator) -> Baseline:
+    u, y = _unscaled(data)
+    output = check_bounded(by_record(data.samples, data.pieces, lambda at: simulate(t[: u[at].size], u[at])), y)
+    rates = fit_baseline(data).rates if simulate.free else _linear_rates(data, output)
+    before = partial(_fit_given, output, free_responses(data.samples, *rates), rates)
+    scales = data.u_scale, data.y_scale
+    given = GivenSimulation.of(simulate, scales, data.Ts, rates, float(t[0]), data.pieces)
+    structure = with_restarts(Hypothesis((), 0, Plant(kind="given", simulation=given)), data)
+
+    def simulate_record(record: Record) -> FloatArray:
+        return _started(simulate(record.t, record.u), free_responses(len(record), *rates), record.y)
+
+    return Baseline(before, structure, simulate_record)
+
+
+def _linear_rates(data: Data, output: FloatArray) -> tuple[float, float]:
+    """c and k of a linear model of a simulation, from its output on the record: neither noise nor a load is in it."""
+    return fit_baseline(replace(data, y=data.y_scale.of(output))).rates
+
+
+def _started(forced: FloatArray, states: FloatArray, y: FloatArray) -> FloatArray:
+    """A simulated output with responses `states`, shape (N, n), to the initial state that the first samples show."""
+    first = slice(0, min(START_SAMPLES, y.size))
+    state = np.linalg.lstsq(states[first], (y - forced)[first], rcond=None)[0]
+    return np.asarray(forced + states @ state)
+
+
+def _output_series(data: Data, series: FloatArray) -> Baseline:
+    if data.pieces:
+        raise ValueError("a simulated output belongs to one record. Give a model or a function for several records.")
+    if series.shape != data.u.shape:
+        raise ValueError(f"the simulated output must have the record's {data.samples} samples; got {series.size}.")
+    scaled_series = data.y_scale.of(check_bounded(series, _unscaled(data)[1]))
+    rates = _linear_rates(data, series)
+    given = GivenSimulation(lambda w, numbers: scaled_series, rates)
+    structure = Hypothesis((), 0, Plant(kind="given", simulation=given))
+    return Baseline(partial(_fit_given, series, np.zeros((data.samples, 0)), rates), structure)
+
+
+def _unscaled(data: Data) -> tuple[FloatArray, FloatArray]:
+    """Input and output in the record's units."""
+    return np.asarray(data.u_scale.back(data.u)), np.asarray(data.y_scale.back(data.y))
+
+
+def _fit_given(output: FloatArray, states: FloatArray, rates: tuple[float, float], data: Data) -> Fit:
+    """The given simulation as a fit in which only the offset and the initial state are estimated.
+
+    `rates` are those of a linear model of the rig.
+    """
+    columns = np.column_stack([np.ones(data.samples), states])
+    own = [np.zeros_like(columns) for _ in data.pieces[1:]]
+    for block, (start, stop) in zip(own, data.pieces[1:], strict=True):
+        block[start:stop] = columns[: stop - start]
+    columns = np.column_stack([columns, *own])
+    y = data.y - data.y_scale.of(output)
+    scale = np.sqrt((columns[data.rows] ** 2).sum(axis=0))
+    scale[scale == 0.0] = 1.0
+    gains = np.linalg.lstsq(columns[data.rows] / scale, y[data.rows], rcond=None)[0] / scale
+    fitted = data.y_scale.of(output) + columns @ gains
+    noise = fit_noise(data.y - fitted, data.complete, data.lags)
+    cost = float(np.mean((data.y - fitted)[data.rows] ** 2))
+    bic = noise.score + gains.size * np.log(noise.rows)
+    given = GivenSimulation(lambda w, numbers: data.y_scale.of(output), rates)
+    hypothesis = Hypothesis((), 0, Plant(kind="given", simulation=given))
+    return Fit(hypothesis, np.zeros(0), gains, fitted, cost, noise, float(bic))

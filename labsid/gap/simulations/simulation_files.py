@@ -1,0 +1,117 @@
+"""Simulations from files: read one for `--sim`, or run one with the input of a record."""
+
+import csv
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from labsid._arrays import FloatArray
+from labsid._files import write_file
+from labsid.gap.model_file import SCHEMA, START_SAMPLES, load_model, read_exported_model
+from labsid.gap.record.clock import at_sampling_time, stated_sampling_time
+from labsid.gap.record.data import scaled
+from labsid.gap.record.record_findings import filtered_input
+from labsid.gap.simulations.baseline import Simulation, check_bounded, make_baseline, read_transfer_function
+from labsid.gap.simulations.fmu_export import read_fmu_content
+from labsid.records.record import Record
+from labsid.simulators.process import open_in_process
+from labsid.simulators.simulator import Simulator
+from labsid.simulators.sources import is_source
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Replay:
+    """A simulation run with the input of a record.
+
+    Attributes
+    ----------
+    y : ndarray, shape (N,)
+        Simulated output.
+    rmse : float
+        Root mean square error after the first `start` samples.
+    start : int
+        Number of samples that determine the initial state.
+    """
+
+    y: FloatArray
+    rmse: float
+    start: int
+
+
+def load_simulation(source: str | Path, record: Record, several: bool = False) -> Simulation:
+    """Read the argument of `--sim`.
+
+    It is MODEL.json, an exported simulation, FILE.py:FUNCTION, FILE.fmu, or a .csv with the header t,y. A function and
+    an FMU run in a process of their own; of an FMU that ``--export`` wrote, the simulation in it is read.
+
+    Raises
+    ------
+    ValueError
+        If the file is none of these, its times differ from those of the record, or there are `several` records.
+    """
+    path = Path(source)
+    if is_source(str(source)):
+        return read_fmu_content(path) or open_in_process(str(source))
+    if path.suffix.lower() == ".csv":
+        if several:
+            raise ValueError(
+                f"{path}: a simulated output belongs to one record. Give a MODEL.json for several records."
+            )
+        return _read_output(path, record)
+    return load_model(path)
+
+
+def _read_output(path: Path, record: Record) -> FloatArray:
+    try:
+        with path.open(newline="", encoding="utf-8-sig") as file:
+            rows = list(csv.DictReader(file))
+        t = np.array([float(row["t"]) for row in rows])
+        y = np.array([float(row["y"]) for row in rows])
+    except (KeyError, TypeError, ValueError):
+        raise ValueError(f"{path}: a simulated output must be a .csv with the header t,y and numbers below.") from None
+    near = 0.5 if record.jitter else 0.01  # with jitter, accept both time stamps and even times
+    if t.size != len(record) or not np.all(np.abs(t - record.t) <= near * record.Ts) or not np.isfinite(y).all():
+        raise ValueError(
+            f"{path}: must hold the output at the record's {len(record)} times; got {t.size} rows that differ."
+        )
+    return y
+
+
+def replay(source: Path, record: Record) -> Replay:
+    """Run a simulation with the input of a record; the first output samples determine the initial state.
+
+    Raises
+    ------
+    ValueError
+        If the source is no simulation that can be run, or one with another sampling time.
+    """
+    content = read_fmu_content(source)
+    if content is None and is_source(str(source)):
+        y = _play(open_in_process(str(source)), record)
+    else:
+        content = content or load_model(source)
+        record = at_sampling_time(record, stated_sampling_time(content))
+        if content.get("schema") == SCHEMA:
+            y = read_exported_model(content, record.Ts).simulate(filtered_input(record), record.y)
+        else:
+            y = read_transfer_function(content, record.Ts).simulate(record.u, record.y)
+    check_bounded(y, record.y)
+    first = START_SAMPLES if len(record) > 2 * START_SAMPLES else 0
+    return Replay(y, float(np.sqrt(np.mean((record.y - y)[first:] ** 2))), first)
+
+
+def _play(simulate: Simulator, record: Record) -> FloatArray:
+    """Output of a simulator; responses of a linear model of the rig stand for its initial state."""
+    record = Record(record.t, filtered_input(record), record.y, record.Ts)
+    data = scaled(record.u, record.y, np.ones(len(record), bool), record.Ts, float(record.t[0]))
+    baseline = make_baseline(data, record.t, simulate)
+    assert baseline.simulate_record is not None
+    return baseline.simulate_record(record)
+
+
+def write_replay(path: Path, record: Record, y: FloatArray) -> None:
+    """Write t, u, y and y_sim as .csv."""
+    lines = ["t,u,y,y_sim"]
+    lines += [",".join(repr(float(x)) for x in row) for row in zip(record.t, record.u, record.y, y, strict=True)]
+    write_file(path, ("\n".join(lines) + "\n").encode())

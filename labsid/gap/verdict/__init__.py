@@ -1,0 +1,1 @@
+"""Held-out errors, probabilities, and the verdict."""

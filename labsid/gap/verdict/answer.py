@@ -1,0 +1,263 @@
+"""From the fits of a record to the answer: the simulation before, the verdict, and the effects that improve it."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from labsid._arrays import FloatArray
+from labsid.gap.effects.base import AdditiveEffect
+from labsid.gap.fits.fitting import Fit
+from labsid.gap.fits.residual_tests import ResidualMeasures, measure_residual
+from labsid.gap.record.data import Data
+from labsid.gap.record.record_findings import plateau_gap
+from labsid.gap.search.beam_search import Progress
+from labsid.gap.search.explanation import Explanation
+from labsid.gap.simulations.baseline import Baseline, check_bounded
+from labsid.gap.verdict.baseline_choice import LinearModel, choose_linear_model
+from labsid.gap.verdict.black_boxes import RemainingError, kinds_of_error
+from labsid.gap.verdict.decision import (
+    MIN_CONFIDENCE,
+    Decision,
+    PartialEvidence,
+    confidence_in,
+    decide,
+    decide_partial,
+    evidence_by_name,
+)
+from labsid.gap.verdict.held_out_errors import HeldOut, hold_out
+from labsid.gap.verdict.held_out_search import HeldOutSearch, search_held_out
+from labsid.gap.verdict.scores import GapScore, closed_share, score_fits
+from labsid.lab.findings import about_clipping
+from labsid.records.record import Record
+
+NO_GAP = 1.1  # rms error over that of the noise, up to which a discarded explanation leaves no gap
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Answer:
+    """The answer to a record.
+
+    Attributes
+    ----------
+    explanation : Explanation
+        Its path holds the simulation before, and one more effect at each step.
+    decision : Decision
+    score : GapScore
+    left : ResidualMeasures
+        Of the accepted fit.
+    remaining : RemainingError or None
+        What could reduce the error that is left.
+    before : Fit
+        The simulation before, on the record.
+    linear : LinearModel or None
+        How the linear model was chosen; None for a given simulation.
+    tried : dict
+        By names: mean square error on held-out samples of every combination tried, if that decided.
+    evidence : dict
+        By name: evidence for each effect of a partial explanation.
+    closed : tuple of float or None
+        Share of the gap that is closed after each step of the path.
+    elsewhere : Fit or None
+        The simulation of other records, if it is another one.
+    share_left : float
+        Share of the gap that is left.
+    fits : dict
+        By sorted names: the fit of every combination tried.
+    """
+
+    explanation: Explanation
+    decision: Decision
+    score: GapScore
+    left: ResidualMeasures
+    remaining: RemainingError | None
+    before: Fit
+    linear: LinearModel | None
+    tried: dict[tuple[str, ...], float]
+    evidence: dict[str, PartialEvidence]
+    closed: tuple[float | None, ...]
+    elsewhere: Fit | None
+    share_left: float
+    fits: dict[tuple[str, ...], Fit]
+
+    @property
+    def outputs(self) -> tuple[FloatArray, FloatArray]:
+        """Outputs before and after on the record, in its unit."""
+        return _outputs(self.explanation.data, self.before, self.explanation.best)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Setting:
+    """What all comparisons of a record share: a given simulation, its output on the holdout, and the holdout."""
+
+    record: Record
+    base: Baseline
+    given: Fit | None
+    other: tuple[FloatArray, FloatArray] | None
+    given_output: FloatArray | None
+    rng: np.random.Generator
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Before:
+    """The simulation before with its output, and the fit to which effects are added, without the held-out samples."""
+
+    held_out: HeldOut
+    start: Fit
+    linear: LinearModel | None
+    fit: Fit
+    output: FloatArray
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Comparison:
+    """The simulations before and after, compared on the same held-out samples."""
+
+    explanation: Explanation
+    before: _Before
+    score: GapScore
+    left: ResidualMeasures
+
+
+def answer_from(
+    record: Record,
+    explanation: Explanation,
+    base: Baseline,
+    holdout: Record | None,
+    rng: np.random.Generator,
+    progress: Progress | None = None,
+) -> Answer:
+    """Decide what causes the gap.
+
+    An explanation of everything but noise is an effect, or none. Otherwise, effects that each reduce the error on
+    held-out samples are a partial explanation, and without such effects the cause is unknown. An explanation that does
+    not reduce that error is discarded.
+
+    Parameters
+    ----------
+    record : Record
+    explanation : Explanation
+        Result of the beam search.
+    base : Baseline
+    holdout : Record or None
+        Another record of the rig.
+    rng : Generator
+    progress : callable, optional
+    """
+    given = None
+    if holdout is not None and base.simulate_record is not None:
+        given = explanation.data.y_scale.of(check_bounded(base.simulate_record(holdout), holdout.y))
+    other = None if holdout is None else (holdout.u, holdout.y)
+    fitted = None if base.before is None else base.before(explanation.data)
+    if explanation.data.pieces and fitted is not None:
+        given = fitted.output  # of several records; nothing but their offsets and initial states is fitted
+    setting = _Setting(record, base, fitted, other, given, rng)
+    whole, confidence = _complete(setting, explanation)
+    decision = decide(whole.explanation, whole.left, setting.given, confidence)
+    if decision.verdict == "unknown":
+        part, search = _partial(setting, explanation, progress)
+        return _answer(part, decide_partial(search, decision, bool(about_clipping(record.y))), search)
+    if len(whole.explanation.path) == 1:  # no simulated effect was added
+        whole = replace(whole, score=replace(whole.score, closed=None, ci95=None))
+    return _answer(whole, decision)
+
+
+def _complete(setting: _Setting, explanation: Explanation) -> tuple[_Comparison, float]:
+    """The explanation as a whole, and the probability that it is right; without effects if they gain nothing."""
+    before = _before(setting, explanation, explanation.best.onset)
+    unchanged = before.linear is not None and len(explanation.path) == 1
+    after = before.fit if unchanged else before.held_out.refit(explanation.best)
+    score = score_fits(before.held_out, before.output, after, setting.rng)
+    if len(explanation.path) > 1 and score.after >= score.before and _acts_in_every_record(explanation):
+        found, confidence = _complete(setting, replace(explanation, path=explanation.path[:1]))
+        gap = not setting.base.given and found.score.before > NO_GAP * found.score.floor
+        return found, 0.0 if gap else confidence
+    found = _Comparison(explanation, before, score, measure_residual(explanation.data, explanation.best))
+    outputs = _outputs(explanation.data, setting.given or explanation.path[0], explanation.best)
+    plateau = plateau_gap(setting.record.u, setting.record.y, *outputs, explanation.data.rows)
+    unrepeated = plateau.left if plateau is not None and plateau.matters else 0.0
+    return found, confidence_in(explanation, found.left, score.closed, unrepeated)
+
+
+def _partial(
+    setting: _Setting, explanation: Explanation, progress: Progress | None
+) -> tuple[_Comparison, HeldOutSearch]:
+    """The effects that each reduce the error on held-out samples."""
+    before = _before(setting, explanation)
+    held_out = before.held_out
+    errors = held_out.in_parts(held_out.measured - before.output)
+    with setting.base.meter.searching():
+        search = search_held_out(held_out, explanation, before.start, errors, before.linear is None, progress)
+    first = explanation.path[0] if before.linear is None else before.fit  # a given simulation cannot be exported
+    partly = replace(explanation, path=(first, *(step.fit for step in search.steps)))
+    after = before.start if before.linear is None and not search.steps else partly.best
+    score = score_fits(held_out, before.output, after, setting.rng)
+    return _Comparison(partly, before, score, measure_residual(partly.data, partly.best)), search
+
+
+def _before(setting: _Setting, explanation: Explanation, onset: float | None = None) -> _Before:
+    held_out = hold_out(explanation.data, setting.other, onset)
+    start = held_out.refit(explanation.path[0])
+    linear = None if setting.base.given else choose_linear_model(held_out, start)
+    fit = setting.given or (start if linear is None else linear.fit)
+    output = held_out.output(fit) if setting.given_output is None else setting.given_output
+    return _Before(held_out, start, linear, fit, output)
+
+
+def _acts_in_every_record(explanation: Explanation) -> bool:
+    """Whether held-out samples must show the effects: a disturbance of one record cannot be predicted there."""
+    return not any(isinstance(effect, AdditiveEffect) for effect in explanation.best.hypothesis.found)
+
+
+def _answer(found: _Comparison, decision: Decision, search: HeldOutSearch | None = None) -> Answer:
+    explanation, score = found.explanation, found.score
+    return Answer(
+        explanation=explanation,
+        decision=decision,
+        score=score,
+        left=found.left,
+        remaining=None if decision.verdict == "none" else kinds_of_error(explanation.data, _asserted(found, decision)),
+        before=found.before.fit,
+        linear=found.before.linear,
+        tried={} if search is None else search.tried,
+        evidence={} if search is None else evidence_by_name(search),
+        elsewhere=_elsewhere(found, decision, search),
+        closed=_closed_by_step(found, search),
+        share_left=1.0 - (decision.closed if search is None else score.closed or 0.0),
+        fits=dict(item for level in explanation.levels for item in level.items()) if search is None else search.fits,
+    )
+
+
+def _elsewhere(found: _Comparison, decision: Decision, search: HeldOutSearch | None) -> Fit | None:
+    """The simulation of other records: the simulation before, unless all effects of a better one are likely."""
+    if search is None or search.elsewhere is None:
+        return None
+    likely = {name for name, p in decision.probability.items() if p > MIN_CONFIDENCE}
+    names = set(search.elsewhere.hypothesis.names)
+    plain = found.before.start if found.before.linear is None else found.before.fit
+    return search.elsewhere if names and names <= likely else plain
+
+
+def _asserted(found: _Comparison, decision: Decision) -> Fit:
+    """The explanation if at least one effect is more likely than not, else the simulation before."""
+    asserted = decision.verdict == "effect" or any(p > MIN_CONFIDENCE for p in decision.probability.values())
+    return found.explanation.best if asserted else found.before.fit
+
+
+def _closed_by_step(found: _Comparison, search: HeldOutSearch | None) -> tuple[float | None, ...]:
+    """Share of the gap on the held-out samples that each fit on the path to the accepted one closes."""
+    path, score, held_out = found.explanation.path, found.score, found.before.held_out
+    if score.closed is None:
+        return (None,) * len(path)
+    mismatch = None if search is None else search.mismatch
+    left = [1.0 if mismatch is None else mismatch.factor**2]
+    for number, fit in enumerate(path[1:-1]):
+        errors = held_out.errors(held_out.refit(fit)) if search is None else search.steps[number].errors
+        left.append(float(np.mean(errors)) / score.before**2)
+    closed = [closed_share(score.before**2, share * score.before**2, score.floor**2) for share in left]
+    return tuple([*closed, score.closed][-len(path) :])
+
+
+def _outputs(data: Data, before: Fit, after: Fit) -> tuple[FloatArray, FloatArray]:
+    """Outputs of two fits in the unit of the record."""
+    back = data.y_scale.back
+    return np.asarray(back(before.output)), np.asarray(back(after.output))

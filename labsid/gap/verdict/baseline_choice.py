@@ -1,0 +1,147 @@
+"""Choose the linear model of a record: least squares, or output error of first or of the given order."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from scipy.optimize import minimize_scalar
+from scipy.signal import lfilter
+
+from labsid._arrays import FloatArray
+from labsid.gap.dynamics.responses import real_rates, single_pole
+from labsid.gap.fits.fitting import UNFILTERED, Fit, Problem, finish
+from labsid.gap.fits.hypothesis import Hypothesis
+from labsid.gap.fits.linear_fits import LINEAR, linear_structure_of
+from labsid.gap.record.data import Data
+from labsid.gap.verdict.held_out_errors import HeldOut, Refit
+
+OBSERVED_TIME_CONSTANTS = 6.0  # in the record: a slower pole is not identified
+INTEGRATOR_SHARE = 0.25  # of the error of every other model: a pole too slow to be seen is then that of an integrator
+PREFERENCE = 0.97  # error of another model over that of output error of the given order, from which it is chosen
+FASTEST_RATE = 3.0  # per sample
+LEAST_SQUARES, FIRST_ORDER, OUTPUT_ERROR = "least squares", "output error of first order", "output error"
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class LinearModel:
+    """A linear model of a record.
+
+    Attributes
+    ----------
+    method : str
+        How it was fitted.
+    fit : Fit
+    observed : bool
+        Whether the record is long enough to show the slowest pole of the output-error fit of the given order.
+    errors : dict
+        Rms free-run error on the held-out samples of every method tried.
+    """
+
+    method: str
+    fit: Fit
+    observed: bool
+    errors: dict[str, float]
+
+
+def choose_linear_model(held_out: HeldOut, output_error: Fit) -> LinearModel:
+    """Choose the linear model with the smallest free-run error on held-out samples.
+
+    Output error of the given order is kept unless another model is clearly better. A model whose slowest pole has a
+    time constant of more than a sixth of the record is not chosen, because the record is too short to show that pole;
+    unless every other model leaves several times its error, as for a rig that integrates its input.
+
+    Parameters
+    ----------
+    held_out : HeldOut
+    output_error : Fit
+        Output-error fit of the given order to the rows that are not held out.
+    """
+    data = held_out.data
+    methods: dict[str, Refit | None] = {OUTPUT_ERROR: None, FIRST_ORDER: fit_first_order, LEAST_SQUARES: fit_arx_poles}
+    fits = {name: output_error if fit is None else fit(data, output_error) for name, fit in methods.items()}
+    errors = {name: float(np.sqrt(np.mean(held_out.errors(fit, methods[name])))) for name, fit in fits.items()}
+    observed = {method: is_observed(data, fit) for method, fit in fits.items()}
+
+    def order(method: str) -> tuple[bool, float]:
+        return not observed[method], errors[method] * (PREFERENCE if method == OUTPUT_ERROR else 1.0)
+
+    best = min(fits, key=order)
+    if errors[OUTPUT_ERROR] < INTEGRATOR_SHARE * errors[best]:
+        best = OUTPUT_ERROR
+    return LinearModel(best, fits[best], observed[OUTPUT_ERROR], errors)
+
+
+def is_observed(data: Data, fit: Fit) -> bool:
+    """Whether the record is long enough to show the slowest pole of a linear fit."""
+    c, k = fit.rates
+    slowest = real_rates(c, k)[0] if 0.25 * c * c > k else np.sqrt(k)  # per sample; of a pair, its natural frequency
+    return bool(slowest * data.longest >= OBSERVED_TIME_CONSTANTS)
+
+
+def fit_first_order(data: Data, like: Fit | None = None) -> Fit:
+    """Output-error fit of one pole that the record is long enough to show.
+
+    `like` states what belongs to each of several records.
+    """
+    structure = LINEAR if like is None else linear_structure_of(like)
+    problem = Problem(data, structure, UNFILTERED)
+    slowest = np.log(OBSERVED_TIME_CONSTANTS / data.longest)
+    grid = np.linspace(slowest, np.log(FASTEST_RATE), 20)
+
+    def cost(log_rate: float) -> float:
+        point = problem.point(_theta(*single_pole(float(np.exp(log_rate)))))
+        return np.inf if point is None else point.cost
+
+    best = grid[int(np.argmin([cost(rate) for rate in grid]))]
+    step = grid[1] - grid[0]
+    bounds = (max(best - step, slowest), best + step)
+    rate = minimize_scalar(cost, bounds=bounds, method="bounded", options={"xatol": 1e-4}).x
+    return _fit_at(data, structure, _theta(*single_pole(float(np.exp(rate)))))
+
+
+def fit_arx_poles(data: Data, like: Fit | None = None) -> Fit:
+    """Least squares on ``y(k) = phi(k)' theta`` of second order (UNSW lab, eq. 8), as a simulation.
+
+    A pole on the negative real axis has no equivalent in continuous time; it is replaced by a fast one. `like` states
+    what belongs to each of several records.
+    """
+    structure = LINEAR if like is None else linear_structure_of(like)
+    u, y = data.u, data.y
+    used = data.rows[2:] & data.rows[1:-1] & data.rows[:-2]
+    Phi = np.column_stack([y[1:-1], y[:-2], u[1:-1], u[:-2], np.ones(u.size - 2)])
+    theta = np.linalg.lstsq(Phi[used], y[2:][used], rcond=None)[0]
+    poles = np.roots([1.0, -theta[0], -theta[1]])
+    rates = -np.log(np.where(np.abs(poles) > 1e-3, poles, 1e-3).astype(complex))
+    if np.isreal(poles).all():
+        rates = np.where(np.real(poles) > 1e-3, np.real(rates), FASTEST_RATE)
+    c, k = float(np.real(rates.sum())), float(np.real(rates.prod()))
+    at = _theta(max(c, 1e-6), max(k, 1e-9))
+    output = lfilter([0.0, theta[2], theta[3]], [1.0, -theta[0], -theta[1]], u - u[0])
+    if not (np.isfinite(output).all() and np.abs(output).max() < 1e6):
+        return _fit_at(data, structure, at)
+    gains = Problem(replace(data, y=output), structure, UNFILTERED).point(at)
+    free = Problem(data, structure, UNFILTERED).point(at)
+    if gains is None or free is None:
+        return _fit_at(data, structure, at)
+    # The numerator is that of least squares; constant and initial state are those of the free run.
+    columns = free.design.columns
+    fixed, kept = columns[:, :2] @ gains.gains[:2], slice(2, None)
+    rest = np.linalg.lstsq(columns[data.rows, kept], (data.y - fixed)[data.rows], rcond=None)[0]
+    own = np.concatenate([gains.gains[:2], rest])
+    simulated = columns @ own
+    error = (data.y - simulated)[data.rows]
+    return finish(
+        data, structure, replace(free, gains=own, output=simulated, error=error, cost=float(np.mean(error**2)))
+    )
+
+
+def _theta(c: float, k: float) -> FloatArray:
+    """Parameters of the linear structure without delay."""
+    return np.clip(np.array([0.0, np.log(c), np.log(k)]), *LINEAR.bounds)
+
+
+def _fit_at(data: Data, structure: Hypothesis, theta: FloatArray) -> Fit:
+    """The best gains at fixed poles."""
+    point = Problem(data, structure, UNFILTERED).point(theta)
+    if point is None:
+        raise ValueError("no linear model can be simulated on this record. Check the signals.")
+    return finish(data, structure, point)

@@ -1,0 +1,295 @@
+"""Decide on the effects to name, with their probabilities and rivals, or on the verdict `unknown`."""
+
+from collections import defaultdict
+from dataclasses import dataclass, replace
+from typing import NamedTuple
+
+import numpy as np
+
+from labsid.gap.fits.fitting import Fit, mean_square
+from labsid.gap.fits.residual_tests import SLOW_CORRELATION, ResidualMeasures, is_noise
+from labsid.gap.search.beam_search import is_improvement
+from labsid.gap.search.explanation import Explanation
+from labsid.gap.verdict.held_out_errors import Reduction
+from labsid.gap.verdict.held_out_search import HeldOutSearch
+
+TEMPERATURE = 4.0  # divides BIC differences: models are never exact
+MIN_RIVAL_PROBABILITY = 0.03  # of an alternative to be reported as ambiguous
+MAX_RIVALS = 3
+MAX_UNREPEATED = 0.15  # share of the scatter between plateaus left open; a true drift or load leaves a few hundredths
+UNREPEATED_FACTOR = 0.4  # factor on the confidence if more is left
+MIN_CONFIDENCE = 0.5  # below which the verdict is `unknown`
+MISMATCH = "parameter-mismatch"
+RIVAL_FACTOR = 1.1  # rms error of a rival over that of the chosen effect, below which it is reported as ambiguous
+STOP_EFFECTS = ("output-saturation", "overflow", "end-stop")  # the output rests at its extreme
+SEEN_STOP = 0.8  # probability of one of them, if it pays and the record shows the limit
+MAX_REDUCTION = 1.5  # logarithm of a reduction of the rms error: more is no more certain
+MAX_MARGIN = 0.5  # logarithm of the rms error of the best rival over that of the chosen effect: more is no more certain
+
+
+class Evidence(NamedTuple):
+    """Evidence against an explanation; zero means none.
+
+    Attributes
+    ----------
+    colour : float
+        Logarithm of the standard deviation of the residual over that of its innovations; reduced if the residual is
+        independent of the input, and without effects counted for a slow residual only.
+    repeats : float
+        Square root of the share of the residual that repeats with the input, or that past inputs predict.
+    activity : float
+        The same for the magnitude of the residual.
+    tails : float
+        Logarithm of the kurtosis over that of normal noise.
+    short : float
+        Share of the gap left open on held-out samples, beyond chance.
+    """
+
+    colour: float = 0.0
+    repeats: float = 0.0
+    activity: float = 0.0
+    tails: float = 0.0
+    short: float = 0.0
+
+
+PRIOR = 3.5
+EVIDENCE_WEIGHTS = Evidence(colour=-5.2, repeats=-6.0, activity=-3.0, tails=-4.0, short=-4.0)
+SEVERAL_EFFECTS = -1.7  # for two effects or more
+COLOURED_BESIDE = -1.5  # for coloured noise beside effects: an effect outside the table often leaves a residual like it
+ERROR_REDUCTION = 0.33
+CHANCE_SHORTFALL = 0.1  # share of the gap left open by chance
+CHANCE_PREDICTION = 0.07  # share of coloured noise that past inputs may predict by chance
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Decision:
+    """Verdict and named effects.
+
+    Attributes
+    ----------
+    verdict : str
+        "none", "effect", "partial" or "unknown".
+    names : tuple of str
+        The effects, in the order in which they were added.
+    probability : dict
+        By name.
+    ambiguous : tuple of str
+        Alternatives that the record cannot exclude.
+    weights : dict
+        Probability of every combination tried with as many effects; the remainder is for other causes.
+    closed : float
+        Share of the gap closed on the fitted samples.
+    """
+
+    verdict: str
+    names: tuple[str, ...]
+    probability: dict[str, float]
+    ambiguous: tuple[str, ...]
+    weights: dict[tuple[str, ...], float]
+    closed: float
+
+
+def decide(explanation: Explanation, left: ResidualMeasures, given: Fit | None, confidence: float) -> Decision:
+    """Compare the candidates of the accepted level with each other and with an unknown cause.
+
+    With too little confidence nothing is named.
+
+    Parameters
+    ----------
+    explanation : Explanation
+    left : ResidualMeasures
+        Of the accepted fit.
+    given : Fit or None
+        The given simulation, not refitted.
+    confidence : float
+        Probability that the explanation is right.
+    """
+    simulated = explanation.best.hypothesis.names
+    weights = _weights(explanation, len(simulated))
+    noise = is_noise(left, "output-quantization" in explanation.unsimulated)
+    # A residual that repeats with the input is not sensor noise, however slow it is.
+    added = tuple(name for name in explanation.unsimulated if noise or name != "coloured-noise")
+    shares: defaultdict[str, float] = defaultdict(float)
+    for tried, weight in weights.items():
+        for name in tried:
+            shares[name] += weight
+    probability = {name: confidence * shares[name] for name in simulated}
+    probability |= dict.fromkeys(added, confidence)
+    rivals = {name: share for name, share in shares.items() if name not in simulated}
+    ambiguous = [name for name, p in sorted(rivals.items(), key=lambda item: -item[1]) if p > MIN_RIVAL_PROBABILITY]
+    names = (*simulated, *added)
+    if given is not None and not simulated and is_improvement(explanation.data, given, explanation.path[0]):
+        names = (MISMATCH, *names)
+        probability[MISMATCH] = confidence * mismatch_probability(given, explanation.path[0])
+    named = names if confidence >= MIN_CONFIDENCE else ()
+    ambiguous = [*(name for name in names if name not in named), *ambiguous]
+    verdict = "effect" if named else "unknown" if confidence < MIN_CONFIDENCE else "none"
+    weights = {combination: confidence * weight for combination, weight in weights.items()}
+    closed = closed_on_fit(explanation, left, added)
+    return Decision(verdict, named, probability, tuple(ambiguous[:MAX_RIVALS]), weights, closed)
+
+
+def decide_partial(search: HeldOutSearch, unknown: Decision, at_stop: bool = False) -> Decision:
+    """Name the effects that each reduce the error on held-out samples.
+
+    Parameters
+    ----------
+    search : HeldOutSearch
+    unknown : Decision
+        The decision if nothing is named.
+    at_stop : bool
+        Whether the record shows the output at rest at its extreme.
+    """
+    probability = {name: partial_probability(evidence) for name, evidence in evidence_by_name(search).items()}
+    if not probability:
+        return unknown
+    if at_stop:
+        probability |= {name: max(p, SEEN_STOP) for name, p in probability.items() if name in STOP_EFFECTS}
+    rivals = [name for step in search.steps for name, one in step.rivals if one.factor < RIVAL_FACTOR]
+    return replace(
+        unknown,
+        verdict="partial",
+        names=tuple(probability),
+        probability=probability,
+        ambiguous=tuple(dict.fromkeys(name for name in rivals if name not in probability))[:MAX_RIVALS],
+        weights={tuple(sorted(probability)): min(probability.values())},
+    )
+
+
+class PartialEvidence(NamedTuple):
+    """Evidence for an effect that explains a part of the gap, from errors on held-out samples.
+
+    Attributes
+    ----------
+    reduction : float
+        Logarithm of the rms error of the explanation without this effect over that with it; at most `MAX_REDUCTION`.
+    alone : float
+        The same for the simulation before and that with this effect alone. Curves that imitate an effect outside the
+        table pay together, but little alone.
+    margin : float
+        The same for the explanation with the best rival in the place of this effect; at most `MAX_MARGIN`.
+    others : float
+        Number of other effects.
+    """
+
+    reduction: float
+    alone: float
+    margin: float
+    others: float
+
+
+PARTIAL_PRIOR = -5.6
+PARTIAL_WEIGHTS = PartialEvidence(reduction=2.4, alone=3.1, margin=0.9, others=-0.6)
+
+
+def evidence_by_name(search: HeldOutSearch) -> dict[str, PartialEvidence]:
+    """Evidence for each effect of a partial explanation, parameters of a given simulation first."""
+    steps, mismatch = search.steps, search.mismatch
+    found = {}
+    if mismatch is not None:
+        found[MISMATCH] = PartialEvidence(_gain(mismatch), _gain(mismatch), 0.0, float(len(steps)))
+    others = len(steps) - 1.0 + len(found)
+    for step in steps:
+        margin = min((float(np.log(one.factor)) for _, one in step.rivals), default=MAX_MARGIN)
+        alone = 0.0 if step.alone is None else _gain(step.alone)
+        found[step.name] = PartialEvidence(_gain(step.missed), alone, min(margin, MAX_MARGIN), others)
+    return found
+
+
+def _gain(reduction: Reduction) -> float:
+    return float(np.clip(-np.log(max(reduction.factor, 1e-6)), 0.0, MAX_REDUCTION))
+
+
+def partial_probability(evidence: PartialEvidence) -> float:
+    """Probability that an effect acts that is found beside others; fitted by `labsid.blind.calibration`."""
+    score = PARTIAL_PRIOR + sum(w * value for w, value in zip(PARTIAL_WEIGHTS, evidence, strict=True))
+    return _logistic(score)
+
+
+def _logistic(score: float) -> float:
+    return float(1.0 / (1.0 + np.exp(-score)))
+
+
+def _weights(explanation: Explanation, level: int) -> dict[tuple[str, ...], float]:
+    """Probabilities of the combinations of `level` effects, from their BIC."""
+    fits = explanation.levels[level]
+    best = explanation.best.bic
+    raw = {names: float(np.exp(-max(fit.bic - best, 0.0) / (2.0 * TEMPERATURE))) for names, fit in fits.items()}
+    total = sum(raw.values())
+    return {names: weight / total for names, weight in raw.items()}
+
+
+def confidence_in(
+    explanation: Explanation, left: ResidualMeasures, closed: float | None = None, unrepeated: float = 0.0
+) -> float:
+    """Probability that the accepted explanation (possibly no effect) is right, from its residual.
+
+    A logistic regression fitted to the `dev` records of the sealed check. The right explanation leaves white noise, or
+    sensor noise that is correlated over a few samples and independent of the input. Effects that imitate an unknown
+    cause leave a slow residual, or one that repeats with the input.
+
+    Parameters
+    ----------
+    explanation : Explanation
+    left : ResidualMeasures
+        Of the accepted fit.
+    closed : float, optional
+        Share of the gap closed on held-out samples.
+    unrepeated : float
+        If the gap is mainly in levels that do not repeat at the same input: the share of it that the explanation leaves
+        open, else 0.
+    """
+    path = explanation.path
+    steps = len(path) - 1
+    converted = "output-quantization" in explanation.unsimulated
+    slow_noise = False  # noise slow enough to keep levels from repeating
+    if converted:
+        evidence = Evidence()  # rounding repeats with the input, and jumps
+    else:
+        colour = float(np.log(max(left.colour, 1.0)))
+        if not steps:
+            colour *= 0.5 * max(left.slow, 0.0)
+        quiet = steps > 0 and is_noise(left, converted=False) and left.activity_z < 3.0
+        colour *= 0.4 if quiet else 1.0  # noise that is independent of the input
+        slow_noise = quiet and "coloured-noise" in explanation.unsimulated
+        predicted = left.explained if not quiet or left.explained > CHANCE_PREDICTION else 0.0
+        evidence = Evidence(
+            colour=colour,
+            repeats=float(np.sqrt(max(left.repeats if left.repeats_z > 2.0 else 0.0, predicted, 0.0))),
+            activity=float(np.sqrt(max(left.activity, 0.0))) if left.activity_z > 3.0 else 0.0,
+            tails=float(np.log(max(left.tails, 3.0) / 3.0)),
+            short=_shortfall(explanation, closed),
+        )
+    shrunk = 0.5 * float(
+        np.log(mean_square(explanation.data, path[0]) / max(mean_square(explanation.data, path[-1]), 1e-300))
+    )
+    score = PRIOR + SEVERAL_EFFECTS * (steps >= 2) + COLOURED_BESIDE * slow_noise
+    score += ERROR_REDUCTION * min(max(shrunk, 0.0), 4.0)
+    score += sum(weight * value for weight, value in zip(EVIDENCE_WEIGHTS, evidence, strict=True))
+    confidence = _logistic(score)
+    differs = unrepeated > MAX_UNREPEATED and not (converted or slow_noise)
+    return confidence * UNREPEATED_FACTOR if differs else confidence
+
+
+def _shortfall(explanation: Explanation, closed: float | None) -> float:
+    """Share of the gap left open beyond chance; zero with coloured noise, whose floor is unknown."""
+    if closed is None or len(explanation.path) == 1 or "coloured-noise" in explanation.unsimulated:
+        return 0.0
+    return float(np.clip(1.0 - closed - CHANCE_SHORTFALL, 0.0, 1.0))
+
+
+def closed_on_fit(explanation: Explanation, left: ResidualMeasures, added: tuple[str, ...]) -> float:
+    """Share of the gap closed on the fitted samples; the structured part of the residual counts as open."""
+    path = explanation.path
+    before = mean_square(explanation.data, path[0])
+    after, white = left.rms**2, path[-1].noise.sigma2
+    noise = is_noise(left, "output-quantization" in added)
+    coloured = after - white if not noise or (left.slow > SLOW_CORRELATION and "coloured-noise" not in added) else 0.0
+    structure = max(max(left.explained, left.repeats) * after if not noise else 0.0, coloured)
+    gap = max(before - (after - structure), 1e-300)
+    return 1.0 - float(np.sqrt(min(max(structure, 0.0) / gap, 1.0)))
+
+
+def mismatch_probability(given: Fit, free: Fit) -> float:
+    """Probability that the parameters of the given simulation are wrong."""
+    return _logistic(max(given.bic - free.bic, 0.0) / (2.0 * TEMPERATURE))

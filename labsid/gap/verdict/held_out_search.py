@@ -1,0 +1,243 @@
+"""Effects that reduce the free-run error on held-out samples, for records that no combination explains completely.
+
+Where the residual is no noise, the whitened one-step criterion of the beam search ranks candidates by what none of them
+describes. Here the combinations are compared by their free-run error on samples that no fit has used, and an effect is
+kept only if it pays there: if the error without it, part by part of those samples, is larger by more than chance.
+"""
+
+from collections.abc import Iterable
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from labsid._arrays import FloatArray
+from labsid.gap.fits.fitting import Fit, mean_square
+from labsid.gap.fits.linear_fits import fit_highpass
+from labsid.gap.search.beam_search import Progress, extended_fits
+from labsid.gap.search.explanation import Explanation
+from labsid.gap.search.forms import remove_named_effect
+from labsid.gap.verdict.held_out_errors import HeldOut, Reduction, compare_errors
+
+MOST_EFFECTS = 3
+COMPARED = 8  # combinations of two and of three effects that are refitted: those of least error on all samples
+MOST_ROUNDS = 4  # of additions and exchanges
+OF_ONE_RECORD = {"load-step", "output-drift", "parameter-drift", "periodic-disturbance"}  # their time course
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Candidate:
+    """A combination of effects, fitted to the samples that are not held out.
+
+    Attributes
+    ----------
+    fit : Fit
+    errors : ndarray
+        Mean square errors in the parts of the held-out samples.
+    """
+
+    fit: Fit
+    errors: FloatArray
+
+    @property
+    def names(self) -> frozenset[str]:
+        """The effects."""
+        return frozenset(self.fit.hypothesis.names)
+
+    @property
+    def total(self) -> float:
+        """Sum of the errors."""
+        return float(np.sum(self.errors))
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Step:
+    """One more effect.
+
+    Attributes
+    ----------
+    name : str
+        The effect.
+    fit : Fit
+        With this effect, to the rows that are not held out.
+    errors : ndarray
+        Mean square errors in the parts of the held-out samples.
+    missed : Reduction
+        The whole combination compared with the same without this effect.
+    alone : Reduction or None
+        This effect alone compared with the simulation before; None if it was not tried alone.
+    rivals : tuple of (str, Reduction)
+        Other effects in its place, best first: the factor is their error over that of this one.
+    """
+
+    name: str
+    fit: Fit
+    errors: FloatArray
+    missed: Reduction
+    alone: Reduction | None
+    rivals: tuple[tuple[str, Reduction], ...] = ()
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class HeldOutSearch:
+    """Result of `search_held_out`.
+
+    Attributes
+    ----------
+    steps : tuple of Step
+        The effects that pay, in the order in which each reduces the error most.
+    tried : dict
+        By sorted names: mean square error on the held-out samples of every combination tried.
+    elsewhere : Fit or None
+        The best fit without effects whose time course belongs to this record, if some of `steps` are such effects.
+    mismatch : Reduction or None
+        Of a given simulation: what other values of its parameters reduce, if that pays.
+    fits : dict
+        By sorted names: the fit of every combination tried.
+    """
+
+    steps: tuple[Step, ...]
+    tried: dict[tuple[str, ...], float]
+    elsewhere: Fit | None
+    mismatch: Reduction | None = None
+    fits: dict[tuple[str, ...], Fit] = field(default_factory=dict)
+
+
+class _Pool:
+    """The best candidate of every combination of names."""
+
+    def __init__(self, held_out: HeldOut, start: Candidate, progress: Progress | None) -> None:
+        self.held_out, self.start, self.progress = held_out, start, progress
+        self.best: dict[frozenset[str], Candidate] = {start.names: start}
+        self.data = replace(held_out.data, by_free_run=True)
+        self.highpass = fit_highpass(self.data, start.fit)
+        self.extended = {start.names}  # combinations to which every further effect has been added
+
+    def add(self, fits: Iterable[Fit]) -> None:
+        """Keep the fits that are the best of their names; none where the budget of runs did not suffice for its fit."""
+        meter = self.start.fit.hypothesis.plant.simulation.meter
+        for fit in fits:
+            if meter is not None and meter.exhausted:
+                break
+            if self.held_out.elsewhere and OF_ONE_RECORD & set(fit.hypothesis.names):
+                continue  # not in the other record
+            candidate = Candidate(fit, self.held_out.errors(fit))
+            known = self.best.get(candidate.names)
+            if np.isfinite(candidate.total) and (known is None or candidate.total < known.total):
+                self.best[candidate.names] = candidate
+
+    def without(self, candidate: Candidate, name: str) -> Candidate:
+        """The best candidate with one effect less."""
+        names = candidate.names - {name}
+        if names:
+            fewer = remove_named_effect(self.held_out.data, candidate.fit, name)
+            self.add([] if fewer is None else [fewer])
+        return self.best.get(names, self.start)
+
+    def extend(self, candidate: Candidate) -> None:
+        """Add every further effect to a candidate, once."""
+        if candidate.names not in self.extended:
+            self.extended.add(candidate.names)
+            self.add(extended_fits(self.data, candidate.fit, self.highpass, len(candidate.names), self.progress))
+
+    @property
+    def least(self) -> Candidate:
+        """The candidate of least error."""
+        return min(self.best.values(), key=lambda candidate: candidate.total)
+
+
+def search_held_out(
+    held_out: HeldOut,
+    explanation: Explanation,
+    start: Fit,
+    before: FloatArray,
+    given: bool = False,
+    progress: Progress | None = None,
+) -> HeldOutSearch:
+    """Find the combination of least error on the held-out samples in which every effect pays.
+
+    From the best combination of the beam search, effects are added and exchanged while that reduces the error.
+
+    Parameters
+    ----------
+    held_out : HeldOut
+    explanation : Explanation
+        Result of the beam search, whose combinations are compared.
+    start : Fit
+        The fit to which effects are added, to the rows that are not held out.
+    before : ndarray
+        Errors of the simulation before in the parts of the held-out samples.
+    given : bool
+        Whether `start` is a given simulation with fitted parameters, `before` without: an effect then has to pay beside
+        the fitted parameters.
+    progress : callable, optional
+
+    Returns
+    -------
+    HeldOutSearch
+    """
+    refitted = held_out.errors(start) if given else before
+    mismatch = compare_errors(before, refitted)
+    pool = _Pool(held_out, Candidate(start, min(before, refitted, key=np.sum)), progress)
+    for number, level in enumerate(explanation.levels[1:]):
+        fits = sorted(level.values(), key=lambda fit: mean_square(explanation.data, fit))
+        pool.add(held_out.refit(fit) for fit in (fits if number == 0 else fits[:COMPARED]))
+    best = _paying(pool, pool.least)
+    for _ in range(MOST_ROUNDS):
+        if len(best.names) < MOST_EFFECTS:
+            pool.extend(best)
+        for name in best.names if len(best.names) > 1 else ():
+            pool.extend(pool.without(best, name))
+        other = _paying(pool, pool.least)
+        if other.total >= best.total:
+            break
+        best = other
+    tried = {tuple(sorted(names)): float(np.mean(one.errors)) for names, one in pool.best.items() if names}
+    elsewhere = None
+    if best.names & OF_ONE_RECORD:
+        lasting = (one for names, one in pool.best.items() if not names & OF_ONE_RECORD)
+        elsewhere = _paying(pool, min(lasting, key=lambda one: one.total)).fit
+    every = {tuple(sorted(names)): one.fit for names, one in pool.best.items()}
+    return HeldOutSearch(_steps(pool, best), tried, elsewhere, mismatch if mismatch.pays else None, every)
+
+
+def _paying(pool: _Pool, candidate: Candidate) -> Candidate:
+    """The candidate without the effects that do not pay."""
+    while candidate.names:
+        _, fewer = _least_missed(pool, candidate)
+        if compare_errors(fewer.errors, candidate.errors).pays:
+            return candidate
+        candidate = fewer
+    return candidate
+
+
+def _least_missed(pool: _Pool, candidate: Candidate) -> tuple[str, Candidate]:
+    """The effect without which the error grows least, and the candidate without it."""
+    fewer = {name: pool.without(candidate, name) for name in sorted(candidate.names)}
+    name = min(fewer, key=lambda name: fewer[name].total)
+    return name, fewer[name]
+
+
+def _steps(pool: _Pool, best: Candidate) -> tuple[Step, ...]:
+    """The effects of a candidate, the one that reduces the error least at the end."""
+    steps: list[Step] = []
+    whole = best
+    while best.names:
+        name, fewer = _least_missed(pool, best)
+        missed = compare_errors(pool.without(whole, name).errors, whole.errors)
+        single = pool.best.get(frozenset({name}))
+        alone = None if single is None else compare_errors(pool.start.errors, single.errors)
+        steps.append(Step(name, best.fit, best.errors, missed, alone, _rivals(pool, whole, name)))
+        best = fewer
+    return tuple(reversed(steps))
+
+
+def _rivals(pool: _Pool, best: Candidate, name: str) -> tuple[tuple[str, Reduction], ...]:
+    """Other effects in the place of one, beside the same others, best first."""
+    rest = best.names - {name}
+    found = []
+    for names, one in pool.best.items():
+        if len(names) == len(best.names) and rest < names and name not in names:
+            (rival,) = names - rest
+            back = compare_errors(one.errors, best.errors)
+            found.append((rival, Reduction(1.0 / max(back.factor, 1e-12), back.t)))
+    return tuple(sorted(found, key=lambda item: item[1].factor))

@@ -1,0 +1,136 @@
+"""Score an explanation: the share of the gap that its free run closes on held-out samples, with an interval."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from labsid._arrays import FloatArray
+from labsid.gap.fits.fitting import Fit
+from labsid.gap.fits.residual_tests import explained_share
+from labsid.gap.record.data import Data
+from labsid.gap.verdict.held_out_errors import HeldOut
+
+DRAWS = 400
+PERCENTILES = (2.5, 97.5)
+RESAMPLED_BLOCKS = 20
+SPREAD_FACTOR = 1.2  # widens the interval: few blocks underestimate the spread
+NO_GAP = 1.02  # mean square error over that of the noise, up to which there is no gap
+MIN_HALF_WIDTH = 0.005  # of the interval of the closed share
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class GapScore:
+    """The gap on held-out samples, in scaled units.
+
+    Attributes
+    ----------
+    before, after, floor : float
+        Rms errors before and after, and rms of the noise.
+    closed : float or None
+        1 - sqrt(after^2 - floor^2) / sqrt(before^2 - floor^2); None if there is no gap before.
+    ci95 : tuple of float or None
+        95 % interval of `closed`, from resampled blocks.
+    scored : ndarray of bool, shape (N,)
+        The samples on which the gap is scored.
+    outputs : tuple of ndarray
+        Outputs before and after on the record with these samples.
+    after_fit : Fit
+        The scored fit of the explanation.
+    """
+
+    before: float
+    after: float
+    floor: float
+    closed: float | None
+    ci95: tuple[float, float] | None
+    scored: np.ndarray
+    outputs: tuple[FloatArray, FloatArray]
+    after_fit: Fit
+
+
+def score_fits(held_out: HeldOut, before: FloatArray, after: Fit, rng: np.random.Generator) -> GapScore:
+    """Score two simulations on the held-out samples, which neither was fitted to.
+
+    Parameters
+    ----------
+    held_out : HeldOut
+    before : ndarray
+        Output of the simulation before on the record with these samples, in scaled units.
+    after : Fit
+        The explanation.
+    rng : Generator
+        For the resampling.
+    """
+    data, scored = held_out.data, held_out.scored
+    last = held_out.output(after)
+    e0, e1 = held_out.measured - before, held_out.measured - last
+    fitted = (data.y - after.output)[data.rows]
+    floor = noise_power(data, after)
+    m0, m1 = float(np.mean(e0[scored] ** 2)), float(np.mean(e1[scored] ** 2))
+    closed = None if m0 <= NO_GAP * floor else closed_share(m0, m1, floor)
+    return GapScore(
+        before=float(np.sqrt(m0)),
+        after=float(np.sqrt(m1)),
+        floor=float(np.sqrt(floor)),
+        closed=closed,
+        ci95=None if closed is None else _closure_interval(e0[scored], e1[scored], fitted, floor, after, rng),
+        scored=scored,
+        outputs=(before, last),
+        after_fit=after,
+    )
+
+
+def closed_share(before: float, after: float, floor: float) -> float | None:
+    """Share of the gap that is closed, from mean square errors; None if there is no gap."""
+    gap = before - floor
+    if gap <= 0.0:
+        return None
+    return 1.0 - float(np.sqrt(max(after - floor, 0.0) / gap))
+
+
+def noise_power(data: Data, fit: Fit) -> float:
+    """Variance of the noise: that of the residual on the fitted rows, less the part that past inputs predict."""
+    e = data.y - fit.output
+    count = int(data.rows.sum())
+    power = float(e[data.rows] @ e[data.rows]) / max(count - fit.n_free, 1)
+    return power * (1.0 - min(max(explained_share(data, fit, e), 0.0), 0.9))
+
+
+def _closure_interval(
+    e0: FloatArray, e1: FloatArray, fitted: FloatArray, floor: float, after: Fit, rng: np.random.Generator
+) -> tuple[float, float]:
+    """Percentiles of the closed share over resampled blocks of the scored samples; for the floor, of the fitted ones.
+
+    The lower end includes the error of the estimated parameters, which few samples hide in their noise.
+    """
+    power = np.array([_block_means(e0**2), _block_means(e1**2)])
+    noise_blocks = _block_means(fitted**2)
+    correct = floor / max(float(np.mean(fitted**2)), 1e-300)
+    inexact = floor * (floor / after.noise.sigma2) * after.n_free / max(fitted.size, 1)  # larger with coloured noise
+    low, high = [], []
+    for _ in range(DRAWS):
+        m0, m1 = _resampled_means(power, rng)
+        (noise,) = _resampled_means(noise_blocks[None], rng) * correct
+        if m0 > noise:
+            wrong = inexact * rng.chisquare(after.n_free) / after.n_free
+            high.append(1.0 - np.sqrt(max(m1 - noise, 0.0) / (m0 - noise)))
+            low.append(1.0 - np.sqrt(max(m1 - noise, wrong) / (m0 - noise)))
+    if not low:
+        return (0.0, 1.0)
+    ends = (
+        float(np.percentile(low, PERCENTILES[0])) - MIN_HALF_WIDTH,
+        float(np.percentile(high, PERCENTILES[1])) + MIN_HALF_WIDTH,
+    )
+    return ends[0], min(ends[1], 1.0)
+
+
+def _resampled_means(blocks: FloatArray, rng: np.random.Generator) -> FloatArray:
+    """Mean of each row over the same blocks, drawn with replacement."""
+    mean = blocks.mean(axis=1)
+    drawn = blocks[:, rng.integers(0, blocks.shape[1], blocks.shape[1])].mean(axis=1)
+    return np.asarray(mean + SPREAD_FACTOR * (drawn - mean))
+
+
+def _block_means(values: FloatArray) -> FloatArray:
+    length = max(values.size // RESAMPLED_BLOCKS, 5)
+    return np.array([block.mean() for block in np.array_split(values, max(values.size // length, 2))])

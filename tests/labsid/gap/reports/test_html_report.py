@@ -1,0 +1,339 @@
+"""The page: well-formed, complete in itself, escaped, and saying what the terminal says."""
+
+import base64
+import copy
+import csv
+import hashlib
+import io
+import json
+import re
+from html.parser import HTMLParser
+
+import pytest
+from gap_reports import PARAMETERS, report, undrawn_figures, with_experiment, with_holdout, with_plateaus, with_rest
+
+from labsid.gap.reports import sentences
+from labsid.gap.reports.effect_texts import EFFECT_TEXTS
+from labsid.gap.reports.html_report import command, page_content, render_html, write_html_report
+from labsid.gap.reports.location_text import location_sentences
+
+VOID = {"meta", "img", "source", "br", "link", "hr", "input"}
+HOSTILE = "<script>alert('&\"')</script>"
+
+
+class Page(HTMLParser):
+    """What a browser would find, and whether every element is closed in its turn."""
+
+    def __init__(self):
+        super().__init__()
+        self.open, self.faults, self.tags, self.attributes, self.text, self.scripts = [], [], [], [], [], []
+
+    def handle_starttag(self, tag, attrs):
+        self.tags.append(tag)
+        self.attributes += [(tag, name, value) for name, value in attrs]
+        if tag not in VOID:
+            self.open.append(tag)
+
+    def handle_endtag(self, tag):
+        if not self.open or self.open.pop() != tag:
+            self.faults.append(tag)
+
+    def handle_data(self, data):
+        if self.open and self.open[-1] == "script":
+            self.scripts.append(data)
+        elif not self.open or self.open[-1] != "style":
+            self.text.append(data)
+
+    @property
+    def words(self):
+        return " ".join(" ".join(self.text).split())
+
+
+def _read(path, content):
+    """Write the page of a report and read it back as a browser would."""
+    write_html_report(path, content)
+    html = path.read_text(encoding="utf-8")
+    parsed = Page()
+    parsed.feed(html)
+    parsed.close()
+    assert parsed.faults == []
+    assert parsed.open == []
+    return html, parsed
+
+
+KINDS = {
+    "effect": report("input-dead-zone"),
+    "pair": report("load-step", "output-outliers"),
+    "ambiguous": with_experiment(report("input-delay", probability=0.58)),
+    "none": report(verdict="none"),
+    "partial": with_rest(report("coulomb-friction", "resonance", verdict="partial", probability=0.7), "input"),
+    "unknown": with_rest(report("input-delay", verdict="unknown"), "disturbance"),
+    "mismatch": report("parameter-mismatch"),
+}
+
+
+@pytest.fixture(scope="module")
+def pages(tmp_path_factory):
+    """The page of every kind of answer: its HTML, and what a browser finds in it. One has its figures."""
+    folder = tmp_path_factory.mktemp("pages")
+    with pytest.MonkeyPatch.context() as patched:
+        made = {"ambiguous": _read(folder / "ambiguous.html", KINDS["ambiguous"])}
+        patched.setattr("labsid.gap.reports.html_report.encoded_figures", undrawn_figures)
+        return made | {kind: _read(folder / f"{kind}.html", KINDS[kind]) for kind in KINDS if kind not in made}
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_every_page_is_self_contained(kind, pages):
+    html, parsed = pages[kind]
+    assert html.lstrip().startswith("<!doctype html>")
+    assert not {"link", "iframe", "object", "form"} & set(parsed.tags)
+    plain = html[: html.index("<script")]
+    assert "http:" not in re.sub(r"base64,[A-Za-z0-9+/=]*", "", plain)  # where any letters stand by chance
+    assert "https:" not in plain
+    for tag, name, value in parsed.attributes:
+        assert not name.startswith("on"), "no script in an attribute"
+        if name in ("src", "href", "srcset"):
+            assert value.startswith("data:"), (tag, name)
+    assert "url(" not in plain
+    assert parsed.tags.count("h1") == 1
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_the_security_policy_allows_the_scripts_of_the_page_and_nothing_else(kind, pages):
+    _, parsed = pages[kind]
+    (policy,) = [value for tag, name, value in parsed.attributes if (tag, name) == ("meta", "content") and ";" in value]
+    data, *scripts = parsed.scripts
+    digests = [base64.b64encode(hashlib.sha256(text.encode()).digest()).decode() for text in scripts]
+    assert policy.startswith("default-src 'none'; img-src data:; script-src ")
+    assert re.findall(r"'sha256-(.*?)'", policy) == digests
+    assert len(digests) == 2
+    assert "unsafe-eval" not in policy
+    assert set(json.loads(data)["parts"]) == {"record"}
+
+
+def test_the_same_report_gives_the_same_page(undrawn):
+    """Although bokeh counts what a process has made."""
+    shown = with_holdout(report("input-delay"))
+    assert render_html(shown) == render_html(shown)
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_the_verdict_is_first_and_the_sections_are_in_order(kind, pages):
+    _, parsed = pages[kind]
+    words = parsed.words
+    titles = (
+        sentences.verdict_sentence(KINDS[kind]),
+        "Measured and simulated output",
+        "Location of the remaining error" if kind == "none" else "Location of the gap",
+        "Effects tried",
+        "Residual",
+        "Next step",
+        "Reproduce this report",
+    )
+    places = [words.index(title) for title in titles]
+    assert places == sorted(places)
+    for said in (*location_sentences(KINDS[kind]), *sentences.residual_sentences(KINDS[kind])):
+        assert said in words
+
+
+@pytest.mark.parametrize("name", PARAMETERS)
+def test_every_effect_is_explained_with_its_parameters(name):
+    (shown,) = page_content(report(name))["effects"]
+    assert shown["meaning"] == EFFECT_TEXTS[name].meaning
+    assert len(shown["parameters"]) == len(PARAMETERS[name])
+    assert all(row["label"] and row["value"] for row in shown["parameters"])
+
+
+def test_figures_are_png_for_both_widths_with_alternative_text(pages):
+    html, parsed = pages["ambiguous"]
+    pictures = [value for _, name, value in parsed.attributes if name in ("src", "srcset")]
+    assert len(pictures) == 6
+    for picture in pictures:
+        kind, _, data = picture.partition("base64,")
+        assert kind == "data:image/png;"
+        assert base64.b64decode(data, validate=True).startswith(b"\x89PNG\r\n\x1a\n")
+    alts = [value for tag, name, value in parsed.attributes if (tag, name) == ("img", "alt")]
+    assert len(alts) == html.count("<img") == 3
+    assert all(alts)
+
+
+def test_names_from_a_file_are_escaped(tmp_path, undrawn):
+    base = with_experiment(report("input-delay"))
+    base["record"]["name"] = HOSTILE
+    base["effects"][0]["name"] = HOSTILE
+    base["effects"][0]["parameters"] = {HOSTILE: {"value": 1.0, "stderr": 0.1, "unit": HOSTILE}}
+    base |= {"ambiguous": [HOSTILE], "screen": [HOSTILE]}
+    base["ranking"][0]["name"] = HOSTILE
+    base["next_experiment"]["why"] = HOSTILE
+    html, parsed = _read(tmp_path / "page.html", base)
+    assert HOSTILE not in html
+    assert parsed.tags.count("script") == 3
+    assert parsed.words.count(HOSTILE) >= 6
+
+
+def test_the_command_is_safe_to_paste():
+    base = report("parameter-mismatch")
+    base["record"]["name"] = "my rig; rm -rf $HOME"
+    assert command(base) == (
+        "labsid gap diagnose 'my rig; rm -rf $HOME' --sim MODEL --json report.json --html report.html"
+    )
+    assert "--holdout RECORD2" in command(with_holdout(base))
+    base["records"] = [{"name": "run 1"}, {"name": "run-2"}]
+    assert command(base).startswith("labsid gap diagnose 'run 1' run-2 --sim MODEL")
+    base["command"] = "labsid gap diagnose dryer.dat --columns 1,2 --Ts 0.08"
+    assert command(base) == base["command"]
+
+
+def test_the_accepted_row_has_its_interval_and_further_rows_are_collapsed(tmp_path, undrawn):
+    base = report("input-delay", "output-outliers")
+    base["ranking"] += [{"name": f"extra-lag+{k}", "probability": 0.0, "rmse": 1.0, "closed": 0.1} for k in range(7)]
+    shown = page_content(base)
+    assert [row["accepted"] for row in shown["ranking"]] == [True, *[False] * 10]
+    assert shown["ranking"][0]["held_out"] == "97 % [94, 100]"
+    _, parsed = _read(tmp_path / "page.html", base)
+    assert "3 more" in parsed.words
+    assert parsed.words.count(" accepted ") == 1
+
+
+def test_no_row_is_accepted_if_the_verdict_is_unknown(pages):
+    _, parsed = pages["unknown"]
+    assert not any(row["accepted"] for row in page_content(KINDS["unknown"])["ranking"])
+    assert "None reduces this error by more than chance." in parsed.words
+
+
+def test_the_ranking_of_a_part_compares_errors_and_gives_no_probabilities(pages):
+    """The probability of an effect is not that of a combination, so the two are not shown one above the other."""
+    _, parsed = pages["partial"]
+    table = parsed.words[parsed.words.index("Effects tried") : parsed.words.index("Residual")]
+    assert "Probability" not in table
+    assert "under 1" not in table
+    assert table.count("lightly damped mode accepted") == 1
+    assert [row["accepted"] for row in page_content(KINDS["partial"])["ranking"]] == [True, False, False, False]
+    _, parsed = pages["effect"]
+    assert "Probability" in parsed.words[parsed.words.index("Effects tried") :]
+
+
+@pytest.mark.parametrize("kind", ["partial", "unknown"])
+def test_the_rest_is_shown_as_bars_and_on_the_loop(kind, pages):
+    content = page_content(KINDS[kind])
+    assert [bar["label"] for bar in content["kinds"]] == [
+        "Linear dynamics",
+        "A curve or hysteresis at the input",
+        "A curve at the output",
+        "Nonlinear dynamics",
+        "A change with time",
+        "Not predicted by past inputs",
+    ]
+    assert sum(float(bar["width"] or 0.0) for bar in content["kinds"]) == pytest.approx(100.0, abs=0.2)
+    what = "main part of the rest" if kind == "partial" else "main part of the error"
+    block = "Actuator" if kind == "partial" else "Environment"
+    assert [part["title"] for part in content["loop"] if what in part["tags"]] == [block]
+    _, parsed = pages[kind]
+    assert f"{block} ← {what}" in parsed.words
+    assert content["look"] in parsed.words
+    assert parsed.words.index(content["headline"]) < parsed.words.index(content["remaining"])
+
+
+def test_the_noise_includes_disturbances_where_something_else_remains(pages):
+    assert "indistinguishable from noise" in pages["effect"][1].words
+    for kind in ("partial", "unknown"):
+        assert "indistinguishable from noise" not in pages[kind][1].words
+        assert page_content(KINDS[kind])["bars"][-1]["label"] == "Noise, with disturbances"
+
+
+def test_an_effect_that_is_less_probable_than_not_is_no_cause_on_the_loop():
+    base = report("coulomb-friction", "output-drift", verdict="partial")
+    base["effects"][1]["probability"] = 0.2
+    tags = {part["title"]: part["tags"] for part in page_content(base)["loop"]}
+    assert (tags["Process"], tags["Sensor"], tags["Actuator"]) == (["cause"], ["possible cause"], [])
+
+
+def test_the_proposed_input_can_be_saved(pages):
+    _, parsed = pages["ambiguous"]
+    (link,) = [value for tag, name, value in parsed.attributes if (tag, name) == ("a", "href")]
+    rows = list(csv.DictReader(io.StringIO(base64.b64decode(link.partition("base64,")[2]).decode())))
+    planned = KINDS["ambiguous"]["next_experiment"]
+    assert [float(row["t"]) for row in rows] == planned["t"]
+    assert [float(row["u"]) for row in rows] == planned["u"]
+
+
+def test_the_loop_marks_the_blocks_of_the_causes():
+    stations = page_content(KINDS["pair"])["loop"]
+    assert [part["title"] for part in stations if part["cause"]] == ["Sensor", "Environment"]
+    assert "Simulation" not in [part["title"] for part in stations]
+    assert [part["title"] for part in page_content(KINDS["mismatch"])["loop"] if part["cause"]] == ["Simulation"]
+
+
+def test_no_line_ends_between_a_number_and_its_per_cent(pages):
+    _, parsed = pages["pair"]
+    assert " %" not in "".join(parsed.text)
+    assert "97\u00a0%\u00a0[94,\u00a0100]" in "".join(parsed.text)
+
+
+def test_no_line_ends_inside_an_interval_or_between_a_number_and_its_unit(tmp_path, undrawn):
+    said = "5 % [1, 12] after 1138 s at 0.2 Hz (p = 0.5, p > 0.99), in units of y"
+    _, parsed = _read(tmp_path / "page.html", report("input-delay") | {"screen": [said]})
+    (shown,) = (text for text in parsed.text if "1138" in text)
+    assert shown.strip().split(" ") == [
+        "5\u00a0%\u00a0[1,\u00a012]",
+        "after",
+        "1138\u00a0s",
+        "at",
+        "0.2\u00a0Hz",
+        "(p\u00a0=\u00a00.5,",
+        "p\u00a0>\u00a00.99),",
+        *["in", "units", "of", "y"],
+    ]
+
+
+def test_record_findings_are_listed_under_the_verdict(tmp_path, undrawn):
+    _, parsed = _read(tmp_path / "page.html", with_plateaus(report("output-drift", verdict="unknown"), left=0.6))
+    places = [
+        parsed.words.index(text)
+        for text in ("the output settles at different levels", "Findings from the record:", "Measured and simulated")
+        if text in parsed.words
+    ]
+    assert places == sorted(places)
+    assert "Apply the same input again" in parsed.words
+
+
+def test_the_page_explains_that_the_baseline_is_fitted_to_both_sides_of_a_load_step():
+    assert "on both sides" in page_content(report("load-step"))["fitted_baseline"]
+    assert page_content(report("input-delay"))["fitted_baseline"] == ""
+    given = report("load-step") | {"simulation": {"given": True, "output_only": False}}
+    assert page_content(given)["fitted_baseline"] == ""
+
+
+def test_bars_compare_errors_before_and_after_with_the_noise():
+    assert [bar["width"] for bar in page_content(KINDS["effect"])["bars"]] == ["100.0", "15.8", "15.5"]
+    assert [bar["label"] for bar in page_content(KINDS["none"])["bars"]] == ["Simulation", "Noise alone"]
+    assert [bar["label"] for bar in page_content(KINDS["unknown"])["bars"]] == [
+        "Simulation",
+        "Noise, with disturbances",
+    ]
+    after = {kind: page_content(KINDS[kind])["bars"][1]["label"] for kind in ("effect", "partial", "mismatch")}
+    assert after == {
+        "effect": "After adding the cause",
+        "partial": "After adding the effects",
+        "mismatch": "After refitting the parameters",
+    }
+
+
+def test_the_page_states_that_only_the_output_was_given():
+    base = report("output-drift")
+    base["simulation"] = {"given": True, "output_only": True}
+    assert "Only the output" in page_content(base)["simulation"]
+    base["simulation"]["output_only"] = False
+    assert "unchanged" in page_content(base)["simulation"]
+
+
+def test_the_page_is_a_pure_function_of_the_report(tmp_path, pages):
+    base = copy.deepcopy(KINDS["ambiguous"])
+    write_html_report(tmp_path / "again.html", base)
+    assert (tmp_path / "again.html").read_text(encoding="utf-8") == pages["ambiguous"][0]
+    assert base == KINDS["ambiguous"]
+
+
+def test_a_folder_that_is_not_there_is_an_error(tmp_path, undrawn):
+    with pytest.raises(FileNotFoundError, match="no such folder"):
+        write_html_report(tmp_path / "nowhere" / "page.html", KINDS["none"])

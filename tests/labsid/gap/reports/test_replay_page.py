@@ -1,0 +1,130 @@
+"""The data of a page that is replayed: titles, sentences and the text of each position of a slider."""
+
+import base64
+import json
+from typing import Any
+
+import numpy as np
+import pytest
+from gap_reports import report, with_holdout
+
+from labsid.gap.effects.families import EFFECTS_BY_KEY
+from labsid.gap.fits.hypothesis import Hypothesis
+from labsid.gap.reports.quantities import with_units
+from labsid.gap.reports.replay_page import page_data, page_script
+
+EFFECT = "input-saturation"
+
+
+def combination(*keys: str, sliders: list[dict[str, Any]] | None = None, simulated: bool = True) -> dict[str, Any]:
+    """A fitted combination of effects as the report writes it."""
+    hypothesis = Hypothesis(tuple(EFFECTS_BY_KEY[key] for key in keys))
+    return {
+        "names": sorted(hypothesis.names),
+        "effects": list(keys),
+        "theta": [one.start for one in hypothesis.parameters],
+        "gains": [1.0, 0.0, 0.0, 0.0, 0.0, 0.0],
+        "span": 240,
+        "reference": 0.0,
+        "constant": None,
+        "simulated": simulated,
+        "holdout": None,
+        "sliders": sliders or [],
+    }
+
+
+def slider(values: list[float], unit: str = "u") -> dict[str, Any]:
+    """Positions of an upper limit; the middle one is the fitted value."""
+    moves = [float(k - len(values) // 2) for k in range(len(values))]
+    own = {"effect": EFFECT, "parameter": "high", "unit": unit, "values": values, "moves": moves}
+    return own | {"theta": [[1, 0.5]], "gains": [], "of_one_record": False}
+
+
+def replayed(*combinations: dict[str, Any], accepted: str = EFFECT) -> dict[str, Any]:
+    """A report with these combinations."""
+    base = report(EFFECT)
+    signals = {name: base["traces"][name] for name in ("u", "y", "before", "after")}
+    kinds = {"u": "<f8", "y": "<f4", "before": "<f4", "after": "<f4"}
+    packed = {name: base64.b64encode(np.array(one, kinds[name]).tobytes()).decode() for name, one in signals.items()}
+    scale = {"centre": 0.0, "unit": 1.0}
+    return base | {
+        "replay": {
+            "u_scale": scale,
+            "y_scale": scale,
+            "record": packed | {"start": 0.0, "Ts": 0.5, "fitted": [[0, 240]], "scored": [[40, 80]]},
+            "holdout": None,
+            "accepted": [accepted],
+            "combinations": list(combinations),
+        }
+    }
+
+
+def content(shown: dict[str, Any]) -> dict[str, Any]:
+    """What the script reads."""
+    read: dict[str, Any] = json.loads(page_data(shown))
+    return read
+
+
+def test_a_position_has_its_value_in_the_units_of_the_record() -> None:
+    shown = replayed(combination(f"{EFFECT}/high", sliders=[slider([-1e-12, 1.25, 2.5])]))
+    (own,) = content(shown)["combinations"][0]["sliders"]
+    assert own["label"] == "Upper limit"
+    assert own["texts"] == ["0 units of u", "1.250 units of u", "2.500 units of u"]
+    assert own["fitted"] == 1
+    (own,) = content(with_units(shown, "V", "mm"))["combinations"][0]["sliders"]
+    assert own["texts"][1:] == ["1.250 V", "2.500 V"]
+    assert content(with_units(shown, "V", "mm"))["unit"] == "mm"
+
+
+def test_an_effect_is_named_where_there_are_several() -> None:
+    two = combination(f"{EFFECT}/high", "output-drift/3", sliders=[slider([1.0, 1.25, 2.5])])
+    shown = content(replayed(combination(f"{EFFECT}/high"), two))
+    assert shown["effects"] == [
+        {"name": EFFECT, "label": "Limit of the actuator"},
+        {"name": "output-drift", "label": "Drift of the sensor"},
+    ]
+    assert shown["combinations"][1]["title"] == "Limit of the actuator and drift of the sensor"
+    assert shown["combinations"][1]["sliders"][0]["label"] == "Limit of the actuator: upper limit"
+
+
+def test_the_closed_share_is_that_of_the_report_and_of_the_ranking() -> None:
+    shown = content(replayed(combination(f"{EFFECT}/high"), combination("resonance"), combination("end-stop/both")))
+    accepted, ranked, unknown = shown["combinations"]
+    assert accepted["closed"] == "As fitted, it closes 97 % [94, 100] of the gap on the scored samples."
+    assert ranked["closed"] == "As fitted, it closes 38 % of the gap on the fitted samples."
+    assert unknown["closed"] == ""
+    assert [one["accepted"] for one in shown["combinations"]] == [True, False, False]
+
+
+def test_what_has_no_slider_is_named() -> None:
+    given = combination(simulated=False) | {"names": [EFFECT]}
+    plain = combination(f"{EFFECT}/high")
+    with_slider = combination(f"{EFFECT}/high", sliders=[slider([1.0, 1.25, 2.5])])
+    texts = [one["still"] for one in content(replayed(given, plain, with_slider))["combinations"]]
+    assert texts == [
+        "Your simulation cannot run in this page. What acts on its input stays as fitted: limit of the actuator.",
+        "Without a slider: limit of the actuator.",
+        "",
+    ]
+
+
+def test_a_report_of_an_earlier_version_shows_its_traces() -> None:
+    shown = content(with_holdout(report(EFFECT)))
+    assert shown["combinations"] == shown["effects"] == []
+    assert set(shown["parts"]) == set(shown["panels"]) == {"record", "holdout"}
+    t = np.frombuffer(base64.b64decode(shown["parts"]["holdout"]["t"]), "<f8")
+    assert t[[0, -1]] == pytest.approx([500.0, 619.5])
+
+
+def test_the_data_may_stand_in_a_page() -> None:
+    hostile = replayed(combination(f"{EFFECT}/high", sliders=[slider([1.0, 1.25, 2.5], "</script><b>")]))
+    assert "<" not in page_data(hostile)
+    assert content(hostile)["combinations"][0]["sliders"][0]["texts"][1].endswith("</script><b>")
+
+
+def test_the_script_has_the_functions_of_its_combinations_only() -> None:
+    text = page_script(replayed(combination(f"{EFFECT}/high")), "begin();")
+    assert text.startswith('"use strict";')
+    assert '"input.Saturation": input_Saturation_apply' in text
+    assert "simulate_tanks" not in text
+    assert "</" not in text

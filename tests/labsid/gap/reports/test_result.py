@@ -1,0 +1,72 @@
+"""The result of a diagnosis in a script and in a notebook."""
+
+import html
+import re
+
+import numpy as np
+import pytest
+
+from labsid import diagnose
+from labsid._arrays import FloatArray
+from labsid.gap.reports.html_report import render_html
+from labsid.gap.reports.result import Diagnosis
+from labsid.gap.reports.text_report import format_report
+from labsid.records.record import Record
+
+
+@pytest.fixture(scope="module")
+def record(levels: FloatArray) -> Record:
+    u = np.asarray(levels)
+    clipped = np.clip(u, np.quantile(u, 0.2), np.quantile(u, 0.8))
+    y = np.zeros(u.size)
+    for k in range(1, u.size):
+        y[k] = 0.9 * y[k - 1] + 0.1 * clipped[k - 1]
+    noise = 0.01 * np.std(y) * np.random.default_rng(4).standard_normal(u.size)
+    return Record(0.5 * np.arange(u.size), u, y + noise, 0.5, name="clipped")
+
+
+@pytest.fixture(scope="module")
+def result(record: Record) -> Diagnosis:
+    return diagnose(record)
+
+
+def test_it_says_what_was_found(result: Diagnosis) -> None:
+    assert result.verdict == "effect"
+    assert list(result.effects) == ["input-saturation"]
+    assert set(result.effects["input-saturation"]) == {"low", "high"}
+    assert re.fullmatch(
+        r"<Diagnosis: effect: input-saturation \(p = [01].\d\d\); rms error \S+ before, \S+ after, \d+% of the gap "
+        r"closed>",
+        repr(result),
+    )
+    assert str(result) == format_report(result.report)
+    assert result.ranking[0]["name"] == "input-saturation"
+
+
+def test_the_ranking_is_a_table_in_pandas(result: Diagnosis) -> None:
+    pandas = pytest.importorskip("pandas")
+    table = pandas.DataFrame(result.ranking)
+    assert {"name", "probability", "rmse", "closed"} <= set(table.columns)
+    assert list(table["probability"]) == [one["probability"] for one in result.report["ranking"]]
+
+
+@pytest.mark.usefixtures("undrawn")
+def test_a_notebook_shows_the_page(result: Diagnosis) -> None:
+    shown = result._repr_html_()
+    (page,) = re.findall(r'srcdoc="([^"]*)"', shown)
+    assert html.unescape(page) == render_html(result.report)
+
+
+def test_the_better_simulation_can_be_run(result: Diagnosis, record: Record) -> None:
+    y = result.better(record.t, record.u, record.y)
+    assert np.sqrt(np.mean((y - record.y)[50:] ** 2)) == pytest.approx(result.report["gap"]["after"], rel=0.2)
+    np.testing.assert_array_equal(result.better(list(record.t), list(record.u), list(record.y)), y)
+    with pytest.raises(ValueError, match=r"vectors of one length, .* got shapes \[\(\d+,\), \(3,\)\]"):
+        result.better(record.t, record.u[:3])
+    with pytest.raises(ValueError, match=r"runs at 0.5 s, the times at 1 s"):
+        result.better(2.0 * record.t, record.u)
+
+
+def test_the_figure_is_that_of_the_page(result: Diagnosis) -> None:
+    figure = result.plot()
+    assert figure.axes[0].get_ylabel().startswith("Output")
