@@ -113,6 +113,8 @@ class PlantForm:
         the parameter `turn`, 0 to 1, is the share of the change that acts as a jump of the speed.
     zero : bool
         Whether linear dynamics have a numerator zero. Without it they have one gain.
+    feedthrough : bool
+        Whether the output responds within the sample in which the input changes.
     lag, mode : str
         Position of an additional real pole and of a lightly damped pair relative to a nonlinear state: "behind",
         "ahead", or for a mode "beside" (in parallel); empty without one.
@@ -150,6 +152,7 @@ class PlantForm:
 
     kind: str = "linear"
     zero: bool = True
+    feedthrough: bool = False
     lag: str = ""
     mode: str = ""
     roots: tuple[str, ...] = ()

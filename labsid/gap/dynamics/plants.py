@@ -76,6 +76,8 @@ class Plant(PlantForm):
             rate = float(np.exp(-own["log_slow"]))
             parts.append(_kernels.first_order(_kernels.delayed(w - start, 0, late), float(np.exp(-rate)))[:, None])
             parts.append(np.exp(-rate * np.arange(w.size))[:, None])
+        if self.feedthrough:
+            parts.append((w - start)[:, None])
         return beside(parts) if len(parts) > 1 else columns
 
     @property

@@ -146,6 +146,19 @@ def is_parallel(fit: Fitted) -> bool:
     return abs(share) > MIN_PARALLEL_SHARE and share < MAX_PARALLEL_SHARE
 
 
+class DirectFeedthrough(PlantEffect):
+    """Response of the output within the sample in which the input changes, as of an acceleration to a force.
+
+    It belongs to the structure of a linear model, and is not an effect that is found.
+    """
+
+    name = "direct-feedthrough"
+
+    def extend(self, plant: Plant) -> Plant:
+        """The plant with a gain from its input to its output."""
+        return plant.modified(feedthrough=True)
+
+
 class Resonance(Placed):
     """An unmodelled, lightly damped mode; `variant` "ahead" or "beside" states its position to a nonlinear state."""
 

@@ -53,5 +53,7 @@ CANDIDATES: tuple[tuple[Effect, ...], ...] = tuple(
     for name in dict.fromkeys(family.name for family in FAMILIES)
 )
 """Forms that the search adds to a simulation, in a group for each name."""
-EFFECTS_BY_KEY: dict[str, Effect] = {effect.key: effect for family in FAMILIES for effect in family.forms()}
+EFFECTS_BY_KEY: dict[str, Effect] = {
+    effect.key: effect for effect in (*(e for family in FAMILIES for e in family.forms()), dynamics.DirectFeedthrough())
+}
 """Every effect that an exported simulation may contain."""

@@ -8,6 +8,7 @@ import numpy as np
 from labsid._arrays import FloatArray
 from labsid.gap.dynamics.responses import single_pole
 from labsid.gap.effects import output
+from labsid.gap.effects.dynamics import DirectFeedthrough
 from labsid.gap.effects.restarts import Restarts
 from labsid.gap.fits.fitting import Fit, Point, finish, minimize
 from labsid.gap.fits.hypothesis import Hypothesis
@@ -84,8 +85,8 @@ def fit_highpass(data: Data, base: Fit) -> Fit:
 
 
 def linear_structure_of(fit: Fit) -> Hypothesis:
-    """Second order, with the offsets and initial states of several records where a fit has them."""
-    own = tuple(effect for effect in fit.hypothesis.effects if isinstance(effect, Restarts))
+    """Second order, with the direct feedthrough, and offsets and initial states of several records, that a fit has."""
+    own = tuple(effect for effect in fit.hypothesis.effects if isinstance(effect, Restarts | DirectFeedthrough))
     return Hypothesis(own, len(own))
 
 

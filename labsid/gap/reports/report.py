@@ -271,9 +271,14 @@ def _experiment(
 
 
 def screen_sentences(explanation: Explanation) -> list[str]:
-    """Faults found in the samples, in sentences."""
+    """Faults found in the samples, and a response without delay, in sentences."""
     faults = explanation.faults
     texts = []
+    if explanation.path[0].hypothesis.plant.feedthrough:
+        texts.append(
+            "The output responds within the sample in which the input changes, so the linear model has a direct "
+            "feedthrough."
+        )
     if faults.lattice is not None:
         texts.append(
             f"All output values are multiples of one step of {faults.lattice * explanation.data.y_scale.unit:.4g}."

@@ -12,7 +12,7 @@ from labsid._arrays import FloatArray
 from labsid.gap.dynamics.given_simulation import GivenSimulation, by_record
 from labsid.gap.dynamics.plants import Plant
 from labsid.gap.dynamics.responses import free_responses
-from labsid.gap.effects.dynamics import ExtraLag, Resonance
+from labsid.gap.effects.dynamics import DirectFeedthrough, ExtraLag, Resonance
 from labsid.gap.effects.restarts import Restarts
 from labsid.gap.fits.fitting import Fit
 from labsid.gap.fits.hypothesis import Hypothesis
@@ -20,6 +20,7 @@ from labsid.gap.fits.linear_fits import fit_baseline
 from labsid.gap.fits.noise_model import fit_noise
 from labsid.gap.model_file import SCHEMA, START_SAMPLES, ExportedModel, read_exported_model
 from labsid.gap.record.data import Data
+from labsid.gap.record.record_findings import responds_within_sample
 from labsid.records.record import Record
 from labsid.simulators.control_systems import is_control_system, read_control_system
 from labsid.simulators.meter import RunMeter
@@ -192,7 +193,10 @@ def make_baseline(data: Data, t: FloatArray, simulation: Simulation | None, orde
     if simulation is None:
         if order > 4:
             raise ValueError(f"--order must be at most 4; got {order}. Give a larger model with --sim.")
-        return Baseline(None, with_restarts(linear_structure(order), data))
+        structure = linear_structure(order)
+        if responds_within_sample(data.u, data.y, data.complete, data.lags):
+            structure = Hypothesis((DirectFeedthrough(), *structure.effects), structure.n_given + 1)
+        return Baseline(None, with_restarts(structure, data))
     simulation = read_exported(simulation, data.Ts)
     if isinstance(simulation, ExportedModel):
         return _exported(data, simulation)

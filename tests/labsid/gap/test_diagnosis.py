@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
-from scipy.signal import lfilter
+from scipy.signal import cont2discrete, lfilter
 from threadpoolctl import threadpool_info, threadpool_limits
 
 from labsid._arrays import FloatArray
@@ -289,12 +289,20 @@ def test_blas_uses_one_thread_and_as_many_as_before_afterwards(u: FloatArray, tw
     assert before == {2}
 
 
-def test_a_rig_that_responds_within_the_sample_has_no_spikes(u: FloatArray) -> None:
-    y = lfilter([1.0, -0.9], [1.0, -0.8], u) + NOISE * np.random.default_rng(7).standard_normal(SAMPLES)
-    report = diagnose(record_of(u, y, "direct")).report
-    assert report["verdict"] == "unknown"
-    assert not report["screen"]
-    assert any("responds within one sample" in finding["text"] for finding in report["record_findings"])
+@pytest.mark.parametrize(("limit", "named"), [(np.inf, []), (0.5, ["input-saturation"])])
+def test_a_rig_that_responds_within_the_sample(limit: float, named: list[str]) -> None:
+    """The acceleration of a mass on a spring, which the force changes at once."""
+    rng = np.random.default_rng(7)
+    u = np.repeat(rng.uniform(-1.0, 1.0, SAMPLES // 10), 10)
+    num, den, _ = cont2discrete(([1.0, 0.0, 0.0], [1.0, 0.1, 0.2]), 1.0)
+    y = lfilter(num[0], den, np.clip(u, -limit, limit)) + NOISE * rng.standard_normal(u.size)
+    found = diagnose(record_of(u, y, "acceleration"))
+    assert [effect["name"] for effect in found.report["effects"]] == named
+    assert found.report["verdict"] == ("effect" if named else "none")
+    assert found.report["gap"]["after"] < 1.1 * NOISE
+    assert "direct feedthrough" in found.report["screen"][0]
+    again = diagnose(record_of(u, y, "acceleration"), found.model.to_json_dict()).report
+    assert again["verdict"] == "none"
 
 
 @pytest.mark.parametrize("poles", [[1.0, -1.0], [1.0, -1.8, 0.8]])
