@@ -12,9 +12,11 @@ from typing import Any
 
 from labsid.simulators.simulator import Simulator, function_simulator
 
+FUNCTION = "simulate"  # of a Python file, where none is named
+
 
 def is_source(text: str) -> bool:
-    """Whether `text` names a function in a Python file, as ``rig.py:simulate``, or an FMU."""
+    """Whether `text` names a function in a Python file, as ``rig.py:simulate`` or ``rig.py``, or an FMU."""
     return _split(text) is not None or text.lower().endswith(".fmu")
 
 
@@ -50,8 +52,8 @@ def open_source(text: str) -> Simulator:
     Parameters
     ----------
     text : str
-        ``FILE.py:FUNCTION`` or ``FILE.fmu``; in the resources of an FMU ``OTHER.fmu:FILE.py:FUNCTION`` or
-        ``OTHER.fmu:FILE.fmu``.
+        ``FILE.py:FUNCTION``, ``FILE.py`` for its function ``simulate``, or ``FILE.fmu``; in the resources of an FMU
+        ``OTHER.fmu:FILE.py:FUNCTION`` or ``OTHER.fmu:FILE.fmu``.
 
     Raises
     ------
@@ -88,6 +90,8 @@ def _unpacked(text: str) -> str:
 
 
 def _split(text: str) -> tuple[Path, str] | None:
+    if text.lower().endswith(".py"):
+        return Path(text), FUNCTION
     head, colon, name = text.rpartition(":")
     return (Path(head), name) if colon and head.lower().endswith(".py") else None
 

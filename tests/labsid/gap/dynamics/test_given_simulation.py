@@ -221,6 +221,8 @@ def test_a_file_is_diagnosed_exported_played_and_then_has_no_gap(
     assert "tau = 1.3" in said
     content = json.loads(Path("better.json").read_text(encoding="utf-8"))
     assert content["simulator"]["source"] == "rig.py:simulate"
+    assert main(["gap", "simulate", "rig.py", "run.csv"]) == 0  # the function of that name
+    assert "rmse" in capsys.readouterr().out
     assert main(["gap", "simulate", "better.json", "run.csv"]) == 0
     assert "rmse 0.00" in capsys.readouterr().out
     assert main([*command, *budget, "--sim", "better.json"]) == 0
