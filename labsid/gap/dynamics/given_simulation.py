@@ -32,6 +32,8 @@ class GivenSimulation:
         Whether it can be run with another input.
     nominal : dict
         The numbers that may be fitted, by name, with their nominal values.
+    rough : bool
+        Whether its output jumps as a free number changes, because it rounds one of them or has a coarse tolerance.
     standstill : float
         Output at which it reads zero.
     pieces : sequence of (int, int)
@@ -48,6 +50,7 @@ class GivenSimulation:
     rates: tuple[float, float] = (0.5, 0.05)
     takes_input: bool = False
     nominal: dict[str, float] = field(default_factory=dict)
+    rough: bool = False
     standstill: float = 0.0
     pieces: Pieces = ()
     source: str = ""

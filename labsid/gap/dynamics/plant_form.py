@@ -41,6 +41,7 @@ class Parameter:
 
 FREE_RANGE = float(np.log(10.0))  # a number is searched up to ten times its nominal value, and down to a tenth
 FREE_STEP = 1e-2  # derivative step of its logarithm: more than the tolerance of a solver
+ROUGH_STEP = 0.1  # of a simulation that is rough
 
 
 @dataclass(frozen=True, slots=True)
@@ -71,10 +72,10 @@ class FreeNumber(Parameter):
 _FREE = "number "  # ahead of a name that a user has chosen
 
 
-def free_number(name: str, nominal: float) -> FreeNumber:
+def free_number(name: str, nominal: float, rough: bool = False) -> FreeNumber:
     """A number of a given simulation that may be fitted."""
     reach = FREE_RANGE if nominal else 1.0
-    return FreeNumber(f"{_FREE}{name}", -reach, reach, FREE_STEP, nominal=nominal)
+    return FreeNumber(f"{_FREE}{name}", -reach, reach, ROUGH_STEP if rough else FREE_STEP, nominal=nominal)
 
 
 STICKING_STEP = 1e-2  # scaled: derivative step that spans the jumps of stick-slip motion
@@ -253,7 +254,8 @@ class PlantForm:
     @property
     def free(self) -> tuple[FreeNumber, ...]:
         """Numbers of a given simulation that may be fitted, the first ones in theta."""
-        return tuple(free_number(name, nominal) for name, nominal in self.simulation.nominal.items())
+        given = self.simulation
+        return tuple(free_number(name, nominal, given.rough) for name, nominal in given.nominal.items())
 
     def numbers(self, theta: Iterable[float]) -> dict[str, float]:
         """The free numbers of a given simulation, by their names in it."""

@@ -10,13 +10,14 @@ from labsid.gap.dynamics.responses import single_pole
 from labsid.gap.effects import output
 from labsid.gap.effects.dynamics import DirectFeedthrough
 from labsid.gap.effects.restarts import Restarts
-from labsid.gap.fits.fitting import Fit, Point, finish, minimize
+from labsid.gap.fits.fitting import UNFILTERED, Fit, Point, Problem, finish, minimize
 from labsid.gap.fits.hypothesis import Hypothesis
 from labsid.gap.fits.undriven_poles import has_undriven_pole
 from labsid.gap.record.data import Data
 from labsid.simulators.meter import BudgetSpentError, RunMeter
 
 LINEAR = Hypothesis()
+POPULATION, GENERATIONS = 8, 30  # of the search without derivatives; a population has as many for each parameter
 SINGLE_POLE_RATES = 0.005, 0.02, 0.1, 0.4, 1.5  # per sample: start values for a rig with a single pole
 
 
@@ -39,7 +40,24 @@ def fit_baseline(data: Data, hypothesis: Hypothesis = LINEAR, start: FloatArray 
     if best is None:
         raise _no_fit(hypothesis.plant.simulation.meter)
     best = minimize(data, hypothesis, best.theta, iterations=30, tolerance=1e-8) or best
+    if hypothesis.plant.simulation.rough:
+        best = _least([best, _without_derivatives(data, hypothesis, best.theta)]) or best
     return finish(data, hypothesis, best)
+
+
+def _without_derivatives(data: Data, hypothesis: Hypothesis, start: FloatArray) -> Point | None:
+    """Fit a given simulation by differential evolution, which uses no derivatives."""
+    from scipy.optimize import differential_evolution
+
+    problem = Problem(data, hypothesis, UNFILTERED)
+
+    def cost(theta: FloatArray) -> float:
+        point = problem.point(theta)
+        return np.inf if point is None else point.cost
+
+    bounds = list(zip(*hypothesis.bounds, strict=True))
+    options = {"popsize": POPULATION, "maxiter": GENERATIONS, "init": "sobol", "polish": False}
+    return problem.point(differential_evolution(cost, bounds, x0=start, seed=0, **options).x)
 
 
 def _no_fit(meter: RunMeter) -> ValueError:

@@ -3,6 +3,7 @@
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
+from operator import itemgetter
 from typing import Any
 
 import numpy as np
@@ -10,6 +11,7 @@ from scipy.signal import lfilter
 
 from labsid._arrays import FloatArray
 from labsid.gap.dynamics.given_simulation import GivenSimulation, by_record
+from labsid.gap.dynamics.plant_form import FREE_STEP, ROUGH_STEP, free_number
 from labsid.gap.dynamics.plants import Plant
 from labsid.gap.dynamics.responses import free_responses
 from labsid.gap.effects.dynamics import DirectFeedthrough, ExtraLag, Resonance
@@ -26,6 +28,7 @@ from labsid.simulators.control_systems import is_control_system, read_control_sy
 from labsid.simulators.meter import RunMeter
 from labsid.simulators.simulator import Simulator, function_simulator
 
+MAX_ROUGHNESS = 0.5  # difference of the derivative over a small step from that over large ones, over that
 UNSTABLE_RATIO = 1e6  # distance from the mean, in ranges of the measured output
 
 
@@ -289,12 +292,27 @@ def _simulator(data: Data, t: FloatArray, simulate: Simulator) -> Baseline:
     before = partial(_fit_given, output, free_responses(data.samples, *rates), rates)
     scales = data.u_scale, data.y_scale
     given = GivenSimulation.of(simulate, scales, data.Ts, rates, float(t[0]), data.pieces)
+    given = replace(given, rough=_is_rough(given, data.u))
     structure = with_restarts(Hypothesis((), 0, Plant(kind="given", simulation=given)), data)
 
     def simulate_record(record: Record) -> FloatArray:
         return _started(simulate(record.t, record.u), free_responses(len(record), *rates), record.y)
 
     return Baseline(before, structure, simulate_record)
+
+
+def _is_rough(given: GivenSimulation, w: FloatArray) -> bool:
+    """Whether the derivatives by a free number over a small and a large step differ, at their nominal values.
+
+    The size of a large step is unknown for a number that is nominally zero.
+    """
+    for name, nominal in filter(itemgetter(1), given.nominal.items()):
+        number, steps = free_number(name, nominal).number, (0.0, FREE_STEP, ROUGH_STEP)
+        nominally, near, far = (given.run(w, given.nominal | {name: number(step)}) for step in steps)
+        small, large = (near - nominally) / FREE_STEP, (far - nominally) / ROUGH_STEP
+        if np.linalg.norm(small - large) > MAX_ROUGHNESS * np.linalg.norm(large):  # and not NaN, of a failure
+            return True
+    return False
 
 
 def _linear_rates(data: Data, output: FloatArray) -> tuple[float, float]:

@@ -108,6 +108,27 @@ def test_free_numbers_that_are_wrong_are_a_parameter_mismatch(u: FloatArray) -> 
         assert abs(fitted[name]["value"] - true) < 4.0 * fitted[name]["stderr"] < 0.02
 
 
+def with_rounded_output(t: FloatArray, u: FloatArray, tau: float = 1.0, gain: float = 2.0) -> FloatArray:
+    return np.round(simulate(t, u, tau=tau, gain=gain), 2)
+
+
+def with_rounded_numbers(t: FloatArray, u: FloatArray, tau: float = 1.0, gain: float = 2.0) -> FloatArray:
+    return simulate(t, u, tau=round(tau, 1), gain=round(gain, 1))
+
+
+@pytest.mark.parametrize("rough", [with_rounded_output, with_rounded_numbers])
+def test_numbers_of_a_simulation_that_has_no_derivatives_are_found(
+    u: FloatArray, rough: Callable[..., FloatArray]
+) -> None:
+    report = diagnose(measured(u, tau=1.3, gain=2.4), rough, free=["tau", "gain"]).report
+    assert named(report) == ["parameter-mismatch"]
+    fitted = report["effects"][0]["parameters"]
+    assert fitted["tau"]["value"] == pytest.approx(1.3, abs=0.051)
+    assert fitted["gain"]["value"] == pytest.approx(2.4, abs=0.051)
+    assert all(0.0 < entry["stderr"] < 0.1 for entry in fitted.values())
+    assert report["gap"]["after"] < 1.1 * report["gap"]["noise_floor"]
+
+
 def test_a_free_number_that_is_nominally_zero_can_be_fitted(u: FloatArray) -> None:
     report = diagnose(measured(u, zeta=0.9, bias=0.3), simulate, free=["zeta"]).report
     assert named(report) == ["parameter-mismatch"]  # an offset is none: it is estimated in any case
