@@ -41,9 +41,14 @@ class RunMeter:
             self._most = float("inf")
 
     @property
+    def left(self) -> float:
+        """Runs that the present search has left; infinity without a budget."""
+        return max(self._most - self.runs, 0.0)
+
+    @property
     def exhausted(self) -> bool:
         """Whether the present search may run the simulation no more."""
-        return self.runs >= self._most
+        return not self.left
 
     def measured(self, run: Callable[[], Any]) -> Any:
         """Result of one run.

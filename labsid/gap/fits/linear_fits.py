@@ -18,6 +18,7 @@ from labsid.simulators.meter import BudgetSpentError, RunMeter
 
 LINEAR = Hypothesis()
 POPULATION, GENERATIONS = 8, 30  # of the search without derivatives; a population has as many for each parameter
+BUDGET_SHARE = 0.2  # of the runs that are left, for that search
 SINGLE_POLE_RATES = 0.005, 0.02, 0.1, 0.4, 1.5  # per sample: start values for a rig with a single pole
 
 
@@ -46,7 +47,7 @@ def fit_baseline(data: Data, hypothesis: Hypothesis = LINEAR, start: FloatArray 
 
 
 def _without_derivatives(data: Data, hypothesis: Hypothesis, start: FloatArray) -> Point | None:
-    """Fit a given simulation by differential evolution, which uses no derivatives."""
+    """Fit a given simulation by differential evolution, which uses no derivatives; None if its budget is too small."""
     from scipy.optimize import differential_evolution
 
     problem = Problem(data, hypothesis, UNFILTERED)
@@ -56,7 +57,11 @@ def _without_derivatives(data: Data, hypothesis: Hypothesis, start: FloatArray) 
         return np.inf if point is None else point.cost
 
     bounds = list(zip(*hypothesis.bounds, strict=True))
-    options = {"popsize": POPULATION, "maxiter": GENERATIONS, "init": "sobol", "polish": False}
+    affordable = BUDGET_SHARE * hypothesis.plant.simulation.meter.left / (POPULATION * len(bounds))
+    generations = int(min(GENERATIONS, affordable - 1.0))
+    if generations < 1:
+        return None
+    options = {"popsize": POPULATION, "maxiter": generations, "init": "sobol", "polish": False}
     return problem.point(differential_evolution(cost, bounds, x0=start, seed=0, **options).x)
 
 

@@ -36,7 +36,8 @@ def test_only_a_search_is_held_to_the_budget() -> None:
     meter = RunMeter()
     meter.begin(8)
     with meter.searching(0.75):
-        for _ in range(6):
+        for made in range(6):
+            assert meter.left == 6 - made
             meter.measured(int)
         assert meter.exhausted
         assert not meter.spent  # nothing more has been asked for
@@ -50,6 +51,7 @@ def test_only_a_search_is_held_to_the_budget() -> None:
     meter.begin(None)
     assert (meter.runs, meter.spent) == (0, False)
     with meter.searching():
+        assert meter.left == np.inf
         assert not meter.exhausted
 
 

@@ -129,6 +129,14 @@ def test_numbers_of_a_simulation_that_has_no_derivatives_are_found(
     assert report["gap"]["after"] < 1.1 * report["gap"]["noise_floor"]
 
 
+def test_a_search_without_derivatives_leaves_runs_for_the_others(u: FloatArray) -> None:
+    report = diagnose(
+        measured(u, tau=1.3, gain=2.4), with_rounded_numbers, free=["tau", "gain"], evaluations=400
+    ).report
+    assert report["simulation"]["evaluations"]["spent"]
+    assert named(report) == ["parameter-mismatch"]
+
+
 def test_a_free_number_that_is_nominally_zero_can_be_fitted(u: FloatArray) -> None:
     report = diagnose(measured(u, zeta=0.9, bias=0.3), simulate, free=["zeta"]).report
     assert named(report) == ["parameter-mismatch"]  # an offset is none: it is estimated in any case
