@@ -8,6 +8,8 @@ _IN_FRONT = ".jp-NotebookPanel:not(.lm-mod-hidden) .jp-Notebook"
 OWN_PARTS = (f"{_IN_FRONT} .jp-RenderedMarkdown", f"{_IN_FRONT} .jp-OutputArea-output")
 """What is the course's own in the notebook in front: its texts, and what its cells show."""
 
+IDLE_MS = 240_000
+
 
 @dataclass(frozen=True)
 class NotebookPage:
@@ -37,7 +39,8 @@ class NotebookPage:
     def wait_until_open(self, heading: str, last_code: str = "check.summary()") -> None:
         """Wait until the notebook is shown to its last code and its kernel can run cells."""
         expect(self.notebook.get_by_role("heading", name=heading, exact=True)).to_be_visible()
-        expect(self.notebook.locator(".jp-CodeCell", has_text=last_code)).to_be_attached()
+        # JupyterLab draws the last cells when it is idle, which takes long beside other tests.
+        expect(self.notebook.locator(".jp-CodeCell", has_text=last_code)).to_be_attached(timeout=IDLE_MS)
         expect(self.page.locator("#jp-main-statusbar")).to_contain_text("Python 3 (ipykernel) | Idle")
 
     def hide_files(self) -> None:
