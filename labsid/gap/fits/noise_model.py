@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from labsid._arrays import FloatArray
-from labsid.gap.record.data import MAX_LAGS
+from labsid.gap.record.data import MAX_LAGS, lagged_columns
 
 MIN_SAMPLES = 20  # rows for a noise model
 MIN_VARIANCE = 1e-26  # relative to that of the record: below is rounding
@@ -57,7 +57,7 @@ def fit_noise(e: FloatArray, complete: np.ndarray, lags: int = MAX_LAGS) -> Nois
             "if the log repeats readings of the output, keep only the new ones."
         )
     target = e[at]
-    lagged = np.column_stack([e[at - lag] for lag in range(1, lags + 1)])
+    lagged = lagged_columns(e, at, lags)
     n = at.size
     gram, cross, power = lagged.T @ lagged, lagged.T @ target, float(target @ target)
     if power <= MIN_VARIANCE * n:

@@ -5,6 +5,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from labsid._arrays import FloatArray
+from labsid.gap.record.data import lagged_columns
 from labsid.lab.findings import Finding, about_clipping, about_filter, about_plateaus, about_rest
 from labsid.lab.offset import find_offsets
 from labsid.lab.plateaus import repeated_plateaus
@@ -186,7 +187,7 @@ def responds_within_sample(u: FloatArray, y: FloatArray, complete: np.ndarray, l
     changed = u[at] != u[at - 1]
     if changed.sum() < MIN_CHANGES or gain_from_past(y, u) > FEEDBACK_F:
         return False
-    past = np.column_stack([x[at - lag] for x in (u, y) for lag in range(1, lags + 1)] + [np.ones(at.size)])
+    past = np.column_stack([lagged_columns(u, at, lags), lagged_columns(y, at, lags), np.ones(at.size)])
     now = np.column_stack([u[at], y[at]])
     new_u, new_y = (now - past @ np.linalg.lstsq(past, now, rcond=None)[0]).T
     left = new_y - new_u * float(new_u @ new_y) / max(float(new_u @ new_u), np.finfo(float).tiny)

@@ -16,6 +16,7 @@ from labsid.gap.fits.residual_tests import explained_share
 from labsid.gap.fits.undriven_poles import has_undriven_pole, lag_became_mode
 from labsid.gap.record.data import Data
 from labsid.gap.search.candidates import (
+    SLOW_RATIO,
     Trial,
     best_fit,
     best_form,
@@ -35,7 +36,6 @@ Levels = tuple[Level, ...]
 BEAM_WIDTH = 3  # best one-effect fits to which a second effect is added; only the best pair gets a third
 FREE_RUN_TOLERANCE = 1.2  # free-run error over that of the baseline, up to which a whiter baseline is accepted
 EXTRA_PARENTS = 2  # further one-effect fits: those with the smallest free-run error
-SLOW_RATIO = 4.0  # mean square error over the variance of its innovations, from which the residual is slow
 REFINED_EFFECTS = 12  # second and third effects per parent whose trials are refined
 FITTED_EFFECTS = 6  # second and third effects per parent that are fitted completely
 FITTED_REPLACEMENTS = 3  # effects fitted completely in place of another one
