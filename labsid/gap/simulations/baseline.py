@@ -167,6 +167,14 @@ def linear_structure(order: int) -> Hypothesis:
     return Hypothesis(effects, n_given=len(effects))
 
 
+def _structure_for_record(data: Data, order: int) -> Hypothesis:
+    """Linear structure of a given order, with what the record needs: a direct feedthrough, restarts."""
+    structure = linear_structure(order)
+    if responds_within_sample(data.u, data.y, data.complete, data.lags):
+        structure = Hypothesis((DirectFeedthrough(), *structure.effects), structure.n_given + 1)
+    return with_restarts(structure, data)
+
+
 def with_restarts(structure: Hypothesis, data: Data) -> Hypothesis:
     """The structure with the offsets and initial states of several records; unchanged for one."""
     if not data.pieces:
@@ -196,10 +204,7 @@ def make_baseline(data: Data, t: FloatArray, simulation: Simulation | None, orde
     if simulation is None:
         if order > 4:
             raise ValueError(f"--order must be at most 4; got {order}. Give a larger model with --sim.")
-        structure = linear_structure(order)
-        if responds_within_sample(data.u, data.y, data.complete, data.lags):
-            structure = Hypothesis((DirectFeedthrough(), *structure.effects), structure.n_given + 1)
-        return Baseline(None, with_restarts(structure, data))
+        return Baseline(None, _structure_for_record(data, order))
     simulation = read_exported(simulation, data.Ts)
     if isinstance(simulation, ExportedModel):
         return _exported(data, simulation)
@@ -270,7 +275,7 @@ def _transfer_function(data: Data, model: TransferFunction) -> Baseline:
     u, y = _unscaled(data)
     output = check_bounded(model.response(u), y)
     before = partial(_fit_given, output, model.free_response(u.size), fit_baseline(data).rates)
-    structure = with_restarts(linear_structure(max(model.den.size - 1, 1)), data)
+    structure = _structure_for_record(data, max(model.den.size - 1, 1))
     return Baseline(before, structure, lambda record: model.simulate(record.u, record.y))
 
 

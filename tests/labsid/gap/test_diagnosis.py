@@ -301,6 +301,10 @@ def test_a_rig_that_responds_within_the_sample(limit: float, named: list[str]) -
     assert found.report["verdict"] == ("effect" if named else "none")
     assert found.report["gap"]["after"] < 1.1 * NOISE
     assert "direct feedthrough" in found.report["screen"][0]
+    model = {"num": num[0].tolist(), "den": den.tolist(), "dt": TS, "u0": 0.0, "y0": 0.0}
+    given = diagnose(record_of(u, y, "acceleration"), model).report
+    assert [effect["name"] for effect in given["effects"]] == named
+    assert given["gap"]["after"] < 1.1 * NOISE
     again = diagnose(record_of(u, y, "acceleration"), found.model.to_json_dict()).report
     assert again["verdict"] == "none"
 
