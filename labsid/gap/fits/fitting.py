@@ -12,6 +12,7 @@ from labsid.gap.fits.noise_model import Noise, fit_noise
 from labsid.gap.record.data import Data
 
 UNFILTERED = np.zeros(0)
+DIVERGED = 1e100  # of a scaled signal: its square is finite
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -123,7 +124,7 @@ class Problem:
         """The best gains at theta and their error; None if the simulation diverges."""
         design = self.hypothesis.design(theta, self.data.u, near=near)
         columns = design.columns
-        if not np.isfinite(columns[-1]).all():  # a diverged simulation is NaN up to the end
+        if not (np.abs(columns[-1]) < DIVERGED).all():  # a diverged simulation stays so, or is NaN, up to the end
             return None
         if not self.has_sensor:
             gains = self._gains(columns, self.y)
@@ -172,7 +173,7 @@ class Problem:
             J[:, i] = (self.hypothesis.sensor(perturbed, at.gains, design) - at.output) / step
         J[:, searched:] = self._by_gains(at)
         J = self._seen(J)
-        return J if np.isfinite(J[-1]).all() else None
+        return J if (np.abs(J[-1]) < DIVERGED).all() else None
 
 
 def minimize(

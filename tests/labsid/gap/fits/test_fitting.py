@@ -216,9 +216,12 @@ def test_bounds_are_kept(levels: FloatArray, two_poles: Response) -> None:
     assert np.all((lower <= start.theta) & (start.theta <= upper))
 
 
-def test_a_simulation_that_diverges_is_no_point(levels: FloatArray) -> None:
-    data = data_of(levels, levels)
-    failing = GivenSimulation(lambda w, numbers: np.full(w.size, np.nan))
+@pytest.mark.filterwarnings("error")
+@pytest.mark.parametrize("growth", [np.nan, 2.0])
+def test_a_simulation_that_diverges_is_no_point(levels: FloatArray, growth: float) -> None:
+    """As NaN, or at the end of the record as a number whose square is none."""
+    data = data_of(levels[:1000], levels[:1000])
+    failing = GivenSimulation(lambda w, numbers: growth ** np.arange(w.size))
     nowhere = Hypothesis(given=Plant(kind="given", simulation=failing))
     assert minimize(data, nowhere, np.array([0.0])) is None
     assert start_cost(data, nowhere, np.array([0.0])) == np.inf
