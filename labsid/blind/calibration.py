@@ -1,8 +1,9 @@
-"""Fit the probabilities of partial explanations to the `dev` suite: ``python -m labsid.blind.calibration``.
+"""Fit the probabilities of explanations to the `dev` suite: ``python -m labsid.blind.calibration``.
 
-The diagnosis runs on the `dev` records of the rows below. Every effect of every partial explanation is one observation:
-its evidence, as the report gives it, and whether the rig has that effect. A logistic regression with a weak ridge gives
-the constants of `labsid.gap.verdict.decision`, which this module prints and does not import.
+The diagnosis runs on the `dev` records of the rows below. Every explanation of the beam search is one observation: its
+evidence, as the report gives it, and whether it, or one that is as likely, is the whole truth. So is every effect of
+every partial explanation. Logistic regressions with a weak ridge give the constants of `labsid.gap.verdict.decision`,
+which this module prints and does not import.
 """
 
 import argparse
@@ -16,12 +17,29 @@ from labsid.blind.metrics import CaseOutcome
 from labsid.blind.runner import run_batch
 from labsid.blind.suite import label_dict, make_cases
 
-ROWS = ("single-clear", "single-hard", "short", "pair", "unknown", "partial")
+ROWS = ("single-clear", "single-hard", "short", "pair", "none", "unknown", "partial", "families")
 RIDGE = 0.5  # prior precision of every weight
 Observation = tuple[dict[str, float], bool]
 
 
-def observations(cases: Iterable[CaseOutcome]) -> list[Observation]:
+def complete_observations(cases: Iterable[CaseOutcome]) -> list[Observation]:
+    """Evidence for the explanations of the beam search, and whether nothing else acts.
+
+    Parameters
+    ----------
+    cases : iterable of CaseOutcome
+    """
+    found = []
+    for case in cases:
+        if case.result is not None and case.result.get("verdict") != "error":
+            one, true = case.result["explanation"], set(case.label["labels"])
+            near = {*one["names"], *case.result["ambiguous"]}
+            right = case.label["row"] != "partial" and (true <= near if true else not one["names"])
+            found.append((one["evidence"], right))
+    return found
+
+
+def partial_observations(cases: Iterable[CaseOutcome]) -> list[Observation]:
     """Evidence for each effect of the partial explanations, and whether the rig has it.
 
     Parameters
@@ -42,7 +60,7 @@ def fit_weights(found: Sequence[Observation]) -> tuple[float, dict[str, float]]:
     Parameters
     ----------
     found : sequence of (dict, bool)
-        From `observations`.
+        From one of the functions above.
 
     Raises
     ------
@@ -50,7 +68,7 @@ def fit_weights(found: Sequence[Observation]) -> tuple[float, dict[str, float]]:
         If there are no observations of either outcome.
     """
     if len({right for _, right in found}) < 2:
-        raise ValueError(f"both right and wrong effects are needed; got {len(found)} of one kind. Use more records.")
+        raise ValueError(f"both right and wrong answers are needed; got {len(found)} of one kind. Use more records.")
     names = list(found[0][0])
     X = np.array([[1.0, *(evidence[name] for name in names)] for evidence, _ in found])
     sign = np.array([1.0 if right else -1.0 for _, right in found])
@@ -70,11 +88,16 @@ def main(arguments: Sequence[str] | None = None) -> None:
     chosen = parser.parse_args(arguments)
     cases = list(make_cases("dev", chosen.per_row, ROWS, chosen.jobs))
     results, _ = run_batch(cases, chosen.jobs)
-    found = observations(CaseOutcome(label_dict(case), results.get(case.name)) for case in cases)
-    constant, weights = fit_weights(found)
-    print(f"{len(found)} effects of partial explanations, {sum(right for _, right in found)} of them right")
-    print(f"PARTIAL_PRIOR = {constant:.1f}")
-    print(f"PARTIAL_WEIGHTS = PartialEvidence({', '.join(f'{name}={weight:.1f}' for name, weight in weights.items())})")
+    outcomes = [CaseOutcome(label_dict(case), results.get(case.name)) for case in cases]
+    for prefix, kind, observations in _FITS:
+        found = observations(outcomes)
+        constant, weights = fit_weights(found)
+        values = ", ".join(f"{name}={weight:.1f}" for name, weight in weights.items())
+        print(f"# {len(found)} observations, {sum(right for _, right in found)} of them right")
+        print(f"{prefix}PRIOR = {constant:.1f}\n{prefix}WEIGHTS = {kind}({values})")
+
+
+_FITS = (("", "Evidence", complete_observations), ("PARTIAL_", "PartialEvidence", partial_observations))
 
 
 if __name__ == "__main__":

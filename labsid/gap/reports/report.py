@@ -1,5 +1,6 @@
 """The JSON report (layout ``labsid.gap/2``), from which the text and HTML reports are made."""
 
+from dataclasses import asdict
 from typing import Any
 
 import numpy as np
@@ -59,6 +60,7 @@ def build_report(
         "effects": effects,
         "ambiguous": list(decision.ambiguous),
         "ranking": _ranking(answer),
+        "explanation": {**asdict(answer.complete), "evidence": answer.complete.evidence._asdict()},
         "where": {
             "path": effects[0]["path"] if effects else decision.verdict,
             "time": location.share_by_time(record.t, e, record.Ts, _acting_samples(explanation, decision)),

@@ -18,11 +18,13 @@ from labsid.gap.verdict.black_boxes import RemainingError, kinds_of_error
 from labsid.gap.verdict.decision import (
     MIN_CONFIDENCE,
     Decision,
+    Evidence,
     PartialEvidence,
     confidence_in,
     decide,
     decide_partial,
     evidence_by_name,
+    evidence_in,
 )
 from labsid.gap.verdict.held_out_errors import HeldOut, hold_out
 from labsid.gap.verdict.held_out_search import HeldOutSearch, search_held_out
@@ -33,6 +35,25 @@ from labsid.records.record import Record
 NO_GAP = 1.1  # rms error over that of the noise, up to which a discarded explanation leaves no gap
 
 
+@dataclass(frozen=True, slots=True)
+class Complete:
+    """The explanation that the beam search accepted, whether or not the verdict names it.
+
+    Attributes
+    ----------
+    names : tuple of str
+        Its effects.
+    confidence : float
+        Probability that nothing else acts.
+    evidence : Evidence
+        From which it is computed.
+    """
+
+    names: tuple[str, ...]
+    confidence: float
+    evidence: Evidence
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class Answer:
     """The answer to a record.
@@ -41,6 +62,7 @@ class Answer:
     ----------
     explanation : Explanation
         Its path holds the simulation before, and one more effect at each step.
+    complete : Complete
     decision : Decision
     score : GapScore
     left : ResidualMeasures
@@ -66,6 +88,7 @@ class Answer:
     """
 
     explanation: Explanation
+    complete: Complete
     decision: Decision
     score: GapScore
     left: ResidualMeasures
@@ -151,31 +174,35 @@ def answer_from(
     if explanation.data.pieces and fitted is not None:
         given = fitted.output  # of several records; nothing but their offsets and initial states is fitted
     setting = _Setting(record, base, fitted, other, given, rng)
-    whole, confidence = _complete(setting, explanation)
-    decision = decide(whole.explanation, whole.left, setting.given, confidence)
+    whole, complete = _complete(setting, explanation)
+    decision = decide(whole.explanation, whole.left, setting.given, complete.confidence)
     if decision.verdict == "unknown":
         part, search = _partial(setting, explanation, progress)
-        return _answer(part, decide_partial(search, decision, bool(about_clipping(record.y))), search)
+        decision = decide_partial(search, decision, bool(about_clipping(record.y)))
+        return _answer(part, complete, decision, search)
     if len(whole.explanation.path) == 1:  # no simulated effect was added
         whole = replace(whole, score=replace(whole.score, closed=None, ci95=None))
-    return _answer(whole, decision)
+    return _answer(whole, complete, decision)
 
 
-def _complete(setting: _Setting, explanation: Explanation) -> tuple[_Comparison, float]:
+def _complete(setting: _Setting, explanation: Explanation) -> tuple[_Comparison, Complete]:
     """The explanation as a whole, and the probability that it is right; without effects if they gain nothing."""
     before = _before(setting, explanation, explanation.best.onset)
     unchanged = before.linear is not None and len(explanation.path) == 1
     after = before.fit if unchanged else before.held_out.refit(explanation.best)
     score = score_fits(before.held_out, before.output, after, setting.rng)
     if len(explanation.path) > 1 and score.after >= score.before and _acts_in_every_record(explanation):
-        found, confidence = _complete(setting, replace(explanation, path=explanation.path[:1]))
+        found, without = _complete(setting, replace(explanation, path=explanation.path[:1]))
         gap = not setting.base.given and found.score.before > NO_GAP * found.score.floor
-        return found, 0.0 if gap else confidence
+        return found, replace(without, confidence=0.0) if gap else without
     found = _Comparison(explanation, before, score, measure_residual(explanation.data, explanation.best))
     outputs = _outputs(explanation.data, setting.given or explanation.path[0], explanation.best)
     plateau = plateau_gap(setting.record.u, setting.record.y, *outputs, explanation.data.rows)
     unrepeated = plateau.left if plateau is not None and plateau.matters else 0.0
-    return found, confidence_in(explanation, found.left, score.closed, unrepeated)
+    evidence = evidence_in(explanation, found.left, score.closed)
+    converted = "output-quantization" in explanation.unsimulated
+    names = (*explanation.best.hypothesis.names, *explanation.unsimulated)
+    return found, Complete(names, confidence_in(evidence, converted, unrepeated), evidence)
 
 
 def _partial(
@@ -208,10 +235,11 @@ def _acts_in_every_record(explanation: Explanation) -> bool:
     return not any(isinstance(effect, AdditiveEffect) for effect in explanation.best.hypothesis.found)
 
 
-def _answer(found: _Comparison, decision: Decision, search: HeldOutSearch | None = None) -> Answer:
+def _answer(found: _Comparison, complete: Complete, decision: Decision, search: HeldOutSearch | None = None) -> Answer:
     explanation, score = found.explanation, found.score
     return Answer(
         explanation=explanation,
+        complete=complete,
         decision=decision,
         score=score,
         left=found.left,

@@ -1,6 +1,7 @@
 """Decide on the effects to name, with their probabilities and rivals, or on the verdict `unknown`."""
 
 from collections import defaultdict
+from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from typing import NamedTuple
 
@@ -28,7 +29,7 @@ MAX_MARGIN = 0.5  # logarithm of the rms error of the best rival over that of th
 
 
 class Evidence(NamedTuple):
-    """Evidence against an explanation; zero means none.
+    """Evidence for and against an explanation; zero means none.
 
     Attributes
     ----------
@@ -43,6 +44,12 @@ class Evidence(NamedTuple):
         Logarithm of the kurtosis over that of normal noise.
     short : float
         Share of the gap left open on held-out samples, beyond chance.
+    several : float
+        1 for two effects or more, else 0.
+    coloured : float
+        1 for coloured noise beside effects, else 0: an effect outside the table often leaves a residual like it.
+    reduction : float
+        Logarithm of the rms error before over that after, at most `MAX_FIT_REDUCTION`.
     """
 
     colour: float = 0.0
@@ -50,13 +57,16 @@ class Evidence(NamedTuple):
     activity: float = 0.0
     tails: float = 0.0
     short: float = 0.0
+    several: float = 0.0
+    coloured: float = 0.0
+    reduction: float = 0.0
 
 
 PRIOR = 3.5
-EVIDENCE_WEIGHTS = Evidence(colour=-5.2, repeats=-6.0, activity=-3.0, tails=-4.0, short=-4.0)
-SEVERAL_EFFECTS = -1.7  # for two effects or more
-COLOURED_BESIDE = -1.5  # for coloured noise beside effects: an effect outside the table often leaves a residual like it
-ERROR_REDUCTION = 0.33
+WEIGHTS = Evidence(
+    colour=-5.2, repeats=-6.0, activity=-3.0, tails=-4.0, short=-4.0, several=-1.7, coloured=-1.5, reduction=0.33
+)
+MAX_FIT_REDUCTION = 4.0
 CHANCE_SHORTFALL = 0.1  # share of the gap left open by chance
 CHANCE_PREDICTION = 0.07  # share of coloured noise that past inputs may predict by chance
 
@@ -157,42 +167,48 @@ def decide_partial(search: HeldOutSearch, unknown: Decision, at_stop: bool = Fal
 
 
 class PartialEvidence(NamedTuple):
-    """Evidence for an effect that explains a part of the gap, from errors on held-out samples.
+    """Evidence for an effect that explains a part of the gap.
 
     Attributes
     ----------
-    reduction : float
-        Logarithm of the rms error of the explanation without this effect over that with it; at most `MAX_REDUCTION`.
     alone : float
-        The same for the simulation before and that with this effect alone. Curves that imitate an effect outside the
-        table pay together, but little alone.
+        Logarithm of the rms error of the simulation before over that with this effect alone, on held-out samples; at
+        most `MAX_REDUCTION`. Curves that imitate an effect outside the table pay together, but little alone.
+    lead : float
+        The same for the best other effect alone over this one alone; between -`MAX_MARGIN` and `MAX_MARGIN`.
     margin : float
-        The same for the explanation with the best rival in the place of this effect; at most `MAX_MARGIN`.
+        The same for the explanation with the best rival in the place of this effect over the explanation; at most
+        `MAX_MARGIN`.
+    agreement : float
+        1 if the beam search, which ranks by BIC on all samples, found this effect, too; -1 if it found others, 0 if it
+        found none.
     others : float
         Number of other effects.
     """
 
-    reduction: float
     alone: float
+    lead: float
     margin: float
+    agreement: float
     others: float
 
 
-PARTIAL_PRIOR = -5.6
-PARTIAL_WEIGHTS = PartialEvidence(reduction=2.4, alone=3.1, margin=0.9, others=-0.6)
+PARTIAL_PRIOR = -4.5
+PARTIAL_WEIGHTS = PartialEvidence(alone=2.9, lead=2.3, margin=1.1, agreement=1.8, others=-0.5)
 
 
 def evidence_by_name(search: HeldOutSearch) -> dict[str, PartialEvidence]:
     """Evidence for each effect of a partial explanation, parameters of a given simulation first."""
     steps, mismatch = search.steps, search.mismatch
     found = {}
-    if mismatch is not None:
-        found[MISMATCH] = PartialEvidence(_gain(mismatch), _gain(mismatch), 0.0, float(len(steps)))
+    if mismatch is not None:  # every fit of the beam search has free parameters
+        found[MISMATCH] = PartialEvidence(_gain(mismatch), 0.0, 0.0, agreement=1.0, others=float(len(steps)))
     others = len(steps) - 1.0 + len(found)
     for step in steps:
         margin = min((float(np.log(one.factor)) for _, one in step.rivals), default=MAX_MARGIN)
+        lead = float(np.clip(np.log(max(step.lead, 1e-6)), -MAX_MARGIN, MAX_MARGIN))
         alone = 0.0 if step.alone is None else _gain(step.alone)
-        found[step.name] = PartialEvidence(_gain(step.missed), alone, min(margin, MAX_MARGIN), others)
+        found[step.name] = PartialEvidence(alone, lead, min(margin, MAX_MARGIN), float(step.agreement), others)
     return found
 
 
@@ -202,8 +218,7 @@ def _gain(reduction: Reduction) -> float:
 
 def partial_probability(evidence: PartialEvidence) -> float:
     """Probability that an effect acts that is found beside others; fitted by `labsid.blind.calibration`."""
-    score = PARTIAL_PRIOR + sum(w * value for w, value in zip(PARTIAL_WEIGHTS, evidence, strict=True))
-    return _logistic(score)
+    return _logistic(PARTIAL_PRIOR + _weighted(PARTIAL_WEIGHTS, evidence))
 
 
 def _logistic(score: float) -> float:
@@ -219,14 +234,11 @@ def _weights(explanation: Explanation, level: int) -> dict[tuple[str, ...], floa
     return {names: weight / total for names, weight in raw.items()}
 
 
-def confidence_in(
-    explanation: Explanation, left: ResidualMeasures, closed: float | None = None, unrepeated: float = 0.0
-) -> float:
-    """Probability that the accepted explanation (possibly no effect) is right, from its residual.
+def evidence_in(explanation: Explanation, left: ResidualMeasures, closed: float | None = None) -> Evidence:
+    """Evidence for and against the accepted explanation, possibly no effect.
 
-    A logistic regression fitted to the `dev` records of the sealed check. The right explanation leaves white noise, or
-    sensor noise that is correlated over a few samples and independent of the input. Effects that imitate an unknown
-    cause leave a slow residual, or one that repeats with the input.
+    The right explanation leaves white noise, or sensor noise that is correlated over a few samples and independent of
+    the input. Effects that imitate an unknown cause leave a slow residual, or one that repeats with the input.
 
     Parameters
     ----------
@@ -235,40 +247,49 @@ def confidence_in(
         Of the accepted fit.
     closed : float, optional
         Share of the gap closed on held-out samples.
-    unrepeated : float
-        If the gap is mainly in levels that do not repeat at the same input: the share of it that the explanation leaves
-        open, else 0.
     """
     path = explanation.path
     steps = len(path) - 1
-    converted = "output-quantization" in explanation.unsimulated
-    slow_noise = False  # noise slow enough to keep levels from repeating
-    if converted:
-        evidence = Evidence()  # rounding repeats with the input, and jumps
-    else:
-        colour = float(np.log(max(left.colour, 1.0)))
-        if not steps:
-            colour *= 0.5 * max(left.slow, 0.0)
-        quiet = steps > 0 and is_noise(left, converted=False) and left.activity_z < 3.0
-        colour *= 0.4 if quiet else 1.0  # noise that is independent of the input
-        slow_noise = quiet and "coloured-noise" in explanation.unsimulated
-        predicted = left.explained if not quiet or left.explained > CHANCE_PREDICTION else 0.0
-        evidence = Evidence(
-            colour=colour,
-            repeats=float(np.sqrt(max(left.repeats if left.repeats_z > 2.0 else 0.0, predicted, 0.0))),
-            activity=float(np.sqrt(max(left.activity, 0.0))) if left.activity_z > 3.0 else 0.0,
-            tails=float(np.log(max(left.tails, 3.0) / 3.0)),
-            short=_shortfall(explanation, closed),
-        )
-    shrunk = 0.5 * float(
-        np.log(mean_square(explanation.data, path[0]) / max(mean_square(explanation.data, path[-1]), 1e-300))
+    before, after = (mean_square(explanation.data, fit) for fit in (path[0], path[-1]))
+    reduction = float(np.clip(0.5 * np.log(before / max(after, 1e-300)), 0.0, MAX_FIT_REDUCTION))
+    evidence = Evidence(several=float(steps >= 2), reduction=reduction)
+    if "output-quantization" in explanation.unsimulated:
+        return evidence  # rounding repeats with the input, and jumps
+    colour = float(np.log(max(left.colour, 1.0)))
+    if not steps:
+        colour *= 0.5 * max(left.slow, 0.0)
+    quiet = steps > 0 and is_noise(left, converted=False) and left.activity_z < 3.0
+    colour *= 0.4 if quiet else 1.0  # noise that is independent of the input
+    predicted = left.explained if not quiet or left.explained > CHANCE_PREDICTION else 0.0
+    return evidence._replace(
+        colour=colour,
+        repeats=float(np.sqrt(max(left.repeats if left.repeats_z > 2.0 else 0.0, predicted, 0.0))),
+        activity=float(np.sqrt(max(left.activity, 0.0))) if left.activity_z > 3.0 else 0.0,
+        tails=float(np.log(max(left.tails, 3.0) / 3.0)),
+        short=_shortfall(explanation, closed),
+        coloured=float(quiet and "coloured-noise" in explanation.unsimulated),
     )
-    score = PRIOR + SEVERAL_EFFECTS * (steps >= 2) + COLOURED_BESIDE * slow_noise
-    score += ERROR_REDUCTION * min(max(shrunk, 0.0), 4.0)
-    score += sum(weight * value for weight, value in zip(EVIDENCE_WEIGHTS, evidence, strict=True))
-    confidence = _logistic(score)
-    differs = unrepeated > MAX_UNREPEATED and not (converted or slow_noise)
+
+
+def confidence_in(evidence: Evidence, converted: bool = False, unrepeated: float = 0.0) -> float:
+    """Probability that an explanation is right; its constants are fitted by `labsid.blind.calibration`.
+
+    Parameters
+    ----------
+    evidence : Evidence
+    converted : bool
+        Whether the converter is coarse: levels that are rounded need not repeat.
+    unrepeated : float
+        If the gap is mainly in levels that do not repeat at the same input: the share of it that the explanation leaves
+        open, else 0. Slow noise keeps levels from repeating, too.
+    """
+    confidence = _logistic(PRIOR + _weighted(WEIGHTS, evidence))
+    differs = unrepeated > MAX_UNREPEATED and not (converted or evidence.coloured)
     return confidence * UNREPEATED_FACTOR if differs else confidence
+
+
+def _weighted(weights: Iterable[float], evidence: Iterable[float]) -> float:
+    return sum(weight * value for weight, value in zip(weights, evidence, strict=True))
 
 
 def _shortfall(explanation: Explanation, closed: float | None) -> float:

@@ -65,6 +65,10 @@ class Step:
         The whole combination compared with the same without this effect.
     alone : Reduction or None
         This effect alone compared with the simulation before; None if it was not tried alone.
+    lead : float
+        Rms error of the best other effect alone over that of this effect alone; 1 if it was not tried alone.
+    agreement : int
+        1 if the beam search, which ranks by BIC, found this effect, too; -1 if it found others, 0 if it found none.
     rivals : tuple of (str, Reduction)
         Other effects in its place, best first: the factor is their error over that of this one.
     """
@@ -74,6 +78,8 @@ class Step:
     errors: FloatArray
     missed: Reduction
     alone: Reduction | None
+    lead: float
+    agreement: int
     rivals: tuple[tuple[str, Reduction], ...] = ()
 
 
@@ -197,7 +203,8 @@ def search_held_out(
         lasting = (one for names, one in pool.best.items() if not names & OF_ONE_RECORD)
         elsewhere = _paying(pool, min(lasting, key=lambda one: one.total)).fit
     every = {tuple(sorted(names)): one.fit for names, one in pool.best.items()}
-    return HeldOutSearch(_steps(pool, best), tried, elsewhere, mismatch if mismatch.pays else None, every)
+    steps = _steps(pool, best, explanation.best.hypothesis.names)
+    return HeldOutSearch(steps, tried, elsewhere, mismatch if mismatch.pays else None, every)
 
 
 def _paying(pool: _Pool, candidate: Candidate) -> Candidate:
@@ -217,7 +224,7 @@ def _least_missed(pool: _Pool, candidate: Candidate) -> tuple[str, Candidate]:
     return name, fewer[name]
 
 
-def _steps(pool: _Pool, best: Candidate) -> tuple[Step, ...]:
+def _steps(pool: _Pool, best: Candidate, searched: tuple[str, ...]) -> tuple[Step, ...]:
     """The effects of a candidate, the one that reduces the error least at the end."""
     steps: list[Step] = []
     whole = best
@@ -226,9 +233,18 @@ def _steps(pool: _Pool, best: Candidate) -> tuple[Step, ...]:
         missed = compare_errors(pool.without(whole, name).errors, whole.errors)
         single = pool.best.get(frozenset({name}))
         alone = None if single is None else compare_errors(pool.start.errors, single.errors)
-        steps.append(Step(name, best.fit, best.errors, missed, alone, _rivals(pool, whole, name)))
+        rivals = _rivals(pool, whole, name)
+        agreement = 1 if name in searched else -1 if searched else 0
+        steps.append(Step(name, best.fit, best.errors, missed, alone, _lead(pool, name), agreement, rivals))
         best = fewer
     return tuple(reversed(steps))
+
+
+def _lead(pool: _Pool, name: str) -> float:
+    """Rms error of the best other effect alone over that of one alone; 1 if it was not tried alone."""
+    single = {one: candidate.total for names, candidate in pool.best.items() if len(names) == 1 for one in names}
+    others = [total for one, total in single.items() if one != name]
+    return float(np.sqrt(min(others) / max(single[name], 1e-300))) if others and name in single else 1.0
 
 
 def _rivals(pool: _Pool, best: Candidate, name: str) -> tuple[tuple[str, Reduction], ...]:

@@ -15,6 +15,7 @@ from labsid.gap.verdict.decision import (
     decide,
     decide_partial,
     evidence_by_name,
+    evidence_in,
     mismatch_probability,
     partial_probability,
 )
@@ -47,9 +48,14 @@ def crowded(explained: Explanation) -> Explanation:
     return replace(explained, levels=(explained.levels[0], others, *explained.levels[2:]))
 
 
+def confidence_after(explained: Explanation, left: ResidualMeasures, unrepeated: float = 0.0) -> float:
+    """The probability that the explanation is right if it leaves this residual."""
+    return confidence_in(evidence_in(explained, left), "output-quantization" in explained.unsimulated, unrepeated)
+
+
 def decided(explained: Explanation, left: ResidualMeasures, given: Fit | None, unrepeated: float = 0.0) -> Decision:
     """The decision at the confidence that the residual gives."""
-    return decide(explained, left, given, confidence_in(explained, left, unrepeated=unrepeated))
+    return decide(explained, left, given, confidence_after(explained, left, unrepeated))
 
 
 def check(decision: Decision) -> None:
@@ -70,7 +76,7 @@ def test_an_effect_far_ahead_is_named_alone(banded: Explanation) -> None:
     assert decision.verdict == "effect"
     assert decision.names == ("input-dead-zone",)
     assert decision.ambiguous == ()
-    assert decision.probability["input-dead-zone"] == pytest.approx(confidence_in(banded, left_of(banded)))
+    assert decision.probability["input-dead-zone"] == pytest.approx(confidence_after(banded, left_of(banded)))
     assert decision.closed > 0.9
 
 
@@ -81,7 +87,7 @@ def test_a_rival_of_equal_bic_halves_the_probability_and_is_ambiguous(banded: Ex
     check(decision)
     assert decision.names == ("input-dead-zone",)
     assert decision.ambiguous == (rival,)
-    assert decision.probability["input-dead-zone"] == pytest.approx(0.5 * confidence_in(explained, left_of(banded)))
+    assert decision.probability["input-dead-zone"] == pytest.approx(0.5 * confidence_after(explained, left_of(banded)))
 
 
 def test_probability_falls_with_the_bic_of_the_nearest_rival(banded: Explanation) -> None:
@@ -116,7 +122,7 @@ def test_an_unexplained_gap_is_unknown(banded: Explanation) -> None:
     check(decision)
     assert decision.verdict == "unknown"
     assert decision.names == ()
-    assert confidence_in(stuck, left) < 0.5
+    assert confidence_after(stuck, left) < 0.5
     assert closed_on_fit(stuck, left, ()) == decision.closed < 0.5
 
 
@@ -169,9 +175,9 @@ def test_mismatch_weight_grows_with_the_gain(plain: Explanation) -> None:
 )
 def test_structure_in_the_residual_reduces_confidence(banded: Explanation, worse: dict[str, float]) -> None:
     left = left_of(banded)
-    assert 1.0 - confidence_in(banded, replace(left, **worse)) > 1.3 * (1.0 - confidence_in(banded, left))
+    assert 1.0 - confidence_after(banded, replace(left, **worse)) > 1.3 * (1.0 - confidence_after(banded, left))
     converted = replace(banded, unsimulated=("output-quantization",))
-    assert confidence_in(converted, replace(left, **worse)) == confidence_in(converted, left)
+    assert confidence_after(converted, replace(left, **worse)) == confidence_after(converted, left)
 
 
 def test_a_slow_residual_that_repeats_with_the_input_is_not_coloured_noise(banded: Explanation) -> None:
@@ -184,28 +190,28 @@ def test_a_slow_residual_that_repeats_with_the_input_is_not_coloured_noise(bande
 
 def test_fast_coloured_noise_does_not_reduce_confidence(plain: Explanation) -> None:
     left = replace(left_of(plain), colour=1.4, slow=0.02)
-    assert confidence_in(plain, left) == pytest.approx(confidence_in(plain, replace(left, colour=1.0)), abs=0.01)
-    assert confidence_in(plain, replace(left, colour=5.0, slow=0.9)) < 0.5
+    assert confidence_after(plain, left) == pytest.approx(confidence_after(plain, replace(left, colour=1.0)), abs=0.01)
+    assert confidence_after(plain, replace(left, colour=5.0, slow=0.9)) < 0.5
 
 
 def test_coloured_noise_beside_an_effect_makes_an_explanation_less_likely(banded: Explanation) -> None:
     """An effect outside the table often leaves an effect of the table and a residual like coloured noise."""
     coloured = replace(banded, unsimulated=("coloured-noise",))
     left = left_of(banded)
-    alone, beside = confidence_in(banded, left), confidence_in(coloured, left)
+    alone, beside = confidence_after(banded, left), confidence_after(coloured, left)
     assert 0.5 < beside < alone
     assert 1.0 - beside > 3.0 * (1.0 - alone)
     again = replace(left, repeats=0.2, repeats_z=5.0)  # no noise, and then not one cause more
-    assert confidence_in(coloured, again) == confidence_in(banded, again)
+    assert confidence_after(coloured, again) == confidence_after(banded, again)
 
 
 def test_chance_correlation_of_coloured_noise_does_not_reduce_confidence(banded: Explanation) -> None:
     """The share of strongly coloured noise that the past input predicts is never exactly zero."""
     left = replace(left_of(banded), colour=3.0, slow=0.8, explained=0.0)
-    assert confidence_in(banded, replace(left, explained=0.05)) == confidence_in(banded, left) > 0.5
-    assert confidence_in(banded, replace(left, explained=0.2)) < 0.5
+    assert confidence_after(banded, replace(left, explained=0.05)) == confidence_after(banded, left) > 0.5
+    assert confidence_after(banded, replace(left, explained=0.2)) < 0.5
     again = replace(left, repeats=0.15, repeats_z=5.0)  # with the input in it, that counts
-    assert confidence_in(banded, replace(again, explained=0.05)) < 0.5
+    assert confidence_after(banded, replace(again, explained=0.05)) < 0.5
 
 
 def test_unrepeated_levels_make_a_drift_unknown(banded: Explanation) -> None:
@@ -226,11 +232,18 @@ def search(*steps: Step, mismatch: Reduction | None = None) -> HeldOutSearch:
     return HeldOutSearch(steps, {}, None, mismatch)
 
 
-def step(fit: Fit, name: str, factor: float = 0.4, rivals: dict[str, float] | None = None) -> Step:
+def step(
+    fit: Fit,
+    name: str,
+    factor: float = 0.4,
+    rivals: dict[str, float] | None = None,
+    lead: float = 1.6,
+    agreement: int = 1,
+) -> Step:
     """An effect that leaves `factor` of the error; in its place, each rival leaves so many times its error."""
     others = tuple((rival, Reduction(times, 5.0)) for rival, times in (rivals or {}).items())
     reduction = Reduction(factor, 5.0)
-    return Step(name, fit, np.ones(PARTS), reduction, reduction, others)
+    return Step(name, fit, np.ones(PARTS), reduction, reduction, lead, agreement, others)
 
 
 @pytest.fixture
@@ -277,6 +290,10 @@ def test_an_effect_is_more_probable_the_farther_its_rivals_are_and_the_more_it_r
     assert by_factor == sorted(by_factor)
     assert all(0.0 < p < 1.0 for p in (*by_rival, *by_factor))
     assert chance_of(step(banded.best, "a", 0.9, {"b": 1.0})) < 0.5
+    by_lead = [chance_of(step(banded.best, "a", 0.4, lead=lead)) for lead in (0.1, 0.7, 1.0, 1.4, 3.0)]
+    assert by_lead == sorted(by_lead)
+    by_agreement = [chance_of(step(banded.best, "a", 0.4, agreement=agreement)) for agreement in (-1, 0, 1)]
+    assert by_agreement == sorted(by_agreement)
     nearest = step(banded.best, "a", 0.4, {"b": 1.5, "c": 1.05})
     assert chance_of(nearest) == chance_of(step(banded.best, "a", 0.4, {"c": 1.05}))
 
