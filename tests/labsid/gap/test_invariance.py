@@ -4,11 +4,13 @@ import json
 
 import numpy as np
 import pytest
+from gap_search import searched
 
 from labsid.gap.diagnosis import diagnose
 from labsid.records.record import Record
 
 KINDS = ("input-saturation", "input-delay", "load-step", "output-saturation")
+FEW = (*KINDS, "input-dead-zone", "input-nonlinearity", "extra-lag", "output-nonlinearity", "output-drift")
 
 
 @pytest.fixture(scope="module")
@@ -82,6 +84,7 @@ def test_a_second_run_gives_the_same_bytes(answers, rig_record):
     assert json.dumps(again.model.to_json_dict()) == json.dumps(first.model.to_json_dict())
 
 
+@searched(*FEW)
 def test_another_seed_changes_only_the_interval(rig_record):
     one, two = (diagnose(rig_record("none", samples=300), seed=seed).report for seed in (0, 1))
     for report in (one, two):
@@ -89,6 +92,7 @@ def test_another_seed_changes_only_the_interval(rig_record):
     assert one == two
 
 
+@searched(*FEW)
 @pytest.mark.parametrize("effect", KINDS)
 def test_a_simulation_that_has_the_effect_already_leaves_no_gap(answers, rig_record, effect):
     exported = json.loads(json.dumps(answers(effect).model.to_json_dict()))
@@ -104,6 +108,7 @@ def test_a_simulation_that_has_the_effect_already_leaves_no_gap(answers, rig_rec
     }
 
 
+@searched(*FEW)
 def test_the_exported_simulation_is_valid_on_another_record_of_the_same_rig(answers, rig_record):
     """The input of the other record has another mean and spread; the exported numbers keep their meaning."""
     other = rig_record("input-saturation", samples=400, seed=8)

@@ -11,16 +11,18 @@ from pathlib import Path
 import control as ct
 import numpy as np
 import pytest
+from gap_search import searched
 from scipy.signal import cont2discrete, lfilter
 
 from labsid._arrays import FloatArray
 from labsid.cli.commands import main
-from labsid.gap.diagnosis import diagnose
+from labsid.gap.diagnosis import Diagnosis, diagnose
 from labsid.gap.reports.text_report import format_report
 from labsid.gap.simulations.python_export import write_python_module
 from labsid.records.record import Record
 
 SAMPLES, TS, FINE = 1200, 0.1, 20
+FEW = ("input-delay", "input-saturation", "extra-lag", "output-saturation", "load-step")
 SOURCE = """
 from functools import lru_cache
 from scipy.signal import cont2discrete, lfilter
@@ -57,21 +59,34 @@ def named(report: dict) -> list[str]:
     return [effect["name"] for effect in report["effects"]]
 
 
-def test_a_right_simulation_has_no_gap(u: FloatArray) -> None:
-    report = diagnose(measured(u), simulate).report
+@pytest.fixture(scope="module")
+def right(u: FloatArray) -> Diagnosis:
+    """The diagnosis of a simulation that is right."""
+    return diagnose(measured(u), simulate)
+
+
+@pytest.fixture(scope="module")
+def limited(u: FloatArray) -> Record:
+    """A record of the rig whose actuator stops at -0.5 and 0.6."""
+    record = measured(np.clip(u, -0.5, 0.6))
+    return Record(record.t, u, record.y, TS)
+
+
+def test_a_right_simulation_has_no_gap(right: Diagnosis) -> None:
+    report = right.report
     assert report["verdict"] == "none"
     assert report["gap"]["before"] < 1.1 * report["gap"]["noise_floor"]
 
 
+@searched(*FEW)
 def test_a_rig_that_is_not_at_rest_at_the_start_is_no_gap(u: FloatArray) -> None:
     whole = measured(u)
     late = slice(100, None)
     assert diagnose(Record(whole.t[late], whole.u[late], whole.y[late], TS), simulate).report["verdict"] == "none"
 
 
-def test_a_limit_of_the_actuator_is_found_around_the_simulation(u: FloatArray) -> None:
-    record = measured(np.clip(u, -0.5, 0.6))
-    report = diagnose(Record(record.t, u, record.y, TS), simulate).report
+def test_a_limit_of_the_actuator_is_found_around_the_simulation(limited: Record) -> None:
+    report = diagnose(limited, simulate).report
     assert named(report) == ["input-saturation"]
     assert report["effects"][0]["parameters"]["high"]["value"] == pytest.approx(0.6, abs=0.01)
     assert report["gap"]["closed"] > 0.97
@@ -116,6 +131,7 @@ def with_rounded_numbers(t: FloatArray, u: FloatArray, tau: float = 1.0, gain: f
     return simulate(t, u, tau=round(tau, 1), gain=round(gain, 1))
 
 
+@searched(*FEW)
 @pytest.mark.parametrize("rough", [with_rounded_output, with_rounded_numbers])
 def test_numbers_of_a_simulation_that_has_no_derivatives_are_found(
     u: FloatArray, rough: Callable[..., FloatArray]
@@ -129,6 +145,7 @@ def test_numbers_of_a_simulation_that_has_no_derivatives_are_found(
     assert report["gap"]["after"] < 1.1 * report["gap"]["noise_floor"]
 
 
+@searched(*FEW)
 def test_a_search_without_derivatives_leaves_runs_for_the_others(u: FloatArray) -> None:
     report = diagnose(
         measured(u, tau=1.3, gain=2.4), with_rounded_numbers, free=["tau", "gain"], evaluations=400
@@ -137,6 +154,7 @@ def test_a_search_without_derivatives_leaves_runs_for_the_others(u: FloatArray) 
     assert named(report) == ["parameter-mismatch"]
 
 
+@searched(*FEW)
 def test_a_free_number_that_is_nominally_zero_can_be_fitted(u: FloatArray) -> None:
     report = diagnose(measured(u, zeta=0.9, bias=0.3), simulate, free=["zeta"]).report
     assert named(report) == ["parameter-mismatch"]  # an offset is none: it is estimated in any case
@@ -151,11 +169,10 @@ def test_an_effect_is_found_beside_free_numbers(u: FloatArray) -> None:
     assert report["simulation"]["numbers"]["tau"]["value"] == pytest.approx(1.3, rel=0.01)
 
 
-def test_a_system_of_python_control_is_a_simulation(u: FloatArray) -> None:
-    record = measured(np.clip(u, -0.5, 0.6))
-    record = Record(record.t, u, record.y, TS)
+@searched(*FEW)
+def test_a_system_of_python_control_is_a_simulation(limited: Record) -> None:
     system = ct.tf([2.0], [1.0, 1.4, 1.0])
-    assert named(diagnose(record, system).report) == ["input-saturation"]
+    assert named(diagnose(limited, system).report) == ["input-saturation"]
 
 
 def test_free_numbers_that_nothing_has_are_refused(u: FloatArray) -> None:
@@ -179,13 +196,10 @@ class Runs:
         return simulate(t, u, tau=tau)
 
 
-@pytest.mark.parametrize("evaluations", [1, 12, 150, 600])
-def test_a_budget_ends_the_search_with_what_it_has_found(u: FloatArray, evaluations: int) -> None:
-    record = measured(np.clip(u, -0.5, 0.6))
+@pytest.mark.parametrize("evaluations", [1, 12, 150])
+def test_a_budget_ends_the_search_with_what_it_has_found(limited: Record, evaluations: int) -> None:
     runs, said = Runs(), []
-    report = diagnose(
-        Record(record.t, u, record.y, TS), runs, evaluations=evaluations, progress=lambda what, share: said.append(what)
-    ).report
+    report = diagnose(limited, runs, evaluations=evaluations, progress=lambda what, share: said.append(what)).report
     counted = report["simulation"]["evaluations"]
     assert counted["spent"]
     assert counted["budget"] == evaluations
@@ -197,10 +211,9 @@ def test_a_budget_ends_the_search_with_what_it_has_found(u: FloatArray, evaluati
     assert any(re.fullmatch(r"one effect, \d+ simulations, \d+ % of the time", what) for what in said)
 
 
-def test_a_budget_that_is_not_reached_changes_nothing(u: FloatArray) -> None:
-    record = measured(np.clip(u, -0.5, 0.6))
-    record = Record(record.t, u, record.y, TS)
-    free, held = (diagnose(record, Runs(), evaluations=most).report for most in (None, 50_000))
+@searched(*FEW)
+def test_a_budget_that_is_not_reached_changes_nothing(limited: Record) -> None:
+    free, held = (diagnose(limited, Runs(), evaluations=most).report for most in (None, 50_000))
     assert free["simulation"]["evaluations"]["budget"] is None
     assert held["simulation"]["evaluations"]["spent"] is False
     for report in (free, held):
@@ -220,19 +233,19 @@ def test_budgets_that_cannot_be_are_said(u: FloatArray) -> None:
         diagnose([record, measured(u), measured(u)], simulate, evaluations=2)
 
 
-def test_a_simulation_that_begins_to_fail_is_said(u: FloatArray) -> None:
-    record = measured(np.clip(u, -0.5, 0.6))
-    record = Record(record.t, u, record.y, TS)
-    report = diagnose(record, Runs(sound=100)).report
+@searched(*FEW)
+def test_a_simulation_that_begins_to_fail_is_said(limited: Record) -> None:
+    report = diagnose(limited, Runs(sound=100)).report
     runs = report["simulation"]["evaluations"]
     assert runs["failed"] == runs["runs"] - 99
     assert "of your simulation failed; the first: Runs stopped with RuntimeError: the solver diverged" in (
         format_report(report).replace("\n           ", " ")
     )
     with pytest.raises(ValueError, match="Runs stopped with RuntimeError: the solver diverged"):
-        diagnose(record, Runs(sound=1))  # in the first run all is well
+        diagnose(limited, Runs(sound=1))  # in the first run all is well
 
 
+@searched(*FEW)
 def test_a_file_is_diagnosed_exported_played_and_then_has_no_gap(
     u: FloatArray, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -268,17 +281,17 @@ def test_a_file_is_diagnosed_exported_played_and_then_has_no_gap(
     assert "rig.py has no function 'missing'; it has simulate." in capsys.readouterr().err
 
 
+@searched(*FEW)
 def test_an_exported_module_runs_by_itself_and_as_a_simulation(
-    u: FloatArray, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+    limited: Record, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     """With the function's file in another folder, also after both have moved."""
     here = tmp_path / "project"
     for folder in ("rigs", "out"):
         (here / folder).mkdir(parents=True)
     (here / "rigs" / "rig.py").write_text(SOURCE, encoding="utf-8")
-    record = measured(np.clip(u, -0.5, 0.6))
-    record = Record(record.t, u, record.y, TS)
-    np.savetxt(here / "run.csv", np.column_stack([record.t, u, record.y]), delimiter=",", header="t,u,y", comments="")
+    rows = np.column_stack([limited.t, limited.u, limited.y])
+    np.savetxt(here / "run.csv", rows, delimiter=",", header="t,u,y", comments="")
     monkeypatch.chdir(here)
     command = ["gap", "diagnose", "run.csv", "--evaluations", "500", "--sim"]
     assert main([*command, "rigs/rig.py:simulate", "--export", "out/better.py"]) == 0
@@ -298,6 +311,7 @@ def test_an_exported_module_runs_by_itself_and_as_a_simulation(
     assert "rig.py does not exist" in done.stderr
 
 
+@searched(*FEW)
 def test_a_model_without_a_file_of_its_own_is_exported_as_a_module_too(u: FloatArray, tmp_path: Path) -> None:
     found = diagnose(measured(u))
     write_python_module(tmp_path / "plain.py", found.model.to_json_dict())
@@ -306,7 +320,6 @@ def test_a_model_without_a_file_of_its_own_is_exported_as_a_module_too(u: FloatA
     np.testing.assert_allclose(namespace["simulate"](record.t, record.u, record.y), found.model.simulate(u, record.y))
 
 
-def test_a_function_that_is_no_file_is_diagnosed_and_not_exported(u: FloatArray) -> None:
-    found = diagnose(measured(u), simulate)
+def test_a_function_that_is_no_file_is_diagnosed_and_not_exported(right: Diagnosis) -> None:
     with pytest.raises(ValueError, match=r"it is no file that can be run again"):
-        found.model.to_json_dict()
+        right.model.to_json_dict()

@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from gap_search import searched
 from scipy.signal import cont2discrete, lfilter
 
 from labsid._arrays import FloatArray
@@ -129,6 +130,7 @@ def test_an_additional_lag_on_an_oscillatory_rig_is_named_extra_lag() -> None:
     assert names(diagnosis) == ["extra-lag"]
 
 
+@searched("extra-lag", "output-drift")
 def test_only_a_fit_with_an_extra_lag_can_hide_a_mode() -> None:
     fit, data = fitted(OWN["ramp"])
     levels_tried, _ = search_effects(data, LINEAR, None, 1, None)

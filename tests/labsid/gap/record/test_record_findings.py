@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from gap_search import searched
 
 from labsid._arrays import FloatArray
 from labsid.gap.diagnosis import diagnose
@@ -81,6 +82,7 @@ def test_an_input_that_never_rests_has_no_plateaus(rig_record: Callable[..., Rec
     assert topics(record) == []
 
 
+@searched("input-delay", "sqrt-outflow", "overflow", "output-drift")
 def test_the_answer_on_the_tanks_carries_both_and_how_much_of_the_gap_they_are(shared_data: Path) -> None:
     report = diagnose(load_record(shared_data / "unsw-water-tank" / "SysIdenData_StudentVersion.mat")).report
     assert {"plateaus", "noise reduction"} <= {finding["topic"] for finding in report["record_findings"]}

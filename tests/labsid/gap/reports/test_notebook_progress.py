@@ -13,6 +13,8 @@ import numpy as np
 from labsid import Record
 from labsid.gap import diagnose
 from labsid.gap.reports import notebook_progress
+from labsid.gap.search import beam_search
+beam_search.CANDIDATES = beam_search.CANDIDATES[:3]
 notebook_progress.DELAY, notebook_progress.INTERVAL = 0.0, 0.0
 rng = np.random.default_rng(1)
 u = np.repeat(rng.uniform(-1.0, 1.0, 30), 10)

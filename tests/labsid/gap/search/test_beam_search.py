@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from gap_search import searched
 from scipy.integrate import solve_ivp
 from scipy.signal import lfilter
 
@@ -59,6 +60,16 @@ def slewing(w: FloatArray) -> FloatArray:
 
 
 @pytest.mark.parametrize("first", ["curve", "rate"])
+@searched(
+    "input-rate-limit",
+    "input-nonlinearity",
+    "input-saturation",
+    "input-backlash",
+    "input-dead-zone",
+    "output-nonlinearity",
+    "extra-lag",
+    "resonance",
+)
 def test_a_pair_of_actuator_effects_is_found_in_either_order(
     levels: FloatArray, two_poles: Response, first: str
 ) -> None:
@@ -200,6 +211,16 @@ def test_rounding_is_explained_by_quantization_alone(
     assert found.data.lattice * found.data.y_scale.unit == pytest.approx(np.ptp(two_poles(u)) / steps)
 
 
+@searched(
+    "input-saturation",
+    "input-nonlinearity",
+    "input-dead-zone",
+    "output-saturation",
+    "output-nonlinearity",
+    "output-drift",
+    "load-step",
+    "periodic-disturbance",
+)
 def test_effects_larger_than_the_quantization_step_are_found(levels: FloatArray, two_poles: Response) -> None:
     u = levels[:480]
     load = two_poles((np.arange(u.size) >= 290).astype(float))
@@ -224,6 +245,16 @@ def leaking_tank(u: FloatArray, a: float, b: float, leak: float, onset: int) -> 
     return np.array(out)
 
 
+@searched(
+    "input-nonlinearity",
+    "sqrt-outflow",
+    "overflow",
+    "slow-mode",
+    "parameter-drift",
+    "output-drift",
+    "output-nonlinearity",
+    "load-step",
+)
 def test_a_leak_in_a_torricelli_tank_is_a_load_proportional_to_the_level(levels: FloatArray) -> None:
     u, a, b, leak = levels[:360], 0.8, 1.0, 0.01
     found = explain(data_of(u, leaking_tank(u, a, b, leak, 220)), most=2)
@@ -311,6 +342,16 @@ def loaded_motor(u: FloatArray, load: float, onset: int) -> FloatArray:
     return np.array(out)
 
 
+@searched(
+    "input-dead-zone",
+    "coulomb-friction",
+    "cubic-stiffness",
+    "parameter-drift",
+    "output-drift",
+    "output-nonlinearity",
+    "load-step",
+    "periodic-disturbance",
+)
 @pytest.mark.parametrize(("rig", "name"), [(loaded_spring, "cubic-stiffness"), (loaded_motor, "coulomb-friction")])
 def test_a_large_load_on_a_nonlinear_state_is_found(levels: FloatArray, rig: Response, name: str) -> None:
     """It is found first, as a leak on linear dynamics, and moves to the state with the second effect.
@@ -328,6 +369,16 @@ def test_a_large_load_on_a_nonlinear_state_is_found(levels: FloatArray, rig: Res
     assert values["size"].value == pytest.approx((rig(u, load, 190) - rig(u, 0.0, 190))[-1], rel=0.1)
 
 
+@searched(
+    "input-saturation",
+    "sqrt-outflow",
+    "overflow",
+    "end-stop",
+    "output-saturation",
+    "output-nonlinearity",
+    "load-step",
+    "periodic-disturbance",
+)
 def test_a_disturbance_of_the_inflow_is_found_beside_an_overflow() -> None:
     """The disturbance acts ahead of the upper tank; the lower tank overflows."""
     u = np.repeat(np.random.default_rng(8).uniform(-1.0, 1.0, 36), 15)
@@ -378,6 +429,16 @@ def tank_with_a_brim(w: FloatArray, rate: float, brim: float) -> FloatArray:
     return np.array(out)
 
 
+@searched(
+    "input-saturation",
+    "sqrt-outflow",
+    "overflow",
+    "end-stop",
+    "parameter-drift",
+    "output-drift",
+    "output-saturation",
+    "output-nonlinearity",
+)
 def test_a_parameter_drift_is_found_beside_an_overflow() -> None:
     """Drift of the gain of a pump whose zero lies far below the record."""
     u = np.repeat(np.random.default_rng(8).uniform(-1.0, 1.0, 36), 15)

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from gap_search import searched
 from scipy.signal import lfilter
 
 from labsid._arrays import FloatArray
@@ -129,6 +130,7 @@ def test_a_second_effect_below_the_minimum_share_of_the_gap_is_dropped(banded: E
         )
 
 
+@searched("input-delay", "extra-lag", "slow-mode", "output-drift", "output-nonlinearity", "output-backlash")
 def test_slow_motion_within_a_converter_step_is_no_dropout() -> None:
     """Slow motion on a coarse converter repeats values; a logger that holds values lags behind the motion."""
     k = np.arange(1500)
@@ -173,6 +175,16 @@ def searches(monkeypatch: pytest.MonkeyPatch) -> list[tuple[Fit, ...]]:
     return paths
 
 
+@searched(
+    "input-dead-zone",
+    "input-nonlinearity",
+    "slow-mode",
+    "parameter-drift",
+    "output-drift",
+    "output-nonlinearity",
+    "load-step",
+    "periodic-disturbance",
+)
 def test_a_drift_beside_an_input_curve_is_accepted_if_the_residual_is_white(
     levels: FloatArray, two_poles: Callable[..., FloatArray], searches: list[tuple[Fit, ...]]
 ) -> None:
@@ -193,6 +205,7 @@ def slow_waves(rng: np.random.Generator) -> list[tuple[float, float, float]]:
     return list(zip(rng.uniform(0.5, 1.0, 6), rng.uniform(1.0, 6.0, 6), rng.uniform(0.0, 6.0, 6), strict=True))
 
 
+@searched("extra-lag", "slow-mode", "parameter-drift", "output-drift", "load-step", "periodic-disturbance")
 def test_slow_noise_is_not_identified_as_a_drift(
     levels: FloatArray, two_poles: Callable[..., FloatArray], searches: list[tuple[Fit, ...]]
 ) -> None:

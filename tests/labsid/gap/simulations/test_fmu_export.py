@@ -6,6 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from fmu_rigs import build_tank
+from gap_search import searched
 
 from labsid._arrays import FloatArray
 from labsid.cli.commands import main
@@ -131,6 +132,7 @@ def test_other_files_hold_no_exported_simulation(tmp_path: Path) -> None:
     assert read_fmu_content(tmp_path / "other.fmu") is None
 
 
+@searched("input-saturation", "extra-lag", "load-step")
 def test_an_fmu_is_diagnosed_exported_as_an_fmu_and_then_has_no_gap(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -142,7 +144,7 @@ def test_an_fmu_is_diagnosed_exported_as_an_fmu_and_then_has_no_gap(
     y += 0.01 * np.std(y) * rng.standard_normal(u.size)
     rows = np.column_stack([TS * np.arange(u.size), u, y])
     np.savetxt("run.csv", rows, delimiter=",", header="t,u,y", comments="")
-    command = ["gap", "diagnose", "run.csv", "--evaluations", "300", "--sim"]  # a run of an FMU takes long
+    command = ["gap", "diagnose", "run.csv", "--evaluations", "150", "--sim"]  # a run of an FMU takes long
     assert main([*command, "rig/Tank.fmu", "--export", "better.fmu"]) == 0
     assert "a limit of the actuator" in capsys.readouterr().out
     assert input_and_output(Path("better.fmu")) == ("inflow", "level")

@@ -4,6 +4,7 @@ import json
 
 import numpy as np
 import pytest
+from gap_search import searched
 
 from labsid.gap.diagnosis import diagnose
 from labsid.gap.simulations.simulation_files import load_simulation, replay, write_replay
@@ -72,6 +73,7 @@ def test_a_short_record_counts_as_a_whole(model, record):
     assert replay(model, short).start == 0
 
 
+@searched("input-saturation", "extra-lag", "output-saturation", "load-step")
 def test_an_exported_model_can_be_simulated_and_diagnosed_again(tmp_path, record):
     found = diagnose(record)
     path = tmp_path / "better.json"
@@ -83,6 +85,7 @@ def test_an_exported_model_can_be_simulated_and_diagnosed_again(tmp_path, record
     assert (again["verdict"], again["simulation"]["given"]) == ("none", True)
 
 
+@searched("extra-lag", "load-step")
 def test_a_series_cannot_be_exported(record):
     found = diagnose(record, np.zeros(len(record)) + record.u)
     with pytest.raises(ValueError, match="cannot be exported"):

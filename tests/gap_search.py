@@ -1,0 +1,27 @@
+"""Searches for a few effects only, for tests of what does not depend on the others: these take most of the time."""
+
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from typing import Any
+
+import pytest
+
+from labsid.gap.batches import batch
+from labsid.gap.effects.families import CANDIDATES
+
+
+@contextmanager
+def searched(*names: str) -> Iterator[None]:
+    """Limit the search in this process to the effects of these names; also a decorator of a test."""
+    few = tuple(group for group in CANDIDATES if group[0].name in names)
+    unknown = set(names) - {group[0].name for group in few}
+    assert not unknown, f"the search has no {sorted(unknown)}"
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("labsid.gap.search.beam_search.CANDIDATES", few)
+        yield
+
+
+def run_here(module: str, tasks: Sequence[dict[str, Any]], jobs: int) -> Iterator[tuple[int, dict[str, Any]]]:
+    """In place of `run_tasks` of a batch: diagnose in this process instead of starting others."""
+    for number, task in enumerate(tasks):
+        yield number, batch._diagnose(task)
