@@ -1,6 +1,7 @@
 """Shared by the tests of the diagnosis: an input, an independent integrator, and small records."""
 
 from collections.abc import Callable
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -28,13 +29,20 @@ def held() -> Callable[[FloatArray, FloatArray, Flow], FloatArray]:
     """States at the samples of state' = flow(state, w), the input held between samples; shape (N, n)."""
 
     def states(w: FloatArray, state: FloatArray, flow: Flow) -> FloatArray:
-        found = [np.asarray(state, float)]
-        for value in w[:-1]:
+        found = [np.asarray(state, float)[None]]
+        changes = np.flatnonzero(np.diff(w[:-1])) + 1
+        for start, stop in pairwise([0, *changes, w.size - 1]):
             solved = solve_ivp(
-                lambda t, x, value=value: flow(x, value), (0, 1), found[-1], method="DOP853", rtol=1e-8, atol=1e-10
+                lambda t, x, value=w[start]: flow(x, value),
+                (0, stop - start),
+                found[-1][-1],
+                method="DOP853",
+                t_eval=np.arange(1, stop - start + 1),
+                rtol=1e-8,
+                atol=1e-10,
             )
-            found.append(solved.y[:, -1])
-        return np.array(found)
+            found.append(solved.y.T)
+        return np.concatenate(found)
 
     return states
 

@@ -60,6 +60,7 @@ def stopped(u: FloatArray, low: float, high: float, fine: int = 400) -> FloatArr
     return np.array(found)
 
 
+@pytest.fixture(scope="module")
 def signals(u: FloatArray) -> dict[str, FloatArray]:
     """Output of a rig with each of the effects."""
     mass = states(u, [0.0, 0.0], pushed)[:, 0]
@@ -91,9 +92,9 @@ def signals(u: FloatArray) -> dict[str, FloatArray]:
     ],
 )
 def test_each_is_named_with_its_parameters_and_its_export_plays(
-    u: FloatArray, name: str, parameters: dict[str, float]
+    u: FloatArray, signals: dict[str, FloatArray], name: str, parameters: dict[str, float]
 ) -> None:
-    y = signals(u)[name]
+    y = signals[name]
     record = Record(TS * np.arange(u.size), u, y + 0.004 * np.random.default_rng(1).standard_normal(u.size), TS)
     found = diagnose(record)
     (effect,) = found.report["effects"]
