@@ -39,23 +39,26 @@ def folder(tmp_path_factory, rig_record, write_rig_record):
 
 @pytest.fixture(scope="module")
 def finished(folder, tmp_path_factory):
-    """The folder of reports after one run, the summary printed, and the progress messages."""
+    """The folder of reports after one run in one other process, the summary printed, and the progress messages.
+
+    `test_workers.py` has two at work, and `counted` gives the results in another order.
+    """
     out = tmp_path_factory.mktemp("out") / "new" / "answers"
     told = []
-    printed = diagnose_folder(folder, out, jobs=2, progress=lambda what, share: told.append((what, share)))
+    printed = diagnose_folder(folder, out, jobs=1, progress=lambda what, share: told.append((what, share)))
     return out, printed, told
 
 
 @pytest.fixture
 def counted(monkeypatch):
-    """Names of the records diagnosed; the diagnosis itself is replaced by a constant report."""
+    """Names of the records diagnosed; the diagnosis itself is replaced by a constant report, and the last is first."""
     asked = []
 
     def run_tasks(module, tasks, jobs):
         assert module == "labsid.gap.batches.batch"
-        for number, task in enumerate(tasks):
-            name = "+".join(os.path.basename(path) for path in task["files"]["records"])
-            asked.append(name)
+        names = ["+".join(os.path.basename(path) for path in task["files"]["records"]) for task in tasks]
+        asked.extend(names)
+        for number, (task, name) in reversed(list(enumerate(zip(tasks, names, strict=True)))):
             report = gap_report(verdict="none") | {"seed": task["seed"]}
             yield number, None if name.startswith("killed") else {"report": report, "keep": True}
 
@@ -165,8 +168,9 @@ def test_records_with_changed_files_are_diagnosed_again(copied, counted, change,
     assert counted == again
 
 
-def test_a_second_run_adds_the_pages_of_the_records(copied, counted):
+def test_a_second_run_adds_the_missing_pages_of_the_records(copied, counted):
     records, out = copied
+    (out / "a.html").touch()
     diagnose_folder(records, out, jobs=1, html=True)
     assert counted == []
     assert sorted(path.name for path in out.glob("*.html")) == ["a.html", "b.html", "summary.html"]

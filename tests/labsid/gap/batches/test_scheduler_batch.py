@@ -7,9 +7,10 @@ from pathlib import Path
 
 import pytest
 from dask_machines import Machines, machines_in
+from gap_search import run_here
 
 from labsid.cli.commands import main
-from labsid.gap.batches import scheduler
+from labsid.gap.batches import batch, scheduler
 from labsid.gap.batches.batch import diagnose_folder
 from labsid.records.record import Record
 
@@ -46,7 +47,7 @@ def reports(out: Path) -> dict[str, dict]:
 
 
 def test_a_worker_that_is_killed_costs_nothing_and_the_reports_are_those_of_this_machine(
-    folder: Path, machines: Machines, tmp_path: Path
+    folder: Path, machines: Machines, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     machines.start(workers=2)
     finished: list[str] = []
@@ -58,6 +59,7 @@ def test_a_worker_that_is_killed_costs_nothing_and_the_reports_are_those_of_this
 
     said = diagnose_folder(folder, tmp_path / "cluster", progress=progress, scheduler=machines.address)
     assert said.startswith("4 records and rigs: error 1, none 3")
+    monkeypatch.setattr(batch, "run_tasks", run_here)
     diagnose_folder(folder, tmp_path / "here", jobs=1)
     here, there = reports(tmp_path / "here"), reports(tmp_path / "cluster")
     assert here.keys() == there.keys()
