@@ -1,6 +1,7 @@
 """The diagnosis runs in a separate process, replaced here by a short program."""
 
 import json
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -10,7 +11,6 @@ from labsid.blind import check, runner
 from labsid.blind.check import evaluate_replays, is_repeatable, run_sealed_check
 from labsid.blind.experiment import Case, redraw, run_experiment, to_record
 from labsid.blind.runner import run_batch, run_replays
-from labsid.blind.suite import make_cases
 
 BATCH = """
 import json, pathlib, sys
@@ -45,8 +45,8 @@ for line in lines[1:]:
 
 
 @pytest.fixture(scope="module")
-def some() -> list[Case]:
-    return list(make_cases("dev", 3, ["single-clear", "with-sim", "none"]))
+def some(dev_cases: Callable[[str, int], list[Case]]) -> list[Case]:
+    return [case for row in ("single-clear", "none", "with-sim") for case in dev_cases(row, 3)]
 
 
 def test_the_batch_process_has_access_to_the_records_only(some: list[Case], monkeypatch) -> None:
@@ -101,6 +101,7 @@ def test_a_simulation_that_follows_to_the_noise_closes_nearly_all(some: list[Cas
     assert outcomes.fresh_closure == pytest.approx(1 - 1 / case.ratio, abs=0.1)
 
 
+@pytest.mark.usefixtures("drawn_once")
 def test_the_whole_check_prints_its_table(tmp_path: Path, monkeypatch, capsys) -> None:
     monkeypatch.setattr(runner, "_MAIN", BATCH)
     monkeypatch.setattr(runner, "_SEVERAL", PLAY)

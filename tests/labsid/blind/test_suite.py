@@ -1,7 +1,9 @@
 """The cases follow the rules of their rows."""
 
 import json
+from collections.abc import Callable
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -36,8 +38,8 @@ COUNTS = {
 
 
 @pytest.fixture(scope="module")
-def some() -> list[Case]:
-    return [case for row, count in COUNTS.items() for case in make_cases("dev", count, [row])]
+def some(dev_cases: Callable[[str, int], list[Case]]) -> list[Case]:
+    return [case for row, count in COUNTS.items() for case in dev_cases(row, count)]
 
 
 def of_row(some: list[Case], row: str) -> list[Case]:
@@ -137,8 +139,8 @@ def test_cases_labelled_none_have_no_visible_gap(some: list[Case]) -> None:
         assert case.experiment.setup.actuator.delay < 0.5
 
 
-def test_hidden_effects_are_in_the_rig_but_not_in_the_record() -> None:
-    unexercised = [case for case in make_cases("dev", 18, ["none"]) if case.truth["kind"] == "not exercised"]
+def test_hidden_effects_are_in_the_rig_but_not_in_the_record(dev_cases: Callable[[str, int], list[Case]]) -> None:
+    unexercised = [case for case in dev_cases("none", 18) if case.truth["kind"] == "not exercised"]
     assert len(unexercised) == 3
     assert len({case.truth["hidden"] for case in unexercised}) >= 2
     assert all(case.experiment.setup != case.experiment.plain for case in unexercised)
@@ -214,15 +216,22 @@ def test_the_seeds_of_final_follow_the_sources(tmp_path, monkeypatch) -> None:
     gap_folder.mkdir()
     (gap_folder / "a.py").write_text("one = 1\n")
     monkeypatch.setattr(suite_module, "__file__", str(blind / "suite.py"))
-    first, dev = ([case.name for case in make_cases(suite, 1, ["none"])] for suite in ("final", "dev"))
-    same = [case.name for case in make_cases("final", 1, ["none"])]
+    draw = {"none": lambda rng, i, name: SimpleNamespace(name=name, drawn=rng.random())}
+    monkeypatch.setattr(suite_module, "ROWS", dict.fromkeys(ROWS) | draw)
+
+    def numbers(suite: str) -> tuple[str, float]:
+        (case,) = make_cases(suite, 1, ["none"])
+        return case.name, case.drawn
+
+    first, dev, same = (numbers(suite) for suite in ("final", "dev", "final"))
     (gap_folder / "a.py").write_text("one = 2\n")
-    changed = [case.name for case in make_cases("final", 1, ["none"])]
+    changed = numbers("final")
     assert first == same
     assert not set(first) & {*changed, *dev}
-    assert dev == [case.name for case in make_cases("dev", 1, ["none"])]
+    assert dev == numbers("dev")
 
 
+@pytest.mark.usefixtures("drawn_once")
 def test_a_suite_is_written_without_its_labels(some: list[Case], tmp_path) -> None:
     labels_path = write_suite(tmp_path / "records", "dev", 4, ["single-clear", "with-sim"])
     assert labels_path == tmp_path / "records.labels.json"
