@@ -8,6 +8,7 @@ import pytest
 
 pytest.importorskip("mujoco", reason="pip install 'labsid[mujoco]'")
 
+from gap_search import searched
 from mujoco_rigs import EFFECTS, NOISE, SAMPLES, TS, Effect, angles, example, load_example, measured, torques
 from scipy.signal import cont2discrete, lfilter
 
@@ -37,6 +38,7 @@ def test_the_model_moves_as_an_arm_on_a_spring() -> None:
 
 
 @pytest.mark.slow
+@searched("input-saturation", "extra-lag", "resonance", "coulomb-friction", "cubic-stiffness", "load-step")
 def test_friction_that_the_model_lacks_is_named_and_closed_on_a_second_record(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -51,7 +53,7 @@ def test_friction_that_the_model_lacks_is_named_and_closed_on_a_second_record(
         np.savetxt(f"{name}.csv", rows, delimiter=",", header="t,u,y", comments="")
     command = ["gap", "diagnose", "run.csv", "--sim", "arm.py:simulate", "--json", "report.json"]
     for more, cause, number in (
-        (["--evaluations", "3000"], "coulomb-friction", "friction"),
+        (["--evaluations", "1500"], "coulomb-friction", "friction"),
         (["--evaluations", "200", "--free", "frictionloss"], "parameter-mismatch", "frictionloss"),
     ):
         assert main([*command, *more, "--export", "better.json"]) == 0
