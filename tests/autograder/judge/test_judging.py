@@ -306,6 +306,7 @@ def test_an_untouched_open_question_is_said_to_be(forked: ProcessLauncher, tmp_p
         assert (third.score, third.status, third.reason) == (0, "manual", "no answer")
 
 
+@pytest.mark.parametrize("either", ["best", "forked"], indirect=True)
 def test_checks_in_the_notebook_do_nothing_while_grading(either: ProcessLauncher, tmp_path: Path) -> None:
     cell = (
         "from labsid.checks import notebook_checks\n"
@@ -526,6 +527,7 @@ def test_calls_do_not_tell_on_what_follows(forked: ProcessLauncher, tmp_path: Pa
     assert walk(forked, tmp_path, "a = 3", function, "print(calls)")[2].output == "0\n"
 
 
+@pytest.mark.parametrize("either", ["best", "forked"], indirect=True)
 def test_a_function_is_judged_though_a_later_cell_dies(either: ProcessLauncher, tmp_path: Path) -> None:
     first, second, last = walk(either, tmp_path, "a = 3", LINE, "import os\nos._exit(1)")
     assert (first.score, second.score) == (Decimal("0.1"), Decimal("0.2"))

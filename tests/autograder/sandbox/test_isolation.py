@@ -13,6 +13,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from kept_processes import Kept
 
 from autograder.sandbox import allowed_paths, bubblewrap, doctor, isolation, process_launchers, workdirs
 from autograder.sandbox.bubblewrap import SandboxError
@@ -62,6 +63,13 @@ def student(launcher: ProcessLauncher, tmp_path: Path) -> Iterator[StudentProces
     started = launcher.start(tmp_path)
     yield started
     started.close()
+
+
+@pytest.fixture
+def kept_fork_server(kept: Kept) -> Iterator[None]:
+    """The fork server of an earlier test, for what does not depend on its start."""
+    with kept.used():
+        yield
 
 
 def value_of(student: StudentProcess, code: str) -> object:
@@ -141,6 +149,7 @@ def no_bubblewrap() -> str:
     raise SandboxError("bubblewrap is not installed")
 
 
+@pytest.mark.usefixtures("kept_fork_server")
 def test_strict_is_refused_where_it_cannot_be_had(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(process_launchers, "find_bubblewrap", no_bubblewrap)
     with (
@@ -151,6 +160,7 @@ def test_strict_is_refused_where_it_cannot_be_had(monkeypatch: pytest.MonkeyPatc
     assert "\n" not in str(caught.value)
 
 
+@pytest.mark.usefixtures("kept_fork_server")
 def test_best_takes_the_next_level_that_holds(monkeypatch: pytest.MonkeyPatch) -> None:
     tried = []
 
@@ -172,6 +182,7 @@ def test_a_machine_that_starts_no_process_is_said() -> None:
     assert [level.name for level in probe_levels(hasty) if level.problem] == list(LEVELS)
 
 
+@pytest.mark.usefixtures("kept_fork_server")
 def test_none_asks_for_no_more_than_that(tmp_path: Path) -> None:
     with open_launcher("none") as launcher:
         assert launcher.level == "none"
@@ -182,6 +193,7 @@ def test_an_unknown_isolation_is_refused() -> None:
         open_launcher("some").__enter__()
 
 
+@pytest.mark.usefixtures("kept_fork_server")
 def test_a_level_is_probed_before_it_is_used(monkeypatch: pytest.MonkeyPatch) -> None:
     """A sandbox that shows the files of this machine is not taken for one."""
     leaky = process_launchers.IsolationSetup("no level at all")
@@ -508,6 +520,7 @@ def test_the_size_of_a_folder_is_that_of_its_files(tmp_path: Path) -> None:
 # -- where labsid is installed among the other packages ---------------------------------------------------------------
 
 
+@pytest.mark.usefixtures("kept_fork_server")
 def test_the_reference_is_masked_where_it_lies_among_the_libraries(
     monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
