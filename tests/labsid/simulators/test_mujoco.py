@@ -53,7 +53,7 @@ def test_friction_that_the_model_lacks_is_named_and_closed_on_a_second_record(
         np.savetxt(f"{name}.csv", rows, delimiter=",", header="t,u,y", comments="")
     command = ["gap", "diagnose", "run.csv", "--sim", "arm.py:simulate", "--json", "report.json"]
     for more, cause, number in (
-        (["--evaluations", "1500"], "coulomb-friction", "friction"),
+        (["--evaluations", "800"], "coulomb-friction", "friction"),
         (["--evaluations", "200", "--free", "frictionloss"], "parameter-mismatch", "frictionloss"),
     ):
         assert main([*command, *more, "--export", "better.json"]) == 0

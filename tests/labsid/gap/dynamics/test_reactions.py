@@ -41,11 +41,12 @@ def finely(
     x = v = 0.0
     angles, speeds = np.empty(u.size), np.empty(u.size)
     h = TS / FINE
+    most = h * friction / MASS
     for k, torque in enumerate(u.tolist()):
         angles[k], speeds[k] = x, v
         for _ in range(FINE):
             v += h / MASS * (torque - stiffness * x - cubic * x**3 - DAMPING * v - drag * abs(v) * v)
-            v -= float(np.clip(v, -h * friction / MASS, h * friction / MASS))
+            v -= min(max(v, -most), most)
             x += h * v
     return angles, speeds
 

@@ -50,10 +50,10 @@ def pushed(t: float, x: FloatArray, value: float) -> list[float]:
 def stopped(u: FloatArray, low: float, high: float, fine: int = 400) -> FloatArray:
     """The mass between two stops, by Euler's method with 400 steps a sample."""
     x, v, found = 0.0, 0.0, []
-    for value in u:
+    for value in u.tolist():
         found.append(x)
         for _ in range(fine):
-            v += pushed(0.0, np.array([x, v]), value)[1] * TS / fine
+            v += (STIFFNESS * (value - x) - DAMPING * v) * TS / fine
             x += v * TS / fine
             if not low <= x <= high:
                 x, v = min(max(x, low), high), 0.0

@@ -257,7 +257,8 @@ def leaking_tank(u: FloatArray, a: float, b: float, leak: float, onset: int) -> 
 )
 def test_a_leak_in_a_torricelli_tank_is_a_load_proportional_to_the_level(levels: FloatArray) -> None:
     u, a, b, leak = levels[:360], 0.8, 1.0, 0.01
-    found = explain(data_of(u, leaking_tank(u, a, b, leak, 220)), most=2)
+    y = leaking_tank(u, a, b, leak, 220)
+    found = explain(data_of(u, y), most=2)
     assert set(found.names) == {"sqrt-outflow", "load-step"}
     assert "load-step/inside" in found.best.hypothesis.keys
     assert rms(found.data, found.best) < 0.0105
@@ -266,7 +267,7 @@ def test_a_leak_in_a_torricelli_tank_is_a_load_proportional_to_the_level(levels:
     values = load.values(fitted)
     assert values["onset"].value == pytest.approx(220.0, abs=1.5)
     np.testing.assert_array_equal(load.active_samples(fitted)[[210, 230]], [False, True])
-    lost = leaking_tank(u, a, b, leak, 220)[-1] - leaking_tank(u, a, b, 0.0, 220)[-1]
+    lost = y[-1] - leaking_tank(u, a, b, 0.0, 220)[-1]
     assert values["size"].value == pytest.approx(lost, rel=0.05)
     assert values["size"].unit == "y"
 
@@ -359,14 +360,15 @@ def test_a_large_load_on_a_nonlinear_state_is_found(levels: FloatArray, rig: Res
     A small one is found second: the leak in a Torricelli tank, above.
     """
     u, load = levels[:320], 1.2
-    found = explain(data_of(u, rig(u, load, 190)), most=2)
+    y = rig(u, load, 190)
+    found = explain(data_of(u, y), most=2)
     assert set(found.names) == {name, "load-step"}
     assert "load-step/inside" in found.best.hypothesis.keys
     assert rms(found.data, found.best) < 0.0115
     (step,) = (effect for effect in found.best.hypothesis.effects if effect.name == "load-step")
     values = step.values(Fitted(found.best.hypothesis, found.best.theta, found.best.gains, found.data))
     assert values["onset"].value == pytest.approx(190.0, abs=1.0)
-    assert values["size"].value == pytest.approx((rig(u, load, 190) - rig(u, 0.0, 190))[-1], rel=0.1)
+    assert values["size"].value == pytest.approx((y - rig(u, 0.0, 190))[-1], rel=0.1)
 
 
 @searched(
