@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from gap_search import searched
 from scipy.signal import lfilter
 
 from labsid._arrays import FloatArray
@@ -451,6 +452,7 @@ def noisy(y: FloatArray, seed: int = 1) -> FloatArray:
     return y + 0.01 * np.std(y) * np.random.default_rng(seed).standard_normal(y.size)
 
 
+@searched("input-delay", "input-saturation", "extra-lag", "resonance", "output-drift", "load-step")
 @pytest.mark.parametrize("late", [3, 6])
 def test_an_input_step_at_sample_0_is_delayed_like_later_steps(
     levels: FloatArray, two_poles: Response, late: int
@@ -467,6 +469,7 @@ def test_an_input_step_at_sample_0_is_delayed_like_later_steps(
     assert away * found.data.u_scale.unit == pytest.approx(2.0, abs=0.1)
 
 
+@searched("input-delay", "input-saturation", "extra-lag", "resonance", "output-drift", "load-step")
 def test_a_record_at_steady_state_has_no_input_step_at_sample_0(levels: FloatArray, two_poles: Response) -> None:
     u = levels[:400]
     y = two_poles(np.concatenate([np.full(6, u[0]), u[:-6]]))
