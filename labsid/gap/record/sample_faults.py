@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.stats import binom
+from scipy.special import bdtrc
 
 from labsid._arrays import FloatArray
 from labsid.records.signal_quality import lattice_step, runs
@@ -142,5 +142,5 @@ def without_responses(spikes: np.ndarray, u: FloatArray) -> np.ndarray:
     """
     changes = np.diff(u, prepend=u[:1]) != 0.0
     count, there = int(spikes.sum()), int((spikes & changes).sum())
-    by_chance = binom.sf(there - 1, count, changes.mean()) > CHANCE
+    by_chance = bdtrc(there - 1, count, changes.mean()) > CHANCE  # the binomial probability of that many
     return spikes if by_chance else spikes & ~changes

@@ -4,7 +4,7 @@ from dataclasses import asdict
 from typing import Any
 
 import numpy as np
-from scipy.stats import chi2
+from scipy.special import chdtrc
 
 from labsid._arrays import FloatArray, stretches_of
 from labsid.gap.dynamics._kernels import whiten
@@ -244,7 +244,7 @@ def _input_correlation(e: FloatArray, data: Data, fit: Fit) -> float:
     q, r = np.linalg.qr(past)
     independent = np.abs(np.diag(r)) > 1e-6 * np.abs(np.diag(r)).max()
     predicted = float(((q.T @ target)[independent] ** 2).sum())
-    return float(chi2.sf(predicted / (float(target @ target) / target.size), int(independent.sum())))
+    return float(chdtrc(int(independent.sum()), predicted / (float(target @ target) / target.size)))
 
 
 def _experiment(

@@ -7,7 +7,6 @@ from operator import itemgetter
 from typing import Any
 
 import numpy as np
-from scipy.signal import lfilter
 
 from labsid._arrays import FloatArray
 from labsid.gap.dynamics.given_simulation import GivenSimulation, by_record
@@ -92,6 +91,8 @@ class TransferFunction:
 
     def response(self, u: FloatArray) -> FloatArray:
         """Response from rest at u0, shape (N,)."""
+        from scipy.signal import lfilter  # slow to import
+
         padded = np.concatenate([np.zeros(self.den.size - self.num.size), self.num])
         return np.asarray(lfilter(padded / self.den[0], self.den / self.den[0], u - self.u0)) + self.y0
 
@@ -105,6 +106,8 @@ class TransferFunction:
 
     def free_response(self, samples: int) -> FloatArray:
         """Free responses to the unit initial states, shape (samples, n)."""
+        from scipy.signal import lfilter  # slow to import
+
         n = self.den.size - 1
         if n == 0:
             return np.zeros((samples, 0))

@@ -4,9 +4,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.optimize import minimize_scalar
-from scipy.signal import lfilter
 
 from labsid._arrays import FloatArray
+from labsid.gap.dynamics import _kernels
 from labsid.gap.dynamics.responses import real_rates, single_pole
 from labsid.gap.fits.fitting import UNFILTERED, Fit, Problem, finish
 from labsid.gap.fits.hypothesis import Hypothesis
@@ -115,7 +115,7 @@ def fit_arx_poles(data: Data, like: Fit | None = None) -> Fit:
         rates = np.where(np.real(poles) > 1e-3, np.real(rates), FASTEST_RATE)
     c, k = float(np.real(rates.sum())), float(np.real(rates.prod()))
     at = _theta(max(c, 1e-6), max(k, 1e-9))
-    output = lfilter([0.0, theta[2], theta[3]], [1.0, -theta[0], -theta[1]], u - u[0])
+    output = _kernels.section(u - u[0], -theta[0], -theta[1])[:, :2] @ theta[2:4]
     if not (np.isfinite(output).all() and np.abs(output).max() < 1e6):
         return _fit_at(data, structure, at)
     gains = Problem(replace(data, y=output), structure, UNFILTERED).point(at)

@@ -94,6 +94,15 @@ def test_a_converter_step_as_large_as_the_noise_is_quantization(plain: Explanati
     assert spoilt(plain.best, plain, fine, plain.data.y) == ()
 
 
+@pytest.mark.parametrize(("size", "dropped"), [(2.0, False), (4.0, True)])
+def test_held_values_within_a_converter_step_are_no_dropout(plain: Explanation, size: float, dropped: bool) -> None:
+    sd = float(np.sqrt(plain.best.noise.sigma2))
+    held = np.arange(plain.data.samples) % 100 < 40
+    y = np.where(held, plain.best.output + size * sd * (-1.0) ** np.arange(held.size), plain.data.y)
+    faults = SampleFaults(held, ((0, 40),), np.zeros_like(held), sd * np.sqrt(12.0))
+    assert ("output-dropout" in spoilt(plain.best, plain, faults, y)) == dropped
+
+
 @pytest.mark.parametrize(("pole", "names"), [(0.5, ()), (0.97, ("coloured-noise",))])
 def test_only_slow_noise_is_an_effect(plain: Explanation, pole: float, names: tuple[str, ...]) -> None:
     """Sensor noise is uncorrelated after a few samples."""
