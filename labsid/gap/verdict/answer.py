@@ -14,7 +14,7 @@ from labsid.gap.search.beam_search import Progress
 from labsid.gap.search.explanation import Explanation
 from labsid.gap.simulations.baseline import Baseline, check_bounded
 from labsid.gap.verdict.baseline_choice import LinearModel, choose_linear_model
-from labsid.gap.verdict.black_boxes import RemainingError, kinds_of_error
+from labsid.gap.verdict.black_boxes import RemainingError, kinds_of_error, predictable_share
 from labsid.gap.verdict.decision import (
     MIN_CONFIDENCE,
     Decision,
@@ -199,10 +199,17 @@ def _complete(setting: _Setting, explanation: Explanation) -> tuple[_Comparison,
     outputs = _outputs(explanation.data, setting.given or explanation.path[0], explanation.best)
     plateau = plateau_gap(setting.record.u, setting.record.y, *outputs, explanation.data.rows)
     unrepeated = plateau.left if plateau is not None and plateau.matters else 0.0
-    evidence = evidence_in(explanation, found.left, score.closed)
+    evidence = evidence_in(explanation, found.left, score.closed, _predictable(explanation))
     converted = "output-quantization" in explanation.unsimulated
     names = (*explanation.best.hypothesis.names, *explanation.unsimulated)
     return found, Complete(names, confidence_in(evidence, converted, unrepeated), evidence)
+
+
+def _predictable(explanation: Explanation) -> float:
+    """Share that black boxes predict of a residual that is taken for coloured noise beside effects."""
+    if len(explanation.path) == 1 or "coloured-noise" not in explanation.unsimulated:
+        return 0.0
+    return predictable_share(explanation.data, explanation.best)
 
 
 def _partial(

@@ -88,6 +88,12 @@ def kinds_of_error(data: Data, fit: Fit) -> RemainingError | None:
     return RemainingError({name: gains[name] / total for name in KINDS}, PATHS[kind]) if total > 0.0 else None
 
 
+def predictable_share(data: Data, fit: Fit) -> float:
+    """Share of the error of a fit, beyond white noise, that the black boxes close together; 0 of white noise."""
+    remaining = kinds_of_error(data, fit)
+    return 0.0 if remaining is None else 1.0 - remaining.kinds["disturbance"]
+
+
 def _simplest(error: float, closed: dict[str, float]) -> str:
     """The simplest kind of model that closes nearly all that any of them closes; a disturbance if that is little."""
     most = max(closed.values())

@@ -69,6 +69,7 @@ WEIGHTS = Evidence(
 MAX_FIT_REDUCTION = 4.0
 CHANCE_SHORTFALL = 0.1  # share of the gap left open by chance
 CHANCE_PREDICTION = 0.07  # share of coloured noise that past inputs may predict by chance
+CHANCE_BLACK_BOX = 0.25  # the same for all black boxes together
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -234,7 +235,9 @@ def _weights(explanation: Explanation, level: int) -> dict[tuple[str, ...], floa
     return {names: weight / total for names, weight in raw.items()}
 
 
-def evidence_in(explanation: Explanation, left: ResidualMeasures, closed: float | None = None) -> Evidence:
+def evidence_in(
+    explanation: Explanation, left: ResidualMeasures, closed: float | None = None, predictable: float = 0.0
+) -> Evidence:
     """Evidence for and against the accepted explanation, possibly no effect.
 
     The right explanation leaves white noise, or sensor noise that is correlated over a few samples and independent of
@@ -247,6 +250,8 @@ def evidence_in(explanation: Explanation, left: ResidualMeasures, closed: float 
         Of the accepted fit.
     closed : float, optional
         Share of the gap closed on held-out samples.
+    predictable : float
+        Share of the residual that any black box predicts, if it is taken for coloured noise.
     """
     path = explanation.path
     steps = len(path) - 1
@@ -260,10 +265,11 @@ def evidence_in(explanation: Explanation, left: ResidualMeasures, closed: float 
         colour *= 0.5 * max(left.slow, 0.0)
     quiet = steps > 0 and is_noise(left, converted=False) and left.activity_z < 3.0
     colour *= 0.4 if quiet else 1.0  # noise that is independent of the input
+    beyond = predictable if predictable > CHANCE_BLACK_BOX else 0.0
     predicted = left.explained if not quiet or left.explained > CHANCE_PREDICTION else 0.0
     return evidence._replace(
         colour=colour,
-        repeats=float(np.sqrt(max(left.repeats if left.repeats_z > 2.0 else 0.0, predicted, 0.0))),
+        repeats=float(np.sqrt(max(left.repeats if left.repeats_z > 2.0 else 0.0, predicted, beyond, 0.0))),
         activity=float(np.sqrt(max(left.activity, 0.0))) if left.activity_z > 3.0 else 0.0,
         tails=float(np.log(max(left.tails, 3.0) / 3.0)),
         short=_shortfall(explanation, closed),

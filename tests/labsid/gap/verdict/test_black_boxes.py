@@ -11,7 +11,8 @@ from labsid._arrays import FloatArray
 from labsid.gap.fits.fitting import Fit
 from labsid.gap.fits.linear_fits import fit_baseline
 from labsid.gap.record.data import Data, scaled
-from labsid.gap.verdict.black_boxes import KINDS, PATHS, RemainingError, kinds_of_error
+from labsid.gap.verdict.black_boxes import KINDS, PATHS, RemainingError, kinds_of_error, predictable_share
+from labsid.gap.verdict.decision import CHANCE_BLACK_BOX
 
 SAMPLES = 1000
 Error = Callable[[FloatArray, FloatArray], FloatArray]
@@ -79,6 +80,16 @@ def test_the_path_and_the_largest_kind_are_those_of_the_error(name: str, seed: i
     assert found.path == PATHS[kind]
     assert max(found.kinds, key=lambda k: found.kinds[k]) == kind
     assert found.kinds[kind] > 0.5
+
+
+@pytest.mark.parametrize(
+    ("name", "low", "high"), [("coloured noise", 0.0, CHANCE_BLACK_BOX), ("a play ahead", 0.7, 1.0)]
+)
+def test_noise_cannot_be_predicted(name: str, low: float, high: float) -> None:
+    share = predictable_share(*data_with(ERRORS[name][1]))
+    assert low <= share <= high
+    data, fit = data_with(lambda u, y: np.zeros(SAMPLES))
+    assert predictable_share(data, replace(fit, noise=replace(fit.noise, sigma2=np.inf))) == 0.0  # nothing is left
 
 
 def test_a_longer_filter_is_linear_dynamics() -> None:
