@@ -3,7 +3,8 @@
 The diagnosis runs on the `dev` records of the rows below. Every explanation of the beam search is one observation: its
 evidence, as the report gives it, and whether it, or one that is as likely, is the whole truth. So is every effect of
 every partial explanation. Logistic regressions with a weak ridge give the constants of `labsid.gap.verdict.decision`,
-which this module prints and does not import.
+which this module prints and does not import. Evidence that no record shows gets the weight 0; the one of `decision`
+then stays.
 """
 
 import argparse

@@ -18,7 +18,6 @@ TEMPERATURE = 4.0  # divides BIC differences: models are never exact
 MIN_RIVAL_PROBABILITY = 0.03  # of an alternative to be reported as ambiguous
 MAX_RIVALS = 3
 MAX_UNREPEATED = 0.15  # share of the scatter between plateaus left open; a true drift or load leaves a few hundredths
-UNREPEATED_FACTOR = 0.4  # factor on the confidence if more is left
 MIN_CONFIDENCE = 0.5  # below which the verdict is `unknown`
 MISMATCH = "parameter-mismatch"
 RIVAL_FACTOR = 1.1  # rms error of a rival over that of the chosen effect, below which it is reported as ambiguous
@@ -50,6 +49,9 @@ class Evidence(NamedTuple):
         1 for coloured noise beside effects, else 0: an effect outside the table often leaves a residual like it.
     reduction : float
         Logarithm of the rms error before over that after, at most `MAX_FIT_REDUCTION`.
+    unrepeated : float
+        1 if levels do not repeat at the same input, and the explanation leaves more than `MAX_UNREPEATED` of that, else
+        0. Rounding and slow noise keep levels from repeating, too.
     """
 
     colour: float = 0.0
@@ -60,11 +62,20 @@ class Evidence(NamedTuple):
     several: float = 0.0
     coloured: float = 0.0
     reduction: float = 0.0
+    unrepeated: float = 0.0
 
 
 PRIOR = 3.5
 WEIGHTS = Evidence(
-    colour=-5.2, repeats=-6.0, activity=-3.0, tails=-4.0, short=-4.0, several=-1.7, coloured=-1.5, reduction=0.33
+    colour=-5.2,
+    repeats=-6.0,
+    activity=-3.0,
+    tails=-4.0,
+    short=-4.0,
+    several=-1.7,
+    coloured=-1.5,
+    reduction=0.33,
+    unrepeated=-6.0,
 )
 MAX_FIT_REDUCTION = 4.0
 CHANCE_SHORTFALL = 0.1  # share of the gap left open by chance
@@ -236,7 +247,11 @@ def _weights(explanation: Explanation, level: int) -> dict[tuple[str, ...], floa
 
 
 def evidence_in(
-    explanation: Explanation, left: ResidualMeasures, closed: float | None = None, predictable: float = 0.0
+    explanation: Explanation,
+    left: ResidualMeasures,
+    closed: float | None = None,
+    predictable: float = 0.0,
+    unrepeated: float = 0.0,
 ) -> Evidence:
     """Evidence for and against the accepted explanation, possibly no effect.
 
@@ -252,6 +267,9 @@ def evidence_in(
         Share of the gap closed on held-out samples.
     predictable : float
         Share of the residual that any black box predicts, if it is taken for coloured noise.
+    unrepeated : float
+        If the gap is mainly in levels that do not repeat at the same input: the share of it that the explanation leaves
+        open, else 0.
     """
     path = explanation.path
     steps = len(path) - 1
@@ -265,6 +283,7 @@ def evidence_in(
         colour *= 0.5 * max(left.slow, 0.0)
     quiet = steps > 0 and is_noise(left, converted=False) and left.activity_z < 3.0
     colour *= 0.4 if quiet else 1.0  # noise that is independent of the input
+    coloured = quiet and "coloured-noise" in explanation.unsimulated
     beyond = predictable if predictable > CHANCE_BLACK_BOX else 0.0
     predicted = left.explained if not quiet or left.explained > CHANCE_PREDICTION else 0.0
     return evidence._replace(
@@ -273,25 +292,14 @@ def evidence_in(
         activity=float(np.sqrt(max(left.activity, 0.0))) if left.activity_z > 3.0 else 0.0,
         tails=float(np.log(max(left.tails, 3.0) / 3.0)),
         short=_shortfall(explanation, closed),
-        coloured=float(quiet and "coloured-noise" in explanation.unsimulated),
+        coloured=float(coloured),
+        unrepeated=float(unrepeated > MAX_UNREPEATED and not coloured),
     )
 
 
-def confidence_in(evidence: Evidence, converted: bool = False, unrepeated: float = 0.0) -> float:
-    """Probability that an explanation is right; its constants are fitted by `labsid.blind.calibration`.
-
-    Parameters
-    ----------
-    evidence : Evidence
-    converted : bool
-        Whether the converter is coarse: levels that are rounded need not repeat.
-    unrepeated : float
-        If the gap is mainly in levels that do not repeat at the same input: the share of it that the explanation leaves
-        open, else 0. Slow noise keeps levels from repeating, too.
-    """
-    confidence = _logistic(PRIOR + _weighted(WEIGHTS, evidence))
-    differs = unrepeated > MAX_UNREPEATED and not (converted or evidence.coloured)
-    return confidence * UNREPEATED_FACTOR if differs else confidence
+def confidence_in(evidence: Evidence) -> float:
+    """Probability that an explanation is right; its constants are fitted by `labsid.blind.calibration`."""
+    return _logistic(PRIOR + _weighted(WEIGHTS, evidence))
 
 
 def _weighted(weights: Iterable[float], evidence: Iterable[float]) -> float:

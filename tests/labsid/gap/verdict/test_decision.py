@@ -50,7 +50,7 @@ def crowded(explained: Explanation) -> Explanation:
 
 def confidence_after(explained: Explanation, left: ResidualMeasures, unrepeated: float = 0.0) -> float:
     """The probability that the explanation is right if it leaves this residual."""
-    return confidence_in(evidence_in(explained, left), "output-quantization" in explained.unsimulated, unrepeated)
+    return confidence_in(evidence_in(explained, left, unrepeated=unrepeated))
 
 
 def decided(explained: Explanation, left: ResidualMeasures, given: Fit | None, unrepeated: float = 0.0) -> Decision:
