@@ -18,6 +18,7 @@ RIDGES = (1e-3, 1e-2, 1e-1, 1.0)  # relative to the mean square of a column
 RATES = 8  # of the filters of the linear box
 QUANTILES = (0.05, 0.25, 0.5, 0.75, 0.95)  # of a signal, at which a piecewise linear curve bends
 HYSTERESIS = (0.1, 0.25, 0.5)  # widths of the plays of the input, as shares of its range
+STICKING = np.geomspace(0.02, 0.6, 24)  # bands of a sticking valve, as shares of that range
 RELAYS = (0.15, 0.35, 0.5, 0.65, 0.85)  # quantiles of the input between which a relay switches
 MIN_CYCLES = 3  # in the record, of a modulation
 SLOW_DEGREE = 4  # of the polynomials in time
@@ -145,7 +146,7 @@ def _features(data: Data, fit: Fit) -> dict[str, FloatArray]:
     span = float(np.ptp(u))
     curves = [*_bends(u), u**2, u**3]
     curves += [_kernels.backlash(u, width * span, 0.5) for width in HYSTERESIS]
-    curves += [_kernels.stick(u, width * span) for width in HYSTERESIS]
+    curves.append(_sticking(data, fit, u))
     levels = np.quantile(u, RELAYS)
     curves += [_kernels.relay(u, low, high) for i, low in enumerate(levels) for high in levels[i + 1 :]]
     ahead = [column for curve in curves for column in (curve, *_through(c, k, curve))]
@@ -167,6 +168,18 @@ def _features(data: Data, fit: Fit) -> dict[str, FloatArray]:
         "nonlinear": np.column_stack([*products, *moving, *_random([*states, z, slope])]),
         "time": np.column_stack(varying),
     }
+
+
+def _sticking(data: Data, fit: Fit, u: FloatArray) -> FloatArray:
+    """The input behind a valve that sticks, with the band that explains most of the error."""
+    e = (data.y - fit.output)[data.complete]
+    e = e - e.mean()
+
+    def closed(moved: FloatArray) -> float:
+        X = np.column_stack(_through(*fit.rates, moved - u))[data.complete]
+        return float(e @ X @ np.linalg.lstsq(X - X.mean(axis=0), e, rcond=None)[0])
+
+    return max((_kernels.stick(u, width * float(np.ptp(u))) for width in STICKING), key=closed)
 
 
 def _through(c: float, k: float, signal: FloatArray) -> list[FloatArray]:

@@ -40,6 +40,15 @@ def play(u: FloatArray, width: float) -> FloatArray:
     return out
 
 
+def stuck(u: FloatArray, band: float) -> FloatArray:
+    """The output of a valve that follows only changes by more than a band."""
+    out, at = np.empty(u.size), u[0]
+    for k, value in enumerate(u):
+        at = value if abs(value - at) > band else at
+        out[k] = at
+    return out
+
+
 def data_with(error: Error, seed: int = 0) -> tuple[Data, Fit]:
     """A linear rig with an additional term of a third of its size and 2 % noise, and the linear model fitted to it."""
     u = np.repeat(np.random.default_rng(seed).uniform(-1.0, 1.0, SAMPLES // 10), 10)
@@ -63,6 +72,7 @@ def kinds_with(error: Error, seed: int = 0) -> RemainingError:
 ERRORS: dict[str, tuple[str, Error]] = {
     "a static curve ahead": ("input", lambda u, y: rig(np.maximum(u, 0.2))),
     "a play ahead": ("input", lambda u, y: rig(play(u, 0.8))),
+    "a sticking valve ahead": ("input", lambda u, y: rig(stuck(u, 0.37))),
     "a static curve behind": ("output", lambda u, y: y**2),
     "a clip behind": ("output", lambda u, y: np.minimum(y, 0.5 * y.std())),
     "a product of two states": ("nonlinear", lambda u, y: y * np.gradient(y)),
