@@ -6,7 +6,8 @@ from pathlib import Path
 
 import pytest
 
-from labsid.blind.frozen import Answers, answer_of, compare_answers, main
+from labsid.blind.frozen import MEASURED, Answers, answer_of, compare_answers, main, simulated_answers
+from labsid.blind.rows import ROWS
 
 KEPT: Answers = {
     "single-clear": {
@@ -85,3 +86,16 @@ def test_answers_are_kept_and_found_again(tmp_path: Path, capsys: pytest.Capture
     assert row["answers"]["0"] == {"verdict": "none", "effects": {}, "closed": None, "right": True}
     assert main(["compare", str(file), *only]) == 0
     assert capsys.readouterr().out.splitlines()[-1] == "accepted"
+
+
+def test_the_answers_of_this_version_are_kept_beside_this_test() -> None:
+    kept = json.loads(Path(__file__).with_name("answers.json").read_text(encoding="utf-8"))
+    assert set(kept) - {MEASURED} == set(ROWS)
+    assert {len(row["answers"]) for name, row in kept.items() if name != MEASURED} == {12}
+    first = simulated_answers("single-clear", 1, 1)["answers"]["0"]
+    assert first["right"]
+    expected = kept["single-clear"]["answers"]["0"]
+    assert first == expected | {
+        "effects": pytest.approx(expected["effects"], abs=0.02),
+        "closed": pytest.approx(expected["closed"], abs=0.02),
+    }
