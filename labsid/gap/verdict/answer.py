@@ -205,7 +205,7 @@ def _complete(setting: _Setting, explanation: Explanation) -> tuple[_Comparison,
 
 
 def _predictable(explanation: Explanation) -> float:
-    """Share that black boxes predict of a residual that is taken for coloured noise beside effects."""
+    """Share that past inputs predict of a residual that is taken for coloured noise beside effects."""
     if len(explanation.path) == 1 or "coloured-noise" not in explanation.unsimulated:
         return 0.0
     return predictable_share(explanation.data, explanation.best)

@@ -80,7 +80,7 @@ WEIGHTS = Evidence(
 MAX_FIT_REDUCTION = 4.0
 CHANCE_SHORTFALL = 0.1  # share of the gap left open by chance
 CHANCE_PREDICTION = 0.07  # share of coloured noise that past inputs may predict by chance
-CHANCE_BLACK_BOX = 0.25  # the same for all black boxes together
+CHANCE_BLACK_BOX = 0.15  # the same for all black boxes together
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -266,7 +266,7 @@ def evidence_in(
     closed : float, optional
         Share of the gap closed on held-out samples.
     predictable : float
-        Share of the residual that any black box predicts, if it is taken for coloured noise.
+        Share of the residual that black boxes predict from past inputs, if it is taken for coloured noise.
     unrepeated : float
         If the gap is mainly in levels that do not repeat at the same input: the share of it that the explanation leaves
         open, else 0.

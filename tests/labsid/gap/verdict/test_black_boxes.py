@@ -95,11 +95,17 @@ def test_the_path_and_the_largest_kind_are_those_of_the_error(name: str, seed: i
 @pytest.mark.parametrize(
     ("name", "low", "high"), [("coloured noise", 0.0, CHANCE_BLACK_BOX), ("a play ahead", 0.7, 1.0)]
 )
-def test_noise_cannot_be_predicted(name: str, low: float, high: float) -> None:
-    share = predictable_share(*data_with(ERRORS[name][1]))
-    assert low <= share <= high
-    data, fit = data_with(lambda u, y: np.zeros(SAMPLES))
-    assert predictable_share(data, replace(fit, noise=replace(fit.noise, sigma2=np.inf))) == 0.0  # nothing is left
+def test_noise_cannot_be_predicted_from_past_inputs(name: str, low: float, high: float) -> None:
+    assert low <= predictable_share(*data_with(ERRORS[name][1])) <= high
+
+
+def test_a_slow_course_in_time_is_not_predicted(monkeypatch: pytest.MonkeyPatch) -> None:
+    shares = dict(zip(KINDS, (0.05, 0.1, 0.15, 0.2, 0.4, 0.1), strict=True))
+    found: list[RemainingError | None] = [RemainingError(shares, "time"), None]
+    monkeypatch.setattr("labsid.gap.verdict.black_boxes.kinds_of_error", lambda data, fit: found.pop(0))
+    data, fit = data_with(ERRORS["a wave"][1])
+    assert predictable_share(data, fit) == pytest.approx(0.5)
+    assert predictable_share(data, fit) == 0.0  # white noise
 
 
 def test_a_longer_filter_is_linear_dynamics() -> None:
