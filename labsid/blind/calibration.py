@@ -81,6 +81,9 @@ def fit_weights(found: Sequence[Observation]) -> tuple[float, dict[str, float]]:
     return float(constant), dict(zip(names, map(float, weights), strict=True))
 
 
+_FITS = (("", "Evidence", complete_observations), ("PARTIAL_", "PartialEvidence", partial_observations))
+
+
 def main(arguments: Sequence[str] | None = None) -> None:
     """Run the diagnosis on the `dev` records and print the constants."""
     parser = argparse.ArgumentParser(description=__doc__)
@@ -96,9 +99,6 @@ def main(arguments: Sequence[str] | None = None) -> None:
         values = ", ".join(f"{name}={weight:.1f}" for name, weight in weights.items())
         print(f"# {len(found)} observations, {sum(right for _, right in found)} of them right")
         print(f"{prefix}PRIOR = {constant:.1f}\n{prefix}WEIGHTS = {kind}({values})")
-
-
-_FITS = (("", "Evidence", complete_observations), ("PARTIAL_", "PartialEvidence", partial_observations))
 
 
 if __name__ == "__main__":

@@ -200,8 +200,7 @@ def _complete(setting: _Setting, explanation: Explanation) -> tuple[_Comparison,
     plateau = plateau_gap(setting.record.u, setting.record.y, *outputs, explanation.data.rows)
     unrepeated = plateau.left if plateau is not None and plateau.matters else 0.0
     evidence = evidence_in(explanation, found.left, score.closed, _predictable(explanation), unrepeated)
-    names = (*explanation.best.hypothesis.names, *explanation.unsimulated)
-    return found, Complete(names, confidence_in(evidence), evidence)
+    return found, Complete(explanation.names, confidence_in(evidence), evidence)
 
 
 def _predictable(explanation: Explanation) -> float:

@@ -9,6 +9,7 @@ from numpy.polynomial.chebyshev import chebvander
 from labsid._arrays import FloatArray
 from labsid.gap.dynamics import _kernels
 from labsid.gap.dynamics.responses import normalized_time, real_rates, section
+from labsid.gap.fits.fast_least_squares import solve_least_squares
 from labsid.gap.fits.fitting import Fit
 from labsid.gap.fits.residual_tests import input_history, lagged, previous_input, standardized
 from labsid.gap.record.data import Data
@@ -180,9 +181,9 @@ def _sticking(data: Data, fit: Fit, u: FloatArray) -> FloatArray:
 
     def closed(moved: FloatArray) -> float:
         X = np.column_stack(_through(*fit.rates, moved - u))[data.complete]
-        return float(e @ X @ np.linalg.lstsq(X - X.mean(axis=0), e, rcond=None)[0])
+        return float(e @ X @ solve_least_squares(X - X.mean(axis=0), e))
 
-    return max((_kernels.stick(u, width * float(np.ptp(u))) for width in STICKING), key=closed)
+    return max((_kernels.stick(u, float(band)) for band in STICKING * np.ptp(u)), key=closed)
 
 
 def _through(c: float, k: float, signal: FloatArray) -> list[FloatArray]:

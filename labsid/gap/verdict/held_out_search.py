@@ -61,8 +61,6 @@ class Step:
         With this effect, to the rows that are not held out.
     errors : ndarray
         Mean square errors in the parts of the held-out samples.
-    missed : Reduction
-        The whole combination compared with the same without this effect.
     alone : Reduction or None
         This effect alone compared with the simulation before; None if it was not tried alone.
     lead : float
@@ -76,7 +74,6 @@ class Step:
     name: str
     fit: Fit
     errors: FloatArray
-    missed: Reduction
     alone: Reduction | None
     lead: float
     agreement: int
@@ -230,12 +227,11 @@ def _steps(pool: _Pool, best: Candidate, searched: tuple[str, ...]) -> tuple[Ste
     whole = best
     while best.names:
         name, fewer = _least_missed(pool, best)
-        missed = compare_errors(pool.without(whole, name).errors, whole.errors)
         single = pool.best.get(frozenset({name}))
         alone = None if single is None else compare_errors(pool.start.errors, single.errors)
         rivals = _rivals(pool, whole, name)
         agreement = 1 if name in searched else -1 if searched else 0
-        steps.append(Step(name, best.fit, best.errors, missed, alone, _lead(pool, name), agreement, rivals))
+        steps.append(Step(name, best.fit, best.errors, alone, _lead(pool, name), agreement, rivals))
         best = fewer
     return tuple(reversed(steps))
 

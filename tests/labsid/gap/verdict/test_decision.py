@@ -248,8 +248,7 @@ def step(
 ) -> Step:
     """An effect that leaves `factor` of the error; in its place, each rival leaves so many times its error."""
     others = tuple((rival, Reduction(times, 5.0)) for rival, times in (rivals or {}).items())
-    reduction = Reduction(factor, 5.0)
-    return Step(name, fit, np.ones(PARTS), reduction, reduction, lead, agreement, others)
+    return Step(name, fit, np.ones(PARTS), Reduction(factor, 5.0), lead, agreement, others)
 
 
 @pytest.fixture

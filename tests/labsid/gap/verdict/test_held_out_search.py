@@ -31,9 +31,10 @@ def test_only_the_effect_that_pays_is_kept(found: tuple[HeldOutSearch, HeldOut, 
     assert step.fit.hypothesis.names == ("input-dead-zone",)
     assert step.fit.noise.rows < held_out.data.rows.sum()  # fitted without the held-out samples
     np.testing.assert_allclose(step.errors, held_out.errors(step.fit))
-    assert step.missed == compare_errors(before, step.errors)
-    assert step.missed.pays
-    assert step.missed.factor < 0.2
+    assert step.alone is not None
+    assert step.alone == compare_errors(before, step.errors)
+    assert step.alone.pays
+    assert step.alone.factor < 0.2
 
 
 def test_all_combinations_tried_are_reported(
@@ -94,8 +95,8 @@ def test_an_effect_must_pay_beside_fitted_parameters_of_a_given_simulation(bande
     search = search_held_out(held_out, banded, start, wrong, given=True)
     assert search.mismatch == compare_errors(wrong, refitted)
     (step,) = search.steps
-    assert step.missed == compare_errors(refitted, step.errors)
+    assert step.alone == compare_errors(refitted, step.errors)
     right = 0.9 * refitted
     search = search_held_out(held_out, banded, start, right, given=True)
     assert search.mismatch is None
-    assert search.steps[0].missed == compare_errors(right, search.steps[0].errors)
+    assert search.steps[0].alone == compare_errors(right, search.steps[0].errors)
