@@ -13,7 +13,7 @@ from labsid._arrays import FloatArray
 from labsid.gap.dynamics.given_simulation import GivenSimulation
 from labsid.gap.dynamics.plants import Plant
 from labsid.gap.effects.families import EFFECTS_BY_KEY
-from labsid.gap.effects.restarts import COLUMNS, Restarts
+from labsid.gap.effects.restarts import Restarts, in_one_record
 from labsid.gap.fits.fitting import Fit
 from labsid.gap.fits.hypothesis import Hypothesis
 from labsid.gap.record.data import Data, Scale
@@ -261,14 +261,14 @@ def export_model(data: Data, fit: Fit, elsewhere: Fit | None = None) -> Exported
     A fit to several records becomes a simulation with the mean of their offsets.
     """
     reference = float(fit.hypothesis.actuator(fit.theta, data.u)[0])
-    hypothesis, gains, weight = fit.hypothesis, fit.gains, 0.0
-    restarts = next((effect for effect in hypothesis.effects if isinstance(effect, Restarts)), None)
+    hypothesis, theta, gains, weight = fit.hypothesis, fit.theta, fit.gains, 0.0
+    restarts = next((effect for effect in hypothesis.additive if isinstance(effect, Restarts)), None)
     if restarts is not None:
-        hypothesis, gains, weight = _without_restarts(data, fit, restarts)
+        hypothesis, theta, gains, weight = _without_restarts(data, fit, restarts)
     scales = data.u_scale, data.y_scale
     return ExportedModel(
         hypothesis,
-        fit.theta,
+        theta,
         gains,
         data.Ts,
         data.samples,
@@ -280,17 +280,19 @@ def export_model(data: Data, fit: Fit, elsewhere: Fit | None = None) -> Exported
     )
 
 
-def _without_restarts(data: Data, fit: Fit, restarts: Restarts) -> tuple[Hypothesis, FloatArray, float]:
-    """Hypothesis, gains and weight of the offset without what belongs to each of several records.
+def _without_restarts(data: Data, fit: Fit, restarts: Restarts) -> tuple[Hypothesis, FloatArray, FloatArray, float]:
+    """Hypothesis, theta, gains and weight of the offset without what belongs to each of several records.
 
     The weight is the standard deviation of what is slow in the residual over that of the offsets of the records.
     """
-    effects = tuple(effect for effect in fit.hypothesis.effects if effect != restarts)
+    effects = tuple(in_one_record(effect) for effect in fit.hypothesis.effects if not isinstance(effect, Restarts))
     hypothesis = Hypothesis(effects, fit.hypothesis.n_given - 1, fit.hypothesis.given)
+    lasting = {parameter.name for parameter in hypothesis.parameters}
+    theta = fit.theta[[parameter.name in lasting for parameter in fit.hypothesis.parameters]]
     width = sum(effect.width for effect in fit.hypothesis.additive)
     first = fit.gains.size - width  # the restarts are in the structure, ahead of every effect found
     gains = np.delete(fit.gains, np.s_[first : first + restarts.width])
-    own = fit.gains[first : first + restarts.width : COLUMNS]
+    own = fit.gains[first : first + restarts.width : restarts.per_record]
     offsets = fit.gains[first - 1] + np.concatenate([[0.0], own])
     offsets = offsets[[bool(data.rows[start:stop].any()) for start, stop in data.pieces]]
     gains[first - 1] = np.mean(offsets)
@@ -299,7 +301,7 @@ def _without_restarts(data: Data, fit: Fit, restarts: Restarts) -> tuple[Hypothe
     e = (data.y - fit.output)[data.rows]
     slow = fit.noise.sigma2 / max(1.0 - float(np.sum(fit.noise.ar)), 1e-3) ** 2
     slow = float(np.clip(slow, fit.noise.sigma2, START_SAMPLES * np.mean(e**2)))
-    return hypothesis, gains, float(np.sqrt(slow) / spread)
+    return hypothesis, theta, gains, float(np.sqrt(slow) / spread)
 
 
 def _means(u: FloatArray) -> FloatArray:

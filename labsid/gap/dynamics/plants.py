@@ -11,7 +11,7 @@ import numpy as np
 from labsid._arrays import FloatArray, beside
 from labsid.gap.dynamics import _kernels
 from labsid.gap.dynamics.plant_form import Named, PlantForm
-from labsid.gap.dynamics.responses import lag_mean, lag_output, mode_mean, real_rates, response, section
+from labsid.gap.dynamics.responses import free_responses, lag_mean, lag_output, mode_mean, real_rates, response, section
 
 MIN_TIME_CONSTANTS = 12  # of a lag in a record: a slower lag would imitate a drift
 MIN_FLOW = 0.25  # scaled: smallest mean flow at which square-root outflow is linearized
@@ -48,7 +48,7 @@ class Plant(PlantForm):
             w, late = _kernels.delayed(w, 0, late), 0.0  # mean over each sample
         driven = w
         if self.lag:
-            tau = float(min(np.exp(own["log_lag"]), span / MIN_TIME_CONSTANTS))
+            tau = _lag_time(own, span)
             pole = float(np.exp(-1.0 / tau))
             if self.lag_ahead:
                 driven = lag_mean(driven, tau)
@@ -133,6 +133,24 @@ class Plant(PlantForm):
         c, k = self.linear_rates(theta)
         return section(c, k, signal)[:, :2].copy()
 
+    @property
+    def n_poles(self) -> int:
+        """Number of poles of the linearized dynamics."""
+        return 2 + bool(self.lag) + 2 * bool(self.mode) + self.slow
+
+    def free_responses(self, theta: FloatArray, samples: int, span: int) -> FloatArray:
+        """Columns of the free responses of the linearized dynamics, shape (samples, n_poles)."""
+        own = self._by_name(theta)
+        parts = [free_responses(samples, *self.linear_rates(theta))]
+        if self.lag:
+            parts.append(np.exp(-np.arange(samples) / _lag_time(own, span))[:, None])
+        if self.mode:
+            frequency, damping = np.exp(own["log_frequency"]), np.exp(own["log_damping"])
+            parts.append(free_responses(samples, 2.0 * damping * frequency, frequency**2))
+        if self.slow:
+            parts.append(np.exp(-np.exp(-own["log_slow"]) * np.arange(samples))[:, None])
+        return beside(parts)
+
     def linear_rates(self, theta: FloatArray) -> tuple[float, float]:
         """Coefficients c and k of s^2 + c s + k: of the linear part, or linearized at the mean flow."""
         if self.kind == "given":
@@ -165,3 +183,8 @@ class Plant(PlantForm):
             return [(np.log(c), np.log(k))]
         slow, fast = real_rates(c, k)
         return [(np.log(slow), np.log(fast)), (np.log(fast), np.log(slow))]
+
+
+def _lag_time(own: Named, span: int) -> float:
+    """Time constant of the additional lag."""
+    return float(min(np.exp(own["log_lag"]), span / MIN_TIME_CONSTANTS))

@@ -328,6 +328,10 @@ class AdditiveEffect(Effect):
         """Number of columns."""
         return 2
 
+    def beside(self, plant: Plant) -> "AdditiveEffect":
+        """The form of this effect beside these dynamics."""
+        return self
+
     def columns(self, own: FloatArray, samples: int, span: int, plant: Plant, rates: FloatArray) -> FloatArray:
         """The signals, shape (samples, q)."""
         raise NotImplementedError

@@ -40,7 +40,7 @@ class Play(OutputEffect):
 
     def is_plausible(self, fit: Fitted) -> bool:
         """Require that the play is crossed both ways, and narrower than most of the range."""
-        width, _ = fit.theta_of(self)
+        width = fit.theta_of(self)[0]
         moves = np.diff(fit.output)
         both = min(np.mean(moves > 0.0), np.mean(moves < 0.0)) > MIN_MOVED
         return bool(both and width < MAX_SHARE * fit.range)

@@ -158,7 +158,8 @@ class Problem:
 
     def _made(self, theta: FloatArray, gains: FloatArray, design: Design, output: FloatArray) -> Point:
         error = self.y - self._seen(output[:, None])[:, 0]
-        return Point(theta, gains, design, output, error, float(error @ error) / self.count)
+        with np.errstate(over="ignore"):  # it may have diverged in one of several records only
+            return Point(theta, gains, design, output, error, float(error @ error) / self.count)
 
     def jacobian(self, at: Point) -> FloatArray | None:
         """Derivatives of the (whitened) output by theta and the gains, in this order."""
@@ -189,7 +190,7 @@ def minimize(
     problem = Problem(data, hypothesis, ar)
     lower, upper = hypothesis.bounds
     at = problem.point(np.clip(theta, lower, upper), gains)
-    if at is None:
+    if at is None or not np.isfinite(at.cost):
         return None
     searched = theta.size
     damping = 1e-3

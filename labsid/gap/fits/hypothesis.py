@@ -97,7 +97,7 @@ class Hypothesis:
             plant = effect.extend(plant)
         inputs = sorted((e for e in self.effects if isinstance(e, InputEffect)), key=lambda e: e.order)
         outputs = sorted((e for e in self.effects if isinstance(e, OutputEffect)), key=lambda e: e.position)
-        additive = [e for e in self.effects if isinstance(e, AdditiveEffect)]
+        additive = [e.beside(plant) for e in self.effects if isinstance(e, AdditiveEffect)]
         nuisance = FRICTION_DELAY if plant.friction else SAMPLED_DELAY if plant.sampled else DELAY
         parameters: list[Parameter] = [] if any(e.name == "input-delay" for e in inputs) else [nuisance]
         places = {}

@@ -10,7 +10,7 @@ import numpy as np
 
 from labsid._arrays import FloatArray, stretches_of
 from labsid.gap.effects.base import AdditiveEffect, Effect, OutputEffect
-from labsid.gap.effects.restarts import Restarts
+from labsid.gap.effects.restarts import Restarts, in_one_record
 from labsid.gap.fits.fitting import Fit
 from labsid.gap.fits.hypothesis import Hypothesis
 from labsid.gap.model_file import export_model
@@ -143,7 +143,8 @@ def played_part(data: Data, fit: Fit) -> PlayedPart:
         constant = design.parts[0] @ fit.gains[:width] + (0.0 if constant is None else constant)
         gains_from = gains_from[width:]
     kinds = (OutputEffect, AdditiveEffect) if is_given else (Effect,)
-    effects = tuple(one for one in old.effects if isinstance(one, kinds) and not isinstance(one, Restarts))
+    kept = (one for one in old.effects if isinstance(one, kinds) and not isinstance(one, Restarts))
+    effects = tuple(in_one_record(one) for one in kept)
     new = Hypothesis(effects)
     theta = np.array([parameter.start for parameter in new.parameters])
     theta_from = np.full(theta.size, -1)
@@ -153,8 +154,11 @@ def played_part(data: Data, fit: Fit) -> PlayedPart:
         theta_from[: new.slices["plant"].start] = np.arange(new.slices["plant"].start)
     for key, place in new.slices.items():
         if key != "plant" or not is_given:
-            theta_from[place] = np.arange(fit.theta.size)[old.slices[key]]
+            theta_from[place] = np.arange(fit.theta.size)[old.slices[key]][: place.stop - place.start]
     theta = np.where(theta_from < 0, theta, fit.theta[theta_from])
+    if constant is not None and not is_given:  # by which the dynamics differ that start in each record anew
+        width = design.parts[0].shape[1]
+        constant = constant + (design.parts[0] - new.design(theta, data.u).parts[0]) @ fit.gains[:width]
     return PlayedPart(effects, theta, fit.gains[gains_from], theta_from, gains_from, constant)
 
 

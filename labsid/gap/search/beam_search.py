@@ -7,8 +7,10 @@ from operator import attrgetter
 import numpy as np
 
 from labsid._arrays import FloatArray
+from labsid.gap.effects.base import Effect
 from labsid.gap.effects.disturbance import Leak, LoadStep
 from labsid.gap.effects.families import CANDIDATES
+from labsid.gap.effects.restarts import in_records
 from labsid.gap.fits.fitting import Fit, finish, fit_from, mean_square, minimize, refit, rms
 from labsid.gap.fits.hypothesis import Hypothesis
 from labsid.gap.fits.linear_fits import fit_baseline, fit_driven_pole, fit_highpass
@@ -168,14 +170,22 @@ def _extensions(
     """Sketches of the fits with one more effect, grouped by effect; from the second effect on, only the best groups."""
     tried = []
     plain = with_constant_load(data, parent)
-    for number, group in enumerate(CANDIDATES):
+    groups = _candidates(data)
+    for number, group in enumerate(groups):
         if progress is not None:
-            done = (place[0] + number / len(CANDIDATES)) / place[1]
+            done = (place[0] + number / len(groups)) / place[1]
             progress("one effect" if step == 0 else f"{step + 1} effects", done)
         if group[0].name not in parent.hypothesis.names:
             host = parent if any(is_compatible(parent, effect) for effect in group) else plain
             tried.append(trial_fits(data, host, group, highpass, brief=step > 0))
     return tried if step == 0 else _refined_groups(data, tried, FITTED_EFFECTS)
+
+
+def _candidates(data: Data) -> tuple[tuple[Effect, ...], ...]:
+    """The forms that are added, in a group for each name; with an initial state of their own in each record."""
+    if not data.pieces:
+        return CANDIDATES
+    return tuple(tuple(in_records(effect, data.pieces[1:]) for effect in group) for group in CANDIDATES)
 
 
 def extended_fits(data: Data, parent: Fit, highpass: Fit, step: int, progress: Progress | None) -> list[Fit]:
@@ -214,7 +224,7 @@ def _replacements(data: Data, fit: Fit, highpass: Fit) -> Iterable[Fit | None]:
             names = fit.hypothesis.names
             tried = [
                 trial_fits(data, parent, group, highpass, brief=True)
-                for group in CANDIDATES
+                for group in _candidates(data)
                 if group[0].name not in names
             ]
             for few in _refined_groups(data, tried, FITTED_REPLACEMENTS):

@@ -1,5 +1,7 @@
 """What a page replays: a fit without what only another program can simulate, and without what joins several records."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -7,7 +9,7 @@ from labsid._arrays import FloatArray
 from labsid.gap.dynamics.given_simulation import GivenSimulation
 from labsid.gap.dynamics.plants import Plant
 from labsid.gap.effects.families import EFFECTS_BY_KEY
-from labsid.gap.effects.restarts import Restarts
+from labsid.gap.effects.restarts import Restarts, in_records
 from labsid.gap.fits.fitting import Fit
 from labsid.gap.fits.hypothesis import Hypothesis
 from labsid.gap.fits.noise_model import Noise
@@ -77,4 +79,18 @@ def test_what_joins_several_records_is_a_constant() -> None:
     assert played.gains.size == fit.gains.size - restarts.width
     assert played.constant is not None
     assert np.all(played.constant[:100] == 0.0)
+    assert replayed(played, simulated=True) == pytest.approx(fit.output)
+
+
+def test_play_that_starts_anew_in_each_record_is_that_of_the_first_one_and_a_constant() -> None:
+    """In front of linear dynamics: the page knows one record."""
+    records = ((100, 180), (200, 300))
+    backlash = EFFECTS_BY_KEY["input-backlash"]
+    fit = fit_of(RECORD, Hypothesis((Restarts(records=records), in_records(backlash, records), *ADDED), 1))
+    theta = fit.theta.copy()
+    theta[fit.hypothesis.slices["input-backlash"]] = 1.5, 0.1, 0.9, 0.2
+    fit = replace(fit, theta=theta, output=fit.hypothesis.output(theta, fit.gains, RECORD.u))
+    played = played_part(RECORD, fit)
+    assert played.effects == (backlash, *ADDED)
+    assert played.theta[Hypothesis(played.effects).slices["input-backlash"]] == pytest.approx([1.5, 0.1])
     assert replayed(played, simulated=True) == pytest.approx(fit.output)

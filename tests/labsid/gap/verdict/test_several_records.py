@@ -8,11 +8,16 @@ from typing import Any
 
 import numpy as np
 import pytest
+from gap_search import searched
 from scipy.signal import lfilter
 
 from labsid._arrays import FloatArray
 from labsid.cli.commands import main
 from labsid.gap.diagnosis import Diagnosis, diagnose
+from labsid.gap.effects.families import EFFECTS_BY_KEY
+from labsid.gap.effects.play import Play
+from labsid.gap.effects.restarts import PlayByRecord, in_one_record, in_records
+from labsid.gap.fits.fitting import UNFILTERED, Problem
 from labsid.gap.fits.linear_fits import fit_baseline
 from labsid.gap.model_file import START_SAMPLES, export_model, from_json_dict
 from labsid.gap.reports.html_report import page_content
@@ -64,6 +69,32 @@ def test_records_with_other_offsets_and_initial_states_have_the_poles_of_one() -
     assert fit.hypothesis.names == ()
 
 
+@pytest.mark.parametrize(
+    ("key", "others", "own"),
+    [
+        ("extra-lag", [0.6], {"log_lag": np.log(-1.0 / np.log(0.6))}),
+        ("resonance", 0.99 * np.exp([0.5j, -0.5j]), {"log_frequency": np.log(np.hypot(0.5, np.log(0.99)))}),
+        ("slow-mode", [0.996], {"log_slow": np.log(-1.0 / np.log(0.996))}),
+    ],
+)
+def test_every_pole_has_an_initial_state_in_each_record(key: str, others: list[complex], own: dict[str, float]) -> None:
+    """A mode would otherwise ring on from one record into the next one."""
+    poles, rng, records = np.array([0.95, 0.8, *others]), np.random.default_rng(4), []
+    zeros = np.real(np.poly(poles[:-1] - 0.05))
+    for record in runs():
+        state = rng.standard_normal(poles.size)
+        y = lfilter([0.0, *zeros], np.real(np.poly(poles)), record.u - record.u[0], zi=state)[0]
+        records.append(replace(record, y=y))
+    data = join_records(records).data()
+    hypothesis = with_restarts(linear_structure(2), data).plus(EFFECTS_BY_KEY[key])
+    rates = {"log_c": np.log(-np.log(0.95 * 0.8)), "log_k": np.log(np.log(0.95) * np.log(0.8))}
+    damping = {"log_damping": np.log(-np.log(0.99)) - own.get("log_frequency", 0.0)}
+    theta = np.array([(rates | damping | own).get(one.name, 0.0) for one in hypothesis.parameters])
+    point = Problem(data, hypothesis, UNFILTERED).point(theta)
+    assert point is not None
+    assert np.abs(point.error).max() < 1e-4
+
+
 def test_between_two_records_nothing_counts_and_the_input_is_that_of_the_next() -> None:
     records = runs()
     joined = join_records(records)
@@ -103,6 +134,45 @@ def test_a_shared_effect_is_named_and_each_record_has_its_errors(limited: tuple[
     pooled = np.sqrt(np.average([row["after"] ** 2 for row in report["records"]], weights=samples))
     assert report["gap"]["after"] == pytest.approx(pooled)
     assert sum(share for *_, share in report["where"]["time"]) == pytest.approx(1.0)
+
+
+@searched("input-backlash", "input-dead-zone", "coulomb-friction", "output-backlash")
+def test_backlash_starts_in_each_record_where_it_was_before() -> None:
+    """Taken up on the one side, on the other and halfway: with one position for all, something else remained."""
+    records = []
+    for seed, position in enumerate((-0.5, 0.5, 0.0), 1):
+        record = run_of(seed, 0.0, noise=0.02)
+        w, now = np.empty(len(record)), record.u[0] + position * 1.2
+        for k, u in enumerate(record.u):
+            now = min(max(now, u - 0.6), u + 0.6)
+            w[k] = now
+        y = w[0] + lfilter([0.0, 0.01], np.poly([0.95, 0.8]), w - w[0])
+        noise = 0.02 * np.random.default_rng(10 + seed).standard_normal(len(record))
+        records.append(replace(record, y=y + noise))
+    found = diagnose(records)
+    report = found.report
+    assert (report["verdict"], [effect["name"] for effect in report["effects"]]) == ("effect", ["input-backlash"])
+    assert report["effects"][0]["probability"] > 0.9
+    assert report["effects"][0]["parameters"]["width"]["value"] == pytest.approx(1.2, abs=0.06)
+    model = from_json_dict(json.loads(json.dumps(found.model.to_json_dict())))
+    for record in records:
+        assert rms(record.y - model.simulate(record.u, record.y)) < 0.03
+
+
+def test_play_by_record_is_the_play_of_each_record() -> None:
+    z = np.cumsum(np.random.default_rng(5).standard_normal(90))
+    own = np.array([2.0, 0.1, 0.9, 0.4])
+    starts = [0, 40, 65, 90]
+    effect = in_records(Play(), [(40, 65), (65, 90)])
+    assert isinstance(effect, PlayByRecord)
+    assert in_one_record(effect) == Play()
+    assert [parameter.name for parameter in effect.parameters] == ["width", "position", "position2", "position3"]
+    reading = effect.apply(z, own)
+    for start, stop, position in zip(starts[:-1], starts[1:], own[1:], strict=True):
+        np.testing.assert_array_equal(reading[start:stop], Play().apply(z[start:stop], np.array([2.0, position])))
+    changed = z + 1e-6 * (shape := np.sin(0.1 * np.arange(90.0)))
+    slope = (effect.apply(changed, own) - reading) / 1e-6
+    np.testing.assert_allclose(effect.passed(shape[:, None], z, own)[:, 0], slope, atol=1e-6)
 
 
 def test_the_exported_model_simulates_each_record(limited: tuple[Diagnosis, list[Record]]) -> None:
