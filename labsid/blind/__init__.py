@@ -29,6 +29,8 @@ How a record is labelled:
   times.
 - The row `variants` has, clear, dry friction with another value each way, with a break-away peak and smooth about rest,
   a dead zone with a jump and a sensor of the absolute value; and end stops that are not reached, which are no effect.
+- The row `runs` has three runs of one rig as short and noisy as the short records, with a hard effect that does not
+  depend on time. Input and noise are drawn for each run. The first one is also diagnosed alone.
 - Effects outside the table act through the input or the structure. An unmeasured additive input would count as
   `coloured-noise`.
 """

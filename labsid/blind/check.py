@@ -13,7 +13,7 @@ from labsid.blind.metrics import CaseOutcome
 from labsid.blind.output_error import discrete_poles, fit_linear
 from labsid.blind.rows import TIME_INVARIANT_EFFECTS
 from labsid.blind.runner import Replay, run_batch, run_replays
-from labsid.blind.score import score_cases
+from labsid.blind.score import ALONE, score_cases
 from labsid.blind.suite import PER_ROW, diagnosis_hash, label_dict, make_cases
 from labsid.blind.table import markdown, print_scores
 from labsid.records.record import Record
@@ -79,6 +79,8 @@ def run_sealed_check(
         outcomes = []
         for case in made:
             outcomes.append(evaluate_case(case, results.get(case.name)))
+            if case.others:
+                outcomes.append(CaseOutcome(label_dict(case) | {"row": ALONE}, results.get(case.alone)))
             progress.advance(refitting)
         again = [case for case in made if is_repeatable(case)]
         again = again[: (per_row or PER_ROW[suite]) if replays is None else replays]

@@ -75,6 +75,8 @@ class Case:
         Simulation given to the diagnosis, in the format of MODEL.json.
     holdout : Record, optional
         Second record given to the diagnosis.
+    others : tuple of Record
+        Further runs of the rig, diagnosed together with `record`, which is also diagnosed alone.
     """
 
     record: Record
@@ -88,6 +90,12 @@ class Case:
     experiment: Experiment
     sim: dict[str, Any] | None = None
     holdout: Record | None = None
+    others: tuple[Record, ...] = ()
+
+    @property
+    def alone(self) -> str:
+        """Name under which `record` is diagnosed alone beside its `others`."""
+        return f"{self.name}-alone"
 
 
 def input_signal(experiment: Experiment) -> FloatArray:

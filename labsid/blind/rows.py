@@ -108,18 +108,7 @@ def draw_single_hard(rng: np.random.Generator, i: int, name: str) -> Case | None
 
 def draw_short(rng: np.random.Generator, i: int, name: str) -> Case | None:
     """One effect in a short, noisy record with few levels, a fast additional pole and rounded corners."""
-    effect = EFFECTS[i % len(EFFECTS)]
-    experiment = draw_experiment(rng, effect, int(rng.integers(300, 601)), ("staircase", "two-level"))
-    plain = replace(
-        experiment.plain, motion=experiment.plain.motion._replace(actuator_lag=float(rng.uniform(0.1, 0.5)))
-    )
-    experiment = replace(experiment, plain=plain)
-    at = effect_context(plain, input_signal(experiment), rounding=float(rng.uniform(0.01, 0.05)))
-    ratio = log_uniform(rng, 3.0, 12.0)
-    found = scale_to_ratio(experiment, draw_effect(rng, effect, at), ratio, (0.02, 0.05), rng)
-    if found is None or not is_distinct(effect, experiment, *found):
-        return None
-    return complete_case(rng, experiment, *found, name, "short", (effect,), draw_partial_colour(rng))
+    return _short(rng, EFFECTS[i % len(EFFECTS)], name, "short", (3.0, 12.0))
 
 
 def draw_pair(rng: np.random.Generator, i: int, name: str) -> Case | None:
@@ -297,6 +286,17 @@ def draw_variants(rng: np.random.Generator, i: int, name: str) -> Case | None:
     return replace(case, truth={**case.truth, "kind": kind})
 
 
+def draw_runs(rng: np.random.Generator, i: int, name: str) -> Case | None:
+    """Three short, noisy runs of one rig with a hard effect that does not depend on time."""
+    effect = _RECURRING[i % len(_RECURRING)]
+    case = _short(rng, effect, name, "runs", HARD_RATIOS)
+    if case is None:
+        return None
+    experiments = [redraw(case.experiment, number) for number in (1, 2)]
+    others = tuple(to_record(run_experiment(one), one.scales, name) for one in experiments)
+    return replace(case, others=others)
+
+
 ROWS: dict[str, Draw] = {
     "single-clear": draw_single_clear,
     "single-hard": draw_single_hard,
@@ -308,11 +308,28 @@ ROWS: dict[str, Draw] = {
     "partial": draw_partial,
     "families": draw_families,
     "variants": draw_variants,
+    "runs": draw_runs,
 }
 
 NOT_REACHED = "end stops, not reached"
 
+_RECURRING = tuple(name for name in EFFECTS if name in TIME_INVARIANT_EFFECTS)
+
 _MAY_STAY_UNEXERCISED = ("input-saturation", "input-backlash", "coulomb-friction", "overflow", "output-saturation")
+
+
+def _short(rng: np.random.Generator, effect: str, name: str, row: str, between: tuple[float, float]) -> Case | None:
+    experiment = draw_experiment(rng, effect, int(rng.integers(300, 601)), ("staircase", "two-level"))
+    plain = replace(
+        experiment.plain, motion=experiment.plain.motion._replace(actuator_lag=float(rng.uniform(0.1, 0.5)))
+    )
+    experiment = replace(experiment, plain=plain)
+    at = effect_context(plain, input_signal(experiment), rounding=float(rng.uniform(0.01, 0.05)))
+    ratio = log_uniform(rng, *between)
+    found = scale_to_ratio(experiment, draw_effect(rng, effect, at), ratio, (0.02, 0.05), rng)
+    if found is None or not is_distinct(effect, experiment, *found):
+        return None
+    return complete_case(rng, experiment, *found, name, row, (effect,), draw_partial_colour(rng))
 
 
 def _single(rng: np.random.Generator, effect: str, name: str, row: str, between: tuple[float, float]) -> Case | None:

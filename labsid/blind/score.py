@@ -26,6 +26,9 @@ from labsid.blind.metrics import (
     within_answer_set,
 )
 
+ALONE = "run-alone"
+"""Row of the first runs of the row `runs`, diagnosed without the others, in the same order."""
+
 
 def score_cases(
     cases: Sequence[CaseOutcome], replays: Sequence[CaseOutcome] = (), seconds: float | None = None
@@ -51,6 +54,7 @@ def score_cases(
     clear, hard, short = (rows.get(name, empty) for name in ("single-clear", "single-hard", "short"))
     families, variants = rows.get("families", empty), rows.get("variants", empty)
     pair, none, unknown = (rows.get(name, empty) for name in ("pair", "none", "unknown"))
+    together, alone = ([all_named(case) for case in rows.get(name, empty)] for name in ("runs", ALONE))
     bins = calibration_bins(cases)
     metrics = [
         _rate("right effect named, one effect, clear", map(all_named, clear), 0.98, 0.995),
@@ -72,6 +76,9 @@ def score_cases(
         ),
         _rate("end stop, drag, slow mode, play at the output: named, clear", map(all_named, families), 0.93, 0.98),
         _rate("other forms of friction, dead zone and sensor curve: named", map(all_named, variants)),
+        _rate("three short, noisy runs of one rig: named", together),
+        _rate("the first of them alone: named", alone),
+        _gain("three runs of one rig more often than one, percentage points", together, alone, 0.05, 0.08),
         *_closure_metrics(clear),
         replace(_closure_metrics(families)[0], name="end stop, drag, slow mode, play: the same share, median"),
         _rate("95 % interval of the closed share covers fresh records", _covered(replays), (0.93, 0.97), (0.94, 0.96)),
@@ -150,6 +157,15 @@ def _rate(
     right, n = sum(counted), len(counted)
     low, high = wilson(right, n)
     return Metric(name, right / n if n else None, n, low, high, required, target)
+
+
+def _gain(name: str, after: Sequence[bool], before: Sequence[bool], required: float, target: float) -> Metric:
+    """Difference of two rates over the same cases, with the interval of paired differences."""
+    gains = np.subtract(after, before, dtype=float)
+    if not gains.size:
+        return Metric(name, None, 0, required=required, target=target)
+    value, half = float(gains.mean()), Z95 * float(gains.std()) / sqrt(gains.size)
+    return Metric(name, value, gains.size, value - half, value + half, required, target)
 
 
 def _set_size(name: str, cases: Sequence[CaseOutcome], requirement: float) -> Metric:

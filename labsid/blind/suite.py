@@ -83,7 +83,7 @@ def write_suite(
     ----------
     folder : Path
         Created if missing. Receives ``<name>.csv`` and, if present, ``<name>.sim.json`` and ``<name>.holdout.csv``;
-        nothing in it reveals the labels.
+        of several runs of a rig a folder ``<name>`` and the first one alone. Nothing in it reveals the labels.
     suite : {"dev", "final"}
     per_row : int, optional
     rows : sequence of str, optional
@@ -112,7 +112,12 @@ def write_case(folder: Path, case: Case) -> None:
     folder : Path
     case : Case
     """
-    write_record(folder / f"{case.name}.csv", case.record)
+    if case.others:
+        runs = folder / case.name
+        runs.mkdir()
+        for number, record in enumerate((case.record, *case.others), 1):
+            write_record(runs / f"{number}.csv", record)
+    write_record(folder / f"{case.alone if case.others else case.name}.csv", case.record)
     if case.sim is not None:
         (folder / f"{case.name}.sim.json").write_text(json.dumps(case.sim), encoding="utf-8")
     if case.holdout is not None:

@@ -20,7 +20,7 @@ from labsid.blind.metrics import (
     wilson,
     within_answer_set,
 )
-from labsid.blind.score import calibration_bins, confusion, score_cases
+from labsid.blind.score import ALONE, calibration_bins, confusion, score_cases
 from labsid.blind.table import markdown, metric_cells, metric_status, print_scores
 from labsid.rig.switchable.unlisted import UNLISTED_EFFECTS, UNLISTED_PATHS
 
@@ -47,6 +47,20 @@ def metric(cases: list[CaseOutcome], start: str, **more: Any) -> Metric:
 def partly(*names: str, p: float = 0.99, path: str | None = None) -> dict[str, Any]:
     """A partial explanation, and the path of the rest; without names, an unknown cause."""
     return said(*names, p=p) | {"verdict": "partial" if names else "unknown", "unexplained": {"path": path}}
+
+
+def test_three_runs_are_compared_with_the_first_of_them() -> None:
+    """Three runs name it 3 times of 4, one alone twice, of which once where the three do not."""
+    right, wrong = said("overflow"), said("end-stop")
+    cases = [CaseOutcome(label("runs", "overflow"), result) for result in (right, right, right, wrong)]
+    cases += [CaseOutcome(label(ALONE, "overflow"), result) for result in (wrong, right, wrong, right)]
+    assert metric(cases, "three short, noisy runs").value == 0.75
+    assert metric(cases, "the first of them alone").value == 0.5
+    gain = metric(cases, "three runs of one rig more often")
+    assert (gain.value, gain.count, metric_status(gain)) == (0.25, 4, "target")
+    differences = np.array([1.0, 0.0, 1.0, -1.0])
+    assert gain.high == pytest.approx(0.25 + 1.96 * differences.std() / 2.0, abs=1e-4)
+    assert metric([], "three runs of one rig more often").value is None
 
 
 @pytest.mark.parametrize(

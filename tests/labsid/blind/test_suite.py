@@ -13,9 +13,9 @@ from labsid.blind import suite as suite_module
 from labsid.blind.closure import closed_share, held_out_samples, pooled_closure, refit_true_structure
 from labsid.blind.experiment import Case, input_signal, redraw, run_experiment, to_record
 from labsid.blind.output_error import discrete_poles, fit_linear
-from labsid.blind.rows import EFFECTS_BESIDE_UNLISTED, ROWS
+from labsid.blind.rows import EFFECTS_BESIDE_UNLISTED, ROWS, TIME_INVARIANT_EFFECTS
 from labsid.blind.strength import CLEAR_RATIOS, HARD_RATIOS, linear_model_gap
-from labsid.blind.suite import label_dict, make_cases, write_suite
+from labsid.blind.suite import label_dict, make_cases, write_case, write_suite
 from labsid.records.record import load_record
 from labsid.rig.switchable.effects import EFFECTS, FAMILIES
 from labsid.rig.switchable.simulation import poles
@@ -34,6 +34,7 @@ COUNTS = {
     "partial": 4,
     "families": 8,
     "variants": 6,
+    "runs": 2,
 }
 
 
@@ -149,7 +150,7 @@ def test_hidden_effects_are_in_the_rig_but_not_in_the_record(dev_cases: Callable
 def test_the_sensors_own_noise_is_only_mildly_coloured(some: list[Case]) -> None:
     for case in some:
         noise = case.experiment.noise
-        if case.row != "short" and noise.share:
+        if case.row not in ("short", "runs") and noise.share:
             assert np.sqrt(1 - noise.colour**2) >= 0.7
 
 
@@ -296,7 +297,22 @@ def test_held_out_blocks_are_read_from_the_result(some: list[Case]) -> None:
 
 def test_rows_are_those_of_the_bars() -> None:
     old = ["single-clear", "single-hard", "short", "pair", "none", "unknown", "with-sim", "partial"]
-    assert list(ROWS) == [*old, "families", "variants"]  # the order determines the seeds
+    assert list(ROWS) == [*old, "families", "variants", "runs"]  # the order determines the seeds
+
+
+def test_the_runs_of_a_rig_have_its_effect_with_other_inputs_and_noise(some: list[Case], tmp_path) -> None:
+    for case in of_row(some, "runs"):
+        assert len(case.others) == 2
+        assert set(case.labels) <= TIME_INVARIANT_EFFECTS
+        for record in case.others:
+            assert len(record) == len(case.record)
+            assert np.any(record.u != case.record.u)
+        assert case.level == "hard"
+    write_case(tmp_path, case)
+    assert {path.name for path in tmp_path.iterdir()} == {case.name, f"{case.name}-alone.csv"}
+    runs = [load_record(tmp_path / case.name / f"{number}.csv") for number in (1, 2, 3)]
+    for run, record in zip(runs, (case.record, *case.others), strict=True):
+        np.testing.assert_allclose(run.y, record.y, rtol=1e-8)
 
 
 def test_the_simulation_is_in_the_records_units(some: list[Case]) -> None:
