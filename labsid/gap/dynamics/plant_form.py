@@ -98,6 +98,15 @@ gives, and the excess of the break-away friction over the sliding one."""
 SPRING = Parameter("spring", -50.0, 50.0)  # scaled: force at the input of a given simulation over its output cubed
 DRAG = Parameter("drag", 0.0, 200.0, 1e-3)  # scaled
 ONSET = Parameter("onset", 0.0, 1.0, 2e-4, leap=0.004)  # as a share of the record
+STATES = {
+    "tanks": (Parameter("h1", -50.0, 50.0), Parameter("h2", -50.0, 50.0)),
+    "mechanics": (
+        Parameter("z0", -50.0, 50.0, STICKING_STEP, leap=0.05),
+        Parameter("v0", -50.0, 50.0, STICKING_STEP),
+    ),
+    "speed": (Parameter("v0", -50.0, 50.0, STICKING_STEP), Parameter("i0", -50.0, 50.0, STICKING_STEP)),
+}
+"""Initial states of nonlinear dynamics, about the equilibrium at the first input."""
 NOT_GIVEN = GivenSimulation(lambda w, numbers: np.full(w.size, np.nan))
 CYCLES = Parameter("cycles", 2.2, 1e7, 1e-3)  # in the record; a slower sinusoid is a drift
 
@@ -195,7 +204,6 @@ class PlantForm:
                 own += [Parameter("share", 0.0, 1.0)]
             if len(self.brims) == 2:
                 own += [Parameter("brim2", -5.0, 400.0, leap=0.05)]
-            own += [Parameter("h1", -50.0, 50.0), Parameter("h2", -50.0, 50.0)]
         elif self.kind == "mechanics":
             own += FRICTION_LAWS[self.friction]
             own += [DRAG] if self.drag else []
@@ -204,12 +212,11 @@ class PlantForm:
                 own += [Parameter("cubic", -0.3, 50.0)]
             if self.cubic or self.drift_degree or self.unsprung:
                 own += [Parameter("centre", -8.0, 8.0)]
-            own += [Parameter("z0", -50.0, 50.0, STICKING_STEP, leap=0.05), Parameter("v0", -50.0, 50.0, STICKING_STEP)]
         elif self.kind == "speed":
             own += FRICTION_LAWS[self.friction]
             own += [DRAG] if self.drag else []
             own += [Parameter("centre", -20.0, 20.0, 1e-3)]
-            own += [Parameter("v0", -50.0, 50.0, STICKING_STEP), Parameter("i0", -50.0, 50.0, STICKING_STEP)]
+        own += STATES.get(self.kind, ())
         if self.drift_degree or self.kind == "leak":
             own += [Parameter("drift", -3.0, 3.0)]
         if self.kind in ("varying", "leak"):
@@ -235,6 +242,11 @@ class PlantForm:
     def nonlinear(self) -> bool:
         """Whether a state is nonlinear, so that the order of the elements matters."""
         return self.kind in ("tanks", "mechanics", "speed")
+
+    @property
+    def changes_in_time(self) -> bool:
+        """Whether a load, a sinusoid or a drift acts on the states."""
+        return bool(self.drift_degree or self.load or self.sinusoid)
 
     @property
     def has_root(self) -> bool:

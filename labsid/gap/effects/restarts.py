@@ -7,7 +7,7 @@ from typing import ClassVar
 import numpy as np
 
 from labsid._arrays import FloatArray
-from labsid.gap.dynamics.plant_form import Parameter
+from labsid.gap.dynamics.plant_form import STATES, Parameter
 from labsid.gap.dynamics.plants import Plant
 from labsid.gap.effects.base import AdditiveEffect, Effect
 from labsid.gap.effects.context import Context
@@ -19,7 +19,9 @@ from labsid.gap.effects.play import Play
 class Restarts(AdditiveEffect):
     """A constant and the free responses of the dynamics for each record after the first; zero outside that record.
 
-    It belongs to the structure of a simulation of several records, and is not an effect that is found.
+    Nonlinear dynamics are simulated anew in each record, with initial states as parameters, unless a load, a sinusoid
+    or a drift acts on their states. It belongs to the structure of a simulation of several records, and is not an
+    effect that is found.
 
     Attributes
     ----------
@@ -28,11 +30,20 @@ class Restarts(AdditiveEffect):
         First sample of each of these records and the one after its last.
     n_poles : int
         Number of free responses.
+    states : tuple of Parameter
+        Initial states of nonlinear dynamics in a record.
     """
 
     name: ClassVar[str] = "restarts"
     records: tuple[tuple[int, int], ...] = ()
     n_poles: int = 2
+    states: tuple[Parameter, ...] = ()
+
+    @property
+    def parameters(self) -> tuple[Parameter, ...]:
+        """The initial states in each record."""
+        numbers = range(2, len(self.records) + 2)
+        return tuple(replace(state, name=f"{state.name} {number}") for number in numbers for state in self.states)
 
     @property
     def at_load(self) -> bool:
@@ -50,20 +61,43 @@ class Restarts(AdditiveEffect):
         return 1 + self.n_poles
 
     def beside(self, plant: Plant) -> "Restarts":
-        """With the free responses of these dynamics."""
-        return replace(self, n_poles=plant.n_poles)
+        """With the free responses of these dynamics, or their initial states."""
+        states = () if plant.changes_in_time else STATES.get(plant.kind, ())
+        return replace(self, n_poles=plant.n_poles - len(states), states=states)
 
     def columns(self, own: FloatArray, samples: int, span: int, plant: Plant, rates: FloatArray) -> FloatArray:
         """The signals, shape (samples, width); `rates` are the parameters of the plant."""
         found = np.zeros((samples, self.width), order="F")
         longest = max((stop - start for start, stop in self.records), default=0)
-        free = plant.free_responses(rates, longest, span)
+        free = plant.free_responses(rates, longest, span)[:, plant.n_poles - self.n_poles :]
         for number, (start, stop) in enumerate(self.records):
             count = max(min(stop, samples) - start, 0)
             at = self.per_record * number
             found[start : start + count, at] = 1.0
             found[start : start + count, at + 1 : at + self.per_record] = free[:count]
         return found
+
+    def dynamics(
+        self, plant: Plant, theta: FloatArray, own: FloatArray, w: FloatArray, span: int, reference: float, late: float
+    ) -> FloatArray:
+        """Columns of nonlinear dynamics that start in each record anew, as of `Plant.columns`.
+
+        `theta` are the parameters of the plant, with the initial states in the first record; `own` are those in the
+        other records. The last row is NaN where any of them diverges.
+        """
+        at = [plant.index(state.name) for state in self.states]
+        runs = []
+        for number, part in enumerate(np.split(w, [start for start, _ in self.records])):
+            inner = theta.copy()
+            if number:
+                inner[at] = own[(number - 1) * len(at) : number * len(at)]
+            runs.append(plant.columns(inner, part, span, reference, late))
+            if number:  # of an additional lag or mode: among the free responses
+                runs[-1][:, list(plant.state_columns)] = 0.0
+        columns = np.concatenate(runs)
+        if not all(np.isfinite(run[-1]).all() for run in runs):
+            columns[-1] = np.nan
+        return columns
 
 
 class _PlayByRecord(Effect):

@@ -9,6 +9,7 @@ from labsid.gap.dynamics import _kernels
 from labsid.gap.dynamics.plant_form import Parameter
 from labsid.gap.dynamics.plants import Plant
 from labsid.gap.effects.base import AdditiveEffect, Effect, InputEffect, OutputEffect
+from labsid.gap.effects.restarts import Restarts
 
 NUISANCE_DELAY = 0.5  # samples: a shorter delay is attributed to sampling, not to the rig
 DELAY = Parameter("delay", 0.0, NUISANCE_DELAY, 0.02)
@@ -194,12 +195,11 @@ class Hypothesis:
         same_input = near is not None and bool(same[: at.start].all())
         actuator = near.actuator if near is not None and same_input else self._delayed_input(theta, u, span)
         plant, own = self.plant, theta[at]
-        same_plant = bool(same[at].all())
+        same_plant = bool(same[at].all()) and bool(same[self._restarted].all())
         if near is not None and same_input and same_plant:
             parts = [near.parts[0]]
         else:
-            w, late = actuator
-            parts = [plant.columns(own, w, span, reference, late)]
+            parts = [self._dynamics(theta, *actuator, span, reference)]
         for i, effect in enumerate(self.additive, 1):
             part = self.slices[effect.key]
             if near is not None and same[part].all() and (same_plant or not effect.at_load):
@@ -209,6 +209,21 @@ class Hypothesis:
         columns = beside([parts[0], np.ones((u.size, 1)), *parts[1:]])
         n_sensed = columns.shape[1] - sum(effect.width for effect in self.additive if not effect.at_load)
         return Design(columns, n_sensed, theta, actuator, tuple(parts))
+
+    @property
+    def _restarted(self) -> slice:
+        """Place in theta of the initial states of nonlinear dynamics in further records."""
+        return self.slices.get(Restarts.name, slice(0, 0))
+
+    def _dynamics(
+        self, theta: FloatArray, w: FloatArray, late: float, span: int, reference: float | None
+    ) -> FloatArray:
+        """Columns of the dynamics, in one run or in one for each record."""
+        plant, own, states = self.plant, theta[self.slices["plant"]], theta[self._restarted]
+        if not states.size:
+            return plant.columns(own, w, span, reference, late)
+        restarts = next(effect for effect in self.additive if isinstance(effect, Restarts))
+        return restarts.dynamics(plant, own, states, w, span, float(w[0]) if reference is None else reference, late)
 
     def gains_of(self, gains: FloatArray, effect: AdditiveEffect) -> FloatArray:
         """Gains of one additive effect."""

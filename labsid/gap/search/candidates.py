@@ -16,7 +16,7 @@ from labsid.gap.fits.fitting import Fit, Point, finish, fit_from, minimize, star
 from labsid.gap.fits.hypothesis import Hypothesis
 from labsid.gap.fits.undriven_poles import has_undriven_pole
 from labsid.gap.record.data import Data
-from labsid.gap.search.forms import extended_hypotheses, transfer_theta
+from labsid.gap.search.forms import extended_hypotheses, shared_keys, transfer_theta
 
 STARTS_PER_VARIANT = 8  # best start points of a variant that are minimized
 MAX_OBSERVED_RATE = 2.0  # per sample: the record has no information on a faster pole
@@ -201,9 +201,8 @@ def start_points(context: Context, hypothesis: Hypothesis, effect: Effect) -> It
     common = np.zeros(len(hypothesis.parameters))
     if not hypothesis.delay_is_an_effect and not parent.hypothesis.delay_is_an_effect:
         common[0] = parent.theta[0]
-    for key, place in parent.hypothesis.slices.items():
-        if key != "plant" and key in hypothesis.slices:
-            common[hypothesis.slices[key]] = parent.theta[place]
+    for key in shared_keys(parent.hypothesis, hypothesis):
+        common[hypothesis.slices[key]] = parent.theta[parent.hypothesis.slices[key]]
     place = hypothesis.slices["plant"]
     moved = [one for one in parent.hypothesis.effects if one not in hypothesis.effects]
     inner = {name: value for one in moved for name, value in one.inner_start(context).items()}

@@ -6,6 +6,7 @@ import numpy as np
 
 from labsid._arrays import FloatArray
 from labsid.gap.effects.base import Effect
+from labsid.gap.effects.context import Structure
 from labsid.gap.fits.fitting import Fit, finish, minimize
 from labsid.gap.fits.hypothesis import Hypothesis
 from labsid.gap.record.data import Data
@@ -26,19 +27,25 @@ def alternative_forms(hypothesis: Hypothesis) -> list[Hypothesis]:
 def transfer_theta(fit: Fit, other: Hypothesis) -> FloatArray:
     """Transfer theta of a fit to another hypothesis: by effect, or by parameter name for effects without one."""
     old = fit.hypothesis
+    shared = shared_keys(old, other)
     spare: dict[str, float] = {}
     for key, place in old.slices.items():
-        if key == "plant" or key not in other.slices:
+        if key not in shared:
             spare |= {p.name: x for p, x in zip(old.parameters[place], fit.theta[place], strict=True)}
     theta = np.array([spare.get(parameter.name, parameter.start) for parameter in other.parameters])
-    for key, place in other.slices.items():
-        if key != "plant" and key in old.slices:
-            theta[place] = fit.theta[old.slices[key]]
+    for key in shared:
+        theta[other.slices[key]] = fit.theta[old.slices[key]]
     if not other.delay_is_an_effect:
         theta[0] = fit.theta[0]
     for effect in other.effects:
         effect.carry_over(fit, other, theta)
     return theta
+
+
+def shared_keys(one: Structure, other: Structure) -> list[str]:
+    """Keys of the effects that have the same parameters in both."""
+    both = (key for key in one.slices if key != "plant" and key in other.slices)
+    return [key for key in both if one.parameters[one.slices[key]] == other.parameters[other.slices[key]]]
 
 
 def extended_hypotheses(old: Hypothesis, effect: Effect) -> list[Hypothesis]:

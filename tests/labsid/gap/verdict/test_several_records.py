@@ -18,6 +18,7 @@ from labsid.gap.effects.families import EFFECTS_BY_KEY
 from labsid.gap.effects.play import Play
 from labsid.gap.effects.restarts import PlayByRecord, in_one_record, in_records
 from labsid.gap.fits.fitting import UNFILTERED, Problem
+from labsid.gap.fits.hypothesis import Hypothesis
 from labsid.gap.fits.linear_fits import fit_baseline
 from labsid.gap.model_file import START_SAMPLES, export_model, from_json_dict
 from labsid.gap.reports.html_report import page_content
@@ -157,6 +158,53 @@ def test_backlash_starts_in_each_record_where_it_was_before() -> None:
     model = from_json_dict(json.loads(json.dumps(found.model.to_json_dict())))
     for record in records:
         assert rms(record.y - model.simulate(record.u, record.y)) < 0.03
+
+
+@pytest.mark.parametrize(
+    "keys", [("coulomb-friction/position",), ("sqrt-outflow/both", "extra-lag"), ("quadratic-drag/speed", "resonance")]
+)
+def test_nonlinear_dynamics_are_simulated_anew_in_each_record(keys: tuple[str, ...]) -> None:
+    data = join_records(runs()).data()
+    effects = tuple(EFFECTS_BY_KEY[key] for key in keys)
+    hypothesis = with_restarts(linear_structure(2), data)
+    hypothesis = hypothesis.with_effects((*hypothesis.effects, *effects))
+    single = Hypothesis(effects)
+    given = {"log_c": -1.0, "log_k": -3.0, "log_a": -3.0, "log_b": -1.5, "friction": 0.2, "drag": 0.3, "zero": -3.0}
+    theta = np.array([given.get(one.name, one.start) for one in hypothesis.parameters])
+    states = hypothesis.slices["restarts"]
+    assert [one.name[-2:] for one in hypothesis.parameters[states]] == [" 2", " 2", " 3", " 3"]
+    before = hypothesis.design(theta.copy(), data.u)
+    theta[states] = 0.3, -0.2, -0.4, 0.1
+    design = hypothesis.design(theta, data.u, near=before)
+    np.testing.assert_array_equal(design.columns, hypothesis.design(theta, data.u).columns)
+    own = np.array([given.get(one.name, one.start) for one in single.parameters])
+    first = [i for i, one in enumerate(single.parameters) if one.name in ("h1", "h2", "z0", "v0", "i0")]
+    for (start, stop), pair in zip(data.pieces, ([0.0, 0.0], [0.3, -0.2], [-0.4, 0.1]), strict=True):
+        own[first] = pair
+        alone = single.design(own, data.u[start:stop], data.samples, float(data.u[0]))
+        inside = slice(start, stop - 1)  # a lag interpolates up to the next sample
+        np.testing.assert_allclose(design.parts[0][inside, 0], alone.parts[0][:-1, 0], atol=1e-12)
+
+
+@searched("input-backlash", "coulomb-friction", "output-backlash")
+def test_a_mass_with_friction_rests_elsewhere_before_each_record() -> None:
+    records = []
+    for seed, rest in enumerate((-0.25, 0.25, 0.0), 1):
+        record = run_of(seed, 0.0)
+        y, z, v = np.empty(len(record)), record.u[0] + rest, 0.0
+        for k, u in enumerate(record.u):
+            y[k] = z
+            for _ in range(40):
+                force = 0.05 * (u - z) - 0.3 * v
+                dry = np.sign(v) * 0.015 if v else np.clip(force, -0.015, 0.015)
+                new = v + (force - dry) / 40
+                v = 0.0 if new * v < 0.0 else new
+                z += v / 40
+        noise = 0.02 * np.random.default_rng(10 + seed).standard_normal(len(record))
+        records.append(replace(record, y=y + noise))
+    report = diagnose(records).report
+    assert (report["verdict"], [effect["name"] for effect in report["effects"]]) == ("effect", ["coulomb-friction"])
+    assert report["effects"][0]["probability"] > 0.9
 
 
 def test_play_by_record_is_the_play_of_each_record() -> None:
