@@ -1,6 +1,7 @@
 """The command group ``labsid gap``."""
 
 import shlex
+import signal
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -236,6 +237,7 @@ def sealed_check(
     """Test the diagnosis on simulated rigs. Their effects are withheld from the diagnosis."""
     from labsid.blind.check import run_sealed_check
 
+    signal.signal(signal.SIGTERM, signal.default_int_handler)  # the batch that it has started ends with it
     raise typer.Exit(
         run_sealed_check(suite=suite, per_row=per_row, rows=row, jobs=jobs, replays=replays, report=report, keep=keep)
     )

@@ -3,8 +3,10 @@
 import json
 import os
 import shlex
+import signal
 import subprocess
 import sys
+from typing import Any
 
 import numpy as np
 import pytest
@@ -264,3 +266,21 @@ def test_an_exported_simulation_of_another_sampling_time(labsid, refused, record
     words = "the simulation runs at 0.5 s, the record at 1 s"
     refused(words, "simulate", "better.json", "other.csv")
     refused(words, "diagnose", "other.csv", "--sim", "better.json")
+
+
+def test_a_sealed_check_that_is_terminated_ends_as_if_interrupted(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """So that it ends the batch that it has started."""
+
+    def terminated(**options: Any) -> int:
+        signal.raise_signal(signal.SIGTERM)
+        return 0
+
+    monkeypatch.setattr("labsid.blind.check.run_sealed_check", terminated)
+    before = signal.getsignal(signal.SIGTERM)
+    try:
+        assert main(["gap", "blind"]) == 2
+    finally:
+        signal.signal(signal.SIGTERM, before)
+    assert capsys.readouterr().err.endswith("interrupted\n")
