@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
+from itertools import pairwise
 from typing import ClassVar
 
 import numpy as np
@@ -78,20 +79,33 @@ class Restarts(AdditiveEffect):
         return found
 
     def dynamics(
-        self, plant: Plant, theta: FloatArray, own: FloatArray, w: FloatArray, span: int, reference: float, late: float
+        self,
+        plant: Plant,
+        theta: FloatArray,
+        own: FloatArray,
+        w: FloatArray,
+        span: int,
+        reference: float,
+        late: float,
+        near: tuple[FloatArray, FloatArray] | None = None,
     ) -> FloatArray:
         """Columns of nonlinear dynamics that start in each record anew, as of `Plant.columns`.
 
         `theta` are the parameters of the plant, with the initial states in the first record; `own` are those in the
-        other records. The last row is NaN where any of them diverges.
+        other records. `near` holds the columns for other initial states there, and these. The last row is NaN where
+        any of them diverges.
         """
         at = [plant.index(state.name) for state in self.states]
-        runs = []
-        for number, part in enumerate(np.split(w, [start for start, _ in self.records])):
-            inner = theta.copy()
-            if number:
-                inner[at] = own[(number - 1) * len(at) : number * len(at)]
-            runs.append(plant.columns(inner, part, span, reference, late))
+        first = theta[at]
+        states, before = ([first, *np.split(x, len(self.records))] for x in (own, own if near is None else near[1]))
+        bounds = [0, *(start for start, _ in self.records), w.size]
+        runs, inner = [], theta.copy()
+        for number, (start, stop) in enumerate(pairwise(bounds)):
+            if near is not None and np.array_equal(states[number], before[number]):
+                runs.append(near[0][start:stop])
+                continue
+            inner[at] = states[number]
+            runs.append(plant.columns(inner, w[start:stop], span, reference, late))
             if number:  # of an additional lag or mode: among the free responses
                 runs[-1][:, list(plant.state_columns)] = 0.0
         columns = np.concatenate(runs)

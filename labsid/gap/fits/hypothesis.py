@@ -195,11 +195,12 @@ class Hypothesis:
         same_input = near is not None and bool(same[: at.start].all())
         actuator = near.actuator if near is not None and same_input else self._delayed_input(theta, u, span)
         plant, own = self.plant, theta[at]
-        same_plant = bool(same[at].all()) and bool(same[self._restarted].all())
+        same_rates = bool(same[at].all())
+        same_plant = same_rates and bool(same[self._restarted].all())
         if near is not None and same_input and same_plant:
             parts = [near.parts[0]]
         else:
-            parts = [self._dynamics(theta, *actuator, span, reference)]
+            parts = [self._dynamics(theta, *actuator, span, reference, near if same_input and same_rates else None)]
         for i, effect in enumerate(self.additive, 1):
             part = self.slices[effect.key]
             if near is not None and same[part].all() and (same_plant or not effect.at_load):
@@ -216,14 +217,22 @@ class Hypothesis:
         return self.slices.get(Restarts.name, slice(0, 0))
 
     def _dynamics(
-        self, theta: FloatArray, w: FloatArray, late: float, span: int, reference: float | None
+        self,
+        theta: FloatArray,
+        w: FloatArray,
+        late: float,
+        span: int,
+        reference: float | None,
+        near: Design | None,
     ) -> FloatArray:
-        """Columns of the dynamics, in one run or in one for each record."""
-        plant, own, states = self.plant, theta[self.slices["plant"]], theta[self._restarted]
-        if not states.size:
+        """Columns of the dynamics, in one run or one for each record; `near` differs in their initial states only."""
+        plant, own, at = self.plant, theta[self.slices["plant"]], self._restarted
+        if at.start == at.stop:
             return plant.columns(own, w, span, reference, late)
         restarts = next(effect for effect in self.additive if isinstance(effect, Restarts))
-        return restarts.dynamics(plant, own, states, w, span, float(w[0]) if reference is None else reference, late)
+        reference = float(w[0]) if reference is None else reference
+        before = None if near is None else (near.parts[0], near.theta[at])
+        return restarts.dynamics(plant, own, theta[at], w, span, reference, late, before)
 
     def gains_of(self, gains: FloatArray, effect: AdditiveEffect) -> FloatArray:
         """Gains of one additive effect."""

@@ -177,6 +177,10 @@ def test_nonlinear_dynamics_are_simulated_anew_in_each_record(keys: tuple[str, .
     theta[states] = 0.3, -0.2, -0.4, 0.1
     design = hypothesis.design(theta, data.u, near=before)
     np.testing.assert_array_equal(design.columns, hypothesis.design(theta, data.u).columns)
+    for place in (*range(states.start, states.stop), hypothesis.slices["plant"].start):
+        other = theta + 0.1 * (np.arange(theta.size) == place)
+        again = hypothesis.design(other, data.u, near=design)
+        np.testing.assert_array_equal(again.columns, hypothesis.design(other, data.u).columns)
     own = np.array([given.get(one.name, one.start) for one in single.parameters])
     first = [i for i, one in enumerate(single.parameters) if one.name in ("h1", "h2", "z0", "v0", "i0")]
     for (start, stop), pair in zip(data.pieces, ([0.0, 0.0], [0.3, -0.2], [-0.4, 0.1]), strict=True):
