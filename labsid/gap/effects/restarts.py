@@ -143,6 +143,8 @@ class BacklashByRecord(_PlayByRecord, Backlash):
 
     Attributes
     ----------
+    one : Backlash
+        In a single record.
     starts_at : tuple of int
         First sample of each record after the first.
     """
@@ -161,6 +163,8 @@ class PlayByRecord(_PlayByRecord, Play):
 
     Attributes
     ----------
+    one : Play
+        In a single record.
     starts_at : tuple of int
         First sample of each record after the first.
     """
