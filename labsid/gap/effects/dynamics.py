@@ -8,7 +8,7 @@ from labsid._arrays import FloatArray
 from labsid.gap.dynamics.plants import Plant
 from labsid.gap.dynamics.responses import damping_ratio, denominator, real_rates, single_pole
 from labsid.gap.effects.base import Fitted, PlantEffect, Value
-from labsid.gap.effects.context import Context, rise, unit_step_response
+from labsid.gap.effects.context import Context, rise
 
 LEAST_DAMPING = 2e-3  # of a mode
 MAX_MODE_DAMPING = 0.2  # of parent dynamics that may be a mode
@@ -111,9 +111,11 @@ class SlowMode(PlantEffect):
         return bool(driven > MIN_DRIVEN * free)
 
     def _share(self, fit: Fitted) -> float:
-        """Share of the static gain."""
-        whole = rise(unit_step_response(fit.hypothesis, fit.theta, fit.gains, STATIC_SAMPLES))
-        return float(fit.gains[fit.hypothesis.plant.slow_column]) / whole if whole else np.inf
+        """Share of the static gain of the dynamics: a step of the command may be lost in backlash or a dead zone."""
+        plant, step = fit.hypothesis.plant, np.repeat((0.0, 1.0), STATIC_SAMPLES)
+        stepped, resting = (plant.columns(fit.plant_theta, w, step.size) for w in (step, np.zeros(step.size)))
+        whole = rise((stepped - resting)[STATIC_SAMPLES - 1 :] @ fit.gains[: stepped.shape[1]])
+        return float(fit.gains[plant.slow_column]) / whole if whole else np.inf
 
     def values(self, fit: Fitted) -> dict[str, Value]:
         """`tau` in seconds, and `share` of the static gain."""

@@ -12,7 +12,8 @@ from labsid.gap.record.data import Data
 def estimate_parameters(data: Data, fit: Fit, effect: Effect) -> dict[str, dict[str, object]]:
     """Return `{name: {value, stderr, unit}}` of one effect of a fit.
 
-    The standard errors come from linear propagation. For a load step, the scatter of each value over the profile
+    Values that are not finite are left out; a standard error is zero where it is unknown. The standard errors come from
+    linear propagation. For a load step, the scatter of each value over the profile
     likelihood of the onset is added.
     """
     cov = covariance(data, fit)
@@ -20,7 +21,7 @@ def estimate_parameters(data: Data, fit: Fit, effect: Effect) -> dict[str, dict[
     def values(theta: FloatArray, gains: FloatArray) -> dict[str, Value]:
         return effect.values(Fitted(fit.hypothesis, theta, gains, data))
 
-    at = values(fit.theta, fit.gains)
+    at = {name: value for name, value in values(fit.theta, fit.gains).items() if np.isfinite(value.value)}
     scatter = dict.fromkeys(at, 0.0)
     instant = [i for i, p in enumerate(fit.hypothesis.parameters) if p.name == "onset" and effect.name == "load-step"]
     for place in instant:
@@ -34,7 +35,7 @@ def estimate_parameters(data: Data, fit: Fit, effect: Effect) -> dict[str, dict[
     return {
         name: {
             "value": value.value,
-            "stderr": float(np.sqrt(max(float(slopes[name] @ cov @ slopes[name]), 0.0) + scatter[name])),
+            "stderr": _root(max(float(slopes[name] @ cov @ slopes[name]), 0.0) + scatter[name]),
             "unit": value.unit,
         }
         for name, value in at.items()
@@ -62,7 +63,7 @@ def estimate_numbers(data: Data, fit: Fit) -> dict[str, dict[str, object]]:
     if not free:
         return {}
     at = fit.hypothesis.slices["plant"].start + np.arange(len(free))
-    errors = np.sqrt(np.maximum(np.diag(covariance(data, fit))[at], 0.0))
+    errors = np.array([_root(float(variance)) for variance in np.diag(covariance(data, fit))[at]])
     return {
         one.given_name: {
             "value": one.number(value),
@@ -72,6 +73,11 @@ def estimate_numbers(data: Data, fit: Fit) -> dict[str, dict[str, object]]:
         }
         for one, value, error in zip(free, fit.theta[at].tolist(), errors.tolist(), strict=True)
     }
+
+
+def _root(variance: float) -> float:
+    """Standard error of a variance; zero if it is unknown or, by rounding, negative."""
+    return float(np.sqrt(variance)) if np.isfinite(variance) and variance > 0.0 else 0.0
 
 
 def _conditional(cov: FloatArray, place: int) -> FloatArray:

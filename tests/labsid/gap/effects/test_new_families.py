@@ -10,11 +10,15 @@ from scipy.signal import cont2discrete, lfilter
 from labsid._arrays import FloatArray
 from labsid.gap.diagnosis import diagnose
 from labsid.gap.dynamics import _states
+from labsid.gap.dynamics.responses import section
 from labsid.gap.effects import dynamics, motion, play
-from labsid.gap.effects.base import Fitted
+from labsid.gap.effects.base import Fitted, Value
+from labsid.gap.effects.input import Backlash
+from labsid.gap.fits import parameter_estimates
 from labsid.gap.fits.fitting import Problem
 from labsid.gap.fits.hypothesis import Hypothesis
 from labsid.gap.fits.linear_fits import fit_baseline, fit_highpass
+from labsid.gap.fits.parameter_estimates import estimate_parameters
 from labsid.gap.model_file import from_json_dict
 from labsid.gap.record.data import scaled
 from labsid.gap.search.candidates import best_fit, trial_fits
@@ -190,6 +194,33 @@ def test_a_slow_mode_is_told_from_a_lag_by_the_share_of_the_slowest_pole(
     slow = best_fit(data, trial_fits(data, base, (dynamics.SlowMode(),), highpass))
     assert (slow is not None) == parallel
     assert lag is None or not parallel or lag.bic > slow.bic + 12.0
+
+
+def test_the_share_of_a_slow_mode_is_that_of_the_dynamics(u: FloatArray) -> None:
+    """Behind a backlash that a step of one does not cross it was infinite, and the report no JSON."""
+    data = scaled(u, u, np.ones(u.size, bool), TS)
+    shares = []
+    for ahead in ((), (Backlash(),)):
+        hypothesis = Hypothesis((*ahead, dynamics.SlowMode()))
+        given = {"width": 2.5, "position": 0.5, "log_c": 0.0, "log_k": np.log(0.25), "log_slow": np.log(40.0)}
+        theta = np.array([given.get(parameter.name, 0.0) for parameter in hypothesis.parameters])
+        gains = np.zeros(hypothesis.design(theta, data.u).columns.shape[1])
+        gains[[0, hypothesis.plant.slow_column]] = 1.0, 0.5
+        values = dynamics.SlowMode().values(Fitted(hypothesis, theta, gains, data))
+        shares.append(values["share"].value)
+    step = section(1.0, 0.25, np.ones(2000))[-1, 0]  # static gain of the first column
+    assert shares == pytest.approx([0.5 / (step + 0.5)] * 2, rel=1e-6)
+
+
+def test_a_value_that_is_not_finite_is_left_out(u: FloatArray, monkeypatch: pytest.MonkeyPatch) -> None:
+    data = scaled(u, u, np.ones(u.size, bool), TS)
+    fit = fit_baseline(data)
+    values = {"tau": Value(2.0, "s"), "share": Value(np.inf, "1")}
+    monkeypatch.setattr(dynamics.SlowMode, "values", lambda self, fit: values)
+    size = fit.theta.size + fit.gains.size
+    monkeypatch.setattr(parameter_estimates, "covariance", lambda data, fit: np.full((size, size), np.nan))
+    found = estimate_parameters(data, fit, dynamics.SlowMode())
+    assert found == {"tau": {"value": 2.0, "stderr": 0.0, "unit": "s"}}
 
 
 def test_a_stop_that_is_never_reached_is_not_named(u: FloatArray) -> None:
