@@ -15,6 +15,8 @@ from labsid.gap.effects.context import Context
 from labsid.gap.effects.input import Backlash
 from labsid.gap.effects.play import Play
 
+Records = tuple[tuple[int, int], ...]
+
 
 @dataclass(frozen=True, slots=True)
 class Restarts(AdditiveEffect):
@@ -36,7 +38,7 @@ class Restarts(AdditiveEffect):
     """
 
     name: ClassVar[str] = "restarts"
-    records: tuple[tuple[int, int], ...] = ()
+    records: Records = ()
     n_poles: int = 2
     states: tuple[Parameter, ...] = ()
 
@@ -98,7 +100,7 @@ class Restarts(AdditiveEffect):
         at = [plant.index(state.name) for state in self.states]
         first = theta[at]
         states, before = ([first, *np.split(x, len(self.records))] for x in (own, own if near is None else near[1]))
-        bounds = [0, *(start for start, _ in self.records), w.size]
+        bounds = [0, *_starts(self.records, w.size), w.size]
         runs, inner = [], theta.copy()
         for number, (start, stop) in enumerate(pairwise(bounds)):
             if near is not None and np.array_equal(states[number], before[number]):
@@ -118,23 +120,22 @@ class _PlayByRecord(Effect):
     """Play whose position at the start of each record is a parameter: `one` is that of a single record."""
 
     one: ClassVar[Backlash | Play]
-    starts_at: tuple[int, ...]
+    records: Records
 
     @property
     def parameters(self) -> tuple[Parameter, ...]:
         """Width of the play, and initial position within it in each record."""
-        further = (Parameter(f"position{n}", 0.0, 1.0, 0.02) for n in range(2, len(self.starts_at) + 2))
+        further = (Parameter(f"position{n}", 0.0, 1.0, 0.02) for n in range(2, len(self.records) + 2))
         return (*self.one.parameters, *further)
 
     def starts(self, context: Context) -> list[FloatArray]:
         """Those of one record, with further positions in the middle."""
-        return [np.append(own, np.full(len(self.starts_at), 0.5)) for own in self.one.starts(context)]
+        return [np.append(own, np.full(len(self.records), 0.5)) for own in self.one.starts(context)]
 
     def _parts(self, own: FloatArray, signal: FloatArray) -> Iterator[tuple[FloatArray, FloatArray]]:
         """A signal up to the start of each further record, and the parameters that hold there."""
-        for part, position in zip(np.split(signal, self.starts_at), own[1:], strict=True):
-            if len(part):
-                yield part, np.array([own[0], position])
+        for part, position in zip(np.split(signal, _starts(self.records, len(signal))), own[1:], strict=False):
+            yield part, np.array([own[0], position])
 
 
 @dataclass(frozen=True, slots=True)
@@ -145,12 +146,12 @@ class BacklashByRecord(_PlayByRecord, Backlash):
     ----------
     one : Backlash
         In a single record.
-    starts_at : tuple of int
-        First sample of each record after the first.
+    records : tuple of (int, int)
+        First sample of each record after the first, and the one after its last.
     """
 
     one: ClassVar[Backlash] = Backlash()
-    starts_at: tuple[int, ...] = ()
+    records: Records = ()
 
     def apply(self, w: FloatArray, own: FloatArray, span: int) -> FloatArray:
         """Follow the command once the backlash is taken up."""
@@ -165,12 +166,12 @@ class PlayByRecord(_PlayByRecord, Play):
     ----------
     one : Play
         In a single record.
-    starts_at : tuple of int
-        First sample of each record after the first.
+    records : tuple of (int, int)
+        First sample of each record after the first, and the one after its last.
     """
 
     one: ClassVar[Play] = Play()
-    starts_at: tuple[int, ...] = ()
+    records: Records = ()
 
     def apply(self, z: FloatArray, own: FloatArray) -> FloatArray:
         """Follow the process once the play is taken up."""
@@ -178,8 +179,13 @@ class PlayByRecord(_PlayByRecord, Play):
 
     def passed(self, columns: FloatArray, z: FloatArray, own: FloatArray) -> FloatArray:
         """Hold each column while the process crosses the play."""
-        pairs = zip(np.split(columns, self.starts_at), self._parts(own, z), strict=False)
+        pairs = zip(np.split(columns, _starts(self.records, len(z))), self._parts(own, z), strict=True)
         return np.concatenate([self.one.passed(part, signal, of_record) for part, (signal, of_record) in pairs])
+
+
+def _starts(records: Records, samples: int) -> list[int]:
+    """Where the records start in the joined one; nowhere in another signal, such as a step."""
+    return [start for start, _ in records] if records and samples == records[-1][1] else []
 
 
 _BY_RECORD: dict[type[Effect], type[BacklashByRecord | PlayByRecord]] = {
@@ -198,7 +204,7 @@ def in_records(effect: Effect, records: Sequence[tuple[int, int]]) -> Effect:
         First sample of each record after the first, and the one after its last.
     """
     form = _BY_RECORD.get(type(effect))
-    return effect if form is None else form(starts_at=tuple(start for start, _ in records))
+    return effect if form is None else form(records=tuple(records))
 
 
 def in_one_record(effect: Effect) -> Effect:

@@ -188,6 +188,11 @@ def test_nonlinear_dynamics_are_simulated_anew_in_each_record(keys: tuple[str, .
         alone = single.design(own, data.u[start:stop], data.samples, float(data.u[0]))
         inside = slice(start, stop - 1)  # a lag interpolates up to the next sample
         np.testing.assert_allclose(design.parts[0][inside, 0], alone.parts[0][:-1, 0], atol=1e-12)
+    own[first] = 0.0
+    for samples in (300, 4 * data.samples):  # a signal that is not the joined record
+        step = np.repeat((0.0, 1.0), samples)
+        whole, alone = (one.design(x, step).parts[0] for one, x in ((hypothesis, theta), (single, own)))
+        np.testing.assert_array_equal(whole, alone)
 
 
 @searched("input-backlash", "coulomb-friction", "output-backlash")
@@ -215,9 +220,10 @@ def test_play_by_record_is_the_play_of_each_record() -> None:
     z = np.cumsum(np.random.default_rng(5).standard_normal(90))
     own = np.array([2.0, 0.1, 0.9, 0.4])
     starts = [0, 40, 65, 90]
-    effect = in_records(Play(), [(40, 65), (65, 90)])
+    effect = in_records(Play(), [(40, 60), (65, 90)])
     assert isinstance(effect, PlayByRecord)
     assert in_one_record(effect) == Play()
+    np.testing.assert_array_equal(effect.apply(z[:80], own), Play().apply(z[:80], own[:2]))  # not the joined record
     assert [parameter.name for parameter in effect.parameters] == ["width", "position", "position2", "position3"]
     reading = effect.apply(z, own)
     for start, stop, position in zip(starts[:-1], starts[1:], own[1:], strict=True):
