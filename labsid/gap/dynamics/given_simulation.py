@@ -147,14 +147,16 @@ class GivenSimulation:
         return by_record(w.size, self.pieces, one_record)
 
 
-def by_record(samples: int, pieces: Pieces, run: Callable[[slice], FloatArray]) -> FloatArray:
-    """Outputs of a given simulation on each of several records; between two, the first value of the next one.
+def is_joined(samples: int, pieces: Pieces) -> bool:
+    """Whether a signal is that of several records; another number of samples than that of all of them is one record."""
+    return bool(pieces) and samples == pieces[-1][1]
 
-    Another number of samples than that of all records is one record.
-    """
+
+def by_record(samples: int, pieces: Pieces, run: Callable[[slice], FloatArray]) -> FloatArray:
+    """Outputs of a given simulation on each of several records; between two, the first value of the next one."""
     output = np.empty(samples)
     stop = 0
-    for start, end in pieces if pieces and samples == pieces[-1][1] else ((0, samples),):
+    for start, end in pieces if is_joined(samples, pieces) else ((0, samples),):
         output[start:end] = run(slice(start, end))
         output[stop:start] = output[start]
         stop = end

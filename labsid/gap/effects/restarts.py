@@ -1,6 +1,6 @@
 """Offsets and initial states of further records that are joined to the first one."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import ClassVar
@@ -8,14 +8,13 @@ from typing import ClassVar
 import numpy as np
 
 from labsid._arrays import FloatArray
+from labsid.gap.dynamics.given_simulation import Pieces, is_joined
 from labsid.gap.dynamics.plant_form import STATES, Parameter
 from labsid.gap.dynamics.plants import Plant
 from labsid.gap.effects.base import AdditiveEffect, Effect
 from labsid.gap.effects.context import Context
 from labsid.gap.effects.input import Backlash
 from labsid.gap.effects.play import Play
-
-Records = tuple[tuple[int, int], ...]
 
 
 @dataclass(frozen=True, slots=True)
@@ -38,7 +37,7 @@ class Restarts(AdditiveEffect):
     """
 
     name: ClassVar[str] = "restarts"
-    records: Records = ()
+    records: Pieces = ()
     n_poles: int = 2
     states: tuple[Parameter, ...] = ()
 
@@ -120,7 +119,7 @@ class _PlayByRecord(Effect):
     """Play whose position at the start of each record is a parameter: `one` is that of a single record."""
 
     one: ClassVar[Backlash | Play]
-    records: Records
+    records: Pieces
 
     @property
     def parameters(self) -> tuple[Parameter, ...]:
@@ -137,6 +136,10 @@ class _PlayByRecord(Effect):
         for part, position in zip(np.split(signal, _starts(self.records, len(signal))), own[1:], strict=False):
             yield part, np.array([own[0], position])
 
+    def apply(self, signal: FloatArray, own: FloatArray, *span: int) -> FloatArray:
+        """Follow the signal once the play is taken up."""
+        return np.concatenate([self.one.apply(part, of_record, *span) for part, of_record in self._parts(own, signal)])
+
 
 @dataclass(frozen=True, slots=True)
 class BacklashByRecord(_PlayByRecord, Backlash):
@@ -151,11 +154,7 @@ class BacklashByRecord(_PlayByRecord, Backlash):
     """
 
     one: ClassVar[Backlash] = Backlash()
-    records: Records = ()
-
-    def apply(self, w: FloatArray, own: FloatArray, span: int) -> FloatArray:
-        """Follow the command once the backlash is taken up."""
-        return np.concatenate([self.one.apply(part, of_record, span) for part, of_record in self._parts(own, w)])
+    records: Pieces = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -171,11 +170,7 @@ class PlayByRecord(_PlayByRecord, Play):
     """
 
     one: ClassVar[Play] = Play()
-    records: Records = ()
-
-    def apply(self, z: FloatArray, own: FloatArray) -> FloatArray:
-        """Follow the process once the play is taken up."""
-        return np.concatenate([self.one.apply(part, of_record) for part, of_record in self._parts(own, z)])
+    records: Pieces = ()
 
     def passed(self, columns: FloatArray, z: FloatArray, own: FloatArray) -> FloatArray:
         """Hold each column while the process crosses the play."""
@@ -183,9 +178,9 @@ class PlayByRecord(_PlayByRecord, Play):
         return np.concatenate([self.one.passed(part, signal, of_record) for part, (signal, of_record) in pairs])
 
 
-def _starts(records: Records, samples: int) -> list[int]:
+def _starts(records: Pieces, samples: int) -> list[int]:
     """Where the records start in the joined one; nowhere in another signal, such as a step."""
-    return [start for start, _ in records] if records and samples == records[-1][1] else []
+    return [start for start, _ in records] if is_joined(samples, records) else []
 
 
 _BY_RECORD: dict[type[Effect], type[BacklashByRecord | PlayByRecord]] = {
@@ -194,7 +189,7 @@ _BY_RECORD: dict[type[Effect], type[BacklashByRecord | PlayByRecord]] = {
 }
 
 
-def in_records(effect: Effect, records: Sequence[tuple[int, int]]) -> Effect:
+def in_records(effect: Effect, records: Pieces) -> Effect:
     """An effect with an initial state of its own in each of several records, if it has one; else the effect.
 
     Parameters

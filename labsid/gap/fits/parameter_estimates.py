@@ -13,8 +13,7 @@ def estimate_parameters(data: Data, fit: Fit, effect: Effect) -> dict[str, dict[
     """Return `{name: {value, stderr, unit}}` of one effect of a fit.
 
     Values that are not finite are left out; a standard error is zero where it is unknown. The standard errors come from
-    linear propagation. For a load step, the scatter of each value over the profile
-    likelihood of the onset is added.
+    linear propagation. For a load step, the scatter of each value over the profile likelihood of the onset is added.
     """
     cov = covariance(data, fit)
 
@@ -63,7 +62,7 @@ def estimate_numbers(data: Data, fit: Fit) -> dict[str, dict[str, object]]:
     if not free:
         return {}
     at = fit.hypothesis.slices["plant"].start + np.arange(len(free))
-    errors = np.array([_root(float(variance)) for variance in np.diag(covariance(data, fit))[at]])
+    errors = [_root(variance) for variance in np.diag(covariance(data, fit))[at].tolist()]
     return {
         one.given_name: {
             "value": one.number(value),
@@ -71,7 +70,7 @@ def estimate_numbers(data: Data, fit: Fit) -> dict[str, dict[str, object]]:
             "unit": "",
             "nominal": one.nominal,
         }
-        for one, value, error in zip(free, fit.theta[at].tolist(), errors.tolist(), strict=True)
+        for one, value, error in zip(free, fit.theta[at].tolist(), errors, strict=True)
     }
 
 
