@@ -15,7 +15,7 @@ def simulate_varying(w: FloatArray, c: FloatArray, k: FloatArray) -> FloatArray:
     """
     samples, driven = w.shape
     columns = driven + 2
-    out = np.empty((samples, 2 * columns))
+    out = np.empty((2 * columns, samples))
     z, v = np.zeros(columns), np.zeros(columns)
     z[driven] = v[driven + 1] = 1.0
     step = transition(c[0], k[0], 1.0)
@@ -23,13 +23,13 @@ def simulate_varying(w: FloatArray, c: FloatArray, k: FloatArray) -> FloatArray:
         if n > 0 and (c[n] != c[n - 1] or k[n] != k[n - 1]):
             step = transition(c[n], k[n], 1.0)
         for j in range(columns):
-            out[n, 2 * j] = z[j]
-            out[n, 2 * j + 1] = v[j]
-        _advance(z, v, w, n, 0.0, step)
+            out[2 * j, n], out[2 * j + 1, n] = z[j], v[j]
+            new_z, new_v = _moved(z[j], v[j], w[n, j] if j < driven else 0.0, step)
+            z[j], v[j] = new_z, new_v
         if not abs(z[0]) < 1e12:
-            out[n:] = np.nan
+            out[:, n:] = np.nan
             break
-    return out
+    return out.T
 
 
 @compiled()
@@ -44,43 +44,48 @@ def simulate_stepped(
     """
     samples, driven = w.shape
     columns = driven + 3
-    out = np.empty((samples, 2 * columns))
-    z, v = np.zeros(columns), np.zeros(columns)
-    z[driven + 1] = v[driven + 2] = 1.0
-    started = 0.0  # the unit force
+    out = np.empty((2 * columns, samples))
+    last = min(int(onset), samples)  # the sample of the onset
     before, after = transition(c[0], k[0], 1.0), transition(c[1], k[1], 1.0)
-    for n in range(samples):
-        for j in range(columns):
-            out[n, 2 * j] = z[j]
-            out[n, 2 * j + 1] = v[j]
-        if onset > n:
-            remaining = min(onset - n, 1.0)
-            _advance(z, v, w, n, started, before if remaining == 1.0 else transition(c[0], k[0], remaining))
-        if n <= onset < n + 1:
-            v -= kick * z
-            v[driven] = push
-            started = 1.0
-        if onset < n + 1:
-            remaining = min(n + 1 - onset, 1.0)
-            _advance(z, v, w, n, started, after if remaining == 1.0 else transition(c[1], k[1], remaining))
-        if not abs(z[0]) < 1e12:
-            out[n + 1 :] = np.nan
-            break
-    return out
+    up_to, since = transition(c[0], k[0], onset - last), transition(c[1], k[1], last + 1 - onset)
+    for j in range(columns):
+        z, v = 1.0 if j == driven + 1 else 0.0, 1.0 if j == driven + 2 else 0.0
+        z, v = _run(out, w, j, (0, last), (z, v), before, 0.0)
+        if last < samples:
+            z, v = _run(out, w, j, (last, last + 1), (z, v), up_to, 0.0)
+            v = push if j == driven else v - kick * z
+            constant = 1.0 if j == driven else 0.0
+            z, v = _moved(z, v, w[last, j] if j < driven else constant, since)
+            _run(out, w, j, (last + 1, samples), (z, v), after, constant)
+    return out.T
 
 
 @compiled()
-def _advance(
-    z: FloatArray,
-    v: FloatArray,
+def _run(
+    out: FloatArray,
     w: FloatArray,
-    n: int,
-    started: float,
+    j: int,
+    rows: tuple[int, int],
+    state: tuple[float, float],
     step: tuple[float, float, float, float, float, float],
-) -> None:
-    """Advance all states by one step, in place: the inputs of sample n drive the first ones, `started` the next one."""
-    f11, f12, f21, f22, g1, g2 = step
+    constant: float,
+) -> tuple[float, float]:
+    """Write motion j over the `rows` from first to last but one to `out`; return the state after them.
+
+    The force is column j of `w`, or `constant` for the motions that no column drives.
+    """
     driven = w.shape[1]
-    for j in range(z.size):
-        force = w[n, j] if j < driven else started if j == driven else 0.0
-        z[j], v[j] = f11 * z[j] + f12 * v[j] + g1 * force, f21 * z[j] + f22 * v[j] + g2 * force
+    z, v = state
+    for n in range(rows[0], rows[1]):
+        out[2 * j, n], out[2 * j + 1, n] = z, v
+        z, v = _moved(z, v, w[n, j] if j < driven else constant, step)
+    return z, v
+
+
+@compiled()
+def _moved(
+    z: float, v: float, force: float, step: tuple[float, float, float, float, float, float]
+) -> tuple[float, float]:
+    """Position and speed after one step."""
+    f11, f12, f21, f22, g1, g2 = step
+    return f11 * z + f12 * v + g1 * force, f21 * z + f22 * v + g2 * force

@@ -12,6 +12,7 @@ from labsid._compiled import compiled
 
 SHARP = (0.0, 0.0, 1.0)  # law of friction without smoothing and without a peak
 NO_STOPS = (-np.inf, np.inf)
+NEGLIGIBLE = 40.0  # argument from which exp(-x) is nothing beside one, within rounding
 SATURATED = 20.0  # argument from which tanh is 1, within rounding
 DIVERGED = 1e6  # a larger state has diverged: every record is smaller
 # Spring force at the mean position of a substep: factor of h^2 times the acceleration, tuned against short substeps.
@@ -145,9 +146,8 @@ def simulate_linear(w: FloatArray, c: float, k: float) -> FloatArray:
 @compiled()
 def sliding_friction(v: float, friction: float, peak: float, decay: float) -> float:
     """Friction at the speed v: it falls from `friction` + `peak` at rest to `friction`, over the speed `decay`."""
-    if peak == 0.0:
-        return friction
-    return friction + peak * math.exp(-((v / decay) ** 2))
+    fall = (v / decay) ** 2
+    return friction if peak == 0.0 or fall > NEGLIGIBLE else friction + peak * math.exp(-fall)
 
 
 @compiled()
@@ -188,14 +188,15 @@ def _slide_motor(v: float, drive: float, a: float, friction: float, smooth: floa
         new = rest + (v - rest) * keep
         if new * v >= 0.0:
             return new
-    shape = _tanh(v / smooth)
-    slope = 1.0 + friction * (1.0 - shape * shape) / smooth
+    sharpness = 1.0 / smooth
+    shape = _tanh(v * sharpness)
+    slope = 1.0 + friction * (1.0 - shape * shape) * sharpness
     way = (drive - friction * shape - v) / slope  # to the rest of the linearized motion
     new = v + way * (1.0 - math.exp(-a * slope * h))
     if new * v >= 0.0:
         return new
     remaining = h + math.log1p(v / way) / (a * slope)  # after the change of direction
-    slope = 1.0 + friction / smooth
+    slope = 1.0 + friction * sharpness
     return drive / slope * (1.0 - math.exp(-a * slope * remaining))
 
 
@@ -224,7 +225,7 @@ def simulate_mass(
     `peak` and `decay` of `sliding_friction`. At either of the `stops` the mass loses its speed.
     """
     smooth, peak, decay = law
-    out = np.empty((w.size, 2))
+    out = np.empty((2, w.size))
     h = 1.0 / substeps
     f11, f12, f21, f22, g1, g2 = transition(c, k, h)
     far = DIVERGED / max(k, 1e-6)
@@ -233,8 +234,7 @@ def simulate_mass(
         if pace is not None:
             k = constant * pace[n]
             f11, f12, f21, f22, g1, g2 = transition(c, k, h)
-        out[n, 0] = z
-        out[n, 1] = v
+        out[0, n], out[1, n] = z, v
         load = 0.0 if opposing is None else opposing[n]
         spring = 0.0 if leak is None else leak[n] * k
         for j in range(substeps):
@@ -280,9 +280,9 @@ def simulate_mass(
             elif z < stops[0]:
                 z, v = stops[0], max(v, 0.0)
         if not abs(z) < far:
-            out[n:] = np.nan
+            out[:, n:] = np.nan
             break
-    return out
+    return out.T
 
 
 @compiled()
@@ -311,7 +311,7 @@ def simulate_motor(
     `sliding_friction`.
     """
     smooth, peak, decay = law
-    out = np.empty((w.size, 2))
+    out = np.empty((2, w.size))
     h = 1.0 / substeps
     keep_a, keep_b = math.exp(-a * h), math.exp(-b * h)
     constant = a
@@ -321,8 +321,7 @@ def simulate_motor(
             keep_a = math.exp(-a * h)
         elif pace is not None:
             keep_b = math.exp(-b * pace[n] * h)
-        out[n, 0] = v if lag_first else i
-        out[n, 1] = v
+        out[0, n], out[1, n] = v if lag_first else i, v
         load = 0.0 if opposing is None else opposing[n]
         leaking = 0.0 if leak is None else leak[n]
         for j in range(substeps):
@@ -336,8 +335,8 @@ def simulate_motor(
             rate, keep, dry, top = a, keep_a, friction, peak
             if drag > 0.0:  # at the middle speed, drag divides all forces and multiplies the rate
                 factor = 1.0 + drag * abs(v)
-                share = 0.5 * h * a * factor
-                factor = 1.0 + drag * abs((v + share * drive / factor) / (1.0 + share))
+                half = 0.5 * h * a
+                factor = 1.0 + drag * abs((v + half * drive) / (1.0 + half * factor))
                 rate, drive, dry, top = a * factor, drive / factor, friction / factor, peak / factor
                 keep = math.exp(-rate * h)
             if v > 0.0:
@@ -362,4 +361,4 @@ def simulate_motor(
             if not lag_first:
                 middle = 0.5 * (before + v)
                 i = middle + (i - middle) * keep_b
-    return out
+    return out.T

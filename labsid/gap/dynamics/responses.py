@@ -195,16 +195,22 @@ def _apply_load(
     """The drive less the loads ahead of the dynamics; and the load and the leak within them, one value per sample."""
     if not plant.load and not plant.sinusoid:
         return w, (None, None)
-    active = step_signal(own.get("onset", np.inf), w.size, span)
-    load = own.get("load", 0.0) * active
-    phase = 2.0 * np.pi * own.get("cycles", 0.0) / span * (np.arange(w.size) + 0.5)
-    cosine, sine = own.get("shake_cos", 0.0) * np.cos(phase), own.get("shake_sin", 0.0) * np.sin(phase)
-    wave = cosine + sine
-    if plant.load == "ahead":
-        w, load = w - load, np.zeros(w.size)
-    if plant.sinusoid == "ahead":
-        w, wave = w - cosine - sine, np.zeros(w.size)
-    return w, (load + wave, own.get("leak", 0.0) * active)
+    load, leak = np.zeros(w.size), np.zeros(w.size)
+    if plant.load:
+        active = step_signal(own["onset"], w.size, span)
+        leak = own.get("leak", 0.0) * active
+        if plant.load == "ahead":
+            w = w - own["load"] * active
+        else:
+            load = own["load"] * active
+    if plant.sinusoid:
+        phase = 2.0 * np.pi * own["cycles"] / span * (np.arange(w.size) + 0.5)
+        cosine, sine = own["shake_cos"] * np.cos(phase), own["shake_sin"] * np.sin(phase)
+        if plant.sinusoid == "ahead":
+            w = w - cosine - sine
+        else:
+            load = load + (cosine + sine)
+    return w, (load, leak)
 
 
 def _rate_factor(plant: PlantForm, own: Named, samples: int, span: int) -> FloatArray | None:

@@ -1,5 +1,6 @@
 """Fit a hypothesis to a record by output error: Levenberg-Marquardt over theta, with the gains projected out."""
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
@@ -120,6 +121,11 @@ class Problem:
         found = solve_least_squares(seen[:, self.fixed :], y - seen[:, : self.fixed].sum(axis=1))
         return np.concatenate([np.ones(self.fixed), found])
 
+    def start(self, theta: FloatArray, gains: FloatArray | None = None, near: Design | None = None) -> Point | None:
+        """The point at theta, within its bounds; None if the simulation diverges."""
+        at = self.point(np.clip(theta, *self.hypothesis.bounds), gains, near)
+        return at if at is not None and np.isfinite(at.cost) else None
+
     def point(self, theta: FloatArray, gains: FloatArray | None = None, near: Design | None = None) -> Point | None:
         """The best gains at theta and their error; None if the simulation diverges."""
         design = self.hypothesis.design(theta, self.data.u, near=near)
@@ -177,6 +183,16 @@ class Problem:
         return J if (np.abs(J[-1]) < DIVERGED).all() else None
 
 
+def evaluate(data: Data, hypothesis: Hypothesis, thetas: Iterable[FloatArray]) -> list[Point]:
+    """Evaluate a hypothesis at each theta, within its bounds, with the best gains; without those that diverge."""
+    problem, points = Problem(data, hypothesis, UNFILTERED), list[Point]()
+    for theta in thetas:
+        at = problem.start(theta, near=points[-1].design if points else None)
+        if at is not None:
+            points.append(at)
+    return points
+
+
 def minimize(
     data: Data,
     hypothesis: Hypothesis,
@@ -187,12 +203,22 @@ def minimize(
     tolerance: float = 1e-5,
 ) -> Point | None:
     """Minimize the output error by Levenberg-Marquardt from `theta`; None if the start cannot be simulated."""
+    at = Problem(data, hypothesis, ar).start(theta, gains)
+    return None if at is None else descend(data, hypothesis, at, iterations, ar, tolerance)
+
+
+def descend(
+    data: Data,
+    hypothesis: Hypothesis,
+    at: Point,
+    iterations: int,
+    ar: FloatArray = UNFILTERED,
+    tolerance: float = 1e-5,
+) -> Point:
+    """Minimize the output error by Levenberg-Marquardt from a point of `evaluate` or of an earlier descent."""
     problem = Problem(data, hypothesis, ar)
     lower, upper = hypothesis.bounds
-    at = problem.point(np.clip(theta, lower, upper), gains)
-    if at is None or not np.isfinite(at.cost):
-        return None
-    searched = theta.size
+    searched = at.theta.size
     damping = 1e-3
     for _ in range(iterations):
         J = problem.jacobian(at)
@@ -228,12 +254,6 @@ def minimize(
         if gain < tolerance:
             break
     return at
-
-
-def start_cost(data: Data, hypothesis: Hypothesis, theta: FloatArray) -> float:
-    """Cost at `theta` with the best gains; infinity if it cannot be simulated."""
-    point = Problem(data, hypothesis, UNFILTERED).point(np.clip(theta, *hypothesis.bounds))
-    return float("inf") if point is None else point.cost
 
 
 def finish(data: Data, hypothesis: Hypothesis, point: Point) -> Fit:

@@ -1,5 +1,6 @@
 """A hypothesis: the linear structure with a set of effects."""
 
+import math
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -174,7 +175,7 @@ class Hypothesis:
             else:
                 w = effect.apply(w, own, span)
         delay = float(theta[0]) if delay is None else delay
-        whole = int(np.floor(delay))
+        whole = math.floor(delay)
         return _kernels.delayed(w, whole, 0.0, offset), delay - whole
 
     def design(
@@ -190,20 +191,20 @@ class Hypothesis:
         `near`, a design for the same input at another theta, provides the columns that have not changed.
         """
         span = span or u.size
-        at = self.slices["plant"]
-        same = np.zeros(theta.size, bool) if near is None else theta == near.theta
-        same_input = near is not None and bool(same[: at.start].all())
+        at, now = self.slices["plant"], theta.tolist()
+        then = [None] * len(now) if near is None else near.theta.tolist()
+        same_input = near is not None and now[: at.start] == then[: at.start]
         actuator = near.actuator if near is not None and same_input else self._delayed_input(theta, u, span)
         plant, own = self.plant, theta[at]
-        same_rates = bool(same[at].all())
-        same_plant = same_rates and bool(same[self._restarted].all())
+        same_rates = now[at] == then[at]
+        same_plant = same_rates and now[self._restarted] == then[self._restarted]
         if near is not None and same_input and same_plant:
             parts = [near.parts[0]]
         else:
             parts = [self._dynamics(theta, *actuator, span, reference, near if same_input and same_rates else None)]
         for i, effect in enumerate(self.additive, 1):
             part = self.slices[effect.key]
-            if near is not None and same[part].all() and (same_plant or not effect.at_load):
+            if near is not None and now[part] == then[part] and (same_plant or not effect.at_load):
                 parts.append(near.parts[i])
             else:
                 parts.append(effect.columns(theta[part], u.size, span, plant, own))

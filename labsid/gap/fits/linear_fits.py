@@ -10,7 +10,7 @@ from labsid.gap.dynamics.responses import single_pole
 from labsid.gap.effects import output
 from labsid.gap.effects.dynamics import DirectFeedthrough
 from labsid.gap.effects.restarts import Restarts
-from labsid.gap.fits.fitting import UNFILTERED, Fit, Point, Problem, finish, minimize
+from labsid.gap.fits.fitting import UNFILTERED, Fit, Point, Problem, descend, finish, minimize
 from labsid.gap.fits.hypothesis import Hypothesis
 from labsid.gap.fits.undriven_poles import has_undriven_pole
 from labsid.gap.record.data import Data
@@ -40,7 +40,7 @@ def fit_baseline(data: Data, hypothesis: Hypothesis = LINEAR, start: FloatArray 
     best = _least(minimize(data, hypothesis, theta, iterations=12) for theta in starts)
     if best is None:
         raise _no_fit(hypothesis.plant.simulation.meter)
-    best = minimize(data, hypothesis, best.theta, iterations=30, tolerance=1e-8) or best
+    best = descend(data, hypothesis, best, iterations=30, tolerance=1e-8)
     if hypothesis.plant.simulation.rough:
         best = _least([best, _without_derivatives(data, hypothesis, best.theta)]) or best
     return finish(data, hypothesis, best)

@@ -2,7 +2,7 @@
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from operator import itemgetter
+from operator import attrgetter
 
 import numpy as np
 
@@ -12,7 +12,7 @@ from labsid.gap.dynamics.responses import real_rates, single_pole
 from labsid.gap.effects.base import Effect, Fitted, InputEffect, PlantEffect
 from labsid.gap.effects.context import Context
 from labsid.gap.effects.dynamics import Placed
-from labsid.gap.fits.fitting import Fit, Point, finish, fit_from, minimize, start_cost
+from labsid.gap.fits.fitting import Fit, Point, descend, evaluate, finish, fit_from
 from labsid.gap.fits.hypothesis import Hypothesis
 from labsid.gap.fits.undriven_poles import has_undriven_pole
 from labsid.gap.record.data import Data
@@ -27,7 +27,7 @@ MAX_SINGLE_RATE = 1.0  # per sample: nonlinearity of a faster state is hardly ob
 SLOW_RATIO = 4.0  # mean square error over the variance of its innovations, from which a residual is slow
 QUICK_STARTS = 4  # start points of all variants of a second or third effect
 
-_Start = tuple[float, Hypothesis, FloatArray]
+_Start = tuple[Hypothesis, Point]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -57,37 +57,37 @@ def trial_fits(data: Data, parent: Fit, group: tuple[Effect, ...], highpass: Fit
     for effect in group:
         if effect.applies(context) and is_compatible(parent, effect):
             for hypothesis in extended_hypotheses(parent.hypothesis, effect):
-                thetas = start_points(context, hypothesis, effect)
-                starts = [(start_cost(data, hypothesis, theta), hypothesis, theta) for theta in thetas]
-                selected += _in_turn(sorted(starts, key=itemgetter(0)))[:STARTS_PER_VARIANT]
+                points = evaluate(data, hypothesis, start_points(context, hypothesis, effect))
+                starts = [(hypothesis, point) for point in sorted(points, key=attrgetter("cost"))]
+                selected += _in_turn(starts)[:STARTS_PER_VARIANT]
     if brief:
         selected = _quick_selection(selected)
     found = []
-    for _, hypothesis, theta in selected:
-        point = minimize(data, hypothesis, theta, iterations=2 if brief else 3, tolerance=1e-2)
-        if point is not None:
-            found.append(_trial(data, hypothesis, point))
+    for hypothesis, start in selected:
+        point = descend(data, hypothesis, start, iterations=2 if brief else 3, tolerance=1e-2)
+        found.append(_trial(data, hypothesis, point))
     return sorted(found, key=lambda trial: trial.score)
 
 
 def _in_turn(ranked: list[_Start]) -> list[_Start]:
     """The start points in turn from every centre: about a wrong one a motor never reverses and is nearly linear."""
-    if not ranked or "centre" not in (names := [p.name for p in ranked[0][1].parameters]):
+    if not ranked or "centre" not in (names := [p.name for p in ranked[0][0].parameters]):
         return ranked
     at = names.index("centre")
     taken: dict[float, int] = {}
     turns = []
-    for _, _, theta in ranked:
-        taken[theta[at]] = taken.get(theta[at], 0) + 1
-        turns.append(taken[theta[at]])
+    for _, point in ranked:
+        centre = point.theta[at]
+        taken[centre] = taken.get(centre, 0) + 1
+        turns.append(taken[centre])
     return [ranked[i] for i in sorted(range(len(ranked)), key=turns.__getitem__)]
 
 
 def _quick_selection(starts: list[_Start]) -> list[_Start]:
     """A few starts: first the best one of each variant, then the others."""
-    ranked = sorted(starts, key=itemgetter(0))
+    ranked = sorted(starts, key=lambda start: start[1].cost)
     seen: set[Hypothesis] = set()
-    first = [not (item[1] in seen or seen.add(item[1])) for item in ranked]  # type: ignore[func-returns-value]
+    first = [not (item[0] in seen or seen.add(item[0])) for item in ranked]  # type: ignore[func-returns-value]
     order = sorted(range(len(ranked)), key=lambda i: not first[i])
     return [ranked[i] for i in order[:QUICK_STARTS]]
 
@@ -107,9 +107,8 @@ def best_fit(data: Data, trials: list[Trial], kept: int = 3) -> Fit | None:
     """The best plausible fit after minimizing a few trials to convergence; None if none is plausible."""
     found: list[Fit] = []
     for trial in _two_variants(reranked(data, trials, 2 * kept), kept):
-        start = trial.point
-        end = minimize(data, trial.hypothesis, start.theta, start.gains, iterations=25, tolerance=1e-5)
-        fit = finish(data, trial.hypothesis, end or start)  # None if the budget of runs of a given simulation is spent
+        end = descend(data, trial.hypothesis, trial.point, iterations=25)
+        fit = finish(data, trial.hypothesis, end)
         found += [one for one in (fit, *_grown(data, fit)) if is_plausible(data, one)]
     return best_form(found) if found else None
 
@@ -136,9 +135,8 @@ def reranked(data: Data, trials: list[Trial], count: int) -> list[Trial]:
 
 
 def _continued(data: Data, trial: Trial, iterations: int) -> Trial:
-    start = trial.point
-    point = minimize(data, trial.hypothesis, start.theta, start.gains, iterations=iterations, tolerance=1e-2)
-    return trial if point is None else _trial(data, trial.hypothesis, point)
+    point = descend(data, trial.hypothesis, trial.point, iterations, tolerance=1e-2)
+    return _trial(data, trial.hypothesis, point)
 
 
 def is_plausible(data: Data, fit: Fit, last: int = 1) -> bool:

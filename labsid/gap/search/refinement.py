@@ -6,7 +6,7 @@ import numpy as np
 
 from labsid._arrays import FloatArray
 from labsid.gap.fits.fast_least_squares import scaled_gram
-from labsid.gap.fits.fitting import UNFILTERED, Fit, Point, Problem, finish, minimize, rms
+from labsid.gap.fits.fitting import UNFILTERED, Fit, Point, Problem, descend, finish, minimize, rms
 from labsid.gap.record.data import Data
 from labsid.gap.search.candidates import best_form
 from labsid.gap.search.forms import remove_effect
@@ -35,14 +35,13 @@ def converge(data: Data, fit: Fit) -> Fit:
                 leaps = [_leap(problem, at, far * along) for along in (valleys[i], direction)] if far else []
                 start = min((one for one in leaps if one is not None), key=attrgetter("cost"), default=at)
                 if start is not at and start.cost < MAX_START_COST * at.cost:
-                    other = minimize(data, hypothesis, start.theta, start.gains, iterations=4, tolerance=1e-3)
-                    if other is not None and other.cost < (1.0 - 1e-4) * at.cost:
+                    other = descend(data, hypothesis, start, iterations=4, tolerance=1e-3)
+                    if other.cost < (1.0 - 1e-4) * at.cost:
                         at = other
                         break
         if at.cost > (1.0 - 1e-3) * before:
             break
-    at = minimize(data, hypothesis, at.theta, at.gains, iterations=25, tolerance=1e-6) or at
-    new = finish(data, hypothesis, at)
+    new = finish(data, hypothesis, descend(data, hypothesis, at, iterations=25, tolerance=1e-6))
     return best_form([fit, new])
 
 
