@@ -41,6 +41,7 @@ from labsid.records.record import Record
 from labsid.simulators.meter import RunMeter
 
 MIN_SAMPLES = 100  # samples
+SIZES = 1e-50, 1e50  # of the range of a signal and of the sampling time: powers of their ratios stay finite
 SEARCH_SHARE = 0.75  # of a budget of runs, for the beam search; the rest is for the search on held-out samples
 
 
@@ -309,3 +310,12 @@ def _check_record(record: Record, name: str) -> None:
     for signal, values in (("u", record.u), ("y", record.y)):
         if np.ptp(values) == 0.0:
             raise ValueError(f"{signal} of {name} is constant ({values[0]:g}); nothing can be identified from it.")
+        _check_size(f"the range of {signal} of {name}", float(np.ptp(values)))
+    _check_size(f"the sampling time of {name}", record.Ts)
+
+
+def _check_size(what: str, value: float) -> None:
+    """Reject a size whose powers could overflow or vanish."""
+    low, high = SIZES
+    if not low <= value <= high:
+        raise ValueError(f"{what} must be between {low:g} and {high:g}; got {value:g}. Give it in another unit.")

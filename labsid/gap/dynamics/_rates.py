@@ -6,29 +6,46 @@ from labsid._arrays import FloatArray
 from labsid._compiled import compiled
 from labsid.gap.dynamics._states import transition
 
+DAMPING_BOUNDS = 1e-6, 50.0  # of c, per sample
+STIFFNESS_BOUNDS = 1e-11, 90.0  # of k, per sample squared
+
 
 @compiled()
-def simulate_varying(w: FloatArray, c: FloatArray, k: FloatArray) -> FloatArray:
-    """Position and speed of z'' = -c(t) z' - k(t) z + w from rest, for each of the m columns of `w`.
+def changed_rates(c: float, k: float, share: float, change: float) -> tuple[float, float]:
+    """The rates c and k after a relative `change` of k and the `share` of it of c, within their bounds."""
+    return _within(c * (1.0 + share * change), DAMPING_BOUNDS), _within(k * (1.0 + change), STIFFNESS_BOUNDS)
 
-    The last four of the 2 m + 4 columns are the free responses from z = 1 and from z' = 1.
+
+@compiled()
+def _within(value: float, bounds: tuple[float, float]) -> float:
+    return min(max(value, bounds[0]), bounds[1])
+
+
+@compiled()
+def simulate_varying(
+    w: FloatArray, course: FloatArray, change: FloatArray, c: float, k: float, share: float, turn: float
+) -> FloatArray:
+    """Columns of z'' = -c(t) z' - k(t) z + force, shape (N, 8).
+
+    The rates change as in `changed_rates`, by one `change` per sample; the share `turn` of c acts inside the derivative
+    of the balance equation. The columns are position and speed for the force w and for w times the `course`, both from
+    rest; position for a force of one and for the course as force; and position from z = 1 and from z' = 1.
     """
-    samples, driven = w.shape
-    columns = driven + 2
-    out = np.empty((2 * columns, samples))
-    z, v = np.zeros(columns), np.zeros(columns)
-    z[driven] = v[driven + 1] = 1.0
-    step = transition(c[0], k[0], 1.0)
-    for n in range(samples):
-        if n > 0 and (c[n] != c[n - 1] or k[n] != k[n - 1]):
-            step = transition(c[n], k[n], 1.0)
-        for j in range(columns):
-            out[2 * j, n], out[2 * j + 1, n] = z[j], v[j]
-            new_z, new_v = _moved(z[j], v[j], w[n, j] if j < driven else 0.0, step)
+    last = w.size - 1
+    out = np.empty((8, w.size))
+    z, v, force = np.zeros(6), np.zeros(6), np.zeros(6)
+    z[4] = v[5] = force[2] = 1.0
+    for n in range(w.size):
+        out[0, n], out[1, n], out[2, n], out[3, n] = z[0], v[0], z[1], v[1]
+        out[4, n], out[5, n], out[6, n], out[7, n] = z[2], z[3], z[4], z[5]
+        before, after = max(n - 1, 0), min(n + 1, last)
+        slope = (change[after] - change[before]) / max(after - before, 1)
+        now_c, now_k = changed_rates(c, k, share, change[n])
+        step = transition(now_c, _within(now_k + c * turn * slope, STIFFNESS_BOUNDS), 1.0)
+        force[0], force[1], force[3] = w[n], w[n] * course[n], course[n]
+        for j in range(6):
+            new_z, new_v = _moved(z[j], v[j], force[j], step)
             z[j], v[j] = new_z, new_v
-        if not abs(z[0]) < 1e12:
-            out[:, n:] = np.nan
-            break
     return out.T
 
 

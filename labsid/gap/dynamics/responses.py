@@ -9,7 +9,6 @@ from labsid.gap.dynamics.plant_form import Named, PlantForm
 from labsid.gap.dynamics.reactions import Reaction
 
 NO_BRIM = np.inf
-STIFFNESS_BOUNDS = 1e-11, 90.0  # of k, per sample squared
 REST_TIME_CONSTANTS = 6.0  # after which a free response has ended
 NODES = np.polynomial.legendre.leggauss(8)
 MAX_ROOT_RATE = 2.4  # per sample, of a tank with square-root outflow: a faster one follows its inflow
@@ -280,33 +279,23 @@ def _speed(plant: PlantForm, own: Named, w: FloatArray, span: int, reference: fl
 def _varying(plant: PlantForm, own: Named, w: FloatArray, span: int, reference: float, late: float) -> FloatArray:
     course = _course(plant, own, w.size, span)
     change = np.expm1(course)  # of one lag of two, or of a spring
-    c, k = _changed_rates(own, change)
-    # If the second lag varies, its rate is inside the derivative of the balance equation.
-    k = np.clip(k + np.exp(own["log_c"]) * own["turn"] * np.gradient(change), *STIFFNESS_BOUNDS)
-    deviation, constant = w - reference, np.ones(w.size)
-    out = _rates.simulate_varying(np.column_stack([deviation, deviation * course, constant, course]), c, k)
-    unit = np.exp(own["log_k"])
-    return beside([out[:, :5] * unit, out[:, 6:7] * unit, out[:, [8, 10]]])
+    c, unit = np.exp(own["log_c"]), np.exp(own["log_k"])
+    out = _rates.simulate_varying(w - reference, course, change, c, unit, own["share_c"], own["turn"])
+    return beside([out[:, :6] * unit, out[:, 6:]])
 
 
 def _leak(plant: PlantForm, own: Named, w: FloatArray, span: int, reference: float, late: float) -> FloatArray:
     """A leak that starts at an instant: c and k step, and the gain at the input stays."""
-    change = np.array([0.0, np.expm1(own["drift"])])
-    c, k = _changed_rates(own, change)
-    turned = own["turn"] * own["share_c"] * np.exp(own["log_c"])  # the part of c inside the derivative
-    unit = np.exp(own["log_k"])
-    ends = (float(c[0]), float(c[1])), (float(k[0]), float(k[1]))
+    change = np.expm1(own["drift"])
+    c, unit = np.exp(own["log_c"]), np.exp(own["log_k"])
+    c1, k1 = _rates.changed_rates(c, unit, own["share_c"], 0.0)
+    c2, k2 = _rates.changed_rates(c, unit, own["share_c"], change)
+    turned = own["turn"] * own["share_c"] * c  # the part of c inside the derivative
     # If the plant settles, the load and constant columns already include the response to a constant force.
-    constant = np.full(w.size, 0.0 if _comes_to_rest(c[0], k[0], span) else 1.0)
+    constant = np.full(w.size, 0.0 if _comes_to_rest(c1, k1, span) else 1.0)
     forces = np.column_stack([w - reference, constant])
-    out = _rates.simulate_stepped(forces, *ends, own["onset"] * span, turned * change[1], turned / unit)
+    out = _rates.simulate_stepped(forces, (c1, c2), (k1, k2), own["onset"] * span, turned * change, turned / unit)
     return beside([out[:, :3] * unit, out[:, 4:5] * unit, out[:, [6, 8]]])
-
-
-def _changed_rates(own: Named, change: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """The rates c and k after a relative `change` of the restoring rate."""
-    c = np.clip(np.exp(own["log_c"]) * (1.0 + own["share_c"] * change), 1e-6, 50.0)
-    return c, np.clip(np.exp(own["log_k"]) * (1.0 + change), *STIFFNESS_BOUNDS)
 
 
 def _given(plant: PlantForm, own: Named, w: FloatArray, span: int, reference: float, late: float) -> FloatArray:

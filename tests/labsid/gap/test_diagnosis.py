@@ -263,6 +263,14 @@ def test_records_that_cannot_be_diagnosed_are_rejected(u: FloatArray, two_poles:
         diagnose(record_of(u, np.ones(SAMPLES), ""))
     with pytest.raises(ValueError, match="u of the holdout is constant"):
         diagnose(record_of(u, y, ""), holdout=record_of(np.full(SAMPLES, 3.0), y, ""))
+    with pytest.raises(ValueError, match=r"the range of u of the record must be between 1e-50 and 1e\+50; got .*e-200"):
+        diagnose(record_of(u * 1e-200, y, ""))
+    with pytest.raises(
+        ValueError, match=r"the range of y of the record must be between .*e\+6.\. Give it in another unit"
+    ):
+        diagnose(record_of(u, y * 1e60, ""))
+    with pytest.raises(ValueError, match="the sampling time of the record must be between 1e-50 and"):
+        diagnose(Record(np.arange(SAMPLES) * 1e-60, u, y, 1e-60))
     slower = Record(np.arange(SAMPLES) * 2.0, u, y, 2.0)
     with pytest.raises(ValueError, match=r"the holdout runs at 2 s, the record at 0.5 s\. Resample one of them"):
         diagnose(record_of(u, y, ""), holdout=slower)

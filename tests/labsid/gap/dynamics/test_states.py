@@ -260,22 +260,53 @@ def test_friction_with_a_break_away_peak() -> None:
         assert speed[start + 15] == pytest.approx(ramp[start + 14] - 0.3, abs=0.02)
 
 
-def test_varying_rates_are_exact_from_sample_to_sample(w: FloatArray) -> None:
-    """Driven from zero by each column of the input, then free from z = 1 and from z' = 1."""
-    c, k = np.linspace(0.5, 0.2, w.size), np.linspace(0.05, 0.3, w.size)
-    inputs = np.column_stack([w, np.ones(w.size)])
-    x, expected = np.zeros((3, 4)), []
-    x[0, 2] = x[1, 3] = 1.0
-    for values, damping, spring in zip(inputs, c, k, strict=True):
-        expected.append(x[:2].T.reshape(-1))
-        x[2, :2] = values
+@pytest.mark.parametrize(("share", "turn"), [(0.0, 0.0), (0.7, 0.4)])
+def test_varying_rates_are_exact_from_sample_to_sample(w: FloatArray, share: float, turn: float) -> None:
+    """Driven from zero by each force, then free from z = 1 and from z' = 1."""
+    course = 0.6 * np.sin(np.linspace(0.0, 4.0, w.size))
+    change = np.expm1(course)
+    c, k = 0.5 * (1.0 + share * change), 0.05 * (1.0 + change) + 0.5 * turn * np.gradient(change)
+    k = np.maximum(k, 1e-11)
+    forces = np.column_stack([w, w * course, np.ones(w.size), course])
+    x, expected = np.zeros((3, 6)), []
+    x[0, 4] = x[1, 5] = 1.0
+    for values, damping, spring in zip(forces, c, k, strict=True):
+        expected.append([*x[:2, :2].T.flat, *x[0, 2:]])
+        x[2, :4] = values
         x = expm(np.array([[0.0, 1.0, 0.0], [-spring, -damping, 1.0], [0.0, 0.0, 0.0]])) @ x
-    np.testing.assert_allclose(_rates.simulate_varying(inputs, c, k), expected, atol=1e-9)
+    found = _rates.simulate_varying(w, course, change, 0.5, 0.05, share, turn)
+    np.testing.assert_allclose(found, expected, atol=1e-9)
 
 
-def test_diverging_varying_rates_return_nan() -> None:
-    motion = _rates.simulate_varying(np.ones((200, 1)), np.full(200, -1.0), np.full(200, 0.1))
-    assert np.isnan(motion[-1, 0])
+def test_rates_stay_within_their_bounds() -> None:
+    assert _rates.changed_rates(0.5, 0.1, 1.0, -2.0) == (1e-6, 1e-11)
+    assert _rates.changed_rates(0.5, 0.1, 1.0, 1e4) == (50.0, 90.0)
+    assert _rates.changed_rates(0.5, 0.1, 0.5, 1.0) == (0.75, 0.2)
+
+
+@pytest.mark.parametrize("onset", [0.0, 40.0, 60.3, 1e3])
+def test_rates_that_step_are_exact_from_sample_to_sample(w: FloatArray, onset: float) -> None:
+    """As `scipy.linalg.expm` over each part of a sample, with a drop and a step of the speed between them."""
+    kick, push = 0.3, 0.2
+    before, after = (0.5, 0.05), (0.3, 0.2)
+    x, expected = np.zeros((3, 5)), []
+    x[0, 3] = x[1, 4] = 1.0
+
+    def advance(x: FloatArray, rates: tuple[float, float], time: float) -> FloatArray:
+        c, k = rates
+        return expm(np.array([[0.0, 1.0, 0.0], [-k, -c, 1.0], [0.0, 0.0, 0.0]]) * time) @ x
+
+    for n, value in enumerate(w):
+        expected.append(x[:2].T.reshape(-1))
+        x[2, :2] = value, 1.0
+        x = advance(x, before, min(max(onset - n, 0.0), 1.0))
+        if n <= onset < n + 1:
+            x[1] -= kick * x[0]
+            x[1, 2], x[2, 2] = push, 1.0
+        x = advance(x, after, min(max(n + 1 - onset, 0.0), 1.0))
+    forces = np.column_stack([w, np.ones(w.size)])
+    found = _rates.simulate_stepped(forces, *zip(before, after, strict=True), onset, kick, push)
+    np.testing.assert_allclose(found, expected, atol=1e-9)
 
 
 def faster(w: FloatArray, times: int, late: float) -> FloatArray:
