@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 from contextlib import ExitStack
 from dataclasses import asdict, dataclass, replace
+from itertools import combinations
 
 import numpy as np
 from threadpoolctl import threadpool_limits
@@ -147,7 +148,7 @@ class _Prepared:
         With the input filtered like that of `data`.
     data : Data
     base : Baseline
-    clocks : list of Finding
+    findings : list of Finding
     notes : tuple of str
         Sentences on what was left out.
     joined : JoinedRecords or None
@@ -159,7 +160,7 @@ class _Prepared:
     holdout: Record | None
     data: Data
     base: Baseline
-    clocks: list[Finding]
+    findings: list[Finding]
     notes: tuple[str, ...]
     joined: JoinedRecords | None = None
 
@@ -173,7 +174,9 @@ def _prepare(
 ) -> _Prepared:
     record, holdout = _common_sampling_time(record, holdout, simulation)
     _check_records(record, holdout)
-    clocks = clock_findings(record, holdout)
+    findings = clock_findings(record, holdout)
+    if holdout is not None:
+        findings += _repeated([("the record", record), ("the holdout", holdout)])
     whole, shortened = record, shorten_record(record, simulation)
     record, simulation, notes = shortened.record, shortened.simulation, shortened.notes
     if holdout is not None:
@@ -191,7 +194,7 @@ def _prepare(
         raise ValueError(
             "a simulated output is known on its own record only. Give a model or a function, or omit the holdout."
         )
-    return _Prepared(whole, record, holdout, data, base, clocks, notes)
+    return _Prepared(whole, record, holdout, data, base, findings, notes)
 
 
 def _prepare_several(
@@ -210,7 +213,7 @@ def _prepare_several(
     records = at_one_sampling_time(records, stated_sampling_time(simulation))
     for number, record in enumerate(records, 1):
         _check_record(record, label(record, number))
-    clocks = [
+    findings = [
         replace(finding, text=f"{label(record, number)}: {finding.text}")
         for number, record in enumerate(records, 1)
         for finding in clock_findings(record)
@@ -219,11 +222,12 @@ def _prepare_several(
     for number, record in enumerate(parts, 1):
         _check_record(record, label(record, number))
     joined = join_records(parts)
+    findings += _repeated([(f"the record {name}", one) for name, one in zip(joined.names, parts, strict=True)])
     simulation = read_exported(simulation, joined.record.Ts)
     scales = (simulation.u_scale, simulation.y_scale) if isinstance(simulation, ExportedModel) else None
     data = joined.data(scales)
     base = make_baseline(data, joined.record.t, simulation, order)
-    return _Prepared(joined.record, joined.record, None, data, base, clocks, notes, joined)
+    return _Prepared(joined.record, joined.record, None, data, base, findings, notes, joined)
 
 
 def _report(prepared: _Prepared, explanation: Explanation, seed: int, progress: Progress | None) -> Diagnosis:
@@ -249,7 +253,7 @@ def _report(prepared: _Prepared, explanation: Explanation, seed: int, progress: 
         report["records"] = score_by_record(joined, data, answer.score)
         shown = (record.t, record.u, record.y, *answer.outputs)
         report["traces"] = figure_traces(*(signal[inside] for signal in shown))
-    findings = [*prepared.clocks, *found, *findings_from_errors(record.u, record.y, *answer.outputs, data.rows)]
+    findings = [*prepared.findings, *found, *findings_from_errors(record.u, record.y, *answer.outputs, data.rows)]
     report["record"]["samples"] = len(prepared.whole) if joined is None else int(inside.sum())
     report["record_findings"] = [asdict(finding) for finding in findings]
     report["plateaus"] = None if plateau is None else asdict(plateau)
@@ -299,6 +303,17 @@ def _check_records(record: Record, holdout: Record | None) -> None:
             _check_record(one, name)
     if holdout is not None and abs(holdout.Ts - record.Ts) > 1e-6 * record.Ts:
         raise ValueError(f"the holdout runs at {holdout.Ts:g} s, the record at {record.Ts:g} s. Resample one of them.")
+
+
+def _repeated(records: Sequence[tuple[str, Record]]) -> list[Finding]:
+    """Which of the named records hold the samples of an earlier one."""
+    return [
+        Finding(
+            "warning", "samples", f"{name} holds the samples of {other}: the error on it is not that on another run."
+        )
+        for (other, first), (name, second) in combinations(records, 2)
+        if np.array_equal(first.u, second.u) and np.array_equal(first.y, second.y)
+    ]
 
 
 def _check_record(record: Record, name: str) -> None:

@@ -104,6 +104,8 @@ def as_output(returned: Any, samples: int, label: str) -> FloatArray:
         raise SimulatorError(f"{label} returns nothing; it must return the output, {samples} numbers.")
     if inspect.isgenerator(returned):
         raise SimulatorError(f"{label} returns a generator; it must return the output, {samples} numbers.")
+    if np.iscomplexobj(returned):
+        raise SimulatorError(f"{label} returns complex numbers; it must return the output, {samples} real numbers.")
     try:
         y = np.asarray(returned, float)
     except (TypeError, ValueError):

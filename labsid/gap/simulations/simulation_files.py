@@ -70,12 +70,23 @@ def _read_output(path: Path, record: Record) -> FloatArray:
         y = np.array([float(row["y"]) for row in rows])
     except (KeyError, TypeError, ValueError):
         raise ValueError(f"{path}: a simulated output must be a .csv with the header t,y and numbers below.") from None
-    near = 0.5 if record.jitter else 0.01  # with jitter, accept both time stamps and even times
-    if t.size != len(record) or not np.all(np.abs(t - record.t) <= near * record.Ts) or not np.isfinite(y).all():
-        raise ValueError(
-            f"{path}: must hold the output at the record's {len(record)} times; got {t.size} rows that differ."
-        )
+    got = _other_rows(t, y, record)
+    if got:
+        raise ValueError(f"{path}: must hold the output at the record's {len(record)} times; got {got}.")
     return y
+
+
+def _other_rows(t: FloatArray, y: FloatArray, record: Record) -> str:
+    """In which row a simulated output is not one at the record's times; empty if it is."""
+    if t.size != len(record):
+        return f"{t.size} rows"
+    near = 0.5 if record.jitter else 0.01  # with jitter, accept both time stamps and even times
+    others = np.flatnonzero(~(np.abs(t - record.t) <= near * record.Ts))
+    if others.size:
+        k = others[0]
+        return f"t = {t[k]:g} s in row {k + 1}, where the record has {record.t[k]:g} s"
+    missing = np.flatnonzero(~np.isfinite(y))
+    return f"y = {y[missing[0]]:g} in row {missing[0] + 1}" if missing.size else ""
 
 
 def replay(source: Path, record: Record) -> Replay:

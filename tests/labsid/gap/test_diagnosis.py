@@ -278,6 +278,17 @@ def test_records_that_cannot_be_diagnosed_are_rejected(u: FloatArray, two_poles:
         diagnose(record_of(u, y, ""), exclude=[(20.0, 1e9)])
 
 
+def test_a_record_that_is_given_twice_is_said(u: FloatArray, two_poles: Response) -> None:
+    y = 10.0 + two_poles(u) + NOISE * np.random.default_rng(1).standard_normal(SAMPLES)
+    one = record_of(u, y, "run")
+    for found, text in (
+        (diagnose(one, holdout=one), "the holdout holds the samples of the record: "),
+        (diagnose([one, one]), "the record run (2) holds the samples of the record run (1): "),
+    ):
+        (finding,) = (one for one in found.report["record_findings"] if one["topic"] == "samples")
+        assert finding["text"].startswith(text)
+
+
 def blas_threads() -> set[int]:
     return {int(pool["num_threads"]) for pool in threadpool_info() if pool["user_api"] == "blas"}
 

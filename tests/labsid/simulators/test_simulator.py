@@ -109,6 +109,7 @@ def test_a_source_that_cannot_be_opened_is_said_in_one_line(rig: Path, source: s
         (U[:-1], "returns 199 numbers for 200 samples"),
         (np.where(T < 1.0, U, np.nan), "returns numbers that are not finite; the first is sample 10"),
         ({"y": U}, "returns a dict that is not numbers"),
+        (1j * U, "returns complex numbers; it must return the output, 200 real numbers"),
     ],
 )
 def test_what_is_no_output_is_refused(returned: object, said: str) -> None:

@@ -41,9 +41,9 @@ def test_a_series_is_read_at_the_records_times(tmp_path, record):
         ("time,y\n0,1\n", "with the header t,y"),
         ("t,y\n0,one\n", "with the header t,y and numbers below"),
         ("t,y\n0\n", "with the header t,y and numbers below"),
-        ("t,y\n" + "".join(f"{0.5 * k},nan\n" for k in range(200)), "rows that differ"),
-        ("t,y\n" + "".join(f"{0.5 * k + 0.1},1\n" for k in range(200)), "rows that differ"),
-        ("t,y\n" + "".join(f"{'nan' if k == 7 else 0.5 * k},1\n" for k in range(200)), "rows that differ"),
+        ("t,y\n" + "".join(f"{0.5 * k},nan\n" for k in range(200)), "200 times; got y = nan in row 1"),
+        ("t,y\n" + "".join(f"{0.5 * k + 0.1},1\n" for k in range(200)), "t = 0.1 s in row 1, where the record has 0 s"),
+        ("t,y\n" + "".join(f"{'nan' if k == 7 else 0.5 * k},1\n" for k in range(200)), "t = nan s in row 8, where"),
     ],
 )
 def test_series_that_are_none(tmp_path, record, text, words):
