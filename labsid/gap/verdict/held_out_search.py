@@ -114,6 +114,7 @@ class _Pool:
         self.data = replace(held_out.data, by_free_run=True)
         self.highpass = fit_highpass(self.data, start.fit)
         self.extended = {start.names}  # combinations to which every further effect has been added
+        self.removed: set[tuple[Fit, str]] = set()  # effects of a fit without which it has been refitted
 
     def add(self, fits: Iterable[Fit]) -> None:
         """Keep the fits that are the best of their names; none where the budget of runs did not suffice for its fit."""
@@ -131,7 +132,8 @@ class _Pool:
     def without(self, candidate: Candidate, name: str) -> Candidate:
         """The best candidate with one effect less."""
         names = candidate.names - {name}
-        if names:
+        if names and (candidate.fit, name) not in self.removed:
+            self.removed.add((candidate.fit, name))
             fewer = remove_named_effect(self.held_out.data, candidate.fit, name)
             self.add([] if fewer is None else [fewer])
         return self.best.get(names, self.start)
