@@ -1,8 +1,9 @@
-"""The gap diagnosis compared with a plain search in scipy, on one core.
+"""The gap diagnosis compared with a plain search in scipy, on one core, and how its time grows.
 
 `make bench` runs it. The record has 1,500 samples: a rig of two lags under levels, with a dead zone and a load that
 sets in late, 1 % noise. labsid tries its whole table, then a second effect on top of the best three, and a third while
-that gains; the figure is warm: a first run, which loads what is compiled, does not count.
+that gains; the figure is warm: a first run, which loads what is compiled, does not count. The second table has other
+numbers of samples, of effects in the rig, and of families of effects that are tried.
 
 The peer is written for this comparison, with care: `solve_ivp` from one change of the actuator's signal to the next
 (where nothing jumps, so that its steps can be long), `least_squares` over the free-run error with the linear part free,
@@ -17,32 +18,42 @@ import time
 from collections.abc import Callable
 from dataclasses import dataclass
 from itertools import pairwise
+from unittest import mock
 
 import numpy as np
 from numpy.typing import NDArray
 from rich.console import Console
-from rich.table import Table
+from rich.table import Column, Table
 from scipy.integrate import solve_ivp
 from scipy.optimize import least_squares
 from scipy.signal import lfilter
 
 from labsid.gap.diagnosis import diagnose
+from labsid.gap.effects.families import CANDIDATES as FAMILIES
 from labsid.records.record import Record
 
 Array = NDArray[np.float64]
 
 SAMPLES, HOLD, TS = 1500, 20, 0.5
+EFFECTS = 2
 
 
-def record(samples: int = SAMPLES) -> Record:
-    """Two lags behind a dead zone from 1.9 to 2.6, the input between 1 and 4; a load begins at 70 % of the record."""
+def record(samples: int = SAMPLES, effects: int = EFFECTS) -> Record:
+    """Two lags behind a dead zone from 1.9 to 2.6, the input between 1 and 4; a load begins at 70 % of the record.
+
+    With three effects the sensor clips, too; with one there is the dead zone only.
+    """
     rng = np.random.default_rng(0)
-    u = np.repeat(rng.uniform(1.0, 4.0, -(-samples // HOLD)), HOLD)[:samples]
-    w = np.minimum(u - 1.9, 0.0) + np.maximum(u - 2.6, 0.0)
-    w = w - np.where(np.arange(samples) >= 0.7 * samples, 0.3, 0.0)
+    u = w = np.repeat(rng.uniform(1.0, 4.0, -(-samples // HOLD)), HOLD)[:samples]
+    if effects > 0:
+        w = np.minimum(u - 1.9, 0.0) + np.maximum(u - 2.6, 0.0)
+    if effects > 1:
+        w = w - np.where(np.arange(samples) >= 0.7 * samples, 0.3, 0.0)
     y = w[0] + lfilter([0.0, 0.01], np.poly([0.95, 0.8]), w - w[0])
+    if effects > 2:
+        y = np.minimum(y, np.quantile(y, 0.85))
     y = np.asarray(y + 0.01 * np.std(y) * rng.standard_normal(samples), float)
-    return Record(TS * np.arange(samples), u, y, TS, name="dead zone and load")
+    return Record(TS * np.arange(samples), u, y, TS, name=f"a rig with {effects} effects")
 
 
 @dataclass(frozen=True)
@@ -146,6 +157,27 @@ def timed(search: Callable[[Record], tuple[int, str, float]], r: Record, runs: i
     return min(times), [str(tried), names, f"{rms:.4f}"]
 
 
+def growth() -> Table:
+    """Seconds of the diagnosis by samples, by effects in the rig, and by families of effects tried."""
+    needed = ("input-dead-zone", "load-step")
+    families = sorted(FAMILIES, key=lambda forms: forms[0].name not in needed)
+    count = len(families)
+    cases = {
+        "samples": [(n, record(n), count) for n in (750, 1500, 3000, 6000, 10**6)],
+        "effects in the rig": [(n, record(effects=n), count) for n in range(4)],
+        "families tried": [(n, record(), n) for n in (count // 4, count // 2, count)],
+    }
+    table = Table("", "", "s", Column("answer", overflow="fold"), title_justify="left")
+    table.title = f"Growth, from {SAMPLES:,} samples, {EFFECTS} effects and {count} families"
+    for what, group in cases.items():
+        for number, r, tried in group:
+            with mock.patch("labsid.gap.search.beam_search.CANDIDATES", tuple(families[:tried])):
+                seconds, (_, names, _) = timed(labsid_search, r, 1)
+            table.add_row(what, f"{number:,}", f"{seconds:.1f}", names)
+        table.add_section()
+    return table
+
+
 def main() -> None:
     parser = argparse.ArgumentParser(description="the gap diagnosis beside a search written with scipy")
     parser.add_argument("--samples", type=int, default=SAMPLES, help="length of the record")
@@ -162,6 +194,7 @@ def main() -> None:
     other, found = timed(scipy_search, r, 1)
     table.add_row("scipy", f"{other:.1f}", f"{other / seconds:.1f}", *found)
     Console().print(table)
+    Console().print(growth())
 
 
 if __name__ == "__main__":
