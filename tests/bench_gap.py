@@ -168,7 +168,7 @@ def growth() -> Table:
         "families tried": [(n, record(), n) for n in (count // 4, count // 2, count)],
     }
     table = Table("", "", "s", Column("answer", overflow="fold"), title_justify="left")
-    table.title = f"Growth, from {SAMPLES:,} samples, {EFFECTS} effects and {count} families"
+    table.title = f"Time of the diagnosis; otherwise {SAMPLES:,} samples, {EFFECTS} effects and {count} families"
     for what, group in cases.items():
         for number, r, tried in group:
             with mock.patch("labsid.gap.search.beam_search.CANDIDATES", tuple(families[:tried])):
