@@ -98,7 +98,7 @@ class Point:
 class Problem:
     """Least-squares problem of one hypothesis on one record with one whitening filter."""
 
-    def __init__(self, data: Data, hypothesis: Hypothesis, ar: FloatArray) -> None:
+    def __init__(self, data: Data, hypothesis: Hypothesis, ar: FloatArray = UNFILTERED) -> None:
         self.data, self.hypothesis, self.ar = data, hypothesis, ar
         counted = data.rows
         if ar.size:  # the filter sees zeros before the record: its first rows determine the initial state
@@ -168,7 +168,7 @@ class Problem:
             return Point(theta, gains, design, output, error, float(error @ error) / self.count)
 
     def jacobian(self, at: Point) -> FloatArray | None:
-        """Derivatives of the (whitened) output by theta and the gains, in this order."""
+        """Derivatives of the (whitened) output by theta and the gains, in this order; None where they diverge."""
         upper = self.hypothesis.bounds[1]
         searched = at.theta.size
         J = np.empty((self.data.samples, searched + at.gains.size), order="F")
@@ -183,9 +183,9 @@ class Problem:
         return J if (np.abs(J[-1]) < DIVERGED).all() else None
 
 
-def evaluate(data: Data, hypothesis: Hypothesis, thetas: Iterable[FloatArray]) -> list[Point]:
-    """Evaluate a hypothesis at each theta, within its bounds, with the best gains; without those that diverge."""
-    problem, points = Problem(data, hypothesis, UNFILTERED), list[Point]()
+def evaluate(problem: Problem, thetas: Iterable[FloatArray]) -> list[Point]:
+    """The points at each theta, without those where the simulation diverges."""
+    points: list[Point] = []
     for theta in thetas:
         at = problem.start(theta, near=points[-1].design if points else None)
         if at is not None:
@@ -203,21 +203,14 @@ def minimize(
     tolerance: float = 1e-5,
 ) -> Point | None:
     """Minimize the output error by Levenberg-Marquardt from `theta`; None if the start cannot be simulated."""
-    at = Problem(data, hypothesis, ar).start(theta, gains)
-    return None if at is None else descend(data, hypothesis, at, iterations, ar, tolerance)
-
-
-def descend(
-    data: Data,
-    hypothesis: Hypothesis,
-    at: Point,
-    iterations: int,
-    ar: FloatArray = UNFILTERED,
-    tolerance: float = 1e-5,
-) -> Point:
-    """Minimize the output error by Levenberg-Marquardt from a point of `evaluate` or of an earlier descent."""
     problem = Problem(data, hypothesis, ar)
-    lower, upper = hypothesis.bounds
+    at = problem.start(theta, gains)
+    return None if at is None else descend(problem, at, iterations, tolerance)
+
+
+def descend(problem: Problem, at: Point, iterations: int, tolerance: float = 1e-5) -> Point:
+    """Minimize the output error by Levenberg-Marquardt from a point of the same problem."""
+    lower, upper = problem.hypothesis.bounds
     searched = at.theta.size
     damping = 1e-3
     for _ in range(iterations):

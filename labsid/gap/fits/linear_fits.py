@@ -10,7 +10,7 @@ from labsid.gap.dynamics.responses import single_pole
 from labsid.gap.effects import output
 from labsid.gap.effects.dynamics import DirectFeedthrough
 from labsid.gap.effects.restarts import Restarts
-from labsid.gap.fits.fitting import UNFILTERED, Fit, Point, Problem, descend, finish, minimize
+from labsid.gap.fits.fitting import Fit, Point, Problem, descend, finish, minimize
 from labsid.gap.fits.hypothesis import Hypothesis
 from labsid.gap.fits.undriven_poles import has_undriven_pole
 from labsid.gap.record.data import Data
@@ -40,7 +40,7 @@ def fit_baseline(data: Data, hypothesis: Hypothesis = LINEAR, start: FloatArray 
     best = _least(minimize(data, hypothesis, theta, iterations=12) for theta in starts)
     if best is None:
         raise _no_fit(hypothesis.plant.simulation.meter)
-    best = descend(data, hypothesis, best, iterations=30, tolerance=1e-8)
+    best = descend(Problem(data, hypothesis), best, iterations=30, tolerance=1e-8)
     if hypothesis.plant.simulation.rough:
         best = _least([best, _without_derivatives(data, hypothesis, best.theta)]) or best
     return finish(data, hypothesis, best)
@@ -50,7 +50,7 @@ def _without_derivatives(data: Data, hypothesis: Hypothesis, start: FloatArray) 
     """Fit a given simulation by differential evolution, which uses no derivatives; None if its budget is too small."""
     from scipy.optimize import differential_evolution
 
-    problem = Problem(data, hypothesis, UNFILTERED)
+    problem = Problem(data, hypothesis)
 
     def cost(theta: FloatArray) -> float:
         point = problem.point(theta)

@@ -12,7 +12,7 @@ from labsid.gap.dynamics.responses import real_rates, single_pole
 from labsid.gap.effects.base import Effect, Fitted, InputEffect, PlantEffect
 from labsid.gap.effects.context import Context
 from labsid.gap.effects.dynamics import Placed
-from labsid.gap.fits.fitting import Fit, Point, descend, evaluate, finish, fit_from
+from labsid.gap.fits.fitting import Fit, Point, Problem, descend, evaluate, finish, fit_from
 from labsid.gap.fits.hypothesis import Hypothesis
 from labsid.gap.fits.undriven_poles import has_undriven_pole
 from labsid.gap.record.data import Data
@@ -27,7 +27,7 @@ MAX_SINGLE_RATE = 1.0  # per sample: nonlinearity of a faster state is hardly ob
 SLOW_RATIO = 4.0  # mean square error over the variance of its innovations, from which a residual is slow
 QUICK_STARTS = 4  # start points of all variants of a second or third effect
 
-_Start = tuple[Hypothesis, Point]
+_Start = tuple[Problem, Point]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -57,21 +57,22 @@ def trial_fits(data: Data, parent: Fit, group: tuple[Effect, ...], highpass: Fit
     for effect in group:
         if effect.applies(context) and is_compatible(parent, effect):
             for hypothesis in extended_hypotheses(parent.hypothesis, effect):
-                points = evaluate(data, hypothesis, start_points(context, hypothesis, effect))
-                starts = [(hypothesis, point) for point in sorted(points, key=attrgetter("cost"))]
+                problem = Problem(data, hypothesis)
+                points = evaluate(problem, start_points(context, hypothesis, effect))
+                starts = [(problem, point) for point in sorted(points, key=attrgetter("cost"))]
                 selected += _in_turn(starts)[:STARTS_PER_VARIANT]
     if brief:
         selected = _quick_selection(selected)
     found = []
-    for hypothesis, start in selected:
-        point = descend(data, hypothesis, start, iterations=2 if brief else 3, tolerance=1e-2)
-        found.append(_trial(data, hypothesis, point))
+    for problem, start in selected:
+        point = descend(problem, start, iterations=2 if brief else 3, tolerance=1e-2)
+        found.append(_trial(data, problem.hypothesis, point))
     return sorted(found, key=lambda trial: trial.score)
 
 
 def _in_turn(ranked: list[_Start]) -> list[_Start]:
     """The start points in turn from every centre: about a wrong one a motor never reverses and is nearly linear."""
-    if not ranked or "centre" not in (names := [p.name for p in ranked[0][0].parameters]):
+    if not ranked or "centre" not in (names := [p.name for p in ranked[0][0].hypothesis.parameters]):
         return ranked
     at = names.index("centre")
     taken: dict[float, int] = {}
@@ -86,7 +87,7 @@ def _in_turn(ranked: list[_Start]) -> list[_Start]:
 def _quick_selection(starts: list[_Start]) -> list[_Start]:
     """A few starts: first the best one of each variant, then the others."""
     ranked = sorted(starts, key=lambda start: start[1].cost)
-    seen: set[Hypothesis] = set()
+    seen: set[Problem] = set()
     first = [not (item[0] in seen or seen.add(item[0])) for item in ranked]  # type: ignore[func-returns-value]
     order = sorted(range(len(ranked)), key=lambda i: not first[i])
     return [ranked[i] for i in order[:QUICK_STARTS]]
@@ -107,7 +108,7 @@ def best_fit(data: Data, trials: list[Trial], kept: int = 3) -> Fit | None:
     """The best plausible fit after minimizing a few trials to convergence; None if none is plausible."""
     found: list[Fit] = []
     for trial in _two_variants(reranked(data, trials, 2 * kept), kept):
-        end = descend(data, trial.hypothesis, trial.point, iterations=25)
+        end = descend(Problem(data, trial.hypothesis), trial.point, iterations=25)
         fit = finish(data, trial.hypothesis, end)
         found += [one for one in (fit, *_grown(data, fit)) if is_plausible(data, one)]
     return best_form(found) if found else None
@@ -135,7 +136,7 @@ def reranked(data: Data, trials: list[Trial], count: int) -> list[Trial]:
 
 
 def _continued(data: Data, trial: Trial, iterations: int) -> Trial:
-    point = descend(data, trial.hypothesis, trial.point, iterations, tolerance=1e-2)
+    point = descend(Problem(data, trial.hypothesis), trial.point, iterations, tolerance=1e-2)
     return _trial(data, trial.hypothesis, point)
 
 

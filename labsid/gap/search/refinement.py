@@ -6,7 +6,7 @@ import numpy as np
 
 from labsid._arrays import FloatArray
 from labsid.gap.fits.fast_least_squares import scaled_gram
-from labsid.gap.fits.fitting import UNFILTERED, Fit, Point, Problem, descend, finish, minimize, rms
+from labsid.gap.fits.fitting import Fit, Point, Problem, descend, finish, minimize, rms
 from labsid.gap.record.data import Data
 from labsid.gap.search.candidates import best_form
 from labsid.gap.search.forms import remove_effect
@@ -20,28 +20,29 @@ def converge(data: Data, fit: Fit) -> Fit:
     """Minimize to convergence, with leaps out of local minima."""
     hypothesis = fit.hypothesis
     lower, upper = hypothesis.bounds
-    at = minimize(data, hypothesis, fit.theta, fit.gains, iterations=25, tolerance=1e-5)
-    if at is None:
+    problem = Problem(data, hypothesis)
+    start = problem.start(fit.theta, fit.gains)
+    if start is None:
         return fit
-    problem = Problem(data, hypothesis, UNFILTERED)
+    at = descend(problem, start, iterations=25)
     leaping = [(i, parameter.leap) for i, parameter in enumerate(hypothesis.parameters) if parameter.leap]
     for _ in range(3 if leaping else 0):
         before = at.cost
         valleys = valley_directions(problem, at)
         for i, distance in leaping:
             direction = np.eye(lower.size)[i]
-            for leap in LEAP_FACTORS:
-                far = np.clip(at.theta[i] + leap * distance, lower[i], upper[i]) - at.theta[i]
+            for factor in LEAP_FACTORS:
+                far = np.clip(at.theta[i] + factor * distance, lower[i], upper[i]) - at.theta[i]
                 leaps = [_leap(problem, at, far * along) for along in (valleys[i], direction)] if far else []
-                start = min((one for one in leaps if one is not None), key=attrgetter("cost"), default=at)
-                if start is not at and start.cost < MAX_START_COST * at.cost:
-                    other = descend(data, hypothesis, start, iterations=4, tolerance=1e-3)
+                leap = min((one for one in leaps if one is not None), key=attrgetter("cost"), default=at)
+                if leap is not at and leap.cost < MAX_START_COST * at.cost:
+                    other = descend(problem, leap, iterations=4, tolerance=1e-3)
                     if other.cost < (1.0 - 1e-4) * at.cost:
                         at = other
                         break
         if at.cost > (1.0 - 1e-3) * before:
             break
-    new = finish(data, hypothesis, descend(data, hypothesis, at, iterations=25, tolerance=1e-6))
+    new = finish(data, hypothesis, descend(problem, at, iterations=25, tolerance=1e-6))
     return best_form([fit, new])
 
 

@@ -8,7 +8,7 @@ from scipy.optimize import minimize_scalar
 from labsid._arrays import FloatArray
 from labsid.gap.dynamics import _kernels
 from labsid.gap.dynamics.responses import real_rates, single_pole
-from labsid.gap.fits.fitting import UNFILTERED, Fit, Problem, finish
+from labsid.gap.fits.fitting import Fit, Problem, finish
 from labsid.gap.fits.hypothesis import Hypothesis
 from labsid.gap.fits.linear_fits import LINEAR, linear_structure_of
 from labsid.gap.record.data import Data
@@ -83,7 +83,7 @@ def fit_first_order(data: Data, like: Fit | None = None) -> Fit:
     `like` states what belongs to each of several records.
     """
     structure = LINEAR if like is None else linear_structure_of(like)
-    problem = Problem(data, structure, UNFILTERED)
+    problem = Problem(data, structure)
     slowest = np.log(OBSERVED_TIME_CONSTANTS / data.longest)
     grid = np.linspace(slowest, np.log(FASTEST_RATE), 20)
 
@@ -118,8 +118,8 @@ def fit_arx_poles(data: Data, like: Fit | None = None) -> Fit:
     output = _kernels.section(u - u[0], -theta[0], -theta[1])[:, :2] @ theta[2:4]
     if not (np.isfinite(output).all() and np.abs(output).max() < 1e6):
         return _fit_at(data, structure, at)
-    gains = Problem(replace(data, y=output), structure, UNFILTERED).point(at)
-    free = Problem(data, structure, UNFILTERED).point(at)
+    gains = Problem(replace(data, y=output), structure).point(at)
+    free = Problem(data, structure).point(at)
     if gains is None or free is None:
         return _fit_at(data, structure, at)
     # The numerator is that of least squares; constant and initial state are those of the free run.
@@ -141,7 +141,7 @@ def _theta(c: float, k: float) -> FloatArray:
 
 def _fit_at(data: Data, structure: Hypothesis, theta: FloatArray) -> Fit:
     """The best gains at fixed poles."""
-    point = Problem(data, structure, UNFILTERED).point(theta)
+    point = Problem(data, structure).point(theta)
     if point is None:
         raise ValueError("no linear model can be simulated on this record. Check the signals.")
     return finish(data, structure, point)

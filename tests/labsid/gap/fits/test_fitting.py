@@ -12,7 +12,7 @@ from labsid.gap.dynamics._kernels import delayed
 from labsid.gap.dynamics.given_simulation import GivenSimulation
 from labsid.gap.dynamics.plants import Plant
 from labsid.gap.effects import disturbance, input, output, periodic
-from labsid.gap.fits.fitting import Fit, covariance, evaluate, finish, minimize, refit, rms
+from labsid.gap.fits.fitting import Fit, Problem, covariance, evaluate, finish, minimize, refit, rms
 from labsid.gap.fits.hypothesis import Hypothesis
 from labsid.gap.record.data import Data, Scale, complete_rows
 from labsid.gap.search.refinement import converge, polish
@@ -224,15 +224,15 @@ def test_a_simulation_that_diverges_is_no_point(levels: FloatArray, growth: floa
     failing = GivenSimulation(lambda w, numbers: growth ** np.arange(w.size))
     nowhere = Hypothesis(given=Plant(kind="given", simulation=failing))
     assert minimize(data, nowhere, np.array([0.0])) is None
-    assert evaluate(data, nowhere, [np.array([0.0])]) == []
-    assert evaluate(data, LINEAR, [TRUTH])[0].cost < 1.0
+    assert evaluate(Problem(data, nowhere), [np.array([0.0])]) == []
+    assert evaluate(Problem(data, LINEAR), [TRUTH])[0].cost < 1.0
 
 
 def test_at_start_is_the_cost_before_any_step(band: tuple[Hypothesis, FloatArray, Data]) -> None:
     hypothesis, theta, data = band
     point = minimize(data, hypothesis, theta, iterations=0)
     assert point is not None
-    assert evaluate(data, hypothesis, [theta])[0].cost == point.cost
+    assert evaluate(Problem(data, hypothesis), [theta])[0].cost == point.cost
     assert point.cost == pytest.approx(np.mean((data.y - point.output) ** 2))
 
 

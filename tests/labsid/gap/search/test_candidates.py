@@ -16,7 +16,7 @@ from labsid.gap.effects import disturbance, drifts, dynamics, input, output, per
 from labsid.gap.effects.base import Effect
 from labsid.gap.effects.context import Context
 from labsid.gap.effects.families import CANDIDATES
-from labsid.gap.fits.fitting import Fit, evaluate, finish, minimize, rms
+from labsid.gap.fits.fitting import Fit, Problem, evaluate, finish, minimize, rms
 from labsid.gap.fits.hypothesis import Hypothesis
 from labsid.gap.fits.linear_fits import LINEAR, fit_baseline, fit_highpass
 from labsid.gap.record.data import Data, scaled
@@ -400,10 +400,10 @@ def test_a_periodic_disturbance_on_a_state_starts_at_the_linear_amplitude_and_ph
     place = hypothesis.slices["plant"].start
     swings = [place + hypothesis.plant.index(name) for name in ("shake_cos", "shake_sin")]
     thetas = list(start_points(context, hypothesis, effect))
-    shaken = min(point.cost for point in evaluate(data, hypothesis, thetas))
+    shaken = min(point.cost for point in evaluate(Problem(data, hypothesis), thetas))
     for theta in thetas:
         theta[swings] = 0.0
-    still = min(point.cost for point in evaluate(data, hypothesis, thetas))
+    still = min(point.cost for point in evaluate(Problem(data, hypothesis), thetas))
     assert shaken < 0.2 * still
 
 

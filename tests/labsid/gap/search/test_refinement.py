@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from labsid.gap.effects import dynamics, periodic
-from labsid.gap.fits.fitting import UNFILTERED, Fit, Problem, finish, minimize
+from labsid.gap.fits.fitting import Fit, Problem, finish, minimize
 from labsid.gap.fits.hypothesis import Hypothesis
 from labsid.gap.record.data import Data, scaled
 from labsid.gap.search.forms import transfer_theta
@@ -42,7 +42,7 @@ def test_refinement_corrects_a_delay_hidden_by_friction(seed: int) -> None:
 
 def test_the_cost_rises_least_along_a_valley() -> None:
     data, fit = sticking(3)
-    problem = Problem(data, STICKING, UNFILTERED)
+    problem = Problem(data, STICKING)
     at = problem.point(converge(data, fit).theta)
     assert at is not None
     valleys = valley_directions(problem, at)

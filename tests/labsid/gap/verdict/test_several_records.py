@@ -17,7 +17,7 @@ from labsid.gap.diagnosis import Diagnosis, diagnose
 from labsid.gap.effects.families import EFFECTS_BY_KEY
 from labsid.gap.effects.play import Play
 from labsid.gap.effects.restarts import PlayByRecord, in_one_record, in_records
-from labsid.gap.fits.fitting import UNFILTERED, Problem
+from labsid.gap.fits.fitting import Problem
 from labsid.gap.fits.hypothesis import Hypothesis
 from labsid.gap.fits.linear_fits import fit_baseline
 from labsid.gap.model_file import START_SAMPLES, export_model, from_json_dict
@@ -91,7 +91,7 @@ def test_every_pole_has_an_initial_state_in_each_record(key: str, others: list[c
     rates = {"log_c": np.log(-np.log(0.95 * 0.8)), "log_k": np.log(np.log(0.95) * np.log(0.8))}
     damping = {"log_damping": np.log(-np.log(0.99)) - own.get("log_frequency", 0.0)}
     theta = np.array([(rates | damping | own).get(one.name, 0.0) for one in hypothesis.parameters])
-    point = Problem(data, hypothesis, UNFILTERED).point(theta)
+    point = Problem(data, hypothesis).point(theta)
     assert point is not None
     assert np.abs(point.error).max() < 1e-4
 
