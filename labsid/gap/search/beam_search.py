@@ -178,7 +178,7 @@ def _extensions(
         if group[0].name not in parent.hypothesis.names:
             host = parent if any(is_compatible(parent, effect) for effect in group) else plain
             tried.append(trial_fits(data, host, group, highpass, brief=step > 0))
-    return tried if step == 0 else _refined_groups(data, tried, FITTED_EFFECTS)
+    return tried if step == 0 else _refined_groups(tried, FITTED_EFFECTS)
 
 
 def _candidates(data: Data) -> tuple[tuple[Effect, ...], ...]:
@@ -207,8 +207,8 @@ def with_constant_load(data: Data, parent: Fit) -> Fit:
     return fit_from(data, other, transfer_theta(parent, other)) or parent
 
 
-def _refined_groups(data: Data, tried: list[list[Trial]], count: int) -> list[list[Trial]]:
-    return _best_groups([refine_first(data, few) for few in _best_groups(tried, REFINED_EFFECTS)], count)
+def _refined_groups(tried: list[list[Trial]], count: int) -> list[list[Trial]]:
+    return _best_groups([refine_first(few) for few in _best_groups(tried, REFINED_EFFECTS)], count)
 
 
 def _best_groups(tried: list[list[Trial]], count: int) -> list[list[Trial]]:
@@ -227,7 +227,7 @@ def _replacements(data: Data, fit: Fit, highpass: Fit) -> Iterable[Fit | None]:
                 for group in _candidates(data)
                 if group[0].name not in names
             ]
-            for few in _refined_groups(data, tried, FITTED_REPLACEMENTS):
+            for few in _refined_groups(tried, FITTED_REPLACEMENTS):
                 yield best_fit(data, few, kept=1)
 
 

@@ -27,24 +27,35 @@ MAX_SINGLE_RATE = 1.0  # per sample: nonlinearity of a faster state is hardly ob
 SLOW_RATIO = 4.0  # mean square error over the variance of its innovations, from which a residual is slow
 QUICK_STARTS = 4  # start points of all variants of a second or third effect
 
-_Start = tuple[Problem, Point]
-
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Trial:
-    """A parent with one more effect after a few iterations.
+    """A parent with one more effect, at a start or after a few iterations.
 
     Attributes
     ----------
-    hypothesis : Hypothesis
+    problem : Problem
     point : Point
-    score : float
-        BIC under white noise; lower is better.
     """
 
-    hypothesis: Hypothesis
+    problem: Problem
     point: Point
-    score: float
+
+    @property
+    def hypothesis(self) -> Hypothesis:
+        """The hypothesis."""
+        return self.problem.hypothesis
+
+    @property
+    def score(self) -> float:
+        """BIC under white noise; lower is better."""
+        count = self.problem.count
+        free = self.point.theta.size + np.count_nonzero(self.point.gains)
+        return float(count * np.log(self.point.cost) + free * np.log(count))
+
+    def continued(self, iterations: int) -> "Trial":
+        """The trial after some more iterations."""
+        return Trial(self.problem, descend(self.problem, self.point, iterations, tolerance=1e-2))
 
 
 def trial_fits(data: Data, parent: Fit, group: tuple[Effect, ...], highpass: Fit, brief: bool = False) -> list[Trial]:
@@ -53,63 +64,52 @@ def trial_fits(data: Data, parent: Fit, group: tuple[Effect, ...], highpass: Fit
     The list is empty if the record cannot identify the effect. `brief` uses fewer starts and iterations.
     """
     context = Context(data, parent, highpass)
-    selected = []
+    selected: list[Trial] = []
     for effect in group:
         if effect.applies(context) and is_compatible(parent, effect):
             for hypothesis in extended_hypotheses(parent.hypothesis, effect):
                 problem = Problem(data, hypothesis)
                 points = evaluate(problem, start_points(context, hypothesis, effect))
-                starts = [(problem, point) for point in sorted(points, key=attrgetter("cost"))]
+                starts = [Trial(problem, point) for point in sorted(points, key=attrgetter("cost"))]
                 selected += _in_turn(starts)[:STARTS_PER_VARIANT]
     if brief:
         selected = _quick_selection(selected)
-    found = []
-    for problem, start in selected:
-        point = descend(problem, start, iterations=2 if brief else 3, tolerance=1e-2)
-        found.append(_trial(data, problem.hypothesis, point))
-    return sorted(found, key=lambda trial: trial.score)
+    return sorted((start.continued(2 if brief else 3) for start in selected), key=attrgetter("score"))
 
 
-def _in_turn(ranked: list[_Start]) -> list[_Start]:
+def _in_turn(ranked: list[Trial]) -> list[Trial]:
     """The start points in turn from every centre: about a wrong one a motor never reverses and is nearly linear."""
-    if not ranked or "centre" not in (names := [p.name for p in ranked[0][0].hypothesis.parameters]):
+    if not ranked or "centre" not in (names := [p.name for p in ranked[0].hypothesis.parameters]):
         return ranked
     at = names.index("centre")
     taken: dict[float, int] = {}
     turns = []
-    for _, point in ranked:
-        centre = point.theta[at]
+    for start in ranked:
+        centre = start.point.theta[at]
         taken[centre] = taken.get(centre, 0) + 1
         turns.append(taken[centre])
     return [ranked[i] for i in sorted(range(len(ranked)), key=turns.__getitem__)]
 
 
-def _quick_selection(starts: list[_Start]) -> list[_Start]:
+def _quick_selection(starts: list[Trial]) -> list[Trial]:
     """A few starts: first the best one of each variant, then the others."""
-    ranked = sorted(starts, key=lambda start: start[1].cost)
+    ranked = sorted(starts, key=attrgetter("point.cost"))
     seen: set[Problem] = set()
-    first = [not (item[0] in seen or seen.add(item[0])) for item in ranked]  # type: ignore[func-returns-value]
+    first = [not (one.problem in seen or seen.add(one.problem)) for one in ranked]  # type: ignore[func-returns-value]
     order = sorted(range(len(ranked)), key=lambda i: not first[i])
     return [ranked[i] for i in order[:QUICK_STARTS]]
 
 
-def refine_first(data: Data, trials: list[Trial]) -> list[Trial]:
+def refine_first(trials: list[Trial]) -> list[Trial]:
     """Continue the first trial for a few iterations."""
-    return [_continued(data, trials[0], 4), *trials[1:]]
-
-
-def _trial(data: Data, hypothesis: Hypothesis, point: Point) -> Trial:
-    count = int(data.rows.sum())
-    free = point.theta.size + np.count_nonzero(point.gains)
-    return Trial(hypothesis, point, count * np.log(point.cost) + free * np.log(count))
+    return [trials[0].continued(4), *trials[1:]]
 
 
 def best_fit(data: Data, trials: list[Trial], kept: int = 3) -> Fit | None:
     """The best plausible fit after minimizing a few trials to convergence; None if none is plausible."""
     found: list[Fit] = []
-    for trial in _two_variants(reranked(data, trials, 2 * kept), kept):
-        end = descend(Problem(data, trial.hypothesis), trial.point, iterations=25)
-        fit = finish(data, trial.hypothesis, end)
+    for trial in _two_variants(reranked(trials, 2 * kept), kept):
+        fit = finish(data, trial.hypothesis, descend(trial.problem, trial.point, iterations=25))
         found += [one for one in (fit, *_grown(data, fit)) if is_plausible(data, one)]
     return best_form(found) if found else None
 
@@ -128,16 +128,11 @@ def best_form(fits: Sequence[Fit]) -> Fit:
     return min(fits, key=lambda fit: count * np.log(fit.free_run) + fit.n_free * np.log(count) + _penalty(fit))
 
 
-def reranked(data: Data, trials: list[Trial], count: int) -> list[Trial]:
+def reranked(trials: list[Trial], count: int) -> list[Trial]:
     """Continue the first trials for some iterations and sort them again: the best one need not lead from the start."""
     if len(trials) <= count // 2:
         return trials
-    return sorted((_continued(data, trial, 6) for trial in trials[:count]), key=lambda trial: trial.score)
-
-
-def _continued(data: Data, trial: Trial, iterations: int) -> Trial:
-    point = descend(Problem(data, trial.hypothesis), trial.point, iterations, tolerance=1e-2)
-    return _trial(data, trial.hypothesis, point)
+    return sorted((trial.continued(6) for trial in trials[:count]), key=attrgetter("score"))
 
 
 def is_plausible(data: Data, fit: Fit, last: int = 1) -> bool:

@@ -338,11 +338,11 @@ def test_reranking_continues_the_first_trials_and_sorts_them_again(banded: Expla
     data, base = banded.data, banded.path[0]
     tried = trial_fits(data, base, (input.DeadZone(), input.Backlash()), base)
     assert len(tried) > 6
-    raced = reranked(data, tried, 6)
+    raced = reranked(tried, 6)
     assert len(raced) == 6
     assert [trial.score for trial in raced] == sorted(trial.score for trial in raced)
     assert raced[0].score < min(trial.score for trial in tried)
-    assert reranked(data, tried[:3], 6) == tried[:3]
+    assert reranked(tried[:3], 6) == tried[:3]
 
 
 def test_the_right_effect_is_found_although_its_start_ranks_fourth(banded: Explanation) -> None:
