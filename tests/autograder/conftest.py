@@ -10,6 +10,8 @@ from autograder.course.build import build_course
 from autograder.course.layout import Course
 from autograder.sandbox.isolation import Limits, ProcessLauncher, open_launcher
 
+LIMITS = Limits(cell_seconds=20, call_seconds=10)
+
 
 @pytest.fixture(scope="session")
 def kept() -> Iterator[Kept]:
@@ -40,7 +42,7 @@ def course(tmp_path_factory: pytest.TempPathFactory) -> Course:
 @pytest.fixture(scope="session")
 def launcher() -> Iterator[ProcessLauncher]:
     """Starts students' processes, with short limits."""
-    with open_launcher(limits=Limits(cell_seconds=20, call_seconds=10)) as opened:
+    with open_launcher(limits=LIMITS) as opened:
         yield opened
 
 
@@ -48,7 +50,7 @@ def launcher() -> Iterator[ProcessLauncher]:
 def grade_code(course: Course) -> Iterator[GradeCode]:
     """Grade the model solution with some cells replaced: ``grade_code(assignment, {cell id: source}, record=path)``.
 
-    Without isolation, which takes a fifth of the time and changes no grade.
+    Without isolation: it changes no grade, and to set it up takes a fifth of the time.
     """
-    with open_launcher("none", Limits(cell_seconds=20, call_seconds=10)) as opened:
+    with open_launcher("none", LIMITS) as opened:
         yield GradeCode(course, opened)
