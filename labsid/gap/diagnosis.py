@@ -7,6 +7,7 @@ from dataclasses import asdict, dataclass, replace
 import numpy as np
 from threadpoolctl import threadpool_limits
 
+from labsid.gap.fits.linear_fits import fit_baseline
 from labsid.gap.model_file import ExportedModel, export_model
 from labsid.gap.record.clock import at_sampling_time, clock_findings, stated_sampling_time
 from labsid.gap.record.data import Data, scaled
@@ -115,8 +116,22 @@ def diagnose(
         if progress is not None and prepared.base.is_run:
             progress = _with_runs(progress, prepared.base.meter)
         with prepared.base.meter.searching(SEARCH_SHARE):
-            explanation = explain(prepared.data, prepared.base.structure, prepared.base.start, progress=progress)
+            explanation = _explain(prepared.data, prepared.base, progress)
         return _report(prepared, explanation, seed, progress)
+
+
+def _explain(data: Data, base: Baseline, progress: Progress | None) -> Explanation:
+    """The explanation by strictly proper dynamics, or by those with a direct term if they need no more to fit better.
+
+    Where the record does not decide on a direct term, it competes with every effect, in the score of the search.
+    """
+    explanation = explain(data, base.structure, base.start, progress=progress)
+    if base.alternative is None:
+        return explanation
+    direct = fit_baseline(explanation.data, base.alternative)
+    if direct.bic > explanation.best.bic:
+        return explanation
+    return explain(data, base.alternative, progress=progress)
 
 
 def _begin(base: Baseline, evaluations: int | None) -> None:

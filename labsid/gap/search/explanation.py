@@ -12,8 +12,17 @@ from labsid.gap.fits.hypothesis import Hypothesis
 from labsid.gap.fits.linear_fits import LINEAR, fit_baseline, fit_highpass
 from labsid.gap.fits.residual_tests import SLOW_CORRELATION, slow_autocorrelation
 from labsid.gap.record.data import Data
+from labsid.gap.record.floor import is_printed, with_floor
 from labsid.gap.record.holdout import BLOCKS, held_out_samples
-from labsid.gap.record.sample_faults import SampleFaults, find_bad_start, find_lattice, find_spikes, without_responses
+from labsid.gap.record.sample_faults import (
+    SampleFaults,
+    find_bad_start,
+    find_lattice,
+    find_spikes,
+    flat_samples,
+    without_responses,
+    without_rest,
+)
 from labsid.gap.search.beam_search import (
     MIN_CHANGE,
     Levels,
@@ -98,15 +107,18 @@ def explain(
     """
     y = np.asarray(data.y_scale.back(data.y))
     lattice, off = find_lattice(y)
+    flat = flat_samples(y) if lattice is None else np.zeros(y.size, bool)
     off = off | find_bad_start(y)
-    stretches = find_held(y, lattice)
+    stretches = without_rest(find_held(y, lattice), data.u)
+    if lattice is not None and is_printed(lattice, y):
+        lattice = None
     step = 0.0 if lattice is None else lattice / data.y_scale.unit
-    data = replace(data, lattice=step)
+    data = with_floor(replace(data, lattice=step))
     held = np.zeros(data.samples, bool)
     for stretch in stretches:
         held[slice(*stretch)] = True
     usable = data.rows & ~held
-    clean, spikes, levels, path = _search_without_spikes(data, usable, off, structure, start, most, progress)
+    clean, spikes, levels, path = _search_without_spikes(data, usable, flat, off, structure, start, most, progress)
     faults = SampleFaults(held, stretches, spikes, None if lattice is None else step)
     if residual_is_slow(clean, path[-1]) and halved_by_drift(clean, path):
         slow = replace(clean, by_free_run=True)
@@ -124,6 +136,7 @@ def explain(
 def _search_without_spikes(
     data: Data,
     usable: np.ndarray,
+    flat: np.ndarray,
     off: np.ndarray,
     structure: Hypothesis,
     start: FloatArray | None,
@@ -132,11 +145,11 @@ def _search_without_spikes(
 ) -> tuple[Data, np.ndarray, Levels, tuple[Fit, ...]]:
     """Run the beam search without the spikes, and detect the spikes again on the residual of the best fit.
 
-    Samples `off` the lattice of the others are always spikes.
+    Samples `off` the lattice of the others are always spikes; `flat` ones, which have no noise, never are.
     """
 
     def spikes_of(fit: Fit) -> np.ndarray:
-        return off | without_responses(find_spikes(data.y - fit.output, usable, data.lattice), data.u)
+        return off | without_responses(find_spikes(data.y - fit.output, usable & ~flat, data.lattice), data.u)
 
     spikes = spikes_of(fit_baseline(replace(data, rows=usable), structure, start))
     clean = replace(data, rows=usable & ~spikes)

@@ -21,7 +21,7 @@ from labsid.gap.fits.linear_fits import fit_baseline
 from labsid.gap.fits.noise_model import fit_noise
 from labsid.gap.model_file import SCHEMA, START_SAMPLES, ExportedModel, read_exported_model
 from labsid.gap.record.data import Data
-from labsid.gap.record.record_findings import responds_within_sample
+from labsid.gap.record.direct_term import direct_term
 from labsid.records.record import Record
 from labsid.simulators.control_systems import is_control_system, read_control_system
 from labsid.simulators.meter import RunMeter
@@ -51,12 +51,15 @@ class Baseline:
         initial state estimated from the first samples.
     start : ndarray, optional
         Initial parameters for the search, if the given simulation defines them.
+    alternative : Hypothesis, optional
+        The linear structure with a direct term, if only its fit can tell whether the record asks for one.
     """
 
     before: Callable[[Data], Fit] | None
     structure: Hypothesis
     simulate_record: Callable[[Record], FloatArray] | None = None
     start: FloatArray | None = None
+    alternative: Hypothesis | None = None
 
     @property
     def given(self) -> bool:
@@ -170,12 +173,15 @@ def linear_structure(order: int) -> Hypothesis:
     return Hypothesis(effects, n_given=len(effects))
 
 
-def _structure_for_record(data: Data, order: int) -> Hypothesis:
-    """Linear structure of a given order, with what the record needs: a direct feedthrough, restarts."""
+def _linear_baseline(data: Data, order: int) -> Baseline:
+    """Linear structures of a given order: strictly proper, or with a direct term, as the record shows."""
     structure = linear_structure(order)
-    if responds_within_sample(data.u, data.y, data.complete, data.lags):
-        structure = Hypothesis((DirectFeedthrough(), *structure.effects), structure.n_given + 1)
-    return with_restarts(structure, data)
+    proper = Hypothesis((DirectFeedthrough(), *structure.effects), structure.n_given + 1)
+    structure, proper = with_restarts(structure, data), with_restarts(proper, data)
+    term = direct_term(data)
+    if term.present:
+        return Baseline(None, proper)
+    return Baseline(None, structure, alternative=None if term.decides else proper)
 
 
 def with_restarts(structure: Hypothesis, data: Data) -> Hypothesis:
@@ -207,7 +213,7 @@ def make_baseline(data: Data, t: FloatArray, simulation: Simulation | None, orde
     if simulation is None:
         if order > 4:
             raise ValueError(f"--order must be at most 4; got {order}. Give a larger model with --sim.")
-        return Baseline(None, _structure_for_record(data, order))
+        return _linear_baseline(data, order)
     simulation = read_exported(simulation, data.Ts)
     if isinstance(simulation, ExportedModel):
         return _exported(data, simulation)
