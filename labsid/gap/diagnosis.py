@@ -17,7 +17,7 @@ from labsid.gap.reports.replay_data import replay_content
 from labsid.gap.reports.report import build_report
 from labsid.gap.reports.result import Diagnosis
 from labsid.gap.reports.traces import figure_traces
-from labsid.gap.search.beam_search import Progress
+from labsid.gap.search.beam_search import BIC_MARGIN, Progress
 from labsid.gap.search.explanation import Explanation, explain
 from labsid.gap.simulations.baseline import (
     AnySimulation,
@@ -43,6 +43,10 @@ from labsid.simulators.meter import RunMeter
 
 MIN_SAMPLES = 100  # samples
 SIZES = 1e-50, 1e50  # of the range of a signal and of the sampling time: powers of their ratios stay finite
+UNDECIDED_TERM = (
+    "The input is too smooth to tell a response within the sample from faster dynamics: both fit this record. A step of "
+    "the input would."
+)
 SEARCH_SHARE = 0.75  # of a budget of runs, for the beam search; the rest is for the search on held-out samples
 
 
@@ -116,22 +120,31 @@ def diagnose(
         if progress is not None and prepared.base.is_run:
             progress = _with_runs(progress, prepared.base.meter)
         with prepared.base.meter.searching(SEARCH_SHARE):
-            explanation = _explain(prepared.data, prepared.base, progress)
+            explanation, undecided = _explain(prepared.data, prepared.base, progress)
+        if undecided:
+            prepared = replace(prepared, notes=(*prepared.notes, UNDECIDED_TERM))
         return _report(prepared, explanation, seed, progress)
 
 
-def _explain(data: Data, base: Baseline, progress: Progress | None) -> Explanation:
-    """The explanation by strictly proper dynamics, or by those with a direct term if they need no more to fit better.
+def _explain(data: Data, base: Baseline, progress: Progress | None) -> tuple[Explanation, bool]:
+    """The explanation by strictly proper dynamics, or by those with a direct term if they alone fit better.
 
     Where the record does not decide on a direct term, it competes with every effect, in the score of the search.
+
+    Returns
+    -------
+    Explanation
+    undecided : bool
+        Whether the two explain the record about equally well.
     """
     explanation = explain(data, base.structure, base.start, progress=progress)
     if base.alternative is None:
-        return explanation
+        return explanation, False
     direct = fit_baseline(explanation.data, base.alternative)
+    undecided = abs(direct.bic - explanation.best.bic) < BIC_MARGIN
     if direct.bic > explanation.best.bic:
-        return explanation
-    return explain(data, base.alternative, progress=progress)
+        return explanation, undecided
+    return explain(data, base.alternative, progress=progress), undecided
 
 
 def _begin(base: Baseline, evaluations: int | None) -> None:

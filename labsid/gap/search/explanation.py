@@ -5,6 +5,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from labsid._arrays import FloatArray
+from labsid.gap.dynamics.responses import real_rates
 from labsid.gap.effects.base import AdditiveEffect
 from labsid.gap.effects.output import Drift
 from labsid.gap.fits.fitting import Fit, mean_square, refit, rms
@@ -46,6 +47,8 @@ UNDECIDED_BIC = 6.0  # BIC difference below which two fits are not distinguished
 BAD_SAMPLE_RATIO = 1.3  # mean square error with the bad samples over that without them
 COLOUR_RATIO = 1.3  # standard deviation of the noise over that of its innovations, above which noise is coloured
 ROUNDING_RATIO = 1.3  # mean square error over that of the converter alone, above which it is more than rounding
+SLOW_NOISE = 5.0  # samples: correlation time from which coloured noise is an effect,
+SLOW_NOISE_SHARE = 0.25  # and the same over the slowest time constant of the rig: faster noise is no gap
 SLOW_RESIDUAL_RATIO = 4.0  # standard deviation of the residual over that of its innovations
 MAX_ERROR_RATIO = 0.8  # error on the blocks left out, with an effect over without it
 
@@ -243,7 +246,9 @@ def unsimulated_effects(data: Data, clean: Data, faults: SampleFaults, best: Fit
     e = data.y - best.output
     floor = float(np.mean(e[clean.rows] ** 2))
     found = []
-    for name, bad in (("output-dropout", faults.held), ("output-outliers", faults.spikes)):
+    spikes = faults.spikes.copy()
+    spikes[0] = False  # the logger's start-up, or the step to the first input
+    for name, bad in (("output-dropout", faults.held), ("output-outliers", spikes)):
         bad = bad & data.rows
         if bad.any() and float(np.mean(e[clean.rows | bad] ** 2)) > BAD_SAMPLE_RATIO * floor:
             found.append(name)
@@ -258,9 +263,17 @@ def unsimulated_effects(data: Data, clean: Data, faults: SampleFaults, best: Fit
         rounding = 0.0
     wanders = {"output-drift", "parameter-drift"} & set(best.hypothesis.names)
     coloured = np.sqrt(floor / white) > COLOUR_RATIO and slow_autocorrelation(e, clean.rows) > SLOW_CORRELATION
-    if coloured and floor > ROUNDING_RATIO * rounding and not wanders:  # drift and rounding leave a slow residual, too
+    if (
+        coloured and noise_is_slow(best) and floor > ROUNDING_RATIO * rounding and not wanders
+    ):  # drift and rounding leave a slow residual, too
         found.append("coloured-noise")
     return tuple(found)
+
+
+def noise_is_slow(fit: Fit) -> bool:
+    """Whether the noise is too slow to be that of a sensor: compared with the sampling time, and with the rig."""
+    slowest = real_rates(*fit.rates)[0]  # per sample
+    return fit.noise.correlation_time > max(SLOW_NOISE, SLOW_NOISE_SHARE / slowest)
 
 
 def _held_by_rounding(data: Data, clean: Data, faults: SampleFaults, best: Fit) -> bool:

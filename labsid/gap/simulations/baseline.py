@@ -173,13 +173,13 @@ def linear_structure(order: int) -> Hypothesis:
     return Hypothesis(effects, n_given=len(effects))
 
 
-def _linear_baseline(data: Data, order: int) -> Baseline:
-    """Linear structures of a given order: strictly proper, or with a direct term, as the record shows."""
+def _linear_baseline(data: Data, order: int, direct: bool = False) -> Baseline:
+    """Linear structures of a given order: strictly proper, or with a direct term, as `direct` asks or the record shows."""
     structure = linear_structure(order)
     proper = Hypothesis((DirectFeedthrough(), *structure.effects), structure.n_given + 1)
     structure, proper = with_restarts(structure, data), with_restarts(proper, data)
     term = direct_term(data)
-    if term.present:
+    if direct or term.present:
         return Baseline(None, proper)
     return Baseline(None, structure, alternative=None if term.decides else proper)
 
@@ -284,8 +284,9 @@ def _transfer_function(data: Data, model: TransferFunction) -> Baseline:
     u, y = _unscaled(data)
     output = check_bounded(model.response(u), y)
     before = partial(_fit_given, output, model.free_response(u.size), fit_baseline(data).rates)
-    structure = _structure_for_record(data, max(model.den.size - 1, 1))
-    return Baseline(before, structure, lambda record: model.simulate(record.u, record.y))
+    direct = model.num.size == model.den.size
+    free = _linear_baseline(data, max(model.den.size - 1, 1), direct)
+    return replace(free, before=before, simulate_record=lambda record: model.simulate(record.u, record.y))
 
 
 def _exported(data: Data, model: ExportedModel) -> Baseline:

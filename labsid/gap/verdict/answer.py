@@ -32,6 +32,7 @@ from labsid.gap.verdict.scores import GapScore, closed_share, score_fits
 from labsid.lab.findings import about_clipping
 from labsid.records.record import Record
 
+COLOURED = 2.0  # samples: correlation time of a residual that is more than the colour of a sensor
 NO_GAP = 1.1  # rms error over that of the noise, up to which a discarded explanation leaves no gap
 
 
@@ -204,8 +205,9 @@ def _complete(setting: _Setting, explanation: Explanation) -> tuple[_Comparison,
 
 
 def _predictable(explanation: Explanation) -> float:
-    """Share that past inputs predict of a residual that is taken for coloured noise beside effects."""
-    if len(explanation.path) == 1 or "coloured-noise" not in explanation.unsimulated:
+    """Share that past inputs predict of a residual that is taken for coloured noise, alone or beside effects."""
+    alone = len(explanation.path) == 1 and explanation.best.noise.correlation_time > COLOURED
+    if not alone and "coloured-noise" not in explanation.unsimulated:
         return 0.0
     return predictable_share(explanation.data, explanation.best)
 
