@@ -44,8 +44,8 @@ from labsid.simulators.meter import RunMeter
 MIN_SAMPLES = 100  # samples
 SIZES = 1e-50, 1e50  # of the range of a signal and of the sampling time: powers of their ratios stay finite
 UNDECIDED_TERM = (
-    "The input is too smooth to tell a response within the sample from faster dynamics: both fit this record. A step of "
-    "the input would."
+    "The input is too smooth to tell a response within the sample from faster dynamics: both fit this record. A step "
+    "of the input would."
 )
 SEARCH_SHARE = 0.75  # of a budget of runs, for the beam search; the rest is for the search on held-out samples
 

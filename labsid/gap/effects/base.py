@@ -39,8 +39,8 @@ class Effect:
     grows : bool
         Whether its alternatives are tried as soon as it is fitted, not only for the best fits.
     sizes : tuple of str
-        Parameters that are zero where the effect does nothing, of effects whose dynamics differ from linear ones in more
-        than these; empty if an effect that does nothing leaves the hypothesis as it was.
+        Parameters that are zero where the effect does nothing, of effects whose dynamics differ from linear ones in
+        more than these; empty if an effect that does nothing leaves the hypothesis as it was.
     variant : str
         Form of the effect, if there are several.
     """

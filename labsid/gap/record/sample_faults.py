@@ -88,7 +88,7 @@ def find_bad_start(y: FloatArray) -> np.ndarray:
 
 
 def without_rest(stretches: tuple[tuple[int, int], ...], u: FloatArray) -> tuple[tuple[int, int], ...]:
-    """Held stretches, without those that end where the input changes, or one delay later: there a rig without noise rests.
+    """Held stretches, without those that end where the input changes, or a delay later: a rig without noise rests there.
 
     Parameters
     ----------
@@ -123,7 +123,7 @@ def flat_samples(y: FloatArray) -> np.ndarray:
     -------
     ndarray of bool, shape (N,)
     """
-    starts, lengths = runs(y)
+    lengths = runs(y)[1]
     flat = np.repeat(lengths >= FLAT, lengths)
     return np.asarray(flat | np.roll(flat, 1) | np.roll(flat, -1))
 

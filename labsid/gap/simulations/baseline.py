@@ -174,7 +174,7 @@ def linear_structure(order: int) -> Hypothesis:
 
 
 def _linear_baseline(data: Data, order: int, direct: bool = False) -> Baseline:
-    """Linear structures of a given order: strictly proper, or with a direct term, as `direct` asks or the record shows."""
+    """Linear structures of a given order: strictly proper, or with a direct term if `direct` or the record asks."""
     structure = linear_structure(order)
     proper = Hypothesis((DirectFeedthrough(), *structure.effects), structure.n_given + 1)
     structure, proper = with_restarts(structure, data), with_restarts(proper, data)

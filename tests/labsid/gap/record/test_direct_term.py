@@ -83,7 +83,7 @@ def test_a_controller_that_responds_to_the_sample_is_no_direct_term(noise: float
         y[k] = state + e
         u[k] = 4.0 * (wanted[k] - y[k])
         state = 0.9 * state + 0.1 * u[k]
-    assert not direct_term(data_of(u, y)).decides
+    assert not direct_term(data_of(u, y)).present
 
 
 def test_a_term_below_the_noise_is_not_claimed() -> None:
