@@ -47,8 +47,9 @@ def direct_term(data: Data) -> DirectTerm:
     """Estimate the direct term of a record without a model of its dynamics.
 
     What the past does not foretell of the input predicts what it does not foretell of the output only through a direct
-    term. In a closed loop it would, too, because the input responds to the output: where a controller shows, the
-    estimate is zero with an infinite error, and where the input jumps, only its jumps count, which are no response to noise.
+    term. In a closed loop it would, too, as the input responds to the output: where a controller shows, the
+    estimate is zero with an infinite error, and where the input jumps, only its jumps count, which are no response to
+    noise.
 
     Parameters
     ----------

@@ -88,7 +88,7 @@ def find_bad_start(y: FloatArray) -> np.ndarray:
 
 
 def without_rest(stretches: tuple[tuple[int, int], ...], u: FloatArray) -> tuple[tuple[int, int], ...]:
-    """Held stretches, without those that end where the input changes, or a delay later: a rig without noise rests there.
+    """Held stretches, without those that end where the input changes, or a delay later: rest of a rig without noise.
 
     Parameters
     ----------

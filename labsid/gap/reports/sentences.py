@@ -20,9 +20,6 @@ NO_GAP = 1.1  # rms error over noise, up to which there is no gap
 HALF = 0.5  # of a share or a probability
 TIME_VARYING = {"load-step", "parameter-drift"}
 OUTPUT_ERROR, FIRST_ORDER = "output error", "output error of first order"  # methods of `baseline_choice`
-KIND_PATHS = {"linear": "dynamics", "nonlinear": "dynamics"} | {
-    name: name for name in ("input", "output", "time", "disturbance")
-}  # as in `black_boxes`
 MIN_KIND = 0.05  # share of the remaining error from which a kind is mentioned
 MAX_UNACCOUNTED = 0.3  # of the variation between plateaus, that an explanation of it may leave
 
@@ -84,10 +81,9 @@ def _partial_sentence(report: dict[str, Any]) -> str:
     )
     one, several = gain.replace("*", "s"), gain.replace("*", "")
     if not causes:
-        doubt = "but the true cause may be another one"
         listed = joined([_with_chance(effect) for effect in others])
         subject = f"{listed} together {several}" if len(others) > 1 else f"{listed} {one}"
-        return f"{capitalised(subject)}, {doubt}."
+        return f"The cause of the gap is not known: {subject}, but may only imitate it."
     if len(effects) == 1:
         return f"{_qualified(causes[0])}: {noun(causes[0]['name'])} {one}."
     clauses = [f"{_qualified(effect)} ({_with_chance(effect)})" for effect in causes]
@@ -120,26 +116,15 @@ def remaining_sentence(report: dict[str, Any]) -> str | None:
     kind, partial = main_kind(report), report["verdict"] == "partial"
     if kind is None:
         return "Something else remains." if partial else None
-    share, path = percent(_predicted_share(report, kind)), report["unexplained"]["path"]
+    share = percent(report["unexplained"]["kinds"][kind])
     start = f"Something else remains: {share} of it" if partial else f"Of the error beyond white noise, {share}"
-    return f"{start} {REMAINING_ERRORS[kind].what} (path: {path})."
+    return f"{start} {REMAINING_ERRORS[kind].what}."
 
 
 def main_kind(report: dict[str, Any]) -> str | None:
-    """The kind of model that the remaining error is attributed to; None if noise alone remains."""
-    kinds, path = report["unexplained"]["kinds"], report["unexplained"]["path"]
-    if not kinds:
-        return None
-    return max((kind for kind in kinds if KIND_PATHS[kind] == path), key=lambda kind: float(kinds[kind]))
-
-
-def _predicted_share(report: dict[str, Any], kind: str) -> float:
-    """Share of the remaining error that a model of this kind predicts: it contains the simpler ones."""
+    """The kind of model that closes the largest share of the remaining error; None if noise alone remains."""
     kinds = report["unexplained"]["kinds"]
-    if kind == "disturbance":
-        return float(kinds[kind])
-    names = list(kinds)
-    return float(sum(kinds[name] for name in names[: names.index(kind) + 1]))
+    return max(kinds, key=lambda kind: float(kinds[kind])) if kinds else None
 
 
 def _qualified(effect: dict[str, Any]) -> str:
@@ -427,7 +412,7 @@ def residual_sentences(report: dict[str, Any]) -> list[str]:
         texts.append(f"It depends on past inputs ({correlation}), but they predict only a small part of it.")
     else:
         texts.append(f"It depends on past inputs ({correlation}): part of the dynamics is missing.")
-    if left.get("repeats", 0.0) > 0.1:
+    if left.get("repeats", 0.0) > 0.1 and not (has_kinds(report) and left["kinds"]["disturbance"] > HALF):
         texts.append(f"It repeats when the input repeats (correlation {left['repeats']:.2f}), unlike noise.")
     return texts
 
