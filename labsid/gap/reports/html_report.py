@@ -147,7 +147,7 @@ def _effect(effect: dict[str, Any]) -> dict[str, Any]:
         "title": sentences.capitalised(sentences.noun_without_article(effect["name"])),
         "name": effect["name"],
         "meaning": "" if text is None else text.meaning,
-        "probability": probability(effect["probability"]),
+        "chance": sentences.chance_of(effect),
         "closed": None if closed is None or effect["name"] in UNSIMULATED else closed_percent(closed),
         "parameters": parameters,
     }

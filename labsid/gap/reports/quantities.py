@@ -18,6 +18,7 @@ UNITS = {
     "u s^2/y^2": "units of u per (unit of y a second)²",
     "1": "",
 }
+LIKELY, POSSIBLE = 0.5, 0.2  # probabilities from which an effect is called so in words
 MIN_PLAIN, MAX_PLAIN = 1e-4, 1e6  # range of magnitudes without an exponent
 
 
@@ -120,6 +121,13 @@ def probability(p: float) -> str:
     if p >= 0.995:
         return "over 99 %"
     return "under 1 %" if p < 0.005 else f"{100.0 * p:.0f} %"
+
+
+def chance(p: float, reference: str) -> str:
+    """Format a probability in per cent, or in words where nothing like the record is among the `reference` rigs."""
+    if reference == "inside":
+        return probability(p)
+    return "likely" if p >= LIKELY else "possible" if p >= POSSIBLE else "unlikely"
 
 
 def p_value(p: float) -> str:

@@ -15,7 +15,7 @@ from labsid.gap.record.data import Data
 from labsid.gap.reports import location
 from labsid.gap.reports.effect_guide import EFFECT_GUIDE
 from labsid.gap.reports.experiment import Experiment, next_experiment
-from labsid.gap.reports.quantities import counted, percent
+from labsid.gap.reports.quantities import chance, counted, percent
 from labsid.gap.reports.traces import figure_traces
 from labsid.gap.search.explanation import Explanation
 from labsid.gap.simulations.baseline import Baseline
@@ -76,6 +76,13 @@ def build_report(
             "ci95": None if score.ci95 is None else list(score.ci95),
             "holdout": _stretches(holdout or record, score.scored),
         },
+        "noise": {
+            "sd": float(np.sqrt(np.mean((explanation.data.y - explanation.best.output)[explanation.data.rows] ** 2)))
+            * unit,
+            "correlation_time": explanation.best.noise.correlation_time * record.Ts,
+        },
+        "reference": answer.novelty.reference,
+        "novelty": {"features": answer.novelty.features, "beyond": list(answer.novelty.beyond)},
         "unexplained": _unexplained(answer),
         "next_experiment": _experiment(record, explanation, decision, rng),
         "record": {"name": record.name, "samples": len(record), "Ts": record.Ts},
@@ -118,6 +125,7 @@ def _effects(answer: Answer) -> list[dict[str, Any]]:
                 if name == MISMATCH
                 else _sample_parameters(explanation, name),
                 "probability": float(decision.probability[name]),
+                "chance": chance(decision.probability[name], answer.novelty.reference),
                 "closed": closed[_step(explanation, name)],
                 "evidence": answer.evidence[name]._asdict() if name in answer.evidence else None,
             }

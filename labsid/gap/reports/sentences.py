@@ -13,6 +13,14 @@ PLACES = {
     "disturbance": "outside the signal path, independent of the command",
     "parameters": "in the parameters of the simulation, not in its structure",
 }
+NOVELTIES = {
+    "samples": "its length",
+    "changes": "how seldom its input changes",
+    "noise": "the size of its noise",
+    "gap": "the size of the gap",
+    "fastest": "the rates of its dynamics",
+    "direct": "its response within the sample",
+}  # by the names of `novelty.RANGES`
 SURE, LIKELY = 0.9, 0.6  # probabilities from which an effect is stated without qualification, and as probable
 SIGNIFICANT = 0.01  # p-value below which a residual test is reported as significant
 RELIABLE_MARGIN = 20.0  # margin of an experiment from which its decision was right in 995 of 1000 trials
@@ -101,12 +109,30 @@ def is_probable(effect: dict[str, Any]) -> bool:
     return bool(effect["probability"] >= HALF)
 
 
+def chance_of(effect: dict[str, Any]) -> str:
+    """``probability 97 %``, or in words where nothing like the record is among the rigs that it was measured on."""
+    text = effect.get("chance", probability(effect["probability"]))
+    return f"probability {text}" if text.endswith("%") else str(text)
+
+
+def reference_sentence(report: dict[str, Any]) -> str | None:
+    """Why the probabilities are given in words."""
+    beyond = report.get("novelty", {}).get("beyond", [])
+    if not beyond or not report["effects"]:
+        return None
+    differs = joined([NOVELTIES[name] for name in beyond])
+    return (
+        f"No simulated rig on which probabilities were measured is like this record in {differs}: they are given in "
+        "words."
+    )
+
+
 def _with_chance(effect: dict[str, Any]) -> str:
     """The noun of an effect, with its probability if it is not stated without qualification."""
-    p = effect["probability"]
+    p, text = effect["probability"], effect.get("chance", probability(effect["probability"]))
     if p >= SURE:
         return noun(effect["name"])
-    return f"{noun(effect['name'])}, {probability(p)}" if p >= HALF else f"{noun(effect['name'])} ({probability(p)})"
+    return f"{noun(effect['name'])}, {text}" if p >= HALF else f"{noun(effect['name'])} ({text})"
 
 
 def remaining_sentence(report: dict[str, Any]) -> str | None:
@@ -182,7 +208,7 @@ def ambiguity_sentence(report: dict[str, Any]) -> str | None:
         return None
     if not report["effects"]:
         return f"The record does not rule out {rivals}."
-    chances = joined([f"{noun(e['name'])} {probability(e['probability'])}" for e in report["effects"]])
+    chances = joined([f"{noun(e['name'])} {e.get('chance', probability(e['probability']))}" for e in report["effects"]])
     several = report["verdict"] == "partial" and len(report["effects"]) > 1
     instead = "in the place of one of the effects" if several else "instead"
     return f"The record does not rule out {rivals} {instead}. Probability: {chances}."

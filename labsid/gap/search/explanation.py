@@ -110,11 +110,11 @@ def explain(
     """
     y = np.asarray(data.y_scale.back(data.y))
     lattice, off = find_lattice(y)
-    flat = flat_samples(y) if lattice is None else np.zeros(y.size, bool)
     off = off | find_bad_start(y)
     stretches = without_rest(find_held(y, lattice), data.u)
     if lattice is not None and is_printed(lattice, y):
         lattice = None
+    flat = flat_samples(y) if lattice is None else np.zeros(y.size, bool)
     step = 0.0 if lattice is None else lattice / data.y_scale.unit
     data = with_floor(replace(data, lattice=step))
     held = np.zeros(data.samples, bool)
