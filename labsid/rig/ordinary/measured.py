@@ -35,6 +35,7 @@ DIRECT: dict[str, Callable[[np.random.Generator], System]] = {
 _DIRECT_SIGNALS = ("multisine", "chirp", "steps", "ramps", "prbs")
 _LATE_STARTS = 0.3  # share of the records that start at zero output while the input is elsewhere
 _CLIPPED = (0.04, 0.25)  # share of the samples beyond each limit
+_SLOW_SAMPLES, _SLOW_SHARE = 5.0, 0.25  # correlation time of slow noise, in samples and over the rig's slowest time
 _DEPTH = 6.0  # rms of what is cut off there, over the noise
 
 
@@ -74,20 +75,21 @@ def draw_integrator(rng: np.random.Generator) -> OrdinaryRecord:
 
 
 def draw_slow_noise(rng: np.random.Generator) -> OrdinaryRecord:
-    """A plain rig whose noise is slow; it has a name only where it is slow for the rig, too."""
+    """A plain rig whose noise is slow; it may be named where it is slow for the rig, too, and is no gap in any case."""
     bench = draw_bench(rng)
     system = (draw_first_order if rng.random() < 0.4 else draw_second_order)(rng)
     signal = str(rng.choice(SIGNALS))
     u = bench.u0 + bench.us * draw_signal(rng, signal, bench.samples, system.time)
     y = response(system, u, settled=True)
-    pole = float(1.0 - np.exp(rng.uniform(np.log(0.015), np.log(0.12))))
+    least = max(_SLOW_SAMPLES, _SLOW_SHARE * system.time)
+    time = least * (rng.uniform(0.3, 0.9) if rng.random() < 0.5 else np.exp(rng.uniform(np.log(1.2), np.log(8.0))))
+    pole = np.exp(-1.0 / time)
     share = float(np.exp(rng.uniform(np.log(0.01), np.log(0.06))))
-    settling = int(10.0 / (1.0 - pole))
+    settling = int(10.0 * time)
     e = lfilter([np.sqrt(1.0 - pole**2)], [1.0, -pole], rng.standard_normal(bench.samples + settling))[settling:]
     y = y + share * np.std(y) * e
     y, _ = noisy(rng, y, 0.1 * share)
-    time = -1.0 / np.log(pole)
-    answers = (NONE, ("coloured-noise",)) if time > max(5.0, system.time / 4.0) else (NONE,)
+    answers = (NONE, ("coloured-noise",)) if time > least else (NONE,)
     truth = {"signal": signal, "correlation_time": float(time) * bench.Ts, "noise": share}
     return OrdinaryRecord(answers, {".csv": record_table(bench, u, bench.y0 + y)}, truth)
 

@@ -190,10 +190,10 @@ def test_a_simulated_output_lacks_only_the_limits() -> None:
                 assert 0.04 < np.mean(clipped != u) < 0.65
 
 
-def test_slow_noise_has_a_name_only_where_it_is_slow_for_the_rig() -> None:
-    answers = {made.answers for number in range(3) for made in drawn("slow-noise")[number:]}
-    assert answers <= {((),), ((), ("coloured-noise",))}
-    for made in drawn("slow-noise"):
+def test_slow_noise_may_have_a_name_only_where_it_is_slow_for_the_rig() -> None:
+    some = [made for n in range(12) if (made := KINDS["slow-noise"](np.random.default_rng([8, n]))) is not None]
+    assert {made.answers for made in some} == {((),), ((), ("coloured-noise",))}
+    for made in some:
         t = record(made)[0]
         if len(made.answers) > 1:
             assert made.truth["correlation_time"] > 5.0 * (t[1] - t[0])
