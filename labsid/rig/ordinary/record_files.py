@@ -125,7 +125,7 @@ def noisy(rng: np.random.Generator, y: FloatArray, share: float) -> tuple[FloatA
     return y + sd * rng.standard_normal(y.size), sd
 
 
-def table(header: str, form: str, *columns: FloatArray) -> str:
+def table_text(header: str, form: str, *columns: FloatArray) -> str:
     """Text of a table.
 
     Parameters
@@ -152,4 +152,4 @@ def table(header: str, form: str, *columns: FloatArray) -> str:
 
 def record_table(bench: Bench, u: FloatArray, y: FloatArray, form: str = "%.8g") -> str:
     """Text of a record with the header ``t,u,y``."""
-    return table("t,u,y", form, bench.t, u, y)
+    return table_text("t,u,y", form, bench.t, u, y)

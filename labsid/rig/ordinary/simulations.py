@@ -14,7 +14,7 @@ from labsid.rig.ordinary.record_files import (
     draw_bench,
     noisy,
     record_table,
-    table,
+    table_text,
 )
 from labsid.rig.ordinary.signals import MANY_LEVELS, SIGNALS, draw_signal
 from labsid.rig.ordinary.systems import (
@@ -59,7 +59,7 @@ def draw_itself_output(rng: np.random.Generator, other_times: bool) -> OrdinaryR
     if not other_times:
         u = _input(rng, bench, function, numbers)
         y = function.run(numbers, bench.t, u)
-        files = {".csv": _itself(rng, bench, u, y), ".sim.csv": table("t,y", "%.10g", bench.t, y)}
+        files = {".csv": _itself(rng, bench, u, y), ".sim.csv": table_text("t,y", "%.10g", bench.t, y)}
         return OrdinaryRecord((NONE,), files)
     within = int(rng.integers(2, 6))
     u = _input(rng, bench, function, numbers)
@@ -68,7 +68,7 @@ def draw_itself_output(rng: np.random.Generator, other_times: bool) -> OrdinaryR
     y = y_fine[::within]
     if rng.random() < 0.5:
         return OrdinaryRecord(
-            (NONE,), {".csv": _itself(rng, bench, u, y), ".sim.csv": table("t,y", "%.10g", fine, y_fine)}
+            (NONE,), {".csv": _itself(rng, bench, u, y), ".sim.csv": table_text("t,y", "%.10g", fine, y_fine)}
         )
     y, sd = noisy(rng, y, bench.noise)
     kept = np.flatnonzero(rng.random(fine.size) < rng.uniform(0.4, 0.8))
@@ -76,7 +76,7 @@ def draw_itself_output(rng: np.random.Generator, other_times: bool) -> OrdinaryR
     error = np.interp(bench.t, fine[kept], y_fine[kept]) - y_fine[::within]
     if np.sqrt(np.mean(error**2)) > _UNSEEN * sd:
         return None
-    files = {".csv": record_table(bench, u, y), ".sim.csv": table("t,y", "%.10g", fine[kept], y_fine[kept])}
+    files = {".csv": record_table(bench, u, y), ".sim.csv": table_text("t,y", "%.10g", fine[kept], y_fine[kept])}
     return OrdinaryRecord((NONE,), files)
 
 
@@ -124,7 +124,7 @@ def draw_simulated_output(rng: np.random.Generator, limited: bool) -> OrdinaryRe
         basis = np.column_stack([simulated, np.ones(bench.samples)])  # what another gain and offset would leave
         if np.std(clean - basis @ np.linalg.lstsq(basis, clean)[0]) < _SEEN * sd:
             return None
-    files = {".csv": record_table(bench, u, y), ".sim.csv": table("t,y", "%.10g", bench.t, simulated)}
+    files = {".csv": record_table(bench, u, y), ".sim.csv": table_text("t,y", "%.10g", bench.t, simulated)}
     return OrdinaryRecord((("input-saturation",),) if limited else (NONE,), files, {"signal": signal, **limits})
 
 

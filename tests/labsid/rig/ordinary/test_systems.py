@@ -5,7 +5,7 @@ import pytest
 from control import forced_response, tf
 
 from labsid.rig.ordinary.measured import DIRECT
-from labsid.rig.ordinary.record_files import table
+from labsid.rig.ordinary.record_files import table_text
 from labsid.rig.ordinary.signals import SIGNALS, draw_signal
 from labsid.rig.ordinary.systems import (
     System,
@@ -63,5 +63,5 @@ def test_signals_reach_one_and_move(kind: str) -> None:
 
 def test_single_precision_is_printed_as_such() -> None:
     t, x = np.array([0.0, 0.1]), np.array([1.0 / 3.0, 1e-3])
-    assert table("t,x", "float32", t, x) == "t,x\n0,0.333333343\n0.100000001,0.00100000005\n"
-    assert table("t,x", "%.4g", t, x) == "t,x\n0,0.3333\n0.1,0.001\n"
+    assert table_text("t,x", "float32", t, x) == "t,x\n0,0.333333343\n0.100000001,0.00100000005\n"
+    assert table_text("t,x", "%.4g", t, x) == "t,x\n0,0.3333\n0.1,0.001\n"
