@@ -7,18 +7,20 @@ from dataclasses import asdict, dataclass, replace
 import numpy as np
 from threadpoolctl import threadpool_limits
 
+from labsid.gap.fits.hypothesis import Hypothesis
 from labsid.gap.fits.linear_fits import fit_baseline
 from labsid.gap.model_file import ExportedModel, export_model
 from labsid.gap.record.clock import at_sampling_time, clock_findings, stated_sampling_time
 from labsid.gap.record.data import Data, scaled
+from labsid.gap.record.floor import with_floor
 from labsid.gap.record.record_findings import filtered_input, findings_from_errors, findings_from_record, plateau_gap
 from labsid.gap.reports.notebook_progress import runs_in_notebook, show_in_notebook
 from labsid.gap.reports.replay_data import replay_content
 from labsid.gap.reports.report import build_report
 from labsid.gap.reports.result import Diagnosis
 from labsid.gap.reports.traces import figure_traces
-from labsid.gap.search.beam_search import BIC_MARGIN, Progress
-from labsid.gap.search.explanation import Explanation, explain
+from labsid.gap.search.beam_search import BIC_MARGIN, Progress, residual_is_white
+from labsid.gap.search.explanation import MOST_EFFECTS, Explanation, explain
 from labsid.gap.simulations.baseline import (
     AnySimulation,
     Baseline,
@@ -137,14 +139,24 @@ def _explain(data: Data, base: Baseline, progress: Progress | None) -> tuple[Exp
     undecided : bool
         Whether the two explain the record about equally well.
     """
-    explanation = explain(data, base.structure, base.start, progress=progress)
     if base.alternative is None:
-        return explanation, False
+        return explain(data, base.structure, base.start, progress=progress), False
+    most = 1 if _leaves_noise(with_floor(data), base.structure, base.alternative) else MOST_EFFECTS
+    explanation = explain(data, base.structure, base.start, most, progress)
     direct = fit_baseline(explanation.data, base.alternative)
-    undecided = abs(direct.bic - explanation.best.bic) < BIC_MARGIN
-    if direct.bic > explanation.best.bic:
-        return explanation, undecided
-    return explain(data, base.alternative, progress=progress), undecided
+    gain = explanation.best.whitened_bic - direct.whitened_bic
+    undecided = abs(gain) < BIC_MARGIN
+    if gain > 0.0:
+        return explain(data, base.alternative, progress=progress), undecided
+    if most < MOST_EFFECTS and len(explanation.path) > most:
+        explanation = explain(data, base.structure, base.start, progress=progress)
+    return explanation, undecided
+
+
+def _leaves_noise(data: Data, proper: Hypothesis, alternative: Hypothesis) -> bool:
+    """Whether the structure with a direct term leaves white noise, and the strictly proper one clearly more."""
+    fits = [fit_baseline(data, structure) for structure in (alternative, proper)]
+    return fits[0].bic < fits[1].bic - BIC_MARGIN and residual_is_white(data, fits[0])
 
 
 def _begin(base: Baseline, evaluations: int | None) -> None:

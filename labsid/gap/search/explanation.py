@@ -37,6 +37,7 @@ from labsid.gap.search.candidates import trial_fits
 from labsid.records.signal_quality import find_held
 from labsid.simulators.meter import BudgetSpentError
 
+MOST_EFFECTS = 3  # of an explanation
 CONVERTER_LIMITED = 1.3**2  # rounding variance over other noise variance, from which the converter limits the record
 CONVERTER_LIMITED_HELD = 0.7  # the same if the logger holds values: on a coarse lattice not every hold is detected
 MAX_FALSE_SPIKES = 0.03  # share of the samples: spikes due to the baseline's error, above which the search is repeated
@@ -91,7 +92,7 @@ def explain(
     data: Data,
     structure: Hypothesis = LINEAR,
     start: FloatArray | None = None,
-    most: int = 3,
+    most: int = MOST_EFFECTS,
     progress: Progress | None = None,
 ) -> Explanation:
     """Search for the effects that explain a record.
