@@ -273,7 +273,8 @@ def unsimulated_effects(data: Data, clean: Data, faults: SampleFaults, best: Fit
 
 def noise_is_slow(fit: Fit) -> bool:
     """Whether the noise is too slow to be that of a sensor: compared with the sampling time, and with the rig."""
-    slowest = real_rates(*fit.rates)[0]  # per sample
+    c, k = fit.rates
+    slowest = 0.5 * c if 0.25 * c * c < k else real_rates(c, k)[0]  # per sample
     return fit.noise.correlation_time > max(SLOW_NOISE, SLOW_NOISE_SHARE / slowest)
 
 
