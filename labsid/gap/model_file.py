@@ -221,8 +221,8 @@ class ExportedModel:
         if plant.kind == "given":
             if not plant.simulation.source:
                 raise ValueError(
-                    "the given simulation cannot be exported: it is no file that can be run again. Give a model, "
-                    "FILE.py:FUNCTION or FILE.fmu instead."
+                    "the given simulation cannot be exported: it is no file that can be run again, and no output of a "
+                    "linear model. Give a model, FILE.py:FUNCTION or FILE.fmu instead."
                 )
             given = plant.simulation
             content["simulator"] = {"source": given.source, "free": given.nominal, "rates": list(given.rates)}

@@ -19,6 +19,7 @@ from labsid.gap.reports.quantities import counted, percent
 from labsid.gap.reports.traces import figure_traces
 from labsid.gap.search.explanation import Explanation
 from labsid.gap.simulations.baseline import Baseline
+from labsid.gap.simulations.simulated_output import OutputModel, SimulatedOutput
 from labsid.gap.verdict.answer import Answer
 from labsid.gap.verdict.decision import MISMATCH, Decision
 from labsid.gap.verdict.scores import closed_share
@@ -83,12 +84,19 @@ def build_report(
             "given": base.given,
             "output_only": base.output_only,
             "closed": base.structure.given is not None,
+            "output": None if base.output is None else _simulated_output(base.output, base.model),
             "model": _linear_model(answer),
             "numbers": estimate_numbers(explanation.data, explanation.best),
         },
         "screen": screen_sentences(explanation),
         "traces": figure_traces(record.t, record.u, record.y, before, after),
     }
+
+
+def _simulated_output(output: SimulatedOutput, model: OutputModel | None) -> dict[str, Any]:
+    """How a simulated output was read: as the linear model that reproduces it, or as it is."""
+    opened = None if model is None else {"order": model.order, "dead_time": model.dead_time, "error": model.error}
+    return {"resampled": output.resampled, "model": opened}
 
 
 def _linear_model(answer: Answer) -> dict[str, Any] | None:

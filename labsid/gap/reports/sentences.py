@@ -4,7 +4,7 @@ import re
 from typing import Any
 
 from labsid.gap.reports.effect_texts import REMAINING_ERRORS, UNSIMULATED, clause, noun
-from labsid.gap.reports.quantities import closed_percent, number, p_value, percent, probability, with_error
+from labsid.gap.reports.quantities import closed_percent, counted, number, p_value, percent, probability, with_error
 
 PLACES = {
     "input": "between the command and the process",
@@ -317,7 +317,7 @@ def _unobserved_sentence(method: str) -> str:
 
 def _given_sentence(report: dict[str, Any]) -> str | None:
     """The fitted numbers of a given simulation, and which effects could not be tried within it."""
-    simulation, texts = report["simulation"], []
+    simulation, texts = report["simulation"], output_sentences(report)
     numbers = {} if _is_mismatch(report) else simulation.get("numbers", {})
     if numbers:
         fitted = joined(
@@ -331,6 +331,27 @@ def _given_sentence(report: dict[str, Any]) -> str | None:
         texts.append(_limits_sentence({name for row in report["ranking"] for name in row["name"].split("+")}))
     texts += _evaluation_sentences(simulation.get("evaluations"))
     return " ".join(texts) or None
+
+
+def output_sentences(report: dict[str, Any]) -> list[str]:
+    """How a simulated output was read; empty if a model was given."""
+    output = report["simulation"].get("output")
+    if output is None:
+        return []
+    texts = [f"Your simulated output was interpolated {output['resampled']}, at the times of the record."]
+    model = output["model"]
+    if model is None:
+        texts.append(
+            "No linear model reproduces your simulated output, so only effects at the output could be tried. Give the "
+            "model itself, or a function, to try the others."
+        )
+    else:
+        late = f" and a dead time of {counted(model['dead_time'], 'sample', 'samples')}" if model["dead_time"] else ""
+        texts.append(
+            f"A linear model of order {model['order']}{late} reproduces your simulated output to {model['error']:.1g} "
+            "of its standard deviation, so all effects could be tried in it."
+        )
+    return texts if output["resampled"] else texts[1:]
 
 
 def _limits_sentence(tried: set[str]) -> str:
