@@ -40,7 +40,10 @@ def diagnose(
     ] = None,
     free: Annotated[
         str | None,
-        typer.Option(metavar="NAME,...", help="Numbers of FILE.py:FUNCTION or FILE.fmu that may be fitted."),
+        typer.Option(
+            metavar="NAME,...",
+            help="Numbers of FILE.py:FUNCTION or FILE.fmu that may be fitted; with a range as NAME=0:5.",
+        ),
     ] = None,
     evaluations: Annotated[
         int | None,

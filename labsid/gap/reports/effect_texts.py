@@ -320,7 +320,7 @@ def clause(effect: dict[str, Any]) -> str:
     """What the rig does, without the full stop."""
     known: dict[str, Quantity] = {}
     for name, entry in effect["parameters"].items():
-        quantity = Quantity(entry["value"], entry["stderr"], entry["unit"])
+        quantity = Quantity(entry["value"], entry["stderr"] or 0.0, entry["unit"])
         if name not in _POSITIONS and quantity.stderr > abs(quantity.value):
             continue  # not significantly different from zero
         size = Quantity(abs(quantity.value), quantity.stderr, quantity.unit)
@@ -347,9 +347,13 @@ def parameter_value(effect: str, parameter: str, entry: dict[str, Any]) -> tuple
     """A parameter's value with its standard error, and its unit in words."""
     value, stderr, unit = entry["value"], entry["stderr"], entry["unit"]
     if unit == "1" and parameter in _SHARES and effect != "coloured-noise":
-        if stderr > 0.0:
+        if stderr:
             return with_error(100.0 * value, 100.0 * stderr), "%"
         return percent(value).removesuffix(" %"), "%"
+    if not entry.get("determined", True):
+        return with_error(value, stderr), "not determined by itself"
+    if entry.get("at_limit"):
+        return with_error(value, stderr), "at its limit"
     return with_error(value, stderr), UNITS.get(unit, unit)
 
 

@@ -109,8 +109,8 @@ def _simulation(report: dict[str, Any]) -> str:
     if not report["simulation"]["given"]:
         return "No simulation was given, so a linear model fitted to the record takes its place."
     read = " ".join(sentences.output_sentences(report))
-    if read:
-        return f"Only the output of your simulation was given. {read}"
+    if read or report["simulation"]["output_only"]:
+        return f"Only the output of your simulation was given. {read}".rstrip()
     return "The record is compared with the simulation that you gave, unchanged."
 
 

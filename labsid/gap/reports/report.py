@@ -52,7 +52,8 @@ def build_report(
     """
     explanation, decision, score = answer.explanation, answer.decision, answer.score
     unit = explanation.data.y_scale.unit
-    effects = _effects(answer)
+    numbers = estimate_numbers(explanation.data, explanation.best)
+    effects = _effects(answer, numbers)
     before, after = answer.outputs
     e = record.y - before
     return {
@@ -86,8 +87,8 @@ def build_report(
             "closed": base.structure.given is not None,
             "output": None if base.output is None else _simulated_output(base.output, base.model),
             "model": _linear_model(answer),
-            "numbers": estimate_numbers(explanation.data, explanation.best),
         },
+        "numbers": numbers,
         "screen": screen_sentences(explanation),
         "traces": figure_traces(record.t, record.u, record.y, before, after),
     }
@@ -108,7 +109,7 @@ def _linear_model(answer: Answer) -> dict[str, Any] | None:
     return {"method": linear.method, "observed": linear.observed, "errors": errors}
 
 
-def _effects(answer: Answer) -> list[dict[str, Any]]:
+def _effects(answer: Answer, numbers: list[dict[str, Any]]) -> list[dict[str, Any]]:
     explanation, decision, closed = answer.explanation, answer.decision, answer.closed
     found = []
     by_name: dict[str, Effect] = {
@@ -122,7 +123,7 @@ def _effects(answer: Answer) -> list[dict[str, Any]]:
                 "path": EFFECT_GUIDE[name].path,
                 "parameters": estimate_parameters(explanation.data, explanation.best, effect)
                 if effect is not None
-                else estimate_numbers(explanation.data, explanation.best)
+                else {str(one["name"]): one | {"unit": ""} for one in numbers}
                 if name == MISMATCH
                 else _sample_parameters(explanation, name),
                 "probability": float(decision.probability[name]),

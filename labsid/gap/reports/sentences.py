@@ -318,19 +318,38 @@ def _unobserved_sentence(method: str) -> str:
 def _given_sentence(report: dict[str, Any]) -> str | None:
     """The fitted numbers of a given simulation, and which effects could not be tried within it."""
     simulation, texts = report["simulation"], output_sentences(report)
-    numbers = {} if _is_mismatch(report) else simulation.get("numbers", {})
-    if numbers:
+    numbers = report.get("numbers", [])
+    if numbers and not _is_mismatch(report):
         fitted = joined(
             [
-                f"{name} = {with_error(one['value'], one['stderr'])} (nominally {number(one['nominal'])})"
-                for name, one in numbers.items()
+                f"{one['name']} = {with_error(one['value'], one['stderr'])} (nominally {number(one['nominal'])})"
+                for one in numbers
             ]
         )
         texts.append(f"Numbers of your simulation that were fitted: {fitted}.")
+    texts += number_sentences(numbers)
     if simulation.get("closed") and report["verdict"] != "none" and not simulation["output_only"]:
         texts.append(_limits_sentence({name for row in report["ranking"] for name in row["name"].split("+")}))
     texts += _evaluation_sentences(simulation.get("evaluations"))
     return " ".join(texts) or None
+
+
+def number_sentences(numbers: list[dict[str, Any]]) -> list[str]:
+    """Which fitted numbers the record does not determine, and which ended at their limits."""
+    texts = [
+        f"{one['name']} ended at its limit, {number(one['limit'])}: the record asks for more. Give it a wider range, "
+        "or look for what it makes up for."
+        for one in numbers
+        if one["at_limit"] and one["determined"]
+    ]
+    groups = dict.fromkeys((tuple(one["group"]), one["combination"]) for one in numbers if one["group"])
+    for names, combination in groups:
+        what = combination.replace(", ", " and ") if combination else "a combination of them"
+        texts.append(f"The record does not determine {joined(list(names))}, only {what}.")
+    alone = [one["name"] for one in numbers if not one["determined"] and not one["group"]]
+    if alone:
+        texts.append(f"The record does not determine {joined(alone)}: the output hardly depends on it.")
+    return texts
 
 
 def output_sentences(report: dict[str, Any]) -> list[str]:

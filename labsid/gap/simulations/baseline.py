@@ -30,6 +30,8 @@ from labsid.simulators.control_systems import is_control_system, read_control_sy
 from labsid.simulators.meter import RunMeter
 from labsid.simulators.simulator import Simulator, function_simulator
 
+DECADES = -6, 7  # powers of ten that are tried for a number that is nominally zero
+MIN_MOVED = 1e-3  # of the standard deviation of the output
 MAX_ROUGHNESS = 0.5  # difference of the derivative over a small step from that over large ones, over that
 FASTEST_POLE = 1e-3  # smaller ones are indistinguishable from zero
 SLOWEST_RATES = 1e-6, 1e-9  # of c and k
@@ -259,6 +261,7 @@ def _simulator(data: Data, t: FloatArray, simulate: Simulator) -> Baseline:
     before = partial(_fit_given, output, free_responses(data.samples, *rates), rates)
     scales = data.u_scale, data.y_scale
     given = GivenSimulation.of(simulate, scales, data.Ts, rates, float(t[0]), data.pieces)
+    given = replace(given, units=_units(given, data.u))
     given = replace(given, rough=_is_rough(given, data.u))
     structure = with_restarts(Hypothesis((), 0, Plant(kind="given", simulation=given)), data)
 
@@ -268,13 +271,27 @@ def _simulator(data: Data, t: FloatArray, simulate: Simulator) -> Baseline:
     return Baseline(before, structure, simulate_record)
 
 
+def _units(given: GivenSimulation, w: FloatArray) -> dict[str, float]:
+    """The smallest powers of ten of numbers that are nominally zero which change the output."""
+    units = {}
+    for name in (name for name, nominal in given.nominal.items() if not nominal):
+        nominally = given.run(w, given.nominal)
+        low, high = given.ranges.get(name, (-np.inf, np.inf))
+        side = 1.0 if high > 0.0 else -1.0
+        sizes = (10.0**power for power in range(*DECADES) if low <= side * 10.0**power <= high)
+        outputs = ((size, given.run(w, given.nominal | {name: side * size})) for size in sizes)
+        moved = (size for size, y in outputs if np.std(y - nominally) > MIN_MOVED * np.std(nominally))
+        units[name] = next(moved, 1.0)
+    return units
+
+
 def _is_rough(given: GivenSimulation, w: FloatArray) -> bool:
     """Whether the derivatives by a free number over a small and a large step differ, at their nominal values.
 
     The size of a large step is unknown for a number that is nominally zero.
     """
     for name, nominal in filter(itemgetter(1), given.nominal.items()):
-        number, steps = free_number(name, nominal).number, (0.0, FREE_STEP, ROUGH_STEP)
+        number, steps = free_number(name, nominal, given.ranges.get(name)).number, (0.0, FREE_STEP, ROUGH_STEP)
         nominally, near, far = (given.run(w, given.nominal | {name: number(step)}) for step in steps)
         small, large = (near - nominally) / FREE_STEP, (far - nominally) / ROUGH_STEP
         if np.linalg.norm(small - large) > MAX_ROUGHNESS * np.linalg.norm(large):  # and not NaN, of a failure
