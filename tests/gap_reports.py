@@ -15,6 +15,12 @@ PARAMETERS: dict[str, dict[str, dict[str, Any]]] = {
     "input-dead-zone": {"low": quantity(0.458, 0.0013, "u"), "high": quantity(0.8754, 0.0012, "u")},
     "input-backlash": {"width": quantity(0.32, 0.01, "u")},
     "input-rate-limit": {"rate": quantity(1.71, 0.02, "u/s")},
+    "input-off": {
+        "onset": quantity(72.0, 0.02, "s"),
+        "end": quantity(90.0, 0.02, "s"),
+        "level": quantity(0.01, 0.02, "u"),
+    },
+    "input-quantization": {"step": quantity(0.25, 0.001, "u")},
     "input-nonlinearity": {
         "c2": quantity(6.02e-5, 3.8e-6, "1/u"),
         "c3": quantity(3.4e-9, 1.4e-9, "1/u^2"),

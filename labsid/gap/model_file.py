@@ -29,7 +29,15 @@ STATE_STEP = 1e-3  # scaled: of the derivative by an initial state
 STATE_ITERATIONS = 12
 SAME_INPUT = 1e-6  # scaled: numbers in text files have ten digits
 OFFSET_SPREAD = 0.3  # scaled: expected difference of the offsets of two records of a rig, as if seen on one record
-_OF_ONE_RECORD = ("load", "leak", "drift", "bend", "shape", "shake_")  # sizes of loads, drifts and sinusoids
+_OF_ONE_RECORD = (
+    "load",
+    "leak",
+    "drift",
+    "bend",
+    "shape",
+    "shake_",
+    "off_",
+)  # sizes of loads, drifts, sinusoids; times
 STATES = ("h1", "h2", "z0", "v0", "i0", "position", "before")
 
 
