@@ -308,7 +308,7 @@ _LABELS = {
     "step": "converter step",
     "share": "share of the samples",
     "onset": "start",
-    "end": "end",
+    "end": "end of it",
     "size": "final change of the output",
 }
 _SPECIFIC_LABELS: dict[tuple[str, ...], str] = {
