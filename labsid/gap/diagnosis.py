@@ -7,20 +7,23 @@ from dataclasses import asdict, dataclass, replace
 import numpy as np
 from threadpoolctl import threadpool_limits
 
+from labsid._arrays import FloatArray
+from labsid.gap.fits.fitting import Problem
 from labsid.gap.fits.hypothesis import Hypothesis
-from labsid.gap.fits.linear_fits import fit_baseline
+from labsid.gap.fits.identifiability import assess
+from labsid.gap.fits.number_search import search_numbers
 from labsid.gap.model_file import ExportedModel, export_model
 from labsid.gap.record.clock import at_sampling_time, clock_findings, stated_sampling_time
 from labsid.gap.record.data import Data, scaled
-from labsid.gap.record.floor import with_floor
 from labsid.gap.record.record_findings import filtered_input, findings_from_errors, findings_from_record, plateau_gap
 from labsid.gap.reports.notebook_progress import runs_in_notebook, show_in_notebook
 from labsid.gap.reports.replay_data import replay_content
 from labsid.gap.reports.report import build_report
 from labsid.gap.reports.result import Diagnosis
+from labsid.gap.reports.sentences import number_sentences
 from labsid.gap.reports.traces import figure_traces
-from labsid.gap.search.beam_search import BIC_MARGIN, Progress, residual_is_white
-from labsid.gap.search.explanation import MOST_EFFECTS, Explanation, explain
+from labsid.gap.search.beam_search import Progress
+from labsid.gap.search.explanation import Explanation
 from labsid.gap.simulations.baseline import (
     AnySimulation,
     Baseline,
@@ -30,6 +33,7 @@ from labsid.gap.simulations.baseline import (
     read_exported,
 )
 from labsid.gap.simulations.long_record import shorten_holdout, shorten_record, shorten_records
+from labsid.gap.simulations.structure_choice import UNDECIDED_TERM, explain_record
 from labsid.gap.verdict.answer import answer_from
 from labsid.gap.verdict.several_records import (
     JoinedRecords,
@@ -45,10 +49,6 @@ from labsid.simulators.meter import RunMeter
 
 MIN_SAMPLES = 100  # samples
 SIZES = 1e-50, 1e50  # of the range of a signal and of the sampling time: powers of their ratios stay finite
-UNDECIDED_TERM = (
-    "The input is too smooth to tell a response within the sample from faster dynamics: both fit this record. A step "
-    "of the input would."
-)
 SEARCH_SHARE = 0.75  # of a budget of runs, for the beam search; the rest is for the search on held-out samples
 
 
@@ -122,41 +122,32 @@ def diagnose(
         if progress is not None and prepared.base.is_run:
             progress = _with_runs(progress, prepared.base.meter)
         with prepared.base.meter.searching(SEARCH_SHARE):
-            explanation, undecided = _explain(prepared.data, prepared.base, progress)
+            start = _start(prepared.data, prepared.base, progress)
+            explanation, undecided = explain_record(prepared.data, replace(prepared.base, start=start), progress)
         if undecided:
             prepared = replace(prepared, notes=(*prepared.notes, UNDECIDED_TERM))
         return _report(prepared, explanation, seed, progress)
 
 
-def _explain(data: Data, base: Baseline, progress: Progress | None) -> tuple[Explanation, bool]:
-    """The explanation by strictly proper dynamics, or by those with a direct term if they alone fit better.
-
-    Where the record does not decide on a direct term, it competes with every effect, in the score of the search.
-
-    Returns
-    -------
-    Explanation
-    undecided : bool
-        Whether the two explain the record about equally well.
-    """
-    if base.alternative is None:
-        return explain(data, base.structure, base.start, progress=progress), False
-    most = 1 if _leaves_noise(with_floor(data), base.structure, base.alternative) else MOST_EFFECTS
-    explanation = explain(data, base.structure, base.start, most, progress)
-    direct = fit_baseline(explanation.data, base.alternative)
-    gain = explanation.best.whitened_bic - direct.whitened_bic
-    undecided = abs(gain) < BIC_MARGIN
-    if gain > 0.0:
-        return explain(data, base.alternative, progress=progress), undecided
-    if most < MOST_EFFECTS and len(explanation.path) > most:
-        explanation = explain(data, base.structure, base.start, progress=progress)
-    return explanation, undecided
+def _start(data: Data, base: Baseline, progress: Progress | None) -> FloatArray | None:
+    """Parameters from which the search starts: with the free numbers of a given simulation found over decades."""
+    structure = base.structure
+    if not structure.plant.free or base.start is not None:
+        return base.start
+    if progress is not None:
+        progress(f"free numbers at their nominal values: {_identifiability(data, structure)}", 0.0)
+    return search_numbers(data, structure)
 
 
-def _leaves_noise(data: Data, proper: Hypothesis, alternative: Hypothesis) -> bool:
-    """Whether the structure with a direct term leaves white noise, and the strictly proper one clearly more."""
-    fits = [fit_baseline(data, structure) for structure in (alternative, proper)]
-    return fits[0].bic < fits[1].bic - BIC_MARGIN and residual_is_white(data, fits[0])
+def _identifiability(data: Data, structure: Hypothesis) -> str:
+    """What the record determines of the free numbers, before they are fitted."""
+    problem = Problem(data, structure)
+    nominal = problem.start(np.zeros(len(structure.parameters)))
+    known = {} if nominal is None else assess(problem, nominal)
+    if not known:
+        return "they cannot be simulated there."
+    numbers = [asdict(one) | {"name": name, "at_limit": False} for name, one in known.items()]
+    return " ".join(number_sentences(numbers)) or "the record determines all of them."
 
 
 def _begin(base: Baseline, evaluations: int | None) -> None:

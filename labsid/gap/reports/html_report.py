@@ -108,8 +108,9 @@ def _simulation(report: dict[str, Any]) -> str:
     """The simulation that was compared with the record."""
     if not report["simulation"]["given"]:
         return "No simulation was given, so a linear model fitted to the record takes its place."
-    if report["simulation"]["output_only"]:
-        return "Only the output of your simulation was given, so only effects at the output could be tried."
+    read = " ".join(sentences.output_sentences(report))
+    if read or report["simulation"]["output_only"]:
+        return f"Only the output of your simulation was given. {read}".rstrip()
     return "The record is compared with the simulation that you gave, unchanged."
 
 

@@ -82,9 +82,9 @@ def significant_digits(value: float, stderr: float) -> int:
     return min(max(kept, 2), 5)
 
 
-def with_error(value: float, stderr: float) -> str:
-    """Format ``value ± stderr`` with two significant digits of the error; an exact value stands alone."""
-    if not math.isfinite(stderr) or stderr <= 0.0:
+def with_error(value: float, stderr: float | None) -> str:
+    """Format ``value ± stderr`` with two significant digits of the error; a value without one stands alone."""
+    if stderr is None or not math.isfinite(stderr) or stderr <= 0.0:
         return number(value, 4)
     size = max(abs(value), stderr)
     power = 0 if MIN_PLAIN <= size < MAX_PLAIN else math.floor(math.log10(size))

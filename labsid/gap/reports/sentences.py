@@ -4,7 +4,7 @@ import re
 from typing import Any
 
 from labsid.gap.reports.effect_texts import REMAINING_ERRORS, UNSIMULATED, clause, noun
-from labsid.gap.reports.quantities import closed_percent, number, p_value, percent, probability, with_error
+from labsid.gap.reports.quantities import closed_percent, counted, number, p_value, percent, probability, with_error
 
 PLACES = {
     "input": "between the command and the process",
@@ -328,20 +328,60 @@ def _unobserved_sentence(method: str) -> str:
 
 def _given_sentence(report: dict[str, Any]) -> str | None:
     """The fitted numbers of a given simulation, and which effects could not be tried within it."""
-    simulation, texts = report["simulation"], []
-    numbers = {} if _is_mismatch(report) else simulation.get("numbers", {})
-    if numbers:
+    simulation, texts = report["simulation"], output_sentences(report)
+    numbers = report.get("numbers", [])
+    if numbers and not _is_mismatch(report):
         fitted = joined(
             [
-                f"{name} = {with_error(one['value'], one['stderr'])} (nominally {number(one['nominal'])})"
-                for name, one in numbers.items()
+                f"{one['name']} = {with_error(one['value'], one['stderr'])} (nominally {number(one['nominal'])})"
+                for one in numbers
             ]
         )
         texts.append(f"Numbers of your simulation that were fitted: {fitted}.")
+    texts += number_sentences(numbers)
     if simulation.get("closed") and report["verdict"] != "none" and not simulation["output_only"]:
         texts.append(_limits_sentence({name for row in report["ranking"] for name in row["name"].split("+")}))
     texts += _evaluation_sentences(simulation.get("evaluations"))
     return " ".join(texts) or None
+
+
+def number_sentences(numbers: list[dict[str, Any]]) -> list[str]:
+    """Which fitted numbers the record does not determine, and which ended at their limits."""
+    texts = [
+        f"{one['name']} ended at its limit, {number(one['limit'])}: the record asks for more. Give it a wider range, "
+        "or look for what it makes up for."
+        for one in numbers
+        if one["at_limit"] and one["determined"]
+    ]
+    groups = dict.fromkeys((tuple(one["group"]), one["combination"]) for one in numbers if one["group"])
+    for names, combination in groups:
+        what = combination.replace(", ", " and ") if combination else "a combination of them"
+        texts.append(f"The record does not determine {joined(list(names))}, only {what}.")
+    alone = [one["name"] for one in numbers if not one["determined"] and not one["group"]]
+    if alone:
+        texts.append(f"The record does not determine {joined(alone)}: the output hardly depends on it.")
+    return texts
+
+
+def output_sentences(report: dict[str, Any]) -> list[str]:
+    """How a simulated output was read; empty if a model was given."""
+    output = report["simulation"].get("output")
+    if output is None:
+        return []
+    texts = [f"Your simulated output was interpolated {output['resampled']}, at the times of the record."]
+    model = output["model"]
+    if model is None:
+        texts.append(
+            "No linear model reproduces your simulated output, so only effects at the output could be tried. Give the "
+            "model itself, or a function, to try the others."
+        )
+    else:
+        late = f" and a dead time of {counted(model['dead_time'], 'sample', 'samples')}" if model["dead_time"] else ""
+        texts.append(
+            f"A linear model of order {model['order']}{late} reproduces your simulated output to {model['error']:.1g} "
+            "of its standard deviation, so all effects could be tried in it."
+        )
+    return texts if output["resampled"] else texts[1:]
 
 
 def _limits_sentence(tried: set[str]) -> str:

@@ -186,7 +186,8 @@ def test_effects_that_are_less_probable_than_not_are_not_said_to_act():
     assert "possible   a transport delay (input-delay), probability 30 %" in format_report(base)
     base = report("input-delay", "resonance", verdict="partial", probability=0.3)
     assert sentences.headline(base).startswith(
-        "The cause of the gap is not known: a transport delay (30 %) and a lightly damped mode (30 %) together explain 97 %"
+        "The cause of the gap is not known: a transport delay (30 %) and a lightly damped mode (30 %) together explain "
+        "97 %"
     )
 
 
