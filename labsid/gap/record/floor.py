@@ -76,4 +76,5 @@ def with_floor(data: Data) -> Data:
     if free <= 0 or new @ new > free * NOISY**2 * digits:
         digits = 0.0
     floor = float(np.hypot(SIMULATION_ERROR, DITHER * np.sqrt(digits)))
-    return replace(data, y=data.y + floor * np.random.default_rng(SEED).standard_normal(data.samples))
+    turned = np.sign(data.y[np.argmax(np.abs(data.y))])  # a sensor of the other sign changes no answer
+    return replace(data, y=data.y + turned * floor * np.random.default_rng(SEED).standard_normal(data.samples))

@@ -105,10 +105,10 @@ def test_held_values_within_a_converter_step_are_no_dropout(plain: Explanation, 
 
 @pytest.mark.parametrize(("pole", "names"), [(0.5, ()), (0.97, ("coloured-noise",))])
 def test_only_slow_noise_is_an_effect(plain: Explanation, pole: float, names: tuple[str, ...]) -> None:
-    """Sensor noise is uncorrelated after a few samples."""
+    """Sensor noise is uncorrelated after a few samples, and the noise of a rig after a fraction of its response."""
     e = lfilter([1.0], [1.0, -pole], 0.05 * np.random.default_rng(3).standard_normal(plain.data.samples))
     data = replace(plain.data, y=plain.best.output + e)
-    fit = replace(plain.best, noise=replace(plain.best.noise, sigma2=0.05**2))
+    fit = replace(plain.best, noise=replace(plain.best.noise, ar=np.array([pole]), sigma2=0.05**2))
     nothing = np.zeros(data.samples, bool)
     assert unsimulated_effects(data, data, SampleFaults(nothing, (), nothing, None), fit) == names
 
