@@ -35,6 +35,8 @@ class QuestionResult:
         The judged figures, as SVG in base64.
     seconds : float
         Time to run its cells and judge the answer.
+    consistent : bool
+        Whether it is wrong, but follows from the student's own values of earlier steps: an instructor may give marks.
     """
 
     question: str
@@ -47,6 +49,7 @@ class QuestionResult:
     output: str = ""
     figures: tuple[str, ...] = ()
     seconds: float = 0.0
+    consistent: bool = False
 
 
 @dataclass(frozen=True, slots=True)

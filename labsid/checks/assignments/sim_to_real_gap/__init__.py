@@ -19,11 +19,11 @@ ASSIGNMENT = Assignment(
         Question("gap-3-time", check_time, uses=(_LINEAR,)),
         Question("gap-4-frequency", check_frequency),
         Question("gap-5-operating", check_operating, uses=(_LINEAR,)),
-        Question("gap-7-simulation", check_simulation, uses=(_REST, _LINEAR), allows_wrong_values=False),
+        Question("gap-7-simulation", check_simulation, uses=(_REST, _LINEAR)),
         Question("gap-8-effect", check_effect),
         Question("gap-8-path", check_path),
         Question("gap-8-parameters", check_parameters),
-        Question("gap-9-closed", check_closed, uses=(_REST, _SIZE), allows_wrong_values=False),
+        Question("gap-9-closed", check_closed, uses=(_REST, _SIZE)),
     ),
     RECORD_FILE,
 )
