@@ -29,10 +29,9 @@ class Answer:
         The student's values of the names that later steps use, and the right ones that follow from `known`.
     attempts : list of Attempt
         The judgings so far, by right values of earlier steps.
-    on_own : Attempt or None
-        The judging on the student's own values of earlier steps, if these are wrong and it is right by them.
-    may_be_on_own : bool
-        Whether these values are those of slips that are carried.
+    follows_own : bool
+        Whether it is right by the student's own values of earlier steps, where these are wrong. That earns nothing:
+        these values are of the student's own choosing.
     is_sound : bool
         Whether it is right with no wrong value involved, so that its values and functions are carried forward.
     causes : tuple of str
@@ -49,8 +48,7 @@ class Answer:
     own: Mapping[str, Value] = field(default_factory=dict)
     right: Mapping[str, Value] = field(default_factory=dict)
     attempts: list[Attempt] = field(default_factory=list)
-    on_own: Attempt | None = None
-    may_be_on_own: bool = False
+    follows_own: bool = False
     is_sound: bool = False
     causes: tuple[str, ...] = ()
     pictures: tuple[str, ...] = ()
@@ -75,17 +73,6 @@ class Answer:
             else value
             for name, value in self.carried.items()
         }
-
-    @property
-    def is_carried(self) -> bool:
-        """Whether it is wrong, and its value is that of a slip that the question carries, made on right values."""
-        verdict = self.attempts[-1].verdict
-        return not self.is_right and verdict is not None and verdict.slip in self.question.carries
-
-    @property
-    def is_consistent(self) -> bool:
-        """Whether it is wrong, but follows from the student's own values of earlier steps."""
-        return self.on_own is not None and not self.is_right
 
     @property
     def crashed(self) -> bool:
@@ -122,7 +109,7 @@ class Answer:
             output="".join(done.reply.stdout for done in cells),
             figures=self.pictures,
             seconds=self.seconds,
-            consistent=self.is_consistent,
+            consistent=self.follows_own and not verdict.passed,
         )
 
 

@@ -1,4 +1,4 @@
-"""Carrying values forward after a wrong answer: when the student's own count, and what shape right ones take."""
+"""Carrying values forward after a wrong answer: which ones are wrong, and what shape right ones take."""
 
 from collections.abc import Mapping
 from enum import Enum, auto
@@ -27,24 +27,6 @@ def equal_values(own: Value, right: Value) -> bool:
         return False
     a, b = np.asarray(own, dtype=np.float64), np.asarray(right, dtype=np.float64)
     return a.shape == b.shape and bool(np.allclose(a, b, rtol=1e-9, atol=0))
-
-
-def depends_on_replaced(
-    first: tuple[Mapping[str, Value], Mapping[str, Value]], second: tuple[Mapping[str, Value], Mapping[str, Value]]
-) -> bool:
-    """Whether an answer changes with the earlier values that it starts from; a constant does not.
-
-    Parameters
-    ----------
-    first, second : tuple of mapping
-        The right values and the student's in the run as handed in, and on right values: by name.
-    """
-    (right, own), (right_again, own_again) = first, second
-    changing = [name for name, value in right.items() if not equal_values(value, right_again.get(name))]
-    return bool(changing) and all(
-        _is_numeric(own.get(name)) and _is_numeric(own_again.get(name)) and not equal_values(own[name], own_again[name])
-        for name in changing
-    )
 
 
 def differ_in_shape(own: Mapping[str, Value], right: Mapping[str, Value]) -> bool:

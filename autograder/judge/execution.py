@@ -130,9 +130,11 @@ class Execution:
         self._do(replacement)
 
     def replace_where_made(self, replacement: Replacement) -> None:
-        """Run all cells again in another process, in which wrong values are replaced where statements make them."""
+        """Run all cells again in another process; wrong values are replaced where students' statements make them."""
         self.actions = [
-            replace(action, replacements=(*action.replacements, replacement)) if isinstance(action, RunCell) else action
+            replace(action, replacements=(*action.replacements, replacement))
+            if isinstance(action, RunCell) and action.cell.kind in ("answer", "extra")
+            else action
             for action in self.actions
         ]
         self.actions.append(replacement)

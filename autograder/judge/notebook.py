@@ -258,17 +258,13 @@ def _judge_beside_wrong(
     bool
         Whether it is right by right values, in a shape from which later steps can start.
     """
-    causes = wrong_steps(wrong)
-    steps = ", ".join(causes)
-    on_own = f"(Judged on your own values of {steps}, which are wrong.)"
+    steps = ", ".join(wrong_steps(wrong))
     as_columns = any(differ_in_shape(other.own, other.right) for other in wrong)
     first = answer.attempts.pop()
     if not first.passed and as_columns:
         first = examiner.judge_later(answer.asked, answer.known, as_columns)
-    if first.passed:
-        answer.on_own, answer.causes = first.noted(on_own, ""), causes
-        answer.may_be_on_own = all(other.is_carried for other in wrong)
-    else:
+    answer.follows_own = first.passed
+    if not first.passed:
         answer.attempts.append(first)
     second = examiner.judge_later(answer.asked, right, as_columns)
     answer.attempts.append(second.noted("", f"Judged on the right values of {steps}:"))

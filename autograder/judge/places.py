@@ -51,6 +51,12 @@ class Places:
         return [place for place, done in enumerate(self.cells) if done.cell.kind == "question"]
 
     @cached_property
+    def given(self) -> frozenset[str]:
+        """The names that given cells make."""
+        cells = range(len(self.cells))
+        return frozenset().union(*(self._assigned[place] for place in set(cells) - set(self._own_cells(cells))))
+
+    @cached_property
     def _made(self) -> Sequence[frozenset[str]]:
         """For each answer, the names that students' cells make from the first that makes one of its values on."""
         found = []

@@ -21,9 +21,7 @@ from autograder.judge.ask import AskOpener
 from autograder.judge.attempt import Attempt
 from autograder.judge.carrying import (
     Shape,
-    depends_on_replaced,
     differ_in_shape,
-    equal_values,
     has_shape_of,
     in_shape,
     is_row,
@@ -47,6 +45,7 @@ class _Carried:
     `style` holds the values from which the right ones take their shape; `in_doubt` is whether it may be another one.
     """
 
+    question: str
     right: Mapping[str, Value]
     style: Mapping[str, Value]
     in_doubt: bool
@@ -126,13 +125,23 @@ class SecondRun:
             cells = []
             self._functions.start_question()
             if answer.is_sound:
-                # an object may answer differently each time: it is read as often as in the first run
-                examiner.own_values(asked, answer.asked.values)
-                execution.read_variables(*answer.asked.values)
-                self._known.update(answer.carried)
+                self._keep(asked, execution, examiner)
                 continue
             passed = key in waiting and self._judge(asked, execution, examiner)
             self._carry(execution, examiner, asked, passed)
+
+    def _keep(self, asked: Examination, execution: Execution, examiner: Examiner) -> None:
+        """Go on from the values of a right answer: those that were judged, or that follow from right ones by now."""
+        answer = self._answers[asked.key]
+        # an object may answer differently each time: it is read as often as in the first run
+        examiner.own_values(asked, answer.asked.values)
+        execution.read_variables(*answer.asked.values)
+        carried = dict(answer.carried)
+        if answer.right and any(True for _ in self._wrong_before(asked.key)):
+            attempt = examiner.judge_here(asked, self._known, self._as_columns(asked.key))
+            if attempt.passed:
+                carried |= {name: value for name, value in asked.values.items() if name in carried}
+        self._known.update(carried)
 
     def _judge(self, asked: Examination, execution: Execution, examiner: Examiner) -> bool:
         """Judge an answer on right values of the earlier ones; whether it is right with them as they are."""
@@ -144,10 +153,6 @@ class SecondRun:
             answer.attempts.append(told.noted(replaced.beside_right(), replaced.before_wrong()))
             if told.passed:
                 answer.causes = replaced.causes
-            elif answer.on_own is not None and answer.may_be_on_own:
-                right = examiner.right_values(asked, self._known)
-                if depends_on_replaced((answer.right, answer.asked.values), (right, asked.values)):
-                    answer.attempts.append(answer.on_own)
         answer.seconds += time.monotonic() - start
         return attempt.passed
 
@@ -156,7 +161,11 @@ class SecondRun:
 
         Each is made in a process of its own, while no other one of this hand-in runs.
         """
-        if not any(one.in_doubt for one in self._carried):
+        answer = self._answers[asked.key]
+        used = [
+            one for one in self._carried if one.question in answer.question.uses or any(map(answer.reads, one.right))
+        ]
+        if not any(one.in_doubt for one in used):
             return attempt
         tried = [self._shapes(Shape.OWN)]
         for shape in (Shape.FLAT, Shape.COLUMN):
@@ -202,12 +211,10 @@ class SecondRun:
         style = {name: own.get(name, answer.own.get(name, signal)) for name in right}
         shaped = {name: in_shape(value, style[name], Shape.OWN) for name, value in right.items()}
         functions = () if answer.is_right else self._functions_of(answer)
-        kept = self._all_names - right.keys() - set(functions)
-        known = [self._known[name] for name in kept if name in self._known]
-        own_names = frozenset(name for name, value in own.items() if not any(equal_values(value, one) for one in known))
-        replacement = Replacement(shaped, own, functions, own_names, kept)
+        kept = (self._all_names | self._places.given) - right.keys() - set(functions)
+        replacement = Replacement(shaped, own, functions, kept)
         in_doubt = any(is_signal(value) and not has_shape_of(own.get(name), value) for name, value in right.items())
-        self._carried.append(_Carried(right, style, in_doubt, replacement))
+        self._carried.append(_Carried(asked.question.id, right, style, in_doubt, replacement))
         self._known.update({name: right[name] if is_row(value) else value for name, value in shaped.items()})
         if not replacement.names:
             return

@@ -199,7 +199,6 @@ def _decode_replacement(encoded: dict[str, Any]) -> Replacement:
         right={name: decode(value) for name, value in encoded["right"].items()},
         wrong={name: decode(value) for name, value in encoded["wrong"].items()},
         functions=tuple(encoded["functions"]),
-        own_names=frozenset(encoded["own_names"]),
         kept=frozenset(encoded["kept"]),
     )
 

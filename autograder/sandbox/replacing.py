@@ -15,6 +15,7 @@ from labsid.checks.cell_names import assigned_names, parse_python
 from labsid.checks.permitted import without_magic
 from labsid.checks.values import Value, as_student_object, plain
 
+_MAX_ENTRIES = 100  # of a dict, a list or a table
 _SIMPLE_DIGITS = 6  # a number with more digits is a computed one, which another variable does not equal by chance
 
 
@@ -30,16 +31,14 @@ class Replacement:
         The values that the cells give these names; without those that they do not make.
     functions : tuple of str
         Functions that the judge serves from now on.
-    own_names : frozenset of str
-        The names among `right` whose value is replaced under other names too, where the cells make it.
     kept : frozenset of str
-        Names of other questions, which keep their values.
+        Names of other questions and of given cells, which keep their values. A wrong value that none of them has is
+        replaced under other names, too.
     """
 
     right: Mapping[str, Value]
     wrong: Mapping[str, Value]
     functions: tuple[str, ...] = ()
-    own_names: frozenset[str] = frozenset()
     kept: frozenset[str] = frozenset()
 
     @property
@@ -139,19 +138,35 @@ def _replace_made(
     replacements: Iterable[Replacement],
     serve: Callable[[str], Callable[..., Any]],
 ) -> None:
-    """Replace the value of a name that a statement has just made, if it is a wrong one."""
+    """Replace the value of a name that a statement has just made, or an entry of it, if that is a wrong one."""
     for one in replacements:
         if name in one.functions:
             _serve_as(variables, name, serve)
             return
-        own = variables[name]
         for other, wrong in one.wrong.items():
             is_named = name == other
-            if is_named or (other in one.own_names and name not in one.kept | one.names):
-                fitted = _fit(one.right[other], own, wrong, is_named)
-                if fitted is not None:
-                    variables[name] = fitted
-                    return
+            if not is_named and name in one.kept | one.names:
+                continue
+            holder, keys = (variables, [name]) if is_named else _entries(variables, name)
+            for key in keys:
+                fitted = _fit(one.right[other], holder[key], wrong, is_named)
+                if fitted is not None and (is_named or not _has_kept(variables, one, wrong)):
+                    holder[key] = fitted
+
+
+def _entries(variables: dict[str, Any], name: str) -> tuple[Any, list[Any]]:
+    """A place where values are, and their keys: the columns of a table, the items of a dict or list, or the name."""
+    value = variables[name]
+    if isinstance(value, list):
+        return value, list(range(min(len(value), _MAX_ENTRIES)))
+    if hasattr(value, "keys") and hasattr(value, "__setitem__"):
+        return value, list(value.keys())[:_MAX_ENTRIES]
+    return variables, [name]
+
+
+def _has_kept(variables: Mapping[str, Any], one: Replacement, wrong: Value) -> bool:
+    """Whether a name that keeps its value has the wrong one, such as a signal of the record with its offset."""
+    return any(_fit(wrong, variables[name], wrong, True) is not None for name in one.kept & variables.keys())
 
 
 def _serve_as(variables: dict[str, Any], name: str, serve: Callable[[str], Callable[..., Any]]) -> None:
@@ -166,7 +181,7 @@ def _fit(right: Value, own: object, wrong: Value, is_named: bool) -> Any:
 
     Under another name than the one that is asked for, it has the shape of the student's own.
     """
-    value = plain(own)
+    value = plain(own.to_numpy() if hasattr(own, "to_numpy") else own)
     if not (_is_numeric(value) and _is_numeric(wrong)):
         return as_object(right) if is_named and type(value) is type(wrong) and not _is_numeric(wrong) else None
     a, b = np.asarray(value), np.asarray(wrong)

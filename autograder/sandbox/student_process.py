@@ -178,7 +178,6 @@ def _encode_replacement(one: Replacement) -> dict[str, Any]:
         "right": {name: encode(value) for name, value in one.right.items()},
         "wrong": {name: encode(value) for name, value in one.wrong.items()},
         "functions": list(one.functions),
-        "own_names": sorted(one.own_names),
         "kept": sorted(one.kept),
     }
 

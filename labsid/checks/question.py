@@ -68,16 +68,12 @@ class Question:
         wrong, later steps are judged from these values (error carried forward).
     uses : tuple of str
         Ids of the questions whose variables this one uses.
-    carries : tuple of str
-        Names of the slips on whose value later answers may be judged: those that later code can take back, such as
-        signs turned too early. The question gives one variable, so that the slip is known to give all of its value.
     """
 
     id: str
     judge: Callable[[Ask], Verdict]
     gives: Callable[[Ask], dict[str, Value]] | None = None
     uses: tuple[str, ...] = ()
-    carries: tuple[str, ...] = ()
 
     def verdict(self, ask: Ask) -> Verdict:
         """Judge the answer; a missing or unreadable answer fails."""
