@@ -6,6 +6,9 @@ from pathlib import Path
 
 import pytest
 
+from labsid.checks.notebook import load_assignment
+from labsid.checks.question import PEN
+
 NOTEBOOKS = Path(__file__).resolve().parent.parent / "notebooks"
 NAMES = sorted(path.stem for path in NOTEBOOKS.glob("*/*.md"))
 
@@ -94,3 +97,17 @@ def test_every_erratum_names_steps_that_are_there() -> None:
 def test_the_texts_speak_of_steps_and_not_of_identifiers(name: str) -> None:
     ids = re.findall(r"grade_id\"?: \"?([\w-]+)", text_of(name))
     assert [each for each in ids if re.search(rf"(?<![\w-]){re.escape(each)}(?![\w-])", prose_of(name))] == []
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_the_first_lines_say_that_typed_numbers_do_not_count(name: str) -> None:
+    start = " ".join(prose_of(name)[:1500].split())
+    assert f"**Compute it:** a number that you type counts only where the pen {PEN} stands" in start
+    record = load_assignment(name).record_file
+    assert ("under the same file name" in start) == (record is not None)
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_no_sentence_invites_to_type_what_follows_from_the_data(name: str) -> None:
+    inviting = r"[Rr]ead [^.]{0,60}off `|off `theta_hat`|[Ll]ook at your Fig|, 2\.0 V on|within\s0\.75 s"
+    assert re.findall(inviting, prose_of(name)) == []

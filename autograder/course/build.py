@@ -23,6 +23,7 @@ from labsid._files import write_file, write_text
 from labsid.checks.cells import CODE_STUB, TEXT_STUB, read_cell
 from labsid.checks.notebook import find_assignment, marks_text
 from labsid.checks.notebook_file import START_PAGE
+from labsid.checks.question import PEN
 from labsid.hand_in.start_page import DATA_BESIDE, start_notebook
 
 _METADATA_OF_NBGRADER = ("cell_type", "checksum", "grade", "locked", "points", "schema_version", "solution", "task")
@@ -76,17 +77,22 @@ def build_source(path: Path) -> Any:
     problems = [*lint_source(notebook), *lint_checks(notebook, path.stem)]
     if problems:
         raise ValueError(f"{path} cannot be released: " + "; ".join(problems))
-    _write_marks(notebook)
+    _write_marks(notebook, path.stem)
     notebook.nbformat, notebook.nbformat_minor = 4, 5
     return notebook
 
 
-def _write_marks(notebook: Any) -> None:
-    """Write the marks of each question beside its check, and under the text of one that is marked by hand."""
+def _write_marks(notebook: Any, name: str) -> None:
+    """Write the marks of each question beside its check, and under the text of one that is marked by hand.
+
+    The pen stands beside those of the questions at which a typed-in value counts.
+    """
+    typed = {question.id for question in find_assignment(name).questions if question.follows_from.may_be_typed}
     for above, cell in zip([None, *notebook.cells], notebook.cells, strict=False):
         known = read_cell(cell)
         if known is not None and known.kind == "question":
-            cell.source = f"{cell.source.strip()}  # {marks_text(known.points)}"
+            pen = f" {PEN}" if known.id in typed else ""
+            cell.source = f"{cell.source.strip()}  # {marks_text(known.points)}{pen}"
         elif known is not None and known.kind == "tests":
             cell.source = f"{cell.source.rstrip()}\n# {marks_text(known.points)}"
         elif known is not None and known.kind == "manual" and above is not None and above.cell_type == "markdown":

@@ -1,13 +1,14 @@
 """The answer to a question while its submission is judged, and the result that it ends with."""
 
-import re
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from decimal import Decimal
 
 from autograder.judge.attempt import Attempt
+from autograder.judge.carrying import differ_in_shape
 from autograder.judge.examiner import Examination
 from autograder.judge.outcome import QuestionResult
+from labsid.checks.cell_names import read_names
 from labsid.checks.question import Question
 from labsid.checks.values import Value
 from labsid.checks.verdict import Verdict
@@ -27,7 +28,10 @@ class Answer:
     own, right : mapping
         The student's values of the names that later steps use, and the right ones that follow from `known`.
     attempts : list of Attempt
-        The judgings so far.
+        The judgings so far, by right values of earlier steps.
+    follows_own : bool
+        Whether it is right by the student's own values of earlier steps, where these are wrong. That earns nothing:
+        these values are of the student's own choosing.
     is_sound : bool
         Whether it is right with no wrong value involved, so that its values and functions are carried forward.
     causes : tuple of str
@@ -44,6 +48,7 @@ class Answer:
     own: Mapping[str, Value] = field(default_factory=dict)
     right: Mapping[str, Value] = field(default_factory=dict)
     attempts: list[Attempt] = field(default_factory=list)
+    follows_own: bool = False
     is_sound: bool = False
     causes: tuple[str, ...] = ()
     pictures: tuple[str, ...] = ()
@@ -60,6 +65,16 @@ class Answer:
         return any(attempt.passed for attempt in self.attempts)
 
     @property
+    def accepted(self) -> Mapping[str, Value]:
+        """The values with which later steps start, with vectors in the shape of the right ones."""
+        return {
+            name: value.reshape(self.right[name].shape)  # type: ignore[union-attr]
+            if differ_in_shape({name: value}, self.right)
+            else value
+            for name, value in self.carried.items()
+        }
+
+    @property
     def crashed(self) -> bool:
         """Whether one of its cells ended the process."""
         return any(done.failure is not None for done in self.asked.cells)
@@ -69,10 +84,9 @@ class Answer:
         """The values with which later steps start: the student's own where there are any."""
         return {**self.right, **self.own}
 
-    def mentions(self, name: str) -> bool:
-        """Whether its code contains a name as a whole word."""
-        word = re.compile(rf"\b{re.escape(name)}\b")
-        return any(word.search(done.cell.source) for done in self.asked.cells)
+    def reads(self, name: str) -> bool:
+        """Whether its code reads a name."""
+        return any(name in read_names(done.cell.source) for done in self.asked.cells)
 
     def result(self) -> QuestionResult:
         """The result of the question."""
@@ -95,6 +109,7 @@ class Answer:
             output="".join(done.reply.stdout for done in cells),
             figures=self.pictures,
             seconds=self.seconds,
+            consistent=self.follows_own and not verdict.passed,
         )
 
 

@@ -1,4 +1,4 @@
-"""Carrying values forward after a wrong answer: when the student's own count, and what shape right ones take."""
+"""Carrying values forward after a wrong answer: which ones are wrong, and what shape right ones take."""
 
 from collections.abc import Mapping
 from enum import Enum, auto
@@ -6,10 +6,6 @@ from enum import Enum, auto
 import numpy as np
 
 from labsid.checks.values import Value
-
-COMPARABLE = 30.0
-"""Largest ratio of a wrong value that later answers may be judged on to the right one. Slips in signs, means, lags and
-units of samples stay below it; far larger and far smaller values make later answers right that compute nothing."""
 
 
 class Shape(Enum):
@@ -20,35 +16,13 @@ class Shape(Enum):
     COLUMN = auto()
 
 
-def is_usable(own: Mapping[str, Value], right: Mapping[str, Value]) -> bool:
-    """Whether later answers can be judged on these wrong values: numbers of the right size that are not all the same.
-
-    Parameters
-    ----------
-    own, right : mapping
-        The student's and the right values, by name.
-    """
-    return all(name in own and _is_comparable(own[name], value) for name, value in right.items())
-
-
-def _is_comparable(own: Value, right: Value) -> bool:
-    if not (_is_numeric(own) and _is_numeric(right)):
-        return False
-    a, b = np.asarray(own, dtype=np.float64).reshape(-1), np.asarray(right, dtype=np.float64).reshape(-1)
-    if not a.size or (a.size == 1) != (b.size == 1) or not np.all(np.isfinite(a)):
-        return False
-    if np.ptp(a) == 0 and np.ptp(b) > 0:
-        return False
-    largest_a, largest_b = np.max(np.abs(a)), np.max(np.abs(b))
-    return bool(largest_b / COMPARABLE <= largest_a <= largest_b * COMPARABLE)
-
-
 def wrong_names(own: Mapping[str, Value], right: Mapping[str, Value]) -> tuple[str, ...]:
     """The names whose value is missing or differs from the right one."""
-    return tuple(name for name, value in right.items() if not _is_equal(own.get(name), value))
+    return tuple(name for name, value in right.items() if not equal_values(own.get(name), value))
 
 
-def _is_equal(own: Value, right: Value) -> bool:
+def equal_values(own: Value, right: Value) -> bool:
+    """Whether two numbers or arrays are equal in shape, and in value but for rounding."""
     if not (_is_numeric(own) and _is_numeric(right)):
         return False
     a, b = np.asarray(own, dtype=np.float64), np.asarray(right, dtype=np.float64)
@@ -84,9 +58,24 @@ def in_shape(right: Value, own: Value, shape: Shape) -> Value:
     return array.reshape(-1, 1) if shape is Shape.COLUMN and array.size > 1 else right
 
 
+def has_shape_of(own: Value, right: Value) -> bool:
+    """Whether a value is an array of the shape of the right one."""
+    return isinstance(own, np.ndarray) and np.shape(own) == np.shape(right)  # type: ignore[arg-type]
+
+
+def is_signal(value: Value) -> bool:
+    """Whether a value is a vector, flat or a column, of more than one number."""
+    return isinstance(value, np.ndarray) and value.size > 1 and value.size == max(value.shape)
+
+
 def is_column(value: Value) -> bool:
     """Whether a value is a column vector."""
     return isinstance(value, np.ndarray) and value.ndim == 2 and value.shape[1] == 1 < value.shape[0]
+
+
+def is_row(value: Value) -> bool:
+    """Whether a value is a row vector, which no check reads as a signal."""
+    return isinstance(value, np.ndarray) and value.ndim == 2 and value.shape[0] == 1 < value.shape[1]
 
 
 def _is_numeric(value: Value) -> bool:

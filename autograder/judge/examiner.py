@@ -61,6 +61,11 @@ class Examiner:
             self._execution.save_variables(one.key)
         return attempt
 
+    def judge_here(self, one: Examination, known: Mapping[str, Value], as_columns: bool = False) -> Attempt:
+        """Judge in the present state, and call functions in it: nothing that later cells print is kept."""
+        self._execution.extend_deadline(self._limits.call_seconds)
+        return self._attempt(one, self._open(one, self._present, known, False, as_columns))
+
     def judge_later(self, one: Examination, known: Mapping[str, Value], as_columns: bool = False) -> Attempt:
         """Judge after the last cell, with the variables as they were at the question."""
         if self._execution.process.lost:  # the cells have used up the time of the submission

@@ -3,18 +3,36 @@
 import errno
 import os
 import time
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 
 from autograder.course.definitions import definitions_in
 from autograder.intake.submission import NotebookCell
+from autograder.judge.served_functions import RightFunctions
 from autograder.sandbox.isolation import MachineError, ProcessLauncher, Reply, StudentProcess, StudentProcessError
+from autograder.sandbox.replacing import Replacement
 from autograder.sandbox.workdirs import disk_is_full
-from labsid.checks.values import Value
 
-_Action = NotebookCell | Mapping[str, Value] | int
-"""A step of a replay: a cell to run, variables to set, or the key to save the variables under."""
+
+@dataclass(frozen=True, slots=True)
+class RunCell:
+    """A cell to run, statement by statement if wrong values are replaced in it."""
+
+    cell: NotebookCell
+    replacements: tuple[Replacement, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class ReadVariables:
+    """Variables to read: a student's object may answer differently each time."""
+
+    names: tuple[str, ...]
+
+
+Action = RunCell | Replacement | ReadVariables | int
+"""A step of a run: a cell, what replaces a wrong answer, variables to read, or the key to save the variables under."""
 
 _NO_SPACE = os.strerror(errno.ENOSPC)
 
@@ -54,27 +72,43 @@ class Execution:
         The files of the student's work folder.
     deadline : float, optional
         End of the submission's time, on the monotonic clock; its limit from now if there is none yet.
+    functions : RightFunctions, optional
+        The functions that may be served.
+    actions : sequence of Action
+        What is done first, in every process.
 
     Attributes
     ----------
     process : StudentProcess
         The current process.
+    actions : list of Action
+        What has been done, without the cells that ended their process.
     """
 
-    def __init__(self, launcher: ProcessLauncher, folder: Path, deadline: float | None = None) -> None:
+    def __init__(
+        self,
+        launcher: ProcessLauncher,
+        folder: Path,
+        deadline: float | None = None,
+        functions: RightFunctions | None = None,
+        actions: Sequence[Action] = (),
+    ) -> None:
         self._launcher = launcher
         self._folder = folder
-        self._actions: list[_Action] = []
+        self._functions = functions
         self._cells = 0
         self._printed = 0
         self._deadline = time.monotonic() + launcher.limits.submission_seconds if deadline is None else deadline
         self._replay_seconds = launcher.limits.submission_seconds
+        self._served: set[str] = set()  # functions, in the current process
+        self.actions = list(actions)
         self.process = self._start()
+        if self.actions and self._replay(self.process, self.actions) is not None:
+            self.restart()
 
     def run(self, cell: NotebookCell) -> ExecutedCell:
         """Run a cell, if it is one to be run; one that ends its process is not replayed in the next process."""
-        source = source_to_run(cell)
-        if not source:
+        if not source_to_run(cell):
             return ExecutedCell(cell, Reply(True))
         max_cells = self._launcher.limits.cells
         self._cells += 1
@@ -82,30 +116,37 @@ class Execution:
             failure = StudentProcessError("limit", f"the notebook has more than {max_cells} cells")
             return ExecutedCell(cell, Reply(False), failure)
         try:
-            reply = self.process.run(source)
+            reply = self.process.run(source_to_run(cell))
         except StudentProcessError as failure:
             self.restart()
             return ExecutedCell(cell, Reply(False), failure)
         if _NO_SPACE in str((reply.error or {}).get("text")) and disk_is_full():
             raise MachineError(_NO_SPACE)
-        self._actions.append(cell)
+        self.actions.append(RunCell(cell))
         return ExecutedCell(cell, self._truncated(reply))
 
-    def set(self, values: Mapping[str, Value]) -> None:
-        """Set variables, in this process and in every later one."""
-        self._actions.append(values)
-        try:
-            self.process.set(values)
-        except StudentProcessError:
-            self.restart()
+    def replace(self, replacement: Replacement) -> None:
+        """Set right values, and functions that are served, in this process and in every later one."""
+        self._do(replacement)
+
+    def replace_where_made(self, replacement: Replacement) -> None:
+        """Run all cells again in another process; wrong values are replaced where students' statements make them."""
+        self.actions = [
+            replace(action, replacements=(*action.replacements, replacement))
+            if isinstance(action, RunCell) and action.cell.kind in ("answer", "extra")
+            else action
+            for action in self.actions
+        ]
+        self.actions.append(replacement)
+        self.restart()
+
+    def read_variables(self, *names: str) -> None:
+        """Read variables in every later process, as they have been read in this one."""
+        self.actions.append(ReadVariables(names))
 
     def save_variables(self, key: int) -> None:
         """Save the current variables under a key, in this process and in every later one."""
-        self._actions.append(key)
-        try:
-            self.process.save_variables(key)
-        except StudentProcessError:
-            self.restart()
+        self._do(key)
 
     def restart(self) -> None:
         """Start another process and replay all actions, without a cell that ends the process."""
@@ -117,10 +158,10 @@ class Execution:
                 self.process = self._start()
             except StudentProcessError:  # the next request fails and restarts again
                 return
-            failed = self._replay(self.process, self._actions)
+            failed = self._replay(self.process, self.actions)
             if failed is None:
                 return
-            del self._actions[failed[0]]
+            del self.actions[failed[0]]
 
     def replayed(self, key: int) -> StudentProcess:
         """Start a process and replay the actions up to the point where the variables were saved under `key`.
@@ -132,7 +173,7 @@ class Execution:
         """
         process = self._start()
         try:
-            self._timed_replay(process, self._actions[: self._actions.index(key)])
+            self._timed_replay(process, self.actions[: self.actions.index(key)])
         except BaseException:
             process.close()
             raise
@@ -146,7 +187,7 @@ class Execution:
         """End the process."""
         self.process.close()
 
-    def _timed_replay(self, process: StudentProcess, actions: list[_Action]) -> None:
+    def _timed_replay(self, process: StudentProcess, actions: Sequence[Action]) -> None:
         """Replay on the judge's time: it moves the deadline, and all replays together have a limit of their own."""
         began = time.monotonic()
         process.deadline = began + self._replay_seconds
@@ -159,23 +200,44 @@ class Execution:
             process.close()
             raise StudentProcessError(failed[1].status, f"when its cells were run a second time, {failed[1]}")
 
-    def _replay(self, process: StudentProcess, actions: list[_Action]) -> tuple[int, StudentProcessError] | None:
+    def _do(self, action: Action) -> None:
+        self.actions.append(action)
+        try:
+            self._perform(self.process, action)
+        except StudentProcessError:
+            self.restart()
+
+    def _replay(self, process: StudentProcess, actions: Sequence[Action]) -> tuple[int, StudentProcessError] | None:
         """Replay actions; returns the index and the error of the one that ended the process."""
         for index, action in enumerate(actions):
             try:
-                if isinstance(action, NotebookCell):
-                    process.run(source_to_run(action))
-                elif isinstance(action, int):
-                    process.save_variables(action)
-                else:
-                    process.set(action)
+                self._perform(process, action)
             except StudentProcessError as failure:
                 return index, failure
         return None
 
+    def _perform(self, process: StudentProcess, action: Action) -> None:
+        if isinstance(action, RunCell):
+            self._serve(*action.replacements)
+            process.run(source_to_run(action.cell), action.replacements)
+        elif isinstance(action, Replacement):
+            self._serve(action)
+            process.replace(action)
+        elif isinstance(action, ReadVariables):
+            for name in action.names:
+                process.value(name)
+        else:
+            process.save_variables(action)
+
+    def _serve(self, *replacements: Replacement) -> None:
+        self._served.update(name for one in replacements for name in one.functions)
+
     def _start(self) -> StudentProcess:
         process = self._launcher.start(self._folder)
         process.deadline = self._deadline
+        functions, self._served = self._functions, set()
+        if functions is not None:
+            process.server = partial(functions.reply, student=process, served=self._served)
         return process
 
     def _truncated(self, reply: Reply) -> Reply:

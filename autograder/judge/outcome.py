@@ -35,6 +35,8 @@ class QuestionResult:
         The judged figures, as SVG in base64.
     seconds : float
         Time to run its cells and judge the answer.
+    consistent : bool
+        Whether it is wrong, but follows from the student's own values of earlier steps: an instructor may give marks.
     """
 
     question: str
@@ -47,6 +49,7 @@ class QuestionResult:
     output: str = ""
     figures: tuple[str, ...] = ()
     seconds: float = 0.0
+    consistent: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -68,6 +71,8 @@ class SubmissionResult:
         The student's values that were replaced after a wrong answer, by question and name.
     flags : tuple of str
         Remarks for the instructor only.
+    second_record : {"", "run", "off"}
+        Whether its answers were tried on another record; empty if nothing in it follows from the record.
     """
 
     student: str
@@ -78,6 +83,7 @@ class SubmissionResult:
     isolation: str
     wrong_values: Mapping[str, Mapping[str, Value]] = field(default_factory=dict)
     flags: tuple[str, ...] = ()
+    second_record: str = ""
 
 
 def ungraded_result(submission: Submission, template: Template, level: str) -> SubmissionResult:

@@ -67,15 +67,15 @@ def replaced_for(answer: Answer, wrong: Sequence[Answer], functions_of: Callable
     direct = [
         other
         for other in wrong
-        if other.question.id in answer.question.uses or any(map(answer.mentions, (*other.right, *functions_of(other))))
+        if other.question.id in answer.question.uses or any(map(answer.reads, (*other.right, *functions_of(other))))
     ]
     causes = wrong_steps(direct or wrong)
     steps: list[str] = []
     functions: list[str] = []
     for other in (other for other in wrong if other.question.id in causes):
-        called = list(filter(answer.mentions, functions_of(other)))
+        called = list(filter(answer.reads, functions_of(other)))
         if called or not other.right:
-            functions += called or list(filter(other.mentions, functions_of(other))) or functions_of(other)
+            functions += called or list(filter(other.reads, functions_of(other))) or functions_of(other)
         else:
             steps.append(other.question.id)
-    return Replaced(causes, tuple(steps), tuple(functions), all(map(answer.mentions, functions)))
+    return Replaced(causes, tuple(steps), tuple(functions), all(map(answer.reads, functions)))

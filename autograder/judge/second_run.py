@@ -1,11 +1,13 @@
 """The second run of a notebook, in which right values and functions replace wrong ones.
 
 It judges only what the first run left wrong. What its cells print is not kept, because they run on right values.
+
+Each question is judged before anything of it, or of a later one, is set or served in any process of this hand-in. So
+nothing that student code does with right values or functions can raise the mark of the question they belong to.
 """
 
 import builtins
 import contextlib
-import re
 import time
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -14,27 +16,44 @@ from pathlib import Path
 
 import numpy as np
 
-from autograder.course.definitions import defined_functions
-from autograder.intake.submission import NotebookCell
 from autograder.judge.answer import Answer
 from autograder.judge.ask import AskOpener
 from autograder.judge.attempt import Attempt
-from autograder.judge.carrying import Shape, differ_in_shape, in_shape, wrong_names
+from autograder.judge.carrying import (
+    Shape,
+    differ_in_shape,
+    has_shape_of,
+    in_shape,
+    is_row,
+    is_signal,
+    wrong_names,
+)
 from autograder.judge.examiner import Examination, Examiner
-from autograder.judge.execution import ExecutedCell, Execution
+from autograder.judge.execution import Action, ExecutedCell, Execution, RunCell
+from autograder.judge.places import Places
 from autograder.judge.replaced import replaced_for
+from autograder.judge.served_functions import RightFunctions
 from autograder.sandbox.isolation import ProcessLauncher, Reply, StudentProcessError
+from autograder.sandbox.replacing import Replacement
 from labsid.checks.values import Value
 
 
-@dataclass(frozen=True, slots=True)
-class _Retrial:
-    """An answer in the second run: judged already, or after the last cell on the values known at its question."""
+@dataclass(frozen=True, slots=True, eq=False)
+class _Carried:
+    """What replaces one wrong answer.
 
-    answer: Answer
-    asked: Examination
-    attempt: Attempt | None
-    known: Mapping[str, Value]
+    `style` holds the values from which the right ones take their shape; `in_doubt` is whether it may be another one.
+    """
+
+    question: str
+    right: Mapping[str, Value]
+    style: Mapping[str, Value]
+    in_doubt: bool
+    replacement: Replacement
+
+    def in_shape(self, shape: Shape) -> dict[str, Value]:
+        """The right values in a shape."""
+        return {name: in_shape(value, self.style.get(name), shape) for name, value in self.right.items()}
 
 
 class SecondRun:
@@ -46,8 +65,7 @@ class SecondRun:
         All cells of the submission, as they ran.
     answers : sequence of Answer
         One for each question cell, judged in the first run; attempts are added to them.
-    functions : mapping
-        Source of the right functions, by question.
+    functions : RightFunctions
     asks : AskOpener
     launcher : ProcessLauncher
     folder : Path
@@ -58,7 +76,7 @@ class SecondRun:
         self,
         first_run: Sequence[ExecutedCell],
         answers: Sequence[Answer],
-        functions: Mapping[str, str],
+        functions: RightFunctions,
         asks: AskOpener,
         launcher: ProcessLauncher,
         folder: Path,
@@ -69,37 +87,28 @@ class SecondRun:
         self._asks = asks
         self._launcher = launcher
         self._folder = folder
-        self._shapes: dict[Shape, list[tuple[int, ...]]] = {shape: [] for shape in Shape}  # of the replaced values
-        self._positions = [k for k, done in enumerate(first_run) if done.cell.kind == "question"]
+        self._was_right = [answer.is_right for answer in answers]
+        self._deadline = 0.0
+        self._known: dict[str, Value] = {}
+        self._carried: list[_Carried] = []
 
     def judge(self, deadline: float) -> None:
-        """Judge until the deadline: with vectors in the shape of the student's own, then flat, then as columns."""
-        tried: list[Shape] = []
-        for shape in Shape:
-            if any(self._shapes[shape] == self._shapes[other] for other in tried):
-                continue
-            tried.append(shape)
-            before: list[int] = []
-            # once more if it made answers right: their functions are the student's own then
-            while (waiting := self._waiting()) and waiting != before and time.monotonic() < deadline:
-                with contextlib.suppress(StudentProcessError):  # no process: what was found so far stands
-                    execution = Execution(self._launcher, self._folder, deadline)
-                    with contextlib.closing(execution):
-                        self._run(execution, waiting, shape)
-                before = waiting
+        """Judge until the deadline, question by question."""
+        waiting = [key for key in range(len(self._answers)) if self._may_become_right(key)]
+        if not waiting:
+            return
+        self._deadline = deadline
+        with contextlib.suppress(StudentProcessError):  # no process: what was found so far stands
+            execution = Execution(self._launcher, self._folder, deadline, self._functions)
+            with contextlib.closing(self._functions), contextlib.closing(execution):
+                self._run(execution, waiting)
 
-    def _waiting(self) -> list[int]:
-        return [key for key in range(len(self._answers)) if self._may_become_right(key)]
-
-    def _run(self, execution: Execution, waiting: Sequence[int], shape: Shape) -> None:
-        """Run the cells up to the last answer that waits, replace wrong values on the way, and judge."""
-        self._shapes = {shape: [] for shape in Shape}
+    def _run(self, execution: Execution, waiting: Sequence[int]) -> None:
+        """Run the cells up to the last answer that waits; judge each of these, and only then replace it."""
         examiner = Examiner(execution, self._asks, self._launcher.limits)
-        known: dict[str, Value] = {}
-        retrials: list[_Retrial] = []
         cells: list[ExecutedCell] = []
         answers = iter(enumerate(self._answers))
-        for first in self._first_run[: self._positions[waiting[-1]] + 1]:
+        for first in self._first_run[: self._places.checks[waiting[-1]] + 1]:
             cell = first.cell
             if first.failure is None:
                 done = _without_output(execution.run(cell))
@@ -109,80 +118,128 @@ class SecondRun:
                 cells = []
             if cell.kind != "question":
                 continue
+            if time.monotonic() > self._deadline:
+                return
             key, answer = next(answers)
             asked = Examination(key, answer.question, cells)
             cells = []
+            self._functions.start_question()
             if answer.is_sound:
-                # an object may answer differently each time: it is read as often as in the first run
-                examiner.own_values(asked, answer.asked.values)
-                known.update(answer.carried)
+                self._keep(asked, execution, examiner)
                 continue
-            attempt = None
-            if not answer.crashed:
-                attempt = examiner.judge_now(asked, known, self._as_columns(key))
-                if key in waiting:
-                    retrials.append(_Retrial(answer, asked, attempt, dict(known)))
-            known.update(self._carry(execution, examiner, asked, attempt, known, shape))
-        for retrial in retrials:
-            self._finish(retrial, examiner)
+            passed = key in waiting and self._judge(asked, execution, examiner)
+            self._carry(execution, examiner, asked, passed)
 
-    def _carry(
-        self,
-        execution: Execution,
-        examiner: Examiner,
-        asked: Examination,
-        attempt: Attempt | None,
-        known: Mapping[str, Value],
-        shape: Shape,
-    ) -> dict[str, Value]:
-        """The values with which later steps start; right values and functions replace those of a wrong answer."""
+    def _keep(self, asked: Examination, execution: Execution, examiner: Examiner) -> None:
+        """Go on from the values of a right answer: those that were judged, or that follow from right ones by now."""
         answer = self._answers[asked.key]
-        right = examiner.right_values(asked, known)
-        if attempt is not None and attempt.passed:
-            return right | examiner.own_values(asked, right)
-        shaped = {name: in_shape(value, answer.own.get(name), shape) for name, value in right.items()}
-        for any_shape, used in self._shapes.items():
-            used += [_shape_of(in_shape(value, answer.own.get(name), any_shape)) for name, value in right.items()]
-        if shaped:
-            execution.set(shaped)
-        if not answer.is_right and asked.question.id in self._functions:
-            execution.run(NotebookCell(None, "given", self._functions[asked.question.id], True))
-        return shaped
+        # an object may answer differently each time: it is read as often as in the first run
+        examiner.own_values(asked, answer.asked.values)
+        execution.read_variables(*answer.asked.values)
+        carried = dict(answer.carried)
+        if answer.right and any(True for _ in self._wrong_before(asked.key)):
+            attempt = examiner.judge_here(asked, self._known, self._as_columns(asked.key))
+            if attempt.passed:
+                carried |= {name: value for name, value in asked.values.items() if name in carried}
+        self._known.update(carried)
 
-    def _finish(self, retrial: _Retrial, examiner: Examiner) -> None:
-        answer, key = retrial.answer, retrial.asked.key
-        start = time.monotonic()
-        attempt = retrial.attempt
-        if attempt is None:
-            attempt = examiner.judge_later(retrial.asked, retrial.known, self._as_columns(key))
-        if attempt.verdict is not None:  # where the process ended, what the first run found stands
-            wrong = list(self._wrong_before(key))
-            replaced = replaced_for(answer, wrong, self._functions_of)
-            answer.attempts.append(attempt.noted(replaced.beside_right(), replaced.before_wrong()))
-            answer.causes = replaced.causes
+    def _judge(self, asked: Examination, execution: Execution, examiner: Examiner) -> bool:
+        """Judge an answer on right values of the earlier ones; whether it is right with them as they are."""
+        answer, start = self._answers[asked.key], time.monotonic()
+        attempt = examiner.judge_here(asked, self._known, self._as_columns(asked.key))
+        told = attempt if attempt.passed else self._in_other_shapes(attempt, asked, execution)
+        if told.verdict is not None:  # where the process ended, what the first run found stands
+            replaced = replaced_for(answer, list(self._wrong_before(asked.key)), self._functions_of)
+            answer.attempts.append(told.noted(replaced.beside_right(), replaced.before_wrong()))
+            if told.passed:
+                answer.causes = replaced.causes
         answer.seconds += time.monotonic() - start
+        return attempt.passed
+
+    def _in_other_shapes(self, attempt: Attempt, asked: Examination, execution: Execution) -> Attempt:
+        """The attempt in another shape of the right values, if one passes and their shape is not known; else as it is.
+
+        Each is made in a process of its own, while no other one of this hand-in runs.
+        """
+        answer = self._answers[asked.key]
+        used = [
+            one for one in self._carried if one.question in answer.question.uses or any(map(answer.reads, one.right))
+        ]
+        if not any(one.in_doubt for one in used):
+            return attempt
+        tried = [self._shapes(Shape.OWN)]
+        for shape in (Shape.FLAT, Shape.COLUMN):
+            if self._shapes(shape) in tried:
+                continue
+            tried.append(self._shapes(shape))
+            execution.process.close()
+            actions = self._actions_in(shape, execution.actions)
+            known = self._known | {name: value for one in self._carried for name, value in one.in_shape(shape).items()}
+            other = Execution(self._launcher, self._folder, self._deadline, self._functions, actions)
+            with contextlib.closing(other):
+                examiner = Examiner(other, self._asks, self._launcher.limits)
+                again = Examination(asked.key, asked.question, asked.cells)
+                found = examiner.judge_here(again, known, self._as_columns(asked.key))
+            if found.passed:
+                attempt = found
+                break
+        if len(tried) > 1:
+            execution.restart()
+        return attempt
+
+    def _actions_in(self, shape: Shape, actions: Sequence[Action]) -> list[Action]:
+        """The actions with right values in another shape."""
+        reshaped = {id(one.replacement): replace(one.replacement, right=one.in_shape(shape)) for one in self._carried}
+
+        def in_other_shape(action: Action) -> Action:
+            if isinstance(action, RunCell):
+                return replace(action, replacements=tuple(reshaped[id(one)] for one in action.replacements))
+            return reshaped[id(action)] if isinstance(action, Replacement) else action
+
+        return list(map(in_other_shape, actions))
+
+    def _carry(self, execution: Execution, examiner: Examiner, asked: Examination, passed: bool) -> None:
+        """Set what later steps start from: the student's own values and functions if they are right, or right ones."""
+        answer = self._answers[asked.key]
+        right = dict(answer.accepted) if self._was_right[asked.key] else examiner.right_values(asked, self._known)
+        own = examiner.own_values(asked, right)
+        if passed:
+            execution.read_variables(*right)
+            self._known.update(right | own)
+            return
+        signal = next(filter(is_signal, self._known.values()), None)
+        style = {name: own.get(name, answer.own.get(name, signal)) for name in right}
+        shaped = {name: in_shape(value, style[name], Shape.OWN) for name, value in right.items()}
+        functions = () if answer.is_right else self._functions_of(answer)
+        kept = (self._all_names | self._places.given) - right.keys() - set(functions)
+        replacement = Replacement(shaped, own, functions, kept)
+        in_doubt = any(is_signal(value) and not has_shape_of(own.get(name), value) for name, value in right.items())
+        self._carried.append(_Carried(asked.question.id, right, style, in_doubt, replacement))
+        self._known.update({name: right[name] if is_row(value) else value for name, value in shaped.items()})
+        if not replacement.names:
+            return
+        if self._places.goes_on_from(asked.key):
+            execution.replace_where_made(replacement)
+        else:
+            execution.replace(replacement)
 
     def _as_columns(self, key: int) -> bool:
         return any(differ_in_shape(other.own, other.right) for other in self._wrong_before(key))
 
     def _may_become_right(self, key: int) -> bool:
-        """Whether an answer is wrong, and a name that an earlier wrong answer defines occurs on the way to it."""
+        """Whether an answer is wrong, and its code starts from what an earlier wrong answer makes."""
         answer = self._answers[key]
         return not answer.is_right and not answer.crashed and any(True for _ in self._wrong_before(key))
 
     def _wrong_before(self, key: int) -> Iterator[Answer]:
-        """The earlier answers that are not sound, if a name that is replaced for them occurs on the way to this one."""
-        for other, names in zip(self._answers[:key], self._names, strict=False):
-            between = self._mentioned[self._positions[other.asked.key] + 1 : self._positions[key]]
-            if not other.is_sound and not all(map(names.isdisjoint, between)):
+        """The earlier answers that are not sound, and from which this one starts."""
+        for other in self._answers[:key]:
+            if not other.is_sound and self._places.starts_from(key, other.asked.key):
                 yield other
 
     @cached_property
-    def _mentioned(self) -> list[set[str]]:
-        """Which of the names that may be replaced occur in each code cell."""
-        names = frozenset().union(*self._names)
-        sources = (done.cell.source if done.cell.code else "" for done in self._first_run)
-        return [{word[0] for word in re.finditer(r"\b[^\W\d]\w*", source) if word[0] in names} for source in sources]
+    def _places(self) -> Places:
+        return Places(self._first_run, self._answers, self._names)
 
     @cached_property
     def _names(self) -> list[frozenset[str]]:
@@ -191,12 +248,25 @@ class SecondRun:
             frozenset((*wrong_names(answer.own, answer.right), *self._functions_of(answer))) for answer in self._answers
         ]
 
+    @cached_property
+    def _all_names(self) -> frozenset[str]:
+        """The names that any question asks for or gives."""
+        return (
+            frozenset()
+            .union(*self._names, *(other.right for other in self._answers))
+            .union(*(other.asked.values for other in self._answers))
+        )
+
     def _functions_of(self, answer: Answer) -> tuple[str, ...]:
-        return defined_functions(self._functions.get(answer.question.id, ""))
+        return self._functions.names(answer.question.id)
 
-
-def _shape_of(value: Value) -> tuple[int, ...]:
-    return value.shape if isinstance(value, np.ndarray) else ()
+    def _shapes(self, shape: Shape) -> list[tuple[int, ...]]:
+        return [
+            value.shape
+            for one in self._carried
+            for value in one.in_shape(shape).values()
+            if isinstance(value, np.ndarray)
+        ]
 
 
 def _without_output(executed: ExecutedCell) -> ExecutedCell:

@@ -29,9 +29,12 @@ from autograder.sandbox.channel import (
     send,
 )
 from autograder.sandbox.confine import make_syscall_filter, set_rlimits
+from autograder.sandbox.replacing import Replacement, run_replacing, set_right
+from autograder.sandbox.served_calls import ServedCalls
 from labsid.checks.permitted import is_reference
-from labsid.checks.values import as_student_object, plain
+from labsid.checks.values import plain
 
+_CALLS: list[ServedCalls] = []  # one, once the channel is open
 _SAVED: dict[int, tuple[dict[str, Any], dict[str, int]]] = {}
 _MAX_REPR_CHARACTERS = 100_000
 _MAX_ITEMS, _MAX_DEPTH = 20, 4  # of lists and dicts whose arrays are looked at one by one
@@ -52,21 +55,26 @@ class ReferenceFinder(MetaPathFinder):
 def serve(sock: socket.socket, shell: Any) -> None:
     """Answer the judge's requests until it closes the channel."""
     block_reference()
+    _CALLS.append(ServedCalls(sock, lambda request: _answer(shell, request)))
     while True:
         try:
             request = receive(sock)
         except ChannelError:
             return
-        try:
-            reply = _HANDLERS[request["op"]](shell, request)
-        except BaseException as error:
-            reply = {"ok": False, "error": describe_error(error)}
+        reply = _answer(shell, request)
         try:
             send(sock, reply)
         except ChannelClosed:
             return
         except ChannelError as error:
             send(sock, {"ok": False, "error": describe_error(ValueError(f"it is too large: {error}"))})
+
+
+def _answer(shell: Any, request: dict[str, Any]) -> dict[str, Any]:
+    try:
+        return _HANDLERS[request["op"]](shell, request)
+    except BaseException as error:
+        return {"ok": False, "error": describe_error(error)}
 
 
 def block_reference() -> None:
@@ -140,8 +148,9 @@ def open_shell() -> Any:
 def _run(shell: Any, request: dict[str, Any]) -> dict[str, Any]:
     from IPython.utils.capture import capture_output
 
+    replacements = [_decode_replacement(one) for one in request.get("replacements", ())]
     with capture_output() as captured:
-        result = shell.run_cell(request["source"], store_history=False)
+        result = run_replacing(shell, request["source"], replacements, _CALLS[0].function)
     if "matplotlib.pyplot" in sys.modules:
         sys.modules["matplotlib.pyplot"].close("all")  # as Jupyter does after each cell
     error = result.error_before_exec or result.error_in_exec
@@ -165,19 +174,33 @@ def _call(shell: Any, request: dict[str, Any]) -> dict[str, Any]:
     function = shell.user_ns.get(request["name"])
     if not callable(function):
         return {"ok": False}
-    arguments = [decode(argument) for argument in request["arguments"]]
+    arguments = [_CALLS[0].argument(argument) for argument in request["arguments"]]
+    keywords = {name: _CALLS[0].argument(argument) for name, argument in request.get("keywords", {}).items()}
     try:
         with contextlib.redirect_stdout(io.StringIO()), contextlib.redirect_stderr(io.StringIO()):
-            value = function(*arguments)
+            value = function(*arguments, **keywords)
     finally:
         sys.modules["matplotlib.pyplot"].close("all")  # figures of hidden inputs must not reach the next cell
     return {"ok": True, "value": encode(plain(value))}
 
 
+def _call_back(shell: Any, request: dict[str, Any]) -> dict[str, Any]:
+    """Call a function that this process has passed to one that the judge serves."""
+    return {"ok": True, "value": encode(plain(_CALLS[0].called_back(request["key"], request["arguments"])))}
+
+
 def _set(shell: Any, request: dict[str, Any]) -> dict[str, Any]:
-    for name, value in request["values"].items():
-        shell.user_ns[name] = as_student_object(decode(value))
+    set_right(shell.user_ns, _decode_replacement(request["replacement"]), _CALLS[0].function)
     return {"ok": True}
+
+
+def _decode_replacement(encoded: dict[str, Any]) -> Replacement:
+    return Replacement(
+        right={name: decode(value) for name, value in encoded["right"].items()},
+        wrong={name: decode(value) for name, value in encoded["wrong"].items()},
+        functions=tuple(encoded["functions"]),
+        kept=frozenset(encoded["kept"]),
+    )
 
 
 def _save(shell: Any, request: dict[str, Any]) -> dict[str, Any]:
@@ -223,7 +246,15 @@ def _checksum(value: Any, so_far: int = 0, depth: int = 0) -> int:
     return zlib.crc32(repr(value)[:_MAX_REPR_CHARACTERS].encode(errors="replace"), so_far)
 
 
-_HANDLERS = {"run": _run, "value": _value, "call": _call, "set": _set, "save": _save, "restore": _restore}
+_HANDLERS = {
+    "run": _run,
+    "value": _value,
+    "call": _call,
+    "call back": _call_back,
+    "set": _set,
+    "save": _save,
+    "restore": _restore,
+}
 
 
 def main() -> None:

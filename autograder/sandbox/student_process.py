@@ -8,7 +8,7 @@ import os
 import signal
 import socket
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -22,9 +22,13 @@ from autograder.sandbox.channel import (
     send,
 )
 from autograder.sandbox.limits import Limits
+from autograder.sandbox.replacing import Replacement
 from labsid.checks.values import Value
 
 _MAX_LINE = 100_000
+
+REFUSED: dict[str, Any] = {"ok": False, "error": {"kind": "RuntimeError", "text": "no such function is served here"}}
+"""Reply to a call of a function that is not served."""
 
 
 class MachineError(Exception):
@@ -59,6 +63,13 @@ class StudentProcess:
     ----------
     channel : socket.socket
         Its end of the channel.
+    lost : bool
+        Whether it ended, timed out or broke the channel.
+    deadline : float
+        The end of the submission's time, on the monotonic clock.
+    server : callable or None
+        ``server(asks) -> reply`` to what the process asks for while it works on a request: the call of a function that
+        the judge serves. Without one, every call is refused.
     """
 
     def __init__(self, channel: socket.socket, limits: Limits, end: Callable[[], tuple[int, str]]) -> None:
@@ -67,9 +78,8 @@ class StudentProcess:
         self._end = end
         self._ended: tuple[int, str] | None = None
         self.lost = False
-        """Whether it ended, timed out or broke the channel."""
         self.deadline = math.inf
-        """The end of the submission's time, on the monotonic clock."""
+        self.server: Callable[[Mapping[str, Any]], dict[str, Any]] | None = None
 
     def wait_until_ready(self) -> None:
         """Wait until the process is confined and ready to run cells; raises `MachineError` if it does not start."""
@@ -80,9 +90,11 @@ class StudentProcess:
         if not reply.ok:
             raise MachineError(f"the process did not start: {(reply.error or {}).get('text', '')}")
 
-    def run(self, source: str) -> Reply:
-        """Run one cell."""
-        return self._ask({"op": "run", "source": source}, self._limits.cell_seconds)
+    def run(self, source: str, replacements: Iterable[Replacement] = ()) -> Reply:
+        """Run one cell, and replace wrong values where its statements make them."""
+        encoded = [_encode_replacement(one) for one in replacements]
+        request = {"op": "run", "source": source, **({"replacements": encoded} if encoded else {})}
+        return self._ask(request, self._limits.cell_seconds)
 
     def value(self, name: str) -> Reply:
         """Read a variable."""
@@ -93,10 +105,18 @@ class StudentProcess:
         encoded = [encode(argument) for argument in arguments]
         return self._ask({"op": "call", "name": name, "arguments": encoded}, self._limits.call_seconds)
 
-    def set(self, values: Mapping[str, Value]) -> Reply:
-        """Replace variables, to carry right values forward."""
-        encoded = {name: encode(value) for name, value in values.items()}
-        return self._ask({"op": "set", "values": encoded}, self._limits.call_seconds)
+    def call_encoded(self, name: str, arguments: list[Any], keywords: Mapping[str, Any]) -> Reply:
+        """Call a function with arguments that another process has sent, some of which may be its functions."""
+        request = {"op": "call", "name": name, "arguments": arguments, "keywords": dict(keywords)}
+        return self._ask(request, self._limits.call_seconds)
+
+    def call_back(self, key: int, arguments: list[Any]) -> Reply:
+        """Call a function that this process has passed to one that the judge serves, while it waits for that."""
+        return self._ask({"op": "call back", "key": key, "arguments": arguments}, self._limits.call_seconds)
+
+    def replace(self, replacement: Replacement) -> Reply:
+        """Set right values, and functions that the judge serves, to carry them forward."""
+        return self._ask({"op": "set", "replacement": _encode_replacement(replacement)}, self._limits.call_seconds)
 
     def save_variables(self, key: int) -> Reply:
         """Save the current variables under a key."""
@@ -105,6 +125,12 @@ class StudentProcess:
     def restore_variables(self, key: int) -> bool:
         """Restore the variables saved under a key; returns whether any of them was modified in place."""
         return self._ask({"op": "restore", "key": key}, self._limits.call_seconds).value is not False
+
+    def _wait_until(self, end: float) -> None:
+        left = end - time.monotonic()
+        if left <= 0:
+            raise TimeoutError
+        self.channel.settimeout(left)
 
     def close(self) -> tuple[int, str]:
         """End the process and everything it started; returns its exit status and the limit it exceeded, if any."""
@@ -115,13 +141,18 @@ class StudentProcess:
 
     def _ask(self, request: dict[str, Any] | None, seconds: float) -> Reply:
         left = self.deadline - time.monotonic()
+        end = time.monotonic() + min(seconds, left)
         try:
-            if left <= 0:
-                raise TimeoutError
-            self.channel.settimeout(min(seconds, left))
+            self._wait_until(end)
             if request is not None:
                 send(self.channel, request)
-            return _read_reply(receive(self.channel))
+            while True:
+                message = receive(self.channel)
+                if "asks" not in message:
+                    return _read_reply(message)
+                reply = REFUSED if self.server is None else self.server(message)
+                self._wait_until(end)
+                send(self.channel, reply)
         except TimeoutError:
             self.lost = True
             most = f"the whole notebook took longer than {self._limits.submission_seconds:g} s"
@@ -140,6 +171,15 @@ class StudentProcess:
             raise StudentProcessError("limit", f"it used more than {self._limits.cpu_seconds} s of processor time")
         how = f"was ended by {_signal_name(-status)}" if status < 0 else f"ended with exit status {status}"
         raise StudentProcessError("crashed", f"its process {how}")
+
+
+def _encode_replacement(one: Replacement) -> dict[str, Any]:
+    return {
+        "right": {name: encode(value) for name, value in one.right.items()},
+        "wrong": {name: encode(value) for name, value in one.wrong.items()},
+        "functions": list(one.functions),
+        "kept": sorted(one.kept),
+    }
 
 
 def _signal_name(number: int) -> str:

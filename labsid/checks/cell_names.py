@@ -4,6 +4,7 @@ import ast
 import builtins
 import symtable
 from collections.abc import Iterator
+from functools import lru_cache
 from threading import Lock
 
 from labsid.checks.permitted import without_magic
@@ -27,6 +28,17 @@ def used_names(source: str) -> frozenset[str]:
     """The variables of the notebook that a cell uses, also inside its functions, and does not assign itself."""
     top = _symbols(source)
     return frozenset() if top is None else frozenset(_globals_of(top)) - _bound(top) - set(dir(builtins))
+
+
+@lru_cache(maxsize=1024)
+def read_names(source: str) -> frozenset[str]:
+    """The names whose value some code of a cell reads, also inside its functions; comments and texts do not count."""
+    tree = _parse(source)
+    if tree is None:
+        return frozenset()
+    names = {node.id for node in ast.walk(tree) if isinstance(node, ast.Name) and not isinstance(node.ctx, ast.Store)}
+    changed = (node.target for node in ast.walk(tree) if isinstance(node, ast.AugAssign))
+    return frozenset(names | {target.id for target in changed if isinstance(target, ast.Name)})
 
 
 def bound_names(source: str) -> frozenset[str]:

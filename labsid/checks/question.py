@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
+from enum import Enum
 from typing import Protocol
 
 import numpy as np
@@ -26,6 +27,24 @@ class Origin:
 
     student: str
     secret: bytes = field(repr=False)
+
+
+class FollowsFrom(Enum):
+    """What the right answer to a question follows from, and so where a value that was typed in counts."""
+
+    DATA = "the record, or a function on unseen inputs"
+    EYE = "reading by eye"
+    OWN_RIG = "the student's own rig, on a new run"
+    TEXT = "the text, or a record that it gives"
+
+    @property
+    def may_be_typed(self) -> bool:
+        """Whether a typed-in value counts: nothing else could be asked for, or nothing else is known."""
+        return self in (FollowsFrom.EYE, FollowsFrom.TEXT)
+
+
+PEN = "\N{LOWER RIGHT PENCIL}"
+"""The sign beside the questions at which a typed-in value counts."""
 
 
 class Ask(Protocol):
@@ -68,16 +87,15 @@ class Question:
         wrong, later steps are judged from these values (error carried forward).
     uses : tuple of str
         Ids of the questions whose variables this one uses.
-    allows_wrong_values : bool
-        Whether the answer may be judged on the student's own values where these are wrong; not where worse values make
-        it easier, as a share of an error of their own.
+    follows_from : FollowsFrom
+        What the answer follows from. Where it is the record, grading also runs the notebook on another one.
     """
 
     id: str
     judge: Callable[[Ask], Verdict]
     gives: Callable[[Ask], dict[str, Value]] | None = None
     uses: tuple[str, ...] = ()
-    allows_wrong_values: bool = True
+    follows_from: FollowsFrom = FollowsFrom.DATA
 
     def verdict(self, ask: Ask) -> Verdict:
         """Judge the answer; a missing or unreadable answer fails."""

@@ -29,6 +29,9 @@ _WORK = """\
   at once: ✓ if the step is right, ✗ and the reason if it is not. You may run it as often as you like.
 - **Stuck?** `check.skip("name-of-the-check")` in a new cell below goes on from the reference's values on your own data.
   The step that you skip earns nothing; the steps after it do.
+- **Compute it.** Grading runs your hand-in a second time, on another record under the same file name, with other
+  numbers in it. A number that you type instead of computing it is right on your record only, and earns nothing. It
+  counts only where the pen ✎ stands beside the check.
 - `check.summary()`, the last cell of each notebook, lists every question with its marks.
 - *Run > Restart Kernel and Run All Cells* runs a notebook as grading does: from an empty start, every cell once, from
   top to bottom. It reaches the end even if some steps are not done or wrong. Only a cell that you have added yourself

@@ -6,10 +6,10 @@ import numpy as np
 
 from labsid._arrays import FloatArray
 from labsid.rig.lab.instruments import AVERAGED, converter, noise_reduced, sensor_noise
-from labsid.rig.lab.integration import State, simulate_rig
+from labsid.rig.lab.integration import simulate_rig
 from labsid.rig.lab.log import LabLog
 from labsid.rig.lab.plan import STAND_IN, LabPlan, staircase, student_plan
-from labsid.rig.lab.tanks import steady_levels, tank_rig, zero_level
+from labsid.rig.lab.tanks import TankParameters, steady_levels, tank_rig, zero_level
 
 TS = 0.75
 """Sampling time of the lab's rig (s)."""
@@ -101,8 +101,8 @@ def make_empty_start_record(student: str | None = None, secret: bytes | None = N
     plan = _plan(student, secret)
     filling = np.full(_SAMPLES_TO_FILL, plan.levels[0])
     u = np.concatenate([filling, staircase(plan.levels, plan.starts, _SAMPLES)])
-    measured = _measure(plan, u, (0.0, zero_level(plan.parameters)), _EMPTY_START_NOISE)
-    return _log(u, measured, np.zeros(AVERAGED - 1), "SysIdenData_EmptyStart")
+    seed = plan.seed(_EMPTY_START_NOISE)
+    return log_run(plan.parameters, u, seed, "SysIdenData_EmptyStart", is_settled=False)
 
 
 def _plan(student: str | None, secret: bytes | None) -> LabPlan:
@@ -115,22 +115,58 @@ def _plan(student: str | None, secret: bytes | None) -> LabPlan:
 
 
 def _settled_log(plan: LabPlan, u: FloatArray, noise: int, name: str) -> LabLog:
-    """Log a rig that ran at its rest level before the log, so the moving average uses samples from before it."""
+    return log_run(plan.parameters, u, plan.seed(noise), name)
+
+
+def log_run(
+    parameters: TankParameters,
+    u: FloatArray,
+    seed: np.random.SeedSequence,
+    name: str,
+    Ts: float = TS,
+    noise: float = SENSOR_NOISE,
+    is_settled: bool = True,
+    max_step: float = 0.1,
+) -> LabLog:
+    """Log one run of a rig.
+
+    Parameters
+    ----------
+    parameters : TankParameters
+    u : ndarray, shape (N,)
+        Pump voltage (V).
+    seed : SeedSequence
+        Of the sensor noise.
+    name : str
+        Name of the record.
+    Ts : float
+        Sampling time (s).
+    noise : float
+        Standard deviation of the sensor noise (V).
+    is_settled : bool
+        Whether the rig ran at its rest level before the log, so that the moving average uses samples from before it.
+        If not, the upper tank starts empty and the lower one at the level where the sensor reads 0 V, and the moving
+        average begins with zeros, because the rig is switched on with the log.
+    max_step : float
+        Longest integration step (s).
+
+    Returns
+    -------
+    LabLog
+    """
     before = AVERAGED - 1
-    running = np.concatenate([np.full(before, u[0]), u])
-    measured = _measure(plan, running, steady_levels(plan.parameters, float(u[0])), noise)
-    return _log(u, measured[before:], measured[:before], name)
-
-
-def _measure(plan: LabPlan, u: FloatArray, x0: State, noise: int) -> FloatArray:
     rig = replace(
-        tank_rig(plan.parameters),
+        tank_rig(parameters),
         # 12 bits over -10..10 V: the step of 0.0048828125 V of the real logs.
-        sensor=(sensor_noise(SENSOR_NOISE, plan.seed(noise)), converter(bits=12, low=-10.0, high=10.0)),
+        sensor=(sensor_noise(noise, seed), converter(bits=12, low=-10.0, high=10.0)),
     )
-    return simulate_rig(rig, u, TS, x0).y
-
-
-def _log(u: FloatArray, measured: FloatArray, before: FloatArray, name: str) -> LabLog:
-    t = TS * np.arange(u.size, dtype=np.float64)
-    return LabLog(t, u, measured, noise_reduced(measured, before), TS, name)
+    if is_settled:
+        x0 = steady_levels(parameters, float(u[0]))
+        running = np.concatenate([np.full(before, u[0]), u])
+        measured = simulate_rig(rig, running, Ts, x0, max_step).y
+        earlier, measured = measured[:before], measured[before:]
+    else:
+        earlier = np.zeros(before)
+        measured = simulate_rig(rig, u, Ts, (0.0, zero_level(parameters)), max_step).y
+    t: FloatArray = Ts * np.arange(u.size, dtype=np.float64)
+    return LabLog(t, u, measured, noise_reduced(measured, earlier), Ts, name)

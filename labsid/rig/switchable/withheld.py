@@ -96,12 +96,14 @@ def withheld_rig(student: str, secret: bytes) -> WithheldRig:
     return WithheldRig(effect, EFFECT_PATHS[effect], _parameters(effect, setup, scales), setup, scales, entropy)
 
 
-def withheld_record(rig: WithheldRig) -> Record:
+def withheld_record(rig: WithheldRig, noise: float = SENSOR_NOISE) -> Record:
     """Make the record that the student receives; it begins at rest.
 
     Parameters
     ----------
     rig : WithheldRig
+    noise : float
+        Standard deviation of the level sensor's noise (V).
 
     Returns
     -------
@@ -111,7 +113,7 @@ def withheld_record(rig: WithheldRig) -> Record:
     quantile = NormalDist().inv_cdf
     white = [quantile(p) for p in uniform_samples(_stream(rig.entropy, _RECORD_NOISE), SAMPLES).tolist()]
     v = _command(rig.entropy, _RECORD_INPUT, rig.scales)
-    u, y = _logged(rig, v, SENSOR_NOISE * np.array(white))
+    u, y = _logged(rig, v, noise * np.array(white))
     t: FloatArray = TS * np.arange(SAMPLES, dtype=np.float64)
     return Record(t=t, u=u, y=np.round(y, 4), Ts=TS, name=RECORD_FILE.removesuffix(".csv"))
 
@@ -150,7 +152,11 @@ def withheld_record_bytes(student: str, secret: bytes) -> bytes:
     ValueError
         As for `withheld_rig`.
     """
-    record = withheld_record(withheld_rig(student, secret))
+    return csv_bytes(withheld_record(withheld_rig(student, secret)))
+
+
+def csv_bytes(record: Record) -> bytes:
+    """Encode a record of a withheld rig as delimited text with the columns t, u and y."""
     rows = (f"{t:.2f},{u:.2f},{y:.4f}" for t, u, y in zip(record.t, record.u, record.y, strict=True))
     return "\n".join(["t,u,y", *rows, ""]).encode()
 

@@ -15,6 +15,7 @@ from autograder.sandbox.isolation import (
     StudentProcessError,
     open_launcher,
 )
+from autograder.sandbox.replacing import Replacement
 
 LIMITS = Limits(cell_seconds=20, call_seconds=20)
 
@@ -42,7 +43,7 @@ def running(launcher: ProcessLauncher, folder: Path, *cells: str) -> Iterator[Ex
 
 def test_another_process_is_where_the_first_one_was(forked: ProcessLauncher, tmp_path: Path) -> None:
     with running(forked, tmp_path, "a = 1\ndef f():\n    return a") as notebook:
-        notebook.set({"b": 5.0})
+        notebook.replace(Replacement({"b": 5.0}, {}))
         notebook.save_variables(0)
         notebook.run(cell("a += 1\nb = 6"))
         with contextlib.closing(notebook.replayed(0)) as other:

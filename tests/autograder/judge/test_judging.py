@@ -117,7 +117,7 @@ def test_an_error_is_carried_forward_and_said(forked: ProcessLauncher, tmp_path:
     first, second, _ = grade(forked, tmp_path, "a = -3")
     assert (first.score, first.slip, first.reason) == (0, "sign", "Look at the sign.")
     assert second.score == Decimal("0.2")
-    assert second.reason == "Right. (Judged on your own values of q-gain, which are wrong.)"
+    assert second.reason == "Right. (Judged on the right values of q-gain.)"
 
 
 def test_an_answer_after_a_missing_one_is_judged_on_right_values(forked: ProcessLauncher, tmp_path: Path) -> None:

@@ -2,7 +2,7 @@
 
 from labsid.checks.assignments.lab_identification import offset_step as step_1c
 from labsid.checks.assignments.lab_identification import part_1, part_2, part_3
-from labsid.checks.question import Assignment, Question
+from labsid.checks.question import Assignment, FollowsFrom, Question
 
 _EXTRACT, _TIME, _OFFSETS = "lab-1a-extract", "lab-1a-sampling-time", "lab-1c-offsets"
 _PHI, _THETA, _PARAMETERS = "lab-2a-phi", "lab-2b-theta", "lab-2b-parameters"
@@ -16,7 +16,9 @@ ASSIGNMENT = Assignment(
     "lab-identification",
     (
         Question(_EXTRACT, part_1.check_extract, part_1.right_signals),
-        Question(_TIME, part_1.check_sampling_time, part_1.right_sampling_time, (_EXTRACT,)),
+        Question(
+            _TIME, part_1.check_sampling_time, part_1.right_sampling_time, (_EXTRACT,), follows_from=FollowsFrom.TEXT
+        ),
         Question("lab-1b-figure-5", part_1.check_figure_5, uses=(_EXTRACT,)),
         Question("lab-1c-loop", part_1.check_first_period, part_1.right_first_period, (_EXTRACT,)),
         Question(_OFFSETS, step_1c.check_offsets, step_1c.right_offsets, (_EXTRACT,)),

@@ -15,7 +15,7 @@ from labsid.checks.assignments.model_structures.systems_1_and_2 import (
     right_outputs,
     right_tables,
 )
-from labsid.checks.question import Assignment, Question
+from labsid.checks.question import Assignment, FollowsFrom, Question
 
 _TABLE, _PREDICT = "ms-5-example-3-1", "ms-6-predict"
 
@@ -26,9 +26,9 @@ ASSIGNMENT = Assignment(
         Question("ms-3-state-space", check_state_space),
         Question("ms-4-equations", check_equations),
         Question("ms-5-simulate", check_simulate),
-        Question(_TABLE, check_example_3_1, right_tables),
-        Question(_PREDICT, check_predict, right_outputs, uses=(_TABLE,)),
-        Question("ms-6-figure-8", check_figure_8, uses=(_PREDICT,)),
+        Question(_TABLE, check_example_3_1, right_tables, follows_from=FollowsFrom.TEXT),
+        Question(_PREDICT, check_predict, right_outputs, uses=(_TABLE,), follows_from=FollowsFrom.TEXT),
+        Question("ms-6-figure-8", check_figure_8, uses=(_PREDICT,), follows_from=FollowsFrom.TEXT),
         Question("ms-7-excitation", check_excitation),
         Question("ms-8-order", check_order),
         Question("ms-9-cancel", check_cancel),

@@ -12,7 +12,7 @@ from labsid.checks.assignments.nonlinear_least_squares.starts_and_positions impo
     check_layout,
     check_locate,
 )
-from labsid.checks.question import Assignment, Question
+from labsid.checks.question import Assignment, FollowsFrom, Question
 
 ASSIGNMENT = Assignment(
     "nonlinear-least-squares",
@@ -21,7 +21,7 @@ ASSIGNMENT = Assignment(
         Question("nl-2-jacobian", check_jacobian),
         Question("nl-3-gauss-newton", check_gauss_newton),
         Question("nl-4-damping", check_damping),
-        Question("nl-5-exponential", check_exponential_fit),
+        Question("nl-5-exponential", check_exponential_fit, follows_from=FollowsFrom.TEXT),
         Question("nl-6-frequency", check_frequency),
         Question("nl-7-locate", check_locate),
         Question("nl-7-layout", check_layout),

@@ -12,17 +12,27 @@ from labsid.checks.assignments.prelab_sinusoids.waveforms import (
     right_sinusoids,
     right_time,
 )
-from labsid.checks.question import Assignment, Question
+from labsid.checks.question import Assignment, FollowsFrom, Question
 
 ASSIGNMENT = Assignment(
     "prelab-sinusoids",
     (
-        Question("prelab-1-time", check_time, gives=right_time),
-        Question("prelab-2-noise", check_noise, gives=right_sinusoids, uses=("prelab-1-time",)),
-        Question("prelab-3-cut", check_cut, gives=right_cut, uses=("prelab-1-time", "prelab-2-noise")),
-        Question("prelab-4-matrix", check_matrix, uses=("prelab-3-cut",)),
+        Question("prelab-1-time", check_time, gives=right_time, follows_from=FollowsFrom.TEXT),
+        Question(
+            "prelab-2-noise", check_noise, gives=right_sinusoids, uses=("prelab-1-time",), follows_from=FollowsFrom.TEXT
+        ),
+        Question(
+            "prelab-3-cut",
+            check_cut,
+            gives=right_cut,
+            uses=("prelab-1-time", "prelab-2-noise"),
+            follows_from=FollowsFrom.TEXT,
+        ),
+        Question("prelab-4-matrix", check_matrix, uses=("prelab-3-cut",), follows_from=FollowsFrom.TEXT),
         Question("prelab-4-function", check_function),
-        Question("prelab-5-original", check_original, uses=("prelab-1-time", "prelab-2-noise")),
-        Question("prelab-6-cut-off", check_cut_off_data, uses=("prelab-3-cut",)),
+        Question(
+            "prelab-5-original", check_original, uses=("prelab-1-time", "prelab-2-noise"), follows_from=FollowsFrom.TEXT
+        ),
+        Question("prelab-6-cut-off", check_cut_off_data, uses=("prelab-3-cut",), follows_from=FollowsFrom.TEXT),
     ),
 )

@@ -5,7 +5,7 @@ from labsid.checks.assignments.sim_to_real_gap.linear_model import check_linear,
 from labsid.checks.assignments.sim_to_real_gap.named_effect import check_effect, check_parameters, check_path
 from labsid.checks.assignments.sim_to_real_gap.offsets_and_noise import check_rest, right_rest
 from labsid.checks.assignments.sim_to_real_gap.simulation_with_effect import check_closed, check_simulation
-from labsid.checks.question import Assignment, Question
+from labsid.checks.question import Assignment, FollowsFrom, Question
 from labsid.rig.switchable.withheld_effects import RECORD_FILE
 
 _REST, _LINEAR, _SIZE = "gap-1-rest", "gap-2-linear", "gap-3-size"
@@ -19,11 +19,21 @@ ASSIGNMENT = Assignment(
         Question("gap-3-time", check_time, uses=(_LINEAR,)),
         Question("gap-4-frequency", check_frequency),
         Question("gap-5-operating", check_operating, uses=(_LINEAR,)),
-        Question("gap-7-simulation", check_simulation, uses=(_REST, _LINEAR), allows_wrong_values=False),
-        Question("gap-8-effect", check_effect),
-        Question("gap-8-path", check_path),
-        Question("gap-8-parameters", check_parameters),
-        Question("gap-9-closed", check_closed, uses=(_REST, _SIZE), allows_wrong_values=False),
+        Question(
+            "gap-7-simulation",
+            check_simulation,
+            uses=(_REST, _LINEAR),
+            follows_from=FollowsFrom.OWN_RIG,
+        ),
+        Question("gap-8-effect", check_effect, follows_from=FollowsFrom.EYE),
+        Question("gap-8-path", check_path, follows_from=FollowsFrom.EYE),
+        Question("gap-8-parameters", check_parameters, follows_from=FollowsFrom.EYE),
+        Question(
+            "gap-9-closed",
+            check_closed,
+            uses=(_REST, _SIZE),
+            follows_from=FollowsFrom.OWN_RIG,
+        ),
     ),
     RECORD_FILE,
 )

@@ -41,14 +41,14 @@ def _search_nearest(u_bytes: bytes, y_bytes: bytes, Ts: float) -> tuple[float, .
     u, y = np.frombuffer(u_bytes), np.frombuffer(y_bytes)
 
     def errors(theta: FloatArray) -> FloatArray:
-        return np.asarray(np.nan_to_num(_free_run(theta, u) - y, nan=1e3, posinf=1e3, neginf=-1e3).clip(-1e3, 1e3))
+        return np.asarray(np.nan_to_num(free_run(theta, u) - y, nan=1e3, posinf=1e3, neginf=-1e3).clip(-1e3, 1e3))
 
     start = fit_arx(u, y, Ts).model.theta
     found = least_squares(errors, start, x_scale=np.maximum(np.abs(start), 0.02), xtol=1e-12)
     return tuple(found.x.tolist())
 
 
-def _free_run(theta: FloatArray, u: FloatArray) -> FloatArray:
+def free_run(theta: FloatArray, u: FloatArray) -> FloatArray:
     """A free run from rest of whatever theta, one that runs away included."""
     with np.errstate(all="ignore"):
         return np.asarray(lfilter([0.0, theta[2], theta[3]], [1.0, -theta[0], -theta[1]], u))
@@ -64,7 +64,7 @@ def check_linear(ask: Ask) -> Iterator[Verdict]:
 
     def sse(one: FloatArray) -> float:
         with np.errstate(all="ignore"):
-            return float(np.sum((_free_run(one, u[:half]) - y[:half]) ** 2))
+            return float(np.sum((free_run(one, u[:half]) - y[:half]) ** 2))
 
     if not sse(theta) <= NEAREST * sse(nearest_free_run(u[:half], y[:half], Ts)):
         yield _not_nearest(theta, u, y, half, Ts)
@@ -171,7 +171,7 @@ def _not_nearest(theta: FloatArray, u: FloatArray, y: FloatArray, half: int, Ts:
 
     def same(one: FloatArray, other: FloatArray) -> bool:
         with np.errstate(all="ignore"):
-            return bool(np.sqrt(np.mean((_free_run(one, u) - _free_run(other, u)) ** 2)) < span)
+            return bool(np.sqrt(np.mean((free_run(one, u) - free_run(other, u)) ** 2)) < span)
 
     slips = [
         Slip(

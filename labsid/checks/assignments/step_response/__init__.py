@@ -23,15 +23,21 @@ from labsid.checks.assignments.step_response.recorded_step import (
     give_held_step,
     give_tank_model,
 )
-from labsid.checks.question import Assignment, Question
+from labsid.checks.question import Assignment, FollowsFrom, Question
 
 ASSIGNMENT = Assignment(
     "step-response",
     (
-        Question("step-1-read", check_read, gives=right_reading),
+        Question("step-1-read", check_read, gives=right_reading, follows_from=FollowsFrom.EYE),
         Question("step-2-response", check_response),
-        Question("step-3-mse", check_approximation, gives=right_approximation, uses=("step-1-read",)),
-        Question("step-3-figure", check_comparison, uses=("step-3-mse",)),
+        Question(
+            "step-3-mse",
+            check_approximation,
+            gives=right_approximation,
+            uses=("step-1-read",),
+            follows_from=FollowsFrom.TEXT,
+        ),
+        Question("step-3-figure", check_comparison, uses=("step-3-mse",), follows_from=FollowsFrom.TEXT),
         Question("step-5-function", check_function),
         Question("step-6-cut", check_held_step, gives=give_held_step),
         Question("step-6-model", check_tank_model, gives=give_tank_model, uses=("step-6-cut",)),
