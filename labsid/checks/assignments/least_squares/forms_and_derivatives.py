@@ -87,10 +87,11 @@ def trial_forms(rng: np.random.Generator) -> list[tuple[FloatArray, str]]:
 
 
 def _without_semidefinite(M: FloatArray) -> str:
-    return _tolerant(M).replace("semi", "")
+    return kind_of_form(M).replace("semi", "")
 
 
-def _tolerant(M: FloatArray) -> str:
+def kind_of_form(M: FloatArray) -> str:
+    """The kind of a quadratic form, with a tolerance for eigenvalues that should be zero."""
     eigenvalues = definiteness(M).eigenvalues
     return definiteness(np.diag(np.where(np.abs(eigenvalues) < 1e-9, 0, eigenvalues))).kind
 
@@ -106,7 +107,7 @@ _OPPOSITE = {"positive": "negative", "negative": "positive"}
 
 
 def _opposite(M: FloatArray) -> str:
-    first, *rest = _tolerant(M).split()
+    first, *rest = kind_of_form(M).split()
     return " ".join([_OPPOSITE.get(first, first), *rest])
 
 

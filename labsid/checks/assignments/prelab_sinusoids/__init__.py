@@ -1,5 +1,6 @@
 """The pre-lab: time vector, two noisy sinusoids, the cut, the matrix and Fig. 1."""
 
+from labsid.checks.assignments.prelab_sinusoids.stages import STAGES
 from labsid.checks.assignments.prelab_sinusoids.waveforms import (
     check_cut,
     check_cut_off_data,
@@ -17,7 +18,7 @@ from labsid.checks.question import Assignment, Question
 ASSIGNMENT = Assignment(
     "prelab-sinusoids",
     (
-        Question("prelab-1-time", check_time, gives=right_time),
+        Question("prelab-1-time", check_time, gives=right_time, instance=lambda ask: None),
         Question("prelab-2-noise", check_noise, gives=right_sinusoids, uses=("prelab-1-time",)),
         Question("prelab-3-cut", check_cut, gives=right_cut, uses=("prelab-1-time", "prelab-2-noise")),
         Question("prelab-4-matrix", check_matrix, uses=("prelab-3-cut",)),
@@ -25,4 +26,5 @@ ASSIGNMENT = Assignment(
         Question("prelab-5-original", check_original, uses=("prelab-1-time", "prelab-2-noise")),
         Question("prelab-6-cut-off", check_cut_off_data, uses=("prelab-3-cut",)),
     ),
+    stages=STAGES,
 )

@@ -5,6 +5,8 @@ from labsid.checks.assignments.sim_to_real_gap.linear_model import check_linear,
 from labsid.checks.assignments.sim_to_real_gap.named_effect import check_effect, check_parameters, check_path
 from labsid.checks.assignments.sim_to_real_gap.offsets_and_noise import check_rest, right_rest
 from labsid.checks.assignments.sim_to_real_gap.simulation_with_effect import check_closed, check_simulation
+from labsid.checks.assignments.sim_to_real_gap.stages import STAGES
+from labsid.checks.practice_records import gap_record, signals_of
 from labsid.checks.question import Assignment, Question
 from labsid.rig.switchable.withheld_effects import RECORD_FILE
 
@@ -26,4 +28,7 @@ ASSIGNMENT = Assignment(
         Question("gap-9-closed", check_closed, uses=(_REST, _SIZE), allows_wrong_values=False),
     ),
     RECORD_FILE,
+    STAGES,
+    gap_record,
+    signals_of,
 )

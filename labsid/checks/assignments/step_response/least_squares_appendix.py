@@ -172,6 +172,11 @@ def trial_ranks(rng: np.random.Generator) -> list[tuple[FloatArray, bool]]:
     return [trials[i] for i in order]
 
 
+def unique_by_rank(Phi: FloatArray) -> bool:
+    """Whether Phi has full column rank."""
+    return _rank(Phi) == Phi.shape[1]
+
+
 def _rank(Phi: FloatArray) -> int:
     return int(np.linalg.matrix_rank(Phi))
 
