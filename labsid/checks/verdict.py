@@ -130,7 +130,7 @@ def judge(
             # a mistake may divide by zero or overflow; students see no warnings of the checks
             with np.errstate(all="ignore"):
                 wrong = slip.wrong()
-        except (ValueError, IndexError, ArithmeticError):
+        except (ValueError, LookupError, ArithmeticError):
             continue
         if alike(got, wrong) and not alike(wrong, right):
             return Verdict(False, slip.hint, slip.name, slip.mend)

@@ -134,7 +134,7 @@ VARIANTS: list[Right | Wrong] = [
     ),
     wrong(READ, "63.2 % for the delay", reading(td="t_63"), "63.2 % taken for the delay", r"t_d \+ tau"),
     wrong(READ, "zeros", "K = tau = td = 0", None, "K is not the change"),
-    wrong(READ, "far off", "K, tau, td = 3, 9, 0.9", None, "rises too slowly"),
+    wrong(READ, "far off", "K, tau, td = 3, 9, 0.9", None, "28.3 % at 3.9 s, too late"),
     # 2. the response
     right(
         RESPONSE,

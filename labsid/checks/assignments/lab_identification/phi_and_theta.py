@@ -161,6 +161,15 @@ def _wrong_fits(name: str, data: LabData, order: int) -> Iterator[Slip[FloatArra
 
 def _read_phi(name: str, value: Value, order: int) -> FloatArray:
     array = as_array(name, value)
+    if array.ndim == 1 and array.size > 4 * order and array.size % (2 * order) == 0:
+        rows = array.size // (2 * order)
+        raise NoAnswer(
+            f"`{name}` is flat, with {array.size} = {2 * order} times {rows} numbers: the columns are "
+            f"joined end to end. "
+            "`np.hstack` and `np.concatenate` do that with flat arrays; `np.column_stack([...])` puts "
+            "them side by side.",
+            "columns joined end to end",
+        )
     if array.ndim == 3 and 1 in array.shape:
         array = array.squeeze()
     if array.ndim == 2 and array.shape[0] == 2 * order and array.shape[1] > 2 * order:

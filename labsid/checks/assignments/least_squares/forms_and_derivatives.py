@@ -45,7 +45,12 @@ def check_kind(ask: Ask) -> Verdict:
         )
     M = trials[wrong[0]][0]
     is_symmetric = "a symmetric" if np.array_equal(M, M.T) else "an unsymmetric"
-    return Verdict(False, f"`kind` is wrong for {is_symmetric} {len(M)} by {len(M)} matrix: check the signs of x'Mx.")
+    return Verdict(
+        False,
+        f"`kind` calls {is_symmetric} {len(M)} by {len(M)} matrix {answers[wrong[0]]} that is "
+        f"{truth[wrong[0]]}, and is wrong "
+        f"for {len(wrong)} of {len(trials)} matrices. Which signs has x'Mx for the matrices of this kind?",
+    )
 
 
 def trial_forms(rng: np.random.Generator) -> list[tuple[FloatArray, str]]:

@@ -14,6 +14,7 @@ from labsid.checks.assignments.step_response.slips import (
 )
 from labsid.checks.compare import as_array, as_number, as_vector, close, kind_of
 from labsid.checks.question import Ask, returned
+from labsid.checks.values import Value
 from labsid.checks.verdict import Answer, NoAnswer, Slip, Verdict, first_failure, judge
 from labsid.least_squares.solve import loss, loss_gradient, solve_least_squares, two_equations
 
@@ -62,8 +63,14 @@ def check_error_vector(ask: Ask) -> Verdict:
     """(A4)."""
 
     def one(Phi: FloatArray, Y: FloatArray, theta: FloatArray) -> Verdict:
+        value = returned(ask, "error_vector", Phi, Y, theta)
+        _require_no_table(
+            "error_vector",
+            value,
+            (Y - Phi * theta if Phi.shape[1] == Y.size else Phi * theta, Y[:, None] - Phi * theta),
+        )
         return judge(
-            as_vector("error_vector(Phi, Y, theta)", returned(ask, "error_vector", Phi, Y, theta)),
+            as_vector("error_vector(Phi, Y, theta)", value),
             Y - Phi @ theta,
             _same,
             "one error for each equation.",
@@ -72,6 +79,19 @@ def check_error_vector(ask: Ask) -> Verdict:
         )
 
     return _on_all(ask, one)
+
+
+def _require_no_table(name: str, value: Value, tables: tuple[FloatArray, ...]) -> None:
+    """Refuse a table that is what a product entry by entry gives."""
+    if isinstance(value, np.ndarray) and value.ndim == 2 and 1 not in value.shape:
+        proved = any(value.shape == table.shape and np.allclose(value, table) for table in tables)
+        what = "comes of `Phi * theta`, which multiplies" if proved else "often comes of `*`, which multiplies"
+        raise NoAnswer(
+            f"`{name}` returns a table of shape {value.shape}, and not one error for each equation: "
+            f"that {what} entry by "
+            "entry. The product of Phi and theta is `Phi @ theta`.",
+            "product entry by entry",
+        )
 
 
 def check_loss_function(ask: Ask) -> Verdict:
@@ -116,8 +136,17 @@ def check_minimum(ask: Ask) -> Verdict:
     """Eq. (8)."""
 
     def one(Phi: FloatArray, Y: FloatArray, _: FloatArray) -> Verdict:
+        value = returned(ask, "best_theta", Phi, Y)
+        if isinstance(value, np.ndarray) and value.ndim == 2 and 1 not in value.shape:
+            raise NoAnswer(
+                f"`best_theta` returns a table of shape {value.shape}; theta has {Phi.shape[1]} numbers. A "
+                f"table comes of "
+                "`*` or `/` between matrices, which work entry by entry: products of matrices are `@`. "
+                "Are all of yours?",
+                "product entry by entry",
+            )
         return judge(
-            as_vector("best_theta(Phi, Y)", returned(ask, "best_theta", Phi, Y)),
+            as_vector("best_theta(Phi, Y)", value),
             solve_least_squares(Phi, Y).theta,
             close(1e-6),
             "no other theta has a smaller loss.",

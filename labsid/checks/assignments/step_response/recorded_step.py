@@ -30,6 +30,14 @@ def check_held_step(ask: Ask) -> Verdict:
     got_t = as_vector("t_held", ask.value("t_held"), got_y.size)
     # the sample at the second change was taken before that change acts, so both ends are right
     stop = second if got_y.size != second - first + 1 else second + 1
+    single = next((k for k in (first, first - 1, 0) if _is_level(got_y, y[first:stop], y[k])), None)
+    if single is not None and not any(_is_level(got_y, y[first:stop], y[k:first].mean()) for k in range(first - 2)):
+        return Verdict(
+            False,
+            f"`y_held`: what is subtracted is one sample, number {single}, with the noise on it. Subtract the mean of "
+            "settled samples before the change, for example of the last 20.",
+            "a single sample",
+        )
     verdict = judge(
         got_y,
         y[first:stop] - find_offsets(u, y).y_offset,
@@ -155,6 +163,11 @@ def check_tank_model(ask: Ask) -> Verdict:
     if depends and carried is not None and close(1e-6)(got, carried):
         return Verdict(True, "this is the result of your `read_step`, which is judged in step 5.")
     return verdict
+
+
+def _is_level(got: FloatArray, cut: FloatArray, level: float) -> bool:
+    """Whether this level was subtracted, to the last digits."""
+    return got.shape == cut.shape and bool(np.max(np.abs(cut - level - got)) <= 1e-12 * max(abs(level), 1e-300))
 
 
 def _same_up_to_level(within: float) -> Callable[[FloatArray, FloatArray], bool]:
