@@ -30,6 +30,7 @@ from autograder.sandbox.channel import (
 )
 from autograder.sandbox.confine import make_syscall_filter, set_rlimits
 from labsid.checks.permitted import is_reference
+from labsid.checks.stops import packed, stop_of
 from labsid.checks.values import as_student_object, plain
 
 _SAVED: dict[int, tuple[dict[str, Any], dict[str, int]]] = {}
@@ -60,7 +61,7 @@ def serve(sock: socket.socket, shell: Any) -> None:
         try:
             reply = _HANDLERS[request["op"]](shell, request)
         except BaseException as error:
-            reply = {"ok": False, "error": describe_error(error)}
+            reply = {"ok": False, "error": describe_error(error, shell.user_ns)}
         try:
             send(sock, reply)
         except ChannelClosed:
@@ -95,16 +96,22 @@ class NoChecks:
     def skip(self, question_id: str) -> None:
         """Do nothing: the reference's values are not in this process."""
 
+    def hint(self, question_id: str | None = None) -> None:
+        """Do nothing: hints are for the notebook."""
+
     def summary(self) -> None:
         """Do nothing."""
 
 
-def describe_error(error: BaseException) -> dict[str, Any]:
-    """Kind, text and line of an error in the student's code."""
+def describe_error(error: BaseException, variables: Any = None, source: str = "") -> dict[str, Any]:
+    """Kind, text and line of an error in the student's code, and what stands in that line."""
     # Python 3.13 raises private kinds such as _IncompleteInputError: report the public base class
     kind = next(kind.__name__ for kind in type(error).__mro__ if not kind.__name__.startswith("_"))[:100]
+    stop = None
+    with contextlib.suppress(BaseException):
+        stop = packed(stop_of(error, {} if variables is None else variables, source))
     if isinstance(error, SyntaxError):
-        return {"kind": kind, "text": str(error.msg)[:500], "line": error.lineno}
+        return {"kind": kind, "text": str(error.msg)[:500], "line": error.lineno, "stop": stop}
     line = None
     for frame in traceback.extract_tb(error.__traceback__):
         if "ipython-input" in frame.filename or frame.filename.startswith("<cell"):
@@ -112,7 +119,7 @@ def describe_error(error: BaseException) -> dict[str, Any]:
     text = ""
     with contextlib.suppress(BaseException):
         text = str(error)
-    return {"kind": kind, "text": text[:500], "line": line}
+    return {"kind": kind, "text": text[:500], "line": line, "stop": stop}
 
 
 def open_shell() -> Any:
@@ -150,7 +157,7 @@ def _run(shell: Any, request: dict[str, Any]) -> dict[str, Any]:
         "stdout": captured.stdout[:MAX_OUTPUT_CHARACTERS],
     }
     if error is not None:
-        reply["error"] = describe_error(error)
+        reply["error"] = describe_error(error, shell.user_ns, request["source"])
     return reply
 
 

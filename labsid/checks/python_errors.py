@@ -63,12 +63,14 @@ def told(stop: Stop, where: str, made_by: Callable[[str], str] | None = None) ->
     """
     line = f", in line {stop.number}" if stop.number else ""
     quoted = f": `{stop.line}`" if stop.line else ""
-    said = [f"{where} stopped with {f'{stop.kind}: {stop.text}'.rstrip('.: ')}{line}{quoted}."]
+    first = f"{where} stopped with {f'{stop.kind}: {stop.text}'.rstrip('.: ')}{line}{quoted}."
+    return f"{first} {details(stop, made_by)}".rstrip()
+
+
+def details(stop: Stop, made_by: Callable[[str], str] | None = None) -> str:
+    """What stands in the line, and the cause; empty if nothing is known."""
     present = ", ".join(f"`{name}` {thing}" for name, thing in _present(stop))
-    if present:
-        said.append(f"There {present}.")
-    said.append(explain(stop, made_by))
-    return " ".join(filter(None, said))
+    return " ".join(filter(None, (f"There {present}." if present else "", explain(stop, made_by))))
 
 
 def explain(stop: Stop, made_by: Callable[[str], str] | None = None) -> str:

@@ -1,5 +1,6 @@
 """Checks of step 1c of the lab: the offsets, and the signals without them."""
 
+from collections.abc import Callable
 from functools import partial
 
 import numpy as np
@@ -69,7 +70,7 @@ def _output_offset(got: float, u_act: FloatArray, y_act: FloatArray, y_actm: Flo
                 "`y_offset` is the value of one sample, including its noise. Take the mean over the first period.",
                 "a single sample",
             )
-    slips = [
+    slips: list[Slip[float]] = [
         Slip(
             "mean over the whole record",
             "`y_offset` is the mean over the whole record. Average the first period only, before the input changes.",
@@ -107,7 +108,7 @@ def _output_offset(got: float, u_act: FloatArray, y_act: FloatArray, y_actm: Flo
                 "an extreme in place of a mean",
                 f"`y_offset` is the {word} of {of}. Take a mean: `np.mean(y_act[:n_first])`, if the output "
                 f"is settled there.",
-                partial(pick, part),
+                partial(_picked, pick, part),
             )
             for word, pick in (("smallest value", np.min), ("largest value", np.max), ("median", np.median))
             for of, part in (("the whole output", y_act), ("the first period", y_act[:n]))
@@ -139,6 +140,10 @@ def _output_offset(got: float, u_act: FloatArray, y_act: FloatArray, y_actm: Flo
         return Verdict(True, "")
     # a closer tolerance for mistakes than for right answers: two mistakes may give similar values
     return judge(got, found.y_offset, close(1e-5), "", otherwise, slips)
+
+
+def _picked(pick: Callable[[FloatArray], np.floating], part: FloatArray) -> float:
+    return float(pick(part))
 
 
 def _is_mean_up_to(stop: int, y: FloatArray, got: float) -> bool:

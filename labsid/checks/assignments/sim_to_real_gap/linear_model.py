@@ -246,11 +246,6 @@ def check_size(ask: Ask) -> Verdict:
                 for squared in (True, False)
             ),
             Slip(
-                "norm for mean",
-                "`gap_before` is the norm of the error: divide by the root of the number of samples.",
-                lambda: float(np.linalg.norm(held_out)),
-            ),
-            Slip(
                 "largest error",
                 "`gap_before` is the largest error: take the root of the mean square.",
                 lambda: float(np.max(np.abs(held_out))),
