@@ -43,11 +43,27 @@ def unequal_lengths(stop: Stop, _: re.Match[str]) -> str | None:
         one, other = stop.shape(node.left), stop.shape(node.right)
         if one and other and len(one) == len(other) == 1:
             left, right = ast.unparse(node.left), ast.unparse(node.right)
+            if 2 * min(one[0], other[0]) < max(one[0], other[0]):
+                return (
+                    f"`{left}` has {one[0]} entries and `{right}` has {other[0]}: entry by entry they do not pair up."
+                )
             return (
                 f"`{left}` has {one[0]} samples and `{right}` has {other[0]}. Both must cover the same samples: cut "
                 "with the same slice."
             )
     return "Entry by entry, both need the same shape (an axis of length 1 fits any)."
+
+
+def number_in_a_product(stop: Stop, _: re.Match[str]) -> str | None:
+    """`@` with a number on one side."""
+    for node in _operations(stop, ast.MatMult):
+        for side in (node.left, node.right):
+            thing = stop.things.get(ast.unparse(side))
+            if thing is not None and (thing.kind == "number" or thing.shape == ()):
+                return (
+                    f"`@` is the product of arrays, and `{ast.unparse(side)}` is one number: a multiple is made by `*`."
+                )
+    return "`@` is the product of arrays; one of the two is a number. A multiple is made by `*`."
 
 
 def unfit_product(stop: Stop, _: re.Match[str]) -> str | None:
@@ -57,6 +73,9 @@ def unfit_product(stop: Stop, _: re.Match[str]) -> str | None:
         if not one or not other or one[-1] == other[0]:
             continue
         left, right = ast.unparse(node.left), ast.unparse(node.right)
+        empty = next((text for text, shape in ((left, one), (right, other)) if 0 in shape), "")
+        if ":-" in empty.replace(" ", ""):
+            return f"`{empty}` is empty: `[:-0]` takes nothing. `[: len(x) - k]` is right for k = 0, too."
         said = (
             f"In `{left} @ {right}` the first has {one[-1]} columns and the second {other[0]} rows: "
             f"these must be equal."
@@ -131,6 +150,8 @@ def not_square(stop: Stop, _: re.Match[str]) -> str | None:
 def beyond_the_end(_: Stop, found: re.Match[str]) -> str | None:
     """An index that is the number of entries, or larger."""
     index, size = int(found[1]), int(found[2])
+    if size == 0:
+        return "It is empty along that axis: a slice before it took nothing. Print its shape."
     if index == size:
         return f"Python counts from 0: {size} entries have the indices 0 to {size - 1}, the last is `[-1]`."
     return f"There are {size} entries, with the indices 0 to {size - 1}."
@@ -188,6 +209,18 @@ def called_array(stop: Stop, _: re.Match[str]) -> str | None:
                 )
                 return said if thing.kind != "number" else f"`{name}` is a number: is a `*` missing before the bracket?"
     return "Round brackets call a function; entries are taken with square ones, `y[0]`. (Or has a variable its name?)"
+
+
+def several_indices(stop: Stop, _: re.Match[str]) -> str | None:
+    """A list, a tuple or an array where an index is one number."""
+    for node in stop.expressions():
+        if isinstance(node, ast.Subscript):
+            for part in ast.walk(node.slice):
+                thing = stop.things.get(ast.unparse(part)) if isinstance(part, ast.Name) else None
+                if thing is not None and (thing.kind in ("list", "tuple") or (thing.kind == "array" and thing.shape)):
+                    name = ast.unparse(part)
+                    return f"`{name}` {thing.said}, and an index is one number: take an entry, such as `{name}[0]`."
+    return None
 
 
 def reshaped(stop: Stop, found: re.Match[str]) -> str | None:

@@ -103,7 +103,8 @@ def as_vector(name: str, value: Value, size: int | None = None) -> FloatArray:
             "a table in place of a vector",
         )
     if array.ndim != 1:
-        raise NoAnswer(f"`{name}` should be one column of numbers; it is {kind_of(value)}.")
+        empty = " A slice took nothing: `A[first:]` cuts rows, `A[:, first:]` columns." if array.size == 0 else ""
+        raise NoAnswer(f"`{name}` should be one column of numbers; it is {kind_of(value)}.{empty}")
     if size is not None and array.size != size:
         raise NoAnswer(f"`{name}` should have {size} elements; it has {array.size}.{_off(array.size, size)}")
     return array
@@ -180,7 +181,10 @@ def as_figure(name: str, value: Value, axes: int | None = None) -> FigureValue:
             "not the figure",
         )
     if axes is not None and len(value.axes) != axes:
-        raise NoAnswer(f"`{name}` should have {axes} subplots; it has {len(value.axes)}.", "number of panels")
+        raise NoAnswer(
+            f"`{name}` should have {axes} subplot{'s' if axes > 1 else ''}; it has {len(value.axes)}.",
+            "number of panels",
+        )
     return value
 
 

@@ -49,7 +49,7 @@ class Thing:
         if self.kind == "array":
             return f"has shape {self.shape}" if self.shape else "is one number"
         if self.lengths:
-            return f"is a list of arrays with {', '.join(map(str, self.lengths))} rows"
+            return f"is a {self.kind} of arrays with {', '.join(map(str, self.lengths))} rows"
         if self.kind in ("list", "tuple"):
             return f"is a {self.kind} of {self.shape[0] if self.shape else 0}"
         if self.kind == "number" and self.value is not None:
@@ -83,8 +83,8 @@ class _Unknown(Exception):
 def _as_thing(value: Any) -> Thing | None:
     if value is _Unknown:
         return None
-    if isinstance(value, _Shaped) or type(value) is np.ndarray:
-        return Thing("array", tuple(map(int, value.shape)))
+    if isinstance(value, _Shaped | np.ndarray):
+        return Thing("array", _shape(value))
     if type(value) in (list, tuple):
         arrays = value[:_MOST_ITEMS] if value and all(type(one) is np.ndarray and one.ndim for one in value) else ()
         return Thing(type(value).__name__, (len(value),), lengths=tuple(len(one) for one in arrays))
@@ -182,6 +182,10 @@ def _called(node: ast.Call, names: Mapping[str, Any]) -> Any:
     if called in ("ravel", "flatten"):
         owner = node.args[0] if node.args else node.func.value if isinstance(node.func, ast.Attribute) else None
         return _Shaped((int(np.prod(_shape(_value(owner, names)))),))
+    if called in ("concatenate", "hstack") and node.args and isinstance(node.args[0], ast.List | ast.Tuple):
+        shapes = [_shape(_value(part, names)) for part in node.args[0].elts]
+        if all(len(shape) == 1 for shape in shapes):
+            return _Shaped((sum(shape[0] for shape in shapes),))
     if called == "transpose" and node.args:
         return _Shaped(_shape(_value(node.args[0], names))[::-1])
     if called in ("inv", "abs", "sqrt", "exp") and len(node.args) == 1:
@@ -195,8 +199,12 @@ def _as_array(value: Any) -> Any:
 
 
 def _shape(value: Any) -> tuple[int, ...]:
-    if isinstance(value, _Shaped) or type(value) is np.ndarray:
-        return tuple(map(int, value.shape))
+    if isinstance(value, _Shaped):
+        return value.shape
+    if isinstance(value, np.ndarray):
+        return tuple(
+            map(int, np.ndarray.shape.__get__(value))
+        )  # a subclass, such as python-control's, may have its own
     if type(value) in (int, float, complex) or isinstance(value, np.number):
         return ()
     if type(value) is list and all(type(item) in (int, float) for item in value):

@@ -27,6 +27,7 @@ _BRACKETS = (
     "`A(1)` is `A[0]`."
 )
 SPELLINGS: tuple[Spelling, ...] = (
+    Spelling(r"(?:[(,]\s*|^\s*)lambda\s*(?=[,)=])", "`lambda` is a word of Python's own: call the variable `lam`."),
     Spelling(
         r"\w+\([^()]*\bend\b[^()]*\)",
         ("`{0}`: Python has no `end`. An open slice goes to the end, `y[half:]`; the last entry is `y[-1]`."),
@@ -35,7 +36,7 @@ SPELLINGS: tuple[Spelling, ...] = (
         r"\w+\[[^\[\]]*\bend\b[^\[\]]*\]",
         ("`{0}`: Python has no `end`. An open slice goes to the end, `y[half:]`; the last entry is `y[-1]`."),
     ),
-    Spelling(r"\w+\(\s*(?:\d*\s*:|[^()]*[,\s]:)[^()]*\)", _BRACKETS),
+    Spelling(r"[\w\]]+\(\s*(?:\d*\s*:|[^()]*[,\s]:)[^()]*\)", _BRACKETS),
     Spelling(
         r"^\s*for\s+\w+\s*=\s*.*",
         ("`{0}` is MATLAB's loop. Python's is `for k in range(first, stop):`, which leaves out the stop."),
@@ -65,6 +66,10 @@ SPELLINGS: tuple[Spelling, ...] = (
 """Tried in order on a line that Python cannot read; `{0}` is what was found."""
 
 _MESSAGES: tuple[Spelling, ...] = (
+    Spelling(
+        r"Missing parentheses in call to 'print'",
+        "`print` is a function: `print(...)`. (A result is handed back by `return`.)",
+    ),
     Spelling(r"was never closed", "Count the brackets: one that opens is not closed."),
     Spelling(r"unmatched|does not match", "Count the brackets: one closes that was not opened, or of another kind."),
     Spelling(r"expected ':'", "The line of `if`, `for`, `while` or `def` ends with a colon."),

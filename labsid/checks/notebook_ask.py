@@ -31,6 +31,7 @@ class NotebookAsk:
         self._known = known
         self.names: list[str] = []
         self.tried = ""
+        self._calls = 0
         self.rng = np.random.default_rng([PUBLIC_SEED, *question_id.encode()])
 
     @property
@@ -43,13 +44,16 @@ class NotebookAsk:
     def value(self, name: str) -> Value:
         """The variable as plain data."""
         self.names.append(name)
+        self.tried = ""
         if name not in self._variables:
             raise NoAnswer(f"there is no variable `{name}` yet. Define it with exactly this name.")
         return plain(self._variables[name])
 
     def call(self, name: str, *arguments: Value) -> Value:
         """The result of the function of that name, as plain data."""
+        begins_with_calls = bool(self._calls) or not self.names
         self.names.append(name)
+        self._calls += 1
         function = self._variables.get(name)
         if not callable(function):
             raise NoAnswer(f"there is no function `{name}` yet. Define it with `def {name}(...):`.")
@@ -57,7 +61,8 @@ class NotebookAsk:
         try:
             with limit_time(CALL_SECONDS):
                 result = plain(function(*[np.array(a) if isinstance(a, np.ndarray) else a for a in arguments]))
-            self.tried = f"Tried: `{name}({_listed(arguments)})` returned {_short(result)}."
+            if begins_with_calls:
+                self.tried = f"Tried: `{name}({_listed(arguments)})` returned {_short(result)}."
             return result
         except (OutOfTime, KeyboardInterrupt):
             raise NoAnswer(

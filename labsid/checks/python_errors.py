@@ -14,9 +14,11 @@ from labsid.checks.causes import (
     entry_by_entry,
     field_of_a_dictionary,
     not_square,
+    number_in_a_product,
     product_without_inverse,
     reshaped,
     rows_by_a_vector,
+    several_indices,
     too_many_indices,
     truth_of_an_array,
     unequal_columns,
@@ -112,6 +114,13 @@ TABLE: tuple[Translation, ...] = (
     Translation("ValueError", "could not be broadcast together", rows_by_a_vector),
     Translation("ValueError", "could not be broadcast together", unequal_lengths),
     Translation("ValueError", r"solve1?: .*mismatch in its core dimension", unfit_right_side),
+    Translation("ValueError", "does not have enough dimensions", number_in_a_product),
+    Translation(
+        "ValueError",
+        r"filter coefficient a\[0\]",
+        "`lfilter(b, a, x)` has the numerator first; the denominator begins with a number other "
+        "than zero. Are they swapped?",
+    ),
     Translation("ValueError", r"mismatch in its core dimension|not aligned", unfit_product),
     Translation("LinAlgError", "[Ss]ingular matrix", product_without_inverse),
     Translation("LinAlgError", "must be square", not_square),
@@ -134,7 +143,18 @@ TABLE: tuple[Translation, ...] = (
     Translation(
         "AttributeError", "'numpy.ndarray' object has no attribute 'append'", "Use `np.append(y, value)`, or a list."
     ),
+    Translation(
+        "KeyError",
+        r"^\d+$",
+        "It is no array: its parts have names. Of what scipy's `least_squares` returns, `.x` is the solution.",
+    ),
     Translation("KeyError", "(.*)", unknown_key),
+    Translation("AttributeError", "module 'numpy' has no attribute 'ln'", "The natural logarithm is `np.log`."),
+    Translation(
+        "TypeError",
+        "unsupported operand .*'(?:function|builtin_function_or_method|method)'",
+        "A function itself is no number: call it, with its arguments in brackets.",
+    ),
     Translation("ValueError", r"cannot reshape array of size (\d+) into shape (.*)", reshaped),
     Translation(
         "ValueError",
@@ -146,9 +166,27 @@ TABLE: tuple[Translation, ...] = (
         "x and y must be the same size",
         "The two vectors of a curve need the same length: cut both alike.",
     ),
+    Translation(
+        "ValueError",
+        "weights should have the same shape",
+        "Each frequency or sample needs one weight. `np.fft.rfft(e)` has len(e) // 2 + 1 values, as many as "
+        "`np.fft.rfftfreq(len(e), Ts)`.",
+    ),
     Translation("ValueError", "same number of dimensions", _FLAT_BESIDE_COLUMN),
     Translation("ValueError", "must match exactly", unequal_columns),
-    Translation("ValueError", "inhomogeneous", "The rows have different lengths: print `len` of each."),
+    Translation(
+        "ValueError",
+        "inhomogeneous",
+        "What should be numbers is a list or tuple of parts of different lengths. Often here: is "
+        "it the whole result of "
+        "`lstsq`, of which `[0]` is the solution?",
+    ),
+    Translation(
+        "ValueError",
+        "need at least one array",
+        "The list of arrays is empty. Often here: does its `range` end too early? `range(1, n)` leaves out n.",
+    ),
+    Translation("TypeError|IndexError", "slice indices must be integers|only integer", several_indices),
     Translation(
         "ValueError",
         "setting an array element with a sequence",
@@ -156,6 +194,12 @@ TABLE: tuple[Translation, ...] = (
     ),
     Translation("ValueError", "truth value of an array", truth_of_an_array),
     Translation("ValueError|TypeError", "values to unpack|cannot unpack", unpacked),
+    Translation(
+        "TypeError|AttributeError",
+        r"'(?:Text|XAxis|YAxis)' object is not callable|'Axes' object has no attribute '(?:xlabel|ylabel|xlim|ylim)'",
+        'Axes are set by methods that begin with `set_`: `ax.set_title("...")`, '
+        '`ax.set_xlabel("...")`, `ax.set_xlim(0, 1)`.',
+    ),
     Translation("TypeError", r"object is not callable", called_array),
     Translation("TypeError", r"bitwise_xor|for \^", "`^` is no power in Python: write `**`, as in `e**2`."),
     Translation(
@@ -172,6 +216,11 @@ TABLE: tuple[Translation, ...] = (
         "TypeError|IndexError",
         "cannot be interpreted as an integer|must be integers|only integer|arrays used as indices",
         _WHOLE,
+    ),
+    Translation(
+        "TypeError",
+        "not supported between instances of '(?:EigResult|SVDResult|tuple|list)'",
+        "It holds several results: take one of them, such as `[0]`, before you compare.",
     ),
     Translation(
         "TypeError",

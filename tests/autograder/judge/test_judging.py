@@ -146,7 +146,11 @@ def test_a_wrong_function_costs_its_own_question(forked: ProcessLauncher, tmp_pa
 @pytest.mark.parametrize(
     ("cell", "status", "said"),
     [
-        ("1 / 0", "graded", r"^Your cell stopped in line 1 with ZeroDivisionError: division by zero\. Something .* There is no var"),
+        (
+            "1 / 0",
+            "graded",
+            r"^Your cell stopped in line 1 with ZeroDivisionError: division by zero\. Something .* There is no var",
+        ),
         ("b = 1\n\nb.nosuch", "graded", "in line 3 with AttributeError"),
         ("b = 1\na = (", "graded", r"^Your cell stopped in line 2 with SyntaxError: [^<]*\. There is no variable `a`"),
         ("  a = 3\n b = 4", "graded", "IndentationError: unexpected indent"),

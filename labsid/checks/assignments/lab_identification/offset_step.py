@@ -94,7 +94,7 @@ def _output_offset(got: float, u_act: FloatArray, y_act: FloatArray, y_actm: Flo
         ),
         Slip(
             "input in place of the output",
-            "`y_offset` is computed from the input. Use `y_act`.",
+            "`y_offset` is the first value of the input. Use `y_act`.",
             lambda: float(u_act[0]),
         ),
         Slip(

@@ -77,6 +77,12 @@ def check_parameters(ask: Ask) -> Verdict:
             mend="theta = [-a1, -a2, b1, b2].",
         ),
         Slip(
+            "a and b swapped",
+            "a and b are swapped.",
+            lambda: np.array([b1, b2, -a1, -a2]),
+            mend="theta = [-a1, -a2, b1, b2].",
+        ),
+        Slip(
             "a1 and a2 swapped",
             "a1 and a2 are swapped.",
             lambda: np.array([a2, a1, b1, b2]),

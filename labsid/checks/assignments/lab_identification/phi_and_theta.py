@@ -119,6 +119,12 @@ def judge_theta(ask: Ask, name: str, Phi: FloatArray, Y: FloatArray, data: LabDa
         ),
         Slip(
             "divided element by element",
+            "`** -1` inverts the entries of Phi'Phi one by one. The inverse of a matrix is `np.linalg.inv`, or use "
+            "`np.linalg.solve`.",
+            lambda: (Phi.T @ Phi) ** -1.0 @ Phi.T @ Y,
+        ),
+        Slip(
+            "divided element by element",
             "`/` and `*` work element by element. Use `@` and `np.linalg.solve` or `np.linalg.inv`.",
             lambda: (Phi.T @ Y) / np.diag(Phi.T @ Phi),
         ),

@@ -107,20 +107,25 @@ def _judge_known(ask: Ask, u: FloatArray, y: FloatArray) -> Verdict:
     )
 
 
+def _lagged(signal: str, lag: int) -> str:
+    return f"{signal}(k-{lag})" if lag else f"{signal}(k)"
+
+
 def _rows_used(u: FloatArray, y: FloatArray, value: Value) -> str:
     """Which lags and rows give the student's result, in words; else which row to write down."""
     got = np.ravel(value) if isinstance(value, np.ndarray) else np.empty(0)
     for drop, first, lags in product((0, 1, 2), (3, 4, 0), product(range(4), repeat=3)):
         k = np.arange(max(first, *lags), u.size - drop)
         of_y, of_known, of_u = lags
-        for target in (y[k] - u[k - of_known], y[k]):
+        for is_taken_off in (True, False):
+            target = y[k] - u[k - of_known] if is_taken_off else y[k]
             found = solve_least_squares(np.column_stack([-y[k - of_y], u[k - of_u]]), target).theta
             if SAME(got, found):
-                known = f" - u(k-{of_known})" if target is not y[k] else ""
+                left = f"y(k) - {_lagged('u', of_known)}" if is_taken_off else "y(k)"
                 return (
-                    f"It is that of the rows [-y(k-{of_y}), u(k-{of_u})] with y(k){known} on the left, k = "
-                    f"{k[0] + 1} to "
-                    f"{k[-1] + 1}. The equation is y(k) + a y(k-2) = u(k-1) + b u(k-3), k = 4 to {u.size}."
+                    f"It is that of the rows [-{_lagged('y', of_y)}, {_lagged('u', of_u)}] with {left} on the left, "
+                    f"k = {k[0] + 1} to {k[-1] + 1}. The equation is y(k) + a y(k-2) = u(k-1) + b u(k-3), k = "
+                    f"4 to {u.size}."
                 )
     return "Write down the row for k = 4, [-y(2), u(1)], with y(4) - u(3) on its left, and print your first row."
 

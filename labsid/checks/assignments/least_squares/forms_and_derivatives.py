@@ -124,6 +124,18 @@ def _rounded(rule: Callable[[FloatArray], ArrayLike]) -> Callable[[FloatArray], 
     return answer
 
 
+def _exact(rule: Callable[[FloatArray], ArrayLike]) -> Callable[[FloatArray], str]:
+    def answer(M: FloatArray) -> str:
+        numbers = np.atleast_1d(np.asarray(rule(M), float))
+        if np.all(numbers > 0) or np.all(numbers < 0):
+            return "positive definite" if numbers[0] > 0 else "negative definite"
+        if np.all(numbers >= 0) or np.all(numbers <= 0):
+            return "positive semidefinite" if np.all(numbers >= 0) else "negative semidefinite"
+        return "indefinite"
+
+    return answer
+
+
 _WRONG_RULES: tuple[tuple[str, str, Callable[[FloatArray], str]], ...] = (
     (
         "eigenvalues of M itself",
@@ -134,6 +146,20 @@ _WRONG_RULES: tuple[tuple[str, str, Callable[[FloatArray], str]], ...] = (
         "eigenvalues of M itself",
         "uses only one triangle of M, as `eigvalsh` does without a warning: form (M + M')/2 first.",
         _rounded(lambda M: np.linalg.eigvalsh(M)),
+    ),
+    (
+        "eigenvalues of M itself",
+        "uses the eigenvalues of M, and compares them with 0 exactly. For an unsymmetric M use "
+        "those of (M + M')/2, and treat "
+        "tiny ones as zero.",
+        _exact(lambda M: np.linalg.eigvals(M).real),
+    ),
+    (
+        "eigenvalues of M itself",
+        "uses only one triangle of M, and compares with 0 exactly: form (M + M')/2 first, and "
+        "treat tiny eigenvalues as "
+        "zero.",
+        _exact(lambda M: np.linalg.eigvalsh(M)),
     ),
     (
         "semidefinite forgotten",
@@ -309,6 +335,13 @@ def _jacobian(ask: Ask, x: FloatArray) -> Verdict:
                 "3 x'x as for a number",
                 "`jacobian_cubic` differentiates as if x were a number, 3x^2. For a vector, x'x I and x x' differ.",
                 lambda: 3 * outer,
+            ),
+            Slip(
+                "phi'phi for phi phi'",
+                "`jacobian_cubic` adds the number 2x'x to every entry: for a flat array `x @ x.T` is a "
+                "number. The matrix x x' "
+                "is `np.outer(x, x)`.",
+                lambda: square + 2 * (x @ x),
             ),
             Slip(
                 "x'x added to every entry",

@@ -190,7 +190,10 @@ def require_uniform(name: str, noise: FloatArray, sinusoid: FloatArray) -> None:
             "noise takes every value within its bound equally often, and none outside.",
             "Gaussian noise",
         )
-    raise NoAnswer(f"The noise in `{name}` is not uniform within ±0.2: it should cover exactly this range, evenly.")
+    raise NoAnswer(
+        f"The noise in `{name}` should cover ±0.2 evenly; what is left of `{name}` without the sinusoid runs from "
+        f"{noise.min():.2g} to {noise.max():.2g}, with the mean {noise.mean():.2g}."
+    )
 
 
 def require_independent(noises: dict[str, FloatArray]) -> None:

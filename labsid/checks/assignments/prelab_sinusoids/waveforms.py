@@ -31,12 +31,15 @@ _same = close(0, absolute=1e-9)
 def check_time(ask: Ask) -> Verdict:
     """Step 1: the column vector t."""
     value = ask.value("t")
+    got = as_vector("t", value)
+    apart = f", {np.mean(np.diff(got)):.4g} s apart" if got.size > 1 else ""
+    span = f"from {got[0]:.4g} to {got[-1]:.4g}{apart}" if got.size else "and no entries"
     verdict = judge(
-        as_vector("t", value),
+        got,
         make_sinusoids(ask.rng).t.ravel(),
         _same,
         "a column of 1001 instants from 0 to 100 s.",
-        "`t` does not run from 0 to 100 s in steps of 0.1 s: see step 1.",
+        f"`t` should run from 0 to 100 s in steps of 0.1 s; yours has {got.size} points {span}.",
         time_slips(),
     )
     if verdict.passed:

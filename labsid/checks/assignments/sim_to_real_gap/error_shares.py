@@ -243,8 +243,15 @@ def _own_cells(ask: Ask, name: str, x: FloatArray, other: FloatArray, e: FloatAr
     def over(wrong: FloatArray, weights: FloatArray) -> FloatArray:
         return _normed(_sorted(wrong, edges, weights))
 
+    value = ask.value(name)
+    if isinstance(value, np.ndarray) and value.dtype.kind == "f" and np.any(np.isnan(value)):
+        raise NoAnswer(
+            f"`{name}` is nan: no sample lies between the edges, {edges[0]:.3g} to {edges[-1]:.3g} V, as those of "
+            f"`{signal}_act` do. Was it handed over first, with its offset?",
+            "another signal sorted",
+        )
     return judge(
-        _shares(name, ask.value(name), CELLS),
+        _shares(name, value, CELLS),
         _cells(x, e),
         close(0, 1e-3),
         "",

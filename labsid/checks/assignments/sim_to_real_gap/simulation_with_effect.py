@@ -83,11 +83,17 @@ def _slip(ask: Ask, run: _Run, y_sim: FloatArray) -> tuple[str, str] | None:
     y_offset = as_number("y_offset", ask.known("y_offset"))
     if run.closed(y_sim + y_offset) >= ENOUGH:
         return "`simulate_better` returns deviations from rest: put `y_offset` back on.", "output offset left out"
-    if np.sqrt(np.mean((y_sim - run.linear) ** 2)) < 0.1 * np.sqrt(np.mean((run.linear - run.y) ** 2)):
+    if _is_near(y_sim, run.linear, run):
         return (
             "`simulate_better` does what the linear model does: there is no effect in it, or its fit has put it out of "
             "the range that is used.",
             "no effect added",
+        )
+    if _is_near(y_sim + y_offset, run.linear, run):
+        return (
+            "`simulate_better` returns deviations from rest, of the linear model: put `y_offset` back "
+            "on, and the effect in.",
+            "output offset left out",
         )
     for moved, text in ((y_sim[1:], "late"), (y_sim[:-1], "early")):
         there = slice(None, -1) if text == "late" else slice(1, None)
@@ -95,7 +101,7 @@ def _slip(ask: Ask, run: _Run, y_sim: FloatArray) -> tuple[str, str] | None:
         if shifted.closed(moved) >= ENOUGH:
             return f"`simulate_better` is one sample {text}.", "lag off by one"
     without = _played(ask, run.u - ask.record.u[0])
-    if run.closed(without) >= ENOUGH:
+    if run.closed(without) >= ENOUGH or _is_near(without, run.linear, run):
         return (
             "`simulate_better` expects an input without its offset. It is handed the pump voltage: take `u_offset` off "
             "inside.",
@@ -107,6 +113,11 @@ def _slip(ask: Ask, run: _Run, y_sim: FloatArray) -> tuple[str, str] | None:
             "argument not used",
         )
     return None
+
+
+def _is_near(y_sim: FloatArray, other: FloatArray, run: _Run) -> bool:
+    """Whether two outputs differ by much less than the linear model does from the run."""
+    return bool(np.sqrt(np.mean((y_sim - other) ** 2)) < 0.1 * np.sqrt(np.mean((run.linear - run.y) ** 2)))
 
 
 def check_closed(ask: Ask) -> Verdict:

@@ -92,6 +92,11 @@ def check_approximation(ask: Ask) -> Verdict:
                 lambda: float(np.sum(error**2)),
             ),
             Slip(
+                "norm of the error",
+                "`mse_approx` is the norm of the error: square it and divide by N.",
+                lambda: float(np.linalg.norm(error)),
+            ),
+            Slip(
                 "not squared",
                 "`mse_approx` is the mean of the errors: square them first.",
                 lambda: float(np.mean(error)),

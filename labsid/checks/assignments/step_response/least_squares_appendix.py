@@ -12,7 +12,7 @@ from labsid.checks.assignments.step_response.slips import (
     minimum_slips,
     two_slips,
 )
-from labsid.checks.compare import as_array, as_number, as_vector, close, kind_of
+from labsid.checks.compare import as_array, as_number, as_theta, as_vector, close, kind_of
 from labsid.checks.question import Ask, returned
 from labsid.checks.values import Value
 from labsid.checks.verdict import Answer, NoAnswer, Slip, Verdict, first_failure, judge
@@ -146,7 +146,7 @@ def check_minimum(ask: Ask) -> Verdict:
                 "product entry by entry",
             )
         return judge(
-            as_vector("best_theta(Phi, Y)", value),
+            as_theta("best_theta(Phi, Y)", value, Phi.shape[1]),
             solve_least_squares(Phi, Y).theta,
             close(1e-6),
             "no other theta has a smaller loss.",
