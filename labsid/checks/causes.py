@@ -59,7 +59,8 @@ def number_in_a_product(stop: Stop, _: re.Match[str]) -> str | None:
     for node in _operations(stop, ast.MatMult):
         for side in (node.left, node.right):
             thing = stop.things.get(ast.unparse(side))
-            if thing is not None and (thing.kind == "number" or thing.shape == ()):
+            alone = thing is not None and (thing.kind == "number" or thing.shape == ())
+            if alone or isinstance(side, ast.Constant):
                 return (
                     f"`@` is the product of arrays, and `{ast.unparse(side)}` is one number: a multiple is made by `*`."
                 )

@@ -148,7 +148,7 @@ def _index(node: ast.expr, names: Mapping[str, Any]) -> Any:
     if isinstance(node, ast.Tuple):
         return tuple(_index(part, names) for part in node.elts)
     index = _value(node, names)
-    if type(index) in (int, str) or isinstance(index, np.integer):
+    if index is None or type(index) in (int, str) or isinstance(index, np.integer):
         return index
     raise _Unknown
 

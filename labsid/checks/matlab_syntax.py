@@ -16,6 +16,8 @@ class Spelling:
 
 
 _MOST_SPELLINGS = 2
+_TEXTS = re.compile(r"(?<![\w\])])[frbFRB]{0,2}(\"[^\"]*\"|'[^']*')|#.*")
+_HEADS = "if|elif|else|while|for|def|with|try|except|finally|class"
 _RANGE = (
     "`{0}` is MATLAB's range. In numpy it is `np.arange(start, stop, step)`, which leaves out "
     "the stop, or `np.linspace(first, "
@@ -45,7 +47,11 @@ SPELLINGS: tuple[Spelling, ...] = (
         r"^\s*function\b.*",
         ("`{0}` is MATLAB's function. Python's is `def name(arguments):`, with `return` and the result at the end."),
     ),
-    Spelling(r"(?<![\w\])[])(?<!\[ )[-\w.]+\s*:\s*[-\w.*/]+(?:\s*:\s*[-\w.]+)?(?=\s*\)?'?\s*;?$)", _RANGE),
+    Spelling(
+        rf"^(?!\s*(?:{_HEADS})\b)(?!.*(?:\{{|\blambda\b)).*?"
+        r"(?<![\w\])[])(?<!\[ )(?P<shown>[-\w.]+\s*:\s*[-\w.*/]+(?:\s*:\s*[-\w.]+)?)(?=\s*\)?'?\s*;?$)",
+        _RANGE,
+    ),
     Spelling(
         r"[\w\])]+\s*\\\s*\w+",
         (
@@ -53,15 +59,23 @@ SPELLINGS: tuple[Spelling, ...] = (
             "`np.linalg.lstsq(A, b)[0]`."
         ),
     ),
-    Spelling(r"[\w\])]+'(?!\w*')", "`{0}`: an apostrophe begins a text. The transpose is `.T`, as in `Phi.T`."),
+    Spelling(r"\"\"\w", "A text in quotes ends at the next such quote: put one with an apostrophe in double quotes."),
+    Spelling(
+        r"^(?!.*\"\"\w).*?(?P<shown>[\w\])]+'(?!\w*'))",
+        "`{0}`: an apostrophe begins a text. The transpose is `.T`, as in `Phi.T`.",
+    ),
     Spelling(r"~=", '`{0}` is MATLAB\'s "not equal": write `!=`.'),
     Spelling(r"&&|\|\|", "`{0}` is MATLAB's: write `and`, `or`."),
     Spelling(
-        r"\.[*/^]", ("`{0}` is MATLAB's: in Python `*`, `/` and `**` work entry by entry, and `@` multiplies matrices.")
+        r"(?:\b[A-Za-z_]\w*|[\])])\s*\.[*/^]|\d\.\^",
+        ("`{0}` is MATLAB's: in Python `*`, `/` and `**` work entry by entry, and `@` multiplies matrices."),
     ),
     Spelling(r"^\s*%.*", "`{0}`: a comment begins with `#`."),
-    Spelling(r"\[\s*[\w.]+(?:\s+[\w.]+)+\s*\]", "`{0}`: the items of a list are separated by commas."),
-    Spelling(r"\b\d+(?:\.\d+)?[A-Za-z(]\w*", "`{0}`: a product needs its `*`."),
+    Spelling(
+        r"\[\s*[\w.]+(?:\s+(?!(?:for|in|if|else|and|or|not|is)\b)[\w.]+)+\s*\]",
+        "`{0}`: the items of a list are separated by commas.",
+    ),
+    Spelling(r"\b\d+(?:\.\d+)?(?!e[-+]?\d|[jJ]\b)[A-Za-z_]\w*", "`{0}`: a product needs its `*`."),
 )
 """Tried in order on a line that Python cannot read; `{0}` is what was found."""
 
@@ -82,7 +96,10 @@ _MESSAGES: tuple[Spelling, ...] = (
     Spelling(r"Maybe you meant '=='", "`=` assigns; `==` compares."),
     Spelling(r"cannot assign to", "On the left of `=` stands the name that gets the value."),
     Spelling(r"'return' outside function", "`return` stands indented, inside a function."),
-    Spelling(r"unterminated string", "A text that is begun is not ended on its line: look at the quotes."),
+    Spelling(
+        r"unterminated string",
+        "A text that is begun is not ended on its line: look at the quotes. (Is MATLAB's transpose meant? It is `.T`.)",
+    ),
     Spelling(r"forgot a comma", "Between two items a comma is missing, or between two factors a `*`."),
     Spelling(r"", "Look at the end of the line before, too: a bracket that is not closed shows one line late."),
 )
@@ -120,9 +137,14 @@ _MATLAB = {
 
 def cause_of_syntax(stop: Stop) -> str:
     """Why Python cannot read a line."""
-    code = re.sub(r"(?<![\w\])])(\"[^\"]*\"|'[^']*')|#.*", lambda text: '""' if text[1] else "", stop.line)
+    code = _TEXTS.sub(lambda text: '""' if text[1] else "", stop.line)
+    code = re.split(r"(?<![\w\])'\"])'|(?<!\")\"(?!\")", code)[0]  # a text that is not ended is no code
     matches = ((one, re.search(one.pattern, code)) for one in SPELLINGS)
-    said = [one.python.format(found[0].strip()) for one, found in matches if found is not None]
+    said = [
+        one.python.format((found.groupdict().get("shown") or found[0]).strip())
+        for one, found in matches
+        if found is not None
+    ]
     if said:
         return " ".join(said[:_MOST_SPELLINGS])
     return next(one.python for one in _MESSAGES if re.search(one.pattern, stop.text))

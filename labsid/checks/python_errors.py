@@ -214,7 +214,8 @@ TABLE: tuple[Translation, ...] = (
     ),
     Translation(
         "TypeError|IndexError",
-        "cannot be interpreted as an integer|must be integers|only integer|arrays used as indices",
+        r"cannot be interpreted as an integer|must be integers|only integer|arrays used as indices|"
+        r"a single integer, got '-?\d+\.",
         _WHOLE,
     ),
     Translation(

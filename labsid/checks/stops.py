@@ -99,13 +99,14 @@ def unpacked(message: Any, kind: str, text: str, is_known: Callable[[str], bool]
             shape = tuple(int(size) for size in sizes if type(size) is int and 0 <= size < _LARGEST_SIZE)
             things[one[0]] = Thing(str(one[1]), shape if one[3] is True else None)
     line, part, near = (str(message.get(key, "")) for key in ("line", "part", "near"))
+    line = line if is_known(line) else ""
     names = message.get("arguments")
     arguments = tuple(str(name) for name in names) if isinstance(names, list) else ()
     return Stop(
         kind,
         text,
         None,
-        line if is_known(line) else "",
+        line,
         part if is_known(part) else "",
         {name: thing for name, thing in things.items() if is_known(name) or name in line},
         arguments if all(map(is_known, arguments)) else (),
@@ -145,7 +146,8 @@ def stop_of(error: BaseException, variables: Mapping[str, Any], source: str = ""
     near = ""
     if isinstance(error, NameError) and error.name:
         own = [name for name in names if not name.startswith("_")]
-        near = next(iter(difflib.get_close_matches(error.name, own, 1, 0.75)), "")
+        alike = [name for name in own if name.lower() == error.name.lower()]
+        near = next(iter(alike or difflib.get_close_matches(error.name, own, 1, 0.75)), "")
     return Stop(kind, text, trace.tb_lineno, line, part, things_in(line, names), arguments, near)
 
 

@@ -6,7 +6,8 @@ KIND, DEL, DER, FITS, F5, PROJ = (
     "ls-1-kind", "ls-2-delays", "ls-3-derivatives", "ls-4-fits", "ls-4-figure-5", "ls-5-projector",
 )  # fmt: skip
 SOL, KNOWN, WEI, CON, CONF, CAY = (
-    "ls-6-all-solutions", "ls-7-known", "ls-8-weighted", "ls-9-constrained", "ls-10-confidence", "ls-11-cayley-hamilton",
+    "ls-6-all-solutions", "ls-7-known", "ls-8-weighted", "ls-9-constrained", "ls-10-confidence",
+    "ls-11-cayley-hamilton",
 )  # fmt: skip
 
 

@@ -22,8 +22,12 @@ def space(last: str = "-a[:0:-1]", C: str = "(b - b[0] * a)[:0:-1].reshape(1, n)
     )
 
 
-def eq(ys: str = "[-y[k0 - i : N - i] for i in range(1, na + 1)]", us: str = "[u[k0 - i : N - i] for i in range(d, d + nb)]",
-       k0: str = "max(na, d + nb - 1) if nb else na", end: str = "np.column_stack(ys + us), y[k0:]") -> str:  # fmt: skip
+def eq(
+    ys: str = "[-y[k0 - i : N - i] for i in range(1, na + 1)]",
+    us: str = "[u[k0 - i : N - i] for i in range(d, d + nb)]",
+    k0: str = "max(na, d + nb - 1) if nb else na",
+    end: str = "np.column_stack(ys + us), y[k0:]",
+) -> str:
     return f("equations(u, y, na, nb, d)", f"N = len(y)\n    k0 = {k0}\n    ys = {ys}\n    us = {us}\n    return {end}")
 
 

@@ -29,8 +29,13 @@ def reg(columns: str = "-y[1:-1], -y[:-2], u[1:-1]", Y: str = "y[2:]") -> str:
     )
 
 
-def rls(P: str = "(P - np.outer(q, q) / (lam + phi @ q)) / lam", theta: str = "theta + P @ phi * error", start: str = "LN * np.eye(p)",
-        store: str = "history[k] = theta", end: str = "history") -> str:  # fmt: skip
+def rls(
+    P: str = "(P - np.outer(q, q) / (lam + phi @ q)) / lam",
+    theta: str = "theta + P @ phi * error",
+    start: str = "LN * np.eye(p)",
+    store: str = "history[k] = theta",
+    end: str = "history",
+) -> str:
     return (
         f"def rls(Phi, Y, lam, LN):\n    p = Phi.shape[1]\n    theta, P = np.zeros(p), {start}\n   "
         f" history = np.zeros(Phi.shape)\n"

@@ -1,4 +1,4 @@
-"""Hints in stages: the next one comes for another answer, or after two minutes; the last offers practice and skipping."""
+"""Hints in stages: the next comes for another answer or after two minutes; the last offers practice and skipping."""
 
 from typing import Any
 
