@@ -96,10 +96,8 @@ def as_vector(name: str, value: Value, size: int | None = None) -> FloatArray:
     if array.ndim == 2 and array.shape[0] == array.shape[1] and (size is None or size == array.shape[0]):
         raise NoAnswer(
             f"`{name}` should be one column of numbers; it is a table of {array.shape[0]} by "
-            f"{array.shape[0]}. That comes of a "
-            "column (N, 1) and a flat array (N,) in one sum or difference, or of `*` between a matrix "
-            "and a vector, where "
-            "`@` is their product: print the shapes of its parts.",
+            f"{array.shape[0]}. Often here: did a column (N, 1) meet a flat array (N,) in one sum or difference, or "
+            "was `*` taken for a matrix and a vector, whose product is `@`? Print the shapes of its parts.",
             "a table in place of a vector",
         )
     if array.ndim != 1:

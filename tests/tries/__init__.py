@@ -81,8 +81,9 @@ def said_to(one: Try, solved: Solved) -> tuple[bool, str]:
                 return False, told(stop_of(error, variables, source), "its answer cell")
         ask = NotebookAsk(variables, solved.record, solved.known[one.question], one.question)
         verdict = solved.assignment.question(one.question).verdict(ask)
-    has_reference = solved.assignment.question(one.question).reference is not None
-    tried = "" if verdict.slip is not None or verdict.passed or has_reference else ask.tried
+    question = solved.assignment.question(one.question)
+    for_values = question.reference is not None or question.gives is not None
+    tried = "" if verdict.slip is not None or verdict.passed or for_values else ask.tried
     return verdict.passed and not verdict.noted, f"{verdict.reason} {tried}".strip()
 
 

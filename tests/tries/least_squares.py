@@ -249,7 +249,7 @@ TRIES = (
     Try(
         KNOWN, "SUSTech slide: rows off", known("-y[:-3], u[:-3]", "y[2:-1] - u[1:-2]"), r"rows \[-y\(k-2\), u\(k-2\)\]"
     ),
-    Try(KNOWN, "same time", known("-y[3:], u[3:]", "y[3:] - u[2:-1]"), "rows|lag"),
+    Try(KNOWN, "same time", known("-y[3:], u[3:]", "y[3:] - u[2:-1]"), r"\[-y\(k\), u\(k\)\]"),
     Try(KNOWN, "lag 1 for y", known("-y[2:-1], u[:-3]"), "lag"),
     Try(KNOWN, "sign", known("y[1:-2], u[:-3]"), "wrong sign of a"),
     Try(KNOWN, "known estimated", known("-y[1:-2], u[2:-1], u[:-3]", "y[3:]"), "estimates three"),

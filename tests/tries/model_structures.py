@@ -113,8 +113,8 @@ TRIES = (
     Try(
         SIM,
         "list slice sign",
-        f("simulate(A, B, C, u, e)", "return scipy.signal.lfilter(B, -A, u)"),
-        "noise out|B u|sign|right",
+        f("simulate(A, B, C, u, e)", "return scipy.signal.lfilter(B, -A, u) + scipy.signal.lfilter(C, -A, e)"),
+        "right but for the sign",
     ),
     Try(EX, "plus y", ex("return np.linalg.lstsq(np.column_stack([y[:-1], u[:-1]]), y[1:])[0]"), "returns -a first"),
     Try(EX, "same time", ex("return np.linalg.lstsq(np.column_stack([-y[:-1], u[1:]]), y[1:])[0]"), "lag wrong"),

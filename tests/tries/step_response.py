@@ -1,6 +1,6 @@
 """First tries at the step response."""
 
-from tries import Try
+from tries import VAGUE, Try
 
 READ, RESP, MSE, FIG, FUN, CUT, MODEL = (
     "step-1-read", "step-2-response", "step-3-mse", "step-3-figure", "step-5-function", "step-6-cut", "step-6-model",
@@ -50,7 +50,7 @@ TRIES = (
     Try(READ, "factor", read(tau="t_63 - t_28"), "two thirds"),
     Try(READ, "gain not divided", read(K="y_end"), "divide it by the amplitude"),
     Try(READ, "level of 63", read(K="0.632 * y_end / amplitude"), "63.2 % of the change"),
-    Try(READ, "samples", read(td="np.argmax(y_step >= 0.05)"), "28.3 % at|samples"),
+    Try(READ, "samples", read(td="np.argmax(y_step >= 0.05)"), "28.3 % at", VAGUE),
     Try(READ, "MATLAB find", "t_63 = t_step(find(y_step >= 3.8, 1))", "find|square ones|np.flatnonzero"),
     Try(READ, "by eye", "K, tau, td = 3, 4, 2", "28.3 % at .* 63.2 % at"),
     Try(RESP, "impulse", response("np.where(t >= td, K * amplitude / tau * np.exp(-(t - td) / tau), 0)"), "impulse"),
@@ -137,8 +137,8 @@ TRIES = (
     Try(CUT, "where", "first = np.where(np.diff(u_act) != 0)\ny_held = y_act[first:]", "an index is one number"),
     Try(MODEL, "unpack", "K_tank, tau_tank = read_step(t_held, y_held, a_held)", "as many names"),
     Try(MODEL, "order", "tau_tank, K_tank, td_tank = read_step(t_held, y_held, a_held)", "another order"),
-    Try(MODEL, "whole record", "K_tank, tau_tank, td_tank = read_step(t_act, y_act, a_held)", "K is|tau|td"),
-    Try(MODEL, "old values", "K_tank, tau_tank, td_tank = K, tau, td", "K is"),
+    Try(MODEL, "whole record", "K_tank, tau_tank, td_tank = read_step(t_act, y_act, a_held)", "of the whole record"),
+    Try(MODEL, "old values", "K_tank, tau_tank, td_tank = K, tau, td", "are the values of part A"),
     Try(TWO, "1-based", fun("solve_two", "U, Y", "return np.array([U[1, 1], U[2, 2]])"), "indices 0 to 1"),
     Try(TWO, "inv", fun("solve_two", "U, Y", "return np.linalg.inv(U) * Y"), "table|2 elements"),
     Try(TWO, "no None", fun("solve_two", "U, Y", "return np.linalg.solve(U, Y)"), "does not return `None`"),
@@ -189,7 +189,7 @@ TRIES = (
         "acceptable",
     ),
     Try(MIN, "power", fun("best_theta", "Phi, Y", "return (Phi.T @ Phi)**-1 @ Phi.T @ Y"), "one by one"),
-    Try(UNI, "square", fun("is_unique", "Phi", "return Phi.shape[0] == Phi.shape[1]"), "rank|square|not right"),
+    Try(UNI, "square", fun("is_unique", "Phi", "return Phi.shape[0] == Phi.shape[1]"), "for every square Phi"),
     Try(UNI, "determinant", fun("is_unique", "Phi", "return np.linalg.det(Phi.T @ Phi) != 0"), "By rounding"),
     Try(
         UNI,

@@ -33,7 +33,7 @@ RELATIONS = [
     (TABLE * [1, -1, 1], TABLE, "Column 1 has the wrong sign"),
     (np.append(7.0, TRUE[:-1]), TRUE, "one sample late"),
     (np.append(TRUE[2:], [7.0, 8.0]), TRUE, "2 samples early"),
-    (TABLE + [0, 0, 7], TABLE, "Column 2 is wrong"),
+    (TABLE + np.array([0, 0, 7]), TABLE, "Column 2 is wrong"),
     (np.append(TRUE[:-1], 9.0), TRUE, "Entry 11 is wrong"),
     (0 * TRUE, TRUE, "All of it is zero"),
     (6.0, 3.0, "It is twice the right value"),

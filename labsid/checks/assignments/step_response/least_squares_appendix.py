@@ -178,7 +178,12 @@ def check_unique(ask: Ask) -> Verdict:
             "Phi'Phi is tiny there instead of zero; `matrix_rank` allows for that.",
             "zero compared exactly",
         )
-    return Verdict(False, "`is_unique` is not right for every Phi: compare its rank with its number of columns.", None)
+    Phi, unique = trials[wrong[0]]
+    return Verdict(
+        False,
+        f"`is_unique` says {not unique} for a Phi of {Phi.shape[0]} by {Phi.shape[1]} and rank {_rank(Phi)}: compare "
+        "the rank with the number of columns.",
+    )
 
 
 def trial_ranks(rng: np.random.Generator) -> list[tuple[FloatArray, bool]]:
@@ -230,6 +235,11 @@ _WRONG_RULES: tuple[tuple[str, str, Callable[[FloatArray], bool]], ...] = (
         "square matrices only",
         "returns True only for a square Phi; more equations than unknowns are allowed.",
         lambda Phi: _rank(Phi) == Phi.shape[0] == Phi.shape[1],
+    ),
+    (
+        "square matrices only",
+        "returns True for every square Phi and for no other: what counts is whether a column follows from the others.",
+        lambda Phi: Phi.shape[0] == Phi.shape[1],
     ),
     (
         "opposite answer",

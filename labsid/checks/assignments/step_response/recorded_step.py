@@ -10,7 +10,7 @@ from labsid.checks.assignments.step_response.readings import Step, judge_reading
 from labsid.checks.compare import as_number, as_vector, close
 from labsid.checks.question import Ask
 from labsid.checks.values import Value
-from labsid.checks.verdict import Slip, Verdict, judge
+from labsid.checks.verdict import NoAnswer, Slip, Verdict, judge
 from labsid.lab.offset import find_offsets, mean_of_first_period
 from labsid.lab.step_response import cut_held_step, fit_step_response
 
@@ -162,7 +162,31 @@ def check_tank_model(ask: Ask) -> Verdict:
     depends = carried is not None and doubled is not None and not np.array_equal(carried, doubled)
     if depends and carried is not None and close(1e-6)(got, carried):
         return Verdict(True, "this is the result of your `read_step`, which is judged in step 5.")
+    for slip, hint, other in (
+        (
+            "the whole record",
+            "are what `read_step` makes of the whole record: hand over the one step, `t_held` and `y_held`.",
+            _whole(ask, a),
+        ),
+        ("model of part A", "are the values of part A: read them from the step of the tanks.", _of_part_a(ask)),
+    ):
+        if other is not None and close(1e-6)(got, other):
+            return Verdict(False, f"{', '.join(TANK_PARAMETERS[:-1])} and {TANK_PARAMETERS[-1]} {hint}", slip)
     return verdict
+
+
+def _whole(ask: Ask, a: float) -> FloatArray | None:
+    """What the student's `read_step` makes of the whole record."""
+    t, y = (np.asarray(one, np.float64) for one in (ask.record.t, ask.record.y))
+    return own_answer(ask, "read_step", t, y, a)
+
+
+def _of_part_a(ask: Ask) -> FloatArray | None:
+    """The student's values of step 1."""
+    try:
+        return np.array([as_number(name, ask.value(name)) for name in ("K", "tau", "td")])
+    except NoAnswer:
+        return None
 
 
 def _is_level(got: FloatArray, cut: FloatArray, level: float) -> bool:
