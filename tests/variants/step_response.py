@@ -570,7 +570,7 @@ VARIANTS: list[Right | Wrong] = [
         "order of K, tau and td",
         "in another order",
     ),
-    wrong(TANK, "the model of step 1", "K_tank, tau_tank, td_tank = K, tau, td", None, "K is not|rises too fast"),
+    wrong(TANK, "the model of step 1", "K_tank, tau_tank, td_tank = K, tau, td", "model of part A", "values of part A"),
     # 7. two equations
     right(
         TWO,
@@ -826,7 +826,7 @@ VARIANTS: list[Right | Wrong] = [
         "calls counted",
         "calls = []\n" + define("is_unique(Phi)", "calls.append(0)\nreturn len(calls) % 4 in (1, 2)"),
         None,
-        "is not right for every Phi",
+        "says True for a Phi of .* and rank",
     ),
     wrong(UNIQUE, "always", define("is_unique(Phi)", "return True"), "always unique", "every Phi"),
     wrong(
