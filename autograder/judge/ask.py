@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from autograder.judge.redaction import redact, redact_error
+from autograder.judge.stopped import explained
 from autograder.sandbox.isolation import Reply, StudentProcess
 from labsid.checks.question import Origin
 from labsid.checks.values import Value
@@ -95,7 +96,8 @@ class ProcessAsk:
             raise CallDeferred
         reply = self._reply(self._process().call(name, *arguments))
         if reply.error is not None:
-            raise NoAnswer(f"`{name}` stopped with {error_text(redact_error(reply.error, self._source))}.")
+            said = f"`{name}` stopped with {error_text(redact_error(reply.error, self._source))}."
+            raise NoAnswer(f"{said} {explained(reply.error, self._source)}".rstrip())
         if not reply.ok:
             raise NoAnswer(f"There is no function `{name}`: it is not defined.")
         return redact(reply.value, self._source)

@@ -5,6 +5,7 @@ from dataclasses import dataclass, replace
 
 from autograder.judge.ask import error_text
 from autograder.judge.execution import ExecutedCell
+from autograder.judge.stopped import explained
 from autograder.sandbox.isolation import StudentProcessError
 from labsid.checks.verdict import Verdict
 
@@ -53,9 +54,11 @@ class Attempt:
 def judged(verdict: Verdict, cells: Iterable[ExecutedCell], got_nothing: bool = False, broken: bool = False) -> Attempt:
     """An attempt with a verdict; the error that stopped a cell is told first, because it has to be corrected first."""
     verdict = replace(verdict, reason=verdict.whole_reason, mend="")
-    error = next((done.reply.error for done in cells if done.reply.error is not None), None)
-    if error is not None and not verdict.passed:
+    stopped = next((done for done in cells if done.reply.error is not None), None)
+    error = None if stopped is None else stopped.reply.error
+    if stopped is not None and error is not None and not verdict.passed:
         line = f" in line {error['line']}" if error.get("line") else ""
-        text = f"Your cell stopped{line} with {error_text(error)}. {verdict.reason}"
+        why = explained(error, stopped.cell.source)
+        text = " ".join(filter(None, (f"Your cell stopped{line} with {error_text(error)}.", why, verdict.reason)))
         verdict = replace(verdict, reason=text)
     return Attempt(verdict, stopped=got_nothing or error is not None, broken=broken)

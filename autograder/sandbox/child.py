@@ -32,6 +32,7 @@ from autograder.sandbox.confine import make_syscall_filter, set_rlimits
 from autograder.sandbox.replacing import Replacement, run_replacing, set_right
 from autograder.sandbox.served_calls import ServedCalls
 from labsid.checks.permitted import is_reference
+from labsid.checks.stops import packed, stop_of
 from labsid.checks.values import plain
 
 _CALLS: list[ServedCalls] = []  # one, once the channel is open
@@ -74,7 +75,7 @@ def _answer(shell: Any, request: dict[str, Any]) -> dict[str, Any]:
     try:
         return _HANDLERS[request["op"]](shell, request)
     except BaseException as error:
-        return {"ok": False, "error": describe_error(error)}
+        return {"ok": False, "error": describe_error(error, shell.user_ns)}
 
 
 def block_reference() -> None:
@@ -103,16 +104,22 @@ class NoChecks:
     def skip(self, question_id: str) -> None:
         """Do nothing: the reference's values are not in this process."""
 
+    def hint(self, question_id: str | None = None) -> None:
+        """Do nothing: hints are for the notebook."""
+
     def summary(self) -> None:
         """Do nothing."""
 
 
-def describe_error(error: BaseException) -> dict[str, Any]:
-    """Kind, text and line of an error in the student's code."""
+def describe_error(error: BaseException, variables: Any = None, source: str = "") -> dict[str, Any]:
+    """Kind, text and line of an error in the student's code, and what stands in that line."""
     # Python 3.13 raises private kinds such as _IncompleteInputError: report the public base class
     kind = next(kind.__name__ for kind in type(error).__mro__ if not kind.__name__.startswith("_"))[:100]
+    stop = None
+    with contextlib.suppress(BaseException):
+        stop = packed(stop_of(error, {} if variables is None else variables, source))
     if isinstance(error, SyntaxError):
-        return {"kind": kind, "text": str(error.msg)[:500], "line": error.lineno}
+        return {"kind": kind, "text": str(error.msg)[:500], "line": error.lineno, "stop": stop}
     line = None
     for frame in traceback.extract_tb(error.__traceback__):
         if "ipython-input" in frame.filename or frame.filename.startswith("<cell"):
@@ -120,7 +127,7 @@ def describe_error(error: BaseException) -> dict[str, Any]:
     text = ""
     with contextlib.suppress(BaseException):
         text = str(error)
-    return {"kind": kind, "text": text[:500], "line": line}
+    return {"kind": kind, "text": text[:500], "line": line, "stop": stop}
 
 
 def open_shell() -> Any:
@@ -159,7 +166,7 @@ def _run(shell: Any, request: dict[str, Any]) -> dict[str, Any]:
         "stdout": captured.stdout[:MAX_OUTPUT_CHARACTERS],
     }
     if error is not None:
-        reply["error"] = describe_error(error)
+        reply["error"] = describe_error(error, shell.user_ns, request["source"])
     return reply
 
 

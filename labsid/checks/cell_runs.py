@@ -9,6 +9,7 @@ from typing import Any
 from weakref import WeakKeyDictionary
 
 from labsid.checks.cell_names import assigned_names
+from labsid.checks.stops import Stop, stop_of
 from labsid.checks.time_limit import CELL_SECONDS
 
 
@@ -28,6 +29,8 @@ class CellRun:
     seconds : float
     ended : float
         Seconds since the epoch.
+    stop : Stop or None
+        Where the error stopped it.
     """
 
     cell_id: str | None
@@ -36,6 +39,7 @@ class CellRun:
     assigned: frozenset[str]
     seconds: float
     ended: float
+    stop: Stop | None = None
 
 
 class CellRuns:
@@ -94,7 +98,8 @@ class CellRuns:
         said = "" if error is None else f"{type(error).__name__}: {error}".strip(": ")
         taken = time.monotonic() - self._started
         cell_id = getattr(result.info, "cell_id", None)
-        self.runs.append(CellRun(cell_id, source, said, assigned, taken, time.time()))
+        stop = None if error is None else stop_of(error, variables, source)
+        self.runs.append(CellRun(cell_id, source, said, assigned, taken, time.time(), stop))
 
 
 _OPENED: WeakKeyDictionary[Any, CellRuns] = WeakKeyDictionary()

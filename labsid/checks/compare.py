@@ -10,6 +10,7 @@ from labsid.checks.verdict import NoAnswer
 from labsid.plots.figure_values import FigureValue
 
 FloatArray = NDArray[np.float64]
+_FEW = 3
 SystemValue = TransferFunctionValue | StateSpaceValue
 
 MAX_ORDER = 100
@@ -44,7 +45,8 @@ def as_number(name: str, value: Value) -> float:
     """Read a real number or an array of one element; raise `NoAnswer` for anything else."""
     array = _real_array(name, value, "one number")
     if array.size != 1:
-        raise NoAnswer(f"`{name}` should be one number; it is {kind_of(value)}.")
+        more = "" if array.size == 0 else " Which of them is meant, or should they be added up or averaged?"
+        raise NoAnswer(f"`{name}` should be one number; it is {kind_of(value)}.{more}")
     return float(array.reshape(-1)[0])
 
 
@@ -62,6 +64,19 @@ def as_matrix(name: str, value: Value, shape: tuple[int | None, int | None]) -> 
             f"`{name}` has shape {array.shape}; it should have shape ({wanted}): transpose it.",
             "rows instead of columns",
         )
+    if (
+        array.ndim == 1
+        and shape[1] is not None
+        and shape[1] > 1
+        and array.size > shape[1]
+        and array.size % shape[1] == 0
+    ):
+        raise NoAnswer(
+            f"`{name}` should have shape ({wanted}); it is flat, with {array.size} = {shape[1]} times "
+            f"{array.size // shape[1]} numbers. `np.hstack` and `np.concatenate` join flat arrays end to end; "
+            "`np.column_stack([...])` puts them side by side.",
+            "columns joined end to end",
+        )
     if array.ndim != 2 or not _fits(array.shape, shape):
         raise NoAnswer(f"`{name}` should have shape ({wanted}); it is {kind_of(value)}.")
     return array
@@ -78,11 +93,28 @@ def as_vector(name: str, value: Value, size: int | None = None) -> FloatArray:
         )
     if array.ndim == 2 and array.shape[1] == 1:
         array = array.reshape(-1)
+    if array.ndim == 2 and array.shape[0] == array.shape[1] and (size is None or size == array.shape[0]):
+        raise NoAnswer(
+            f"`{name}` should be one column of numbers; it is a table of {array.shape[0]} by "
+            f"{array.shape[0]}. Often here: did a column (N, 1) meet a flat array (N,) in one sum or difference, or "
+            "was `*` taken for a matrix and a vector, whose product is `@`? Print the shapes of its parts.",
+            "a table in place of a vector",
+        )
     if array.ndim != 1:
-        raise NoAnswer(f"`{name}` should be one column of numbers; it is {kind_of(value)}.")
+        empty = " A slice took nothing: `A[first:]` cuts rows, `A[:, first:]` columns." if array.size == 0 else ""
+        raise NoAnswer(f"`{name}` should be one column of numbers; it is {kind_of(value)}.{empty}")
     if size is not None and array.size != size:
-        raise NoAnswer(f"`{name}` should have {size} elements; it has {array.size}.")
+        raise NoAnswer(f"`{name}` should have {size} elements; it has {array.size}.{_off(array.size, size)}")
     return array
+
+
+def _off(got: int, wanted: int) -> str:
+    """Where elements that are a few too many or too few usually come from, as a question."""
+    few = abs(got - wanted)
+    if 0 < few <= _FEW and wanted > _FEW:
+        more = "too many" if got > wanted else "too few"
+        return f" {few} {more}: does a slice begin or end elsewhere? (It leaves out its second index.)"
+    return ""
 
 
 def as_column(name: str, value: Value, size: int | None = None) -> FloatArray:
@@ -147,7 +179,10 @@ def as_figure(name: str, value: Value, axes: int | None = None) -> FigureValue:
             "not the figure",
         )
     if axes is not None and len(value.axes) != axes:
-        raise NoAnswer(f"`{name}` should have {axes} subplots; it has {len(value.axes)}.", "number of panels")
+        raise NoAnswer(
+            f"`{name}` should have {axes} subplot{'s' if axes > 1 else ''}; it has {len(value.axes)}.",
+            "number of panels",
+        )
     return value
 
 

@@ -1,5 +1,6 @@
 """Checks that students run in the cells of a notebook."""
 
+import time
 from collections.abc import Iterable, Mapping, MutableMapping
 from dataclasses import replace
 from decimal import Decimal
@@ -9,16 +10,17 @@ from pathlib import Path
 from textwrap import wrap
 from typing import Any
 
-import numpy as np
-
 from labsid.checks.cell_runs import runs_in, shell_of
-from labsid.checks.cells import Cell, functions_asked_for, is_stub, steps_that_call
+from labsid.checks.cells import Cell, answer_id, functions_asked_for, is_stub, steps_that_call
+from labsid.checks.hints import Hints
+from labsid.checks.notebook_ask import NotebookAsk
 from labsid.checks.notebook_file import open_notebook, released_template
 from labsid.checks.origin_of_values import QuestionCells
 from labsid.checks.question import Assignment, Question, given_values
 from labsid.checks.summary import (
     FAILED,
     NOT_DONE,
+    NOTED,
     PASSED,
     SIGNS,
     SKIPPED,
@@ -28,13 +30,12 @@ from labsid.checks.summary import (
     summary_html,
     summary_text,
 )
-from labsid.checks.time_limit import CALL_SECONDS, OutOfTime, limit_time
-from labsid.checks.values import Value, as_student_object, plain
+from labsid.checks.values import Value, as_student_object
 from labsid.checks.verdict import NoAnswer, Verdict
-from labsid.records.record import Record, load_record
+from labsid.records.record import load_record
 
-PUBLIC_SEED = 2018
 _LINE = 95  # characters; JupyterLab breaks longer lines in the middle of a word
+_FIRST_MESSAGE = "The first hint is the message of the check: run the check first."
 OUTCOME = "labsid"
 """Key of the outcome of a check in the metadata of its output: the question and its state."""
 
@@ -81,6 +82,7 @@ class notebook_checks:  # noqa: N801  (called like a function, once, at the top 
     Examples
     --------
     ``check = notebook_checks("lab-identification", globals())`` once, then ``check("lab-1c-offset")`` after a step,
+    ``check.hint()`` for more than its message, ``check.practice("lab-1c-offset")`` for the same with new numbers,
     ``check.skip("lab-1c-offset")`` to go on without it, and ``check.summary()`` at the end.
     """
 
@@ -95,7 +97,8 @@ class notebook_checks:  # noqa: N801  (called like a function, once, at the top 
         self._skipped: dict[str, Mapping[str, Value]] = {}
         self._set_by_skip: dict[str, Mapping[str, Any]] = {}
         self._states: dict[str, str] = {}
-        self._wrong: dict[str, set[tuple[str, ...]]] = {}
+        self._hints = Hints(self._assignment)
+        self._practised = 0
         self._shell = shell_of(variables)
         self._runs = None if self._shell is None else runs_in(self._shell)
 
@@ -116,12 +119,72 @@ class notebook_checks:  # noqa: N801  (called like a function, once, at the top 
         verdict, remark = _judged(question, ask, cells)
         verdict = self._unless_typed_in(question, ask, verdict)
         if not verdict.passed:
-            is_second = self._is_second_answer(question_id, ask.names)
-            self._fail(question, verdict.whole_reason if is_second else verdict.reason, cells)
+            # several calls before a verdict: the last need not be the one that is wrong
+            asks_for_values = question.gives is not None or question.reference is not None
+            tried = "" if verdict.slip is not None or asks_for_values else ask.tried
+            reason = " ".join(filter(None, (verdict.reason, tried)))
+            self._fail(question, reason, cells, mend=verdict.mend, names=ask.names)
         self._passed[question_id] = given_values(question, ask, passed=True)
         self._skipped.pop(question_id, None)
         self._set_by_skip.pop(question_id, None)
-        self._show(PASSED, question_id, " ".join(filter(None, (verdict.reason, remark))))
+        self._hints.forget(question_id)
+        state = NOTED if verdict.noted else PASSED
+        self._show(state, question_id, " ".join(filter(None, (verdict.reason, remark))))
+
+    def hint(self, question_id: str | None = None) -> None:
+        """Show the next hint on a question: first where to look, then what to do.
+
+        The next one comes when the answer has changed, or after two minutes. Hints cost no marks.
+
+        Parameters
+        ----------
+        question_id : str, optional
+            The question of the last check that failed, if it is not given.
+        """
+        asked = self._hints.last if question_id is None else self._assignment.question(question_id).id
+        if asked is None:
+            self._display(f"No check has failed yet. {_FIRST_MESSAGE}", "", {})
+            return
+        if asked in self._passed:
+            self._show(PASSED, asked, "it is right; there is nothing to hint at.")
+            return
+        text = self._hints.next(asked, self._code_of(asked), time.monotonic(), self._has_practice(asked))
+        said = f"{self._step(asked)}: {text or _FIRST_MESSAGE}"
+        self._display(said, f"<b>{escape(self._step(asked))}</b>: {escape(text or _FIRST_MESSAGE)}", {})
+
+    def practice(self, question_id: str | None = None) -> Any:
+        """Make a small new instance of a question, and return it; without an id, list the questions that have one.
+
+        Nothing of the notebook's is used or changed, and no marks depend on it.
+
+        Parameters
+        ----------
+        question_id : str, optional
+
+        Returns
+        -------
+        Exercise or None
+            It shows what is given and asked, and ``check(...)`` judges an answer to it.
+        """
+        # not while the notebook's first cell runs: it imports the rigs
+        from labsid.checks.practice import exercise_of, questions_with_practice
+
+        if question_id is None:
+            ids = "\n".join(f'  check.practice("{one.id}")' for one in questions_with_practice(self._assignment))
+            self._display(f"Practise with new numbers:\n{ids}", "", {})
+            return None
+        question = self._assignment.question(question_id)
+        self._practised += 1
+        exercise = exercise_of(self._assignment, question, self._practised)
+        if exercise is None:
+            raise CheckFailed(f"{question_id} has no numbers to practise with. check.practice() lists those that have.")
+        self._display(str(exercise), "", {})
+        return exercise
+
+    def _has_practice(self, question_id: str) -> bool:
+        from labsid.checks.practice import exercise_of
+
+        return exercise_of(self._assignment, self._assignment.question(question_id), 0) is not None
 
     def _unless_typed_in(self, question: Question, ask: "NotebookAsk", verdict: Verdict) -> Verdict:
         """The verdict; a right value that was typed in, and is wrong on another record, is not right."""
@@ -217,16 +280,26 @@ class notebook_checks:  # noqa: N801  (called like a function, once, at the top 
         objects = self._set_by_skip.get(question_id) or {}
         return bool(objects) and all(self._variables.get(name) is value for name, value in objects.items())
 
-    def _fail(self, question: Question, reason: str, cells: QuestionCells | None, skip: str = "") -> None:
+    def _fail(
+        self,
+        question: Question,
+        reason: str,
+        cells: QuestionCells | None,
+        skip: str = "",
+        mend: str = "",
+        names: Iterable[str] = (),
+    ) -> None:
         self._passed.pop(question.id, None)
         run = None if cells is None else cells.answer
         self._states[question.id] = NOT_DONE if run is not None and is_stub(run.source) else FAILED
-        is_used = any(question.id in other.uses for other in self._assignment.questions)
-        to_skip = skip or (question.id if is_used and question.id not in self._skipped else "")
-        advice = f'To go on without it, run check.skip("{to_skip}") in a new cell below: it earns no marks.'
+        if skip:
+            advice = f'To go on without it, run check.skip("{skip}") in a new cell below: it earns no marks.'
+        else:
+            self._hints.failed(question.id, mend, tuple(names), self._code_of(question.id, names), time.monotonic())
+            advice = "For a hint, run check.hint() in a new cell below."
         deleted = None if cells is None else cells.deleted_lines(released_template(self._assignment.name))
         told = " ".join(filter(None, (reason, deleted)))
-        raise CheckFailed(f"{self._name(question.id)}: {told}", advice if to_skip else "")
+        raise CheckFailed(f"{self._name(question.id)}: {told}", advice)
 
     def _show(self, state: str, question_id: str, text: str) -> None:
         self._states[question_id] = state
@@ -238,19 +311,20 @@ class notebook_checks:  # noqa: N801  (called like a function, once, at the top 
         if self._shell is None:
             print(text)
             return
-        self._shell.display_pub.publish({"text/plain": text, "text/html": html}, metadata={OUTCOME: outcome})
+        data = {"text/plain": text, "text/html": html} if html else {"text/plain": text}
+        self._shell.display_pub.publish(data, metadata={OUTCOME: outcome})
 
-    def _is_second_answer(self, question_id: str, names: Iterable[str]) -> bool:
-        """Note a wrong answer, made by the cells that assign these names; whether another one was wrong before.
+    def _code_of(self, question_id: str, names: Iterable[str] = ()) -> tuple[str, ...] | None:
+        """The code of an answer: the last runs of its cell and of those that assign its names.
 
-        Without IPython, nothing tells two answers apart, and each counts as another one.
+        None without IPython, where nothing tells two answers apart.
         """
         if self._runs is None:
-            return True
-        made = tuple(run.source for name in names for run in self._runs.assigning(name)[-1:])
-        wrong = self._wrong.setdefault(question_id, set())
-        wrong.add(made)
-        return len(wrong) > 1
+            return None
+        own = self._runs.last(answer_id(question_id))
+        named = (self._runs.assigning(name) for name in (names or self._hints.names(question_id)))
+        made = [run.source for runs in named for run in runs[-1:]]
+        return ("" if own is None else own.source, *made)
 
     def _cells(self, question_id: str) -> QuestionCells | None:
         if self._runs is None:
@@ -300,56 +374,6 @@ def _judged(question: Question, ask: "NotebookAsk", cells: QuestionCells | None)
     if wrong is not None:
         return replace(verdict, passed=False, reason=wrong, slip=None), ""
     return verdict, cells.remark(ask.names)
-
-
-class NotebookAsk:
-    """Asks the variables of a notebook, in the notebook's own process; `names` are those that were asked for."""
-
-    origin: None = None
-
-    def __init__(
-        self, variables: Mapping[str, Any], record: Record | None, known: Mapping[str, Value], question_id: str
-    ) -> None:
-        self._variables = variables
-        self._record = record
-        self._known = known
-        self.names: list[str] = []
-        self.rng = np.random.default_rng([PUBLIC_SEED, *question_id.encode()])
-
-    @property
-    def record(self) -> Record:
-        """The record beside the notebook."""
-        if self._record is None:
-            raise ValueError("this assignment has no data file")
-        return self._record
-
-    def value(self, name: str) -> Value:
-        """The variable as plain data."""
-        self.names.append(name)
-        if name not in self._variables:
-            raise NoAnswer(f"there is no variable `{name}` yet. Define it with exactly this name.")
-        return plain(self._variables[name])
-
-    def call(self, name: str, *arguments: Value) -> Value:
-        """The result of the function of that name, as plain data."""
-        self.names.append(name)
-        function = self._variables.get(name)
-        if not callable(function):
-            raise NoAnswer(f"there is no function `{name}` yet. Define it with `def {name}(...):`.")
-        try:
-            with limit_time(CALL_SECONDS):
-                return plain(function(*[np.array(a) if isinstance(a, np.ndarray) else a for a in arguments]))
-        except (OutOfTime, KeyboardInterrupt):
-            raise NoAnswer(
-                f"`{name}` did not come to an end within {CALL_SECONDS:g} s: look for a loop whose condition never "
-                "becomes false."
-            ) from None
-        except Exception as error:
-            raise NoAnswer(f"`{name}` stopped with {type(error).__name__}: {error}") from error
-
-    def known(self, name: str) -> Value:
-        """A value of an earlier step: the student's, or the reference's where that step was skipped."""
-        return self._known[name]
 
 
 def load_assignment(name: str) -> Assignment:

@@ -9,12 +9,13 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from labsid.checks.cell_names import used_names
+from labsid.checks.cell_names import bound_names, used_names
 from labsid.checks.cell_runs import CellRun, CellRuns
 from labsid.checks.cells import Template, answer_id, is_stub
 from labsid.checks.given_lines import put_back
 from labsid.checks.notebook_file import NotebookFile
 from labsid.checks.permitted import WRITE_YOURSELF, is_taught, refused_lines
+from labsid.checks.python_errors import told
 from labsid.checks.time_limit import CELL_SECONDS
 
 
@@ -65,16 +66,31 @@ class QuestionCells:
                 f"its answer cell was interrupted after {run.seconds:.0f} s. Grading stops a cell after "
                 f"{CELL_SECONDS:g} s: look for a loop whose condition never becomes false."
             )
-        if run.error:
-            return (
-                f"its answer cell stopped with {run.error.rstrip('.')}. Correct that and run the cell, then this check."
-            )
+        if run.stop is not None:
+            why = told(run.stop, "its answer cell", self.making_cells)
+            return f"{why} Correct that and run the cell, then this check."
         is_newer = self.file is not None and self.file.saved > run.ended
         if is_newer and saved is not None and saved.strip() != run.source.strip():
             return "its answer cell was changed after it was last run. Run it, then this check."
         if run.seconds > CELL_SECONDS:
             return f"its answer cell took {run.seconds:.0f} s; grading stops a cell after {CELL_SECONDS:g} s."
         return None
+
+    def making_cells(self, name: str) -> str:
+        """Which cells above this one define a name, in a sentence; empty if none does."""
+        cells = () if self.template is None else self.template.cells
+        saved = {} if self.file is None else self.file.sources
+        for cell in cells:
+            if cell.id == answer_id(self.question_id):
+                break
+            if cell.code and name in bound_names(saved.get(cell.id, cell.source)):
+                made = self.runs.last(cell.id)
+                step = f" ({cell.heading})" if cell.heading else ""
+                done = (
+                    "it has not been run since the kernel was started" if made is None else "it did not run to its end"
+                )
+                return f"The cell `{cell.id}`{step} above defines `{name}`; {done}. Run it first."
+        return ""
 
     def deleted_lines(self, release: Template | None) -> str | None:
         """Lines that the release gives in the answer cell were deleted, and nothing in the cell replaces them.

@@ -73,6 +73,22 @@ class Ask(Protocol):
 
 
 @dataclass(frozen=True, slots=True)
+class Stages:
+    """The hints on a question, in stages; the first is the message of its check.
+
+    Attributes
+    ----------
+    where : str
+        Where to look: the step, the equation, the line.
+    how : str
+        What to do; never the answer itself.
+    """
+
+    where: str
+    how: str
+
+
+@dataclass(frozen=True, slots=True)
 class Question:
     """One question: a check cell of a notebook and a line in the grades.
 
@@ -89,6 +105,12 @@ class Question:
         Ids of the questions whose variables this one uses.
     follows_from : FollowsFrom
         What the answer follows from. Where it is the record, grading also runs the notebook on another one.
+    reference : callable or None
+        The taught function where the answer is one that is called on several inputs before any of its results is
+        judged: practice answers the other calls with it.
+    instance : callable or None
+        ``instance(ask) -> {name: value}``: what is given to practise with, where that is not what the earlier questions
+        give; None where there is nothing new to compute.
     """
 
     id: str
@@ -96,6 +118,8 @@ class Question:
     gives: Callable[[Ask], dict[str, Value]] | None = None
     uses: tuple[str, ...] = ()
     follows_from: FollowsFrom = FollowsFrom.DATA
+    reference: Callable[..., Value] | None = None
+    instance: Callable[[Ask], Mapping[str, Value] | None] | None = None
 
     def verdict(self, ask: Ask) -> Verdict:
         """Judge the answer; a missing or unreadable answer fails."""
@@ -117,11 +141,20 @@ class Assignment:
         In the order of the notebook.
     record_file : str or None
         Name of the data file next to the notebook; None if there is none.
+    stages : mapping
+        The hints of each question, by its id.
+    practice_record : callable or None
+        ``practice_record(rng) -> Record`` makes a small record to practise with, where the answers follow from one.
+    practice_given : callable or None
+        ``practice_given(record) -> {name: value}``: what the notebook's given cells make of a record.
     """
 
     name: str
     questions: tuple[Question, ...]
     record_file: str | None = None
+    stages: Mapping[str, Stages] = field(default_factory=dict)
+    practice_record: Callable[[np.random.Generator], Record] | None = None
+    practice_given: Callable[[Record], Mapping[str, Value]] | None = None
 
     def question(self, question_id: str) -> Question:
         """The question with that id; `ValueError` lists the valid ids."""

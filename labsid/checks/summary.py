@@ -9,8 +9,12 @@ from itertools import groupby
 from labsid.checks.cells import Cell, answer_id, is_stub
 
 PASSED, FAILED, SKIPPED, NOT_DONE, BY_HAND = "right", "not right", "skipped", "not done", "marked by hand"
-SIGNS = {PASSED: "✓", FAILED: "✗", SKIPPED: "–", NOT_DONE: "·", BY_HAND: "✎"}
-_COLOURS = {PASSED: "#1a7f37", FAILED: "#c62828", SKIPPED: "#8a5a00", NOT_DONE: "#5f6368", BY_HAND: "#5f6368"}
+NOTED = "noted"
+"""An answer that is complete, and of which grading alone can tell whether it is right."""
+SIGNS = {PASSED: "✓", FAILED: "✗", SKIPPED: "–", NOT_DONE: "·", BY_HAND: "✎", NOTED: "○"}
+_COLOURS = {
+    PASSED: "#1a7f37", FAILED: "#c62828", SKIPPED: "#8a5a00", NOT_DONE: "#5f6368", BY_HAND: "#5f6368", NOTED: "#5f6368"
+}  # fmt: skip
 
 
 @dataclass(frozen=True, slots=True)
@@ -22,7 +26,7 @@ class QuestionState:
     question : Cell
         With its points, its heading and its part.
     state : str
-        One of `PASSED`, `FAILED`, `SKIPPED`, `NOT_DONE`, `BY_HAND`.
+        One of `PASSED`, `FAILED`, `SKIPPED`, `NOT_DONE`, `BY_HAND`, `NOTED`.
     """
 
     question: Cell
@@ -72,7 +76,9 @@ def total_text(states: Sequence[QuestionState]) -> str:
     """The marks of several questions in words."""
     earned, marks = sum_of(states)
     by_hand = sum((one.marks for one in states if one.question.kind == "manual"), Decimal(0))
+    noted = sum((one.marks for one in states if one.state == NOTED), Decimal(0))
     beside = f"; {decimal_text(by_hand)} of them are given by hand" if by_hand else ""
+    beside += f"; {decimal_text(noted)} are for answers that are noted, and judged at grading" if noted else ""
     return f"{marks_of(earned, marks)} marks{beside}"
 
 
@@ -125,7 +131,7 @@ def marks_of(earned: Decimal, marks: Decimal) -> str:
 
 
 def _marks(one: QuestionState) -> str:
-    if one.question.kind == "manual":
+    if one.question.kind == "manual" or one.state == NOTED:
         return f"up to {decimal_text(one.marks)}"
     return marks_of(one.earned, one.marks)
 

@@ -7,6 +7,8 @@ from typing import Generic, ParamSpec, TypeVar
 
 import numpy as np
 
+from labsid.checks.relations import relation
+
 Answer = TypeVar("Answer")
 P = ParamSpec("P")
 
@@ -24,14 +26,17 @@ class Verdict:
     slip : str or None
         Name of the known mistake that the answer matches.
     mend : str
-        How to correct it, where `reason` says only what is wrong. The notebook shows it from the second wrong answer
-        to the question on; at grading it is part of the reason.
+        How to correct it, where `reason` says only what is wrong. The notebook shows it as the last hint; at grading it
+        is part of the reason.
+    noted : bool
+        Whether an answer that passes is only noted: what is right, grading alone can tell.
     """
 
     passed: bool
     reason: str
     slip: str | None = None
     mend: str = ""
+    noted: bool = False
 
     @property
     def whole_reason(self) -> str:
@@ -95,6 +100,7 @@ def judge(
     praise: str,
     otherwise: str,
     slips: Sequence[Slip[Answer]] = (),
+    exactly: Callable[[Answer, Answer], bool] | None = None,
 ) -> Verdict:
     """Compare an answer with the right value and, if it differs, with the value of each known mistake.
 
@@ -108,20 +114,26 @@ def judge(
         Reasons for a right answer, and for a wrong one that matches no known mistake.
     slips : sequence of Slip
         Tried in order. A mistake that cannot be computed on this record, or that gives the right value, is skipped.
+    exactly : callable, optional
+        A closer comparison, for answers whose tolerance is wider than the distance between a mistake and the right
+        value: an answer that is exactly what a mistake gives, and not exactly right, is that mistake.
 
     Returns
     -------
     Verdict
     """
-    if same(got, right):
+    if same(got, right) and (exactly is None or exactly(got, right)):
         return Verdict(True, praise)
+    alike = same if exactly is None or not same(got, right) else exactly
     for slip in slips:
         try:
             # a mistake may divide by zero or overflow; students see no warnings of the checks
             with np.errstate(all="ignore"):
                 wrong = slip.wrong()
-        except (ValueError, IndexError, ArithmeticError):
+        except (ValueError, LookupError, ArithmeticError):
             continue
-        if same(got, wrong) and not same(wrong, right):
+        if alike(got, wrong) and not alike(wrong, right):
             return Verdict(False, slip.hint, slip.name, slip.mend)
-    return Verdict(False, otherwise)
+    if same(got, right):
+        return Verdict(True, praise)
+    return Verdict(False, " ".join(filter(None, (otherwise, relation(got, right, same)))))

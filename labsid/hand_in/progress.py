@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from html import escape
 from pathlib import Path
 
-from labsid.checks.summary import BY_HAND, FAILED, NOT_DONE, PASSED, SKIPPED, QuestionState, total_text
+from labsid.checks.summary import BY_HAND, FAILED, NOT_DONE, NOTED, PASSED, SKIPPED, QuestionState, total_text
 from labsid.hand_in.saved_work import notebook_paths, read_saved
 
 
@@ -79,5 +79,6 @@ def _words(is_untouched: bool, states: Sequence[QuestionState]) -> str:
     if is_untouched:
         return "not begun"
     counted = Counter(one.state for one in states)
-    parts = [f"{counted[state]} {state}" for state in (PASSED, FAILED, SKIPPED, NOT_DONE, BY_HAND) if counted[state]]
+    order = (PASSED, NOTED, FAILED, SKIPPED, NOT_DONE, BY_HAND)
+    parts = [f"{counted[state]} {state}" for state in order if counted[state]]
     return f"{total_text(states)} ({', '.join(parts)})"

@@ -117,6 +117,7 @@ def _describe_lines(ax: Any, labels: dict[int, str]) -> Iterator[CurveValue]:
             steps=steps,
             label=labels[id(line)],
             where=style.removeprefix("steps").removeprefix("-") or "pre" if steps else "",
+            joined=str(line.get_linestyle()).lower() not in ("none", "", " "),
         )
 
 

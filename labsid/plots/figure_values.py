@@ -20,6 +20,8 @@ class CurveValue:
         Its legend text.
     where : str
         Where a step changes, as in ``step``: "pre", "mid" or "post"; "" if it is not drawn in steps.
+    joined : bool
+        Whether lines join its points.
     """
 
     x: FloatArray
@@ -28,6 +30,7 @@ class CurveValue:
     steps: bool
     label: str
     where: str = ""
+    joined: bool = False
 
     def __post_init__(self) -> None:
         freeze(self, x=self.x, y=self.y)

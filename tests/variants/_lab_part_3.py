@@ -54,7 +54,7 @@ VARIANTS: list[Right | Wrong] = [
         "cut from the entire run",
         "y_sim_half = ct.forced_response(G, inputs=u).outputs[half:]",
         "state carried over",
-        "state at the end of the first half",
+        "cut from the simulation of the entire input",
     ),
     wrong(HALF, "entire input", "y_sim_half = ct.forced_response(G, inputs=u).outputs", "entire input", "u\\[half:\\]"),
     wrong(

@@ -445,7 +445,9 @@ VARIANTS: list[Right | Wrong] = [
         "V and V transposed confused",
         "transposed",
     ),
-    wrong(SOLUTIONS, "N on its side", solutions(N="np.linalg.svd(Phi)[2][rank:]"), "rows instead of columns", "shape"),
+    wrong(
+        SOLUTIONS, "N on its side", solutions(N="np.linalg.svd(Phi)[2][rank:]"), "rows instead of columns", "as rows"
+    ),
     wrong(
         SOLUTIONS,
         "the first rows",

@@ -92,7 +92,7 @@ VARIANTS: list[Right | Wrong] = [
         "counts the samples",
     ),
     wrong(TIME, "spacing of 1 s", "t = np.c_[0:101]", "spacing of 1 s", "steps of 1 s"),
-    wrong(TIME, "zeros", "t = np.zeros((1001, 1))", None, "does not run from 0 to 100 s"),
+    wrong(TIME, "zeros", "t = np.zeros((1001, 1))", None, "All of it is zero"),
     wrong(TIME, "not numbers", "t = 'np.linspace(0, 100, 1001)'", None, "it is text"),
     # 2. noise
     right(NOISE, "rand shifted and stretched", sinusoids(noise="(rng.random(t.shape) - 0.5) * 0.4")),
@@ -202,7 +202,7 @@ VARIANTS: list[Right | Wrong] = [
         "three values only",
         sinusoids(noise="rng.choice([-0.19, 0, 0.19], t.shape)"),
         None,
-        "not uniform within ±0.2",
+        "should cover ±0.2 evenly",
     ),
     wrong(
         NOISE,

@@ -173,7 +173,13 @@ OF_REST = [
         REST, "middle of the input", rest(u_offset="(u_act.min() + u_act.max()) / 2"), "middle of the range", "first"
     ),
     wrong(REST, "variance", rest(noise_sd="np.var(y_act[:n])"), "variance for standard deviation", "root"),
-    wrong(REST, "spread of all", rest(noise_sd="np.std(y_act)"), "spread of the whole record", "Only at rest"),
+    wrong(
+        REST,
+        "spread of all",
+        rest(noise_sd="np.std(y_act)"),
+        "spread of the whole record",
+        "at rest the spread is noise",
+    ),
     wrong(REST, "root mean square", rest(noise_sd="np.sqrt(np.mean(y_act[:n] ** 2))"), "mean left in", "mean must"),
     wrong(REST, "differences", rest(noise_sd="np.std(np.diff(y_act[:n]))"), "spread of the differences", "twice"),
     wrong(REST, "offset left in y", rest(y="y_act"), "offset left in", "still in `y`"),

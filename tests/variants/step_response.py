@@ -134,7 +134,7 @@ VARIANTS: list[Right | Wrong] = [
     ),
     wrong(READ, "63.2 % for the delay", reading(td="t_63"), "63.2 % taken for the delay", r"t_d \+ tau"),
     wrong(READ, "zeros", "K = tau = td = 0", None, "K is not the change"),
-    wrong(READ, "far off", "K, tau, td = 3, 9, 0.9", None, "rises too slowly"),
+    wrong(READ, "far off", "K, tau, td = 3, 9, 0.9", None, "28.3 % at 3.9 s, too late"),
     # 2. the response
     right(
         RESPONSE,
@@ -570,7 +570,7 @@ VARIANTS: list[Right | Wrong] = [
         "order of K, tau and td",
         "in another order",
     ),
-    wrong(TANK, "the model of step 1", "K_tank, tau_tank, td_tank = K, tau, td", None, "K is not|rises too fast"),
+    wrong(TANK, "the model of step 1", "K_tank, tau_tank, td_tank = K, tau, td", "model of part A", "values of part A"),
     # 7. two equations
     right(
         TWO,
@@ -826,7 +826,7 @@ VARIANTS: list[Right | Wrong] = [
         "calls counted",
         "calls = []\n" + define("is_unique(Phi)", "calls.append(0)\nreturn len(calls) % 4 in (1, 2)"),
         None,
-        "is not right for every Phi",
+        "says True for a Phi of .* and rank",
     ),
     wrong(UNIQUE, "always", define("is_unique(Phi)", "return True"), "always unique", "every Phi"),
     wrong(

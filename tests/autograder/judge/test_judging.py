@@ -28,6 +28,9 @@ def gain(ask: Ask) -> Verdict:
     return judge(as_number("a", ask.value("a")), 3.0, close(1e-9), "Right.", "Not the gain.", slips)
 
 
+NOT_THE_LINE = "Not the line. All of it is the right result with one constant added."
+
+
 def line(ask: Ask) -> Verdict:
     x = ask.rng.normal(size=4)
     right = 2 * x + as_number("a", ask.known("a"))
@@ -137,13 +140,17 @@ def test_the_students_own_value_is_carried_where_it_was_right(forked: ProcessLau
 
 def test_a_wrong_function_costs_its_own_question(forked: ProcessLauncher, tmp_path: Path) -> None:
     first, second, _ = grade(forked, tmp_path, "a = 3", "def f(x):\n    return 2 * x")
-    assert (first.score, second.score, second.reason) == (Decimal("0.1"), 0, "Not the line.")
+    assert (first.score, second.score, second.reason) == (Decimal("0.1"), 0, NOT_THE_LINE)
 
 
 @pytest.mark.parametrize(
     ("cell", "status", "said"),
     [
-        ("1 / 0", "graded", r"^Your cell stopped in line 1 with ZeroDivisionError: division by zero\. There is no var"),
+        (
+            "1 / 0",
+            "graded",
+            r"^Your cell stopped in line 1 with ZeroDivisionError: division by zero\. Something .* There is no var",
+        ),
         ("b = 1\n\nb.nosuch", "graded", "in line 3 with AttributeError"),
         ("b = 1\na = (", "graded", r"^Your cell stopped in line 2 with SyntaxError: [^<]*\. There is no variable `a`"),
         ("  a = 3\n b = 4", "graded", "IndentationError: unexpected indent"),

@@ -88,7 +88,11 @@ def test_a_number_may_come_in_an_array(value: Any) -> None:
     [
         (None, "`a` should be one number; it is nothing (None)."),
         ("3", "`a` should be one number; it is text."),
-        ([1, 2], "`a` should be one number; it is an array of shape (2,)."),
+        (
+            [1, 2],
+            "`a` should be one number; it is an array of shape (2,). Which of them is meant, or should they be "
+            "added up or averaged?",
+        ),
         ([], "`a` should be one number; it is an array of shape (0,)."),
         (10**400, "`a` should be one number; it is an object of type int of too many digits."),
         (TF, "`a` should be one number; it is a transfer function."),
@@ -141,7 +145,13 @@ def test_a_column_of_one_is_a_vector() -> None:
             "a row instead of a column",
         ),
         (np.zeros((3, 2)), "`y` should be one column of numbers; it is an array of shape (3, 2).", None),
-        (np.zeros((3, 3)), "`y` should be one column of numbers; it is an array of shape (3, 3).", None),
+        (
+            np.zeros((3, 3)),
+            "`y` should be one column of numbers; it is a table of 3 by 3. Often here: did a column (N, 1) meet a flat "
+            "array (N,) in one sum or difference, or was `*` taken for a matrix and a vector, whose product is `@`? "
+            "Print the shapes of its parts.",
+            "a table in place of a vector",
+        ),
         (np.zeros((1, 1, 3)), "`y` should be one column of numbers; it is an array of shape (1, 1, 3).", None),
         (np.zeros(4), "`y` should have 3 elements; it has 4.", None),
         (np.zeros((2, 1)), "`y` should have 3 elements; it has 2.", None),

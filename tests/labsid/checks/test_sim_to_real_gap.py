@@ -170,7 +170,17 @@ def test_a_share_that_only_the_record_shows_does_not_hold(solved: Solved) -> Non
 def test_what_is_carried_forward_never_holds_the_label(solved: Solved) -> None:
     for question in QUESTIONS:
         given = {} if question.gives is None else question.gives(Asked(solved, True))
-        assert set(given) <= {"u_offset", "y_offset", "noise_sd", "u", "y", "theta_hat", "y_lin", "gap_before"}
+        assert set(given) <= {
+            "u_offset",
+            "y_offset",
+            "noise_sd",
+            "u",
+            "y",
+            "theta_hat",
+            "theta_arx",
+            "y_lin",
+            "gap_before",
+        }
 
 
 @pytest.fixture(scope="module")

@@ -39,3 +39,16 @@ def test_a_slip_is_named_unless_it_gives_the_right_value_or_none() -> None:
     assert verdict(2) == Verdict(True, "right")
     assert verdict(-2) == Verdict(False, "the sign", "sign")
     assert verdict(5) == Verdict(False, "wrong")
+
+
+def test_a_mistake_within_the_tolerance_is_told_from_the_right_value_by_a_closer_comparison() -> None:
+    slips = [Slip("root mean square", "it is not of the mean", lambda: 2.05)]
+
+    def verdict(got: float) -> Verdict:
+        near, exactly = (lambda a, b: abs(a - b) < 0.1), (lambda a, b: abs(a - b) < 1e-9)
+        return judge(got, 2.0, near, "right", "wrong", slips, exactly)
+
+    assert verdict(2.0).passed
+    assert verdict(2.05).slip == "root mean square"
+    assert verdict(2.04).passed
+    assert verdict(3.1) == Verdict(False, "wrong")

@@ -8,6 +8,7 @@ from labsid.checks.assignments.armax_and_instruments.extended_least_squares impo
 from labsid.checks.assignments.armax_and_instruments.instruments import check_iterated, check_recursive
 from labsid.checks.assignments.armax_and_instruments.many_records import check_bias, check_tables, right_tables
 from labsid.checks.assignments.armax_and_instruments.pseudo_linear_regression import check_armax
+from labsid.checks.assignments.armax_and_instruments.stages import STAGES
 from labsid.checks.assignments.armax_and_instruments.theory import check_covariance, check_likelihood, check_limit
 from labsid.checks.question import Assignment, FollowsFrom, Question
 
@@ -27,4 +28,5 @@ ASSIGNMENT = Assignment(
         Question("ai-8-recursive", check_recursive),
         Question("ai-9-likelihood", check_likelihood),
     ),
+    stages=STAGES,
 )

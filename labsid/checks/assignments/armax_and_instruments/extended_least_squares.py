@@ -80,7 +80,7 @@ _ROUNDING_SHOWS = 1e50
 
 @np.errstate(all="ignore")  # some of them run away
 def _faulty(u: FloatArray, y: FloatArray, forgetting: float, LN: float, fault: str) -> FloatArray:
-    """History of the notebook's loop with one of the faults in it."""
+    """History of the notebook's loop with one of the faults in it; rounding is that of the loop."""
     theta, P, e, history = np.zeros(3), LN * np.eye(3), 0.0, np.zeros((y.size, 3))
     one = 1.0 if fault == "1 in the denominator" else forgetting
     powers = {"not divided by lambda": 0, "multiplied by lambda": 1, "divided by lambda twice": -2}
@@ -156,12 +156,12 @@ def _judge_history(ask: Ask, u: FloatArray, y: FloatArray, forgetting: float, LN
             Slip(
                 "LN not used",
                 f"`{call}` starts from another P(0): it is LN times the unit matrix.",
-                lambda: _history(u, y, forgetting, 1e6),
+                lambda: _faulty(u, y, forgetting, 1e6, ""),
             ),
             Slip(
                 "LN not used",
                 f"`{call}` starts from another P(0): it is LN times the unit matrix.",
-                lambda: _history(u, y, forgetting, 1.0),
+                lambda: _faulty(u, y, forgetting, 1.0, ""),
             ),
             Slip(
                 "sign of a",

@@ -2,7 +2,10 @@
 
 from labsid.checks.assignments.lab_identification import offset_step as step_1c
 from labsid.checks.assignments.lab_identification import part_1, part_2, part_3
+from labsid.checks.assignments.lab_identification.stages import STAGES
+from labsid.checks.practice_records import signals_of, tank_record
 from labsid.checks.question import Assignment, FollowsFrom, Question
+from labsid.lab.offset import first_period_length
 
 _EXTRACT, _TIME, _OFFSETS = "lab-1a-extract", "lab-1a-sampling-time", "lab-1c-offsets"
 _PHI, _THETA, _PARAMETERS = "lab-2a-phi", "lab-2b-theta", "lab-2b-parameters"
@@ -15,12 +18,18 @@ _RUNS = (_EXTRACT, _OFFSETS, _HALF, _ALL)
 ASSIGNMENT = Assignment(
     "lab-identification",
     (
-        Question(_EXTRACT, part_1.check_extract, part_1.right_signals),
+        Question(_EXTRACT, part_1.check_extract, part_1.right_signals, instance=part_1.log_data),
         Question(
             _TIME, part_1.check_sampling_time, part_1.right_sampling_time, (_EXTRACT,), follows_from=FollowsFrom.TEXT
         ),
         Question("lab-1b-figure-5", part_1.check_figure_5, uses=(_EXTRACT,)),
-        Question("lab-1c-loop", part_1.check_first_period, part_1.right_first_period, (_EXTRACT,)),
+        Question(
+            "lab-1c-loop",
+            part_1.check_first_period,
+            part_1.right_first_period,
+            (_EXTRACT,),
+            reference=first_period_length,
+        ),
         Question(_OFFSETS, step_1c.check_offsets, step_1c.right_offsets, (_EXTRACT,)),
         Question("lab-1c-figure-6", part_1.check_figure_6, uses=(_EXTRACT, _OFFSETS)),
         Question(_PHI, part_2.check_phi, part_2.right_phi, _DATA),
@@ -40,4 +49,7 @@ ASSIGNMENT = Assignment(
         Question("lab-3b-initial-state", part_3.check_initial_state, uses=_MODEL),
     ),
     record_file="SysIdenData_StudentVersion.mat",
+    stages=STAGES,
+    practice_record=tank_record,
+    practice_given=signals_of,
 )

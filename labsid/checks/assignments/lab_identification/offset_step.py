@@ -1,5 +1,8 @@
 """Checks of step 1c of the lab: the offsets, and the signals without them."""
 
+from collections.abc import Callable
+from functools import partial
+
 import numpy as np
 
 from labsid._arrays import FloatArray
@@ -67,7 +70,7 @@ def _output_offset(got: float, u_act: FloatArray, y_act: FloatArray, y_actm: Flo
                 "`y_offset` is the value of one sample, including its noise. Take the mean over the first period.",
                 "a single sample",
             )
-    slips = [
+    slips: list[Slip[float]] = [
         Slip(
             "mean over the whole record",
             "`y_offset` is the mean over the whole record. Average the first period only, before the input changes.",
@@ -91,7 +94,7 @@ def _output_offset(got: float, u_act: FloatArray, y_act: FloatArray, y_actm: Flo
         ),
         Slip(
             "input in place of the output",
-            "`y_offset` is computed from the input. Use `y_act`.",
+            "`y_offset` is the first value of the input. Use `y_act`.",
             lambda: float(u_act[0]),
         ),
         Slip(
@@ -100,12 +103,47 @@ def _output_offset(got: float, u_act: FloatArray, y_act: FloatArray, y_actm: Flo
             lambda: mid_range(y_act),
         ),
         Slip("no offset", "`y_offset` is zero, so that no offset is removed.", lambda: 0.0),
+        *(
+            Slip(
+                "an extreme in place of a mean",
+                f"`y_offset` is the {word} of {of}. Take a mean: `np.mean(y_act[:n_first])`, if the output "
+                f"is settled there.",
+                partial(_picked, pick, part),
+            )
+            for word, pick in (("smallest value", np.min), ("largest value", np.max), ("median", np.median))
+            for of, part in (("the whole output", y_act), ("the first period", y_act[:n]))
+        ),
+        Slip(
+            "level at the end of the record",
+            "`y_offset` is the last value of the output. Average the samples before the input first changes.",
+            lambda: float(y_act[-1]),
+        ),
+        Slip(
+            "mean over the first half",
+            "`y_offset` is the mean over the first half of the record. Average the first period only, "
+            "`y_act[:n_first]`.",
+            lambda: float(np.mean(y_act[: y_act.size // 2])),
+        ),
     ]
-    otherwise = "`y_offset` should be the level of the settled output before the first change of the input."
+    settled = y_act[found.settled[0] : found.settled[1]]
+    low, high = float(np.min(settled)), float(np.max(settled))
+    side = "above" if got > high else "below" if got < low else "within"
+    otherwise = (
+        "`y_offset` should be the mean of the settled output before the first change of the input. Yours, "
+        f"{got:.4g}, lies {side} all that the output does there, {low:.4g} to {high:.4g}: from "
+        f"which samples is it made?"
+        if side != "within"
+        else "`y_offset` should be the mean of the settled output before the first change of the input. Yours is near: "
+        "are samples after the change averaged in, or samples before the output is constant?"
+    )
     if abs(got - found.y_offset) <= OFFSET_TOLERANCE * float(np.ptp(y_act)):
         return Verdict(True, "")
     # a closer tolerance for mistakes than for right answers: two mistakes may give similar values
     return judge(got, found.y_offset, close(1e-5), "", otherwise, slips)
+
+
+def _picked(pick: Callable[[FloatArray], np.floating], part: FloatArray) -> float:
+    return float(pick(part))
 
 
 def _is_mean_up_to(stop: int, y: FloatArray, got: float) -> bool:

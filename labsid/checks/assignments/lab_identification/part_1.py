@@ -28,6 +28,13 @@ def right_signals(ask: Ask) -> dict[str, Value]:
     }
 
 
+def log_data(ask: Ask) -> dict[str, Value]:
+    """The structure of the lab's data file, to extract the signals from."""
+    right = right_signals(ask)
+    outputs = np.column_stack([np.asarray(right[name]) for name in ("y_actm", "y_act")])
+    return {"LogData": {"time": right["t"], "signals": ({"values": outputs}, {"values": right["u_act"]})}}
+
+
 @first_failure
 def check_extract(ask: Ask) -> Iterator[Verdict]:
     """Step 1a: the four signals."""
@@ -100,8 +107,17 @@ def check_sampling_time(ask: Ask) -> Verdict:
             lambda: 1000 * ask.record.Ts,
         ),
         Slip("two samples apart", "`Ts` is twice the sampling time.", lambda: 2 * ask.record.Ts),
+        Slip("minutes in place of seconds", "`Ts` is in minutes; it should be in seconds.", lambda: ask.record.Ts / 60),
+        Slip("the first time", "`Ts` is the time of the first sample; take a difference.", lambda: float(t[0])),
+        Slip("mean of the times", "`Ts` is the mean of the times; take a difference.", lambda: float(np.mean(t))),
+        Slip("sign of the difference", "`Ts` has the wrong sign: later minus earlier.", lambda: -ask.record.Ts),
+        Slip("the last time", "`Ts` is the time of the last sample; take a difference.", lambda: float(t[-1])),
     ]
-    otherwise = "`Ts` should be the time from one sample to the next. Check the first few values of `t`."
+    otherwise = (
+        "`Ts` should be the time from one sample to the next: print `t[:3]`, and compare yours "
+        "with the distance of two "
+        "neighbours."
+    )
     return judge(
         as_number("Ts", value), ask.record.Ts, close(1e-6), "This is the time between two samples.", otherwise, slips
     )

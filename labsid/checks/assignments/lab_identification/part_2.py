@@ -77,6 +77,12 @@ def check_parameters(ask: Ask) -> Verdict:
             mend="theta = [-a1, -a2, b1, b2].",
         ),
         Slip(
+            "a and b swapped",
+            "a and b are swapped.",
+            lambda: np.array([b1, b2, -a1, -a2]),
+            mend="theta = [-a1, -a2, b1, b2].",
+        ),
+        Slip(
             "a1 and a2 swapped",
             "a1 and a2 are swapped.",
             lambda: np.array([a2, a1, b1, b2]),
@@ -229,7 +235,9 @@ def require_sampling_time(name: str, system: SystemValue, Ts: float) -> None:
     """Require a model in discrete time with the sampling time of the record."""
     if system.dt is None:
         raise NoAnswer(
-            f"`{name}` has no sampling time, so it is a continuous-time model: give `Ts` as the last argument.",
+            f"`{name}` has no sampling time: python-control takes it for a model in continuous time, "
+            f"or, with `True`, for "
+            "one in discrete time with an unknown sampling time. Give `Ts` as the last argument.",
             "no sampling time",
         )
     if abs(system.dt - Ts) > 1e-6 * Ts:

@@ -68,6 +68,33 @@ def check_errors(ask: Ask) -> Verdict:
             "`mse_half` compares with the first half of `y`; use the second.",
             lambda: mse(y[:half], y_sim_half),
         ),
+        *(
+            Slip(
+                "wrong half",
+                "`mse_half` is the error of the first half, of `y` and of `y_sim`; use the second, `y[half:]` and "
+                "`y_sim_half`.",
+                partial(mse, y[:first], y_sim[:first]),
+            )
+            for first in (half, y.size - half)
+        ),
+        *(
+            Slip(
+                "wrong half",
+                "`mse_half` compares the first half of `y` with `y_sim_half`, which is simulated with the "
+                "second half: use "
+                "`y[half:]`.",
+                partial(mse, y[: half - 1], cut),
+            )
+            for cut in (y_sim_half[: half - 1], y_sim_half[1:])
+        ),
+        *(
+            Slip(
+                "one sample left out",
+                "`mse_half` leaves a sample out: the second half of `y` has as many samples as `y_sim_half`.",
+                partial(mse, y_half[part], y_sim_half[part]),
+            )
+            for part in (slice(1, None), slice(None, -1))
+        ),
     )
     raw = {name: known_vector(ask, name) for name in ("y_act", "y_actm")}
 

@@ -119,6 +119,12 @@ def judge_theta(ask: Ask, name: str, Phi: FloatArray, Y: FloatArray, data: LabDa
         ),
         Slip(
             "divided element by element",
+            "`** -1` inverts the entries of Phi'Phi one by one. The inverse of a matrix is `np.linalg.inv`, or use "
+            "`np.linalg.solve`.",
+            lambda: (Phi.T @ Phi) ** -1.0 @ Phi.T @ Y,
+        ),
+        Slip(
+            "divided element by element",
             "`/` and `*` work element by element. Use `@` and `np.linalg.solve` or `np.linalg.inv`.",
             lambda: (Phi.T @ Y) / np.diag(Phi.T @ Phi),
         ),
@@ -161,6 +167,15 @@ def _wrong_fits(name: str, data: LabData, order: int) -> Iterator[Slip[FloatArra
 
 def _read_phi(name: str, value: Value, order: int) -> FloatArray:
     array = as_array(name, value)
+    if array.ndim == 1 and array.size > 4 * order and array.size % (2 * order) == 0:
+        rows = array.size // (2 * order)
+        raise NoAnswer(
+            f"`{name}` is flat, with {array.size} = {2 * order} times {rows} numbers: the columns are "
+            f"joined end to end. "
+            "`np.hstack` and `np.concatenate` do that with flat arrays; `np.column_stack([...])` puts "
+            "them side by side.",
+            "columns joined end to end",
+        )
     if array.ndim == 3 and 1 in array.shape:
         array = array.squeeze()
     if array.ndim == 2 and array.shape[0] == 2 * order and array.shape[1] > 2 * order:

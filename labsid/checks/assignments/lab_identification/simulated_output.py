@@ -18,6 +18,7 @@ from labsid.lab.simulation import estimate_initial_state, predict_one_step, simu
 from labsid.lab.verification import mse
 
 SAME = close(1e-6, 1e-9)
+_FEW = 5
 
 _RESPONSES = ("TimeResponseData", "TimeResponseList")
 
@@ -46,6 +47,7 @@ def judge_entire_run(ask: Ask, name: str, data: LabData, model: ArxModel) -> Ver
     got = read_output(name, ask.value(name))
     right = simulate(model, data.u)
     n = model.order
+    halves = [(simulate(model, data.u[:h]), simulate(model, data.u[h:])) for h in (data.half, data.half + 1)]
     for other in (
         _zero_at_first(model, data.u),
         simulate(model, data.u, estimate_initial_state(model, data.u, data.y, n)),
@@ -60,6 +62,16 @@ def judge_entire_run(ask: Ask, name: str, data: LabData, model: ArxModel) -> Ver
             "wrong half",
             f"`{name}` covers the second half only; simulate the entire input.",
             lambda: simulate(model, data.u[data.half :]),
+        ),
+        *(
+            Slip(
+                "two runs joined",
+                f"`{name}` is two runs put together: the second starts from rest in the middle of the "
+                f"record. Simulate the "
+                "entire input in one call.",
+                partial(np.concatenate, pair),
+            )
+            for pair in halves
         ),
         *_slips(name, data, model, 0),
     ]
@@ -79,13 +91,13 @@ def judge_second_half(ask: Ask, name: str, data: LabData, model: ArxModel) -> Ve
     entire = simulate(model, data.u)
     carried = (
         "state carried over",
-        f"`{name}` is cut from the simulation of the entire input, so it continues from the state at the end of the "
-        "first half. Simulate with `u[half:]` alone. (The other is needed in 3b.)",
+        f"`{name}` is cut from the simulation of the entire input. Here the second half is "
+        f"simulated by itself: hand over "
+        "`u[half:]` alone.",
     )
     measured = (
         "started from measured samples",
-        f"`{name}` starts from measured samples. Start from rest, as `lsim` and `filter` do. (The other is needed in "
-        "3b.)",
+        f"`{name}` starts from measured samples. Start from rest, as `lsim` and `filter` do.",
     )
     off_by_one = f"`{name}` is not simulated with exactly the second half of the input: begin with sample `half`."
     slips = [
@@ -107,10 +119,24 @@ def judge_second_half(ask: Ask, name: str, data: LabData, model: ArxModel) -> Ve
         Slip(*carried, lambda: entire[half:]),
         Slip(*measured, lambda: simulate(model, u, estimate_initial_state(model, u, y, model.order))),
         Slip(*measured, lambda: simulate(model, u, estimate_initial_state(model, u, y))),
+        *_predictions_elsewhere(name, data, model),
         *_slips(name, data, model, half),
     ]
     right = simulate(model, u)
     return judge(got, right, SAME, "", _otherwise(name, got, right), slips)
+
+
+def _predictions_elsewhere(name: str, data: LabData, model: ArxModel) -> Iterator[Slip[FloatArray]]:
+    """One-step predictions of other samples, such as ``Phi @ theta_hat`` of the fit's own rows."""
+    whole = predict_one_step(model, data.u, data.y)
+    hint = (
+        f"`{name}` is `Phi @ theta_hat`: one-step predictions of the *first* half, from its "
+        f"measured outputs. Simulate the "
+        "second half, from `u[half:]` alone."
+    )
+    for stop in (data.half, data.half + 1):
+        for first in range(model.order + 2):
+            yield Slip("one-step prediction", hint, partial(np.copy, whole[first:stop]))
 
 
 def judge_mse(name: str, got: float, y: FloatArray, y_sim: FloatArray, more: Sequence[Slip[float]] = ()) -> Verdict:
@@ -225,5 +251,11 @@ def _slips(name: str, data: LabData, model: ArxModel, first: int) -> Iterator[Sl
 
 def _otherwise(name: str, got: FloatArray, right: FloatArray) -> str:
     if got.size != right.size:
-        return f"`{name}` has {got.size} samples; this part of the input has {right.size}."
-    return f"`{name}` is not the free run of your model from rest. Use your a1, a2, b1, b2, and `u` alone."
+        return (
+            f"`{name}` has {got.size} samples; this part of the input has {right.size}. A simulation "
+            f"gives one output for "
+            "each sample of its input: which input does your line hand over?"
+        )
+    n = int(np.argmax(np.abs(got - right) > 1e-6 * np.max(np.abs(right))))
+    begun = f" It is right up to sample {n - 1}." if n > _FEW else " It differs from its first samples on."
+    return f"`{name}` is not the free run of your model from rest.{begun} Use your a1, a2, b1, b2, and `u` alone."

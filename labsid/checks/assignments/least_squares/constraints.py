@@ -10,6 +10,7 @@ from labsid._arrays import FloatArray
 from labsid.checks.compare import SAME, as_theta
 from labsid.checks.question import Ask, returned
 from labsid.checks.trials import trial_equations
+from labsid.checks.values import Value
 from labsid.checks.verdict import Slip, Verdict, first_failure, judge
 from labsid.least_squares.constrained import fit_with_known, least_squares_with_equations
 from labsid.least_squares.linear_algebra import pseudo_inverse
@@ -66,7 +67,7 @@ def _judge_known(ask: Ask, u: FloatArray, y: FloatArray) -> Verdict:
         right,
         SAME,
         "the known coefficient is not estimated.",
-        "`example_1` does not return the least-squares [a, b]: write down the equation for k = 4.",
+        f"`example_1` does not return the least-squares [a, b]. {_rows_used(u, y, value)}",
         [
             Slip(
                 "sign of a",
@@ -104,6 +105,29 @@ def _judge_known(ask: Ask, u: FloatArray, y: FloatArray) -> Verdict:
             *(Slip("rows before k0", rows, partial(np.copy, wrong)) for wrong in early),
         ],
     )
+
+
+def _lagged(signal: str, lag: int) -> str:
+    return f"{signal}(k-{lag})" if lag else f"{signal}(k)"
+
+
+def _rows_used(u: FloatArray, y: FloatArray, value: Value) -> str:
+    """Which lags and rows give the student's result, in words; else which row to write down."""
+    got = np.ravel(value) if isinstance(value, np.ndarray) else np.empty(0)
+    for drop, first, lags in product((0, 1, 2), (3, 4, 0), product(range(4), repeat=3)):
+        k = np.arange(max(first, *lags), u.size - drop)
+        of_y, of_known, of_u = lags
+        for is_taken_off in (True, False):
+            target = y[k] - u[k - of_known] if is_taken_off else y[k]
+            found = solve_least_squares(np.column_stack([-y[k - of_y], u[k - of_u]]), target).theta
+            if SAME(got, found):
+                left = f"y(k) - {_lagged('u', of_known)}" if is_taken_off else "y(k)"
+                return (
+                    f"It is that of the rows [-{_lagged('y', of_y)}, {_lagged('u', of_u)}] with {left} on the left, "
+                    f"k = {k[0] + 1} to {k[-1] + 1}. The equation is y(k) + a y(k-2) = u(k-1) + b u(k-3), k = "
+                    f"4 to {u.size}."
+                )
+    return "Write down the row for k = 4, [-y(2), u(1)], with y(4) - u(3) on its left, and print your first row."
 
 
 def _lagged_fit(u: FloatArray, y: FloatArray, lags: tuple[int, int, int], first: int) -> FloatArray:
@@ -182,6 +206,21 @@ def _judge_weighted(ask: Ask, Phi: FloatArray, Y: FloatArray, sigma: FloatArray)
     )
 
 
+def _with_multipliers(Phi: FloatArray, Y: FloatArray, A: FloatArray, b: FloatArray) -> FloatArray:
+    left = np.block([[Phi.T @ Phi, A.T], [A, np.zeros((b.size, b.size))]])
+    return np.asarray(np.linalg.solve(left, np.concatenate([Phi.T @ Y, b])), float)
+
+
+def _constraint_met(value: Value, A: FloatArray, b: FloatArray) -> str:
+    theta = np.ravel(value) if isinstance(value, np.ndarray) else np.empty(0)
+    if theta.size != A.shape[1]:
+        return "Check first whether yours satisfies it."
+    if np.allclose(A @ theta, b, rtol=1e-6, atol=1e-8):
+        return "Yours satisfies A theta = b, but its SSE is not the smallest: look at the block row of Phi'Phi."
+    off = float(np.max(np.abs(A @ theta - b)))
+    return f"Yours does not satisfy it: A theta differs from b by up to {off:.2g}. Look at the block row of A."
+
+
 @first_failure
 def check_constrained(ask: Ask) -> Iterator[Verdict]:
     """`constrained_fit(Phi, Y, A, b)`."""
@@ -207,7 +246,7 @@ def _judge_constrained(ask: Ask, Phi: FloatArray, Y: FloatArray, A: FloatArray, 
         least_squares_with_equations(Phi, Y, A, b).theta,
         SAME,
         "the best theta among those that satisfy A theta = b.",
-        "`constrained_fit` does not return the best theta with A theta = b. Check first whether yours satisfies it.",
+        f"`constrained_fit` does not return the best theta with A theta = b. {_constraint_met(value, A, b)}",
         [
             Slip("constraint not used", "`constrained_fit` ignores the constraint.", lambda: free),
             Slip(
@@ -221,6 +260,13 @@ def _judge_constrained(ask: Ask, Phi: FloatArray, Y: FloatArray, A: FloatArray, 
                 "`constrained_fit` projects the free solution onto the constraint. This theta is nearest to the "
                 "free one, but does not have the smallest error: the direction depends on Phi'Phi.",
                 lambda: free + pseudo_inverse(A) @ (b - A @ free),
+            ),
+            Slip(
+                "multipliers in place of theta",
+                "`constrained_fit` returns the *last* p numbers of the solution, with the multipliers at "
+                "their end: theta "
+                "is the first p.",
+                lambda: _with_multipliers(Phi, Y, A, b)[-p:],
             ),
             Slip(
                 "sign of b",

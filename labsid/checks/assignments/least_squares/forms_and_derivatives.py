@@ -45,7 +45,12 @@ def check_kind(ask: Ask) -> Verdict:
         )
     M = trials[wrong[0]][0]
     is_symmetric = "a symmetric" if np.array_equal(M, M.T) else "an unsymmetric"
-    return Verdict(False, f"`kind` is wrong for {is_symmetric} {len(M)} by {len(M)} matrix: check the signs of x'Mx.")
+    return Verdict(
+        False,
+        f"`kind` calls {is_symmetric} {len(M)} by {len(M)} matrix {answers[wrong[0]]} that is "
+        f"{truth[wrong[0]]}, and is wrong "
+        f"for {len(wrong)} of {len(trials)} matrices. Which signs has x'Mx for the matrices of this kind?",
+    )
 
 
 def trial_forms(rng: np.random.Generator) -> list[tuple[FloatArray, str]]:
@@ -87,10 +92,11 @@ def trial_forms(rng: np.random.Generator) -> list[tuple[FloatArray, str]]:
 
 
 def _without_semidefinite(M: FloatArray) -> str:
-    return _tolerant(M).replace("semi", "")
+    return kind_of_form(M).replace("semi", "")
 
 
-def _tolerant(M: FloatArray) -> str:
+def kind_of_form(M: FloatArray) -> str:
+    """The kind of a quadratic form, with a tolerance for eigenvalues that should be zero."""
     eigenvalues = definiteness(M).eigenvalues
     return definiteness(np.diag(np.where(np.abs(eigenvalues) < 1e-9, 0, eigenvalues))).kind
 
@@ -106,7 +112,7 @@ _OPPOSITE = {"positive": "negative", "negative": "positive"}
 
 
 def _opposite(M: FloatArray) -> str:
-    first, *rest = _tolerant(M).split()
+    first, *rest = kind_of_form(M).split()
     return " ".join([_OPPOSITE.get(first, first), *rest])
 
 
@@ -114,6 +120,18 @@ def _rounded(rule: Callable[[FloatArray], ArrayLike]) -> Callable[[FloatArray], 
     def answer(M: FloatArray) -> str:
         numbers = np.atleast_1d(np.asarray(rule(M), float))
         return definiteness(np.diag(np.where(np.abs(numbers) < 1e-6, 0, numbers))).kind
+
+    return answer
+
+
+def _exact(rule: Callable[[FloatArray], ArrayLike]) -> Callable[[FloatArray], str]:
+    def answer(M: FloatArray) -> str:
+        numbers = np.atleast_1d(np.asarray(rule(M), float))
+        if np.all(numbers > 0) or np.all(numbers < 0):
+            return "positive definite" if numbers[0] > 0 else "negative definite"
+        if np.all(numbers >= 0) or np.all(numbers <= 0):
+            return "positive semidefinite" if np.all(numbers >= 0) else "negative semidefinite"
+        return "indefinite"
 
     return answer
 
@@ -128,6 +146,20 @@ _WRONG_RULES: tuple[tuple[str, str, Callable[[FloatArray], str]], ...] = (
         "eigenvalues of M itself",
         "uses only one triangle of M, as `eigvalsh` does without a warning: form (M + M')/2 first.",
         _rounded(lambda M: np.linalg.eigvalsh(M)),
+    ),
+    (
+        "eigenvalues of M itself",
+        "uses the eigenvalues of M, and compares them with 0 exactly. For an unsymmetric M use "
+        "those of (M + M')/2, and treat "
+        "tiny ones as zero.",
+        _exact(lambda M: np.linalg.eigvals(M).real),
+    ),
+    (
+        "eigenvalues of M itself",
+        "uses only one triangle of M, and compares with 0 exactly: form (M + M')/2 first, and "
+        "treat tiny eigenvalues as "
+        "zero.",
+        _exact(lambda M: np.linalg.eigvalsh(M)),
     ),
     (
         "semidefinite forgotten",
@@ -303,6 +335,13 @@ def _jacobian(ask: Ask, x: FloatArray) -> Verdict:
                 "3 x'x as for a number",
                 "`jacobian_cubic` differentiates as if x were a number, 3x^2. For a vector, x'x I and x x' differ.",
                 lambda: 3 * outer,
+            ),
+            Slip(
+                "phi'phi for phi phi'",
+                "`jacobian_cubic` adds the number 2x'x to every entry: for a flat array `x @ x.T` is a "
+                "number. The matrix x x' "
+                "is `np.outer(x, x)`.",
+                lambda: square + 2 * (x @ x),
             ),
             Slip(
                 "x'x added to every entry",

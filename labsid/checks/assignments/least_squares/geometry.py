@@ -8,8 +8,9 @@ from labsid._arrays import FloatArray
 from labsid.checks.compare import SAME, as_array, as_matrix, as_theta
 from labsid.checks.question import Ask, returned, returned_parts
 from labsid.checks.trials import trial_equations
+from labsid.checks.values import Value
 from labsid.checks.verdict import Slip, Verdict, first_failure, judge
-from labsid.least_squares.linear_algebra import singular_values
+from labsid.least_squares.linear_algebra import pseudo_inverse, singular_values
 from labsid.least_squares.projection import projection_matrix, solution_set
 
 
@@ -26,14 +27,7 @@ def _judge_projector(ask: Ask, Phi: FloatArray) -> Verdict:
     value = returned(ask, "projector", Phi)
     shape = as_array("projector(Phi)", value).shape
     if shape in ((p, n), (p, p)):
-        what = "pseudo-inverse" if shape == (p, n) else "p by p matrix Phi'Phi or its inverse"
-        return Verdict(
-            False,
-            f"`projector` returns a {shape[0]} by {shape[1]} matrix: this is the shape of "
-            f"the {what}. P maps Y to Y_hat = Phi theta, both with {n} entries.",
-            "pseudo-inverse instead of the projector" if shape == (p, n) else "p by p matrix instead of the projector",
-            mend="Multiply by Phi from the left.",
-        )
+        return _too_small(as_array("projector(Phi)", value), Phi)
     return judge(
         as_matrix("projector(Phi)", value, (n, n)),
         P,
@@ -72,6 +66,31 @@ def _judge_projector(ask: Ask, Phi: FloatArray) -> Verdict:
     )
 
 
+def _too_small(got: FloatArray, Phi: FloatArray) -> Verdict:
+    """A matrix with p rows, where one with n rows maps Y to Y_hat."""
+    n, p = Phi.shape
+    inner = Phi.T @ Phi
+    known = (
+        ("pseudo-inverse instead of the projector", "the pseudo-inverse (Phi'Phi)^-1 Phi'", pseudo_inverse(Phi)),
+        ("p by p matrix instead of the projector", "Phi'Phi", inner),
+        ("p by p matrix instead of the projector", "the inverse of Phi'Phi", np.linalg.inv(inner)),
+        ("transposed Phi", "Phi' alone", Phi.T),
+    )
+    size = f"`projector` returns a {got.shape[0]} by {got.shape[1]} matrix"
+    needed = f"P maps Y to Y_hat, both with {n} entries, so it is {n} by {n}."
+    for slip, what, value in known:
+        if SAME(got, value):
+            return Verdict(False, f"{size}: this is {what}. {needed}", slip, mend="Multiply by Phi from the left.")
+    slip = "transposed Phi" if got.shape == (p, p) else "pseudo-inverse instead of the projector"
+    return Verdict(
+        False,
+        f"{size}, but {needed} Phi ({n} by {p}) stands on the outside left, Phi' ({p} by {n}) on "
+        f"the right, and what is "
+        f"inverted between them is {p} by {p}: are Phi and Phi' exchanged?",
+        slip,
+    )
+
+
 @first_failure
 def check_all_solutions(ask: Ask) -> Iterator[Verdict]:
     """`all_solutions(Phi, Y)`: the shortest theta and a basis of the null space of Phi."""
@@ -89,6 +108,8 @@ def _solutions(ask: Ask, Phi: FloatArray, Y: FloatArray) -> Verdict:
     right = solution_set(Phi, Y)
     free = p - right.rank
     parts = returned_parts(ask, "all_solutions", "theta and the matrix N", 2, Phi, Y)
+    if _swapped(parts[0], parts[1], Phi, Y):
+        return Verdict(False, "`all_solutions` returns N before theta.", "theta and N swapped")
     theta = as_theta("theta of all_solutions(Phi, Y)", parts[0], p)
     scale = 1e-6 * float(np.max(np.abs(Phi.T @ Y)))
     if np.max(np.abs(Phi.T @ (Y - Phi @ theta))) > scale:
@@ -112,6 +133,19 @@ def _solutions(ask: Ask, Phi: FloatArray, Y: FloatArray) -> Verdict:
         )
     N = as_array("N of all_solutions(Phi, Y)", parts[1])
     N = N.reshape(-1, 1) if N.ndim == 1 else N
+    if N.ndim == 2 and N.shape[0] == Phi.shape[0] != p and SAME(Phi.T @ N + 1, np.ones((p, N.shape[1]))):
+        return Verdict(
+            False,
+            f"N of `all_solutions` has columns of U, with {N.shape[0]} entries, as many as Y. Directions of theta have "
+            f"{p}: they are columns of V.",
+            "U in place of V",
+        )
+    if N.ndim == 2 and N.shape == (free, p) and free != p and SAME(Phi @ N.T + 1, np.ones((Phi.shape[0], free))):
+        return Verdict(
+            False,
+            "N of `all_solutions` has the directions as rows; they should be its columns: `.T`.",
+            "rows instead of columns",
+        )
     if N.shape == (p, right.rank) and free != right.rank:
         return Verdict(
             False,
@@ -120,6 +154,17 @@ def _solutions(ask: Ask, Phi: FloatArray, Y: FloatArray) -> Verdict:
             mend="They are the other columns of V.",
         )
     return _directions(as_matrix("N of all_solutions(Phi, Y)", N, (p, None)), Phi, free)
+
+
+def _swapped(first: Value, second: Value, Phi: FloatArray, Y: FloatArray) -> bool:
+    """Whether the second result solves the normal equations, and Phi takes the first one to zero."""
+    if not isinstance(first, np.ndarray) or not isinstance(second, np.ndarray) or second.size != Phi.shape[1]:
+        return False
+    if first.ndim == 0 or first.shape[0] != Phi.shape[1] or first.dtype.kind != "f" or second.dtype.kind != "f":
+        return False
+    scale = 1e-6 * float(np.max(np.abs(Phi.T @ Y)))
+    solves = np.max(np.abs(Phi.T @ (Y - Phi @ second.reshape(-1)))) <= scale
+    return bool(solves and np.max(np.abs(Phi @ first)) <= scale)
 
 
 def _directions(N: FloatArray, Phi: FloatArray, free: int) -> Verdict:

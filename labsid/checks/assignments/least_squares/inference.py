@@ -1,6 +1,7 @@
 """Checks of confidence intervals, and of the Cayley-Hamilton theorem."""
 
 from collections.abc import Iterator
+from itertools import product
 
 import numpy as np
 from scipy.special import ndtri, stdtrit
@@ -13,6 +14,8 @@ from labsid.checks.verdict import Slip, Verdict, first_failure, judge
 from labsid.least_squares.intervals import confidence_intervals
 from labsid.least_squares.matrix_inverse import characteristic_polynomial
 from labsid.least_squares.solve import LeastSquares, solve_least_squares
+
+_MOST_WRONG = 3
 
 
 @first_failure
@@ -49,9 +52,52 @@ def _judge_confidence(ask: Ask, Phi: FloatArray, Y: FloatArray, level: float) ->
         intervals.upper - fit.theta,
         SAME,
         "it gives the uncertainty of each parameter.",
-        "the intervals of `confidence` have the wrong width: check sigma^2, the covariance, its diagonal, the roots "
-        "and the quantile one by one.",
+        f"the intervals of `confidence` have the wrong width. {_width_made_of(upper - theta, fit, Phi, level)}",
         _width_slips(fit, n, p, level),
+    )
+
+
+def _width_made_of(width: FloatArray, fit: LeastSquares, Phi: FloatArray, level: float) -> str:
+    """Which wrong parts give this half width: up to three at once, the fewest first."""
+    n, p = Phi.shape
+    inner = Phi.T @ Phi
+    inverse = np.linalg.inv(inner)
+    sse, both = 2 * fit.loss, (1 + level) / 2
+    quantiles = (
+        ("", float(stdtrit(n - p, both))),
+        ("the quantile is taken at `level`", float(stdtrit(n - p, level))),
+        ("the quantile is taken at 1 - level", abs(float(stdtrit(n - p, 1 - level)))),
+        ("the quantile is the normal one", float(ndtri(both))),
+        ("the quantile has n degrees of freedom", float(stdtrit(n, both))),
+        ("the quantile has n - 1 degrees of freedom", float(stdtrit(n - 1, both))),
+        ("there is no quantile", 1.0),
+    )
+    variances = (
+        ("", sse / (n - p)),
+        ("the SSE is divided by n", sse / n),
+        ("the SSE is divided by n - 1", sse / (n - 1)),
+        ("the SSE is not divided", sse),
+        ("sigma^2 is missing", 1.0),
+        ("sigma stands where sigma^2 belongs", float(np.sqrt(sse / (n - p)))),
+    )
+    diagonals = (
+        ("", np.diag(inverse)),
+        ("Phi'Phi is not inverted", np.diag(inner)),
+        ("the diagonal of Phi'Phi is inverted by itself", 1 / np.diag(inner)),
+    )
+    powers = (("", 0.5), ("the root of the diagonal is missing", 1.0))
+    shares = (("", 1.0), ("the whole width is added to each side", 2.0), ("half of the half width is added", 0.5))
+    made = sorted(
+        product(quantiles, variances, diagonals, powers, shares), key=lambda parts: sum(bool(part[0]) for part in parts)
+    )
+    for parts in made:
+        (_, quantile), (_, variance), (_, diagonal), (_, power), (_, share) = parts
+        wrong = [str(part[0]) for part in parts if part[0]]
+        if len(wrong) <= _MOST_WRONG and SAME(width, share * quantile * (variance * diagonal) ** power):
+            return f"It comes out like this if {' and '.join(wrong)}."
+    return (
+        "Print sigma^2, the diagonal of the inverse, the standard errors and the quantile one by one, and hold them "
+        "against the example by hand."
     )
 
 

@@ -1,6 +1,7 @@
 """Checks of fits by sums of powers (Examples 2-1, 2-2, 2-4), and of Fig. 5."""
 
 from collections.abc import Callable, Iterator
+from functools import partial
 
 import numpy as np
 
@@ -59,6 +60,25 @@ def _one_fit(ask: Ask, powers: tuple[int, ...]) -> Iterator[Verdict]:
                 f"`{call}` fits other powers than requested: use `powers`.",
                 lambda: fit_powers(x, y, (2, 1, 0)[-len(powers) :]).theta,
             ),
+            *(
+                Slip(
+                    "powers not used",
+                    f"`{call}` fits the powers {list(other)} of x: make the columns from `powers`, in its order.",
+                    partial(_theta_of_powers, x, y, other),
+                )
+                for other in _other_powers(powers)
+            ),
+            *(
+                Slip(
+                    "arguments not used",
+                    "`fit_powers` fits the table `u_1`, `y_1` of the lines above, whatever is handed in: use "
+                    "its arguments "
+                    "x and y.",
+                    partial(_theta_of_powers, EXAMPLE_2_1.x, EXAMPLE_2_1.y, other),
+                )
+                for other in (powers,)
+                if len(powers) < EXAMPLE_2_1.x.size
+            ),
             Slip(
                 "x and y swapped", "`fit_powers` fits x to y; make Phi from x.", lambda: fit_powers(y, x, powers).theta
             ),
@@ -108,6 +128,18 @@ def _one_fit(ask: Ask, powers: tuple[int, ...]) -> Iterator[Verdict]:
     )
 
 
+def _theta_of_powers(x: FloatArray, y: FloatArray, powers: tuple[int, ...]) -> FloatArray:
+    return fit_powers(x, y, powers).theta
+
+
+def _other_powers(powers: tuple[int, ...]) -> Iterator[tuple[int, ...]]:
+    """Powers that are as many as those asked for, and may be fitted in their place."""
+    n = len(powers)
+    for other in (tuple(range(n)), tuple(range(n))[::-1], tuple(range(1, n + 1)), tuple(range(1, n + 1))[::-1]):
+        if sorted(other) != sorted(powers):
+            yield other
+
+
 def _size(value: Value) -> int:
     return value.size if isinstance(value, np.ndarray) else 1
 
@@ -130,6 +162,12 @@ def check_figure_5(ask: Ask) -> Verdict:
         as_vector(name, ask.known(name), size) for name, size in (("theta_line", 2), ("theta_parabola", 3))
     )
     points = _find(axes, lambda x: np.interp(x, EXAMPLE_2_1.x, EXAMPLE_2_1.y), sizes=(5, 5))
+    if points is not None and points.joined:
+        raise NoAnswer(
+            "In Fig. 5 lines join the points of the table; they are measurements, to be drawn as circles alone: "
+            "`plot(u_1, y_1, 'o')`.",
+            "points joined by lines",
+        )
     if points is None:
         raise NoAnswer("In Fig. 5 the points of the table are missing: use `plot(u_1, y_1, 'o')`.", "points missing")
     curves = []

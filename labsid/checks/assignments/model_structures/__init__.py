@@ -8,6 +8,7 @@ from labsid.checks.assignments.model_structures.model_choice import (
 from labsid.checks.assignments.model_structures.model_forms import check_equations, check_state_space
 from labsid.checks.assignments.model_structures.order_choice import check_order
 from labsid.checks.assignments.model_structures.signals import check_shift, check_simulate
+from labsid.checks.assignments.model_structures.stages import STAGES
 from labsid.checks.assignments.model_structures.systems_1_and_2 import (
     check_example_3_1,
     check_figure_8,
@@ -16,6 +17,7 @@ from labsid.checks.assignments.model_structures.systems_1_and_2 import (
     right_tables,
 )
 from labsid.checks.question import Assignment, FollowsFrom, Question
+from labsid.lab.excitation import excitation_order
 
 _TABLE, _PREDICT = "ms-5-example-3-1", "ms-6-predict"
 
@@ -29,9 +31,10 @@ ASSIGNMENT = Assignment(
         Question(_TABLE, check_example_3_1, right_tables, follows_from=FollowsFrom.TEXT),
         Question(_PREDICT, check_predict, right_outputs, uses=(_TABLE,), follows_from=FollowsFrom.TEXT),
         Question("ms-6-figure-8", check_figure_8, uses=(_PREDICT,), follows_from=FollowsFrom.TEXT),
-        Question("ms-7-excitation", check_excitation),
+        Question("ms-7-excitation", check_excitation, reference=excitation_order),
         Question("ms-8-order", check_order),
         Question("ms-9-cancel", check_cancel),
         Question("ms-10-autocorrelation", check_autocorrelation),
     ),
+    stages=STAGES,
 )

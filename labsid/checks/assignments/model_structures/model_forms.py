@@ -163,7 +163,7 @@ def _judge_equations(ask: Ask, u: FloatArray, y: FloatArray, structure: Structur
     parts = returned_parts(ask, "equations", "two things, Phi and Y", 2, u, y, na, nb, d)
     if as_array(f"Phi of {call}", parts[0]).ndim == 1 and as_array(f"Y of {call}", parts[1]).ndim == 2:
         return Verdict(False, "`equations` returns Y before Phi.", "Phi and Y swapped")
-    if as_array(f"Phi of {call}", parts[0]).shape == (N - structure.longest_lag, na + nb + 1) and nb:
+    if np.shape(as_array(f"Phi of {call}", parts[0]))[1:] == (na + nb + 1,) and nb:
         return Verdict(
             False,
             f"Phi of `{call}` has a column too many: `nb` is the *number* of inputs in a row, not the largest lag.",

@@ -7,10 +7,12 @@ from labsid.checks.assignments.nonlinear_least_squares.exponential_fits import (
 )
 from labsid.checks.assignments.nonlinear_least_squares.iterations import check_damping, check_gauss_newton
 from labsid.checks.assignments.nonlinear_least_squares.recorded_fits import check_output_error, check_step
+from labsid.checks.assignments.nonlinear_least_squares.stages import STAGES
 from labsid.checks.assignments.nonlinear_least_squares.starts_and_positions import (
     check_frequency,
     check_layout,
     check_locate,
+    right_layout,
 )
 from labsid.checks.question import Assignment, FollowsFrom, Question
 
@@ -24,8 +26,9 @@ ASSIGNMENT = Assignment(
         Question("nl-5-exponential", check_exponential_fit, follows_from=FollowsFrom.TEXT),
         Question("nl-6-frequency", check_frequency),
         Question("nl-7-locate", check_locate),
-        Question("nl-7-layout", check_layout),
+        Question("nl-7-layout", check_layout, reference=right_layout),
         Question("nl-8-step", check_step),
         Question("nl-9-output-error", check_output_error),
     ),
+    stages=STAGES,
 )

@@ -261,8 +261,16 @@ def sustech_fits() -> tuple[NonlinearFit, FloatArray]:
 def _picture(axes: AxesValue) -> Verdict:
     curve, line = sustech_fits()
     points = [c for c in axes.curves if c.x.size == 5 and np.array_equal(np.sort(c.x), np.sort(SUSTECH_POINTS.x))]
-    if not any(np.allclose(c.y[np.argsort(c.x)], SUSTECH_POINTS.y[np.argsort(SUSTECH_POINTS.x)]) for c in points):
+    right_y = SUSTECH_POINTS.y[np.argsort(SUSTECH_POINTS.x)]
+    points = [c for c in points if np.allclose(c.y[np.argsort(c.x)], right_y)]
+    if not points:
         raise NoAnswer("In the figure the five points are missing: `plot(x_s, y_s, 'o')`.", "points missing")
+    if any(one.joined for one in points):
+        raise NoAnswer(
+            "In the figure lines join the five points; they are measurements, to be drawn as circles alone: "
+            "`plot(x_s, y_s, 'o')`.",
+            "points joined by lines",
+        )
     drawn = []
     for name, theta in (("theta_exp", curve.theta), ("theta_log", line)):
         found = _find(axes, theta, 20)

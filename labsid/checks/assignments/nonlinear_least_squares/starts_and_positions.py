@@ -260,6 +260,11 @@ SLANTING = (2, 4, 6, 7)
 """Those of the trial layouts that lie on a line along neither axis; the last two have rounded coordinates."""
 
 
+def right_layout(beacons: FloatArray) -> str:
+    """What beacons can tell, from the rank of their coordinates about their mean."""
+    return _of_rank(int(np.linalg.matrix_rank(beacons - beacons.mean(axis=0), tol=1e-6)))
+
+
 def _of_rank(rank: int) -> str:
     return LAYOUTS[2 - min(rank, 2)]
 

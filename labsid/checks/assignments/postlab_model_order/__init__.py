@@ -15,6 +15,8 @@ from labsid.checks.assignments.postlab_model_order.first_order_model import (
     right_theta,
     right_transfer_function,
 )
+from labsid.checks.assignments.postlab_model_order.stages import STAGES
+from labsid.checks.practice_records import offset_free_signals_of, tank_record
 from labsid.checks.question import Assignment, Question
 
 _PHI, _THETA, _FIT = "postlab-1-phi", "postlab-1-theta", "postlab-2-fit-order"
@@ -32,4 +34,7 @@ ASSIGNMENT = Assignment(
         Question("postlab-3-figure-8", check_figure_8, uses=(_RUNS, _MSE)),
     ),
     record_file="SysIdenData_StudentVersion.mat",
+    stages=STAGES,
+    practice_record=tank_record,
+    practice_given=offset_free_signals_of,
 )

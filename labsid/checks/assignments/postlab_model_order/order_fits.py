@@ -132,6 +132,8 @@ def _slips_from(u: FloatArray, y: FloatArray, n: int, k: int, data: LabData) -> 
         )
     right = fit_arx(u, y, data.Ts, n, k).model.theta
     yield from rounded(right, "It rounds theta: keep all digits.")
+    itself = "The row for y(k) holds y(k) itself, which explains it perfectly: theta is [1, 0, ...]. Lag 1 comes first."
+    yield Slip("lag off by one", itself, lambda: np.eye(2 * n)[0])
     sign = np.repeat([-1.0, 1.0], n)
     yield Slip("sign of a", "It returns [a, b]; theta is [-a, b], as eq. (8) gives it.", lambda: sign * right)
     by_signal = right.reshape(2, n)

@@ -1,5 +1,6 @@
 """The pre-lab: time vector, two noisy sinusoids, the cut, the matrix and Fig. 1."""
 
+from labsid.checks.assignments.prelab_sinusoids.stages import STAGES
 from labsid.checks.assignments.prelab_sinusoids.waveforms import (
     check_cut,
     check_cut_off_data,
@@ -17,7 +18,9 @@ from labsid.checks.question import Assignment, FollowsFrom, Question
 ASSIGNMENT = Assignment(
     "prelab-sinusoids",
     (
-        Question("prelab-1-time", check_time, gives=right_time, follows_from=FollowsFrom.TEXT),
+        Question(
+            "prelab-1-time", check_time, gives=right_time, follows_from=FollowsFrom.TEXT, instance=lambda ask: None
+        ),
         Question(
             "prelab-2-noise", check_noise, gives=right_sinusoids, uses=("prelab-1-time",), follows_from=FollowsFrom.TEXT
         ),
@@ -35,4 +38,5 @@ ASSIGNMENT = Assignment(
         ),
         Question("prelab-6-cut-off", check_cut_off_data, uses=("prelab-3-cut",), follows_from=FollowsFrom.TEXT),
     ),
+    stages=STAGES,
 )

@@ -72,6 +72,16 @@ _WRONG_WAVES: tuple[tuple[str, str, Callable[[Wave, FloatArray], FloatArray]], .
         lambda wave, t: wave(200 * np.pi * t),
     ),
     (
+        "period for the angular frequency",
+        "its angle is 100 t: 100 s is the period T, not the factor before t. The angle is 2 pi t / T",
+        lambda wave, t: wave(100 * t),
+    ),
+    (
+        "period of 400 s",
+        "its period is 400 s: only a quarter of it fits into 100 s. The angle is 2 pi t / T",
+        lambda wave, t: wave(0.005 * np.pi * t),
+    ),
+    (
         "amplitude of a half",
         "its amplitude is 0.5; it should be 1",
         lambda wave, t: 0.5 * wave(0.02 * np.pi * t),
@@ -120,7 +130,25 @@ def require_wave(name: str, t: FloatArray, y: FloatArray, wave: Wave, other: Wav
     if np.std(rests[nearest]) < 0.5 * np.std(y - right) and abs(np.median(rests[nearest])) <= LARGEST_MEAN:
         slip, text, _ = _WRONG_WAVES[nearest]
         raise NoAnswer(f"`{name}`: {text}.", slip)
-    raise NoAnswer(f"`{name}` is not a sinusoid of amplitude 1 and period 100 s with noise on it. See step 2.")
+    raise NoAnswer(
+        f"`{name}` is not a sinusoid of amplitude 1 and period 100 s about zero, with noise on it: {_seen(t, y)} Print "
+        "the angle at t = 0 and at t = 100: it should grow by 2 pi."
+    )
+
+
+def _seen(t: FloatArray, y: FloatArray) -> str:
+    """What a signal looks like: its mean, and the period and the size of its strongest oscillation."""
+    spectrum = np.abs(np.fft.rfft(y - y.mean())) * 2 / t.size
+    k = int(np.argmax(spectrum))
+    if np.ptp(y) < _EPSILON:
+        return f"it is constant, {y[0]:.3g}."
+    if k == 0 or spectrum[k] < 2 * np.std(y) / np.sqrt(t.size):
+        return f"it has the mean {y.mean():.2g} and no clear period."
+    period = (t[-1] - t[0]) / k
+    return (
+        f"its mean is {y.mean():.2g}, its strongest oscillation has a period of {period:.3g} s, "
+        f"amplitude {spectrum[k]:.2g}."
+    )
 
 
 def require_added(name: str, product: FloatArray, sinusoid: FloatArray) -> None:
@@ -162,7 +190,10 @@ def require_uniform(name: str, noise: FloatArray, sinusoid: FloatArray) -> None:
             "noise takes every value within its bound equally often, and none outside.",
             "Gaussian noise",
         )
-    raise NoAnswer(f"The noise in `{name}` is not uniform within ±0.2: it should cover exactly this range, evenly.")
+    raise NoAnswer(
+        f"The noise in `{name}` should cover ±0.2 evenly; what is left of `{name}` without the sinusoid runs from "
+        f"{noise.min():.2g} to {noise.max():.2g}, with the mean {noise.mean():.2g}."
+    )
 
 
 def require_independent(noises: dict[str, FloatArray]) -> None:

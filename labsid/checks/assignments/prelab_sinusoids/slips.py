@@ -55,6 +55,11 @@ def new_time_slips(t: FloatArray) -> Slips:
             for start in (0.0, t[CUT // 10], t[CUT])
         ),
         Slip("not cut", "`t_new` is still the whole of `t`.", lambda: t),
+        Slip(
+            "the last samples cut off",
+            "`t_new` lacks the last 200 samples; the first 200 should go, and then the start be set to zero.",
+            lambda: t[:-CUT],
+        ),
         Slip("the wrong part kept", "`t_new` holds the 200 samples that should be removed.", lambda: t[:CUT]),
         *_off_by_one("t_new", lambda first: t[first:] - t[first]),
         *_off_by_one("t_new", lambda first: t[first:]),
@@ -167,6 +172,26 @@ def cut_off_slips(data: FloatArray, n: int) -> Slips:
             "subtracts n times 0.1 s from the time; other data have another sampling time or start. Subtract the time "
             "of the first row that remains.",
             lambda: data[n:] - 0.1 * n * np.eye(1, data.shape[1]),
+        ),
+        slip(
+            "samples taken for seconds",
+            "subtracts n, a number of samples, from the time. Subtract the time of the first row that remains.",
+            lambda: data[n:] - n * np.eye(1, data.shape[1]),
+        ),
+        slip(
+            "time set back by its first value",
+            "subtracts the first time of `data` itself. Subtract the time of the first row that remains.",
+            lambda: data[n:] - data[0, 0] * np.eye(1, data.shape[1]),
+        ),
+        slip(
+            "time replaced by the sample number",
+            "numbers the rows in place of their time: keep the times, less the first that remains.",
+            lambda: np.column_stack([np.arange(len(data) - n), data[n:, 1:]]),
+        ),
+        slip(
+            "time left out",
+            "sets the whole first column to zero. Subtract from it its own first value.",
+            lambda: np.column_stack([np.zeros(len(data) - n), data[n:, 1:]]),
         ),
         slip(
             "a variable from above used",

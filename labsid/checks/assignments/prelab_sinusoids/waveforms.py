@@ -31,12 +31,15 @@ _same = close(0, absolute=1e-9)
 def check_time(ask: Ask) -> Verdict:
     """Step 1: the column vector t."""
     value = ask.value("t")
+    got = as_vector("t", value)
+    apart = f", {np.mean(np.diff(got)):.4g} s apart" if got.size > 1 else ""
+    span = f"from {got[0]:.4g} to {got[-1]:.4g}{apart}" if got.size else "and no entries"
     verdict = judge(
-        as_vector("t", value),
+        got,
         make_sinusoids(ask.rng).t.ravel(),
         _same,
         "a column of 1001 instants from 0 to 100 s.",
-        "`t` does not run from 0 to 100 s in steps of 0.1 s: see step 1.",
+        f"`t` should run from 0 to 100 s in steps of 0.1 s; yours has {got.size} points {span}.",
         time_slips(),
     )
     if verdict.passed:
@@ -159,15 +162,34 @@ def _try_cut_off(ask: Ask, data: FloatArray, n: int) -> Verdict:
         right,
         _same,
         "it cuts other data as well, and their time starts from zero.",
-        "`cut_off` should return `data` without its first `n` rows, with time from zero: see step 4.",
+        f"`cut_off` should return `data` without its first `n` rows, with time from zero: {_seen_rows(got, data, n)}",
         cut_off_slips(data, n),
     )
+
+
+def _seen_rows(got: FloatArray, data: FloatArray, n: int) -> str:
+    """What is wrong with the rows that came back, in the numbers of the trial."""
+    if len(got) != len(data) - n:
+        own = " As many stay of the notebook's own 1001: is a variable of the notebook used in place of `data`?"
+        said = f"of {len(data)} rows and n = {n} it returned {len(got)}; {len(data) - n} should stay."
+        return said + (own if len(got) in (801, 1001, 1001 - n) else "")
+    if not np.allclose(got[:, 1:], data[n:, 1:]):
+        return "the signals, from the second column on, are not those of the rows that should stay."
+    return f"the signals are right, but the first column begins with {got[0, 0]:.4g} and ends with {got[-1, 0]:.4g}."
 
 
 def check_original(ask: Ask) -> Verdict:
     """Step 5: Fig. 1(a)."""
     t, y1, y2 = (_vector(ask.known(name)) for name in ("t", "y1", "y2"))
-    require_panel(panels(ask.value("fig_1"))[0], "Fig. 1(a)", t, {"y1": y1, "y2": y2}, r"original|\(a\)")
+    axes = panels(ask.value("fig_1"))
+    if len(axes) > 1 and not axes[0].curves and (shows(axes[1], y1) or shows(axes[1], y2)):
+        raise NoAnswer(
+            "The original data are in the lower panel: `plt.plot` and `plt.step` draw into the axes "
+            "made last, which are "
+            "`ax_b`. Draw with `ax_a.plot` and `ax_a.step`, and run the line that makes the figure again.",
+            "drawn into the lower axes",
+        )
+    require_panel(axes[0], "Fig. 1(a)", t, {"y1": y1, "y2": y2}, r"original|\(a\)")
     return Verdict(True, "Fig. 1(a) shows the original data as the lab requires.")
 
 
@@ -179,6 +201,14 @@ def check_cut_off_data(ask: Ask) -> Verdict:
     if len(axes) != 2:
         raise NoAnswer(f"`fig_1` should have two panels, one above the other; it has {len(axes)}.", "not two panels")
     lower = axes[1]
+    if (shows(lower, y1) or shows(lower, y2)) and (shows(lower, y1_new) or shows(lower, y2_new)):
+        raise NoAnswer(
+            "Fig. 1(b) shows the cut-off data and the original data: curves of an earlier run stay in "
+            "the axes. Run the "
+            "cell that makes `fig_1` again, then this one. (`plt.plot` draws into the axes made last, "
+            "which are `ax_b`.)",
+            "old curves in (b)",
+        )
     if shows(lower, y1) or shows(lower, y2):
         raise NoAnswer("Fig. 1(b) shows the original data again; plot the cut-off data.", "original data in (b)")
     if shows(lower, y1_new, t[CUT:]) or shows(lower, y2_new, t[CUT:]):

@@ -10,6 +10,7 @@ from labsid.checks.assignments.recursive_identification.forgetting_runs import (
 )
 from labsid.checks.assignments.recursive_identification.limits import check_careless, check_windup
 from labsid.checks.assignments.recursive_identification.online_use import check_drift, check_online
+from labsid.checks.assignments.recursive_identification.stages import STAGES
 from labsid.checks.question import Assignment, FollowsFrom, Question
 
 _REGRESSORS, _FORGETTING = "ri-4-regressors", "ri-5-forgetting"
@@ -28,4 +29,5 @@ ASSIGNMENT = Assignment(
         Question("ri-9-windup", check_windup),
         Question("ri-10-careless", check_careless),
     ),
+    stages=STAGES,
 )

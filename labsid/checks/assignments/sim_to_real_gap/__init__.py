@@ -1,10 +1,12 @@
-"""The sim-to-real gap: where it lies, which effect makes it, how far it shrinks. The judge alone knows the effect."""
+"""The sim-to-real gap: where it lies, which effect makes it, how far it shrinks; grading alone knows the effect."""
 
 from labsid.checks.assignments.sim_to_real_gap.error_shares import check_frequency, check_operating, check_time
 from labsid.checks.assignments.sim_to_real_gap.linear_model import check_linear, check_size, right_linear, right_size
 from labsid.checks.assignments.sim_to_real_gap.named_effect import check_effect, check_parameters, check_path
 from labsid.checks.assignments.sim_to_real_gap.offsets_and_noise import check_rest, right_rest
 from labsid.checks.assignments.sim_to_real_gap.simulation_with_effect import check_closed, check_simulation
+from labsid.checks.assignments.sim_to_real_gap.stages import STAGES
+from labsid.checks.practice_records import gap_record, signals_of
 from labsid.checks.question import Assignment, FollowsFrom, Question
 from labsid.rig.switchable.withheld_effects import RECORD_FILE
 
@@ -36,4 +38,7 @@ ASSIGNMENT = Assignment(
         ),
     ),
     RECORD_FILE,
+    STAGES,
+    gap_record,
+    signals_of,
 )

@@ -4,11 +4,12 @@ from collections.abc import Iterator
 from functools import partial
 
 import numpy as np
+from numpy.typing import NDArray
 
 from labsid._arrays import FloatArray
 from labsid.checks.assignments.lab_identification.lab_data import known_vector
 from labsid.checks.assignments.sim_to_real_gap.linear_model import known_error
-from labsid.checks.compare import SAME, as_vector, close
+from labsid.checks.compare import SAME, as_number, as_vector, close
 from labsid.checks.question import Ask, returned
 from labsid.checks.verdict import NoAnswer, Slip, Verdict, first_failure, judge
 
@@ -19,7 +20,13 @@ def check_time(ask: Ask) -> Verdict:
     """Step 3: `time_shares(e, parts)` on other errors, `share_t` and `worst` on this one."""
     for parts, length in ((4, int(ask.rng.integers(25, 35))), (5, int(ask.rng.integers(20, 28)))):
         e = ask.rng.standard_normal(parts * length) * np.repeat(ask.rng.uniform(0.3, 3, parts), length)
-        got = _shares("time_shares(e, parts)", returned(ask, "time_shares", e, parts), parts)
+        value = returned(ask, "time_shares", e, parts)
+        if isinstance(value, np.ndarray) and value.size == PARTS != parts:
+            raise NoAnswer(
+                f"`time_shares(e, {parts})` returns {PARTS} shares, as for this record: use the argument `parts`.",
+                "parts not used",
+            )
+        got = _shares("time_shares(e, parts)", value, parts)
         verdict = _judge_shares("time_shares", got, np.sum(e.reshape(parts, -1) ** 2, axis=1), _time_slips(e, parts))
         if not verdict.passed:
             return verdict
@@ -120,13 +127,38 @@ def check_frequency(ask: Ask) -> Iterator[Verdict]:
         edges = np.concatenate([[-0.5], inner, [n] if is_covered else []])
         edges *= f[1]
         power: FloatArray = np.abs(np.fft.rfft(e)) ** 2
-        got = _shares("band_shares(e, Ts, edges)", returned(ask, "band_shares", e, Ts, edges), edges.size - 1)
+        value = returned(ask, "band_shares", e, Ts, edges)
+        if isinstance(value, np.ndarray) and value.dtype.kind == "c" and np.any(value.imag):
+            raise NoAnswer(
+                "`band_shares` returns complex numbers: `E**2` of a complex E is complex. |E|^2 is `np.abs(E)**2`.",
+                "square without absolute value",
+            )
+        got = _shares("band_shares(e, Ts, edges)", value, edges.size - 1)
+        spectrum = np.fft.rfft(e)
         # a one-sided power density counts every frequency twice but 0 and the last one: Parseval's shares
         twice = np.where((f == 0) | ((n % 2 == 0) & (f == f[-1])), 1, 2) * power
         if close(0, 0.003)(got, _normed(_sorted(f, edges, twice))):
             continue
-        yield _judge_shares("band_shares", got, _sorted(f, edges, power), _band_slips(f, edges, power, Ts), 0.003)
+        slips = [*_band_slips(f, edges, power, Ts), *_complex_slips(f, edges, spectrum)]
+        yield _judge_shares("band_shares", got, _sorted(f, edges, power), slips, 0.003)
     yield Verdict(True, "the shares of all bands add up to one.")
+
+
+def _complex_slips(f: FloatArray, edges: FloatArray, spectrum: NDArray[np.complex128]) -> list[Slip[FloatArray]]:
+    hint = "`band_shares` takes {} of a complex E, which is not |E|^2: use `np.abs(E)**2`."
+    return [
+        Slip("square without absolute value", hint.format(what), partial(_normed_cells, f, edges, wrong))
+        for what, wrong in (
+            ("the real part of the square", (spectrum**2).real),
+            ("the square of the real part", spectrum.real**2),
+            ("the absolute value of the real part", np.abs(spectrum.real)),
+            ("the square of the imaginary part", spectrum.imag**2),
+        )
+    ]
+
+
+def _normed_cells(f: FloatArray, edges: FloatArray, weights: FloatArray) -> FloatArray:
+    return _normed(_sorted(f, edges, weights))
 
 
 def _band_slips(f: FloatArray, edges: FloatArray, power: FloatArray, Ts: float) -> list[Slip[FloatArray]]:
@@ -184,21 +216,83 @@ def check_operating(ask: Ask) -> Verdict:
     if not verdict.passed:
         return verdict
     e, _ = known_error(ask)
-    verdict = _own_cells(ask, "share_u", _cells(ask.record.u, e), _cells(ask.record.y, e))
+    u, y = ask.record.u, ask.record.y
+    verdict = _own_cells(ask, "share_u", u, y, e)
     if verdict.passed:
-        verdict = _own_cells(ask, "share_y", _cells(ask.record.y, e), _cells(ask.record.u, e))
-    return verdict
+        verdict = _own_cells(ask, "share_y", y, u, e)
+    return verdict if not verdict.passed else Verdict(True, f"{_largest('input', u, e)}; {_largest('output', y, e)}.")
 
 
-def _own_cells(ask: Ask, name: str, right: FloatArray, other: FloatArray) -> Verdict:
-    return judge(
-        _shares(name, ask.value(name), CELLS),
-        right,
-        close(0, 1e-3),
-        "the cells with the largest shares are where the effect is exercised.",
-        f"`{name}` is not what `cell_shares` makes of the error `e` over the given cells.",
-        [Slip("input and output swapped", f"`{name}` holds the shares of the other signal.", lambda: other)],
+def _largest(signal: str, x: FloatArray, e: FloatArray) -> str:
+    """The cell with the largest share, in words."""
+    shares, edges = _cells(x, e), _edges(x)
+    most = int(np.argmax(shares))
+    return (
+        f"of the {signal} the cell from {edges[most]:.2f} to {edges[most + 1]:.2f} V has the "
+        f"largest share of the squared "
+        f"error, {100 * shares[most]:.0f} %"
     )
+
+
+def _own_cells(ask: Ask, name: str, x: FloatArray, other: FloatArray, e: FloatArray) -> Verdict:
+    """Judge the shares over the cells of `x`, which is the raw signal of the record."""
+    edges, signal = _edges(x), name.removeprefix("share_")
+    y_lin = known_vector(ask, "y_lin")
+    offset = as_number("y_offset", ask.known("y_offset"))
+
+    def over(wrong: FloatArray, weights: FloatArray) -> FloatArray:
+        return _normed(_sorted(wrong, edges, weights))
+
+    value = ask.value(name)
+    if isinstance(value, np.ndarray) and value.dtype.kind == "f" and np.any(np.isnan(value)):
+        raise NoAnswer(
+            f"`{name}` is nan: no sample lies between the edges, {edges[0]:.3g} to {edges[-1]:.3g} V, as those of "
+            f"`{signal}_act` do. Was it handed over first, with its offset?",
+            "another signal sorted",
+        )
+    return judge(
+        _shares(name, value, CELLS),
+        _cells(x, e),
+        close(0, 1e-3),
+        "",
+        f"`{name}` is not what `cell_shares` makes of `{signal}_act` and the error `e` over `edges_{signal}`.",
+        [
+            Slip(
+                "input and output swapped", f"`{name}` holds the shares of the other signal.", lambda: _cells(other, e)
+            ),
+            Slip(
+                "the other signal sorted",
+                f"`{name}` sorts by the other signal, over the edges of this one: hand over `{signal}_act`.",
+                lambda: over(other, e**2),
+            ),
+            *(
+                Slip(
+                    "model output sorted",
+                    f"`{name}` sorts by the output of the linear model: the cells are those of the measured "
+                    f"`{signal}_act`.",
+                    partial(over, wrong, e**2),
+                )
+                for wrong in (y_lin, y_lin + offset)
+            ),
+            Slip(
+                "offset-free signal sorted",
+                f"`{name}` sorts by `{signal}`, without its offset, over edges with it: hand over `{signal}_act`.",
+                lambda: over(x - (offset if signal == "y" else x[0]), e**2),
+            ),
+            *(
+                Slip(
+                    "another error",
+                    f"`{name}` is made of {what} in place of the error `e`.",
+                    partial(over, x, np.square(wrong)),
+                )
+                for what, wrong in (("the output", known_vector(ask, "y")), ("the model's output", y_lin))
+            ),
+        ],
+    )
+
+
+def _edges(x: FloatArray) -> FloatArray:
+    return np.linspace(x.min(), x.max(), CELLS + 1)
 
 
 def _cell_slips(x: FloatArray, e: FloatArray, edges: FloatArray) -> list[Slip[FloatArray]]:
@@ -230,6 +324,22 @@ def _cell_slips(x: FloatArray, e: FloatArray, edges: FloatArray) -> list[Slip[Fl
             "mean for sum",
             "`cell_shares` averages within each cell, so that a rare cell counts as much as a common one. Add up.",
             lambda: _normed(squares / np.maximum(counts, 1)),
+        ),
+        *(
+            Slip(
+                "mean for sum",
+                "`cell_shares` returns the mean squared error of each cell"
+                + (", divided by something," if part == "scaled" else "")
+                + " and not shares: add up the squares of each cell, and divide by the sum over all.",
+                partial(np.copy, wrong),
+            )
+            for part, wrong in (
+                ("", squares / np.maximum(counts, 1)),
+                ("scaled", squares / np.maximum(counts, 1) / np.sum(e**2)),
+                ("scaled", squares / np.maximum(counts, 1) / np.mean(e**2)),
+                ("scaled", squares / x.size),
+                ("", np.sqrt(squares / np.maximum(counts, 1))),
+            )
         ),
         Slip(
             "errors not squared",
@@ -294,7 +404,7 @@ def _sorted(x: FloatArray, edges: FloatArray, weights: FloatArray) -> FloatArray
 
 
 def _cells(x: FloatArray, e: FloatArray) -> FloatArray:
-    return _normed(_sorted(x, np.linspace(x.min(), x.max(), CELLS + 1), e**2))
+    return _normed(_sorted(x, _edges(x), e**2))
 
 
 def _smoothed(white: FloatArray) -> FloatArray:

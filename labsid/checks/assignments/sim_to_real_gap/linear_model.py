@@ -1,7 +1,7 @@
 """Steps 2 and 3 of the gap: the linear model whose free run is nearest, and how far off that is."""
 
 from collections.abc import Iterator
-from functools import lru_cache
+from functools import lru_cache, partial
 
 import numpy as np
 from scipy.optimize import least_squares
@@ -28,7 +28,8 @@ def right_linear(ask: Ask) -> dict[str, Value]:
     """Step 2."""
     u, y, half = _signals(ask)
     theta = nearest_free_run(u[:half], y[:half], ask.record.Ts)
-    return {"theta_hat": theta, "y_lin": simulate(arx_from_theta(theta, ask.record.Ts), u)}
+    theta_arx = fit_arx(u, y, ask.record.Ts, stop=half).model.theta
+    return {"theta_arx": theta_arx, "theta_hat": theta, "y_lin": simulate(arx_from_theta(theta, ask.record.Ts), u)}
 
 
 def nearest_free_run(u: FloatArray, y: FloatArray, Ts: float) -> FloatArray:
@@ -235,6 +236,25 @@ def check_size(ask: Ask) -> Verdict:
                 lambda: float(np.sqrt(np.mean(e[:half] ** 2))),
             ),
             Slip("no root", "`gap_before` is the mean squared error: take its root.", lambda: right**2),
+            *(
+                Slip(
+                    "noise taken off",
+                    "`gap_before` has the noise subtracted. Here the whole error counts; the noise is taken "
+                    "off in step 9.",
+                    partial(_without_noise, right, ask, squared),
+                )
+                for squared in (True, False)
+            ),
+            Slip(
+                "largest error",
+                "`gap_before` is the largest error: take the root of the mean square.",
+                lambda: float(np.max(np.abs(held_out))),
+            ),
+            Slip(
+                "mean of the errors",
+                "`gap_before` is the mean of the errors, which cancel: square them first.",
+                lambda: float(np.mean(held_out)),
+            ),
             Slip(
                 "sum for mean",
                 "`gap_before` is a root of the *sum*: it would grow with the length. Take the mean.",
@@ -252,6 +272,11 @@ def check_size(ask: Ask) -> Verdict:
             ),
         ],
     )
+
+
+def _without_noise(gap: float, ask: Ask, squared: bool) -> float:
+    noise = as_number("noise_sd", ask.known("noise_sd"))
+    return float(np.sqrt(gap**2 - noise**2)) if squared else gap - noise
 
 
 def known_error(ask: Ask) -> tuple[FloatArray, int]:

@@ -8,6 +8,7 @@ import numpy as np
 from labsid.checks.compare import as_number, kind_of
 from labsid.checks.question import Ask
 from labsid.checks.verdict import NoAnswer, Verdict
+from labsid.lab.offset import first_period_length
 from labsid.records.record import Record
 from labsid.rig.switchable.withheld_effects import EFFECT_PARAMETERS, EFFECT_PATHS
 
@@ -23,7 +24,7 @@ CURVE = 0.08
 
 _STOPS = {"input-saturation", "overflow", "output-saturation"}
 _CURVES = {"input-nonlinearity", "sqrt-outflow", "output-nonlinearity"}
-_NOTED = "is noted. Whether your rig has it, the judge alone knows; step 7 is your evidence."
+_NOTED = "is noted, and judged at grading. Your evidence is step 7."
 
 
 def check_effect(ask: Ask) -> Verdict:
@@ -31,7 +32,7 @@ def check_effect(ask: Ask) -> Verdict:
     got = _named_effect(ask)
     rig = _rig(ask)
     if rig is None:
-        return Verdict(True, f"{got} {_NOTED}")
+        return Verdict(True, f"{got} {_NOTED}", noted=True)
     if got == rig.effect:
         return Verdict(True, "this is what your rig has.")
     for family, what, hint in (
@@ -67,7 +68,7 @@ def check_path(ask: Ask) -> Verdict:
         named = EFFECT_PATHS[_named_effect(ask)]
         if got != named:
             return Verdict(False, "The effect that you named acts in another place: look at the list.", "another path")
-        return Verdict(True, f"{got} {_NOTED}")
+        return Verdict(True, f"{got} {_NOTED}", noted=True)
     if got == rig.path:
         return Verdict(True, "this is where the effect acts.")
     if got == "output":
@@ -95,7 +96,10 @@ def check_parameters(ask: Ask) -> Verdict:
         raise NoAnswer(f"`parameters` does not have the names that the list gives for {whose}.", "names of parameters")
     got = {name: as_number(f'parameters["{name}"]', value[name]) for name in wanted}
     if rig is None:
-        return Verdict(True, f"{', '.join(wanted)} noted. How near they are, the judge alone knows.")
+        impossible = _impossible(got, _named_effect(ask), ask.record)
+        if impossible is not None:
+            return Verdict(False, *impossible)
+        return Verdict(True, f"{', '.join(wanted)} noted. How near they are, grading tells.", noted=True)
     tolerance = _tolerances(rig, ask.record)
 
     def same(one: Mapping[str, float]) -> bool:
@@ -107,6 +111,39 @@ def check_parameters(ask: Ask) -> Verdict:
         if same(mended):
             return Verdict(False, hint, name)
     return Verdict(False, f"{' and '.join(wanted)}: not within the tolerance of the question.")
+
+
+def _impossible(got: Mapping[str, float], effect: str, record: Record) -> tuple[str, str] | None:
+    """What no rig has, whatever its effect: what is wrong, and the name of the slip."""
+    signal, x = ("u", record.u) if EFFECT_PATHS[effect] == "input" else ("y", record.y)
+    rest = float(x[0]) if signal == "u" else float(np.mean(x[: first_period_length(record.u)]))
+    low, high = float(np.min(x)), float(np.max(x))
+    if "low" in got and got["low"] >= got["high"]:
+        return f"`low` is {got['low']:.4g} and `high` {got['high']:.4g}: they are swapped.", "low and high swapped"
+    for name in ("low", "high", "level"):
+        if name in got and not low <= got[name] <= high and low <= got[name] + rest <= high:
+            return (
+                f"`{name}` is {got[name]:.4g}, and `{signal}_act` runs from {low:.3g} to {high:.3g} V: "
+                f"this is a deviation "
+                f"from rest. Give the voltage itself, `{signal}_offset` included.",
+                "offset left out",
+            )
+    if "low" in got and (got["high"] < low or got["low"] > high):
+        return (
+            f"`low` and `high` are {got['low']:.4g} and {got['high']:.4g}, and `{signal}_act` runs from {low:.3g} to "
+            f"{high:.3g} V: both are outside. Are they in volts, measured at this signal?",
+            "not in volts",
+        )
+    if "empty" in got and got["empty"] >= low:
+        return (
+            f"`empty` is {got['empty']:.4g} V, but your record goes down to {low:.3g} V: the sensor of "
+            f"an empty tank shows "
+            "less than that. (The distance from rest is not the level: take it off `y_offset`.)",
+            "distance for level",
+        )
+    if "delay" in got and not 0 < got["delay"] < float(record.t[-1]) / 4:
+        return f"`delay` is {got['delay']:.4g} s: a rig answers later, and within seconds.", "sign"
+    return None
 
 
 def _slips(got: Mapping[str, float], rig: "WithheldRig", record: Record) -> list[tuple[str, str, Mapping[str, float]]]:

@@ -95,18 +95,20 @@ def _noise(ask: Ask, record: Record) -> Verdict:
         as_number("noise_sd", ask.value("noise_sd")),
         sd,
         close(0.05),
-        "what moves at rest is noise, and the rest of the record stands on this floor.",
+        "at rest the output varies by noise alone: no simulation can be nearer than this.",
         "`noise_sd` is not the standard deviation of the output over the rest.",
         [
             Slip("variance for standard deviation", "`noise_sd` is the variance: take its root.", lambda: sd**2),
             Slip(
                 "spread of the whole record",
-                "`noise_sd` is the standard deviation of the whole record. Only at rest is what moves noise.",
+                "`noise_sd` is the standard deviation of the whole record. While the input moves, so does "
+                "the output: at rest the spread is noise alone.",
                 lambda: float(np.std(record.y)),
             ),
             Slip(
                 "spread of the first half",
-                "`noise_sd` is the standard deviation of half the record. Only at rest is what moves noise.",
+                "`noise_sd` is the standard deviation of half the record. While the input moves, so does "
+                "the output: at rest the spread is noise alone.",
                 lambda: float(np.std(record.y[: record.y.size // 2])),
             ),
             Slip(

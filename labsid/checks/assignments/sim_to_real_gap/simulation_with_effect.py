@@ -83,11 +83,17 @@ def _slip(ask: Ask, run: _Run, y_sim: FloatArray) -> tuple[str, str] | None:
     y_offset = as_number("y_offset", ask.known("y_offset"))
     if run.closed(y_sim + y_offset) >= ENOUGH:
         return "`simulate_better` returns deviations from rest: put `y_offset` back on.", "output offset left out"
-    if np.sqrt(np.mean((y_sim - run.linear) ** 2)) < 0.1 * np.sqrt(np.mean((run.linear - run.y) ** 2)):
+    if _is_near(y_sim, run.linear, run):
         return (
             "`simulate_better` does what the linear model does: there is no effect in it, or its fit has put it out of "
             "the range that is used.",
             "no effect added",
+        )
+    if _is_near(y_sim + y_offset, run.linear, run):
+        return (
+            "`simulate_better` returns deviations from rest, of the linear model: put `y_offset` back "
+            "on, and the effect in.",
+            "output offset left out",
         )
     for moved, text in ((y_sim[1:], "late"), (y_sim[:-1], "early")):
         there = slice(None, -1) if text == "late" else slice(1, None)
@@ -95,7 +101,7 @@ def _slip(ask: Ask, run: _Run, y_sim: FloatArray) -> tuple[str, str] | None:
         if shifted.closed(moved) >= ENOUGH:
             return f"`simulate_better` is one sample {text}.", "lag off by one"
     without = _played(ask, run.u - ask.record.u[0])
-    if run.closed(without) >= ENOUGH:
+    if run.closed(without) >= ENOUGH or _is_near(without, run.linear, run):
         return (
             "`simulate_better` expects an input without its offset. It is handed the pump voltage: take `u_offset` off "
             "inside.",
@@ -107,6 +113,11 @@ def _slip(ask: Ask, run: _Run, y_sim: FloatArray) -> tuple[str, str] | None:
             "argument not used",
         )
     return None
+
+
+def _is_near(y_sim: FloatArray, other: FloatArray, run: _Run) -> bool:
+    """Whether two outputs differ by much less than the linear model does from the run."""
+    return bool(np.sqrt(np.mean((y_sim - other) ** 2)) < 0.1 * np.sqrt(np.mean((run.linear - run.y) ** 2)))
 
 
 def check_closed(ask: Ask) -> Verdict:
@@ -127,7 +138,7 @@ def check_closed(ask: Ask) -> Verdict:
         got,
         right,
         close(0.01, 0.005),
-        "this is how much of the gap the effect explains.",
+        f"{100 * right:.0f} % of the gap on your held-out half is closed.",
         "`closed` is not the share of the gap that `simulate_better` closes on the held-out half: go through the "
         "formula term by term.",
         [
@@ -153,6 +164,22 @@ def check_closed(ask: Ask) -> Verdict:
                 lambda: 1 - after / before**2,
             ),
             Slip(
+                "roots for mean squares",
+                "`closed` is made of `gap_before` itself, a root: the formula takes its square, the *mean "
+                "square* before.",
+                lambda: closed_share(after, before, noise),
+            ),
+            Slip(
+                "roots for mean squares",
+                "`closed` is made of the roots of both mean squares: the formula takes the mean squares themselves.",
+                lambda: closed_share(float(np.sqrt(after)), before, noise),
+            ),
+            Slip(
+                "roots for mean squares",
+                "`closed` is made of the root of the mean square after: the formula takes the mean square itself.",
+                lambda: closed_share(float(np.sqrt(after)), before**2, noise),
+            ),
+            Slip(
                 "error over the whole record",
                 "`closed` takes the error after over the whole record. Only the held-out half counts.",
                 lambda: closed_share(float(np.mean(squares)), before**2, noise),
@@ -163,6 +190,7 @@ def check_closed(ask: Ask) -> Verdict:
                 lambda: closed_share(float(np.mean(squares[:half])), before**2, noise),
             ),
         ],
+        exactly=close(1e-7),
     )
     if not verdict.passed or ask.origin is None:
         return verdict
@@ -253,6 +281,21 @@ def _run(ask: Ask) -> _Run:
     return _Run(u, y, linear, first, noise)
 
 
+def _other_length(ask: Ask, y_sim: FloatArray, wanted: int) -> str:
+    """Why the output has another length than the input."""
+    if y_sim.size == ask.record.y.size:
+        replayed = np.ptp(y_sim - ask.record.y) < 1e-9
+        what = "that is your record itself" if replayed else "as many as your record has"
+        return (
+            f"{what[0].upper()}{what[1:]}: does it replay or interpolate something recorded, in place "
+            f"of simulating its "
+            "argument? It is handed other inputs, of any length."
+        )
+    if y_sim.size in (wanted // 2, wanted - wanted // 2):
+        return "That is half of them: simulate the whole input."
+    return "There is one output for each sample of the input: compute all lengths from `len(u_act)`."
+
+
 def _played(ask: Ask, u: FloatArray) -> FloatArray:
     """What the student's simulation makes of an input."""
     value = returned(ask, "simulate_better", u)
@@ -265,7 +308,8 @@ def _played(ask: Ask, u: FloatArray) -> FloatArray:
     y_sim = as_vector("simulate_better(u_act)", value)
     if y_sim.size != u.size:
         raise NoAnswer(
-            f"`simulate_better` was handed {u.size} samples and returned {y_sim.size}. It owes one output for each.",
+            f"`simulate_better` was handed {u.size} samples and returned {y_sim.size}. "
+            f"{_other_length(ask, y_sim, u.size)}",
             "another length",
         )
     return y_sim

@@ -16,6 +16,7 @@ from labsid.checks.assignments.step_response.least_squares_appendix import (
     check_minimum,
     check_solve_two,
     check_unique,
+    unique_by_rank,
 )
 from labsid.checks.assignments.step_response.recorded_step import (
     check_held_step,
@@ -23,6 +24,8 @@ from labsid.checks.assignments.step_response.recorded_step import (
     give_held_step,
     give_tank_model,
 )
+from labsid.checks.assignments.step_response.stages import STAGES
+from labsid.checks.practice_records import signals_of, tank_record
 from labsid.checks.question import Assignment, FollowsFrom, Question
 
 ASSIGNMENT = Assignment(
@@ -46,7 +49,10 @@ ASSIGNMENT = Assignment(
         Question("step-8-loss", check_loss_function),
         Question("step-8-gradient", check_gradient),
         Question("step-9-minimum", check_minimum),
-        Question("step-9-unique", check_unique),
+        Question("step-9-unique", check_unique, reference=unique_by_rank),
     ),
     record_file="SysIdenData_StudentVersion.mat",
+    stages=STAGES,
+    practice_record=tank_record,
+    practice_given=signals_of,
 )

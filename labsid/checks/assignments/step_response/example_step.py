@@ -92,6 +92,11 @@ def check_approximation(ask: Ask) -> Verdict:
                 lambda: float(np.sum(error**2)),
             ),
             Slip(
+                "norm of the error",
+                "`mse_approx` is the norm of the error: square it and divide by N.",
+                lambda: float(np.linalg.norm(error)),
+            ),
+            Slip(
                 "not squared",
                 "`mse_approx` is the mean of the errors: square them first.",
                 lambda: float(np.mean(error)),
@@ -146,14 +151,15 @@ def check_function(ask: Ask) -> Iterator[Verdict]:
 
 
 def _trial_steps(rng: np.random.Generator) -> list[Step]:
-    """Steps from zero, from another level, downwards, with noise, and without a delay."""
+    """Steps from zero, from another level, downwards, with noise, without a delay, and of a process that falls."""
     steps = []
-    for level, sign, noise, delays in (
-        (0.0, 1, 0.0, 1), (1.0, 1, 0.0, 1), (1.0, -1, 0.0, 1), (1.0, -1, 0.003, 1), (1.0, 1, 0.0, 0)
+    for level, sign, noise, delays, gain in (
+        (0.0, 1, 0.0, 1, 1), (1.0, 1, 0.0, 1, 1), (1.0, -1, 0.0, 1, 1), (1.0, -1, 0.003, 1, 1), (1.0, 1, 0.0, 0, 1),
+        (1.0, 1, 0.003, 1, -1),
     ):  # fmt: skip
         # gains well above 1 and many samples per second: each mistake then gives a value of its own
         tau = float(rng.uniform(2, 7))
-        model = FirstOrderDelay(float(rng.uniform(1.6, 4)), tau, delays * tau * float(rng.uniform(0.25, 0.6)))
+        model = FirstOrderDelay(gain * float(rng.uniform(1.6, 4)), tau, delays * tau * float(rng.uniform(0.25, 0.6)))
         amplitude = sign * float(rng.uniform(1.3, 5))
         change = model.K * amplitude
         t: FloatArray = tau / 40 * np.arange(rng.integers(340, 420), dtype=np.float64)

@@ -28,9 +28,20 @@ def check_response(ask: Ask) -> Iterator[Verdict]:
             first_order_response(model, t, amplitude),
             close(1e-6),
             "zero up to the delay, then rising to K times the amplitude.",
-            "`first_order_response` does not follow the formula of step 1.",
+            f"`first_order_response` does not follow the formula of step 1. {_seen(t, got, model, amplitude)}",
             _response_slips(t, model, amplitude),
         )
+
+
+def _seen(t: FloatArray, got: FloatArray, model: FirstOrderDelay, amplitude: float) -> str:
+    """Where the student's response differs from one of this kind: before the delay, at the end, or in between."""
+    size = model.K * amplitude
+    before = got[t < model.td]
+    if before.size and np.max(np.abs(before)) > 1e-6 * abs(size):
+        return "Before td it is not zero."
+    if abs(got[-1] - size * (1 - np.exp(-(t[-1] - model.td) / model.tau))) > 0.02 * abs(size):
+        return f"At the end it is {got[-1] / size:.2g} times K times the amplitude, and should have reached that."
+    return "Before td and at the end it is right, in between it is not: look at the exponent."
 
 
 def _response_slips(t: FloatArray, model: FirstOrderDelay, amplitude: float) -> list[Slip[FloatArray]]:
@@ -78,6 +89,31 @@ def _response_slips(t: FloatArray, model: FirstOrderDelay, amplitude: float) -> 
             "sign of the exponent",
             "grows without limit: the exponent is negative.",
             size * (1 - np.exp(since / tau)),
+        ),
+        slip(
+            "impulse response",
+            "is the response to an impulse, the derivative of what is asked: a step gives K a (1 - e^...).",
+            size / tau * np.exp(-since / tau) * (t >= td),
+        ),
+        slip(
+            "ramp for the rise",
+            "rises along a straight line and stops: the rise is 1 minus the exponential.",
+            size * np.minimum(since / tau, 1),
+        ),
+        slip(
+            "delay added to the time constant",
+            "has tau + td in the exponent: the delay is taken off the time, t - td.",
+            size * (1 - np.exp(-t / (tau + td))),
+        ),
+        slip(
+            "no time constant",
+            "does not use tau: divide the time in the exponent by it.",
+            size * (1 - np.exp(-since)),
+        ),
+        slip(
+            "jump",
+            "jumps to its end at once: multiply by 1 minus the exponential.",
+            np.where(t >= td, size, 0.0),
         ),
         slip(
             "delay in samples",

@@ -12,8 +12,9 @@ from labsid.checks.assignments.step_response.slips import (
     minimum_slips,
     two_slips,
 )
-from labsid.checks.compare import as_array, as_number, as_vector, close, kind_of
+from labsid.checks.compare import as_array, as_number, as_theta, as_vector, close, kind_of
 from labsid.checks.question import Ask, returned
+from labsid.checks.values import Value
 from labsid.checks.verdict import Answer, NoAnswer, Slip, Verdict, first_failure, judge
 from labsid.least_squares.solve import loss, loss_gradient, solve_least_squares, two_equations
 
@@ -62,8 +63,14 @@ def check_error_vector(ask: Ask) -> Verdict:
     """(A4)."""
 
     def one(Phi: FloatArray, Y: FloatArray, theta: FloatArray) -> Verdict:
+        value = returned(ask, "error_vector", Phi, Y, theta)
+        _require_no_table(
+            "error_vector",
+            value,
+            (Y - Phi * theta if Phi.shape[1] == Y.size else Phi * theta, Y[:, None] - Phi * theta),
+        )
         return judge(
-            as_vector("error_vector(Phi, Y, theta)", returned(ask, "error_vector", Phi, Y, theta)),
+            as_vector("error_vector(Phi, Y, theta)", value),
             Y - Phi @ theta,
             _same,
             "one error for each equation.",
@@ -72,6 +79,19 @@ def check_error_vector(ask: Ask) -> Verdict:
         )
 
     return _on_all(ask, one)
+
+
+def _require_no_table(name: str, value: Value, tables: tuple[FloatArray, ...]) -> None:
+    """Refuse a table that is what a product entry by entry gives."""
+    if isinstance(value, np.ndarray) and value.ndim == 2 and 1 not in value.shape:
+        proved = any(value.shape == table.shape and np.allclose(value, table) for table in tables)
+        what = "comes of `Phi * theta`, which multiplies" if proved else "often comes of `*`, which multiplies"
+        raise NoAnswer(
+            f"`{name}` returns a table of shape {value.shape}, and not one error for each equation: "
+            f"that {what} entry by "
+            "entry. The product of Phi and theta is `Phi @ theta`.",
+            "product entry by entry",
+        )
 
 
 def check_loss_function(ask: Ask) -> Verdict:
@@ -116,8 +136,17 @@ def check_minimum(ask: Ask) -> Verdict:
     """Eq. (8)."""
 
     def one(Phi: FloatArray, Y: FloatArray, _: FloatArray) -> Verdict:
+        value = returned(ask, "best_theta", Phi, Y)
+        if isinstance(value, np.ndarray) and value.ndim == 2 and 1 not in value.shape:
+            raise NoAnswer(
+                f"`best_theta` returns a table of shape {value.shape}; theta has {Phi.shape[1]} numbers. A "
+                f"table comes of "
+                "`*` or `/` between matrices, which work entry by entry: products of matrices are `@`. "
+                "Are all of yours?",
+                "product entry by entry",
+            )
         return judge(
-            as_vector("best_theta(Phi, Y)", returned(ask, "best_theta", Phi, Y)),
+            as_theta("best_theta(Phi, Y)", value, Phi.shape[1]),
             solve_least_squares(Phi, Y).theta,
             close(1e-6),
             "no other theta has a smaller loss.",
@@ -149,7 +178,12 @@ def check_unique(ask: Ask) -> Verdict:
             "Phi'Phi is tiny there instead of zero; `matrix_rank` allows for that.",
             "zero compared exactly",
         )
-    return Verdict(False, "`is_unique` is not right for every Phi: compare its rank with its number of columns.", None)
+    Phi, unique = trials[wrong[0]]
+    return Verdict(
+        False,
+        f"`is_unique` says {not unique} for a Phi of {Phi.shape[0]} by {Phi.shape[1]} and rank {_rank(Phi)}: compare "
+        "the rank with the number of columns.",
+    )
 
 
 def trial_ranks(rng: np.random.Generator) -> list[tuple[FloatArray, bool]]:
@@ -170,6 +204,11 @@ def trial_ranks(rng: np.random.Generator) -> list[tuple[FloatArray, bool]]:
     trials += [(full(2, 3), False), (full(1, 2), False), (without, False)]
     order = rng.permutation([*range(len(trials)), *rng.integers(0, len(trials), 3)])
     return [trials[i] for i in order]
+
+
+def unique_by_rank(Phi: FloatArray) -> bool:
+    """Whether Phi has full column rank."""
+    return _rank(Phi) == Phi.shape[1]
 
 
 def _rank(Phi: FloatArray) -> int:
@@ -196,6 +235,11 @@ _WRONG_RULES: tuple[tuple[str, str, Callable[[FloatArray], bool]], ...] = (
         "square matrices only",
         "returns True only for a square Phi; more equations than unknowns are allowed.",
         lambda Phi: _rank(Phi) == Phi.shape[0] == Phi.shape[1],
+    ),
+    (
+        "square matrices only",
+        "returns True for every square Phi and for no other: what counts is whether a column follows from the others.",
+        lambda Phi: Phi.shape[0] == Phi.shape[1],
     ),
     (
         "opposite answer",

@@ -107,9 +107,10 @@ def _suspects(step: Step, fit: StepResponseFit) -> Iterator[_Suspect]:
     Ts = float(step.t[1] - step.t[0])
     grid = 1.5 * Ts
     both = "K has the wrong sign: keep the signs of the change of the output and of the amplitude."
-    yield _Suspect("sign of the gain", "K", -right.K, 0, both)
+    if right.K > 0:
+        yield _Suspect("sign of the gain", "K", -right.K, 0, both)
     if change < 0:
-        downwards = "in a step down, `y >= level` is true from the start: use the share of the change."
+        downwards = "in a step down, or wherever the output falls, `y >= level` is true from the start: use the share."
         for value in (0.0, -right.td):
             yield _Suspect("only steps up", "tau", value, grid, f"tau: {downwards}")
     if abs(fit.y_initial) > 0.1 * abs(change):
@@ -122,6 +123,13 @@ def _suspects(step: Step, fit: StepResponseFit) -> Iterator[_Suspect]:
     divide = "K is the whole change of the output: divide it by the amplitude."
     yield _Suspect("amplitude not divided out", "K", change, 0, divide)
     yield _Suspect("gain inverted", "K", a / change, 0, "K is inverted: it is output over input.")
+    for other in (2.0, 1.0):
+        if abs(a) > 0 and abs(abs(a) - other) > 0.1:
+            fixed = f"K is the change over {other:g}, whatever the amplitude is: divide by the amplitude of this step."
+            yield _Suspect("amplitude of another step", "K", change / other, 0, fixed)
+    absolute = "K is the absolute value: with its sign it tells whether the output falls when the input rises."
+    if right.K < 0:
+        yield _Suspect("absolute value of the gain", "K", abs(right.K), 0, absolute)
     early = "K was read at 63.2 % of the change; read it at the end."
     yield _Suspect("63.2 % taken for the end", "K", 0.632 * right.K, 0, early)
     two_thirds = "tau is t_63 - t_28, which is only two thirds of the time constant."
@@ -132,6 +140,9 @@ def _suspects(step: Step, fit: StepResponseFit) -> Iterator[_Suspect]:
     yield _Suspect("50 % taken for 63.2 %", "tau", t_50 - right.td, grid, half)
     if abs(t_50 - right.tau) > 2 * SAME_VALUE * right.tau + grid:
         yield _Suspect("50 % taken for 63.2 %", "tau", t_50, grid, half)
+    if abs(fit.t_283 - right.td) > grid + 2 * SAME_VALUE * right.td:
+        third = "td is the time to 28.3 %, which is t_d + tau/3: take tau off the time to 63.2 %."
+        yield _Suspect("28.3 % taken for the delay", "td", fit.t_283, grid, third)
     late = "td is the time to 63.2 %, which is t_d + tau: subtract tau."
     yield _Suspect("63.2 % taken for the delay", "td", fit.t_632, grid, late)
     if Ts <= COARSE:
@@ -155,15 +166,20 @@ def _suspects(step: Step, fit: StepResponseFit) -> Iterator[_Suspect]:
 
 def _deviation(values: dict[str, float], fit: StepResponseFit, right_gain: bool) -> str:
     if not right_gain:
-        return "K is not the change of the output divided by the amplitude of the step."
+        return (
+            "K is not the change of the output divided by the amplitude of the step: it is "
+            f"{values['K'] / fit.reading.K:.2g} times that. Print both levels and the amplitude."
+        )
     if not values["tau"] > 0:
         return "tau is not positive; it is the time from t_d to 63.2 % of the change."
-    slower = values["tau"] > fit.model.tau
-    later = values["td"] + values["tau"] > fit.model.td + fit.model.tau
-    how = ("late", "early")[not later], ("slowly", "fast")[not slower]
+    t_28, t_63 = values["td"] + values["tau"] / 3, values["td"] + values["tau"]
+    sides = [
+        "too late" if got > right + grid else "too early" if got < right - grid else "at the right time"
+        for got, right, grid in ((t_28, fit.t_283, 0.02 * fit.t_632), (t_63, fit.t_632, 0.02 * fit.t_632))
+    ]
     return (
-        f"K is right, but with this tau and td the model reaches 63.2 % too {how[0]}, or rises too {how[1]}. Compare "
-        "both responses in one figure."
+        f"K is right, but with this tau and td the model reaches 28.3 % at {t_28:.3g} s, {sides[0]}, and 63.2 % at "
+        f"{t_63:.3g} s, {sides[1]}. When does the response reach them?"
     )
 
 

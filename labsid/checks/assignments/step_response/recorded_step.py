@@ -10,7 +10,7 @@ from labsid.checks.assignments.step_response.readings import Step, judge_reading
 from labsid.checks.compare import as_number, as_vector, close
 from labsid.checks.question import Ask
 from labsid.checks.values import Value
-from labsid.checks.verdict import Slip, Verdict, judge
+from labsid.checks.verdict import NoAnswer, Slip, Verdict, judge
 from labsid.lab.offset import find_offsets, mean_of_first_period
 from labsid.lab.step_response import cut_held_step, fit_step_response
 
@@ -30,6 +30,14 @@ def check_held_step(ask: Ask) -> Verdict:
     got_t = as_vector("t_held", ask.value("t_held"), got_y.size)
     # the sample at the second change was taken before that change acts, so both ends are right
     stop = second if got_y.size != second - first + 1 else second + 1
+    single = next((k for k in (first, first - 1, 0) if _is_level(got_y, y[first:stop], y[k])), None)
+    if single is not None and not any(_is_level(got_y, y[first:stop], y[k:first].mean()) for k in range(first - 2)):
+        return Verdict(
+            False,
+            f"`y_held`: what is subtracted is one sample, number {single}, with the noise on it. Subtract the mean of "
+            "settled samples before the change, for example of the last 20.",
+            "a single sample",
+        )
     verdict = judge(
         got_y,
         y[first:stop] - find_offsets(u, y).y_offset,
@@ -154,7 +162,36 @@ def check_tank_model(ask: Ask) -> Verdict:
     depends = carried is not None and doubled is not None and not np.array_equal(carried, doubled)
     if depends and carried is not None and close(1e-6)(got, carried):
         return Verdict(True, "this is the result of your `read_step`, which is judged in step 5.")
+    for slip, hint, other in (
+        (
+            "the whole record",
+            "are what `read_step` makes of the whole record: hand over the one step, `t_held` and `y_held`.",
+            _whole(ask, a),
+        ),
+        ("model of part A", "are the values of part A: read them from the step of the tanks.", _of_part_a(ask)),
+    ):
+        if other is not None and close(1e-6)(got, other):
+            return Verdict(False, f"{', '.join(TANK_PARAMETERS[:-1])} and {TANK_PARAMETERS[-1]} {hint}", slip)
     return verdict
+
+
+def _whole(ask: Ask, a: float) -> FloatArray | None:
+    """What the student's `read_step` makes of the whole record."""
+    t, y = (np.asarray(one, np.float64) for one in (ask.record.t, ask.record.y))
+    return own_answer(ask, "read_step", t, y, a)
+
+
+def _of_part_a(ask: Ask) -> FloatArray | None:
+    """The student's values of step 1."""
+    try:
+        return np.array([as_number(name, ask.value(name)) for name in ("K", "tau", "td")])
+    except NoAnswer:
+        return None
+
+
+def _is_level(got: FloatArray, cut: FloatArray, level: float) -> bool:
+    """Whether this level was subtracted, to the last digits."""
+    return got.shape == cut.shape and bool(np.max(np.abs(cut - level - got)) <= 1e-12 * max(abs(level), 1e-300))
 
 
 def _same_up_to_level(within: float) -> Callable[[FloatArray, FloatArray], bool]:

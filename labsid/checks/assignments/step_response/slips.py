@@ -158,6 +158,26 @@ def minimum_slips(Phi: FloatArray, Y: FloatArray) -> Slips:
         Slip("transposed Phi", f"`best_theta` {_TRANSPOSED}", lambda: solve_least_squares(Phi.T, Y).theta),
         Slip("transposed Phi", f"`best_theta` {_TRANSPOSED}", lambda: np.linalg.inv(Phi @ Phi.T) @ Phi @ Y),
         Slip(
+            "Phi Phi' for Phi'Phi",
+            "`best_theta` inverts Phi Phi', N by N; eq. (8) inverts Phi'Phi, p by p.",
+            lambda: np.linalg.inv(Phi @ Phi.T) @ Phi.T @ Y,
+        ),
+        Slip(
+            "Phi Phi' for Phi'Phi",
+            "`best_theta` inverts Phi Phi', N by N; eq. (8) inverts Phi'Phi, p by p.",
+            lambda: Phi.T @ np.linalg.inv(Phi @ Phi.T) @ Y,
+        ),
+        Slip(
+            "second factor not transposed",
+            "`best_theta` multiplies Y by Phi; eq. (8) multiplies it by Phi'.",
+            lambda: np.linalg.inv(Phi.T @ Phi) @ Phi @ Y,
+        ),
+        Slip(
+            "product entry by entry",
+            "`best_theta` multiplies Phi' and Phi entry by entry (`*`): products of matrices are `@`.",
+            lambda: np.linalg.inv(Phi.T * Phi) @ Phi.T @ Y,
+        ),
+        Slip(
             "only as many equations as unknowns",
             "`best_theta` solves only the first equations; eq. (8) uses all of them.",
             lambda: solve_least_squares(Phi[:p], Y[:p]).theta,

@@ -1,0 +1,171 @@
+"""Lines that Python cannot read, and names that it does not know: above all what is right in MATLAB."""
+
+import re
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from labsid.checks.stops import Stop
+
+
+@dataclass(frozen=True, slots=True)
+class Spelling:
+    """What stands in a line, and what Python writes for it."""
+
+    pattern: str
+    python: str
+
+
+_MOST_SPELLINGS = 2
+_TEXTS = re.compile(r"(?<![\w\])])[frbFRB]{0,2}(\"[^\"]*\"|'[^']*')|#.*")
+_HEADS = "if|elif|else|while|for|def|with|try|except|finally|class"
+_RANGE = (
+    "`{0}` is MATLAB's range. In numpy it is `np.arange(start, stop, step)`, which leaves out "
+    "the stop, or `np.linspace(first, "
+    "last, number)`, which has both ends and as many points as you say."
+)
+_BRACKETS = (
+    "`{0}` has round brackets: entries are taken with square ones and counted from 0, so "
+    "MATLAB's `A(:, 2)` is `A[:, 1]` and "
+    "`A(1)` is `A[0]`."
+)
+SPELLINGS: tuple[Spelling, ...] = (
+    Spelling(r"(?:[(,]\s*|^\s*)lambda\s*(?=[,)=])", "`lambda` is a word of Python's own: call the variable `lam`."),
+    Spelling(
+        r"\w+\([^()]*\bend\b[^()]*\)",
+        ("`{0}`: Python has no `end`. An open slice goes to the end, `y[half:]`; the last entry is `y[-1]`."),
+    ),
+    Spelling(
+        r"\w+\[[^\[\]]*\bend\b[^\[\]]*\]",
+        ("`{0}`: Python has no `end`. An open slice goes to the end, `y[half:]`; the last entry is `y[-1]`."),
+    ),
+    Spelling(r"[\w\]]+\(\s*(?:\d*\s*:|[^()]*[,\s]:)[^()]*\)", _BRACKETS),
+    Spelling(
+        r"^\s*for\s+\w+\s*=\s*.*",
+        ("`{0}` is MATLAB's loop. Python's is `for k in range(first, stop):`, which leaves out the stop."),
+    ),
+    Spelling(
+        r"^\s*function\b.*",
+        ("`{0}` is MATLAB's function. Python's is `def name(arguments):`, with `return` and the result at the end."),
+    ),
+    Spelling(
+        rf"^(?!\s*(?:{_HEADS})\b)(?!.*(?:\{{|\blambda\b)).*?"
+        r"(?<![\w\])[])(?<!\[ )(?P<shown>[-\w.]+\s*:\s*[-\w.*/]+(?:\s*:\s*[-\w.]+)?)(?=\s*\)?'?\s*;?$)",
+        _RANGE,
+    ),
+    Spelling(
+        r"[\w\])]+\s*\\\s*\w+",
+        (
+            "`{0}`: Python has no `\\`. A square system is `np.linalg.solve(A, b)`, least squares "
+            "`np.linalg.lstsq(A, b)[0]`."
+        ),
+    ),
+    Spelling(r"\"\"\w", "A text in quotes ends at the next such quote: put one with an apostrophe in double quotes."),
+    Spelling(
+        r"^(?!.*\"\"\w).*?(?P<shown>[\w\])]+'(?!\w*'))",
+        "`{0}`: an apostrophe begins a text. The transpose is `.T`, as in `Phi.T`.",
+    ),
+    Spelling(r"~=", '`{0}` is MATLAB\'s "not equal": write `!=`.'),
+    Spelling(r"&&|\|\|", "`{0}` is MATLAB's: write `and`, `or`."),
+    Spelling(
+        r"(?:\b[A-Za-z_]\w*|[\])])\s*\.[*/^]|\d\.\^",
+        ("`{0}` is MATLAB's: in Python `*`, `/` and `**` work entry by entry, and `@` multiplies matrices."),
+    ),
+    Spelling(r"^\s*%.*", "`{0}`: a comment begins with `#`."),
+    Spelling(
+        r"\[\s*[\w.]+(?:\s+(?!(?:for|in|if|else|and|or|not|is)\b)[\w.]+)+\s*\]",
+        "`{0}`: the items of a list are separated by commas.",
+    ),
+    Spelling(r"\b\d+(?:\.\d+)?(?!e[-+]?\d|[jJ]\b)[A-Za-z_]\w*", "`{0}`: a product needs its `*`."),
+)
+"""Tried in order on a line that Python cannot read; `{0}` is what was found."""
+
+_MESSAGES: tuple[Spelling, ...] = (
+    Spelling(
+        r"Missing parentheses in call to 'print'",
+        "`print` is a function: `print(...)`. (A result is handed back by `return`.)",
+    ),
+    Spelling(r"was never closed", "Count the brackets: one that opens is not closed."),
+    Spelling(r"unmatched|does not match", "Count the brackets: one closes that was not opened, or of another kind."),
+    Spelling(r"expected ':'", "The line of `if`, `for`, `while` or `def` ends with a colon."),
+    Spelling(
+        r"expected an indented block", "What belongs to `if`, `for`, `while` or `def` is indented by four spaces."
+    ),
+    Spelling(
+        r"unindent|unexpected indent|inconsistent use of tabs", "All lines of one block begin at the same column."
+    ),
+    Spelling(r"Maybe you meant '=='", "`=` assigns; `==` compares."),
+    Spelling(r"cannot assign to", "On the left of `=` stands the name that gets the value."),
+    Spelling(r"'return' outside function", "`return` stands indented, inside a function."),
+    Spelling(
+        r"unterminated string",
+        "A text that is begun is not ended on its line: look at the quotes. (Is MATLAB's transpose meant? It is `.T`.)",
+    ),
+    Spelling(r"forgot a comma", "Between two items a comma is missing, or between two factors a `*`."),
+    Spelling(r"", "Look at the end of the line before, too: a bracket that is not closed shows one line late."),
+)
+
+_NUMPY = re.compile(
+    "sin|cos|tan|exp|log|sqrt|pi|zeros|ones|eye|linspace|arange|array|mean|std|var|abs|sum|cumsum|diff|roots|polyval|dot|"
+    "outer|column_stack|hstack|vstack|concatenate|size|shape|reshape|floor|ceil|sign|conv|convolve"
+)
+_LINEAR = re.compile("inv|solve|lstsq|det|eig|eigvals|pinv|norm|svd")
+_MATLAB = {
+    "true": "`True`",
+    "false": "`False`",
+    "length": "`len(x)`",
+    "numel": "`x.size`",
+    "disp": "`print(x)`",
+    "rand": "`rng.random(shape)`",
+    "randn": "`rng.standard_normal(shape)`",
+    "tf": "`ct.tf`",
+    "ss": "`ct.ss`",
+    "lsim": "`ct.forced_response(sys, inputs=u).outputs`",
+    "filter": "`scipy.signal.lfilter`",
+    "rank": "`np.linalg.matrix_rank(A)`",
+    "plot": "`ax.plot(x, y)`",
+    "figure": "`plt.subplots()`",
+    "subplot": "`plt.subplots(2, 1)`",
+    "stairs": '`ax.step(t, u, where="post")`',
+    "end": '`y[half:]` for "to the end", `y[-1]` for the last entry; Python has no `end`',
+    "find": "`np.flatnonzero(condition)`",
+    "e": "`np.exp(x)` for a power of e",
+    "null": "`None`",
+    "nan": "`np.nan`",
+    "inf": "`np.inf`",
+}
+
+
+def cause_of_syntax(stop: Stop) -> str:
+    """Why Python cannot read a line."""
+    code = _TEXTS.sub(lambda text: '""' if text[1] else "", stop.line)
+    code = re.split(r"(?<![\w\])'\"])'|(?<!\")\"(?!\")", code)[0]  # a text that is not ended is no code
+    matches = ((one, re.search(one.pattern, code)) for one in SPELLINGS)
+    said = [
+        one.python.format((found.groupdict().get("shown") or found[0]).strip())
+        for one, found in matches
+        if found is not None
+    ]
+    if said:
+        return " ".join(said[:_MOST_SPELLINGS])
+    return next(one.python for one in _MESSAGES if re.search(one.pattern, stop.text))
+
+
+def cause_of_unknown_name(name: str, stop: Stop, made_by: Callable[[str], str] | None) -> str:
+    """Why a name is not defined: it is MATLAB's or numpy's, misspelt, or its cell has not been run."""
+    where = "" if made_by is None else made_by(name)
+    if where:
+        return where
+    if stop.near and stop.near.lower() == name.lower():
+        return f"There is `{stop.near}`: capital and small letters differ."
+    if _NUMPY.fullmatch(name):
+        return f"It is a part of numpy: `np.{name}`."
+    if _LINEAR.fullmatch(name):
+        return f"It is in numpy's part for linear algebra: `np.linalg.{name}`."
+    if name in _MATLAB:
+        return f"In Python: {_MATLAB[name]}."
+    if stop.near:
+        return f"There is `{stop.near}`: is that meant?"
+    return (
+        "No cell that has been run defines it: run the cells above in their order, or define it. "
+        "(Spelt alike in both places?)"
+    )

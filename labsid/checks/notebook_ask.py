@@ -1,0 +1,96 @@
+"""Access of a check to the variables of a notebook, in the notebook's own process."""
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from labsid.checks.compare import kind_of
+from labsid.checks.python_errors import told
+from labsid.checks.stops import stop_of
+from labsid.checks.time_limit import CALL_SECONDS, OutOfTime, limit_time
+from labsid.checks.values import Value, plain
+from labsid.checks.verdict import NoAnswer
+from labsid.records.record import Record
+
+PUBLIC_SEED = 2018
+_SMALL = 9
+"""Largest number of entries that a message writes out."""
+
+
+class NotebookAsk:
+    """Asks the variables of a notebook, in the notebook's own process; `names` are those that were asked for."""
+
+    origin: None = None
+
+    def __init__(
+        self, variables: Mapping[str, Any], record: Record | None, known: Mapping[str, Value], question_id: str
+    ) -> None:
+        self._variables = variables
+        self._record = record
+        self._known = known
+        self.names: list[str] = []
+        self.tried = ""
+        self._calls = 0
+        self.rng = np.random.default_rng([PUBLIC_SEED, *question_id.encode()])
+
+    @property
+    def record(self) -> Record:
+        """The record beside the notebook."""
+        if self._record is None:
+            raise ValueError("this assignment has no data file")
+        return self._record
+
+    def value(self, name: str) -> Value:
+        """The variable as plain data."""
+        self.names.append(name)
+        self.tried = ""
+        if name not in self._variables:
+            raise NoAnswer(f"there is no variable `{name}` yet. Define it with exactly this name.")
+        return plain(self._variables[name])
+
+    def call(self, name: str, *arguments: Value) -> Value:
+        """The result of the function of that name, as plain data."""
+        begins_with_calls = bool(self._calls) or not self.names
+        self.names.append(name)
+        self._calls += 1
+        function = self._variables.get(name)
+        if not callable(function):
+            raise NoAnswer(f"there is no function `{name}` yet. Define it with `def {name}(...):`.")
+        self.tried = ""
+        try:
+            with limit_time(CALL_SECONDS):
+                result = plain(function(*[np.array(a) if isinstance(a, np.ndarray) else a for a in arguments]))
+            if begins_with_calls:
+                self.tried = f"Tried: `{name}({_listed(arguments)})` returned {_short(result)}."
+            return result
+        except (OutOfTime, KeyboardInterrupt):
+            raise NoAnswer(
+                f"`{name}` did not come to an end within {CALL_SECONDS:g} s: look for a loop whose condition never "
+                "becomes false."
+            ) from None
+        except Exception as error:
+            raise NoAnswer(told(stop_of(error, self._variables), f"`{name}`")) from error
+
+    def known(self, name: str) -> Value:
+        """A value of an earlier step: the student's, or the reference's where that step was skipped."""
+        return self._known[name]
+
+
+def _listed(arguments: tuple[Value, ...]) -> str:
+    return ", ".join(map(_short, arguments))
+
+
+def _short(value: Value) -> str:
+    """A value in a few characters: small arrays whole, longer ones by their beginning and their shape."""
+    if isinstance(value, tuple | list):
+        return f"({', '.join(map(_short, value[:4]))})"
+    if isinstance(value, np.ndarray) and value.ndim and value.dtype.kind in "biufc":
+        if value.size <= _SMALL:
+            return np.array2string(value, precision=3, separator=", ", suppress_small=True).replace("\n", "")
+        row = value if value.ndim == 1 else value[0]
+        shown = ", ".join(f"{number:.3g}" for number in np.ravel(row)[:3])
+        return f"[{shown}, ...] of shape {value.shape}"
+    if isinstance(value, bool | str):
+        return repr(value)[:60]
+    return f"{value:.4g}" if isinstance(value, int | float) else kind_of(value)

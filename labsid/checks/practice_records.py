@@ -1,0 +1,58 @@
+"""Records to practise with: the lab's tanks with other dimensions and levels, and a rig with an effect."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from labsid._arrays import FloatArray
+from labsid.checks.values import Value
+from labsid.lab.offset import find_offsets
+from labsid.records.record import Record
+from labsid.rig.lab.instruments import noise_reduced
+from labsid.rig.lab.integration import simulate_rig
+from labsid.rig.lab.plan import staircase
+from labsid.rig.lab.tanks import TankParameters, steady_levels, tank_rig
+from labsid.rig.switchable.withheld import withheld_record, withheld_rig
+
+_TS = 0.75
+_BEFORE = 4
+_NOISE = 0.003
+_SHARED = b"for practice only: known to everybody"
+"""From which the rigs with an effect are made; never a course's secret."""
+
+
+def tank_record(rng: np.random.Generator) -> Record:
+    """A short record of the lab's tanks, settled at its start, with two steps that settle and two that need not."""
+    plain = TankParameters()
+    vary = {name: getattr(plain, name) * float(rng.uniform(0.9, 1.1)) for name in ("upper_area", "lower_area")}
+    rig = tank_rig(replace(plain, **vary))
+    rest = float(rng.choice([1.9, 2.0, 2.1]))
+    first = int(rng.integers(30, 40))
+    starts = (0, first, first + 180, first + 330, first + 370)
+    u = staircase((rest, rest - 0.3, rest + 0.2, rest - 0.1, rest), starts, first + 400)
+    running = np.concatenate([np.full(_BEFORE, u[0]), u])
+    parameters = replace(plain, **vary)
+    clean = simulate_rig(rig, running, _TS, steady_levels(parameters, rest)).y
+    measured = clean + _NOISE * rng.standard_normal(clean.size)
+    averaged = noise_reduced(measured[_BEFORE:], measured[:_BEFORE])
+    t: FloatArray = _TS * np.arange(u.size, dtype=np.float64)
+    return Record(
+        t=t, u=u, y=averaged, Ts=_TS, y_measured=measured[_BEFORE:], y_noise_reduced=averaged, name="practice"
+    )
+
+
+def gap_record(rng: np.random.Generator) -> Record:
+    """A record of a rig with one effect."""
+    return withheld_record(withheld_rig(f"practice-{rng.integers(10**6)}", _SHARED))
+
+
+def signals_of(record: Record) -> dict[str, Value]:
+    """The signals of a record, as the notebooks name them."""
+    return {"t": record.t, "Ts": record.Ts, "u_act": record.u, "y_act": record.y}
+
+
+def offset_free_signals_of(record: Record) -> dict[str, Value]:
+    """The signals without their offsets, and the half of their length."""
+    offsets = find_offsets(record.u, record.y)
+    u, y = record.u - offsets.u_offset, record.y - offsets.y_offset
+    return {"t": record.t, "Ts": record.Ts, "u": u, "y": y, "half": y.size // 2}

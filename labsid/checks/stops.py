@@ -1,0 +1,175 @@
+"""Where an error stopped a student's code: the line, the part of it, and the shapes of what stands in it.
+
+Nothing of the student's is run to find this out.
+"""
+
+import ast
+import difflib
+import linecache
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, field
+from types import FrameType, TracebackType
+from typing import Any
+
+from labsid.checks.line_values import MOST_PARTS, Thing, parsed_line, things_in
+
+_LARGEST_SIZE = 10**7
+_KINDS = ("array", "list", "tuple", "number", "text", "dictionary", "function", "module", "nothing", "object")
+_LONGEST_LINE = 300
+
+
+@dataclass(frozen=True, slots=True)
+class Stop:
+    """An error in a student's code.
+
+    Attributes
+    ----------
+    kind, text : str
+        As Python gives them: "ValueError", and its message.
+    number : int, optional
+        Line in the cell or in the function's cell.
+    line : str
+        That line; empty if it is not known.
+    part : str
+        The expression in it that failed.
+    things : mapping
+        By the text of an expression in the line, what it is.
+    arguments : tuple of str
+        Arguments of the function in which it stopped; empty in a cell.
+    near : str
+        For a name that is not defined, one that is and is spelt nearly like it.
+    """
+
+    kind: str
+    text: str
+    number: int | None = None
+    line: str = ""
+    part: str = ""
+    things: Mapping[str, Thing] = field(default_factory=dict)
+    arguments: tuple[str, ...] = ()
+    near: str = ""
+
+    def shape(self, node: ast.expr) -> tuple[int, ...] | None:
+        """Shape of an array that stands in the line."""
+        thing = self.things.get(ast.unparse(node))
+        return thing.shape if thing is not None and thing.kind == "array" else None
+
+    def expressions(self) -> Iterator[ast.AST]:
+        """The parts of the expression that failed, or of the line if that is not known, outermost first."""
+        for text in (self.part, self.line):
+            tree = parsed_line(text)
+            if tree is not None:
+                yield from ast.walk(tree)
+                return
+
+
+def packed(stop: Stop) -> dict[str, Any]:
+    """A stop as plain data for a message between processes, without the values of numbers."""
+    things = [
+        [name, thing.kind, list(thing.shape or ()), thing.shape is not None] for name, thing in stop.things.items()
+    ]
+    return {
+        "line": stop.line,
+        "part": stop.part,
+        "things": things,
+        "arguments": list(stop.arguments),
+        "near": stop.near,
+    }
+
+
+def unpacked(message: Any, kind: str, text: str, is_known: Callable[[str], bool]) -> Stop:
+    """A stop from another process, which is not trusted: only what `is_known` says of the notebook is taken over.
+
+    Parameters
+    ----------
+    message : object
+        What `packed` made, or anything else.
+    kind, text : str
+        Kind and message of the error, redacted.
+    is_known : callable
+        Whether a text stands in the student's notebook.
+    """
+    if not isinstance(message, dict):
+        return Stop(kind, text)
+    things: dict[str, Thing] = {}
+    sent = message.get("things")
+    for one in sent[:MOST_PARTS] if isinstance(sent, list) else []:
+        if isinstance(one, list) and len(one) == 4 and isinstance(one[0], str) and one[1] in _KINDS:
+            sizes = one[2] if isinstance(one[2], list) else []
+            shape = tuple(int(size) for size in sizes if type(size) is int and 0 <= size < _LARGEST_SIZE)
+            things[one[0]] = Thing(str(one[1]), shape if one[3] is True else None)
+    line, part, near = (str(message.get(key, "")) for key in ("line", "part", "near"))
+    line = line if is_known(line) else ""
+    names = message.get("arguments")
+    arguments = tuple(str(name) for name in names) if isinstance(names, list) else ()
+    return Stop(
+        kind,
+        text,
+        None,
+        line,
+        part if is_known(part) else "",
+        {name: thing for name, thing in things.items() if is_known(name) or name in line},
+        arguments if all(map(is_known, arguments)) else (),
+        near if is_known(near) else "",
+    )
+
+
+def stop_of(error: BaseException, variables: Mapping[str, Any], source: str = "") -> Stop:
+    """Describe an error in a student's code.
+
+    Parameters
+    ----------
+    error : BaseException
+    variables : mapping
+        The notebook's variables; frames whose global names these are belong to the student.
+    source : str
+        The cell that was run, where Python does not keep it.
+    """
+    kind = next(one.__name__ for one in type(error).__mro__ if not one.__name__.startswith("_"))
+    if isinstance(error, SyntaxError):
+        lines = source.splitlines()
+        number = error.lineno
+        known = lines[number - 1] if number and number <= len(lines) else str(error.text or "")
+        return Stop(kind, str(error.msg), number, known.strip()[:_LONGEST_LINE])
+    try:
+        text = str(error)
+    except Exception:
+        text = ""
+    found = _last_frame(error.__traceback__, variables)
+    if found is None:
+        return Stop(kind, text)
+    frame, trace = found
+    names = {**frame.f_globals, **frame.f_locals}
+    line, part = _line_and_part(frame, trace, source)
+    code = frame.f_code
+    arguments = code.co_varnames[: code.co_argcount] if code.co_name != "<module>" else ()
+    near = ""
+    if isinstance(error, NameError) and error.name:
+        own = [name for name in names if not name.startswith("_")]
+        alike = [name for name in own if name.lower() == error.name.lower()]
+        near = next(iter(alike or difflib.get_close_matches(error.name, own, 1, 0.75)), "")
+    return Stop(kind, text, trace.tb_lineno, line, part, things_in(line, names), arguments, near)
+
+
+def _last_frame(trace: TracebackType | None, variables: Mapping[str, Any]) -> tuple[FrameType, TracebackType] | None:
+    found = None
+    while trace is not None:
+        if trace.tb_frame.f_globals is variables:
+            found = trace.tb_frame, trace
+        trace = trace.tb_next
+    return found
+
+
+def _line_and_part(frame: FrameType, trace: TracebackType, source: str) -> tuple[str, str]:
+    """The statement's first line as written, and the expression that Python was evaluating."""
+    lines = linecache.getlines(frame.f_code.co_filename) or source.splitlines(keepends=True)
+    if not 0 < trace.tb_lineno <= len(lines):
+        return "", ""
+    line = lines[trace.tb_lineno - 1].strip()[:_LONGEST_LINE]
+    places = list(frame.f_code.co_positions())
+    first, last, begin, end = places[trace.tb_lasti // 2] if trace.tb_lasti // 2 < len(places) else (None,) * 4
+    if first is None or last is None or begin is None or end is None or last > len(lines):
+        return line, ""
+    if first != last:
+        return " ".join(part.strip() for part in lines[first - 1 : last])[:_LONGEST_LINE], ""
+    return line, lines[first - 1].encode()[begin:end].decode(errors="replace")

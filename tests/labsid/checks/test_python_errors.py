@@ -1,0 +1,151 @@
+"""Python's errors, explained: each cause with the mistake, and with a neighbour that must not get it."""
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+from labsid.checks.python_errors import details, explain, told
+from labsid.checks.stops import Stop, packed, stop_of, unpacked
+
+N = 20
+VALUES: dict[str, Any] = {
+    "np": np, "Phi": np.arange(2.0 * N).reshape(N, 2) ** 2, "Y": np.arange(float(N)), "R": np.eye(2), "W": np.eye(3),
+    "y": np.arange(float(N)), "u": np.arange(float(N)), "w": np.arange(5.0), "zeros": np.zeros((N, 2)),
+    "data": {"t": np.arange(3.0)}, "k": 2,
+}  # fmt: skip
+
+
+def stopped(code: str) -> Stop:
+    names = dict(VALUES)
+    try:
+        exec(compile(code, "<no file>", "exec"), names)
+    except Exception as error:
+        return stop_of(error, names, code)
+    raise AssertionError(f"{code} does not stop")
+
+
+CAUSES = [
+    ("Phi.T * Y[:, np.newaxis] * Phi", "Phi.T * w", "entry by entry. The product"),
+    ("Phi.T * Phi", "u * w", "`Phi.T @ Phi`, which fits"),
+    ("Phi * Y", "w * Phi", "`Y[:, np.newaxis]`"),
+    ("y[1:] - u", "Phi[1:] - Phi", "19 samples and `u` has 20"),
+    ("y - w", "Phi - W", "they do not pair up"),
+    ("np.linalg.solve(Phi.T @ Phi, Y)", "np.linalg.solve(R, w)", "multiplied, too: `Phi.T @ Y`"),
+    ("np.linalg.solve(R, w)", "np.linalg.solve(Phi, Y)", "has 2 rows, and b, here `w`, has 5"),
+    ("np.linalg.inv(zeros @ zeros.T)", "np.linalg.inv(zeros.T @ zeros)", "of rank 2 at most"),
+    ("np.linalg.inv(zeros.T @ zeros)", "np.linalg.inv(zeros @ zeros.T)", "columns are dependent"),
+    ("np.linalg.inv(Phi)", "np.linalg.inv(zeros.T @ zeros)", "`Phi` is 20 by 2; only a square"),
+    ("Phi @ Y", "Phi @ w", "Is `Phi.T @ Y` meant?"),
+    ("R @ 3", "R @ w", "`3` is one number: a multiple is made by `*`"),
+    ("y[:-0] @ y", "y[:0] @ y", "`[:-0]` takes nothing"),
+    ("y[20]", "y[25]", "Python counts from 0: 20 entries"),
+    ("y[25]", "y[:0][3]", "There are 20 entries"),
+    ("y[:0][3]", "y[20]", "It is empty along that axis"),
+    ("y[:, 1]", "Phi[:, 1, 0]", "`y` has shape (20,): it is flat"),
+    ("data.t", "data.time", 'a key of it, `data["t"]`'),
+    ('data["y"]', "data[4]", '`data` has the keys "t"'),
+    ("y(1)", "k(1)", "round brackets call, square ones take entries"),
+    ("k(1 + 1)", "y(1)", "is a `*` missing"),
+    ("np.column_stack([y[1:], u])", "np.concatenate([Phi, W])", "Here these are 19, 20"),
+    ("np.column_stack(y, u)", "np.array([y, w])", "in a list: `np.column_stack([a, b])`"),
+    ("np.concatenate([Phi, y])", "np.column_stack([y[1:], u])", "one is flat, (N,)"),
+    ("if y > 3: pass", "if y.undefined: pass", "need one True or False"),
+    ("a, b = np.linalg.lstsq(Phi, Y, rcond=None)", "a = np.array(np.linalg.lstsq(Phi, Y))", "as many names as"),
+    ("np.zeros(20 / 2)", "np.zeros(-1)", "`//` a whole number"),
+    ("y ^ 2", "y @ 2", "write `**`"),
+    ("np.inv(R)", "np.invert_it(R)", "`np.linalg.inv`"),
+    ("zeros((2, 2))", "np.zeros(2, 2)", "`zeros` is no function"),
+    ("np.zeros(2, 3)", "np.zeros('a')", "brackets of its own"),
+    ("abs - 1", "[1, 2] - 1", "A function itself is no number"),
+    ("[1.0, 2.0] - 1", "abs - 1", "make an array of it"),
+    ("solve(R, w)", "solved(R, w)", "`np.linalg.solve`"),
+    ("length(y)", "lengths(y)", "`len(x)`"),
+    ("phi = Phi + PHI", "phi = Phi + other", "capital and small letters differ"),
+    ("t = 1:0.1:100", "t = y[1:5 3]", "is MATLAB's range"),
+    ("for q = 1:3\n pass", "if k = 1: pass", "MATLAB's loop"),
+    ("if k = 1: pass", "t = 1:0.1:100", "`==` compares"),
+    ("p = Phi(:, 2)", "p = f(lambda x: x x)", "`A[:, 1]`"),
+    ("R = Phi' * Phi", "s = 'it", "The transpose is `.T`"),
+    ("s = 'it's fine'", "R = Phi' * Phi", "one with an apostrophe in double quotes"),
+    ('print("a\\n)', "c = R \\ w", "that is begun is not ended"),
+    ("c = R \\ w", 'print("a\\n)', "`np.linalg.solve(A, b)`"),
+    ("v = y(1:end)", "v = y[1 2]", "Python has no `end`"),
+    ("v = [1 2 3]", "v = [k for k in y", "separated by commas"),
+    ("v = 2pi", "v = 1e-3 2", "a product needs its `*`"),
+    ("v = u.*y", "v = 2.*k +", "work entry by entry"),
+    ("f(lambda, 1)", "f(lambda x: x x)", "call the variable `lam`"),
+]
+
+
+@pytest.mark.parametrize(("mistake", "neighbour", "said"), CAUSES, ids=[one[0] for one in CAUSES])
+def test_a_cause_is_told_and_only_where_it_holds(mistake: str, neighbour: str, said: str) -> None:
+    assert said in explain(stopped(mistake))
+    assert said not in explain(stopped(neighbour))
+
+
+def test_the_message_begins_with_pythons_own_line_and_the_shapes() -> None:
+    text = told(stopped("theta = np.linalg.solve(Phi.T @ Phi, Y)"), "The answer cell")
+    assert text.startswith("The answer cell stopped with ValueError: solve")
+    assert "in line 1: `theta = np.linalg.solve(Phi.T @ Phi, Y)`. There `Phi` has shape (20, 2), `Y` has " in text
+
+
+def test_an_undefined_name_names_the_cell_that_makes_it() -> None:
+    assert explain(stopped("missing + 1"), lambda name: f"`{name}` is made in question 3.") == (
+        "`missing` is made in question 3."
+    )
+    assert "No cell that has been run defines it" in explain(stopped("missing + 1"), lambda name: "")
+
+
+def test_reading_a_line_runs_none_of_it() -> None:
+    calls: list[int] = []
+
+    class Loud:
+        def __getitem__(self, index: int) -> int:
+            calls.append(index)
+            return 1
+
+        @property
+        def shape(self) -> tuple[int, ...]:
+            calls.append(0)
+            return (1,)
+
+    names = {**VALUES, "loud": Loud(), "f": lambda: calls.append(1)}
+    line = "y[1:] - u + (0 if True else loud[0] + loud.shape[0] + f())"
+    with pytest.raises(ValueError, match="broadcast") as caught:
+        exec(line, names)
+    assert "19 samples" in explain(stop_of(caught.value, names, line))
+    assert calls == []
+
+
+def test_a_stop_is_the_same_after_the_way_to_another_process() -> None:
+    stop = stopped("theta = np.linalg.solve(Phi.T @ Phi, Y)")
+    again = unpacked(packed(stop), stop.kind, stop.text, lambda text: True)
+    assert details(again) == details(stop)
+
+
+@pytest.mark.parametrize(
+    "message",
+    [
+        None, [], "text", {"things": 3}, {"things": [[1, 2]]}, {"things": [["Phi", "array", [-1, "x", 10**9], True]]},
+        {"things": [["Phi", "secret of grading", [3], True]]}, {"arguments": 5, "line": ["x"]},
+    ],
+)  # fmt: skip
+def test_another_process_cannot_say_what_it_likes(message: Any) -> None:
+    assert unpacked(message, "ValueError", "text", lambda text: False) in (
+        Stop("ValueError", "text"),
+        Stop("ValueError", "text", things={}),
+    )
+
+
+def test_only_what_stands_in_the_notebook_is_taken_over() -> None:
+    sent = {
+        "line": "theta_of_grading = 4.0",
+        "part": "theta_of_grading",
+        "things": [["theta_of_grading", "array", [4], True], ["y", "array", [20], True]],
+        "arguments": ["theta_of_grading"],
+        "near": "theta_of_grading",
+    }
+    stop = unpacked(sent, "ValueError", "text", lambda text: text == "y")
+    assert (stop.line, stop.part, stop.arguments, stop.near) == ("", "", (), "")
+    assert set(stop.things) == {"y"}

@@ -1,0 +1,106 @@
+"""Natural first mistakes of a third-year student at each question, and what the checks must say to them."""
+
+import linecache
+import re
+from dataclasses import dataclass
+from importlib import import_module
+
+from one_answer import Solved, quietly, solve
+
+from labsid.checks.notebook import NotebookAsk
+from labsid.checks.python_errors import told
+from labsid.checks.stops import stop_of
+from labsid.checks.time_limit import OutOfTime, limit_time
+
+ASSIGNMENTS = (
+    "prelab-sinusoids",
+    "lab-identification",
+    "postlab-model-order",
+    "step-response",
+    "least-squares",
+    "model-structures",
+    "recursive-identification",
+    "armax-and-instruments",
+    "nonlinear-least-squares",
+    "sim-to-real-gap",
+)
+TAUGHT, VAGUE, MISLEADING, TICK, ACCEPTED = "taught", "vague", "misleading", "false tick", "acceptable"
+_SECONDS = 5.0
+
+
+@dataclass(frozen=True)
+class Try:
+    """One first try.
+
+    Attributes
+    ----------
+    question, name : str
+    code : str
+        The answer cell.
+    says : str
+        Pattern of what the message must contain: what names the mistake. "" where the answer is acceptable.
+    grade : str
+        How the message was judged when it was written down.
+    never : str
+        Pattern of what the message must not contain, such as the cause of a neighbouring mistake.
+    more : tuple of (str, str)
+        Other cells that belong to it: grade_id and source.
+    """
+
+    question: str
+    name: str
+    code: str
+    says: str
+    grade: str = TAUGHT
+    never: str = ""
+    more: tuple[tuple[str, str], ...] = ()
+
+
+def tries_of(assignment: str) -> tuple[Try, ...]:
+    """The tries at an assignment."""
+    tries: tuple[Try, ...] = import_module(f"tries.{assignment.replace('-', '_')}").TRIES
+    return tries
+
+
+def said_to(one: Try, solved: Solved) -> tuple[bool, str]:
+    """Whether a try gets a tick, and the message, as the notebook's check gives them."""
+    cells = {**dict(one.more), f"{one.question}-answer": one.code}
+    ids = list(solved.cells)
+    first = min(map(ids.index, cells))
+    questions = {question.id for question in solved.assignment.questions}
+    to_run = [name for name in ids[first : ids.index(one.question)] if name not in questions]
+    sources = {name: cells.get(name, solved.cells[name]) for name in to_run}
+    variables = solved.kept[ids[first]].variables(sources.values())
+    with quietly():
+        for name, source in sources.items():
+            try:
+                linecache.cache[name] = (len(source), None, source.splitlines(keepends=True), name)  # as IPython does
+                with limit_time(_SECONDS):
+                    exec(compile(source, name, "exec"), variables)
+            except (Exception, OutOfTime) as error:
+                return False, told(stop_of(error, variables, source), "its answer cell")
+        ask = NotebookAsk(variables, solved.record, solved.known[one.question], one.question)
+        verdict = solved.assignment.question(one.question).verdict(ask)
+    question = solved.assignment.question(one.question)
+    for_values = question.reference is not None or question.gives is not None
+    tried = "" if verdict.slip is not None or verdict.passed or for_values else ask.tried
+    return verdict.passed and not verdict.noted, f"{verdict.reason} {tried}".strip()
+
+
+def outcome(one: Try) -> tuple[bool, str]:
+    """What is said to a try at its assignment's model solution."""
+    name = next(name for name in ASSIGNMENTS if one in tries_of(name))
+    return said_to(one, solve(name))
+
+
+def fault_of(one: Try, ticked: bool, message: str) -> str:
+    """What is wrong with the outcome of a try; empty if nothing is."""
+    if one.grade == ACCEPTED:
+        return "" if ticked else f"an acceptable answer is refused: {message}"
+    if ticked:
+        return "it gets a tick"
+    if not re.search(one.says, message, re.IGNORECASE):
+        return f"the message lacks {one.says!r}: {message}"
+    if one.never and re.search(one.never, message, re.IGNORECASE):
+        return f"the message has {one.never!r}: {message}"
+    return ""

@@ -1,0 +1,195 @@
+"""First tries at the lecture on coloured noise."""
+
+from tries import VAGUE, Try
+
+TAB, BIAS, LIM, COV, ARMAX, RELS, F14, IV, REC, LIK = (
+    "ai-1-tables", "ai-2-bias", "ai-3-limit", "ai-4-covariance", "ai-5-armax", "ai-6-rels", "ai-6-figure-14",
+    "ai-7-iterated", "ai-8-recursive", "ai-9-likelihood",
+)  # fmt: skip
+
+
+def f(head: str, body: str) -> str:
+    return f"def {head}:\n    {body}\n"
+
+
+def tables(
+    fit: str = "np.linalg.lstsq(np.column_stack([-y[:-1], u[:-1]]), y[1:])[0]",
+    runs: int = 100,
+    c: str = "-0.8",
+    inside: str = "",
+) -> str:
+    return (
+        f("fit_arx(u, y)", f"return {fit}")
+        + f"\nrng = np.random.default_rng(5)\nestimates_1, estimates_2 = [], []\nfor _ in "
+        f"range({runs}):\n    {inside or 'pass'}\n"
+        "    estimates_1.append(fit_arx(*make_record(rng, 1000, -0.8, 1.0, 0.0)[:2]))\n"
+        f"    estimates_2.append(fit_arx(*make_record(rng, 1000, -0.8, 1.0, {c})[:2]))"
+    )
+
+
+def bias(
+    off: str = "np.mean(estimates, axis=0) - truth",
+    s: str = "np.std(estimates, axis=0, ddof=1)",
+    se: str = "s / np.sqrt(len(estimates))",
+) -> str:
+    return f("bias_of(estimates, truth)", f"s = {s}\n    return {off}, s, {se}")
+
+
+def limit(
+    var_y: str = "(b**2 * var_u + (1 + c**2 - 2 * a * c) * var_e) / (1 - a**2)", end: str = "[a - c * var_e / var_y, b]"
+) -> str:
+    return f("limit_of_least_squares(a, b, c, var_u, var_e)", f"var_y = {var_y}\n    return np.array({end})")
+
+
+def cov(R: str, end: str = "I @ Phi.T @ R @ Phi @ I") -> str:
+    return f(
+        "covariance(Phi, c, var_e)", f"N = len(Phi)\n    I = np.linalg.inv(Phi.T @ Phi)\n    R = {R}\n    return {end}"
+    )
+
+
+def armax(
+    w: str = "y[1:] + a * y[:-1] - b * u[:-1]",
+    c: str = "[1, c]",
+    third: str = "eps[:-1]",
+    move: str = "theta + share * (new - theta)",
+) -> str:
+    return f(
+        "prediction_errors(theta, u, y)",
+        f"a, b, c = theta\n    w = np.zeros(len(y))\n    w[1:] = {w}\n    return scipy.signal.lfilter([1], {c}, w)",
+    ) + f(
+        "pseudo_linear(u, y, share, rounds)",
+        "Phi = np.column_stack([-y[:-1], u[:-1]])\n    theta = np.append(np.linalg.lstsq(Phi, "
+        "y[1:])[0], 0)\n"
+        f"    for _ in range(rounds):\n        eps = prediction_errors(theta, u, y)\n        new = "
+        f"np.linalg.lstsq(np.column_stack([Phi, {third}]), y[1:])[0]\n        theta = {move}\n    "
+        f"return theta",
+    )
+
+
+def rels(
+    P: str = "(P - np.outer(q, q) / (forgetting + phi @ q)) / forgetting",
+    phi: str = "-y[n - 1], u[n - 1], eps",
+    first: str = "1",
+    K: str = "P @ phi",
+) -> str:
+    return (
+        f"def rels(u, y, forgetting, LN):\n    theta, P, eps = np.zeros(3), LN * np.eye(3), 0.0\n  "
+        f"  h = np.zeros((len(y), 3))\n    for n in range({first}, len(y)):\n"
+        f"        phi = np.array([{phi}])\n        eps = y[n] - phi @ theta\n        q = P @ phi\n "
+        f"       P = {P}\n        theta = theta + {K} * eps\n        h[n] = theta\n    return "
+        f"h\n\n\n"
+        "theta_rels = rels(u_71, y_71, 1.0, 1e6)"
+    )
+
+
+def iv(
+    y_M: str = "scipy.signal.lfilter([0, theta[1]], [1, theta[0]], u)",
+    solve: str = "np.linalg.solve(Z.T @ Phi, Z.T @ Y)",
+) -> str:
+    return f(
+        "iterated_iv(u, y, rounds)",
+        "Phi, Y = np.column_stack([-y[:-1], u[:-1]]), y[1:]\n    theta = np.linalg.lstsq(Phi, "
+        "Y)[0]\n    for _ in range(rounds):\n"
+        f"        y_M = {y_M}\n        Z = np.column_stack([-y_M[:-1], u[:-1]])\n        theta = "
+        f"{solve}\n    return theta",
+    )
+
+
+def recursive(lines: str) -> str:
+    return (
+        "def recursive_iv(u, y, warm_up):\n    theta, P = np.zeros(2), 1e6 * np.eye(2)\n    "
+        "stable = np.zeros(2)\n    phi, z_model = np.zeros(2), np.zeros(2)\n"
+        f"    history = np.zeros((len(y), 2))\n    for n in range(len(y)):\n        z = phi if n < "
+        f"warm_up else z_model\n        {lines}\n        history[n] = theta\n"
+        "        if abs(theta[0]) < 1:\n            stable = theta.copy()\n        y_M = z_model "
+        "@ stable\n        phi, z_model = np.array([-y[n], u[n]]), np.array([-y_M, u[n]])\n    "
+        "return history\n"
+    )
+
+
+def lik(body: str) -> str:
+    return f("log_likelihood(theta, var_e, Phi, Y)", f"E = Y - Phi @ theta\n    N = len(Y)\n    return {body}")
+
+
+THREE = "var_e * ((1 + c**2) * np.eye(N) + c * (np.eye(N, k=1) + np.eye(N, k=-1)))"
+
+TRIES = (
+    Try(TAB, "plus y", tables("np.linalg.lstsq(np.column_stack([y[:-1], u[:-1]]), y[1:])[0]"), "other sign of a"),
+    Try(TAB, "few", tables(runs=20), "at least 100"),
+    Try(TAB, "generator inside", tables(inside="rng = np.random.default_rng(5)"), "over and over"),
+    Try(TAB, "sign of c", tables(c="0.8"), "other sign of c"),
+    Try(TAB, "same time", tables("np.linalg.lstsq(np.column_stack([-y[:-1], u[1:]]), y[1:])[0]"), "takes u\\(t\\)"),
+    Try(TAB, "whole lstsq", tables("np.linalg.lstsq(np.column_stack([-y[:-1], u[:-1]]), y[1:])"), "`\\[0\\]`"),
+    Try(BIAS, "no axis", bias("np.mean(estimates) - truth", "np.std(estimates)"), "throws all parameters|axis"),
+    Try(BIAS, "ddof", bias(s="np.std(estimates, axis=0)"), "M - 1"),
+    Try(BIAS, "sign", bias("truth - np.mean(estimates, axis=0)"), "other sign"),
+    Try(BIAS, "M", bias(se="s / len(estimates)"), "divided by M"),
+    Try(BIAS, "rows", bias("np.mean(estimates, axis=1) - 1", "np.std(estimates, axis=1)"), "along the rows"),
+    Try(LIM, "sign", limit(end="[a + c * var_e / var_y, b]"), "wrong way"),
+    Try(LIM, "no cross", limit("(b**2 * var_u + (1 + c**2) * var_e) / (1 - a**2)"), "correlated"),
+    Try(LIM, "no 1 - a^2", limit("b**2 * var_u + (1 + c**2 - 2 * a * c) * var_e"), "a\\^2 times itself"),
+    Try(LIM, "bias only", limit(end="[-c * var_e / var_y, 0]"), "bias alone"),
+    Try(LIM, "caret", limit("(b^2 * var_u) / (1 - a^2)"), r"write `\*\*`"),
+    Try(COV, "white", cov("var_e * np.eye(N)"), "Lemma 1"),
+    Try(
+        COV,
+        "1 on the diagonal",
+        cov("var_e * (np.eye(N) + c * (np.eye(N, k=1) + np.eye(N, k=-1)))"),
+        "1 on the diagonal",
+    ),
+    Try(COV, "one side", cov("var_e * ((1 + c**2) * np.eye(N) + c * np.eye(N, k=1))"), "above or below"),
+    Try(COV, "R itself", cov(THREE, "R"), "matrix of the noise"),
+    Try(COV, "diagonal", cov(THREE, "np.diag(I @ Phi.T @ R @ Phi @ I)"), "covariance is a"),
+    Try(COV, "order", cov(THREE, "I @ Phi @ R @ Phi.T @ I"), "columns and the second"),
+    Try(ARMAX, "no c", armax(c="[1]"), "leaves c epsilon"),
+    Try(ARMAX, "sign of c", armax(c="[1, -c]"), "other sign of c"),
+    Try(ARMAX, "sign of a", armax("y[1:] - a * y[:-1] - b * u[:-1]"), "other sign of a"),
+    Try(ARMAX, "own error", armax(third="eps[1:]"), "its own sample"),
+    Try(ARMAX, "no share", armax(move="new"), "whole way"),
+    Try(RELS, "lambda once", rels("P - np.outer(q, q) / (forgetting + phi @ q)"), "not divide P"),
+    Try(RELS, "1 below", rels("(P - np.outer(q, q) / (1 + phi @ q)) / forgetting"), "1 \\+ phi'P phi"),
+    Try(RELS, "old gain", rels(K="q"), "before the sample"),
+    Try(RELS, "plus y", rels(phi="y[n - 1], u[n - 1], eps"), "other sign of a"),
+    Try(RELS, "u now", rels(phi="-y[n - 1], u[n], eps"), "takes u\\(n\\)"),
+    Try(F14, "rows", "fig_14, ax = plt.subplots()\nax.plot(theta_rels[-1])", "rows are drawn|no curve"),
+    Try(F14, "no legend", "fig_14, ax = plt.subplots()\nax.plot(theta_rels)\nax.set_xlabel('n')", "legend"),
+    Try(IV, "predicted", iv("-theta[0] * np.r_[0, y[:-1]] + theta[1] * np.r_[0, u[:-1]]"), "measured output"),
+    Try(IV, "Z for all", iv(solve="np.linalg.lstsq(Z, Y)[0]"), "Z instead of Phi"),
+    Try(IV, "transposed", iv(solve="np.linalg.solve(Phi.T @ Z, Z.T @ Y)"), "transpose of Z'Phi"),
+    Try(IV, "inverse shapes", iv(solve="np.linalg.inv(Z @ Phi.T) @ Z @ Y"), "rank 2 at most|no inverse|columns"),
+    Try(IV, "lfilter sign", iv("scipy.signal.lfilter([0, theta[1]], [1, -theta[0]], u)"), "is off.*y_M", VAGUE),
+    Try(
+        REC,
+        "z z'",
+        recursive(
+            "eps = y[n] - phi @ theta\n        P = P - np.outer(P @ z, z @ P) / (1 + z @ P @ z)\n     "
+            "   theta = theta + P @ z * eps"
+        ),
+        "z twice",
+    ),
+    Try(
+        REC,
+        "phi only",
+        recursive(
+            "eps = y[n] - phi @ theta\n        P = P - np.outer(P @ phi, phi @ P) / (1 + phi @ P @ "
+            "phi)\n        theta = theta + P @ phi * eps"
+        ),
+        "never uses z",
+    ),
+    Try(
+        REC,
+        "z in the error",
+        recursive(
+            "eps = y[n] - z @ theta\n        P = P - np.outer(P @ z, phi @ P) / (1 + phi @ P @ z)\n   "
+            "     theta = theta + P @ z * eps"
+        ),
+        "predicts with z",
+    ),
+    Try(REC, "not updated", recursive("pass"), "never moves"),
+    Try(LIK, "half", lik("-N * np.log(2 * np.pi * var_e) - E @ E / (2 * var_e)"), "without the half"),
+    Try(LIK, "log10", lik("-N / 2 * np.log10(2 * np.pi * var_e) - E @ E / (2 * var_e)"), "base 10"),
+    Try(LIK, "sign", lik("N / 2 * np.log(2 * np.pi * var_e) + E @ E / (2 * var_e)"), "other sign"),
+    Try(LIK, "squared", lik("-N / 2 * np.log(2 * np.pi * var_e**2) - E @ E / (2 * var_e**2)"), "squares var_e"),
+    Try(LIK, "pi", lik("-N / 2 * np.log(2 * pi * var_e) - E @ E / (2 * var_e)"), r"np\.pi"),
+    Try(LIK, "per sample", lik("-0.5 * np.log(2 * np.pi * var_e) - E**2 / (2 * var_e)"), "add them up"),
+)

@@ -1,0 +1,303 @@
+"""First tries at the lab."""
+
+from tries import Try
+
+EX, TS, F5, LOOP, OFF, F6 = (
+    "lab-1a-extract", "lab-1a-sampling-time", "lab-1b-figure-5", "lab-1c-loop", "lab-1c-offsets", "lab-1c-figure-6",
+)  # fmt: skip
+PHI, THETA, PAR, TF, SS = (
+    "lab-2a-phi", "lab-2b-theta", "lab-2b-parameters", "lab-2c-transfer-function", "lab-2c-state-space",
+)  # fmt: skip
+HALF, ALL, MSE, F7, START = (
+    "lab-3a-second-half", "lab-3a-all", "lab-3a-mse", "lab-3a-figure-7", "lab-3b-initial-state",
+)  # fmt: skip
+
+
+def extract(
+    t: str = 'LogData["time"]',
+    y: str = 'LogData["signals"][0]["values"][:, 1]',
+    m: str = 'LogData["signals"][0]["values"][:, 0]',
+    u: str = 'LogData["signals"][1]["values"]',
+) -> str:
+    return f"t = {t}\ny_act = {y}\ny_actm = {m}\nu_act = {u}"
+
+
+def offsets(y: str = "np.mean(y_act[:n_first])", u: str = "u_act[0]", rest: str = "") -> str:
+    return f"y_offset = {y}\nu_offset = {u}\ny = y_act - y_offset\nu = u_act - u_offset\n{rest}"
+
+
+def loop(body: str) -> str:
+    return f"def first_period(u):\n    {body}\n\n\nn_first = first_period(u_act)"
+
+
+def start(body: str) -> str:
+    return (
+        "def simulate_from_start(u, y):\n    time = np.arange(len(u)) * Ts\n"
+        "    rest = ct.forced_response(G_ss, time, u).outputs\n"
+        "    c = [ct.initial_response(G_ss, time, initial_state=x).outputs for x in ([1, 0], [0, 1])]\n"
+        f"    Phi = np.column_stack(c)\n    {body}\n"
+    )
+
+
+PHI_HEAD = "half = len(y) // 2\n"
+
+TRIES = (
+    Try(EX, "signals[1] matlab index", extract(y='LogData["signals"][1]["values"][:, 1]'), r"flat.*counted from 1"),
+    Try(EX, "attribute access", extract(t="LogData.time"), r'dictionary.*LogData\["time"\]'),
+    Try(EX, "round brackets", extract(y='LogData["signals"](1)["values"][:, 1]'), "round brackets call|square ones"),
+    Try(EX, "column 2", extract(y='LogData["signals"][0]["values"][:, 2]'), "indices 0 to 1"),
+    Try(EX, "columns swapped", extract(y='LogData["signals"][0]["values"][:, 0]'), "counts from 0"),
+    Try(EX, "no number", extract(u='LogData["signals"]["values"]'), "takes a number first"),
+    Try(EX, "key misspelt", extract(t='LogData["Time"]'), 'has the keys "time"'),
+    Try(EX, "both columns", extract(y='LogData["signals"][0]["values"]'), "both columns"),
+    Try(EX, "MATLAB slice", extract(y='LogData["signals"][0]["values"](:, 2)'), "square ones"),
+    Try(EX, "a structure", extract(u='LogData["signals"][1]'), "still a structure"),
+    Try(TS, "min", "Ts = (t[1] - t[0]) / 60", "minutes"),
+    Try(TS, "number", "Ts = len(t)", "number of samples"),
+    Try(TS, "frequency", "Ts = 1 / (t[1] - t[0])", "sampling frequency"),
+    Try(TS, "smallest time", "Ts = np.min(t)", "time of the first sample"),
+    Try(TS, "duration over N", "Ts = (t[-1] - t[0]) / len(t)", "one interval fewer"),
+    Try(TS, "all differences", "Ts = np.diff(t)", "all intervals"),
+    Try(TS, "t(2) - t(1)", "Ts = t(2) - t(1)", "square ones"),
+    Try(TS, "rounded", "Ts = round(t[1] - t[0], 1)", "0.75|rounded to 1|neighbours"),
+    Try(TS, "reversed", "Ts = t[0] - t[1]", "wrong sign"),
+    Try(F5, "one plot", "fig_5 = plt.figure()\nplt.plot(t, y_act)", "2 subplots"),
+    Try(F5, "axes kept", "fig_5 = plt.plot(t, y_act)", "figure itself"),
+    Try(
+        F5,
+        "no time",
+        "fig_5, (a, b) = plt.subplots(2, 1)\na.plot(y_actm, label='measured')\n"
+        "a.plot(y_act, label='reduced')\na.legend()\nb.plot(u_act)",
+        "sample number",
+    ),
+    Try(
+        F5,
+        "no units",
+        "fig_5, (a, b) = plt.subplots(2, 1)\na.plot(t, y_actm, label='measured')\n"
+        "a.plot(t, y_act, label='reduced')\na.legend()\na.set_ylabel('Output')\nb.plot(t, u_act)",
+        "no unit",
+    ),
+    Try(F5, "xlabel attribute", "fig_5, (a, b) = plt.subplots(2, 1)\na.xlabel('Time (s)')", "set_"),
+    Try(LOOP, "n = 0", loop("n = 0\n    while u[n + 1] == u[0]:\n        n += 1\n    return n"), "One too few"),
+    Try(LOOP, "if on an array", loop("n = 1\n    while u == u[0]:\n        n += 1\n    return n"), "True or False"),
+    Try(LOOP, "single =", loop("n = 1\n    while u[n] = u[0]:\n        n += 1\n    return n"), "`==` compares"),
+    Try(LOOP, "no return", loop("n = 1\n    while u[n] == u[0]:\n        n += 1"), "returns nothing"),
+    Try(LOOP, "count all", loop("return int(np.sum(u == u[0]))"), "all samples at the first level"),
+    Try(
+        LOOP,
+        "u_act inside",
+        loop("n = 1\n    while u_act[n] == u_act[0]:\n        n += 1\n    return n"),
+        "same number for every input",
+    ),
+    Try(
+        LOOP,
+        "falls only",
+        loop("n = 1\n    while u[n] >= u[0]:\n        n += 1\n    return n"),
+        "upwards|out of bounds",
+    ),
+    Try(
+        LOOP, "missing colon", loop("n = 1\n    while u[n] == u[0]\n        n += 1\n    return n"), "ends with a colon"
+    ),
+    Try(OFF, "min", offsets("np.min(y_act)"), "smallest value of the whole output"),
+    Try(OFF, "min of the period", offsets("np.min(y_act[:n_first])"), "smallest value of the first period"),
+    Try(OFF, "mean of all", offsets("np.mean(y_act)"), "whole record"),
+    Try(OFF, "median", offsets("np.median(y_act)"), "median of the whole output"),
+    Try(OFF, "first sample", offsets("y_act[0]"), "value of one sample"),
+    Try(OFF, "n_first + 1", offsets("np.mean(y_act[: n_first + 1])"), "one sample too many"),
+    Try(OFF, "measured", offsets("np.mean(y_actm[:n_first])"), "measured output"),
+    Try(OFF, "typed 2.0", offsets("2.5"), "lies (above|below) all"),
+    Try(OFF, "input mean", offsets(u="np.mean(u_act)"), "mean over the whole record"),
+    Try(OFF, "mean of the input range", offsets(u="(u_act.max() + u_act.min()) / 2"), "middle of the input range"),
+    Try(OFF, "from the wrong samples", offsets("np.mean(y_act[n_first : 2 * n_first])"), "lies (above|below) all|more"),
+    Try(OFF, "cut", offsets(rest="y = y_act[:n_first] - y_offset"), "entire signal"),
+    Try(OFF, "added", offsets(rest="y = y_act + y_offset"), "was added"),
+    Try(
+        F6,
+        "old signals",
+        "fig_6, (a, b) = plt.subplots(2, 1)\na.plot(t, y_act)\nb.plot(t, u_act)",
+        "no curve shows `y`",
+    ),
+    Try(F6, "swapped", "fig_6, (a, b) = plt.subplots(2, 1)\na.plot(t, u)\nb.plot(t, y)", "swapped"),
+    Try(F6, "name", "fig_7, (a, b) = plt.subplots(2, 1)\na.plot(t, y)", "no variable `fig_6`"),
+    Try(
+        PHI,
+        "hstack flat",
+        PHI_HEAD + "Phi = np.hstack([y[1:half-1], y[0:half-2], u[1:half-1], u[0:half-2]])\nY = y[2:half]",
+        "end to end",
+    ),
+    Try(
+        PHI,
+        "unequal slices",
+        PHI_HEAD + "Phi = np.column_stack([y[1:half], y[0:half-1], u[1:half-1], u[0:half-2]])\nY = y[2:half]",
+        "number of rows",
+    ),
+    Try(
+        PHI,
+        "no list",
+        PHI_HEAD + "Phi = np.column_stack(y[1:half-1], y[0:half-2], u[1:half-1], u[0:half-2])\nY = y[2:half]",
+        "in a list",
+    ),
+    Try(
+        PHI,
+        "minus y",
+        PHI_HEAD + "Phi = np.column_stack([-y[1:half-1], -y[0:half-2], u[1:half-1], u[0:half-2]])\nY = y[2:half]",
+        "contains -y",
+    ),
+    Try(
+        PHI,
+        "all the data",
+        "half = len(y) // 2\nPhi = np.column_stack([y[1:-1], y[:-2], u[1:-1], u[:-2]])\nY = y[2:]",
+        "entire record",
+    ),
+    Try(
+        PHI,
+        "lags swapped",
+        PHI_HEAD + "Phi = np.column_stack([y[0:half-2], y[1:half-1], u[0:half-2], u[1:half-1]])\nY = y[2:half]",
+        "swapped",
+    ),
+    Try(
+        PHI,
+        "rows",
+        PHI_HEAD + "Phi = np.array([y[1:half-1], y[0:half-2], u[1:half-1], u[0:half-2]])\nY = y[2:half]",
+        "transpose it",
+    ),
+    Try(
+        PHI,
+        "loop wraps",
+        PHI_HEAD + "Phi = np.array([[y[k-1], y[k-2], u[k-1], u[k-2]] for k in range(half)])\nY = y[:half]",
+        "from the \\*end\\*",
+    ),
+    Try(
+        PHI,
+        "same time",
+        PHI_HEAD + "Phi = np.column_stack([y[2:half], y[1:half-1], u[2:half], u[1:half-1]])\nY = y[2:half]",
+        "one step later",
+    ),
+    Try(
+        PHI,
+        "raw signals",
+        PHI_HEAD + "Phi = np.column_stack([y_act[1:half-1], y_act[0:half-2], u_act[1:half-1], "
+        "u_act[0:half-2]])\nY = y_act[2:half]",
+        "offsets are not removed",
+    ),
+    Try(PHI, "half a float", "half = len(y) / 2\nPhi = np.column_stack([y[1:half-1], y[0:half-2]])", "whole number"),
+    Try(PHI, "end", PHI_HEAD + "Y = y[2:end]", "no `end`"),
+    Try(THETA, "elementwise *", "theta_hat = np.linalg.inv(Phi.T * Phi) * Phi.T * Y", r"`Phi\.T @ Phi`, which fits"),
+    Try(
+        THETA,
+        "Phi Phi^T",
+        "theta_hat = np.linalg.solve(Phi @ Phi.T, Phi @ Y)",
+        r"rank 4 at most|columns and the second",
+    ),
+    Try(THETA, "inverse of Phi Phi^T", "theta_hat = np.linalg.inv(Phi @ Phi.T) @ Phi @ Y", "rank 4 at most"),
+    Try(THETA, "solve w/o Phi.T Y", "theta_hat = np.linalg.solve(Phi.T @ Phi, Y)", r"multiplied, too: `Phi\.T @ Y`"),
+    Try(THETA, "inverse of Phi", "theta_hat = np.linalg.inv(Phi) @ Y", "only a square matrix"),
+    Try(THETA, "MATLAB", "theta_hat = inv(Phi'*Phi)*Phi'*Y", r"transpose is `\.T`"),
+    Try(THETA, "backslash", "theta_hat = Phi \\ Y", r"np\.linalg\.lstsq"),
+    Try(THETA, "all of lstsq", "theta_hat = np.linalg.lstsq(Phi, Y)", "whole result of `lstsq`"),
+    Try(THETA, "inverse forgotten", "theta_hat = Phi.T @ Y", "multiply it by the inverse"),
+    Try(THETA, "power -1", "theta_hat = (Phi.T @ Phi)**-1 @ Phi.T @ Y", "one by one"),
+    Try(
+        PAR, "1-based", "a1 = -theta_hat[1]\na2 = -theta_hat[2]\nb1 = theta_hat[3]\nb2 = theta_hat[4]", "indices 0 to 3"
+    ),
+    Try(PAR, "round brackets", "a1 = -theta_hat(1)", "square ones"),
+    Try(PAR, "no signs", "a1, a2, b1, b2 = theta_hat", "change the signs"),
+    Try(PAR, "a and b", "b1, b2, a1, a2 = theta_hat", "swapped|a and b|signs"),
+    Try(PAR, "rounded", "a1, a2, b1, b2 = np.round(theta_hat, 2) * [-1, -1, 1, 1]", "rounded"),
+    Try(PAR, "three names", "a1, a2, b1 = theta_hat", "as many names"),
+    Try(TF, "dt True", "G = ct.tf([b1, b2], [1, a1, a2], True)", "or, with `True`"),
+    Try(TF, "no dt", "G = ct.tf([b1, b2], [1, a1, a2])", "no sampling time"),
+    Try(TF, "signs", "G = ct.tf([b1, b2], [1, -a1, -a2], Ts)", "signs of theta"),
+    Try(TF, "lfilter order", "G = ct.tf([0, b1, b2], [1, a1, a2], Ts)", "", "acceptable"),
+    Try(TF, "no leading 1", "G = ct.tf([b1, b2], [a1, a2], Ts)", "leading 1"),
+    Try(TF, "trailing zero", "G = ct.tf([b1, b2, 0], [1, a1, a2], Ts)", "one sample early"),
+    Try(TF, "control.tf", "G = tf([b1, b2], [1, a1, a2], Ts)", r"`ct\.tf`"),
+    Try(SS, "signs", "G_ss = ct.ss([[0, 1], [a2, a1]], [[0], [1]], [[b2, b1]], [[0]], Ts)", "wrong signs"),
+    Try(SS, "order", "G_ss = ct.ss([[0, 1], [-a1, -a2]], [[0], [1]], [[b2, b1]], [[0]], Ts)", "a1 and a2 are swapped"),
+    Try(SS, "C order", "G_ss = ct.ss([[0, 1], [-a2, -a1]], [[0], [1]], [[b1, b2]], [[0]], Ts)", "swapped in C"),
+    Try(SS, "H a row", "G_ss = ct.ss([[0, 1], [-a2, -a1]], [0, 1], [b2, b1], 0, Ts)", "", "acceptable"),
+    Try(SS, "no Ts", "G_ss = ct.ss([[0, 1], [-a2, -a1]], [[0], [1]], [[b2, b1]], [[0]])", "no sampling time"),
+    Try(HALF, "one step", "y_sim_half = Phi @ theta_hat", "one-step predictions of the \\*first\\* half"),
+    Try(HALF, "all", "y_sim_half = ct.forced_response(G, inputs=u).outputs", "entire input"),
+    Try(HALF, "cut", "y_sim_half = ct.forced_response(G, inputs=u).outputs[half:]", "by itself"),
+    Try(HALF, "response", "y_sim_half = ct.forced_response(G, inputs=u[half:])", "take its `.outputs`"),
+    Try(HALF, "first half", "y_sim_half = ct.forced_response(G, inputs=u[:half]).outputs", "first half"),
+    Try(HALF, "lfilter", "y_sim_half = scipy.signal.lfilter([b1, b2], [1, a1, a2], u[half:])", "one sample too early"),
+    Try(HALF, "u_act", "y_sim_half = ct.forced_response(G, inputs=u_act[half:]).outputs", "`u_act`"),
+    Try(
+        HALF, "signs of a", "y_sim_half = scipy.signal.lfilter([0, b1, b2], [1, -a1, -a2], u[half:])", "wrong sign of a"
+    ),
+    Try(
+        ALL,
+        "concat halves",
+        "y_sim = np.concatenate([ct.forced_response(G, inputs=u[:half]).outputs, y_sim_half])",
+        "two runs put together",
+    ),
+    Try(ALL, "half", "y_sim = ct.forced_response(G, inputs=u[half:]).outputs", "second half only"),
+    Try(ALL, "offset back", "y_sim = ct.forced_response(G, inputs=u).outputs + y_offset", "output offset"),
+    Try(
+        ALL,
+        "measured",
+        "y_sim = -a1 * np.roll(y, 1) - a2 * np.roll(y, 2) + b1 * np.roll(u, 1) + b2 * np.roll(u, 2)",
+        "one step ahead|differs|right up to",
+    ),
+    Try(ALL, "y as input", "y_sim = ct.forced_response(G, inputs=y).outputs", "`y` as the input"),
+    Try(
+        MSE,
+        "first half y",
+        "mse_half = np.mean((y[:half] - y_sim[:half])**2)\nmse_all = np.mean((y - y_sim)**2)",
+        "error of the first half",
+    ),
+    Try(
+        MSE,
+        "first half y, cut",
+        "mse_half = np.mean((y[:half] - y_sim_half[:half])**2)\nmse_all = np.mean((y - y_sim)**2)",
+        "first half of `y`",
+    ),
+    Try(MSE, "lengths", "mse_half = np.mean((y - y_sim_half)**2)\nmse_all = 1", "same slice|same samples"),
+    Try(MSE, "caret", "mse_half = np.mean((y[half:] - y_sim_half)^2)", r"write `\*\*`"),
+    Try(
+        MSE,
+        "square of the mean",
+        "mse_half = np.mean(y[half:] - y_sim_half)**2\nmse_all = np.mean(y - y_sim)**2",
+        "square of the mean error",
+    ),
+    Try(MSE, "sum", "mse_half = np.sum((y[half:] - y_sim_half)**2)\nmse_all = np.sum((y - y_sim)**2)", "sum"),
+    Try(MSE, "root", "mse_half = np.sqrt(np.mean((y[half:] - y_sim_half)**2))\nmse_all = 1", "root"),
+    Try(
+        F7,
+        "first times",
+        "fig_7, (a, b) = plt.subplots(2, 1)\na.plot(t[:len(y[half:])], y[half:])\n"
+        "a.plot(t[:len(y[half:])], y_sim_half)",
+        "times of the first",
+    ),
+    Try(F7, "unequal", "fig_7, (a, b) = plt.subplots(2, 1)\na.plot(t, y_sim_half)", "same length"),
+    Try(
+        F7,
+        "no legend",
+        "fig_7, (a, b) = plt.subplots(2, 1)\na.plot(t[half:], y[half:])\na.plot(t[half:], y_sim_half)\n"
+        "a.set_ylabel('y (V)')\nb.plot(t, y)\nb.plot(t, y_sim)",
+        "legend",
+    ),
+    Try(START, "from rest", start("return rest"), "starts from rest"),
+    Try(
+        START,
+        "rest not subtracted",
+        start(
+            "x0 = np.linalg.lstsq(Phi, y)[0]\n    return ct.forced_response(G_ss, time, u, initial_state=x0).outputs"
+        ),
+        "First subtract the response from rest",
+    ),
+    Try(START, "state", start("return np.linalg.lstsq(Phi, y - rest)[0]"), "returns the state"),
+    Try(
+        START,
+        "all of lstsq",
+        start(
+            "x0 = np.linalg.lstsq(Phi, y - rest)\n    "
+            "return ct.forced_response(G_ss, time, u, initial_state=x0).outputs"
+        ),
+        "stopped with",
+    ),
+    Try(START, "shifted", start("return rest + y[0] - rest[0]"), "shifted"),
+    Try(START, "free response", start("return Phi @ np.linalg.lstsq(Phi, y - rest)[0]"), "alone"),
+)

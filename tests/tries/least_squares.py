@@ -1,0 +1,335 @@
+"""First tries at the least-squares lecture."""
+
+from tries import Try
+
+KIND, DEL, DER, FITS, F5, PROJ = (
+    "ls-1-kind", "ls-2-delays", "ls-3-derivatives", "ls-4-fits", "ls-4-figure-5", "ls-5-projector",
+)  # fmt: skip
+SOL, KNOWN, WEI, CON, CONF, CAY = (
+    "ls-6-all-solutions", "ls-7-known", "ls-8-weighted", "ls-9-constrained", "ls-10-confidence",
+    "ls-11-cayley-hamilton",
+)  # fmt: skip
+
+
+def kind(values: str, rest: str = "") -> str:
+    return (
+        f"def kind(M):\n    L = {values}\n    if np.all(L > 0): return 'positive definite'\n"
+        "    if np.all(L < 0): return 'negative definite'\n    if np.all(L >= 0): return 'positive semidefinite'\n"
+        f"    if np.all(L <= 0): return 'negative semidefinite'\n    return 'indefinite'\n{rest}"
+    )
+
+
+def f(head: str, body: str) -> str:
+    return f"def {head}:\n    {body}\n"
+
+
+def der(gradient: str = "A @ x + A.T @ x", jacobian: str = "(x @ x) * np.eye(len(x)) + 2 * np.outer(x, x)") -> str:
+    return f("gradient_form(A, x)", f"return {gradient}") + f("jacobian_cubic(x)", f"return {jacobian}")
+
+
+def fits(columns: str = "[x**p for p in powers]", result: str = "theta, E @ E", E: str = "y - Phi @ theta") -> str:
+    return (
+        "u_1 = np.array([1.0, 2, 4, 5, 7])\ny_1 = np.array([1.0, 3, 5, 7, 8])\n\n\ndef fit_powers(x, y, powers):\n"
+        f"    Phi = np.column_stack({columns})\n    theta = np.linalg.lstsq(Phi, y)[0]\n    E = "
+        f"{E}\n    return {result}\n\n\n"
+        "theta_line, sse_line = fit_powers(u_1, y_1, [1, 0])\ntheta_parabola, sse_parabola = "
+        "fit_powers(u_1, y_1, [2, 1, 0])"
+    )
+
+
+def known(columns: str = "-y[1:-2], u[:-3]", target: str = "y[3:] - u[2:-1]") -> str:
+    return f("example_1(u, y)", f"return np.linalg.lstsq(np.column_stack([{columns}]), {target})[0]")
+
+
+def kkt(right: str = "np.concatenate([Phi.T @ Y, b])", end: str = "[:p]", corner: str = "np.zeros((r, r))") -> str:
+    return f(
+        "constrained_fit(Phi, Y, A, b)",
+        f"p, r = Phi.shape[1], len(b)\n    left = np.block([[Phi.T @ Phi, A.T], [A, {corner}]])\n"
+        f"    return np.linalg.solve(left, {right}){end}",
+    )
+
+
+def conf(
+    s2: str = "E @ E / (N - p)", q: str = "scipy.stats.t.ppf((1 + level) / 2, N - p)",
+    cov: str = "np.linalg.inv(Phi.T @ Phi)", root: str = "np.sqrt", end: str = "theta, theta - half, theta + half",
+) -> str:  # fmt: skip
+    return f(
+        "confidence(Phi, Y, level)",
+        "N, p = Phi.shape\n    theta = np.linalg.lstsq(Phi, Y)[0]\n    E = Y - Phi @ theta\n"
+        f"    s2 = {s2}\n    half = {q} * {root}(s2 * np.diag({cov}))\n    return {end}",
+    )
+
+
+TRIES = (
+    Try(KIND, "eigenvalues of M", kind("np.linalg.eigvals(M).real"), "eigenvalues of M, and compares"),
+    Try(KIND, "exact zero", kind("np.linalg.eigvalsh((M + M.T) / 2)"), "tolerance"),
+    Try(
+        KIND, "printed", kind("np.linalg.eigvalsh((M + M.T) / 2)").replace("return", "print"), "handed back by `return`"
+    ),
+    Try(
+        KIND,
+        "if on eigenvalues",
+        f("kind(M)", "L = np.linalg.eigvalsh(M + M.T)\n    if L > 0:\n        return 'positive definite'"),
+        "True or False",
+    ),
+    Try(KIND, "other words", f("kind(M)", "return 'bowl'"), "should return one of"),
+    Try(KIND, "eig unpacked", kind("np.linalg.eig((M + M.T) / 2)"), "several results"),
+    Try(
+        KIND,
+        "determinants",
+        f("kind(M)", "return 'positive definite' if np.linalg.det(M) > 0 else 'indefinite'"),
+        "is wrong for|product|calls",
+    ),
+    Try(
+        DEL,
+        "u[:-i]",
+        f("delayed_inputs(u, n)", "return np.column_stack([u] + [u[:-i] for i in range(1, n)])"),
+        "Side by side",
+    ),
+    Try(
+        DEL,
+        "roll",
+        f("delayed_inputs(u, n)", "return np.column_stack([np.roll(u, i) for i in range(n)])"),
+        "wrap around",
+    ),
+    Try(
+        DEL,
+        "valid rows",
+        f("delayed_inputs(u, n)", "return np.column_stack([u[n-1-i:len(u)-i] for i in range(n)])"),
+        "omits the first rows",
+    ),
+    Try(
+        DEL,
+        "up",
+        f("delayed_inputs(u, n)", "return np.column_stack([np.r_[u[i:], np.zeros(i)] for i in range(n)])"),
+        "down, not up",
+    ),
+    Try(
+        DEL,
+        "from lag 1",
+        f("delayed_inputs(u, n)", "return np.column_stack([np.r_[np.zeros(i), u[:-i]] for i in range(1, n + 1)])"),
+        "begins with u\\(t-1\\)",
+    ),
+    Try(
+        DEL,
+        "rows",
+        f("delayed_inputs(u, n)", "return np.array([np.r_[np.zeros(i), u[:len(u) - i]] for i in range(n)])"),
+        "transpose it",
+    ),
+    Try(DEL, "zeros shape", f("delayed_inputs(u, n)", "return np.zeros(len(u), n)"), "brackets of its own"),
+    Try(
+        DEL,
+        "index",
+        f(
+            "delayed_inputs(u, n)",
+            "P = np.zeros((len(u), n))\n    for t in range(len(u)):\n        for i in range(n):\n     "
+            "       P[t, i] = u[t + i]\n    return P",
+        ),
+        "indices 0 to",
+    ),
+    Try(DER, "2Ax", der("2 * A @ x"), "only for symmetric A"),
+    Try(DER, "Ax", der("A @ x"), "only one of the two terms"),
+    Try(DER, "*", der("A * x + A.T * x"), "table"),
+    Try(DER, "transpose of x", der("x.T @ A @ x"), "number|vector|elements"),
+    Try(DER, "3x^2", der(jacobian="3 * x**2"), "should return a matrix"),
+    Try(DER, "caret", der(jacobian="3 * x^2"), r"write `\*\*`"),
+    Try(DER, "x x' once", der(jacobian="(x @ x) * np.eye(len(x)) + np.outer(x, x)"), "once"),
+    Try(DER, "x @ x.T", der(jacobian="(x @ x) * np.eye(len(x)) + 2 * x @ x.T"), "is a number"),
+    Try(FITS, "ascending range", fits("[x**i for i in range(len(powers))]"), r"fits the powers \[0, 1, 2\]"),
+    Try(
+        FITS,
+        "uses u_1 y_1",
+        fits("[u_1**p for p in powers]").replace("lstsq(Phi, y)", "lstsq(Phi, y_1)").replace("E = y -", "E = y_1 -"),
+        "table `u_1`",
+    ),
+    Try(FITS, "u_1 in Phi", fits("[u_1**p for p in powers]"), "has 5 rows|same number of rows|Incompatible|lstsq"),
+    Try(FITS, "sorted", fits("[x**p for p in sorted(powers)]"), "not in the order of `powers`"),
+    Try(FITS, "array of powers", fits("x**powers"), "shape|Entry by entry|samples"),
+    Try(FITS, "mean", fits(result="theta, np.mean(E**2)"), "mean of the squared errors"),
+    Try(FITS, "E", fits(result="theta, E"), "one number"),
+    Try(FITS, "only theta", fits(result="theta"), "should return theta and the SSE|as many names"),
+    Try(
+        F5,
+        "joined",
+        "grid = np.linspace(0, 8, 81)\nfig_5, ax = plt.subplots()\nax.plot(u_1, y_1, label='Data')\n"
+        "ax.plot(grid, np.polyval(theta_line, grid))\nax.plot(grid, np.polyval(theta_parabola, "
+        "grid))",
+        "circles alone",
+    ),
+    Try(
+        F5,
+        "joined circles",
+        "grid = np.linspace(0, 8, 81)\nfig_5, ax = plt.subplots()\nax.plot(u_1, y_1, '-o')\n"
+        "ax.plot(grid, np.polyval(theta_line, grid))\nax.plot(grid, np.polyval(theta_parabola, "
+        "grid))",
+        "circles alone",
+    ),
+    Try(
+        F5,
+        "few points",
+        "grid = np.linspace(0, 8, 81)\nfig_5, ax = plt.subplots()\nax.plot(u_1, y_1, 'o')\n"
+        "ax.plot(u_1, np.polyval(theta_line, u_1))\nax.plot(u_1, np.polyval(theta_parabola, u_1))",
+        "too few points",
+    ),
+    Try(
+        F5,
+        "reversed",
+        "grid = np.linspace(0, 8, 81)\nfig_5, ax = plt.subplots()\nax.plot(u_1, y_1, 'o')\n"
+        "ax.plot(grid, theta_line[0] + theta_line[1] * grid)",
+        "reverse order",
+    ),
+    Try(
+        PROJ,
+        "inv(Phi Phi^T)",
+        f("projector(Phi)", "return Phi.T @ np.linalg.pinv(Phi @ Phi.T) @ Phi"),
+        "Phi and Phi' exchanged",
+    ),
+    Try(PROJ, "pinv", f("projector(Phi)", "return np.linalg.inv(Phi.T @ Phi) @ Phi.T"), "this is the pseudo-inverse"),
+    Try(PROJ, "Phi'Phi", f("projector(Phi)", "return Phi.T @ Phi"), "this is Phi'Phi\\."),
+    Try(PROJ, "inverse", f("projector(Phi)", "return np.linalg.inv(Phi.T @ Phi)"), "this is the inverse of Phi'Phi"),
+    Try(PROJ, "no inverse", f("projector(Phi)", "return Phi @ Phi.T"), "P P is not P"),
+    Try(
+        PROJ,
+        "singular",
+        f("projector(Phi)", "return Phi @ np.linalg.inv(Phi @ Phi.T) @ Phi.T"),
+        "rank 2 at most|columns",
+    ),
+    Try(
+        PROJ,
+        "I - P",
+        f("projector(Phi)", "return np.eye(len(Phi)) - Phi @ np.linalg.inv(Phi.T @ Phi) @ Phi.T"),
+        "I - P",
+    ),
+    Try(
+        SOL,
+        "U",
+        f(
+            "all_solutions(Phi, Y)",
+            "U, s, Vt = np.linalg.svd(Phi)\n    r = np.linalg.matrix_rank(Phi)\n    return "
+            "np.linalg.pinv(Phi) @ Y, U[:, r:]",
+        ),
+        "columns of U",
+    ),
+    Try(
+        SOL,
+        "swapped return",
+        f(
+            "all_solutions(Phi, Y)",
+            "Vt = np.linalg.svd(Phi)[2]\n    r = np.linalg.matrix_rank(Phi)\n    return Vt[r:].T, "
+            "np.linalg.pinv(Phi) @ Y",
+        ),
+        "N before theta",
+    ),
+    Try(
+        SOL,
+        "V not transposed",
+        f(
+            "all_solutions(Phi, Y)",
+            "V = np.linalg.svd(Phi)[2]\n    r = np.linalg.matrix_rank(Phi)\n    return "
+            "np.linalg.pinv(Phi) @ Y, V[:, r:]",
+        ),
+        "numpy's `svd` returns V transposed",
+    ),
+    Try(
+        SOL,
+        "rows",
+        f(
+            "all_solutions(Phi, Y)",
+            "V = np.linalg.svd(Phi)[2]\n    r = np.linalg.matrix_rank(Phi)\n    return np.linalg.pinv(Phi) @ Y, V[r:]",
+        ),
+        "as rows|transpose",
+    ),
+    Try(
+        SOL,
+        "inv",
+        f("all_solutions(Phi, Y)", "return np.linalg.inv(Phi.T @ Phi) @ Phi.T @ Y, np.eye(3)"),
+        "no inverse|does not solve",
+    ),
+    Try(SOL, "theta only", f("all_solutions(Phi, Y)", "return np.linalg.pinv(Phi) @ Y"), "theta and the matrix N"),
+    Try(
+        KNOWN, "SUSTech slide: rows off", known("-y[:-3], u[:-3]", "y[2:-1] - u[1:-2]"), r"rows \[-y\(k-2\), u\(k-2\)\]"
+    ),
+    Try(KNOWN, "same time", known("-y[3:], u[3:]", "y[3:] - u[2:-1]"), r"\[-y\(k\), u\(k\)\]"),
+    Try(KNOWN, "lag 1 for y", known("-y[2:-1], u[:-3]"), "lag"),
+    Try(KNOWN, "sign", known("y[1:-2], u[:-3]"), "wrong sign of a"),
+    Try(KNOWN, "known estimated", known("-y[1:-2], u[2:-1], u[:-3]", "y[3:]"), "estimates three"),
+    Try(KNOWN, "known forgotten", known(target="y[3:]"), "omits u\\(k-1\\)"),
+    Try(KNOWN, "lengths", known("-y[1:-2], u[:-2]"), "number of rows"),
+    Try(KNOWN, "last row lost", known("-y[1:-3], u[:-4]", "y[3:-1] - u[2:-2]"), "k = 4 to 19"),
+    Try(
+        WEI,
+        "columns divided",
+        f("weighted_fit(Phi, Y, sigma)", "return np.linalg.lstsq(Phi / sigma, Y / sigma)[0]"),
+        "np.newaxis",
+    ),
+    Try(
+        WEI,
+        "sigma^2",
+        f("weighted_fit(Phi, Y, sigma)", "w = sigma[:, None]**2\n    return np.linalg.lstsq(Phi / w, Y / sigma**2)[0]"),
+        "weights twice",
+    ),
+    Try(
+        WEI, "Phi only", f("weighted_fit(Phi, Y, sigma)", "return np.linalg.lstsq(Phi / sigma[:, None], Y)[0]"), "not Y"
+    ),
+    Try(
+        WEI,
+        "W vector",
+        f(
+            "weighted_fit(Phi, Y, sigma)",
+            "W = 1 / sigma**2\n    return np.linalg.solve(Phi.T @ W @ Phi, Phi.T @ W @ Y)",
+        ),
+        "columns|rows|dimension|core",
+    ),
+    Try(
+        WEI,
+        "W of sigma",
+        f(
+            "weighted_fit(Phi, Y, sigma)",
+            "W = np.diag(sigma)\n    return np.linalg.solve(Phi.T @ W @ Phi, Phi.T @ W @ Y)",
+        ),
+        "largest weights",
+    ),
+    Try(WEI, "unweighted", f("weighted_fit(Phi, Y, sigma)", "return np.linalg.lstsq(Phi, Y)[0]"), "does not use sigma"),
+    Try(CON, "Y not Phi.T Y", kkt("np.concatenate([Y, b])"), "solves A x = b"),
+    Try(CON, "last p", kkt(end="[-p:]"), "\\*last\\* p"),
+    Try(CON, "multipliers", kkt(end=""), "multipliers together"),
+    Try(
+        CON,
+        "no constraint",
+        f("constrained_fit(Phi, Y, A, b)", "return np.linalg.lstsq(Phi, Y)[0]"),
+        "ignores the constraint",
+    ),
+    Try(
+        CON,
+        "as rows",
+        f("constrained_fit(Phi, Y, A, b)", "return np.linalg.lstsq(np.vstack([Phi, A]), np.r_[Y, b])[0]"),
+        "further rows",
+    ),
+    Try(CON, "corner", kkt(corner="0"), "same number of dimensions|dimensions|shape|stopped"),
+    Try(CON, "minus b", kkt("np.concatenate([Phi.T @ Y, -b])"), "-b"),
+    Try(CON, "identity corner", kkt(corner="np.eye(r)"), "does not satisfy it"),
+    Try(CONF, "no inverse", conf(cov="Phi.T @ Phi"), "Phi'Phi is not inverted"),
+    Try(CONF, "N-1", conf("E @ E / (N - 1)"), "divided by n - 1"),
+    Try(CONF, "level", conf(q="scipy.stats.t.ppf(level, N - p)"), "quantile at `level`"),
+    Try(CONF, "normal", conf(q="scipy.stats.norm.ppf((1 + level) / 2)"), "normal distribution"),
+    Try(
+        CONF,
+        "two at once",
+        conf("E @ E / N", "scipy.stats.norm.ppf((1 + level) / 2)"),
+        "normal one and the SSE is divided by n",
+    ),
+    Try(CONF, "no root", conf(root=""), "variances"),
+    Try(CONF, "half only", conf(end="theta, -half, half"), "half width"),
+    Try(CONF, "sum of squares", conf("E @ E"), "SSE is not divided"),
+    Try(CAY, "order", f("inverse_weights(A)", "c = np.poly(A)\n    return -c[:-1] / c[-1]"), "highest power"),
+    Try(CAY, "sign", f("inverse_weights(A)", "c = np.poly(A)\n    return c[:-1][::-1] / c[-1]"), "wrong sign"),
+    Try(CAY, "all", f("inverse_weights(A)", "return np.poly(A)"), "n \\+ 1 numbers"),
+    Try(CAY, "inverse", f("inverse_weights(A)", "return np.linalg.inv(A)"), "returns a matrix"),
+    Try(CAY, "no division", f("inverse_weights(A)", "c = np.poly(A)\n    return -c[:-1][::-1]"), "division by c_n"),
+    Try(
+        CAY,
+        "other end",
+        f("inverse_weights(A)", "c = np.poly(A)\n    return -c[1:][::-1] / c[-1]"),
+        "weight of I|c_n|order|wrong",
+    ),
+)

@@ -1,0 +1,268 @@
+"""First tries at the lecture on model structures."""
+
+from tries import Try
+
+SHIFT, SS, EQ, SIM, EX, PRED, F8, EXC, ORD, CAN, AUTO = (
+    "ms-2-shift", "ms-3-state-space", "ms-4-equations", "ms-5-simulate", "ms-5-example-3-1", "ms-6-predict",
+    "ms-6-figure-8", "ms-7-excitation", "ms-8-order", "ms-9-cancel", "ms-10-autocorrelation",
+)  # fmt: skip
+
+
+def f(head: str, body: str) -> str:
+    return f"def {head}:\n    {body}\n"
+
+
+def space(last: str = "-a[:0:-1]", C: str = "(b - b[0] * a)[:0:-1].reshape(1, n)", D: str = "[[b[0]]]",
+          pad: str = "[np.zeros(n + 1 - len(num)), num]") -> str:  # fmt: skip
+    return f(
+        "state_space(num, den)",
+        f"n = len(den) - 1\n    a = np.array(den) / den[0]\n    b = np.concatenate({pad}) / "
+        f"den[0]\n    A = np.eye(n, k=1)\n"
+        f"    A[-1] = {last}\n    B = np.zeros((n, 1))\n    B[-1, 0] = 1\n    return A, B, {C}, np.array({D})",
+    )
+
+
+def eq(
+    ys: str = "[-y[k0 - i : N - i] for i in range(1, na + 1)]",
+    us: str = "[u[k0 - i : N - i] for i in range(d, d + nb)]",
+    k0: str = "max(na, d + nb - 1) if nb else na",
+    end: str = "np.column_stack(ys + us), y[k0:]",
+) -> str:
+    return f("equations(u, y, na, nb, d)", f"N = len(y)\n    k0 = {k0}\n    ys = {ys}\n    us = {us}\n    return {end}")
+
+
+def ex(body: str) -> str:
+    return f("example_3_1(u, y)", body) + "\n\ntheta_1 = example_3_1(u_1, y_1)\ntheta_2 = example_3_1(u_2, y_2)"
+
+
+def pred(predict: str, run: str = "scipy.signal.lfilter(B, A, u)") -> str:
+    return (
+        f("predict(A, B, u, y)", f"return {predict}")
+        + "\n"
+        + f("free_run(A, B, u)", f"return {run}")
+        + "\nA_1, B_1 = [1, theta_1[0]], [0, theta_1[1]]\ny_hat = predict(A_1, B_1, u_1, "
+        "y_1)\ny_sim = free_run(A_1, B_1, u_1)"
+    )
+
+
+def order(
+    V: str = "np.mean(E**2)",
+    start: str = "max(orders)",
+    crit: str = "N * np.log(V) + 2 * p, N * np.log(V) + p * np.log(N), V * (1 + p / N) / (1 - p / N)",
+) -> str:
+    return (
+        f"def losses(u, y, orders):\n    N, V = len(y), []\n    for n in orders:\n        start = {start}\n"
+        "        c = [-y[start - i : N - i] for i in range(1, n + 1)] + [u[start - i : N - i] for "
+        "i in range(1, n + 1)]\n"
+        "        Phi, Y = np.column_stack(c), y[start:]\n        E = Y - Phi @ np.linalg.lstsq(Phi, Y)[0]\n"
+        f"        V.append({V})\n    return np.array(V)\n\n\ndef criteria(V, N, p):\n    return {crit}\n"
+    )
+
+
+TRIES = (
+    Try(SHIFT, "full convolution", f("apply(P, x)", "return np.convolve(P, x)"), "more samples"),
+    Try(SHIFT, "product", f("apply(P, x)", "return P * x"), "do not pair up"),
+    Try(SHIFT, "lfilter wrong way", f("apply(P, x)", "return scipy.signal.lfilter([1], P, x)"), "divides by P"),
+    Try(SHIFT, "roll", f("apply(P, x)", "return sum(P[i] * np.roll(x, i) for i in range(len(P)))"), "go round"),
+    Try(SHIFT, "unequal", f("apply(P, x)", "return P[0] * x + P[1] * x[:-1]"), "samples"),
+    Try(
+        SHIFT,
+        "two only",
+        f("apply(P, x)", "return P[0] * x + P[1] * np.r_[0, x[:-1]]"),
+        "lowest|column|wrong|coefficient|sample by sample",
+    ),
+    Try(SS, "signs", space("a[:0:-1]"), "other sign of a"),
+    Try(SS, "order of the row", space("-a[1:]"), "last row of A is in reverse"),
+    Try(SS, "C of b", space(C="b[:0:-1].reshape(1, n)"), "b_i - b0 a_i"),
+    Try(SS, "D zero", space(D="[[0]]"), "D = 0"),
+    Try(SS, "padded behind", space(pad="[num, np.zeros(n + 1 - len(num))]"), "at its end"),
+    Try(SS, "three", space().replace(", np.array([[b[0]]])", ""), "four matrices"),
+    Try(EQ, "plus", eq("[y[k0 - i : N - i] for i in range(1, na + 1)]"), "has \\+y"),
+    Try(
+        EQ,
+        "d + nb",
+        eq(us="[u[k0 - i : N - i] for i in range(d, d + nb + 1)]", k0="max(na, d + nb)"),
+        "column too many",
+    ),
+    Try(EQ, "lag 1", eq(us="[u[k0 - i : N - i] for i in range(1, nb + 1)]"), "wrong lags|number of rows|d is"),
+    Try(EQ, "from 0", eq("[-y[k0 - i : N - i] for i in range(na)]"), "y\\(k\\) in the row"),
+    Try(EQ, "Y whole", eq(end="np.column_stack(ys + us), y"), "one y\\(k\\) for each row"),
+    Try(EQ, "no case nb = 0", eq(k0="d + nb - 1"), "nobody recorded|number of rows|empty|rows"),
+    Try(
+        SIM,
+        "plus a",
+        f(
+            "simulate(A, B, C, u, e)",
+            "return scipy.signal.lfilter(B, np.r_[1, -np.array(A[1:])], u) + scipy.signal.lfilter(C, "
+            "np.r_[1, -np.array(A[1:])], e)",
+        ),
+        "adds the past outputs",
+    ),
+    Try(
+        SIM,
+        "noise at the output",
+        f("simulate(A, B, C, u, e)", "return scipy.signal.lfilter(B, A, u) + e"),
+        "behind the plant",
+    ),
+    Try(
+        SIM,
+        "C not used",
+        f("simulate(A, B, C, u, e)", "return scipy.signal.lfilter(B, A, u) + scipy.signal.lfilter([1], A, e)"),
+        "takes e for C e",
+    ),
+    Try(
+        SIM,
+        "list slice sign",
+        f("simulate(A, B, C, u, e)", "return scipy.signal.lfilter(B, -A, u) + scipy.signal.lfilter(C, -A, e)"),
+        "right but for the sign",
+    ),
+    Try(EX, "plus y", ex("return np.linalg.lstsq(np.column_stack([y[:-1], u[:-1]]), y[1:])[0]"), "returns -a first"),
+    Try(EX, "same time", ex("return np.linalg.lstsq(np.column_stack([-y[:-1], u[1:]]), y[1:])[0]"), "lag wrong"),
+    Try(EX, "lengths", ex("return np.linalg.lstsq(np.column_stack([-y[:-1], u[:-1]]), y)[0]"), "same number of rows"),
+    Try(
+        EX,
+        "u_1 inside",
+        ex("return np.linalg.lstsq(np.column_stack([-y_1[:-1], u_1[:-1]]), y_1[1:])[0]"),
+        "whatever is handed in",
+    ),
+    Try(PRED, "free run", pred("scipy.signal.lfilter(B, A, u)"), "feeds on its own outputs"),
+    Try(
+        PRED,
+        "no + y",
+        pred("scipy.signal.lfilter(B, [1], u) - scipy.signal.lfilter(A, [1], y)"),
+        "without y\\(k\\)|prediction error",
+    ),
+    Try(
+        PRED,
+        "sign",
+        pred("scipy.signal.lfilter(B, [1], u) + scipy.signal.lfilter(A, [1], y) - y"),
+        "adds the past outputs",
+    ),
+    Try(
+        PRED,
+        "A and B",
+        pred("scipy.signal.lfilter(B, [1], u) - scipy.signal.lfilter(A, [1], y) + y", "scipy.signal.lfilter(A, B, u)"),
+        "Are they swapped",
+    ),
+    Try(
+        F8,
+        "all samples",
+        "t_8 = np.arange(100)\nfig_8, ax = plt.subplots()\nax.plot(y_1)\nax.plot(y_hat)\nax.plot(y_sim)",
+        "so many samples",
+    ),
+    Try(F8, "lengths", "t_8 = np.arange(100)\nfig_8, ax = plt.subplots()\nax.plot(t_8, y_1)", "same length"),
+    Try(
+        EXC,
+        "zeros before",
+        f(
+            "excitation(u, largest)",
+            "for n in range(1, largest + 1):\n        M = np.column_stack([np.r_[np.zeros(i), "
+            "u[:len(u) - i]] for i in range(n)])\n        if np.linalg.matrix_rank(M) < n:\n          "
+            "  return n - 1\n    return largest",
+        ),
+        "zeros are filled in",
+    ),
+    Try(
+        EXC,
+        "first failing",
+        f(
+            "excitation(u, largest)",
+            "for n in range(1, largest + 1):\n        M = np.lib.stride_tricks.sliding_window_view(u, "
+            "n)\n        if np.linalg.matrix_rank(M) < n:\n            return n\n    return largest",
+        ),
+        "one too high",
+    ),
+    Try(
+        EXC,
+        "distinct values",
+        f("excitation(u, largest)", "return min(len(set(np.round(u, 9))), largest)"),
+        "different values",
+    ),
+    Try(ORD, "own rows", order(start="n"), "rows of its own"),
+    Try(ORD, "sum", order("np.sum(E**2)"), "sums"),
+    Try(
+        ORD,
+        "log10",
+        order(crit="N * np.log10(V) + 2 * p, N * np.log10(V) + p * np.log10(N), V * (1 + p / N) / (1 - p / N)"),
+        "base 10",
+    ),
+    Try(
+        ORD,
+        "AIC price",
+        order(crit="N * np.log(V) + p, N * np.log(V) + p * np.log(N), V * (1 + p / N) / (1 - p / N)"),
+        "price in AIC",
+    ),
+    Try(
+        ORD,
+        "FPE upside down",
+        order(crit="N * np.log(V) + 2 * p, N * np.log(V) + p * np.log(N), V * (1 - p / N) / (1 + p / N)"),
+        "above and",
+    ),
+    Try(CAN, "nothing", f("cancel(P, Q, within)", "return P, Q"), "nearer than `within`"),
+    Try(
+        CAN,
+        "roots",
+        f(
+            "cancel(P, Q, within)",
+            "p, q = list(np.roots(P)), []\n    for r in np.roots(Q):\n        n = [x for x in p if "
+            "abs(x - r) < within]\n        if n: p.remove(n[0])\n        else: q.append(r)\n    "
+            "return p, q",
+        ),
+        "returns roots",
+    ),
+    Try(
+        CAN,
+        "in and equal",
+        f(
+            "cancel(P, Q, within)",
+            "p, q = list(np.roots(P)), list(np.roots(Q))\n    for r in list(q):\n        if r in p:\n "
+            "           p.remove(r); q.remove(r)\n    return np.poly(p), np.poly(q)",
+        ),
+        "nearer than `within`",
+    ),
+    Try(
+        AUTO,
+        "mean left in",
+        f(
+            "autocorrelation(e, lags)",
+            "N = len(e)\n    return np.array([e[k:] @ e[:N - k] for k in range(lags + 1)]) / (e @ e)",
+        ),
+        "mean in",
+    ),
+    Try(
+        AUTO,
+        "lags",
+        f(
+            "autocorrelation(e, lags)",
+            "e = e - e.mean(); N = len(e)\n    return np.array([e[k:] @ e[:N - k] for k in range(lags)]) / (e @ e)",
+        ),
+        "one value too few",
+    ),
+    Try(
+        AUTO,
+        "e[:-k]",
+        f(
+            "autocorrelation(e, lags)",
+            "e = e - e.mean()\n    return np.array([e[k:] @ e[:-k] for k in range(lags + 1)]) / (e @ e)",
+        ),
+        "takes nothing",
+    ),
+    Try(
+        AUTO,
+        "covariances",
+        f(
+            "autocorrelation(e, lags)",
+            "e = e - e.mean(); N = len(e)\n    return np.array([e[k:] @ e[:N - k] for k in range(lags + 1)]) / N",
+        ),
+        "covariances",
+    ),
+    Try(
+        AUTO,
+        "corrcoef",
+        f(
+            "autocorrelation(e, lags)",
+            "N = len(e)\n    return np.array([np.corrcoef(e[k:], e[:N - k])[0, 1] for k in range(lags + 1)])",
+        ),
+        "own mean",
+    ),
+)

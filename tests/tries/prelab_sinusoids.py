@@ -1,0 +1,97 @@
+"""First tries at the pre-lab."""
+
+from tries import Try
+
+T, N, C, M, F, A, B = (
+    "prelab-1-time", "prelab-2-noise", "prelab-3-cut", "prelab-4-matrix", "prelab-4-function", "prelab-5-original",
+    "prelab-6-cut-off",
+)  # fmt: skip
+
+NOISE = "rng.uniform(-0.2, 0.2, t.shape)"
+
+
+def waves(sine: str, noise: str = NOISE) -> str:
+    return f"y1 = {sine} + {noise}\ny2 = np.cos(2 * np.pi * t / 100) + {NOISE}"
+
+
+def cut(body: str) -> str:
+    return f"def cut_off(data, n):\n    {body}\n"
+
+
+TRIES = (
+    Try(T, "MATLAB colon", "t = 0:0.1:100", r"MATLAB's range.*np\.arange"),
+    Try(T, "MATLAB colon, transposed", "t = (0:0.1:100)'", r"MATLAB's range.*transpose is `\.T`"),
+    Try(T, "flat", "t = np.linspace(0, 100, 1001)", "one-dimensional"),
+    Try(T, "transposed flat", "t = np.linspace(0, 100, 1001).T", "one-dimensional"),
+    Try(T, "arange without end", "t = np.arange(0, 100, 0.1).reshape(-1, 1)", "excludes its end"),
+    Try(T, "1000 points", "t = np.linspace(0, 100, 1000).reshape(-1, 1)", "1000 points"),
+    Try(T, "a row", "t = np.linspace(0, 100, 1001).reshape(1, -1)", "is a row"),
+    Try(T, "half the spacing", "t = np.linspace(0, 100, 2001).reshape(-1, 1)", "2001 points", "taught"),
+    Try(T, "no np", "t = linspace(0, 100, 1001)", r"np\.linspace"),
+    Try(N, "sin(100 t)", waves("np.sin(100 * t)"), "100 s is the period T, not the factor"),
+    Try(N, "angle t/T", waves("np.sin(t / 100)"), "2 pi is missing"),
+    Try(N, "degrees", waves("np.sin(3.6 * t)"), "degrees"),
+    Try(N, "period of 400 s", waves("np.sin(0.005 * np.pi * t)"), "400 s"),
+    Try(N, "period of 30 s", waves("np.sin(2 * np.pi * t / 30)"), "period of 3"),
+    Try(N, "amplitude 3", waves("3 * np.sin(2 * np.pi * t / 100)"), "amplitude 3"),
+    Try(N, "lifted by 1", waves("1 + np.sin(2 * np.pi * t / 100)"), "mean 1"),
+    Try(N, "flat noise", waves("np.sin(2 * np.pi * t / 100)", "rng.uniform(-0.2, 0.2, 1001)"), "flat noise"),
+    Try(N, "one number", waves("np.sin(2 * np.pi * t / 100)", "rng.uniform(-0.2, 0.2)"), "same random number"),
+    Try(N, "normal", waves("np.sin(2 * np.pi * t / 100)", "0.2 * rng.standard_normal(t.shape)"), "Gaussian"),
+    Try(N, "rand alone", waves("np.sin(2 * np.pi * t / 100)", "rng.random(t.shape)"), "0 to 1"),
+    Try(N, "random() / 5", waves("np.sin(2 * np.pi * t / 100)", "rng.random(t.shape) / 5"), "never negative"),
+    Try(N, "no noise", waves("np.sin(2 * np.pi * t / 100)", "0"), "no noise yet"),
+    Try(N, "MATLAB rand", waves("np.sin(2 * np.pi * t / 100)", "rand(1001, 1)"), r"rng\.random"),
+    Try(N, "pi alone", waves("np.sin(2 * pi * t / 100)"), r"np\.pi"),
+    Try(C, "MATLAB index", "t_new = t(201:end)\ny1_new = y1[200:]\ny2_new = y2[200:]", "square ones|no `end`"),
+    Try(C, "201", "t_new = t[201:] - t[201]\ny1_new = y1[201:]\ny2_new = y2[201:]", "one sample too few"),
+    Try(C, "time not reset", "t_new = t[200:]\ny1_new = y1[200:]\ny2_new = y2[200:]", "starts at 20 s"),
+    Try(C, "last cut", "t_new = t[:-200]\ny1_new = y1[:-200]\ny2_new = y2[:-200]", "last 200"),
+    Try(C, "20 rows", "t_new = t[20:] - t[20]\ny1_new = y1[20:]\ny2_new = y2[20:]", "20 s are 200 samples"),
+    Try(C, "in place", "t_new = t[200:]\nt_new -= 20\ny1_new = y1[200:]\ny2_new = y2[200:]", "view"),
+    Try(C, "columns", "t_new = t[:, 200:]\ny1_new = y1[:, 200:]\ny2_new = y2[:, 200:]", "A slice took nothing"),
+    Try(C, "from 20 s", "t_new = t[t >= 20]\ny1_new = y1[200:]\ny2_new = y2[200:]", "starts at 20 s"),
+    Try(M, "vstack", "data_new = np.vstack([t_new, y1_new, y2_new])", "one below the other"),
+    Try(M, "no list", "data_new = np.hstack(t_new, y1_new, y2_new)", "in a list"),
+    Try(M, "array", "data_new = np.array([t_new, y1_new, y2_new])", "dimensions"),
+    Try(M, "MATLAB brackets", "data_new = [t_new y1_new y2_new]", "separated by commas"),
+    Try(M, "uncut", "data_new = np.hstack([t, y1, y2])", "original data"),
+    Try(M, "order", "data_new = np.hstack([y1_new, y2_new, t_new])", "order"),
+    Try(F, "subtract n", cut("r = data[n:].copy(); r[:, 0] = r[:, 0] - n; return r"), "subtracts n"),
+    Try(F, "time untouched", cut("return data[n:]"), "time unchanged"),
+    Try(F, "no return", cut("data = data[n:]"), "returns nothing"),
+    Try(F, "names from above", cut("return data_new"), "in place of `data`"),
+    Try(
+        F, "subtract first of all", cut("r = data[n:].copy(); r[:, 0] -= data[0, 0]; return r"), "first time of `data`"
+    ),
+    Try(F, "200 fixed", cut("r = data[200:].copy(); r[:, 0] -= r[0, 0]; return r"), "200|returned 0|out of bounds"),
+    Try(F, "columns cut", cut("r = data[:, n:].copy(); r[:, 0] -= r[0, 0]; return r"), "shape|returned|columns|out of"),
+    Try(F, "sum for the first", cut("r = data[n:].copy(); r[:, 0] -= r[:, 0].mean(); return r"), "first column begins"),
+    Try(F, "print", cut("r = data[n:].copy(); r[:, 0] -= r[0, 0]; print(r)"), "returns nothing"),
+    Try(
+        A,
+        "plt draws below",
+        "fig_1, (ax_a, ax_b) = plt.subplots(2, 1)\nplt.plot(t, y1, color='r', "
+        "label=r'$\\sin(0.02\\pi t)$')\nplt.step(t, y2)",
+        r"lower panel.*ax_a\.plot",
+    ),
+    Try(A, "unpacking", "fig_1, ax_a, ax_b = plt.subplots(2, 1)\nax_a.plot(t, y1)", r"fig, \(ax_a, ax_b\)"),
+    Try(
+        A,
+        "plot for stairs",
+        "fig_1, (ax_a, ax_b) = plt.subplots(2, 1)\nax_a.plot(t, y1, 'r')\nax_a.plot(t, y2, color=(0.6, 0.7, 0.8))",
+        "straight lines join the cosine",
+    ),
+    Try(A, "MATLAB title", "fig_1, (ax_a, ax_b) = plt.subplots(2, 1)\nax_a.title('(a)')", "brackets|not callable"),
+    Try(
+        B,
+        "old curves",
+        "ax_b.plot(t, y1)\nax_b.step(t, y2, where='post')\nax_b.plot(t_new, y1_new)\n"
+        "ax_b.step(t_new, y2_new, where='post', color=(0.6, 0.7, 0.8))",
+        "earlier run",
+    ),
+    Try(B, "original", "ax_b.plot(t, y1)\nax_b.step(t, y2, where='post')", "original data again", never="earlier run"),
+    Try(B, "against uncut time", "ax_b.plot(t[200:], y1_new)\nax_b.step(t[200:], y2_new)", "old time"),
+    Try(B, "unequal lengths", "ax_b.plot(t, y1_new)", "same length|same first dimension"),
+    Try(B, "in (a)", "ax_a.plot(t_new, y1_new)\nax_a.step(t_new, y2_new)", "no curve in Fig. 1\\(b\\)"),
+)

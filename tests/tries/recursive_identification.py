@@ -1,0 +1,195 @@
+"""First tries at the recursive lecture."""
+
+from tries import Try
+
+MEAN, INF, STEP, REG, FOR, FIG, ONL, DRI, WIN, CAR = (
+    "ri-1-mean", "ri-2-information", "ri-3-step", "ri-4-regressors", "ri-5-forgetting", "ri-6-figures", "ri-7-online",
+    "ri-8-drift", "ri-9-windup", "ri-10-careless",
+)  # fmt: skip
+
+
+def f(head: str, body: str) -> str:
+    return f"def {head}:\n    {body}\n"
+
+
+def step(
+    P: str = "P - np.outer(q, q) / (1 + phi @ q)",
+    K: str = "P @ phi",
+    end: str = "theta + K * error, P",
+    error: str = "y - phi @ theta",
+) -> str:
+    return f(
+        "rls_step(theta, P, phi, y)", f"error = {error}\n    q = P @ phi\n    P = {P}\n    K = {K}\n    return {end}"
+    )
+
+
+def reg(columns: str = "-y[1:-1], -y[:-2], u[1:-1]", Y: str = "y[2:]") -> str:
+    return (
+        f("regressors(u, y)", f"return np.column_stack([{columns}]), {Y}") + "\n\nPhi_61, Y_61 = regressors(u_61, y_61)"
+    )
+
+
+def rls(
+    P: str = "(P - np.outer(q, q) / (lam + phi @ q)) / lam",
+    theta: str = "theta + P @ phi * error",
+    start: str = "LN * np.eye(p)",
+    store: str = "history[k] = theta",
+    end: str = "history",
+) -> str:
+    return (
+        f"def rls(Phi, Y, lam, LN):\n    p = Phi.shape[1]\n    theta, P = np.zeros(p), {start}\n   "
+        f" history = np.zeros(Phi.shape)\n"
+        f"    for k in range(len(Y)):\n        phi = Phi[k]\n        error = Y[k] - phi @ theta\n  "
+        f"      q = P @ phi\n        P = {P}\n"
+        f"        theta = {theta}\n        {store}\n    return {end}\n\n\n"
+        "theta_1 = rls(Phi_61, Y_61, 1.0, 1e6)\ntheta_099 = rls(Phi_61, Y_61, 0.99, 1e6)"
+    )
+
+
+def online(past: str = "np.array([-y, past[0], u])", P: str = "(P - np.outer(q, q) / (lam + past @ q)) / lam") -> str:
+    return f(
+        "arx_step(theta, P, past, u, y, lam)",
+        f"error = y - past @ theta\n    q = P @ past\n    P = {P}\n    theta = theta + P @ past * "
+        f"error\n    return theta, P, {past}",
+    )
+
+
+def drift(
+    lag: str = "slope * lam / (1 - lam)",
+    mse: str = "lag**2 + sigma**2 * (1 - lam) / (1 + lam)",
+    best: str = "lams[np.argmin(tracking_mse(lams, slope, sigma))]",
+) -> str:
+    return f("tracking_mse(lam, slope, sigma)", f"lag = {lag}\n    return {mse}") + f(
+        "best_forgetting(slope, sigma)", f"lams = np.arange(0.5, 0.9995, 0.001)\n    return {best}"
+    )
+
+
+TRIES = (
+    Try(MEAN, "n + 1", f("update_mean(theta, n, y)", "return theta + (y - theta) / (n + 1)"), "1/\\(n \\+ 1\\)"),
+    Try(MEAN, "middle", f("update_mean(theta, n, y)", "return (theta + y) / 2"), "middle"),
+    Try(MEAN, "sum of all", f("update_mean(theta, n, y)", "return (n * theta + y) / n"), "adds y/n"),
+    Try(MEAN, "weights", f("update_mean(theta, n, y)", "return (n * theta + y) / (n + 1)"), "1/\\(n \\+ 1\\)"),
+    Try(MEAN, "mean of an array", f("update_mean(theta, n, y)", "return np.mean([theta, y])"), "middle"),
+    Try(MEAN, "print", f("update_mean(theta, n, y)", "print(theta + (y - theta) / n)"), "returns nothing"),
+    Try(INF, "phi @ phi.T", f("add_sample(M, v, phi, y)", "return M + phi @ phi.T, v + phi * y"), "number phi'phi"),
+    Try(INF, "phi * phi", f("add_sample(M, v, phi, y)", "return M + phi * phi, v + phi * y"), "entry by entry"),
+    Try(INF, "v + y", f("add_sample(M, v, phi, y)", "return M + np.outer(phi, phi), v + y"), "it is phi y"),
+    Try(INF, "order", f("add_sample(M, v, phi, y)", "return v + phi * y, M + np.outer(phi, phi)"), "v before M"),
+    Try(INF, "M only", f("add_sample(M, v, phi, y)", "return M + np.outer(phi, phi)"), "M and v"),
+    Try(
+        INF, "phi @ y", f("add_sample(M, v, phi, y)", "return M + np.outer(phi, phi), v + phi @ y"), "`y` is one number"
+    ),
+    Try(STEP, "brackets", step("P - np.outer(q, q) / 1 + phi @ q"), "brackets"),
+    Try(STEP, "q @ q", step("P - q @ q / (1 + phi @ q)"), "a number where the matrix"),
+    Try(STEP, "no 1", step("P - np.outer(q, q) / (phi @ q)"), "the 1 is missing"),
+    Try(STEP, "old gain", step(K="q"), "P before the sample"),
+    Try(STEP, "divided twice", step(K="P @ phi / (1 + phi @ P @ phi)"), "divides the gain"),
+    Try(STEP, "sign", step(error="phi @ theta - y"), "moves away"),
+    Try(
+        STEP,
+        "inverted",
+        f(
+            "rls_step(theta, P, phi, y)",
+            "P = np.linalg.inv(np.linalg.inv(P) + np.outer(phi, phi))\n    return theta + P @ phi * "
+            "(y - phi @ theta), P",
+        ),
+        "inverts P",
+    ),
+    Try(REG, "plus", reg("y[1:-1], y[:-2], u[1:-1]"), "has \\+y"),
+    Try(REG, "lengths", reg("-y[1:], -y[:-2], u[1:-1]"), "number of rows"),
+    Try(REG, "Y whole", reg(Y="y"), "rows of Phi and"),
+    Try(REG, "u now", reg("-y[1:-1], -y[:-2], u[2:]"), "off by one"),
+    Try(REG, "order", reg("u[1:-1], -y[1:-1], -y[:-2]"), "another order"),
+    Try(REG, "Y early", reg(Y="y[1:-1]"), "one sample early"),
+    Try(FOR, "lambda once", rls("P - np.outer(q, q) / (lam + phi @ q)"), "not divided by lambda"),
+    Try(FOR, "1 below", rls("(P - np.outer(q, q) / (1 + phi @ q)) / lam"), "1 \\+ phi'P phi"),
+    Try(FOR, "times lambda", rls("(P - np.outer(q, q) / (lam + phi @ q)) * lam"), "multiplies P by lambda"),
+    Try(FOR, "last only", rls(end="theta"), "one estimate"),
+    Try(
+        FOR, "list in place", rls(theta="theta", store="theta += P @ phi * error; history[k] = theta"), "", "acceptable"
+    ),
+    Try(FOR, "lambda word", rls().replace("lam,", "lambda,"), "call the variable `lam`"),
+    Try(FOR, "P = LN", rls(start="LN"), "is one number"),
+    Try(
+        FOR,
+        "before update",
+        rls(store="pass").replace("phi = Phi[k]\n", "phi = Phi[k]\n        history[k] = theta\n"),
+        "before sample k",
+    ),
+    Try(
+        FIG,
+        "rows",
+        "fig_9, ax = plt.subplots()\nax.plot(theta_1[0])\nfig_10, ax = plt.subplots()\nax.plot(theta_099[0])",
+        "no curve shows a1",
+    ),
+    Try(
+        FIG,
+        "swapped",
+        "fig_9, ax = plt.subplots()\nax.plot(theta_099)\nfig_10, ax = plt.subplots()\nax.plot(theta_1)",
+        "shows `theta_099`",
+    ),
+    Try(
+        FIG,
+        "no truth",
+        "fig_9, ax = plt.subplots()\nax.plot(theta_1)\nfig_10, ax = plt.subplots()\nax.plot(theta_099)",
+        "true a1",
+    ),
+    Try(ONL, "plus y", online("np.array([y, past[0], u])"), "remembers \\+y"),
+    Try(ONL, "past not changed", online("past"), "as it was"),
+    Try(
+        ONL,
+        "in place",
+        online("past").replace("return", "past[0] = -y; past[1] = past[0]; past[2] = u\n    return"),
+        "both places",
+    ),
+    Try(ONL, "no lambda", online(P="P - np.outer(q, q) / (1 + past @ q)"), "lambda = 1"),
+    Try(ONL, "oldest", online("np.array([-y, past[1], u])"), "oldest output"),
+    Try(DRI, "lag", drift("slope / (1 - lam)"), "before the new sample"),
+    Try(DRI, "not squared", drift(mse="lag + sigma**2 * (1 - lam) / (1 + lam)"), "lag itself"),
+    Try(DRI, "index", drift(best="np.argmin(tracking_mse(lams, slope, sigma))"), "between 0.5 and 0.999"),
+    Try(DRI, "min", drift(best="np.min(tracking_mse(lams, slope, sigma))"), "least error|lambda"),
+    Try(DRI, "sigma", drift(mse="lag**2 + sigma * (1 - lam) / (1 + lam)"), "not squared"),
+    Try(
+        WIN,
+        "no pause",
+        f(
+            "rls_bounded(Phi, Y, lam, LN, bound)",
+            "p = Phi.shape[1]\n    th, P, h, t = np.zeros(p), LN * np.eye(p), [], []\n    for phi, y "
+            "in zip(Phi, Y):\n        q = P @ phi\n        P = (P - np.outer(q, q) / (lam + phi @ q)) "
+            "/ lam\n        th = th + P @ phi * (y - phi @ th)\n        h.append(th); "
+            "t.append(np.trace(P))\n    return np.array(h), np.array(t)",
+        ),
+        "never pauses",
+    ),
+    Try(
+        WIN,
+        "late",
+        f(
+            "rls_bounded(Phi, Y, lam, LN, bound)",
+            "p = Phi.shape[1]\n    th, P, h, t = np.zeros(p), LN * np.eye(p), [], []\n    for phi, y "
+            "in zip(Phi, Y):\n        l = 1 if np.trace(P) > bound else lam\n        q = P @ phi\n    "
+            "    P = (P - np.outer(q, q) / (l + phi @ q)) / l\n        th = th + P @ phi * (y - phi @ "
+            "th)\n        h.append(th); t.append(np.trace(P))\n    return np.array(h), np.array(t)",
+        ),
+        "Compare trace",
+    ),
+    Try(
+        WIN,
+        "one result",
+        f("rls_bounded(Phi, Y, lam, LN, bound)", "return rls(Phi, Y, lam, LN)"),
+        "history of theta and",
+    ),
+    Try(
+        CAR,
+        "sound form",
+        f(
+            "rls_careless(Phi, Y, lam, LN)",
+            "p = Phi.shape[1]\n    th, P, h, a = np.zeros(p), LN * np.eye(p), [], []\n    for phi, y "
+            "in zip(Phi, Y):\n        q = P @ phi\n        P = (P - np.outer(q, q) / (lam + phi @ q)) "
+            "/ lam\n        th = th + P @ phi * (y - phi @ th)\n        h.append(th); "
+            "a.append(np.max(abs(P - P.T)) / np.max(abs(P)))\n    return np.array(h), np.array(a)",
+        ),
+        "sound form",
+    ),
+    Try(CAR, "one result", f("rls_careless(Phi, Y, lam, LN)", "return rls(Phi, Y, lam, LN)"), "history of theta and"),
+)

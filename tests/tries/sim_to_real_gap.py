@@ -1,0 +1,273 @@
+"""First tries at the sim-to-real gap."""
+
+from tries import Try
+
+REST, LIN, SIZE, TIME, FREQ, OPER = (
+    "gap-1-rest", "gap-2-linear", "gap-3-size", "gap-3-time", "gap-4-frequency", "gap-5-operating",
+)  # fmt: skip
+SIM, EFF, PATH, PARS, CLOSED = "gap-7-simulation", "gap-8-effect", "gap-8-path", "gap-8-parameters", "gap-9-closed"
+
+
+def rest(y: str = "np.mean(y_act[:n])", sd: str = "np.std(y_act[:n])", u: str = "u_act[0]", more: str = "") -> str:
+    return (
+        f"n = int(np.argmax(u_act != u_act[0]))\nu_offset = {u}\ny_offset = {y}\nnoise_sd = {sd}\n"
+        f"u = u_act - u_offset\ny = y_act - y_offset\n{more}"
+    )
+
+
+def linear(Phi: str = "y[1:half-1], y[:half-2], u[1:half-1], u[:half-2]", run: str = "free_run(theta_hat, u)",
+           fit: str = "fit(free_run, theta_arx, u[:half], y[:half])", Y: str = "y[2:half]") -> str:  # fmt: skip
+    return f"theta_arx = np.linalg.lstsq(np.column_stack([{Phi}]), {Y})[0]\ntheta_hat = {fit}\ny_lin = {run}"
+
+
+def time(
+    body: str, share: str = "time_shares(e, 16)", worst: str = "(i * N // 16 * Ts, (i + 1) * N // 16 * Ts)"
+) -> str:
+    return f"def time_shares(e, parts):\n    {body}\n\n\nshare_t = {share}\ni = np.argmax(share_t)\nworst = {worst}"
+
+
+RIGHT = "s = np.sum(np.reshape(e, (parts, -1))**2, axis=1)\n    return s / np.sum(s)"
+
+
+def band(weights: str, f: str = "np.fft.rfftfreq(len(e), Ts)", end: str = "h / np.sum(h)") -> str:
+    return (
+        f"def band_shares(e, Ts, edges):\n    f = {f}\n    E = np.fft.rfft(e)\n"
+        f"    h = np.histogram(f, edges, weights={weights})[0]\n    return {end}\n"
+    )
+
+
+def cells(body: str = "h = np.histogram(x, edges, weights=e**2)[0]\n    return h / np.sum(h)",
+          u: str = "u_act, e, edges_u", y: str = "y_act, e, edges_y") -> str:  # fmt: skip
+    return f"def cell_shares(x, e, edges):\n    {body}\n\n\nshare_u = cell_shares({u})\nshare_y = cell_shares({y})"
+
+
+IMPERFECT = (
+    "its = simulate_better\n\n\ndef simulate_better(u_act):\n"
+    "    return its(u_act) + 0.015 * np.sin(np.arange(len(u_act)))\n\n\n"
+)
+"""So that some of the gap stays open: with all of it closed, a wrong formula gives 1 as well."""
+
+
+def closed(
+    after: str = "np.mean((simulate_better(u_act) - y_act)[half:]**2)", before: str = "gap_before**2",
+    body: str = "1 - np.sqrt(max(mse_after - sigma**2, 0)) / np.sqrt(mse_before - sigma**2)", end: str = "",
+) -> str:  # fmt: skip
+    return (
+        f"{IMPERFECT}def share_closed(mse_after, mse_before, sigma):\n    return {body}\n\n\n"
+        f"closed = share_closed({after}, {before}, noise_sd){end}"
+    )
+
+
+def named(effect: str, parameters: str) -> str:
+    return f"effect = '{effect}'\nparameters = {parameters}"
+
+
+NAMED = "effect = 'input-saturation'\n"
+Y_NAMED = "effect = 'output-saturation'\n"
+
+TRIES = (
+    Try(REST, "mean of all", rest("np.mean(y_act)"), "mean over the whole record"),
+    Try(REST, "first sample", rest("y_act[0]"), "one sample"),
+    Try(REST, "variance", rest(sd="np.var(y_act[:n])"), "take its root"),
+    Try(REST, "spread of all", rest(sd="np.std(y_act)"), "whole record"),
+    Try(REST, "mean input", rest(u="np.mean(u_act)"), "mean over the record"),
+    Try(REST, "loop on array", "n = 1\nwhile u_act == u_act[0]:\n    n += 1", "True or False"),
+    Try(REST, "added", rest(more="y = y_act + y_offset"), "take it off"),
+    Try(LIN, "all the data", linear("y[1:-1], y[:-2], u[1:-1], u[:-2]", Y="y[2:]"), "whole record"),
+    Try(LIN, "minus", linear("-y[1:half-1], -y[:half-2], u[1:half-1], u[:half-2]"), "other sign of a"),
+    Try(LIN, "not refitted", linear(fit="theta_arx"), "still the lab's estimate"),
+    Try(LIN, "fit on all", linear(fit="fit(free_run, theta_arx, u, y)"), "whole record"),
+    Try(LIN, "run of half", linear(run="free_run(theta_hat, u[:half])"), "half the record"),
+    Try(LIN, "lengths", linear("y[1:half], y[:half-1], u[1:half], u[:half-1]"), "same number of rows|Incompatible"),
+    Try(
+        LIN,
+        "prediction",
+        linear(
+            run="theta_hat[0] * np.roll(y, 1) + theta_hat[1] * np.roll(y, 2) + theta_hat[2] * "
+            "np.roll(u, 1) + theta_hat[3] * np.roll(u, 2)"
+        ),
+        "one-step prediction",
+    ),
+    Try(SIZE, "minus noise", "gap_before = np.sqrt(np.mean(e[half:]**2) - noise_sd**2)", "noise subtracted"),
+    Try(SIZE, "minus noise, plainly", "gap_before = np.sqrt(np.mean(e[half:]**2)) - noise_sd", "noise subtracted"),
+    Try(SIZE, "all", "gap_before = np.sqrt(np.mean(e**2))", "whole record"),
+    Try(SIZE, "std", "gap_before = np.std(e[half:])", "standard deviation"),
+    Try(SIZE, "no root", "gap_before = np.mean(e[half:]**2)", "take its root"),
+    Try(SIZE, "absolute", "gap_before = np.mean(abs(e[half:]))", "mean absolute error"),
+    Try(SIZE, "first half", "gap_before = np.sqrt(np.mean(e[:half]**2))", "half that was fitted"),
+    Try(
+        TIME,
+        "16 fixed",
+        time("s = np.sum(e.reshape(16, -1)**2, axis=1)\n    return s / np.sum(s)"),
+        "the argument `parts`",
+    ),
+    Try(
+        TIME,
+        "16 rows by slices",
+        time(
+            "n = len(e) // 16\n    s = np.array([np.sum(e[i*n:(i+1)*n]**2) for i in range(16)])\n"
+            "    return s / np.sum(s)"
+        ),
+        "use the argument `parts`",
+    ),
+    Try(
+        TIME,
+        "interleaved",
+        time("s = np.sum(e.reshape(-1, parts)**2, axis=0)\n    return s / np.sum(s)"),
+        "every n-th sample",
+    ),
+    Try(TIME, "not shares", time("return np.sum(e.reshape(parts, -1)**2, axis=1)"), "does not divide"),
+    Try(
+        TIME,
+        "float",
+        time("n = len(e) / parts\n    return np.array([np.sum(e[i*n:(i+1)*n]**2) for i in range(parts)])"),
+        "whole number",
+    ),
+    Try(TIME, "of y", time(RIGHT, "time_shares(y, 16)"), "shares of the output"),
+    Try(TIME, "samples", time(RIGHT, worst="(i * N // 16, (i + 1) * N // 16)"), "times `Ts`"),
+    Try(TIME, "numbers", time(RIGHT, worst="(i, i + 1)"), "counts parts"),
+    Try(FREQ, "complex not abs", band("E**2"), "np.abs"),
+    Try(FREQ, "real part", band("np.real(E**2)"), "np.abs"),
+    Try(FREQ, "square of the real part", band("E.real**2"), "np.abs"),
+    Try(FREQ, "not squared", band("np.abs(E)"), "Squares are asked for"),
+    Try(FREQ, "no Ts", band("np.abs(E)**2", "np.fft.rfftfreq(len(e))"), "leaves Ts out"),
+    Try(FREQ, "1/Ts", band("np.abs(E)**2", "np.fft.rfftfreq(len(e), 1 / Ts)"), "sampling time Ts"),
+    Try(FREQ, "fftfreq", band("np.abs(E)**2", "np.fft.fftfreq(len(e), Ts)"), "one weight"),
+    Try(FREQ, "all of histogram", band("np.abs(E)**2").replace("[0]", ""), "stopped|histogram|parts of different"),
+    Try(
+        OPER,
+        "mean",
+        cells(
+            "k = np.digitize(x, edges[1:-1])\n    return np.array([np.mean(e[k == j]**2) for j in "
+            "range(len(edges) - 1)])"
+        ),
+        "mean squared error of each cell",
+    ),
+    Try(
+        OPER,
+        "mean, normed",
+        cells(
+            "k = np.digitize(x, edges[1:-1])\n    m = np.array([np.mean(e[k == j]**2) for j in "
+            "range(len(edges) - 1)])\n    return m / m.sum()"
+        ),
+        "averages within each cell",
+    ),
+    Try(OPER, "y_lin as x", cells(y="y_lin, e, edges_y"), "handed over first|linear model"),
+    Try(OPER, "y_lin with offset as x", cells(y="y_lin + y_offset, e, edges_y"), "output of the linear model"),
+    Try(OPER, "offset-free", cells(u="u, e, edges_u"), "with its offset"),
+    Try(OPER, "swapped", cells(u="y_act, e, edges_y", y="u_act, e, edges_u"), "other signal"),
+    Try(OPER, "counts", cells("h = np.histogram(x, edges)[0]\n    return h / np.sum(h)"), "counts samples"),
+    Try(OPER, "order of arguments", cells(u="e, u_act, edges_u"), "handed over first"),
+    Try(
+        SIM,
+        "interp of record (replay y)",
+        "def simulate_better(u_act):\n    return y_act.copy()\n",
+        "record itself|same whatever",
+    ),
+    Try(
+        SIM,
+        "no argument used",
+        "def simulate_better(u_act):\n    return y_offset + y_lin\n",
+        "does what the linear model does|as your record has|same whatever",
+    ),
+    Try(
+        SIM,
+        "deviations",
+        "def simulate_better(u_act):\n    return free_run(theta_hat, u_act - u_offset)\n",
+        "deviations from rest, of the linear model",
+    ),
+    Try(
+        SIM,
+        "no offset off",
+        "def simulate_better(u_act):\n    return y_offset + free_run(theta_hat, u_act)\n",
+        "take `u_offset` off",
+    ),
+    Try(
+        SIM,
+        "no return",
+        "def simulate_better(u_act):\n    y = free_run(theta_hat, u_act - u_offset)\n",
+        "returns nothing",
+    ),
+    Try(
+        SIM,
+        "column",
+        "def simulate_better(u_act):\n    return (y_offset + free_run(theta_hat, u_act - u_offset)).reshape(-1, 1)\n",
+        "column",
+    ),
+    Try(EFF, "not in the list", "effect = 'saturation'", "not in the list"),
+    Try(EFF, "not quoted", "effect = input-delay", "cannot|unsupported|not defined|builtin"),
+    Try(EFF, "wrong", "effect = 'input-delay'", "is noted"),
+    Try(EFF, "number", "effect = 1", "text in quotes"),
+    Try(PATH, "effect for path", "path = 'input-delay'", "name of an effect"),
+    Try(PATH, "other word", "path = 'pump'", "one of dynamics, input, output"),
+    Try(
+        PARS,
+        "deviations not volts",
+        "parameters = {'low': -0.2, 'high': 0.2}",
+        "deviation from rest",
+        more=(("gap-8-effect-answer", NAMED),),
+    ),
+    Try(
+        PARS,
+        "limits swapped",
+        "parameters = {'low': u_act.max() - 0.1, 'high': u_act.min() + 0.1}",
+        "swapped",
+        more=(("gap-8-effect-answer", NAMED),),
+    ),
+    Try(
+        PARS,
+        "millivolts",
+        "parameters = {'low': 1000 * u_act.min(), 'high': 1000 * u_act.max()}",
+        "both are outside",
+        more=(("gap-8-effect-answer", NAMED),),
+    ),
+    Try(
+        PARS,
+        "deviations of the output",
+        "parameters = {'low': -0.3, 'high': 0.3}",
+        "deviation from rest",
+        more=(("gap-8-effect-answer", Y_NAMED),),
+    ),
+    Try(
+        PARS,
+        "possible limits",
+        "parameters = {'low': u_act.min() + 0.05, 'high': u_act.max() - 0.05}",
+        "noted",
+        never="deviation|swapped",
+        more=(("gap-8-effect-answer", NAMED),),
+    ),
+    Try(
+        PARS,
+        "distance of the empty tank",
+        "parameters = {'empty': y_act.min() + 0.1}",
+        "less than that",
+        more=(("gap-8-effect-answer", "effect = 'sqrt-outflow'"),),
+    ),
+    Try(
+        PARS,
+        "negative delay",
+        "parameters = {'delay': -3.0}",
+        "answers later",
+        more=(("gap-8-effect-answer", "effect = 'input-delay'"),),
+    ),
+    Try(PARS, "a list", "parameters = [1.2, 3.4]", "dictionary", more=(("gap-8-effect-answer", NAMED),)),
+    Try(PARS, "names", "parameters = {'min': 1.2, 'max': 3.4}", "names", more=(("gap-8-effect-answer", NAMED),)),
+    Try(CLOSED, "gap_before not squared", closed(before="gap_before"), "`gap_before` itself, a root"),
+    Try(CLOSED, "whole record", closed("np.mean((simulate_better(u_act) - y_act)**2)"), "whole record"),
+    Try(
+        CLOSED,
+        "roots",
+        closed("np.sqrt(np.mean((simulate_better(u_act) - y_act)[half:]**2))", "gap_before"),
+        "roots of both|a root",
+    ),
+    Try(CLOSED, "per cent", closed(end=" * 100"), "per cent"),
+    Try(CLOSED, "left", closed(end="\nclosed = 1 - closed"), "share that is \\*left\\*"),
+    Try(
+        CLOSED,
+        "sigma",
+        closed(body="1 - np.sqrt(max(mse_after - sigma, 0)) / np.sqrt(abs(mse_before - sigma))"),
+        "subtract its square",
+    ),
+    Try(CLOSED, "no max", closed(body="1 - np.sqrt(mse_after - sigma**2) / np.sqrt(mse_before - sigma**2)"), "max"),
+    Try(CLOSED, "no root", closed(body="1 - max(mse_after - sigma**2, 0) / (mse_before - sigma**2)"), "take the root"),
+)

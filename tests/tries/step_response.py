@@ -1,0 +1,203 @@
+"""First tries at the step response."""
+
+from tries import VAGUE, Try
+
+READ, RESP, MSE, FIG, FUN, CUT, MODEL = (
+    "step-1-read", "step-2-response", "step-3-mse", "step-3-figure", "step-5-function", "step-6-cut", "step-6-model",
+)  # fmt: skip
+TWO, ERR, LOSS, GRAD, MIN, UNI = (
+    "step-7-two", "step-8-error", "step-8-loss", "step-8-gradient", "step-9-minimum", "step-9-unique",
+)  # fmt: skip
+
+
+def read(K: str = "y_end / amplitude", tau: str = "1.5 * (t_63 - t_28)", td: str = "t_63 - tau") -> str:
+    return (
+        "y_end = y_step[-1]\nt_28 = t_step[np.argmax(y_step >= 0.283 * y_end)]\n"
+        f"t_63 = t_step[np.argmax(y_step >= 0.632 * y_end)]\nK = {K}\ntau = {tau}\ntd = {td}"
+    )
+
+
+def response(body: str) -> str:
+    return f"def first_order_response(t, K, tau, td, amplitude):\n    return {body}\n"
+
+
+def reader(K: str = "(y_end - y_start) / amplitude", start: str = "y[0]", tau: str = "1.5 * (t_63 - t_28)") -> str:
+    return (
+        f"def read_step(t, y, amplitude):\n    y_start = {start}\n    y_end = np.mean(y[-20:])\n"
+        "    way = (y - y_start) / (y_end - y_start)\n    t_28 = t[np.argmax(way >= 0.283)]\n"
+        f"    t_63 = t[np.argmax(way >= 0.632)]\n    tau = {tau}\n    return {K}, tau, max(t_63 - tau, 0)\n"
+    )
+
+
+def cut(
+    level: str = "np.mean(y_act[first - 20 : first])", a: str = "u_act[first] - u_act[first - 1]", s: str = ""
+) -> str:
+    return (
+        "c = np.flatnonzero(np.diff(u_act)) + 1\nfirst, second = c[0], c[1]\n"
+        f"t_held = t_act[first:second] - t_act[first]\ny_held = y_act[first:second] - {level}\na_held = {a}\n{s}"
+    )
+
+
+def fun(name: str, args: str, body: str) -> str:
+    return f"def {name}({args}):\n    {body}\n"
+
+
+A = "Phi, Y, theta"
+
+TRIES = (
+    Try(READ, "td=t28", read(td="t_28"), "28.3 %"),
+    Try(READ, "tau = t63", read(tau="t_63", td="0"), "measured from the step|td is zero"),
+    Try(READ, "factor", read(tau="t_63 - t_28"), "two thirds"),
+    Try(READ, "gain not divided", read(K="y_end"), "divide it by the amplitude"),
+    Try(READ, "level of 63", read(K="0.632 * y_end / amplitude"), "63.2 % of the change"),
+    Try(READ, "samples", read(td="np.argmax(y_step >= 0.05)"), "28.3 % at", VAGUE),
+    Try(READ, "MATLAB find", "t_63 = t_step(find(y_step >= 3.8, 1))", "find|square ones|np.flatnonzero"),
+    Try(READ, "by eye", "K, tau, td = 3, 4, 2", "28.3 % at .* 63.2 % at"),
+    Try(RESP, "impulse", response("np.where(t >= td, K * amplitude / tau * np.exp(-(t - td) / tau), 0)"), "impulse"),
+    Try(RESP, "no zero before", response("K * amplitude * (1 - np.exp(-(t - td) / tau))"), "not zero before td"),
+    Try(RESP, "no amplitude", response("K * (1 - np.exp(-np.maximum(t - td, 0) / tau))"), "multiply by it"),
+    Try(
+        RESP,
+        "if on array",
+        "def first_order_response(t, K, tau, td, amplitude):\n    if t < td:\n        return 0\n"
+        "    return K * amplitude * (1 - np.exp(-(t - td) / tau))",
+        "True or False",
+    ),
+    Try(RESP, "e^", response("K * amplitude * (1 - e^(-(t - td) / tau))"), r"np\.exp"),
+    Try(
+        RESP, "math.exp", "import math\n" + response("K * amplitude * (1 - math.exp(-(t - td) / tau))"), "takes arrays"
+    ),
+    Try(RESP, "product missing", response("K amplitude (1 - np.exp(-(t - td) / tau))"), "comma|bracket|line before"),
+    Try(RESP, "straight", response("K * amplitude * np.minimum(np.maximum(t - td, 0) / tau, 1)"), "straight line"),
+    Try(RESP, "cosine rise", response("K * amplitude * np.tanh(np.maximum(t - td, 0) / tau)"), "in between it is not"),
+    Try(
+        MSE,
+        "amplitude 1",
+        "y_approx = first_order_response(t_step, K, tau, td, 1)\nmse_approx = np.mean((y_step - y_approx)**2)",
+        "amplitude 1",
+    ),
+    Try(
+        MSE,
+        "order of arguments",
+        "y_approx = first_order_response(t_step, K, td, tau, amplitude)\nmse_approx = 0",
+        "not the response of your model",
+    ),
+    Try(MSE, "few arguments", "y_approx = first_order_response(t_step, K, tau, td)", "compare their arguments"),
+    Try(
+        MSE,
+        "norm",
+        "y_approx = first_order_response(t_step, K, tau, td, amplitude)\n"
+        "mse_approx = np.linalg.norm(y_step - y_approx)",
+        "norm of the error",
+    ),
+    Try(
+        MSE,
+        "sum",
+        "y_approx = first_order_response(t_step, K, tau, td, amplitude)\nmse_approx = np.sum((y_step - y_approx)**2)",
+        "divide by N",
+    ),
+    Try(FIG, "not the figure", "plt.plot(t_step, y_step)\nfig_a2 = plt.gca()", "figure itself"),
+    Try(
+        FIG,
+        "no legend",
+        "fig_a2, ax = plt.subplots()\nax.plot(t_step, y_step)\nax.plot(t_step, y_approx)\n"
+        "ax.set(xlabel='Time (s)', ylabel='Output (V)')",
+        "legend",
+    ),
+    Try(
+        FIG,
+        "labels swapped",
+        "fig_a2, ax = plt.subplots()\nax.plot(t_step, y_step)\nax.plot(t_step, y_approx)\n"
+        "ax.set(xlabel='Output (V)', ylabel='Time (s)')",
+        "swapped",
+    ),
+    Try(FUN, "abs for down", reader(K="abs((y_end - y_start) / amplitude)"), "absolute value"),
+    Try(FUN, "uses amplitude var 2", reader(K="(y_end - y_start) / 2"), "change over 2"),
+    Try(FUN, "start zero", reader(start="0"), "level before the step"),
+    Try(FUN, "no amplitude", reader(K="y_end - y_start"), "divide it by the amplitude"),
+    Try(FUN, "factor", reader(tau="t_63 - t_28"), "two thirds"),
+    Try(FUN, "no return", reader().replace("return", "result ="), "returns nothing"),
+    Try(FUN, "two results", reader().replace(", max(t_63 - tau, 0)", ""), "3 elements"),
+    Try(FUN, "y_step inside", reader().replace("np.mean(y[-20:])", "y_step[-1]"), "K is"),
+    Try(CUT, "y0 at step only", cut("y_act[first]"), "one sample, number"),
+    Try(CUT, "one before", cut("y_act[first - 1]"), "one sample, number"),
+    Try(CUT, "level left in", cut("0"), "still includes the level"),
+    Try(CUT, "mean of all", cut("np.mean(y_act)"), "mean over the whole record"),
+    Try(CUT, "time", cut(s="t_held = t_act[first:second]"), "start from zero"),
+    Try(CUT, "level for step", cut(a="u_act[first]"), "new level"),
+    Try(CUT, "sign", cut(a="u_act[first - 1] - u_act[first]"), "wrong sign"),
+    Try(
+        CUT,
+        "off by one",
+        "c = np.flatnonzero(np.diff(u_act))\nfirst, second = c[0], c[1]\n"
+        "t_held = t_act[first:second] - t_act[first]\ny_held = y_act[first:second] - np.mean(y_act[:first])\n"
+        "a_held = u_act[first + 1] - u_act[first]",
+        "one sample too early",
+    ),
+    Try(CUT, "where", "first = np.where(np.diff(u_act) != 0)\ny_held = y_act[first:]", "an index is one number"),
+    Try(MODEL, "unpack", "K_tank, tau_tank = read_step(t_held, y_held, a_held)", "as many names"),
+    Try(MODEL, "order", "tau_tank, K_tank, td_tank = read_step(t_held, y_held, a_held)", "another order"),
+    Try(MODEL, "whole record", "K_tank, tau_tank, td_tank = read_step(t_act, y_act, a_held)", "of the whole record"),
+    Try(MODEL, "old values", "K_tank, tau_tank, td_tank = K, tau, td", "are the values of part A"),
+    Try(TWO, "1-based", fun("solve_two", "U, Y", "return np.array([U[1, 1], U[2, 2]])"), "indices 0 to 1"),
+    Try(TWO, "inv", fun("solve_two", "U, Y", "return np.linalg.inv(U) * Y"), "table|2 elements"),
+    Try(TWO, "no None", fun("solve_two", "U, Y", "return np.linalg.solve(U, Y)"), "does not return `None`"),
+    Try(
+        TWO,
+        "sign",
+        fun(
+            "solve_two",
+            "U, Y",
+            "d = U[0, 0]*U[1, 1] + U[0, 1]*U[1, 0]\n    return np.array([U[1, 1]*Y[0] - "
+            "U[0, 1]*Y[1], U[0, 0]*Y[1] - U[1, 0]*Y[0]]) / d",
+        ),
+        "adds the two products",
+    ),
+    Try(TWO, "transposed", fun("solve_two", "U, Y", "return np.linalg.solve(U.T, Y)"), "confuses u12"),
+    Try(TWO, "MATLAB index", fun("solve_two", "U, Y", "return U(1, 1)"), "square ones"),
+    Try(ERR, "*", fun("error_vector", A, "return Y - Phi * theta"), r"comes of `Phi \* theta`"),
+    Try(ERR, "reversed", fun("error_vector", A, "return Phi @ theta - Y"), "wrong sign"),
+    Try(ERR, "transposed", fun("error_vector", A, "return Y - Phi.T @ theta"), "transposed|columns"),
+    Try(ERR, "theta first", fun("error_vector", A, "return Y - theta @ Phi"), "columns|transposed|rows"),
+    Try(ERR, "squares", fun("error_vector", A, "return (Y - Phi @ theta)**2"), "do not square"),
+    Try(ERR, "output", fun("error_vector", A, "return Phi @ theta"), "subtract it from Y"),
+    Try(LOSS, "no half", fun("loss", A, "E = Y - Phi @ theta\n    return E @ E"), "factor 1/2"),
+    Try(LOSS, "mean", fun("loss", A, "return np.mean((Y - Phi @ theta)**2)"), "mean of the squared"),
+    Try(LOSS, "not summed", fun("loss", A, "return 0.5 * (Y - Phi @ theta)**2"), "add them up"),
+    Try(LOSS, "norm", fun("loss", A, "return 0.5 * np.linalg.norm(Y - Phi @ theta)"), "contains a root"),
+    Try(LOSS, "E undefined", fun("loss", A, "return 0.5 * E @ E"), "run the cells|define|There is"),
+    Try(LOSS, "quarter", fun("loss", A, "E = Y - Phi @ theta\n    return 0.5 * (0.5 * E @ E)"), "half the right value"),
+    Try(GRAD, "sign", fun("gradient", A, "return Phi.T @ (Y - Phi @ theta)"), "wrong sign"),
+    Try(GRAD, "twice", fun("gradient", A, "return -2 * Phi.T @ (Y - Phi @ theta)"), "twice too large"),
+    Try(GRAD, "no transpose", fun("gradient", A, "return -Phi @ (Y - Phi @ theta)"), "transposed|columns"),
+    Try(GRAD, "number", fun("gradient", A, "return np.sum(-Phi.T @ (Y - Phi @ theta))"), "elements|shape|one column"),
+    Try(GRAD, "one term", fun("gradient", A, "return -Phi.T @ Y"), "lacks the term"),
+    Try(
+        MIN,
+        "Phi Phi^T",
+        fun("best_theta", "Phi, Y", "return np.linalg.inv(Phi @ Phi.T) @ Phi.T @ Y"),
+        "inverts Phi Phi'",
+    ),
+    Try(MIN, "elementwise", fun("best_theta", "Phi, Y", "return np.linalg.inv(Phi.T * Phi) * Phi.T * Y"), "`@`"),
+    Try(MIN, "solve Phi", fun("best_theta", "Phi, Y", "return np.linalg.solve(Phi, Y)"), "square"),
+    Try(MIN, "all of lstsq", fun("best_theta", "Phi, Y", "return np.linalg.lstsq(Phi, Y)"), "whole result of `lstsq`"),
+    Try(
+        MIN,
+        "order of factors",
+        fun("best_theta", "Phi, Y", "return Phi.T @ Y @ np.linalg.inv(Phi.T @ Phi)"),
+        "",
+        "acceptable",
+    ),
+    Try(MIN, "power", fun("best_theta", "Phi, Y", "return (Phi.T @ Phi)**-1 @ Phi.T @ Y"), "one by one"),
+    Try(UNI, "square", fun("is_unique", "Phi", "return Phi.shape[0] == Phi.shape[1]"), "for every square Phi"),
+    Try(UNI, "determinant", fun("is_unique", "Phi", "return np.linalg.det(Phi.T @ Phi) != 0"), "By rounding"),
+    Try(
+        UNI,
+        "rank of rows",
+        fun("is_unique", "Phi", "return np.linalg.matrix_rank(Phi) == Phi.shape[0]"),
+        "number of columns",
+    ),
+    Try(UNI, "counted", fun("is_unique", "Phi", "return len(Phi) >= Phi.shape[1]"), "compares only the numbers"),
+    Try(UNI, "rank itself", fun("is_unique", "Phi", "return np.linalg.matrix_rank(Phi)"), "True or False"),
+    Try(UNI, "det of Phi", fun("is_unique", "Phi", "return np.linalg.det(Phi) != 0"), "square"),
+)
