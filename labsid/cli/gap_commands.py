@@ -5,13 +5,17 @@ import signal
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from dataclasses import replace
 from pathlib import Path
 from textwrap import fill
-from typing import Annotated, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import typer
 
-from labsid.cli.options import Columns, Output, RecordPath, RecordPaths, SamplingTime
+from labsid.cli.options import RecordPath, RecordPaths, reads_log
+
+if TYPE_CHECKING:  # a slow import
+    from labsid.records.reading import Reading
 
 gap = typer.Typer(
     rich_markup_mode=None,
@@ -25,9 +29,12 @@ Seed = Annotated[int, typer.Option(min=0, help="Random seed of the confidence in
 
 
 @gap.command()
+@reads_log
 def diagnose(
     context: typer.Context,
     records: RecordPaths,
+    *,
+    how: "Reading",
     holdout: Annotated[
         Path | None, typer.Option(metavar="RECORD2", help="Another record of the same rig, for scoring.")
     ] = None,
@@ -62,12 +69,9 @@ def diagnose(
         str | None, typer.Option(metavar="U,Y", help="Units of input and output for the report, such as V,mm.")
     ] = None,
     seed: Seed = 0,
-    output: Output = "noise-reduced",
-    columns: Columns = None,
     holdout_columns: Annotated[
         str | None, typer.Option(metavar="NAMES", help="Columns of RECORD2, if different.")
     ] = None,
-    Ts: SamplingTime = None,
 ) -> None:
     """Locate the gap and find its cause. Reports the share of the gap that a correction closes."""
     from labsid._files import check_writable, write_json
@@ -75,7 +79,7 @@ def diagnose(
     from labsid.gap.reports.quantities import with_units
     from labsid.gap.reports.text_report import format_report
     from labsid.gap.simulations.simulation_files import load_simulation
-    from labsid.records.record import load_record
+    from labsid.records.record import read_record
     from labsid.simulators.sources import source_file
 
     written = [path for path in (json_file, html, export) if path is not None]
@@ -93,10 +97,10 @@ def diagnose(
         check_fmu_export()
     stated = None if units is None else _units(units)
     excluded = [_time_range(text) for text in exclude or ()]
-    loaded = [load_record(path, output=output, columns=columns, Ts=Ts, allow_jitter=True) for path in records]
+    loaded = [read_record(path, how) for path in records]
     other = None
     if holdout is not None:
-        other = load_record(holdout, output=output, columns=holdout_columns or columns, Ts=Ts, allow_jitter=True)
+        other = read_record(holdout, replace(how, columns=holdout_columns or how.columns))
     simulation = None if sim is None else load_simulation(sim, loaded[0], len(loaded) > 1)
     with _progress() as progress:
         found = diagnosis.diagnose(
@@ -111,6 +115,7 @@ def diagnose(
             progress=progress,
         )
     report = found.report | {"command": _command_line(context)}
+    stated = stated or (loaded[0].units if all(loaded[0].units) else None)
     if stated is not None:
         report = with_units(report, *stated)
     if json_file is not None:
@@ -152,22 +157,22 @@ def diagnose_batch(
 
 
 @gap.command()
+@reads_log
 def simulate(
     model: Annotated[
         Path, typer.Argument(metavar="MODEL", help="MODEL.json, an exported simulation, FILE.py:FUNCTION or FILE.fmu.")
     ],
     record: RecordPath,
+    *,
+    how: "Reading",
     out: Annotated[Path | None, typer.Option(metavar="FILE", help="Write t,u,y,y_sim as CSV.")] = None,
-    output: Output = "noise-reduced",
-    columns: Columns = None,
-    Ts: SamplingTime = None,
 ) -> None:
     """Simulate a model on a record's input. Its initial state is estimated from the first 50 samples."""
     from labsid.gap.record.clock import clock_findings
     from labsid.gap.simulations.simulation_files import replay, write_replay
-    from labsid.records.record import load_record
+    from labsid.records.record import read_record
 
-    loaded = load_record(record, output=output, columns=columns, Ts=Ts, allow_jitter=True)
+    loaded = read_record(record, how)
     played = replay(model, loaded)
     if out is not None:
         write_replay(out, loaded, played.y)

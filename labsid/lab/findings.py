@@ -1,6 +1,5 @@
 """Findings about the signals of a record: rest, levels, noise, converter, clipping, feedback, excitation."""
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Literal
 
@@ -23,6 +22,7 @@ from labsid.records.signal_quality import (
     shortest_hold,
     stuck_at_extreme,
 )
+from labsid.records.signals import name_places
 
 Level = Literal["ok", "note", "warning", "refused"]
 
@@ -81,12 +81,6 @@ def about_signals(raw: RawRecord, Ts: float | None) -> list[Finding]:
         *about_filter(raw, Ts),
         _about_excitation(u, y, offsets),
     ]
-
-
-def name_places(stretches: Sequence[tuple[int, int]]) -> str:
-    """List the first few of some stretches (start, stop) of samples."""
-    named = [f"{k}" if stop == k + 1 else f"{k} to {stop - 1}" for k, stop in stretches[:4]]
-    return ", ".join(named) + (", and so on" if len(stretches) > 4 else "")
 
 
 def _about_input(u: FloatArray) -> Finding:

@@ -111,8 +111,8 @@ def _diagnose(task: dict[str, Any]) -> dict[str, Any]:
 
     files: dict[str, list[str]] = task["files"]
     try:
-        records = [load_record(path, allow_jitter=True) for path in files["records"]]
-        holdout = next((load_record(path, allow_jitter=True) for path in files["holdout"]), None)
+        records = [load_record(path) for path in files["records"]]
+        holdout = next((load_record(path) for path in files["holdout"]), None)
         simulation = next((load_simulation(Path(path), records[0], len(records) > 1) for path in files["sim"]), None)
         report = diagnose(records, simulation, holdout=holdout, seed=task["seed"]).report
         json.dumps(report, allow_nan=False)
