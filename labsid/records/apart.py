@@ -15,7 +15,7 @@ import numpy as np
 from labsid.records.choice import Chosen, UnknownColumns, choose
 from labsid.records.column import Column
 from labsid.records.contents import ColumnSummary, summarize
-from labsid.records.library_formats import library_format, open_library_log
+from labsid.records.library_formats import LibraryFormat, open_library_log
 
 MEMORY = 2**30  # bytes of data of the process, where the system has limits
 SECONDS = 300.0
@@ -23,7 +23,7 @@ _KEPT_SIZE = 2**29  # bytes of the columns that come back
 _INSTALL = 'pip install "labsid[logs]"'
 
 
-def choose_apart(path: Path, columns: str | None, Ts: float | None) -> Chosen:
+def choose_apart(path: Path, kind: LibraryFormat, columns: str | None, Ts: float | None) -> Chosen:
     """Open a log in a process of its own and read the columns of a record; see `labsid.records.choice.choose`.
 
     Raises
@@ -34,7 +34,7 @@ def choose_apart(path: Path, columns: str | None, Ts: float | None) -> Chosen:
         If it is damaged, lacks the columns, or takes too much memory or time.
     """
     with tempfile.TemporaryDirectory(prefix="labsid-") as folder:
-        told = _run(path, {"columns": columns, "Ts": Ts}, Path(folder))
+        told = _run(path, kind, {"columns": columns, "Ts": Ts}, Path(folder))
         with np.load(Path(folder) / "columns.npz", allow_pickle=False) as arrays:
             read = [
                 Column(one["name"], arrays[f"v{k}"], one["unit"], arrays[f"s{k}"] if one["stamped"] else None)
@@ -44,15 +44,13 @@ def choose_apart(path: Path, columns: str | None, Ts: float | None) -> Chosen:
     return Chosen(t, read[0], read[1], tuple(read[2:]), tuple(told["notes"]))
 
 
-def describe_apart(path: Path) -> list[ColumnSummary]:
+def describe_apart(path: Path, kind: LibraryFormat) -> list[ColumnSummary]:
     """Describe the columns of a log, which a process of its own opens."""
     with tempfile.TemporaryDirectory(prefix="labsid-") as folder:
-        return [ColumnSummary(**one) for one in _run(path, {"describe": True}, Path(folder))["summaries"]]
+        return [ColumnSummary(**one) for one in _run(path, kind, {"describe": True}, Path(folder))["summaries"]]
 
 
-def _run(path: Path, task: dict[str, Any], folder: Path) -> dict[str, Any]:
-    kind = library_format(path)
-    assert kind is not None
+def _run(path: Path, kind: LibraryFormat, task: dict[str, Any], folder: Path) -> dict[str, Any]:
     command = [sys.executable, "-P", "-m", "labsid.records.apart", str(path.absolute()), str(folder)]
     threads = dict.fromkeys(("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS"), "1")
     environment = {**os.environ, **threads, "ARROW_DEFAULT_MEMORY_POOL": "system"}
@@ -61,7 +59,7 @@ def _run(path: Path, task: dict[str, Any], folder: Path) -> dict[str, Any]:
     try:
         done = subprocess.run(
             command,
-            input=json.dumps(task).encode(),
+            input=json.dumps(task | {"module": kind.module}).encode(),
             stdout=subprocess.DEVNULL,
             stderr=subprocess.DEVNULL,
             timeout=SECONDS,
@@ -89,7 +87,7 @@ def _run(path: Path, task: dict[str, Any], folder: Path) -> dict[str, Any]:
 
 
 def _answer(path: Path, task: dict[str, Any], folder: Path) -> dict[str, Any]:
-    log = open_library_log(path)
+    log = open_library_log(path, task["module"])
     if "describe" in task:
         return {"summaries": [asdict(one) for one in summarize(log)]}
     chosen = choose(log, task["columns"], task["Ts"])

@@ -113,6 +113,14 @@ def number(field: str, style: Style) -> float:
         return float(_BARE_EXPONENT.sub(r"e\1", text.lower().replace("d", "e")))
 
 
+def counter(field: str) -> int:
+    """A whole number of up to 18 digits more than a float holds."""
+    value = int(field.strip().strip("\"'"))
+    if abs(value) >= 2**63:
+        raise ValueError(field)
+    return value
+
+
 def switch(field: str) -> float:
     """1 for ON and its like, 0 for OFF; NaN if the field is empty."""
     word = field.strip().strip("\"'").lower()

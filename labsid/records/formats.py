@@ -11,7 +11,7 @@ from labsid.records.apart import choose_apart, describe_apart
 from labsid.records.choice import Chosen, UnknownColumns, choose
 from labsid.records.column import Log
 from labsid.records.contents import ColumnSummary, summarize
-from labsid.records.library_formats import library_format
+from labsid.records.library_formats import OBJECTS, LibraryFormat, library_format
 from labsid.records.mat_file import is_mat5, open_mat
 from labsid.records.numpy_file import NUMPY_MAGIC, open_numpy
 from labsid.records.reading import Reading
@@ -125,27 +125,31 @@ def describe_columns(path: str | PathLike[str]) -> list[ColumnSummary]:
     """
     path = Path(path)
     try:
-        if library_format(path) is not None:
-            return describe_apart(path)
-        return summarize(_open(path, Reading()))
+        log = _open(path, Reading())
+        return describe_apart(path, log) if isinstance(log, LibraryFormat) else summarize(log)
     except ValueError as error:
         raise ValueError(f"{path.name}: {error}") from None
 
 
 def _chosen(path: Path, how: Reading) -> Chosen:
-    if library_format(path) is not None:
+    log = _open(path, how)
+    if isinstance(log, LibraryFormat):
         _refuse_output(how)
-        return choose_apart(path, how.columns, how.Ts)
-    return choose(_open(path, how), how.columns, how.Ts)
+        return choose_apart(path, log, how.columns, how.Ts)
+    return choose(log, how.columns, how.Ts)
 
 
-def _open(path: Path, how: Reading) -> Log:
-    """A format that needs no library."""
+def _open(path: Path, how: Reading) -> Log | LibraryFormat:
+    """The log, or its format if a library reads it."""
+    kind = library_format(path)
+    if kind is not None:
+        return kind
     content = path.read_bytes()
     if not content.strip():
         raise ValueError("it is empty: a record needs at least two samples of u and y.")
     if path.suffix.lower() == ".mat" or is_mat5(content):
-        return open_mat(content, how.output, how.columns is None)
+        log = open_mat(content, how.output, how.columns is None)
+        return OBJECTS if log is None else log
     _refuse_output(how)
     if content.startswith(NUMPY_MAGIC) or path.suffix.lower() in (".npz", ".npy"):
         return open_numpy(content)

@@ -7,7 +7,8 @@ from typing import Any
 import numpy as np
 
 from labsid.records.column import Column, Log, is_numeric, matrix_columns
-from labsid.records.matlab_values import log_of_variables
+from labsid.records.mat_objects import open_log as open_objects
+from labsid.records.matlab_values import OBJECT, holds_objects, log_of_variables
 
 MAX_BYTES = 2**29  # of one data set
 _MAX_ITEMS = 100_000
@@ -30,6 +31,8 @@ def open_log(path: Path) -> Log:
     if is_matlab or path.suffix.lower() == ".mat":
         budget = [_MAX_ITEMS]
         variables = {name: _value(file, file[name], budget, 0) for name in file if not name.startswith("#")}
+        if holds_objects(variables):
+            return open_objects(path)
         return log_of_variables(variables, "noise-reduced", True)
     found: dict[str, Any] = {}
 
@@ -81,12 +84,14 @@ def _value(file: Any, item: Any, budget: list[int], depth: int) -> Any:
         raise ValueError("it is nested too deeply, or holds too many parts.")
     if isinstance(item, h5py.Group):
         if "MATLAB_class" in item.attrs and b"struct" not in np.bytes_(item.attrs["MATLAB_class"]):
-            return "an object"
+            return OBJECT
         fields = {name: _value(file, item[name], budget, depth + 1) for name in item}
         return _as_elements(fields)
     kind = np.bytes_(item.attrs.get("MATLAB_class", b"double"))
     if item.attrs.get("MATLAB_empty", 0):
         return np.empty((0, 0))
+    if "MATLAB_object_decode" in item.attrs:
+        return OBJECT
     if item.dtype.kind == "O" and h5py.check_ref_dtype(item.dtype) is h5py.Reference:
         references = _checked(item)[()].T.reshape(-1, order="F")
         return [_value(file, file[one], budget, depth + 1) for one in references if one]

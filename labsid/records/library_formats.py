@@ -42,6 +42,7 @@ FORMATS = (
     LibraryFormat("LeRobot data set", "lerobot_folder", "pyarrow", ()),
 )
 _ROS, _LEROBOT = FORMATS[-2], FORMATS[-1]
+OBJECTS = LibraryFormat("MATLAB file with objects", "mat_objects", "mat-io", ())
 
 
 def library_format(path: Path) -> LibraryFormat | None:
@@ -68,15 +69,13 @@ def library_format(path: Path) -> LibraryFormat | None:
     return next((one for one in FORMATS if suffix in one.suffixes and start.strip()), None)
 
 
-def open_library_log(path: Path) -> Log:
-    """Open a log with the library of its format; for the process of `labsid.records.apart`.
+def open_library_log(path: Path, module: str) -> Log:
+    """Open a log with the library of its format, which a module reads; for the process of `labsid.records.apart`.
 
     Raises
     ------
     ValueError
         If the file is damaged, or holds something else.
     """
-    kind = library_format(path)
-    assert kind is not None
-    log: Log = import_module(f"labsid.records.{kind.module}").open_log(path)
+    log: Log = import_module(f"labsid.records.{module}").open_log(path)
     return log

@@ -2,7 +2,7 @@
 
 from labsid.records.column import Log
 from labsid.records.mat5 import read_variables
-from labsid.records.matlab_values import log_of_variables
+from labsid.records.matlab_values import holds_objects, log_of_variables
 
 
 def is_mat5(content: bytes) -> bool:
@@ -10,7 +10,7 @@ def is_mat5(content: bytes) -> bool:
     return content.startswith(b"MATLAB ")
 
 
-def open_mat(content: bytes, output: str, by_layout: bool) -> Log:
+def open_mat(content: bytes, output: str, by_layout: bool) -> Log | None:
     """Read the variables of a ``.mat`` file.
 
     Parameters
@@ -21,6 +21,11 @@ def open_mat(content: bytes, output: str, by_layout: bool) -> Log:
         The output of ``LogData`` to use as `y`.
     by_layout : bool
         Whether ``LogData`` is read by its layout; else all variables are columns by name.
+
+    Returns
+    -------
+    Log or None
+        None if there are objects in the file, which `labsid.records.mat_objects` reads.
 
     Raises
     ------
@@ -35,4 +40,6 @@ def open_mat(content: bytes, output: str, by_layout: bool) -> Log:
             "again, or save it again with save('file.mat', 'LogData', '-v7')."
         ) from None
     variables.pop("", None)  # MATLAB's internal data
+    if holds_objects(variables) and not (by_layout and "LogData" in variables):
+        return None
     return log_of_variables(variables, output, by_layout)

@@ -7,6 +7,7 @@ import numpy as np
 from labsid._arrays import FloatArray
 from labsid.records.column import Column, Log, log_of, matrix_columns
 
+OBJECT = "an object"  # what stands for one in the values
 _MAX_COLUMNS = 10_000
 _LOGS = ("LogData", "SFLogData")
 _OTHERS = ("y_measured", "y_noise_reduced", "reference")
@@ -55,6 +56,15 @@ def log_of_variables(variables: dict[str, Any], output: str, by_layout: bool) ->
     stem = columns[0].name.rpartition(".")[0]
     of_one_matrix = all(column.name == f"{stem}.{k + 1}" for k, column in enumerate(columns))
     return log_of(columns, "variable", (), not of_one_matrix)
+
+
+def holds_objects(value: Any) -> bool:
+    """Whether there is an object, such as a ``timeseries``, among these values."""
+    if isinstance(value, dict):
+        return any(map(holds_objects, value.values()))
+    return (
+        any(map(holds_objects, value)) if isinstance(value, list) else bool(isinstance(value, str) and value == OBJECT)
+    )
 
 
 def _collect(name: str, value: Any, columns: list[Column]) -> None:

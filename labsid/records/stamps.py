@@ -123,8 +123,8 @@ def _refuse_two_readings(name: str, values: np.ndarray, since: FloatArray) -> No
         )
     if values.dtype.kind == "f" and _DATENUM[0] < values[0] < _DATENUM[1] and 0.0 < step < 0.5:
         raise ValueError(
-            f"{name} may hold seconds or days (MATLAB's datenum); got {values[0]!r} in the first row. Say which with "
-            "time_unit (--time-unit days, or s)."
+            f"{name} may hold seconds or days (MATLAB's datenum); got {float(values[0])!r} in the first row. Say which "
+            "with time_unit (--time-unit days, or s)."
         )
 
 

@@ -36,7 +36,7 @@ def open_text(content: bytes) -> Log:
     names = layout.header + tuple(str(k + 1) for k in range(len(layout.header), layout.width))
     sample = [layout.split(line) for _, line in islice(_rows(content, layout), SAMPLE)]
     columns = [[row[k] for row in sample if k < len(row)] for k in range(layout.width)]
-    kinds = [kind_of_column(column) for column in columns]
+    kinds = [_with_counters(kind_of_column(column), column) for column in columns]
     numbers = [field for column, kind in zip(columns, kinds, strict=True) if kind == "number" for field in column]
     style = number_style([field for field in numbers if field], layout.delimiter == ",")
 
@@ -82,12 +82,13 @@ def _read_fields(
 ) -> list[np.ndarray]:
     """The chosen columns, field by field; errors name the line."""
     readers: dict[str, Callable[[str], object]] = {
+        "counter": field_types.counter,
         "switch": field_types.switch,
         "date": field_types.date,
         "clock": field_types.time_of_day,
     }
     parse = [readers.get(kind, partial(field_types.number, style=style)) for kind in kinds]
-    types = ["datetime64[ns]" if kind == "date" else np.float64 for kind in kinds]
+    types = [{"date": "datetime64[ns]", "counter": "int64"}.get(kind, "float64") for kind in kinds]
     rows, blocks = _rows(content, layout), []
     while block := list(islice(rows, _BLOCK)):
         split = [(k, layout.split(line), line) for k, line in block]
@@ -112,6 +113,12 @@ def _field(row: tuple[int, list[str], str], place: int, read: Callable[[str], ob
     except (ValueError, OverflowError):
         what = {"date": "date", "time_of_day": "time", "switch": "switch"}.get(getattr(read, "__name__", ""), "number")
         raise ValueError(f"line {k + 1}, column {place + 1}: {fields[place][:40]!r} is not a {what}.") from None
+
+
+def _with_counters(kind: str, sample: Sequence[str]) -> str:
+    """Whole numbers of more digits than a float holds, such as nanoseconds since 1970, are counters."""
+    long = kind == "number" and all(field.isdigit() for field in sample) and max(map(len, sample)) > 15
+    return "counter" if long else kind
 
 
 def _whole(array: np.ndarray, sample: Sequence[str]) -> np.ndarray:
