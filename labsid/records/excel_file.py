@@ -36,7 +36,7 @@ def open_log(path: Path) -> Log:
         units: list[str] = []
         if first > 1 and all(is_unit(name) for name in header if name):
             units, header = header, [str(cell or "").strip() for cell in rows[first - 2]]
-            notes.append(f"the row under the header read as units: {', '.join(units)}")
+            notes.append(f"the row under the header read as units: {', '.join(filter(None, units))}")
         return log_of(_columns(header, units, rows[first:]), "column", notes, bool(header))
     raise ValueError("no sheet of the workbook holds a table of numbers. Export the table of the log alone.")
 

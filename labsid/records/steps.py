@@ -89,7 +89,7 @@ def _together(t_u: FloatArray, u: FloatArray, t_y: FloatArray, y: FloatArray, ho
         return Signals(t, values, notes)
     step_u, step_y = float(np.median(np.diff(t_u))), float(np.median(np.diff(t_y)))
     if step_y <= 1.5 * step_u:
-        inside = (t_y >= start) & (t_y <= max(stop, t_y[-1]))
+        inside = t_y >= start
         t = t_y[inside]
         note = f"u has times of its own, {step_u:g} s apart; held at those of y"
         return Signals(t, {"u": held_at(t, t_u, u), "y": y[inside]}, (note,))

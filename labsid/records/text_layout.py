@@ -127,7 +127,7 @@ def find_layout(content: bytes) -> Layout:
         header = fields[above[-1]]
         if len(above) > 1 and above[-2] == above[-1] - 1 and all(is_unit(field) for field in header if field):
             units, header = [field.strip("[]() ") for field in header], fields[above[-2]]
-            notes.append(f"the row under the header read as units: {', '.join(units)}")
+            notes.append(f"the row under the header read as units: {', '.join(filter(None, units))}")
         before = sum(k < above[-1] and k not in above[-2:] for k in rows)
         if before:
             notes.append(f"{before} {'line' if before == 1 else 'lines'} before the table skipped")

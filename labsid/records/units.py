@@ -27,7 +27,7 @@ _IN_BRACKETS = re.compile(r"^(.*?)[\s_]*[\[(]([^\[\]()]{0,16})[\])]\s*$")
 def split_unit(name: str) -> tuple[str, str]:
     """Split ``Level [cm]`` or ``Time (s)`` into the name and the unit; the unit is empty if there is none."""
     found = _IN_BRACKETS.match(name.strip())
-    if found is None or not found[1] or re.fullmatch(r"\d+|[^\W\d]\w{5,}", found[2]):  # positions[2], position[elbow]
+    if found is None or not found[1] or re.fullmatch(r"\d+|[^\W\d]\w{4,}", found[2]):  # position[2], position[elbow]
         return name.strip(), ""
     return found[1].strip(), found[2].strip()
 
