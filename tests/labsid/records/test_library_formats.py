@@ -210,8 +210,8 @@ def test_bags(tmp_path, kind):
             writer.write(joints, stamp, pack(state, joints.msgtype))
     record = load_record(path, columns=JOINT)
     # The state has the stamp of its header, 7 ms before the command was logged: the command is held.
-    np.testing.assert_allclose(record.y[1:], Y[1:])
-    np.testing.assert_allclose(record.u[1:], U[:-1])
+    np.testing.assert_allclose(record.y, Y[1:])
+    np.testing.assert_allclose(record.u, U[:-1])
     assert "u has times of its own" in " ".join(record.notes)
     part = next(path.glob("*.mcap"), None) if path.is_dir() else None
     if part is not None:
@@ -278,7 +278,9 @@ def test_timeseries_tables_and_data_sets_of_simulink(tmp_path, version, times):
         "logsout": logs,
         "tab": pd.DataFrame({"time": T, "cmd": U, "level": Y}),
     }
-    save_to_mat(tmp_path / "a.mat", content, version=version)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # of pandas, for an option that mat-io sets
+        save_to_mat(tmp_path / "a.mat", content, version=version)
     path = tmp_path / "a.mat"
     assert_read(load_record(path, columns="u,y"))
     assert_read(load_record(path, columns="logsout.voltage,logsout.speed"))
@@ -296,7 +298,9 @@ def test_a_damaged_file_is_refused_in_one_line(tmp_path, one):
     path = tmp_path / f"bad{one.suffixes[0]}"
     path.write_bytes(MAGIC[one.module] + bytes(range(256)) * 4)
     assert library_format(path) is one
-    with pytest.raises(ValueError, match=r"bad\.\w+: .*(damaged|needs the package|Give the bag's folder)") as caught:
+    with pytest.raises(
+        ValueError, match=r"bad\.\w+: .*(damaged|needs the package|Give the bag's folder|no channels)"
+    ) as caught:
         load_record(path)
     assert "\n" not in str(caught.value)
 
