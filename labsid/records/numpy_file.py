@@ -2,6 +2,7 @@
 
 import io
 import zipfile
+from tokenize import TokenError
 
 import numpy as np
 
@@ -58,7 +59,7 @@ def _load(file: io.BytesIO, size: int) -> np.ndarray:
         version = np.lib.format.read_magic(file)
         read = np.lib.format.read_array_header_1_0 if version == (1, 0) else np.lib.format.read_array_header_2_0
         shape, fortran, dtype = read(file)
-    except (ValueError, KeyError, TypeError, SyntaxError, EOFError, MemoryError, RecursionError):
+    except (ValueError, KeyError, TypeError, SyntaxError, TokenError, EOFError, MemoryError, RecursionError):
         raise ValueError("its header is not that of a .npy, or it is damaged. Save it again with numpy.save.") from None
     if dtype.hasobject:
         raise ValueError("it holds Python objects (a pickle), which are not loaded. Save plain arrays of numbers.")

@@ -257,8 +257,11 @@ def test_lerobot_data_sets(tmp_path, version):
 @pytest.mark.parametrize("times", ["stored", "uniform"])
 def test_timeseries_tables_and_data_sets_of_simulink(tmp_path, version, times):
     import pandas as pd
-    from matio import save_to_mat
-    from matio.utils.matclass import MatlabOpaque
+
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # of pandas, for an option that mat-io sets
+        from matio import save_to_mat
+        from matio.utils.matclass import MatlabOpaque
 
     def series(name, values):
         numbers = {"Start_": 0.0, "Increment_": 0.1, "Length_": float(N)}
@@ -279,7 +282,7 @@ def test_timeseries_tables_and_data_sets_of_simulink(tmp_path, version, times):
         "tab": pd.DataFrame({"time": T, "cmd": U, "level": Y}),
     }
     with warnings.catch_warnings():
-        warnings.simplefilter("ignore")  # of pandas, for an option that mat-io sets
+        warnings.simplefilter("ignore")
         save_to_mat(tmp_path / "a.mat", content, version=version)
     path = tmp_path / "a.mat"
     assert_read(load_record(path, columns="u,y"))
@@ -298,9 +301,8 @@ def test_a_damaged_file_is_refused_in_one_line(tmp_path, one):
     path = tmp_path / f"bad{one.suffixes[0]}"
     path.write_bytes(MAGIC[one.module] + bytes(range(256)) * 4)
     assert library_format(path) is one
-    with pytest.raises(
-        ValueError, match=r"bad\.\w+: .*(damaged|needs the package|Give the bag's folder|no channels)"
-    ) as caught:
+    says = r"bad\.\w+: .*(damaged|needs the package|Give the bag's folder|no channels)"
+    with pytest.raises(ValueError, match=says) as caught:
         load_record(path)
     assert "\n" not in str(caught.value)
 
