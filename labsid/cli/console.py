@@ -75,6 +75,7 @@ def identification_text(identification: "Identification") -> str:
     """
     from labsid.lab.arx import to_ss, to_tf
     from labsid.records.record import reading_notes
+    from labsid.records.signal_quality import digits_of
 
     record, model, fit = identification.record, identification.model, identification.fit
     offsets, rows, runs = identification.offsets, identification.regression, identification.verification
@@ -84,7 +85,7 @@ def identification_text(identification: "Identification") -> str:
         f"{record.name}: {len(record)} samples, Ts = {record.Ts:.9g} s",
         *(textwrap.fill(f"Read: {note}.", 90) for note in reading_notes(record)),
         "",
-        f"u_offset = {offsets.u_offset:g}, the first input",
+        f"u_offset = {digits_of(offsets.u_offset, np.ptp(record.u), 6)}, the first input",
         f"y_offset = {offsets.y_offset:.8f}, the mean of samples {offsets.settled[0]} to {offsets.settled[1] - 1}",
         f"Phi: rows k = {rows.start} to {rows.stop - 1} of the first half, condition number {fit.condition_number:.2f}",
         *_left_out(identification),

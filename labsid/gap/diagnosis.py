@@ -8,7 +8,7 @@ import numpy as np
 from threadpoolctl import threadpool_limits
 
 from labsid._arrays import stretches_of
-from labsid.gap.model_file import ExportedModel, export_model
+from labsid.gap.model_file import START_SAMPLES, ExportedModel, export_model
 from labsid.gap.record.clock import at_sampling_time, clock_findings, stated_sampling_time
 from labsid.gap.record.data import Data, scaled
 from labsid.gap.record.record_findings import filtered_input, findings_from_errors, findings_from_record, plateau_gap
@@ -42,6 +42,7 @@ from labsid.records.record import Record, bridge_gaps
 from labsid.simulators.meter import RunMeter
 
 MIN_SAMPLES = 100  # samples
+MIN_HOLDOUT = START_SAMPLES + 10  # samples, of which the first determine the initial state
 _NO_OUTPUT = "{} has {} samples without an output."
 SIZES = 1e-50, 1e50  # of the range of a signal and of the sampling time: powers of their ratios stay finite
 SEARCH_SHARE = 0.75  # of a budget of runs, for the beam search; the rest is for the search on held-out samples
@@ -318,10 +319,16 @@ def _common_sampling_time(
 
 
 def _check_records(record: Record, holdout: Record | None) -> None:
-    """Reject records that are too short, have a constant signal, or differ in their sampling time."""
-    for name, one in (("the record", record), ("the holdout", holdout)):
-        if one is not None:
-            _check_record(one, name)
+    """Reject a record that is too short or has a constant signal, and a holdout of another sampling time.
+
+    A holdout is only scored, after the samples that determine its initial state: neither of its signals has to move.
+    """
+    _check_record(record, "the record")
+    if holdout is not None and len(holdout) < MIN_HOLDOUT:
+        raise ValueError(
+            f"the holdout has {len(holdout)} samples; it needs at least {MIN_HOLDOUT}: its first {START_SAMPLES} determine "
+            "the initial state and are not scored. Use a longer one."
+        )
     if holdout is not None and abs(holdout.Ts - record.Ts) > 1e-6 * record.Ts:
         raise ValueError(f"the holdout runs at {holdout.Ts:g} s, the record at {record.Ts:g} s. Resample one of them.")
 

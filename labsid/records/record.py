@@ -13,7 +13,7 @@ from labsid._arrays import FloatArray, as_signal, as_signals, freeze, frozen_arr
 from labsid.records.direction import look_swapped
 from labsid.records.formats import RawRecord, read_raw
 from labsid.records.reading import Reading
-from labsid.records.signal_quality import runs
+from labsid.records.signal_quality import digits_of, runs
 from labsid.records.signals import jitter_note, missing_note
 from labsid.records.steps import REGULAR_WITHIN
 
@@ -101,10 +101,10 @@ class Record:
 
     def __repr__(self) -> str:
         without = f", {self.missing.sum()} without y" if self.missing.any() else ""
-        return (
-            f"Record({self.name!r}: {len(self)} samples, Ts = {self.Ts:g} s, "
-            f"u {self.u.min():.4g}..{self.u.max():.4g}, y {np.nanmin(self.y):.4g}..{np.nanmax(self.y):.4g}{without})"
+        u, y = (
+            f"{digits_of(x.min(), np.ptp(x))}..{digits_of(x.max(), np.ptp(x))}" for x in (self.u, self.y[~self.missing])
         )
+        return f"Record({self.name!r}: {len(self)} samples, Ts = {self.Ts:g} s, u {u}, y {y}{without})"
 
 
 class Fault(NamedTuple):
