@@ -130,10 +130,14 @@ def diagnose(
 
 
 @gap.command("batch")
+@reads_log
 def diagnose_batch(
     folder: Annotated[
-        Path, typer.Argument(metavar="DIR", help="Folder of records (.csv, .mat), and of folders of runs of one rig.")
+        Path,
+        typer.Argument(metavar="DIR", help="Folder of records (.csv, .mat ...), and of folders of runs of one rig."),
     ],
+    *,
+    how: "Reading",
     out: Annotated[Path, typer.Option(metavar="DIR", help="Folder for the reports.")],
     jobs: Annotated[int | None, typer.Option(min=1, help="Number of processes; default: one for each core.")] = None,
     scheduler: Annotated[
@@ -148,7 +152,7 @@ def diagnose_batch(
 
     try:
         with _progress(lines=True) as progress:
-            summary = diagnose_folder(folder, out, jobs, seed, progress, scheduler, html)
+            summary = diagnose_folder(folder, out, jobs, seed, progress, scheduler, html, how)
     except KeyboardInterrupt:
         raise ValueError(
             f"interrupted; the finished reports are in {out}. Run the command again to continue."

@@ -326,8 +326,8 @@ def _check_records(record: Record, holdout: Record | None) -> None:
     _check_record(record, "the record")
     if holdout is not None and len(holdout) < MIN_HOLDOUT:
         raise ValueError(
-            f"the holdout has {len(holdout)} samples; it needs at least {MIN_HOLDOUT}: its first {START_SAMPLES} determine "
-            "the initial state and are not scored. Use a longer one."
+            f"the holdout has {len(holdout)} samples; it needs at least {MIN_HOLDOUT}: its first {START_SAMPLES} "
+            "determine the initial state and are not scored. Use a longer one."
         )
     if holdout is not None and abs(holdout.Ts - record.Ts) > 1e-6 * record.Ts:
         raise ValueError(f"the holdout runs at {holdout.Ts:g} s, the record at {record.Ts:g} s. Resample one of them.")

@@ -1,6 +1,6 @@
 """Delimited text: any of the usual delimiters, decimal marks, headers and encodings."""
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from functools import partial
 from itertools import islice
 
@@ -9,7 +9,7 @@ import numpy as np
 from labsid.records import fields as field_types
 from labsid.records.column import Column, Log
 from labsid.records.fields import Style, kind_of_column, number_style
-from labsid.records.text_layout import Layout, find_layout, is_row, lines_of, without_prefix
+from labsid.records.text_layout import Layout, find_layout, is_row, lines_of, text_stream, without_prefix
 
 SAMPLE = 1000  # rows from which the kind of a column is taken
 _BLOCK = 50_000  # rows that are held as text at a time
@@ -70,7 +70,13 @@ def _rows(content: bytes, layout: Layout) -> Iterator[tuple[int, str]]:
 
 def _read_numbers(content: bytes, layout: Layout, places: Sequence[int]) -> np.ndarray | None:
     """The chosen columns at several times the speed of `_read_fields`; None if some field is no plain number."""
-    rows = (line for _, line in _rows(content, layout))
+    rows: Iterable[str]
+    if layout.has_prefix or b"#" in content or b"%" in content:
+        rows = (line for _, line in _rows(content, layout))
+    else:
+        rows = text_stream(content, layout.encoding)
+        for _ in range(layout.first):
+            rows.readline()
     try:
         return np.loadtxt(rows, delimiter=layout.delimiter, usecols=places, comments=None, ndmin=2, quotechar='"')
     except ValueError:

@@ -76,8 +76,12 @@ def encoding_of(content: bytes) -> str:
 
 def lines_of(content: bytes, encoding: str) -> Iterator[str]:
     """The lines of a text, whatever ends them, without holding all of them."""
-    stream = io.TextIOWrapper(io.BytesIO(content), encoding, errors="replace", newline=None)
-    return (line.rstrip("\n") for line in stream)
+    return (line.rstrip("\n") for line in text_stream(content, encoding))
+
+
+def text_stream(content: bytes, encoding: str) -> io.TextIOWrapper:
+    """The content as a text file, in which every line ends in a line feed."""
+    return io.TextIOWrapper(io.BytesIO(content), encoding, errors="replace", newline=None)
 
 
 def is_row(line: str) -> bool:

@@ -9,10 +9,8 @@ from labsid.records.record import load_record, reading_notes
 N = 300
 K = np.arange(N)
 U = np.array([2.0, 1.0, 3.0, 2.0])[np.minimum(np.maximum(K - 40, 0) // 60 + (K >= 40), 3)]
-Y = np.round(
-    np.convolve(U, 0.1 * 0.9**K)[:N] + 5.0 * 0.9 ** (K + 1) * 0.2 + 0.01 * np.random.default_rng(1).standard_normal(N),
-    4,
-)
+NOISE = 0.01 * np.random.default_rng(1).standard_normal(N)
+Y = np.round(np.convolve(U, 0.1 * 0.9**K)[:N] + 0.9 ** (K + 1) + NOISE, 4)
 
 
 @pytest.fixture

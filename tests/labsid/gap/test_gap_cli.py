@@ -228,7 +228,7 @@ def test_folders_without_records(refused, record, tmp_path):
     refused("No such file or directory", "batch", "nowhere", "--out", "out")
     refused("Not a directory", "batch", record, "--out", "out")
     (tmp_path / "bare").mkdir()
-    refused("bare holds no records (.csv or .mat)", "batch", "bare", "--out", "out")
+    refused("bare holds no records (.csv, .mat or another format of logs)", "batch", "bare", "--out", "out")
     assert not os.path.exists(tmp_path / "out")
 
 

@@ -15,6 +15,7 @@ from labsid.gap.record.clock import at_sampling_time, clock_findings
 from labsid.gap.reports.html_report import page_content
 from labsid.gap.reports.text_report import format_report
 from labsid.gap.simulations.simulation_files import load_simulation, replay
+from labsid.records.reading import Reading
 from labsid.records.record import Record, load_record
 
 DEN = np.poly([0.95, 0.8]).tolist()
@@ -151,3 +152,13 @@ def test_a_batch_accepts_jittering_records(tmp_path, plain, monkeypatch):
     topics = [finding["topic"] for finding in answers["a"]["record_findings"]]
     assert topics.count("sampling") == 2
     assert answers["b"]["verdict"] == "error"
+
+
+def test_a_batch_reads_logs_with_the_options_of_a_record(tmp_path, plain, monkeypatch):
+    monkeypatch.setattr(batch, "run_tasks", run_here)
+    path = write(tmp_path / "a.csv", plain, shaken(plain, 0.15))
+    path.write_text(path.read_text().replace("t,u,y", "clock,pump,level"))
+    diagnose_folder(tmp_path, tmp_path / "out", jobs=1, how=Reading(columns="clock,pump,level", Ts=plain.Ts))
+    answer = json.loads((tmp_path / "out" / "a.json").read_text())
+    assert answer["verdict"] == "none"
+    assert "jitters by 1" in answer["record_findings"][0]["text"]
