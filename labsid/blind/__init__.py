@@ -2,7 +2,8 @@
 
 `check.run_sealed_check` makes the cases (`suite`, `rows`, `draws`, `strength`), runs the diagnosis on them as a
 separate process in an otherwise empty folder (`runner`), compares the answers with the labels and prints the table
-(`score`, `metrics`, `table`). `closure` computes the share of the gap that the true structure, refitted, closes.
+(`score`, `metrics`, `honest`, `table`). `wrong_answers` lists the records that are answered wrongly, and keeps them.
+`closure` computes the share of the gap that the true structure, refitted, closes.
 Nothing here imports the diagnosis.
 
 How a record is labelled:
@@ -31,6 +32,11 @@ How a record is labelled:
   a dead zone with a jump and a sensor of the absolute value; and end stops that are not reached, which are no effect.
 - The row `runs` has three runs of one rig as short and noisy as the short records, with a hard effect that does not
   depend on time. Input and noise are drawn for each run. The first one is also diagnosed alone.
+- The row `honest` has the ordinary records of `labsid.rig.ordinary`; the kinds take turns. Each has its right answers,
+  often none. A wrong name counts where its probability is above 0.5 and above 0.9, a record without a report as wrong.
+  Free numbers must be within 5 % of the truth, and those that the record does not determine have no standard error.
+- In the row `faint`, an effect of the table leaves 0.1 to 1.55 times the noise. Silence is right, and so is its name;
+  only wrong names count. The older metrics, the calibration among them, leave these two rows out.
 - Effects outside the table act through the input or the structure. An unmeasured additive input would count as
   `coloured-noise`.
 """

@@ -8,7 +8,7 @@ import numpy as np
 
 from labsid._arrays import FloatArray
 from labsid.blind.closure import compare_closure, held_out_samples, pooled_closure, simulate_linear_fit
-from labsid.blind.experiment import Case, redraw, run_experiment, to_record
+from labsid.blind.experiment import Case, OrdinaryCase, redraw, run_experiment, to_record
 from labsid.blind.metrics import CaseOutcome
 from labsid.blind.output_error import discrete_poles, fit_linear
 from labsid.blind.rows import TIME_INVARIANT_EFFECTS
@@ -68,7 +68,7 @@ def run_sealed_check(
     layout = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn())
     with Progress(*layout, transient=True) as progress:
         making = progress.add_task("making rigs", total=None)
-        made = []
+        made: list[Case | OrdinaryCase] = []
         for case in make_cases(suite, per_row, rows, jobs):
             made.append(case)
             progress.update(making, completed=len(made))
@@ -79,10 +79,10 @@ def run_sealed_check(
         outcomes = []
         for case in made:
             outcomes.append(evaluate_case(case, results.get(case.name)))
-            if case.others:
+            if isinstance(case, Case) and case.others:
                 outcomes.append(CaseOutcome(label_dict(case) | {"row": ALONE}, results.get(case.alone)))
             progress.advance(refitting)
-        again = [case for case in made if is_repeatable(case)]
+        again = [case for case in made if isinstance(case, Case) and is_repeatable(case)]
         again = again[: (per_row or PER_ROW[suite]) if replays is None else replays]
         playing = progress.add_task("simulating fresh records", total=len(again))
         replayed = evaluate_replays(again, jobs, lambda n: progress.update(playing, completed=n))
@@ -93,23 +93,23 @@ def run_sealed_check(
     return int(any(metric.fails() for metric in scores.metrics))
 
 
-def evaluate_case(case: Case, result: dict[str, Any] | None) -> CaseOutcome:
+def evaluate_case(case: Case | OrdinaryCase, result: dict[str, Any] | None) -> CaseOutcome:
     """Combine label and result, and compute the closure of a clear single effect.
 
     Parameters
     ----------
-    case : Case
+    case : Case or OrdinaryCase
     result : dict or None
 
     Returns
     -------
     Judged
     """
-    comparable = case.row in ("single-clear", "families") and result is not None
-    share = compare_closure(case, result) if comparable and result is not None else None
-    if share is None:
-        return CaseOutcome(label_dict(case), result)
-    return CaseOutcome(label_dict(case), result, share.diagnosed, share.possible)
+    if isinstance(case, Case) and case.row in ("single-clear", "families") and result is not None:
+        share = compare_closure(case, result)
+        if share is not None:
+            return CaseOutcome(label_dict(case), result, share.diagnosed, share.possible)
+    return CaseOutcome(label_dict(case), result)
 
 
 def is_repeatable(case: Case) -> bool:

@@ -104,7 +104,7 @@ def complete_case(
     if truth is None:
         truth = {e: true_parameters(e, setup, experiment.scales, experiment.samples) for e in labels}
         truth |= {e: _reached(e, truth[e], experiment, setup) for e in labels if e in LIMITS}
-    level = "none" if not labels else "clear" if ratio >= CLEAR_RATIOS[0] else "hard"
+    strength = "faint" if row == "faint" else "clear" if ratio >= CLEAR_RATIOS[0] else "hard"
     return Case(
         record=to_record(run_experiment(made), experiment.scales, name),
         name=name,
@@ -112,7 +112,7 @@ def complete_case(
         labels=labels,
         truth=truth,
         sigma=sigma * abs(experiment.scales.ys),
-        level=level,
+        level=strength if labels else "none",
         ratio=float(ratio),
         experiment=made,
     )

@@ -7,6 +7,7 @@ import numpy as np
 
 from labsid._arrays import FloatArray
 from labsid.records.record import Record
+from labsid.rig.ordinary.record_files import OrdinaryRecord
 from labsid.rig.switchable.inputs import draw_input
 from labsid.rig.switchable.plants import Scales
 from labsid.rig.switchable.setup import Setup
@@ -67,7 +68,7 @@ class Case:
     sigma : float
         True standard deviation of the sensor noise, in the record's units.
     level : str
-        ``none``, ``hard`` or ``clear``.
+        ``none``, ``faint``, ``hard`` or ``clear``.
     ratio : float
         Rms error of the best linear model on the noise-free output, divided by `sigma`.
     experiment : Recipe
@@ -96,6 +97,32 @@ class Case:
     def alone(self) -> str:
         """Name under which `record` is diagnosed alone beside its `others`."""
         return f"{self.name}-alone"
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class OrdinaryCase:
+    """One ordinary record of the sealed check with what is to be answered.
+
+    Attributes
+    ----------
+    name : str
+        Random name, independent of the answer.
+    row : str
+        Row of the table.
+    kind : str
+        One of `labsid.rig.ordinary.kinds.KINDS`.
+    made : OrdinaryRecord
+    """
+
+    name: str
+    row: str
+    kind: str
+    made: OrdinaryRecord
+
+    @property
+    def options(self) -> tuple[str, ...]:
+        """Further words of the command line, without which the diagnosis does not find the simulation."""
+        return tuple(word.replace("NAME", self.name) for word in self.made.options)
 
 
 def input_signal(experiment: Experiment) -> FloatArray:

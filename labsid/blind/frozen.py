@@ -14,14 +14,17 @@ from typing import Any
 
 import numpy as np
 
-from labsid.blind.metrics import CaseOutcome, all_named, kind_recognised, nothing_asserted, right_part_named
+from labsid.blind.metrics import CaseOutcome
+from labsid.blind.right_answers import is_right
 from labsid.blind.rows import ROWS
 from labsid.blind.runner import run_batch, run_folder
 from labsid.blind.suite import label_dict, make_cases
+from labsid.rig.ordinary.kinds import KINDS
 
 MEASURED = "measured"
 SUFFIXES = (".csv", ".mat")
-_IS_RIGHT = {"unknown": nothing_asserted, "partial": right_part_named, "with-sim": kind_recognised}
+RECORDS = {"honest": len(KINDS)}
+"""Records of a row of which more than 12 are kept."""
 Answer = dict[str, Any]
 Answers = dict[str, dict[str, Any]]
 
@@ -62,7 +65,6 @@ def simulated_answers(row: str, per_row: int, jobs: int) -> dict[str, Any]:
     """
     cases = list(make_cases("dev", per_row, [row], jobs))
     results, seconds = run_batch(cases, jobs)
-    is_right = _IS_RIGHT.get(row, all_named)
     outcomes = [CaseOutcome(label_dict(case), results.get(case.name)) for case in cases]
     answers = {str(i): answer_of(one.result, is_right(one)) for i, one in enumerate(outcomes)}
     return {"seconds": round(seconds, 2), "answers": answers}
@@ -149,7 +151,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser = argparse.ArgumentParser(prog="python -m labsid.blind.frozen", description=__doc__)
     parser.add_argument("action", choices=("keep", "compare"))
     parser.add_argument("file", type=Path)
-    parser.add_argument("--per-row", type=int, default=12, help="records of each row (keep)")
+    parser.add_argument("--per-row", type=int, help="records of each row (keep); default: 12, and of honest each kind")
     parser.add_argument("--row", action="append", choices=[*ROWS, MEASURED], help="only this row; may be repeated")
     parser.add_argument("--records", type=Path, help="folder of measured records")
     parser.add_argument("--jobs", type=int, default=2, help="processes")
@@ -160,7 +162,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     for row in rows:
         print(f"{row} ...", file=sys.stderr, flush=True)
         if row != MEASURED:
-            found[row] = simulated_answers(row, len(kept[row]["answers"]) if kept else chosen.per_row, chosen.jobs)
+            count = len(kept[row]["answers"]) if kept else chosen.per_row or RECORDS.get(row, 12)
+            found[row] = simulated_answers(row, count, chosen.jobs)
         elif chosen.records is not None:
             found[row] = measured_answers(chosen.records, chosen.jobs)
     if not kept:

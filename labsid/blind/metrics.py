@@ -87,6 +87,31 @@ class Metric:
 
 
 @dataclass(frozen=True, slots=True)
+class KindCounts:
+    """Outcomes of one kind of ordinary records, or of all.
+
+    Attributes
+    ----------
+    kind : str
+    count : int
+        Number of records.
+    right : int
+        Records with an accepted answer.
+    wrong_likely, wrong_sure : int
+        Records with a wrong name above 0.5 and above 0.9.
+    no_report : int
+        Records that end in an error or without a report.
+    """
+
+    kind: str
+    count: int
+    right: int
+    wrong_likely: int
+    wrong_sure: int
+    no_report: int
+
+
+@dataclass(frozen=True, slots=True)
 class Scores:
     """Results of the sealed check.
 
@@ -97,11 +122,14 @@ class Scores:
         Counts of the answers by row and true label.
     calibration : tuple of (float, float, int)
         Mean probability, share of correct answers and count of each bin.
+    kinds : tuple of KindCounts
+        Of the row `honest`.
     """
 
     metrics: tuple[Metric, ...]
     confusion: dict[str, dict[str, dict[str, int]]] = field(default_factory=dict)
     calibration: tuple[tuple[float, float, int], ...] = ()
+    kinds: tuple[KindCounts, ...] = ()
 
 
 def wilson(successes: int, count: int) -> tuple[float, float]:
@@ -124,11 +152,44 @@ def wilson(successes: int, count: int) -> tuple[float, float]:
     return max(0.0, middle - half), min(1.0, middle + half)
 
 
+def rate(
+    name: str,
+    outcomes: Iterable[bool],
+    required: float | tuple[float, float] | None = None,
+    target: float | tuple[float, float] | None = None,
+    below: bool = False,
+) -> Metric:
+    """Share of the outcomes that are true, as a metric with Wilson's interval.
+
+    Parameters
+    ----------
+    name : str
+    outcomes : iterable of bool
+    required, target : float or tuple of float, optional
+    below : bool
+        Whether smaller is better.
+
+    Returns
+    -------
+    Metric
+    """
+    counted = [bool(outcome) for outcome in outcomes]
+    right, n = sum(counted), len(counted)
+    low, high = wilson(right, n)
+    return Metric(name, right / n if n else None, n, low, high, required, target, below)
+
+
 def named_effects(case: CaseOutcome) -> list[str]:
     """Names of the stated effects in order; empty if there is no result."""
     if case.result is None or stated_verdict(case) not in ("effect", "partial"):
         return []
     return [str(effect.get("name")) for effect in case.result.get("effects") or []]
+
+
+def asserted_effects(case: CaseOutcome, above: float) -> list[str]:
+    """Names of the effects with a probability above `above`, in order."""
+    effects = (case.result or {}).get("effects") or []
+    return [str(effect.get("name")) for effect in effects if float(effect.get("probability") or 0.0) > above]
 
 
 def stated_verdict(case: CaseOutcome) -> str:
@@ -160,18 +221,12 @@ def within_answer_set(case: CaseOutcome) -> bool:
 
 def never_confidently_wrong(case: CaseOutcome) -> bool:
     """Whether there is a result and it names no wrong effect with a probability above 0.9."""
-    if case.result is None:
-        return False
-    effects = case.result.get("effects") or []
-    wrong = [e for e in effects if e.get("name") not in case.label["labels"]]
-    return all(float(e.get("probability") or 0.0) <= 0.9 for e in wrong)
+    return case.result is not None and set(asserted_effects(case, 0.9)) <= set(case.label["labels"])
 
 
 def nothing_asserted(case: CaseOutcome) -> bool:
     """Whether the verdict is unknown, or partial with no probability above 0.5."""
-    if stated_verdict(case) not in ("unknown", "partial"):
-        return False
-    return all(float(effect.get("probability") or 0.0) <= 0.5 for effect in (case.result or {}).get("effects") or [])
+    return stated_verdict(case) in ("unknown", "partial") and not asserted_effects(case, 0.5)
 
 
 def path_recognised(case: CaseOutcome) -> bool:
@@ -182,8 +237,7 @@ def path_recognised(case: CaseOutcome) -> bool:
 
 def right_part_named(case: CaseOutcome) -> bool:
     """Whether the listed effect is named with a probability above 0.5, and no other effect is."""
-    effects = (case.result or {}).get("effects") or []
-    return [e["name"] for e in effects if float(e.get("probability") or 0.0) > 0.5] == case.label["labels"]
+    return asserted_effects(case, 0.5) == case.label["labels"]
 
 
 def kind_recognised(case: CaseOutcome) -> bool:

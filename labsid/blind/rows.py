@@ -19,10 +19,12 @@ from labsid.blind.draws import (
     merge_effects,
     with_unexercised_effect,
 )
-from labsid.blind.experiment import Case, input_signal, redraw, run_experiment, to_record
+from labsid.blind.experiment import Case, OrdinaryCase, input_signal, redraw, run_experiment, to_record
+from labsid.blind.honest import draw_honest
 from labsid.blind.output_error import discrete_poles, fit_linear
 from labsid.blind.strength import (
     CLEAR_RATIOS,
+    FAINT_RATIOS,
     HARD_RATIOS,
     NEGLIGIBLE_RATIO,
     STRONGEST_NOISE,
@@ -47,7 +49,7 @@ EFFECTS_BESIDE_UNLISTED = tuple(
 )
 """Effects that are found by simulation."""
 
-Draw = Callable[[np.random.Generator, int, str], Case | None]
+Draw = Callable[[np.random.Generator, int, str], Case | OrdinaryCase | None]
 
 _MANY_LEVELS = (*RICH_INPUTS, "staircase")
 _KEEPS_MOVING = (*RICH_INPUTS, "two-level", "square")
@@ -297,6 +299,11 @@ def draw_runs(rng: np.random.Generator, i: int, name: str) -> Case | None:
     return replace(case, others=others)
 
 
+def draw_faint(rng: np.random.Generator, i: int, name: str) -> Case | None:
+    """One effect that is hardly visible."""
+    return _single(rng, EFFECTS[i % len(EFFECTS)], name, "faint", FAINT_RATIOS)
+
+
 ROWS: dict[str, Draw] = {
     "single-clear": draw_single_clear,
     "single-hard": draw_single_hard,
@@ -309,7 +316,10 @@ ROWS: dict[str, Draw] = {
     "families": draw_families,
     "variants": draw_variants,
     "runs": draw_runs,
+    "honest": draw_honest,
+    "faint": draw_faint,
 }
+"""The order determines the seeds: a new row comes last."""
 
 NOT_REACHED = "end stops, not reached"
 

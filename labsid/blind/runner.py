@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from labsid._arrays import FloatArray
-from labsid.blind.experiment import Case
+from labsid.blind.experiment import Case, OrdinaryCase
 from labsid.blind.suite import write_case, write_record
 from labsid.records.record import Record
 
@@ -43,13 +43,16 @@ class Replay:
 
 
 def run_batch(
-    cases: Sequence[Case], jobs: int, on_progress: Callable[[int], None] | None = None, keep: Path | None = None
+    cases: Sequence[Case | OrdinaryCase],
+    jobs: int,
+    on_progress: Callable[[int], None] | None = None,
+    keep: Path | None = None,
 ) -> tuple[dict[str, dict[str, Any]], float]:
-    """Diagnose the records of all cases with ``labsid gap batch``.
+    """Diagnose the records of all cases: with ``labsid gap batch``, or one by one where they need options.
 
     Parameters
     ----------
-    cases : sequence of Case
+    cases : sequence of Case or OrdinaryCase
     jobs : int
     on_progress : callable, optional
         Called with the number of finished records.
@@ -61,12 +64,71 @@ def run_batch(
     tuple of dict and float
         Results by name, without missing, unreadable or late ones, and the time per record and core (s).
     """
+    single = [case for case in cases if isinstance(case, OrdinaryCase) and case.options]
+    together = [case for case in cases if case not in single]
+    results: dict[str, dict[str, Any]] = {}
+    seconds = 0.0
+    if together:
+        with TemporaryDirectory(prefix="labsid-blind-") as scratch:
+            records = Path(scratch, "records")
+            records.mkdir()
+            for case in together:
+                write_case(records, case)
+            results, seconds = run_folder(records, jobs, on_progress, len(together), keep)
+    begun = time.monotonic()
+    with ThreadPoolExecutor(jobs) as pool:
+        for number, result in enumerate(pool.map(lambda case: _run_single(case, keep), single)):
+            if on_progress is not None:
+                on_progress(len(together) + number + 1)
+            if result is not None:
+                results[single[number].name] = result
+    spent = seconds * len(together) + (time.monotonic() - begun) * jobs
+    return results, spent / max(len(cases), 1)
+
+
+def diagnose_words(case: Case | OrdinaryCase) -> list[str]:
+    """Words of the command line that diagnoses a case, after ``labsid``, in the folder of `write_case`.
+
+    Parameters
+    ----------
+    case : Case or OrdinaryCase
+    """
+    words = ["gap", "diagnose"]
+    if isinstance(case, OrdinaryCase):
+        ending = next((ending for ending in case.made.files if ending.startswith(".sim.")), None)
+        words += [f"{case.name}.csv", *([] if ending is None else ["--sim", f"{case.name}{ending}"]), *case.options]
+        return words
+    words += [f"{case.name}/{n}.csv" for n in range(1, len(case.others) + 2)] if case.others else [f"{case.name}.csv"]
+    words += [] if case.sim is None else ["--sim", f"{case.name}.sim.json"]
+    return words + ([] if case.holdout is None else ["--holdout", f"{case.name}.holdout.csv"])
+
+
+def _run_single(case: OrdinaryCase, keep: Path | None) -> dict[str, Any] | None:
+    """Diagnose one record in a process of its own; an error that is no report has the layout of the batch."""
+    kept = None if keep is None else keep / f"{case.name}.json"
+    if kept is not None and kept.exists():
+        return _read_json(kept)
     with TemporaryDirectory(prefix="labsid-blind-") as scratch:
-        records = Path(scratch, "records")
-        records.mkdir()
-        for case in cases:
-            write_case(records, case)
-        return run_folder(records, jobs, on_progress, len(cases), keep)
+        write_case(Path(scratch), case)
+        try:
+            process = subprocess.run(
+                [sys.executable, "-c", _MAIN, *diagnose_words(case), "--json", "result.json"],
+                cwd=scratch,
+                capture_output=True,
+                text=True,
+                timeout=SECONDS_TO_START + SECONDS_A_RECORD,
+                check=False,
+            )
+        except subprocess.TimeoutExpired:
+            return None
+        result = _read_json(Path(scratch, "result.json"))
+    if result is None:
+        lines = process.stderr.strip().splitlines() or [f"exit status {process.returncode}"]
+        result = {"verdict": "error", "message": lines[-1]}
+    if kept is not None:
+        kept.parent.mkdir(parents=True, exist_ok=True)
+        kept.write_text(json.dumps(result), encoding="utf-8")
+    return result
 
 
 def run_folder(

@@ -1,12 +1,13 @@
 """Metrics of the sealed check, computed from results and labels."""
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from math import sqrt
 from typing import Any
 
 import numpy as np
 
+from labsid.blind.honest import count_kinds, honest_metrics
 from labsid.blind.metrics import (
     Z95,
     CaseOutcome,
@@ -20,9 +21,9 @@ from labsid.blind.metrics import (
     never_confidently_wrong,
     nothing_asserted,
     path_recognised,
+    rate,
     right_part_named,
     stated_verdict,
-    wilson,
     within_answer_set,
 )
 
@@ -55,45 +56,48 @@ def score_cases(
     families, variants = rows.get("families", empty), rows.get("variants", empty)
     pair, none, unknown = (rows.get(name, empty) for name in ("pair", "none", "unknown"))
     together, alone = ([all_named(case) for case in rows.get(name, empty)] for name in ("runs", ALONE))
-    bins = calibration_bins(cases)
+    honest, faint = rows.get("honest", empty), rows.get("faint", empty)
+    rigs = [case for case in cases if case.label["row"] not in ("honest", "faint")]
+    bins = calibration_bins(rigs)
     metrics = [
-        _rate("right effect named, one effect, clear", map(all_named, clear), 0.98, 0.995),
-        _rate("right effect named, one effect, hard", map(all_named, hard), 0.95, 0.98),
-        _rate("short and noisy: named", map(all_named, short), 0.88, 0.92),
-        _rate("short and noisy: within the named or ambiguous set", map(within_answer_set, short), 0.95, 0.98),
+        rate("right effect named, one effect, clear", map(all_named, clear), 0.98, 0.995),
+        rate("right effect named, one effect, hard", map(all_named, hard), 0.95, 0.98),
+        rate("short and noisy: named", map(all_named, short), 0.88, 0.92),
+        rate("short and noisy: within the named or ambiguous set", map(within_answer_set, short), 0.95, 0.98),
         _set_size("short and noisy: names in that set, mean", short, 1.4),
-        _rate("pair: exactly both named", map(all_named, pair), 0.90, 0.95),
-        _rate("pair: at least one named", map(any_named, pair), 0.98, 0.995),
-        _rate("no effect: none reported", (stated_verdict(c) == "none" for c in none), 0.99, 0.995),
-        _rate("outside the table: unknown, or partial with p <= 0.5", map(nothing_asserted, unknown), 0.88, 0.95),
-        _rate("outside the table: path of the unexplained error", map(path_recognised, unknown), 0.75, 0.90),
-        _rate("outside the table: never p > 0.9 for a wrong name", map(never_confidently_wrong, unknown), 0.98, 0.995),
-        _rate(
+        rate("pair: exactly both named", map(all_named, pair), 0.90, 0.95),
+        rate("pair: at least one named", map(any_named, pair), 0.98, 0.995),
+        rate("no effect: none reported", (stated_verdict(c) == "none" for c in none), 0.99, 0.995),
+        rate("outside the table: unknown, or partial with p <= 0.5", map(nothing_asserted, unknown), 0.88, 0.95),
+        rate("outside the table: path of the unexplained error", map(path_recognised, unknown), 0.75, 0.90),
+        rate("outside the table: never p > 0.9 for a wrong name", map(never_confidently_wrong, unknown), 0.98, 0.995),
+        rate(
             "beside an effect outside the table: the listed effect, and no other, with p > 0.5",
             map(right_part_named, rows.get("partial", empty)),
             0.75,
             0.90,
         ),
-        _rate("end stop, drag, slow mode, play at the output: named, clear", map(all_named, families), 0.93, 0.98),
-        _rate("other forms of friction, dead zone and sensor curve: named", map(all_named, variants)),
-        _rate("three short, noisy runs of one rig: named", together),
-        _rate("the first of them alone: named", alone),
+        rate("end stop, drag, slow mode, play at the output: named, clear", map(all_named, families), 0.93, 0.98),
+        rate("other forms of friction, dead zone and sensor curve: named", map(all_named, variants)),
+        rate("three short, noisy runs of one rig: named", together),
+        rate("the first of them alone: named", alone),
         _gain("three runs of one rig more often than one, percentage points", together, alone, 0.05, 0.08),
         *_closure_metrics(clear),
         replace(_closure_metrics(families)[0], name="end stop, drag, slow mode, play: the same share, median"),
-        _rate("95 % interval of the closed share covers fresh records", _covered(replays), (0.93, 0.97), (0.94, 0.96)),
+        rate("95 % interval of the closed share covers fresh records", _covered(replays), (0.93, 0.97), (0.94, 0.96)),
         _calibration_error(bins),
-        _rate("load-step onset within 2 % of the record", _onsets(cases), 0.97, 0.995),
-        _rate("clip levels within 2 % of the range", _clip_levels(cases), 0.97, 0.995),
-        _rate(
+        rate("load-step onset within 2 % of the record", _onsets(rigs), 0.97, 0.995),
+        rate("clip levels within 2 % of the range", _clip_levels(rigs), 0.97, 0.995),
+        rate(
             "with a simulation: kind of discrepancy recognised",
             map(kind_recognised, rows.get("with-sim", empty)),
             0.97,
             0.99,
         ),
+        *honest_metrics(honest, faint),
         Metric("time per record and core", seconds, len(cases), required=5.0, target=2.0, below=True, unit="s"),
     ]
-    return Scores(tuple(metrics), confusion(cases), bins)
+    return Scores(tuple(metrics), confusion(cases), bins, count_kinds(honest))
 
 
 def confusion(cases: Sequence[CaseOutcome]) -> dict[str, dict[str, dict[str, int]]]:
@@ -145,18 +149,6 @@ def calibration_bins(cases: Sequence[CaseOutcome], bins: int = 10) -> tuple[tupl
             p, right = np.mean(np.array(inside, dtype=float), axis=0)
             found.append((float(p), float(right), len(inside)))
     return tuple(found)
-
-
-def _rate(
-    name: str,
-    outcomes: Iterable[bool],
-    required: float | tuple[float, float] | None = None,
-    target: float | tuple[float, float] | None = None,
-) -> Metric:
-    counted = [bool(outcome) for outcome in outcomes]
-    right, n = sum(counted), len(counted)
-    low, high = wilson(right, n)
-    return Metric(name, right / n if n else None, n, low, high, required, target)
 
 
 def _gain(name: str, after: Sequence[bool], before: Sequence[bool], required: float, target: float) -> Metric:

@@ -14,6 +14,7 @@ from labsid.rig.switchable.simulation import Noise, poles, simulate_setup
 WEAKEST_NOISE, STRONGEST_NOISE = 0.005, 0.05
 CLEAR_RATIOS, HARD_RATIOS = (5.2, 25.0), (1.55, 4.9)
 NEGLIGIBLE_RATIO = 0.1
+FAINT_RATIOS = (NEGLIGIBLE_RATIO, HARD_RATIOS[0])
 
 
 def clean_output(experiment: Experiment, setup: Setup) -> FloatArray:

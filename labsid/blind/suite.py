@@ -4,12 +4,13 @@ import hashlib
 import json
 from collections.abc import Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor
+from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from labsid.blind.experiment import Case
+from labsid.blind.experiment import Case, OrdinaryCase
 from labsid.blind.rows import ROWS
 from labsid.records.record import Record
 from labsid.rig.switchable.simulation import UnboundedOutputError
@@ -21,7 +22,7 @@ _DEV = 20260
 
 def make_cases(
     suite: str, per_row: int | None = None, rows: Sequence[str] | None = None, jobs: int = 1
-) -> Iterator[Case]:
+) -> Iterator[Case | OrdinaryCase]:
     """Make the cases of a suite, row by row.
 
     Parameters
@@ -36,7 +37,7 @@ def make_cases(
 
     Yields
     ------
-    Case
+    Case or OrdinaryCase
 
     Raises
     ------
@@ -60,7 +61,7 @@ def make_cases(
         yield from pool.map(_made, wanted)
 
 
-def _made(which: tuple[int, str, int]) -> Case:
+def _made(which: tuple[int, str, int]) -> Case | OrdinaryCase:
     """Draw one case."""
     entropy, row, i = which
     name = hashlib.sha256(f"{entropy} {row} {i}".encode()).hexdigest()[:10]
@@ -82,8 +83,9 @@ def write_suite(
     Parameters
     ----------
     folder : Path
-        Created if missing. Receives ``<name>.csv`` and, if present, ``<name>.sim.json`` and ``<name>.holdout.csv``;
-        of several runs of a rig a folder ``<name>`` and the first one alone. Nothing in it reveals the labels.
+        Created if missing. Receives ``<name>.csv`` and, if present, ``<name>.holdout.csv`` and the simulation
+        (``<name>.sim.json``, ``<name>.sim.csv`` or ``<name>.py``); of several runs of a rig a folder ``<name>`` and
+        the first one alone. Nothing in it reveals the labels.
     suite : {"dev", "final"}
     per_row : int, optional
     rows : sequence of str, optional
@@ -104,17 +106,21 @@ def write_suite(
     return path
 
 
-def write_case(folder: Path, case: Case) -> None:
+def write_case(folder: Path, case: Case | OrdinaryCase) -> None:
     """Write the files of a case that the diagnosis may read.
 
     Parameters
     ----------
     folder : Path
-    case : Case
+    case : Case or OrdinaryCase
     """
+    if isinstance(case, OrdinaryCase):
+        for ending, text in case.made.files.items():
+            (folder / f"{case.name}{ending}").write_text(text, encoding="utf-8")
+        return
     if case.others:
         runs = folder / case.name
-        runs.mkdir()
+        runs.mkdir(exist_ok=True)
         for number, record in enumerate((case.record, *case.others), 1):
             write_record(runs / f"{number}.csv", record)
     write_record(folder / f"{case.alone if case.others else case.name}.csv", case.record)
@@ -136,17 +142,28 @@ def write_record(path: Path, record: Record) -> None:
     np.savetxt(path, table, fmt="%.10g", delimiter=",", header="t,u,y", comments="")
 
 
-def label_dict(case: Case) -> dict[str, Any]:
+def label_dict(case: Case | OrdinaryCase) -> dict[str, Any]:
     """Label of a case in a serialisable form.
 
     Parameters
     ----------
-    case : Case
+    case : Case or OrdinaryCase
 
     Returns
     -------
     dict
+        Of an ordinary record, `labels` is the first one of its right `answers`.
     """
+    if isinstance(case, OrdinaryCase):
+        made = case.made
+        return {
+            "row": case.row,
+            "labels": list(made.answers[0]),
+            "answers": [list(answer) for answer in made.answers],
+            "truth": {"kind": case.kind, **made.truth},
+            "numbers": None if made.numbers is None else asdict(made.numbers),
+            "options": list(case.options),
+        }
     experiment = case.experiment
     return {
         "row": case.row,

@@ -1,6 +1,10 @@
 """The table of the sealed check, on the terminal and in Markdown."""
 
-from labsid.blind.metrics import Metric, Scores
+from collections.abc import Sequence
+
+from labsid.blind.metrics import KindCounts, Metric, Scores, wilson
+
+_KIND_COLUMNS = ("kind", "records", "right", "wrong above .5", "wrong above .9", "no report")
 
 Requirement = float | tuple[float, float] | None
 
@@ -70,7 +74,34 @@ def markdown(scores: Scores) -> str:
         lines += [f"| {row} | {label} | {_answers(label, counts)} |" for label, counts in labels.items()]
     lines += ["", "| stated probability | correct | answers |", "|---|---|---|"]
     lines += [f"| {p:.2f} | {right:.2f} | {n} |" for p, right, n in scores.calibration]
+    if scores.kinds:
+        lines += ["", f"| {' | '.join(_KIND_COLUMNS)} |", f"|{'---|' * len(_KIND_COLUMNS)}"]
+        lines += [f"| {' | '.join(kind_cells(kind))} |" for kind in scores.kinds]
     return "\n".join(lines) + "\n"
+
+
+def kind_cells(counts: KindCounts) -> tuple[str, ...]:
+    """Format the outcomes of one kind: its name, the records, and each count with Wilson's interval of its share.
+
+    Parameters
+    ----------
+    counts : KindCounts
+    """
+    outcomes = (counts.right, counts.wrong_likely, counts.wrong_sure, counts.no_report)
+    between = [(n, *wilson(n, counts.count)) for n in outcomes]
+    shown = [f"{n} ({100 * low:.0f}-{100 * high:.0f} %)" for n, low, high in between]
+    return counts.kind, str(counts.count), *shown
+
+
+def kind_lines(kinds: Sequence[KindCounts]) -> list[str]:
+    """Lines of the outcomes of the row `honest` by kind, in columns.
+
+    Parameters
+    ----------
+    kinds : sequence of KindCounts
+    """
+    rows, widths = [_KIND_COLUMNS, *map(kind_cells, kinds)], (27, 9, 16, 16, 16, 16)
+    return ["".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip() for row in rows]
 
 
 def print_scores(scores: Scores, title: str) -> None:
@@ -97,6 +128,8 @@ def print_scores(scores: Scores, title: str) -> None:
     for p, share, n in scores.calibration:
         table.add_row(f"{p:.2f}", f"{share:.2f}", str(n))
     console.print(table)
+    if scores.kinds:
+        print("ordinary records, with 95 % intervals", *kind_lines(scores.kinds), sep="\n")
     table = Table("metric", "measured", "95 %", "records", "required", "target", "status", title=title)
     colours = {"target": "green", "required": "green", "missed": "red"}
     for metric in scores.metrics:

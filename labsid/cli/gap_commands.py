@@ -47,7 +47,10 @@ def diagnose(
     ] = None,
     free: Annotated[
         str | None,
-        typer.Option(metavar="NAME,...", help="Numbers of FILE.py:FUNCTION or FILE.fmu that may be fitted."),
+        typer.Option(
+            metavar="NAME,...",
+            help="Numbers of FILE.py:FUNCTION or FILE.fmu that may be fitted; with a range as NAME=0:5.",
+        ),
     ] = None,
     evaluations: Annotated[
         int | None,
@@ -86,11 +89,6 @@ def diagnose(
     for number, path in enumerate(written):
         check_writable(path)
         _refuse_overwriting(path, [*records, holdout, None if sim is None else source_file(sim), *written[:number]])
-    if export is not None and sim is not None and sim.suffix.lower() == ".csv":
-        raise ValueError(
-            f"{sim} holds the output of a simulation, so a correction of it cannot be exported. Omit --export, or give "
-            "the model itself."
-        )
     if export is not None and export.suffix.lower() == ".fmu":
         from labsid.gap.simulations.fmu_export import check_fmu_export
 
@@ -120,13 +118,13 @@ def diagnose(
         report = with_units(report, *stated)
     if json_file is not None:
         write_json(json_file, report)
-    if export is not None:
-        _write_simulation(export, found.model.to_json_dict())
     if html is not None:
         from labsid.gap.reports.html_report import write_html_report
 
         write_html_report(html, report)
     print(format_report(report))
+    if export is not None:  # last: of a simulated output that no model reproduces there is no simulation to write
+        _write_simulation(export, found.model.to_json_dict())
 
 
 @gap.command("batch")

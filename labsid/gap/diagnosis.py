@@ -7,7 +7,11 @@ from dataclasses import asdict, dataclass, replace
 import numpy as np
 from threadpoolctl import threadpool_limits
 
-from labsid._arrays import stretches_of
+from labsid._arrays import FloatArray, stretches_of
+from labsid.gap.fits.fitting import Problem
+from labsid.gap.fits.hypothesis import Hypothesis
+from labsid.gap.fits.identifiability import assess
+from labsid.gap.fits.number_search import search_numbers
 from labsid.gap.model_file import START_SAMPLES, ExportedModel, export_model
 from labsid.gap.record.clock import at_sampling_time, clock_findings, stated_sampling_time
 from labsid.gap.record.data import Data, scaled
@@ -16,9 +20,10 @@ from labsid.gap.reports.notebook_progress import runs_in_notebook, show_in_noteb
 from labsid.gap.reports.replay_data import replay_content
 from labsid.gap.reports.report import build_report
 from labsid.gap.reports.result import Diagnosis
+from labsid.gap.reports.sentences import number_sentences
 from labsid.gap.reports.traces import figure_traces
 from labsid.gap.search.beam_search import Progress
-from labsid.gap.search.explanation import Explanation, explain
+from labsid.gap.search.explanation import Explanation
 from labsid.gap.simulations.baseline import (
     AnySimulation,
     Baseline,
@@ -28,6 +33,7 @@ from labsid.gap.simulations.baseline import (
     read_exported,
 )
 from labsid.gap.simulations.long_record import shorten_holdout, shorten_record, shorten_records
+from labsid.gap.simulations.structure_choice import UNDECIDED_TERM, explain_record
 from labsid.gap.verdict.answer import answer_from
 from labsid.gap.verdict.several_records import (
     JoinedRecords,
@@ -118,8 +124,32 @@ def diagnose(
         if progress is not None and prepared.base.is_run:
             progress = _with_runs(progress, prepared.base.meter)
         with prepared.base.meter.searching(SEARCH_SHARE):
-            explanation = explain(prepared.data, prepared.base.structure, prepared.base.start, progress=progress)
+            start = _start(prepared.data, prepared.base, progress)
+            explanation, undecided = explain_record(prepared.data, replace(prepared.base, start=start), progress)
+        if undecided:
+            prepared = replace(prepared, notes=(*prepared.notes, UNDECIDED_TERM))
         return _report(prepared, explanation, seed, progress)
+
+
+def _start(data: Data, base: Baseline, progress: Progress | None) -> FloatArray | None:
+    """Parameters from which the search starts: with the free numbers of a given simulation found over decades."""
+    structure = base.structure
+    if not structure.plant.free or base.start is not None:
+        return base.start
+    if progress is not None:
+        progress(f"free numbers at their nominal values: {_identifiability(data, structure)}", 0.0)
+    return search_numbers(data, structure)
+
+
+def _identifiability(data: Data, structure: Hypothesis) -> str:
+    """What the record determines of the free numbers, before they are fitted."""
+    problem = Problem(data, structure)
+    nominal = problem.start(np.zeros(len(structure.parameters)))
+    known = {} if nominal is None else assess(problem, nominal)
+    if not known:
+        return "they cannot be simulated there."
+    numbers = [asdict(one) | {"name": name, "at_limit": False} for name, one in known.items()]
+    return " ".join(number_sentences(numbers)) or "the record determines all of them."
 
 
 def _begin(base: Baseline, evaluations: int | None) -> None:

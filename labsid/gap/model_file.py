@@ -29,7 +29,15 @@ STATE_STEP = 1e-3  # scaled: of the derivative by an initial state
 STATE_ITERATIONS = 12
 SAME_INPUT = 1e-6  # scaled: numbers in text files have ten digits
 OFFSET_SPREAD = 0.3  # scaled: expected difference of the offsets of two records of a rig, as if seen on one record
-_OF_ONE_RECORD = ("load", "leak", "drift", "bend", "shape", "shake_")  # sizes of loads, drifts and sinusoids
+_OF_ONE_RECORD = (
+    "load",
+    "leak",
+    "drift",
+    "bend",
+    "shape",
+    "shake_",
+    "off_",
+)  # sizes of loads, drifts, sinusoids; times
 STATES = ("h1", "h2", "z0", "v0", "i0", "position", "before")
 
 
@@ -221,11 +229,15 @@ class ExportedModel:
         if plant.kind == "given":
             if not plant.simulation.source:
                 raise ValueError(
-                    "the given simulation cannot be exported: it is no file that can be run again. Give a model, "
-                    "FILE.py:FUNCTION or FILE.fmu instead."
+                    "the given simulation cannot be exported: it is no file that can be run again, and no output of a "
+                    "linear model. Give a model, FILE.py:FUNCTION or FILE.fmu instead."
                 )
             given = plant.simulation
-            content["simulator"] = {"source": given.source, "free": given.nominal, "rates": list(given.rates)}
+            free = {
+                name: {"nominal": value, "unit": given.units.get(name, 1.0), "range": given.ranges.get(name)}
+                for name, value in given.nominal.items()
+            }
+            content["simulator"] = {"source": given.source, "free": free, "rates": list(given.rates)}
         return content if self.elsewhere is None else content | {"elsewhere": self.elsewhere.to_json_dict()}
 
 
@@ -374,7 +386,10 @@ def _read_given(content: Any, scales: tuple[Scale, Scale], Ts: float) -> Plant:
     """Open the simulator of an exported simulation."""
     try:
         source, rates = str(content["source"]), (float(content["rates"][0]), float(content["rates"][1]))
-        nominal = {str(name): float(value) for name, value in content["free"].items()}
+        free = {str(name): dict(one) for name, one in content["free"].items()}
+        nominal = {name: float(one["nominal"]) for name, one in free.items()}
+        units = {name: float(one["unit"]) for name, one in free.items()}
+        ranges = {name: (float(one["range"][0]), float(one["range"][1])) for name, one in free.items() if one["range"]}
     except (KeyError, IndexError, TypeError, ValueError, AttributeError):
         raise ValueError('not an exported simulation: its "simulator" has the wrong form. Export it again.') from None
     simulate = open_in_process(source).with_free(list(nominal))
@@ -384,7 +399,8 @@ def _read_given(content: Any, scales: tuple[Scale, Scale], Ts: float) -> Plant:
             f"{source} has changed: {changed[0]} is {simulate.nominal[changed[0]]:g}, and was {nominal[changed[0]]:g} "
             "when the simulation was exported. Export it again."
         )
-    return Plant(kind="given", simulation=GivenSimulation.of(simulate, scales, Ts, rates))
+    given = replace(GivenSimulation.of(simulate, scales, Ts, rates), units=units, ranges=ranges)
+    return Plant(kind="given", simulation=given)
 
 
 def read_exported_model(content: dict[str, Any], Ts: float) -> ExportedModel:

@@ -6,6 +6,7 @@ from typing import Literal
 import numpy as np
 
 from labsid._arrays import FloatArray
+from labsid.lab.command_faults import log_step, unanswered_command
 from labsid.lab.excitation import excitation_order, persistent_excitation
 from labsid.lab.offset import Offsets, find_offsets, mean_of_first_period, remove_offsets
 from labsid.lab.plateaus import Plateaus, repeated_plateaus
@@ -75,6 +76,7 @@ def about_signals(raw: RawRecord, Ts: float | None) -> list[Finding]:
     offsets, plateaus = find_offsets(u, y), repeated_plateaus(u, y)
     return [
         _about_input(u),
+        *_about_command(raw, Ts),
         _about_feedback(raw),
         about_rest(u, y, offsets, Ts),
         *([] if plateaus is None else [about_plateaus(plateaus)]),
@@ -107,6 +109,28 @@ def _about_input(u: FloatArray) -> Finding:
     if named:
         return Finding("note", "input", f"{text} It rests on a limit: {' and '.join(named)}.")
     return Finding("ok", "input", text)
+
+
+def _about_command(raw: RawRecord, Ts: float | None) -> list[Finding]:
+    """Whether the log of the input is coarse, and whether the rig gets what is logged; `raw` as for `about_signals`."""
+    findings = []
+    step = log_step(raw.u)
+    if step is not None and np.unique(raw.u).size > _MAX_LEVELS:
+        text = (
+            f"it is logged in steps of {step:.4g}, {step / float(np.ptp(raw.u)):.1%} of its range. What acts on the "
+            "rig may be finer: log it with more digits."
+        )
+        findings.append(Finding("note", "input", text))
+    stretch = unanswered_command(raw.u, raw.y)
+    if stretch is not None:
+        start, stop = stretch
+        where = f"samples {start} to {stop - 1}" if Ts is None else f"{start * Ts:.4g} to {(stop - 1) * Ts:.4g} s"
+        text = (
+            f"the output stands still from {where} while the input goes on. The command may not have reached the rig: "
+            "look for a drive that has tripped, or an emergency stop."
+        )
+        findings.append(Finding("warning", "input", text))
+    return findings
 
 
 def _about_feedback(raw: RawRecord) -> Finding:

@@ -37,6 +37,8 @@ class Simulator:
         Its numbers by name, with their nominal values.
     free : tuple of str
         The numbers that may be fitted.
+    ranges : dict
+        The lower and upper limits of some of them.
     source : str
         The file from which it can be opened again, as ``rig.py:simulate``; empty without one.
     meter : RunMeter
@@ -47,6 +49,7 @@ class Simulator:
     label: str
     nominal: dict[str, float] = field(default_factory=dict)
     free: tuple[str, ...] = ()
+    ranges: dict[str, tuple[float, float]] = field(default_factory=dict)
     source: str = ""
     meter: RunMeter = field(default_factory=RunMeter)
 
@@ -69,19 +72,46 @@ class Simulator:
             raise SimulatorError(f"{self.label} stopped with {type(error).__name__}: {error}{_place(error)}") from error
         return as_output(returned, u.size, self.label)
 
-    def with_free(self, names: Sequence[str]) -> "Simulator":
-        """The simulation with these numbers free.
+    def with_free(self, wanted: Sequence[str]) -> "Simulator":
+        """The simulation with some of its numbers free.
+
+        Parameters
+        ----------
+        wanted : sequence of str
+            Their names, with a range of their own as ``gain=0:5``.
 
         Raises
         ------
         ValueError
-            If it has no such number.
+            If it has no such number, or a range is none that contains the nominal value.
         """
-        unknown = [name for name in names if name not in self.nominal]
-        if unknown:
-            known = f"it has {', '.join(self.nominal)}" if self.nominal else "it has none with a nominal value"
-            raise ValueError(f"{self.label} has no number {unknown[0]!r} that could be free; {known}.")
-        return replace(self, free=tuple(dict.fromkeys(names)))
+        free, ranges = [], {}
+        for text in wanted:
+            name, equals, limits = (part.strip() for part in text.partition("="))
+            if name not in self.nominal:
+                known = f"it has {', '.join(self.nominal)}" if self.nominal else "it has none with a nominal value"
+                raise ValueError(f"{self.label} has no number {name!r} that could be free; {known}.")
+            free.append(name)
+            if equals:
+                ranges[name] = _range(name, limits, self.nominal[name])
+        return replace(self, free=tuple(dict.fromkeys(free)), ranges=ranges)
+
+
+def _range(name: str, text: str, nominal: float) -> tuple[float, float]:
+    """The limits of a free number, ``LOW:HIGH``."""
+    low, colon, high = text.partition(":")
+    try:
+        limits = float(low), float(high)
+    except ValueError:
+        limits = np.nan, np.nan
+    if not colon or not -np.inf < limits[0] < limits[1] < np.inf:
+        raise ValueError(f"the range of {name} must be LOW:HIGH with LOW < HIGH; got {text!r}. Write {name}=0:5.")
+    if not limits[0] <= nominal <= limits[1]:
+        raise ValueError(
+            f"the range of {name}, {limits[0]:g} to {limits[1]:g}, must contain its nominal value {nominal:g}. "
+            "Widen it, or change the nominal value."
+        )
+    return limits
 
 
 def as_output(returned: Any, samples: int, label: str) -> FloatArray:

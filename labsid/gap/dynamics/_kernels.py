@@ -47,6 +47,25 @@ def first_order(w: FloatArray, pole: float) -> FloatArray:
 
 
 @compiled()
+def switched_off(w: FloatArray, start: float, stop: float, level: float) -> FloatArray:
+    """Replace `w` by `level` from the time `start` to `stop`, in samples, and mix the samples at either end."""
+    out = np.empty(w.size)
+    for k in range(w.size):
+        share = min(max(min(stop, k + 1.0) - max(start, k + 0.0), 0.0), 1.0)
+        out[k] = (1.0 - share) * w[k] + share * level
+    return out
+
+
+@compiled()
+def in_steps(w: FloatArray, step: float, phase: float) -> FloatArray:
+    """Round `w` to multiples of `step`, which are shifted by the share `phase` of a step."""
+    out = np.empty(w.size)
+    for k in range(w.size):
+        out[k] = step * (math.floor(w[k] / step - phase + 0.5) + phase)
+    return out
+
+
+@compiled()
 def backlash(w: FloatArray, width: float, position: float) -> FloatArray:
     """Follow `w` through backlash of `width`; `position`, 0 to 1, is the initial position within it."""
     half = 0.5 * width

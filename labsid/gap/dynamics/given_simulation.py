@@ -32,6 +32,10 @@ class GivenSimulation:
         Whether it can be run with another input.
     nominal : dict
         The numbers that may be fitted, by name, with their nominal values.
+    ranges : dict
+        The lower and upper limits of some of them.
+    units : dict
+        Sizes at which those begin to act that are nominally zero.
     rough : bool
         Whether its output jumps as a free number changes, because it rounds one of them or has a coarse tolerance.
     standstill : float
@@ -50,6 +54,8 @@ class GivenSimulation:
     rates: tuple[float, float] = (0.5, 0.05)
     takes_input: bool = False
     nominal: dict[str, float] = field(default_factory=dict)
+    ranges: dict[str, tuple[float, float]] = field(default_factory=dict)
+    units: dict[str, float] = field(default_factory=dict)
     rough: bool = False
     standstill: float = 0.0
     pieces: Pieces = ()
@@ -107,6 +113,7 @@ class GivenSimulation:
             rates,
             takes_input=True,
             nominal={name: simulator.nominal[name] for name in simulator.free},
+            ranges=dict(simulator.ranges),
             standstill=-y_scale.centre / y_scale.unit,
             pieces=pieces,
             source=simulator.source,

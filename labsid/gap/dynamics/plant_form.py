@@ -39,29 +39,39 @@ class Parameter:
     start: float = 0.0
 
 
-FREE_RANGE = float(np.log(10.0))  # a number is searched up to ten times its nominal value, and down to a tenth
-FREE_STEP = 1e-2  # derivative step of its logarithm: more than the tolerance of a solver
+FREE_REACH = 1e6  # times the nominal value: largest size of a number that has no range of its own
+FREE_UNIT = 1e-3  # times the nominal value: size below which a number counts as zero and may change its sign
+FREE_STEP = 1e-2  # derivative step in theta, about that of the logarithm: more than the tolerance of a solver
 ROUGH_STEP = 0.1  # of a simulation that is rough
 
 
 @dataclass(frozen=True, slots=True)
 class FreeNumber(Parameter):
-    """A number of a given simulation in theta: the logarithm of its ratio to the nominal value, or itself if that is 0.
+    """A number of a given simulation in theta, over decades and both signs: ``number = unit sinh(theta + const)``.
+
+    Theta is zero at the nominal value. Far from zero it is the logarithm of the number, about zero proportional to it.
 
     Attributes
     ----------
     nominal : float
+    unit : float
+        Size of the number between the two.
     """
 
     nominal: float = 1.0
+    unit: float = 1e-3
 
     def number(self, theta: float) -> float:
         """The number for a value in theta."""
-        return self.nominal * float(np.exp(theta)) if self.nominal else float(theta)
+        return self.unit * float(np.sinh(theta + np.arcsinh(self.nominal / self.unit))) if theta else self.nominal
+
+    def theta(self, number: float) -> float:
+        """The value in theta for a number."""
+        return float(np.arcsinh(number / self.unit) - np.arcsinh(self.nominal / self.unit))
 
     def scale(self, theta: float) -> float:
         """Derivative of the number by the value in theta."""
-        return abs(self.number(theta)) if self.nominal else 1.0
+        return self.unit * float(np.cosh(theta + np.arcsinh(self.nominal / self.unit)))
 
     @property
     def given_name(self) -> str:
@@ -72,10 +82,15 @@ class FreeNumber(Parameter):
 _FREE = "number "  # ahead of a name that a user has chosen
 
 
-def free_number(name: str, nominal: float, rough: bool = False) -> FreeNumber:
-    """A number of a given simulation that may be fitted."""
-    reach = FREE_RANGE if nominal else 1.0
-    return FreeNumber(f"{_FREE}{name}", -reach, reach, ROUGH_STEP if rough else FREE_STEP, nominal=nominal)
+def free_number(
+    name: str, nominal: float, limits: tuple[float, float] | None = None, unit: float = 1.0, rough: bool = False
+) -> FreeNumber:
+    """A number of a given simulation that may be fitted; `unit` is that of one that is nominally zero."""
+    unit = FREE_UNIT * abs(nominal) or unit
+    reach = FREE_REACH * max(abs(nominal), unit)
+    shape = FreeNumber("", 0.0, 0.0, nominal=nominal, unit=unit)
+    low, high = (shape.theta(end) for end in limits or (-reach, reach))
+    return FreeNumber(f"{_FREE}{name}", low, high, ROUGH_STEP if rough else FREE_STEP, nominal=nominal, unit=unit)
 
 
 STICKING_STEP = 1e-2  # scaled: derivative step that spans the jumps of stick-slip motion
@@ -267,7 +282,10 @@ class PlantForm:
     def free(self) -> tuple[FreeNumber, ...]:
         """Numbers of a given simulation that may be fitted, the first ones in theta."""
         given = self.simulation
-        return tuple(free_number(name, nominal, given.rough) for name, nominal in given.nominal.items())
+        return tuple(
+            free_number(name, nominal, given.ranges.get(name), given.units.get(name, 1.0), given.rough)
+            for name, nominal in given.nominal.items()
+        )
 
     def numbers(self, theta: Iterable[float]) -> dict[str, float]:
         """The free numbers of a given simulation, by their names in it."""

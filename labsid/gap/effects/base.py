@@ -38,6 +38,9 @@ class Effect:
         Variants that differ in their position in the chain only, where `place_matters`.
     grows : bool
         Whether its alternatives are tried as soon as it is fitted, not only for the best fits.
+    sizes : tuple of str
+        Parameters that are zero where the effect does nothing, of effects whose dynamics differ from linear ones in
+        more than these; empty if an effect that does nothing leaves the hypothesis as it was.
     variant : str
         Form of the effect, if there are several.
     """
@@ -49,6 +52,7 @@ class Effect:
     richer: ClassVar[Mapping[str, tuple[str, ...]]] = {}
     places: ClassVar[tuple[str, ...]] = ()
     grows: ClassVar[bool] = False
+    sizes: ClassVar[tuple[str, ...]] = ()
     variant: str = ""
 
     @classmethod

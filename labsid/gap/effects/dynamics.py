@@ -232,6 +232,7 @@ class CoulombFriction(PlantEffect):
     """
 
     name = "coulomb-friction"
+    sizes = ("friction",)
     variants = ("position", "unsprung", "speed", "speed-lag")
     richer: ClassVar[dict[str, tuple[str, ...]]] = {place: (f"{place}-smooth", f"{place}-peak") for place in variants}
     places = ("speed", "speed-lag")
@@ -301,6 +302,7 @@ class CubicStiffness(PlantEffect):
     """Hardening or softening restoring force; `variant` "sampled" for an input that is not held between samples."""
 
     name = "cubic-stiffness"
+    sizes = ("cubic",)
     variants = ("", "sampled")
 
     def applies(self, context: Context) -> bool:

@@ -1,6 +1,7 @@
 """The effects that the search combines."""
 
 from labsid.gap.effects import (
+    command,
     disturbance,
     drifts,
     dynamics,
@@ -22,6 +23,8 @@ FAMILIES: tuple[type[Effect], ...] = (
     input.Backlash,
     input.RateLimit,
     input.Nonlinearity,
+    command.Off,
+    command.Quantization,
     dynamics.ExtraLag,
     dynamics.Resonance,
     tanks.SqrtOutflow,

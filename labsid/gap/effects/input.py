@@ -148,7 +148,7 @@ class DeadZone(InputEffect):
         inside = low > u.min() + edge and high < u.max() - edge
         at_end = u[0] < u.min() + edge if low <= u.min() + edge else u[0] > u.max() - edge
         at_rest = bool(np.all(u[:REST_SAMPLES] == u[0])) and low <= u[0] <= high and at_end
-        return bool(high - low > edge and (inside or at_rest))
+        return bool(high > low and (inside or at_rest))
 
     def completed(self, own: FloatArray, u: FloatArray) -> tuple[FloatArray, int]:
         """Own parameters; an end of the band that `u`, at rest inside the band, never reaches mirrors the other end."""

@@ -90,6 +90,7 @@ class QuadraticDrag(PlantEffect):
     """Resistance that grows with the square of the speed; `variant` position, speed, or speed-lag."""
 
     name = "quadratic-drag"
+    sizes = ("drag",)
     variants = ("position", "speed", "speed-lag")
     places = ("speed", "speed-lag")
 

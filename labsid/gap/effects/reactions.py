@@ -37,6 +37,7 @@ class Friction(_AroundGiven):
     """Dry friction against the motion; `variant` "given" of a position, "given-speed" of a speed."""
 
     name = "coulomb-friction"
+    sizes = ("friction",)
     variants = ("given", "given-speed")
 
     def extend(self, plant: Plant) -> Plant:
@@ -63,6 +64,7 @@ class Spring(_AroundGiven):
     """Hardening or softening restoring force beside a spring of the simulation; `variant` "given"."""
 
     name = "cubic-stiffness"
+    sizes = ("spring",)
     variants = ("given",)
 
     def applies(self, context: Context) -> bool:

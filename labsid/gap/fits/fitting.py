@@ -65,6 +65,11 @@ class Fit:
         return float(self.theta[names.index("onset")]) if "onset" in names else None
 
     @property
+    def whitened_bic(self) -> float:
+        """BIC of the whitened residual alone, also of fits by `Data.by_free_run`."""
+        return self.noise.score + self.n_free * float(np.log(self.noise.rows))
+
+    @property
     def n_free(self) -> int:
         """Number of fitted parameters."""
         return self.theta.size + int(np.count_nonzero(self.gains))

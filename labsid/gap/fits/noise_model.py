@@ -10,6 +10,7 @@ from labsid.gap.record.data import MAX_LAGS, lagged_columns
 MIN_SAMPLES = 20  # rows for a noise model
 MIN_VARIANCE = 1e-26  # relative to that of the record: below is rounding
 ORDERS = (0, 1, 2, 3, 4, 6, 8)
+SLOWEST_POLE = 1.0 - 1e-6  # of the noise
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -31,6 +32,12 @@ class Noise:
     sigma2: float
     score: float
     rows: int
+
+    @property
+    def correlation_time(self) -> float:
+        """Time in samples over which the slowest part of the noise falls to 1/e; 0 of white noise."""
+        pole = float(np.abs(np.roots([1.0, *-self.ar])).max(initial=0.0)) if self.ar.size else 0.0
+        return float(-1.0 / np.log(min(pole, SLOWEST_POLE))) if pole > 0.0 else 0.0
 
 
 def fit_noise(e: FloatArray, complete: np.ndarray, lags: int = MAX_LAGS) -> Noise:

@@ -5,8 +5,11 @@ import numpy as np
 from labsid._arrays import FloatArray
 from labsid.gap.effects.base import Effect, Fitted, Value
 from labsid.gap.fits.fitting import Fit, covariance
+from labsid.gap.fits.identifiability import Determined, determined_numbers
 from labsid.gap.fits.profile import profile_likelihood
 from labsid.gap.record.data import Data
+
+AT_LIMIT = 1e-6  # distance in theta
 
 
 def estimate_parameters(data: Data, fit: Fit, effect: Effect) -> dict[str, dict[str, object]]:
@@ -56,22 +59,36 @@ def value_slopes(data: Data, fit: Fit, effect: Effect) -> dict[str, FloatArray]:
     return slopes
 
 
-def estimate_numbers(data: Data, fit: Fit) -> dict[str, dict[str, object]]:
-    """Return `{name: {value, stderr, unit, nominal}}` of the fitted numbers of a given simulation."""
+def estimate_numbers(data: Data, fit: Fit) -> list[dict[str, object]]:
+    """Return the fitted numbers of a given simulation: `{name, value, stderr, determined, at_limit, combination}`.
+
+    `stderr` is None for a number that the record does not determine, or that ends at its limit; `combination` is what
+    is determined of it and others, None if nothing is. Also `limit`, `group` and `nominal`.
+    """
     free = fit.hypothesis.plant.free
     if not free:
-        return {}
+        return []
     at = fit.hypothesis.slices["plant"].start + np.arange(len(free))
-    errors = [_root(variance) for variance in np.diag(covariance(data, fit))[at].tolist()]
-    return {
-        one.given_name: {
-            "value": one.number(value),
-            "stderr": one.scale(value) * error,
-            "unit": "",
-            "nominal": one.nominal,
-        }
-        for one, value, error in zip(free, fit.theta[at].tolist(), errors, strict=True)
-    }
+    known = determined_numbers(data, fit)
+    numbers: list[dict[str, object]] = []
+    for one, value in zip(free, fit.theta[at].tolist(), strict=True):
+        own = known.get(one.given_name, Determined(False))
+        limit = next((end for end in (one.lower, one.upper) if abs(value - end) < AT_LIMIT), None)
+        usable = own.determined and limit is None and np.isfinite(own.stderr)
+        numbers.append(
+            {
+                "name": one.given_name,
+                "value": one.number(value),
+                "stderr": own.stderr if usable else None,
+                "determined": own.determined,
+                "at_limit": limit is not None,
+                "limit": None if limit is None else one.number(limit),
+                "combination": own.combination or None,
+                "group": list(own.group),
+                "nominal": one.nominal,
+            }
+        )
+    return numbers
 
 
 def _root(variance: float) -> float:

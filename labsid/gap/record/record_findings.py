@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from labsid._arrays import FloatArray
-from labsid.gap.record.data import lagged_columns
+from labsid.gap.record.direct_term import FEEDBACK_F
 from labsid.lab.findings import Finding, about_clipping, about_filter, about_plateaus, about_rest
 from labsid.lab.offset import find_offsets
 from labsid.lab.plateaus import repeated_plateaus
@@ -14,9 +14,6 @@ from labsid.records.formats import RawRecord
 from labsid.records.record import Record
 from labsid.records.signal_quality import moving_mean_length
 
-FEEDBACK_F = 10.0  # F statistic: 39 on the lab's closed loop, at most 5 on rigs in open loop
-WITHIN_SAMPLE = 0.6  # share of what the past does not predict of the output, from which it responds within the sample
-MIN_CHANGES = 30  # of the input, for that share
 CLOCK_PARTS = 8  # parts of a record for which the delay is estimated
 MIN_SLIP = 1.0  # samples
 MIN_LINEARITY = 0.95  # share of the delay variance due to a constant rate: 0.996 with two clocks, < 0.8 otherwise
@@ -168,30 +165,6 @@ def findings_from_errors(
         )
         found.append(Finding("warning", "feedback", text))
     return found
-
-
-def responds_within_sample(u: FloatArray, y: FloatArray, complete: np.ndarray, lags: int) -> bool:
-    """Whether the output responds within the sample in which the input changes, as an acceleration to a force.
-
-    Where the input changes, the change then predicts what the past of both signals does not. In a closed loop it would,
-    too, because the input responds to the output.
-
-    Parameters
-    ----------
-    u, y : ndarray, shape (N,)
-    complete : ndarray of bool, shape (N,)
-        Samples to use together with the `lags` samples before them.
-    lags : int
-    """
-    at = np.flatnonzero(complete)
-    changed = u[at] != u[at - 1]
-    if changed.sum() < MIN_CHANGES or gain_from_past(y, u) > FEEDBACK_F:
-        return False
-    past = np.column_stack([lagged_columns(u, at, lags), lagged_columns(y, at, lags), np.ones(at.size)])
-    now = np.column_stack([u[at], y[at]])
-    new_u, new_y = (now - past @ np.linalg.lstsq(past, now, rcond=None)[0]).T
-    left = new_y - new_u * float(new_u @ new_y) / max(float(new_u @ new_u), np.finfo(float).tiny)
-    return bool(np.sum(left[changed] ** 2) < (1.0 - WITHIN_SAMPLE) * np.sum(new_y[changed] ** 2))
 
 
 def clock_slip(y: FloatArray, simulated: FloatArray, included: np.ndarray) -> float | None:

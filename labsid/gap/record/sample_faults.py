@@ -16,7 +16,8 @@ FIRST_JUMP = 0.25  # of the range of the other samples, from which the first sam
 FIRST_JUMP_RATIO = 5.0  # of that jump over nearly the largest change elsewhere
 NEARLY_ALL = 0.99  # of the samples
 MIN_REPEATED = 0.9  # share of the samples whose value recurs
-CHANCE = 1e-4  # probability that so many spikes are where the input changes
+CHANCE = 1e-4  # probability that so many spikes, or ends of held stretches, are where the input changes
+FLAT = 4  # equal readings in a row
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -84,6 +85,47 @@ def find_bad_start(y: FloatArray) -> np.ndarray:
     change = float(np.quantile(np.abs(np.diff(y[1:])), NEARLY_ALL))
     bad[0] = abs(y[0] - y[1]) > max(FIRST_JUMP * (high - low), FIRST_JUMP_RATIO * change)
     return bad
+
+
+def without_rest(stretches: tuple[tuple[int, int], ...], u: FloatArray) -> tuple[tuple[int, int], ...]:
+    """Held stretches, without those that end where the input changes, or a delay later: rest of a rig without noise.
+
+    Parameters
+    ----------
+    stretches : tuple of (int, int)
+        Half-open.
+    u : ndarray, shape (N,)
+        The input.
+    """
+    if not stretches:
+        return stretches
+    changes = np.diff(u, prepend=u[:1]) != 0.0
+    ends = np.array([stop for _, stop in stretches if stop < u.size], int)
+    lags = min(int(0.1 * u.size), int(ends.min(initial=u.size)))
+    ended = np.array([changes[ends - lag] for lag in range(lags + 1)])
+    most = int(ended.sum(axis=1).argmax())
+    count = int(ended[most].sum())
+    if (lags + 1) * bdtrc(count - 1, ends.size, changes.mean()) > CHANCE:
+        return stretches
+    rest = {int(end) for end in ends[ended[most]]} | {u.size}
+    return tuple(stretch for stretch in stretches if stretch[1] not in rest)
+
+
+def flat_samples(y: FloatArray) -> np.ndarray:
+    """Samples of at least `FLAT` equal readings in a row, and their neighbours: a limit, or rest without noise.
+
+    Parameters
+    ----------
+    y : ndarray, shape (N,)
+        Readings.
+
+    Returns
+    -------
+    ndarray of bool, shape (N,)
+    """
+    lengths = runs(y)[1]
+    flat = np.repeat(lengths >= FLAT, lengths)
+    return np.asarray(flat | np.roll(flat, 1) | np.roll(flat, -1))
 
 
 def find_spikes(e: FloatArray, usable: np.ndarray, lattice: float = 0.0) -> np.ndarray:

@@ -63,6 +63,18 @@ EFFECT_GUIDE: dict[str, EffectGuide] = {
         "Many levels of the input over its range.",
         ("output-nonlinearity", "sqrt-outflow", "input-saturation"),
     ),
+    "input-off": EffectGuide(
+        "input",
+        {"onset": "s", "end": "s", "level": "u"},
+        "A command that goes on changing while it is off.",
+        ("load-step", "output-dropout", "parameter-drift"),
+    ),
+    "input-quantization": EffectGuide(
+        "input",
+        {"step": "u"},
+        "A slow ramp of the command, or many of its levels.",
+        ("input-nonlinearity", "input-dead-zone", "coloured-noise"),
+    ),
     "extra-lag": EffectGuide(
         "dynamics",
         {"tau": "s"},

@@ -82,6 +82,22 @@ EFFECT_TEXTS: dict[str, EffectText] = {
         "characteristic of the pump, the valve or the amplifier. With d the command minus the centre of the curve, the "
         "actuator gives d + (quadratic coefficient) d² + (cubic coefficient) d³.",
     ),
+    "input-off": EffectText(
+        "a command that is not applied",
+        (
+            "From {onset} to {end}, {level} acts instead of the command in the log",
+            "From {onset} on, {level} acts instead of the command in the log",
+            "For a part of the record the command is logged but not applied",
+        ),
+        "The log goes on with the command, and the rig does not get it: a drive that has tripped, an emergency stop, a "
+        "loose cable, a set point that is frozen. Check the state of the drive during this time.",
+    ),
+    "input-quantization": EffectText(
+        "a command that acts in coarse steps",
+        ("The command acts in steps of {step}, which its log does not have", "The command acts in coarse steps"),
+        "The command is rounded between the log and the rig. Look for a converter with few bits, a number that is sent "
+        "as an integer, or a valve with notches.",
+    ),
     "extra-lag": EffectText(
         "an extra lag",
         (
@@ -292,6 +308,7 @@ _LABELS = {
     "step": "converter step",
     "share": "share of the samples",
     "onset": "start",
+    "end": "end of it",
     "size": "final change of the output",
 }
 _SPECIFIC_LABELS: dict[tuple[str, ...], str] = {
@@ -302,9 +319,11 @@ _SPECIFIC_LABELS: dict[tuple[str, ...], str] = {
     ("slow-mode", "share"): "share of the static gain",
     ("coloured-noise", "pole"): "pole (0: white; near 1: slow)",
     ("coloured-noise", "amplitude"): "rms",
+    ("input-off", "level"): "command that acts",
+    ("input-quantization", "step"): "step of the command that acts",
     ("load-step", "size", "1"): "increase of the rate of return to rest",
 }
-_POSITIONS = {"low", "high", "level", "upper", "onset", "zero", "empty", "centre", "fold"}
+_POSITIONS = {"low", "high", "level", "upper", "onset", "end", "zero", "empty", "centre", "fold"}
 """Positions, which may be near zero; the other parameters are magnitudes."""
 
 _SHARES = {"drift", "share", "caught", "size", "pole"}  # dimensionless parameters that are written in per cent
@@ -320,7 +339,7 @@ def clause(effect: dict[str, Any]) -> str:
     """What the rig does, without the full stop."""
     known: dict[str, Quantity] = {}
     for name, entry in effect["parameters"].items():
-        quantity = Quantity(entry["value"], entry["stderr"], entry["unit"])
+        quantity = Quantity(entry["value"], entry["stderr"] or 0.0, entry["unit"])
         if name not in _POSITIONS and quantity.stderr > abs(quantity.value):
             continue  # not significantly different from zero
         size = Quantity(abs(quantity.value), quantity.stderr, quantity.unit)
@@ -347,9 +366,13 @@ def parameter_value(effect: str, parameter: str, entry: dict[str, Any]) -> tuple
     """A parameter's value with its standard error, and its unit in words."""
     value, stderr, unit = entry["value"], entry["stderr"], entry["unit"]
     if unit == "1" and parameter in _SHARES and effect != "coloured-noise":
-        if stderr > 0.0:
+        if stderr:
             return with_error(100.0 * value, 100.0 * stderr), "%"
         return percent(value).removesuffix(" %"), "%"
+    if not entry.get("determined", True):
+        return with_error(value, stderr), "not determined by itself"
+    if entry.get("at_limit"):
+        return with_error(value, stderr), "at its limit"
     return with_error(value, stderr), UNITS.get(unit, unit)
 
 

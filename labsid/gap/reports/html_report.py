@@ -108,8 +108,9 @@ def _simulation(report: dict[str, Any]) -> str:
     """The simulation that was compared with the record."""
     if not report["simulation"]["given"]:
         return "No simulation was given, so a linear model fitted to the record takes its place."
-    if report["simulation"]["output_only"]:
-        return "Only the output of your simulation was given, so only effects at the output could be tried."
+    read = " ".join(sentences.output_sentences(report))
+    if read or report["simulation"]["output_only"]:
+        return f"Only the output of your simulation was given. {read}".rstrip()
     return "The record is compared with the simulation that you gave, unchanged."
 
 
@@ -147,7 +148,7 @@ def _effect(effect: dict[str, Any]) -> dict[str, Any]:
         "title": sentences.capitalised(sentences.noun_without_article(effect["name"])),
         "name": effect["name"],
         "meaning": "" if text is None else text.meaning,
-        "probability": probability(effect["probability"]),
+        "chance": sentences.chance_of(effect),
         "closed": None if closed is None or effect["name"] in UNSIMULATED else closed_percent(closed),
         "parameters": parameters,
     }

@@ -18,6 +18,7 @@ UNITS = {
     "u s^2/y^2": "units of u per (unit of y a second)²",
     "1": "",
 }
+LIKELY, POSSIBLE = 0.5, 0.2  # probabilities from which an effect is called so in words
 MIN_PLAIN, MAX_PLAIN = 1e-4, 1e6  # range of magnitudes without an exponent
 
 
@@ -81,9 +82,9 @@ def significant_digits(value: float, stderr: float) -> int:
     return min(max(kept, 2), 5)
 
 
-def with_error(value: float, stderr: float) -> str:
-    """Format ``value ± stderr`` with two significant digits of the error; an exact value stands alone."""
-    if not math.isfinite(stderr) or stderr <= 0.0:
+def with_error(value: float, stderr: float | None) -> str:
+    """Format ``value ± stderr`` with two significant digits of the error; a value without one stands alone."""
+    if stderr is None or not math.isfinite(stderr) or stderr <= 0.0:
         return number(value, 4)
     size = max(abs(value), stderr)
     power = 0 if MIN_PLAIN <= size < MAX_PLAIN else math.floor(math.log10(size))
@@ -120,6 +121,13 @@ def probability(p: float) -> str:
     if p >= 0.995:
         return "over 99 %"
     return "under 1 %" if p < 0.005 else f"{100.0 * p:.0f} %"
+
+
+def chance(p: float, reference: str) -> str:
+    """Format a probability in per cent, or in words where nothing like the record is among the `reference` rigs."""
+    if reference == "inside":
+        return probability(p)
+    return "likely" if p >= LIKELY else "possible" if p >= POSSIBLE else "unlikely"
 
 
 def p_value(p: float) -> str:

@@ -15,10 +15,11 @@ from labsid.gap.record.data import Data
 from labsid.gap.reports import location
 from labsid.gap.reports.effect_guide import EFFECT_GUIDE
 from labsid.gap.reports.experiment import Experiment, next_experiment
-from labsid.gap.reports.quantities import counted, percent
+from labsid.gap.reports.quantities import chance, counted, percent
 from labsid.gap.reports.traces import figure_traces
 from labsid.gap.search.explanation import Explanation
 from labsid.gap.simulations.baseline import Baseline
+from labsid.gap.simulations.simulated_output import OutputModel, SimulatedOutput
 from labsid.gap.verdict.answer import Answer
 from labsid.gap.verdict.decision import MISMATCH, Decision
 from labsid.gap.verdict.scores import closed_share
@@ -51,7 +52,8 @@ def build_report(
     """
     explanation, decision, score = answer.explanation, answer.decision, answer.score
     unit = explanation.data.y_scale.unit
-    effects = _effects(answer)
+    numbers = estimate_numbers(explanation.data, explanation.best)
+    effects = _effects(answer, numbers)
     before, after = answer.outputs
     e = record.y - before
     return {
@@ -76,6 +78,13 @@ def build_report(
             "ci95": None if score.ci95 is None else list(score.ci95),
             "holdout": _stretches(holdout or record, score.scored),
         },
+        "noise": {
+            "sd": float(np.sqrt(np.mean((explanation.data.y - explanation.best.output)[explanation.data.rows] ** 2)))
+            * unit,
+            "correlation_time": explanation.best.noise.correlation_time * record.Ts,
+        },
+        "reference": answer.novelty.reference,
+        "novelty": {"features": answer.novelty.features, "beyond": list(answer.novelty.beyond)},
         "unexplained": _unexplained(answer),
         "next_experiment": _experiment(record, explanation, decision, rng),
         "record": {"name": record.name, "samples": len(record), "Ts": record.Ts},
@@ -83,12 +92,19 @@ def build_report(
             "given": base.given,
             "output_only": base.output_only,
             "closed": base.structure.given is not None,
+            "output": None if base.output is None else _simulated_output(base.output, base.model),
             "model": _linear_model(answer),
-            "numbers": estimate_numbers(explanation.data, explanation.best),
         },
+        "numbers": numbers,
         "screen": screen_sentences(explanation),
         "traces": figure_traces(record.t, record.u, record.y, before, after),
     }
+
+
+def _simulated_output(output: SimulatedOutput, model: OutputModel | None) -> dict[str, Any]:
+    """How a simulated output was read: as the linear model that reproduces it, or as it is."""
+    opened = None if model is None else {"order": model.order, "dead_time": model.dead_time, "error": model.error}
+    return {"resampled": output.resampled, "model": opened}
 
 
 def _linear_model(answer: Answer) -> dict[str, Any] | None:
@@ -100,7 +116,7 @@ def _linear_model(answer: Answer) -> dict[str, Any] | None:
     return {"method": linear.method, "observed": linear.observed, "errors": errors}
 
 
-def _effects(answer: Answer) -> list[dict[str, Any]]:
+def _effects(answer: Answer, numbers: list[dict[str, Any]]) -> list[dict[str, Any]]:
     explanation, decision, closed = answer.explanation, answer.decision, answer.closed
     found = []
     by_name: dict[str, Effect] = {
@@ -114,10 +130,11 @@ def _effects(answer: Answer) -> list[dict[str, Any]]:
                 "path": EFFECT_GUIDE[name].path,
                 "parameters": estimate_parameters(explanation.data, explanation.best, effect)
                 if effect is not None
-                else estimate_numbers(explanation.data, explanation.best)
+                else {str(one["name"]): one | {"unit": ""} for one in numbers}
                 if name == MISMATCH
                 else _sample_parameters(explanation, name),
                 "probability": float(decision.probability[name]),
+                "chance": chance(decision.probability[name], answer.novelty.reference),
                 "closed": closed[_step(explanation, name)],
                 "evidence": answer.evidence[name]._asdict() if name in answer.evidence else None,
             }

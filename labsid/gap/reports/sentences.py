@@ -4,7 +4,7 @@ import re
 from typing import Any
 
 from labsid.gap.reports.effect_texts import REMAINING_ERRORS, UNSIMULATED, clause, noun
-from labsid.gap.reports.quantities import closed_percent, number, p_value, percent, probability, with_error
+from labsid.gap.reports.quantities import closed_percent, counted, number, p_value, percent, probability, with_error
 
 PLACES = {
     "input": "between the command and the process",
@@ -13,6 +13,14 @@ PLACES = {
     "disturbance": "outside the signal path, independent of the command",
     "parameters": "in the parameters of the simulation, not in its structure",
 }
+NOVELTIES = {
+    "samples": "its length",
+    "changes": "how seldom its input changes",
+    "noise": "the size of its noise",
+    "gap": "the size of the gap",
+    "fastest": "the rates of its dynamics",
+    "direct": "its response within the sample",
+}  # by the names of `novelty.RANGES`
 SURE, LIKELY = 0.9, 0.6  # probabilities from which an effect is stated without qualification, and as probable
 SIGNIFICANT = 0.01  # p-value below which a residual test is reported as significant
 RELIABLE_MARGIN = 20.0  # margin of an experiment from which its decision was right in 995 of 1000 trials
@@ -20,9 +28,6 @@ NO_GAP = 1.1  # rms error over noise, up to which there is no gap
 HALF = 0.5  # of a share or a probability
 TIME_VARYING = {"load-step", "parameter-drift"}
 OUTPUT_ERROR, FIRST_ORDER = "output error", "output error of first order"  # methods of `baseline_choice`
-KIND_PATHS = {"linear": "dynamics", "nonlinear": "dynamics"} | {
-    name: name for name in ("input", "output", "time", "disturbance")
-}  # as in `black_boxes`
 MIN_KIND = 0.05  # share of the remaining error from which a kind is mentioned
 MAX_UNACCOUNTED = 0.3  # of the variation between plateaus, that an explanation of it may leave
 
@@ -84,10 +89,9 @@ def _partial_sentence(report: dict[str, Any]) -> str:
     )
     one, several = gain.replace("*", "s"), gain.replace("*", "")
     if not causes:
-        doubt = "but the true cause may be another one"
         listed = joined([_with_chance(effect) for effect in others])
         subject = f"{listed} together {several}" if len(others) > 1 else f"{listed} {one}"
-        return f"{capitalised(subject)}, {doubt}."
+        return f"The cause of the gap is not known: {subject}, but may only imitate it."
     if len(effects) == 1:
         return f"{_qualified(causes[0])}: {noun(causes[0]['name'])} {one}."
     clauses = [f"{_qualified(effect)} ({_with_chance(effect)})" for effect in causes]
@@ -105,12 +109,30 @@ def is_probable(effect: dict[str, Any]) -> bool:
     return bool(effect["probability"] >= HALF)
 
 
+def chance_of(effect: dict[str, Any]) -> str:
+    """``probability 97 %``, or in words where nothing like the record is among the rigs that it was measured on."""
+    text = effect.get("chance", probability(effect["probability"]))
+    return f"probability {text}" if text.endswith("%") else str(text)
+
+
+def reference_sentence(report: dict[str, Any]) -> str | None:
+    """Why the probabilities are given in words."""
+    beyond = report.get("novelty", {}).get("beyond", [])
+    if not beyond or not report["effects"]:
+        return None
+    differs = joined([NOVELTIES[name] for name in beyond])
+    return (
+        f"No simulated rig on which probabilities were measured is like this record in {differs}: they are given in "
+        "words."
+    )
+
+
 def _with_chance(effect: dict[str, Any]) -> str:
     """The noun of an effect, with its probability if it is not stated without qualification."""
-    p = effect["probability"]
+    p, text = effect["probability"], effect.get("chance", probability(effect["probability"]))
     if p >= SURE:
         return noun(effect["name"])
-    return f"{noun(effect['name'])}, {probability(p)}" if p >= HALF else f"{noun(effect['name'])} ({probability(p)})"
+    return f"{noun(effect['name'])}, {text}" if p >= HALF else f"{noun(effect['name'])} ({text})"
 
 
 def remaining_sentence(report: dict[str, Any]) -> str | None:
@@ -120,26 +142,15 @@ def remaining_sentence(report: dict[str, Any]) -> str | None:
     kind, partial = main_kind(report), report["verdict"] == "partial"
     if kind is None:
         return "Something else remains." if partial else None
-    share, path = percent(_predicted_share(report, kind)), report["unexplained"]["path"]
+    share = percent(report["unexplained"]["kinds"][kind])
     start = f"Something else remains: {share} of it" if partial else f"Of the error beyond white noise, {share}"
-    return f"{start} {REMAINING_ERRORS[kind].what} (path: {path})."
+    return f"{start} {REMAINING_ERRORS[kind].what}."
 
 
 def main_kind(report: dict[str, Any]) -> str | None:
-    """The kind of model that the remaining error is attributed to; None if noise alone remains."""
-    kinds, path = report["unexplained"]["kinds"], report["unexplained"]["path"]
-    if not kinds:
-        return None
-    return max((kind for kind in kinds if KIND_PATHS[kind] == path), key=lambda kind: float(kinds[kind]))
-
-
-def _predicted_share(report: dict[str, Any], kind: str) -> float:
-    """Share of the remaining error that a model of this kind predicts: it contains the simpler ones."""
+    """The kind of model that closes the largest share of the remaining error; None if noise alone remains."""
     kinds = report["unexplained"]["kinds"]
-    if kind == "disturbance":
-        return float(kinds[kind])
-    names = list(kinds)
-    return float(sum(kinds[name] for name in names[: names.index(kind) + 1]))
+    return max(kinds, key=lambda kind: float(kinds[kind])) if kinds else None
 
 
 def _qualified(effect: dict[str, Any]) -> str:
@@ -197,7 +208,7 @@ def ambiguity_sentence(report: dict[str, Any]) -> str | None:
         return None
     if not report["effects"]:
         return f"The record does not rule out {rivals}."
-    chances = joined([f"{noun(e['name'])} {probability(e['probability'])}" for e in report["effects"]])
+    chances = joined([f"{noun(e['name'])} {e.get('chance', probability(e['probability']))}" for e in report["effects"]])
     several = report["verdict"] == "partial" and len(report["effects"]) > 1
     instead = "in the place of one of the effects" if several else "instead"
     return f"The record does not rule out {rivals} {instead}. Probability: {chances}."
@@ -317,20 +328,60 @@ def _unobserved_sentence(method: str) -> str:
 
 def _given_sentence(report: dict[str, Any]) -> str | None:
     """The fitted numbers of a given simulation, and which effects could not be tried within it."""
-    simulation, texts = report["simulation"], []
-    numbers = {} if _is_mismatch(report) else simulation.get("numbers", {})
-    if numbers:
+    simulation, texts = report["simulation"], output_sentences(report)
+    numbers = report.get("numbers", [])
+    if numbers and not _is_mismatch(report):
         fitted = joined(
             [
-                f"{name} = {with_error(one['value'], one['stderr'])} (nominally {number(one['nominal'])})"
-                for name, one in numbers.items()
+                f"{one['name']} = {with_error(one['value'], one['stderr'])} (nominally {number(one['nominal'])})"
+                for one in numbers
             ]
         )
         texts.append(f"Numbers of your simulation that were fitted: {fitted}.")
+    texts += number_sentences(numbers)
     if simulation.get("closed") and report["verdict"] != "none" and not simulation["output_only"]:
         texts.append(_limits_sentence({name for row in report["ranking"] for name in row["name"].split("+")}))
     texts += _evaluation_sentences(simulation.get("evaluations"))
     return " ".join(texts) or None
+
+
+def number_sentences(numbers: list[dict[str, Any]]) -> list[str]:
+    """Which fitted numbers the record does not determine, and which ended at their limits."""
+    texts = [
+        f"{one['name']} ended at its limit, {number(one['limit'])}: the record asks for more. Give it a wider range, "
+        "or look for what it makes up for."
+        for one in numbers
+        if one["at_limit"] and one["determined"]
+    ]
+    groups = dict.fromkeys((tuple(one["group"]), one["combination"]) for one in numbers if one["group"])
+    for names, combination in groups:
+        what = combination.replace(", ", " and ") if combination else "a combination of them"
+        texts.append(f"The record does not determine {joined(list(names))}, only {what}.")
+    alone = [one["name"] for one in numbers if not one["determined"] and not one["group"]]
+    if alone:
+        texts.append(f"The record does not determine {joined(alone)}: the output hardly depends on it.")
+    return texts
+
+
+def output_sentences(report: dict[str, Any]) -> list[str]:
+    """How a simulated output was read; empty if a model was given."""
+    output = report["simulation"].get("output")
+    if output is None:
+        return []
+    texts = [f"Your simulated output was interpolated {output['resampled']}, at the times of the record."]
+    model = output["model"]
+    if model is None:
+        texts.append(
+            "No linear model reproduces your simulated output, so only effects at the output could be tried. Give the "
+            "model itself, or a function, to try the others."
+        )
+    else:
+        late = f" and a dead time of {counted(model['dead_time'], 'sample', 'samples')}" if model["dead_time"] else ""
+        texts.append(
+            f"A linear model of order {model['order']}{late} reproduces your simulated output to {model['error']:.1g} "
+            "of its standard deviation, so all effects could be tried in it."
+        )
+    return texts if output["resampled"] else texts[1:]
 
 
 def _limits_sentence(tried: set[str]) -> str:
@@ -427,7 +478,7 @@ def residual_sentences(report: dict[str, Any]) -> list[str]:
         texts.append(f"It depends on past inputs ({correlation}), but they predict only a small part of it.")
     else:
         texts.append(f"It depends on past inputs ({correlation}): part of the dynamics is missing.")
-    if left.get("repeats", 0.0) > 0.1:
+    if left.get("repeats", 0.0) > 0.1 and not (has_kinds(report) and left["kinds"]["disturbance"] > HALF):
         texts.append(f"It repeats when the input repeats (correlation {left['repeats']:.2f}), unlike noise.")
     return texts
 

@@ -161,7 +161,7 @@ def _reach(data: Data, effect: Effect, name: str, unit: str, value: float) -> fl
     if name in LEVELS and unit in ("u", "y"):
         signal, scale = (data.u, data.u_scale) if unit == "u" else (data.y, data.y_scale)
         return SIGNAL_SHARE * float(np.ptp(signal)) * scale.unit
-    if name == "onset":
+    if name in ("onset", "end"):
         return RECORD_SHARE * data.samples * data.Ts
     if name == "frequency" and effect.name in OF_ONE_RECORD:
         return CYCLES / (data.samples * data.Ts)

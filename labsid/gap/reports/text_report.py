@@ -6,7 +6,6 @@ from typing import Any
 from labsid.gap.reports import sentences
 from labsid.gap.reports.effect_texts import noun, parameter_label, parameter_value
 from labsid.gap.reports.location_text import location_sentences
-from labsid.gap.reports.quantities import probability
 
 WIDTH = 96  # characters of a line
 INDENT = 11  # characters of the column of titles
@@ -34,7 +33,7 @@ def format_report(report: dict[str, Any]) -> str:
     for number, finding in enumerate(sentences.record_sentences(report)):
         lines += _row("" if number else "record", _printable(finding))
     rows = [
-        ("ambiguous", [sentences.ambiguity_sentence(report)]),
+        ("ambiguous", [sentences.ambiguity_sentence(report), sentences.reference_sentence(report)]),
         ("gap", [sentences.gap_sentence(report), sentences.baseline_sentence(report)]),
         ("where", [sentences.place_sentence(report), *location_sentences(report)]),
         ("residual", [*sentences.residual_sentences(report), sentences.kinds_sentence(report)]),
@@ -54,9 +53,8 @@ def format_report(report: dict[str, Any]) -> str:
 
 def _effect(effect: dict[str, Any]) -> list[str]:
     """One cause, with its parameters in columns below."""
-    chance = probability(effect["probability"])
     title = "cause" if sentences.is_probable(effect) else "possible"
-    lines = _row(title, f"{noun(effect['name'])} ({effect['name']}), probability {chance}")
+    lines = _row(title, f"{noun(effect['name'])} ({effect['name']}), {sentences.chance_of(effect)}")
     rows = [
         (
             parameter_label(effect["name"], name, entry),

@@ -14,6 +14,7 @@ from labsid.gap.effects.restarts import in_records
 from labsid.gap.fits.fitting import Fit, finish, fit_from, mean_square, minimize, refit, rms
 from labsid.gap.fits.hypothesis import Hypothesis
 from labsid.gap.fits.linear_fits import fit_baseline, fit_driven_pole, fit_highpass
+from labsid.gap.fits.profile import has_size
 from labsid.gap.fits.residual_tests import explained_share
 from labsid.gap.fits.undriven_poles import has_undriven_pole, lag_became_mode
 from labsid.gap.record.data import Data
@@ -273,9 +274,8 @@ def _best_accepted(data: Data, simpler: Fit, level: Level) -> Fit | None:
     """The best fit of a level that improves on `simpler`; None if there is none."""
     if within_rounding(data, simpler):
         return None
-    return next(
-        (fit for fit in sorted(level.values(), key=attrgetter("bic")) if is_improvement(data, simpler, fit)), None
-    )
+    ranked = sorted(level.values(), key=attrgetter("bic"))
+    return next((fit for fit in ranked if is_improvement(data, simpler, fit) and has_size(data, fit)), None)
 
 
 def best_path(data: Data, levels: Levels) -> tuple[Fit, ...]:

@@ -5,6 +5,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from labsid._arrays import FloatArray
+from labsid.gap.dynamics.responses import real_rates
 from labsid.gap.effects.base import AdditiveEffect
 from labsid.gap.effects.output import Drift
 from labsid.gap.fits.fitting import Fit, mean_square, refit, rms
@@ -12,8 +13,17 @@ from labsid.gap.fits.hypothesis import Hypothesis
 from labsid.gap.fits.linear_fits import LINEAR, fit_baseline, fit_highpass
 from labsid.gap.fits.residual_tests import SLOW_CORRELATION, slow_autocorrelation
 from labsid.gap.record.data import Data
+from labsid.gap.record.floor import is_printed, with_floor
 from labsid.gap.record.holdout import BLOCKS, held_out_samples
-from labsid.gap.record.sample_faults import SampleFaults, find_bad_start, find_lattice, find_spikes, without_responses
+from labsid.gap.record.sample_faults import (
+    SampleFaults,
+    find_bad_start,
+    find_lattice,
+    find_spikes,
+    flat_samples,
+    without_responses,
+    without_rest,
+)
 from labsid.gap.search.beam_search import (
     MIN_CHANGE,
     Levels,
@@ -27,6 +37,7 @@ from labsid.gap.search.candidates import trial_fits
 from labsid.records.signal_quality import find_held
 from labsid.simulators.meter import BudgetSpentError
 
+MOST_EFFECTS = 3  # of an explanation
 CONVERTER_LIMITED = 1.3**2  # rounding variance over other noise variance, from which the converter limits the record
 CONVERTER_LIMITED_HELD = 0.7  # the same if the logger holds values: on a coarse lattice not every hold is detected
 MAX_FALSE_SPIKES = 0.03  # share of the samples: spikes due to the baseline's error, above which the search is repeated
@@ -37,6 +48,8 @@ UNDECIDED_BIC = 6.0  # BIC difference below which two fits are not distinguished
 BAD_SAMPLE_RATIO = 1.3  # mean square error with the bad samples over that without them
 COLOUR_RATIO = 1.3  # standard deviation of the noise over that of its innovations, above which noise is coloured
 ROUNDING_RATIO = 1.3  # mean square error over that of the converter alone, above which it is more than rounding
+SLOW_NOISE = 5.0  # samples: correlation time from which coloured noise is an effect,
+SLOW_NOISE_SHARE = 0.25  # and the same over the slowest time constant of the rig: faster noise is no gap
 SLOW_RESIDUAL_RATIO = 4.0  # standard deviation of the residual over that of its innovations
 MAX_ERROR_RATIO = 0.8  # error on the blocks left out, with an effect over without it
 
@@ -79,7 +92,7 @@ def explain(
     data: Data,
     structure: Hypothesis = LINEAR,
     start: FloatArray | None = None,
-    most: int = 3,
+    most: int = MOST_EFFECTS,
     progress: Progress | None = None,
 ) -> Explanation:
     """Search for the effects that explain a record.
@@ -99,14 +112,17 @@ def explain(
     y = np.asarray(data.y_scale.back(data.y))
     lattice, off = find_lattice(y)
     off = off | find_bad_start(y)
-    stretches = find_held(y, lattice)
+    stretches = without_rest(find_held(y, lattice), data.u)
+    if lattice is not None and is_printed(lattice, y):
+        lattice = None
+    flat = flat_samples(y) if lattice is None else np.zeros(y.size, bool)
     step = 0.0 if lattice is None else lattice / data.y_scale.unit
-    data = replace(data, lattice=step)
+    data = with_floor(replace(data, lattice=step))
     held = np.zeros(data.samples, bool)
     for stretch in stretches:
         held[slice(*stretch)] = True
     usable = data.rows & ~held
-    clean, spikes, levels, path = _search_without_spikes(data, usable, off, structure, start, most, progress)
+    clean, spikes, levels, path = _search_without_spikes(data, usable, flat, off, structure, start, most, progress)
     faults = SampleFaults(held, stretches, spikes, None if lattice is None else step)
     if residual_is_slow(clean, path[-1]) and halved_by_drift(clean, path):
         slow = replace(clean, by_free_run=True)
@@ -124,6 +140,7 @@ def explain(
 def _search_without_spikes(
     data: Data,
     usable: np.ndarray,
+    flat: np.ndarray,
     off: np.ndarray,
     structure: Hypothesis,
     start: FloatArray | None,
@@ -132,11 +149,11 @@ def _search_without_spikes(
 ) -> tuple[Data, np.ndarray, Levels, tuple[Fit, ...]]:
     """Run the beam search without the spikes, and detect the spikes again on the residual of the best fit.
 
-    Samples `off` the lattice of the others are always spikes.
+    Samples `off` the lattice of the others are always spikes; `flat` ones, which have no noise, never are.
     """
 
     def spikes_of(fit: Fit) -> np.ndarray:
-        return off | without_responses(find_spikes(data.y - fit.output, usable, data.lattice), data.u)
+        return off | without_responses(find_spikes(data.y - fit.output, usable & ~flat, data.lattice), data.u)
 
     spikes = spikes_of(fit_baseline(replace(data, rows=usable), structure, start))
     clean = replace(data, rows=usable & ~spikes)
@@ -230,7 +247,9 @@ def unsimulated_effects(data: Data, clean: Data, faults: SampleFaults, best: Fit
     e = data.y - best.output
     floor = float(np.mean(e[clean.rows] ** 2))
     found = []
-    for name, bad in (("output-dropout", faults.held), ("output-outliers", faults.spikes)):
+    spikes = faults.spikes.copy()
+    spikes[0] = False  # the logger's start-up, or the step to the first input
+    for name, bad in (("output-dropout", faults.held), ("output-outliers", spikes)):
         bad = bad & data.rows
         if bad.any() and float(np.mean(e[clean.rows | bad] ** 2)) > BAD_SAMPLE_RATIO * floor:
             found.append(name)
@@ -245,9 +264,18 @@ def unsimulated_effects(data: Data, clean: Data, faults: SampleFaults, best: Fit
         rounding = 0.0
     wanders = {"output-drift", "parameter-drift"} & set(best.hypothesis.names)
     coloured = np.sqrt(floor / white) > COLOUR_RATIO and slow_autocorrelation(e, clean.rows) > SLOW_CORRELATION
-    if coloured and floor > ROUNDING_RATIO * rounding and not wanders:  # drift and rounding leave a slow residual, too
+    if (
+        coloured and noise_is_slow(best) and floor > ROUNDING_RATIO * rounding and not wanders
+    ):  # drift and rounding leave a slow residual, too
         found.append("coloured-noise")
     return tuple(found)
+
+
+def noise_is_slow(fit: Fit) -> bool:
+    """Whether the noise is too slow to be that of a sensor: compared with the sampling time, and with the rig."""
+    c, k = fit.rates
+    slowest = 0.5 * c if 0.25 * c * c < k else real_rates(c, k)[0]  # per sample
+    return fit.noise.correlation_time > max(SLOW_NOISE, SLOW_NOISE_SHARE / slowest)
 
 
 def _held_by_rounding(data: Data, clean: Data, faults: SampleFaults, best: Fit) -> bool:

@@ -12,27 +12,34 @@ from labsid._arrays import FloatArray
 from labsid.gap.dynamics.given_simulation import GivenSimulation, by_record
 from labsid.gap.dynamics.plant_form import FREE_STEP, ROUGH_STEP, free_number
 from labsid.gap.dynamics.plants import Plant
-from labsid.gap.dynamics.responses import free_responses
+from labsid.gap.dynamics.responses import free_responses, single_pole
 from labsid.gap.effects.dynamics import DirectFeedthrough, ExtraLag, Resonance
+from labsid.gap.effects.input import Delay
 from labsid.gap.effects.restarts import Restarts
-from labsid.gap.fits.fitting import Fit
+from labsid.gap.fits.fitting import Fit, fit_from
 from labsid.gap.fits.hypothesis import Hypothesis
 from labsid.gap.fits.linear_fits import fit_baseline
 from labsid.gap.fits.noise_model import fit_noise
-from labsid.gap.model_file import SCHEMA, START_SAMPLES, ExportedModel, read_exported_model
+from labsid.gap.model_file import SCHEMA, ExportedModel, read_exported_model
 from labsid.gap.record.data import Data
-from labsid.gap.record.record_findings import responds_within_sample
+from labsid.gap.record.direct_term import direct_term
+from labsid.gap.simulations.simulated_output import OutputModel, SimulatedOutput, identify_output
+from labsid.gap.simulations.transfer_function import TransferFunction, read_transfer_function, started
 from labsid.records.record import Record
 from labsid.simulators.control_systems import is_control_system, read_control_system
 from labsid.simulators.meter import RunMeter
 from labsid.simulators.simulator import Simulator, function_simulator
 
+DECADES = -6, 7  # powers of ten that are tried for a number that is nominally zero
+MIN_MOVED = 1e-3  # of the standard deviation of the output
 MAX_ROUGHNESS = 0.5  # difference of the derivative over a small step from that over large ones, over that
+FASTEST_POLE = 1e-3  # smaller ones are indistinguishable from zero
+SLOWEST_RATES = 1e-6, 1e-9  # of c and k
 UNSTABLE_RATIO = 1e6  # distance from the mean, in ranges of the measured output
 
 
-Simulation = dict[str, Any] | ExportedModel | FloatArray | Simulator
-AnySimulation = Simulation | Callable[..., Any] | Any
+Simulation = dict[str, Any] | ExportedModel | SimulatedOutput | Simulator
+AnySimulation = Simulation | FloatArray | Callable[..., Any] | Any
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -51,12 +58,21 @@ class Baseline:
         initial state estimated from the first samples.
     start : ndarray, optional
         Initial parameters for the search, if the given simulation defines them.
+    alternative : Hypothesis, optional
+        The linear structure with a direct term, if only its fit can tell whether the record asks for one.
+    output : SimulatedOutput, optional
+        The simulated output, if that was given.
+    model : OutputModel, optional
+        The linear model that reproduces it, if there is one.
     """
 
     before: Callable[[Data], Fit] | None
     structure: Hypothesis
     simulate_record: Callable[[Record], FloatArray] | None = None
     start: FloatArray | None = None
+    alternative: Hypothesis | None = None
+    output: SimulatedOutput | None = None
+    model: OutputModel | None = None
 
     @property
     def given(self) -> bool:
@@ -79,80 +95,6 @@ class Baseline:
         return self.structure.plant.simulation.meter
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class TransferFunction:
-    """MODEL.json: a discrete transfer function about an operating point."""
-
-    num: FloatArray
-    den: FloatArray
-    dt: float
-    u0: float
-    y0: float
-
-    def response(self, u: FloatArray) -> FloatArray:
-        """Response from rest at u0, shape (N,)."""
-        from scipy.signal import lfilter  # slow to import
-
-        padded = np.concatenate([np.zeros(self.den.size - self.num.size), self.num])
-        return np.asarray(lfilter(padded / self.den[0], self.den / self.den[0], u - self.u0)) + self.y0
-
-    def simulate(self, u: FloatArray, y: FloatArray) -> FloatArray:
-        """Free-run output, shape (N,), with the initial state estimated from the first samples of `y`."""
-        first = slice(0, min(START_SAMPLES, u.size))
-        forced, states = self.response(u), self.free_response(u.size)
-        if not np.isfinite(forced[first]).all() or not np.isfinite(states[first]).all():
-            return np.full(u.size, np.nan)
-        return _started(forced, states, y)
-
-    def free_response(self, samples: int) -> FloatArray:
-        """Free responses to the unit initial states, shape (samples, n)."""
-        from scipy.signal import lfilter  # slow to import
-
-        n = self.den.size - 1
-        if n == 0:
-            return np.zeros((samples, 0))
-        return np.column_stack(
-            [lfilter([1.0], self.den / self.den[0], np.zeros(samples), zi=state)[0] for state in np.eye(n)]
-        )
-
-
-def read_transfer_function(content: dict[str, Any], Ts: float) -> TransferFunction:
-    """Read and check MODEL.json.
-
-    Raises
-    ------
-    ValueError
-        If it is not a proper transfer function with the record's sampling time.
-    """
-    try:
-        num, den = np.atleast_1d(np.array(content["num"], float)), np.atleast_1d(np.array(content["den"], float))
-        dt, u0, y0 = float(content["dt"]), float(content.get("u0", 0.0)), float(content.get("y0", 0.0))
-    except KeyError as error:
-        raise ValueError(
-            f"the model has no {error.args[0]!r}; it needs num, den and dt (u0 and y0 default to 0)."
-        ) from None
-    except (TypeError, ValueError, OverflowError):
-        raise ValueError(
-            "num and den must be lists of numbers in descending powers of z; dt, u0 and y0 must be numbers."
-        ) from None
-    if (
-        num.ndim != 1
-        or den.ndim != 1
-        or not den.size
-        or not num.size
-        or not np.isfinite([*num, *den, dt, u0, y0]).all()
-    ):
-        raise ValueError("num and den must be lists of finite numbers in descending powers of z.")
-    if den[0] == 0.0:
-        raise ValueError("den must begin with the highest power of z, not with 0. Remove leading zeros.")
-    num = np.trim_zeros(num, "f") if np.any(num) else np.zeros(1)
-    if num.size > den.size:
-        raise ValueError(f"num has degree {num.size - 1}, den {den.size - 1}: the model must be proper.")
-    if abs(dt - Ts) > 1e-6 * Ts:
-        raise ValueError(f"dt must be the record's sampling time {Ts:g} s; got {dt:g} s. Resample the model.")
-    return TransferFunction(num, den, dt, u0, y0)
-
-
 def linear_structure(order: int) -> Hypothesis:
     """Linear structure of a given order.
 
@@ -170,12 +112,15 @@ def linear_structure(order: int) -> Hypothesis:
     return Hypothesis(effects, n_given=len(effects))
 
 
-def _structure_for_record(data: Data, order: int) -> Hypothesis:
-    """Linear structure of a given order, with what the record needs: a direct feedthrough, restarts."""
+def _linear_baseline(data: Data, order: int, direct: bool = False) -> Baseline:
+    """Linear structures of a given order: strictly proper, or with a direct term if `direct` or the record asks."""
     structure = linear_structure(order)
-    if responds_within_sample(data.u, data.y, data.complete, data.lags):
-        structure = Hypothesis((DirectFeedthrough(), *structure.effects), structure.n_given + 1)
-    return with_restarts(structure, data)
+    proper = Hypothesis((DirectFeedthrough(), *structure.effects), structure.n_given + 1)
+    structure, proper = with_restarts(structure, data), with_restarts(proper, data)
+    term = direct_term(data)
+    if direct or term.present:
+        return Baseline(None, proper)
+    return Baseline(None, structure, alternative=None if term.decides else proper)
 
 
 def with_restarts(structure: Hypothesis, data: Data) -> Hypothesis:
@@ -193,7 +138,7 @@ def make_baseline(data: Data, t: FloatArray, simulation: Simulation | None, orde
     data : Data
     t : ndarray, shape (N,)
         Times, for a callable simulation.
-    simulation : dict, ExportedModel, ndarray, Simulator or None
+    simulation : dict, ExportedModel, SimulatedOutput, Simulator or None
         MODEL.json or an exported simulation, as content or as a model; the output of any simulator on the record; or
         a simulator.
     order : int
@@ -207,7 +152,7 @@ def make_baseline(data: Data, t: FloatArray, simulation: Simulation | None, orde
     if simulation is None:
         if order > 4:
             raise ValueError(f"--order must be at most 4; got {order}. Give a larger model with --sim.")
-        return Baseline(None, _structure_for_record(data, order))
+        return _linear_baseline(data, order)
     simulation = read_exported(simulation, data.Ts)
     if isinstance(simulation, ExportedModel):
         return _exported(data, simulation)
@@ -215,7 +160,8 @@ def make_baseline(data: Data, t: FloatArray, simulation: Simulation | None, orde
         return _transfer_function(data, read_transfer_function(simulation, data.Ts))
     if isinstance(simulation, Simulator):
         return _simulator(data, t, simulation)
-    return _output_series(data, np.asarray(simulation, float))
+    assert simulation is not None
+    return _simulated_output(data, simulation)
 
 
 def as_simulation(simulation: AnySimulation | None, Ts: float, free: Sequence[str] = ()) -> Simulation | None:
@@ -237,6 +183,8 @@ def as_simulation(simulation: AnySimulation | None, Ts: float, free: Sequence[st
         simulation = read_control_system(simulation, Ts)
     elif callable(simulation) and not isinstance(simulation, Simulator):
         simulation = function_simulator(simulation)
+    elif isinstance(simulation, np.ndarray | list):
+        simulation = SimulatedOutput(np.asarray(simulation, float))
     if isinstance(simulation, Simulator):
         return simulation.with_free(free) if free else simulation
     if free:
@@ -278,8 +226,28 @@ def _transfer_function(data: Data, model: TransferFunction) -> Baseline:
     u, y = _unscaled(data)
     output = check_bounded(model.response(u), y)
     before = partial(_fit_given, output, model.free_response(u.size), fit_baseline(data).rates)
-    structure = _structure_for_record(data, max(model.den.size - 1, 1))
-    return Baseline(before, structure, lambda record: model.simulate(record.u, record.y))
+    free = _linear_baseline(data, max(model.order, 1), model.direct)
+    free = replace(free, before=before, simulate_record=lambda record: model.simulate(record.u, record.y))
+    if not model.dead_time:
+        return free
+    # It is a part of the simulation, so that a search does not find it again.
+    structure = Hypothesis((Delay(), *free.structure.effects), free.structure.n_given + 1)
+    return replace(free, structure=structure, start=_delayed_start(data, structure, model), alternative=None)
+
+
+def _delayed_start(data: Data, structure: Hypothesis, model: TransferFunction) -> FloatArray | None:
+    """Parameters of a structure with the dead time of a simulation, fitted to its output."""
+    guess = np.zeros(len(structure.parameters))
+    guess[structure.slices[Delay.name]] = model.dead_time
+    poles = np.roots(np.trim_zeros(model.den, "b")).astype(complex)
+    rates = -np.log(np.where(np.abs(poles) > FASTEST_POLE, poles, FASTEST_POLE))
+    slow = rates[np.argsort(np.abs(rates))[:2]]
+    c, k = single_pole(float(np.abs(slow).max(initial=1.0))) if slow.size < 2 else (slow.sum().real, slow.prod().real)
+    at = structure.slices["plant"].start
+    guess[at : at + 2] = np.log(np.maximum([c, k], SLOWEST_RATES))
+    output = data.y_scale.of(model.response(_unscaled(data)[0]))
+    fit = fit_from(replace(data, y=output, rows=np.arange(data.samples) >= model.dead_time), structure, guess)
+    return None if fit is None else fit.theta
 
 
 def _exported(data: Data, model: ExportedModel) -> Baseline:
@@ -300,13 +268,28 @@ def _simulator(data: Data, t: FloatArray, simulate: Simulator) -> Baseline:
     before = partial(_fit_given, output, free_responses(data.samples, *rates), rates)
     scales = data.u_scale, data.y_scale
     given = GivenSimulation.of(simulate, scales, data.Ts, rates, float(t[0]), data.pieces)
+    given = replace(given, units=_units(given, data.u))
     given = replace(given, rough=_is_rough(given, data.u))
     structure = with_restarts(Hypothesis((), 0, Plant(kind="given", simulation=given)), data)
 
     def simulate_record(record: Record) -> FloatArray:
-        return _started(simulate(record.t, record.u), free_responses(len(record), *rates), record.y)
+        return started(simulate(record.t, record.u), free_responses(len(record), *rates), record.y)
 
     return Baseline(before, structure, simulate_record)
+
+
+def _units(given: GivenSimulation, w: FloatArray) -> dict[str, float]:
+    """The smallest powers of ten of numbers that are nominally zero which change the output."""
+    units = {}
+    for name in (name for name, nominal in given.nominal.items() if not nominal):
+        nominally = given.run(w, given.nominal)
+        low, high = given.ranges.get(name, (-np.inf, np.inf))
+        side = 1.0 if high > 0.0 else -1.0
+        sizes = (10.0**power for power in range(*DECADES) if low <= side * 10.0**power <= high)
+        outputs = ((size, given.run(w, given.nominal | {name: side * size})) for size in sizes)
+        moved = (size for size, y in outputs if np.std(y - nominally) > MIN_MOVED * np.std(nominally))
+        units[name] = next(moved, 1.0)
+    return units
 
 
 def _is_rough(given: GivenSimulation, w: FloatArray) -> bool:
@@ -315,7 +298,7 @@ def _is_rough(given: GivenSimulation, w: FloatArray) -> bool:
     The size of a large step is unknown for a number that is nominally zero.
     """
     for name, nominal in filter(itemgetter(1), given.nominal.items()):
-        number, steps = free_number(name, nominal).number, (0.0, FREE_STEP, ROUGH_STEP)
+        number, steps = free_number(name, nominal, given.ranges.get(name)).number, (0.0, FREE_STEP, ROUGH_STEP)
         nominally, near, far = (given.run(w, given.nominal | {name: number(step)}) for step in steps)
         small, large = (near - nominally) / FREE_STEP, (far - nominally) / ROUGH_STEP
         if np.linalg.norm(small - large) > MAX_ROUGHNESS * np.linalg.norm(large):  # and not NaN, of a failure
@@ -328,23 +311,23 @@ def _linear_rates(data: Data, output: FloatArray) -> tuple[float, float]:
     return fit_baseline(replace(data, y=data.y_scale.of(output))).rates
 
 
-def _started(forced: FloatArray, states: FloatArray, y: FloatArray) -> FloatArray:
-    """A simulated output with responses `states`, shape (N, n), to the initial state that the first samples show."""
-    first = slice(0, min(START_SAMPLES, y.size))
-    state = np.linalg.lstsq(states[first], (y - forced)[first], rcond=None)[0]
-    return np.asarray(forced + states @ state)
-
-
-def _output_series(data: Data, series: FloatArray) -> Baseline:
+def _simulated_output(data: Data, output: SimulatedOutput) -> Baseline:
+    """Baseline of a simulated output: the linear model that reproduces it, or the output as it is."""
     if data.pieces:
         raise ValueError("a simulated output belongs to one record. Give a model or a function for several records.")
-    if series.shape != data.u.shape:
-        raise ValueError(f"the simulated output must have the record's {data.samples} samples; got {series.size}.")
-    scaled_series = data.y_scale.of(check_bounded(series, _unscaled(data)[1]))
-    rates = _linear_rates(data, series)
+    if output.y.shape != data.u.shape:
+        raise ValueError(f"the simulated output must have the record's {data.samples} samples; got {output.y.size}.")
+    u, y = _unscaled(data)
+    series = check_bounded(output.y, y)
+    model = identify_output(u, series, data.Ts)
+    if model is not None:
+        base = _transfer_function(data, model.function)
+        before = partial(_fit_given, series, model.function.free_response(data.samples), _linear_rates(data, series))
+        return replace(base, before=before, output=output, model=model)
+    scaled_series, rates = data.y_scale.of(series), _linear_rates(data, series)
     given = GivenSimulation(lambda w, numbers: scaled_series, rates)
     structure = Hypothesis((), 0, Plant(kind="given", simulation=given))
-    return Baseline(partial(_fit_given, series, np.zeros((data.samples, 0)), rates), structure)
+    return Baseline(partial(_fit_given, series, np.zeros((data.samples, 0)), rates), structure, output=output)
 
 
 def _unscaled(data: Data) -> tuple[FloatArray, FloatArray]:

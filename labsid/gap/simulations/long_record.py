@@ -1,11 +1,12 @@
 """Shorten very long records, because the search runs thousands of simulations."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from labsid.gap.simulations.baseline import Simulation
+from labsid.gap.simulations.simulated_output import SimulatedOutput
 from labsid.records.record import Record
 from labsid.records.signal_quality import runs
 from labsid.simulators.simulator import Simulator
@@ -22,7 +23,7 @@ class ShortenedRecord:
     Attributes
     ----------
     record : Record
-    simulation : dict, ndarray, Simulator or None
+    simulation : dict, SimulatedOutput, Simulator or None
         The given simulation; of a simulated output, the same part.
     every : int
         Downsampling factor.
@@ -46,7 +47,7 @@ def shorten_record(record: Record, simulation: Simulation | None, longest: int =
     Parameters
     ----------
     record : Record
-    simulation : dict, ndarray, Simulator or None
+    simulation : dict, SimulatedOutput, Simulator or None
     longest : int
 
     Returns
@@ -63,8 +64,8 @@ def shorten_record(record: Record, simulation: Simulation | None, longest: int =
     start = 0 if isinstance(simulation, Simulator) else _most_excited(slow.u, longest)
     rows = slice(start, start + longest)
     part = _cut(slow, rows)
-    if isinstance(simulation, np.ndarray) and simulation.shape == record.u.shape:
-        simulation = simulation[rows]
+    if isinstance(simulation, SimulatedOutput) and simulation.y.shape == record.u.shape:
+        simulation = replace(simulation, y=simulation.y[rows])
     which = "" if every == 1 else f", one in {every} (the input averaged over each interval)"
     note = (
         f"The diagnosis uses {len(part)} of the {len(record)} samples of the record, from t = {part.t[0]:g} s to "

@@ -12,12 +12,16 @@ from labsid.gap.model_file import SCHEMA, START_SAMPLES, load_model, read_export
 from labsid.gap.record.clock import at_sampling_time, stated_sampling_time
 from labsid.gap.record.data import scaled
 from labsid.gap.record.record_findings import filtered_input
-from labsid.gap.simulations.baseline import Simulation, check_bounded, make_baseline, read_transfer_function
+from labsid.gap.simulations.baseline import Simulation, check_bounded, make_baseline
 from labsid.gap.simulations.fmu_export import read_fmu_content
+from labsid.gap.simulations.simulated_output import SimulatedOutput, resample
+from labsid.gap.simulations.transfer_function import read_transfer_function
 from labsid.records.record import Record, bridge_gaps
 from labsid.simulators.process import open_in_process
 from labsid.simulators.simulator import Simulator
 from labsid.simulators.sources import is_source
+
+MAX_MISSING = 0.5  # samples of the record by which a simulated output may begin later or end earlier
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -48,7 +52,7 @@ def load_simulation(source: str | Path, record: Record, several: bool = False) -
     Raises
     ------
     ValueError
-        If the file is none of these, its times differ from those of the record, or there are `several` records.
+        If the file is none of these, a simulated output does not cover the record, or there are `several` records.
     """
     path = Path(source)
     if is_source(str(source)):
@@ -62,7 +66,8 @@ def load_simulation(source: str | Path, record: Record, several: bool = False) -
     return load_model(path)
 
 
-def _read_output(path: Path, record: Record) -> FloatArray:
+def _read_output(path: Path, record: Record) -> SimulatedOutput:
+    """The simulated output in a file at the record's times; at other times, interpolated there."""
     try:
         with path.open(newline="", encoding="utf-8-sig") as file:
             rows = list(csv.DictReader(file))
@@ -70,23 +75,27 @@ def _read_output(path: Path, record: Record) -> FloatArray:
         y = np.array([float(row["y"]) for row in rows])
     except (KeyError, TypeError, ValueError):
         raise ValueError(f"{path}: a simulated output must be a .csv with the header t,y and numbers below.") from None
-    got = _other_rows(t, y, record)
-    if got:
-        raise ValueError(f"{path}: must hold the output at the record's {len(record)} times; got {got}.")
-    return y
-
-
-def _other_rows(t: FloatArray, y: FloatArray, record: Record) -> str:
-    """In which row a simulated output is not one at the record's times; empty if it is."""
-    if t.size != len(record):
-        return f"{t.size} rows"
+    if not t.size:
+        raise ValueError(f"{path}: holds no rows below the header t,y.")
+    for name, values in (("t", t), ("y", y)):
+        missing = np.flatnonzero(~np.isfinite(values))
+        if missing.size:
+            raise ValueError(
+                f"{path}: must hold finite numbers; got {name} = {values[missing[0]]:g} in row {missing[0] + 1}."
+            )
     near = 0.5 if record.jitter else 0.01  # with jitter, accept both time stamps and even times
-    others = np.flatnonzero(~(np.abs(t - record.t) <= near * record.Ts))
-    if others.size:
-        k = others[0]
-        return f"t = {t[k]:g} s in row {k + 1}, where the record has {record.t[k]:g} s"
-    missing = np.flatnonzero(~np.isfinite(y))
-    return f"y = {y[missing[0]]:g} in row {missing[0] + 1}" if missing.size else ""
+    if t.size == len(record) and np.all(np.abs(t - record.t) <= near * record.Ts):
+        return SimulatedOutput(y)
+    back = np.flatnonzero(np.diff(t) <= 0.0)
+    if back.size:
+        k = back[0] + 1
+        raise ValueError(f"{path}: its times must increase; got t = {t[k]:g} s in row {k + 1} after {t[k - 1]:g} s.")
+    if max(t[0] - record.t[0], record.t[-1] - t[-1]) > MAX_MISSING * record.Ts:
+        raise ValueError(
+            f"{path}: must hold the output at all times of the record, {record.t[0]:g} to {record.t[-1]:g} s; got "
+            f"{t[0]:g} to {t[-1]:g} s. Simulate the whole record, or cut the record."
+        )
+    return resample(t, y, record.t)
 
 
 def replay(source: Path, record: Record) -> Replay:

@@ -28,10 +28,12 @@ from labsid.gap.verdict.decision import (
 )
 from labsid.gap.verdict.held_out_errors import HeldOut, hold_out
 from labsid.gap.verdict.held_out_search import HeldOutSearch, search_held_out
+from labsid.gap.verdict.novelty import Novelty, measure_novelty
 from labsid.gap.verdict.scores import GapScore, closed_share, score_fits
 from labsid.lab.findings import about_clipping
 from labsid.records.record import Record
 
+COLOURED = 2.0  # samples: correlation time of a residual that is more than the colour of a sensor
 NO_GAP = 1.1  # rms error over that of the noise, up to which a discarded explanation leaves no gap
 
 
@@ -64,6 +66,8 @@ class Answer:
         Its path holds the simulation before, and one more effect at each step.
     complete : Complete
     decision : Decision
+    novelty : Novelty
+        How far the record is from those on which the probabilities were measured; they are capped accordingly.
     score : GapScore
     left : ResidualMeasures
         Of the accepted fit.
@@ -90,6 +94,7 @@ class Answer:
     explanation: Explanation
     complete: Complete
     decision: Decision
+    novelty: Novelty
     score: GapScore
     left: ResidualMeasures
     remaining: RemainingError | None
@@ -204,8 +209,9 @@ def _complete(setting: _Setting, explanation: Explanation) -> tuple[_Comparison,
 
 
 def _predictable(explanation: Explanation) -> float:
-    """Share that past inputs predict of a residual that is taken for coloured noise beside effects."""
-    if len(explanation.path) == 1 or "coloured-noise" not in explanation.unsimulated:
+    """Share that past inputs predict of a residual that is taken for coloured noise, alone or beside effects."""
+    alone = len(explanation.path) == 1 and explanation.best.noise.correlation_time > COLOURED
+    if not alone and "coloured-noise" not in explanation.unsimulated:
         return 0.0
     return predictable_share(explanation.data, explanation.best)
 
@@ -242,10 +248,13 @@ def _acts_in_every_record(explanation: Explanation) -> bool:
 
 def _answer(found: _Comparison, complete: Complete, decision: Decision, search: HeldOutSearch | None = None) -> Answer:
     explanation, score = found.explanation, found.score
+    novelty = measure_novelty(explanation.data, explanation.path[0])
+    capped = {name: novelty.capped(p) for name, p in decision.probability.items()}
     return Answer(
         explanation=explanation,
         complete=complete,
-        decision=decision,
+        decision=replace(decision, probability=capped),
+        novelty=novelty,
         score=score,
         left=found.left,
         remaining=None if decision.verdict == "none" else kinds_of_error(explanation.data, _asserted(found, decision)),

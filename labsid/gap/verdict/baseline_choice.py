@@ -115,7 +115,8 @@ def fit_arx_poles(data: Data, like: Fit | None = None) -> Fit:
         rates = np.where(np.real(poles) > 1e-3, np.real(rates), FASTEST_RATE)
     c, k = float(np.real(rates.sum())), float(np.real(rates.prod()))
     at = _theta(max(c, 1e-6), max(k, 1e-9))
-    output = _kernels.section(u - u[0], -theta[0], -theta[1])[:, :2] @ theta[2:4]
+    with np.errstate(over="ignore", invalid="ignore"):  # poles of least squares may be unstable
+        output = _kernels.section(u - u[0], -theta[0], -theta[1])[:, :2] @ theta[2:4]
     if not (np.isfinite(output).all() and np.abs(output).max() < 1e6):
         return _fit_at(data, structure, at)
     gains = Problem(replace(data, y=output), structure).point(at)

@@ -281,10 +281,11 @@ def evidence_in(
     colour = float(np.log(max(left.colour, 1.0)))
     if not steps:
         colour *= 0.5 * max(left.slow, 0.0)
-    quiet = steps > 0 and is_noise(left, converted=False) and left.activity_z < 3.0
+    quiet = is_noise(left, converted=False) and left.activity_z < 3.0
+    quiet &= steps > 0 or predictable < CHANCE_BLACK_BOX
     colour *= 0.4 if quiet else 1.0  # noise that is independent of the input
-    coloured = quiet and "coloured-noise" in explanation.unsimulated
-    beyond = predictable if predictable > CHANCE_BLACK_BOX else 0.0
+    coloured = quiet and (not steps or "coloured-noise" in explanation.unsimulated)
+    beyond = predictable if steps and predictable > CHANCE_BLACK_BOX else 0.0
     predicted = left.explained if not quiet or left.explained > CHANCE_PREDICTION else 0.0
     return evidence._replace(
         colour=colour,
@@ -292,7 +293,7 @@ def evidence_in(
         activity=float(np.sqrt(max(left.activity, 0.0))) if left.activity_z > 3.0 else 0.0,
         tails=float(np.log(max(left.tails, 3.0) / 3.0)),
         short=_shortfall(explanation, closed),
-        coloured=float(coloured),
+        coloured=float(coloured and steps > 0),
         unrepeated=float(unrepeated > MAX_UNREPEATED and not coloured),
     )
 

@@ -21,7 +21,13 @@ from labsid.gap.verdict.held_out_errors import HeldOut, Reduction, compare_error
 MOST_EFFECTS = 3
 COMPARED = 8  # combinations of two and of three effects that are refitted: those of least error on all samples
 MOST_ROUNDS = 4  # of additions and exchanges
-OF_ONE_RECORD = {"load-step", "output-drift", "parameter-drift", "periodic-disturbance"}  # their time course
+OF_ONE_RECORD = {
+    "input-off",
+    "load-step",
+    "output-drift",
+    "parameter-drift",
+    "periodic-disturbance",
+}  # their time course
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -22,6 +22,9 @@ from labsid.rig.switchable._motion import (
     TWO_TANKS,
 )
 from labsid.rig.switchable.setup import STEPS_PER_SAMPLE, Profile, Setup
+from labsid.rig.switchable.simulation import poles
+
+SLOW_NOISE_SHARE = 0.3  # of the slowest time constant of the rig: faster noise is that of a sensor, and no effect
 
 ApplyEffect = Callable[[Setup, float], Setup]
 
@@ -249,7 +252,9 @@ def _periodic(rng: np.random.Generator, at: EffectContext) -> ApplyEffect:
 
 
 def _coloured(rng: np.random.Generator, at: EffectContext) -> ApplyEffect:
-    time = float(np.exp(rng.uniform(np.log(6.0), np.log(max(at.v.size / 40, 10.0)))))
+    slowest = float(np.max(-1.0 / poles(at.setup.motion).real))
+    least = max(6.0, SLOW_NOISE_SHARE * slowest)
+    time = float(np.exp(rng.uniform(np.log(least), np.log(max(at.v.size / 40, 1.7 * least)))))
     size = 0.8 * float(np.std(at.y))
     return _in("sensor", colour=_times(size), colour_time=_fixed(time), seed=_fixed(int(rng.integers(2**31))))
 

@@ -35,6 +35,7 @@ COUNTS = {
     "families": 8,
     "variants": 6,
     "runs": 2,
+    "faint": 4,
 }
 
 
@@ -57,7 +58,7 @@ def left_by_linear(case: Case) -> float:
 
 
 def test_rows_cycle_through_all_effects(some: list[Case]) -> None:
-    for row in ("single-clear", "single-hard", "short"):
+    for row in ("single-clear", "single-hard", "short", "faint"):
         assert [case.labels for case in of_row(some, row)] == [(effect,) for effect in EFFECTS][: COUNTS[row]]
     assert [case.labels[0] for case in of_row(some, "pair")] == list(EFFECTS[: COUNTS["pair"]])
     assert {case.truth["kind"] for case in of_row(some, "unknown")} == set(UNLISTED_EFFECTS)
@@ -73,6 +74,13 @@ def test_the_residual_of_a_linear_model_is_in_the_range_of_the_row(
         assert left == pytest.approx(case.ratio, rel=0.05)
         assert case.level == row.removeprefix("single-")
         assert 1200 <= len(case.record) <= 5000
+
+
+def test_the_gap_of_a_faint_effect_is_between_a_tenth_of_the_noise_and_that_of_a_hard_one(some: list[Case]) -> None:
+    for case in of_row(some, "faint"):
+        assert 0.1 * 0.95 < left_by_linear(case) < HARD_RATIOS[0] * 1.05
+        assert len(case.labels) == 1
+        assert case.level == "faint"
 
 
 def test_the_families_are_clear_and_exercised(some: list[Case]) -> None:
@@ -297,7 +305,7 @@ def test_held_out_blocks_are_read_from_the_result(some: list[Case]) -> None:
 
 def test_rows_are_those_of_the_bars() -> None:
     old = ["single-clear", "single-hard", "short", "pair", "none", "unknown", "with-sim", "partial"]
-    assert list(ROWS) == [*old, "families", "variants", "runs"]  # the order determines the seeds
+    assert list(ROWS) == [*old, "families", "variants", "runs", "honest", "faint"]  # the order determines the seeds
 
 
 def test_the_runs_of_a_rig_have_its_effect_with_other_inputs_and_noise(some: list[Case], tmp_path) -> None:

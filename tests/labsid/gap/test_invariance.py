@@ -104,7 +104,7 @@ def test_a_simulation_that_has_the_effect_already_leaves_no_gap(answers, rig_rec
         "closed": False,
         "evaluations": None,
         "model": None,
-        "numbers": {},
+        "output": None,
     }
 
 

@@ -63,8 +63,19 @@ def test_a_function_in_a_file_runs_in_its_own_process_with_the_numbers_that_are_
     np.testing.assert_allclose(simulate(T, U), lfilter([0, 0.2], [1, -0.9], U))
     np.testing.assert_allclose(simulate(T, U, {"gain": 3.0}), lfilter([0, 0.3], [1, -0.9], U))
     assert simulate.with_free(["pole", "pole"]).free == ("pole",)
+    ranged = simulate.with_free(["gain = 0:5", "pole"])
+    assert (ranged.free, ranged.ranges) == (("gain", "pole"), {"gain": (0.0, 5.0)})
     with pytest.raises(ValueError, match=r"rig.py:simulate has no number 'tau' .* it has gain, pole"):
         simulate.with_free(["tau"])
+    for text, words in (
+        ("gain=0", "must be LOW:HIGH with LOW < HIGH; got '0'. Write gain=0:5"),
+        ("gain=5:0", "got '5:0'"),
+        ("gain=0:inf", "got '0:inf'"),
+        ("gain=:", "got ':'"),
+        ("gain=3:5", "3 to 5, must contain its nominal value 2"),
+    ):
+        with pytest.raises(ValueError, match=words):
+            simulate.with_free([text])
 
 
 @pytest.mark.parametrize(

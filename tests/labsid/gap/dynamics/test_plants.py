@@ -234,14 +234,21 @@ def test_a_given_simulation_that_can_be_run_has_responses_to_its_initial_state(l
         nominal={"tau": 2.0, "bias": 0.0},
     )
     plant = Plant(kind="given", simulation=given, lag="behind")
-    theta = np.array([np.log(0.25), 0.25, np.log(3.0)])
+    theta = np.array([plant.free[0].theta(0.5), plant.free[1].theta(0.25), np.log(3.0)])
     columns = plant.columns(theta, levels, levels.size)
     np.testing.assert_allclose(columns[:, 0], 0.5 * lag_mean(levels, 3.0) + 0.25)  # the lag acts on its input
     np.testing.assert_allclose(columns[:, 1:3], section(0.7, 0.1, np.zeros(levels.size))[:, 2:])
     np.testing.assert_allclose(columns[:, 3], np.exp(-np.arange(levels.size) / 3.0))
     assert plant.state_columns == (1, 2, 3)
     assert plant.has_fixed_gain
-    assert [one.number(0.5) for one in plant.free] == pytest.approx([2.0 * np.exp(0.5), 0.5])
+    tau, bias = plant.free
+    assert (tau.number(0.0), bias.number(0.0)) == (2.0, 0.0)
+    assert tau.number(0.5) == pytest.approx(2.0 * np.exp(0.5), rel=1e-6)  # the logarithm, far from zero
+    assert bias.number(1e-3) == pytest.approx(1e-3)
+    assert tau.number(tau.lower) == pytest.approx(-2e6)  # either sign
+    assert tau.number(tau.theta(-0.3)) == pytest.approx(-0.3)
+    slope = (tau.number(0.5 + 1e-6) - tau.number(0.5 - 1e-6)) / 2e-6
+    assert tau.scale(0.5) == pytest.approx(slope)
     assert [one.given_name for one in plant.free] == ["tau", "bias"]
 
 

@@ -5,9 +5,10 @@ import pytest
 
 from labsid._arrays import FloatArray
 from labsid.gap.effects.disturbance import LoadStep
+from labsid.gap.effects.dynamics import CoulombFriction
 from labsid.gap.fits.fitting import Fit, finish, minimize
 from labsid.gap.fits.hypothesis import Hypothesis
-from labsid.gap.fits.profile import Profile, profile_likelihood
+from labsid.gap.fits.profile import Profile, has_size, profile_likelihood
 from labsid.gap.record.data import Data, Scale
 
 ONSET = 0.6
@@ -58,3 +59,20 @@ def test_the_hypothesis_of_the_fit_keeps_its_bounds(fitted: tuple[Data, Fit], se
     _, fit = fitted
     lower, upper = fit.hypothesis.bounds
     assert (lower[3], upper[3]) == (0.0, 1.0)
+
+
+@pytest.mark.parametrize(("friction", "expected"), [(0.4, True), (0.0, False)])
+def test_an_effect_has_the_size_that_the_record_asks_for(levels: FloatArray, friction: float, expected: bool) -> None:
+    hypothesis = Hypothesis((CoulombFriction("position"),))
+    u = levels[:800]
+    names = [parameter.name for parameter in hypothesis.parameters]
+    values = {"log_c": np.log(0.3), "log_k": np.log(0.04), "friction": friction}
+    theta = np.array([values.get(name, 0.0) for name in names])
+    gains = np.array([1.0, 0.0])
+    clean = hypothesis.output(theta, gains, u)
+    y = clean + 0.02 * np.std(clean) * np.random.default_rng(1).standard_normal(u.size)
+    data = Data(u, y, np.ones(u.size, bool), 1.0, Scale(0.0, 1.0), Scale(0.0, 1.0))
+    theta[names.index("friction")] = max(friction, 0.01)
+    point = minimize(data, hypothesis, theta, gains)
+    assert point is not None
+    assert has_size(data, finish(data, hypothesis, point)) is expected

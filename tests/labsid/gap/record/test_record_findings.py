@@ -17,7 +17,6 @@ from labsid.gap.record.record_findings import (
     findings_from_errors,
     findings_from_record,
     plateau_gap,
-    responds_within_sample,
 )
 from labsid.gap.reports.text_report import format_report
 from labsid.records.record import Record, load_record
@@ -157,44 +156,3 @@ def test_a_delay_that_jumps_is_no_clock(rig_record: Callable[..., Record]) -> No
     record = rig_record("none", 2000)
     jumped = np.concatenate([record.y[:1000], record.y[996:1996]])
     assert clock_slip(jumped, record.y, np.ones(2000, bool)) is None
-
-
-def innovations(gain: float, feedback: float, noise: float) -> tuple[FloatArray, FloatArray]:
-    """A rig of one pole with a gain within the sample, and a controller that answers to the sample, with its noise."""
-    rng = np.random.default_rng(5)
-    u, y = np.zeros(800), np.zeros(800)
-    wanted = np.repeat(rng.uniform(-1.0, 1.0, 80), 10)
-    state = 0.0
-    for k, e in enumerate(noise * rng.standard_normal(u.size)):
-        if feedback:  # of a rig without feedthrough
-            y[k] = state + e
-            u[k] = feedback * (wanted[k] - y[k])
-        else:
-            u[k] = wanted[k]
-            y[k] = state + gain * u[k] + e
-        state = 0.9 * state + 0.1 * u[k]
-    return u, y
-
-
-@pytest.mark.parametrize(
-    ("gain", "feedback", "noise", "expected"),
-    [
-        (0.5, 0.0, 0.02, True),
-        (-0.5, 0.0, 0.1, True),
-        (0.0, 0.0, 0.02, False),
-        (0.01, 0.0, 0.1, False),  # hidden by noise
-        (0.0, 4.0, 0.02, False),
-        (0.0, 4.0, 0.1, False),
-    ],
-)
-def test_a_response_within_the_sample_is_told_from_feedback(
-    gain: float, feedback: float, noise: float, expected: bool
-) -> None:
-    u, y = innovations(gain, feedback, noise)
-    complete = np.arange(u.size) >= 8
-    assert responds_within_sample(u, y, complete, 8) is expected
-
-
-def test_a_few_changes_of_the_input_show_no_response_within_the_sample() -> None:
-    u = np.repeat([0.0, 1.0, 0.3, 0.8], 50)
-    assert not responds_within_sample(u, 2.0 * u, np.arange(u.size) >= 8, 8)

@@ -4,7 +4,14 @@ import numpy as np
 import pytest
 from scipy.signal import lfilter
 
-from labsid.gap.record.sample_faults import find_bad_start, find_lattice, find_spikes, without_responses
+from labsid.gap.record.sample_faults import (
+    find_bad_start,
+    find_lattice,
+    find_spikes,
+    flat_samples,
+    without_responses,
+    without_rest,
+)
 from labsid.records.signal_quality import find_held, lattice_step
 
 
@@ -282,3 +289,28 @@ def test_spikes_that_meet_changes_of_the_input_by_chance_stay(hold: int, seed: i
     np.testing.assert_array_equal(without_responses(spikes, u), spikes)
     nothing = np.zeros(u.size, bool)
     np.testing.assert_array_equal(without_responses(nothing, u), nothing)
+
+
+@pytest.mark.parametrize("delay", [0, 7])
+def test_a_rig_without_noise_rests_until_its_input_changes(delay: int) -> None:
+    u = np.repeat(np.random.default_rng(4).uniform(-1.0, 1.0, 20), 40)
+    y = np.concatenate([np.full(delay, u[0]), u[: u.size - delay]])
+    held = find_held(y, None)
+    assert len(held) > 10
+    assert without_rest(held, u) == ()
+
+
+def test_holds_at_other_instants_than_the_input_changes_stay(noise: np.ndarray) -> None:
+    u = np.repeat(np.random.default_rng(4).uniform(-1.0, 1.0, 20), 20)
+    for start in (53, 148, 231):
+        noise[start : start + 9] = noise[start]
+    held = find_held(noise, None)
+    assert len(held) == 3
+    assert without_rest(held, u) == held
+    assert without_rest((), u) == ()
+
+
+def test_flat_stretches_and_their_neighbours_are_marked(noise: np.ndarray) -> None:
+    noise[100:104] = noise[100]
+    noise[200:203] = noise[200]
+    assert np.flatnonzero(flat_samples(noise)).tolist() == [99, 100, 101, 102, 103, 104]

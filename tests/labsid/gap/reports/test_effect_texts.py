@@ -15,6 +15,8 @@ CLAUSES = {
     "input-backlash": "The actuator crosses a play of 0.32 at each change of direction",
     "input-rate-limit": "The actuator moves no faster than 1.71 units a second",
     "input-nonlinearity": "The gain of the actuator changes with the size of the command",
+    "input-off": "From 72.00 s to 90.00 s, 0.010 acts instead of the command in the log",
+    "input-quantization": "The command acts in steps of 0.250, which its log does not have",
     "extra-lag": "There is an additional lag of 2.51 s between command and record",
     "resonance": "The rig oscillates at 8.579 Hz with a damping ratio of 0.0591",
     "sqrt-outflow": "The outflow is proportional to the square root of the level, not to the level",

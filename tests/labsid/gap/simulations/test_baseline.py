@@ -5,7 +5,9 @@ import numpy as np
 import pytest
 
 from labsid.gap.record.data import scaled
-from labsid.gap.simulations.baseline import check_bounded, linear_structure, make_baseline, read_transfer_function
+from labsid.gap.simulations.baseline import check_bounded, linear_structure, make_baseline
+from labsid.gap.simulations.simulated_output import SimulatedOutput
+from labsid.gap.simulations.transfer_function import read_transfer_function
 from labsid.simulators.simulator import function_simulator
 
 DEN = np.poly([0.95, 0.8]).tolist()
@@ -84,15 +86,16 @@ def test_every_kind_of_the_true_simulation_leaves_the_noise(data, record, true):
     function = read_transfer_function(true, 0.5)
     kinds = {
         "model": true,
-        "series": function.response(record.u) + 5.0,  # an offset is nuisance
+        "series": SimulatedOutput(function.response(record.u) + 5.0),  # an offset is nuisance
         "callable": function_simulator(lambda t, u: function.response(u)[:, None]),
     }
     for name, simulation in kinds.items():
         base = make_baseline(data, record.t, simulation)
         assert base.given, name
         assert left(data, base.before(data)) == pytest.approx(0.01, rel=0.2), name
-        assert base.output_only == (name == "series")
-        assert (base.simulate_record is None) == (name == "series")
+        assert not base.output_only, name
+        assert base.simulate_record is not None, name
+        assert (base.model is not None) == (name == "series")
 
 
 def test_a_wrong_simulation_is_taken_as_it_is(data, record, true):
@@ -103,10 +106,31 @@ def test_a_wrong_simulation_is_taken_as_it_is(data, record, true):
 def test_a_given_simulation_plays_on_another_record(data, record, true, rig_record):
     other = rig_record("none", 200, seed=9)
     function = read_transfer_function(true, 0.5)
-    for simulation in (true, function_simulator(lambda t, u: function.response(u))):
+    series = SimulatedOutput(function.response(record.u))
+    for simulation in (true, function_simulator(lambda t, u: function.response(u)), series):
         simulate_record = make_baseline(data, record.t, simulation).simulate_record
         error = (other.y - simulate_record(other))[120:]  # only a model's initial state can be estimated
         assert np.std(error) < 0.03 * np.std(other.y)
+
+
+def test_a_simulated_output_that_no_linear_model_reproduces_stays_closed(data, record, true):
+    output = read_transfer_function(true, 0.5).response(record.u)
+    for closed in (np.minimum(output, np.median(output)), np.zeros(len(record))):
+        base = make_baseline(data, record.t, SimulatedOutput(closed))
+        assert (base.model, base.output_only, base.simulate_record) == (None, True, None)
+
+
+def test_a_dead_time_of_the_simulation_is_no_finding(record, true):
+    """Of a model and of a simulated output: the rig has it, too."""
+    late = true | {"den": [*true["den"], 0.0, 0.0, 0.0, 0.0]}
+    function = read_transfer_function(late, 0.5)
+    y = function.response(record.u) + 0.01 * np.random.default_rng(3).standard_normal(len(record))
+    data = scaled(record.u, y, np.ones(len(record), bool), record.Ts)
+    for simulation in (late, SimulatedOutput(function.response(record.u))):
+        base = make_baseline(data, record.t, simulation)
+        assert base.structure.names == ()
+        assert base.start is not None
+        assert base.start[base.structure.slices["input-delay"]] == pytest.approx(4.0, abs=0.5)
 
 
 def test_the_poles_for_loads_are_those_of_the_simulation(record, true):
@@ -139,8 +163,8 @@ def test_orders(order, names):
     [
         (None, 0, "--order must be at least 1; got 0"),
         (None, 5, "--order must be at most 4; got 5"),
-        (np.zeros(10), 2, "must have the record's 300 samples; got 10"),
-        (np.full(300, np.nan), 2, "the simulation is unstable on this record"),
+        (SimulatedOutput(np.zeros(10)), 2, "must have the record's 300 samples; got 10"),
+        (SimulatedOutput(np.full(300, np.nan)), 2, "the simulation is unstable on this record"),
         (function_simulator(lambda t, u: u[:-1], "rig"), 2, "rig returns 299 numbers for 300 samples"),
         (TRUE | {"den": [1.0, -2.5, 1.0]}, 2, "the simulation is unstable on this record"),
     ],

@@ -6,6 +6,7 @@ import pytest
 from labsid.gap import diagnosis
 from labsid.gap.diagnosis import diagnose
 from labsid.gap.simulations.long_record import downsample, shorten_holdout, shorten_record
+from labsid.gap.simulations.simulated_output import SimulatedOutput
 from labsid.records.record import Record
 from labsid.simulators.simulator import function_simulator
 
@@ -62,8 +63,8 @@ def test_a_given_simulation_keeps_its_sampling_time_and_its_beginning():
     record = record_of(u)
     part = shorten_record(record, {"num": [1.0]}, longest=300)
     assert (part.every, len(part.record)) == (1, 300)
-    part = shorten_record(record, 2.0 * record.y, longest=300)
-    np.testing.assert_array_equal(part.simulation, 2.0 * part.record.y)
+    part = shorten_record(record, SimulatedOutput(2.0 * record.y), longest=300)
+    np.testing.assert_array_equal(part.simulation.y, 2.0 * part.record.y)
     part = shorten_record(record, function_simulator(lambda t, u: u), longest=300)
     assert part.record.t[0] == 0.0
 

@@ -30,20 +30,25 @@ def test_a_series_is_read_at_the_records_times(tmp_path, record):
     path = tmp_path / "sim.CSV"
     rows = "\n".join(f"{x},{2 * x},{t}" for t, x in zip(record.t, record.y, strict=True))
     path.write_text("\ufeffy,z,t\n" + rows)
-    np.testing.assert_array_equal(load_simulation(path, record), record.y)
+    np.testing.assert_array_equal(load_simulation(path, record).y, record.y)
 
 
 @pytest.mark.parametrize(
     ("text", "words"),
     [
-        ("", "must hold the output at the record's 200 times; got 0 rows"),
-        ("t,y\n0,1\n0.5,2\n", "got 2 rows"),
+        ("", "holds no rows"),
+        ("t,y\n0,1\n0.5,2\n", "at all times of the record, 0 to 99.5 s; got 0 to 0.5 s"),
+        ("t,y\n", "holds no rows"),
         ("time,y\n0,1\n", "with the header t,y"),
         ("t,y\n0,one\n", "with the header t,y and numbers below"),
         ("t,y\n0\n", "with the header t,y and numbers below"),
-        ("t,y\n" + "".join(f"{0.5 * k},nan\n" for k in range(200)), "200 times; got y = nan in row 1"),
-        ("t,y\n" + "".join(f"{0.5 * k + 0.1},1\n" for k in range(200)), "t = 0.1 s in row 1, where the record has 0 s"),
-        ("t,y\n" + "".join(f"{'nan' if k == 7 else 0.5 * k},1\n" for k in range(200)), "t = nan s in row 8, where"),
+        ("t,y\n" + "".join(f"{0.5 * k},nan\n" for k in range(200)), "must hold finite numbers; got y = nan in row 1"),
+        ("t,y\n" + "".join(f"{0.5 * k + 0.6},1\n" for k in range(200)), "0 to 99.5 s; got 0.6 to 100.1 s"),
+        ("t,y\n" + "".join(f"{0.5 * min(k, 199)},1\n" for k in range(201)), "must increase; got t = 99.5 s in row 201"),
+        (
+            "t,y\n" + "".join(f"{'nan' if k == 7 else 0.5 * k},1\n" for k in range(200)),
+            "must hold finite numbers; got t = nan in row 8",
+        ),
     ],
 )
 def test_series_that_are_none(tmp_path, record, text, words):
@@ -86,8 +91,8 @@ def test_an_exported_model_can_be_simulated_and_diagnosed_again(tmp_path, record
 
 
 @searched("extra-lag", "load-step")
-def test_a_series_cannot_be_exported(record):
-    found = diagnose(record, np.zeros(len(record)) + record.u)
+def test_an_output_that_no_model_reproduces_cannot_be_exported(record):
+    found = diagnose(record, np.minimum(record.y, np.median(record.y)))
     with pytest.raises(ValueError, match="cannot be exported"):
         found.model.to_json_dict()
 

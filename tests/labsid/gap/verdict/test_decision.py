@@ -191,7 +191,13 @@ def test_a_slow_residual_that_repeats_with_the_input_is_not_coloured_noise(bande
 def test_fast_coloured_noise_does_not_reduce_confidence(plain: Explanation) -> None:
     left = replace(left_of(plain), colour=1.4, slow=0.02)
     assert confidence_after(plain, left) == pytest.approx(confidence_after(plain, replace(left, colour=1.0)), abs=0.01)
-    assert confidence_after(plain, replace(left, colour=5.0, slow=0.9)) < 0.5
+    slow = replace(left, colour=5.0, slow=0.9)
+    assert confidence_in(evidence_in(plain, slow, predictable=0.3)) < 0.5
+
+
+def test_slow_noise_that_past_inputs_do_not_foretell_is_no_gap(plain: Explanation) -> None:
+    slow = replace(left_of(plain), colour=2.5, slow=0.8)
+    assert confidence_in(evidence_in(plain, slow, predictable=0.05)) > 0.7
 
 
 def test_coloured_noise_beside_an_effect_makes_an_explanation_less_likely(banded: Explanation) -> None:

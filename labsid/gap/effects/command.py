@@ -1,0 +1,218 @@
+"""Faults of the command that its log does not show: it is switched off, or acts in coarse steps."""
+
+from collections.abc import Iterable
+
+import numpy as np
+
+from labsid._arrays import FloatArray
+from labsid.gap.dynamics import _kernels
+from labsid.gap.dynamics.plant_form import Parameter
+from labsid.gap.dynamics.plants import Plant
+from labsid.gap.effects.base import Fitted, InputEffect, Value
+from labsid.gap.effects.context import Context
+
+INSTANTS = 48  # of the record, at which the command may be switched off and on again
+SHORTEST = 8  # samples that it is off
+MIN_REMOVED = 0.1  # of the standard deviation of the command: what being off must change in it, rms over that time
+MAX_BEYOND = 0.1  # of the range of the command and zero: distance of the level from it
+SHARE = 2e-4  # of the record: derivative step of an instant
+CHOSEN = 3  # start values
+COARSEST, FINEST = 1.5, 64.0  # steps in the range of the command
+STEP_RATIO = 1.01  # of two steps that are tried
+FINER = 21  # steps between two of these neighbours, about the best ones
+MAX_TRIED = 4000  # samples in which steps are compared
+MIN_ACTING = 3  # levels that act
+
+
+class Off(InputEffect):
+    """The command is logged and not applied: `level` acts instead from an instant on; with `variant` "while" up to
+    another one. A set point that is frozen, a drive that has tripped.
+    """
+
+    name = "input-off"
+    least_levels = 2
+    position = -1
+    variants = ("", "while")
+
+    @property
+    def parameters(self) -> tuple[Parameter, ...]:
+        """Shares of the record, zero for a command that is never off, and the level."""
+        left = Parameter("off_left", 0.0, 1.0, SHARE, leap=0.004)
+        times = (
+            Parameter("off_start", 0.0, 1.0, SHARE, leap=0.004),
+            Parameter("off_length", 0.0, 1.0, SHARE, leap=0.004),
+        )
+        return (*(times if self.variant else (left,)), Parameter("off_level", -60.0, 60.0))
+
+    def _span(self, own: FloatArray, span: int) -> tuple[float, float]:
+        """Start and end in samples; infinite without one."""
+        if self.variant == "while":
+            return own[0] * span, (own[0] + own[1]) * span
+        return (1.0 - own[0]) * span, np.inf
+
+    def apply(self, w: FloatArray, own: FloatArray, span: int) -> FloatArray:
+        """The command with the level in place of what is not applied."""
+        if self.variant == "while":
+            return _kernels.switched_off(w, own[0] * span, (own[0] + own[1]) * span, own[2])
+        if own[0] == 0.0:
+            return w
+        return _kernels.switched_off(w, (1.0 - own[0]) * span, w.size + 1.0, own[1])
+
+    def starts(self, context: Context) -> list[FloatArray]:
+        """Times and levels that reduce the residual most, through the parent's linear dynamics."""
+        found = _best_spans(context, to_end=not self.variant)
+        samples = context.data.samples
+        return [
+            np.array(
+                [start / samples, (stop - start) / samples, level] if self.variant else [1.0 - start / samples, level]
+            )
+            for start, stop, level in found
+        ]
+
+    def is_plausible(self, fit: Fitted) -> bool:
+        """Require a stretch inside the record in which being off matters, and a level that the drive can have."""
+        own, data = fit.theta_of(self), fit.data
+        start, stop = self._span(own, data.samples)
+        off = self.active_samples(fit)
+        inside = SHORTEST < start < data.samples - SHORTEST and min(stop, data.samples) - start > SHORTEST
+        if not inside or not off.any():
+            return False
+        zero = data.u_scale.of(np.zeros(1))[0]
+        low, high = min(float(data.u.min()), zero), max(float(data.u.max()), zero)
+        beyond = MAX_BEYOND * (high - low)
+        moved = float(np.sqrt(np.mean((data.u[off] - own[-1]) ** 2)))
+        return low - beyond < own[-1] < high + beyond and moved > MIN_REMOVED * float(np.std(data.u))
+
+    def active_samples(self, fit: Fitted) -> np.ndarray:
+        """The samples at which the command is not applied."""
+        start, stop = self._span(fit.theta_of(self), fit.data.samples)
+        at = np.arange(fit.data.samples)
+        return (at >= start) & (at < stop)
+
+    def values(self, fit: Fitted) -> dict[str, Value]:
+        """`onset` and `end` in seconds, and the `level` that acts."""
+        data, own = fit.data, fit.theta_of(self)
+        start, stop = self._span(own, data.samples)
+        ends = {"onset": start, "end": stop}
+        times = {name: Value(at * data.Ts + data.start, "s") for name, at in ends.items() if np.isfinite(at)}
+        return times | {"level": Value(fit.u(float(own[-1])), "u")}
+
+
+class Quantization(InputEffect):
+    """The command acts in coarse steps that its log does not have; it is rounded, to multiples of the step."""
+
+    name = "input-quantization"
+    position = 8
+
+    @property
+    def parameters(self) -> tuple[Parameter, ...]:
+        """Logarithm of the step in the scaled input, and the share of a step by which the lattice is shifted."""
+        return (Parameter("log_step", -7.0, 3.0, 2e-3, leap=6e-4), Parameter("phase", -1.0, 1.0, 1e-2, leap=5e-3))
+
+    def applies(self, context: Context) -> bool:
+        """Whether more levels are logged than the coarsest steps leave."""
+        return context.levels.size > MIN_ACTING
+
+    def apply(self, w: FloatArray, own: FloatArray, span: int) -> FloatArray:
+        """The rounded command."""
+        return _kernels.in_steps(w, np.exp(own[0]), own[1])
+
+    def starts(self, context: Context) -> list[FloatArray]:
+        """Steps whose rounding, of a lattice about zero or halfway between, reduces the residual most."""
+        return _best_steps(context)
+
+    def is_plausible(self, fit: Fitted) -> bool:
+        """Require several levels that act, and fewer of them than are logged."""
+        acting = np.unique(np.round(self.apply(fit.data.u, fit.theta_of(self), fit.data.samples), 9)).size
+        return MIN_ACTING <= acting < np.unique(np.round(fit.data.u, 9)).size
+
+    def values(self, fit: Fitted) -> dict[str, Value]:
+        """`step` in the unit of the input."""
+        return {"step": Value(float(np.exp(fit.theta_of(self)[0])) * fit.data.u_scale.unit, "u")}
+
+
+class _Screen:
+    """Through the parent's linear dynamics, how much of its residual a change of the command explains."""
+
+    def __init__(self, context: Context, samples: int) -> None:
+        self.plant, self.samples = Plant(), samples
+        self.rates = np.log(context.highpass_rates)
+        rows = context.data.rows[:samples]
+        self.rows, actuator = rows, context.actuator[:samples]
+        basis = np.hstack([self.plant.columns(self.rates, actuator, samples), np.ones((samples, 1))])[rows]
+        self.basis = np.linalg.qr(basis)[0]
+        self.e = self._apart(context.data.y[:samples, None][rows])[:, 0]
+        self.actuator = actuator
+
+    def _apart(self, columns: FloatArray) -> FloatArray:
+        return columns - self.basis @ (self.basis.T @ columns)
+
+    def responses(self, signals: Iterable[FloatArray]) -> FloatArray:
+        """Columns of the responses, two for each signal, less what the parent can explain."""
+        columns = [self.plant.load_response(self.rates, signal)[self.rows] for signal in signals]
+        return self._apart(np.hstack(columns))
+
+
+def _best_spans(context: Context, to_end: bool) -> list[tuple[float, float, float]]:
+    """Start and end in samples, and level, of commands that are off and reduce the residual most."""
+    samples = context.data.samples
+    screen = _Screen(context, samples)
+    at = np.unique(np.linspace(0.02, 0.98, INSTANTS) * samples).astype(int)
+    later = [np.arange(samples) >= k for k in at]
+    steps = screen.responses(signal * on for on in later for signal in (screen.actuator, np.ones(samples)))
+    gram = steps.T @ steps
+    cross = steps.T @ screen.e
+    ends = (
+        [(i, None) for i in range(at.size)]
+        if to_end
+        else [(i, j) for i in range(at.size) for j in range(i + 1, at.size)]
+    )
+    # What lasts for a stretch is the difference of two steps, with four columns each.
+    found = []
+    for i, j in ends:
+        first = slice(4 * i, 4 * i + 4)
+        G, b = gram[first, first].copy(), cross[first].copy()
+        if j is not None:
+            second = slice(4 * j, 4 * j + 4)
+            G += gram[second, second] - gram[first, second] - gram[second, first]
+            b -= cross[second]
+        G[np.diag_indices(4)] += 1e-9 * np.trace(G) + 1e-12
+        x = np.linalg.solve(G, b)
+        removed, added = -x[:2].sum(), x[2:].sum()
+        level = float(np.clip(added / removed, -8.0, 8.0)) if removed else 0.0
+        found.append((float(b @ x), i, j, level))
+    best: list[tuple[float, float, float]] = []
+    zero = float(context.data.u_scale.of(np.zeros(1))[0])
+    for _, i, j, level in sorted(found, key=lambda one: -one[0])[:CHOSEN]:
+        stop = samples if j is None else at[j]
+        best += [(float(at[i]), float(stop), level), (float(at[i]), float(stop), zero)]
+    return best
+
+
+def _best_steps(context: Context) -> list[FloatArray]:
+    """Logarithm and phase of the steps that reduce the residual most."""
+    samples = min(context.data.samples, MAX_TRIED)
+    screen = _Screen(context, samples)
+    u = screen.actuator
+    span = float(np.ptp(u))
+    if span == 0.0:
+        return []
+    zero = float(context.data.u_scale.of(np.zeros(1))[0])
+
+    def tried(step: float, shift: float) -> tuple[float, float, float, float]:
+        """How much of the residual it explains, and the step with its phase."""
+        phase = float(np.mod(zero / step + shift + 0.5, 1.0) - 0.5)
+        column = screen.responses([_kernels.in_steps(u, step, phase) - u])
+        gram = column.T @ column
+        gram[np.diag_indices(2)] += 1e-9 * np.trace(gram) + 1e-12
+        cross = column.T @ screen.e
+        return float(cross @ np.linalg.solve(gram, cross)), step, shift, phase
+
+    count = int(np.log(FINEST / COARSEST) / np.log(STEP_RATIO))
+    coarse = [
+        tried(step, shift) for step in np.geomspace(span / FINEST, span / COARSEST, count) for shift in (0.0, 0.5)
+    ]
+    best = sorted(coarse, reverse=True)[:CHOSEN]
+    near = STEP_RATIO ** np.linspace(-1.0, 1.0, FINER)
+    refined = [max(tried(step * ratio, shift) for ratio in near) for _, step, shift, _ in best]
+    return [np.array([np.log(step), phase]) for _, step, _, phase in [*refined, *best]]

@@ -1,0 +1,79 @@
+"""The floor of a gap: what the printed digits of a record, and the errors of simulations, hide."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from labsid._arrays import FloatArray
+from labsid.gap.record.data import Data
+from labsid.gap.record.direct_term import innovations
+
+SIMULATION_ERROR = 1e-4  # of the spread of y: the step errors of usual simulators, and of those of the diagnosis
+MOST_DIGITS = 9  # significant digits or decimals that are looked for: numbers with more are as good as exact
+ROUND_TRIP = 1e-5  # of a digit: distance from it that is rounding of binary numbers
+NEARLY_ALL = 0.999  # of the samples
+PRINTED = 1e-3  # of the range: a decimal step below is how the numbers are printed, one above may be a converter's
+DITHER = 1.5  # standard deviation of the noise that hides a rounding error, in steps: 4 % of its power repeat then
+NOISY = 3.0  # rms of what the past does not foretell over the step of the digits, from which they do not matter
+SEED = 0
+
+
+def digit_step(values: FloatArray) -> float:
+    """Rms step of the decimal digits with which a signal is printed.
+
+    Parameters
+    ----------
+    values : ndarray, shape (N,)
+
+    Returns
+    -------
+    float
+        In the unit of the signal, for a fixed number of decimals (``%.3f``) or of significant digits (``%.6g``); 0 for
+        numbers with more than `MOST_DIGITS` of both.
+    """
+    sizes = np.abs(values[values != 0.0])
+    if not sizes.size:
+        return 0.0
+    decades = np.floor(np.log10(sizes))
+    top = float(decades.max())
+    found = [0.0]
+    for digits in range(1, MOST_DIGITS + 1):
+        for steps in (10.0 ** (decades - digits + 1.0), np.full(sizes.size, 10.0 ** (top - digits + 1.0))):
+            places = sizes / steps
+            if np.mean(np.abs(places - np.round(places)) < ROUND_TRIP) >= NEARLY_ALL:
+                found.append(float(np.sqrt(np.mean(steps**2))))
+    return max(found)
+
+
+def is_printed(step: float, values: FloatArray) -> bool:
+    """Whether a step of a signal is that of its printed digits, so that no converter has to explain it."""
+    decimal = np.log10(step)
+    return bool(step < PRINTED * np.ptp(values) and abs(decimal - np.round(decimal)) < ROUND_TRIP)
+
+
+def with_floor(data: Data) -> Data:
+    """The record with noise of the size below which an error is no gap.
+
+    The errors of exact records have no distribution: a residual of 1e-15 may depend on the input, and every test of it
+    would say so. White noise of the size of the errors of simulations, and of the last printed digit if the record has
+    no more noise of its own, settles all of these tests at once.
+
+    Parameters
+    ----------
+    data : Data
+        As read.
+
+    Returns
+    -------
+    Data
+    """
+    digits = 0.0
+    for signal, scale in ((data.u, data.u_scale), (data.y, data.y_scale)):
+        values = np.asarray(scale.back(signal))
+        step = digit_step(values)
+        digits += (step / scale.unit) ** 2 if step < PRINTED * np.ptp(values) else 0.0
+    _, new, free = innovations(data)
+    if free <= 0 or new @ new > free * NOISY**2 * digits:
+        digits = 0.0
+    floor = float(np.hypot(SIMULATION_ERROR, DITHER * np.sqrt(digits)))
+    return replace(data, y=data.y + floor * np.random.default_rng(SEED).standard_normal(data.samples))
