@@ -256,7 +256,7 @@ def test_lerobot_data_sets(tmp_path, version):
 @pytest.mark.parametrize("version", ["v7", "v7.3"])
 @pytest.mark.parametrize("times", ["stored", "uniform"])
 def test_timeseries_tables_and_data_sets_of_simulink(tmp_path, version, times):
-    import pandas as pd
+    pd = pytest.importorskip("pandas")  # comes with mat-io
 
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")  # of pandas, for an option that mat-io sets
