@@ -19,6 +19,11 @@ from typing import Any
 
 import numpy as np
 
+sys.path.insert(0, str(Path(__file__).resolve().parent))
+sys.path.insert(0, str(Path(__file__).resolve().parent.parent))  # the packages first: the tests mirror them
+
+from log_samples import array_samples, library_samples, text_samples
+
 from autograder.batch.wrong_record import _noisy_numbers
 from autograder.course.build import build_course
 from autograder.course.layout import Course, read_template
@@ -31,12 +36,16 @@ from autograder.sandbox.channel import ChannelError, decode
 from labsid.checks.compare import as_array, as_matrix, as_number, as_system, as_vector, kind_of
 from labsid.checks.verdict import NoAnswer
 from labsid.gap.simulations.simulation_files import replay
+from labsid.records.formats import describe_columns
 from labsid.records.record import Record, load_record
 
 ROOT = Path(__file__).resolve().parent.parent
 NAME = "prelab-sinusoids"
 SECONDS = 20
 """Time of one case; the slowest takes about 1 s."""
+
+SHARES = {"values": 10, "logs": 0.1}
+"""Cases of a kind against those of the others; each of `logs` starts a process."""
 
 MAX_LINE = 100_000
 Case = Callable[[np.random.Generator, "Ground"], None]
@@ -53,6 +62,7 @@ class Ground:
         self.records = {path.suffix: path.read_bytes() for path in sorted((ROOT / "data").glob("SysIdenData_S*.mat"))}
         self.records[".csv"] = (ROOT / "data" / "WithheldRig.csv").read_bytes()[:20_000]
         self.record: Record = load_record(ROOT / "data" / "WithheldRig.csv")
+        self.texts, self.arrays, self.logs = text_samples(), array_samples(), library_samples()
 
 
 def mutate(rng: np.random.Generator, content: bytes) -> bytes:
@@ -179,6 +189,47 @@ def records(rng: np.random.Generator, ground: Ground) -> None:
         load_record(path)
 
 
+def texts(rng: np.random.Generator, ground: Ground) -> None:
+    """A log as text in one of several forms, with changed bytes, and read with some options."""
+    form = str(rng.choice(sorted(ground.texts)))
+    path = ground.folder / "log.csv"
+    path.write_bytes(mutate(rng, ground.texts[form]))
+    options: dict[str, Any] = {
+        "columns": rng.choice(np.array([None, "1,2,3", "u,y", "2,3"], object)),
+        "Ts": rng.choice(np.array([None, 0.1], object)),
+        "time_unit": rng.choice(np.array([None, "ms", "days"], object)),
+        "repeated": rng.choice(np.array([None, "first", "last"], object)),
+        "select": rng.choice(np.array([None, 1, 2], object)),
+        "since": rng.choice(np.array([None, 1.0], object)),
+        "decimate": rng.choice(np.array([None, 2], object)),
+    }
+    if options["Ts"] is None:
+        options["resample"] = rng.choice(np.array([None, 0.2], object))
+    with refused_in_one_line():
+        load_record(path, **options)
+    with refused_in_one_line():
+        describe_columns(path)
+
+
+def arrays(rng: np.random.Generator, ground: Ground) -> None:
+    """Arrays of numpy with changed bytes."""
+    name = str(rng.choice(sorted(ground.arrays)))
+    path = ground.folder / name
+    path.write_bytes(mutate(rng, ground.arrays[name]))
+    with refused_in_one_line():
+        load_record(path)
+
+
+def logs(rng: np.random.Generator, ground: Ground) -> None:
+    """A file that a library reads, with changed bytes; the process that reads it may die, this one may not."""
+    name = str(rng.choice(sorted(ground.logs)))
+    path = ground.folder / name
+    path.write_bytes(mutate(rng, ground.logs[name]))
+    columns = {"a.mcap": "/rig.u,/rig.y", "a.bag": "/u.data,/y.data"}.get(name)
+    with refused_in_one_line():
+        load_record(path, columns=columns)
+
+
 def models(rng: np.random.Generator, ground: Ground) -> None:
     """A model for ``--sim``, with changed entries or bytes."""
     model: dict[str, Any] = {"num": [0.01], "den": [1.0, -1.4, 0.45], "dt": 0.75}
@@ -191,7 +242,7 @@ def models(rng: np.random.Generator, ground: Ground) -> None:
         replay(path, ground.record)
 
 
-KINDS: dict[str, Case] = {one.__name__: one for one in (values, hand_ins, zips, records, models)}
+KINDS: dict[str, Case] = {one.__name__: one for one in (values, hand_ins, zips, records, texts, arrays, logs, models)}
 
 
 def one_line(text: str) -> None:
@@ -253,7 +304,7 @@ def main() -> int:
         list(build_course(Course(root)))
         ground = Ground(Course(root), Path(folder))
         for kind in chosen.kind or KINDS:
-            cases = chosen.cases * (10 if kind == "values" and not chosen.kind else 1)
+            cases = chosen.cases if chosen.kind else max(int(chosen.cases * SHARES.get(kind, 1)), 1)
             start = time.monotonic()
             found = run(kind, cases, chosen.seed, ground)
             print(f"{kind}: {cases} cases, {len(found)} failed, {time.monotonic() - start:.0f} s", flush=True)

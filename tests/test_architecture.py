@@ -181,9 +181,12 @@ def test_only_plots_imports_matplotlib_and_never_its_global_state(labsid: list[M
 @pytest.mark.parametrize(
     ("folder", "extras"),
     [
-        ("labsid", ["cluster", "fmu", "notebooks"]),  # of notebooks jupyter_client alone, as the test above says
+        (
+            "labsid",
+            ["cluster", "fmu", "logs", "notebooks"],
+        ),  # of notebooks jupyter_client alone, as the test above says
         ("autograder", ["notebooks", "autograder", "cluster"]),
-        ("tests", ["notebooks", "autograder", "fmu", "mujoco", "dev"]),
+        ("tests", ["notebooks", "autograder", "fmu", "logs", "mujoco", "dev"]),
     ],
 )
 def test_what_is_imported_is_declared(folder: str, extras: list[str]) -> None:

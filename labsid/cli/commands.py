@@ -5,16 +5,19 @@ import sys
 import warnings
 from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from labsid import __version__
 from labsid.cli.gap_commands import gap
-from labsid.cli.options import Columns, JsonFile, Output, RecordPath, SamplingTime
+from labsid.cli.options import JsonFile, RecordPath, RecordPaths, reads_log
 from labsid.cli.student_commands import lab_command, submit_command
 
-_BUILT_IN = ("check", "identify", "data", "gap", "lab", "submit")
+if TYPE_CHECKING:  # a slow import
+    from labsid.records.reading import Reading
+
+_BUILT_IN = ("check", "identify", "record", "data", "gap", "lab", "submit")
 _STATUS_OF_INTERRUPT = 130
 _MAX_LINE = 1000  # characters
 _INSTALL = 'pip install "labsid[autograder]"'
@@ -61,21 +64,22 @@ def main(arguments: Sequence[str] | None = None) -> int:
     return status
 
 
-def check_command(
-    record: RecordPath,
-    json_file: JsonFile = None,
-    output: Output = "noise-reduced",
-    columns: Columns = None,
-    Ts: SamplingTime = None,
-) -> None:
-    """Describe a record and report its faults."""
+@reads_log
+def check_command(record: RecordPath, *, how: "Reading", json_file: JsonFile = None) -> None:
+    """Describe a record and report its faults; of a log whose header does not say it, the columns."""
     from labsid._files import write_json
-    from labsid.cli.console import print_check
+    from labsid.cli.console import print_check, print_contents
     from labsid.lab.record_check import check_record, to_json_dict
-    from labsid.records.formats import read_raw
+    from labsid.records.choice import UnknownColumns
+    from labsid.records.formats import describe_columns, read_raw
     from labsid.records.record import refusal
 
-    checked = check_record(read_raw(record, output=output, columns=columns, Ts=Ts))
+    try:
+        raw = read_raw(record, how)
+    except UnknownColumns:
+        print_contents(record.name, describe_columns(record))
+        raise
+    checked = check_record(raw)
     if json_file is not None:
         write_json(json_file, to_json_dict(checked))
     print_check(checked)
@@ -83,32 +87,60 @@ def check_command(
         raise ValueError(refusal(record, checked.faults))
 
 
+@reads_log
 def identify_command(
     record: RecordPath,
+    *,
+    how: "Reading",
     order: Annotated[int, typer.Option(help="Order of the model.")] = 2,
     start: Annotated[int, typer.Option(help="First sample that gets a row of Phi, from 0.")] = 2,
     json_file: JsonFile = None,
     model: Annotated[
         Path | None, typer.Option(metavar="FILE", help="Also write the model here, for `labsid gap --sim`.")
     ] = None,
-    output: Output = "noise-reduced",
-    columns: Columns = None,
-    Ts: SamplingTime = None,
 ) -> None:
     """Identify a model from the first half of a record and verify it on the second half, as in the lab."""
     from labsid._files import write_json
     from labsid.cli.console import identification_text
     from labsid.lab.arx import to_gap_model
     from labsid.lab.identification import identify, to_json_dict
-    from labsid.records.record import load_record
+    from labsid.records.record import read_record
 
-    loaded = load_record(record, output=output, columns=columns, Ts=Ts)
+    loaded = read_record(record, how)
     result = identify(loaded, order=order, start=start)
     if json_file is not None:
         write_json(json_file, to_json_dict(result))
     if model is not None:
         write_json(model, to_gap_model(result.model))
     print(identification_text(result))
+
+
+@reads_log
+def record_command(
+    records: RecordPaths,
+    *,
+    how: "Reading",
+    out: Annotated[Path, typer.Option(metavar="FILE", help="The record as text; of several logs, a folder.")],
+) -> None:
+    """Write what is read of a log as a plain record with t,u,y, which says from what and how it was read."""
+    from labsid._files import check_writable, write_file
+    from labsid.records.record import read_record, reading_notes
+    from labsid.records.record_file import record_text
+
+    several = len(records) > 1
+    if several and len({path.stem for path in records}) < len(records):
+        raise ValueError(f"two of the logs have the same name, so that their records would, in {out}. Rename one.")
+    for path in records:
+        target = out / f"{path.stem}.csv" if several else out
+        if target.exists() and path.resolve() == target.resolve():
+            raise ValueError(f"{target} is the log itself. Give the record another name with --out.")
+        loaded = read_record(path, how)
+        target.parent.mkdir(parents=True, exist_ok=True)
+        check_writable(target)
+        write_file(target, record_text(loaded, path.name).encode())
+        print(f"wrote {target}: {len(loaded)} samples, one every {loaded.Ts:.9g} s")
+        for note in reading_notes(loaded):
+            print(f"note: {note}")
 
 
 def make_data_command(
@@ -157,6 +189,7 @@ def _make_app(with_contributed: bool) -> typer.Typer:
     app.callback()(_labsid)
     app.command("check")(check_command)
     app.command("identify")(identify_command)
+    app.command("record")(record_command)
     data = typer.Typer(rich_markup_mode=None, help="Make records.")
     data.command("make")(make_data_command)
     app.add_typer(data, name="data")

@@ -1,6 +1,9 @@
 """Text output of the command `labsid`."""
 
+import shlex
+import sys
 import textwrap
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -8,6 +11,7 @@ import numpy as np
 if TYPE_CHECKING:  # slow imports, and a command needs only one of them
     from labsid.lab.identification import Identification
     from labsid.lab.record_check import RecordCheck
+    from labsid.records.contents import ColumnSummary
 
 _COLOURS = {"ok": "green", "note": "cyan", "warning": "yellow", "refused": "red"}
 
@@ -30,6 +34,33 @@ def print_check(check: "RecordCheck") -> None:
     print("\n".join(line.rstrip() for line in capture.get().splitlines()))
 
 
+def print_contents(name: str, summaries: "Sequence[ColumnSummary]") -> None:
+    """Print a row for each column of a log, and the line to type."""
+    from rich.console import Console
+    from rich.table import Table
+
+    from labsid.records.contents import suggested_columns
+
+    table = Table("column", "unit", "samples", "every", "from", "to", "missing", "looks like", "why", box=None)
+    for one in summaries:
+        table.add_row(
+            one.name,
+            one.unit,
+            str(one.samples),
+            "" if one.interval is None else f"{one.interval:.6g} s",
+            "" if one.low is None else f"{one.low:.6g}",
+            "" if one.high is None else f"{one.high:.6g}",
+            f"{one.missing:.1%}" if one.missing else "",
+            one.role,
+            one.why,
+        )
+    console = Console(highlight=False, markup=False, width=None if sys.stdout.isatty() else 160)
+    with console.capture() as capture:
+        console.print(table)
+    print("\n".join(line.rstrip() for line in capture.get().splitlines()))
+    print(f"\nType: labsid check {shlex.join([name, '--columns', suggested_columns(summaries)])}\n")
+
+
 def identification_text(identification: "Identification") -> str:
     """Render an identification as plain text.
 
@@ -43,17 +74,21 @@ def identification_text(identification: "Identification") -> str:
         Offsets, parameters, the model as printed by python-control, errors of the free runs, a verdict and warnings.
     """
     from labsid.lab.arx import to_ss, to_tf
+    from labsid.records.record import reading_notes
+    from labsid.records.signal_quality import digits_of
 
     record, model, fit = identification.record, identification.model, identification.fit
     offsets, rows, runs = identification.offsets, identification.regression, identification.verification
     symbols = [f"-a{i + 1}" for i in range(model.order)] + [f"b{i + 1}" for i in range(model.order)]
     estimates = zip(symbols, fit.theta, fit.stderr, strict=True)
     lines = [
-        f"{record.name}: {len(record)} samples, Ts = {record.Ts:g} s",
+        f"{record.name}: {len(record)} samples, Ts = {record.Ts:.9g} s",
+        *(textwrap.fill(f"Read: {note}.", 90) for note in reading_notes(record)),
         "",
-        f"u_offset = {offsets.u_offset:g}, the first input",
+        f"u_offset = {digits_of(offsets.u_offset, np.ptp(record.u), 6)}, the first input",
         f"y_offset = {offsets.y_offset:.8f}, the mean of samples {offsets.settled[0]} to {offsets.settled[1] - 1}",
         f"Phi: rows k = {rows.start} to {rows.stop - 1} of the first half, condition number {fit.condition_number:.2f}",
+        *_left_out(identification),
         "",
         "theta        estimate    standard error",
         *(f"  {symbol:<6}{value:13.8f}{error:18.8f}" for symbol, value, error in estimates),
@@ -74,10 +109,16 @@ def identification_text(identification: "Identification") -> str:
     return "\n".join(lines)
 
 
+def _left_out(identification: "Identification") -> list[str]:
+    count = identification.incomplete_rows
+    return [f"     {count} of these rows left out: an output in them is missing from the record"] if count else []
+
+
 def _verdict(identification: "Identification") -> list[str]:
     """Describe the model's accuracy on the data not used in the fit, its gain and its time constant."""
     model, runs = identification.model, identification.verification
     unseen = identification.y[runs.half :]
+    unseen = unseen[~np.isnan(unseen)]
     error, from_rest = np.sqrt([runs.mse_second_half_carried, runs.mse_second_half])
     lines = []
     if np.ptp(unseen) > 0:

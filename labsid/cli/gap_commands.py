@@ -5,13 +5,17 @@ import signal
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from dataclasses import replace
 from pathlib import Path
 from textwrap import fill
-from typing import Annotated, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import typer
 
-from labsid.cli.options import Columns, Output, RecordPath, RecordPaths, SamplingTime
+from labsid.cli.options import RecordPath, RecordPaths, reads_log
+
+if TYPE_CHECKING:  # a slow import
+    from labsid.records.reading import Reading
 
 gap = typer.Typer(
     rich_markup_mode=None,
@@ -25,9 +29,12 @@ Seed = Annotated[int, typer.Option(min=0, help="Random seed of the confidence in
 
 
 @gap.command()
+@reads_log
 def diagnose(
     context: typer.Context,
     records: RecordPaths,
+    *,
+    how: "Reading",
     holdout: Annotated[
         Path | None, typer.Option(metavar="RECORD2", help="Another record of the same rig, for scoring.")
     ] = None,
@@ -65,12 +72,9 @@ def diagnose(
         str | None, typer.Option(metavar="U,Y", help="Units of input and output for the report, such as V,mm.")
     ] = None,
     seed: Seed = 0,
-    output: Output = "noise-reduced",
-    columns: Columns = None,
     holdout_columns: Annotated[
         str | None, typer.Option(metavar="NAMES", help="Columns of RECORD2, if different.")
     ] = None,
-    Ts: SamplingTime = None,
 ) -> None:
     """Locate the gap and find its cause. Reports the share of the gap that a correction closes."""
     from labsid._files import check_writable, write_json
@@ -78,7 +82,7 @@ def diagnose(
     from labsid.gap.reports.quantities import with_units
     from labsid.gap.reports.text_report import format_report
     from labsid.gap.simulations.simulation_files import load_simulation
-    from labsid.records.record import load_record
+    from labsid.records.record import read_record
     from labsid.simulators.sources import source_file
 
     written = [path for path in (json_file, html, export) if path is not None]
@@ -91,10 +95,10 @@ def diagnose(
         check_fmu_export()
     stated = None if units is None else _units(units)
     excluded = [_time_range(text) for text in exclude or ()]
-    loaded = [load_record(path, output=output, columns=columns, Ts=Ts, allow_jitter=True) for path in records]
+    loaded = [read_record(path, how) for path in records]
     other = None
     if holdout is not None:
-        other = load_record(holdout, output=output, columns=holdout_columns or columns, Ts=Ts, allow_jitter=True)
+        other = read_record(holdout, replace(how, columns=holdout_columns or how.columns))
     simulation = None if sim is None else load_simulation(sim, loaded[0], len(loaded) > 1)
     with _progress() as progress:
         found = diagnosis.diagnose(
@@ -109,6 +113,7 @@ def diagnose(
             progress=progress,
         )
     report = found.report | {"command": _command_line(context)}
+    stated = stated or (loaded[0].units if all(loaded[0].units) else None)
     if stated is not None:
         report = with_units(report, *stated)
     if json_file is not None:
@@ -123,10 +128,14 @@ def diagnose(
 
 
 @gap.command("batch")
+@reads_log
 def diagnose_batch(
     folder: Annotated[
-        Path, typer.Argument(metavar="DIR", help="Folder of records (.csv, .mat), and of folders of runs of one rig.")
+        Path,
+        typer.Argument(metavar="DIR", help="Folder of records (.csv, .mat ...), and of folders of runs of one rig."),
     ],
+    *,
+    how: "Reading",
     out: Annotated[Path, typer.Option(metavar="DIR", help="Folder for the reports.")],
     jobs: Annotated[int | None, typer.Option(min=1, help="Number of processes; default: one for each core.")] = None,
     scheduler: Annotated[
@@ -141,7 +150,7 @@ def diagnose_batch(
 
     try:
         with _progress(lines=True) as progress:
-            summary = diagnose_folder(folder, out, jobs, seed, progress, scheduler, html)
+            summary = diagnose_folder(folder, out, jobs, seed, progress, scheduler, html, how)
     except KeyboardInterrupt:
         raise ValueError(
             f"interrupted; the finished reports are in {out}. Run the command again to continue."
@@ -150,22 +159,22 @@ def diagnose_batch(
 
 
 @gap.command()
+@reads_log
 def simulate(
     model: Annotated[
         Path, typer.Argument(metavar="MODEL", help="MODEL.json, an exported simulation, FILE.py:FUNCTION or FILE.fmu.")
     ],
     record: RecordPath,
+    *,
+    how: "Reading",
     out: Annotated[Path | None, typer.Option(metavar="FILE", help="Write t,u,y,y_sim as CSV.")] = None,
-    output: Output = "noise-reduced",
-    columns: Columns = None,
-    Ts: SamplingTime = None,
 ) -> None:
     """Simulate a model on a record's input. Its initial state is estimated from the first 50 samples."""
     from labsid.gap.record.clock import clock_findings
     from labsid.gap.simulations.simulation_files import replay, write_replay
-    from labsid.records.record import load_record
+    from labsid.records.record import read_record
 
-    loaded = load_record(record, output=output, columns=columns, Ts=Ts, allow_jitter=True)
+    loaded = read_record(record, how)
     played = replay(model, loaded)
     if out is not None:
         write_replay(out, loaded, played.y)

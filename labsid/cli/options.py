@@ -1,15 +1,16 @@
 """Options shared by several commands of `labsid`."""
 
+import inspect
+from collections.abc import Callable
+from functools import wraps
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
 import typer
 
-RecordPath = Annotated[Path, typer.Argument(metavar="RECORD", help="A .mat with LogData, or text with t,u,y.")]
-RecordPaths = Annotated[
-    list[Path],
-    typer.Argument(metavar="RECORD...", help="A .mat with LogData, or text with t,u,y; several are runs of one rig."),
-]
+_LOG = "A log: text, .mat, .xlsx, .parquet, .npz, .h5, .mf4, .tdms, .mcap, a ROS bag, a LeRobot folder"
+RecordPath = Annotated[Path, typer.Argument(metavar="RECORD", help=f"{_LOG}.")]
+RecordPaths = Annotated[list[Path], typer.Argument(metavar="RECORD...", help=f"{_LOG}; several are runs of one rig.")]
 Output = Annotated[
     Literal["noise-reduced", "measured"],
     typer.Option(help="Which output of LogData is y: column 2 (noise-reduced) or column 1 (measured)."),
@@ -19,6 +20,65 @@ Columns = Annotated[
     typer.Option(metavar="NAMES", help="Columns t,u,y (or u,y with --Ts) by name or number, such as uEst,yEst or 1,2."),
 ]
 SamplingTime = Annotated[
-    float | None, typer.Option("--Ts", metavar="SECONDS", help="Sampling time of a file without time.")
+    float | None,
+    typer.Option("--Ts", metavar="SECONDS", help="Sampling time without times, or of even samples with noisy times."),
+]
+TimeUnit = Annotated[
+    Literal["s", "ms", "us", "ns", "min", "h", "days"] | None,
+    typer.Option(help="Unit of the times, where the log does not say it."),
+]
+Repeated = Annotated[
+    Literal["first", "last"] | None, typer.Option(help="Which of several rows with the same time is kept.")
+]
+Select = Annotated[
+    int | None, typer.Option(min=1, metavar="RUN", help="Which run, from 1, of a log whose time starts again.")
+]
+Start = Annotated[float | None, typer.Option("--from", metavar="SECONDS", help="Leave out the samples before.")]
+Stop = Annotated[float | None, typer.Option("--to", metavar="SECONDS", help="Leave out the samples after.")]
+Resample = Annotated[
+    float | None,
+    typer.Option(metavar="SECONDS", help="Bring uneven samples, or signals of different rates, to this sampling time."),
+]
+Decimate = Annotated[
+    int | None, typer.Option(min=2, metavar="N", help="Keep every N-th sample, after a low-pass filter.")
 ]
 JsonFile = Annotated[Path | None, typer.Option("--json", metavar="FILE", help="Also write the result to this file.")]
+
+_OF_A_LOG: dict[str, tuple[Any, Any]] = {
+    "columns": (Columns, None),
+    "Ts": (SamplingTime, None),
+    "output": (Output, "noise-reduced"),
+    "time_unit": (TimeUnit, None),
+    "repeated": (Repeated, None),
+    "select": (Select, None),
+    "since": (Start, None),
+    "until": (Stop, None),
+    "resample": (Resample, None),
+    "decimate": (Decimate, None),
+}
+
+
+def reads_log(command: Callable[..., None]) -> Callable[..., None]:
+    """Give a command the options of a log, in the place of its parameter `how`.
+
+    Parameters
+    ----------
+    command : callable
+        Its parameter `how` is a `labsid.records.reading.Reading`.
+    """
+    own = inspect.signature(command)
+    added = [
+        inspect.Parameter(name, inspect.Parameter.KEYWORD_ONLY, default=default, annotation=kind)
+        for name, (kind, default) in _OF_A_LOG.items()
+    ]
+
+    @wraps(command)
+    def with_options(*arguments: Any, **options: Any) -> None:
+        from labsid.records.reading import Reading
+
+        command(*arguments, how=Reading(**{name: options.pop(name) for name in _OF_A_LOG}), **options)
+
+    kept = [parameter for name, parameter in own.parameters.items() if name != "how"]
+    with_options.__signature__ = own.replace(parameters=[*kept, *added])  # type: ignore[attr-defined]
+    with_options.__annotations__ = {parameter.name: parameter.annotation for parameter in [*kept, *added]}
+    return with_options

@@ -7,12 +7,12 @@ from dataclasses import asdict, dataclass, replace
 import numpy as np
 from threadpoolctl import threadpool_limits
 
-from labsid._arrays import FloatArray
+from labsid._arrays import FloatArray, stretches_of
 from labsid.gap.fits.fitting import Problem
 from labsid.gap.fits.hypothesis import Hypothesis
 from labsid.gap.fits.identifiability import assess
 from labsid.gap.fits.number_search import search_numbers
-from labsid.gap.model_file import ExportedModel, export_model
+from labsid.gap.model_file import START_SAMPLES, ExportedModel, export_model
 from labsid.gap.record.clock import at_sampling_time, clock_findings, stated_sampling_time
 from labsid.gap.record.data import Data, scaled
 from labsid.gap.record.record_findings import filtered_input, findings_from_errors, findings_from_record, plateau_gap
@@ -44,10 +44,12 @@ from labsid.gap.verdict.several_records import (
     score_by_record,
 )
 from labsid.lab.findings import Finding
-from labsid.records.record import Record
+from labsid.records.record import Record, bridge_gaps
 from labsid.simulators.meter import RunMeter
 
 MIN_SAMPLES = 100  # samples
+MIN_HOLDOUT = START_SAMPLES + 10  # samples, of which the first determine the initial state
+_NO_OUTPUT = "{} has {} samples without an output."
 SIZES = 1e-50, 1e50  # of the range of a signal and of the sampling time: powers of their ratios stay finite
 SEARCH_SHARE = 0.75  # of a budget of runs, for the beam search; the rest is for the search on held-out samples
 
@@ -202,9 +204,14 @@ def _prepare(
     order: int,
     exclude: Sequence[tuple[float, float]],
 ) -> _Prepared:
+    given = record
+    gaps, record = _without_gaps(record)
+    if holdout is not None and holdout.missing.any():
+        raise ValueError(f"{_NO_OUTPUT.format('the holdout', holdout.missing.sum())} Cut it to a stretch without gaps.")
     record, holdout = _common_sampling_time(record, holdout, simulation)
     _check_records(record, holdout)
-    findings = clock_findings(record, holdout)
+    given = replace(given, t=record.t, Ts=record.Ts)
+    findings = clock_findings(given, holdout)
     if holdout is not None:
         findings += _repeated([("the record", record), ("the holdout", holdout)])
     whole, shortened = record, shorten_record(record, simulation)
@@ -217,7 +224,7 @@ def _prepare(
         holdout = Record(holdout.t, filtered_input(holdout), holdout.y, holdout.Ts, name=holdout.name)
     simulation = read_exported(simulation, record.Ts)
     scales = (simulation.u_scale, simulation.y_scale) if isinstance(simulation, ExportedModel) else None
-    rows = _included(record, exclude)
+    rows = _included(record, exclude, gaps)
     data = scaled(filtered_input(record), record.y, rows, record.Ts, float(record.t[0]), scales)
     base = make_baseline(data, record.t, simulation, order)
     if base.output_only and holdout is not None:
@@ -240,6 +247,10 @@ def _prepare_several(
         raise ValueError("of several records each in turn is held out. Omit the holdout, or give it as one of them.")
     if len(exclude):
         raise ValueError("--exclude refers to the times of one record. Cut the records instead.")
+    for number, record in enumerate(records, 1):
+        if record.missing.any():
+            what = _NO_OUTPUT.format(label(record, number), record.missing.sum())
+            raise ValueError(f"{what} Diagnose it alone, or cut it to a stretch without gaps.")
     records = at_one_sampling_time(records, stated_sampling_time(simulation))
     for number, record in enumerate(records, 1):
         _check_record(record, label(record, number))
@@ -297,8 +308,17 @@ def _report(prepared: _Prepared, explanation: Explanation, seed: int, progress: 
     return Diagnosis(report, model)
 
 
-def _included(record: Record, exclude: Sequence[tuple[float, float]]) -> np.ndarray:
-    """Mask of the samples outside the excluded time ranges."""
+def _without_gaps(record: Record) -> tuple[Sequence[tuple[float, float]], Record]:
+    """Times without an output, and the record with straight lines there, which are neither fitted nor scored."""
+    half = 0.5 * record.Ts
+    times = [(record.t[k] - half, record.t[stop - 1] + half) for k, stop in stretches_of(record.missing)]
+    return times, replace(record, y=bridge_gaps(record.y)) if times else record
+
+
+def _included(
+    record: Record, exclude: Sequence[tuple[float, float]], gaps: Sequence[tuple[float, float]] = ()
+) -> np.ndarray:
+    """Mask of the samples outside the excluded time ranges and the gaps of the output."""
     rows = np.ones(len(record), bool)
     for start, stop in exclude:
         inside = (record.t >= start) & (record.t < stop)
@@ -306,6 +326,8 @@ def _included(record: Record, exclude: Sequence[tuple[float, float]]) -> np.ndar
             span = f"{record.t[0]:g} to {record.t[-1]:g} s"
             raise ValueError(f"--exclude {start:g}:{stop:g} contains no sample: the record runs from {span}.")
         rows &= ~inside
+    for start, stop in gaps:
+        rows[np.searchsorted(record.t, start) : np.searchsorted(record.t, stop)] = False
     if rows.sum() < MIN_SAMPLES:
         raise ValueError(f"--exclude leaves {rows.sum()} samples; at least {MIN_SAMPLES} are needed.")
     return rows
@@ -327,10 +349,16 @@ def _common_sampling_time(
 
 
 def _check_records(record: Record, holdout: Record | None) -> None:
-    """Reject records that are too short, have a constant signal, or differ in their sampling time."""
-    for name, one in (("the record", record), ("the holdout", holdout)):
-        if one is not None:
-            _check_record(one, name)
+    """Reject a record that is too short or has a constant signal, and a holdout of another sampling time.
+
+    A holdout is only scored, after the samples that determine its initial state: neither of its signals has to move.
+    """
+    _check_record(record, "the record")
+    if holdout is not None and len(holdout) < MIN_HOLDOUT:
+        raise ValueError(
+            f"the holdout has {len(holdout)} samples; it needs at least {MIN_HOLDOUT}: its first {START_SAMPLES} "
+            "determine the initial state and are not scored. Use a longer one."
+        )
     if holdout is not None and abs(holdout.Ts - record.Ts) > 1e-6 * record.Ts:
         raise ValueError(f"the holdout runs at {holdout.Ts:g} s, the record at {record.Ts:g} s. Resample one of them.")
 

@@ -91,7 +91,7 @@ def check_rigs(pairs: list[tuple[Path, Path]], order: int = 2, seed: int = 0) ->
         If a record cannot be read or diagnosed.
     """
     for path, second in pairs:
-        record, holdout = load_record(path, allow_jitter=True), load_record(second, allow_jitter=True)
+        record, holdout = load_record(path), load_record(second)
         start = process_time()
         found = diagnose(record, holdout=holdout, order=order, seed=seed)
         seconds = process_time() - start

@@ -8,7 +8,7 @@ The sign convention of ``a`` for the whole package:
 so that eq. (4) reads ``y(k) = phi'(k) theta`` with ``theta = [-a1, ..., -an, b1, ..., bn]``.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -139,7 +139,13 @@ def arx_from_theta(theta: ArrayLike, Ts: float, u_offset: float = 0.0, y_offset:
 
 
 def fit_arx(
-    u: ArrayLike, y: ArrayLike, Ts: float, order: int = 2, start: int | None = None, stop: int | None = None
+    u: ArrayLike,
+    y: ArrayLike,
+    Ts: float,
+    order: int = 2,
+    start: int | None = None,
+    stop: int | None = None,
+    measured: NDArray[np.bool_] | None = None,
 ) -> ArxFit:
     """Identify a model of the given order from offset-free data.
 
@@ -153,6 +159,8 @@ def fit_arx(
         Order of the model.
     start, stop : int, optional
         Rows to use; see `build_phi`.
+    measured : ndarray of bool, shape (N,), optional
+        Samples of y that were measured; rows of Phi with another one are left out. Default: all.
 
     Returns
     -------
@@ -162,15 +170,32 @@ def fit_arx(
     Raises
     ------
     ValueError
-        As `build_phi`.
+        As `build_phi`, or if too few rows are complete.
 
     Notes
     -----
     UNSW lab, exercise 2a and 2b (order 2) and the post-lab exercise, eq. (9) (order 1).
     """
     regression = build_phi(u, y, order, start, stop)
+    if measured is not None and not measured.all():
+        regression = _complete_rows(regression, measured)
     fit = solve_least_squares(regression.Phi, regression.Y)
     return ArxFit(arx_from_theta(fit.theta, Ts), regression, fit)
+
+
+def _complete_rows(regression: Regression, measured: NDArray[np.bool_]) -> Regression:
+    """Only the rows whose outputs were all measured."""
+    order = regression.order
+    complete = np.concatenate([np.ones(order, bool), measured])
+    complete = np.all([complete[order - lag : order - lag + measured.size] for lag in range(order + 1)], axis=0)
+    rows = complete[regression.start : regression.stop]
+    if rows.sum() < regression.Phi.shape[1]:
+        raise ValueError(
+            f"of {rows.size} rows of Phi only {rows.sum()} have all their outputs, too few for the "
+            f"{regression.Phi.shape[1]} unknowns of order {order}. Read the log at the sampling time of its output "
+            "(--resample), or lower the order."
+        )
+    return replace(regression, Phi=regression.Phi[rows], Y=regression.Y[rows])
 
 
 def to_tf(model: ArxModel) -> "control.TransferFunction":

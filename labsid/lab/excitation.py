@@ -73,7 +73,7 @@ def persistent_excitation(Phi: ArrayLike) -> Excitation:
     )
 
 
-def excitation_order(u: ArrayLike, largest: int = 50) -> int:
+def excitation_order(u: ArrayLike, largest: int = 50, rounding: float = 0.0) -> int:
     """Find the order to which a signal is persistently exciting.
 
     Parameters
@@ -82,6 +82,8 @@ def excitation_order(u: ArrayLike, largest: int = 50) -> int:
         The input, without its offset: a constant has order 1.
     largest : int
         Largest order to test.
+    rounding : float
+        Step to which the samples are rounded, in the unit of u; what it alone can make counts as zero.
 
     Returns
     -------
@@ -105,7 +107,7 @@ def excitation_order(u: ArrayLike, largest: int = 50) -> int:
     if largest < 1:
         raise ValueError(f"largest must be at least 1; got {largest}.")
     candidates = range(1, min(largest, (u.size + 1) // 2) + 1)
-    return bisect_left(candidates, True, key=lambda n: _window_rank(u, n) < n)
+    return bisect_left(candidates, True, key=lambda n: _window_rank(u, n, rounding) < n)
 
 
 def prbs(
@@ -223,9 +225,11 @@ def sum_of_sinusoids(samples: int, periods: ArrayLike, amplitude: float = 1.0) -
     return amplitude * np.cos(angles).sum(axis=1)
 
 
-def _window_rank(u: FloatArray, n: int) -> int:
+def _window_rank(u: FloatArray, n: int, rounding: float) -> int:
     s = np.linalg.svd(sliding_window_view(u, n), compute_uv=False)
-    return int(np.sum(s > u.size * np.finfo(float).eps * s[0]))
+    # White noise of variance rounding^2 / 12 has singular values up to its deviation times sqrt(N) + sqrt(n).
+    by_rounding = 2.0 * rounding / np.sqrt(12.0) * (np.sqrt(u.size) + np.sqrt(n))
+    return int(np.sum(s > max(u.size * np.finfo(float).eps * s[0], by_rounding)))
 
 
 def _check_count(name: str, value: int, least: int = 1) -> None:

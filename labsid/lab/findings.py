@@ -1,6 +1,5 @@
 """Findings about the signals of a record: rest, levels, noise, converter, clipping, feedback, excitation."""
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Literal
 
@@ -16,6 +15,7 @@ from labsid.records.direction import gain_from_past
 from labsid.records.formats import RawRecord
 from labsid.records.record import is_sound
 from labsid.records.signal_quality import (
+    digits_of,
     find_held,
     lattice_step,
     moving_mean_length,
@@ -24,6 +24,7 @@ from labsid.records.signal_quality import (
     shortest_hold,
     stuck_at_extreme,
 )
+from labsid.records.signals import name_places
 
 Level = Literal["ok", "note", "warning", "refused"]
 
@@ -85,25 +86,26 @@ def about_signals(raw: RawRecord, Ts: float | None) -> list[Finding]:
     ]
 
 
-def name_places(stretches: Sequence[tuple[int, int]]) -> str:
-    """List the first few of some stretches (start, stop) of samples."""
-    named = [f"{k}" if stop == k + 1 else f"{k} to {stop - 1}" for k, stop in stretches[:4]]
-    return ", ".join(named) + (", and so on" if len(stretches) > 4 else "")
-
-
 def _about_input(u: FloatArray) -> Finding:
     starts, lengths = runs(u)
     levels = np.unique(u)
+    span = float(np.ptp(u))
+
+    def shown(level: float) -> str:
+        return digits_of(float(level), span, 6)
+
     changes = starts.size - 1
     if levels.size <= _MAX_LEVELS:
-        text = f"{levels.size} levels ({', '.join(f'{level:g}' for level in levels)}), {changes} changes"
+        text = f"{levels.size} levels ({', '.join(shown(level) for level in levels)}), {changes} changes"
         if changes > 10:
             return Finding("ok", "input", f"{text}, held {lengths.min()} to {lengths.max()} samples.")
-        held = ", ".join(f"{u[k]:g} for {n}" for k, n in zip(starts, lengths, strict=True))
+        held = ", ".join(f"{shown(u[k])} for {n}" for k, n in zip(starts, lengths, strict=True))
         return Finding("ok", "input", f"{text}; held (samples): {held}.")
-    text = f"between {levels[0]:g} and {levels[-1]:g}, moving at {changes / (u.size - 1):.0%} of the samples."
+    text = f"between {shown(levels[0])} and {shown(levels[-1])}, moving at {changes / (u.size - 1):.0%} of the samples."
     stops = [(extreme, *stuck_at_extreme(u, extreme)) for extreme in (levels[0], levels[-1])]
-    named = [f"{extreme:g} ({samples} samples, {longest} in a row)" for extreme, samples, longest in stops if samples]
+    named = [
+        f"{shown(extreme)} ({samples} samples, {longest} in a row)" for extreme, samples, longest in stops if samples
+    ]
     if named:
         return Finding("note", "input", f"{text} It rests on a limit: {' and '.join(named)}.")
     return Finding("ok", "input", text)
@@ -171,8 +173,9 @@ def about_rest(u: FloatArray, y: FloatArray, offsets: Offsets, Ts: float | None)
         return Finding("warning", "rest", text)
     noise = float(np.std(y[k0:n]))
     if k0 == 0:
-        text = f"settled from the start: {length} before the first change, u = {offsets.u_offset:g}, "
-        return Finding("ok", "rest", f"{text}y = {offsets.y_offset:.5g}, sd {noise:.2g}.")
+        u_rest, y_rest = digits_of(offsets.u_offset, np.ptp(u), 6), digits_of(offsets.y_offset, np.ptp(y), 5)
+        text = f"settled from the start: {length} before the first change, u = {u_rest}, y = {y_rest}, sd {noise:.2g}."
+        return Finding("ok", "rest", text)
     text = (
         f"not settled at the start: y comes from {y[0]:.3g} and is at rest only in samples {k0} to {n - 1} of the "
         f"first period of {length}. Average these: y offset {offsets.y_offset:.5g}, sd {noise:.2g}. The mean of "
@@ -201,7 +204,9 @@ def _about_output(raw: RawRecord, offsets: Offsets | None) -> list[Finding]:
     y, sensor = raw.y, raw.y_measured
     if sensor is None or sensor.size != y.size or not is_sound(sensor):
         sensor = y
-    findings = [Finding("ok", "output", f"between {y.min():.4g} and {y.max():.4g}.")]
+    findings = [
+        Finding("ok", "output", f"between {digits_of(y.min(), np.ptp(y))} and {digits_of(y.max(), np.ptp(y))}.")
+    ]
     which = "measured output" if raw.y_measured is not None else "output"
     if offsets is not None and offsets.status == "settled":
         noise, where = float(np.std(sensor[slice(*offsets.settled)])), f"{which}, settled"
@@ -235,9 +240,10 @@ def about_clipping(y: FloatArray) -> list[Finding]:
     for extreme, word in ((float(y.min()), "lowest"), (float(y.max()), "highest")):
         samples, longest = stuck_at_extreme(y, extreme)
         if samples:
+            where = digits_of(extreme, np.ptp(y), 6)
             text = (
-                f"y is stuck at its {word} value {extreme:g} for {samples} samples ({longest} in a row), so it "
-                "looks clipped. A linear model cannot reproduce this."
+                f"y is stuck at its {word} value {where} for {samples} samples ({longest} in a row), so it looks "
+                "clipped. A linear model cannot reproduce this."
             )
             findings.append(Finding("warning", "clipping", text))
     return findings
@@ -293,7 +299,7 @@ def _about_excitation(u: FloatArray, y: FloatArray, offsets: Offsets) -> Finding
             )
             return Finding("refused", "excitation", text)
         conditions.append(f"{result.condition_number:.4g} for order {n}")
-    order = excitation_order(u_free, largest=_TESTED_ORDER)
+    order = excitation_order(u_free, largest=_TESTED_ORDER, rounding=_rounding_of(u))
     at_least = "at least " if order == _TESTED_ORDER else ""
     text = (
         f"input persistently exciting of order {at_least}{order}; cond(Phi) of the first half "
@@ -302,3 +308,10 @@ def _about_excitation(u: FloatArray, y: FloatArray, offsets: Offsets) -> Finding
     if order < 2:
         return Finding("warning", "excitation", f"{text} A second-order model needs order 2.")
     return Finding("ok", "excitation", text)
+
+
+def _rounding_of(u: FloatArray) -> float:
+    """Step to which the log rounds an input that takes many values; 0 for a few levels, which are exact."""
+    if np.unique(u).size <= _MAX_LEVELS:
+        return 0.0
+    return lattice_step(u) or 0.0

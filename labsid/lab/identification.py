@@ -12,7 +12,7 @@ from labsid.lab.offset import Offsets, find_offsets, remove_offsets
 from labsid.lab.verification import Verification, verify
 from labsid.least_squares.solve import LeastSquares
 from labsid.model_structures.structures import Regression
-from labsid.records.record import Record
+from labsid.records.record import Record, bridge_gaps
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -26,7 +26,7 @@ class Identification:
     offsets : Offsets
         Exercise 1c.
     u, y : ndarray, shape (N,)
-        Offset-free input and output (Fig. 6).
+        Offset-free input and output (Fig. 6); NaN where the record has no output.
     regression : Regression
         Phi and Y of the first half, exercise 2a.
     fit : LeastSquares
@@ -55,6 +55,11 @@ class Identification:
     def __post_init__(self) -> None:
         freeze(self, u=self.u, y=self.y)
 
+    @property
+    def incomplete_rows(self) -> int:
+        """Rows left out of Phi because an output in them is missing from the record."""
+        return self.regression.stop - self.regression.start - self.regression.Y.size
+
 
 def identify(record: Record, order: int = 2, start: int = 2) -> Identification:
     """Identify a model from the first half of a record and verify it on the second half and on the whole.
@@ -80,7 +85,7 @@ def identify(record: Record, order: int = 2, start: int = 2) -> Identification:
     Notes
     -----
     UNSW lab, exercises 1c to 3a, and with ``order=1`` the post-lab exercise. The rows are the samples
-    k = start .. N // 2 - 1.
+    k = start .. N // 2 - 1, less those with an output that is missing from the record.
     """
     half = len(record) // 2
     if order < 1:
@@ -90,9 +95,10 @@ def identify(record: Record, order: int = 2, start: int = 2) -> Identification:
             f"start must be 0 or more and leave {2 * order} rows in the first half, one for each unknown of "
             f"order {order}; got start {start} and {half} samples there. Use a longer record or lower order."
         )
-    offsets = find_offsets(record.u, record.y)
-    u, y = remove_offsets(record.u, record.y, offsets)
-    arx = fit_arx(u, y, record.Ts, order, start, half)
+    measured = ~record.missing
+    offsets = find_offsets(record.u, bridge_gaps(record.y))
+    u, y = remove_offsets(record.u, bridge_gaps(record.y), offsets)
+    arx = fit_arx(u, y, record.Ts, order, start, half, measured)
     if arx.fit.status != "unique":
         raise ValueError(_why_not_unique(u[:half], y[:half], arx.fit, order))
     model = arx_from_theta(arx.fit.theta, record.Ts, offsets.u_offset, offsets.y_offset)
@@ -100,12 +106,12 @@ def identify(record: Record, order: int = 2, start: int = 2) -> Identification:
         record=record,
         offsets=offsets,
         u=u,
-        y=y,
+        y=np.where(measured, y, np.nan),
         regression=arx.regression,
         fit=arx.fit,
         excitation=persistent_excitation(arx.regression.Phi),
         model=model,
-        verification=verify(model, u, y),
+        verification=verify(model, u, y, measured),
         warnings=_warnings(offsets, model, start),
     )
 

@@ -1,15 +1,17 @@
 """Description of a record and its faults, for records that `load_record` refuses, too."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
 from labsid._arrays import FloatArray
-from labsid.lab.findings import Finding, about_signals, name_places
+from labsid.lab.findings import Finding, about_signals
 from labsid.records.formats import RawRecord
-from labsid.records.record import LARGEST, REGULAR_WITHIN, Fault, find_faults, is_sound
+from labsid.records.record import LARGEST, OUTPUTS, Fault, bridge_gaps, find_faults, is_sound
 from labsid.records.signal_quality import runs
+from labsid.records.signals import jitter_note, missing_note, name_places
+from labsid.records.steps import REGULAR_WITHIN
 
 
 @dataclass(frozen=True, slots=True)
@@ -70,12 +72,14 @@ def check_record(raw: RawRecord) -> RecordCheck:
     faults = find_faults(raw)
     Ts = _usual_interval(raw)
     findings = [*_about_sampling(raw, Ts), *_about_missing(raw)]
+    findings += [Finding("note", "values", f"{note}.") for note in missing_note(raw.y, raw.t)]
     # These findings list several places, a fault only the first.
     covered = {finding.topic for finding in findings if finding.level == "refused"}
     findings += [Finding("refused", fault.topic, fault.text) for fault in faults if fault.topic not in covered]
-    if raw.u.size == raw.y.size >= 5 and is_sound(raw.u) and is_sound(raw.y):
-        findings += about_signals(raw, Ts)
-    notes = [Finding("note", "file", f"{note}.") for note in raw.notes]
+    measured = raw.y[~np.isnan(raw.y)]
+    if raw.u.size == raw.y.size and measured.size >= 5 and is_sound(raw.u) and is_sound(measured):
+        findings += about_signals(replace(raw, y=bridge_gaps(raw.y)) if measured.size < raw.y.size else raw, Ts)
+    notes = [Finding("note", "file", f"{note}.") for note in (*raw.notes, *jitter_note(raw.jitter, Ts))]
     return RecordCheck(raw.name, int(raw.u.size), Ts, faults, (*notes, *findings))
 
 
@@ -122,7 +126,8 @@ def _about_sampling(raw: RawRecord, Ts: float | None) -> list[Finding]:
     back = np.flatnonzero(steps <= 0)
     odd = np.flatnonzero((steps > 0) & (np.abs(steps - Ts) > REGULAR_WITHIN * Ts))
     if not back.size and not odd.size:
-        text = f"{size}, one every {Ts:g} s, {raw.t[-1] - raw.t[0]:g} s in all; no gaps."
+        gaps = "no gaps" if not np.isnan(raw.y).any() else "with gaps in y"
+        text = f"{size}, one every {Ts:.6g} s, {raw.t[-1] - raw.t[0]:g} s in all; {gaps}."
         return [Finding("ok", "sampling", text)]
     findings = []
     if back.size:
@@ -139,10 +144,10 @@ def _about_sampling(raw: RawRecord, Ts: float | None) -> list[Finding]:
 
 
 def _about_missing(raw: RawRecord) -> list[Finding]:
-    """Stretches in which values are NaN or infinite."""
+    """Stretches in which values are NaN or infinite; an output may be missing, which the notes of the record say."""
     findings = []
     for name, column in raw.columns.items():
-        bad = ~np.isfinite(column)
+        bad = np.isinf(column) if name in OUTPUTS and not np.isnan(column).all() else ~np.isfinite(column)
         if not bad.any():
             continue
         starts, lengths = runs(bad.astype(float))

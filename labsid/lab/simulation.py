@@ -1,7 +1,7 @@
 """Simulation of the model: free run, one-step prediction, and the initial state."""
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from labsid._arrays import FloatArray, as_signals
 from labsid.lab.arx import ArxModel
@@ -81,7 +81,13 @@ def free_response(model: ArxModel, samples: int) -> FloatArray:
     return np.column_stack([simulate(model, quiet, state) for state in np.eye(model.order)])
 
 
-def estimate_initial_state(model: ArxModel, u: ArrayLike, y: ArrayLike, samples: int | None = None) -> FloatArray:
+def estimate_initial_state(
+    model: ArxModel,
+    u: ArrayLike,
+    y: ArrayLike,
+    samples: int | None = None,
+    measured: NDArray[np.bool_] | None = None,
+) -> FloatArray:
     """Estimate the state at the first sample by least squares on the simulated output.
 
     Parameters
@@ -91,6 +97,8 @@ def estimate_initial_state(model: ArxModel, u: ArrayLike, y: ArrayLike, samples:
         Offset-free input and output, from the sample of the unknown state.
     samples : int, optional
         Number of samples to fit, from the first; default: all.
+    measured : ndarray of bool, shape (N,), optional
+        Which of them to fit; default: all.
 
     Returns
     -------
@@ -113,4 +121,5 @@ def estimate_initial_state(model: ArxModel, u: ArrayLike, y: ArrayLike, samples:
             f"samples must lie between the order {model.order} and the {y.size} samples given; got {samples}."
         )
     unexplained = y[:samples] - simulate(model, u[:samples])
-    return np.linalg.lstsq(free_response(model, samples), unexplained, rcond=None)[0].astype(np.float64)
+    rows = slice(None) if measured is None else measured[:samples]
+    return np.linalg.lstsq(free_response(model, samples)[rows], unexplained[rows], rcond=None)[0].astype(np.float64)

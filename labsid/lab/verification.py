@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from labsid._arrays import FloatArray, as_signals, freeze
 from labsid.lab.arx import ArxModel
@@ -54,13 +54,15 @@ class Verification:
         )
 
 
-def mse(y: ArrayLike, y_sim: ArrayLike) -> float:
+def mse(y: ArrayLike, y_sim: ArrayLike, measured: ArrayLike | None = None) -> float:
     """Mean squared error between measured and simulated output.
 
     Parameters
     ----------
     y, y_sim : array_like, shape (N,)
         Measured and simulated output.
+    measured : array_like of bool, shape (N,), optional
+        Samples to score; default: all.
 
     Returns
     -------
@@ -77,10 +79,10 @@ def mse(y: ArrayLike, y_sim: ArrayLike) -> float:
     UNSW lab, "Model Verification" and post-lab 3.
     """
     y, y_sim = as_signals(y=y, y_sim=y_sim)
-    return float(np.mean((y - y_sim) ** 2))
+    return float(np.mean((y - y_sim)[_rows(measured, y.size)] ** 2))
 
 
-def verify(model: ArxModel, u: ArrayLike, y: ArrayLike) -> Verification:
+def verify(model: ArxModel, u: ArrayLike, y: ArrayLike, measured: ArrayLike | None = None) -> Verification:
     """Simulate the second half and the whole of a record and compare with the measured output.
 
     Parameters
@@ -88,6 +90,8 @@ def verify(model: ArxModel, u: ArrayLike, y: ArrayLike) -> Verification:
     model : ArxModel
     u, y : array_like, shape (N,)
         Offset-free input and output.
+    measured : array_like of bool, shape (N,), optional
+        Samples of y to score; default: all.
 
     Returns
     -------
@@ -107,7 +111,8 @@ def verify(model: ArxModel, u: ArrayLike, y: ArrayLike) -> Verification:
     u, y = as_signals(at_least=2 * model.order, u=u, y=y)
     half = y.size // 2
     u_half, y_half = u[half:], y[half:]
-    x0 = estimate_initial_state(model, u_half, y_half)
+    there = _rows(measured, y.size)
+    x0 = estimate_initial_state(model, u_half, y_half, measured=there[half:])
     y_all = simulate(model, u)
     from_rest, estimated = simulate(model, u_half), simulate(model, u_half, x0)
     return Verification(
@@ -116,9 +121,13 @@ def verify(model: ArxModel, u: ArrayLike, y: ArrayLike) -> Verification:
         y_second_half_carried=y_all[half:],
         y_second_half_estimated=estimated,
         half=half,
-        mse_all=mse(y, y_all),
-        mse_second_half=mse(y_half, from_rest),
-        mse_second_half_carried=mse(y_half, y_all[half:]),
-        mse_second_half_estimated=mse(y_half, estimated),
+        mse_all=mse(y, y_all, there),
+        mse_second_half=mse(y_half, from_rest, there[half:]),
+        mse_second_half_carried=mse(y_half, y_all[half:], there[half:]),
+        mse_second_half_estimated=mse(y_half, estimated, there[half:]),
         x0=x0,
     )
+
+
+def _rows(measured: ArrayLike | None, samples: int) -> NDArray[np.bool_]:
+    return np.ones(samples, bool) if measured is None else np.asarray(measured, bool)

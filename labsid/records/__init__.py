@@ -1,1 +1,1 @@
-"""Records: reading `.mat` and text files into a `Record`, and tests of the quality of its signals."""
+"""Records: reading logs of any usual format into a `Record`, and tests of the quality of its signals."""

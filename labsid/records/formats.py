@@ -1,4 +1,4 @@
-"""File formats of records: read the columns of a file without validating them (see `record`)."""
+"""The formats of logs: one module each, and the one function that reads any of them."""
 
 from dataclasses import dataclass
 from os import PathLike
@@ -7,16 +7,23 @@ from pathlib import Path
 import numpy as np
 
 from labsid._arrays import FloatArray, freeze
-from labsid.records.mat_file import is_mat_file, read_mat
-from labsid.records.text_file import read_text
+from labsid.records.apart import choose_apart, describe_apart
+from labsid.records.choice import Chosen, UnknownColumns, choose
+from labsid.records.column import Log
+from labsid.records.contents import ColumnSummary, summarize
+from labsid.records.library_formats import OBJECTS, LibraryFormat, library_format
+from labsid.records.mat_file import is_mat5, open_mat
+from labsid.records.numpy_file import NUMPY_MAGIC, open_numpy
+from labsid.records.reading import Reading
+from labsid.records.steps import even_signals, signals_of
+from labsid.records.text_file import open_text
 
-OUTPUTS = ("noise-reduced", "measured")
 _SIGNALS = ("t", "u", "y", "y_measured", "y_noise_reduced", "reference")
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class RawRecord:
-    """The columns of a file, not validated: lengths may differ, values may be NaN, times may be out of order.
+    """The signals of a file, not validated: lengths may differ, values may be NaN, times may be out of order.
 
     Attributes
     ----------
@@ -31,7 +38,11 @@ class RawRecord:
     name : str
         File name without folder and suffix.
     notes : tuple of str
-        Assumptions made in reading the file.
+        What was assumed and done in reading the file.
+    jitter : float
+        Root-mean-square deviation of the file's time stamps from `t`, in sampling times.
+    units : tuple of (str, str)
+        Units of input and output, as the file names them; empty where it does not.
     """
 
     t: FloatArray | None
@@ -43,6 +54,8 @@ class RawRecord:
     reference: FloatArray | None = None
     name: str = ""
     notes: tuple[str, ...] = ()
+    jitter: float = 0.0
+    units: tuple[str, str] = ("", "")
 
     def __post_init__(self) -> None:
         freeze(self, **self._present())
@@ -61,27 +74,14 @@ class RawRecord:
         return {name: getattr(self, name) for name in _SIGNALS if getattr(self, name) is not None}
 
 
-def read_raw(
-    path: str | PathLike[str],
-    *,
-    output: str = "noise-reduced",
-    columns: str | None = None,
-    Ts: float | None = None,
-) -> RawRecord:
-    """Read the columns of a record file without validating them.
+def read_raw(path: str | PathLike[str], how: Reading | None = None) -> RawRecord:
+    """Read the signals of a file and bring them to even times where that takes no guess, without validating them.
 
     Parameters
     ----------
     path : path
-        ``.mat`` (version 5 or 7; recognized by its suffix or first bytes), or text: columns separated by
-        semicolons, tabs, commas or blanks. Lines that start with # or % are ignored.
-    output : {"noise-reduced", "measured"}
-        Column 2 or column 1 of ``LogData.signals(1).values``.
-    columns : str, optional
-        Three columns for t,u,y or two for u,y: names from the header, or numbers from 1. For a text file without
-        a header, ``t,u,y`` or ``u,y`` names the columns in order. For a ``.mat``: names of variables.
-    Ts : float, optional
-        Sampling time in seconds of a file without time.
+        Any of the formats in the table of ``labsid/records/README.md``.
+    how : Reading, optional
 
     Returns
     -------
@@ -94,25 +94,71 @@ def read_raw(
     ValueError
         If the file does not contain these columns, or is damaged.
     """
-    if output not in OUTPUTS:
-        raise ValueError(f"output must be {' or '.join(OUTPUTS)}; got {output!r}.")
-    if Ts is not None and not 0 < Ts < np.inf:
-        raise ValueError(f"Ts must be a positive number of seconds; got {Ts:g}.")
+    how = how or Reading()
     path = Path(path)
-    content = path.read_bytes()
-    if not content.strip():
-        raise ValueError(f"{path.name} is empty: a record needs at least two samples of u and y.")
     try:
-        if path.suffix.lower() == ".mat" or is_mat_file(content):
-            found = read_mat(content, output, columns)
-        elif output == "measured":
-            raise ValueError(
-                "output measured chooses between the two outputs of LogData; a text file has one y. "
-                "Choose its column with columns (--columns)."
-            )
-        else:
-            found = read_text(content, columns, Ts)
+        chosen = _chosen(path, how)
+        signals = even_signals(signals_of(chosen, how), how)
+    except UnknownColumns as error:
+        raise UnknownColumns(f"{path.name}: {error}") from None
     except ValueError as error:
         raise ValueError(f"{path.name}: {error}") from None
-    notes = tuple(found.pop("notes"))
-    return RawRecord(**found, Ts=Ts, name=path.stem, notes=notes)
+    every = how.decimate or 1
+    return RawRecord(
+        t=signals.t,
+        **signals.values,
+        Ts=None if how.Ts is None else how.Ts * every,
+        name=path.stem,
+        notes=signals.notes,
+        jitter=signals.jitter,
+        units=(chosen.u.unit, chosen.y.unit),
+    )
+
+
+def describe_columns(path: str | PathLike[str]) -> list[ColumnSummary]:
+    """Describe each column of a file: name, unit, rate, range, share missing, and what it looks like.
+
+    Raises
+    ------
+    OSError, ValueError
+        As `read_raw`.
+    """
+    path = Path(path)
+    try:
+        log = _open(path, Reading())
+        return describe_apart(path, log) if isinstance(log, LibraryFormat) else summarize(log)
+    except ValueError as error:
+        raise ValueError(f"{path.name}: {error}") from None
+
+
+def _chosen(path: Path, how: Reading) -> Chosen:
+    log = _open(path, how)
+    if isinstance(log, LibraryFormat):
+        _refuse_output(how)
+        return choose_apart(path, log, how.columns, how.Ts)
+    return choose(log, how.columns, how.Ts)
+
+
+def _open(path: Path, how: Reading) -> Log | LibraryFormat:
+    """The log, or its format if a library reads it."""
+    kind = library_format(path)
+    if kind is not None:
+        return kind
+    content = path.read_bytes()
+    if not content.strip():
+        raise ValueError("it is empty: a record needs at least two samples of u and y.")
+    if path.suffix.lower() == ".mat" or is_mat5(content):
+        log = open_mat(content, how.output, how.columns is None)
+        return OBJECTS if log is None else log
+    _refuse_output(how)
+    if content.startswith(NUMPY_MAGIC) or path.suffix.lower() in (".npz", ".npy"):
+        return open_numpy(content)
+    return open_text(content)
+
+
+def _refuse_output(how: Reading) -> None:
+    if how.output == "measured":
+        raise ValueError(
+            "output measured chooses between the two outputs of LogData; a text file has one y. "
+            "Choose its column with columns (--columns)."
+        )

@@ -1,23 +1,31 @@
 """The record of an experiment: loading and validation."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from os import PathLike
 from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from labsid._arrays import FloatArray, as_signal, as_signals, freeze, frozen_array
 from labsid.records.direction import look_swapped
-from labsid.records.even_times import fit_even_times
 from labsid.records.formats import RawRecord, read_raw
+from labsid.records.reading import Reading
+from labsid.records.signal_quality import digits_of, runs
+from labsid.records.signals import jitter_note, missing_note
+from labsid.records.steps import REGULAR_WITHIN
 
-REGULAR_WITHIN = 0.01  # largest deviation of an interval from the median one, as a share of it
 LARGEST = 1e100  # larger values are damage; their squares could overflow
 
+_REMEDIES = {
+    True: "If the log holds several runs, read one (--select 1); if only the clock started again, read it without "
+    "times (columns u,y and Ts).",
+    False: "Say which of the rows counts (--repeated first, or last), or read it without times (columns u,y and Ts).",
+}
 _OPTIONAL = ("y_measured", "y_noise_reduced", "reference")
+OUTPUTS = ("y", "y_measured", "y_noise_reduced")  # NaN where a sample is missing
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
@@ -31,7 +39,7 @@ class Record:
     t : ndarray, shape (N,)
         Time of each sample in seconds, N >= 2.
     u, y : ndarray, shape (N,)
-        Input and output (V in the lab).
+        Input and output (V in the lab); NaN where an output is missing, see `missing`.
     Ts : float
         Sampling time in seconds; it must agree with `t`.
     y_measured, y_noise_reduced : ndarray, shape (N,), optional
@@ -42,12 +50,16 @@ class Record:
         Name for messages and titles.
     jitter : float
         Root-mean-square deviation of the file's time stamps from `t`, in sampling times; 0 if `t` holds the stamps.
+    notes : tuple of str
+        What was assumed and done in reading the file.
+    units : tuple of (str, str)
+        Units of input and output, as the file names them; empty where it does not.
 
     Raises
     ------
     ValueError
-        If a signal is not one-dimensional or not finite, if the lengths differ, if there are fewer than two
-        samples, or if the times do not increase in regular steps of `Ts`.
+        If a signal is not one-dimensional or not finite (an output may be NaN), if the lengths differ, if there are
+        fewer than two samples, or if the times do not increase in regular steps of `Ts`.
     """
 
     t: FloatArray
@@ -59,11 +71,18 @@ class Record:
     reference: FloatArray | None = None
     name: str = ""
     jitter: float = 0.0
+    notes: tuple[str, ...] = ()
+    units: tuple[str, str] = ("", "")
 
     def __post_init__(self) -> None:
         present = {name: getattr(self, name) for name in _OPTIONAL if getattr(self, name) is not None}
         names = ("t", "u", "y", *present)
-        signals = as_signals(at_least=2, t=self.t, u=self.u, y=self.y, **present)
+        given = {"t": self.t, "u": self.u, "y": self.y, **present}
+        checked = as_signals(at_least=2, **{name: _filled(name, x) for name, x in given.items()})
+        signals = tuple(
+            np.where(np.isnan(np.reshape(given[name], -1)), np.nan, x) if name in OUTPUTS else x
+            for name, x in zip(names, checked, strict=True)
+        )
         Ts = float(self.Ts)
         sizes = [fault for name, x in zip(names, signals, strict=True) for fault in _size_faults(name, x)]
         faults = sizes or _time_faults(signals[0]) or _disagreement(sampling_time(signals[0]), Ts, signals[0].size)
@@ -72,14 +91,20 @@ class Record:
         freeze(self, **dict(zip(names, signals, strict=True)))
         object.__setattr__(self, "Ts", Ts)
 
+    @property
+    def missing(self) -> NDArray[np.bool_]:
+        """Samples without an output, shape (N,): to be simulated through, but neither fitted nor scored."""
+        return np.isnan(self.y)
+
     def __len__(self) -> int:
         return int(self.t.size)
 
     def __repr__(self) -> str:
-        return (
-            f"Record({self.name!r}: {len(self)} samples, Ts = {self.Ts:g} s, "
-            f"u {self.u.min():.4g}..{self.u.max():.4g}, y {self.y.min():.4g}..{self.y.max():.4g})"
+        without = f", {self.missing.sum()} without y" if self.missing.any() else ""
+        u, y = (
+            f"{digits_of(x.min(), np.ptp(x))}..{digits_of(x.max(), np.ptp(x))}" for x in (self.u, self.y[~self.missing])
         )
+        return f"Record({self.name!r}: {len(self)} samples, Ts = {self.Ts:g} s, u {u}, y {y}{without})"
 
 
 class Fault(NamedTuple):
@@ -94,42 +119,67 @@ def load_record(
     output: str = "noise-reduced",
     columns: str | None = None,
     Ts: float | None = None,
-    allow_jitter: bool = False,
+    *,
+    time_unit: str | None = None,
+    repeated: str | None = None,
+    select: int | None = None,
+    since: float | None = None,
+    until: float | None = None,
+    resample: float | None = None,
+    decimate: int | None = None,
 ) -> Record:
-    """Read a record from a MATLAB `.mat` file in the lab's layout, or from delimited text.
+    """Read a record from a log of any format in the table of ``labsid/records/README.md``.
 
     Parameters
     ----------
     path : path
-        ``.mat`` of version 5 or 7 that holds ``LogData`` (or ``SFLogData``, closed loop), or text with the
-        columns ``t,u,y``.
+        Text, ``.mat``, ``.xlsx``, ``.parquet``, ``.npz``, ``.npy``, HDF5, ``.mf4``, ``.tdms``, MCAP, a ROS bag, or the
+        folder of a LeRobot data set.
     output : {"noise-reduced", "measured"}
-        Which output of a ``.mat`` becomes `y`: column 2 or column 1 of ``LogData.signals(1).values``.
+        Which output of the lab's ``LogData`` becomes `y`: column 2 or column 1 of ``LogData.signals(1).values``.
     columns : str, optional
         Names or numbers (from 1) of the columns to use: ``"t,u,y"``, or two for ``"u,y"`` with `Ts`.
     Ts : float, optional
-        Sampling time in seconds of a file without times; if there are times, they must agree with it.
-    allow_jitter : bool
-        Replace stamps that jitter by up to 0.3 of the sampling time by even times, instead of refusing them.
+        Sampling time in seconds of a log without times. With times: the samples are even, and stamps that deviate
+        from even times by up to 0.4 of the sampling time are noise.
+    time_unit : {"s", "ms", "us", "ns", "min", "h", "days"}, optional
+        Unit of the times, where the log does not say it.
+    repeated : {"first", "last"}, optional
+        Which of several rows with the same time is kept.
+    select : int, optional
+        Which run, from 1, of a log whose time starts again.
+    since, until : float, optional
+        Keep only the samples between these times in seconds.
+    resample : float, optional
+        Bring samples taken at uneven times, or signals of different rates, to this sampling time in seconds: the
+        output band-limited, an input that is held between its changes held.
+    decimate : int, optional
+        Keep every n-th sample, after a low-pass filter on all signals.
 
     Returns
     -------
     Record
+        With what was done to it in `Record.notes`; y is NaN where a sample is missing.
 
     Raises
     ------
     OSError
         If the file does not exist or cannot be opened.
     ValueError
-        If the file is not a valid record; the message names the fault and its place.
+        If the file is not a valid record; the message names the fault and its place, or the option that decides
+        between two readings.
 
     Notes
     -----
-    Step 1a of the UNSW lab: ``t = LogData.time`` and so on. Faults are not repaired; `labsid check`
-    describes a refused file.
+    Step 1a of the UNSW lab: ``t = LogData.time`` and so on. `labsid check` describes a refused file.
     """
-    raw = read_raw(path, output=output, columns=columns, Ts=Ts)
-    raw, jitter = _evened(raw) if allow_jitter else (raw, 0.0)
+    how = Reading(columns, Ts, output, time_unit, repeated, select, since, until, resample, decimate)
+    return read_record(path, how)
+
+
+def read_record(path: str | PathLike[str], how: Reading) -> Record:
+    """Read a record as `load_record` does, with its options in one object."""
+    raw = read_raw(path, how)
     faults = find_faults(raw)
     if faults:
         raise ValueError(refusal(path, faults))
@@ -146,7 +196,9 @@ def load_record(
         y_noise_reduced=raw.y_noise_reduced,
         reference=raw.reference,
         name=raw.name,
-        jitter=jitter,
+        jitter=raw.jitter,
+        notes=raw.notes,
+        units=raw.units,
     )
 
 
@@ -200,7 +252,7 @@ def find_faults(raw: RawRecord) -> tuple[Fault, ...]:
     faults = []
     for name, column in raw.columns.items():
         try:
-            as_signal(name, column, at_least=2)
+            as_signal(name, _filled(name, column), at_least=2)
         except ValueError as error:
             faults.append(Fault("values", str(error)))
         else:
@@ -211,8 +263,8 @@ def find_faults(raw: RawRecord) -> tuple[Fault, ...]:
         text = f"columns must have equal length; {got}. Cut them to the same samples."
         faults.append(Fault("lengths", text))
     faults += _sampling_faults(raw)
-    if not faults and look_swapped(raw.u, raw.y):
-        levels = np.unique(raw.y).size
+    if not faults and look_swapped(*_complete(raw)):
+        levels = np.unique(raw.y[np.isfinite(raw.y)]).size
         text = (
             f"u and y look swapped: y holds {levels} exact levels, while u moves after each change of y as an "
             "output does. Name the columns the other way round."
@@ -221,13 +273,33 @@ def find_faults(raw: RawRecord) -> tuple[Fault, ...]:
     return tuple(faults)
 
 
+def reading_notes(record: Record) -> tuple[str, ...]:
+    """All that is to be said of how a record was read: what was done, missing outputs, jitter of its stamps."""
+    return (*record.notes, *missing_note(record.y, record.t), *jitter_note(record.jitter, record.Ts))
+
+
+def bridge_gaps(y: FloatArray) -> FloatArray:
+    """An output with straight lines in place of missing samples: for what needs a value everywhere but uses none there.
+
+    Parameters
+    ----------
+    y : ndarray, shape (N,)
+        At least one sample is there.
+    """
+    missing = np.isnan(y)
+    if not missing.any():
+        return y
+    k = np.arange(y.size)
+    return np.interp(k, k[~missing], y[~missing])
+
+
 def is_sound(values: FloatArray) -> bool:
     """Whether all values are finite and at most `LARGEST` in magnitude."""
     return bool(np.all(np.abs(values) <= LARGEST))
 
 
 def _size_faults(name: str, column: FloatArray) -> list[Fault]:
-    k = int(np.argmax(np.abs(column)))
+    k = int(np.argmax(np.abs(np.nan_to_num(column, nan=0.0, posinf=np.inf))))
     if abs(column[k]) <= LARGEST:
         return []
     text = f"{name} must be below {LARGEST:g} in size; got {column[k]:g} at sample {k}. The file is damaged there."
@@ -247,14 +319,21 @@ def _sampling_faults(raw: RawRecord) -> list[Fault]:
     return faults
 
 
-def _evened(raw: RawRecord) -> tuple[RawRecord, float]:
-    """The record with even times in place of jittering stamps, and the jitter; regular stamps are kept."""
-    if raw.t is None or raw.t.size < 2 or not is_sound(raw.t):
-        return raw, 0.0
-    even = fit_even_times(raw.t)
-    if even is None or (even.jitter <= REGULAR_WITHIN and not _time_faults(raw.t)):
-        return raw, 0.0
-    return replace(raw, t=even.t), even.jitter
+def _filled(name: str, values: ArrayLike) -> ArrayLike:
+    """An output with 0 in place of missing samples, if at least two are there; anything else as it is."""
+    array = np.asarray(values)
+    if name not in OUTPUTS or array.dtype.kind != "f" or np.sum(~np.isnan(array)) < 2:
+        return values
+    return np.where(np.isnan(array), 0.0, array)
+
+
+def _complete(raw: RawRecord) -> tuple[FloatArray, FloatArray]:
+    """The longest stretch of samples that all have an output."""
+    starts, lengths = runs(np.isnan(raw.y).astype(np.float64))
+    there = np.flatnonzero(~np.isnan(raw.y[starts]))
+    longest = there[np.argmax(lengths[there])]
+    part = slice(starts[longest], starts[longest] + lengths[longest])
+    return raw.u[part], raw.y[part]
 
 
 def _time_faults(t: FloatArray) -> list[Fault]:
@@ -267,7 +346,7 @@ def _time_faults(t: FloatArray) -> list[Fault]:
         many = f" ({back.size} such places)" if back.size > 1 else ""
         text = (
             f"time {what} from sample {k} (t = {t[k]:g} s) to sample {k + 1} (t = {t[k + 1]:g} s){many}. "
-            "Cut the record there, or sort it if its lines are out of order."
+            f"{_REMEDIES[bool(steps[k] < 0)]}"
         )
         return [Fault("sampling", text)]
     usual = float(np.median(steps))
@@ -277,8 +356,9 @@ def _time_faults(t: FloatArray) -> list[Fault]:
         many = f", {odd.size} such intervals in all" if odd.size > 1 else ""
         text = (
             f"sampling is irregular: {usual:g} s as a rule, but {steps[k]:g} s from sample {k} (t = {t[k]:g} s) "
-            f"to the next{many}. Resample or cut the record; where the times are merely rounded, read it "
-            "without them (columns u,y and Ts)."
+            f"to the next{many}. If the samples are even and only their stamps are not, say so with Ts (--Ts "
+            f"{usual:.3g}), or read it without times (columns u,y and Ts); if the samples are uneven, resample "
+            f"(--resample {usual:.3g}) or cut the record (--from, --to)."
         )
         return [Fault("sampling", text)]
     return []

@@ -11,6 +11,23 @@ LARGE_MOVE = 4.0  # median changes between samples: a jump away from the sensor'
 SEVERAL_HOLDS = 3
 
 
+def digits_of(value: float, span: float, least: int = 4) -> str:
+    """A value with the digits that tell it from others of its signal: to a ten-thousandth of the range.
+
+    Parameters
+    ----------
+    value : float
+    span : float
+        Range of the signal.
+    least : int
+        Fewest significant digits.
+    """
+    if not (np.isfinite(value) and np.isfinite(span)) or span <= 0.0 or value == 0.0:
+        return f"{value:.{least}g}"
+    digits = int(np.clip(np.ceil(np.log10(abs(value) / span)) + 4, least, 16))
+    return f"{value:.{digits}g}"
+
+
 def runs(x: FloatArray) -> tuple[np.ndarray, np.ndarray]:
     """Starts and lengths of the runs of exactly equal values.
 

@@ -1,168 +1,135 @@
-"""Delimited text files, with or without a header."""
+"""Delimited text: any of the usual delimiters, decimal marks, headers and encodings."""
 
-from collections.abc import Sequence
-from typing import Any
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from functools import partial
+from itertools import islice
 
 import numpy as np
 
-from labsid._arrays import FloatArray
+from labsid.records import fields as field_types
+from labsid.records.column import Column, Log
+from labsid.records.fields import Style, kind_of_column, number_style
+from labsid.records.text_layout import Layout, find_layout, is_row, lines_of, text_stream, without_prefix
+
+SAMPLE = 1000  # rows from which the kind of a column is taken
+_BLOCK = 50_000  # rows that are held as text at a time
 
 
-def read_text(content: bytes, columns: str | None, Ts: float | None) -> dict[str, Any]:
-    """Read the columns t,u,y or u,y of a text file.
+def open_text(content: bytes) -> Log:
+    """Find the columns of a text file; they are read when they have been chosen.
 
     Parameters
     ----------
     content : bytes
         The content of the file.
-    columns : str or None
-        Names or numbers (from 1) of two or three columns; None for those named t, u, y in the header.
-    Ts : float or None
-        Sampling time in seconds; if given, the file needs no times.
 
     Returns
     -------
-    dict
-        `t` (or None), `u`, `y` and `notes`, for `labsid.records.formats.RawRecord`; empty fields are NaN.
+    Log
 
     Raises
     ------
     ValueError
-        If there are no data, if a column is missing, or if a field is not a number.
+        If there are no data. `Log.read` raises it for a field that does not fit its column, and names the line.
     """
-    lines = _decode(content).replace("\r\n", "\n").replace("\r", "\n").split("\n")
-    numbers = [k for k, line in enumerate(lines) if line.strip() and line.lstrip()[0] not in "#%"]
-    if not numbers:
-        raise ValueError("there are no data in it, only comments.")
-    delimiter = next((mark for mark in ";\t," if mark in lines[numbers[0]]), None)
-    header = _fields(lines[numbers[0]], delimiter)
-    if not _all_numbers(header, delimiter):
-        numbers = numbers[1:]
-        if not numbers:
-            raise ValueError(f"there is a header ({', '.join(header)}) and no data under it.")
+    layout = find_layout(content)
+    names = layout.header + tuple(str(k + 1) for k in range(len(layout.header), layout.width))
+    sample = [layout.split(line) for _, line in islice(_rows(content, layout), SAMPLE)]
+    columns = [[row[k] for row in sample if k < len(row)] for k in range(layout.width)]
+    kinds = [_with_counters(kind_of_column(column), column) for column in columns]
+    numbers = [field for column, kind in zip(columns, kinds, strict=True) if kind == "number" for field in column]
+    style = number_style([field for field in numbers if field], layout.delimiter == ",")
+
+    def read(places: Sequence[int]) -> list[Column]:
+        chosen = [kinds[k] for k in places]
+        table = None
+        if style == Style() and all(kind == "number" for kind in chosen):
+            table = _read_numbers(content, layout, places)
+        arrays = list(table.T) if table is not None else _read_fields(content, layout, places, chosen, style)
+        return [
+            Column(
+                names[k],
+                _whole(array, columns[k]) if kinds[k] == "number" else array,
+                "h:m:s" if kinds[k] == "clock" else layout.units[k],
+                notes=(f"{names[k]}: on read as 1, off as 0",) if kinds[k] == "switch" else (),
+            )
+            for k, array in zip(places, arrays, strict=True)
+        ]
+
+    return Log(names, read, bool(layout.header), "column", (*layout.notes, *style.note))
+
+
+def _rows(content: bytes, layout: Layout) -> Iterator[tuple[int, str]]:
+    """The rows of data with their line numbers, from 0."""
+    numbered = enumerate(lines_of(content, layout.encoding))
+    rows = ((k, line) for k, line in islice(numbered, layout.first, None) if is_row(line))
+    if layout.has_prefix:
+        return ((k, without_prefix(line, layout.delimiter or " ")) for k, line in rows)
+    return rows
+
+
+def _read_numbers(content: bytes, layout: Layout, places: Sequence[int]) -> np.ndarray | None:
+    """The chosen columns at several times the speed of `_read_fields`; None if some field is no plain number."""
+    rows: Iterable[str]
+    if layout.has_prefix or b"#" in content or b"%" in content:
+        rows = (line for _, line in _rows(content, layout))
     else:
-        header = _header_in_comment(lines[: numbers[0]], len(header), delimiter)
-    used, notes = _choose_columns(header, len(_fields(lines[numbers[0]], delimiter)), columns, Ts)
-    rows = [lines[k] for k in numbers]
-    if '"' in rows[0]:
-        rows = [row.replace('"', "") for row in rows]
-    if delimiter in (";", "\t") and any("," in row for row in rows) and not any("." in row for row in rows):
-        rows = [row.replace(",", ".") for row in rows]
-        notes.append("decimal commas read as decimal points")
+        rows = text_stream(content, layout.encoding)
+        for _ in range(layout.first):
+            rows.readline()
     try:
-        # Seven times as fast as `_parse_rows`, but fails on empty fields.
-        table = np.loadtxt(rows, delimiter=delimiter, usecols=used, comments=None, ndmin=2)
+        return np.loadtxt(rows, delimiter=layout.delimiter, usecols=places, comments=None, ndmin=2, quotechar='"')
     except ValueError:
-        table = _parse_rows(rows, numbers, delimiter, used)
-    return as_found(list(table.T), notes)
+        return None
 
 
-def split_columns(columns: str) -> list[str]:
-    """Split the `columns` argument into two or three names.
+def _read_fields(
+    content: bytes, layout: Layout, places: Sequence[int], kinds: Sequence[str], style: Style
+) -> list[np.ndarray]:
+    """The chosen columns, field by field; errors name the line."""
+    readers: dict[str, Callable[[str], object]] = {
+        "counter": field_types.counter,
+        "switch": field_types.switch,
+        "date": field_types.date,
+        "clock": field_types.time_of_day,
+    }
+    parse = [readers.get(kind, partial(field_types.number, style=style)) for kind in kinds]
+    types = [{"date": "datetime64[ns]", "counter": "int64"}.get(kind, "float64") for kind in kinds]
+    rows, blocks = _rows(content, layout), []
+    while block := list(islice(rows, _BLOCK)):
+        split = [(k, layout.split(line), line) for k, line in block]
+        blocks.append(
+            [
+                np.array([_field(row, place, read) for row in split], dtype)
+                for place, read, dtype in zip(places, parse, types, strict=True)
+            ]
+        )
+    return [np.concatenate(parts) for parts in zip(*blocks, strict=True)]
 
-    Raises
-    ------
-    ValueError
-        If the number of names is not two or three, or a name occurs twice.
-    """
-    names = [name.strip() for name in columns.split(",")]
-    if len(names) not in (2, 3) or not all(names):
-        raise ValueError(f"columns must name three columns, t,u,y, or two, u,y; got {columns!r}.")
-    if len(set(names)) < len(names):
-        raise ValueError(f"columns must name different columns; got {columns!r}.")
-    return names
 
-
-def as_found(arrays: Sequence[FloatArray], notes: Sequence[str] = ()) -> dict[str, Any]:
-    """Name two arrays u and y, or three arrays t, u and y."""
-    t, u, y = arrays if len(arrays) == 3 else (None, *arrays)
-    return {"t": t, "u": u, "y": y, "notes": notes}
-
-
-def _decode(content: bytes) -> str:
-    if content.startswith((b"\xff\xfe", b"\xfe\xff")):
-        return content.decode("utf-16", errors="replace")
-    if b"\0" in content:
-        raise ValueError("it is neither a MAT-file nor text. Give a .mat with LogData, or text with t,u,y.")
+def _field(row: tuple[int, list[str], str], place: int, read: Callable[[str], object]) -> object:
+    k, fields, line = row
+    if place >= len(fields):
+        raise ValueError(
+            f"line {k + 1} has {len(fields)} fields, but column {place + 1} is needed: {line[:40]!r}. "
+            "Complete or delete that line."
+        )
     try:
-        return content.decode("utf-8-sig")
-    except UnicodeDecodeError:
-        return content.decode("latin-1")
+        return read(fields[place])
+    except (ValueError, OverflowError):
+        what = {"date": "date", "time_of_day": "time", "switch": "switch"}.get(getattr(read, "__name__", ""), "number")
+        raise ValueError(f"line {k + 1}, column {place + 1}: {fields[place][:40]!r} is not a {what}.") from None
 
 
-def _fields(line: str, delimiter: str | None) -> list[str]:
-    """Fields of a line, without the empty ones after trailing delimiters."""
-    fields = [field.strip().strip("\"'").strip() for field in line.split(delimiter)]
-    while fields and not fields[-1]:
-        fields.pop()
-    return fields
+def _with_counters(kind: str, sample: Sequence[str]) -> str:
+    """Whole numbers of more digits than a float holds, such as nanoseconds since 1970, are counters."""
+    long = kind == "number" and all(field.isdigit() for field in sample) and max(map(len, sample)) > 15
+    return "counter" if long else kind
 
 
-def _all_numbers(fields: Sequence[str], delimiter: str | None) -> bool:
-    for field in fields:
-        try:
-            float((field.replace(",", ".") if delimiter in (";", "\t") else field) or "nan")
-        except ValueError:
-            return False
-    return True
-
-
-def _header_in_comment(lines: Sequence[str], width: int, delimiter: str | None) -> list[str]:
-    """Column names from the comment above the data, as numpy.savetxt writes it; empty if there is none."""
-    if not lines:
-        return []
-    names = _fields(lines[-1].lstrip(" \t#%"), delimiter)
-    return names if len(names) == width and not _all_numbers(names, delimiter) else []
-
-
-def _choose_columns(
-    header: Sequence[str], width: int, columns: str | None, Ts: float | None
-) -> tuple[list[int], list[str]]:
-    """Positions of t,u,y or u,y among the columns, and a note if there is no header."""
-    there = ", ".join(header) if header else f"1 to {width} (there is no header)"
-    if columns is not None:
-        names = split_columns(columns)
-        if not header and width == len(names) and names == ["t", "u", "y"][-width:]:
-            return list(range(width)), [f"no header: columns taken as {columns}"]
-        return [_find_column(name, header, max(width, len(header)), there) for name in names], []
-    lower = [name.lower() for name in header]
-    t = next((lower.index(name) for name in ("t", "time") if name in lower), None)
-    if "u" in lower and "y" in lower and (t is not None or Ts is not None):
-        return [*([] if t is None else [t]), lower.index("u"), lower.index("y")], []
-    if not header and width == 3:
-        return [0, 1, 2], ["no header: columns taken as t,u,y"]
-    if not header and width == 2 and Ts is not None:
-        return [0, 1], ["no header: columns taken as u,y"]
-    raise ValueError(
-        f"no columns t,u,y; the columns are {there}. Choose columns by name or number with columns "
-        "(--columns t,u,y, or --columns u,y and --Ts)."
-    )
-
-
-def _find_column(name: str, header: Sequence[str], width: int, there: str) -> int:
-    if name in header:
-        return header.index(name)
-    if name.isdecimal() and 1 <= int(name) <= width:
-        return int(name) - 1
-    hint = "" if header else ". Give numbers, such as 1,2"
-    raise ValueError(f"there is no column {name!r}; the columns are {there}{hint}.")
-
-
-def _parse_rows(rows: Sequence[str], numbers: Sequence[int], delimiter: str | None, used: Sequence[int]) -> FloatArray:
-    """Parse rows as loadtxt does, but read empty fields as NaN and name the line in errors."""
-    table = np.empty((len(rows), len(used)))
-    for k, row in enumerate(rows):
-        fields = row.split(delimiter)
-        for j, column in enumerate(used):
-            line = f"line {numbers[k] + 1}"
-            if column >= len(fields):
-                raise ValueError(
-                    f"{line} has {len(fields)} fields, but column {column + 1} is needed: {row[:40]!r}. "
-                    "Complete or delete that line."
-                )
-            field = fields[column].strip()
-            try:
-                table[k, j] = float(field or "nan")
-            except ValueError:
-                raise ValueError(f"{line}, column {column + 1}: {field[:40]!r} is not a number.") from None
-    return table
+def _whole(array: np.ndarray, sample: Sequence[str]) -> np.ndarray:
+    """Whole numbers as integers, where the file writes them so: counters differ from seconds in that."""
+    if not all(field.strip().lstrip("+-").isdigit() for field in sample):
+        return array
+    is_whole = np.isfinite(array).all() and np.abs(array).max() < 2.0**62 and (array == np.round(array)).all()
+    return array.astype(np.int64) if is_whole else array

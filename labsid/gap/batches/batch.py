@@ -3,6 +3,7 @@
 import json
 import os
 from contextlib import closing
+from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -13,6 +14,7 @@ from labsid.gap.batches.batch_summary import csv_summary, text_summary
 from labsid.gap.batches.scheduler import run_on_scheduler
 from labsid.gap.batches.version import sources_version
 from labsid.gap.batches.workers import ATTEMPTS, run_tasks, serve
+from labsid.records.reading import Reading
 
 if TYPE_CHECKING:  # only the worker processes import the search
     from labsid.gap.search.beam_search import Progress
@@ -30,6 +32,7 @@ def diagnose_folder(
     progress: "Progress | None" = None,
     scheduler: str | None = None,
     html: bool = False,
+    how: Reading | None = None,
 ) -> str:
     """Diagnose every record of a folder, and the records of each sub-folder together as runs of one rig.
 
@@ -53,6 +56,8 @@ def diagnose_folder(
         Address of a Dask scheduler, such as ``tcp://HOST:8786``, whose workers run the diagnoses.
     html : bool
         Also write ``<stem>.html`` for each report, on this machine.
+    how : Reading, optional
+        How each record is read.
 
     Returns
     -------
@@ -67,9 +72,11 @@ def diagnose_folder(
         If the folder contains no records, or two with the same stem, or a sub-folder with records and a simulation; or
         the scheduler or its workers fail; or the page of a record would be ``summary.html``.
     """
+    how = how or Reading()
     records = find_records(folder, out)
     one, several = nouns(records)
-    all_jobs = [make_job(record, out, f"{sources_version()} {seed}") for record in records]
+    made_from = " ".join([sources_version(), str(seed), *([repr(how)] if how != Reading() else [])])
+    all_jobs = [make_job(record, out, made_from) for record in records]
     for job in all_jobs if html else ():
         if job.stem.lower() == Path(PAGE).stem:
             raise ValueError(f"the page of {job.stem} would replace {PAGE}. Rename the {one}, or omit --html.")
@@ -79,7 +86,7 @@ def diagnose_folder(
     todo = [job for job in all_jobs if job.stem not in reports]
     if progress is not None:
         progress(f"{before} of {len(records)} {several}", before / len(records))
-    tasks = [{"files": job.files, "seed": seed} for job in todo]
+    tasks = [{"files": job.files, "seed": seed, "how": asdict(how)} for job in todo]
     if scheduler is None:
         running = run_tasks(__name__, tasks, jobs or _cores())
     else:
@@ -107,12 +114,13 @@ def _diagnose(task: dict[str, Any]) -> dict[str, Any]:
     """Diagnose one record or several of one rig; an error becomes a report with the verdict "error"."""
     from labsid.gap.diagnosis import diagnose
     from labsid.gap.simulations.simulation_files import load_simulation
-    from labsid.records.record import load_record
+    from labsid.records.record import read_record
 
     files: dict[str, list[str]] = task["files"]
     try:
-        records = [load_record(path, allow_jitter=True) for path in files["records"]]
-        holdout = next((load_record(path, allow_jitter=True) for path in files["holdout"]), None)
+        how = Reading(**task["how"])
+        records = [read_record(path, how) for path in files["records"]]
+        holdout = next((read_record(path, how) for path in files["holdout"]), None)
         simulation = next((load_simulation(Path(path), records[0], len(records) > 1) for path in files["sim"]), None)
         report = diagnose(records, simulation, holdout=holdout, seed=task["seed"]).report
         json.dumps(report, allow_nan=False)

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from labsid.gap.batches.batch_summary import COLUMNS
 
-RECORDS = (".csv", ".mat")
+RECORDS = (".csv", ".mat", ".xlsx", ".parquet", ".npz", ".h5", ".mf4", ".tdms", ".mcap", ".bag")
 SIMULATIONS = (".sim.json", ".sim.csv")  # after the stem of the record
 HOLDOUTS = (".holdout.csv", ".holdout.mat")
 SUMMARY = "summary.csv"
@@ -79,7 +79,7 @@ def find_records(folder: Path, out: Path) -> list[Path]:
             )
         found[stem] = path
     if not found:
-        raise ValueError(f"{folder} holds no records (.csv or .mat), nor a folder of them.")
+        raise ValueError(f"{folder} holds no records (.csv, .mat or another format of logs), nor a folder of them.")
     return [found[stem] for stem in sorted(found)]
 
 

@@ -6,12 +6,13 @@ import numpy as np
 
 from labsid.lab.findings import Finding
 from labsid.records.record import REGULAR_WITHIN, Record
+from labsid.records.signals import missing_note
 
 MAX_CLOCK_ERROR = 1.0  # samples over the record, by which two sampling times of one rig may differ
 
 
 def clock_findings(record: Record, holdout: Record | None = None) -> list[Finding]:
-    """Report clock jitter.
+    """Report what was done in reading the records, and clock jitter.
 
     Parameters
     ----------
@@ -21,9 +22,11 @@ def clock_findings(record: Record, holdout: Record | None = None) -> list[Findin
     Returns
     -------
     list of Finding
-        Empty if the time stamps deviate from even times by no more than 1 % of the sampling time.
+        Of jitter only if the time stamps deviate from even times by more than 1 % of the sampling time.
     """
-    found = []
+    found = [Finding("note", "file", f"{note}.") for note in (*record.notes, *missing_note(record.y, record.t))]
+    if holdout is not None:
+        found += [Finding("note", "file", f"holdout: {note}.") for note in holdout.notes]
     for whose, what, one in (("", "record", record), (" of the holdout", "holdout", holdout)):
         if one is not None and one.jitter > REGULAR_WITHIN:
             text = (

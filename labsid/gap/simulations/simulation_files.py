@@ -1,7 +1,7 @@
 """Simulations from files: read one for `--sim`, or run one with the input of a record."""
 
 import csv
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -16,7 +16,7 @@ from labsid.gap.simulations.baseline import Simulation, check_bounded, make_base
 from labsid.gap.simulations.fmu_export import read_fmu_content
 from labsid.gap.simulations.simulated_output import SimulatedOutput, resample
 from labsid.gap.simulations.transfer_function import read_transfer_function
-from labsid.records.record import Record
+from labsid.records.record import Record, bridge_gaps
 from labsid.simulators.process import open_in_process
 from labsid.simulators.simulator import Simulator
 from labsid.simulators.sources import is_source
@@ -106,6 +106,7 @@ def replay(source: Path, record: Record) -> Replay:
     ValueError
         If the source is no simulation that can be run, or one with another sampling time.
     """
+    measured, record = ~record.missing, replace(record, y=bridge_gaps(record.y))
     content = read_fmu_content(source)
     if content is None and is_source(str(source)):
         y = _play(open_in_process(str(source)), record)
@@ -118,7 +119,7 @@ def replay(source: Path, record: Record) -> Replay:
             y = read_transfer_function(content, record.Ts).simulate(record.u, record.y)
     check_bounded(y, record.y)
     first = START_SAMPLES if len(record) > 2 * START_SAMPLES else 0
-    return Replay(y, float(np.sqrt(np.mean((record.y - y)[first:] ** 2))), first)
+    return Replay(y, float(np.sqrt(np.mean((record.y - y)[first:][measured[first:]] ** 2))), first)
 
 
 def _play(simulate: Simulator, record: Record) -> FloatArray:

@@ -166,13 +166,25 @@ def test_records_that_cannot_be_diagnosed(refused, written, plain, words, change
     ("words", "changed"),
     [
         ("the holdout runs at 1 s, the record at 0.5 s", lambda r: {"t": 2.0 * r.t}),
-        ("u of the holdout is constant", lambda r: {"u": np.ones(200)}),
-        ("the holdout has 60 samples", lambda r: {name: getattr(r, name)[:60] for name in "tuy"}),
+        ("the holdout has 59 samples", lambda r: {name: getattr(r, name)[:59] for name in "tuy"}),
         ("y must be finite", lambda r: {"y": with_one(r.y, 3, np.inf)}),
     ],
 )
 def test_holdouts_that_do_not_fit(refused, record, written, plain, words, changed):
     refused(words, "diagnose", record, "--holdout", written(**changed(plain)))
+
+
+@pytest.mark.parametrize(
+    "changed",
+    [
+        lambda r: {"u": np.full(200, r.u[0]), "y": np.full(200, r.y[0])},
+        lambda r: {name: getattr(r, name)[:60] for name in "tuy"},
+    ],
+    ids=["at rest", "60 samples"],
+)
+def test_a_holdout_is_only_scored(record, written, plain, capsys, changed):
+    assert main(["gap", "diagnose", str(record), "--holdout", str(written(**changed(plain)))]) == 0
+    assert "nan" not in capsys.readouterr().out
 
 
 # Options --------------------------------------------------------------------------------------------------
@@ -216,7 +228,7 @@ def test_folders_without_records(refused, record, tmp_path):
     refused("No such file or directory", "batch", "nowhere", "--out", "out")
     refused("Not a directory", "batch", record, "--out", "out")
     (tmp_path / "bare").mkdir()
-    refused("bare holds no records (.csv or .mat)", "batch", "bare", "--out", "out")
+    refused("bare holds no records (.csv, .mat or another format of logs)", "batch", "bare", "--out", "out")
     assert not os.path.exists(tmp_path / "out")
 
 

@@ -8,6 +8,7 @@ import pytest
 from labsid.gap.diagnosis import diagnose
 from labsid.gap.rigs import check_rigs, find_rigs
 from labsid.records.formats import read_raw
+from labsid.records.reading import Reading
 from labsid.records.record import Record, load_record
 
 
@@ -23,7 +24,7 @@ def test_the_overflow_of_the_cascaded_tanks_is_named_and_the_held_back_record_fo
 
 
 def test_the_delay_of_the_hair_dryer_is_named_on_either_half(shared_data: Path) -> None:
-    raw = read_raw(shared_data / "hair-dryer" / "dryer.dat", Ts=0.08)
+    raw = read_raw(shared_data / "hair-dryer" / "dryer.dat", Reading(Ts=0.08))
     for half in (slice(0, 500), slice(500, 1000)):
         record = Record(np.arange(500) * 0.08, raw.u[half], raw.y[half], 0.08)
         delays = [

@@ -8,6 +8,7 @@ from scipy.signal import lfilter
 
 from labsid.lab.record_check import check_record, to_json_dict
 from labsid.records.formats import RawRecord, read_raw
+from labsid.records.reading import Reading
 
 
 def texts(check, topic, level=None):
@@ -58,14 +59,24 @@ def test_the_noise_is_that_of_the_measured_output(good):
 
 
 def test_missing_values_by_stretches(good, staircase):
-    y = changed(staircase["y"], [17, 18, 19, 40], np.nan)
-    check = check_record(good(y=y, y_noise_reduced=y, t=changed(staircase["t"], 5, np.inf)))
+    u = changed(staircase["u"], [17, 18, 19, 40], np.nan)
+    check = check_record(good(u=u, t=changed(staircase["t"], 5, np.inf)))
     assert not check.usable
     told = texts(check, "values", "refused")
-    assert "y is missing or not finite at samples 17 to 19, 40 (4 in all)." in told
+    assert "u is missing or not finite at samples 17 to 19, 40 (4 in all)." in told
     assert "t is missing or not finite at samples 5 (1 in all)." in told
     assert told.count("|") == 1
     assert [fault.topic for fault in check.faults] == ["values", "values"]
+
+
+def test_missing_outputs_are_counted_and_nothing_is_refused(good, staircase):
+    y = changed(staircase["y"], [17, 18, 19, 40], np.nan)
+    check = check_record(good(y=y, y_noise_reduced=y))
+    assert check.usable
+    assert texts(check, "values", "note") == (
+        "y is missing in 4 of 600 samples (17 to 19, 40); these are neither fitted nor scored."
+    )
+    assert "with gaps in y" in texts(check, "sampling", "ok")
 
 
 def test_values_beyond_reason(good, staircase):
@@ -93,7 +104,7 @@ def test_time_that_jumps_is_described_place_by_place(good, staircase):
 
 def test_many_places_are_not_all_named(good, staircase):
     y = changed(staircase["y"], slice(0, 100, 10), np.nan)
-    told = texts(check_record(good(y=y, y_noise_reduced=y)), "values")
+    told = texts(check_record(good(u=y)), "values")
     assert "at samples 0, 10, 20, 30, and so on (10 in all)" in told
 
 
@@ -279,6 +290,6 @@ def test_the_closed_loop_log(shared_data):
 def test_the_sensor_that_stops_at_ten_volts(shared_data):
     path = shared_data / "cascaded-tanks" / "dataBenchmark.csv"
     for columns in ("uEst,yEst", "uVal,yVal"):
-        check = check_record(read_raw(path, columns=columns, Ts=4))
+        check = check_record(read_raw(path, Reading(columns=columns, Ts=4)))
         assert "stuck at its highest value 10 for" in texts(check, "clipping", "warning")
         assert "held values" not in {f.topic for f in check.findings}

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from labsid.records.formats import RawRecord
-from labsid.records.record import Record, find_faults, load_record, refusal, sampling_time
+from labsid.records.record import Record, find_faults, load_record, reading_notes, refusal, sampling_time
 
 N = 20
 T = np.arange(N) * 0.75
@@ -107,7 +107,7 @@ def test_sampling_time_forgives_jitter_below_a_hundredth():
 
 
 def test_rounded_times_are_irregular_and_the_remedy_is_named():
-    with pytest.raises(ValueError, match=r"irregular: .* merely rounded, read it without them \(columns u,y and Ts\)"):
+    with pytest.raises(ValueError, match=r"irregular: .* or read it without times \(columns u,y and Ts\)"):
         sampling_time(np.round(np.arange(100) * 0.025, 2))
 
 
@@ -208,64 +208,72 @@ def stamped(t):
     return "t,u,y\n" + "".join(f"{a!r},{b},{c}\n" for a, b, c in zip(t.tolist(), k % 7 % 3, np.sin(k), strict=True))
 
 
-def test_stamps_that_jitter_are_evened_where_that_is_asked_for_only(write_text):
-    t = 0.05 * (np.arange(400) + 0.03 * np.random.default_rng(1).standard_normal(400))
-    path = write_text(stamped(t))
-    with pytest.raises(ValueError, match=r"sampling is irregular: .* read it without them \(columns u,y and Ts\)"):
-        load_record(path)
-    loaded = load_record(path, allow_jitter=True)
+def test_stamps_that_jitter_by_less_than_a_tenth_are_evened_and_it_is_said(write_text):
+    t = 0.05 * (np.arange(400) + 0.03 * np.random.default_rng(1).uniform(-3, 3, 400))
+    loaded = load_record(write_text(stamped(t)))
     assert loaded.Ts == 0.05
     assert loaded.jitter == pytest.approx(np.std(t / 0.05 - np.arange(400)), rel=0.01)
     np.testing.assert_allclose(np.diff(loaded.t), 0.05, rtol=1e-9)
-    assert np.abs(loaded.t - t).max() < 0.2 * 0.05
-    assert load_record(path, Ts=0.05, allow_jitter=True).Ts == 0.05
-    with pytest.raises(ValueError, match=r"Ts = 0.06 s disagrees with the times, which step by 0.05 s"):
-        load_record(path, Ts=0.06, allow_jitter=True)
+    assert np.abs(loaded.t - t).max() < 0.1 * 0.05
+    (note,) = reading_notes(loaded)
+    assert note == "the stamps deviate by 0.051 of the sampling time (rms); samples taken as every 0.05 s"
 
 
-def test_milliseconds_at_30_hz_are_even_times(write_text):
-    path = write_text(stamped(np.round(np.arange(400) / 30, 3)))
-    assert load_record(path, allow_jitter=True).Ts == pytest.approx(1 / 30, rel=1e-9)
-    with pytest.raises(ValueError, match="sampling is irregular"):
+def test_more_jitter_can_be_read_in_two_ways_and_the_options_are_named(write_text):
+    t = 0.05 * (np.arange(400) + 0.1 * np.random.default_rng(1).uniform(-3, 3, 400))
+    path = write_text(stamped(t))
+    with pytest.raises(ValueError, match=r"irregular: .* with Ts \(--Ts 0.0\d+\), .* resample \(--resample 0.0\d+\)"):
         load_record(path)
+    even, uneven = load_record(path, Ts=0.05), load_record(path, resample=0.05)
+    assert even.Ts == uneven.Ts == 0.05
+    assert even.jitter == pytest.approx(0.17, abs=0.02)
+    assert any("resampled to 0.05 s" in note for note in uneven.notes)
+    with pytest.raises(ValueError, match=r"Ts = 0.06 s disagrees with the times, which step by 0.05 s"):
+        load_record(path, Ts=0.06)
+
+
+@pytest.mark.parametrize(("rate", "digits"), [(30, 3), (40, 2), (60, 3)])
+def test_rounded_stamps_are_even_times_and_no_jitter(write_text, rate, digits):
+    loaded = load_record(write_text(stamped(np.round(np.arange(400) / rate, digits))))
+    assert loaded.Ts == pytest.approx(1 / rate, rel=1e-9)
+    assert loaded.jitter == 0.0
+    assert loaded.notes[0].startswith(f"stamps are rounded to {10.0**-digits:g} s")
 
 
 def test_good_stamps_stay_as_they_are(write_text):
     t = 3.0 + 0.05 * (np.arange(400) + 0.001 * np.random.default_rng(1).standard_normal(400))
-    path = write_text(stamped(t))
-    strict, lenient = load_record(path), load_record(path, allow_jitter=True)
-    np.testing.assert_array_equal(lenient.t, t)
-    assert (lenient.Ts, lenient.jitter) == (strict.Ts, 0.0)
+    loaded = load_record(write_text(stamped(t)))
+    np.testing.assert_array_equal(loaded.t, t)
+    assert (loaded.jitter, loaded.notes) == (0.0, ())
 
 
-def test_a_clock_that_wanders_in_small_steps_is_evened_too(write_text):
+def test_a_clock_that_wanders_in_small_steps_is_evened_and_it_is_said(write_text):
     k = np.arange(400)
     path = write_text(stamped(0.05 * (k + 0.2 * np.sin(2 * np.pi * k / 200))))
-    assert load_record(path).jitter == 0.0
-    assert load_record(path, allow_jitter=True).jitter == pytest.approx(0.13, abs=0.02)
+    loaded = load_record(path)
+    assert loaded.jitter == pytest.approx(0.13, abs=0.02)
+    assert "the stamps deviate by" in reading_notes(loaded)[0]
 
 
 @pytest.mark.parametrize(
     ("stamps", "message"),
     [
-        (lambda k: np.delete(0.05 * np.append(k, 400), 150), r"irregular: 0.05 s as a rule, but 0.1 s from sample 149"),
         (lambda k: 0.05 * (k + 0.35 * (k == 150)), r"irregular: 0.05 s as a rule, but 0.0675 s from sample 149"),
-        (lambda k: 0.05 * (k - 1.0 * (k == 150)), r"time stands still from sample 149"),
-        (lambda k: 0.05 * (k - 1.5 * (k == 150)), r"time goes backwards from sample 149"),
+        (lambda k: 0.05 * (k - 1.0 * (k == 150)), r"time stands still from sample 149 .*--repeated first, or last"),
+        (lambda k: 0.05 * (k + 90.5 * (k > 150)), r"irregular: 0.05 s as a rule, but 4.575 s from sample 150"),
+        (lambda k: 0.05 * np.where(k < 200, k, k - 200), r"time goes backwards from sample 199 .*--select 1"),
     ],
 )
-def test_what_is_worse_than_jitter_is_refused_as_ever(write_text, stamps, message):
-    path = write_text(stamped(stamps(np.arange(400))))
-    for allow_jitter in (False, True):
-        with pytest.raises(ValueError, match=message):
-            load_record(path, allow_jitter=allow_jitter)
+def test_what_is_worse_than_jitter_is_refused(write_text, stamps, message):
+    with pytest.raises(ValueError, match=message):
+        load_record(write_text(stamped(stamps(np.arange(400)))))
 
 
-def test_a_broken_time_column_is_still_refused_where_jitter_is_allowed(write_text):
+def test_a_broken_time_column_is_refused(write_text):
     for text, message in (
         ("t,u,y\n0,1,2\nnan,1,2\n2,1,2\n", "t must be finite; got nan at sample 1"),
         ("t,u,y\n0,1,2\n1e200,1,2\n2e200,1,2\n", "t must be below"),
         ("t,u,y\n0,1,2\n", "t must have at least 2 samples"),
     ):
         with pytest.raises(ValueError, match=message):
-            load_record(write_text(text), allow_jitter=True)
+            load_record(write_text(text))

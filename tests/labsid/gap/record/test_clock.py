@@ -15,6 +15,7 @@ from labsid.gap.record.clock import at_sampling_time, clock_findings
 from labsid.gap.reports.html_report import page_content
 from labsid.gap.reports.text_report import format_report
 from labsid.gap.simulations.simulation_files import load_simulation, replay
+from labsid.records.reading import Reading
 from labsid.records.record import Record, load_record
 
 DEN = np.poly([0.95, 0.8]).tolist()
@@ -44,8 +45,8 @@ def write(path, record, stamps):
 
 
 def shaken(record, share=0.03, seconds=1.0):
-    """Sampling instants with normal jitter, in units of `seconds`."""
-    off = share * record.Ts * np.random.default_rng(0).standard_normal(len(record))
+    """Sampling instants with jitter, in units of `seconds`: clipped, because one far off would not be even."""
+    off = share * record.Ts * np.random.default_rng(0).standard_normal(len(record)).clip(-1.55, 1.55)
     return (record.t + off) / seconds
 
 
@@ -62,7 +63,7 @@ def even_report(clipped):
 def test_clock_jitter_changes_neither_effects_nor_parameters(tmp_path, clipped, even_report):
     seconds = 60.0
     path = write(tmp_path / "record.csv", clipped, shaken(clipped, seconds=seconds))
-    report = diagnose(load_record(path, allow_jitter=True)).report
+    report = diagnose(load_record(path)).report
     assert report["record"]["Ts"] == pytest.approx(0.5 / seconds, rel=1e-9)
     (effect,) = report["effects"]
     (expected,) = even_report["effects"]
@@ -133,10 +134,10 @@ def test_the_command_line_accepts_a_jittering_holdout(tmp_path, capsys, plain, m
     assert re.search(r"The clock of the holdout jitters by (6|5\.\d) % of the sampling time", said)
     assert main(["gap", "simulate", "better.json", "other.csv"]) == 0
     assert "note: the clock jitters by " in capsys.readouterr().out
-    write(tmp_path / "gap.csv", plain, plain.t + np.where(np.arange(200) < 100, 0.0, 0.5))
+    write(tmp_path / "gap.csv", plain, plain.t + np.where(np.arange(200) < 100, 0.0, 50.0))
     for arguments in (["diagnose", "gap.csv"], ["simulate", "better.json", "gap.csv"]):
         assert main(["gap", *arguments]) == 2
-        assert "sampling is irregular: 0.5 s as a rule, but 1 s from sample 99" in capsys.readouterr().err
+        assert "sampling is irregular: 0.5 s as a rule, but 50.5 s from sample 99" in capsys.readouterr().err
 
 
 def test_a_batch_accepts_jittering_records(tmp_path, plain, monkeypatch):
@@ -150,3 +151,13 @@ def test_a_batch_accepts_jittering_records(tmp_path, plain, monkeypatch):
     topics = [finding["topic"] for finding in answers["a"]["record_findings"]]
     assert topics.count("sampling") == 2
     assert answers["b"]["verdict"] == "error"
+
+
+def test_a_batch_reads_logs_with_the_options_of_a_record(tmp_path, plain, monkeypatch):
+    monkeypatch.setattr(batch, "run_tasks", run_here)
+    path = write(tmp_path / "a.csv", plain, shaken(plain, 0.15))
+    path.write_text(path.read_text().replace("t,u,y", "clock,pump,level"))
+    diagnose_folder(tmp_path, tmp_path / "out", jobs=1, how=Reading(columns="clock,pump,level", Ts=plain.Ts))
+    answer = json.loads((tmp_path / "out" / "a.json").read_text())
+    assert answer["verdict"] == "none"
+    assert "jitters by 1" in answer["record_findings"][0]["text"]

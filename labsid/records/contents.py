@@ -1,0 +1,158 @@
+"""What the columns of a log look like: for the table of ``labsid check`` and the line to type."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from labsid.records.column import Column, Log, stamps_column
+from labsid.records.resampling import is_held
+from labsid.records.stamps import in_seconds
+from labsid.records.units import is_time_name
+
+MAX_COLUMNS = 200  # that are described
+MAX_VALUES = 2**24  # of the columns that are described
+_INPUT_WORDS = (
+    "u",
+    "input",
+    "cmd",
+    "command",
+    "pwm",
+    "heater",
+    "pump",
+    "goal",
+    "action",
+    "effort",
+    "volt",
+    "duty",
+    "q1",
+    "q2",
+)
+_OUTPUT_WORDS = (
+    "y",
+    "output",
+    "speed",
+    "position",
+    "temp",
+    "level",
+    "angle",
+    "pressure",
+    "velocity",
+    "state",
+    "t1",
+    "t2",
+)
+
+
+@dataclass(frozen=True, slots=True)
+class ColumnSummary:
+    """A column of a log in one row of a table.
+
+    Attributes
+    ----------
+    name, unit : str
+    samples : int
+    interval : float or None
+        Median interval of its own stamps, or of its values if it looks like the time; in seconds.
+    low, high : float or None
+        Range; None without any number.
+    missing : float
+        Share of the samples that are missing.
+    role : {"time", "input", "output", "constant", "text"}
+    why : str
+        The reason for the role.
+    """
+
+    name: str
+    unit: str
+    samples: int
+    interval: float | None
+    low: float | None
+    high: float | None
+    missing: float
+    role: str
+    why: str
+
+
+def summarize(log: Log) -> list[ColumnSummary]:
+    """Describe the columns of a log, the first `MAX_COLUMNS` of them."""
+    summaries: list[ColumnSummary] = []
+    total = 0
+    for place in range(min(len(log.names), MAX_COLUMNS)):
+        try:
+            (column,) = log.read([place])
+        except ValueError as error:
+            summaries.append(ColumnSummary(log.names[place], "", 0, None, None, None, 0.0, "text", str(error)))
+            continue
+        summaries.append(_summary(column))
+        total += column.values.size
+        if total > MAX_VALUES:
+            break
+    return summaries
+
+
+def suggested_columns(summaries: Sequence[ColumnSummary]) -> str:
+    """What to type after ``--columns``: the only time, input and output; capitals where there are several or none."""
+    times = [one.name for one in summaries if one.role == "time"]
+    roles = {"INPUT": [], "OUTPUT": []}  # type: dict[str, list[str]]
+    for one in summaries:
+        if one.role in ("input", "output"):
+            roles[one.role.upper()].append(one.name)
+    if not roles["INPUT"] and len(roles["OUTPUT"]) == 2:
+        return ",".join([*times[:1], "INPUT", "OUTPUT"])
+    own = not times and any(one.interval for one in summaries)
+    named = [names[0] if len(names) == 1 else word for word, names in roles.items()]
+    return ",".join([*([] if own else [times[0] if len(times) == 1 else "TIME"]), *named])
+
+
+def _summary(column: Column) -> ColumnSummary:
+    values, interval = column.values, None
+    if column.stamps is not None and column.stamps.size > 1:
+        interval = _interval(in_seconds(stamps_column(column.stamps)).t)
+    if values.dtype.kind == "M" or column.unit == "h:m:s":
+        return ColumnSummary(
+            column.name, "", values.size, _interval(in_seconds(column).t), None, None, 0.0, "time", "dates or times"
+        )
+    numbers = column.numbers
+    known = numbers[np.isfinite(numbers)]
+    if not known.size:
+        return ColumnSummary(column.name, column.unit, values.size, interval, None, None, 1.0, "text", "no numbers")
+    role, why = _role(column.name, known)
+    if role == "time":
+        try:
+            interval = _interval(in_seconds(column).t)
+        except ValueError:
+            why = f"{why}; its unit is not said (--time-unit)"
+    missing = 1.0 - known.size / numbers.size
+    return ColumnSummary(
+        column.name, column.unit, values.size, interval, float(known.min()), float(known.max()), missing, role, why
+    )
+
+
+def _interval(t: np.ndarray) -> float | None:
+    steps = np.diff(t)
+    steps = steps[steps > 0.0]
+    return float(np.median(steps)) if steps.size else None
+
+
+def _role(name: str, known: np.ndarray) -> tuple[str, str]:
+    word = name.lower()
+    rises = known.size > 2 and float(np.mean(np.diff(known) > 0.0)) > 0.99
+    if np.all(known == known[0]):
+        return "constant", "one value"
+    if is_time_name(name) and float(np.mean(np.diff(known) >= 0.0)) > 0.9:
+        return "time", "by its name, and it rises"
+    if rises:
+        return "time", "it rises at every sample"
+    parts = {
+        part.strip("[]()0123456789") for part in word.replace("/", " ").replace("_", " ").replace(".", " ").split()
+    }
+    parts |= {word.strip(), *word.split("[")}
+    if parts & set(_INPUT_WORDS):
+        return "input", "by its name"
+    if parts & set(_OUTPUT_WORDS):
+        return "output", "by its name"
+    levels = np.unique(known).size
+    if levels <= 20 or is_held(known):
+        return "input", f"held: {levels} different values"
+    return "output", "moves at nearly every sample"

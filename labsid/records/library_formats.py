@@ -1,0 +1,81 @@
+"""Formats that are read by libraries of their own: how each is known, and which module reads it."""
+
+from dataclasses import dataclass
+from importlib import import_module
+from pathlib import Path
+
+from labsid.records.column import Log
+
+
+@dataclass(frozen=True, slots=True)
+class LibraryFormat:
+    """A format, and the module with its ``open_log(path)``.
+
+    Attributes
+    ----------
+    title : str
+    module : str
+        In `labsid.records`.
+    package : str
+        The package that reads it, as in the extra ``labsid[logs]``.
+    suffixes : tuple of str
+    magic : tuple of bytes
+        What the file begins with.
+    """
+
+    title: str
+    module: str
+    package: str
+    suffixes: tuple[str, ...]
+    magic: tuple[bytes, ...] = ()
+
+
+HDF5_MAGIC = b"\x89HDF\r\n\x1a\n"
+FORMATS = (
+    LibraryFormat("Excel workbook", "excel_file", "openpyxl", (".xlsx", ".xlsm")),
+    LibraryFormat("Parquet table", "parquet_file", "pyarrow", (".parquet",), (b"PAR1",)),
+    LibraryFormat("MATLAB 7.3 or HDF5", "hdf5_file", "h5py", (".h5", ".hdf5", ".hdf"), (HDF5_MAGIC, b"MATLAB 7.3")),
+    LibraryFormat("MDF", "mdf_file", "asammdf", (".mf4", ".mdf", ".dat3"), (b"MDF     ", b"UnFinMF ")),
+    LibraryFormat("TDMS", "tdms_file", "nptdms", (".tdms",), (b"TDSm",)),
+    LibraryFormat("MCAP", "mcap_file", "mcap", (".mcap",), (b"\x89MCAP0\r\n",)),
+    LibraryFormat("ROS bag", "ros_bag", "rosbags", (".bag", ".db3"), (b"#ROSBAG V2.0", b"SQLite format 3\0")),
+    LibraryFormat("LeRobot data set", "lerobot_folder", "pyarrow", ()),
+)
+_ROS, _LEROBOT = FORMATS[-2], FORMATS[-1]
+OBJECTS = LibraryFormat("MATLAB file with objects", "mat_objects", "mat-io", ())
+
+
+def library_format(path: Path) -> LibraryFormat | None:
+    """The format of a file or folder, by its first bytes or its suffix; None for text, numpy and older MATLAB files.
+
+    Raises
+    ------
+    OSError
+        If it cannot be opened, or is a folder of no known kind.
+    """
+    if path.is_dir():
+        if (path / "meta" / "info.json").is_file():
+            return _LEROBOT
+        if (path / "metadata.yaml").is_file():
+            return _ROS
+    with path.open("rb") as file:
+        start = file.read(520)
+    for one in FORMATS:
+        if one.magic and start.startswith(one.magic):
+            return one
+    if start[512:].startswith(HDF5_MAGIC):
+        return FORMATS[2]
+    suffix = path.suffix.lower()
+    return next((one for one in FORMATS if suffix in one.suffixes and start.strip()), None)
+
+
+def open_library_log(path: Path, module: str) -> Log:
+    """Open a log with the library of its format, which a module reads; for the process of `labsid.records.apart`.
+
+    Raises
+    ------
+    ValueError
+        If the file is damaged, or holds something else.
+    """
+    log: Log = import_module(f"labsid.records.{module}").open_log(path)
+    return log

@@ -1,0 +1,60 @@
+"""Parquet tables, with pyarrow; only the chosen columns are read."""
+
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+
+from labsid.records.column import Column, Log
+from labsid.records.units import split_unit
+
+MAX_ROWS = 50_000_000
+
+
+def open_log(path: Path) -> Log:
+    """Open a Parquet table.
+
+    Raises
+    ------
+    ValueError
+        If it has no columns of numbers.
+    """
+    import pyarrow.parquet as pq
+
+    table = pq.ParquetFile(path)
+    if table.metadata.num_rows > MAX_ROWS:
+        raise ValueError(f"it has {table.metadata.num_rows} rows; at most {MAX_ROWS} are read. Cut it.")
+    fields = [one for one in table.schema_arrow if _is_readable(one.type)]
+    if not fields:
+        raise ValueError("it has no columns of numbers.")
+
+    def read(places: Sequence[int]) -> list[Column]:
+        columns = []
+        for k in places:
+            data = table.read(columns=[fields[k].name]).column(0)
+            name, unit = split_unit(fields[k].name)
+            columns.append(Column(name, arrow_values(data), unit))
+        return columns
+
+    return Log(tuple(split_unit(one.name)[0] for one in fields), read)
+
+
+def _is_readable(kind: object) -> bool:
+    import pyarrow.types as types
+
+    return any(
+        test(kind)
+        for test in (types.is_integer, types.is_floating, types.is_boolean, types.is_timestamp, types.is_decimal)
+    )
+
+
+def arrow_values(data: object) -> np.ndarray:
+    """The values of a column of Arrow, NaN where they are null."""
+    import pyarrow as pa
+    import pyarrow.types as types
+
+    if types.is_timestamp(data.type):  # type: ignore[attr-defined]
+        return np.asarray(data.cast(pa.timestamp("ns")).to_numpy()).astype("datetime64[ns]")  # type: ignore[attr-defined]
+    whole = types.is_integer(data.type) and not data.null_count  # type: ignore[attr-defined]
+    kept = pa.float32() if types.is_float32(data.type) else pa.int64() if whole else pa.float64()  # type: ignore[attr-defined]
+    return np.asarray(data.cast(kept).to_numpy(zero_copy_only=False))  # type: ignore[attr-defined]

@@ -1,0 +1,47 @@
+"""Bags of ROS 1 and ROS 2, with rosbags."""
+
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+from typing import Any
+
+from labsid.records.column import Log
+from labsid.records.messages import message_log
+
+
+def open_log(path: Path) -> Log:
+    """Open a ``.bag`` of ROS 1, or the folder of a bag of ROS 2.
+
+    Raises
+    ------
+    ValueError
+        If a ``.db3`` lies without its ``metadata.yaml``, or no topic holds numbers.
+    """
+    from rosbags.highlevel import AnyReader
+    from rosbags.typesys import Stores, get_typestore
+
+    if path.is_file() and path.suffix != ".bag":
+        if not (path.parent / "metadata.yaml").is_file():
+            raise ValueError("it is part of a bag of ROS 2. Give the bag's folder, with metadata.yaml in it.")
+        path = path.parent
+    store = get_typestore(Stores.LATEST)
+
+    def messages(topics: Sequence[str]) -> Iterator[tuple[str, int, Any]]:
+        with AnyReader([path], default_typestore=store) as reader:
+            chosen = [one for one in reader.connections if one.topic in topics]
+            for connection, stamp, data in reader.messages(connections=chosen):
+                yield connection.topic, stamp, reader.deserialize(data, connection.msgtype)
+
+    first: dict[str, Any] = {}
+    left_out = []
+    with AnyReader([path], default_typestore=store) as reader:
+        for topic in sorted({one.topic for one in reader.connections}):
+            chosen = [one for one in reader.connections if one.topic == topic]
+            try:
+                connection, _, data = next(reader.messages(connections=chosen))
+                first[topic] = reader.deserialize(data, connection.msgtype)
+            except StopIteration:
+                continue
+            except Exception:  # of any kind, from the description of a message that rosbags does not know
+                left_out.append(topic)
+    notes = [f"topics that cannot be decoded left out: {', '.join(left_out)}"] if left_out else []
+    return message_log(first.items(), messages, notes)

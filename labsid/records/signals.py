@@ -1,0 +1,71 @@
+"""Times and signals of a log on the way to a record, and the names of places in them."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from labsid._arrays import FloatArray, stretches_of
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Signals:
+    """Times and signals of a log on the way to a record.
+
+    Attributes
+    ----------
+    t : ndarray, shape (N,), or None
+        Times in seconds; None if the log has none.
+    values : dict of str to ndarray, shape (N,)
+        ``u``, ``y`` and others; NaN where a value is missing.
+    notes : tuple of str
+    jitter : float
+        Root-mean-square deviation of the stamps from `t`, in sampling times.
+    """
+
+    t: FloatArray | None
+    values: Mapping[str, FloatArray]
+    notes: tuple[str, ...] = ()
+    jitter: float = 0.0
+
+    def rows(self, rows: np.ndarray) -> "Signals":
+        """Only these rows, or the rows in this order."""
+        t = None if self.t is None else self.t[rows]
+        return replace(self, t=t, values={name: x[rows] for name, x in self.values.items()})
+
+    def said(self, *notes: str) -> "Signals":
+        """With more notes."""
+        return replace(self, notes=(*self.notes, *notes))
+
+
+def name_places(stretches: Sequence[Sequence[int]]) -> str:
+    """List the first few of some stretches (start, stop) of samples."""
+    named = [f"{k}" if stop == k + 1 else f"{k} to {stop - 1}" for k, stop in stretches[:4]]
+    return ", ".join(named) + (", and so on" if len(stretches) > 4 else "")
+
+
+def stretches(mask: np.ndarray) -> list[list[int]]:
+    """First index of each stretch of True, and the one after its last."""
+    return stretches_of(mask)
+
+
+def missing_note(y: FloatArray, t: FloatArray | None) -> tuple[str, ...]:
+    """What is to be said of an output with missing samples (NaN)."""
+    missing = np.isnan(y)
+    if not missing.any() or missing.all():
+        return ()
+    note = (
+        f"y is missing in {missing.sum()} of {y.size} samples ({name_places(stretches(missing))}); these are neither "
+        "fitted nor scored"
+    )
+    known = np.flatnonzero(~missing)
+    if t is not None and t.size == y.size and missing.mean() > 0.4 and known.size > 2 and np.ptp(np.diff(known)) == 0:
+        note += f"; to read both signals at the rate of y, add --resample {float(t[known[1]] - t[known[0]]):.9g}"
+    return (note,)
+
+
+def jitter_note(jitter: float, Ts: float | None) -> tuple[str, ...]:
+    """What is to be said of stamps that deviate from even times by `jitter` sampling times (root mean square)."""
+    if not jitter or Ts is None:
+        return ()
+    return (f"the stamps deviate by {jitter:.2g} of the sampling time (rms); samples taken as every {Ts:.9g} s",)

@@ -1,0 +1,241 @@
+"""The steps from the columns of a log to evenly sampled signals; each says what it did."""
+
+from collections.abc import Mapping
+from dataclasses import replace
+
+import numpy as np
+
+from labsid._arrays import FloatArray
+from labsid.records.choice import Chosen
+from labsid.records.column import stamps_column
+from labsid.records.even_times import (
+    MAX_BY_WORD,
+    MAX_DEVIATION,
+    MAX_JITTER,
+    EvenTimes,
+    fit_coarse_stamps,
+    fit_dropped_rows,
+    fit_even_times,
+    resolution,
+)
+from labsid.records.reading import Reading
+from labsid.records.resampling import band_limited_at, decimate, even_grid, held_at, hold, is_held, longest_hold
+from labsid.records.signals import Signals, name_places, stretches
+from labsid.records.stamp_order import select_run, sorted_rows, without_repeats
+from labsid.records.stamps import in_seconds
+
+REGULAR_WITHIN = 0.01  # largest deviation of an interval from the median one, as a share of it
+INPUTS = ("u", "reference")
+
+
+def signals_of(chosen: Chosen, how: Reading) -> Signals:
+    """Times in seconds and the signals of the chosen columns, before anything is done to them."""
+    u, y = chosen.u, chosen.y
+    values = {"u": u.numbers, "y": y.numbers} | {column.name: column.numbers for column in chosen.others}
+    if chosen.t is not None:
+        stamps = in_seconds(chosen.t, how.time_unit)
+        return Signals(stamps.t, values, (*chosen.notes, *stamps.notes))
+    if u.stamps is None or y.stamps is None or how.Ts is not None:
+        return Signals(None, values, chosen.notes)
+    both = in_seconds(stamps_column(np.concatenate([u.stamps, y.stamps])))
+    t_u, t_y = both.t[: u.stamps.size], both.t[u.stamps.size :]
+    notes = (*chosen.notes, *both.notes)
+    if np.array_equal(t_u, t_y):
+        return Signals(t_u, values, notes)
+    return _together(t_u, u.numbers, t_y, y.numbers, how).said(*notes)
+
+
+def even_signals(signals: Signals, how: Reading) -> Signals:
+    """Bring the signals of a log to even times, as far as that takes no guess; see `Reading`.
+
+    Parameters
+    ----------
+    signals : Signals
+    how : Reading
+
+    Returns
+    -------
+    Signals
+        With times that are not even where two readings are possible; `find_faults` names the options that decide.
+
+    Raises
+    ------
+    ValueError
+        If there is no such run or stretch, or the log cannot be resampled.
+    """
+    lengths = {x.size for x in signals.values.values()}
+    if signals.t is not None and signals.t.size >= 2 and lengths == {signals.t.size}:
+        if np.isfinite(signals.t).all() and np.abs(signals.t).max() < 1e100:
+            signals = _at_even_times(_cut(select_run(signals, how.select), how), how)
+    elif signals.t is None and len(lengths) == 1 and how.Ts is not None:
+        t = np.arange(min(lengths), dtype=np.float64) * how.Ts
+        signals = replace(_cut(replace(signals, t=t), how), t=None)
+    if how.resample is not None and (signals.t is None or how.Ts is not None):
+        raise ValueError("resample needs times; the log has none. Name its time column (--columns t,u,y).")
+    signals = _inputs_held(signals)
+    if how.decimate is not None:
+        signals = _decimated(signals, how.decimate)
+    return signals
+
+
+def _together(t_u: FloatArray, u: FloatArray, t_y: FloatArray, y: FloatArray, how: Reading) -> Signals:
+    """Two signals with times of their own: the input held, the output where it was measured."""
+    if min(t_u.size, t_y.size) < 2:
+        raise ValueError(f"each signal must have at least 2 samples; got {t_u.size} of u and {t_y.size} of y.")
+    start, stop = max(t_u[0], t_y[0]), min(t_u[-1], t_y[-1])
+    if how.resample is not None:
+        t = even_grid(start, stop, how.resample)
+        values, notes = _resampled(t, {"u": (t_u, u), "y": (t_y, y)})
+        return Signals(t, values, notes)
+    step_u, step_y = float(np.median(np.diff(t_u))), float(np.median(np.diff(t_y)))
+    if step_y <= 1.5 * step_u:
+        inside = t_y >= start
+        t = t_y[inside]
+        note = f"u has times of its own, {step_u:g} s apart; held at those of y"
+        return Signals(t, {"u": held_at(t, t_u, u), "y": y[inside]}, (note,))
+    place = np.clip(np.searchsorted(t_u, t_y), 1, t_u.size - 1)
+    place -= t_y - t_u[place - 1] < t_u[place] - t_y
+    off = np.abs(t_u[place] - t_y)
+    if np.any((off > MAX_JITTER * step_u) & (t_y >= start) & (t_y <= stop)):
+        raise ValueError(
+            f"u has a sample every {step_u:g} s and y every {step_y:g} s, not at the same times. Bring both to one "
+            f"sampling time with resample (--resample {step_y:g})."
+        )
+    sparse = np.full(t_u.size, np.nan)
+    sparse[place[off <= MAX_JITTER * step_u]] = y[off <= MAX_JITTER * step_u]
+    return Signals(t_u, {"u": u, "y": sparse}, (f"y has times of its own, {step_y:g} s apart; missing between them",))
+
+
+def _cut(signals: Signals, how: Reading) -> Signals:
+    if how.since is None and how.until is None:
+        return signals
+    assert signals.t is not None
+    low, high = -np.inf if how.since is None else how.since, np.inf if how.until is None else how.until
+    rows = (signals.t >= low) & (signals.t <= high)
+    if rows.sum() < 2:
+        raise ValueError(
+            f"from {low:g} to {high:g} s (--from, --to) there are {rows.sum()} samples; the log runs from "
+            f"{signals.t.min():g} to {signals.t.max():g} s."
+        )
+    said = f"cut to {rows.sum()} of {rows.size} samples, from {signals.t[rows].min():g} to {signals.t[rows].max():g} s"
+    return signals.rows(rows).said(said)
+
+
+def _at_even_times(signals: Signals, how: Reading) -> Signals:
+    assert signals.t is not None
+    coarse = None if how.resample is not None else fit_coarse_stamps(signals.t)
+    if coarse is not None and np.all(np.diff(signals.t) >= 0.0):
+        shared = round(signals.t.size / np.unique(signals.t).size, 1)
+        note = f"stamps that {shared:g} samples share, as of a buffer or a coarse clock, spread to {coarse.Ts:g} s each"
+        return replace(signals, t=coarse.t).said(note)
+    signals = sorted_rows(without_repeats(signals, how.repeated))
+    if how.resample is not None:
+        return _resample(signals, how.resample)
+    assert signals.t is not None
+    steps = np.diff(signals.t)
+    if steps.size < 2 or np.any(steps <= 0.0):
+        return signals
+    usual = float(np.median(steps))
+    even = fit_even_times(signals.t, MAX_DEVIATION if how.Ts is None else MAX_BY_WORD)
+    regular = bool(np.all(np.abs(steps - usual) <= REGULAR_WITHIN * usual))
+    if regular and (even is None or even.jitter <= REGULAR_WITHIN):
+        return signals
+    even = even or fit_dropped_rows(signals.t)
+    if even is None or not (regular or _is_even(even, signals.t, how)):
+        return signals
+    return _on_grid(signals, even, how)
+
+
+def _is_even(even: EvenTimes, stamps: FloatArray, how: Reading) -> bool:
+    """Whether these stamps are those of even samples: nearly even, rounded, or even by the caller's word."""
+    return even.largest <= MAX_JITTER or how.Ts is not None or _is_rounding(even, stamps)
+
+
+def _is_rounding(even: EvenTimes, stamps: FloatArray) -> bool:
+    digit = resolution(stamps)
+    return digit <= 0.5 * even.Ts and even.largest * even.Ts <= 0.75 * digit
+
+
+def _on_grid(signals: Signals, even: EvenTimes, how: Reading) -> Signals:
+    assert signals.t is not None
+    notes = []
+    jitter = even.jitter
+    if _is_rounding(even, signals.t):
+        jitter = 0.0
+        if even.largest > REGULAR_WITHIN:
+            notes.append(f"stamps are rounded to {resolution(signals.t):g} s; taken as every {even.Ts:.9g} s")
+    dropped = even.t.size - signals.t.size
+    if dropped:
+        gaps = np.ones(even.t.size, bool)
+        gaps[even.places] = False
+        notes.append(
+            f"{dropped} {'row' if dropped == 1 else 'rows'} of {even.t.size} missing by the stamps, at most "
+            f"{longest_hold(gaps)} in a row, at samples {name_places(stretches(gaps))}"
+        )
+    values = {}
+    for name, x in signals.values.items():
+        values[name] = np.full(even.t.size, np.nan)
+        values[name][even.places] = x
+    return replace(signals, t=even.t, values=values, jitter=jitter).said(*notes)
+
+
+def _resample(signals: Signals, Ts: float) -> Signals:
+    assert signals.t is not None
+    steps = np.diff(signals.t)
+    if np.any(steps <= 0.0) or np.abs(steps - Ts).max() <= 1e-9 * Ts:
+        return signals  # even at Ts already, or a fault that `find_faults` describes
+    known = [signals.t[np.isfinite(x)] for x in signals.values.values()]
+    if any(t.size < 4 for t in known):
+        raise ValueError("resample needs at least 4 samples of each signal.")
+    t = even_grid(max(x[0] for x in known), min(x[-1] for x in known), Ts)
+    values, notes = _resampled(t, {name: (signals.t, x) for name, x in signals.values.items()})
+    return replace(signals, t=t, values=values).said(*notes)
+
+
+def _resampled(
+    t: FloatArray, signals: Mapping[str, tuple[FloatArray, FloatArray]]
+) -> tuple[dict[str, FloatArray], tuple[str, ...]]:
+    Ts = float(t[1] - t[0])
+    values, notes = {}, [f"resampled to {Ts:.9g} s, {t.size} samples"]
+    for name, (stamps, x) in signals.items():
+        if name in INPUTS and is_held(x):
+            values[name] = held_at(t, stamps, x)
+            notes.append(f"{name} held between its samples: a change acts up to one sample late, as a delay would")
+        elif _coincide(t, stamps[np.isfinite(x)]):
+            values[name] = held_at(t, stamps, x)
+            notes.append(f"{name} taken at its own samples")
+        else:
+            values[name] = band_limited_at(t, stamps, x)
+            notes.append(f"{name} interpolated, band-limited to {0.4 / Ts:.3g} Hz: what is faster is lost")
+    return values, tuple(notes)
+
+
+def _coincide(t: FloatArray, stamps: FloatArray) -> bool:
+    """Whether a signal has a sample at each of these times, and none between them."""
+    return stamps.size == t.size and bool(np.abs(stamps - t).max() <= 1e-3 * (t[1] - t[0]))
+
+
+def _inputs_held(signals: Signals) -> Signals:
+    """Fill missing samples of an input that is held between its changes."""
+    for name in INPUTS:
+        x = signals.values.get(name)
+        if x is None or not np.isnan(x).any() or not is_held(x):
+            continue
+        missing = np.isnan(x)
+        filled = hold(x)
+        after = np.append(x[1:], np.nan)
+        changed = int(np.sum(missing & np.isfinite(after) & (after != filled)))
+        note = f"{name} held at its last value in {int(missing.sum())} samples without one"
+        if changed:
+            note += f"; after {changed} of these gaps it differs, so that the change may have been earlier"
+        signals = replace(signals, values={**signals.values, name: filled}).said(note)
+    return signals
+
+
+def _decimated(signals: Signals, every: int) -> Signals:
+    if min(x.size for x in signals.values.values()) < 4 * every:
+        raise ValueError(f"decimate {every} leaves under 4 samples of {min(x.size for x in signals.values.values())}.")
+    values = {name: decimate(x, every) for name, x in signals.values.items()}
+    t = None if signals.t is None else signals.t[::every]
+    note = f"every {every}th sample kept after the same low-pass filter on all signals"
+    return replace(signals, t=t, values=values).said(note)

@@ -1,0 +1,55 @@
+"""TDMS files of LabVIEW, with nptdms."""
+
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+
+from labsid.records.column import Column, Log, is_numeric, matrix_columns
+
+_UNITS = ("unit_string", "NI_UnitDescription", "unit")
+
+
+def open_log(path: Path) -> Log:
+    """Open a TDMS file; a channel with waveform properties has their times.
+
+    Raises
+    ------
+    ValueError
+        If it has no channels with numbers.
+    """
+    from nptdms import TdmsFile
+
+    file = TdmsFile.open(path)
+    channels = [
+        channel
+        for group in file.groups()
+        for channel in group.channels()
+        if len(channel) and channel.dtype.kind in "biufM"
+    ]
+    if not channels:
+        raise ValueError("it has no channels with numbers.")
+    names = [channel.name for channel in channels]
+    names = [
+        channel.name if names.count(channel.name) == 1 else f"{channel.group_name}/{channel.name}"
+        for channel in channels
+    ]
+
+    def read(places: Sequence[int]) -> list[Column]:
+        return [_column(names[k], channels[k]) for k in places]
+
+    return Log(tuple(names), read, what="channel")
+
+
+def _column(name: str, channel: object) -> Column:
+    values = np.asarray(channel[:])  # type: ignore[index]
+    if not is_numeric(values):
+        raise ValueError(f"channel {name} holds no numbers.")
+    properties = channel.properties  # type: ignore[attr-defined]
+    unit = next((str(properties[key]) for key in _UNITS if properties.get(key)), "")
+    step = properties.get("wf_increment")
+    stamps = None
+    if isinstance(step, float) and step > 0.0:
+        stamps = float(properties.get("wf_start_offset", 0.0)) + step * np.arange(values.size)
+    (column,) = matrix_columns(name, values, unit)
+    return Column(column.name, column.values, column.unit, stamps)

@@ -1,0 +1,192 @@
+"""The layout of a text file: encoding, delimiter, lines before the table, header, row of units."""
+
+import codecs
+import io
+import re
+from collections import Counter
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+from labsid.records.fields import kind_of
+from labsid.records.units import is_unit, split_unit
+
+HEAD = 300  # lines from which the layout is taken
+_PREFIX = re.compile(r"^\s*(\d{1,2}:\d\d:\d\d(?:[.,]\d+)?) ->\s*")  # of the serial monitor of the Arduino IDE
+_DATA = ("number", "switch", "date", "clock")
+
+
+@dataclass(frozen=True, slots=True)
+class Layout:
+    """How a text file is laid out.
+
+    Attributes
+    ----------
+    encoding : str
+    delimiter : str or None
+        None for blanks.
+    first : int
+        Line of the first row of data, from 0.
+    header, units : tuple of str
+        Names without units, and the units; empty if there is no header. As many as there are columns.
+    width : int
+        Number of columns.
+    has_prefix : bool
+        Whether each line begins with the time that a serial monitor has put there.
+    notes : tuple of str
+    """
+
+    encoding: str
+    delimiter: str | None
+    first: int
+    header: tuple[str, ...]
+    units: tuple[str, ...]
+    width: int
+    has_prefix: bool = False
+    notes: tuple[str, ...] = ()
+
+    def split(self, line: str) -> list[str]:
+        """The fields of a line of data."""
+        return split_line(line, self.delimiter)
+
+
+def encoding_of(content: bytes) -> str:
+    """The encoding of a text.
+
+    Raises
+    ------
+    ValueError
+        If it is no text.
+    """
+    if content.startswith((b"\xff\xfe", b"\xfe\xff")):
+        return "utf-16"
+    if b"\0" in content:
+        raise ValueError(
+            "it is neither a MAT-file nor text, nor another format that is read here. Give text with t,u,y, or one of "
+            ".mat, .xlsx, .parquet, .npz, .npy, .h5, .mf4, .tdms, .mcap, .bag."
+        )
+    decoder = codecs.getincrementaldecoder("utf-8")()
+    try:
+        for start in range(0, len(content), 2**20):
+            decoder.decode(content[start : start + 2**20])
+        decoder.decode(b"", final=True)
+    except UnicodeDecodeError:
+        return "cp1252"
+    return "utf-8-sig"
+
+
+def lines_of(content: bytes, encoding: str) -> Iterator[str]:
+    """The lines of a text, whatever ends them, without holding all of them."""
+    return (line.rstrip("\n") for line in text_stream(content, encoding))
+
+
+def text_stream(content: bytes, encoding: str) -> io.TextIOWrapper:
+    """The content as a text file, in which every line ends in a line feed."""
+    return io.TextIOWrapper(io.BytesIO(content), encoding, errors="replace", newline=None)
+
+
+def is_row(line: str) -> bool:
+    """Whether a line is neither blank nor a comment."""
+    return bool(line.strip()) and line.lstrip()[0] not in "#%"
+
+
+def split_line(line: str, delimiter: str | None) -> list[str]:
+    """The fields of a line; a delimiter within quotes separates nothing."""
+    if delimiter is None:
+        return re.sub(r"(?<=\w) +(?=[\[(][^\])]*[\])])", "", line).split()
+    if '"' in line:
+        parts = re.split(rf'{re.escape(delimiter)}(?=(?:[^"]*"[^"]*")*[^"]*$)', line)
+        return [part.strip().strip('"').strip() for part in parts]
+    return [field.strip().strip("'").strip() for field in line.split(delimiter)]
+
+
+def find_layout(content: bytes) -> Layout:
+    """Find out how a text is laid out, from its first lines.
+
+    Raises
+    ------
+    ValueError
+        If it is no text, or holds no data.
+    """
+    encoding = encoding_of(content)
+    head = [line for line, _ in zip(lines_of(content, encoding), range(HEAD), strict=False)]
+    rows = [k for k, line in enumerate(head) if is_row(line)]
+    if not rows:
+        raise ValueError("there are no data in it, only comments.")
+    has_prefix = bool(_PREFIX.match(head[rows[-1]]))
+    plain = [without_prefix(line, "\t") if has_prefix else line for line in head]
+    delimiter = _delimiter([plain[k] for k in rows], has_prefix)
+    if has_prefix:
+        plain = [without_prefix(line, delimiter or " ") for line in head]
+    split = {k: split_line(plain[k], delimiter) for k in rows}
+    fields = {k: _stripped(list(split[k])) for k in rows}
+    width = Counter(len(fields[k]) for k in rows[len(rows) // 2 :]).most_common(1)[0][0]
+    first = next((k for k in rows if len(split[k]) >= width and _is_data(fields[k])), None)
+    if first is None:
+        raise ValueError(f"there is a header ({', '.join(fields[rows[0]])}) and no data under it.")
+    above = [k for k in rows if k < first and len(fields[k]) >= width]
+    header: list[str] = []
+    units: list[str] = []
+    notes = []
+    if above:
+        header = fields[above[-1]]
+        if len(above) > 1 and above[-2] == above[-1] - 1 and all(is_unit(field) for field in header if field):
+            units, header = [field.strip("[]() ") for field in header], fields[above[-2]]
+            notes.append(f"the row under the header read as units: {', '.join(filter(None, units))}")
+        before = sum(k < above[-1] and k not in above[-2:] for k in rows)
+        if before:
+            notes.append(f"{before} {'line' if before == 1 else 'lines'} before the table skipped")
+    elif not has_prefix:
+        header = _header_in_comment(head[:first], len(fields[first]), delimiter)
+    width = max(width, len(fields[first]), len(header))
+    parts = [split_unit(name) for name in header]
+    units = units or [unit for _, unit in parts]
+    return Layout(
+        encoding,
+        delimiter,
+        first,
+        tuple(name for name, _ in parts),
+        tuple(units + [""] * (width - len(units))),
+        width,
+        has_prefix,
+        tuple(notes),
+    )
+
+
+def without_prefix(line: str, delimiter: str) -> str:
+    """A line of the serial monitor, with the delimiter in place of its arrow."""
+    return _PREFIX.sub(rf"\1{delimiter}", line)
+
+
+def _delimiter(rows: Sequence[str], has_prefix: bool) -> str | None:
+    """The first of the usual delimiters that separates the last rows into fields that hold data."""
+    tail = rows[len(rows) // 2 :]
+    if has_prefix:
+        tail = [row.partition("\t")[2] for row in tail]
+    for mark in ";\t,|":
+        if sum(mark in row for row in tail) <= len(tail) // 2:
+            continue
+        split = [_stripped(split_line(row, mark)) for row in tail]
+        if mark != "," or not any(re.fullmatch(r"[+-]?\d+\s+[+-]?\d+", field) for row in split for field in row):
+            return mark
+    return None
+
+
+def _stripped(fields: list[str]) -> list[str]:
+    """Fields without the empty ones after trailing delimiters."""
+    while fields and not fields[-1]:
+        fields.pop()
+    return fields
+
+
+def _is_data(fields: Sequence[str]) -> bool:
+    """Whether at least half of the fields that are there hold data."""
+    there = [kind_of(field) for field in fields if field]
+    return bool(there) and sum(kind in _DATA or kind == "missing" for kind in there) * 2 >= len(there)
+
+
+def _header_in_comment(lines: Sequence[str], width: int, delimiter: str | None) -> list[str]:
+    """Column names from the comment above the data, as numpy.savetxt writes it; empty if there is none."""
+    if not lines:
+        return []
+    names = _stripped(split_line(lines[-1].lstrip(" \t#%"), delimiter))
+    return names if len(names) == width and not _is_data(names) else []

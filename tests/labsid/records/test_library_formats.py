@@ -1,0 +1,383 @@
+"""Formats that libraries read, written here by the formats' own writers, and damaged files of each."""
+
+import importlib.util
+import json
+import subprocess
+import sys
+import warnings
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from labsid.records import apart
+from labsid.records.formats import describe_columns
+from labsid.records.library_formats import FORMATS, library_format
+from labsid.records.record import load_record
+
+N = 80
+T = np.arange(N) * 0.1
+U = np.repeat([0.0, 1.0, 2.5, 1.0], N // 4)
+Y = np.sin(np.arange(N) / 9)
+NS = 1_764_000_000_000_000_000 + np.round(T * 1e9).astype(np.int64)
+JOINT = "/cmd.data[0],/joint_states.position[elbow]"
+
+
+def needs(package):
+    return pytest.mark.skipif(
+        importlib.util.find_spec(package) is None, reason=f"{package} is not installed (labsid[logs])"
+    )
+
+
+def assert_read(record, rows=slice(None), t=True):
+    np.testing.assert_allclose(record.u, U[rows], atol=1e-6)
+    np.testing.assert_allclose(record.y, Y[rows], atol=1e-6)
+    assert record.Ts == pytest.approx(0.1, rel=1e-9)
+    assert not record.missing.any()
+
+
+# Tables -------------------------------------------------------------------------------------------------------
+
+
+@needs("openpyxl")
+def test_excel(tmp_path):
+    import openpyxl
+
+    book = openpyxl.Workbook()
+    book.active.title = "notes"
+    book.active.append(["measured in March"])
+    sheet = book.create_sheet("log")
+    for row in (["rig 7"], ["t", "u", "y", "by"], ["s", "V", "cm", None]):
+        sheet.append(row)
+    for t, u, y in zip(T.tolist(), U.tolist(), Y.tolist(), strict=True):
+        sheet.append([t, u, None if t == 0.5 else y, "Ann"])
+    book.save(tmp_path / "a.xlsx")
+    record = load_record(tmp_path / "a.xlsx")
+    np.testing.assert_array_equal(record.u, U)
+    assert np.flatnonzero(record.missing).tolist() == [5]
+    assert record.units == ("V", "cm")
+    assert record.notes == ("sheet log read", "the row under the header read as units: s, V, cm")
+
+
+@needs("pyarrow")
+def test_parquet_with_dates(tmp_path):
+    import pyarrow as pa
+    import pyarrow.parquet as pq
+
+    table = pa.table({"time": NS.astype("datetime64[ns]"), "u": U, "y": Y.astype(np.float32), "who": ["Ann"] * N})
+    pq.write_table(table, tmp_path / "a.parquet")
+    record = load_record(tmp_path / "a.parquet")
+    assert_read(record)
+    assert record.notes == ("times count from 2025-11-24 16:00:00, the first stamp",)
+
+
+@needs("h5py")
+def test_hdf5_by_paths_with_units(tmp_path):
+    import h5py
+
+    with h5py.File(tmp_path / "a.h5", "w") as file:
+        file["run/t"], file["run/u"] = T, U
+        file["run/both"] = np.column_stack([Y, 2 * Y])
+        file["run/u"].attrs["units"] = "V"
+        file["who"] = "Ann"
+    record = load_record(tmp_path / "a.h5", columns="run/t,run/u,run/both.1")
+    assert_read(record)
+    assert record.units[0] == "V"
+
+
+@needs("h5py")
+def test_matlab_7_3_with_a_structure_and_a_cell(tmp_path):
+    import h5py
+
+    with h5py.File(tmp_path / "a.mat", "w", userblock_size=512) as file:
+        log = file.create_group("log")
+        log.attrs["MATLAB_class"] = np.bytes_("struct")
+        for name, values in (("time", T), ("input", U), ("output", Y)):
+            log[name] = values[None]
+            log[name].attrs["MATLAB_class"] = np.bytes_("double")
+        file["#refs#/a"] = U[None]
+        cell = file.create_dataset("cell", (1, 1), dtype=h5py.ref_dtype)
+        cell[0, 0] = file["#refs#/a"].ref
+        cell.attrs["MATLAB_class"] = np.bytes_("cell")
+    with (tmp_path / "a.mat").open("r+b") as file:
+        file.write(b"MATLAB 7.3 MAT-file".ljust(124) + b"\x00\x02IM")
+    assert_read(load_record(tmp_path / "a.mat"))
+    assert_read(load_record(tmp_path / "a.mat", columns="log.time,cell,log.output"))
+
+
+# Measurements -------------------------------------------------------------------------------------------------
+
+
+@needs("asammdf")
+def test_mdf_with_one_clock_and_with_two(tmp_path):
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        from asammdf import MDF, Signal
+
+        for name, every in (("a", 1), ("b", 4)):
+            log = MDF()
+            log.append([Signal(U, T, name="u", unit="V")])
+            log.append([Signal(Y[::every], T[::every], name="y", unit="cm")])
+            log.save(tmp_path / f"{name}.mf4")
+            log.close()
+    record = load_record(tmp_path / "a.mf4")
+    assert_read(record)
+    assert record.units == ("V", "cm")
+    slower = load_record(tmp_path / "b.mf4")
+    np.testing.assert_array_equal(slower.missing, np.arange(N) % 4 > 0)
+    assert slower.notes == ("y has times of its own, 0.4 s apart; missing between them",)
+    resampled = load_record(tmp_path / "b.mf4", resample=0.4)
+    np.testing.assert_allclose(resampled.y, Y[::4])
+    assert "y taken at its own samples" in resampled.notes
+
+
+@needs("nptdms")
+def test_tdms_with_a_column_of_times_and_with_waveforms(tmp_path):
+    from nptdms import ChannelObject, TdmsWriter
+
+    with TdmsWriter(str(tmp_path / "a.tdms")) as file:
+        file.write_segment([ChannelObject("rig", name, x) for name, x in (("t", T), ("u", U), ("y", Y))])
+    wave = {"wf_increment": 0.1, "unit_string": "V"}
+    with TdmsWriter(str(tmp_path / "b.tdms")) as file:
+        file.write_segment(
+            [ChannelObject("a", "in", U, properties=wave), ChannelObject("b", "out", Y, properties=wave)]
+        )
+    assert_read(load_record(tmp_path / "a.tdms"))
+    record = load_record(tmp_path / "b.tdms", columns="in,out")
+    assert_read(record)
+    assert record.units == ("V", "V")
+
+
+# Robots -------------------------------------------------------------------------------------------------------
+
+
+@needs("mcap")
+def test_mcap_with_json(tmp_path):
+    from mcap.writer import Writer
+
+    with (tmp_path / "a.mcap").open("wb") as file:
+        writer = Writer(file)
+        writer.start()
+        schema = writer.register_schema("any", "jsonschema", b"{}")
+        cmd, state = (writer.register_channel(topic, "json", schema) for topic in ("/cmd", "/joint_states"))
+        for k in range(N):
+            joints = {"name": ["wrist", "elbow"], "position": [0.0, Y[k]]}
+            for channel, message in ((cmd, {"data": [U[k]]}), (state, joints)):
+                writer.add_message(channel, int(NS[k]), json.dumps(message).encode(), int(NS[k]))
+        writer.finish()
+    record = load_record(tmp_path / "a.mcap", columns=JOINT)
+    assert_read(record)
+    assert record.notes == ("times count from 2025-11-24 16:00:00, the first stamp",)
+    with pytest.raises(ValueError, match=r"there is no field '/cmd.speed' in it; it holds /cmd.data\[0\], /joint_st"):
+        load_record(tmp_path / "a.mcap", columns="/cmd.speed,/joint_states.position[elbow]")
+
+
+def messages(store, is_first):
+    """A command and the state of the joints at each sample, as messages of ROS."""
+    types = store.types
+    for k in range(N):
+        layout = types["std_msgs/msg/MultiArrayLayout"](dim=[], data_offset=0)
+        command = types["std_msgs/msg/Float64MultiArray"](layout=layout, data=np.array([U[k]]))
+        stamp = types["builtin_interfaces/msg/Time"](sec=int(NS[k] // 10**9), nanosec=int(NS[k] % 10**9))
+        more = {"seq": k} if is_first else {}
+        header = types["std_msgs/msg/Header"](stamp=stamp, frame_id="", **more)
+        empty, names = np.array([]), ["wrist", "elbow"] if k % 2 else ["elbow", "wrist"]  # the order may change
+        position = np.array([0.0, Y[k]] if k % 2 else [Y[k], 0.0])
+        state = types["sensor_msgs/msg/JointState"](
+            header=header, name=names, position=position, velocity=empty, effort=empty
+        )
+        yield int(NS[k]) + 7_000_000, command, state  # logged 7 ms later
+
+
+@needs("rosbags")
+@pytest.mark.parametrize("kind", ["ros1", "sqlite3", "mcap"])
+def test_bags(tmp_path, kind):
+    from rosbags import rosbag1, rosbag2
+    from rosbags.typesys import Stores, get_typestore
+
+    store = get_typestore(Stores.ROS1_NOETIC if kind == "ros1" else Stores.ROS2_HUMBLE)
+    path = tmp_path / ("a.bag" if kind == "ros1" else "bag")
+    if kind == "ros1":
+        writer, pack = rosbag1.Writer(path), store.serialize_ros1
+    else:
+        writer = rosbag2.Writer(path, version=9, storage_plugin=rosbag2.StoragePlugin[kind.upper()])
+        pack = store.serialize_cdr
+    with writer:
+        cmd = writer.add_connection("/cmd", "std_msgs/msg/Float64MultiArray", typestore=store)
+        joints = writer.add_connection("/joint_states", "sensor_msgs/msg/JointState", typestore=store)
+        for stamp, command, state in messages(store, kind == "ros1"):
+            writer.write(cmd, stamp, pack(command, cmd.msgtype))
+            writer.write(joints, stamp, pack(state, joints.msgtype))
+    record = load_record(path, columns=JOINT)
+    # The state has the stamp of its header, 7 ms before the command was logged: the command is held.
+    np.testing.assert_allclose(record.y, Y[1:])
+    np.testing.assert_allclose(record.u, U[:-1])
+    assert "u has times of its own" in " ".join(record.notes)
+    part = next(path.glob("*.mcap"), None) if path.is_dir() else None
+    if part is not None:
+        np.testing.assert_array_equal(load_record(part, columns=JOINT).y, record.y)
+
+
+@needs("pyarrow")
+@pytest.mark.parametrize("version", [2, 3])
+def test_lerobot_data_sets(tmp_path, version):
+    import pyarrow as pa
+    import pyarrow.parquet as pq
+
+    names = ["elbow.pos", "wrist.pos"]
+    feature = {"dtype": "float32", "shape": [2], "names": names if version == 3 else {"motors": names}}
+    (tmp_path / "meta").mkdir()
+    (tmp_path / "data" / "chunk-000").mkdir(parents=True)
+    info = {"codebase_version": f"v{version}", "features": {"action": feature, "observation.state": feature}}
+    (tmp_path / "meta" / "info.json").write_text(json.dumps(info))
+    half = N // 2
+    for episode in (0, 1):
+        rows = slice(episode * half, (episode + 1) * half)
+        table = pa.table(
+            {
+                "action": pa.array(np.column_stack([U, 0 * U])[rows].tolist(), pa.list_(pa.float32(), 2)),
+                "observation.state": pa.array(np.column_stack([Y, 0 * Y])[rows].tolist(), pa.list_(pa.float32())),
+                "timestamp": T[:half].astype(np.float32),
+                "episode_index": np.full(half, episode),
+            }
+        )
+        pq.write_table(table, tmp_path / "data" / "chunk-000" / f"episode_{episode:06d}.parquet")
+    columns = "action[elbow.pos],observation.state[elbow.pos]"
+    with pytest.raises(ValueError, match=r"time goes backwards from sample 39 .*--select 1"):
+        load_record(tmp_path, columns=columns)
+    assert_read(load_record(tmp_path, columns=columns, select=1), slice(half))
+    assert_read(load_record(tmp_path, columns=columns, select=2), slice(half, N))
+
+
+# Objects of MATLAB --------------------------------------------------------------------------------------------
+
+
+@needs("matio")
+@pytest.mark.parametrize("version", ["v7", "v7.3"])
+@pytest.mark.parametrize("times", ["stored", "uniform"])
+def test_timeseries_tables_and_data_sets_of_simulink(tmp_path, version, times):
+    pd = pytest.importorskip("pandas")  # comes with mat-io
+
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # of pandas, for an option that mat-io sets
+        from matio import save_to_mat
+        from matio.utils.matclass import MatlabOpaque
+
+    def series(name, values):
+        numbers = {"Start_": 0.0, "Increment_": 0.1, "Length_": float(N)}
+        info = MatlabOpaque({key: np.array([[x]]) for key, x in numbers.items()}, "tsdata.timemetadata")
+        stored = T[:, None] if times == "stored" else np.empty((0, 0))
+        properties = {"Name": np.array([name]), "Data_": values[:, None], "Time_": stored, "TimeInfo": info}
+        return MatlabOpaque(properties, "timeseries")
+
+    elements = np.empty((2, 1), object)
+    for k, (name, values) in enumerate((("speed", Y), ("voltage", U))):
+        signal = {"Name": np.array([name]), "Values": series("", values)}
+        elements[k, 0] = MatlabOpaque(signal, "Simulink.SimulationData.Signal")
+    logs = MatlabOpaque({"Elements_": elements}, "Simulink.SimulationData.Dataset")
+    content = {
+        "u": series("u", U),
+        "y": series("y", Y),
+        "logsout": logs,
+        "tab": pd.DataFrame({"time": T, "cmd": U, "level": Y}),
+    }
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        save_to_mat(tmp_path / "a.mat", content, version=version)
+    path = tmp_path / "a.mat"
+    assert_read(load_record(path, columns="u,y"))
+    assert_read(load_record(path, columns="logsout.voltage,logsout.speed"))
+    assert_read(load_record(path, columns="tab.time,tab.cmd,tab.level"))
+
+
+# What all share -----------------------------------------------------------------------------------------------
+
+
+MAGIC = {one.module: one.magic[0] if one.magic else b"PK\x03\x04" for one in FORMATS if one.suffixes}
+
+
+@pytest.mark.parametrize("one", [one for one in FORMATS if one.suffixes], ids=lambda one: one.module)
+def test_a_damaged_file_is_refused_in_one_line(tmp_path, one):
+    path = tmp_path / f"bad{one.suffixes[0]}"
+    path.write_bytes(MAGIC[one.module] + bytes(range(256)) * 4)
+    assert library_format(path) is one
+    says = r"bad\.\w+: .*(damaged|needs the package|Give the bag's folder|no channels)"
+    with pytest.raises(ValueError, match=says) as caught:
+        load_record(path)
+    assert "\n" not in str(caught.value)
+
+
+def test_a_missing_package_is_named_with_how_to_install_it(tmp_path, monkeypatch):
+    blocked = tmp_path / "site"
+    blocked.mkdir()
+    (blocked / "openpyxl.py").write_text("raise ModuleNotFoundError('no', name='openpyxl')\n")
+    monkeypatch.setenv("PYTHONPATH", str(blocked))
+    path = tmp_path / "a.xlsx"
+    path.write_bytes(b"PK\x03\x04")
+    with pytest.raises(
+        ValueError, match=r'reading it needs the package openpyxl. Install it: pip install "labsid\[logs'
+    ):
+        load_record(path)
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="Windows has no limits of memory")
+@needs("h5py")
+def test_a_bomb_is_refused_and_takes_no_memory(tmp_path):
+    import h5py
+
+    with h5py.File(tmp_path / "a.h5", "w") as file:
+        for name in "tuy":
+            file.create_dataset(name, (2**33,), dtype="f8", chunks=(2**20,), compression="gzip")
+    assert (tmp_path / "a.h5").stat().st_size < 2**20
+    with pytest.raises(ValueError, match="data set /t is over 512 MB"):
+        load_record(tmp_path / "a.h5")
+
+
+@needs("pyarrow")
+@pytest.mark.skipif(sys.platform == "win32", reason="Windows has no limits of memory")
+def test_a_process_that_needs_too_much_memory_is_refused(tmp_path, monkeypatch):
+    import pyarrow as pa
+    import pyarrow.parquet as pq
+
+    constant = pa.array(np.zeros(30_000_000))
+    pq.write_table(pa.table(dict.fromkeys("tuy", constant)), tmp_path / "a.parquet")
+    assert (tmp_path / "a.parquet").stat().st_size < 2**20
+    with pytest.raises(ValueError, match=r"over 512 MB|more than 1024 MB|ended the reader|cannot be read as Parquet"):
+        load_record(tmp_path / "a.parquet")
+
+
+def test_a_process_that_dies_or_takes_too_long_is_told(tmp_path, monkeypatch):
+    path = tmp_path / "a.parquet"
+    path.write_bytes(b"PAR1" * 10)
+    monkeypatch.setattr(apart, "SECONDS", 0.01)
+    with pytest.raises(ValueError, match=r"reading this Parquet table took over 0.01 s"):
+        load_record(path)
+    monkeypatch.undo()
+    monkeypatch.setattr(apart.sys, "executable", "/bin/false")
+    with pytest.raises(ValueError, match=r"it is damaged, or too large: reading it as Parquet table ended the reader"):
+        load_record(path)
+
+
+def test_the_columns_of_a_log_are_described(write_text):
+    text = "time_ms,pwm,speed,idle,who\n" + "".join(f"{20 * k},{k // 9 % 2 * 50},{k % 7},1,Ann\n" for k in range(50))
+    found = describe_columns(write_text(text))
+    assert [(one.name, one.role) for one in found] == [
+        ("time_ms", "time"),
+        ("pwm", "input"),
+        ("speed", "output"),
+        ("idle", "constant"),
+        ("who", "text"),
+    ]
+    assert (found[0].interval, found[1].low, found[1].high) == (pytest.approx(0.02), 0.0, 50.0)
+
+
+def test_text_needs_no_library():
+    root = Path(__file__).resolve().parents[3]
+    program = (
+        "import sys\nfrom labsid.records.record import load_record\n"
+        "load_record('data/WithheldRig.csv')\nload_record('data/SysIdenData_StudentVersion.mat')\n"
+        "print(*sys.modules)"
+    )
+    done = subprocess.run([sys.executable, "-c", program], cwd=root, capture_output=True, text=True, check=True)
+    heavy = {"h5py", "pyarrow", "asammdf", "nptdms", "mcap", "rosbags", "openpyxl", "matio", "pandas", "scipy"}
+    assert heavy & set(done.stdout.split()) == set()

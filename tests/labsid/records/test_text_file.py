@@ -1,0 +1,240 @@
+"""Text as loggers write it: delimiters, decimal marks, headers, units, numbers, and stamps of every kind."""
+
+from datetime import datetime, timedelta
+
+import numpy as np
+import pytest
+
+from labsid.records.fields import kind_of
+from labsid.records.record import load_record, reading_notes
+from labsid.records.units import is_time_name, is_unit, split_unit, unit_in_time_name
+
+N = 60
+T = np.arange(N) * 0.1
+U = np.repeat([0.0, 1.0, 2.5], N // 3)
+Y = np.round(np.sin(np.arange(N) / 9), 4)
+
+
+def table(header="t,u,y", t=None, u=None, y=None, delimiter=","):
+    """Rows of text; each column is given as text or taken from the record."""
+    columns = [
+        [f"{x:.1f}" for x in T] if t is None else t,
+        [f"{x:.1f}" for x in U] if u is None else u,
+        [f"{x:.4f}" for x in Y] if y is None else y,
+    ]
+    rows = [delimiter.join(row) for row in zip(*columns, strict=True)]
+    return "\n".join([*([header] if header else []), *rows]) + "\n"
+
+
+def commas(values, form):
+    return [form.format(x).replace(",", " ").replace(".", ",").replace(" ", ".") for x in values]
+
+
+def assert_read(record, u=U, y=Y, t=T):
+    np.testing.assert_allclose(record.t, t, atol=1e-9)
+    np.testing.assert_array_equal(record.u, u)
+    np.testing.assert_allclose(record.y, y, rtol=0, atol=1e-12)
+    assert record.Ts == pytest.approx(0.1, rel=1e-12)
+
+
+@pytest.mark.parametrize("delimiter", [",", ";", "\t", "|", "  "])
+@pytest.mark.parametrize("encoding", ["utf-8", "utf-8-sig", "utf-16", "cp1252"])
+def test_delimiters_and_encodings(write_text, delimiter, encoding):
+    header = delimiter.join(["t", "u", "y"])
+    text = "# Füllstand\n" + table(header, delimiter=delimiter)
+    assert_read(load_record(write_text(text, encoding=encoding)))
+
+
+@pytest.mark.parametrize("end", ["\n", "\r\n", "\r", "\r\r\n"])
+def test_ends_of_lines(write_text, end):
+    assert_read(load_record(write_text(table().replace("\n", end))))
+
+
+@pytest.mark.parametrize(
+    ("text", "units", "note"),
+    [
+        (table("t [s];u [V];y [cm]", delimiter=";"), ("V", "cm"), ""),
+        (table("Time (s)\tInput (V)\tOutput (cm)", delimiter="\t"), ("V", "cm"), ""),
+        (table("Time (s)   Input (V)   Output (cm)", delimiter="   "), ("V", "cm"), ""),
+        (table("t,u,y\n[s],[V],[cm]"), ("V", "cm"), "the row under the header read as units: s, V, cm"),
+        ("Device: DAQ-1\nDate: 2026-01-01\nChannels,3\n\n" + table(), ("", ""), "3 lines before the table skipped"),
+        (table("t,u,y,").replace(",\n", "\n").replace("\n", ",\n"), ("", ""), ""),
+        (table('"t","u","y"').replace("0.1,", '"0.1",'), ("", ""), ""),
+        (table(""), ("", ""), "no header: columns taken as t,u,y"),
+        (table("TIME,U,Y"), ("", ""), ""),
+    ],
+)
+def test_headers_units_and_lines_before_the_table(write_text, text, units, note):
+    record = load_record(write_text(text))
+    assert_read(record)
+    assert record.units == units
+    assert note in "; ".join(record.notes)
+
+
+def test_decimal_commas_and_marks_of_thousands(write_text):
+    t, y = commas(T, "{:.1f}"), commas(Y, "{:.4f}")
+    german = table("t;u;y", t, commas(1000 * U + 1000, "{:,.1f}"), y, ";")
+    record = load_record(write_text(german))
+    assert_read(record, u=1000 * U + 1000)
+    assert record.notes == ("decimal commas read as decimal points", "'.' read as a mark of thousands")
+    english = load_record(write_text(table("t;u;y", u=[f"{1000 * x + 1000:,.1f}" for x in U], delimiter=";")))
+    assert_read(english, u=1000 * U + 1000)
+    blanks = load_record(write_text(table("t u y", t, commas(U, "{:.1f}"), y, " ")))
+    assert_read(blanks)
+
+
+def test_a_file_that_mixes_the_marks_is_refused_with_its_line(write_text):
+    mixed = table("t;u;y", u=["1,5", *["1.5"] * (N - 1)], delimiter=";")
+    with pytest.raises(ValueError, match=r"line 2, column 2: '1,5' is not a number"):
+        load_record(write_text(mixed))
+
+
+def test_numbers_of_fortran(write_text):
+    y = [f"{x:.4f}D+00" for x in Y]
+    y[3], y[5] = "1.0-114", "-2.5d-3"
+    record = load_record(write_text(table("", y=y, delimiter="  ")))
+    assert (record.y[3], record.y[5]) == (1e-114, -2.5e-3)
+    assert len(record) == N  # a first row with such a number is no header
+    assert load_record(write_text(table("", [f"{x:.1f}D+00" for x in T], y=y, delimiter="  "))).t[0] == 0.0
+
+
+def test_switches_are_one_and_zero_and_it_is_said(write_text):
+    for on, off in (("ON", "OFF"), ("true", "false"), ("High", "Low")):
+        record = load_record(write_text(table(u=[on if x else off for x in U])))
+        assert_read(record, u=U > 0)
+        assert record.notes == ("u: on read as 1, off as 0",)
+    with pytest.raises(ValueError, match=r"line 62, column 2: 'maybe' is not a switch"):
+        load_record(write_text(table(u=["ON"] * N) + "6.0,maybe,1\n"))
+
+
+@pytest.mark.parametrize("word", ["", "NaN", "NA", "null", "-", "#N/A"])
+def test_missing_outputs_are_nan_and_counted(write_text, word):
+    y = [f"{x:.4f}" for x in Y]
+    y[7] = y[8] = y[20] = word
+    record = load_record(write_text(table(y=y)))
+    assert np.flatnonzero(record.missing).tolist() == [7, 8, 20]
+    assert reading_notes(record) == (
+        "y is missing in 3 of 60 samples (7 to 8, 20); these are neither fitted nor scored",
+    )
+
+
+def test_a_held_input_is_held_through_gaps_and_a_moving_one_is_refused(write_text):
+    u = [f"{x:.1f}" for x in U]
+    u[5] = u[19] = u[20] = ""
+    record = load_record(write_text(table(u=u)))
+    assert_read(record, u=np.where(np.arange(N) == 20, 0.0, U))
+    assert record.notes == (
+        "u held at its last value in 3 samples without one; after 1 of these gaps it differs, so that the change may "
+        "have been earlier",
+    )
+    moving = [f"{x:.4f}" for x in Y]
+    moving[5] = ""
+    with pytest.raises(ValueError, match="u must be finite; got nan at sample 5"):
+        load_record(write_text(table(u=moving)))
+
+
+def iso(zone="", digits=3, mark="T"):
+    start = datetime(2026, 3, 1, 23, 59, 58)
+    stamps = [(start + timedelta(seconds=0.1 * k)).isoformat(mark, "milliseconds") for k in range(N)]
+    return [stamp[: len(stamp) - 3 + digits] + zone for stamp in stamps]
+
+
+@pytest.mark.parametrize("stamps", [iso(), iso(mark=" "), iso(digits=1), iso("Z"), iso("+01:00"), iso("-0330")])
+def test_dates(write_text, stamps):
+    record = load_record(write_text(table("timestamp,u,y", stamps)))
+    assert_read(record)
+    assert record.notes[0].startswith("times count from 2026-03-0")
+
+
+def test_times_of_day_pass_midnight(write_text):
+    stamps = [f"{(86395 + k // 10) // 3600 % 24:02d}:{(86395 + k // 10) // 60 % 60:02d}:" for k in range(N)]
+    stamps = [f"{stamp}{(55 + k // 10) % 60:02d}.{k % 10}" for k, stamp in enumerate(stamps)]
+    record = load_record(write_text(table("time,u,y", stamps)))
+    assert record.Ts == pytest.approx(0.1, rel=1e-9)
+    assert record.notes == ("times of day pass midnight once; a day added there",)
+    prefixed = "".join(f"{stamp} -> {u},{y}\n" for stamp, u, y in zip(stamps, U, Y, strict=True))
+    np.testing.assert_array_equal(load_record(write_text(prefixed), columns="1,2,3").u, U)
+
+
+@pytest.mark.parametrize(
+    ("name", "stamps", "options", "says"),
+    [
+        ("time_ms", [5000 + 100 * k for k in range(N)], {}, "time_ms read as milliseconds (by its name)"),
+        ("millis", [5000 + 100 * k for k in range(N)], {}, "milliseconds (by its name)"),
+        ("t [ms]", [100 * k for k in range(N)], {}, "t read as milliseconds (by its name)"),
+        ("us", [2**32 - 1_000_000 + 100_000 * k for k in range(N)], {}, ""),
+        ("us", [(2**32 - 1_000_000 + 100_000 * k) % 2**32 for k in range(N)], {}, "us wraps once; unwrapped"),
+        ("time", [5000 + 100 * k for k in range(N)], {"time_unit": "ms"}, "time read as milliseconds (as given)"),
+        ("time", [1764000000000 + 100 * k for k in range(N)], {}, "2025-11-24 16:00:00 UTC"),
+        ("time", [1764000000000000000 + 100000000 * k for k in range(N)], {}, "2025-11-24 16:00:00 UTC"),
+        ("timestamp", [f"{1764000000 + k / 10:.3f}" for k in range(N)], {}, "2025-11-24 16:00:00 UTC"),
+        ("datenum", [repr(739946.0 + k / 864000) for k in range(N)], {}, "2025-11-25, the first stamp"),
+        ("t", [repr(739946.0 + k / 864000) for k in range(N)], {"time_unit": "days"}, "read as days (as given)"),
+        ("t", [f"{k / 600:.12f}" for k in range(N)], {"time_unit": "min"}, "read as minutes (as given)"),
+    ],
+)
+def test_units_of_time(write_text, name, stamps, options, says):
+    record = load_record(write_text(table(f"{name},u,y", [str(x) for x in stamps])), **options)
+    np.testing.assert_array_equal(record.u, U)
+    assert record.Ts == pytest.approx(0.1, rel=1e-9)
+    assert says.removesuffix("2025-11-25, the first stamp") in "; ".join(record.notes)
+
+
+def test_epochs_keep_the_digits_of_the_sampling_time(write_text):
+    stamps = [f"{1764000000 + k / 1000:.6f}" for k in range(N)]
+    assert load_record(write_text(table("timestamp,u,y", stamps))).Ts == 0.001
+
+
+@pytest.mark.parametrize(
+    ("stamps", "says"),
+    [
+        ([str(100 * k) for k in range(N)], r"t counts in whole numbers, 100 apart, .*--time-unit ms"),
+        ([repr(739946.0 + k / 864000) for k in range(N)], r"seconds or days \(MATLAB's datenum\).*--time-unit days"),
+    ],
+)
+def test_stamps_that_can_be_read_in_two_ways_name_the_option(write_text, stamps, says):
+    with pytest.raises(ValueError, match=says):
+        load_record(write_text(table(t=stamps)))
+
+
+def test_names_that_differ_in_case_only_are_told_apart(write_text):
+    text = table("t,heater,T")
+    assert_read(load_record(write_text(text), columns="t,heater,T"))
+    with pytest.raises(ValueError, match="no columns t,u,y; the columns are t, heater, T"):
+        load_record(write_text(text))
+
+
+def test_a_time_in_two_columns_is_not_chosen_between(write_text):
+    text = "time,timestamp,u,y\n" + "".join(f"{k / 10},{k / 5},{k % 2},{k}\n" for k in range(N))
+    assert load_record(write_text(text)).Ts == 0.1  # time by its exact name
+    text = text.replace("time,timestamp", "stamp,timestamp")
+    with pytest.raises(ValueError, match="no columns t,u,y"):
+        load_record(write_text(text))
+
+
+def test_numbers_with_a_large_offset_keep_their_digits(write_text):
+    record = load_record(write_text(table(u=[f"{1e8 + x:.1f}" for x in U], y=[f"{101325 + x:.4f}" for x in Y])))
+    np.testing.assert_array_equal(record.u - 1e8, U)
+    np.testing.assert_allclose(record.y - 101325, Y, atol=1e-10)
+
+
+@pytest.mark.parametrize(
+    ("field", "kind"),
+    [
+        ("1.5", "number"), ("-1,5", "number"), ("1.234,5", "number"), ("1D+3", "number"), ("2.0-101", "number"),
+        ("inf", "number"), ("", "missing"), ("n/a", "missing"), ("ON", "switch"), ("2026-03-01", "date"),
+        ("2026-03-01 09:00:00,5", "date"), ("9:00:00", "clock"), ("V", "text"), ("1_000", "text"), ("0x1F", "text"),
+    ],
+)  # fmt: skip
+def test_what_a_field_is(field, kind):
+    assert kind_of(field) == kind
+
+
+def test_names_and_units():
+    assert split_unit("Level [cm]") == ("Level", "cm")
+    assert split_unit("Time (s)") == ("Time", "s")
+    assert split_unit("position[elbow]") == ("position[elbow]", "")
+    assert split_unit("q[1]") == ("q[1]", "")
+    assert [is_unit(text) for text in ("V", "[cm]", "(ms)", "speed", "u")] == [True, True, True, False, False]
+    assert [is_time_name(name) for name in ("t", "time_ms", "Zeit", "T1", "temperature")] == [True] * 3 + [False] * 2
+    assert [unit_in_time_name(name) for name in ("time_ms", "us", "t", "time")] == ["ms", "us", None, None]
