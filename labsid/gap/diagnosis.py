@@ -11,7 +11,7 @@ from threadpoolctl import threadpool_limits
 from labsid._arrays import FloatArray
 from labsid.gap.fits.fitting import rms
 from labsid.gap.fits.linear_fits import fit_baseline
-from labsid.gap.limits.planned import planned_record, with_planted
+from labsid.gap.limits.planning import planned_record, with_planted
 from labsid.gap.limits.smallest_sizes import smallest_sizes
 from labsid.gap.model_file import ExportedModel, export_model
 from labsid.gap.record.clock import at_sampling_time, clock_findings, stated_sampling_time

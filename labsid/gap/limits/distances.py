@@ -1,13 +1,17 @@
 """How far a change of the output is from what refits and rivals can absorb."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from operator import attrgetter
 
 import numpy as np
 
 from labsid._arrays import FloatArray
-from labsid.gap.fits.fitting import Fit, Problem
+from labsid.gap.dynamics.responses import real_rates
+from labsid.gap.fits.fitting import Fit, Problem, descend
 from labsid.gap.record.data import Data
+from labsid.gap.search.candidates import RESTART_RATE
 
+FAST_POLE = 1.0  # per sample
 NEARLY_PARALLEL = 1e-5  # one minus the squared cosine of two vectors, below which they do not span a plane
 
 
@@ -17,6 +21,8 @@ class Refit:
 
     Attributes
     ----------
+    data : Data
+    fit : Fit
     whitened, plain : Problem
         With and without the noise model of the fit.
     absorbed : tuple of ndarray
@@ -29,6 +35,8 @@ class Refit:
         The residual in units of `sigma`, less what a refit absorbs.
     """
 
+    data: Data
+    fit: Fit
     whitened: Problem
     plain: Problem
     absorbed: tuple[FloatArray, FloatArray]
@@ -46,7 +54,7 @@ class Refit:
         absorbed = _basis(whitened.seen(J)), _basis(plain.seen(J))
         sigma = float(np.sqrt(fit.noise.sigma2))
         residual = _less(at.error / sigma, absorbed[0])
-        return cls(whitened, plain, absorbed, sigma, noise, residual)
+        return cls(data, fit, whitened, plain, absorbed, sigma, noise, residual)
 
     def left(self, change: FloatArray) -> tuple[FloatArray, float]:
         """What a refit leaves of a change of the output.
@@ -65,6 +73,31 @@ class Refit:
         white = _less(self.whitened.seen(change[:, None])[:, 0] / self.sigma, self.absorbed[0])
         plain = _less(self.plain.seen(change[:, None])[:, 0], self.absorbed[1])
         return white, float(np.sqrt(np.mean(plain**2))) / self.noise
+
+    def left_exactly(self, change: FloatArray, iterations: int = 15) -> tuple[FloatArray, float]:
+        """As `left`, but by a refit: a delay and a lag can be absorbed by a pole that moves far."""
+        problem = Problem(replace(self.data, y=self.fit.output + change), self.fit.hypothesis, self.fit.noise.ar)
+        starts = [at for theta in self._starts() if (at := problem.start(theta)) is not None]
+        if not starts:
+            return self.left(change)
+        found = min((descend(problem, at, iterations, tolerance=1e-3) for at in starts), key=attrgetter("cost"))
+        rest = self.plain.seen((self.fit.output + change - found.output)[:, None])
+        return found.error / self.sigma, float(np.sqrt(np.mean(rest**2))) / self.noise
+
+    def _starts(self) -> list[FloatArray]:
+        """Parameters from which refits start; a pole that is too fast to have a gradient also starts at a slower rate."""
+        theta, plant = self.fit.theta, self.fit.hypothesis.plant
+        slow, fast = real_rates(*self.fit.rates)
+        if plant.kind != "linear" or fast < FAST_POLE:
+            return [theta]
+        slower = theta.copy()
+        slower[self.fit.hypothesis.slices["plant"]][:2] = np.log((slow + RESTART_RATE, slow * RESTART_RATE))
+        return [theta, slower]
+
+    @property
+    def is_cheap(self) -> bool:
+        """Whether refits are: a given simulation is slow, and has few numbers that are free."""
+        return self.fit.hypothesis.plant.kind != "given"
 
 
 def _basis(J: FloatArray) -> FloatArray:

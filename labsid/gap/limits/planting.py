@@ -156,7 +156,7 @@ def _at_zero(fit: Fit, found: Fitted, form: Hypothesis, effect: Effect) -> Fitte
 
 
 def _with_states(fit: Fitted, form: Hypothesis, theta: FloatArray) -> FloatArray:
-    """Theta with the initial states that give the output of the simulation; at size zero the output is linear in them."""
+    """Theta with the initial states of the simulation; at size zero the output is linear in them."""
     at = [form.slices["plant"].start + form.plant.index(state.name) for state in STATES[form.plant.kind]]
     columns = form.design(theta, fit.data.u).columns
     parts = [columns[:, :1], np.ones((fit.data.samples, 1))]

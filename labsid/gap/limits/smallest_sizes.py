@@ -1,7 +1,7 @@
 """The smallest size at which each effect is visible, named, and not excluded by a record."""
 
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -21,6 +21,10 @@ LEAST_SHARE = 5e-5  # smallest planted size over the whole
 COARSE, FINE = 4.0, 2.0  # ratios of planted sizes: of those that are far from invisible, and of others
 PLAIN = 1e4  # squared distance over the variance of the noise, from which a size is far from invisible
 INVISIBLE = 0.3  # the same, below which smaller sizes are not planted
+CLEAR = 60.0  # the same, at which the linearized refit is compared with an exact one
+FAR = 3e3  # the same, from which a size is far from every limit, and needs no exact refit
+FEW = 5  # iterations that show whether a linearized refit is right
+MISFIT = 0.1  # relative difference of their results from which exact ones are used
 BETWEEN = 12  # interpolated sizes between two planted ones
 SURE = 1.28  # standard errors that are exceeded in one of ten records: limits hold in the other nine
 EXCLUDED = 1.64**2  # squared distance beyond which a size is excluded: 95 % on one side
@@ -92,7 +96,7 @@ def smallest_sizes(data: Data, fit: Fit, noise: float, measured: bool = True) ->
             rows.setdefault((one.trace.name, one.parameter), []).append(one)
     margins = _Margins.of(data, fit)
     rivals = Rivals([one.trace for one in sown]) if sown else None
-    starts = {one: at for one, at in zip(sown, rivals.starts, strict=False)} if rivals else {}
+    starts = dict(zip(sown, rivals.starts, strict=False)) if rivals else {}
     found = [
         _limits(row, rivals, starts[row[0]], margins, refit if measured else None) for row in rows.values() if rivals
     ]
@@ -133,9 +137,26 @@ class _Margins:
         return np.asarray(np.sqrt(np.maximum(BIC_MARGIN + added * np.log(self.rows), 0.0)) + SURE)
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class _Change:
+    """An effect at one share: its change of the output, and what a refit leaves of it."""
+
+    share: float
+    output: FloatArray
+    vector: FloatArray
+    size: float
+
+    @property
+    def power(self) -> float:
+        return float(self.vector @ self.vector)
+
+    def with_left(self, vector: FloatArray, size: float) -> "_Change":
+        return replace(self, vector=vector, size=size)
+
+
 def _traced(plantation: Plantation, refit: Refit) -> list[_Sown]:
     """The traces of all places of one form."""
-    seen: dict[int, list[tuple[float, FloatArray, float]]] = {}
+    seen: dict[int, list[_Change]] = {}
     parameters: dict[int, str] = {}
     share, going, visible = 1.0, True, False
     while going and share >= LEAST_SHARE:
@@ -148,17 +169,33 @@ def _traced(plantation: Plantation, refit: Refit) -> list[_Sown]:
             power = float(vector @ vector)
             strongest = max(strongest, power)
             if np.isfinite(power) and power > 0.0:
-                seen.setdefault(place, []).append((share, vector, size))
+                seen.setdefault(place, []).append(_Change(share, change, vector, size))
                 parameters[place] = planted.parameter
         visible |= strongest > INVISIBLE
         going = not plantation.is_linear and (strongest > INVISIBLE or not visible)
         share /= COARSE if strongest > PLAIN else FINE
     found = []
+    exact = bool(seen) and not plantation.is_linear and _needs_refits(next(iter(seen.values()))[::-1], refit)
     for place, points in seen.items():
-        shares, vectors, sizes = (np.array(column)[::-1] for column in zip(*points, strict=True))
+        points = [_refitted(one, refit) if exact else one for one in points[::-1]]
+        shares, vectors, sizes = (np.array([getattr(p, x) for p in points]) for x in ("share", "vector", "size"))
         trace = Trace(plantation.effect.name, shares, vectors, sizes, plantation.added, plantation.is_linear)
         found.append(_Sown(plantation, place, parameters[place], trace))
     return found
+
+
+def _needs_refits(points: list[_Change], refit: Refit) -> bool:
+    """Whether an exact refit leaves another power of the first change that is clearly visible."""
+    clear = next((one for one in points if one.power > CLEAR), points[-1])
+    if not refit.is_cheap or clear.power < 1.0:
+        return False
+    vector, _ = refit.left_exactly(clear.output, iterations=FEW)
+    return bool(abs(vector @ vector / clear.power - 1.0) > MISFIT)
+
+
+def _refitted(one: _Change, refit: Refit) -> _Change:
+    """With what an exact refit leaves, unless it is far from the limits."""
+    return one.with_left(*refit.left_exactly(one.output)) if 1.0 < one.power < FAR else one
 
 
 def _limits(row: list[_Sown], rivals: Rivals, start: int, margins: _Margins, refit: Refit | None) -> Limits:
@@ -218,7 +255,7 @@ def _crossing(trace: Trace, score: FloatArray) -> float | None:
 def _excluded(row: list[_Sown], refit: Refit, detect: float | None) -> float | None:
     """Upper 95 % end of the profile likelihood of the size; None beyond the largest one.
 
-    The best size is below the one that is visible in nearly every record: an actuator that is off imitates a small gain.
+    The best size is one below that which is visible in nearly every record: an actuator that is off is a small gain.
     """
     first = row[0]
     same = [one for one in row if one.plantation is first.plantation]

@@ -1,16 +1,17 @@
 """What a record could have shown of each effect: rows of the report, and the table made from them."""
 
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any
 
 from labsid.gap.limits.smallest_sizes import Limits
 from labsid.gap.reports.effect_guide import EFFECT_GUIDE
 from labsid.gap.reports.effect_texts import noun
 from labsid.gap.reports.quantities import in_units, number
+from labsid.gap.reports.sentences import capitalised, joined, noun_without_article, uncapitalised
 
 SIGNALS = {"input": "u", "output": "y"}
-COLUMNS = ("effect", "visible from", "named from", "excluded beyond", "nearest other")
+COLUMNS = ("effect", "visible from", "named from", "excluded", "nearest other")
 NOT_SHOWN = "–"
 
 
@@ -62,40 +63,49 @@ def _why(one: Limits) -> str | None:
     return None
 
 
-def limit_cells(report: dict[str, Any]) -> list[tuple[str, ...]]:
+def limit_cells(report: dict[str, Any], titles: Callable[[str], str]) -> list[tuple[str, ...]]:
     """The cells of the table of limits, one tuple of `COLUMNS` for each effect that the record can show at some size.
 
     Parameters
     ----------
     report : dict
         With `limits`, and `units` if they are known.
+    titles : callable
+        Title of an effect by its name.
     """
-    rows = [row for row in report["limits"] if row["detect"] is not None]
-    several = Counter(row["name"] for row in rows)
     return [
         (
-            _title(row["name"]) + (f", {row['parameter']}" if several[row["name"]] > 1 else ""),
-            *(_sized(report, row, which) for which in ("detect", "named", "excluded_above")),
-            _title(row["rival"]) if row["rival"] else NOT_SHOWN,
+            title,
+            _sized(report, row),
+            *(_share(row, which) for which in ("named", "excluded_above")),
+            titles(row["rival"]) if row["rival"] else NOT_SHOWN,
         )
-        for row in rows
+        for title, row in titled_rows(report, titles)
     ]
+
+
+def titled_rows(report: dict[str, Any], titles: Callable[[str], str]) -> list[tuple[str, dict[str, Any]]]:
+    """The rows with a visible size, each with its title; of an effect with several, with the parameter."""
+    rows = [row for row in report["limits"] if row["detect"] is not None]
+    several = Counter(row["name"] for row in rows)
+    return [(titles(row["name"]) + (f", {row['parameter']}" if several[row["name"]] > 1 else ""), row) for row in rows]
 
 
 def limits_sentence(report: dict[str, Any]) -> str | None:
     """What the table of limits says; None without limits."""
     if not report["limits"]:
         return None
-    excluded = (
-        "A size beyond the third is excluded at 95 %."
-        if any(row["excluded_above"] is not None for row in report["limits"])
-        else "A simulation that leaves more than noise excludes nothing: the sizes hold beside what is left."
-    )
+    if any(row["excluded_above"] is not None for row in report["limits"]):
+        last = "A larger size than the last one is excluded at 95 %."
+    elif report.get("planned"):
+        last = "The input is not applied yet: the noise is that of the record."
+    else:
+        last = "Nothing is excluded, because more than noise is left: the sizes hold beside what is left."
     return (
-        "One effect at a time, added to the fitted simulation: from the first size on it is seen in nine of ten such "
-        f"records, from the second on it is also told from every other effect. {excluded} In brackets, the size as a "
-        "share: of the range of u for effects at the input, of the range of y at the output, of the slowest time "
-        "constant for times, and of the gain."
+        "The smallest size of each effect, alone in the fitted simulation, that is visible in nine of ten such "
+        f"records, and the smallest that is told from every other effect. {last} Shares are of the range of u for "
+        "effects at the input, of the range of y at the output, of the slowest time constant for times, and of the "
+        "gain."
     )
 
 
@@ -104,24 +114,23 @@ def hidden_sentences(report: dict[str, Any]) -> list[str]:
     reasons: dict[str, list[str]] = {}
     for row in report["limits"]:
         if row["why"]:
-            reasons.setdefault(row["why"], []).append(_title(row["name"]))
-    return [f"{_capitalised(' and '.join(dict.fromkeys(names)))}: {why}" for why, names in reasons.items()]
+            reasons.setdefault(row["why"], []).append(noun_without_article(row["name"]))
+    return [
+        f"{capitalised(joined(list(dict.fromkeys(names))))}: {uncapitalised(why)}" for why, names in reasons.items()
+    ]
 
 
-def _title(name: str) -> str:
-    return noun(name).removeprefix("a ").removeprefix("an ")
+def short_noun(name: str) -> str:
+    """The noun of an effect without its article, as a title."""
+    return capitalised(noun_without_article(name))
 
 
-def _capitalised(text: str) -> str:
-    return text[:1].upper() + text[1:]
-
-
-def _sized(report: dict[str, Any], row: dict[str, Any], which: str) -> str:
-    """A size with its unit, and as a share."""
-    value, share = row[which], f"{number(100.0 * row['share'][which], 2)} %" if row["share"].get(which) else ""
-    if value is None:
-        return NOT_SHOWN
-    if row["unit"] == "1":
-        return share
+def _sized(report: dict[str, Any], row: dict[str, Any]) -> str:
+    """The smallest visible size with its unit, and as a share."""
     unit = in_units(row["unit"], **report["units"]) if "units" in report else row["unit"]
-    return f"{number(value)} {unit} ({share})"
+    return _share(row, "detect") if unit == "1" else f"{number(row['detect'])} {unit} ({_share(row, 'detect')})"
+
+
+def _share(row: dict[str, Any], which: str) -> str:
+    share = row["share"][which]
+    return NOT_SHOWN if share is None else f"{number(100.0 * share, 2)} %"

@@ -95,7 +95,7 @@ def build_report(
 
 
 def record_limits(answer: Answer) -> tuple[Limits, ...]:
-    """What the record could have shown of each effect; it excludes a size only if the simulation leaves nothing else."""
+    """What the record could have shown of each effect; it excludes a size only if nothing but noise is left."""
     data, best = answer.explanation.data, answer.explanation.best
     return smallest_sizes(data, best, rms(data, best), answer.decision.verdict in ("none", "effect"))
 

@@ -25,7 +25,7 @@ def format_report(report: dict[str, Any]) -> str:
     Returns
     -------
     str
-        Lines of at most 96 characters, a table apart: the verdict; the causes with their parameters and standard errors; findings from
+        Lines of at most 96 characters: the verdict; the causes with their parameters and standard errors; findings from
         the record; alternatives; the gap before and after; its location; the residual; faults in the samples; and the
         next experiment or the part of the rig to inspect.
     """
@@ -71,15 +71,13 @@ def format_limits(found: dict[str, Any]) -> str:
 
 def limits_lines(report: dict[str, Any]) -> list[str]:
     """What the record could have shown of each effect, in columns."""
-    table = limit_cells(report)
-    if not table:
-        return []
+    table = [COLUMNS, *limit_cells(report, str)]
     lines = _row("limits", limits_sentence(report) or "")
-    table = [COLUMNS, *table]
     columns = [i for i in range(len(COLUMNS)) if any(row[i] != NOT_SHOWN for row in table[1:])]
     wide = {i: max(len(row[i]) for row in table) for i in columns}
-    lines += ["", *(_printable("  ".join(f"{row[i]:<{wide[i]}}" for i in columns).rstrip()) for row in table)]
-    return [*lines, *(line for text in hidden_sentences(report) for line in _row("", _printable(text), indent=0))]
+    if len(table) > 1:
+        lines += ["", *(_printable("  ".join(f"{row[i]:<{wide[i]}}" for i in columns).rstrip()) for row in table), ""]
+    return [*lines, *(line for text in hidden_sentences(report) for line in _row("", _printable(text)))]
 
 
 def _effect(effect: dict[str, Any]) -> list[str]:
