@@ -151,8 +151,8 @@ def diagnose_batch(
     print(summary)
 
 
-@gap.command()
-def limits(
+@gap.command("limits")
+def show_limits(
     record: RecordPath,
     sim: Annotated[
         Path | None,

@@ -12,12 +12,12 @@ from labsid._arrays import FloatArray
 from labsid.gap.fits.fitting import rms
 from labsid.gap.fits.linear_fits import fit_baseline
 from labsid.gap.limits.planning import planned_record, with_planted
-from labsid.gap.limits.smallest_sizes import smallest_sizes
+from labsid.gap.limits.smallest_sizes import find_smallest_sizes
 from labsid.gap.model_file import ExportedModel, export_model
 from labsid.gap.record.clock import at_sampling_time, clock_findings, stated_sampling_time
 from labsid.gap.record.data import Data, scaled
 from labsid.gap.record.record_findings import filtered_input, findings_from_errors, findings_from_record, plateau_gap
-from labsid.gap.reports.limit_rows import limit_rows
+from labsid.gap.reports.limit_rows import as_rows
 from labsid.gap.reports.notebook_progress import runs_in_notebook, show_in_notebook
 from labsid.gap.reports.replay_data import replay_content
 from labsid.gap.reports.report import build_report, record_limits
@@ -192,8 +192,8 @@ def find_limits(
             found = record_limits(answer)
         else:
             data, fit = planned_record(data, fit, planned[0])
-            found = smallest_sizes(data, fit, noise, measured=False)
-        rows = limit_rows(found)
+            found = find_smallest_sizes(data, fit, noise, measured=False)
+        rows = as_rows(found)
         rng = np.random.default_rng(seed)
         for number, (row, one) in enumerate(zip(rows, found, strict=True)):
             if tests and one.named is not None:

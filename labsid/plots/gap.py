@@ -39,7 +39,7 @@ LIMIT_MARKS = (
     ("named", "Told from all others", VERMILION, "s"),
     ("excluded_above", "Excluded from here on (95 %)", BLACK, "|"),
 )
-LIMIT_TEXT_SIZE = 9.5
+LIMIT_TEXT_SIZE, NARROW_TEXT_SIZE = 9.5, 8.0
 BREAK = 10.0  # median distances of the samples drawn, from which there is no line: between several records
 
 
@@ -265,7 +265,7 @@ def figure_limits(report: dict[str, Any], narrow: bool = False) -> Figure:
         (row for row in report["limits"] if row["detect"] is not None), key=lambda row: row["share"]["detect"]
     )
     at = np.arange(len(rows))
-    figure = _new_figure(narrow, *(2 * (1.3 + 0.29 * len(rows),)))
+    figure = _new_figure(narrow, 1.3 + 0.29 * len(rows), 1.9 + 0.36 * len(rows))
     ax = figure.subplots()
     shares = {
         which: 100.0 * np.array([np.nan if (x := row["share"][which]) is None else x for row in rows])
@@ -282,8 +282,8 @@ def figure_limits(report: dict[str, Any], narrow: bool = False) -> Figure:
     labels = [f"{row.get('title', row['name'])} ({WHOLES[row['of']]})" for row in rows]
     ax.set_yticks(at, [fill(text, 24) for text in labels] if narrow else labels)
     ax.invert_yaxis()
-    finish(ax, "Smallest effects that this record can show", "Size (% of what is in brackets)", "", legend_columns=0)
-    ax.tick_params(labelsize=LIMIT_TEXT_SIZE)
+    finish(ax, "Smallest sizes that show", "Size (% of what is in brackets)", "", legend_columns=0)
+    ax.tick_params(axis="y", labelsize=NARROW_TEXT_SIZE if narrow else LIMIT_TEXT_SIZE)
     figure.legend(loc="outside lower center", ncols=1 if narrow else 3, fontsize=SMALL_TEXT_SIZE)
     return figure
 

@@ -11,7 +11,9 @@ from labsid.gap.fits.fitting import Fit, Problem, descend
 from labsid.gap.record.data import Data
 from labsid.gap.search.candidates import RESTART_RATE
 
-FAST_POLE = 1.0  # per sample
+FEW, MANY, TOLERANCE = 3, 12, 1e-3  # iterations that show whether a linearized refit is right, and of an exact one
+MISFIT = 0.1  # relative difference of the power that is left from which it is not
+SLOWER = 4.0  # slowest pole over a start value of another one, which may be slower
 NEARLY_PARALLEL = 1e-5  # one minus the squared cosine of two vectors, below which they do not span a plane
 
 
@@ -33,6 +35,11 @@ class Refit:
         Rms error of the fit.
     residual : ndarray
         The residual in units of `sigma`, less what a refit absorbs.
+    moved : tuple of ndarray
+        Other parameters from which a refit starts: with other rates of the faster pole, which has no gradient where a zero
+        cancels it.
+    distant : ndarray
+        Orthonormal basis of what these leave of the fit: changes along it can be absorbed by a pole that moves far.
     """
 
     data: Data
@@ -43,6 +50,8 @@ class Refit:
     sigma: float
     noise: float
     residual: FloatArray
+    moved: tuple[FloatArray, ...]
+    distant: FloatArray
 
     @classmethod
     def about(cls, data: Data, fit: Fit, noise: float) -> "Refit | None":
@@ -54,7 +63,11 @@ class Refit:
         absorbed = _basis(whitened.seen(J)), _basis(plain.seen(J))
         sigma = float(np.sqrt(fit.noise.sigma2))
         residual = _less(at.error / sigma, absorbed[0])
-        return cls(data, fit, whitened, plain, absorbed, sigma, noise, residual)
+        moved = _moved(fit)
+        other = Problem(replace(data, y=fit.output), fit.hypothesis, fit.noise.ar)
+        left = [_less(found.error, absorbed[0]) for theta in moved if (found := other.start(theta)) is not None]
+        distant = _basis(np.column_stack(left)) if left else np.zeros((residual.size, 0))
+        return cls(data, fit, whitened, plain, absorbed, sigma, noise, residual, moved, distant)
 
     def left(self, change: FloatArray) -> tuple[FloatArray, float]:
         """What a refit leaves of a change of the output.
@@ -74,30 +87,53 @@ class Refit:
         plain = _less(self.plain.seen(change[:, None])[:, 0], self.absorbed[1])
         return white, float(np.sqrt(np.mean(plain**2))) / self.noise
 
-    def left_exactly(self, change: FloatArray, iterations: int = 15) -> tuple[FloatArray, float]:
+    def left_exactly(self, change: FloatArray) -> tuple[FloatArray, float]:
         """As `left`, but by a refit: a delay and a lag can be absorbed by a pole that moves far."""
-        problem = Problem(replace(self.data, y=self.fit.output + change), self.fit.hypothesis, self.fit.noise.ar)
-        starts = [at for theta in self._starts() if (at := problem.start(theta)) is not None]
-        if not starts:
+        problem = self._on(change)
+        here = problem.start(self.fit.theta, self.fit.gains)
+        if here is None:
             return self.left(change)
-        found = min((descend(problem, at, iterations, tolerance=1e-3) for at in starts), key=attrgetter("cost"))
+        moved = [at for theta in self.moved if (at := problem.start(theta)) is not None]
+        starts = [here, *sorted(moved, key=attrgetter("cost"))[:1]]
+        begun = (descend(problem, at, FEW, TOLERANCE) for at in starts)
+        found = descend(problem, min(begun, key=attrgetter("cost")), MANY, TOLERANCE)
         rest = self.plain.seen((self.fit.output + change - found.output)[:, None])
         return found.error / self.sigma, float(np.sqrt(np.mean(rest**2))) / self.noise
 
-    def _starts(self) -> list[FloatArray]:
-        """Parameters from which refits start; a pole that is too fast to have a gradient also starts at a slower rate."""
-        theta, plant = self.fit.theta, self.fit.hypothesis.plant
-        slow, fast = real_rates(*self.fit.rates)
-        if plant.kind != "linear" or fast < FAST_POLE:
-            return [theta]
-        slower = theta.copy()
-        slower[self.fit.hypothesis.slices["plant"]][:2] = np.log((slow + RESTART_RATE, slow * RESTART_RATE))
-        return [theta, slower]
+    def is_linear_at(self, change: FloatArray, vector: FloatArray) -> bool:
+        """Whether a linearized refit, which leaves `vector` of a change of the output, is as good as an exact one."""
+        power = float(vector @ vector)
+        along = self.distant.T @ vector
+        if not self._is_cheap or power < 1.0:
+            return True
+        if along @ along > MISFIT * power:
+            return False
+        problem = self._on(change)
+        at = problem.start(self.fit.theta, self.fit.gains)
+        exact = np.inf if at is None else descend(problem, at, FEW, TOLERANCE).cost * problem.count / self.sigma**2
+        return bool(abs(exact / power - 1.0) < MISFIT)
+
+    def _on(self, change: FloatArray) -> Problem:
+        """The problem of a refit to the fitted output with a change."""
+        return Problem(replace(self.data, y=self.fit.output + change), self.fit.hypothesis, self.fit.noise.ar)
 
     @property
-    def is_cheap(self) -> bool:
+    def _is_cheap(self) -> bool:
         """Whether refits are: a given simulation is slow, and has few numbers that are free."""
         return self.fit.hypothesis.plant.kind != "given"
+
+
+def _moved(fit: Fit) -> tuple[FloatArray, ...]:
+    c, k = fit.rates
+    if fit.hypothesis.plant.kind != "linear" or c * c < 4.0 * k:
+        return ()
+    slow = real_rates(c, k)[0]
+    found = []
+    for rate in (RESTART_RATE, slow / SLOWER):
+        theta = fit.theta.copy()
+        theta[fit.hypothesis.slices["plant"]][:2] = np.log((slow + rate, slow * rate))
+        found.append(theta)
+    return tuple(found)
 
 
 def _basis(J: FloatArray) -> FloatArray:

@@ -22,9 +22,7 @@ COARSE, FINE = 4.0, 2.0  # ratios of planted sizes: of those that are far from i
 PLAIN = 1e4  # squared distance over the variance of the noise, from which a size is far from invisible
 INVISIBLE = 0.3  # the same, below which smaller sizes are not planted
 CLEAR = 60.0  # the same, at which the linearized refit is compared with an exact one
-FAR = 3e3  # the same, from which a size is far from every limit, and needs no exact refit
-FEW = 5  # iterations that show whether a linearized refit is right
-MISFIT = 0.1  # relative difference of their results from which exact ones are used
+FAINT, FAR = 1.0, 1e3  # the same, between which a limit may lie, so that exact refits are used
 BETWEEN = 12  # interpolated sizes between two planted ones
 SURE = 1.28  # standard errors that are exceeded in one of ten records: limits hold in the other nine
 EXCLUDED = 1.64**2  # squared distance beyond which a size is excluded: 95 % on one side
@@ -68,7 +66,7 @@ class Limits:
     reason: str = ""
 
 
-def smallest_sizes(data: Data, fit: Fit, noise: float, measured: bool = True) -> tuple[Limits, ...]:
+def find_smallest_sizes(data: Data, fit: Fit, noise: float, measured: bool = True) -> tuple[Limits, ...]:
     """What a record can show of each effect that is not in the simulation, about the fitted simulation.
 
     Parameters
@@ -177,7 +175,7 @@ def _traced(plantation: Plantation, refit: Refit) -> list[_Sown]:
     found = []
     exact = bool(seen) and not plantation.is_linear and _needs_refits(next(iter(seen.values()))[::-1], refit)
     for place, points in seen.items():
-        points = [_refitted(one, refit) if exact else one for one in points[::-1]]
+        points = _refitted(points[::-1], refit) if exact else points[::-1]
         shares, vectors, sizes = (np.array([getattr(p, x) for p in points]) for x in ("share", "vector", "size"))
         trace = Trace(plantation.effect.name, shares, vectors, sizes, plantation.added, plantation.is_linear)
         found.append(_Sown(plantation, place, parameters[place], trace))
@@ -185,17 +183,18 @@ def _traced(plantation: Plantation, refit: Refit) -> list[_Sown]:
 
 
 def _needs_refits(points: list[_Change], refit: Refit) -> bool:
-    """Whether an exact refit leaves another power of the first change that is clearly visible."""
+    """Whether a linearized refit is wrong about the first change that is clearly visible."""
     clear = next((one for one in points if one.power > CLEAR), points[-1])
-    if not refit.is_cheap or clear.power < 1.0:
-        return False
-    vector, _ = refit.left_exactly(clear.output, iterations=FEW)
-    return bool(abs(vector @ vector / clear.power - 1.0) > MISFIT)
+    return not refit.is_linear_at(clear.output, clear.vector)
 
 
-def _refitted(one: _Change, refit: Refit) -> _Change:
-    """With what an exact refit leaves, unless it is far from the limits."""
-    return one.with_left(*refit.left_exactly(one.output)) if 1.0 < one.power < FAR else one
+def _refitted(points: list[_Change], refit: Refit) -> list[_Change]:
+    """The changes with what exact refits leave, up to a size that is far from every limit."""
+    found: list[_Change] = []
+    for one in points:
+        near = one.power > FAINT and (not found or found[-1].power < FAR)
+        found.append(one.with_left(*refit.left_exactly(one.output)) if near else one)
+    return found
 
 
 def _limits(row: list[_Sown], rivals: Rivals, start: int, margins: _Margins, refit: Refit | None) -> Limits:
@@ -219,7 +218,7 @@ def _limits(row: list[_Sown], rivals: Rivals, start: int, margins: _Margins, ref
     shares = {
         "detect": detect,
         "named": named,
-        "excluded_above": None if refit is None else _excluded(row, refit, detect),
+        "excluded_above": None if refit is None or detect is None else _excluded(row, refit, detect),
     }
     sizes = {
         name: None if share is None else first.plantation.size(first.planted(share)) for name, share in shares.items()
@@ -252,7 +251,7 @@ def _crossing(trace: Trace, score: FloatArray) -> float | None:
     return float(np.exp(np.interp(0.0, np.log(score[i - 1 : i + 1]), np.log(trace.shares[i - 1 : i + 1]))))
 
 
-def _excluded(row: list[_Sown], refit: Refit, detect: float | None) -> float | None:
+def _excluded(row: list[_Sown], refit: Refit, detect: float) -> float | None:
     """Upper 95 % end of the profile likelihood of the size; None beyond the largest one.
 
     The best size is one below that which is visible in nearly every record: an actuator that is off is a small gain.
@@ -261,7 +260,7 @@ def _excluded(row: list[_Sown], refit: Refit, detect: float | None) -> float | N
     same = [one for one in row if one.plantation is first.plantation]
     same = [one for one in same if not one.trace.is_linear or _place(one) == _place(first)]
     profiles = [_profile(one.trace, refit.residual) for one in same]
-    below = [max(int(np.searchsorted(shares, detect or np.inf)), 1) for shares, _ in profiles]
+    below = [max(int(np.searchsorted(shares, detect)), 1) for shares, _ in profiles]
     least = min(0.0, *(float(loss[:n].min()) for n, (_, loss) in zip(below, profiles, strict=True)))
     ends = []
     for n, (shares, loss) in zip(below, profiles, strict=True):
@@ -301,7 +300,7 @@ def _missing(data: Data, fit: Fit, rows: Iterable[tuple[str, str]]) -> Iterator[
         forms = [family() for family in FAMILIES if family.name == name]
         if not any(is_compatible(fit, form) for form in forms):
             yield name, "closed"
-        elif all(isinstance(form, InputEffect) and context.levels.size < form.least_levels for form in forms):
+        elif all(isinstance(form, InputEffect) and not form.applies(context) for form in forms):
             yield name, "levels"
         else:
             yield name, "hidden"

@@ -15,7 +15,7 @@ COLUMNS = ("effect", "visible from", "named from", "excluded", "nearest other")
 NOT_SHOWN = "–"
 
 
-def limit_rows(limits: Sequence[Limits]) -> list[dict[str, Any]]:
+def as_rows(limits: Sequence[Limits]) -> list[dict[str, Any]]:
     """Rows of `limits` in the report.
 
     Parameters

@@ -12,7 +12,7 @@ from labsid.gap.fits.linear_fits import fit_baseline
 from labsid.gap.limits.distances import Refit
 from labsid.gap.limits.planning import planned_record, with_planted
 from labsid.gap.limits.planting import plantations
-from labsid.gap.limits.smallest_sizes import smallest_sizes
+from labsid.gap.limits.smallest_sizes import find_smallest_sizes
 from labsid.gap.record.data import scaled
 
 POLE = np.exp(-1.0 / 15.0)
@@ -41,7 +41,7 @@ def plain():
 @pytest.fixture(scope="module")
 def found(plain):
     data, fit = plain
-    return {(one.name, one.parameter): one for one in smallest_sizes(data, fit, rms(data, fit))}
+    return {(one.name, one.parameter): one for one in find_smallest_sizes(data, fit, rms(data, fit))}
 
 
 def test_an_error_of_the_gain_an_offset_and_a_pole_leave_nothing(plain):
@@ -69,9 +69,30 @@ def test_a_delay_is_as_far_away_as_a_refit_of_it_says(plain):
     assert np.std(fit.output + change - expected) < 0.02
     exact = replace(data, y=fit.output + change)
     left = mean_square(exact, fit_from(exact, fit.hypothesis, fit.theta, iterations=40))
+    vector, size = refit.left_exactly(change)
+    assert vector @ vector == pytest.approx(data.samples * left / refit.sigma**2, rel=0.05)
+    assert size == pytest.approx(np.sqrt(left) / rms(data, fit), rel=0.05)
+    linearized, _ = refit.left(change)
+    assert not refit.is_linear_at(change, linearized)
+
+
+def test_the_linearized_refit_is_right_about_a_static_curve(plain):
+    """And exact refits are not made, because it is."""
+    data, fit = plain
+    refit = Refit.about(data, fit, rms(data, fit))
+    curve = next(one for one in plantations(data, fit) if one.effect.key == "input-nonlinearity")
+    change = curve.change(curve.places(0.03)[0])
     vector, size = refit.left(change)
-    assert vector @ vector == pytest.approx(data.samples * left / refit.sigma**2, rel=0.25)
-    assert size == pytest.approx(np.sqrt(left) / rms(data, fit), rel=0.15)
+    exact, exact_size = refit.left_exactly(change)
+    assert vector @ vector == pytest.approx(exact @ exact, rel=0.05)
+    assert size == pytest.approx(exact_size, rel=0.05)
+    assert refit.is_linear_at(change, vector)
+
+
+def test_a_first_order_rig_hides_a_lag_as_the_second_pole_of_the_model(found):
+    lag = found["extra-lag", "tau"]
+    assert lag.detect is None
+    assert lag.reason == "hidden"
 
 
 def test_the_size_is_that_of_the_planted_rig_in_its_units(plain):
@@ -108,7 +129,7 @@ def test_limits_shrink_with_the_noise(plain, found, factor):
     """Of what is proportional to its size exactly; the refit is the same."""
     data, fit = plain
     quiet = replace(fit, noise=replace(fit.noise, sigma2=factor**2 * fit.noise.sigma2))
-    less = {(one.name, one.parameter): one for one in smallest_sizes(data, quiet, factor * rms(data, fit), False)}
+    less = {(one.name, one.parameter): one for one in find_smallest_sizes(data, quiet, factor * rms(data, fit), False)}
     for key in (("load-step", "size"), ("output-drift", "amplitude"), ("periodic-disturbance", "amplitude")):
         assert less[key].detect == pytest.approx(factor * found[key].detect, rel=1e-3)
         assert less[key].excluded is None
@@ -118,25 +139,22 @@ def test_limits_shrink_with_the_noise(plain, found, factor):
         )
 
 
-def test_what_is_excluded_shrinks_with_the_length_of_the_record():
-    """As one over its root: four times as long, half as much, up to the scatter of the best sizes."""
-
-    def widths(samples):
-        sizes = []
-        for seed in range(4):
-            data, fit = record(samples, seed=seed)
-            rows = smallest_sizes(data, fit, rms(data, fit))
-            sizes.append([one.shares["excluded_above"] for one in rows if one.name in ("output-backlash", "load-step")])
-        return np.mean(sizes)
-
-    assert 0.35 < widths(3200) / widths(800) < 0.7
+def test_the_distance_grows_with_the_length_of_the_record_so_limits_shrink_with_its_root():
+    powers = []
+    for samples in (800, 3200):
+        data, fit = record(samples, u=np.tile(np.repeat(LEVELS[:20], 20), samples // 400))
+        refit = Refit.about(data, fit, rms(data, fit))
+        play = next(one for one in plantations(data, fit) if one.effect.key == "output-backlash")
+        vector, _ = refit.left(play.change(play.places(0.02)[0]))
+        powers.append(float(vector @ vector) * refit.sigma**2 / np.ptp(fit.output) ** 2)
+    assert powers[1] / powers[0] == pytest.approx(4.0, rel=0.15)
 
 
 def test_a_planted_effect_below_what_is_excluded_is_rarely_excluded():
     """The upper end of the profile likelihood covers the true size in 95 % of records."""
     rng, missed, tried = np.random.default_rng(5), 0, 0
     data, fit = record(seed=7)
-    for one in smallest_sizes(data, fit, rms(data, fit)):
+    for one in find_smallest_sizes(data, fit, rms(data, fit)):
         if (one.name, one.parameter) not in {("input-backlash", "width"), ("output-backlash", "width")}:
             continue
         share = 0.4 * one.shares["detect"]
@@ -144,7 +162,7 @@ def test_a_planted_effect_below_what_is_excluded_is_rarely_excluded():
             y = data.y_scale.of(with_planted(data, fit, one, share, rng))
             again = replace(data, y=y)
             refitted = fit_from(again, fit.hypothesis, fit.theta)
-            rows = smallest_sizes(again, refitted, rms(again, refitted))
+            rows = find_smallest_sizes(again, refitted, rms(again, refitted))
             told = next(row for row in rows if (row.name, row.parameter) == (one.name, one.parameter))
             tried += 1
             missed += told.shares["excluded_above"] < share
@@ -154,7 +172,7 @@ def test_a_planted_effect_below_what_is_excluded_is_rarely_excluded():
 
 def test_two_levels_show_no_static_curve_and_say_why():
     data, fit = record(u=np.repeat(np.tile([1.0, 2.0], 15), 20))
-    rows = {one.name: one for one in smallest_sizes(data, fit, rms(data, fit))}
+    rows = {one.name: one for one in find_smallest_sizes(data, fit, rms(data, fit))}
     for name in ("input-dead-zone", "input-backlash", "input-nonlinearity", "input-saturation"):
         assert rows[name].reason == "levels"
         assert rows[name].detect is rows[name].named is rows[name].excluded is None
@@ -167,7 +185,7 @@ def test_a_planned_input_that_hardly_moves_shows_less(plain, found):
     planned, simulated = planned_record(data, fit, slow)
     assert np.allclose(data.u_scale.back(planned.u), slow)
     assert np.abs(np.asarray(data.y_scale.back(simulated.output))[100:] - first_order(slow)[100:]).max() < 0.05
-    rows = {(one.name, one.parameter): one for one in smallest_sizes(planned, simulated, rms(data, fit), False)}
+    rows = {(one.name, one.parameter): one for one in find_smallest_sizes(planned, simulated, rms(data, fit), False)}
     delay = rows["input-delay", "delay"]
     assert delay.named is None or delay.named > 2.0 * found["input-delay", "delay"].named
     assert all(one.excluded is None for one in rows.values())
