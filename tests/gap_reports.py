@@ -142,6 +142,7 @@ def report(*names: str, verdict: str = "effect", probability: float = 0.999) -> 
             "colour": 1.0,
             "repeats": 0.0,
         },
+        "limits": [],
         "next_experiment": None,
         "record": {"name": "rig-7", "samples": n, "Ts": Ts},
         "simulation": {
@@ -158,6 +159,44 @@ def report(*names: str, verdict: str = "effect", probability: float = 0.999) -> 
         "traces": {"t": t, "u": u, "y": y, "before": before, "after": after},
         "holdout_traces": None,
     }
+
+
+def limits_row(name: str, **changes: Any) -> dict[str, Any]:
+    """A row of limits of one effect."""
+    return {
+        "name": name,
+        "signal": "u",
+        "parameter": "width",
+        "unit": "u",
+        "detect": 0.02,
+        "named": 0.05,
+        "rival": "coulomb-friction",
+        "excluded_above": 0.01,
+        "why": None,
+        "tested": None,
+        "share": {"detect": 0.004, "named": 0.01, "excluded_above": 0.002},
+        "of": "u",
+        "at": {},
+    } | changes
+
+
+def with_limits(base: dict[str, Any]) -> dict[str, Any]:
+    """The same report with an effect that is told from others, one that is only visible, and one that is neither."""
+    looks = "It looks like dry friction here, at any size. Needed: Other inputs."
+    none = {"detect": None, "named": None, "excluded_above": None}
+    share = {"detect": 0.3, "named": None, "excluded_above": 0.2}
+    rows = [
+        limits_row("input-backlash"),
+        limits_row("input-saturation", parameter="high", rival=None),
+        limits_row(
+            "input-saturation", parameter="low", share=share | {"excluded_above": None}, **none | {"detect": 1.5}
+        ),
+        limits_row("input-delay", parameter="delay", unit="s", of="time", named=None, share=share, why=looks),
+        limits_row("slow-mode", parameter="share", unit="1", of="gain", signal=None),
+        limits_row("extra-lag", signal=None, share=None, why="The input has two levels only.", **none),
+    ]
+    rows[-1] |= {"parameter": None, "unit": None, "of": None, "rival": None}
+    return base | {"limits": rows}
 
 
 KINDS = {"linear": 0.1, "input": 0.0, "output": 0.03, "nonlinear": 0.07, "time": 0.0, "disturbance": 0.2}
@@ -202,4 +241,4 @@ def with_experiment(base: dict[str, Any]) -> dict[str, Any]:
 
 def undrawn_figures(report: dict[str, Any]) -> dict[str, dict[str, str]]:
     """In place of the encoded figures, which take most of the time of a page."""
-    return {name: {"wide": "", "narrow": ""} for name in ("simulations", "where", "experiment")}
+    return {name: {"wide": "", "narrow": ""} for name in ("simulations", "where", "experiment", "limits")}

@@ -158,6 +158,69 @@ def diagnose_batch(
     print(summary)
 
 
+@gap.command("limits")
+def show_limits(
+    record: RecordPath,
+    sim: Annotated[
+        Path | None,
+        typer.Option(metavar="MODEL", help="MODEL.json, an exported simulation, FILE.py:FUNCTION or FILE.fmu."),
+    ] = None,
+    free: Annotated[
+        str | None,
+        typer.Option(metavar="NAME,...", help="Numbers of FILE.py:FUNCTION or FILE.fmu that may be fitted."),
+    ] = None,
+    planned: Annotated[
+        Path | None,
+        typer.Option(
+            "--input", metavar="NEXT.csv", help="A planned input, t,u: what a record with it would show, not RECORD."
+        ),
+    ] = None,
+    test: Annotated[
+        int, typer.Option(min=0, metavar="M", help="Plant each effect M times at 1.5 times its size, and diagnose it.")
+    ] = 0,
+    order: Annotated[int, typer.Option(help="Order of the fitted model if --sim is not given.")] = 2,
+    json_file: Annotated[Path | None, typer.Option("--json", metavar="FILE", help="Write the limits as JSON.")] = None,
+    units: Annotated[
+        str | None, typer.Option(metavar="U,Y", help="Units of input and output for the table, such as V,mm.")
+    ] = None,
+    seed: Seed = 0,
+    output: Output = "noise-reduced",
+    columns: Columns = None,
+    Ts: SamplingTime = None,
+) -> None:
+    """Show the smallest effects that a record could have shown, or a planned one will."""
+    from labsid._files import check_writable, write_json
+    from labsid.gap import diagnosis
+    from labsid.gap.reports.text_report import format_limits
+    from labsid.gap.simulations.simulation_files import load_simulation
+    from labsid.records.planned_input import load_planned_input
+    from labsid.records.record import load_record
+    from labsid.simulators.sources import source_file
+
+    if json_file is not None:
+        check_writable(json_file)
+        _refuse_overwriting(json_file, [record, planned, None if sim is None else source_file(sim)])
+    stated = None if units is None else _units(units)
+    loaded = load_record(record, output=output, columns=columns, Ts=Ts, allow_jitter=True)
+    following = None if planned is None else load_planned_input(planned)
+    with _progress() as progress:
+        found = diagnosis.find_limits(
+            loaded,
+            None if sim is None else load_simulation(sim, loaded, False),
+            free=[name.strip() for name in free.split(",")] if free else (),
+            order=order,
+            planned=following,
+            tests=test,
+            seed=seed,
+            progress=progress,
+        )
+    if stated is not None:
+        found |= {"units": dict(zip("uy", stated, strict=True))}
+    if json_file is not None:
+        write_json(json_file, found)
+    print(format_limits(found))
+
+
 @gap.command()
 @reads_log
 def simulate(

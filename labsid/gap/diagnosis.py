@@ -3,24 +3,28 @@
 from collections.abc import Sequence
 from contextlib import ExitStack
 from dataclasses import asdict, dataclass, replace
+from typing import Any
 
 import numpy as np
 from threadpoolctl import threadpool_limits
 
 from labsid._arrays import FloatArray, stretches_of
-from labsid.gap.fits.fitting import Problem
+from labsid.gap.fits.fitting import Problem, rms
 from labsid.gap.fits.hypothesis import Hypothesis
 from labsid.gap.fits.identifiability import assess
 from labsid.gap.fits.number_search import search_numbers
+from labsid.gap.limits.planning import planned_record, with_planted
+from labsid.gap.limits.smallest_sizes import find_smallest_sizes
 from labsid.gap.model_file import START_SAMPLES, ExportedModel, export_model
 from labsid.gap.record.clock import at_sampling_time, clock_findings, stated_sampling_time
 from labsid.gap.record.data import Data, scaled
 from labsid.gap.record.record_findings import filtered_input, findings_from_errors, findings_from_record, plateau_gap
+from labsid.gap.reports.limit_rows import as_rows
 from labsid.gap.reports.notebook_progress import runs_in_notebook, show_in_notebook
 from labsid.gap.reports.replay_data import replay_content
-from labsid.gap.reports.report import build_report
+from labsid.gap.reports.report import build_report, record_limits
 from labsid.gap.reports.result import Diagnosis
-from labsid.gap.reports.sentences import number_sentences
+from labsid.gap.reports.sentences import is_probable, number_sentences
 from labsid.gap.reports.traces import figure_traces
 from labsid.gap.search.beam_search import Progress
 from labsid.gap.search.explanation import Explanation
@@ -51,6 +55,8 @@ MIN_SAMPLES = 100  # samples
 MIN_HOLDOUT = START_SAMPLES + 10  # samples, of which the first determine the initial state
 _NO_OUTPUT = "{} has {} samples without an output."
 SIZES = 1e-50, 1e50  # of the range of a signal and of the sampling time: powers of their ratios stay finite
+LIMITS_SCHEMA = "labsid.gap.limits/1"
+TESTED_SIZE = 1.5  # over the smallest size that is named
 SEARCH_SHARE = 0.75  # of a budget of runs, for the beam search; the rest is for the search on held-out samples
 
 
@@ -129,6 +135,101 @@ def diagnose(
         if undecided:
             prepared = replace(prepared, notes=(*prepared.notes, UNDECIDED_TERM))
         return _report(prepared, explanation, seed, progress)
+
+
+def find_limits(
+    record: Record,
+    simulation: AnySimulation | None = None,
+    *,
+    free: Sequence[str] = (),
+    order: int = 2,
+    planned: tuple[FloatArray, float] | None = None,
+    tests: int = 0,
+    seed: int = 0,
+    progress: Progress | None = None,
+) -> dict[str, Any]:
+    """The smallest size at which a record, or a planned one, shows and names each effect.
+
+    Parameters
+    ----------
+    record : Record
+    simulation : dict, ndarray, callable, Simulator or system of python-control, optional
+        As for `diagnose`.
+    free : sequence of str
+        Numbers of the simulation that may be fitted.
+    order : int
+        Order of the fitted model, 1 to 4.
+    planned : (ndarray, float), optional
+        Input of an experiment that is not made yet, in the record's unit, and its sampling time in seconds: the limits
+        are those of the fitted simulation on it, with the noise of `record`.
+    tests : int
+        How often each effect is planted at `TESTED_SIZE` times the smallest size that is named, and diagnosed.
+    seed : int
+        Random seed of the noise of these tests.
+    progress : callable, optional
+        Called with a description of the current step and the completed share.
+
+    Returns
+    -------
+    dict
+        JSON-ready: `verdict` on the record, `limits` as in the report, and `planned`, whether they are those of a
+        planned input.
+
+    Raises
+    ------
+    ValueError
+        As for `diagnose`; if the planned input has another sampling time, is too short or constant.
+    """
+    simulation = as_simulation(simulation, record.Ts, free)
+    with threadpool_limits(1, "blas"):
+        prepared = _prepare(record, simulation, None, order, ())
+        _begin(prepared.base, None)
+        if planned is not None:
+            _check_planned(*planned, prepared.record)
+        start = _start(prepared.data, prepared.base, progress)
+        explanation, _ = explain_record(prepared.data, replace(prepared.base, start=start), progress)
+        answer = answer_from(prepared.record, explanation, prepared.base, None, np.random.default_rng(seed), progress)
+        data, fit = answer.explanation.data, answer.explanation.best
+        noise = rms(data, fit)
+        if planned is None:
+            found = record_limits(answer)
+        else:
+            data, fit = planned_record(data, fit, planned[0])
+            found = find_smallest_sizes(data, fit, noise, measured=False)
+        rows = as_rows(found)
+        rng = np.random.default_rng(seed)
+        for number, (row, one) in enumerate(zip(rows, found, strict=True)):
+            if tests and one.named is not None:
+                if progress is not None:
+                    progress("planted effects", number / len(rows))
+                share = min(TESTED_SIZE * float(one.shares["named"] or 1.0), 1.0)
+                outputs = [with_planted(data, fit, one, share, rng) for _ in range(tests)]
+                t, u = data.start + data.Ts * np.arange(data.samples), np.asarray(data.u_scale.back(data.u))
+                made = [Record(t, u, y, data.Ts, name=record.name) for y in outputs if y is not None]
+                named = sum(one.name in _probable(diagnose(again, simulation, order=order)) for again in made)
+                row["tested"] = {"named": named, "of": len(made)}
+    return {
+        "schema": LIMITS_SCHEMA,
+        "record": {"name": record.name, "samples": len(record), "Ts": record.Ts},
+        "verdict": answer.decision.verdict,
+        "planned": planned is not None,
+        "limits": rows,
+    }
+
+
+def _probable(found: Diagnosis) -> set[str]:
+    """Names of the effects that are more probable than not."""
+    return {str(effect["name"]) for effect in found.report["effects"] if is_probable(effect)}
+
+
+def _check_planned(u: FloatArray, Ts: float, record: Record) -> None:
+    """Reject a planned input that the fitted simulation cannot be run on."""
+    if abs(Ts - record.Ts) > 1e-3 * record.Ts:
+        raise ValueError(f"the planned input runs at {Ts:g} s, the record at {record.Ts:g} s. Resample the input.")
+    if u.size < MIN_SAMPLES:
+        raise ValueError(f"the planned input has {u.size} samples; at least {MIN_SAMPLES} are needed. Make it longer.")
+    if np.ptp(u) == 0.0:
+        raise ValueError(f"the planned input is constant ({u[0]:g}); no effect can be seen with it. Let it move.")
 
 
 def _start(data: Data, base: Baseline, progress: Progress | None) -> FloatArray | None:

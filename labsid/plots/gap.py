@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from io import BytesIO
+from textwrap import fill
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
@@ -32,6 +33,13 @@ DPI = 144  # one and a half times the width of the page
 COLOURS = 256  # of a picture
 ZOOM = 0.1  # of the record, shown in the zoom
 MIN_ZOOM_SAMPLES = 40  # samples in the zoom
+WHOLES = {"u": "range of u", "y": "range of y", "time": "time constant", "gain": "gain"}
+LIMIT_MARKS = (
+    ("detect", "Visible from here on", BLUE, "o"),
+    ("named", "Told from all others", VERMILION, "s"),
+    ("excluded_above", "Excluded from here on (95 %)", BLACK, "|"),
+)
+LIMIT_TEXT_SIZE, NARROW_TEXT_SIZE = 9.5, 8.0
 BREAK = 10.0  # median distances of the samples drawn, from which there is no line: between several records
 
 
@@ -238,12 +246,56 @@ def figure_experiment(report: dict[str, Any], narrow: bool = False) -> Figure:
     return figure
 
 
+def figure_limits(report: dict[str, Any], narrow: bool = False) -> Figure:
+    """Draw the smallest size of each effect that is visible, the smallest that is named, and what is excluded.
+
+    Parameters
+    ----------
+    report : dict
+        Its ``limits`` have a row with a visible size; `title` of a row is its label.
+    narrow : bool
+        Whether to fit the width of a telephone.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+        Sizes as shares of the range of a signal, of the slowest time constant or of the gain, the smallest on top.
+    """
+    rows = sorted(
+        (row for row in report["limits"] if row["detect"] is not None), key=lambda row: row["share"]["detect"]
+    )
+    at = np.arange(len(rows))
+    figure = _new_figure(narrow, 1.3 + 0.29 * len(rows), 1.9 + 0.36 * len(rows))
+    ax = figure.subplots()
+    shares = {
+        which: 100.0 * np.array([np.nan if (x := row["share"][which]) is None else x for row in rows])
+        for which in ("detect", "named", "excluded_above")
+    }
+    ax.hlines(at, shares["detect"], shares["named"], color=BLUE, linewidth=1.6, zorder=2)
+    for which, text, colour, marker in LIMIT_MARKS:
+        if np.isfinite(shares[which]).any():
+            size, face = (10.0, "none") if which == "named" else (6.0, colour)
+            style = {"color": colour, "markersize": size, "markerfacecolor": face, "markeredgewidth": 1.8}
+            ax.plot(shares[which], at, marker, label=text, zorder=3, **style)
+    ax.set_xscale("log")
+    ax.xaxis.set_major_formatter("{x:g}")
+    labels = [f"{row.get('title', row['name'])} ({WHOLES[row['of']]})" for row in rows]
+    ax.set_yticks(at, [fill(text, 24) for text in labels] if narrow else labels)
+    ax.invert_yaxis()
+    finish(ax, "Smallest sizes that show", "Size (% of what is in brackets)", "", legend_columns=0)
+    ax.tick_params(axis="y", labelsize=NARROW_TEXT_SIZE if narrow else LIMIT_TEXT_SIZE)
+    figure.legend(loc="outside lower center", ncols=1 if narrow else 3, fontsize=SMALL_TEXT_SIZE)
+    return figure
+
+
 def figures_as_png(report: dict[str, Any]) -> dict[str, dict[str, bytes]]:
     """All figures of a report as PNG, for a wide and for a narrow screen."""
     figures: dict[str, Callable[[dict[str, Any], bool], Figure]]
     figures = {"simulations": figure_simulations, "where": figure_location}
     if report["next_experiment"] is not None:
         figures["experiment"] = figure_experiment
+    if any(row["detect"] is not None for row in report["limits"]):
+        figures["limits"] = figure_limits
     return {name: {"wide": _png(f(report, False)), "narrow": _png(f(report, True))} for name, f in figures.items()}
 
 

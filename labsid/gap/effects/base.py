@@ -10,6 +10,7 @@ import numpy as np
 from labsid._arrays import FloatArray
 from labsid.gap.dynamics.plant_form import Parameter
 from labsid.gap.dynamics.plants import Plant
+from labsid.gap.dynamics.responses import real_rates
 from labsid.gap.effects.context import Context, ParentFit, Structure
 from labsid.gap.record.data import Data
 
@@ -41,6 +42,10 @@ class Effect:
     sizes : tuple of str
         Parameters that are zero where the effect does nothing, of effects whose dynamics differ from linear ones in
         more than these; empty if an effect that does nothing leaves the hypothesis as it was.
+    planted_variants : tuple of str
+        Forms whose smallest visible size is reported.
+    whole : str
+        Of what the size of a planted effect is a share: the range of "u" or "y", the slowest "time" constant, the "gain".
     variant : str
         Form of the effect, if there are several.
     """
@@ -53,6 +58,8 @@ class Effect:
     places: ClassVar[tuple[str, ...]] = ()
     grows: ClassVar[bool] = False
     sizes: ClassVar[tuple[str, ...]] = ()
+    planted_variants: ClassVar[tuple[str, ...]] = ()
+    whole: ClassVar[str] = "u"
     variant: str = ""
 
     @classmethod
@@ -143,6 +150,18 @@ class Effect:
         """Parameters in the record's units, for the report."""
         return {}
 
+    def planted(self, fit: "Fitted", share: float) -> "list[Planted]":
+        """This effect at a size, for each place at which it may act; the first one is reported.
+
+        Parameters
+        ----------
+        fit : Fitted
+            The simulation without the effect; of a plant effect, in its form with size zero.
+        share : float
+            Of `whole`, up to 1.
+        """
+        return []
+
 
 @dataclass(frozen=True, slots=True)
 class Value:
@@ -157,6 +176,28 @@ class Value:
 
     value: float
     unit: str
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Planted:
+    """An effect at one size and place.
+
+    Attributes
+    ----------
+    parameter : str
+        The one of its `values` that states the size.
+    values : dict
+        Own parameters by name, in the units of the search.
+    gains : tuple of float
+        Of the columns that the effect adds.
+    size : Value or None
+        The size, if it is none of the `values`.
+    """
+
+    parameter: str
+    values: Mapping[str, float]
+    gains: tuple[float, ...] = ()
+    size: Value | None = None
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -225,6 +266,17 @@ class Fitted:
         return float(np.ptp(self.data.y[self.data.rows]))
 
     @property
+    def input_range(self) -> float:
+        """Range of the scaled input."""
+        return float(np.ptp(self.data.u))
+
+    @property
+    def slowest_time(self) -> float:
+        """Slowest time constant of the linear dynamics in samples, at most a quarter of the record."""
+        slow = real_rates(*self.hypothesis.plant.linear_rates(self.plant_theta))[0]
+        return float(min(1.0 / slow, 0.25 * self.data.samples))
+
+    @property
     def starts_at_rest(self) -> bool:
         """Whether the record starts with a zero command, which is an end of its range: the rig is off."""
         u = self.data.u
@@ -276,9 +328,11 @@ class PlantEffect(Effect):
     """An effect that changes the dynamics.
 
     Some can act on the input of a given simulation instead (`before_given`), some of them only there (`only_given`);
-    others need a nonlinear state (`only_inner`).
+    others need a nonlinear state (`only_inner`). `absent` are values without effect of parameters that zero does not
+    switch off.
     """
 
+    absent: ClassVar[Mapping[str, float]] = {}
     before_given: ClassVar[bool] = False
     only_given: ClassVar[bool] = False
     only_inner: ClassVar[bool] = False

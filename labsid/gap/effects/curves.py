@@ -7,7 +7,7 @@ import numpy as np
 from labsid._arrays import FloatArray
 from labsid.gap.dynamics import _kernels
 from labsid.gap.dynamics.plant_form import Parameter
-from labsid.gap.effects.base import Effect, Fitted, Value
+from labsid.gap.effects.base import Effect, Fitted, Planted, Value
 from labsid.gap.effects.context import ParentFit, Structure
 
 CUBIC = (Parameter("c2", -3.0, 3.0), Parameter("c3", -2.0, 2.0))
@@ -20,6 +20,7 @@ class Curve(Effect):
     """A curve of the input or the output, `signal` "u" or "y"; the `variant` "rich" is a spline."""
 
     signal: ClassVar[str]
+    planted_variants = ("",)
     richer: ClassVar[dict[str, tuple[str, ...]]] = {"": ("rich",)}
 
     @property
@@ -44,6 +45,17 @@ class Curve(Effect):
             "c3": Value(c3 / scale.unit**2, f"1/{self.signal}^2"),
             "centre": Value(float(scale.back(0.0)), self.signal),
         }
+
+    def planted(self, fit: Fitted, share: float) -> list[Planted]:
+        """A quadratic and a cubic curve of either sign, by their distance from a straight line at half the range."""
+        half = 0.5 * (fit.input_range if self.signal == "u" else fit.range)
+        bend = 2.0 * share * half
+        coefficients = ("c2", bend / half**2), ("c3", bend / half**3)
+        return [
+            Planted(name, {"c2": 0.0, "c3": 0.0} | {name: sign * size})
+            for name, size in coefficients
+            for sign in (1.0, -1.0)
+        ]
 
 
 def evaluate(x: FloatArray, own: FloatArray) -> FloatArray:

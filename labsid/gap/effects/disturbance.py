@@ -6,13 +6,23 @@ from labsid._arrays import FloatArray
 from labsid.gap.dynamics.plant_form import ONSET, Parameter
 from labsid.gap.dynamics.plants import Plant
 from labsid.gap.dynamics.responses import denominator, real_rates, step_signal
-from labsid.gap.effects.base import MAX_RANGES, RICHER_FORM_BIC, AdditiveEffect, Effect, Fitted, PlantEffect, Value
+from labsid.gap.effects.base import (
+    MAX_RANGES,
+    RICHER_FORM_BIC,
+    AdditiveEffect,
+    Effect,
+    Fitted,
+    Planted,
+    PlantEffect,
+    Value,
+)
 from labsid.gap.effects.context import Context, ParentFit, Structure
 
 MIN_ONSET = 8  # samples from either end of the record
 MAX_EXTRAPOLATION = 3.0  # ranges of the output, beyond which the final change is not reported
 RESTART_POLE = 10.0  # per record: start value of a pole that was fitted as an integrator
 FAST_POLE_RATIO = 10.0  # start value of the second pole over the first, if one was fitted as an integrator
+PLANTED_ONSETS = 0.5, 0.05, 0.15, 0.25, 0.35, 0.65, 0.75, 0.85, 0.95  # of loads whose visibility is asked for
 MIN_LASTING = 0.1  # final change of the output over its largest change: below, a load step is a pulse
 
 
@@ -43,6 +53,8 @@ class LoadStep(_Load, AdditiveEffect):
     """An unmeasured load step."""
 
     grows = True
+    planted_variants = ("",)
+    whole = "y"
 
     def alternatives(self, hypothesis: Structure) -> list[Effect]:
         """A load that depends on the state."""
@@ -103,6 +115,12 @@ class LoadStep(_Load, AdditiveEffect):
         c, k = fit.hypothesis.plant.linear_rates(fit.plant_theta)
         a1, a2 = denominator(c, k)
         return float(fit.hypothesis.gains_of(fit.gains, self).sum()) / (1.0 + a1 + a2)
+
+    def planted(self, fit: Fitted, share: float) -> list[Planted]:
+        """A load in the middle of the record, and at other instants, that changes the output by this share."""
+        a1, a2 = denominator(*fit.hypothesis.plant.linear_rates(fit.plant_theta))
+        gains = (share * fit.range * (1.0 + a1 + a2), 0.0)
+        return [Planted("size", {"onset": onset}, gains) for onset in PLANTED_ONSETS]
 
 
 class Leak(_Load, PlantEffect):

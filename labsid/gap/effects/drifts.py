@@ -8,7 +8,7 @@ from labsid._arrays import FloatArray
 from labsid.gap.dynamics.plant_form import Parameter
 from labsid.gap.dynamics.plants import Plant
 from labsid.gap.dynamics.responses import chebyshev_course, section
-from labsid.gap.effects.base import Effect, Fitted, InputEffect, PlantEffect, Value
+from labsid.gap.effects.base import Effect, Fitted, InputEffect, Planted, PlantEffect, Value
 from labsid.gap.effects.context import Context, ParentFit, Structure
 
 MIN_COSINE = 0.05  # smallest cosine of the neutral-input angle: the neutral input lies within 20 scaled units
@@ -20,6 +20,8 @@ class PoleDrift(PlantEffect):
     name = "parameter-drift"
     key_form = "pole-{}"
     variants = ("1", "4")
+    planted_variants = ("1",)
+    whole = "gain"
 
     def inner_forms(self) -> tuple[Effect, ...]:
         """A drift of the last nonlinear state."""
@@ -43,10 +45,16 @@ class PoleDrift(PlantEffect):
         course = chebyshev_course(shape, 101, 101)
         return {"pole": Value(float(np.exp(course[-1] - course[0])) - 1.0, "1")}
 
+    def planted(self, fit: Fitted, share: float) -> list[Planted]:
+        """A restoring rate that rises or falls by this factor."""
+        half = 0.5 * float(np.log1p(share))
+        return [Planted("pole", {"drift": sign * half, "share_c": 1.0}) for sign in (1.0, -1.0)]
+
 
 class InnerPoleDrift(PoleDrift):
     """A slow drift of the rate of the last nonlinear state, or of the spring."""
 
+    planted_variants = ()
     key_form = "pole-{}-inside"
     only_inner = True
 
@@ -76,6 +84,8 @@ class GainDrift(InputEffect):
     name = "parameter-drift"
     key_form = "gain-{}"
     variants = ("1", "4")
+    planted_variants = ("1",)
+    whole = "gain"
     position: ClassVar[int] = 8
 
     def alternatives(self, hypothesis: Structure) -> list[Effect]:
@@ -129,6 +139,10 @@ class GainDrift(InputEffect):
         own = fit.theta_of(self)
         course = 1.0 + np.cos(own[-1]) * chebyshev_course(own[:-1], 101, 101)
         return {"drift": Value(float(course[-1] / course[0]) - 1.0, "1")}
+
+    def planted(self, fit: Fitted, share: float) -> list[Planted]:
+        """A gain that rises or falls by this share, about the mean input."""
+        return [Planted("drift", {"shape1": 0.5 * sign * share, "angle": 0.0}) for sign in (1.0, -1.0)]
 
 
 def _linear_response(fit: ParentFit, w: FloatArray) -> FloatArray:

@@ -1,18 +1,21 @@
 """Effects inside the dynamics."""
 
+from collections.abc import Mapping
 from typing import ClassVar
 
 import numpy as np
 
 from labsid._arrays import FloatArray
 from labsid.gap.dynamics.plants import Plant
-from labsid.gap.dynamics.responses import damping_ratio, denominator, real_rates, single_pole
-from labsid.gap.effects.base import Fitted, PlantEffect, Value
+from labsid.gap.dynamics.responses import damping_ratio, denominator, lag_mean, mode_mean, real_rates, single_pole
+from labsid.gap.effects.base import Fitted, Planted, PlantEffect, Value
 from labsid.gap.effects.context import Context, rise
 
 LEAST_DAMPING = 2e-3  # of a mode
 MAX_MODE_DAMPING = 0.2  # of parent dynamics that may be a mode
 SINGLE_POLE_RATIO = 3.0  # frequency of such a mode over the pole that is tried for the rig
+PLANTED_DAMPING = 0.05  # of a mode whose visibility is asked for
+PLANTED_SLOW_RATIO = 4.0  # time constant of such a slow mode over the slowest one
 PEAKS = 3  # of a spectrum, from which a mode or a sinusoid starts
 MIN_CYCLES = 4.0  # of a mode, in the record
 MAX_UNSPRUNG_RATE = 40.0  # slow pole times record length, below which the spring is not observable
@@ -29,7 +32,13 @@ STATIC_SAMPLES = 20000  # of a step, for the static gain
 class Placed(PlantEffect):
     """Additional linear dynamics whose position `variant` states."""
 
+    planted_variants = ("",)
+    whole = "time"
     before_given = True
+
+    def passed(self, w: FloatArray, own: Mapping[str, float]) -> FloatArray:
+        """Mean over each sample of the signal `w` behind these dynamics, from rest."""
+        raise NotImplementedError
 
     def applies(self, context: Context) -> bool:
         """Variants differ only with a nonlinear state; a given simulation has one ahead of it, or a mode beside it."""
@@ -74,11 +83,21 @@ class ExtraLag(Placed):
         """`tau` in seconds."""
         return {"tau": Value(float(np.exp(fit.value("log_lag"))) * fit.data.Ts, "s")}
 
+    def passed(self, w: FloatArray, own: Mapping[str, float]) -> FloatArray:
+        """Behind the lag."""
+        return lag_mean(w, float(np.exp(own["log_lag"])))
+
+    def planted(self, fit: Fitted, share: float) -> list[Planted]:
+        """A lag up to the slowest time constant."""
+        return [Planted("tau", {"log_lag": float(np.log(share * fit.slowest_time))})]
+
 
 class SlowMode(PlantEffect):
     """A slow real pole in parallel to the other dynamics, such as creep or warming up."""
 
     name = "slow-mode"
+    planted_variants = ("",)
+    whole = "gain"
     before_given = True
 
     def extend(self, plant: Plant) -> Plant:
@@ -121,6 +140,12 @@ class SlowMode(PlantEffect):
         """`tau` in seconds, and `share` of the static gain."""
         tau = float(np.exp(fit.value("log_slow"))) * fit.data.Ts
         return {"tau": Value(tau, "s"), "share": Value(self._share(fit), "1")}
+
+    def planted(self, fit: Fitted, share: float) -> list[Planted]:
+        """A share of the gain that settles a few times more slowly."""
+        time = min(PLANTED_SLOW_RATIO * fit.slowest_time, fit.data.samples / (2.0 * MIN_SLOW_TIMES))
+        gain = share * fit.range / fit.input_range
+        return [Planted("share", {"log_slow": float(np.log(time))}, (gain, 0.0), Value(share, "1"))]
 
 
 def _main_rates(fit: Fitted) -> tuple[float, float]:
@@ -197,6 +222,15 @@ class Resonance(Placed):
             "damping": Value(float(np.exp(fit.value("log_damping"))), "1"),
         }
 
+    def passed(self, w: FloatArray, own: Mapping[str, float]) -> FloatArray:
+        """Behind the mode."""
+        return mode_mean(w, float(np.exp(own["log_frequency"])), float(np.exp(own["log_damping"])))
+
+    def planted(self, fit: Fitted, share: float) -> list[Planted]:
+        """A mode whose radian takes up to the slowest time constant; faster ones than the sampling cannot be planted."""
+        frequency = 1.0 / (share * fit.slowest_time)
+        return [Planted("frequency", _mode(frequency, PLANTED_DAMPING))] if frequency < np.pi else []
+
 
 def _mode(frequency: float, damped: float) -> dict[str, float]:
     """Start values of a mode."""
@@ -236,6 +270,7 @@ class CoulombFriction(PlantEffect):
     variants = ("position", "unsprung", "speed", "speed-lag")
     richer: ClassVar[dict[str, tuple[str, ...]]] = {place: (f"{place}-smooth", f"{place}-peak") for place in variants}
     places = ("speed", "speed-lag")
+    planted_variants = ("position", "speed")
 
     @property
     def place(self) -> str:
@@ -282,6 +317,10 @@ class CoulombFriction(PlantEffect):
             found["break_away"] = Value(friction * (1.0 + fit.value("peak")) * unit, "u")
         return found
 
+    def planted(self, fit: Fitted, share: float) -> list[Planted]:
+        """Friction up to half the range of the input."""
+        return [Planted("friction", {"friction": 0.5 * share * fit.input_range})]
+
 
 def moves_both_ways(speed: FloatArray) -> bool:
     """Whether a motion has either direction for long enough."""
@@ -304,6 +343,8 @@ class CubicStiffness(PlantEffect):
     name = "cubic-stiffness"
     sizes = ("cubic",)
     variants = ("", "sampled")
+    planted_variants = ("",)
+    whole = "gain"
 
     def applies(self, context: Context) -> bool:
         """Allow "sampled" only with underdamped dynamics: others do not distinguish it from a held input."""
@@ -321,3 +362,8 @@ class CubicStiffness(PlantEffect):
     def values(self, fit: Fitted) -> dict[str, Value]:
         """`cubic`: relative increase of the restoring force, per square of the output."""
         return {"cubic": Value(fit.value("cubic") * fit.state_per_output**2, "1/y^2")}
+
+    def planted(self, fit: Fitted, share: float) -> list[Planted]:
+        """A spring that is stiffer by this share at the ends of the motion."""
+        position = fit.hypothesis.plant.motion(fit.plant_theta, fit.actuator)[:, 0]
+        return [Planted("cubic", {"cubic": share / max(float(np.abs(position).max()), 1e-9) ** 2})]

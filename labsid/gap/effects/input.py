@@ -9,7 +9,7 @@ from labsid.gap.dynamics import _kernels
 from labsid.gap.dynamics.plant_form import Parameter
 from labsid.gap.dynamics.plants import Plant
 from labsid.gap.effects import curves
-from labsid.gap.effects.base import REST_SAMPLES, Fitted, InputEffect, Value
+from labsid.gap.effects.base import REST_SAMPLES, Fitted, InputEffect, Planted, Value
 from labsid.gap.effects.context import Context
 from labsid.gap.effects.limits import Limits
 
@@ -27,6 +27,8 @@ class Delay(InputEffect):
 
     name = "input-delay"
     variants = ("", "no-zero")
+    planted_variants = ("",)
+    whole = "time"
     further: ClassVar[dict[str, tuple[str, ...]]] = {
         "": ("switched", "no-zero switched"),
         "no-zero": ("no-zero switched",),
@@ -60,6 +62,11 @@ class Delay(InputEffect):
         """`delay` in seconds."""
         return {"delay": Value(float(fit.theta_of(self)[0]) * fit.data.Ts, "s")}
 
+    def planted(self, fit: Fitted, share: float) -> list[Planted]:
+        """A delay beyond the one of the simulation, up to the slowest time constant."""
+        delay = min(share * fit.slowest_time, LONGEST_DELAY)
+        return [Planted("delay", {"delay": float(fit.theta[0]) + delay}, size=Value(delay * fit.data.Ts, "s"))]
+
 
 class Saturation(Limits, InputEffect):
     """The actuator saturates inside the commanded range; `variant` low, high or both."""
@@ -67,6 +74,7 @@ class Saturation(Limits, InputEffect):
     name = "input-saturation"
     signal, leap = "u", 0.05
     position = 1
+    planted_variants = ("high", "low")
 
     def applies(self, context: Context) -> bool:
         """Require more levels than the gain and offset can absorb."""
@@ -107,6 +115,7 @@ class DeadZone(InputEffect):
     name = "input-dead-zone"
     least_levels = 3
     position = 4
+    planted_variants = ("",)
     richer: ClassVar[dict[str, tuple[str, ...]]] = {"": ("jump", "gain")}
 
     @property
@@ -174,6 +183,13 @@ class DeadZone(InputEffect):
                 found[parameter.name] = Value(float(value) * fit.data.u_scale.unit, "u")
         return found
 
+    def planted(self, fit: Fitted, share: float) -> list[Planted]:
+        """A band about the first input, and about the middle of its range; its size is the width."""
+        u, half = fit.data.u, 0.5 * share * fit.input_range
+        width = Value(2.0 * half * fit.data.u_scale.unit, "u")
+        middles = dict.fromkeys((float(u[0]), 0.5 * float(u.min() + u.max())))
+        return [Planted("width", {"low": at - half, "high": at + half}, size=width) for at in middles]
+
 
 class Backlash(InputEffect):
     """Backlash of a given width."""
@@ -181,6 +197,7 @@ class Backlash(InputEffect):
     name = "input-backlash"
     least_levels = 3
     position = 5
+    planted_variants = ("",)
 
     @property
     def parameters(self) -> tuple[Parameter, ...]:
@@ -200,6 +217,10 @@ class Backlash(InputEffect):
         """`width` in the unit of the input."""
         return {"width": Value(float(fit.theta_of(self)[0]) * fit.data.u_scale.unit, "u")}
 
+    def planted(self, fit: Fitted, share: float) -> list[Planted]:
+        """Backlash up to the range of the input."""
+        return [Planted("width", {"width": share * fit.input_range, "position": 0.5})]
+
 
 class RateLimit(InputEffect):
     """A limit of the slew rate; with `variant` "behind" it follows the dead zone and the backlash.
@@ -214,6 +235,8 @@ class RateLimit(InputEffect):
     variant_positions: ClassVar[dict[str, int]] = {"behind": 6}
     further: ClassVar[dict[str, tuple[str, ...]]] = {"": ("switched", "timed")}
     places = ("", "behind")
+    planted_variants = ("",)
+    whole = "time"
 
     @property
     def parameters(self) -> tuple[Parameter, ...]:
@@ -238,6 +261,11 @@ class RateLimit(InputEffect):
         """`rate` in units of the input per second."""
         rate = float(np.exp(fit.theta_of(self)[0])) * fit.data.u_scale.unit / fit.data.Ts
         return {"rate": Value(rate, "u/s")}
+
+    def planted(self, fit: Fitted, share: float) -> list[Planted]:
+        """A rate at which the largest step of the input takes up to the slowest time constant."""
+        rate = float(np.abs(np.diff(fit.data.u)).max()) / (share * fit.slowest_time)
+        return [Planted("rate", {"log_rate": float(np.log(rate))})]
 
 
 class Nonlinearity(curves.Curve, InputEffect):

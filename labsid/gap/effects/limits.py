@@ -6,7 +6,7 @@ import numpy as np
 
 from labsid._arrays import FloatArray
 from labsid.gap.dynamics.plant_form import Parameter
-from labsid.gap.effects.base import Effect, Fitted, Value
+from labsid.gap.effects.base import Effect, Fitted, Planted, Value
 
 
 class Limits(Effect):
@@ -38,3 +38,10 @@ class Limits(Effect):
         scale = fit.data.u_scale if self.signal == "u" else fit.data.y_scale
         ends = zip(self.parameters, fit.theta_of(self), strict=True)
         return {p.name: Value(float(scale.back(float(x))), self.signal) for p, x in ends}
+
+    def planted(self, fit: Fitted, share: float) -> list[Planted]:
+        """A limit within the range of the signal by a share of it."""
+        signal = fit.data.u if self.signal == "u" else fit.output[fit.data.rows]
+        low, high = float(signal.min()), float(signal.max())
+        ends = {"low": low + share * (high - low), "high": high - share * (high - low)}
+        return [Planted(self.variant, {self.variant: ends[self.variant]})]

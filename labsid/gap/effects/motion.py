@@ -1,5 +1,6 @@
 """Effects of a moving mass: mechanical stops, and resistance with the square of the speed."""
 
+from collections.abc import Mapping
 from typing import ClassVar
 
 import numpy as np
@@ -7,7 +8,7 @@ import numpy as np
 from labsid._arrays import FloatArray
 from labsid.gap.dynamics.plants import Plant
 from labsid.gap.dynamics.responses import force_unit, real_rates
-from labsid.gap.effects.base import RARE, Fitted, PlantEffect, Value
+from labsid.gap.effects.base import RARE, Fitted, Planted, PlantEffect, Value
 from labsid.gap.effects.context import Context, ParentFit, Structure
 from labsid.gap.effects.dynamics import MAX_UNSPRUNG_RATE, SLACK_LOG_STIFFNESS
 
@@ -19,6 +20,9 @@ class EndStop(PlantEffect):
     """A mechanical stop; `variant` low, high or both, and "-unsprung" for a mass without a spring."""
 
     name = "end-stop"
+    planted_variants = ("high", "low")
+    whole = "y"
+    absent: ClassVar[Mapping[str, float]] = {"stop_low": -50.0, "stop_high": 50.0}
     variants = tuple(side + spring for side in ("high", "low", "both") for spring in ("", "-unsprung"))
     richer: ClassVar[dict[str, tuple[str, ...]]] = {
         side + spring: ("both" + spring,) for side in ("low", "high") for spring in ("", "-unsprung")
@@ -85,6 +89,15 @@ class EndStop(PlantEffect):
         names = [{"low": "high", "high": "low"}[side] if turned else side for side in self.sides]
         return {name: Value(end, "y") for name, end in sorted(zip(names, ends, strict=True), reverse=True)}
 
+    def planted(self, fit: Fitted, share: float) -> list[Planted]:
+        """A stop within the range of the motion by a share of it."""
+        position = fit.hypothesis.plant.motion(fit.plant_theta, fit.actuator)[:, 0]
+        low, high = float(position.min()), float(position.max())
+        ends = {"low": low + share * (high - low), "high": high - share * (high - low)}
+        (side,) = self.sides
+        (name,) = self.values(fit)
+        return [Planted(name, {f"stop_{side}": ends[side]})]
+
 
 class QuadraticDrag(PlantEffect):
     """Resistance that grows with the square of the speed; `variant` position, speed, or speed-lag."""
@@ -93,6 +106,7 @@ class QuadraticDrag(PlantEffect):
     sizes = ("drag",)
     variants = ("position", "speed", "speed-lag")
     places = ("speed", "speed-lag")
+    planted_variants = ("position", "speed")
 
     def extend(self, plant: Plant) -> Plant:
         """A mass or a motor with drag."""
@@ -118,3 +132,8 @@ class QuadraticDrag(PlantEffect):
         unit = force_unit(np.exp(fit.value("log_c")), np.exp(fit.value("log_k")))
         size = fit.value("drag") * fit.data.u_scale.unit / unit * (fit.data.Ts * fit.state_per_output) ** 2
         return {"drag": Value(float(size), "u s^2/y^2")}
+
+    def planted(self, fit: Fitted, share: float) -> list[Planted]:
+        """A resistance at the largest speed of up to half the range of the input."""
+        speed = float(np.abs(fit.hypothesis.plant.motion(fit.plant_theta, fit.actuator)[:, 1]).max())
+        return [Planted("drag", {"drag": 0.5 * share * fit.input_range / max(speed, 1e-9) ** 2})]

@@ -18,6 +18,7 @@ from labsid.gap.effects.base import (
     AdditiveEffect,
     Fitted,
     OutputEffect,
+    Planted,
     Value,
 )
 from labsid.gap.effects.context import Context, ParentFit, Structure
@@ -35,6 +36,8 @@ class Saturation(Limits, OutputEffect):
     further: ClassVar[dict[str, tuple[str, ...]]] = {"low": ("both",), "high": ("both",)}
     position = 2
     is_limit = True
+    planted_variants = ("high", "low")
+    whole = "y"
 
     def starts(self, context: Context) -> list[FloatArray]:
         """Quantiles of the output."""
@@ -79,7 +82,7 @@ class Nonlinearity(curves.Curve, OutputEffect):
 
     name = "output-nonlinearity"
     position = 1
-    signal = "y"
+    signal = whole = "y"
 
     def starts(self, context: Context) -> list[FloatArray]:
         """Small positive and negative values of either coefficient."""
@@ -100,6 +103,8 @@ class Drift(AdditiveEffect):
 
     name = "output-drift"
     variants = ("1", "3", "6", "10", "16", "settle")
+    planted_variants = ("3",)
+    whole = "y"
 
     @property
     def width(self) -> int:
@@ -135,3 +140,7 @@ class Drift(AdditiveEffect):
     def values(self, fit: Fitted) -> dict[str, Value]:
         """`amplitude`, half of the range of the drift."""
         return {"amplitude": Value(self._amplitude(fit) * fit.data.y_scale.unit, "y")}
+
+    def planted(self, fit: Fitted, share: float) -> list[Planted]:
+        """A ramp, a bow and a wave along the record."""
+        return [Planted("amplitude", {}, tuple(share * fit.range * row)) for row in np.eye(int(self.variant))]

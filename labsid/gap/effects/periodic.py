@@ -7,12 +7,14 @@ import numpy as np
 from labsid._arrays import FloatArray
 from labsid.gap.dynamics.plant_form import CYCLES, Parameter
 from labsid.gap.dynamics.plants import Plant
-from labsid.gap.effects.base import MAX_RANGES, AdditiveEffect, Effect, Fitted, PlantEffect, Value
+from labsid.gap.effects.base import MAX_RANGES, AdditiveEffect, Effect, Fitted, Planted, PlantEffect, Value
 from labsid.gap.effects.context import Context, Structure
 from labsid.gap.effects.dynamics import peaks
 from labsid.gap.record.data import Data
 
 SINUSOID_STEP = 0.1  # amplitude for the numerical derivative by a sinusoid within the dynamics
+PLANTED_CORNERS = 1.0, 0.3, 0.1, 3.0, 10.0  # frequencies whose visibility is asked for, over that of the slowest pole
+SLOWEST_PLANTED = 3.0  # cycles in the record of such a sinusoid
 MAX_SINUSOID = 3.0  # largest start value of its amplitude
 
 
@@ -96,6 +98,8 @@ class Periodic(_Sinusoid, AdditiveEffect):
     """A sinusoid added after the sensor's curve; with `variant` "load", before it."""
 
     places = ("", "load")
+    planted_variants = ("",)
+    whole = "y"
 
     def inner_forms(self) -> tuple[Effect, ...]:
         """At the sensor, or within the dynamics."""
@@ -131,3 +135,10 @@ class Periodic(_Sinusoid, AdditiveEffect):
 
     def _amplitude(self, fit: Fitted) -> float:
         return float(np.hypot(*fit.hypothesis.gains_of(fit.gains, self)))
+
+    def planted(self, fit: Fitted, share: float) -> list[Planted]:
+        """A sinusoid at the corner of the slowest time constant, of either phase, and slower and faster ones."""
+        corner = fit.data.samples / (2.0 * np.pi * fit.slowest_time)
+        cycles = [max(factor * corner, SLOWEST_PLANTED) for factor in PLANTED_CORNERS]
+        phases = (share * fit.range, 0.0), (0.0, share * fit.range)
+        return [Planted("amplitude", {"cycles": at}, gains) for at in dict.fromkeys(cycles) for gains in phases]

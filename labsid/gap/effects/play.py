@@ -5,7 +5,7 @@ import numpy as np
 from labsid._arrays import FloatArray
 from labsid.gap.dynamics import _kernels
 from labsid.gap.dynamics.plant_form import Parameter
-from labsid.gap.effects.base import Fitted, OutputEffect, Value
+from labsid.gap.effects.base import Fitted, OutputEffect, Planted, Value
 from labsid.gap.effects.context import Context
 
 MIN_MOVED = 0.02  # share of the record in which the sensor moves each way
@@ -17,6 +17,8 @@ class Play(OutputEffect):
 
     name = "output-backlash"
     position = 2
+    planted_variants = ("",)
+    whole = "y"
 
     @property
     def parameters(self) -> tuple[Parameter, ...]:
@@ -48,3 +50,7 @@ class Play(OutputEffect):
     def values(self, fit: Fitted) -> dict[str, Value]:
         """`width` in the unit of the output."""
         return {"width": Value(float(fit.theta_of(self)[0]) * fit.data.y_scale.unit, "y")}
+
+    def planted(self, fit: Fitted, share: float) -> list[Planted]:
+        """A play up to the range of the output."""
+        return [Planted("width", {"width": share * fit.range, "position": 0.5})]

@@ -5,7 +5,7 @@ import numpy as np
 from labsid._arrays import FloatArray
 from labsid.gap.dynamics.plants import Plant
 from labsid.gap.dynamics.reactions import is_collocated
-from labsid.gap.effects.base import Fitted, PlantEffect, Value
+from labsid.gap.effects.base import Fitted, Planted, PlantEffect, Value
 from labsid.gap.effects.context import Context
 from labsid.gap.effects.dynamics import moves_both_ways
 
@@ -38,7 +38,7 @@ class Friction(_AroundGiven):
 
     name = "coulomb-friction"
     sizes = ("friction",)
-    variants = ("given", "given-speed")
+    variants = planted_variants = ("given", "given-speed")
 
     def extend(self, plant: Plant) -> Plant:
         """The simulation with friction."""
@@ -58,6 +58,10 @@ class Friction(_AroundGiven):
     def values(self, fit: Fitted) -> dict[str, Value]:
         """`friction` in units of the input."""
         return {"friction": Value(fit.value("friction") * fit.data.u_scale.unit, "u")}
+
+    def planted(self, fit: Fitted, share: float) -> list[Planted]:
+        """Friction up to half the range of the input."""
+        return [Planted("friction", {"friction": 0.5 * share * fit.input_range})]
 
 
 class Spring(_AroundGiven):

@@ -1,5 +1,6 @@
 """Effects of tanks: outflow by the root of the level, and overflow."""
 
+from collections.abc import Mapping
 from typing import ClassVar
 
 import numpy as np
@@ -8,11 +9,13 @@ from labsid._arrays import FloatArray
 from labsid.gap.dynamics import _kernels
 from labsid.gap.dynamics.plants import Plant
 from labsid.gap.dynamics.responses import real_rates
-from labsid.gap.effects.base import RARE, Effect, Fitted, PlantEffect, Value
+from labsid.gap.effects.base import RARE, Effect, Fitted, Planted, PlantEffect, Value
 from labsid.gap.effects.context import Context, ParentFit, Structure
 
 MAX_START = 15.0  # scaled flow: largest initial deviation of a level, which a brim could hide
 MAX_TANK_RATE = 1.0  # per sample: a faster tank follows its inflow within a sample
+NO_CURVATURE, NO_BRIM = -190.0, 390.0  # scaled: input at zero flow, and level of a brim, without influence
+MOST_OF_FLOW = 0.97  # range of the input over its largest distance from zero flow
 SIDES = ("", "-flipped")
 RATES = {"upper": "log_a", "lower": "log_b"}
 
@@ -36,6 +39,8 @@ class SqrtOutflow(_OfTanks):
     """Torricelli outflow, proportional to the root of the level; `variant` both, upper or lower, and "-flipped"."""
 
     name = "sqrt-outflow"
+    planted_variants = ("both", "lower")
+    absent: ClassVar[Mapping[str, float]] = {"zero": NO_CURVATURE}
     variants = tuple(which + side for which in ("both", "upper", "lower") for side in SIDES)
     further: ClassVar[dict[str, tuple[str, ...]]] = {
         which + side: tuple(other + side for other in ("both", "upper", "lower") if other != which)
@@ -95,11 +100,22 @@ class SqrtOutflow(_OfTanks):
             "empty": Value(fit.y(float(fit.gains[1])), "y"),
         }
 
+    def planted(self, fit: Fitted, share: float) -> list[Planted]:
+        """The range of the input as a share of its distance at the high end from zero flow."""
+        zero = float(fit.data.u.max()) - fit.input_range / min(share, MOST_OF_FLOW)
+        own = fit.plant_theta[fit.hypothesis.plant.index("zero")]
+        faster = float(np.log(zero / own))  # rates that are linearized at the mean flow, as before
+        rates = {RATES[tank]: float(fit.value(RATES[tank])) + faster for tank in self.tanks}
+        return [Planted("zero", {"zero": zero} | rates)] if NO_CURVATURE < zero < 0.0 else []
+
 
 class Overflow(_OfTanks):
     """Overflow of a tank at its brim; `variant` upper, lower or both, and "-flipped"."""
 
     name = "overflow"
+    planted_variants = ("lower", "upper")
+    whole = "y"
+    absent: ClassVar[Mapping[str, float]] = {"brim": NO_BRIM}
     variants = tuple(which + side for which in ("upper", "lower") for side in SIDES)
     further: ClassVar[dict[str, tuple[str, ...]]] = {
         which + side: ("both" + side,) for which in ("upper", "lower") for side in SIDES
@@ -194,3 +210,10 @@ class Overflow(_OfTanks):
 
     def _reading(self, fit: Fitted, level: float) -> Value:
         return Value(fit.y(fit.hypothesis.reading(fit.theta, fit.gains, level)), "y")
+
+    def planted(self, fit: Fitted, share: float) -> list[Planted]:
+        """A brim below the highest level by a share of its range."""
+        level = (fit.output - fit.gains[1]) / (fit.gains[0] or 1.0)
+        flow = level if self.tanks == ("lower",) else fit.actuator * (-1.0 if fit.hypothesis.plant.flipped else 1.0)
+        low, high = float(flow.min()), float(flow.max())
+        return [Planted("level", {"brim": high - share * (high - low)})]

@@ -113,14 +113,15 @@ class Problem:
         self.count = int(counted.sum())
         self.has_sensor = bool(hypothesis.outputs)
         self.fixed = int(hypothesis.plant.has_fixed_gain)  # gains, the first ones, that are 1
-        self.y = self._seen(data.y[:, None])[:, 0]
+        self.y = self.seen(data.y[:, None])[:, 0]
 
-    def _seen(self, columns: FloatArray) -> FloatArray:
+    def seen(self, columns: FloatArray) -> FloatArray:
+        """Columns as the cost counts them: whitened, on the rows that count."""
         return (whiten(columns, self.ar) if self.ar.size else columns)[self.rows]
 
     def _gains(self, columns: FloatArray, y: FloatArray) -> FloatArray:
         """Gains by linear least squares."""
-        seen = self._seen(columns)
+        seen = self.seen(columns)
         if not self.fixed:
             return solve_least_squares(seen, y)
         found = solve_least_squares(seen[:, self.fixed :], y - seen[:, : self.fixed].sum(axis=1))
@@ -142,10 +143,10 @@ class Problem:
             return self._made(theta, gains, design, columns @ gains)
         if gains is None or gains.size != columns.shape[1]:
             reading = self.hypothesis.undone(theta, self.data.y, design, self.data.rows)
-            gains = self._gains(columns, self._seen(reading[:, None])[:, 0])
+            gains = self._gains(columns, self.seen(reading[:, None])[:, 0])
         best = self._made(theta, gains, design, self.hypothesis.sensor(theta, gains, design))
         for _ in range(3):
-            step = solve_least_squares(self._seen(self._by_gains(best)), best.error)
+            step = solve_least_squares(self.seen(self._by_gains(best)), best.error)
             better = None
             for share in (1.0, 0.3):
                 gains = best.gains + share * step
@@ -168,12 +169,17 @@ class Problem:
         return columns
 
     def _made(self, theta: FloatArray, gains: FloatArray, design: Design, output: FloatArray) -> Point:
-        error = self.y - self._seen(output[:, None])[:, 0]
+        error = self.y - self.seen(output[:, None])[:, 0]
         with np.errstate(over="ignore"):  # it may have diverged in one of several records only
             return Point(theta, gains, design, output, error, float(error @ error) / self.count)
 
     def jacobian(self, at: Point) -> FloatArray | None:
         """Derivatives of the (whitened) output by theta and the gains, in this order; None where they diverge."""
+        J = self.seen(self.derivatives(at))
+        return J if (np.abs(J[-1]) < DIVERGED).all() else None
+
+    def derivatives(self, at: Point) -> FloatArray:
+        """Derivatives of the output by theta and the gains, in this order, shape (N, p)."""
         upper = self.hypothesis.bounds[1]
         searched = at.theta.size
         J = np.empty((self.data.samples, searched + at.gains.size), order="F")
@@ -184,8 +190,7 @@ class Problem:
             design = self.hypothesis.design(perturbed, self.data.u, near=at.design)
             J[:, i] = (self.hypothesis.sensor(perturbed, at.gains, design) - at.output) / step
         J[:, searched:] = self._by_gains(at)
-        J = self._seen(J)
-        return J if (np.abs(J[-1]) < DIVERGED).all() else None
+        return J
 
 
 def evaluate(problem: Problem, thetas: Iterable[FloatArray]) -> list[Point]:

@@ -16,6 +16,14 @@ from labsid.gap.reports.effect_texts import (
     parameter_label,
     parameter_value,
 )
+from labsid.gap.reports.limit_rows import (
+    COLUMNS,
+    hidden_sentences,
+    limit_cells,
+    limits_sentence,
+    short_noun,
+    titled_rows,
+)
 from labsid.gap.reports.location_text import location_sentences
 from labsid.gap.reports.quantities import closed_percent, number, percent, probability
 
@@ -99,6 +107,7 @@ def page_content(report: dict[str, Any]) -> dict[str, Any]:
         "residual": sentences.residual_sentences(report),
         "experiment": _experiment(report),
         "look": sentences.look_sentence(report),
+        "limits": _limits(report),
         "command": command(report),
         "exact": "command" in report,
     }
@@ -231,6 +240,18 @@ def _experiment(report: dict[str, Any]) -> dict[str, Any] | None:
     }
 
 
+def _limits(report: dict[str, Any]) -> dict[str, Any] | None:
+    """The table of limits, open if the verdict names nothing, and what cannot be shown; None without limits."""
+    text = limits_sentence(report)
+    return text and {
+        "text": text,
+        "columns": [sentences.capitalised(title) for title in COLUMNS],
+        "rows": limit_cells(report, short_noun),
+        "hidden": hidden_sentences(report),
+        "open": report["verdict"] in ("none", "unknown"),
+    }
+
+
 def command(report: dict[str, Any]) -> str:
     """The command that reproduces this page, for a POSIX shell."""
     given = report.get("command")
@@ -249,6 +270,8 @@ def encoded_figures(report: dict[str, Any]) -> dict[str, dict[str, str]]:
     """The figures as PNG in base64, each for a wide and for a narrow screen."""
     from labsid.plots.gap import figures_as_png
 
+    titled = [row | {"title": title} for title, row in titled_rows(report, short_noun)]
+    report = report | {"limits": titled}
     return {
         name: {screen: base64.b64encode(png).decode("ascii") for screen, png in screens.items()}
         for name, screens in figures_as_png(report).items()

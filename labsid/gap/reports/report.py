@@ -11,10 +11,12 @@ from labsid.gap.dynamics._kernels import whiten
 from labsid.gap.effects.base import Effect, Fitted
 from labsid.gap.fits.fitting import Fit, mean_square, rms
 from labsid.gap.fits.parameter_estimates import estimate_numbers, estimate_parameters
+from labsid.gap.limits.smallest_sizes import Limits, find_smallest_sizes
 from labsid.gap.record.data import Data
 from labsid.gap.reports import location
 from labsid.gap.reports.effect_guide import EFFECT_GUIDE
 from labsid.gap.reports.experiment import Experiment, next_experiment
+from labsid.gap.reports.limit_rows import as_rows
 from labsid.gap.reports.quantities import chance, counted, percent
 from labsid.gap.reports.traces import figure_traces
 from labsid.gap.search.explanation import Explanation
@@ -86,6 +88,7 @@ def build_report(
         "reference": answer.novelty.reference,
         "novelty": {"features": answer.novelty.features, "beyond": list(answer.novelty.beyond)},
         "unexplained": _unexplained(answer),
+        "limits": [] if base.is_run and base.meter.budget else as_rows(record_limits(answer)),
         "next_experiment": _experiment(record, explanation, decision, rng),
         "record": {"name": record.name, "samples": len(record), "Ts": record.Ts},
         "simulation": {
@@ -105,6 +108,12 @@ def _simulated_output(output: SimulatedOutput, model: OutputModel | None) -> dic
     """How a simulated output was read: as the linear model that reproduces it, or as it is."""
     opened = None if model is None else {"order": model.order, "dead_time": model.dead_time, "error": model.error}
     return {"resampled": output.resampled, "model": opened}
+
+
+def record_limits(answer: Answer) -> tuple[Limits, ...]:
+    """What the record could have shown of each effect; it excludes a size only if nothing but noise is left."""
+    data, best = answer.explanation.data, answer.explanation.best
+    return find_smallest_sizes(data, best, rms(data, best), answer.decision.verdict in ("none", "effect"))
 
 
 def _linear_model(answer: Answer) -> dict[str, Any] | None:

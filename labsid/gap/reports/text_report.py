@@ -5,6 +5,7 @@ from typing import Any
 
 from labsid.gap.reports import sentences
 from labsid.gap.reports.effect_texts import noun, parameter_label, parameter_value
+from labsid.gap.reports.limit_rows import COLUMNS, NOT_SHOWN, hidden_sentences, limit_cells, limits_sentence
 from labsid.gap.reports.location_text import location_sentences
 
 WIDTH = 96  # characters of a line
@@ -48,7 +49,34 @@ def format_report(report: dict[str, Any]) -> str:
     for title, texts in rows:
         lines += _row(title, " ".join(_printable(text) for text in texts if text))
         lines += _records(report) if title == "gap" else []
+    if report["verdict"] in ("none", "unknown"):
+        lines += limits_lines(report)
     return "\n".join(lines)
+
+
+def format_limits(found: dict[str, Any]) -> str:
+    """Format the result of `find_limits` as text.
+
+    Parameters
+    ----------
+    found : dict
+    """
+    record, verdict = found["record"], found["verdict"]
+    what = "a record with the planned input" if found["planned"] else "the record"
+    name = _printable(record["name"] or "record")
+    lines = _row("", f"{name}: {record['samples']} samples, verdict {verdict}. What {what} can show:", indent=0)
+    return "\n".join([*lines, *limits_lines(found)])
+
+
+def limits_lines(report: dict[str, Any]) -> list[str]:
+    """What the record could have shown of each effect, in columns."""
+    table = [COLUMNS, *limit_cells(report, str)]
+    lines = _row("limits", limits_sentence(report) or "")
+    columns = [i for i in range(len(COLUMNS)) if any(row[i] != NOT_SHOWN for row in table[1:])]
+    wide = {i: max(len(row[i]) for row in table) for i in columns}
+    if len(table) > 1:
+        lines += ["", *(_printable("  ".join(f"{row[i]:<{wide[i]}}" for i in columns).rstrip()) for row in table), ""]
+    return [*lines, *(line for text in hidden_sentences(report) for line in _row("", _printable(text)))]
 
 
 def _effect(effect: dict[str, Any]) -> list[str]:

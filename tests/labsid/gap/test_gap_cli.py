@@ -13,6 +13,7 @@ import pytest
 from gap_search import searched
 
 from labsid.cli.commands import main
+from labsid.gap.effects.disturbance import LoadStep
 from labsid.records.record import Record
 
 DEN = np.poly([0.95, 0.8]).tolist()
@@ -296,3 +297,65 @@ def test_a_sealed_check_that_is_terminated_ends_as_if_interrupted(
     finally:
         signal.signal(signal.SIGTERM, before)
     assert capsys.readouterr().err.endswith("interrupted\n")
+
+
+# Limits ---------------------------------------------------------------------------------------------------
+
+
+@pytest.fixture
+def planned(tmp_path):
+    """Write a planned input, t,u, that has been changed."""
+
+    def write(u=None, Ts=0.5, header="t,u"):
+        u = np.repeat([1.0, 3.0, 2.0, 4.0], 50) if u is None else u
+        rows = [f"{Ts * k!r},{float(value)!r}" for k, value in enumerate(u)]
+        path = tmp_path / "next.csv"
+        path.write_text("\n".join([header, *rows]))
+        return path
+
+    return write
+
+
+def test_limits_of_a_record_and_of_a_planned_input(labsid, record, planned, tmp_path):
+    status, out, _ = labsid("limits", record, "--json", tmp_path / "limits.json", "--units", "V,mm")
+    assert status == 0
+    assert "record: 200 samples, verdict none. What the record can show:" in out
+    found = json.loads((tmp_path / "limits.json").read_text())
+    assert (found["schema"], found["planned"], found["verdict"]) == ("labsid.gap.limits/1", False, "none")
+    assert found["units"] == {"u": "V", "y": "mm"}
+    keys = {"name", "signal", "parameter", "unit", "detect", "named", "rival", "excluded_above", "why", "tested"}
+    assert all(keys <= set(row) for row in found["limits"])
+    assert any(row["excluded_above"] is not None for row in found["limits"])
+
+    status, out, _ = labsid("limits", record, "--input", planned(), "--json", tmp_path / "planned.json")
+    assert status == 0
+    assert "What a record with the planned input can show:" in out
+    later = json.loads((tmp_path / "planned.json").read_text())
+    assert later["planned"]
+    assert all(row["excluded_above"] is None for row in later["limits"])
+    assert any(row["detect"] is not None for row in later["limits"])
+
+
+def test_planted_effects_are_counted(labsid, record, tmp_path, monkeypatch):
+    """Of the effects that the search of these tests has, most of the planted ones are named."""
+    monkeypatch.setattr("labsid.gap.limits.planting.FAMILIES", (LoadStep,))
+    monkeypatch.setattr("labsid.gap.limits.smallest_sizes.FAMILIES", (LoadStep,))
+    status, _, _ = labsid("limits", record, "--test", "2", "--json", tmp_path / "limits.json")
+    assert status == 0
+    (row,) = json.loads((tmp_path / "limits.json").read_text())["limits"]
+    assert row["tested"]["of"] == 2
+    assert row["tested"]["named"] >= 1
+
+
+def test_planned_inputs_that_do_not_fit(refused, record, planned, tmp_path):
+    for words, changes in (
+        ("the planned input runs at 1 s, the record at 0.5 s. Resample the input.", {"Ts": 1.0}),
+        ("the planned input has 60 samples; at least 100 are needed", {"u": np.arange(60.0)}),
+        ("the planned input is constant (2)", {"u": np.full(200, 2.0)}),
+        ("must be finite", {"u": with_one(np.arange(200.0), 50, np.nan)}),
+        ("next.csv: ", {"header": "t,v"}),
+    ):
+        refused(words, "limits", record, "--input", planned(**changes))
+    refused("No such file", "limits", record, "--input", "none.csv")
+    refused("is named twice", "limits", record, "--input", planned(), "--json", tmp_path / "next.csv")
+    refused("--test", "limits", record, "--test", "-1")

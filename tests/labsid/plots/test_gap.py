@@ -2,9 +2,18 @@
 
 import numpy as np
 import pytest
-from gap_reports import report, with_experiment, with_holdout
+from gap_reports import report, with_experiment, with_holdout, with_limits
 
-from labsid.plots.gap import NARROW, WIDE, figure_experiment, figure_location, figure_simulations, largest_error
+from labsid.plots.gap import (
+    NARROW,
+    WIDE,
+    figure_experiment,
+    figure_limits,
+    figure_location,
+    figure_simulations,
+    figures_as_png,
+    largest_error,
+)
 
 WIDTHS = pytest.mark.parametrize("narrow", [False, True])
 
@@ -153,3 +162,27 @@ def test_the_proposed_input_is_drawn_as_it_would_be_held(narrow):
     assert line.get_drawstyle() == "steps-post"
     assert ax.get_xlabel() == "Time (s)"
     assert ax.get_ylabel() == "Input $u$ (units of u)"
+
+
+@pytest.mark.parametrize("narrow", [False, True])
+def test_the_limits_are_sorted_by_the_smallest_visible_size(narrow):
+    figure = figure_limits(with_limits(report(verdict="none")), narrow)
+    (ax,) = figure.axes
+    assert ax.get_xscale() == "log"
+    labels = [" ".join(label.get_text().split()) for label in ax.get_yticklabels()]
+    assert labels == [
+        "input-backlash (range of u)",
+        "input-saturation (range of u)",
+        "slow-mode (gain)",
+        "input-saturation (range of u)",
+        "input-delay (time constant)",
+    ]
+    marks = {line.get_label(): line.get_xdata() for line in ax.lines}
+    assert marks["Visible from here on"] == pytest.approx([0.4, 0.4, 0.4, 30.0, 30.0])
+    assert marks["Told from all others"][:3] == pytest.approx([1.0, 1.0, 1.0])
+    assert np.isnan(marks["Told from all others"][3:]).all()
+    assert marks["Excluded from here on (95 %)"][4] == pytest.approx(20.0)
+
+
+def test_without_a_visible_effect_there_is_no_figure_of_limits():
+    assert "limits" not in figures_as_png(report(verdict="none"))

@@ -1,0 +1,204 @@
+"""How far a change of the output is from what refits and rivals can absorb."""
+
+from dataclasses import dataclass, replace
+from operator import attrgetter
+
+import numpy as np
+
+from labsid._arrays import FloatArray
+from labsid.gap.dynamics.responses import real_rates
+from labsid.gap.fits.fitting import Fit, Problem, descend
+from labsid.gap.record.data import Data
+from labsid.gap.search.candidates import RESTART_RATE
+
+FEW, MANY, TOLERANCE = 3, 12, 1e-3  # iterations that show whether a linearized refit is right, and of an exact one
+MISFIT = 0.1  # relative difference of the power that is left from which it is not
+SLOWER = 4.0  # slowest pole over a start value of another one, which may be slower
+NEARLY_PARALLEL = 1e-5  # one minus the squared cosine of two vectors, below which they do not span a plane
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Refit:
+    """What a refit of all that a simulation leaves free absorbs, linearized about the fit.
+
+    Attributes
+    ----------
+    data : Data
+    fit : Fit
+    whitened, plain : Problem
+        With and without the noise model of the fit.
+    absorbed : tuple of ndarray
+        Orthonormal bases of the derivatives of the output, as either problem sees it.
+    sigma : float
+        Standard deviation of the innovations.
+    noise : float
+        Rms error of the fit.
+    residual : ndarray
+        The residual in units of `sigma`, less what a refit absorbs.
+    moved : tuple of ndarray
+        Other parameters from which a refit starts: with other rates of the faster pole, which has no gradient where a zero
+        cancels it.
+    distant : ndarray
+        Orthonormal basis of what these leave of the fit: changes along it can be absorbed by a pole that moves far.
+    """
+
+    data: Data
+    fit: Fit
+    whitened: Problem
+    plain: Problem
+    absorbed: tuple[FloatArray, FloatArray]
+    sigma: float
+    noise: float
+    residual: FloatArray
+    moved: tuple[FloatArray, ...]
+    distant: FloatArray
+
+    @classmethod
+    def about(cls, data: Data, fit: Fit, noise: float) -> "Refit | None":
+        """About a fit with an rms error of `noise`; None if its derivatives diverge."""
+        whitened, plain = Problem(data, fit.hypothesis, fit.noise.ar), Problem(data, fit.hypothesis)
+        at = whitened.point(fit.theta, fit.gains)
+        if at is None or not np.isfinite(J := whitened.derivatives(at)).all():
+            return None
+        absorbed = _basis(whitened.seen(J)), _basis(plain.seen(J))
+        sigma = float(np.sqrt(fit.noise.sigma2))
+        residual = _less(at.error / sigma, absorbed[0])
+        moved = _moved(fit)
+        other = Problem(replace(data, y=fit.output), fit.hypothesis, fit.noise.ar)
+        left = [_less(found.error, absorbed[0]) for theta in moved if (found := other.start(theta)) is not None]
+        distant = _basis(np.column_stack(left)) if left else np.zeros((residual.size, 0))
+        return cls(data, fit, whitened, plain, absorbed, sigma, noise, residual, moved, distant)
+
+    def left(self, change: FloatArray) -> tuple[FloatArray, float]:
+        """What a refit leaves of a change of the output.
+
+        Parameters
+        ----------
+        change : ndarray, shape (N,)
+
+        Returns
+        -------
+        ndarray
+            Whitened, in units of its noise.
+        float
+            Its rms value, not whitened, over that of the noise.
+        """
+        white = _less(self.whitened.seen(change[:, None])[:, 0] / self.sigma, self.absorbed[0])
+        plain = _less(self.plain.seen(change[:, None])[:, 0], self.absorbed[1])
+        return white, float(np.sqrt(np.mean(plain**2))) / self.noise
+
+    def left_exactly(self, change: FloatArray) -> tuple[FloatArray, float]:
+        """As `left`, but by a refit: a delay and a lag can be absorbed by a pole that moves far."""
+        problem = self._on(change)
+        here = problem.start(self.fit.theta, self.fit.gains)
+        if here is None:
+            return self.left(change)
+        moved = [at for theta in self.moved if (at := problem.start(theta)) is not None]
+        starts = [here, *sorted(moved, key=attrgetter("cost"))[:1]]
+        begun = (descend(problem, at, FEW, TOLERANCE) for at in starts)
+        found = descend(problem, min(begun, key=attrgetter("cost")), MANY, TOLERANCE)
+        rest = self.plain.seen((self.fit.output + change - found.output)[:, None])
+        return found.error / self.sigma, float(np.sqrt(np.mean(rest**2))) / self.noise
+
+    def is_linear_at(self, change: FloatArray, vector: FloatArray) -> bool:
+        """Whether a linearized refit, which leaves `vector` of a change of the output, is as good as an exact one."""
+        power = float(vector @ vector)
+        along = self.distant.T @ vector
+        if not self._is_cheap or power < 1.0:
+            return True
+        if along @ along > MISFIT * power:
+            return False
+        problem = self._on(change)
+        at = problem.start(self.fit.theta, self.fit.gains)
+        exact = np.inf if at is None else descend(problem, at, FEW, TOLERANCE).cost * problem.count / self.sigma**2
+        return bool(abs(exact / power - 1.0) < MISFIT)
+
+    def _on(self, change: FloatArray) -> Problem:
+        """The problem of a refit to the fitted output with a change."""
+        return Problem(replace(self.data, y=self.fit.output + change), self.fit.hypothesis, self.fit.noise.ar)
+
+    @property
+    def _is_cheap(self) -> bool:
+        """Whether refits are: a given simulation is slow, and has few numbers that are free."""
+        return self.fit.hypothesis.plant.kind != "given"
+
+
+def _moved(fit: Fit) -> tuple[FloatArray, ...]:
+    c, k = fit.rates
+    if fit.hypothesis.plant.kind != "linear" or c * c < 4.0 * k:
+        return ()
+    slow = real_rates(c, k)[0]
+    found = []
+    for rate in (RESTART_RATE, slow / SLOWER):
+        theta = fit.theta.copy()
+        theta[fit.hypothesis.slices["plant"]][:2] = np.log((slow + rate, slow * rate))
+        found.append(theta)
+    return tuple(found)
+
+
+def _basis(J: FloatArray) -> FloatArray:
+    size = np.sqrt((J**2).sum(axis=0))
+    return np.linalg.qr(J[:, size > 0.0] / size[size > 0.0])[0]
+
+
+def _less(x: FloatArray, basis: FloatArray) -> FloatArray:
+    return np.asarray(x - basis @ (basis.T @ x))
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Trace:
+    """One form of an effect at one place, over its size.
+
+    Attributes
+    ----------
+    name : str
+        Of the effect.
+    shares : ndarray, shape (k,)
+        Sizes, ascending.
+    vectors : ndarray, shape (k, n)
+        What a refit leaves of each change, whitened.
+    changes : ndarray, shape (k,)
+        Its rms value over that of the noise.
+    added : int
+        Number of parameters that the effect adds.
+    is_linear : bool
+        Whether the change is proportional to the size, with either sign.
+    """
+
+    name: str
+    shares: FloatArray
+    vectors: FloatArray
+    changes: FloatArray
+    added: int
+    is_linear: bool
+
+
+class Rivals:
+    """All traces of a record, between which the distances are measured."""
+
+    def __init__(self, traces: list[Trace]) -> None:
+        vectors = np.concatenate([trace.vectors for trace in traces]).astype(np.float32)
+        self.gram = np.asarray(vectors @ vectors.T, np.float64)
+        self.starts = np.cumsum([0, *(trace.shares.size for trace in traces)])
+        own = np.repeat(np.arange(len(traces)), [trace.shares.size for trace in traces])
+        self.names = np.array([trace.name for trace in traces])[own]
+        self.added = np.array([trace.added for trace in traces])[own]
+        self._signed = np.array([trace.is_linear for trace in traces])[own]
+        joined = (own[:-1] == own[1:]) | (self._signed[:-1] & (self.names[:-1] == self.names[1:]))
+        self._joined = np.append(joined, False)
+
+    def distances(self, at: int) -> FloatArray:
+        """Squared distance of one vector from each one, scaled, and from the plane of it and the next of its effect.
+
+        The size of a rival is refitted, and so are others of its parameters: a plane stands for both.
+        """
+        a, x = np.maximum(self.gram.diagonal(), 1e-12), self.gram[at]
+        b, y, ab = np.roll(a, -1), np.roll(x, -1), np.append(self.gram.diagonal(1), 0.0)
+        alone = np.where(self._signed, x, np.maximum(x, 0.0)) ** 2 / a
+        determinant = a * b - ab**2
+        sound = self._joined & (determinant > NEARLY_PARALLEL * a * b)
+        determinant = np.where(sound, determinant, 1.0)
+        first, second = (b * x - ab * y) / determinant, (a * y - ab * x) / determinant
+        inside = sound & (self._signed | ((first >= 0.0) & (second >= 0.0)))
+        together = np.where(inside, first * x + second * y, 0.0)
+        return np.asarray(np.maximum(a[at] - np.maximum(alone, together), 0.0))

@@ -1,0 +1,306 @@
+"""The smallest size at which each effect is visible, named, and not excluded by a record."""
+
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from labsid._arrays import FloatArray
+from labsid.gap.effects.base import InputEffect, Planted
+from labsid.gap.effects.context import Context
+from labsid.gap.effects.families import FAMILIES
+from labsid.gap.fits.fitting import Fit
+from labsid.gap.limits.distances import Refit, Rivals, Trace
+from labsid.gap.limits.planting import Plantation, plantations
+from labsid.gap.record.data import Data
+from labsid.gap.search.beam_search import BIC_MARGIN
+from labsid.gap.search.candidates import is_compatible
+from labsid.gap.search.explanation import MIN_NAMED_CHANGE
+
+LEAST_SHARE = 5e-5  # smallest planted size over the whole
+COARSE, FINE = 4.0, 2.0  # ratios of planted sizes: of those that are far from invisible, and of others
+PLAIN = 1e4  # squared distance over the variance of the noise, from which a size is far from invisible
+INVISIBLE = 0.3  # the same, below which smaller sizes are not planted
+CLEAR = 60.0  # the same, at which the linearized refit is compared with an exact one
+FAINT, FAR = 1.0, 1e3  # the same, between which a limit may lie, so that exact refits are used
+BETWEEN = 12  # interpolated sizes between two planted ones
+SURE = 1.28  # standard errors that are exceeded in one of ten records: limits hold in the other nine
+EXCLUDED = 1.64**2  # squared distance beyond which a size is excluded: 95 % on one side
+
+
+@dataclass(frozen=True, slots=True)
+class Limits:
+    """What a record can show of one effect.
+
+    Attributes
+    ----------
+    name : str
+        Of the effect.
+    parameter, unit : str
+        The one that states its size.
+    whole : str
+        Of what `shares` are shares: the range of "u" or "y", the slowest "time" constant, or the "gain".
+    detect, named, excluded : float or None
+        The smallest visible size, the smallest that is named, and the smallest that the record excludes.
+    shares : dict
+        The same as shares of the whole.
+    rival : str or None
+        The effect that is nearest to it.
+    at : dict
+        Other parameters of the planted effect, in the units of the record.
+    reason : str
+        Why it is not visible at any size: "levels" of the input are too few, "closed" simulation, or "hidden" from this
+        record; empty if it is.
+    """
+
+    name: str
+    parameter: str
+    unit: str
+    whole: str
+    detect: float | None
+    named: float | None
+    excluded: float | None
+    shares: dict[str, float | None]
+    rival: str | None
+    at: dict[str, float]
+    reason: str = ""
+
+
+def find_smallest_sizes(data: Data, fit: Fit, noise: float, measured: bool = True) -> tuple[Limits, ...]:
+    """What a record can show of each effect that is not in the simulation, about the fitted simulation.
+
+    Parameters
+    ----------
+    data : Data
+    fit : Fit
+        The accepted simulation, with its noise.
+    noise : float
+        Rms error of the fit.
+    measured : bool
+        Whether the record can exclude a size: the output is measured, and the simulation leaves nothing but noise.
+
+    Returns
+    -------
+    tuple of Limits
+        In the order of the families; of effects with two parameters that state a size, one for each.
+    """
+    refit = Refit.about(data, fit, noise)
+    if refit is None:
+        return ()
+    sown = [one for plantation in plantations(data, fit) for one in _traced(plantation, refit)]
+    rows: dict[tuple[str, str], list[_Sown]] = {}
+    for one in sown:
+        if one.parameter == next(other.parameter for other in sown if other.plantation is one.plantation):
+            rows.setdefault((one.trace.name, one.parameter), []).append(one)
+    margins = _Margins.of(data, fit)
+    rivals = Rivals([one.trace for one in sown]) if sown else None
+    starts = dict(zip(sown, rivals.starts, strict=False)) if rivals else {}
+    found = [
+        _limits(row, rivals, starts[row[0]], margins, refit if measured else None) for row in rows.values() if rivals
+    ]
+    missing = [
+        Limits(name, "", "", "", None, None, None, {}, None, {}, reason) for name, reason in _missing(data, fit, rows)
+    ]
+    order = list(dict.fromkeys(family.name for family in FAMILIES))
+    return tuple(sorted([*found, *missing], key=lambda one: order.index(one.name)))
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Sown:
+    """A form of an effect at one place, at all sizes."""
+
+    plantation: Plantation
+    place: int
+    parameter: str
+    trace: Trace
+
+    def planted(self, share: float) -> Planted:
+        return self.plantation.places(share)[self.place]
+
+
+@dataclass(frozen=True, slots=True)
+class _Margins:
+    """What the verdict asks of an effect: of its likelihood, and of the size of its change."""
+
+    rows: int
+    change: float
+
+    @classmethod
+    def of(cls, data: Data, fit: Fit) -> "_Margins":
+        found = min(len(fit.hypothesis.names), len(MIN_NAMED_CHANGE) - 1)
+        return cls(fit.noise.rows, MIN_NAMED_CHANGE[found] + SURE / np.sqrt(data.rows.sum()))
+
+    def distance(self, added: FloatArray | int) -> FloatArray:
+        """Distance at which the margin is exceeded in nine of ten records, for a number of added parameters."""
+        return np.asarray(np.sqrt(np.maximum(BIC_MARGIN + added * np.log(self.rows), 0.0)) + SURE)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Change:
+    """An effect at one share: its change of the output, and what a refit leaves of it."""
+
+    share: float
+    output: FloatArray
+    vector: FloatArray
+    size: float
+
+    @property
+    def power(self) -> float:
+        return float(self.vector @ self.vector)
+
+    def with_left(self, vector: FloatArray, size: float) -> "_Change":
+        return replace(self, vector=vector, size=size)
+
+
+def _traced(plantation: Plantation, refit: Refit) -> list[_Sown]:
+    """The traces of all places of one form."""
+    seen: dict[int, list[_Change]] = {}
+    parameters: dict[int, str] = {}
+    share, going, visible = 1.0, True, False
+    while going and share >= LEAST_SHARE:
+        strongest = 0.0
+        for place, planted in enumerate(plantation.places(share)):
+            change = plantation.change(planted)
+            if change is None:
+                continue
+            vector, size = refit.left(change)
+            power = float(vector @ vector)
+            strongest = max(strongest, power)
+            if np.isfinite(power) and power > 0.0:
+                seen.setdefault(place, []).append(_Change(share, change, vector, size))
+                parameters[place] = planted.parameter
+        visible |= strongest > INVISIBLE
+        going = not plantation.is_linear and (strongest > INVISIBLE or not visible)
+        share /= COARSE if strongest > PLAIN else FINE
+    found = []
+    exact = bool(seen) and not plantation.is_linear and _needs_refits(next(iter(seen.values()))[::-1], refit)
+    for place, points in seen.items():
+        points = _refitted(points[::-1], refit) if exact else points[::-1]
+        shares, vectors, sizes = (np.array([getattr(p, x) for p in points]) for x in ("share", "vector", "size"))
+        trace = Trace(plantation.effect.name, shares, vectors, sizes, plantation.added, plantation.is_linear)
+        found.append(_Sown(plantation, place, parameters[place], trace))
+    return found
+
+
+def _needs_refits(points: list[_Change], refit: Refit) -> bool:
+    """Whether a linearized refit is wrong about the first change that is clearly visible."""
+    clear = next((one for one in points if one.power > CLEAR), points[-1])
+    return not refit.is_linear_at(clear.output, clear.vector)
+
+
+def _refitted(points: list[_Change], refit: Refit) -> list[_Change]:
+    """The changes with what exact refits leave, up to a size that is far from every limit."""
+    found: list[_Change] = []
+    for one in points:
+        near = one.power > FAINT and (not found or found[-1].power < FAR)
+        found.append(one.with_left(*refit.left_exactly(one.output)) if near else one)
+    return found
+
+
+def _limits(row: list[_Sown], rivals: Rivals, start: int, margins: _Margins, refit: Refit | None) -> Limits:
+    """The limits of one parameter of an effect; the first form and place of the row states them."""
+    first = row[0]
+    trace = first.trace
+    needed = float(margins.distance(trace.added))
+    seen = np.minimum(np.sqrt((trace.vectors**2).sum(axis=1)) / needed, trace.changes / margins.change)
+    others = rivals.names != trace.name
+    known, nearest = np.zeros(seen.size), np.full(seen.size, -1)
+    for i in range(seen.size):
+        if others.any():
+            far = np.sqrt(rivals.distances(start + i)) / margins.distance(trace.added - rivals.added)
+            nearest[i] = int(np.flatnonzero(others)[np.argmin(far[others])])
+            known[i] = min(seen[i], far[nearest[i]])
+        else:
+            known[i] = seen[i]
+    detect, named = _crossing(trace, seen), _crossing(trace, known)
+    at = -1 if named is None else int(np.searchsorted(trace.shares, min(named, trace.shares[-1])))
+    rival = str(rivals.names[nearest[at]]) if nearest[at] >= 0 else None
+    shares = {
+        "detect": detect,
+        "named": named,
+        "excluded_above": None if refit is None or detect is None else _excluded(row, refit, detect),
+    }
+    sizes = {
+        name: None if share is None else first.plantation.size(first.planted(share)) for name, share in shares.items()
+    }
+    typical = first.planted(detect or float(trace.shares[-1]))
+    unit = first.plantation.size(typical).unit
+    return Limits(
+        trace.name,
+        first.parameter,
+        unit,
+        first.plantation.effect.whole,
+        *(None if size is None else size.value for size in sizes.values()),
+        shares,
+        rival,
+        first.plantation.others(typical),
+        "" if detect is not None else "hidden",
+    )
+
+
+def _crossing(trace: Trace, score: FloatArray) -> float | None:
+    """Size from which a score exceeds one, interpolated on logarithmic axes; None if it never does."""
+    if trace.is_linear:
+        return float(trace.shares[0] / score[0]) if score[0] >= 1.0 else None
+    above = np.flatnonzero(score >= 1.0)
+    if not above.size:
+        return None
+    i = int(above[0])
+    if i == 0 or score[i - 1] <= 0.0:
+        return float(trace.shares[i])
+    return float(np.exp(np.interp(0.0, np.log(score[i - 1 : i + 1]), np.log(trace.shares[i - 1 : i + 1]))))
+
+
+def _excluded(row: list[_Sown], refit: Refit, detect: float) -> float | None:
+    """Upper 95 % end of the profile likelihood of the size; None beyond the largest one.
+
+    The best size is one below that which is visible in nearly every record: an actuator that is off is a small gain.
+    """
+    first = row[0]
+    same = [one for one in row if one.plantation is first.plantation]
+    same = [one for one in same if not one.trace.is_linear or _place(one) == _place(first)]
+    profiles = [_profile(one.trace, refit.residual) for one in same]
+    below = [max(int(np.searchsorted(shares, detect)), 1) for shares, _ in profiles]
+    least = min(0.0, *(float(loss[:n].min()) for n, (_, loss) in zip(below, profiles, strict=True)))
+    ends = []
+    for n, (shares, loss) in zip(below, profiles, strict=True):
+        best = int(np.argmin(loss[:n]))
+        excluded = np.flatnonzero(loss[best:] - least > EXCLUDED)
+        if not excluded.size:
+            return None
+        ends.append(float(shares[best + int(excluded[0])]))
+    return max(ends)
+
+
+def _place(one: _Sown) -> dict[str, float]:
+    return dict(one.planted(1.0).values)
+
+
+def _profile(trace: Trace, residual: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Sizes, and twice the loss of log likelihood at each over that at size zero."""
+    norms = np.sqrt((trace.vectors**2).sum(axis=1))
+    cosines = trace.vectors @ residual / norms
+    if trace.is_linear:
+        sizes = np.geomspace(LEAST_SHARE, 1.0, 400)
+        norm, cosine = sizes * norms[-1], np.full(sizes.size, abs(float(cosines[-1])))
+        return sizes, norm**2 - 2.0 * norm * cosine
+    at = np.linspace(0.0, trace.shares.size - 1.0, BETWEEN * (trace.shares.size - 1) + 1)
+    index = np.arange(trace.shares.size)
+    sizes, norm = (np.exp(np.interp(at, index, np.log(values))) for values in (trace.shares, norms))
+    return sizes, norm**2 - 2.0 * norm * np.interp(at, index, cosines)
+
+
+def _missing(data: Data, fit: Fit, rows: Iterable[tuple[str, str]]) -> Iterator[tuple[str, str]]:
+    """Effects without limits that are not in the simulation, and why."""
+    there = {name for name, _ in rows} | set(fit.hypothesis.names)
+    context = Context(data, fit)
+    for name in dict.fromkeys(family.name for family in FAMILIES if family.planted_variants):
+        if name in there:
+            continue
+        forms = [family() for family in FAMILIES if family.name == name]
+        if not any(is_compatible(fit, form) for form in forms):
+            yield name, "closed"
+        elif all(isinstance(form, InputEffect) and not form.applies(context) for form in forms):
+            yield name, "levels"
+        else:
+            yield name, "hidden"
