@@ -25,7 +25,7 @@ from autograder.course.layout import Course, read_template
 from autograder.intake.collect import collect_submissions
 from autograder.intake.submission import read_submission
 from autograder.judge.redaction import redact, redact_reason
-from autograder.results.autograded import clean_markdown
+from autograder.results.prose import prose_for_notebook
 from autograder.results.similar import code_fingerprints
 from autograder.sandbox.channel import ChannelError, decode
 from labsid.checks.compare import as_array, as_matrix, as_number, as_system, as_vector, kind_of
@@ -151,7 +151,7 @@ def hand_ins(rng: np.random.Generator, ground: Ground) -> None:
         one_line(note)
     code_fingerprints(submission.cells, {cell.id: cell.source for cell in ground.template.cells})
     for cell in submission.cells:
-        clean_markdown(cell.source)
+        prose_for_notebook(cell.source)
 
 
 def zips(rng: np.random.Generator, ground: Ground) -> None:

@@ -29,6 +29,7 @@ from autograder.sandbox.channel import (
     send,
 )
 from autograder.sandbox.confine import make_syscall_filter, set_rlimits
+from labsid.checks.grading_rules import follow_rules
 from labsid.checks.permitted import is_reference
 from labsid.checks.values import as_student_object, plain
 
@@ -52,6 +53,7 @@ class ReferenceFinder(MetaPathFinder):
 def serve(sock: socket.socket, shell: Any) -> None:
     """Answer the judge's requests until it closes the channel."""
     block_reference()
+    follow_rules(shell)
     while True:
         try:
             request = receive(sock)

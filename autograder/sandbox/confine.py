@@ -258,7 +258,8 @@ def _reset_environment(folder: str) -> None:
     threads = {name: value for name, value in os.environ.items() if name.endswith("_NUM_THREADS")}
     os.environ.clear()
     folders = dict.fromkeys(("HOME", "TMPDIR", "MPLCONFIGDIR", "IPYTHONDIR"), folder)
-    os.environ.update(threads | folders | {"MPLBACKEND": "Agg", "LANG": "C.UTF-8", "PATH": ""})
+    user = dict.fromkeys(("USER", "LOGNAME"), "student")  # getpass.getuser() cannot read the list of users
+    os.environ.update(threads | folders | user | {"MPLBACKEND": "Agg", "LANG": "C.UTF-8", "PATH": ""})
     sys.path.insert(0, folder)
 
 
