@@ -4,6 +4,7 @@ An identifier, which is an ID, a username, an e-mail address or a participant nu
 belongs to two, in any case of letters, everything is refused: marks, records and feedback would reach the wrong one.
 """
 
+import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
@@ -134,12 +135,14 @@ def _refuse_shared(known: Iterable[Student], decided: Iterable[Student], rows: M
         if other is not student:
             same = "the same ID" if other.id == student.id else f"IDs that differ in case, {other.id} and {student.id}"
             raise ValueError(f"{_who(other)} and {_who(student)} have {same}. {_REMEDY}")
+    known = tuple(known)
+    numbers = {(student.id.casefold(), student.participant) for student in known}
     for student in known:
         namesake = participants.get(student.id.casefold())
-        if namesake is not None and student.participant and namesake.id == namesake.participant != student.participant:
-            raise ValueError(
-                f"{namesake.id} is the ID of {_who(student)} and the number of {_who(namesake)}. {_REMEDY}"
-            )
+        if namesake is None or not student.participant or (student.id.casefold(), namesake.participant) in numbers:
+            continue
+        if namesake.id == namesake.participant or _are_different(student, namesake):
+            raise ValueError(f"{_who(student)} and {_who(namesake)} have the same ID. {_REMEDY}")
     for student in (*known, *participants.values()):
         for value, kind in _identifiers(student, rows.get(student.participant, {})):
             owner, as_what = owners.setdefault(value.casefold(), (student, kind))
@@ -147,6 +150,15 @@ def _refuse_shared(known: Iterable[Student], decided: Iterable[Student], rows: M
                 raise ValueError(
                     f"{value} is the {as_what} of {_who(owner)} and the {kind} of {_who(student)}. {_REMEDY}"
                 )
+
+
+def _are_different(one: Student, other: Student) -> bool:
+    """Whether what is known of two participants of different assignments says that they are two students."""
+    for pair in ((one.username, other.username), (one.email, other.email)):
+        if all(pair):
+            return pair[0].casefold() != pair[1].casefold()
+    words = [set(re.findall(r"\w+", student.name.casefold())) for student in (one, other)]
+    return all(words) and words[0].isdisjoint(words[1])
 
 
 def _identifiers(student: Student, row: Mapping[str, str]) -> Iterator[tuple[str, str]]:

@@ -137,7 +137,8 @@ def _formula_rule(display: str) -> Callable[..., str]:
         formula = str(formula_html(tokens[index].content.strip(), display))
         drawn = formula if formula.startswith("<math") and not re.search(r"[$\\]", formula) else ""
         shown = drawn or f"<code>{escape(tokens[index].content.strip())}</code>"
-        return shown if display == "inline" else f'<div class="formula">{shown}</div>'
+        element = "span" if display == "inline" else "div"
+        return f'<{element} class="math {display}">{shown}</{element}>'
 
     return render
 

@@ -88,6 +88,8 @@ def block_reference() -> None:
 class NoChecks:
     """Replacement of ``notebook_checks`` while grading: the judge checks instead, and nothing is skipped."""
 
+    __module__ = "labsid.checks.notebook"  # cells may import it, and nothing of the grader
+
     def __init__(self, assignment: str, variables: Any, record: Any = None) -> None:
         pass
 

@@ -458,6 +458,13 @@ def test_nbgraders_own_commands_find_their_way_in_the_folder(graded: Class, monk
     assert config.db_url == gradebook.database_url(graded.out)
 
 
+def test_folders_whose_names_differ_only_in_case_are_refused(course: Course, tmp_path: Path) -> None:
+    for student in ("ada", "Ada", "ben"):
+        (tmp_path / "submitted" / student).mkdir(parents=True)
+    with pytest.raises(ValueError, match=r"the folders Ada and ada of .* differ only in upper and lower case"):
+        find_batch(course, tmp_path / "submitted", PRELAB)
+
+
 # ---- autograded notebooks
 
 
