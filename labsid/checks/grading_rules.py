@@ -85,10 +85,11 @@ def _import_for_cells(variables: Mapping[str, object], usual: Callable[..., Any]
         wanted = fromlist or ()
         if global_names is not variables or level or name.partition(".")[0] not in ("labsid", "autograder"):
             return usual(name, global_names, local_names, fromlist, level)
-        taught = [name] if is_reference(name) else [f"{name}.{one}" for one in wanted if is_taught_import(name, one)]
+        named = [f"{name}.{one}" for one in wanted if is_taught_import(name, one)]
+        taught = [name] if is_reference(name) else named
         if taught:
             raise ImportError(
-                f"{taught[0]} is the reference: it cannot be used in an exercise that is being graded. "
+                f"{_first_reference(taught[0])} is the reference: it cannot be used in an exercise that is being graded. "
                 "Write the step yourself."
             )
         if "*" not in wanted:
@@ -98,6 +99,12 @@ def _import_for_cells(variables: Mapping[str, object], usual: Callable[..., Any]
         return SimpleNamespace(**names, __all__=list(names))
 
     return import_
+
+
+def _first_reference(name: str) -> str:
+    """The part of a dotted name that belongs to the reference, as Python's own import would meet it."""
+    parts = name.split(".")
+    return next(before for n in range(len(parts)) if is_reference(before := ".".join(parts[: n + 1])))
 
 
 def _permitted_names(module: ModuleType) -> Iterator[tuple[str, object]]:
